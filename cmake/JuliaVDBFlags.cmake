@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: Apache-2.0
+# Interface targets that every target of the project links privately.
+
+# Contraction to fused multiply-adds would make results depend on what the compiler fused (DESIGN.md section 5).
+add_library(juliavdb_flags INTERFACE)
+target_compile_options(juliavdb_flags INTERFACE -ffp-contract=off)
+
+add_library(juliavdb_warnings INTERFACE)
+target_compile_options(juliavdb_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual)
+if(JULIAVDB_WERROR)
+  target_compile_options(juliavdb_warnings INTERFACE -Werror)
+endif()
+
+if(JULIAVDB_SANITIZE)
+  add_compile_options(-fsanitize=${JULIAVDB_SANITIZE} -fno-omit-frame-pointer -g)
+  add_link_options(-fsanitize=${JULIAVDB_SANITIZE})
+endif()
