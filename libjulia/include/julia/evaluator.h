@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file evaluator.h
+/// The seam between the dynamics and whoever fills grids and searches edges: points in, field values out.
+#pragma once
+
+#include "julia/embedding.h"
+#include "julia/map.h"
+#include "julia/orbit.h"
+
+#include <memory>
+#include <span>
+
+namespace julia {
+
+/// Evaluates F. Const and free of state, so one evaluator serves many threads; a point's value does not depend on the
+/// batch it came in.
+class FieldEvaluator {
+ public:
+  virtual ~FieldEvaluator() = default;
+
+  /// field[i] = F(points[i]), finite; iterations[i] = the number of steps taken, if iterations is not empty.
+  virtual void evaluate(std::span<const Point> points, std::span<double> field, std::span<int> iterations) const = 0;
+
+  /// versors[i] = f/|f| at points[i], of the map's first step.
+  virtual void versors(std::span<const Point> points, std::span<Quaternion<double>> versors) const = 0;
+};
+
+/// The plain back end: batches, scalar arithmetic in Real (float or double).
+template <class Real>
+std::unique_ptr<FieldEvaluator> makeScalarEvaluator(std::shared_ptr<const Map<Real>> map, const Embedding& embedding,
+                                                    const OrbitOptions& options);
+
+extern template std::unique_ptr<FieldEvaluator> makeScalarEvaluator(std::shared_ptr<const Map<float>>, const Embedding&,
+                                                                    const OrbitOptions&);
+extern template std::unique_ptr<FieldEvaluator> makeScalarEvaluator(std::shared_ptr<const Map<double>>,
+                                                                    const Embedding&, const OrbitOptions&);
+
+}  // namespace julia

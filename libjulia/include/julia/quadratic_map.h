@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file quadratic_map.h
+/// q^2 + c: the quaternion Julia sets of Norton 1982 and [HSK89].
+#pragma once
+
+#include "julia/map.h"
+
+namespace julia {
+
+template <class Real>
+class QuadraticMap final : public Map<Real> {
+ public:
+  explicit QuadraticMap(const Quaternion<double>& c) : mC(c.as<Real>()) {}
+
+  void logModulus(const QuaternionBatch<Real>& q, std::span<Real> l) const override;
+  void versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const override;
+  Real surfaceLevel(Real logEscape) const override { return logEscape; }
+
+ private:
+  Quaternion<Real> mC;
+};
+
+extern template class QuadraticMap<float>;
+extern template class QuadraticMap<double>;
+
+/// A radius outside of which every point has escaped after @a iterations: |q^2 + c| >= |q|^2 - |c|, run backwards from
+/// the escape radius.
+double quadraticBound(const Quaternion<double>& c, int iterations, double escapeRadius);
+
+}  // namespace julia

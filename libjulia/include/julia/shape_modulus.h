@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file shape_modulus.h
+/// The shape modulus of [SK23] Eqs. 2 and 3:
+///
+///   f(q) = e^E(q) p(q)/|p(q)|,   E = alpha (phi - beta)
+///
+/// E < 0 inside the target's shell, > 0 outside; beta > 0 moves the shell outward (the paper's text and its released
+/// program; its Eq. 2 prints the other sign). E is read at the three components that are not dropped.
+#pragma once
+
+#include "julia/embedding.h"
+#include "julia/map.h"
+#include "julia/rational.h"
+#include "julia/scalar_field.h"
+
+#include <memory>
+
+namespace julia {
+
+template <class Real>
+class ShapeModulus final : public Map<Real> {
+ public:
+  ShapeModulus(std::shared_ptr<const ScalarField<Real>> exponent, const Rational& versor, DropAxis dropped);
+
+  void logModulus(const QuaternionBatch<Real>& q, std::span<Real> l) const override;
+  void versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const override;
+  Real surfaceLevel(Real) const override { return 0; }
+
+ private:
+  std::shared_ptr<const ScalarField<Real>> mExponent;
+  RationalEvaluator<Real> mVersor;
+  DropAxis mDropped;
+};
+
+extern template class ShapeModulus<float>;
+extern template class ShapeModulus<double>;
+
+}  // namespace julia

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file shell.h
+/// Where F must be computed at all (DESIGN.md 2.4). For the shape modulus |q_{i+1}| = e^E(q_i), so with
+///
+///   m(r) = max over |y| <= r of e^E(y)
+///
+/// a point whose first iterate has l <= ln r_in is inside, where r_in is the largest r < 1 for which m applied n - 1
+/// times to r stays < 1; and one with l >= ln(escape) is outside. Only E in the open interval (ln r_in, ln escape) is
+/// undecided.
+#pragma once
+
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace julia {
+
+struct ShellInterval {
+  double lower = -std::numeric_limits<double>::infinity();  ///< ln r_in; -inf when no ball about the origin is trapped
+  double upper = std::numeric_limits<double>::infinity();   ///< ln escape
+};
+
+/// An upper bound of E over balls about the origin, as a step function: maximum[k] bounds E over |y| <= (k + 1) step.
+struct RadialMaximum {
+  double step = 0;              ///< units of the map's space, > 0
+  std::vector<double> maximum;  ///< non-decreasing; beyond its end E is unbounded
+
+  /// ln m(r); +inf past the end.
+  double logBound(double r) const;
+};
+
+/// @throw std::invalid_argument unless maxIterations >= 1 and escapeRadius > 1
+ShellInterval shellInterval(const RadialMaximum& radialMaximum, int maxIterations, double escapeRadius);
+
+}  // namespace julia

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "julia/orbit.h"
+
+#include <stdexcept>
+#include <string>
+
+namespace julia {
+
+void requireValid(const OrbitOptions& options) {
+  if (options.maxIterations < 1 || options.maxIterations > kMaxIterations)
+    throw std::invalid_argument("iterations is " + std::to_string(options.maxIterations) + "; it must be 1 to " +
+                                std::to_string(kMaxIterations));
+  if (!(options.escapeRadius > 1 && options.escapeRadius <= kMaxEscapeRadius))
+    throw std::invalid_argument("escape radius is " + std::to_string(options.escapeRadius) +
+                                "; it must be above 1 and at most 1e9");
+}
+
+}  // namespace julia

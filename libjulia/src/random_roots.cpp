@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "julia/random_roots.h"
+
+#include <cmath>
+#include <random>
+#include <stdexcept>
+#include <string>
+
+namespace julia {
+namespace {
+
+// A target that fills less of its box than this is called empty.
+constexpr int kMostTries = 10'000'000;
+constexpr int kMostRoots = 1'000'000;
+constexpr double kMostPower = 1e6;
+
+/// Numbers that are the same with every standard library: the engine is fixed by the standard, its distributions are
+/// not.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : mEngine(seed) {}
+
+  /// In [0, 1), 53 bits.
+  double unit() { return static_cast<double>(mEngine() >> 11) * 0x1p-53; }
+  double between(double low, double high) { return low + (high - low) * unit(); }
+  /// Irwin and Hall: the sum of twelve uniforms has mean 6 and variance 1, and needs no elementary function.
+  double normal() {
+    double sum = -6;
+    for (int i = 0; i < 12; ++i) sum += unit();
+    return sum;
+  }
+
+ private:
+  std::mt19937_64 mEngine;
+};
+
+void require(bool good, const std::string& text) {
+  if (!good) throw std::invalid_argument(text);
+}
+
+void requireValid(const RandomRootsOptions& options) {
+  require(options.count >= 1 && options.count <= kMostRoots,
+          "the number of roots is " + std::to_string(options.count) + "; it must be 1 to 1000000");
+  require(std::abs(options.minPower) <= kMostPower && std::abs(options.maxPower) <= kMostPower &&
+              options.minPower <= options.maxPower,
+          "the powers run from " + std::to_string(options.minPower) + " to " + std::to_string(options.maxPower) +
+              "; give the smaller first, both within 1e6");
+  require(!options.integerPowers || std::ceil(options.minPower) <= std::floor(options.maxPower),
+          "there is no integer power between " + std::to_string(options.minPower) + " and " +
+              std::to_string(options.maxPower));
+  for (int axis = 0; axis < 3; ++axis)
+    require(std::isfinite(options.boxMin[axis]) && std::isfinite(options.boxMax[axis]) &&
+                options.boxMin[axis] <= options.boxMax[axis],
+            "the box for the roots is empty or not finite");
+  const bool needsDistance = options.placement == RootPlacement::Inside || options.placement == RootPlacement::Surface;
+  require(!needsDistance || options.distance != nullptr,
+          "roots inside a target or near its surface need the target; give one, or place them in the box");
+  require(
+      options.placement != RootPlacement::Surface ||
+          (options.surfaceDistance > 0 && std::isfinite(options.surfaceDistance)),
+      "the distance of roots from the surface is " + std::to_string(options.surfaceDistance) + "; it must be above 0");
+  require(options.placement != RootPlacement::Cluster ||
+              (options.clusterRadius > 0 && std::isfinite(options.clusterRadius)),
+          "the radius of the cluster is " + std::to_string(options.clusterRadius) + "; it must be above 0");
+}
+
+Point inBox(Random& random, const RandomRootsOptions& options, double margin) {
+  Point x;
+  for (int axis = 0; axis < 3; ++axis)
+    x[axis] = random.between(options.boxMin[axis] - margin, options.boxMax[axis] + margin);
+  return x;
+}
+
+template <class Accept>
+Point rejectionSample(Random& random, const RandomRootsOptions& options, double margin, Accept accept) {
+  for (int i = 0; i < kMostTries; ++i) {
+    const Point x = inBox(random, options, margin);
+    if (accept(options.distance(x))) return x;
+  }
+  throw std::invalid_argument("no place for a root was found in the target after " + std::to_string(kMostTries) +
+                              " tries; place roots in its box, or allow a larger distance");
+}
+
+Point place(Random& random, const RandomRootsOptions& options) {
+  switch (options.placement) {
+    case RootPlacement::Inside: return rejectionSample(random, options, 0, [](double phi) { return phi < 0; });
+    case RootPlacement::Surface:
+      return rejectionSample(random, options, options.surfaceDistance,
+                             [&](double phi) { return std::abs(phi) <= options.surfaceDistance; });
+    case RootPlacement::Cluster: {
+      Point x = options.clusterCentre;
+      for (double& coordinate : x) coordinate += options.clusterRadius * random.normal();
+      return x;
+    }
+    case RootPlacement::Box: break;
+  }
+  return inBox(random, options, 0);
+}
+
+}  // namespace
+
+Polynomial randomPolynomial(const RandomRootsOptions& options) {
+  requireValid(options);
+  Random random(options.seed);
+  Polynomial polynomial;
+  for (int i = 0; i < options.count; ++i) {
+    Root root;
+    root.position = options.embedding.quaternion<double>(place(random, options));
+    if (options.integerPowers) {
+      const double low = std::ceil(options.minPower), high = std::floor(options.maxPower);
+      root.power = std::min(high, low + std::floor(random.unit() * (high - low + 1)));
+    } else {
+      root.power = random.between(options.minPower, options.maxPower);
+    }
+    polynomial.roots.push_back(root);
+  }
+  return polynomial;
+}
+
+}  // namespace julia

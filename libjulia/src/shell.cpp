@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "julia/shell.h"
+
+#include "julia/orbit.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace julia {
+
+double RadialMaximum::logBound(double r) const {
+  // The smallest ball of the table that holds the ball of radius r.
+  const double index = std::max(0.0, std::ceil(r / step) - 1);
+  if (!(index < static_cast<double>(maximum.size()))) return std::numeric_limits<double>::infinity();
+  return maximum[static_cast<std::size_t>(index)];
+}
+
+ShellInterval shellInterval(const RadialMaximum& radialMaximum, int maxIterations, double escapeRadius) {
+  requireValid(OrbitOptions{.maxIterations = maxIterations, .escapeRadius = escapeRadius});
+  const auto staysInside = [&](double r) {
+    for (int i = 1; i < maxIterations; ++i) {
+      const double l = radialMaximum.logBound(r);
+      if (!(l < 0)) return false;
+      r = std::exp(l);
+    }
+    return true;
+  };
+  ShellInterval interval;
+  interval.upper = std::log(escapeRadius);
+  // With one step every l < 0 is inside. Otherwise staysInside() is a step function of r that only falls, so its last
+  // true step is the answer; the table's balls are the steps.
+  if (maxIterations == 1) {
+    interval.lower = 0;
+    return interval;
+  }
+  for (std::size_t k = radialMaximum.maximum.size(); k-- > 0;) {
+    const double r = radialMaximum.step * static_cast<double>(k + 1);
+    if (r < 1 && staysInside(r)) {
+      interval.lower = std::log(r);
+      break;
+    }
+  }
+  return interval;
+}
+
+}  // namespace julia
