@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/frame_name.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <stdexcept>
+
+namespace vdbtools {
+namespace {
+
+TEST(FrameName, FillsInEveryNotation) {
+  EXPECT_EQ(expandFrame("a.$F4.vdb", 1), "a.0001.vdb");
+  EXPECT_EQ(expandFrame("a.####.vdb", 1), "a.0001.vdb");
+  EXPECT_EQ(expandFrame("a.%04d.vdb", 1), "a.0001.vdb");
+  EXPECT_EQ(expandFrame("a.$F.vdb", 17), "a.17.vdb");
+  EXPECT_EQ(expandFrame("a.%d.vdb", 17), "a.17.vdb");
+  EXPECT_EQ(expandFrame("a#.vdb", 17), "a17.vdb");
+  EXPECT_EQ(expandFrame("$F3", 7), "007");
+  EXPECT_EQ(expandFrame("%010d_left.vdb", 7), "0000000007_left.vdb");
+  EXPECT_EQ(expandFrame("/x/a.$F4.vdb", 0), "/x/a.0000.vdb");
+}
+
+TEST(FrameName, WritesNumbersTooLongForThePaddingInFull) {
+  for (const char* name : {"a.$F4.vdb", "a.####.vdb", "a.%04d.vdb", "a.vdb"}) {
+    EXPECT_EQ(expandFrame(name, 123456), "a.123456.vdb") << name;
+    EXPECT_EQ(expandFrame(name, std::numeric_limits<int>::max()), "a.2147483647.vdb") << name;
+  }
+}
+
+TEST(FrameName, PutsTheFrameBeforeTheExtensionWithoutAPattern) {
+  EXPECT_EQ(expandFrame("name.vdb", 1), "name.0001.vdb");
+  EXPECT_EQ(expandFrame("a.b/name", 1), "a.b/name.0001");
+  EXPECT_EQ(expandFrame("a.b/.hidden", 1), "a.b/.hidden.0001");
+  EXPECT_EQ(expandFrame("name.v2.vdb", 1), "name.v2.0001.vdb");
+}
+
+TEST(FrameName, LeavesNamesWithoutAPatternAloneWithoutAFrame) {
+  for (const char* name :
+       {"name.vdb", "", "a/b", "50%.vdb", "cost$.vdb", "$FOO.vdb", "$F_x.vdb", "%s.vdb", "%4x", "%"}) {
+    EXPECT_EQ(expandFrame(name, std::nullopt), name);
+  }
+}
+
+TEST(FrameName, CountsHashMarksInTheFileNameOnly) {
+  EXPECT_EQ(expandFrame("shot#12/a.vdb", std::nullopt), "shot#12/a.vdb");
+  EXPECT_EQ(expandFrame("shot#12/a.vdb", 3), "shot#12/a.0003.vdb");
+  EXPECT_EQ(expandFrame("shot#12/a.##.vdb", 3), "shot#12/a.03.vdb");
+  EXPECT_EQ(expandFrame("out/$F4/a.vdb", 3), "out/0003/a.vdb");
+}
+
+TEST(FrameName, RefusesWhatIsNotClear) {
+  for (const char* name : {"a.$F4.vdb", "a.####.vdb", "a.%04d.vdb", "a.$F.vdb", "a#.vdb"}) {
+    EXPECT_THROW(expandFrame(name, std::nullopt), std::invalid_argument) << name;
+    EXPECT_THROW(expandFrame(name, -1), std::invalid_argument) << name;
+  }
+  for (const char* name : {"$F4.####.vdb", "##.##.vdb", "%04d$F", "$F4/$F4.vdb", "a.%4d.vdb", "$F17", "%017d",
+                           "#################", "$F99999999999999999999999", "a/", "", ".", "a/.."}) {
+    EXPECT_THROW(expandFrame(name, 1), std::invalid_argument) << name;
+  }
+  EXPECT_THROW(expandFrame("a.vdb", -1), std::invalid_argument);
+}
+
+TEST(FrameName, NamesThePatternInItsMessage) {
+  try {
+    expandFrame("a.$F4.vdb", std::nullopt);
+    FAIL() << "nothing was thrown";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("\"$F4\""), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace vdbtools

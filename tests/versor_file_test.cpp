@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/versor_file.h"
+
+#include "vdbtools/errors.h"
+#include "vdbtools/peer_formats.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace vdbtools {
+namespace {
+
+namespace fs = std::filesystem;
+
+julia::Rational example() {
+  return {-2.5, {{{{0.5, 0, -1, 0}, 2}, {{0.1, 0.2, 0.3, -0.4}, -1.0 / 3}}, 3}, {{{{1, 2, 3, 4}, 5}}, 0.1}};
+}
+
+const std::string kText = R"({
+  "juliavdb": "rational",
+  "version": 1,
+  "note": "a \"note\"",
+  "logScale": -2.5,
+  "top": {
+    "powerScale": 3,
+    "roots": [
+      {"position": [0.5, 0, -1, 0], "power": 2},
+      {"position": [0.1, 0.2, 0.3, -0.4], "power": -0.3333333333333333}
+    ]
+  },
+  "bottom": {
+    "powerScale": 0.1,
+    "roots": [
+      {"position": [1, 2, 3, 4], "power": 5}
+    ]
+  }
+}
+)";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+std::string refusal(const std::string& text) {
+  try {
+    rationalFromJson(text, "folder/a\nfile.json");
+  } catch (const DataError& error) {
+    const std::string message = error.what();
+    EXPECT_TRUE(message.starts_with("folder/a?file.json: ")) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    return message;
+  } catch (const std::exception& error) {
+    ADD_FAILURE() << "not a DataError: " << error.what();
+    return {};
+  }
+  ADD_FAILURE() << "accepted";
+  return {};
+}
+
+TEST(VersorFile, ReadsAndWritesTheDocumentedText) {
+  const RationalFile file = rationalFileFromJson(kText, "x");
+  EXPECT_EQ(file.rational, example());
+  EXPECT_EQ(file.note, "a \"note\"");
+  EXPECT_EQ(rationalToJson(example(), "a \"note\""), kText);
+}
+
+TEST(VersorFile, WorksWithoutANoteAndWithoutRoots) {
+  const RationalFile file = rationalFileFromJson(rationalToJson({}), "x");
+  EXPECT_EQ(file.rational, julia::Rational{});
+  EXPECT_EQ(file.note, "");
+}
+
+TEST(VersorFile, BringsBackEveryBit) {
+  const auto bits = [](double value) { return std::bit_cast<std::uint64_t>(value); };
+  std::vector<double> numbers{
+      0.0,  -0.0,           5e-324,   -5e-324, 2.2250738585072014e-308, 0.1, 1e9, -1e9, 999999999.9999999,
+      1e-7, 1e100 * 1e-100, 123456789};
+  std::mt19937_64 random(3);
+  while (numbers.size() < 2000) {
+    const double number = std::bit_cast<double>(std::uint64_t{random()});
+    if (std::abs(number) <= 1e9) numbers.push_back(number);
+  }
+  for (const double number : numbers) {
+    julia::Rational rational;
+    rational.logScale = number;
+    rational.top.roots.push_back({{number, number, number, number}, number});
+    rational.bottom.powerScale = number;
+    const julia::Rational back = rationalFromJson(rationalToJson(rational), "x");
+    const julia::Root& root = back.top.roots.at(0);
+    for (const double value : {back.logScale, root.position.a, root.position.b, root.position.c, root.position.d,
+                               root.power, back.bottom.powerScale}) {
+      EXPECT_EQ(bits(value), bits(number)) << number;
+    }
+  }
+}
+
+TEST(VersorFile, BringsBackAnyNote) {
+  for (const std::string& note : {std::string("line\nline\t\"\\/"), std::string("\0\x01", 2),
+                                  std::string("\xE2\x88\x87\xC3\xA9"), std::string(100000, 'n')}) {
+    EXPECT_EQ(rationalFileFromJson(rationalToJson({}, note), "x").note, note);
+  }
+  EXPECT_EQ(rationalFileFromJson(rationalToJson({}, "a\xFF"), "x").note, "a\xEF\xBF\xBD");
+}
+
+TEST(VersorFile, RefusesEveryPrefixAndEveryTail) {
+  const std::string text = kText.substr(0, kText.size() - 1);  // without the last line end, which nobody misses
+  for (std::size_t size = 0; size < text.size(); ++size) {
+    SCOPED_TRACE(size);
+    refusal(text.substr(0, size));
+  }
+  for (const std::string& tail : {std::string("x"), std::string("{}"), std::string(","), std::string("\0", 1),
+                                  std::string("\0garbage", 8), std::string("// comment"), kText}) {
+    SCOPED_TRACE(tail);
+    refusal(kText + tail);
+  }
+  EXPECT_EQ(rationalFromJson(kText + "  \n", "x"), example());
+}
+
+TEST(VersorFile, RefusesWhatIsNotTheFormat) {
+  const std::vector<std::pair<std::string, std::string>> changes{
+      {"\"rational\"", "\"mesh\""},
+      {"\"rational\"", "1"},
+      {"\"version\": 1", "\"version\": 2"},
+      {"\"version\": 1", "\"version\": \"1\""},
+      {"\"version\": 1", "\"version\": true"},
+      {"\"juliavdb\": \"rational\",", ""},
+      {"\"version\": 1,", ""},
+      {"\"logScale\": -2.5,", ""},
+      {"\"logScale\": -2.5", "\"logScale\": null"},
+      {"\"logScale\": -2.5", "\"logScale\": \"-2.5\""},
+      {"\"logScale\": -2.5", "\"logScale\": NaN"},
+      {"\"logScale\": -2.5", "\"logScale\": 1e999"},
+      {"\"logScale\": -2.5", "\"logScale\": -1e999"},
+      {"\"logScale\": -2.5", "\"logScale\": 1000000001"},
+      {"\"logScale\": -2.5", "\"logScale\": 99999999999999999999999"},
+      {"\"logScale\": -2.5", "\"logScale\": -2.5, \"logScale\": 1"},
+      {"\"logScale\": -2.5", "\"logscale\": -2.5"},
+      {"\"logScale\": -2.5", "\"logScale\": -2.5, \"more\": 1"},
+      {"\"note\": \"a", "\"note\": 5, \"x\": \"a"},
+      {"\"note\": \"a", "\"note\": \"\xFF"},
+      {"\"powerScale\": 3,", ""},
+      {"\"powerScale\": 3", "\"powerScale\": true"},
+      {"\"powerScale\": 3", "\"powerScale\": 1e9"},  // times the power 2
+      {"\"powerScale\": 3", "\"powerScale\": 3, \"x\": []"},
+      {"\"power\": 2}", "\"power\": 2, \"extra\": 1}"},
+      {"\"power\": 2}", "\"power\": [2]}"},
+      {", \"power\": 2}", "}"},
+      {"\"power\": 2}", "\"power\": 2, \"power\": 3}"},
+      {"[0.5, 0, -1, 0]", "[0.5, 0, -1]"},
+      {"[0.5, 0, -1, 0]", "[0.5, 0, -1, 0, 0]"},
+      {"[0.5, 0, -1, 0]", "[0.5, 0, -1, \"0\"]"},
+      {"[0.5, 0, -1, 0]", "{\"a\": 1}"},
+      {"[0.5, 0, -1, 0]", "[0.5, 0, -1, 2e9]"},
+      {"{\"position\": [1, 2, 3, 4], \"power\": 5}", "[1, 2, 3, 4]"},
+      {"\"bottom\"", "\"down\""},
+  };
+  for (const auto& [from, to] : changes) {
+    SCOPED_TRACE(from + " -> " + to);
+    refusal(replaced(kText, from, to));
+  }
+  for (const char* text : {"", " ", "null", "1", "[]", "{}", "\"rational\"", "not json", "\xEF\xBB\xBF"}) {
+    SCOPED_TRACE(text);
+    refusal(text);
+  }
+}
+
+TEST(VersorFile, NamesThePlace) {
+  const auto contains = [](const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  };
+  contains(refusal(replaced(kText, "[0.1, 0.2,", "[0.1, \"two\",")),
+           "top.roots[1].position[1] is \"two\"; it must be a number");
+  contains(refusal(replaced(kText, "\"power\": 5", "\"Power\": 5")), "bottom.roots[0] has the unknown key \"Power\"");
+  contains(refusal(replaced(kText, "-0.4", "1e999")), "line 10");
+  contains(refusal(replaced(kText, "-0.4", "1e999")), "1e999");
+  contains(refusal(replaced(kText, "-0.4", "1e10")), "top root 1");
+  contains(refusal(replaced(kText, "\"power\": 5", "\"power\": 5, \"power\": 6")), "bottom.roots.power stands twice");
+  contains(refusal(replaced(kText, "\"version\": 1", "\"version\": 2, \"new\": 0")),
+           "version is 2; this program reads 1");
+}
+
+TEST(VersorFile, SurvivesDeepNesting) {
+  const std::string deep(1000000, '[');
+  refusal(deep);
+  refusal(deep + std::string(deep.size(), ']'));
+  refusal(replaced(kText, "\"power\": 5", "\"power\": " + deep + std::string(deep.size(), ']')));
+}
+
+TEST(VersorFile, DoesNotWriteWhatCannotBeRead) {
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1.1e9}) {
+    julia::Rational rational = example();
+    rational.top.roots[0].position.d = bad;
+    EXPECT_THROW(rationalToJson(rational), std::invalid_argument) << bad;
+  }
+}
+
+class RationalPath : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = ::testing::TempDir() + "versor_file_XXXXXX";
+    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
+    mFolder = pattern;
+  }
+  void TearDown() override { fs::remove_all(mFolder); }
+
+  fs::path write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(mFolder / name, std::ios::binary) << bytes;
+    return mFolder / name;
+  }
+
+  fs::path mFolder;
+};
+
+TEST_F(RationalPath, ChoosesTheFormatByExtension) {
+  const julia::Rational topOnly{0, example().top, {}};
+  const std::string p4d = rationalToP4d(example().top);
+  EXPECT_EQ(readRational(write("a.json", kText)), example());
+  EXPECT_EQ(readRational(write("a.JSON", kText)), example());
+  EXPECT_EQ(readRational(write("a.p4d", p4d)), topOnly);
+  EXPECT_EQ(readRational(write("a.b.Poly4D", p4d)), topOnly);
+  EXPECT_EQ(readRationalFile(write("a.json", kText)).note, "a \"note\"");
+
+  // A box of one cell, e^0, no history, and three fields without cells.
+  std::string o3d;
+  const std::string one("\1\0\0\0", 4), oneDouble("\0\0\0\0\0\0\xF0\x3F", 8);
+  for (int i = 0; i < 3; ++i) o3d += one;
+  for (int i = 0; i < 6; ++i) o3d += oneDouble;
+  o3d += p4d + rationalToP4d(example().bottom) + oneDouble + std::string(4 + 3 * (3 * 4 + 6 * 8), '\0');
+  EXPECT_EQ(readRational(write("a.o3d", o3d)), (julia::Rational{0, example().top, example().bottom}));
+}
+
+TEST_F(RationalPath, RefusesTheRest) {
+  EXPECT_THROW(readRational(write("a.txt", kText)), std::invalid_argument);
+  EXPECT_THROW(readRational(write("json", kText)), std::invalid_argument);
+  for (const char* name : {"a.json", "a.p4d", "a.poly4d", "a.o3d"}) {
+    EXPECT_THROW(readRational(mFolder / name), MissingInputError) << name;
+    EXPECT_THROW(readRational(write(name, "")), DataError) << name;
+    EXPECT_THROW(readRational(write(name, "nonsense")), DataError) << name;
+    fs::remove(mFolder / name);
+    fs::create_directory(mFolder / name);
+    EXPECT_THROW(readRational(mFolder / name), MissingInputError) << name;
+  }
+}
+
+}  // namespace
+}  // namespace vdbtools

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file file_bytes.h
+/// The bytes of input files, and their names in messages. Sizes are in bytes.
+///
+/// Every function that opens a file
+/// @throw MissingInputError  there is no such file, it is a directory, or it may not be opened
+/// @throw IoError            reading broke off
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+
+namespace vdbtools {
+
+/// Gives the content to @a use, piece after piece in order. A piece lives only as long as the call, and none is empty.
+/// Devices and pipes are read to their end.
+void readPieces(const std::filesystem::path& path, const std::function<void(std::string_view piece)>& use);
+
+/// The whole content, held in memory.
+std::string readWholeFile(const std::filesystem::path& path);
+
+/// @a text with a question mark for every control character, and cut where it is longer than a message should be: what
+/// a file holds, or how it is called, does not break a message into lines.
+std::string inOneLine(std::string_view text);
+
+}  // namespace vdbtools

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file frame_name.h
+/// File names with a frame number, in the notations of Houdini (`$F4`), Nuke and Blender (`####`) and printf (`%04d`).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace vdbtools {
+
+/// The name of one frame's file. A pattern is one of
+///   - `$F4`, padded with zeros to 4 digits, or `$F`, not padded. `$F` before a letter or `_` is another variable, and
+///     left alone.
+///   - a run of `#`, one a digit; in the name itself only, since folders are often called so.
+///   - `%04d`, padded with zeros to 4 digits, or `%d`, not padded.
+/// A number too long for its padding is written in full. Without a pattern a frame goes before the extension, with 4
+/// digits: `name.vdb` becomes `name.0001.vdb`. With neither pattern nor frame the name is returned as it is.
+/// @throw std::invalid_argument  a pattern without a frame, more than one pattern, a negative frame, padding with
+/// blanks
+///                               (`%4d`) or beyond 16 digits, or a frame for a path without a file name
+std::string expandFrame(std::string_view name, std::optional<int> frame);
+
+}  // namespace vdbtools

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file monitor.h
+/// The seam between long work and whoever watches it: progress out, cancellation in.
+#pragma once
+
+#include "vdbtools/errors.h"
+
+#include <cstdint>
+#include <string_view>
+
+namespace vdbtools {
+
+/// Watches a piece of work. The default one shows nothing and never cancels.
+/// advance() and cancelled() are called from many threads at once.
+class Monitor {
+ public:
+  virtual ~Monitor() = default;
+
+  /// A phase of @a total steps begins; 0 means that the number of steps is not known.
+  virtual void begin(std::string_view phase, std::uint64_t total) {
+    (void)phase;
+    (void)total;
+  }
+
+  /// @a steps more of the current phase are done.
+  virtual void advance(std::uint64_t steps) { (void)steps; }
+
+  /// True once the work shall stop.
+  virtual bool cancelled() const { return false; }
+
+  /// @throw Interrupted once the work shall stop
+  void throwIfCancelled() const {
+    if (cancelled()) throw Interrupted("interrupted; nothing was written");
+  }
+};
+
+/// A Monitor in the shape that OpenVDB's tools ask for (util::NullInterrupter).
+class OpenVdbInterrupter {
+ public:
+  explicit OpenVdbInterrupter(const Monitor& monitor) : mMonitor(monitor) {}
+  void start(const char* = nullptr) {}
+  void end() {}
+  bool wasInterrupted(int = -1) const { return mMonitor.cancelled(); }
+
+ private:
+  const Monitor& mMonitor;
+};
+
+}  // namespace vdbtools

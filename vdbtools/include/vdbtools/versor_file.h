@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file versor_file.h
+/// Quaternion rationals, and so versors, in files. Our own form is JSON, one root a line:
+///
+///   {
+///     "juliavdb": "rational",
+///     "version": 1,
+///     "note": "how it was made",
+///     "logScale": 0,
+///     "top": {
+///       "powerScale": 1,
+///       "roots": [
+///         {"position": [0.5, 0, -1, 0], "power": 2}
+///       ]
+///     },
+///     "bottom": {"powerScale": 1, "roots": []}
+///   }
+///
+/// All keys but "note" are required and no others allowed. "position" is [A, B, C, D] in units of the map's space, and
+/// "logScale" the C of e^C. Numbers are read back as exactly the doubles that were written.
+///
+/// The functions that read
+/// @throw DataError              the content is not such a file; the text names the place
+/// @throw MissingInputError      there is no such file, it is a directory, or it may not be opened
+/// @throw IoError                reading broke off
+#pragma once
+
+#include "julia/rational.h"
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace vdbtools {
+
+struct RationalFile {
+  julia::Rational rational;
+  std::string note;  ///< free text, such as the recipe; empty where the file has none
+};
+
+/// By extension, in any case: `.json` as above; `.p4d` and `.poly4d`, whose polynomial becomes the top; `.o3d`.
+/// @throw std::invalid_argument  any other extension
+julia::Rational readRational(const std::filesystem::path& path);
+RationalFile readRationalFile(const std::filesystem::path& path);
+
+/// @param nameForErrors  the file's
+julia::Rational rationalFromJson(std::string_view text, const std::string& nameForErrors);
+RationalFile rationalFileFromJson(std::string_view text, const std::string& nameForErrors);
+
+/// @param note  left out where empty; bytes that are not UTF-8 become U+FFFD
+/// @throw std::invalid_argument  a number that is not finite or beyond 1e9
+std::string rationalToJson(const julia::Rational& rational, std::string_view note = {});
+
+}  // namespace vdbtools

@@ -1,0 +1,469 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/atomic_file.h"
+
+#include "vdbtools/errors.h"
+#include "vdbtools/file_bytes.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <random>
+#include <set>
+#include <stdexcept>
+#include <streambuf>
+#include <string>
+#include <system_error>
+#include <vector>
+
+namespace vdbtools {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kBufferSize = std::size_t{1} << 20;
+constexpr int kMostLinks = 40;  ///< as Linux follows
+constexpr int kAttempts = 100;  ///< at a name that nobody has; one is enough but for accidents
+/// Of the target's name, in the temporary's: with what is added it fits wherever the target's own does, nearly.
+constexpr std::size_t kLongestStem = 100;
+
+std::string textOf(int error) { return std::generic_category().message(error); }
+
+std::string nameOf(const fs::path& path) { return inOneLine(path.native()); }
+
+[[noreturn]] void cannotCreate(const fs::path& path, const std::string& reason) {
+  throw CreateError("cannot create " + nameOf(path) + ": " + reason);
+}
+
+/// Some file systems and all pipes and terminals have no notion of fsync.
+bool isUnsupportedSync(int error) {
+  return error == EINVAL || error == ENOSYS || error == ENOTSUP || error == EOPNOTSUPP;
+}
+
+/// @return 0 or errno
+int syncToDisk(int descriptor) {
+  while (::fsync(descriptor) != 0) {
+    if (errno == EINTR) continue;
+    return isUnsupportedSync(errno) ? 0 : errno;
+  }
+  return 0;
+}
+
+template <class Call>
+int openRetrying(Call call) {
+  for (;;) {
+    const int descriptor = call();
+    if (descriptor >= 0 || errno != EINTR) return descriptor;
+  }
+}
+
+/// Writes through a descriptor, and remembers the first error: after it nothing is written, so that no hole can pass
+/// for a whole file.
+class DescriptorBuffer : public std::streambuf {
+ public:
+  DescriptorBuffer() : mBuffer(kBufferSize) {}
+  ~DescriptorBuffer() override {
+    if (mDescriptor >= 0) ::close(mDescriptor);
+  }
+  DescriptorBuffer(const DescriptorBuffer&) = delete;
+  DescriptorBuffer& operator=(const DescriptorBuffer&) = delete;
+
+  /// Takes over an open descriptor.
+  void attach(int descriptor, bool seekable) {
+    mDescriptor = descriptor;
+    mSeekable = seekable;
+    reset();
+  }
+
+  /// 0 or the errno of the first failure.
+  int error() const { return mError; }
+
+  /// Flushes, syncs and closes.
+  void finish() {
+    if (mDescriptor < 0 || !flushBuffer()) return;
+    if (const int error = syncToDisk(mDescriptor)) {
+      fail(error);
+      return;
+    }
+    setp(nullptr, nullptr);
+    const int descriptor = mDescriptor;
+    mDescriptor = -1;
+    // On Linux the descriptor is gone even where close() was interrupted.
+    if (::close(descriptor) != 0 && errno != EINTR) fail(errno);
+  }
+
+ protected:
+  int_type overflow(int_type c) override {
+    if (!flushBuffer()) return traits_type::eof();
+    if (traits_type::eq_int_type(c, traits_type::eof())) return traits_type::not_eof(c);
+    return sputc(traits_type::to_char_type(c));
+  }
+
+  std::streamsize xsputn(const char* from, std::streamsize size) override {
+    if (size > epptr() - pptr()) {
+      if (!flushBuffer()) return 0;
+      // Large blocks go around the buffer.
+      if (static_cast<std::size_t>(size) >= mBuffer.size()) {
+        return writeAll(from, static_cast<std::size_t>(size)) ? size : 0;
+      }
+    }
+    std::memcpy(pptr(), from, static_cast<std::size_t>(size));
+    pbump(static_cast<int>(size));
+    return size;
+  }
+
+  int sync() override {
+    if (mDescriptor < 0 && mError == 0) return 0;
+    return flushBuffer() ? 0 : -1;
+  }
+
+  pos_type seekoff(off_type offset, std::ios_base::seekdir from, std::ios_base::openmode which) override {
+    if (!canSeek(which)) return failedSeek();
+    off_type base = 0;
+    if (from == std::ios_base::cur) {
+      base = mPosition + (pptr() - pbase());
+      if (offset == 0) return base;  // tellp() costs no write
+    } else if (from == std::ios_base::end) {
+      struct stat status {};
+      if (!flushBuffer() || ::fstat(mDescriptor, &status) != 0) return failedSeek();
+      base = status.st_size;
+    }
+    off_type position = 0;
+    if (__builtin_add_overflow(base, offset, &position)) return failedSeek();
+    return seekTo(position);
+  }
+
+  pos_type seekpos(pos_type position, std::ios_base::openmode which) override {
+    return canSeek(which) ? seekTo(position) : failedSeek();
+  }
+
+ private:
+  static pos_type failedSeek() { return pos_type(off_type(-1)); }
+
+  bool canSeek(std::ios_base::openmode which) const {
+    return mSeekable && mDescriptor >= 0 && mError == 0 && (which & std::ios_base::out) != 0;
+  }
+
+  pos_type seekTo(off_type position) {
+    if (position < 0 || !flushBuffer()) return failedSeek();
+    mPosition = position;
+    return position;
+  }
+
+  void reset() { setp(mBuffer.data(), mBuffer.data() + mBuffer.size()); }
+
+  void fail(int error) {
+    mError = error;
+    setp(nullptr, nullptr);  // so that every further write comes to overflow(), and fails
+  }
+
+  bool flushBuffer() {
+    if (mError != 0 || mDescriptor < 0) return false;
+    if (!writeAll(pbase(), static_cast<std::size_t>(pptr() - pbase()))) return false;
+    reset();
+    return true;
+  }
+
+  bool writeAll(const char* from, std::size_t size) {
+    while (size > 0) {
+      const ssize_t count = mSeekable ? ::pwrite(mDescriptor, from, size, mPosition) : ::write(mDescriptor, from, size);
+      if (count < 0 && errno == EINTR) continue;
+      if (count <= 0) {
+        fail(count < 0 ? errno : EIO);
+        return false;
+      }
+      from += count;
+      size -= static_cast<std::size_t>(count);
+      mPosition += count;
+    }
+    return true;
+  }
+
+  std::vector<char> mBuffer;
+  int mDescriptor = -1;
+  bool mSeekable = false;
+  off_type mPosition = 0;  ///< in the file, of the buffer's beginning
+  int mError = 0;
+};
+
+/// The temporaries of this process, each with its target.
+struct Registry {
+  std::mutex mutex;
+  std::map<fs::path, fs::path> targets;
+};
+
+/// Never destroyed, as files may be committed and removed while the process ends.
+Registry& registry() {
+  static Registry& instance = *new Registry;
+  return instance;
+}
+
+/// What @a path leads to through symbolic links, which need not exist.
+fs::path followLinks(const fs::path& path) {
+  fs::path target = path;
+  for (int i = 0; i < kMostLinks; ++i) {
+    std::error_code error;
+    if (!fs::is_symlink(fs::symlink_status(target, error))) return target;
+    const fs::path next = fs::read_symlink(target, error);
+    if (error) cannotCreate(path, "cannot follow the link " + nameOf(target) + ": " + error.message());
+    target = target.parent_path() / next;
+  }
+  cannotCreate(path, textOf(ELOOP));
+}
+
+/// Where a file is to be, once its links are followed.
+struct Place {
+  fs::path target;        ///< absolute, in a folder that exists
+  bool replaces = true;   ///< false for devices and the like, which are written directly
+  bool exists = false;    ///< as a regular file
+  struct stat status {};  ///< of the existing file
+};
+
+Place placeOf(const fs::path& path) {
+  Place place;
+  place.target = path;
+  place.exists = ::stat(path.c_str(), &place.status) == 0;
+  if (!place.exists && errno != ENOENT) cannotCreate(path, textOf(errno));
+  if (place.exists && S_ISDIR(place.status.st_mode)) cannotCreate(path, "it is a directory; give the name of a file");
+  if (place.exists && !S_ISREG(place.status.st_mode)) {
+    place.replaces = false;
+    return place;
+  }
+
+  const fs::path target = followLinks(path);
+  if (place.exists) {
+    // Links below /proc lead to files that may have no name any more.
+    struct stat status {};
+    if (::stat(target.c_str(), &status) != 0 || status.st_dev != place.status.st_dev ||
+        status.st_ino != place.status.st_ino) {
+      place.replaces = false;
+      return place;
+    }
+    // A rename would replace it all the same.
+    if (::faccessat(AT_FDCWD, target.c_str(), W_OK, AT_EACCESS) != 0) {
+      cannotCreate(path, "the existing file may not be written: " + textOf(errno));
+    }
+  }
+  if (!target.has_filename()) cannotCreate(path, "it does not name a file");
+
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  std::error_code error;
+  const fs::path canonicalFolder = fs::canonical(folder, error);
+  if (error) cannotCreate(path, "its folder " + nameOf(folder) + " cannot be used: " + error.message());
+  place.target = canonicalFolder / target.filename();
+  return place;
+}
+
+/// A name that tells a person whose leftover it is, should the process be killed.
+fs::path temporaryName(const fs::path& target, std::uint32_t random) {
+  char suffix[16];
+  std::snprintf(suffix, sizeof suffix, ".%08x.tmp", static_cast<unsigned int>(random));
+  return target.parent_path() / ("." + target.filename().native().substr(0, kLongestStem) + suffix);
+}
+
+/// Creates and registers the temporary file of @a place.
+/// @param path  as it was given, for messages
+/// @return its descriptor
+int createTemporary(const Place& place, const fs::path& path, fs::path& temporary) {
+  std::random_device random;
+  Registry& live = registry();
+  const std::lock_guard lock(live.mutex);
+  for (const auto& [other, target] : live.targets) {
+    if (target == place.target) cannotCreate(path, "this process is already writing it; give each output its own name");
+  }
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    temporary = temporaryName(place.target, random());
+    const auto [entry, isNew] = live.targets.try_emplace(temporary, place.target);
+    if (!isNew) continue;
+    // Nobody else shall read what is to replace a private file; a new file is as the umask wants it.
+    const mode_t mode = place.exists ? S_IRUSR | S_IWUSR : 0666;
+    const int descriptor =
+        openRetrying([&] { return ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode); });
+    if (descriptor >= 0) return descriptor;
+    const int error = errno;
+    live.targets.erase(entry);
+    if (error != EEXIST)
+      cannotCreate(path, "no file can be made in " + nameOf(temporary.parent_path()) + ": " + textOf(error));
+  }
+  cannotCreate(path, "no free name for a temporary file in " + nameOf(place.target.parent_path()));
+}
+
+void keepOwnerAndMode(int descriptor, const struct stat& status) {
+  // As far as this process may and the file system can: an owner is not worth a failure, and a group that cannot be
+  // given must not inherit the old group's permissions.
+  mode_t mode = status.st_mode & 0777;
+  if (::fchown(descriptor, status.st_uid, status.st_gid) != 0 &&
+      ::fchown(descriptor, static_cast<uid_t>(-1), status.st_gid) != 0) {
+    mode &= ~static_cast<mode_t>(S_IRWXG);
+  }
+  [[maybe_unused]] const int result = ::fchmod(descriptor, mode);
+}
+
+/// How a rename is undone.
+enum class Undo { Nothing, MoveBack, Exchange };
+
+/// Renames @a temporary over @a target.
+/// @param canUndo  keeps what was there, if the file system can
+/// @return 0 or errno
+int replace(const fs::path& temporary, const fs::path& target, bool canUndo, Undo& undo) {
+  undo = Undo::Nothing;
+  if (canUndo) {
+    struct stat status {};
+    if (::lstat(target.c_str(), &status) != 0) {
+      if (errno == ENOENT) undo = Undo::MoveBack;
+    } else if (S_ISREG(status.st_mode) &&
+               ::renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, target.c_str(), RENAME_EXCHANGE) == 0) {
+      undo = Undo::Exchange;
+      return 0;
+    }
+  }
+  return ::rename(temporary.c_str(), target.c_str()) == 0 ? 0 : errno;
+}
+
+void undoReplace(const fs::path& temporary, const fs::path& target, Undo undo) noexcept {
+  if (undo == Undo::Nothing) return;
+  const unsigned int flags = undo == Undo::Exchange ? RENAME_EXCHANGE : 0;
+  // There is nothing left to do where this fails; the exception under way tells of the first failure.
+  [[maybe_unused]] const int result = ::renameat2(AT_FDCWD, target.c_str(), AT_FDCWD, temporary.c_str(), flags);
+}
+
+/// @throw IoError  the folder's entries could not be brought to the disk
+void syncFolder(const fs::path& folder) {
+  const int descriptor = openRetrying([&] { return ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
+  if (descriptor < 0) return;  // a folder may be written, yet not read
+  const int error = syncToDisk(descriptor);
+  ::close(descriptor);
+  if (error != 0) throw IoError("cannot bring the folder " + nameOf(folder) + " to the disk: " + textOf(error));
+}
+
+}  // namespace
+
+struct AtomicFile::State {
+  fs::path given, target, temporary;
+  DescriptorBuffer buffer;
+  std::ostream stream{&buffer};
+  bool replaces = true;
+  bool finished = false;
+  bool committed = false;
+
+  State() = default;
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  ~State() {
+    if (temporary.empty()) return;
+    Registry& live = registry();
+    const std::lock_guard lock(live.mutex);
+    // Unregistered is what was committed, or removed by removeTemporaries().
+    if (live.targets.erase(temporary) > 0) ::unlink(temporary.c_str());
+  }
+
+  void requireWritten() const {
+    if (buffer.error() != 0) throw IoError("writing " + nameOf(given) + " failed: " + textOf(buffer.error()));
+    if (stream.fail()) throw IoError("writing " + nameOf(given) + " failed: its stream was left in a failed state");
+  }
+};
+
+AtomicFile::AtomicFile(const fs::path& target) : mState(std::make_unique<State>()) {
+  mState->given = target;
+  const Place place = placeOf(target);
+  mState->target = place.target;
+  mState->replaces = place.replaces;
+  if (!place.replaces) {
+    const int descriptor = openRetrying([&] { return ::open(target.c_str(), O_WRONLY | O_NOCTTY | O_CLOEXEC); });
+    if (descriptor < 0) cannotCreate(target, textOf(errno));
+    mState->buffer.attach(descriptor, false);
+    return;
+  }
+  const int descriptor = createTemporary(place, target, mState->temporary);
+  mState->buffer.attach(descriptor, true);
+  if (place.exists) keepOwnerAndMode(descriptor, place.status);
+}
+
+AtomicFile::~AtomicFile() = default;
+AtomicFile::AtomicFile(AtomicFile&&) noexcept = default;
+AtomicFile& AtomicFile::operator=(AtomicFile&&) noexcept = default;
+
+AtomicFile::State& AtomicFile::state() const {
+  if (!mState) throw std::logic_error("an AtomicFile was used after it was moved from");
+  return *mState;
+}
+
+std::ostream& AtomicFile::stream() { return state().stream; }
+
+void AtomicFile::finish() {
+  State& s = state();
+  if (s.finished) return;
+  s.requireWritten();
+  s.buffer.finish();
+  s.requireWritten();
+  s.finished = true;
+}
+
+void AtomicFile::commit() {
+  AtomicFile* self = this;
+  commitAll({&self, 1});
+}
+
+const fs::path& AtomicFile::target() const { return state().given; }
+
+fs::path AtomicFile::temporaryPath() const {
+  const State& s = state();
+  return s.committed ? fs::path() : s.temporary;
+}
+
+void commitAll(std::span<AtomicFile* const> files) {
+  std::vector<AtomicFile::State*> states;
+  for (AtomicFile* file : files) {
+    if (!file) throw std::logic_error("commitAll() was given a null pointer");
+    AtomicFile::State& s = file->state();
+    if (s.committed || std::find(states.begin(), states.end(), &s) != states.end()) {
+      throw std::logic_error("the file " + nameOf(s.given) + " was committed twice");
+    }
+    states.push_back(&s);
+  }
+  for (AtomicFile* file : files) file->finish();
+  for (const AtomicFile::State* s : states) s->requireWritten();  // nor since an earlier finish()
+
+  std::set<fs::path> folders;
+  for (const AtomicFile::State* s : states) {
+    if (s->replaces) folders.insert(s->target.parent_path());
+  }
+  std::vector<Undo> undos(states.size(), Undo::Nothing);
+  {
+    Registry& live = registry();
+    const std::lock_guard lock(live.mutex);
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      const AtomicFile::State& s = *states[i];
+      if (!s.replaces) continue;
+      // A temporary that removeTemporaries() has removed is not there to be renamed: ENOENT.
+      const int error = replace(s.temporary, s.target, states.size() > 1, undos[i]);
+      if (error == 0) continue;
+      while (i-- > 0) undoReplace(states[i]->temporary, states[i]->target, undos[i]);
+      throw IoError("cannot put " + nameOf(s.given) + " in its place: " + textOf(error));
+    }
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      AtomicFile::State& s = *states[i];
+      // After an exchange, the temporary is the file that was replaced.
+      if (undos[i] == Undo::Exchange) ::unlink(s.temporary.c_str());
+      if (s.replaces) live.targets.erase(s.temporary);
+      s.committed = true;
+    }
+  }
+  for (const fs::path& folder : folders) syncFolder(folder);
+}
+
+void removeTemporaries() noexcept {
+  Registry& live = registry();
+  const std::lock_guard lock(live.mutex);
+  for (const auto& [temporary, target] : live.targets) ::unlink(temporary.c_str());
+  live.targets.clear();
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/file_bytes.h"
+
+#include "vdbtools/errors.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+#include <vector>
+
+namespace vdbtools {
+namespace {
+
+constexpr std::size_t kPieceSize = std::size_t{1} << 20;
+constexpr std::size_t kLongestInMessage = 400;
+
+std::string textOf(int error) { return std::generic_category().message(error); }
+
+/// An open file, closed with its scope.
+class Input {
+ public:
+  explicit Input(const std::filesystem::path& path) : mName(inOneLine(path.native())) {
+    do {
+      mDescriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    } while (mDescriptor < 0 && errno == EINTR);
+    if (mDescriptor < 0) throw MissingInputError("cannot open " + mName + ": " + textOf(errno));
+    struct stat status {};
+    // A directory can be opened; only reading it would fail.
+    if (::fstat(mDescriptor, &status) == 0) {
+      if (S_ISDIR(status.st_mode)) {
+        ::close(mDescriptor);
+        throw MissingInputError("cannot read " + mName + ": it is a directory; a file is needed");
+      }
+      if (S_ISREG(status.st_mode)) mSize = static_cast<std::size_t>(status.st_size);
+    }
+  }
+  ~Input() { ::close(mDescriptor); }
+  Input(const Input&) = delete;
+  Input& operator=(const Input&) = delete;
+
+  /// Of a regular file as it was opened; 0 for others.
+  std::size_t size() const { return mSize; }
+
+  /// Fills @a to with up to @a size bytes; 0 is the end.
+  std::size_t read(char* to, std::size_t size) {
+    for (;;) {
+      const ssize_t count = ::read(mDescriptor, to, size);
+      if (count >= 0) return static_cast<std::size_t>(count);
+      if (errno != EINTR) throw IoError("reading " + mName + " broke off: " + textOf(errno));
+    }
+  }
+
+ private:
+  std::string mName;
+  int mDescriptor = -1;
+  std::size_t mSize = 0;
+};
+
+}  // namespace
+
+void readPieces(const std::filesystem::path& path, const std::function<void(std::string_view)>& use) {
+  Input input(path);
+  std::vector<char> buffer(kPieceSize);
+  while (const std::size_t count = input.read(buffer.data(), buffer.size())) use({buffer.data(), count});
+}
+
+std::string readWholeFile(const std::filesystem::path& path) {
+  Input input(path);
+  // One byte more than the file is said to hold, so that its end is seen without growing; a file that has grown since,
+  // or never told its size, is still read to its end.
+  std::string content(input.size() + 1, '\0');
+  std::size_t filled = 0;
+  while (const std::size_t count = input.read(content.data() + filled, content.size() - filled)) {
+    filled += count;
+    if (filled == content.size()) content.resize(content.size() + std::max(content.size(), kPieceSize));
+  }
+  content.resize(filled);
+  return content;
+}
+
+std::string inOneLine(std::string_view text) {
+  std::string line(text.substr(0, kLongestInMessage));
+  std::replace_if(
+      line.begin(), line.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, '?');
+  if (text.size() > kLongestInMessage) line += "...";
+  return line;
+}
+
+}  // namespace vdbtools

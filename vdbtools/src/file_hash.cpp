@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/file_hash.h"
+
+#include "vdbtools/file_bytes.h"
+
+#include <openssl/evp.h>
+
+#include <array>
+#include <memory>
+#include <stdexcept>
+
+namespace vdbtools {
+namespace {
+
+class Sha256 {
+ public:
+  Sha256() : mContext(EVP_MD_CTX_new(), &EVP_MD_CTX_free) {
+    require(mContext && EVP_DigestInit_ex(mContext.get(), EVP_sha256(), nullptr) == 1);
+  }
+
+  void add(std::string_view bytes) { require(EVP_DigestUpdate(mContext.get(), bytes.data(), bytes.size()) == 1); }
+
+  std::string hex() {
+    std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+    unsigned int size = 0;
+    require(EVP_DigestFinal_ex(mContext.get(), digest.data(), &size) == 1);
+    constexpr std::string_view kDigits = "0123456789abcdef";
+    std::string text;
+    for (unsigned int i = 0; i < size; ++i) {
+      text += kDigits[digest[i] >> 4];
+      text += kDigits[digest[i] & 0xF];
+    }
+    return text;
+  }
+
+ private:
+  static void require(bool succeeded) {
+    if (!succeeded) throw std::runtime_error("OpenSSL cannot compute SHA-256; its configuration may forbid it");
+  }
+
+  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> mContext;
+};
+
+}  // namespace
+
+std::string sha256Hex(std::string_view bytes) {
+  Sha256 hash;
+  hash.add(bytes);
+  return hash.hex();
+}
+
+std::string sha256OfFile(const std::filesystem::path& path) {
+  Sha256 hash;
+  readPieces(path, [&hash](std::string_view piece) { hash.add(piece); });
+  return hash.hex();
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/frame_name.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace vdbtools {
+namespace {
+
+constexpr int kDefaultWidth = 4;     ///< that of the usual $F4
+constexpr std::size_t kWidest = 16;  ///< more than any int has; beyond it the pattern is a slip
+
+struct Pattern {
+  std::size_t begin, size;
+  int width;  ///< digits at least
+};
+
+bool isDigit(char c) { return c >= '0' && c <= '9'; }
+bool isLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+
+std::size_t fileNameBegin(std::string_view path) {
+  const std::size_t slash = path.rfind('/');
+  return slash == std::string_view::npos ? 0 : slash + 1;
+}
+
+/// @return width
+int requireWidth(std::size_t width, std::string_view pattern) {
+  if (width <= kWidest) return static_cast<int>(width);
+  throw std::invalid_argument("the frame pattern \"" + std::string(pattern) + "\" asks for more than " +
+                              std::to_string(kWidest) + " digits");
+}
+
+int widthOf(std::string_view digits, std::string_view pattern) {
+  std::size_t width = 0;
+  // Held at "too wide", so that no number of digits overflows.
+  for (const char digit : digits) width = std::min(10 * width + static_cast<std::size_t>(digit - '0'), kWidest + 1);
+  return requireWidth(width, pattern);
+}
+
+/// The pattern that begins at @a begin, if one does.
+std::optional<Pattern> patternAt(std::string_view path, std::size_t begin, bool inFileName) {
+  const std::string_view rest = path.substr(begin);
+  const auto digitsFrom = [rest](std::size_t i) {
+    const auto end = std::find_if_not(rest.begin() + static_cast<std::ptrdiff_t>(i), rest.end(), isDigit);
+    return rest.substr(i, static_cast<std::size_t>(end - rest.begin()) - i);
+  };
+  if (rest.starts_with("$F")) {
+    const std::string_view digits = digitsFrom(2);
+    const std::size_t size = 2 + digits.size();
+    if (digits.empty() && size < rest.size() && isLetter(rest[size])) return std::nullopt;
+    return Pattern{begin, size, widthOf(digits, rest.substr(0, size))};
+  }
+  if (rest.starts_with('%')) {
+    const std::string_view digits = digitsFrom(1);
+    const std::size_t size = 2 + digits.size();
+    if (size > rest.size() || rest[size - 1] != 'd') return std::nullopt;
+    const std::string_view pattern = rest.substr(0, size);
+    if (!digits.empty() && digits.front() != '0') {
+      throw std::invalid_argument("the frame pattern \"" + std::string(pattern) + "\" pads with blanks; write \"%0" +
+                                  std::string(pattern.substr(1)) + "\" to pad with zeros");
+    }
+    return Pattern{begin, size, widthOf(digits, pattern)};
+  }
+  if (rest.starts_with('#') && inFileName) {
+    const std::size_t size = std::min(rest.find_first_not_of('#'), rest.size());
+    return Pattern{begin, size, requireWidth(size, rest.substr(0, size))};
+  }
+  return std::nullopt;
+}
+
+std::optional<Pattern> findPattern(std::string_view path) {
+  const std::size_t nameBegin = fileNameBegin(path);
+  std::optional<Pattern> found;
+  for (std::size_t i = 0; i < path.size();) {
+    const std::optional<Pattern> pattern = patternAt(path, i, i >= nameBegin);
+    if (!pattern) {
+      ++i;
+      continue;
+    }
+    if (found) {
+      throw std::invalid_argument("\"" + std::string(path) + "\" has more than one frame pattern, \"" +
+                                  std::string(path.substr(found->begin, found->size)) + "\" and \"" +
+                                  std::string(path.substr(pattern->begin, pattern->size)) + "\"; leave one");
+    }
+    found = pattern;
+    i += pattern->size;
+  }
+  return found;
+}
+
+/// Where the extension begins, its dot included; a leading dot makes a hidden file, not an extension.
+std::size_t extensionBegin(std::string_view path) {
+  const std::size_t nameBegin = fileNameBegin(path);
+  const std::size_t dot = path.rfind('.');
+  return dot == std::string_view::npos || dot <= nameBegin ? path.size() : dot;
+}
+
+std::string padded(int frame, int width) {
+  const std::string digits = std::to_string(frame);
+  return std::string(static_cast<std::size_t>(std::max(0, width - static_cast<int>(digits.size()))), '0') + digits;
+}
+
+}  // namespace
+
+std::string expandFrame(std::string_view name, std::optional<int> frame) {
+  if (frame && *frame < 0) {
+    throw std::invalid_argument("the frame is " + std::to_string(*frame) + "; file names take frames from 0 on");
+  }
+  const std::optional<Pattern> pattern = findPattern(name);
+  if (!frame) {
+    if (!pattern) return std::string(name);
+    throw std::invalid_argument("\"" + std::string(name) + "\" has the frame pattern \"" +
+                                std::string(name.substr(pattern->begin, pattern->size)) +
+                                "\", but no frame is given; give one, or a name without the pattern");
+  }
+  if (pattern) {
+    return std::string(name.substr(0, pattern->begin)) + padded(*frame, pattern->width) +
+           std::string(name.substr(pattern->begin + pattern->size));
+  }
+  const std::string_view fileName = name.substr(fileNameBegin(name));
+  if (fileName.empty() || fileName == "." || fileName == "..") {
+    throw std::invalid_argument("\"" + std::string(name) + "\" has no file name to put frame " +
+                                std::to_string(*frame) + " into");
+  }
+  const std::size_t extension = extensionBegin(name);
+  return std::string(name.substr(0, extension)) + "." + padded(*frame, kDefaultWidth) +
+         std::string(name.substr(extension));
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/peer_formats.h"
+
+#include "vdbtools/errors.h"
+#include "vdbtools/file_bytes.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+
+namespace vdbtools {
+namespace {
+
+constexpr std::size_t kIntSize = 4;
+constexpr std::size_t kDoubleSize = 8;
+constexpr std::size_t kQuaternionSize = 4 * kDoubleSize;
+constexpr double kLargestCoordinate = 1e9;  ///< as julia::requireFinite() has it
+
+std::string textOf(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+/// Walks through the bytes of a file and refuses to pass their end.
+class Reader {
+ public:
+  Reader(std::string_view bytes, const std::string& name) : mBytes(bytes), mName(inOneLine(name)) {}
+
+  std::int32_t readInt(const std::string& what) {
+    return std::bit_cast<std::int32_t>(static_cast<std::uint32_t>(readLittleEndian(kIntSize, what)));
+  }
+
+  double readDouble(const std::string& what) {
+    return std::bit_cast<double>(std::uint64_t{readLittleEndian(kDoubleSize, what)});
+  }
+
+  /// A count of elements of @a elementSize bytes that follow, all of them present.
+  std::size_t readCount(const std::string& elements, std::size_t elementSize) {
+    const std::int32_t count = readInt("the number of " + elements);
+    const std::size_t most = left() / elementSize;
+    if (count < 0 || static_cast<std::size_t>(count) > most) {
+      fail("the number of " + elements + " is " + std::to_string(count) + "; the rest of the file has room for 0 to " +
+           std::to_string(most));
+    }
+    return static_cast<std::size_t>(count);
+  }
+
+  void skip(std::size_t size, const std::string& what) {
+    if (size > left()) {
+      fail("it ends within " + what + ": " + std::to_string(size) + " bytes are needed from byte " +
+           std::to_string(mPosition) + " on, and the file has " + std::to_string(mBytes.size()));
+    }
+    mPosition += size;
+  }
+
+  void requireEnd() const {
+    if (left() == 0) return;
+    fail(std::to_string(left()) + " bytes follow where the content ends, at byte " + std::to_string(mPosition) +
+         "; there should be none");
+  }
+
+  std::size_t left() const { return mBytes.size() - mPosition; }
+
+  [[noreturn]] void fail(const std::string& found) const { throw DataError(mName + ": " + found); }
+
+ private:
+  std::uint64_t readLittleEndian(std::size_t size, const std::string& what) {
+    const std::size_t begin = mPosition;
+    skip(size, what);
+    std::uint64_t value = 0;
+    for (std::size_t i = size; i-- > 0;) value = value << 8 | static_cast<unsigned char>(mBytes[begin + i]);
+    return value;
+  }
+
+  std::string_view mBytes;
+  std::string mName;
+  std::size_t mPosition = 0;
+};
+
+julia::Quaternion<double> readQuaternion(Reader& reader, const std::string& what) {
+  // One statement a component: the order of reading is the file's.
+  julia::Quaternion<double> q;
+  q.a = reader.readDouble(what);
+  q.b = reader.readDouble(what);
+  q.c = reader.readDouble(what);
+  q.d = reader.readDouble(what);
+  return q;
+}
+
+/// @param side  "top" or "bottom"
+julia::Polynomial readPolynomial(Reader& reader, const std::string& side) {
+  const std::string of = " of the " + side + " polynomial";
+  const std::int32_t statedRoots = reader.readInt("the degree" + of);
+  for (const char* unused : {"coefficients", "first derivatives", "second derivatives"}) {
+    const std::size_t count = reader.readCount(unused + of, kQuaternionSize);
+    reader.skip(count * kQuaternionSize, "the " + (unused + of));
+  }
+
+  julia::Polynomial polynomial;
+  const std::size_t roots = reader.readCount("roots" + of, kQuaternionSize);
+  // A polynomial given by coefficients alone has a degree and no roots; it would pass for the constant 1. One that was
+  // never given anything may state any negative degree.
+  if (roots != static_cast<std::size_t>(std::max(statedRoots, 0))) {
+    reader.fail("the degree" + of + " is " + std::to_string(statedRoots) + ", but " + std::to_string(roots) +
+                " roots follow; only factored polynomials, with a root a degree, can be used");
+  }
+  polynomial.roots.resize(roots);
+  for (julia::Root& root : polynomial.roots) root.position = readQuaternion(reader, "the roots" + of);
+
+  const std::size_t powers = reader.readCount("powers" + of, kDoubleSize);
+  if (powers != roots) {
+    reader.fail("the number of powers" + of + " is " + std::to_string(powers) + "; it must be that of its roots, " +
+                std::to_string(roots));
+  }
+  for (julia::Root& root : polynomial.roots) root.power = reader.readDouble("the powers" + of);
+  polynomial.powerScale = reader.readDouble("the scalar of the powers" + of);
+  return polynomial;
+}
+
+void requireUsable(const julia::Rational& rational, const Reader& reader) {
+  try {
+    julia::requireFinite(rational);
+  } catch (const std::invalid_argument& error) {
+    reader.fail(error.what());
+  }
+}
+
+void skipField(Reader& reader, const std::string& field) {
+  std::uint64_t cells = 1;
+  for (const char* axis : {"x", "y", "z"}) {
+    const std::string what = "the " + field + " field's resolution in " + axis;
+    const std::int32_t resolution = reader.readInt(what);
+    if (resolution < 0) reader.fail(what + " is " + std::to_string(resolution) + "; it must not be negative");
+    // Held at "more than the file has", so that no product overflows.
+    const std::uint64_t tooMany = reader.left() / kDoubleSize + 1;
+    const auto size = static_cast<std::uint64_t>(resolution);
+    cells = size != 0 && cells > tooMany / size ? tooMany : cells * size;
+  }
+  reader.skip(6 * kDoubleSize, "the " + field + " field's centre and lengths");
+  if (cells > reader.left() / kDoubleSize) {
+    reader.fail("it ends within the " + field + " field's values, or that field's resolutions are wrong: " +
+                std::to_string(reader.left()) + " bytes are left for them");
+  }
+  reader.skip(static_cast<std::size_t>(cells) * kDoubleSize, "the " + field + " field's values");
+}
+
+void appendLittleEndian(std::string& bytes, std::uint64_t value, std::size_t size) {
+  for (std::size_t i = 0; i < size; ++i) bytes += static_cast<char>(value >> (8 * i) & 0xFF);
+}
+
+void appendDouble(std::string& bytes, double value) {
+  appendLittleEndian(bytes, std::bit_cast<std::uint64_t>(value), kDoubleSize);
+}
+
+}  // namespace
+
+julia::Polynomial polynomialFromP4d(std::string_view bytes, const std::string& name) {
+  Reader reader(bytes, name);
+  julia::Rational rational;
+  rational.top = readPolynomial(reader, "top");
+  reader.requireEnd();
+  requireUsable(rational, reader);
+  return rational.top;
+}
+
+OptimisedShape optimisedShapeFromO3d(std::string_view bytes, const std::string& name) {
+  Reader reader(bytes, name);
+  OptimisedShape shape;
+  for (int& resolution : shape.resolutions) {
+    resolution = reader.readInt("the shape's resolutions");
+    if (resolution < 1) {
+      reader.fail("one of the shape's resolutions is " + std::to_string(resolution) + "; it must be at least 1");
+    }
+  }
+  // Conditions are written so that NaN fails them.
+  for (double& coordinate : shape.centre) {
+    coordinate = reader.readDouble("the shape's centre");
+    if (!(std::abs(coordinate) <= kLargestCoordinate)) {
+      reader.fail("a coordinate of the shape's centre is " + textOf(coordinate) + "; it must be between -1e9 and 1e9");
+    }
+  }
+  for (double& length : shape.lengths) {
+    length = reader.readDouble("the shape's lengths");
+    if (!(length > 0 && length <= kLargestCoordinate)) {
+      reader.fail("one of the shape's lengths is " + textOf(length) + "; it must be above 0 and at most 1e9");
+    }
+  }
+
+  shape.rational.top = readPolynomial(reader, "top");
+  shape.rational.bottom = readPolynomial(reader, "bottom");
+  const double scale = reader.readDouble("the constant e^C");
+  if (!(scale > 0 && scale <= std::numeric_limits<double>::max())) {
+    reader.fail("the constant e^C is " + textOf(scale) + "; it must be above 0 and finite");
+  }
+  shape.rational.logScale = std::log(scale);
+  const std::int32_t history = reader.readInt("the history count");
+  if (history < 0) reader.fail("the history count is " + std::to_string(history) + "; it must not be negative");
+
+  for (const char* field : {"fractal", "distance", "potential"}) skipField(reader, field);
+  reader.requireEnd();
+  requireUsable(shape.rational, reader);
+  return shape;
+}
+
+julia::Polynomial readPolynomial(const std::filesystem::path& path) {
+  return polynomialFromP4d(readWholeFile(path), path.string());
+}
+
+OptimisedShape readOptimisedShape(const std::filesystem::path& path) {
+  return optimisedShapeFromO3d(readWholeFile(path), path.string());
+}
+
+std::string rationalToP4d(const julia::Polynomial& polynomial) {
+  julia::Rational rational;
+  rational.top = polynomial;
+  julia::requireFinite(rational);
+  const std::size_t count = polynomial.roots.size();
+  if (count > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
+    throw std::invalid_argument("a polynomial with " + std::to_string(count) +
+                                " roots cannot be written as p4d, which holds at most 2147483647");
+  }
+
+  std::string bytes;
+  appendLittleEndian(bytes, count, kIntSize);
+  for (int unused = 0; unused < 3; ++unused) appendLittleEndian(bytes, 0, kIntSize);
+  appendLittleEndian(bytes, count, kIntSize);
+  for (const julia::Root& root : polynomial.roots) {
+    for (const double component : {root.position.a, root.position.b, root.position.c, root.position.d}) {
+      appendDouble(bytes, component);
+    }
+  }
+  appendLittleEndian(bytes, count, kIntSize);
+  for (const julia::Root& root : polynomial.roots) appendDouble(bytes, root.power);
+  appendDouble(bytes, polynomial.powerScale);
+  return bytes;
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/versor_file.h"
+
+#include "vdbtools/errors.h"
+#include "vdbtools/file_bytes.h"
+#include "vdbtools/peer_formats.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <initializer_list>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <vector>
+
+namespace vdbtools {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr const char* kFormat = "rational";
+constexpr int kVersion = 1;
+
+// The keys of the file.
+constexpr const char* kFormatKey = "juliavdb";
+constexpr const char* kVersionKey = "version";
+constexpr const char* kNoteKey = "note";
+constexpr const char* kLogScaleKey = "logScale";
+constexpr const char* kTopKey = "top";
+constexpr const char* kBottomKey = "bottom";
+constexpr const char* kPowerScaleKey = "powerScale";
+constexpr const char* kRootsKey = "roots";
+constexpr const char* kPositionKey = "position";
+constexpr const char* kPowerKey = "power";
+
+/// What the tree of nlohmann::json would not tell: where a text breaks off, and that a key stands twice.
+class Syntax : public nlohmann::json_sax<Json> {
+ public:
+  /// @throw DataError  @a text is not one JSON value
+  static void check(std::string_view text, const std::string& name) {
+    // The parser takes a zero byte for the end of its input.
+    const std::size_t zero = text.find('\0');
+    if (zero != std::string_view::npos) {
+      throw DataError(name + ": line " + lineOf(text, zero) + " holds a zero byte; this is not a JSON file");
+    }
+    Syntax syntax;
+    if (Json::sax_parse(text, &syntax)) return;
+    const std::string line =
+        syntax.mPosition ? " in line " + lineOf(text, std::min(*syntax.mPosition, text.size())) : "";
+    throw DataError(name + ": not valid JSON" + line + ": " + inOneLine(syntax.mMessage));
+  }
+
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(number_integer_t) override { return true; }
+  bool number_unsigned(number_unsigned_t) override { return true; }
+  bool number_float(number_float_t, const string_t&) override { return true; }
+  bool string(string_t&) override { return true; }
+  bool binary(binary_t&) override { return true; }
+  bool start_object(std::size_t) override {
+    mObjects.emplace_back();
+    return true;
+  }
+  bool end_object() override {
+    mObjects.pop_back();
+    return true;
+  }
+  bool start_array(std::size_t) override { return true; }
+  bool end_array() override { return true; }
+  bool key(string_t& key) override {
+    Object& object = mObjects.back();
+    object.current = key;
+    if (object.keys.insert(key).second) return true;
+    std::string place;
+    for (const Object& outer : mObjects) place += (place.empty() ? "" : ".") + outer.current;
+    mMessage = place + " stands twice in one object";
+    return false;
+  }
+  bool parse_error(std::size_t position, const std::string&, const nlohmann::detail::exception& error) override {
+    mPosition = position;
+    mMessage = error.what();
+    // "[json.exception...] " is for programmers.
+    if (const std::size_t bracket = mMessage.find("] "); mMessage.starts_with('[') && bracket != std::string::npos) {
+      mMessage.erase(0, bracket + 2);
+    }
+    return false;
+  }
+
+ private:
+  static std::string lineOf(std::string_view text, std::size_t position) {
+    return std::to_string(1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(position), '\n'));
+  }
+
+  /// An object whose end is still to come.
+  struct Object {
+    std::set<std::string> keys;
+    std::string current;
+  };
+
+  std::vector<Object> mObjects;
+  std::string mMessage;
+  std::optional<std::size_t> mPosition;
+};
+
+/// A value of the tree, with its place in words.
+class Node {
+ public:
+  Node(const Json& value, std::string name, std::string place)
+      : mValue(value), mName(std::move(name)), mPlace(std::move(place)) {}
+
+  /// This is an object with all of @a required and nothing else but @a optional.
+  void requireKeys(std::initializer_list<const char*> required,
+                   std::initializer_list<const char*> optional = {}) const {
+    requireObject();
+    for (const auto& [key, value] : mValue.items()) {
+      const auto isKey = [&key = key](const char* known) { return key == known; };
+      if (std::none_of(required.begin(), required.end(), isKey) &&
+          std::none_of(optional.begin(), optional.end(), isKey)) {
+        fail("has the unknown key \"" + inOneLine(key) + "\"; it must not be there");
+      }
+    }
+    for (const char* key : required) {
+      if (!mValue.contains(key)) fail(std::string("has no \"") + key + "\"; it is required");
+    }
+  }
+
+  bool has(const char* key) const { return mValue.is_object() && mValue.contains(key); }
+
+  Node at(const char* key) const {
+    requireObject();
+    if (!mValue.contains(key)) fail(std::string("has no \"") + key + "\"; it is required");
+    return {mValue[key], mName, (mPlace.empty() ? "" : mPlace + ".") + key};
+  }
+
+  std::vector<Node> elements() const {
+    if (!mValue.is_array()) fail("is " + found() + "; it must be an array");
+    std::vector<Node> nodes;
+    nodes.reserve(mValue.size());
+    for (std::size_t i = 0; i < mValue.size(); ++i) {
+      nodes.emplace_back(mValue[i], mName, mPlace + "[" + std::to_string(i) + "]");
+    }
+    return nodes;
+  }
+
+  double number() const {
+    if (!mValue.is_number()) fail("is " + found() + "; it must be a number");
+    return mValue.get<double>();
+  }
+
+  std::string string() const {
+    if (!mValue.is_string()) fail("is " + found() + "; it must be a string");
+    return mValue.get<std::string>();
+  }
+
+  template <class Value>
+  void requireEqual(const Value& expected) const {
+    if (mValue != Json(expected)) fail("is " + found() + "; this program reads " + Json(expected).dump());
+  }
+
+  [[noreturn]] void fail(const std::string& what) const {
+    throw DataError(mName + ": " + (mPlace.empty() ? "the file" : mPlace) + " " + what);
+  }
+
+ private:
+  void requireObject() const {
+    if (!mValue.is_object()) fail("is " + found() + "; it must be an object");
+  }
+
+  /// The value in words; of arrays and objects the kind alone, as they may be large and deep.
+  std::string found() const {
+    if (mValue.is_structured()) return mValue.is_array() ? "an array" : "an object";
+    return inOneLine(mValue.dump(-1, ' ', false, Json::error_handler_t::replace));
+  }
+
+  const Json& mValue;
+  std::string mName, mPlace;
+};
+
+julia::Root rootFrom(const Node& node) {
+  node.requireKeys({kPositionKey, kPowerKey});
+  const Node position = node.at(kPositionKey);
+  const std::vector<Node> components = position.elements();
+  if (components.size() != 4) {
+    position.fail("has " + std::to_string(components.size()) + " numbers; it must have 4, A, B, C and D");
+  }
+  return {{components[0].number(), components[1].number(), components[2].number(), components[3].number()},
+          node.at(kPowerKey).number()};
+}
+
+julia::Polynomial polynomialFrom(const Node& node) {
+  node.requireKeys({kPowerScaleKey, kRootsKey});
+  julia::Polynomial polynomial;
+  polynomial.powerScale = node.at(kPowerScaleKey).number();
+  for (const Node& root : node.at(kRootsKey).elements()) polynomial.roots.push_back(rootFrom(root));
+  return polynomial;
+}
+
+/// The shortest digits that are read back as the same double, in any locale.
+std::string shortestNumber(double value) {
+  std::array<char, 32> digits{};
+  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc()) throw std::logic_error("a double did not fit into 32 characters");
+  const std::string text(digits.data(), end);
+  // JSON readers take "-0" for an integer, which has no sign at 0.
+  return text == "-0" ? "-0.0" : text;
+}
+
+void appendPolynomial(std::string& text, const char* key, const julia::Polynomial& polynomial) {
+  const auto quoted = [](const char* word) { return '"' + std::string(word) + "\": "; };
+  text += "  " + quoted(key) + "{\n    " + quoted(kPowerScaleKey) + shortestNumber(polynomial.powerScale) + ",\n    " +
+          quoted(kRootsKey) + "[";
+  const char* separator = "\n";
+  for (const julia::Root& root : polynomial.roots) {
+    const julia::Quaternion<double>& t = root.position;
+    text += separator;
+    text += "      {" + quoted(kPositionKey) + "[" + shortestNumber(t.a) + ", " + shortestNumber(t.b) + ", " +
+            shortestNumber(t.c) + ", " + shortestNumber(t.d) + "], " + quoted(kPowerKey) + shortestNumber(root.power) +
+            "}";
+    separator = ",\n";
+  }
+  text += polynomial.roots.empty() ? "]\n  }" : "\n    ]\n  }";
+}
+
+}  // namespace
+
+RationalFile rationalFileFromJson(std::string_view text, const std::string& nameForErrors) {
+  const std::string name = inOneLine(nameForErrors);
+  Syntax::check(text, name);
+  const Json tree = Json::parse(text);
+  const Node root(tree, name, "");
+  // What kind of file it is comes first: a later version may well have other keys.
+  root.at(kFormatKey).requireEqual(kFormat);
+  root.at(kVersionKey).requireEqual(kVersion);
+  root.requireKeys({kFormatKey, kVersionKey, kLogScaleKey, kTopKey, kBottomKey}, {kNoteKey});
+
+  RationalFile file;
+  if (root.has(kNoteKey)) file.note = root.at(kNoteKey).string();
+  file.rational.logScale = root.at(kLogScaleKey).number();
+  file.rational.top = polynomialFrom(root.at(kTopKey));
+  file.rational.bottom = polynomialFrom(root.at(kBottomKey));
+  try {
+    julia::requireFinite(file.rational);
+  } catch (const std::invalid_argument& error) {
+    throw DataError(name + ": " + error.what());
+  }
+  return file;
+}
+
+julia::Rational rationalFromJson(std::string_view text, const std::string& nameForErrors) {
+  return rationalFileFromJson(text, nameForErrors).rational;
+}
+
+std::string rationalToJson(const julia::Rational& rational, std::string_view note) {
+  julia::requireFinite(rational);
+  std::string text = "{\n  \"" + std::string(kFormatKey) + "\": \"" + kFormat + "\",\n  \"" + kVersionKey +
+                     "\": " + std::to_string(kVersion) + ",\n";
+  if (!note.empty()) {
+    text += "  \"" + std::string(kNoteKey) + "\": " + Json(note).dump(-1, ' ', false, Json::error_handler_t::replace) +
+            ",\n";
+  }
+  text += "  \"" + std::string(kLogScaleKey) + "\": " + shortestNumber(rational.logScale) + ",\n";
+  appendPolynomial(text, kTopKey, rational.top);
+  text += ",\n";
+  appendPolynomial(text, kBottomKey, rational.bottom);
+  text += "\n}\n";
+  return text;
+}
+
+RationalFile readRationalFile(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  if (extension == ".json") return rationalFileFromJson(readWholeFile(path), path.string());
+  if (extension == ".p4d" || extension == ".poly4d") {
+    RationalFile file;
+    file.rational.top = readPolynomial(path);
+    return file;
+  }
+  if (extension == ".o3d") return {readOptimisedShape(path).rational, {}};
+  throw std::invalid_argument("cannot tell what kind of file " + inOneLine(path.native()) + " is by its extension \"" +
+                              inOneLine(extension) + "\"; a rational is read from .json, .p4d, .poly4d or .o3d");
+}
+
+julia::Rational readRational(const std::filesystem::path& path) { return readRationalFile(path).rational; }
+
+}  // namespace vdbtools
