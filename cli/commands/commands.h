@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file commands.h
+/// The commands of the program. Each takes the words after its name and returns an exit code, or throws.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace cli {
+
+using Arguments = std::vector<std::string>;
+
+int runSdf(const Arguments& arguments);
+int runFractal(const Arguments& arguments);
+int runMesh(const Arguments& arguments);
+int runVersor(const Arguments& arguments);
+int runSlice(const Arguments& arguments);
+int runRender(const Arguments& arguments);
+int runInfo(const Arguments& arguments);
+
+struct Command {
+  const char* name;
+  int (*run)(const Arguments&);
+  const char* summary;
+};
+
+std::span<const Command> commands();
+
+}  // namespace cli

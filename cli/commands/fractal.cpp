@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands.h"
+
+#include "exit_code.h"
+#include "options.h"
+#include "output.h"
+
+#include "vdbtools/fractal_job.h"
+#include "vdbtools/mesh_writer.h"
+#include "vdbtools/vdb_file.h"
+
+#include <iostream>
+
+namespace po = boost::program_options;
+
+namespace cli {
+namespace {
+
+constexpr Usage kUsageText = {
+    "fractal",
+    "MESH|SDF.vdb -o F.vdb [--mesh F.ply] [--alpha A] [--beta B] [--resolution N | --voxel-size H] [options]",
+    "Turns a target into a fractal of the same shape: a level set for Houdini or Blender, and the mesh of its true\n"
+    "surface. With a VDB as input its distances are used as they are.",
+    "  juliavdb fractal bunny.obj -o bunny.vdb --mesh bunny.ply --alpha 40 --resolution 150\n"
+    "  juliavdb fractal bunny.obj -o deep.vdb --alpha 10 --beta 0.02 --versor-seed 7 --resolution 100\n"
+    "  juliavdb fractal bunny.obj -o ramp.vdb --alpha x:10:300:smooth --resolution 100\n"
+    "  juliavdb fractal --config bunny.vdb -o again.vdb\n"
+    "  juliavdb fractal --map quadratic --c=-0.2,0.6,0.2,0.2 --iterations 8 -o julia.vdb --resolution 80\n"};
+
+}  // namespace
+
+int runFractal(const Arguments& arguments) {
+  CommandLine line(kUsageText, vdbtools::fractalOptionSpecs());
+  line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), "the VDB to write")(
+      "mesh", po::value<std::string>()->value_name("F.ply"), "the mesh to write: .ply, .obj or .stl")(
+      "frame", po::value<std::string>()->value_name("N"), "frame number for names such as name.####.vdb");
+  if (!line.parse(arguments)) return kDone;
+  const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(line.recipe());
+  const bool wantVdb = line.has("output"), wantMesh = line.has("mesh");
+  if (!wantVdb && !wantMesh) throw std::invalid_argument("no output was given; use -o F.vdb, --mesh F.ply, or both");
+  Outputs outputs(parseFrame(line.text("frame")));
+  std::ostream* vdb = wantVdb ? &outputs.add("output", line.text("output"), ".vdb") : nullptr;
+  std::ostream* mesh = wantMesh ? &outputs.add("mesh", line.text("mesh"), ".ply .obj .stl") : nullptr;
+
+  Progress& progress = line.progress();
+  const vdbtools::Scene scene = vdbtools::makeScene(options, progress);
+  const vdbtools::FractalResult result = vdbtools::runFractal(scene, wantVdb, wantMesh, progress);
+  std::map<std::string, std::string> metadata = vdbtools::recipeToMetadata(line.recipe(), "fractal");
+  metadata.insert(scene.facts.begin(), scene.facts.end());
+  progress.begin("writing", 0);
+  if (vdb) {
+    if (!result.check.failure.empty())
+      throw std::logic_error("the level set fails OpenVDB's check: " + result.check.failure);
+    *vdb << vdbtools::encodeVdb(result.grids, {.half = options.half, .metadata = metadata});
+  }
+  if (mesh)
+    vdbtools::writeMesh(
+        *mesh, result.mesh,
+        {.format = vdbtools::meshFormat(line.text("mesh")), .voxelSize = scene.voxelSize, .comments = metadata});
+  progress.throwIfCancelled();
+  outputs.commit();
+
+  std::cerr << "wrote " << outputs.names() << ": voxels of " << scene.voxelSize;
+  for (const auto& grid : result.grids)
+    if (grid->getName() == "surface")
+      std::cerr << ", " << grid->activeVoxelCount() << " in the band, |grad| within 0.5 of 1 in "
+                << 100 * result.check.gradientFraction << " % of them";
+  if (wantMesh) std::cerr << ", " << result.mesh.triangles.size() << " triangles";
+  std::cerr << '\n';
+  return kDone;
+}
+
+}  // namespace cli

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands.h"
+
+#include "exit_code.h"
+#include "options.h"
+
+#include "vdbtools/level_set.h"
+#include "vdbtools/mesh.h"
+#include "vdbtools/mesh_writer.h"
+#include "vdbtools/vdb_file.h"
+#include "vdbtools/versor_file.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <iostream>
+
+namespace po = boost::program_options;
+
+namespace cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr Usage kUsageText = {"info", "FILE... [--json]",
+                              "Says what is in a mesh (.obj, .ply, .stl, .off), a VDB, with the recipe it was made by, "
+                              "or a versor (.json, .p4d,\n"
+                              ".poly4d, .o3d).",
+                              "  juliavdb info bunny.obj\n"
+                              "  juliavdb info bunny.vdb --json\n"};
+
+Json vector(const openvdb::Vec3d& v) { return {v[0], v[1], v[2]}; }
+
+Json recipeOf(const std::map<std::string, std::string>& metadata) {
+  const auto [recipe, command] = vdbtools::recipeFromMetadata(metadata);
+  if (command.empty()) return nullptr;
+  Json result{{"command", command}};
+  for (const auto& [name, value] : recipe) result[name] = value;
+  return result;
+}
+
+Json meshInfo(const std::string& path) {
+  const vdbtools::MeshReport report = vdbtools::reportMesh(vdbtools::readMesh(path));
+  Json info{{"kind", "mesh"},
+            {"points", report.points},
+            {"triangles", report.triangles},
+            {"components", report.components},
+            {"closed", report.closed()},
+            {"open edges", report.openEdges},
+            {"non-manifold edges", report.nonManifoldEdges},
+            {"misoriented edges", report.misorientedEdges},
+            {"degenerate faces", report.degenerateFaces},
+            {"box min", vector(report.box.min())},
+            {"box max", vector(report.box.max())},
+            {"area", report.area},
+            {"volume", report.volume}};
+  if (Json recipe = recipeOf(vdbtools::readMeshComments(path)); !recipe.is_null()) info["recipe"] = recipe;
+  return info;
+}
+
+Json gridInfo(const openvdb::GridBase& grid) {
+  const openvdb::CoordBBox active = grid.evalActiveVoxelBoundingBox();
+  Json info{{"name", grid.getName()},
+            {"type", grid.valueType()},
+            {"class", openvdb::GridBase::gridClassToString(grid.getGridClass())},
+            {"active voxels", grid.activeVoxelCount()},
+            {"voxel size", vector(grid.voxelSize())},
+            {"memory (bytes)", grid.memUsage()}};
+  if (!active.empty()) {
+    const openvdb::BBoxd world =
+        grid.transform().indexToWorld(openvdb::BBoxd(active.min().asVec3d(), active.max().asVec3d()));
+    info["box min"] = vector(world.min());
+    info["box max"] = vector(world.max());
+  }
+  if (const auto* floats = dynamic_cast<const openvdb::FloatGrid*>(&grid);
+      floats && grid.getGridClass() == openvdb::GRID_LEVEL_SET) {
+    const vdbtools::LevelSetCheck check = vdbtools::checkSurface(*floats);
+    info["level set check"] = check.failure.empty() ? "passes" : check.failure;
+    info["|grad| within 0.5 of 1"] = check.gradientFraction;
+  }
+  return info;
+}
+
+Json vdbInfo(const std::string& path) {
+  const vdbtools::VdbFile file = vdbtools::readVdb(path);
+  Json info{{"kind", "VDB"}, {"grids", Json::array()}};
+  for (const auto& grid : file.grids) info["grids"].push_back(gridInfo(*grid));
+  if (Json recipe = recipeOf(file.metadata); !recipe.is_null()) info["recipe"] = recipe;
+  Json rest = Json::object();
+  for (const auto& [name, value] : file.metadata)
+    if (!info.contains("recipe") || !name.starts_with("julia_")) rest[name] = value;
+  // Facts that the program found out are no options, and worth seeing; the roots themselves are for 'versor inspect'.
+  for (const char* fact : {"julia_version", "julia_target_box", "julia_space_centre", "julia_space_scale",
+                           "julia_shell", "julia_repair_moved"})
+    if (const auto found = file.metadata.find(fact); found != file.metadata.end()) rest[fact] = found->second;
+  if (!rest.empty()) info["metadata"] = rest;
+  return info;
+}
+
+Json polynomialInfo(const julia::Polynomial& polynomial) {
+  Json info{{"roots", polynomial.roots.size()},
+            {"power scale", polynomial.powerScale},
+            {"summed powers", julia::summedPowers(polynomial)}};
+  if (!polynomial.roots.empty()) {
+    const auto [low, high] = std::minmax_element(polynomial.roots.begin(), polynomial.roots.end(),
+                                                 [](const auto& a, const auto& b) { return a.power < b.power; });
+    info["smallest power"] = low->power;
+    info["largest power"] = high->power;
+  }
+  return info;
+}
+
+Json versorInfo(const std::string& path) {
+  const vdbtools::RationalFile file = vdbtools::readRationalFile(path);
+  Json info{{"kind", "versor"},
+            {"C", file.rational.logScale},
+            {"top", polynomialInfo(file.rational.top)},
+            {"bottom", polynomialInfo(file.rational.bottom)}};
+  if (!file.note.empty()) info["note"] = file.note;
+  return info;
+}
+
+Json infoOf(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension == ".vdb") return vdbInfo(path);
+  for (const char* versor : {".json", ".p4d", ".poly4d", ".o3d"})
+    if (extension == versor) return versorInfo(path);
+  return meshInfo(path);
+}
+
+void print(const Json& info, int indent) {
+  for (const auto& [key, value] : info.items()) {
+    std::cout << std::string(static_cast<std::size_t>(indent), ' ') << key << ':';
+    if (value.is_object()) {
+      std::cout << '\n';
+      print(value, indent + 2);
+    } else if (value.is_array() && !value.empty() && value.front().is_object()) {
+      std::cout << '\n';
+      for (const Json& element : value) {
+        print(element, indent + 2);
+        std::cout << '\n';
+      }
+    } else if (value.is_string()) {
+      std::cout << ' ' << value.get<std::string>() << '\n';
+    } else {
+      std::cout << ' ' << value.dump() << '\n';
+    }
+  }
+}
+
+}  // namespace
+
+int runInfo(const Arguments& arguments) {
+  CommandLine line(kUsageText, {});
+  line.addPositional("input", -1, "the files");
+  line.addOptions()("json", "print JSON, one object a line");
+  if (!line.parse(arguments)) return kDone;
+  const std::vector<std::string> files = line.texts("input");
+  if (files.empty()) throw std::invalid_argument("no file was given");
+  for (const std::string& file : files) {
+    Json info{{"file", file}};
+    info.update(infoOf(file));
+    if (line.has("json"))
+      std::cout << info.dump(-1, ' ', false, Json::error_handler_t::replace) << '\n';
+    else
+      print(info, 0);
+  }
+  return kDone;
+}
+
+}  // namespace cli

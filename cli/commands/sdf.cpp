@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands.h"
+
+#include "exit_code.h"
+#include "options.h"
+#include "output.h"
+
+#include "vdbtools/fractal_job.h"
+#include "vdbtools/vdb_file.h"
+
+#include <iostream>
+
+namespace po = boost::program_options;
+
+namespace cli {
+namespace {
+
+constexpr Usage kUsageText = {
+    "sdf", "MESH -o F.vdb [--resolution N | --voxel-size H] [--repair] [options]",
+    "Makes a signed distance field of a mesh: a narrow-band level set, negative inside. A mesh that leaks is refused;\n"
+    "--repair closes it.",
+    "  juliavdb sdf bunny.obj -o bunny_sdf.vdb --resolution 200\n"
+    "  juliavdb sdf scan.ply -o scan_sdf.vdb --voxel-size 0.01 --repair\n"};
+
+}  // namespace
+
+int runSdf(const Arguments& arguments) {
+  CommandLine line(kUsageText, vdbtools::sdfOptionSpecs());
+  line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), "the VDB to write")(
+      "frame", po::value<std::string>()->value_name("N"), "frame number for names such as name.####.vdb");
+  if (!line.parse(arguments)) return kDone;
+  const vdbtools::SdfOptions options = vdbtools::parseSdfOptions(line.recipe());
+  if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.vdb");
+  Outputs outputs(parseFrame(line.text("frame")));
+  std::ostream& file = outputs.add("output", line.text("output"), ".vdb");
+
+  vdbtools::SdfResult result = vdbtools::runSdf(options, line.progress());
+  vdbtools::VdbWriteOptions write{.half = options.half, .metadata = vdbtools::recipeToMetadata(line.recipe(), "sdf")};
+  write.metadata.insert(result.facts.begin(), result.facts.end());
+  file << vdbtools::encodeVdb({result.grid}, write);
+  line.progress().throwIfCancelled();
+  outputs.commit();
+  std::cerr << "wrote " << outputs.names() << ": " << result.grid->activeVoxelCount() << " voxels of "
+            << result.grid->voxelSize()[0] << '\n';
+  if (result.moved)
+    std::cerr << "repaired: gaps up to " << *result.closedGap << " closed, the surface moved by at most "
+              << *result.moved << '\n';
+  return kDone;
+}
+
+}  // namespace cli

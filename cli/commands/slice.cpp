@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands.h"
+
+#include "exit_code.h"
+#include "options.h"
+#include "output.h"
+
+#include "vdbtools/fractal_job.h"
+#include "vdbtools/slice_image.h"
+#include "vdbtools/vdb_file.h"
+
+#include <openvdb/tools/Interpolation.h>
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <iostream>
+
+namespace po = boost::program_options;
+
+namespace cli {
+namespace {
+
+using vdbtools::Scene;
+using vdbtools::SlicePlane;
+
+constexpr Usage kUsageText = {
+    "slice", "MESH|SDF.vdb|FRACTAL.vdb -o F.png [--field phi|e|f|membership|versor|grid] [--axis x|y|z] [options]",
+    "Makes a picture of a field on a plane. Of a fractal that this program made the options come from its recipe; of a "
+    "mesh\n"
+    "or a signed distance they are those of 'fractal'.\n\n"
+    "  phi         the target's signed distance: blue inside, red outside, the surface dark\n"
+    "  e           the exponent of the shape modulus, likewise\n"
+    "  f           the log-modulus after the last step, likewise\n"
+    "  membership  the fractal itself: black inside\n"
+    "  versor      the direction of the map as RGB\n"
+    "  grid        the voxels of a VDB as they are",
+    "  juliavdb slice bunny.vdb -o membership.png --field membership\n"
+    "  juliavdb slice bunny.vdb -o versor.png --field versor --axis x\n"
+    "  juliavdb slice bunny.obj -o e.exr --field e --alpha 40 --position 0.1 --size 400\n"};
+
+enum class SliceField { Phi, Exponent, Field, Membership, Versor, Grid };
+
+SliceField parseField(const std::string& text) {
+  constexpr std::pair<const char*, SliceField> kFields[] = {
+      {"phi", SliceField::Phi},       {"e", SliceField::Exponent},
+      {"f", SliceField::Field},       {"membership", SliceField::Membership},
+      {"versor", SliceField::Versor}, {"grid", SliceField::Grid}};
+  for (const auto& [name, field] : kFields)
+    if (text == name) return field;
+  throw std::invalid_argument("--field is '" + text + "'; it must be one of phi, e, f, membership, versor, grid");
+}
+
+vdbtools::Axis parseAxis(const std::string& text) {
+  if (text == "x") return vdbtools::Axis::X;
+  if (text == "y") return vdbtools::Axis::Y;
+  if (text == "z") return vdbtools::Axis::Z;
+  throw std::invalid_argument("--axis is '" + text + "'; it must be one of x, y, z");
+}
+
+/// A row of pixels at a time, in threads.
+template <class Row>
+void forEachRow(const SlicePlane& plane, Progress& progress, const Row& row) {
+  progress.begin("slice", static_cast<std::uint64_t>(plane.height()));
+  tbb::parallel_for(0, plane.height(), [&](int y) {
+    if (progress.cancelled()) return;
+    row(y);
+    progress.advance(1);
+  });
+  progress.throwIfCancelled();
+}
+
+std::vector<julia::Point> pointsOfRow(const SlicePlane& plane, int y, const vdbtools::FractalSpace& space) {
+  std::vector<julia::Point> points;
+  for (int x = 0; x < plane.width(); ++x) points.push_back(space.toFractal(plane.position(x, y)));
+  return points;
+}
+
+std::size_t rowStart(const SlicePlane& plane, int y) {
+  return static_cast<std::size_t>(y) * static_cast<std::size_t>(plane.width());
+}
+
+std::vector<float> sampleGrid(const SlicePlane& plane, const openvdb::FloatGrid& grid, Progress& progress) {
+  std::vector<float> values(rowStart(plane, plane.height()));
+  forEachRow(plane, progress, [&](int y) {
+    const auto accessor = grid.getConstAccessor();
+    for (int x = 0; x < plane.width(); ++x)
+      values[rowStart(plane, y) + static_cast<std::size_t>(x)] =
+          openvdb::tools::BoxSampler::sample(accessor, grid.worldToIndex(plane.position(x, y)));
+  });
+  return values;
+}
+
+std::vector<float> sampleField(const SlicePlane& plane, const Scene& scene, Progress& progress) {
+  std::vector<float> values(rowStart(plane, plane.height()));
+  forEachRow(plane, progress, [&](int y) {
+    const std::vector<julia::Point> points = pointsOfRow(plane, y, scene.space);
+    std::vector<double> field(points.size());
+    scene.evaluator->evaluate(points, field, {});
+    std::transform(field.begin(), field.end(), values.begin() + static_cast<std::ptrdiff_t>(rowStart(plane, y)),
+                   [](double value) { return static_cast<float>(value); });
+  });
+  return values;
+}
+
+std::vector<openvdb::Vec3s> sampleVersor(const SlicePlane& plane, const Scene& scene, Progress& progress) {
+  std::vector<openvdb::Vec3s> values(rowStart(plane, plane.height()));
+  forEachRow(plane, progress, [&](int y) {
+    const std::vector<julia::Point> points = pointsOfRow(plane, y, scene.space);
+    std::vector<julia::Quaternion<double>> versors(points.size());
+    scene.evaluator->versors(points, versors);
+    std::transform(versors.begin(), versors.end(), values.begin() + static_cast<std::ptrdiff_t>(rowStart(plane, y)),
+                   [](const auto& u) { return openvdb::Vec3s(openvdb::Vec3d(u.b, u.c, u.d)); });
+  });
+  return values;
+}
+
+/// The rectangle that a picture of the scene shows: its box, or its target with some air.
+openvdb::BBoxd frameOf(const Scene& scene) {
+  constexpr double kAir = 0.08;  // of the target's longest side
+  if (scene.options.box) return *scene.options.box;
+  if (!scene.target) return scene.region;
+  openvdb::BBoxd box = scene.target->box;
+  const openvdb::Vec3d extents = box.extents();
+  box.expand(kAir * std::max({extents[0], extents[1], extents[2]}));
+  return box;
+}
+
+struct Placement {
+  vdbtools::Axis axis;
+  std::optional<double> position;
+  int size;
+
+  SlicePlane plane(const openvdb::BBoxd& box) const {
+    return {axis, position.value_or(box.getCenter()[static_cast<int>(axis)]), box, size};
+  }
+};
+
+vdbtools::Image sliceOfScene(const Scene& scene, SliceField field, const Placement& placement, double range,
+                             Progress& progress) {
+  const SlicePlane plane = placement.plane(frameOf(scene));
+  const auto need = [](bool there, const char* what) {
+    if (!there) throw std::invalid_argument(std::string("there is no ") + what + " without a target");
+  };
+  switch (field) {
+    case SliceField::Phi:
+      need(scene.target.has_value(), "phi");
+      return vdbtools::signedSlice(plane, sampleGrid(plane, *scene.target->phi, progress), range);
+    case SliceField::Exponent:
+      need(scene.exponent.has_value(), "exponent");
+      return vdbtools::signedSlice(plane, sampleGrid(plane, *scene.exponent->grid, progress), range);
+    case SliceField::Field: return vdbtools::signedSlice(plane, sampleField(plane, scene, progress), range);
+    case SliceField::Versor: return vdbtools::versorSlice(plane, sampleVersor(plane, scene, progress));
+    case SliceField::Membership:
+    case SliceField::Grid: break;
+  }
+  return vdbtools::membershipSlice(plane, sampleField(plane, scene, progress));
+}
+
+vdbtools::Image sliceOfGrid(const std::string& input, const std::string& name, const Placement& placement, double range,
+                            Progress& progress) {
+  const auto grid = vdbtools::chooseFloatGrid(vdbtools::readVdb(input), name, input);
+  const openvdb::CoordBBox active = grid->evalActiveVoxelBoundingBox();
+  if (active.empty()) throw vdbtools::DataError("the grid '" + grid->getName() + "' is empty");
+  const SlicePlane plane =
+      placement.plane(grid->transform().indexToWorld(openvdb::BBoxd(active.min().asVec3d(), active.max().asVec3d())));
+  return vdbtools::signedSlice(plane, sampleGrid(plane, *grid, progress), range);
+}
+
+/// The recipe of a fractal stands in for the options that were not given.
+vdbtools::Recipe recipeFor(const CommandLine& line, const std::string& input) {
+  if (!vdbtools::isVdbPath(input)) return line.recipe();
+  auto [recipe, command] = vdbtools::recipeFromMetadata(vdbtools::readVdbMetadata(input));
+  if (command != "fractal") return line.recipe();
+  vdbtools::Recipe given = line.givenRecipe();
+  given.erase("input");
+  return vdbtools::completeRecipe(overridden(std::move(recipe), given), vdbtools::fractalOptionSpecs());
+}
+
+}  // namespace
+
+int runSlice(const Arguments& arguments) {
+  CommandLine line(kUsageText, vdbtools::fractalOptionSpecs());
+  line.addOptions()("output,o", po::value<std::string>()->value_name("F.png"), "the picture to write: .png or .exr")(
+      "field", po::value<std::string>()->default_value("membership")->value_name("NAME"), "what to show")(
+      "axis", po::value<std::string>()->default_value("z")->value_name("x|y|z"), "the axis across the plane")(
+      "position", po::value<std::string>()->value_name("P"),
+      "where the plane cuts the axis, in the target's units (default: its middle)")(
+      "size", po::value<std::string>()->default_value("800")->value_name("N"), "pixels along the longer side")(
+      "range", po::value<std::string>()->value_name("R"), "phi, e, f, grid: the value of full colour (default: found)");
+  if (!line.parse(arguments)) return kDone;
+  const SliceField field = parseField(line.text("field"));
+  Placement placement{parseAxis(line.text("axis")), {}, 0};
+  if (line.has("position")) placement.position = vdbtools::parseNumber("position", line.text("position"));
+  const double size = vdbtools::parseNumber("size", line.text("size"));
+  if (!(size >= 1 && size <= 32768))
+    throw std::invalid_argument("--size is '" + line.text("size") + "'; it must be 1 to 32768");
+  placement.size = static_cast<int>(size);
+  const double range = line.has("range") ? vdbtools::parseNumber("range", line.text("range")) : 0;
+  if (line.has("range") && !(range > 0))
+    throw std::invalid_argument("--range is '" + line.text("range") + "'; it must be above 0");
+  if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
+  Outputs outputs;
+  std::ostream& file = outputs.add("output", line.text("output"), ".png .exr");
+
+  const std::string input = line.text("input");
+  vdbtools::Image image;
+  if (field == SliceField::Grid) {
+    if (input.empty()) throw std::invalid_argument("no VDB was given");
+    image = sliceOfGrid(input, line.text("grid"), placement, range, line.progress());
+  } else {
+    const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(recipeFor(line, input));
+    image = sliceOfScene(vdbtools::makeScene(options, line.progress()), field, placement, range, line.progress());
+  }
+  file << vdbtools::encodeImage(image, std::filesystem::path(line.text("output")).extension().string());
+  outputs.commit();
+  std::cerr << "wrote " << outputs.names() << ": " << image.width << " x " << image.height << '\n';
+  return kDone;
+}
+
+}  // namespace cli

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands.h"
+
+#include "exit_code.h"
+#include "options.h"
+#include "output.h"
+
+#include "vdbtools/peer_formats.h"
+#include "vdbtools/versor_file.h"
+
+#include "julia/random_roots.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+
+namespace po = boost::program_options;
+
+namespace cli {
+namespace {
+
+constexpr Usage kUsageText = {"versor", "new|inspect|add|scale|translate [FILES] [-o F.json] [options]",
+                              "Makes, shows and changes versors, the texture of a fractal: quaternion polynomials and "
+                              "rationals given by their roots\n"
+                              "and powers, in fractal space, where the target's longest side is 1. Reads .json, .p4d, "
+                              ".poly4d and .o3d; writes .json\n"
+                              "and, of a polynomial, .p4d.\n\n"
+                              "  new -o F                    random roots in a box or about a point\n"
+                              "  inspect F                   what is in a file\n"
+                              "  add A B -o F                the ordered product of two\n"
+                              "  scale A FACTOR -o F         the roots scaled about the origin\n"
+                              "  translate A X,Y,Z[,S] -o F  the roots moved",
+                              "  juliavdb versor new -o swirl.json --seed 3 --roots 12 --powers 2:9 --integer\n"
+                              "  juliavdb versor inspect swirl.json\n"
+                              "  juliavdb versor scale swirl.json 0.5 -o fine.json\n"
+                              "  juliavdb versor translate swirl.json 0.1,0,0 -o moved.json\n"
+                              "  juliavdb versor add fine.json moved.json -o both.json\n"};
+
+void write(CommandLine& line, const julia::Rational& rational, const std::string& note) {
+  if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.json");
+  Outputs outputs;
+  const std::string name = line.text("output");
+  std::ostream& file = outputs.add("output", name, ".json .p4d .poly4d");
+  const std::string extension = std::filesystem::path(name).extension().string();
+  if (extension == ".p4d" || extension == ".poly4d") {
+    if (!rational.bottom.roots.empty() || rational.logScale != 0)
+      throw std::invalid_argument(
+          "a " + extension + " holds a polynomial only, and this versor has bottom roots or a scale; write a .json");
+    file << vdbtools::rationalToP4d(rational.top);
+  } else {
+    file << vdbtools::rationalToJson(rational, note);
+  }
+  outputs.commit();
+  std::cerr << "wrote " << outputs.names() << ": " << rational.top.roots.size() << " top and "
+            << rational.bottom.roots.size() << " bottom roots\n";
+}
+
+void inspect(const std::string& name, const julia::Polynomial& polynomial) {
+  std::cout << name << ": " << polynomial.roots.size() << " roots, powers times " << polynomial.powerScale << ", sum "
+            << julia::summedPowers(polynomial) << '\n';
+  for (const julia::Root& root : polynomial.roots)
+    std::cout << "  [" << root.position.a << ' ' << root.position.b << ' ' << root.position.c << ' ' << root.position.d
+              << "]  power " << root.power << '\n';
+}
+
+julia::Rational newVersor(const CommandLine& line, std::string& note) {
+  // The same options as those of 'fractal', under the same rules, without their prefix.
+  vdbtools::Recipe recipe;
+  for (const char* name : {"seed", "roots", "powers", "integer", "placement", "centre", "radius"})
+    if (line.has(name)) recipe[std::string("versor-") + name] = line.values()[name].empty() ? "true" : line.text(name);
+  if (line.has("integer")) recipe["versor-integer"] = "true";
+  julia::RandomRootsOptions options = vdbtools::parseFractalOptions(recipe).randomRoots;
+  if (line.has("box")) {
+    const std::vector<double> b = vdbtools::parseNumbers("box", line.text("box"), 6);
+    options.boxMin = {b[0], b[1], b[2]};
+    options.boxMax = {b[3], b[4], b[5]};
+  }
+  note = "juliavdb versor new";
+  for (const auto& [name, value] : recipe) note += " --" + name.substr(std::string("versor-").size()) + " " + value;
+  return {0, julia::randomPolynomial(options), {}};
+}
+
+}  // namespace
+
+int runVersor(const Arguments& arguments) {
+  CommandLine line(kUsageText, {});
+  line.addPositional("words", -1, "what to do, and with what");
+  line.addOptions()("output,o", po::value<std::string>()->value_name("F.json"), "the file to write")(
+      "seed", po::value<std::string>()->value_name("S"), "new: another number, another texture (default 1)")(
+      "roots", po::value<std::string>()->value_name("N"), "new: how many (default 10)")(
+      "powers", po::value<std::string>()->value_name("MIN:MAX"), "new: their powers (default 2:11)")(
+      "integer", "new: whole powers only")("placement", po::value<std::string>()->value_name("box|cluster"),
+                                           "new: where (default box)")(
+      "box", po::value<std::string>()->value_name("X0,Y0,Z0,X1,Y1,Z1"),
+      "new: the box (default: the unit cube about 0)")("centre", po::value<std::string>()->value_name("X,Y,Z"),
+                                                       "new: the cluster's middle (default 0,0,0)")(
+      "radius", po::value<std::string>()->value_name("R"), "new: the cluster's radius (default 0.1)");
+  if (!line.parse(arguments)) return kDone;
+  const std::vector<std::string> words = line.texts("words");
+  const std::string action = words.empty() ? "" : words.front();
+  const auto expect = [&](std::size_t count, const char* what) {
+    if (words.size() != count + 1)
+      throw std::invalid_argument("'versor " + action + "' takes " + what + "; see 'juliavdb versor --help'");
+  };
+  if (action == "new") {
+    expect(0, "no file but -o");
+    std::string note;
+    const julia::Rational rational = newVersor(line, note);
+    write(line, rational, note);
+  } else if (action == "inspect") {
+    expect(1, "one file");
+    const vdbtools::RationalFile file = vdbtools::readRationalFile(words[1]);
+    if (!file.note.empty()) std::cout << "note: " << file.note << '\n';
+    std::cout << "C: " << file.rational.logScale << '\n';
+    inspect("top", file.rational.top);
+    inspect("bottom", file.rational.bottom);
+  } else if (action == "add") {
+    expect(2, "two files");
+    write(line, julia::product(vdbtools::readRational(words[1]), vdbtools::readRational(words[2])), "");
+  } else if (action == "scale") {
+    expect(2, "a file and a factor");
+    const double factor = vdbtools::parseNumber("scale", words[2]);
+    write(line, julia::scaled(vdbtools::readRational(words[1]), factor), "");
+  } else if (action == "translate") {
+    expect(2, "a file and X,Y,Z or X,Y,Z,S");
+    const bool four = std::count(words[2].begin(), words[2].end(), ',') == 3;
+    const std::vector<double> by = vdbtools::parseNumbers("translate", words[2], four ? 4 : 3);
+    write(line, julia::translated(vdbtools::readRational(words[1]), {by[0], by[1], by[2], four ? by[3] : 0}), "");
+  } else {
+    throw std::invalid_argument((action.empty() ? std::string("nothing to do") : "'" + action + "' is unknown") +
+                                "; use new, inspect, add, scale or translate");
+  }
+  return kDone;
+}
+
+}  // namespace cli

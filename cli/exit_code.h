@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file exit_code.h
+/// What the program's exit status means: those of sysexits.h where it has one.
+#pragma once
+
+namespace cli {
+
+enum ExitCode {
+  kDone = 0,
+  kUsage = 2,          ///< unknown option, value out of its domain
+  kBadData = 65,       ///< leaky mesh, broken file, empty result
+  kNoInput = 66,       ///< no such input
+  kInternal = 70,      ///< a bug
+  kCannotCreate = 73,  ///< the output's place cannot be written
+  kInputOutput = 74,   ///< reading or writing broke off
+  kInterrupted = 75,   ///< stopped by a signal; try again
+};
+
+}  // namespace cli

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "interruption.h"
+
+#include "exit_code.h"
+
+#include "vdbtools/atomic_file.h"
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+#include <unistd.h>
+
+namespace cli {
+namespace {
+
+std::atomic<bool> theInterrupted{false};
+
+// The program promises to be gone within a second; this much is left to work that stops by itself.
+constexpr std::chrono::milliseconds kGrace(700);
+
+}  // namespace
+
+void watchForInterruption() {
+  std::signal(SIGPIPE, SIG_IGN);  // a reader that is gone shows as a failed write
+  static sigset_t signals;
+  sigemptyset(&signals);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::thread([] {
+    int signal = 0;
+    sigwait(&signals, &signal);
+    theInterrupted = true;
+    std::this_thread::sleep_for(kGrace);
+    vdbtools::removeTemporaries();
+    constexpr char kText[] = "\njuliavdb: interrupted; nothing was written\n";
+    [[maybe_unused]] const auto written = write(STDERR_FILENO, kText, sizeof kText - 1);
+    _exit(kInterrupted);
+  }).detach();
+}
+
+bool interrupted() noexcept { return theInterrupted; }
+
+}  // namespace cli

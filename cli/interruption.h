@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file interruption.h
+/// Ctrl-C and SIGTERM: first as a wish that work looks at, then, for work that cannot, as the end of the process with
+/// its temporary files removed.
+#pragma once
+
+namespace cli {
+
+/// Call first in main(), before any thread exists: signals are handled by a thread of their own from then on.
+void watchForInterruption();
+
+/// True once a signal came.
+bool interrupted() noexcept;
+
+}  // namespace cli

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/commands.h"
+#include "exit_code.h"
+#include "interruption.h"
+
+#include "vdbtools/errors.h"
+
+#include <algorithm>
+#include <exception>
+#include <iostream>
+#include <new>
+#include <stdexcept>
+#include <string>
+
+namespace cli {
+namespace {
+
+constexpr Command kCommands[] = {
+    {"sdf", runSdf, "mesh -> signed distance field (VDB)"},
+    {"fractal", runFractal, "mesh or signed distance field -> fractal (VDB, mesh)"},
+    {"mesh", runMesh, "VDB -> mesh"},
+    {"versor", runVersor, "make, look at and change versors, the fractal's texture"},
+    {"slice", runSlice, "picture of a field on a plane"},
+    {"render", runRender, "shaded picture of a level set"},
+    {"info", runInfo, "what is in a mesh, a VDB or a versor file"},
+};
+
+void printHelp(std::ostream& stream) {
+  stream << "Usage: juliavdb COMMAND [options]\n\n"
+            "Turns a mesh into a fractal of the same shape.\n\nCommands:\n";
+  for (const Command& command : commands())
+    stream << "  " << command.name << std::string(10 - std::string_view(command.name).size(), ' ') << command.summary
+           << '\n';
+  stream << "\n'juliavdb COMMAND --help' tells more. --version prints the version.\n";
+}
+
+int run(const Arguments& arguments) {
+  if (arguments.empty()) {
+    printHelp(std::cerr);
+    return kUsage;
+  }
+  const std::string& name = arguments.front();
+  if (name == "--help" || name == "-h" || name == "help") {
+    printHelp(std::cout);
+    return kDone;
+  }
+  if (name == "--version") {
+    std::cout << "juliavdb " << JULIAVDB_VERSION << '\n';
+    return kDone;
+  }
+  for (const Command& command : commands())
+    if (name == command.name) return command.run(Arguments(arguments.begin() + 1, arguments.end()));
+  throw std::invalid_argument("'" + name + "' is not a command; 'juliavdb --help' lists them");
+}
+
+/// One line, whatever the text held.
+int fail(int code, std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  std::cerr << "juliavdb: " << text << std::endl;
+  return code;
+}
+
+/// Data on stdout is an output like any other: it must have arrived.
+int finish(int code) {
+  std::cout.flush();
+  return code == kDone && !std::cout ? fail(kInputOutput, "writing to the standard output failed") : code;
+}
+
+}  // namespace
+
+std::span<const Command> commands() { return kCommands; }
+
+}  // namespace cli
+
+int main(int argc, char** argv) {
+  using namespace cli;
+  watchForInterruption();
+  try {
+    return finish(run(Arguments(argv + 1, argv + argc)));
+  } catch (const std::invalid_argument& error) {
+    return fail(kUsage, error.what());
+  } catch (const vdbtools::DataError& error) {
+    return fail(kBadData, error.what());
+  } catch (const vdbtools::MissingInputError& error) {
+    return fail(kNoInput, error.what());
+  } catch (const vdbtools::CreateError& error) {
+    return fail(kCannotCreate, error.what());
+  } catch (const vdbtools::IoError& error) {
+    return fail(kInputOutput, error.what());
+  } catch (const vdbtools::Interrupted& error) {
+    return fail(kInterrupted, error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(kInternal, "memory ran out; use larger voxels, a lower --sdf-resolution or a --box");
+  } catch (const std::exception& error) {
+    return fail(kInternal, std::string("internal error: ") + error.what());
+  }
+}

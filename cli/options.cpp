@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "options.h"
+
+#include "vdbtools/errors.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
+#include <stdexcept>
+
+namespace po = boost::program_options;
+
+namespace cli {
+namespace {
+
+// Guessing abbreviations would make every new option a change of the command line.
+constexpr int kStyle = po::command_line_style::unix_style & ~po::command_line_style::allow_guessing;
+constexpr unsigned kLineLength = 110;
+constexpr int kMostThreads = 4096;
+
+std::optional<int> parseThreads(const std::string& text) {
+  int threads = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), threads);
+  if (error != std::errc{} || end != text.data() + text.size() || threads < 1 || threads > kMostThreads)
+    return std::nullopt;
+  return threads;
+}
+
+bool isRecipeFile(const std::string& file) {
+  std::string extension = std::filesystem::path(file).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".vdb" || extension == ".ply" || extension == ".obj";
+}
+
+}  // namespace
+
+vdbtools::Recipe overridden(vdbtools::Recipe base, const vdbtools::Recipe& given) {
+  for (const auto& [name, value] : given) {
+    base.erase(vdbtools::alternativeOption(name));
+    if (name == "input") base.erase("source-sha256");
+    if (name == "versor") base.erase("versor-sha256");
+  }
+  for (const auto& [name, value] : given) base[name] = value;
+  return base;
+}
+
+CommandLine::CommandLine(const Usage& usage, std::span<const vdbtools::OptionSpec> recipeSpecs)
+    : mUsage(usage),
+      mSpecs(recipeSpecs),
+      mOwn("Options", kLineLength),
+      mFromRecipe("What to make", kLineLength),
+      mCommon("Common options", kLineLength) {
+  for (const vdbtools::OptionSpec& spec : mSpecs) {
+    auto* value = po::value<std::string>();
+    if (spec.argument)
+      value->value_name(spec.argument);
+    else
+      value->implicit_value("true")->zero_tokens();
+    std::string help = spec.help;
+    if (spec.defaultValue && *spec.defaultValue) help += std::string(" (default ") + spec.defaultValue + ")";
+    if (std::string_view(spec.name) == "input") {
+      mHidden.add_options()("input", value);
+      mPositional.add("input", 1);
+    } else {
+      mFromRecipe.add_options()(spec.name, value, help.c_str());
+    }
+  }
+  if (!mSpecs.empty())
+    mCommon.add_options()(
+        "config", po::value<std::string>()->value_name("FILE"),
+        "take options from a file: NAME = VALUE lines, or a VDB, PLY or OBJ made by this program; the "
+        "command line goes first");
+  mCommon.add_options()("threads", po::value<std::string>()->value_name("N"),
+                        "threads to use (default: SLURM_CPUS_PER_TASK, then all that this process may use)")(
+      "progress", po::value<std::string>()->value_name("bar|json|none"),
+      "progress on stderr, for work of more than two seconds (default bar)")("help,h", "show this help");
+}
+
+void CommandLine::addPositional(const char* name, int count, const char* help) {
+  if (count == 1)
+    mHidden.add_options()(name, po::value<std::string>(), help);
+  else
+    mHidden.add_options()(name, po::value<std::vector<std::string>>(), help);
+  mPositional.add(name, count);
+}
+
+bool CommandLine::parse(const Arguments& arguments) {
+  po::options_description all;
+  all.add(mOwn).add(mFromRecipe).add(mCommon).add(mHidden);
+  try {
+    po::store(po::command_line_parser(arguments).options(all).positional(mPositional).style(kStyle).run(), mValues);
+    po::notify(mValues);
+  } catch (const po::too_many_positional_options_error&) {
+    throw std::invalid_argument("there is one word too many; 'juliavdb " + std::string(mUsage.command) +
+                                " --help' tells what is expected");
+  } catch (const po::error& error) {
+    throw std::invalid_argument(std::string(error.what()) + "; see 'juliavdb " + mUsage.command + " --help'");
+  }
+  if (has("help")) {
+    printHelp();
+    return false;
+  }
+  applyThreads();
+  for (const vdbtools::OptionSpec& spec : mSpecs)
+    if (has(spec.name)) mGiven[spec.name] = mValues[spec.name].as<std::string>();
+  if (has("config")) readConfig(text("config"));
+  mRecipe = vdbtools::completeRecipe(mGiven, mSpecs);
+  mProgress = std::make_unique<Progress>(parseProgressStyle(has("progress") ? text("progress") : "bar"));
+  return true;
+}
+
+std::string CommandLine::text(const std::string& name) const {
+  return has(name) ? mValues[name].as<std::string>() : std::string();
+}
+
+std::vector<std::string> CommandLine::texts(const std::string& name) const {
+  return has(name) ? mValues[name].as<std::vector<std::string>>() : std::vector<std::string>();
+}
+
+void CommandLine::readConfig(const std::string& file) {
+  vdbtools::Recipe base;
+  if (isRecipeFile(file)) {
+    auto [recipe, command] = vdbtools::readRecipe(file);
+    if (command != mUsage.command)
+      throw std::invalid_argument("'" + file + "' was made by 'juliavdb " + command + "', not by 'juliavdb " +
+                                  mUsage.command + "'");
+    base = std::move(recipe);
+  } else {
+    std::ifstream stream(file);
+    if (!stream || std::filesystem::is_directory(file)) throw vdbtools::MissingInputError("cannot open '" + file + "'");
+    po::options_description known;
+    known.add(mFromRecipe);
+    known.add_options()("input", po::value<std::string>());
+    try {
+      for (const auto& option : po::parse_config_file(stream, known).options)
+        base[option.string_key] = option.value.empty() ? "true" : option.value.front();
+    } catch (const po::error& error) {
+      throw std::invalid_argument("'" + file + "': " + error.what());
+    }
+  }
+  mGiven = overridden(std::move(base), mGiven);
+}
+
+void CommandLine::applyThreads() {
+  std::optional<int> threads;
+  if (has("threads")) {
+    threads = parseThreads(text("threads"));
+    if (!threads)
+      throw std::invalid_argument("--threads is '" + text("threads") + "'; it must be a whole number from 1 to " +
+                                  std::to_string(kMostThreads));
+  } else if (const char* slurm = std::getenv("SLURM_CPUS_PER_TASK")) {
+    threads = parseThreads(slurm);
+  }
+  // TBB counts the processors of the affinity mask by itself.
+  if (threads)
+    mThreads = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                     static_cast<std::size_t>(*threads));
+}
+
+void CommandLine::printHelp() const {
+  std::cout << "Usage: juliavdb " << mUsage.command << ' ' << mUsage.synopsis << "\n\n" << mUsage.description << "\n\n";
+  if (!mOwn.options().empty()) std::cout << mOwn << '\n';
+  if (!mFromRecipe.options().empty()) std::cout << mFromRecipe << '\n';
+  std::cout << mCommon << "\nExamples:\n" << mUsage.examples;
+}
+
+}  // namespace cli

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file options.h
+/// The command line of one command: its own options, those of a recipe, and the ones that all commands have.
+#pragma once
+
+#include "commands/commands.h"
+#include "progress.h"
+
+#include "vdbtools/recipe.h"
+
+#include <boost/program_options.hpp>
+
+#include <tbb/global_control.h>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace cli {
+
+/// What a command says of itself.
+struct Usage {
+  const char* command;   ///< as in "fractal"
+  const char* synopsis;  ///< what follows "juliavdb fractal"
+  const char* description;
+  const char* examples;  ///< lines that work as they stand, given the files they name
+};
+
+class CommandLine {
+ public:
+  /// @param recipeSpecs  options that make up a recipe; "input" among them is positional
+  CommandLine(const Usage& usage, std::span<const vdbtools::OptionSpec> recipeSpecs);
+
+  /// The command's other options, those that do not affect the result.
+  boost::program_options::options_description_easy_init addOptions() { return mOwn.add_options(); }
+  /// A positional argument that is no part of a recipe; @a count -1 takes all that follow.
+  void addPositional(const char* name, int count, const char* help);
+
+  /// @return false if help was asked for and shown
+  /// @throw std::invalid_argument  what is wrong with the words, in one line
+  bool parse(const Arguments& arguments);
+
+  const boost::program_options::variables_map& values() const { return mValues; }
+  bool has(const std::string& name) const { return mValues.count(name) != 0; }
+  std::string text(const std::string& name) const;
+  std::vector<std::string> texts(const std::string& name) const;
+
+  /// The recipe: the command line's words over those of --config over the defaults.
+  const vdbtools::Recipe& recipe() const { return mRecipe; }
+  /// Only what was given on the command line or by --config.
+  const vdbtools::Recipe& givenRecipe() const { return mGiven; }
+  Progress& progress() const { return *mProgress; }
+
+ private:
+  void readConfig(const std::string& file);
+  void applyThreads();
+  void printHelp() const;
+
+  Usage mUsage;
+  std::span<const vdbtools::OptionSpec> mSpecs;
+  boost::program_options::options_description mOwn{"Options"}, mFromRecipe{"What to make"}, mCommon{"Common options"},
+      mHidden;
+  boost::program_options::positional_options_description mPositional;
+  boost::program_options::variables_map mValues;
+  vdbtools::Recipe mRecipe, mGiven;
+  std::unique_ptr<tbb::global_control> mThreads;
+  std::unique_ptr<Progress> mProgress;
+};
+
+/// Merges the words of @a given over @a base: an option displaces its alternative, and another file its old hash.
+vdbtools::Recipe overridden(vdbtools::Recipe base, const vdbtools::Recipe& given);
+
+}  // namespace cli

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "output.h"
+
+#include "vdbtools/frame_name.h"
+
+#include <algorithm>
+#include <charconv>
+#include <stdexcept>
+#include <vector>
+
+namespace cli {
+
+std::ostream& Outputs::add(const std::string& option, const std::string& name, std::string_view extensions) {
+  const std::filesystem::path path = vdbtools::expandFrame(name, mFrame);
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  bool known = false;
+  for (std::size_t at = 0; at < extensions.size();) {
+    const std::size_t end = std::min(extensions.find(' ', at), extensions.size());
+    known = known || extensions.substr(at, end - at) == extension;
+    at = end + 1;
+  }
+  // Devices such as /dev/null have no extension and take any content.
+  if (!known && !(std::filesystem::exists(path) && !std::filesystem::is_regular_file(path)))
+    throw std::invalid_argument("--" + option + " is '" + name + "'; its extension must be one of " +
+                                std::string(extensions));
+  return mFiles.emplace_back(path).stream();
+}
+
+void Outputs::commit() {
+  std::vector<vdbtools::AtomicFile*> files;
+  for (vdbtools::AtomicFile& file : mFiles) files.push_back(&file);
+  vdbtools::commitAll(files);
+}
+
+std::string Outputs::names() const {
+  std::string names;
+  for (const vdbtools::AtomicFile& file : mFiles) names += (names.empty() ? "" : ", ") + file.target().string();
+  return names;
+}
+
+std::optional<int> parseFrame(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  int frame = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), frame);
+  if (error != std::errc{} || end != text.data() + text.size() || frame < 0)
+    throw std::invalid_argument("--frame is '" + text + "'; it must be a whole number of at least 0");
+  return frame;
+}
+
+}  // namespace cli

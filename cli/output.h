@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file output.h
+/// The files that a command writes: their places are claimed before the work begins, and all appear together at its
+/// end.
+#pragma once
+
+#include "vdbtools/atomic_file.h"
+
+#include <functional>
+#include <list>
+#include <optional>
+#include <ostream>
+#include <string>
+#include <string_view>
+
+namespace cli {
+
+class Outputs {
+ public:
+  /// @param frame  the frame number for names such as name.####.vdb, if there is one
+  /// @throw std::invalid_argument, std::invalid_argument if the name has no extension of @a extensions (".vdb .ply")
+  ///        vdbtools::CreateError
+  explicit Outputs(std::optional<int> frame = {}) : mFrame(frame) {}
+
+  /// Claims a place; the stream is for its content.
+  std::ostream& add(const std::string& option, const std::string& name, std::string_view extensions);
+
+  /// Brings all to their places. @throw vdbtools::IoError
+  void commit();
+
+  /// The names as they came to be, separated by commas.
+  std::string names() const;
+
+ private:
+  std::optional<int> mFrame;
+  std::list<vdbtools::AtomicFile> mFiles;
+};
+
+/// The value of an option --frame. @throw std::invalid_argument
+std::optional<int> parseFrame(const std::string& text);
+
+}  // namespace cli

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file fractal_job.h
+/// The main job from end to end (DESIGN.md section 1): options in; target, exponent, map and evaluator made ready;
+/// field, mesh and hand-off grids out.
+#pragma once
+
+#include "vdbtools/exponent_grid.h"
+#include "vdbtools/extract_mesh.h"
+#include "vdbtools/fractal_field.h"
+#include "vdbtools/level_set.h"
+#include "vdbtools/recipe.h"
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace vdbtools {
+
+/// Everything that stands before the first node is evaluated.
+struct Scene {
+  FractalOptions options;
+  std::optional<Target> target;  ///< none if no input was given
+  FractalSpace space;
+  std::optional<ExponentGrid> exponent;  ///< of the shape modulus
+  julia::Rational rational;              ///< the versor, or the rational map
+  std::unique_ptr<julia::FieldEvaluator> evaluator;
+  openvdb::BBoxd region;  ///< of a map without a shell, world units
+  double voxelSize = 0;   ///< of the result, world units
+  /// What was found out on the way, as metadata: hashes, the space, the shell, the versor's roots.
+  std::map<std::string, std::string> facts;
+
+  FieldSource source() const { return {*evaluator, space}; }
+};
+
+/// @throw what reading, repairing and the options' checks throw
+Scene makeScene(const FractalOptions& options, Monitor& monitor);
+
+/// F over the options' box or the whole set.
+FractalField evaluateScene(const Scene& scene, bool keepIterations, Monitor& monitor);
+
+struct FractalResult {
+  std::vector<openvdb::GridBase::Ptr> grids;  ///< those of options.grids, if @a wantGrids
+  Mesh mesh;                                  ///< with normals, if @a wantMesh
+  std::uint64_t evaluatedNodes = 0;
+  LevelSetCheck check;  ///< of the grid "surface", if it was made
+};
+
+/// @throw DataError if there is no surface
+FractalResult runFractal(const Scene& scene, bool wantGrids, bool wantMesh, Monitor& monitor);
+
+struct SdfResult {
+  openvdb::FloatGrid::Ptr grid;
+  MeshReport report;
+  std::optional<double> moved, closedGap;  ///< of a repair, world units
+  std::map<std::string, std::string> facts;
+};
+
+/// Mesh -> signed distance field, as `juliavdb sdf` does it.
+SdfResult runSdf(const SdfOptions& options, Monitor& monitor);
+
+}  // namespace vdbtools

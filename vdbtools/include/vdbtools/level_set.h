@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file level_set.h
+/// The hand-off grids (DESIGN.md section 3).
+#pragma once
+
+#include "vdbtools/fractal_field.h"
+#include "vdbtools/mesh.h"
+
+#include <openvdb/openvdb.h>
+
+#include <string>
+
+namespace vdbtools {
+
+/// Half width of a level set that leaves the program, voxels: a little over the 3 that OpenVDB's check asks for, which
+/// exactly 3 fails by rounding.
+inline constexpr double kHalfWidth = 3.01;
+
+/// The level set of the fractal: the distance to @a mesh, with the sign that F has at the node. Class, uniform scale,
+/// no active tile, flood filled; named "surface".
+/// @param mesh  of the same field with Border::Cap
+openvdb::FloatGrid::Ptr levelSet(const FractalField& field, const Mesh& mesh, Monitor& monitor);
+
+/// Fog of density 1 inside, falling to 0 at the surface over the half width; named "density".
+openvdb::FloatGrid::Ptr densityGrid(const openvdb::FloatGrid& surface);
+
+/// F at the nodes that were evaluated, class unknown; named "logmodulus".
+openvdb::FloatGrid::Ptr logModulusGrid(const FractalField& field);
+
+/// The three imaginary components of the map's versor over the band of @a surface; named "versor".
+openvdb::Vec3SGrid::Ptr versorGrid(const openvdb::FloatGrid& surface, const FieldSource& source, Monitor& monitor);
+
+/// What OpenVDB's checkLevelSet finds.
+struct LevelSetCheck {
+  std::string failure;          ///< of tests 1 to 8; empty: none
+  double gradientFraction = 0;  ///< of the active voxels, those where | |grad phi| - 1 | < 0.5
+};
+
+LevelSetCheck checkSurface(const openvdb::FloatGrid& surface);
+
+}  // namespace vdbtools

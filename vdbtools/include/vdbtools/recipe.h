@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file recipe.h
+/// What a run was asked to do, as text: option names and values, in the words of the command line. A recipe goes into
+/// the metadata of what it made and comes back from there, so that a file says how to make it again.
+///
+/// The registry below is the one place that names an option, its default and its meaning; the command line and the
+/// documentation take theirs from here.
+#pragma once
+
+#include "vdbtools/control.h"
+
+#include "julia/embedding.h"
+#include "julia/orbit.h"
+#include "julia/random_roots.h"
+
+#include <openvdb/openvdb.h>
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace vdbtools {
+
+/// Option name (without dashes in front) -> value. A flag that is set has the value "true".
+using Recipe = std::map<std::string, std::string>;
+
+struct OptionSpec {
+  const char* name;
+  const char* argument;      ///< what the help calls the value; nullptr: a flag
+  const char* defaultValue;  ///< nullptr: none
+  const char* help;
+};
+
+/// The options of each command that affect its result.
+std::span<const OptionSpec> sdfOptionSpecs();
+std::span<const OptionSpec> fractalOptionSpecs();
+/// Of two options that say the same in two ways, the other one's name; "" if there is none.
+std::string alternativeOption(const std::string& option);
+
+/// "julia_" and the name with underscores: an identifier, as Houdini wants it.
+std::string metadataName(const std::string& option);
+/// A recipe's entries as metadata, with the tool's version and the command.
+std::map<std::string, std::string> recipeToMetadata(const Recipe& recipe, const std::string& command);
+/// What of @a metadata is a recipe, and of which command ("" if none).
+std::pair<Recipe, std::string> recipeFromMetadata(const std::map<std::string, std::string>& metadata);
+/// @a recipe with every option that has a default and is not given: what is recorded does not change its meaning when a
+/// later version has other defaults.
+Recipe completeRecipe(Recipe recipe, std::span<const OptionSpec> specs);
+/// The recipe in a VDB, PLY or OBJ that the program made. @throw DataError if there is none; MissingInputError
+std::pair<Recipe, std::string> readRecipe(const std::filesystem::path& path);
+
+/// The voxel size, given as such or as a number of voxels along the longest side.
+struct VoxelChoice {
+  std::optional<double> voxelSize;   ///< world units
+  std::optional<double> resolution;  ///< one of the two is there
+
+  /// @throw std::invalid_argument if that is not above 0
+  double sizeFor(double longestSide) const;
+};
+
+struct SdfOptions {
+  std::filesystem::path input;
+  VoxelChoice voxels;
+  bool repair = false;
+  double gap = 0;   ///< world units; 0: found
+  double band = 3;  ///< voxels on each side
+  bool half = false;
+};
+
+enum class MapKind { ShapeModulus, Rational, Quadratic };
+enum class SpaceKind { Fit, World };
+enum class Precision { Float, Double };
+
+struct FractalOptions {
+  std::filesystem::path input;  ///< empty: none
+  std::string grid;             ///< which grid of a VDB input
+  VoxelChoice voxels, sdfVoxels;
+  bool repair = false;
+  double gap = 0;
+  MapKind map = MapKind::ShapeModulus;
+  std::string alpha, beta;  ///< text of a Control, or a file name
+  std::string versor;       ///< "random" or a file name
+  julia::RandomRootsOptions randomRoots;
+  double versorScale = 1;
+  openvdb::Vec3d versorTranslate{0};
+  julia::Quaternion<double> c{};
+  int iterations = 3;
+  double escape = 20;
+  double slice = 0;
+  openvdb::Vec3d origin{0};
+  julia::DropAxis dropAxis = julia::DropAxis::K;
+  SpaceKind space = SpaceKind::Fit;
+  std::optional<openvdb::BBoxd> box;
+  double tolerance = 1e-3;
+  bool cap = false;
+  Precision precision = Precision::Double;
+  bool exhaustive = false;
+  std::vector<std::string> grids;
+  bool half = false;
+  std::string sourceHash, versorHash;  ///< expected, if not empty
+};
+
+/// @throw std::invalid_argument naming the option and the value
+SdfOptions parseSdfOptions(const Recipe& recipe);
+FractalOptions parseFractalOptions(const Recipe& recipe);
+
+/// The values of a list such as "0,1.5,-2". @throw std::invalid_argument unless there are @a count finite numbers
+std::vector<double> parseNumbers(const std::string& option, const std::string& text, std::size_t count);
+double parseNumber(const std::string& option, const std::string& text);
+
+}  // namespace vdbtools

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file edge_search.h
+/// Where the true F changes sign on lattice edges ([Kim15], [KD20] Fig. 4).
+#pragma once
+
+#include "vdbtools/fractal_field.h"
+
+#include <vector>
+
+namespace vdbtools {
+
+struct LatticeEdge {
+  openvdb::Coord begin;
+  int axis;          ///< the edge runs from begin one voxel along this axis
+  bool beginInside;  ///< F < 0 at begin, and not at the other end; or the other way round
+  bool cut;          ///< it leaves the domain: no F to search, the middle is taken
+};
+
+/// @param tolerance  voxels: the change of sign lies within this of the result
+/// @return world positions, one an edge
+std::vector<openvdb::Vec3d> searchEdges(const std::vector<LatticeEdge>& edges, double voxelSize,
+                                        const FieldSource& source, double tolerance);
+
+}  // namespace vdbtools

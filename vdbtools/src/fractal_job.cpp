@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/fractal_job.h"
+
+#include "vdbtools/file_hash.h"
+#include "vdbtools/mesh_to_sdf.h"
+#include "vdbtools/peer_formats.h"
+#include "vdbtools/vdb_file.h"
+#include "vdbtools/versor_file.h"
+
+#include "julia/quadratic_map.h"
+#include "julia/rational_map.h"
+#include "julia/shape_modulus.h"
+
+#include <openvdb/tools/Interpolation.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+namespace vdbtools {
+namespace {
+
+using openvdb::BBoxd;
+using openvdb::FloatGrid;
+using openvdb::Vec3d;
+
+constexpr const char* kTargetBox = "julia_target_box";
+constexpr const char* kVersorJson = "julia_versor_json";
+// Around the target, of its longest side: where the set of a map without a shell is looked for.
+constexpr double kRegionMargin = 0.25;
+// Nodes kept beyond what the shell needs, for trilinear reading.
+constexpr double kBandMargin = 5;  // voxels
+
+double longestSide(const BBoxd& box) {
+  const Vec3d extents = box.extents();
+  return std::max({extents[0], extents[1], extents[2]});
+}
+
+/// The shortest text that reads back as the same doubles.
+std::string numbersText(std::initializer_list<double> values) {
+  std::string text;
+  for (const double value : values) {
+    char digits[32];
+    if (!text.empty()) text += ',';
+    text.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+  }
+  return text;
+}
+
+std::string boxText(const BBoxd& box) {
+  const Vec3d &a = box.min(), &b = box.max();
+  return numbersText({a[0], a[1], a[2], b[0], b[1], b[2]});
+}
+
+void requireHash(const std::string& expected, const std::string& found, const std::filesystem::path& path) {
+  if (!expected.empty() && expected != found)
+    throw DataError("'" + path.string() + "' is not the file that the recipe was made with: its SHA-256 is " + found +
+                    " and was " + expected + "; give the options without --config to use it all the same");
+}
+
+Control readControl(const std::string& option, const std::string& text, const BBoxd& targetBox) {
+  const auto parsed = parseControl(text);
+  if (const double* number = std::get_if<double>(&parsed)) return Control(*number);
+  if (const Ramp* ramp = std::get_if<Ramp>(&parsed)) return Control(*ramp, targetBox);
+  // FILE.vdb or FILE.vdb:GRID
+  std::string file = text, grid;
+  if (!isVdbPath(file)) {
+    const std::size_t colon = text.rfind(':');
+    if (colon == std::string::npos || !isVdbPath(text.substr(0, colon)))
+      throw std::invalid_argument("--" + option + " is '" + text +
+                                  "'; it must be a number, a ramp such as x:10:300:smooth, or FILE.vdb[:GRID]");
+    file = text.substr(0, colon);
+    grid = text.substr(colon + 1);
+  }
+  return Control(chooseFloatGrid(readVdb(file), grid, file));
+}
+
+MeshToSdfOptions sdfBand(double voxelSize, double exteriorWidth, double interiorWidth) {
+  return {.voxelSize = voxelSize, .exteriorBandWidth = exteriorWidth, .interiorBandWidth = interiorWidth};
+}
+
+struct MeshSdf {
+  FloatGrid::Ptr grid;
+  std::optional<double> moved, closedGap;
+};
+
+MeshSdf makeSdf(const Mesh& mesh, const MeshToSdfOptions& options, bool repair, double gap, Monitor& monitor) {
+  if (!repair) return {meshToSdf(mesh, options, monitor), {}, {}};
+  RepairedSdf repaired = repairedMeshToSdf(mesh, options, {.gap = gap}, monitor);
+  return {repaired.grid, repaired.moved, repaired.closedGap};
+}
+
+/// The target's box and the controls that may refer to it, then the target itself with the band that they need.
+struct Input {
+  Target target;
+  ExponentGridOptions exponent;
+};
+
+ExponentGridOptions exponentOptions(const FractalOptions& options, const BBoxd& box) {
+  return {.alpha = readControl("alpha", options.alpha, box),
+          .beta = readControl("beta", options.beta, box),
+          .maxIterations = options.iterations,
+          .escapeRadius = options.escape};
+}
+
+double spaceScale(const FractalOptions& options, const BBoxd& box) {
+  return options.space == SpaceKind::World ? 1 : longestSide(box);
+}
+
+Input readMeshInput(const FractalOptions& options, std::map<std::string, std::string>& facts, Monitor& monitor) {
+  const Mesh mesh = readMesh(options.input);
+  const MeshReport report = reportMesh(mesh);
+  const double voxel = options.sdfVoxels.sizeFor(longestSide(report.box));
+  ExponentGridOptions exponent = exponentOptions(options, report.box);
+  const double reach = exteriorReach(exponent) * spaceScale(options, report.box);
+  const MeshSdf sdf =
+      makeSdf(mesh, sdfBand(voxel, reach / voxel + kBandMargin, std::numeric_limits<double>::infinity()),
+              options.repair, options.gap, monitor);
+  if (sdf.moved) facts["julia_repair_moved"] = numbersText({*sdf.moved});
+  return {makeTarget(sdf.grid, report.box), std::move(exponent)};
+}
+
+Input readVdbInput(const FractalOptions& options, Monitor& monitor) {
+  const VdbFile file = readVdb(options.input);
+  const FloatGrid::Ptr phi = chooseFloatGrid(file, options.grid, options.input);
+  // An SDF of ours knows the box of its mesh; half a voxel more exactly than its nodes do.
+  std::optional<BBoxd> box;
+  if (const auto found = file.metadata.find(kTargetBox); found != file.metadata.end() && phi->getName() == "phi") {
+    const std::vector<double> b = parseNumbers(kTargetBox, found->second, 6);
+    box.emplace(Vec3d(b[0], b[1], b[2]), Vec3d(b[3], b[4], b[5]));
+  }
+  Input input{makeTarget(phi, box), {}};
+  input.exponent = exponentOptions(options, input.target.box);
+  extendBand(input.target, exteriorReach(input.exponent) * spaceScale(options, input.target.box), monitor);
+  return input;
+}
+
+FractalSpace makeSpace(const FractalOptions& options, const Target* target) {
+  FractalSpace space;
+  if (target && options.space == SpaceKind::Fit) return fitFractalSpace(*target->phi, target->box, options.origin);
+  space.centre = options.origin;
+  return space;
+}
+
+julia::Rational randomVersor(const FractalOptions& options, const Scene& scene) {
+  julia::RandomRootsOptions random = options.randomRoots;
+  // The roots lie in the target's space; moving the dynamics' origin does not strew them anew.
+  FractalSpace unmoved = scene.space;
+  unmoved.centre -= options.origin * (options.space == SpaceKind::Fit ? scene.space.scale : 1.0);
+  if (scene.target) {
+    random.boxMin = unmoved.toFractal(scene.target->box.min());
+    random.boxMax = unmoved.toFractal(scene.target->box.max());
+    if (options.space == SpaceKind::World) random.surfaceDistance *= longestSide(scene.target->box);
+    const FloatGrid::ConstPtr phi = scene.target->phi;
+    random.distance = [phi, unmoved](const julia::Point& x) {
+      return openvdb::tools::BoxSampler::sample(phi->tree(), phi->worldToIndex(unmoved.toWorld(x))) / unmoved.scale;
+    };
+  }
+  return {0, julia::randomPolynomial(random), {}};
+}
+
+julia::Rational readVersor(const FractalOptions& options, Scene& scene) {
+  julia::Rational rational;
+  if (options.versor == "random") {
+    rational = randomVersor(options, scene);
+  } else if (isVdbPath(options.versor)) {
+    const auto metadata = readVdbMetadata(options.versor);
+    const auto json = metadata.find(kVersorJson);
+    if (json == metadata.end())
+      throw DataError("'" + options.versor + "' holds no versor; only a VDB that 'juliavdb fractal' made does");
+    rational = julia::Rational(rationalFromJson(json->second, options.versor));
+  } else {
+    rational = readRational(options.versor);
+  }
+  if (options.versor != "random") {
+    const std::string hash = sha256OfFile(options.versor);
+    requireHash(options.versorHash, hash, options.versor);
+    scene.facts["julia_versor_sha256"] = hash;
+  }
+  scene.facts[kVersorJson] = rationalToJson(rational);
+  if (options.versorScale != 1) rational = scaled(std::move(rational), options.versorScale);
+  const Vec3d& by = options.versorTranslate;
+  const julia::Embedding unsliced{0, options.dropAxis};
+  return translated(std::move(rational), unsliced.quaternion<double>({by[0], by[1], by[2]}));
+}
+
+template <class Real>
+std::shared_ptr<const julia::Map<Real>> makeMap(const Scene& scene) {
+  switch (scene.options.map) {
+    case MapKind::Rational: return std::make_shared<julia::RationalMap<Real>>(scene.rational);
+    case MapKind::Quadratic: return std::make_shared<julia::QuadraticMap<Real>>(scene.options.c);
+    case MapKind::ShapeModulus: break;
+  }
+  return std::make_shared<julia::ShapeModulus<Real>>(makeExponentField<Real>(*scene.exponent), scene.rational,
+                                                     scene.options.dropAxis);
+}
+
+std::unique_ptr<julia::FieldEvaluator> makeEvaluator(const Scene& scene) {
+  const FractalOptions& options = scene.options;
+  const julia::Embedding embedding{options.slice, options.dropAxis};
+  julia::OrbitOptions orbit{.maxIterations = options.iterations, .escapeRadius = options.escape};
+  if (scene.exponent && !options.exhaustive) orbit.logTrap = scene.exponent->shell.lower;
+  return options.precision == Precision::Float
+             ? julia::makeScalarEvaluator<float>(makeMap<float>(scene), embedding, orbit)
+             : julia::makeScalarEvaluator<double>(makeMap<double>(scene), embedding, orbit);
+}
+
+/// Where a map without a shell is evaluated, world units.
+BBoxd regionOf(const Scene& scene) {
+  const FractalOptions& options = scene.options;
+  if (options.box) return *options.box;
+  if (scene.target) {
+    BBoxd box = scene.target->box;
+    box.expand(kRegionMargin * longestSide(box));
+    return box;
+  }
+  if (options.map == MapKind::Quadratic) {
+    const double radius = julia::quadraticBound(options.c, options.iterations, options.escape);
+    const Vec3d corner(radius, radius, radius);
+    return {scene.space.toWorld({-radius, -radius, -radius}), scene.space.toWorld({radius, radius, radius})};
+  }
+  if (std::filesystem::path(options.versor).extension() == ".o3d") {
+    const OptimisedShape shape = readOptimisedShape(options.versor);
+    Vec3d low, high;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      low[static_cast<int>(axis)] = shape.centre[axis] - shape.lengths[axis] / 2;
+      high[static_cast<int>(axis)] = shape.centre[axis] + shape.lengths[axis] / 2;
+    }
+    return {low, high};
+  }
+  throw std::invalid_argument("a rational map without a target has no region of its own; give --box, or a mesh");
+}
+
+}  // namespace
+
+Scene makeScene(const FractalOptions& options, Monitor& monitor) {
+  openvdb::initialize();
+  Scene scene;
+  scene.options = options;
+  std::optional<ExponentGridOptions> exponent;
+  if (!options.input.empty()) {
+    Input input =
+        isVdbPath(options.input) ? readVdbInput(options, monitor) : readMeshInput(options, scene.facts, monitor);
+    const std::string hash = sha256OfFile(options.input);
+    requireHash(options.sourceHash, hash, options.input);
+    scene.facts["julia_source_sha256"] = hash;
+    scene.facts[kTargetBox] = boxText(input.target.box);
+    scene.target = std::move(input.target);
+    exponent = std::move(input.exponent);
+  } else if (options.map == MapKind::ShapeModulus) {
+    throw std::invalid_argument("the shape modulus needs a target: give a mesh, or a VDB with its signed distance");
+  }
+  scene.space = makeSpace(options, scene.target ? &*scene.target : nullptr);
+  const Vec3d& centre = scene.space.centre;
+  scene.facts["julia_space_centre"] = numbersText({centre[0], centre[1], centre[2]});
+  scene.facts["julia_space_scale"] = numbersText({scene.space.scale});
+  if (options.map == MapKind::ShapeModulus) {
+    scene.exponent = exponentGrid(*scene.target, scene.space, *exponent, monitor);
+    const julia::ShellInterval& shell = scene.exponent->shell;
+    scene.facts["julia_shell"] = numbersText({shell.lower, shell.upper});
+  }
+  if (options.map != MapKind::Quadratic) scene.rational = readVersor(options, scene);
+  scene.evaluator = makeEvaluator(scene);
+  scene.region = scene.exponent ? BBoxd() : regionOf(scene);
+  scene.voxelSize = options.voxels.sizeFor(longestSide(scene.target ? scene.target->box : scene.region));
+  return scene;
+}
+
+FractalField evaluateScene(const Scene& scene, bool keepIterations, Monitor& monitor) {
+  FractalFieldOptions field{.voxelSize = scene.voxelSize, .box = scene.options.box, .keepIterations = keepIterations};
+  if (scene.exponent) {
+    if (!scene.options.exhaustive) return fractalField(scene.source(), *scene.exponent, field, monitor);
+    return fractalFieldExhaustive(scene.source(), *scene.exponent, field, monitor);
+  }
+  field.box = scene.region;
+  return fractalFieldEverywhere(scene.source(), field, monitor);
+}
+
+FractalResult runFractal(const Scene& scene, bool wantGrids, bool wantMesh, Monitor& monitor) {
+  const std::vector<std::string>& names = scene.options.grids;
+  const auto wants = [&](const char* name) {
+    return wantGrids && std::find(names.begin(), names.end(), name) != names.end();
+  };
+  const FractalField field = evaluateScene(scene, wants("iterations"), monitor);
+  FractalResult result;
+  result.evaluatedNodes = field.evaluatedNodes;
+
+  ExtractMeshOptions extract{.tolerance = scene.options.tolerance, .border = Border::Cap};
+  FloatGrid::Ptr surface;
+  Mesh capped;
+  const bool needsSurface = wants("surface") || wants("density") || wants("versor");
+  if (needsSurface || scene.options.cap || !field.bounded) {
+    capped = extractMesh(field, scene.source(), extract, monitor);
+    if (capped.triangles.empty())
+      throw DataError("the fractal is empty here: F changes sign nowhere in the region; try a larger --beta or --box");
+  }
+  if (needsSurface) surface = levelSet(field, capped, monitor);
+  if (wantMesh) {
+    extract.border = Border::Open;
+    result.mesh =
+        scene.options.cap || !field.bounded ? std::move(capped) : extractMesh(field, scene.source(), extract, monitor);
+    if (result.mesh.triangles.empty())
+      throw DataError("the fractal is empty here: F changes sign nowhere in the region; try a larger --beta or --box");
+    computeNormals(result.mesh);
+  }
+  if (surface) result.check = checkSurface(*surface);
+  for (const std::string& name : names) {
+    if (!wantGrids) break;
+    if (name == "surface") result.grids.push_back(surface);
+    if (name == "density") result.grids.push_back(densityGrid(*surface));
+    if (name == "logmodulus") result.grids.push_back(logModulusGrid(field));
+    if (name == "iterations") result.grids.push_back(field.iterations);
+    if (name == "versor") result.grids.push_back(versorGrid(*surface, scene.source(), monitor));
+  }
+  return result;
+}
+
+SdfResult runSdf(const SdfOptions& options, Monitor& monitor) {
+  openvdb::initialize();
+  const Mesh mesh = readMesh(options.input);
+  SdfResult result;
+  result.report = reportMesh(mesh);
+  const double voxel = options.voxels.sizeFor(longestSide(result.report.box));
+  MeshSdf sdf = makeSdf(mesh, sdfBand(voxel, options.band, options.band), options.repair, options.gap, monitor);
+  result.grid = sdf.grid;
+  result.grid->setName("phi");
+  result.moved = sdf.moved;
+  result.closedGap = sdf.closedGap;
+  result.facts["julia_source_sha256"] = sha256OfFile(options.input);
+  result.facts[kTargetBox] = boxText(result.report.box);
+  if (sdf.moved) result.facts["julia_repair_moved"] = numbersText({*sdf.moved});
+  return result;
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/grid_mesh.h"
+
+#include "vdbtools/extract_mesh.h"
+
+#include <openvdb/tools/Interpolation.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace vdbtools {
+namespace {
+
+/// The grid in the shape of a field to search, in index space.
+class GridEvaluator final : public julia::FieldEvaluator {
+ public:
+  explicit GridEvaluator(const openvdb::FloatGrid& grid) : mGrid(grid) {}
+
+  void evaluate(std::span<const julia::Point> points, std::span<double> field, std::span<int>) const override {
+    const auto accessor = mGrid.getConstAccessor();
+    for (std::size_t i = 0; i < points.size(); ++i)
+      field[i] = openvdb::tools::BoxSampler::sample(accessor, openvdb::Vec3d(points[i].data()));
+  }
+  void versors(std::span<const julia::Point>, std::span<julia::Quaternion<double>> versors) const override {
+    std::fill(versors.begin(), versors.end(), julia::Quaternion<double>::one());
+  }
+
+ private:
+  const openvdb::FloatGrid& mGrid;
+};
+
+}  // namespace
+
+Mesh meshOfLevelSet(const openvdb::FloatGrid& levelSet, Monitor& monitor) {
+  for (auto value = levelSet.tree().cbeginValueAll(); value; ++value)
+    if (!std::isfinite(*value))
+      throw DataError("the grid '" + levelSet.getName() + "' holds a value that is not finite");
+  FractalField field;
+  field.field = openvdb::FloatGrid::create(std::make_shared<openvdb::FloatTree>(levelSet.tree()));
+  field.field->setTransform(openvdb::math::Transform::createLinearTransform(1.0));
+  openvdb::FloatTree& tree = field.field->tree();
+  tree.voxelizeActiveTiles();
+  // A narrow band holds every cell that the surface crosses. Another grid may end inside; the cells around it then
+  // begin in the leaves before.
+  if (levelSet.getGridClass() != openvdb::GRID_LEVEL_SET) {
+    std::vector<openvdb::Coord> origins;
+    for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) origins.push_back(leaf->origin());
+    constexpr int kStep = openvdb::FloatTree::LeafNodeType::DIM;
+    for (const openvdb::Coord& origin : origins)
+      for (int k = 1; k < 8; ++k)
+        tree.touchLeaf(origin.offsetBy(k & 1 ? -kStep : 0, k & 2 ? -kStep : 0, k & 4 ? -kStep : 0));
+  }
+  field.domain = field.field->evalActiveVoxelBoundingBox();
+  field.domain.expand(2);
+  const GridEvaluator evaluator(*field.field);
+  Mesh mesh =
+      extractMesh(field, FieldSource{evaluator, FractalSpace{}}, ExtractMeshOptions{.tolerance = 1e-6}, monitor);
+  if (mesh.triangles.empty())
+    throw DataError("the grid '" + levelSet.getName() + "' has no surface: it changes sign nowhere");
+  for (openvdb::Vec3d& point : mesh.points) point = levelSet.indexToWorld(point);
+  const openvdb::Vec3d origin = levelSet.indexToWorld(openvdb::Vec3d(0));
+  const auto axis = [&](int k) {
+    openvdb::Vec3d unit(0);
+    unit[k] = 1;
+    return levelSet.indexToWorld(unit) - origin;
+  };
+  if (axis(0).cross(axis(1)).dot(axis(2)) < 0)  // a mirrored grid turns its triangles around
+    for (openvdb::Vec3I& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  return mesh;
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/level_set.h"
+
+#include <openvdb/tools/Diagnostics.h>
+#include <openvdb/tools/LevelSetUtil.h>
+#include <openvdb/tools/MeshToVolume.h>
+#include <openvdb/tools/Prune.h>
+#include <openvdb/tools/SignedFloodFill.h>
+#include <openvdb/tree/LeafManager.h>
+
+#include <cmath>
+
+namespace vdbtools {
+
+using openvdb::FloatGrid;
+using openvdb::FloatTree;
+
+FloatGrid::Ptr levelSet(const FractalField& field, const Mesh& mesh, Monitor& monitor) {
+  if (mesh.triangles.empty()) throw DataError("the fractal is empty here: there is no surface");
+  monitor.begin("level set", 0);
+  const double voxel = field.field->voxelSize()[0];
+  std::vector<openvdb::Vec3d> indexPoints;
+  indexPoints.reserve(mesh.points.size());
+  for (const openvdb::Vec3d& point : mesh.points) indexPoints.push_back(point / voxel);
+  openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3d, openvdb::Vec3I> adapter(indexPoints, mesh.triangles);
+  OpenVdbInterrupter interrupter(monitor);
+  FloatGrid::Ptr grid = openvdb::tools::meshToVolume<FloatGrid>(
+      interrupter, adapter, field.field->transform(), static_cast<float>(kHalfWidth), static_cast<float>(kHalfWidth),
+      openvdb::tools::UNSIGNED_DISTANCE_FIELD);
+  monitor.throwIfCancelled();
+  // F knows the sign at every node, also in closed bubbles, which a flood fill from outside would call inside.
+  using LeafManager = openvdb::tree::LeafManager<FloatTree>;
+  LeafManager leaves(grid->tree());
+  tbb::parallel_for(leaves.leafRange(), [&](const LeafManager::LeafRange& range) {
+    openvdb::tree::ValueAccessor<const FloatTree> sign(field.field->tree());
+    for (auto leaf = range.begin(); leaf; ++leaf)
+      for (auto value = leaf->beginValueOn(); value; ++value)
+        if (sign.getValue(value.getCoord()) < 0) value.setValue(-*value);
+  });
+  openvdb::tools::signedFloodFill(grid->tree());
+  openvdb::tools::pruneLevelSet(grid->tree());
+  grid->setName("surface");
+  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  return grid;
+}
+
+FloatGrid::Ptr densityGrid(const FloatGrid& surface) {
+  FloatGrid::Ptr grid = surface.deepCopy();
+  openvdb::tools::sdfToFogVolume(*grid);
+  grid->setName("density");
+  return grid;
+}
+
+FloatGrid::Ptr logModulusGrid(const FractalField& field) {
+  FloatGrid::Ptr grid = field.field->deepCopy();
+  grid->setName("logmodulus");
+  grid->setGridClass(openvdb::GRID_UNKNOWN);
+  return grid;
+}
+
+openvdb::Vec3SGrid::Ptr versorGrid(const FloatGrid& surface, const FieldSource& source, Monitor& monitor) {
+  auto tree = std::make_shared<openvdb::Vec3STree>(surface.tree(), openvdb::Vec3s(0), openvdb::TopologyCopy());
+  openvdb::tree::LeafManager<openvdb::Vec3STree> leaves(*tree);
+  monitor.begin("versor", leaves.leafCount());
+  leaves.foreach ([&](openvdb::Vec3STree::LeafNodeType& leaf, std::size_t) {
+    if (monitor.cancelled()) return;
+    std::vector<julia::Point> points;
+    for (auto value = leaf.cbeginValueOn(); value; ++value)
+      points.push_back(source.space.toFractal(surface.indexToWorld(value.getCoord())));
+    std::vector<julia::Quaternion<double>> versors(points.size());
+    source.evaluator.versors(points, versors);
+    std::size_t k = 0;
+    for (auto value = leaf.beginValueOn(); value; ++value, ++k)
+      value.setValue(openvdb::Vec3s(openvdb::Vec3d(versors[k].b, versors[k].c, versors[k].d)));
+    monitor.advance(1);
+  });
+  monitor.throwIfCancelled();
+  auto grid = openvdb::Vec3SGrid::create(tree);
+  grid->setTransform(surface.transform().copy());
+  grid->setName("versor");
+  return grid;
+}
+
+LevelSetCheck checkSurface(const FloatGrid& surface) {
+  LevelSetCheck check;
+  check.failure = openvdb::tools::checkLevelSet(surface, 8);
+  openvdb::tools::Diagnose<FloatGrid> diagnose(surface);
+  openvdb::tools::CheckNormGrad<FloatGrid> test(surface, 0.5f, 1.5f);
+  const std::uint64_t active = surface.activeVoxelCount();
+  const std::string failures = diagnose.check(test, false, true, false, false);
+  (void)failures;
+  check.gradientFraction = active ? 1 - static_cast<double>(diagnose.failureCount()) / static_cast<double>(active) : 0;
+  return check;
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,357 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/recipe.h"
+
+#include "vdbtools/errors.h"
+#include "vdbtools/mesh_writer.h"
+#include "vdbtools/vdb_file.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <type_traits>
+
+namespace vdbtools {
+namespace {
+
+constexpr const char* kPrefix = "julia_";
+constexpr const char* kCommandName = "julia_command";
+constexpr const char* kVersionName = "julia_version";
+// Facts that are recorded beside the options: what the input files held.
+constexpr const char* kHashOptions[] = {"source-sha256", "versor-sha256"};
+
+constexpr OptionSpec kSdfSpecs[] = {
+    {"input", "MESH", nullptr, "the mesh: .obj, .ply, .stl or .off"},
+    {"resolution", "N", "200", "voxels along the mesh's longest side"},
+    {"voxel-size", "H", nullptr, "the size of a voxel, in the mesh's units"},
+    {"band", "N", "3", "half width of the narrow band, voxels"},
+    {"repair", nullptr, nullptr, "close holes and gaps of an open mesh or a triangle soup"},
+    {"repair-gap", "W", "0", "close gaps up to this width, in the mesh's units; 0 finds the smallest that serves"},
+    {"half", nullptr, nullptr, "write 16-bit floats"},
+};
+
+constexpr OptionSpec kFractalSpecs[] = {
+    {"input", "MESH|SDF.vdb", nullptr, "the target: a mesh, or a VDB that holds its signed distance"},
+    {"grid", "NAME", "", "which grid of a VDB input"},
+    {"resolution", "N", "200", "voxels of the result along the target's longest side"},
+    {"voxel-size", "H", nullptr, "the size of a voxel of the result, in the target's units"},
+    {"sdf-resolution", "N", "200",
+     "voxels of the target's distance field along its longest side; the fractal is a function of it"},
+    {"sdf-voxel-size", "H", nullptr, "the same as a size, in the target's units"},
+    {"repair", nullptr, nullptr, "close holes and gaps of an open mesh or a triangle soup"},
+    {"repair-gap", "W", "0", "close gaps up to this width, in the mesh's units; 0 finds the smallest that serves"},
+    {"map", "shape-modulus|rational|quadratic", "shape-modulus", "the map that is iterated"},
+    {"alpha", "A", "40",
+     "thinness of the shell of detail: 6 eats deep, 40 decorates, 300 is nearly smooth. A number, a ramp such as "
+     "x:10:300:smooth, or FILE.vdb[:GRID]"},
+    {"beta", "B", "0", "offset of the shell, as a share of the target's longest side; positive is outward. As alpha"},
+    {"versor", "random|FILE", "random", "the texture: random roots, or .json, .p4d, .poly4d, .o3d"},
+    {"versor-seed", "S", "1", "another number, another texture"},
+    {"versor-roots", "N", "10", "how many roots"},
+    {"versor-powers", "MIN:MAX", "2:11", "their powers: higher is finer"},
+    {"versor-integer", nullptr, nullptr, "whole powers only"},
+    {"versor-placement", "box|inside|surface|cluster", "box", "where the roots are strewn"},
+    {"versor-distance", "D", "0.05", "surface: at most this far from it, as a share of the longest side"},
+    {"versor-centre", "X,Y,Z", "0,0,0", "cluster: its middle, in fractal space"},
+    {"versor-radius", "R", "0.1", "cluster: its radius, in fractal space"},
+    {"versor-scale", "F", "1", "scales the roots about the origin"},
+    {"versor-translate", "X,Y,Z", "0,0,0", "moves the roots alone, in fractal space"},
+    {"c", "A,B,C,D", "0,0,0,0", "quadratic: the constant of q^2 + c"},
+    {"iterations", "N", "3", "steps of the map"},
+    {"escape", "R", "20", "radius beyond which an orbit has escaped"},
+    {"slice", "S", "0", "the fourth coordinate of the slice through the quaternions"},
+    {"origin", "X,Y,Z", "0,0,0", "moves the dynamics' origin, in fractal space: erodes the set"},
+    {"drop-axis", "i|j|k", "k", "the quaternion axis along which the target is extruded"},
+    {"space", "fit|world", "fit",
+     "fit: the target's longest side is 1 and its centre 0; world: coordinates as they are"},
+    {"box", "X0,Y0,Z0,X1,Y1,Z1", nullptr, "only this region, in the target's units"},
+    {"tolerance", "T", "0.001", "how near a vertex lies to the true surface, voxels"},
+    {"cap", nullptr, nullptr, "close the mesh where the box cuts the set; the VDB always is"},
+    {"precision", "float|double", "double", "the arithmetic of the iteration"},
+    {"exhaustive", nullptr, nullptr, "evaluate every node, also where the result is known; for checking"},
+    {"grids", "LIST", "surface", "what the VDB holds: surface, density, logmodulus, iterations, versor"},
+    {"half", nullptr, nullptr, "write 16-bit floats"},
+};
+
+[[noreturn]] void refuse(const std::string& option, const std::string& text, const std::string& wanted) {
+  throw std::invalid_argument("--" + option + " is '" + text + "'; it must be " + wanted);
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
+  if (text.empty() || text.back() == separator) parts.emplace_back();
+  return parts;
+}
+
+/// Reads a recipe's entries by the registry: known names only, defaults filled in.
+class Reader {
+ public:
+  Reader(const Recipe& recipe, std::span<const OptionSpec> specs) : mRecipe(recipe), mSpecs(specs) {
+    for (const auto& [name, value] : recipe) {
+      (void)value;
+      const bool hash = std::find(std::begin(kHashOptions), std::end(kHashOptions), name) != std::end(kHashOptions);
+      if (!hash && !find(name)) throw std::invalid_argument("--" + name + " is not an option here; see --help");
+    }
+  }
+
+  bool has(const std::string& name) const { return mRecipe.contains(name); }
+
+  std::string text(const std::string& name) const {
+    const auto found = mRecipe.find(name);
+    if (found != mRecipe.end()) return found->second;
+    const OptionSpec* spec = find(name);
+    return spec && spec->defaultValue ? spec->defaultValue : "";
+  }
+
+  bool flag(const std::string& name) const {
+    const std::string value = text(name);
+    if (value.empty() || value == "false") return false;
+    if (value != "true") refuse(name, value, "true or false");
+    return true;
+  }
+
+  double number(const std::string& name) const { return parseNumber(name, text(name)); }
+
+  double positive(const std::string& name) const {
+    const double value = number(name);
+    if (!(value > 0)) refuse(name, text(name), "above 0");
+    return value;
+  }
+
+  double notNegative(const std::string& name) const {
+    const double value = number(name);
+    if (!(value >= 0)) refuse(name, text(name), "0 or more");
+    return value;
+  }
+
+  template <class Integer = int>
+  Integer integer(const std::string& name, Integer low, Integer high) const {
+    const std::string value = text(name);
+    Integer result{};
+    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), result);
+    if (error != std::errc{} || end != value.data() + value.size() || result < low || result > high)
+      refuse(name, value, "a whole number from " + std::to_string(low) + " to " + std::to_string(high));
+    return result;
+  }
+
+  openvdb::Vec3d vector(const std::string& name) const {
+    const std::vector<double> values = parseNumbers(name, text(name), 3);
+    return {values[0], values[1], values[2]};
+  }
+
+  template <class Enum>
+  Enum choice(const std::string& name, std::initializer_list<std::pair<const char*, Enum>> choices) const {
+    const std::string value = text(name);
+    std::string list;
+    for (const auto& [word, result] : choices) {
+      if (value == word) return result;
+      list += (list.empty() ? "" : ", ") + std::string(word);
+    }
+    refuse(name, value, "one of " + list);
+  }
+
+  VoxelChoice voxels(const std::string& resolution, const std::string& voxelSize) const {
+    VoxelChoice choice;
+    if (has(resolution) && has(voxelSize))
+      throw std::invalid_argument("--" + resolution + " and --" + voxelSize + " say the same; give one of them");
+    if (has(voxelSize)) choice.voxelSize = positive(voxelSize);
+    if (!has(voxelSize)) choice.resolution = positive(resolution);
+    return choice;
+  }
+
+ private:
+  const OptionSpec* find(const std::string& name) const {
+    for (const OptionSpec& spec : mSpecs)
+      if (name == spec.name) return &spec;
+    return nullptr;
+  }
+
+  const Recipe& mRecipe;
+  std::span<const OptionSpec> mSpecs;
+};
+
+julia::RandomRootsOptions parseRandomRoots(const Reader& reader) {
+  julia::RandomRootsOptions options;
+  options.seed = reader.integer<std::uint64_t>("versor-seed", 0, std::numeric_limits<std::uint64_t>::max());
+  options.count = reader.integer("versor-roots", 1, 1'000'000);
+  const std::string powers = reader.text("versor-powers");
+  const std::vector<std::string> ends = split(powers, ':');
+  if (ends.size() > 2) refuse("versor-powers", powers, "MIN:MAX");
+  options.minPower = parseNumber("versor-powers", ends.front());
+  options.maxPower = parseNumber("versor-powers", ends.back());
+  if (options.minPower > options.maxPower) refuse("versor-powers", powers, "MIN:MAX with the smaller first");
+  options.integerPowers = reader.flag("versor-integer");
+  using julia::RootPlacement;
+  options.placement = reader.choice<RootPlacement>("versor-placement", {{"box", RootPlacement::Box},
+                                                                        {"inside", RootPlacement::Inside},
+                                                                        {"surface", RootPlacement::Surface},
+                                                                        {"cluster", RootPlacement::Cluster}});
+  options.surfaceDistance = reader.positive("versor-distance");
+  const openvdb::Vec3d centre = reader.vector("versor-centre");
+  options.clusterCentre = {centre[0], centre[1], centre[2]};
+  options.clusterRadius = reader.positive("versor-radius");
+  return options;
+}
+
+std::vector<std::string> parseGrids(const std::string& text) {
+  constexpr const char* kKnown[] = {"surface", "density", "logmodulus", "iterations", "versor"};
+  std::vector<std::string> grids = split(text, ',');
+  for (std::size_t i = 0; i < grids.size(); ++i) {
+    if (std::find(std::begin(kKnown), std::end(kKnown), grids[i]) == std::end(kKnown))
+      refuse("grids", text, "a list of surface, density, logmodulus, iterations, versor");
+    if (std::find(grids.begin(), grids.begin() + static_cast<std::ptrdiff_t>(i), grids[i]) !=
+        grids.begin() + static_cast<std::ptrdiff_t>(i))
+      refuse("grids", text, "a list without repetition");
+  }
+  return grids;
+}
+
+}  // namespace
+
+std::span<const OptionSpec> sdfOptionSpecs() { return kSdfSpecs; }
+std::span<const OptionSpec> fractalOptionSpecs() { return kFractalSpecs; }
+
+std::string metadataName(const std::string& option) {
+  std::string name = kPrefix + option;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+std::map<std::string, std::string> recipeToMetadata(const Recipe& recipe, const std::string& command) {
+  std::map<std::string, std::string> metadata;
+  for (const auto& [option, value] : recipe) metadata[metadataName(option)] = value;
+  metadata[kCommandName] = command;
+  metadata[kVersionName] = JULIAVDB_VERSION;
+  return metadata;
+}
+
+std::pair<Recipe, std::string> recipeFromMetadata(const std::map<std::string, std::string>& metadata) {
+  const auto command = metadata.find(kCommandName);
+  if (command == metadata.end()) return {};
+  Recipe recipe;
+  const auto take = [&](const std::string& option) {
+    const auto found = metadata.find(metadataName(option));
+    if (found != metadata.end()) recipe[option] = found->second;
+  };
+  for (const OptionSpec& spec : command->second == "sdf" ? sdfOptionSpecs() : fractalOptionSpecs()) take(spec.name);
+  for (const char* hash : kHashOptions) take(hash);
+  return {recipe, command->second};
+}
+
+std::string alternativeOption(const std::string& option) {
+  constexpr std::pair<const char*, const char*> kPairs[] = {{"resolution", "voxel-size"},
+                                                            {"sdf-resolution", "sdf-voxel-size"}};
+  for (const auto& [one, other] : kPairs) {
+    if (option == one) return other;
+    if (option == other) return one;
+  }
+  return {};
+}
+
+Recipe completeRecipe(Recipe recipe, std::span<const OptionSpec> specs) {
+  for (const OptionSpec& spec : specs)
+    if (spec.defaultValue && !recipe.contains(alternativeOption(spec.name)))
+      recipe.emplace(spec.name, spec.defaultValue);
+  return recipe;
+}
+
+std::pair<Recipe, std::string> readRecipe(const std::filesystem::path& path) {
+  auto result = recipeFromMetadata(isVdbPath(path) ? readVdbMetadata(path) : readMeshComments(path));
+  if (result.second.empty())
+    throw DataError("'" + path.string() + "' holds no recipe of juliavdb; only a VDB, PLY or OBJ that it made does");
+  return result;
+}
+
+double VoxelChoice::sizeFor(double longestSide) const {
+  const double size = voxelSize ? *voxelSize : longestSide / resolution.value();
+  if (!(size > 0 && std::isfinite(size)))
+    throw std::invalid_argument("the voxel size comes to " + std::to_string(size) + "; it must be above 0");
+  return size;
+}
+
+double parseNumber(const std::string& option, const std::string& text) { return parseNumbers(option, text, 1).front(); }
+
+std::vector<double> parseNumbers(const std::string& option, const std::string& text, std::size_t count) {
+  const std::string wanted =
+      count == 1 ? "a finite number" : std::to_string(count) + " finite numbers with commas between them";
+  std::vector<double> values;
+  for (const std::string& part : split(text, ',')) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    if (error != std::errc{} || end != part.data() + part.size() || !std::isfinite(value)) refuse(option, text, wanted);
+    values.push_back(value);
+  }
+  if (values.size() != count) refuse(option, text, wanted);
+  return values;
+}
+
+SdfOptions parseSdfOptions(const Recipe& recipe) {
+  const Reader reader(recipe, sdfOptionSpecs());
+  SdfOptions options;
+  options.input = reader.text("input");
+  if (options.input.empty()) throw std::invalid_argument("no mesh was given");
+  options.voxels = reader.voxels("resolution", "voxel-size");
+  options.repair = reader.flag("repair");
+  options.gap = reader.notNegative("repair-gap");
+  options.band = reader.number("band");
+  if (!(options.band >= 1 && options.band <= 1e6)) refuse("band", reader.text("band"), "1 to 1e6");
+  options.half = reader.flag("half");
+  return options;
+}
+
+FractalOptions parseFractalOptions(const Recipe& recipe) {
+  const Reader reader(recipe, fractalOptionSpecs());
+  FractalOptions options;
+  options.input = reader.text("input");
+  options.grid = reader.text("grid");
+  options.voxels = reader.voxels("resolution", "voxel-size");
+  options.sdfVoxels = reader.voxels("sdf-resolution", "sdf-voxel-size");
+  options.repair = reader.flag("repair");
+  options.gap = reader.notNegative("repair-gap");
+  options.map = reader.choice<MapKind>(
+      "map",
+      {{"shape-modulus", MapKind::ShapeModulus}, {"rational", MapKind::Rational}, {"quadratic", MapKind::Quadratic}});
+  options.alpha = reader.text("alpha");
+  options.beta = reader.text("beta");
+  options.versor = reader.text("versor");
+  options.randomRoots = parseRandomRoots(reader);
+  options.versorScale = reader.number("versor-scale");
+  if (options.versorScale == 0) refuse("versor-scale", reader.text("versor-scale"), "other than 0");
+  options.versorTranslate = reader.vector("versor-translate");
+  const std::vector<double> c = parseNumbers("c", reader.text("c"), 4);
+  options.c = {c[0], c[1], c[2], c[3]};
+  options.iterations = reader.integer("iterations", 1, julia::kMaxIterations);
+  options.escape = reader.number("escape");
+  if (!(options.escape > 1 && options.escape <= julia::kMaxEscapeRadius))
+    refuse("escape", reader.text("escape"), "above 1 and at most 1e9");
+  options.slice = reader.number("slice");
+  options.origin = reader.vector("origin");
+  options.dropAxis = reader.choice<julia::DropAxis>(
+      "drop-axis", {{"i", julia::DropAxis::I}, {"j", julia::DropAxis::J}, {"k", julia::DropAxis::K}});
+  options.randomRoots.embedding = {options.slice, options.dropAxis};
+  options.space = reader.choice<SpaceKind>("space", {{"fit", SpaceKind::Fit}, {"world", SpaceKind::World}});
+  if (reader.has("box")) {
+    const std::vector<double> b = parseNumbers("box", reader.text("box"), 6);
+    options.box.emplace(openvdb::Vec3d(b[0], b[1], b[2]), openvdb::Vec3d(b[3], b[4], b[5]));
+    for (int axis = 0; axis < 3; ++axis)
+      if (!(b[static_cast<std::size_t>(axis)] < b[static_cast<std::size_t>(axis) + 3]))
+        refuse("box", reader.text("box"), "x0,y0,z0,x1,y1,z1 with the smaller corner first");
+  }
+  options.tolerance = reader.number("tolerance");
+  if (!(options.tolerance >= 0x1p-40 && options.tolerance <= 0.5))
+    refuse("tolerance", reader.text("tolerance"), "at least 1e-12 and at most 0.5");
+  options.cap = reader.flag("cap");
+  options.precision =
+      reader.choice<Precision>("precision", {{"float", Precision::Float}, {"double", Precision::Double}});
+  options.exhaustive = reader.flag("exhaustive");
+  options.grids = parseGrids(reader.text("grids"));
+  options.half = reader.flag("half");
+  options.sourceHash = reader.text(kHashOptions[0]);
+  options.versorHash = reader.text(kHashOptions[1]);
+  return options;
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/vdb_file.h"
+
+#include "vdbtools/file_bytes.h"
+#include "vdbtools/file_hash.h"
+
+#include <openvdb/io/Archive.h>
+#include <openvdb/io/File.h>
+
+#include <algorithm>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+namespace vdbtools {
+namespace {
+
+// Where io::Archive's header holds the identifier: after the magic number (8 bytes), the file version (4), the
+// library's major and minor version (4 each) and the flag for grid offsets (1); 36 characters.
+constexpr std::size_t kIdentifierOffset = 21;
+constexpr std::size_t kIdentifierLength = 36;
+
+/// "xxxxxxxx-xxxx-xxxx-xxxx-xxxxxxxxxxxx" from the content's hash.
+std::string identifierOf(std::string_view bytes) {
+  std::string identifier = sha256Hex(bytes).substr(0, kIdentifierLength);
+  for (const std::size_t dash : {8u, 13u, 18u, 23u}) identifier[dash] = '-';
+  return identifier;
+}
+
+bool looksLikeIdentifier(std::string_view text) {
+  return text.size() == kIdentifierLength && text[8] == '-' && text[13] == '-' && text[18] == '-' && text[23] == '-';
+}
+
+void requireDistinctNames(const std::vector<openvdb::GridBase::Ptr>& grids) {
+  std::set<std::string> names;
+  for (const auto& grid : grids)
+    if (!names.insert(grid->getName()).second)
+      throw std::invalid_argument("two grids are called '" + grid->getName() + "'; ask for each once");
+}
+
+std::map<std::string, std::string> asText(const openvdb::MetaMap& metadata) {
+  std::map<std::string, std::string> result;
+  for (auto entry = metadata.beginMeta(); entry != metadata.endMeta(); ++entry)
+    if (entry->second) result[entry->first] = entry->second->str();
+  return result;
+}
+
+/// Finds out, in words of ours, whether the file is there and is a VDB at all.
+void requireVdb(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::error_code ignored;
+  if (!file || std::filesystem::is_directory(path, ignored))
+    throw MissingInputError("cannot open '" + inOneLine(path.string()) + "': " +
+                            (std::filesystem::exists(path, ignored) ? "it is no readable file" : "no such file"));
+  char magic[8] = {};
+  file.read(magic, sizeof magic);
+  if (file.bad()) throw IoError("reading '" + inOneLine(path.string()) + "' broke off");
+  constexpr std::string_view kMagic(" BDV\0\0\0\0", 8);
+  if (std::string_view(magic, static_cast<std::size_t>(file.gcount())) != kMagic)
+    throw DataError("'" + inOneLine(path.string()) + "' is not a VDB file: it does not begin like one");
+}
+
+/// A file with offsets to its grids, as io::File writes it, so that readers may load them one by one; but to a stream,
+/// which io::Stream writes without offsets.
+class SeekableArchive final : public openvdb::io::Archive {
+ public:
+  void writeTo(std::ostream& stream, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const {
+    write(stream, grids, /*seekable=*/true, metadata);
+  }
+};
+
+/// Runs @a use with the opened file; turns what OpenVDB throws into our errors.
+template <class Use>
+auto withVdb(const std::filesystem::path& path, const Use& use) {
+  openvdb::initialize();
+  requireVdb(path);
+  try {
+    openvdb::io::File file(path.string());
+    file.open(/*delayLoad=*/false);
+    return use(file);
+  } catch (const openvdb::Exception& error) {
+    throw DataError("'" + path.string() + "' cannot be read as a VDB: " + inOneLine(error.what()));
+  } catch (const std::bad_alloc&) {
+    throw DataError("'" + path.string() + "' cannot be read as a VDB: a size in it does not fit memory");
+  } catch (const std::length_error&) {
+    throw DataError("'" + path.string() + "' cannot be read as a VDB: a size in it is absurd");
+  }
+}
+
+}  // namespace
+
+std::string encodeVdb(const std::vector<openvdb::GridBase::Ptr>& grids, const VdbWriteOptions& options) {
+  requireDistinctNames(grids);
+  openvdb::MetaMap metadata;
+  for (const auto& [key, value] : options.metadata) metadata.insertMeta(key, openvdb::StringMetadata(value));
+  openvdb::GridCPtrVec out;
+  for (const auto& grid : grids) {
+    for (const auto& [key, value] : options.metadata) grid->insertMeta(key, openvdb::StringMetadata(value));
+    grid->setSaveFloatAsHalf(options.half);
+    grid->setCreator("JuliaVDB");
+    out.push_back(grid);
+  }
+  std::ostringstream stream(std::ios::binary);
+  SeekableArchive archive;
+  std::uint32_t compression = openvdb::io::COMPRESS_ACTIVE_MASK;
+  if (openvdb::io::Archive::hasBloscCompression()) compression |= openvdb::io::COMPRESS_BLOSC;
+  archive.setCompression(compression);
+  archive.writeTo(stream, out, metadata);
+  std::string bytes = std::move(stream).str();
+  if (!looksLikeIdentifier(std::string_view(bytes).substr(kIdentifierOffset, kIdentifierLength)))
+    throw std::logic_error("the VDB header holds no identifier where it was expected");
+  bytes.replace(kIdentifierOffset, kIdentifierLength, kIdentifierLength, '0');
+  bytes.replace(kIdentifierOffset, kIdentifierLength, identifierOf(bytes));
+  return bytes;
+}
+
+VdbFile readVdb(const std::filesystem::path& path) {
+  VdbFile result = withVdb(path, [&](openvdb::io::File& file) {
+    VdbFile read;
+    read.metadata = asText(*file.getMetadata());
+    read.grids = *file.getGrids();
+    return read;
+  });
+  if (result.grids.empty()) throw DataError("'" + path.string() + "' holds no grid");
+  return result;
+}
+
+std::map<std::string, std::string> readVdbMetadata(const std::filesystem::path& path) {
+  return withVdb(path, [](openvdb::io::File& file) { return asText(*file.getMetadata()); });
+}
+
+openvdb::FloatGrid::Ptr chooseFloatGrid(const VdbFile& file, const std::string& name,
+                                        const std::filesystem::path& path) {
+  std::vector<openvdb::FloatGrid::Ptr> candidates;
+  std::string list;
+  for (const auto& grid : file.grids) {
+    list += (list.empty() ? "" : ", ") + ("'" + grid->getName() + "' (" + grid->valueType() + ")");
+    const auto floats = openvdb::gridPtrCast<openvdb::FloatGrid>(grid);
+    if (floats && (name.empty() || grid->getName() == name)) candidates.push_back(floats);
+  }
+  if (candidates.size() > 1 && name.empty())
+    for (const char* preferred : {"surface", "phi"})
+      for (const auto& candidate : candidates)
+        if (candidate->getName() == preferred) return candidate;
+  if (candidates.size() != 1)
+    throw DataError("'" + path.string() + "' has " +
+                    (candidates.empty() ? "no float grid" : "more than one float grid") +
+                    (name.empty() ? "" : " called '" + name + "'") + "; name one of its grids: " + inOneLine(list));
+  return candidates.front();
+}
+
+bool isVdbPath(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".vdb";
+}
+
+}  // namespace vdbtools
