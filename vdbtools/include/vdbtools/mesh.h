@@ -42,16 +42,16 @@ struct MeshReport {
 /// @throw DataError  an index out of range
 MeshReport reportMesh(const Mesh& mesh);
 
-/// Reads OBJ, PLY, STL or OFF, by the file's extension. Polygons are split into triangles: convex ones into fans, others ear
-/// by ear. Normals, colours and texture coordinates are skipped; unused points are kept; STL is welded. Coordinates are
-/// read in double precision, except STL's. A face that repeats a corner loses the repetition in OBJ.
+/// Reads OBJ, PLY, STL or OFF, by the file's extension. Polygons are split into triangles: convex ones into fans,
+/// others ear by ear. Normals, colours and texture coordinates are skipped; unused points are kept; STL is welded.
+/// Coordinates are read in double precision, except STL's. A face that repeats a corner loses the repetition in OBJ.
 /// @throw MissingInputError  no such file, or not readable
 /// @throw DataError          unknown format, empty, truncated, counts that do not fit the file, an index out of range,
 ///                           coordinates that are not finite, no triangle
 Mesh readMesh(const std::filesystem::path& path);
 
-/// Merges points of equal position (bit for bit, but 0 is -0) and drops triangles that repeat a corner thereby: what a soup
-/// such as STL needs before its edges mean anything. The order of first occurrence is kept.
+/// Merges points of equal position (bit for bit, but 0 is -0) and drops triangles that repeat a corner thereby: what a
+/// soup such as STL needs before its edges mean anything. The order of first occurrence is kept.
 /// @throw DataError  an index out of range
 Mesh weldMesh(const Mesh& mesh);
 

@@ -23,8 +23,8 @@ struct MeshToSdfOptions {
 
 /// @return a level set: class, background and flood fill as OpenVDB wants them. The background is the exterior band
 ///         width in world units.
-/// A closed mesh may be oriented either way, cross itself, and have inner walls; cavities that it encloses are inside. An
-/// open one passes if the voxels span its holes.
+/// A closed mesh may be oriented either way, cross itself, and have inner walls; cavities that it encloses are inside.
+/// An open one passes if the voxels span its holes.
 /// @throw std::invalid_argument  options out of their domain, or a grid of more than 2^31 nodes
 /// @throw DataError              the mesh leaks or has no inside at this voxel size; the text gives the numbers (open
 ///                               edges, inside volume against the mesh's own) and names --repair
@@ -33,24 +33,24 @@ openvdb::FloatGrid::Ptr meshToSdf(const Mesh& mesh, const MeshToSdfOptions& opti
 
 struct RepairedSdf {
   openvdb::FloatGrid::Ptr grid;
-  /// How far the surface may have moved, world units: the largest distance from a vertex or face centre of the mesh to the
-  /// new surface. Those deeper inside than half the gap are inner walls and do not count. Read off the grid, so good to
-  /// about half a voxel at sharp edges.
+  /// How far the surface may have moved, world units: the largest distance from a vertex or face centre of the mesh to
+  /// the new surface. Those deeper inside than half the gap are inner walls and do not count. Read off the grid, so
+  /// good to about half a voxel at sharp edges.
   double moved = 0;
   /// The widest gap that is sure to be closed, world units.
   double closedGap = 0;
 };
 
 struct RepairOptions {
-  /// Gaps up to this width are closed, world units, at most the mesh's longest side; 0 means: twice the voxel size, widened
-  /// until the mesh has an inside (or until a quarter of the longest side does not do, which is an error).
+  /// Gaps up to this width are closed, world units, at most the mesh's longest side; 0 means: twice the voxel size,
+  /// widened until the mesh has an inside (or until a quarter of the longest side does not do, which is an error).
   double gap = 0;
 };
 
 /// The way out for open scans and triangle soups: an unsigned field, flood fill from outside through everything farther
-/// than half the gap from the mesh, and an offset back by the same amount. Where this bridges a hole it becomes a lid, a
-/// part of the mesh; elsewhere the field is the distance to the mesh itself, as meshToSdf() makes it. A lid is the envelope
-/// of a ball as wide as the gap that rests on the hole's rim: dented inward, by no more than half the gap.
+/// than half the gap from the mesh, and an offset back by the same amount. Where this bridges a hole it becomes a lid,
+/// a part of the mesh; elsewhere the field is the distance to the mesh itself, as meshToSdf() makes it. A lid is the
+/// envelope of a ball as wide as the gap that rests on the hole's rim: dented inward, by no more than half the gap.
 /// @throw as meshToSdf(), where DataError means that no gap within reason encloses a volume
 RepairedSdf repairedMeshToSdf(const Mesh& mesh, const MeshToSdfOptions& options, const RepairOptions& repair,
                               Monitor& monitor);

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/mesh.h"
+
+#include "vdbtools/errors.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numeric>
+
+namespace vdbtools {
+namespace {
+
+/// Corners whose cross product is this much smaller than the longest edge squared are in line: what is left of it is
+/// the rounding of coordinates that were stored in single precision or far from the origin.
+constexpr double kInLine = 1e-12;
+
+bool repeatsCorner(const openvdb::Vec3I& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
+
+void checkIndices(const Mesh& mesh) {
+  for (std::size_t n = 0; n < mesh.triangles.size(); ++n) {
+    for (int c = 0; c < 3; ++c) {
+      if (mesh.triangles[n][c] >= mesh.points.size()) {
+        throw DataError("triangle " + std::to_string(n) + " refers to point " + std::to_string(mesh.triangles[n][c]) +
+                        ", but there are only " + std::to_string(mesh.points.size()) + "; export the mesh again");
+      }
+    }
+  }
+}
+
+void countEdges(const Mesh& mesh, MeshReport& report) {
+  // Buckets by the smaller end, so that only a handful of entries is ever sorted; an entry is the larger end and, in
+  // its lowest bit, the direction.
+  std::vector<std::uint64_t> first(mesh.points.size() + 1, 0);
+  const auto forEachEdge = [&mesh](auto&& visit) {
+    for (const openvdb::Vec3I& t : mesh.triangles) {
+      if (repeatsCorner(t)) continue;  // both its edges are the same one, there and back: nothing to close
+      for (int c = 0; c < 3; ++c) visit(t[c], t[(c + 1) % 3]);
+    }
+  };
+  forEachEdge([&first](std::uint32_t a, std::uint32_t b) { ++first[std::min(a, b) + std::size_t{1}]; });
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  std::vector<std::uint64_t> entries(first.back());
+  std::vector<std::uint64_t> next(first.begin(), first.end() - 1);
+  forEachEdge([&](std::uint32_t a, std::uint32_t b) {
+    entries[next[std::min(a, b)]++] = (std::uint64_t{std::max(a, b)} << 1) | (a > b ? 1U : 0U);
+  });
+  for (std::size_t p = 0; p + 1 < first.size(); ++p) {
+    const auto begin = entries.begin() + static_cast<std::ptrdiff_t>(first[p]);
+    const auto end = entries.begin() + static_cast<std::ptrdiff_t>(first[p + 1]);
+    std::sort(begin, end);
+    for (auto it = begin; it != end;) {
+      const auto stop = std::find_if(it, end, [&it](std::uint64_t e) { return (e >> 1) != (*it >> 1); });
+      const auto uses = stop - it;
+      if (uses == 1) ++report.openEdges;
+      if (uses > 2) ++report.nonManifoldEdges;
+      if (uses == 2 && it[0] == it[1]) ++report.misorientedEdges;
+      it = stop;
+    }
+  }
+}
+
+std::uint64_t countComponents(const Mesh& mesh) {
+  std::vector<std::uint32_t> parent(mesh.points.size());
+  std::iota(parent.begin(), parent.end(), 0U);
+  const auto root = [&parent](std::uint32_t p) {
+    while (parent[p] != p) p = parent[p] = parent[parent[p]];
+    return p;
+  };
+  std::vector<bool> used(mesh.points.size(), false);
+  for (const openvdb::Vec3I& t : mesh.triangles) {
+    for (int c = 0; c < 3; ++c) used[t[c]] = true;
+    parent[root(t[0])] = root(t[1]);
+    parent[root(t[1])] = root(t[2]);
+  }
+  std::uint64_t roots = 0;
+  for (std::uint32_t p = 0; p < parent.size(); ++p) roots += used[p] && parent[p] == p;
+  return roots;
+}
+
+std::uint64_t hashPosition(const openvdb::Vec3d& p) {
+  std::uint64_t hash = 0;
+  for (int c = 0; c < 3; ++c) {
+    // + 0.0 makes one zero of the two
+    hash = (hash ^ std::bit_cast<std::uint64_t>(p[c] + 0.0)) * 0x9E3779B97F4A7C15U;
+    hash ^= hash >> 29;
+  }
+  return hash;
+}
+
+bool samePosition(const openvdb::Vec3d& a, const openvdb::Vec3d& b) {
+  return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];  // Vec3d::operator== would be the same, but warns
+}
+
+}  // namespace
+
+MeshReport reportMesh(const Mesh& mesh) {
+  checkIndices(mesh);
+  MeshReport report;
+  report.points = mesh.points.size();
+  report.triangles = mesh.triangles.size();
+  for (const openvdb::Vec3I& t : mesh.triangles) {
+    for (int c = 0; c < 3; ++c) report.box.expand(mesh.points[t[c]]);
+  }
+  // Volumes are summed about the box's middle: about a far origin, the terms would be large and cancel.
+  const openvdb::Vec3d middle = mesh.triangles.empty() ? openvdb::Vec3d(0) : report.box.getCenter();
+  for (const openvdb::Vec3I& t : mesh.triangles) {
+    const openvdb::Vec3d a = mesh.points[t[0]] - middle;
+    const openvdb::Vec3d b = mesh.points[t[1]] - middle;
+    const openvdb::Vec3d c = mesh.points[t[2]] - middle;
+    const openvdb::Vec3d normal = (b - a).cross(c - a);
+    const double longest = std::max({(b - a).lengthSqr(), (c - b).lengthSqr(), (a - c).lengthSqr()});
+    if (normal.length() <= kInLine * longest) ++report.degenerateFaces;
+    report.area += normal.length() / 2;
+    report.volume += a.dot(b.cross(c)) / 6;
+  }
+  countEdges(mesh, report);
+  report.components = countComponents(mesh);
+  return report;
+}
+
+Mesh weldMesh(const Mesh& mesh) {
+  checkIndices(mesh);
+  constexpr std::uint32_t kEmpty = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> table(std::bit_ceil(2 * mesh.points.size() + 2), kEmpty);
+  std::vector<std::uint32_t> welded(mesh.points.size());
+  const bool hasNormals = mesh.normals.size() == mesh.points.size();
+  Mesh result;
+  for (std::size_t p = 0; p < mesh.points.size(); ++p) {
+    std::size_t slot = hashPosition(mesh.points[p]) & (table.size() - 1);
+    while (table[slot] != kEmpty && !samePosition(result.points[table[slot]], mesh.points[p])) {
+      slot = (slot + 1) & (table.size() - 1);
+    }
+    if (table[slot] == kEmpty) {
+      table[slot] = static_cast<std::uint32_t>(result.points.size());
+      result.points.push_back(mesh.points[p]);
+      if (hasNormals) result.normals.push_back(mesh.normals[p]);
+    }
+    welded[p] = table[slot];
+  }
+  result.triangles.reserve(mesh.triangles.size());
+  for (const openvdb::Vec3I& t : mesh.triangles) {
+    const openvdb::Vec3I triangle(welded[t[0]], welded[t[1]], welded[t[2]]);
+    if (!repeatsCorner(triangle)) result.triangles.push_back(triangle);
+  }
+  return result;
+}
+
+}  // namespace vdbtools

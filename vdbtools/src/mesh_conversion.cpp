@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mesh_conversion.h"
+
+#include "vdbtools/errors.h"
+
+#include <openvdb/tools/MeshToVolume.h>
+#include <openvdb/tree/LeafManager.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <stdexcept>
+
+namespace vdbtools {
+namespace {
+
+using openvdb::FloatGrid;
+using openvdb::Vec3d;
+
+/// Coordinates are 32-bit; half of their range leaves room for the bands, and for differences of two of them.
+constexpr double kLargestIndex = 1073741824.0;
+
+/// About 20 GB at the peak of the conversion.
+constexpr double kMostNodes = 2147483648.0;
+
+/// meshToVolume keeps about this many voxels on each side of the surface beyond the bands asked for.
+constexpr double kWorkingBand = 2;
+
+/// A finite stand-in for 'the whole inside': no point of the inside is farther from the surface than half the shortest
+/// side of the box.
+double finiteInteriorBand(const openvdb::BBoxd& indexBox, double interiorBandWidth) {
+  if (std::isfinite(interiorBandWidth)) return interiorBandWidth;
+  const Vec3d sides = indexBox.extents();
+  return std::ceil(0.5 * std::min({sides[0], sides[1], sides[2]})) + kWorkingBand + 1;
+}
+
+double nodesIn(const Vec3d& sides, double band) {
+  return (sides[0] + 2 * band + 1) * (sides[1] + 2 * band + 1) * (sides[2] + 2 * band + 1);
+}
+
+/// The tree's largest node, in voxels: a shift by a multiple of it keeps every node a node.
+constexpr int kRootChild = 4096;
+static_assert(openvdb::FloatTree::RootNodeType::ChildNodeType::DIM == kRootChild);
+
+/// Moves all that is in @a grid by @a shift, a multiple of kRootChild along each axis.
+void shiftTree(FloatGrid& grid, const openvdb::Coord& shift) {
+  openvdb::FloatTree& from = grid.tree();
+  const auto to = std::make_shared<openvdb::FloatTree>(from.background());
+  openvdb::FloatTree::ValueAllIter tile = from.beginValueAll();
+  tile.setMaxDepth(openvdb::FloatTree::ValueAllIter::LEAF_DEPTH - 1);
+  for (; tile; ++tile) {
+    if (!tile.isValueOn() && *tile == from.background()) continue;
+    to->addTile(tile.getLevel(), tile.getCoord() + shift, *tile, tile.isValueOn());
+  }
+  std::vector<openvdb::FloatTree::LeafNodeType*> leaves;
+  from.stealNodes(leaves, from.background(), false);
+  for (openvdb::FloatTree::LeafNodeType* leaf : leaves) {
+    leaf->setOrigin(leaf->origin() + shift);
+    to->addLeaf(leaf);
+  }
+  grid.setTree(to);
+}
+
+/// Leaf values are scaled in parallel; tiles and the background are few.
+void scaleValues(FloatGrid& grid, float factor) {
+  openvdb::FloatTree& tree = grid.tree();
+  openvdb::tree::LeafManager<openvdb::FloatTree> leaves(tree);
+  leaves.foreach ([factor](openvdb::FloatTree::LeafNodeType& leaf, std::size_t) {
+    float* values = leaf.buffer().data();
+    for (openvdb::Index i = 0; i < openvdb::FloatTree::LeafNodeType::SIZE; ++i) values[i] *= factor;
+  });
+  openvdb::FloatTree::ValueAllIter tile = tree.beginValueAll();
+  tile.setMaxDepth(openvdb::FloatTree::ValueAllIter::LEAF_DEPTH - 1);
+  for (; tile; ++tile) tile.setValue(*tile * factor);
+  tree.root().setBackground(tree.background() * factor, /*updateChildNodes=*/false);
+}
+
+}  // namespace
+
+std::string shortNumber(double value) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.4g", value);
+  return text;
+}
+
+void checkOptions(const MeshReport& report, const MeshToSdfOptions& options) {
+  const double h = options.voxelSize;
+  if (!(h > 0) || !std::isnormal(static_cast<float>(h)) || !std::isfinite(static_cast<float>(h))) {
+    throw std::invalid_argument("the voxel size " + shortNumber(h) + " is not a positive number of ordinary size");
+  }
+  try {
+    openvdb::math::Transform::createLinearTransform(h);
+  } catch (const openvdb::ArithmeticError&) {  // OpenVDB takes a scale whose cube is below 3e-15 for 0
+    throw std::invalid_argument(
+        "the voxel size " + shortNumber(h) +
+        " is too small for OpenVDB's transforms (1.5e-5 is not); give the mesh in smaller units");
+  }
+  if (!(options.exteriorBandWidth > 1) || !std::isfinite(static_cast<float>(options.exteriorBandWidth * h))) {
+    throw std::invalid_argument("the exterior band width " + shortNumber(options.exteriorBandWidth) +
+                                " is not a finite number of voxels above 1");
+  }
+  if (!(options.interiorBandWidth > 1)) {
+    throw std::invalid_argument("the interior band width " + shortNumber(options.interiorBandWidth) +
+                                " is not a number of voxels above 1");
+  }
+  if (report.triangles == 0 || !(report.area > 0) || !std::isfinite(report.area)) {
+    throw DataError("the mesh has " + std::to_string(report.triangles) + " triangles and the area " +
+                    shortNumber(report.area) + ": there is no surface in it; check the file");
+  }
+  const openvdb::BBoxd box(report.box.min() / h, report.box.max() / h);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double farthest = std::max(std::abs(box.min()[axis]), std::abs(box.max()[axis])) + options.exteriorBandWidth;
+    if (!(farthest < kLargestIndex)) {
+      throw std::invalid_argument("at the voxel size " + shortNumber(h) + " the mesh reaches to node " +
+                                  shortNumber(farthest) +
+                                  ", but 2^30 is the last one; use a larger voxel size, or move "
+                                  "the mesh nearer to the origin");
+    }
+  }
+  // A band is as large as the area times its width, but no larger than the box about it.
+  const double area = report.area / (h * h);
+  const double exterior = options.exteriorBandWidth + kWorkingBand;
+  const double interior = finiteInteriorBand(box, options.interiorBandWidth) + kWorkingBand;
+  const double nodes = std::min(area * exterior, nodesIn(box.extents(), exterior)) +
+                       std::min(area * interior, nodesIn(box.extents(), 0));
+  if (!(nodes < kMostNodes)) {
+    throw std::invalid_argument("at the voxel size " + shortNumber(h) + " the narrow band of this mesh has about " +
+                                shortNumber(nodes) + " nodes, more than the " + shortNumber(kMostNodes) +
+                                " that are allowed; use a larger voxel size or a narrower band");
+  }
+}
+
+std::vector<Vec3d> toIndexSpace(const std::vector<Vec3d>& points, double voxelSize) {
+  std::vector<Vec3d> result(points.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size()), [&](const auto& range) {
+    for (std::size_t p = range.begin(); p < range.end(); ++p) result[p] = points[p] / voxelSize;
+  });
+  return result;
+}
+
+FloatGrid::Ptr convert(const std::vector<Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,
+                       const MeshToSdfOptions& options, Monitor& monitor) {
+  openvdb::BBoxd box;
+  for (const openvdb::Vec3I& t : triangles) {
+    for (int c = 0; c < 3; ++c) box.expand(points[t[c]]);
+  }
+  // meshToVolume works in single precision in places: at 5e7 voxels from the origin it finds no inside at all. So it
+  // works near the origin, and the nodes are moved afterwards.
+  openvdb::Coord shift;
+  for (int axis = 0; axis < 3; ++axis) {
+    shift[axis] = kRootChild * static_cast<int>(std::lround(box.getCenter()[axis] / kRootChild));
+  }
+  const bool isFar = shift != openvdb::Coord(0);
+  std::vector<Vec3d> moved;
+  if (isFar) {
+    moved.reserve(points.size());
+    for (const Vec3d& p : points) moved.push_back(p - shift.asVec3d());
+  }
+  const openvdb::tools::QuadAndTriangleDataAdapter<Vec3d, openvdb::Vec3I> adapter(isFar ? moved : points, triangles);
+  OpenVdbInterrupter interrupter(monitor);
+  const FloatGrid::Ptr grid = openvdb::tools::meshToVolume<FloatGrid>(
+      interrupter, adapter, *openvdb::math::Transform::createLinearTransform(1.0),
+      static_cast<float>(options.exteriorBandWidth),
+      static_cast<float>(finiteInteriorBand(box, options.interiorBandWidth)));
+  monitor.throwIfCancelled();
+  if (isFar) shiftTree(*grid, shift);
+  scaleValues(*grid, static_cast<float>(options.voxelSize));
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(options.voxelSize));
+  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  grid->setName("phi");
+  return grid;
+}
+
+std::vector<SurfaceSample> sampleSurface(const std::vector<Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,
+                                         std::size_t count) {
+  const auto areaOf = [&points](const openvdb::Vec3I& t) {
+    return (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).length() / 2;
+  };
+  double area = 0;
+  for (const openvdb::Vec3I& t : triangles) area += areaOf(t);
+  const double step = area / static_cast<double>(count);
+  std::vector<SurfaceSample> samples;
+  if (!(step > 0)) return samples;
+  samples.reserve(count + 1);
+  // The additive recurrence of the plastic number fills a triangle evenly (M. Roberts, 2018).
+  constexpr double kFirst = 0.7548776662466927;
+  constexpr double kSecond = 0.5698402909980532;
+  double passed = 0;
+  for (std::size_t n = 0; n < triangles.size(); ++n) {
+    passed += areaOf(triangles[n]);
+    while ((static_cast<double>(samples.size()) + 0.5) * step < passed) {
+      const auto index = static_cast<double>(samples.size() + 1);
+      double u = std::fmod(index * kFirst, 1.0);
+      double v = std::fmod(index * kSecond, 1.0);
+      if (u + v > 1) {
+        u = 1 - u;
+        v = 1 - v;
+      }
+      const openvdb::Vec3I& t = triangles[n];
+      samples.push_back(
+          {points[t[0]] * (1 - u - v) + points[t[1]] * u + points[t[2]] * v, static_cast<std::uint32_t>(n)});
+    }
+  }
+  return samples;
+}
+
+double lostShare(const FloatGrid& grid, const std::vector<SurfaceSample>& samples, float isovalue) {
+  if (samples.empty()) return 1;
+  using Range = tbb::blocked_range<std::size_t>;
+  const auto countLost = [&](const Range& range, std::size_t lost) {
+    const FloatGrid::ConstAccessor phi = grid.getConstAccessor();
+    for (std::size_t s = range.begin(); s < range.end(); ++s) {
+      const openvdb::Coord base = openvdb::Coord::floor(samples[s].position).offsetBy(-1);
+      bool inside = false;
+      for (int n = 0; n < 64 && !inside; ++n) {
+        inside = phi.getValue(base.offsetBy(n & 3, (n >> 2) & 3, n >> 4)) < isovalue;
+      }
+      if (!inside) ++lost;
+    }
+    return lost;
+  };
+  const std::size_t lost =
+      tbb::parallel_reduce(Range(0, samples.size(), 256), std::size_t{0}, countLost, std::plus<std::size_t>());
+  return static_cast<double>(lost) / static_cast<double>(samples.size());
+}
+
+double insideNodes(const FloatGrid& grid) {
+  openvdb::tree::LeafManager<const openvdb::FloatTree> leaves(grid.tree());
+  const auto inLeaves = tbb::parallel_reduce(
+      leaves.leafRange(), std::uint64_t{0},
+      [](const auto& range, std::uint64_t sum) {
+        for (auto leaf = range.begin(); leaf; ++leaf) {
+          const float* values = leaf->buffer().data();
+          sum += static_cast<std::uint64_t>(
+              std::count_if(values, values + openvdb::FloatTree::LeafNodeType::SIZE, [](float v) { return v < 0; }));
+        }
+        return sum;
+      },
+      std::plus<std::uint64_t>());
+  auto nodes = static_cast<double>(inLeaves);
+  openvdb::FloatTree::ValueAllCIter tile = grid.tree().cbeginValueAll();
+  tile.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
+  for (; tile; ++tile) {
+    if (*tile < 0) nodes += static_cast<double>(tile.getVoxelCount());
+  }
+  return nodes;
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file mesh_conversion.h
+/// What meshToSdf() and repairedMeshToSdf() share: the conversion itself, and the look at its outcome.
+#pragma once
+
+#include "vdbtools/mesh.h"
+#include "vdbtools/mesh_to_sdf.h"
+#include "vdbtools/monitor.h"
+
+#include <openvdb/openvdb.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace vdbtools {
+
+/// @throw std::invalid_argument  options out of their domain, or too many nodes for this mesh
+/// @throw DataError              a mesh without an area
+void checkOptions(const MeshReport& report, const MeshToSdfOptions& options);
+
+/// @return the points in index space, in double precision: in floats, a mesh far from the origin loses its shape
+std::vector<openvdb::Vec3d> toIndexSpace(const std::vector<openvdb::Vec3d>& points, double voxelSize);
+
+/// meshToVolume in index space, scaled to world units afterwards: it has absolute tolerances, which would make the
+/// field of a small mesh in large units another than that of the same mesh in small units. Nothing is checked.
+/// @param points  index space
+/// @throw Interrupted
+openvdb::FloatGrid::Ptr convert(const std::vector<openvdb::Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,
+                                const MeshToSdfOptions& options, Monitor& monitor);
+
+/// Points spread over the surface, about @a count of them and each standing for the same area. The same ones every
+/// time.
+struct SurfaceSample {
+  openvdb::Vec3d position;
+  std::uint32_t triangle = 0;
+};
+std::vector<SurfaceSample> sampleSurface(const std::vector<openvdb::Vec3d>& points,
+                                         const std::vector<openvdb::Vec3I>& triangles, std::size_t count);
+
+/// The share of the surface that bounds nothing: no node below @a isovalue among the 4^3 about a sample. Next to a
+/// surface that does bound something there is one, as the block reaches a voxel and more to each side; within an
+/// overlap or at an inner wall, both sides are inside. A sheet that stands free in the outside has none: there the mesh
+/// leaks, or is thinner than a voxel.
+double lostShare(const openvdb::FloatGrid& grid, const std::vector<SurfaceSample>& samplesInIndexSpace,
+                 float isovalue = 0);
+
+/// @return the number of nodes with phi < 0, tiles included
+double insideNodes(const openvdb::FloatGrid& grid);
+
+/// @return @a value with four digits, for an error's text
+std::string shortNumber(double value);
+
+}  // namespace vdbtools

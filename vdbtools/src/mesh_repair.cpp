@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A ball of the gap's width rolls over the outside of the mesh. What it cannot reach is closed (the morphological
+/// closing of the mesh); where its envelope bridges a hole, the envelope is made a part of the mesh, a lid. meshToSdf's
+/// own conversion then makes the field, so that it is the mesh's true distance field wherever the mesh was whole. The
+/// ball also bridges grooves that it is too wide for. Such an envelope touches no open edge, is no lid, and is left
+/// out, unless the mesh leaks without it.
+#include "mesh_conversion.h"
+#include "vdbtools/errors.h"
+#include "vdbtools/mesh_to_sdf.h"
+
+#include <openvdb/math/Proximity.h>
+#include <openvdb/tools/Interpolation.h>
+#include <openvdb/tools/LevelSetUtil.h>
+#include <openvdb/tools/MeshToVolume.h>
+#include <openvdb/tools/SignedFloodFill.h>
+#include <openvdb/tools/VolumeToMesh.h>
+#include <openvdb/tree/LeafManager.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+namespace vdbtools {
+namespace {
+
+using openvdb::BoolTree;
+using openvdb::FloatGrid;
+using openvdb::FloatTree;
+using openvdb::Int32Grid;
+using openvdb::Vec3d;
+using openvdb::Vec3I;
+using openvdb::Vec3s;
+using openvdb::Vec4I;
+
+/// A wide gap is searched on a coarser lattice of this many nodes across it; on the grid's own, the bands would take
+/// all time and memory. Where the lids that come of it do not fit their rims closely enough, the lattice is refined.
+constexpr double kNodesAcrossGap = 4;
+constexpr double kMostLatticeNodes = 2e8;
+
+/// By how much the gap grows when nothing was enclosed.
+constexpr double kGapGrowth = 1.5;
+
+/// Lattice units: an envelope nearer to the mesh than this is the mesh itself, seen through the lattice's error.
+constexpr double kTouching = 0.75;
+
+/// Lattice units kept on the far side of every offset: a cell's diagonal, and what tells a wall from an inner one.
+constexpr double kMargin = 2.5;
+
+/// Lattice units: an open sheet is its own closing, and the lattice's error about it must not pass for an inside.
+constexpr double kNoInside = 0.5;
+
+constexpr std::size_t kSamples = 20000;
+
+/// The share of the surface that may bound nothing. Up to the first, all is well. Up to the second, the next wider gap
+/// is tried too: a ball that barely fits a hole dents it deeply, and may touch the other side. More is a leak.
+constexpr double kLostWell = 0.01;
+constexpr double kLostAtMost = 0.05;
+
+/// On the lattice, which may be coarser than the grid, only a clear verdict counts.
+constexpr double kLostClearly = 0.5;
+
+constexpr float kTiny = 1e-3F;  ///< lattice units; what an enclosed node is inside by, at least
+
+/// The lattice: node (i, j, k) lies at middle + spacing (i, j, k). About the mesh's own middle, because OpenVDB's
+/// mesher gives its points in single precision.
+struct Lattice {
+  Vec3d middle;
+  double spacing = 0;
+
+  Vec3d toLattice(const Vec3d& world) const { return (world - middle) / spacing; }
+  Vec3d toWorld(const Vec3d& p) const { return middle + p * spacing; }
+};
+
+/// A triangle or quad surface in lattice coordinates.
+struct Surface {
+  std::vector<Vec3d> points;
+  std::vector<Vec3I> triangles;
+};
+
+Surface extractSurface(const FloatGrid& grid, double isovalue) {
+  std::vector<Vec3s> points;
+  std::vector<Vec4I> quads;
+  openvdb::tools::volumeToMesh(grid, points, quads, isovalue);
+  Surface surface;
+  surface.points.assign(points.begin(), points.end());
+  surface.triangles.reserve(2 * quads.size());
+  for (const Vec4I& q : quads) {
+    surface.triangles.emplace_back(q[0], q[1], q[2]);
+    surface.triangles.emplace_back(q[0], q[2], q[3]);
+  }
+  return surface;
+}
+
+FloatGrid::Ptr distanceTo(const Surface& surface, double exteriorBand, double interiorBand, int flags,
+                          Int32Grid* closest, Monitor& monitor) {
+  const openvdb::tools::QuadAndTriangleDataAdapter<Vec3d, Vec3I> adapter(surface.points, surface.triangles);
+  OpenVdbInterrupter interrupter(monitor);
+  const FloatGrid::Ptr grid = openvdb::tools::meshToVolume<FloatGrid>(
+      interrupter, adapter, *openvdb::math::Transform::createLinearTransform(1.0), static_cast<float>(exteriorBand),
+      static_cast<float>(interiorBand), flags, closest);
+  monitor.throwIfCancelled();
+  return grid;
+}
+
+/// The ball's centres: from the distance to the mesh, negative where the ball cannot be.
+/// @param distance  unsigned; is changed
+void floodFromOutside(FloatGrid& distance, double radius) {
+  const openvdb::BoolGrid::Ptr enclosed = openvdb::tools::extractEnclosedRegion(distance, static_cast<float>(radius));
+  const BoolTree& mask = enclosed->constTree();
+  openvdb::tree::LeafManager<FloatTree> leaves(distance.tree());
+  leaves.foreach ([&mask, radius](FloatTree::LeafNodeType& leaf, std::size_t) {
+    const openvdb::tree::ValueAccessor<const BoolTree> inside(mask);
+    for (auto it = leaf.beginValueAll(); it; ++it) {
+      const float offset = *it - static_cast<float>(radius);
+      // A pocket that the flood did not reach is inside, however far from the mesh.
+      const bool closed = inside.getValue(it.getCoord()) || offset <= 0;
+      it.setValue(closed ? -std::max(std::abs(offset), kTiny) : offset);
+    }
+  });
+  distance.tree().root().setBackground(distance.background() - static_cast<float>(radius), true);
+  openvdb::tools::signedFloodFill(distance.tree());
+  distance.setGridClass(openvdb::GRID_LEVEL_SET);
+}
+
+/// The closest point of the mesh to @a p, if it is within the band.
+struct Closest {
+  Vec3d position;
+  std::size_t triangle = 0;
+  double distance = 0;
+};
+
+std::optional<Closest> closestPoint(const Surface& mesh, const Int32Grid::ConstAccessor& closest, const Vec3d& p) {
+  std::optional<Closest> best;
+  const openvdb::Coord base = openvdb::Coord::floor(p);
+  for (int n = 0; n < 8; ++n) {
+    openvdb::Int32 index = 0;
+    if (!closest.probeValue(base.offsetBy(n & 1, (n >> 1) & 1, n >> 2), index)) continue;
+    const Vec3I& t = mesh.triangles[static_cast<std::size_t>(index)];
+    Vec3d weights;
+    const Vec3d q = openvdb::math::closestPointOnTriangleToPoint(mesh.points[t[0]], mesh.points[t[1]],
+                                                                 mesh.points[t[2]], p, weights);
+    const double distance = (q - p).length();
+    if (!best || distance < best->distance) best = Closest{q, static_cast<std::size_t>(index), distance};
+  }
+  return best;
+}
+
+/// @return for each triangle, whether one of its edges is open
+std::vector<bool> findOpenTriangles(const Mesh& mesh) {
+  struct Use {
+    std::uint64_t edge;
+    std::uint32_t triangle;
+  };
+  std::vector<Use> uses;
+  uses.reserve(3 * mesh.triangles.size());
+  for (std::size_t n = 0; n < mesh.triangles.size(); ++n) {
+    for (int c = 0; c < 3; ++c) {
+      const std::uint64_t a = mesh.triangles[n][c];
+      const std::uint64_t b = mesh.triangles[n][(c + 1) % 3];
+      uses.push_back({std::min(a, b) << 32 | std::max(a, b), static_cast<std::uint32_t>(n)});
+    }
+  }
+  std::sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) { return a.edge < b.edge; });
+  std::vector<bool> open(mesh.triangles.size(), false);
+  for (std::size_t u = 0; u < uses.size(); ++u) {
+    const bool before = u > 0 && uses[u - 1].edge == uses[u].edge;
+    const bool after = u + 1 < uses.size() && uses[u + 1].edge == uses[u].edge;
+    if (!before && !after) open[uses[u].triangle] = true;
+  }
+  return open;
+}
+
+/// The envelope where it parts from the mesh, and one ring of triangles more, laid onto the mesh, so that no crack
+/// remains between the two.
+struct Lids {
+  Surface surface;           ///< lattice coordinates
+  std::vector<bool> atEdge;  ///< for each triangle: its piece touches an open edge of the mesh
+};
+
+Lids findLids(Surface envelope, const Surface& mesh, const std::vector<bool>& open, const Int32Grid& closest) {
+  std::vector<char> parts(envelope.points.size(), 0);  // from the mesh
+  std::vector<char> atEdge(envelope.points.size(), 0);
+  const Int32Grid::ConstAccessor accessor = closest.getConstAccessor();
+  for (std::size_t p = 0; p < envelope.points.size(); ++p) {
+    const auto nearest = closestPoint(mesh, accessor, envelope.points[p]);
+    parts[p] = !nearest || nearest->distance > kTouching;
+    if (parts[p]) continue;
+    envelope.points[p] = nearest->position;
+    atEdge[p] = open[nearest->triangle];
+  }
+  std::vector<char> ring(envelope.points.size(), 0);  // a corner of a triangle that parts
+  for (const Vec3I& t : envelope.triangles) {
+    if (parts[t[0]] || parts[t[1]] || parts[t[2]]) ring[t[0]] = ring[t[1]] = ring[t[2]] = 1;
+  }
+  Lids lids;
+  std::vector<std::uint32_t> parent(envelope.points.size());
+  std::iota(parent.begin(), parent.end(), 0U);
+  const auto root = [&parent](std::uint32_t p) {
+    while (parent[p] != p) p = parent[p] = parent[parent[p]];
+    return p;
+  };
+  for (const Vec3I& t : envelope.triangles) {
+    if (!ring[t[0]] && !ring[t[1]] && !ring[t[2]]) continue;
+    lids.surface.triangles.push_back(t);
+    parent[root(t[0])] = root(t[1]);
+    parent[root(t[1])] = root(t[2]);
+  }
+  std::vector<char> pieceAtEdge(envelope.points.size(), 0);
+  for (const Vec3I& t : lids.surface.triangles) {
+    for (int c = 0; c < 3; ++c) {
+      if (ring[t[c]] && atEdge[t[c]]) pieceAtEdge[root(t[c])] = 1;
+    }
+  }
+  for (const Vec3I& t : lids.surface.triangles) lids.atEdge.push_back(pieceAtEdge[root(t[0])] != 0);
+  lids.surface.points = std::move(envelope.points);
+  return lids;
+}
+
+/// What one width of gap comes to.
+struct Closing {
+  Lattice lattice;
+  double radius = 0;     ///< of the ball, lattice units
+  FloatGrid::Ptr field;  ///< signed distance to the ball's centres' region, lattice units; -radius where it ends
+  Lids lids;
+  double lost = 1;  ///< the share of the mesh that bounds nothing in it
+};
+
+Closing closeGaps(const Mesh& mesh, const MeshReport& report, const std::vector<bool>& open, double spacing, double gap,
+                  Monitor& monitor) {
+  Closing closing;
+  Lattice& lattice = closing.lattice;
+  lattice.middle = report.box.getCenter();
+  lattice.spacing = spacing;
+  // Half a node more than half the gap: the flood goes from node to node, and could step through a narrower one.
+  closing.radius = 0.5 * gap / lattice.spacing + 0.5;
+  const double radius = closing.radius;
+
+  Surface local;
+  local.points.reserve(mesh.points.size());
+  for (const Vec3d& p : mesh.points) local.points.push_back(lattice.toLattice(p));
+  local.triangles = mesh.triangles;
+
+  const Int32Grid::Ptr closest = Int32Grid::create(openvdb::Int32(openvdb::util::INVALID_IDX));
+  const FloatGrid::Ptr distance = distanceTo(local, radius + kMargin, radius + kMargin,
+                                             openvdb::tools::UNSIGNED_DISTANCE_FIELD, closest.get(), monitor);
+  floodFromOutside(*distance, radius);
+  const Surface reached = extractSurface(*distance, 0);
+  // Back by the same amount: the closed region begins where the distance from the ball's centres exceeds its radius.
+  closing.field =
+      distanceTo(reached, kMargin, radius + kMargin, openvdb::tools::DISABLE_RENORMALIZATION, nullptr, monitor);
+  closing.lids = findLids(extractSurface(*closing.field, -radius), local, open, *closest);
+  monitor.throwIfCancelled();
+
+  closing.lost = lostShare(*closing.field, sampleSurface(local.points, local.triangles, kSamples),
+                           static_cast<float>(-radius - kNoInside));
+  return closing;
+}
+
+/// The mesh, weldMesh()ed, and its lids as one surface in index space.
+Surface withLids(const Mesh& mesh, const Closing& closing, double voxelSize, bool all) {
+  Surface surface{toIndexSpace(mesh.points, voxelSize), mesh.triangles};
+  const auto first = static_cast<std::uint32_t>(surface.points.size());
+  for (const Vec3d& p : closing.lids.surface.points) surface.points.push_back(closing.lattice.toWorld(p) / voxelSize);
+  for (std::size_t n = 0; n < closing.lids.surface.triangles.size(); ++n) {
+    if (!all && !closing.lids.atEdge[n]) continue;
+    const Vec3I& t = closing.lids.surface.triangles[n];
+    surface.triangles.emplace_back(t[0] + first, t[1] + first, t[2] + first);
+  }
+  return surface;
+}
+
+/// See RepairedSdf::moved.
+double howFarMoved(const FloatGrid& grid, const Closing& closing, double gap, const Mesh& mesh,
+                   const MeshToSdfOptions& options) {
+  const FloatGrid::ConstAccessor phi = grid.getConstAccessor();
+  const FloatGrid::ConstAccessor closed = closing.field->getConstAccessor();
+  using openvdb::tools::BoxSampler;
+  const double band = std::min(options.exteriorBandWidth, options.interiorBandWidth) * options.voxelSize;
+  // The field ends kMargin beyond the ball's reach.
+  const double innerWall = std::min(gap / 2 / closing.lattice.spacing, 0.9 * kMargin);
+  double moved = 0;
+  const auto look = [&](const Vec3d& p) {
+    const double depth = -BoxSampler::sample(closed, closing.lattice.toLattice(p)) - closing.radius;
+    if (depth > innerWall) return;
+    const double value = std::abs(double{BoxSampler::sample(phi, p / options.voxelSize)});
+    moved = std::max(moved, value < 0.99 * band ? value : std::max(value, depth * closing.lattice.spacing));
+  };
+  for (const Vec3I& t : mesh.triangles) {
+    for (int c = 0; c < 3; ++c) look(mesh.points[t[c]]);
+    look((mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]) / 3.0);
+  }
+  return moved;
+}
+
+}  // namespace
+
+RepairedSdf repairedMeshToSdf(const Mesh& mesh, const MeshToSdfOptions& options, const RepairOptions& repair,
+                              Monitor& monitor) {
+  const MeshReport given = reportMesh(mesh);
+  checkOptions(given, options);
+  const double h = options.voxelSize;
+  const Vec3d sides = given.box.extents();
+  const double longest = std::max({sides[0], sides[1], sides[2]});
+  if (!(repair.gap >= 0) || repair.gap > longest) {
+    throw std::invalid_argument("the gap " + shortNumber(repair.gap) +
+                                " is not between 0 and the longest side of the mesh, " + shortNumber(longest));
+  }
+  const Mesh welded = weldMesh(mesh);
+  const MeshReport report = reportMesh(welded);
+  const std::vector<bool> open = findOpenTriangles(welded);
+  const std::vector<SurfaceSample> samples = sampleSurface(toIndexSpace(welded.points, h), welded.triangles, kSamples);
+
+  RepairedSdf best;
+  double bestLost = 1;
+  const double widest = repair.gap > 0 ? repair.gap : std::max(longest / 4, 2 * h);
+  double gap = repair.gap > 0 ? repair.gap : 2 * h;
+  for (;;) {
+    monitor.begin("closing gaps of " + shortNumber(gap), 0);
+    const bool wasGood = best.grid && bestLost <= kLostAtMost;
+    double spacing = std::max(h, gap / kNodesAcrossGap);
+    bool isClosed = false;
+    while (!isClosed) {
+      const Closing closing = closeGaps(welded, report, open, spacing, gap, monitor);
+      if (closing.lost > kLostClearly) break;
+      for (const bool all : {false, true}) {
+        const Surface surface = withLids(welded, closing, h, all);
+        const FloatGrid::Ptr grid = convert(surface.points, surface.triangles, options, monitor);
+        const double lost = insideNodes(*grid) > 0 ? lostShare(*grid, samples) : 1;
+        if (lost < bestLost) {
+          best = {grid, howFarMoved(*grid, closing, gap, welded, options), gap};
+          bestLost = lost;
+        }
+        isClosed = lost <= kLostAtMost;
+        if (isClosed) break;
+      }
+      if (spacing <= h) break;
+      spacing = std::max(h, spacing / 2);
+      const double nodes = report.area / (spacing * spacing) * (gap / spacing + 2 * kMargin);
+      if (nodes > kMostLatticeNodes) break;
+    }
+    if (bestLost <= kLostWell || wasGood || gap >= widest) break;
+    gap = std::min(gap * kGapGrowth, widest);
+  }
+  if (bestLost <= kLostAtMost) return best;
+  throw DataError("no gap up to " + shortNumber(gap) + " encloses the mesh (" + std::to_string(report.openEdges) +
+                  " open edges, voxel size " + shortNumber(h) + ", at best " + shortNumber(100 * bestLost) +
+                  " % of the surface bounds nothing): it is open, has loose sheets, or is thinner than a voxel; remove "
+                  "or thicken these, name a wider gap, or use another voxel size");
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/mesh_to_sdf.h"
+
+#include "mesh_conversion.h"
+#include "vdbtools/errors.h"
+
+#include <cmath>
+#include <cstdio>
+
+namespace vdbtools {
+namespace {
+
+/// Enough to know a share to half a per cent.
+constexpr std::size_t kSamples = 20000;
+
+/// Of an open mesh, this share may bound nothing: an eyelash on a head. More is a leak.
+constexpr double kMostLostOpen = 0.05;
+
+/// A closed mesh cannot leak, but may be thinner than a voxel in places: that is what a coarse grid is. Not in most
+/// places.
+constexpr double kMostLostClosed = 0.5;
+
+/// A part that is covered by several closed surfaces counts as often in the mesh's own volume, and only once in the
+/// grid.
+constexpr double kMostCover = 4;
+
+std::string percent(double share) {
+  char text[16];
+  std::snprintf(text, sizeof(text), "%.3g %%", 100 * share);
+  return text;
+}
+
+/// Why @a grid is not the mesh's distance field; empty if it is.
+///
+/// Volumes: each node stands for h^3. A cell of that volume can be counted wrongly only if the surface crosses it, so
+/// all its points lie within sqrt(3) h of the surface, half of them on the wrong side: the volume of the nodes inside
+/// differs from the mesh's by no more than sqrt(3) h times the area (and the h^2, h^3 terms of Steiner's formula, which
+/// matter where the curvature exceeds 1/h: there the feature is thinner than a voxel and may vanish altogether).
+std::string whyRefused(const openvdb::FloatGrid& grid, const Mesh& mesh, const std::vector<openvdb::Vec3d>& indexPoints,
+                       const MeshReport& report) {
+  const double h = grid.voxelSize()[0];
+  const double inside = insideNodes(grid) * h * h * h;
+  const double lost = lostShare(grid, sampleSurface(indexPoints, mesh.triangles, kSamples));
+  const bool closed = report.closed();
+  const bool tooSmall = inside < (std::abs(report.volume) - std::sqrt(3.0) * h * report.area) / kMostCover;
+  if (inside > 0 && lost <= (closed ? kMostLostClosed : kMostLostOpen) && !(closed && tooSmall)) return {};
+  const std::string numbers = "(" + std::to_string(report.openEdges) + " open edges, " +
+                              std::to_string(report.nonManifoldEdges) + " non-manifold edges, inside volume " +
+                              shortNumber(inside) + " against the mesh's " + shortNumber(std::abs(report.volume)) +
+                              ", " + percent(lost) + " of the surface bounds nothing)";
+  if (closed) {
+    return "the mesh has no inside, or only a part of it, at the voxel size " + shortNumber(h) + " " + numbers +
+           ": its features are thinner than a voxel; use a finer voxel size (a higher --resolution)";
+  }
+  return "the mesh leaks at the voxel size " + shortNumber(h) + " " + numbers +
+         ": close its holes with --repair, or use a coarser --resolution, at which a voxel spans them";
+}
+
+}  // namespace
+
+openvdb::FloatGrid::Ptr meshToSdf(const Mesh& mesh, const MeshToSdfOptions& options, Monitor& monitor) {
+  monitor.begin("distance field", 0);
+  MeshReport report = reportMesh(mesh);
+  checkOptions(report, options);
+  const std::vector<openvdb::Vec3d> points = toIndexSpace(mesh.points, options.voxelSize);
+  const openvdb::FloatGrid::Ptr grid = convert(points, mesh.triangles, options, monitor);
+  // Points that are doubled along seams of texture or normals, or in a soup, open no hole.
+  if (!report.closed()) report = reportMesh(weldMesh(mesh));
+  const std::string refusal = whyRefused(*grid, mesh, points, report);
+  if (!refusal.empty()) throw DataError(refusal);
+  monitor.throwIfCancelled();
+  return grid;
+}
+
+}  // namespace vdbtools

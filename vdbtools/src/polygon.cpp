@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "polygon.h"
+
+#include <algorithm>
+
+namespace vdbtools {
+namespace {
+
+using openvdb::Vec3d;
+
+/// Ear clipping takes up to the cube of the corners; beyond this many it would look like a hang.
+constexpr std::size_t kMostCornersToClip = 2000;
+
+/// The area vector, twice over, of the triangle.
+Vec3d normalOf(const Vec3d& a, const Vec3d& b, const Vec3d& c) { return (b - a).cross(c - a); }
+
+bool isConvex(std::span<const std::uint32_t> corners, const std::vector<Vec3d>& points, const Vec3d& normal) {
+  const std::size_t n = corners.size();
+  // All fan triangles the right way round: then the fan covers the polygon once.
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    if (normalOf(points[corners[0]], points[corners[i]], points[corners[i + 1]]).dot(normal) < 0) return false;
+  }
+  return true;
+}
+
+bool isEar(const std::vector<std::uint32_t>& ring, std::size_t i, const std::vector<Vec3d>& points,
+           const Vec3d& normal) {
+  const std::size_t n = ring.size();
+  const std::size_t before = (i + n - 1) % n;
+  const std::size_t after = (i + 1) % n;
+  const Vec3d& a = points[ring[before]];
+  const Vec3d& b = points[ring[i]];
+  const Vec3d& c = points[ring[after]];
+  if (normalOf(a, b, c).dot(normal) <= 0) return false;
+  for (std::size_t k = 0; k < n; ++k) {
+    if (k == before || k == i || k == after) continue;
+    const Vec3d& p = points[ring[k]];
+    if (normalOf(a, b, p).dot(normal) >= 0 && normalOf(b, c, p).dot(normal) >= 0 &&
+        normalOf(c, a, p).dot(normal) >= 0) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+void triangulatePolygon(std::span<const std::uint32_t> corners, const std::vector<Vec3d>& points,
+                        std::vector<openvdb::Vec3I>& triangles) {
+  const std::size_t n = corners.size();
+  std::vector<std::uint32_t> ring(corners.begin(), corners.end());
+  if (n > 3 && n <= kMostCornersToClip) {
+    Vec3d normal(0);  // Newell's, about the first corner to keep the digits
+    for (std::size_t i = 1; i + 1 < n; ++i) {
+      normal += normalOf(points[corners[0]], points[corners[i]], points[corners[i + 1]]);
+    }
+    if (!isConvex(corners, points, normal)) {
+      bool found = true;
+      while (ring.size() > 3 && found) {
+        found = false;
+        for (std::size_t i = 0; i < ring.size() && !found; ++i) {
+          if (!isEar(ring, i, points, normal)) continue;
+          const std::size_t m = ring.size();
+          triangles.emplace_back(ring[(i + m - 1) % m], ring[i], ring[(i + 1) % m]);
+          ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(i));
+          found = true;
+        }
+      }
+    }
+  }
+  for (std::size_t i = 1; i + 1 < ring.size(); ++i) triangles.emplace_back(ring[0], ring[i], ring[i + 1]);
+}
+
+}  // namespace vdbtools

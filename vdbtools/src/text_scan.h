@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file text_scan.h
+/// Reading words and numbers from a text file that is held in memory, with errors that name the file and the line.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace vdbtools {
+
+/// One line, word by word. A word is what stands between spaces, tabs and carriage returns.
+class WordScanner {
+ public:
+  explicit WordScanner(std::string_view line) : mRest(line) {}
+  /// @return the next word; empty at the end of the line
+  std::string_view next();
+
+ private:
+  std::string_view mRest;
+};
+
+/// A text, line by line.
+class LineScanner {
+ public:
+  LineScanner(const std::filesystem::path& path, std::string_view text) : mPath(path), mRest(text) {}
+
+  /// @return the next line without its end; nothing at the end of the text
+  std::optional<std::string_view> next();
+
+  /// The same, skipping empty lines and cutting comments that begin with '#'.
+  std::optional<std::string_view> nextMeaningful();
+
+  std::size_t lineNumber() const { return mLineNumber; }
+  std::string_view rest() const { return mRest; }
+
+  /// @throw DataError  "FILE, line N: WHAT"
+  [[noreturn]] void fail(const std::string& what) const;
+
+  /// A number, finite in double precision. @throw DataError
+  double number(std::string_view word) const;
+
+  /// A whole number. @throw DataError
+  long long integer(std::string_view word) const;
+
+ private:
+  const std::filesystem::path& mPath;
+  std::string_view mRest;
+  std::size_t mLineNumber = 0;
+};
+
+/// @return the value of @a word, infinite where it is too large and 0 where it is too small for a double; nothing if it
+///         is no number
+std::optional<double> parseNumber(std::string_view word);
+
+/// A short form of @a word for an error's text: one line, printable.
+std::string shown(std::string_view word);
+
+}  // namespace vdbtools
