@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace julia {
@@ -42,7 +44,7 @@ class ScalarEvaluator final : public FieldEvaluator {
       mMap->logModulus(q, l);
       const bool last = step == mOptions.maxIterations;
       alive = keep(
-          q, index, l, [&](Real value) { return !last && value < mLogEscape && value > mLogTrap; }, field, iterations,
+          q, index, l, [&](Real value) { return !last && value < mLogEscape && !isTrapped(value); }, field, iterations,
           step);
       if (alive == 0) break;
       mMap->versor(q, u);
@@ -63,6 +65,9 @@ class ScalarEvaluator final : public FieldEvaluator {
     for (std::size_t i = 0; i < points.size(); ++i) q.set(i, mEmbedding.quaternion<Real>(points[i]));
     return q;
   }
+
+  /// An iterate of 0 has l = -inf too; without a trap it goes on, for not every map keeps it there.
+  bool isTrapped(Real l) const { return l <= mLogTrap && mLogTrap > -std::numeric_limits<Real>::infinity(); }
 
   /// Writes the field of the entries that end at this step and closes the ranks of the others. @return how many go on
   template <class GoesOn>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "julia/orbit.h"
 
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -13,6 +14,7 @@ void requireValid(const OrbitOptions& options) {
   if (!(options.escapeRadius > 1 && options.escapeRadius <= kMaxEscapeRadius))
     throw std::invalid_argument("escape radius is " + std::to_string(options.escapeRadius) +
                                 "; it must be above 1 and at most 1e9");
+  if (std::isnan(options.logTrap)) throw std::invalid_argument("the trap's logarithm is not a number");
 }
 
 }  // namespace julia

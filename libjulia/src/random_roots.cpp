@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "julia/random_roots.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <stdexcept>
@@ -13,6 +14,8 @@ namespace {
 constexpr int kMostTries = 10'000'000;
 constexpr int kMostRoots = 1'000'000;
 constexpr double kMostPower = 1e6;
+// The largest component of a root that a rational accepts; see requireFinite(const Rational&).
+constexpr double kFarthest = 1e9;
 
 /// Numbers that are the same with every standard library: the engine is fixed by the standard, its distributions are
 /// not.
@@ -48,10 +51,15 @@ void requireValid(const RandomRootsOptions& options) {
   require(!options.integerPowers || std::ceil(options.minPower) <= std::floor(options.maxPower),
           "there is no integer power between " + std::to_string(options.minPower) + " and " +
               std::to_string(options.maxPower));
-  for (int axis = 0; axis < 3; ++axis)
-    require(std::isfinite(options.boxMin[axis]) && std::isfinite(options.boxMax[axis]) &&
-                options.boxMin[axis] <= options.boxMax[axis],
-            "the box for the roots is empty or not finite");
+  const auto isNear = [](double x) { return std::abs(x) <= kFarthest; };
+  for (int axis = 0; axis < 3; ++axis) {
+    require(
+        isNear(options.boxMin[axis]) && isNear(options.boxMax[axis]) && options.boxMin[axis] <= options.boxMax[axis],
+        "the box for the roots is empty, or not between -1e9 and 1e9");
+    require(isNear(options.clusterCentre[axis]), "the centre of the cluster is not between -1e9 and 1e9");
+  }
+  require(isNear(options.embedding.slice),
+          "slice is " + std::to_string(options.embedding.slice) + "; it must be between -1e9 and 1e9");
   const bool needsDistance = options.placement == RootPlacement::Inside || options.placement == RootPlacement::Surface;
   require(!needsDistance || options.distance != nullptr,
           "roots inside a target or near its surface need the target; give one, or place them in the box");

@@ -28,13 +28,13 @@ void requireFinite(const Polynomial& polynomial, const std::string& name) {
 }
 
 Polynomial concatenated(Polynomial left, const Polynomial& right) {
-  if (left.powerScale != right.powerScale) {
+  const bool differ = left.powerScale != right.powerScale;
+  if (differ) {
     for (Root& root : left.roots) root.power *= left.powerScale;
     left.powerScale = 1;
   }
-  const double factor = right.powerScale / left.powerScale;
   for (Root root : right.roots) {
-    if (factor != 1) root.power *= factor;
+    if (differ) root.power *= right.powerScale;
     left.roots.push_back(root);
   }
   return left;

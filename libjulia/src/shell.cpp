@@ -17,13 +17,10 @@ double RadialMaximum::logBound(double r) const {
 
 ShellInterval shellInterval(const RadialMaximum& radialMaximum, int maxIterations, double escapeRadius) {
   requireValid(OrbitOptions{.maxIterations = maxIterations, .escapeRadius = escapeRadius});
-  const auto staysInside = [&](double r) {
-    for (int i = 1; i < maxIterations; ++i) {
-      const double l = radialMaximum.logBound(r);
-      if (!(l < 0)) return false;
-      r = std::exp(l);
-    }
-    return true;
+  // Given ln of the first image's bound, whether it and the n - 2 that follow stay below 1.
+  const auto staysInside = [&](double l) {
+    for (int i = 2; l < 0 && i < maxIterations; ++i) l = radialMaximum.logBound(std::exp(l));
+    return l < 0;
   };
   ShellInterval interval;
   interval.upper = std::log(escapeRadius);
@@ -35,7 +32,7 @@ ShellInterval shellInterval(const RadialMaximum& radialMaximum, int maxIteration
   }
   for (std::size_t k = radialMaximum.maximum.size(); k-- > 0;) {
     const double r = radialMaximum.step * static_cast<double>(k + 1);
-    if (r < 1 && staysInside(r)) {
+    if (r < 1 && staysInside(radialMaximum.maximum[k])) {
       interval.lower = std::log(r);
       break;
     }

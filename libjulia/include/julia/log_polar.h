@@ -85,11 +85,19 @@ Quaternion<Real> versorPower(const Quaternion<Real>& u, Real p) {
   using std::cos;
   using std::sin;
   using std::sqrt;
-  const Real imaginary = sqrt(u.b * u.b + u.c * u.c + u.d * u.d);
+  const Real squared = u.b * u.b + u.c * u.c + u.d * u.d;
+  if (squared < std::numeric_limits<Real>::min()) {
+    // So close to a real that squares underflow; what is left still tells the axis.
+    const Quaternion<Real> rest{Real(0), u.b, u.c, u.d};
+    const bool isReal = rest == Quaternion<Real>{};
+    const Quaternion<Real> axis = isReal ? Quaternion<Real>{Real(0), Real(1), Real(0), Real(0)} : versorOf(rest);
+    const Real angle = p * atan2(isReal ? Real(0) : axis.b * u.b + axis.c * u.c + axis.d * u.d, u.a);
+    const Real sine = sin(angle);
+    return {cos(angle), axis.b * sine, axis.c * sine, axis.d * sine};
+  }
+  const Real imaginary = sqrt(squared);
   const Real angle = p * atan2(imaginary, u.a);
-  const Real sine = sin(angle);
-  if (!(imaginary > Real(0))) return {cos(angle), sine, Real(0), Real(0)};
-  const Real scale = sine / imaginary;
+  const Real scale = sin(angle) / imaginary;
   return {cos(angle), u.b * scale, u.c * scale, u.d * scale};
 }
 

@@ -34,9 +34,8 @@ struct RandomRootsOptions {
   std::function<double(const Point&)> distance;
 };
 
-/// @throw std::invalid_argument  a number out of its domain, a placement without its distance, or a target so thin that
-/// no
-///                               point was found in it
+/// @throw std::invalid_argument  a number out of its domain, a placement without its distance, or a target so thin
+///                               that no point was found in it
 Polynomial randomPolynomial(const RandomRootsOptions& options);
 
 }  // namespace julia
