@@ -8,6 +8,7 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <string_view>
 #include <thread>
 
 #include <unistd.h>
@@ -24,6 +25,7 @@ constexpr std::chrono::milliseconds kGrace(700);
 
 void watchForInterruption() {
   std::signal(SIGPIPE, SIG_IGN);  // a reader that is gone shows as a failed write
+  std::signal(SIGXFSZ, SIG_IGN);  // and so does a file that 'ulimit -f' forbids
   static sigset_t signals;
   sigemptyset(&signals);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
@@ -34,8 +36,10 @@ void watchForInterruption() {
     theInterrupted = true;
     std::this_thread::sleep_for(kGrace);
     vdbtools::removeTemporaries();
-    constexpr char kText[] = "\njuliavdb: interrupted; nothing was written\n";
-    [[maybe_unused]] const auto written = write(STDERR_FILENO, kText, sizeof kText - 1);
+    // On a terminal a progress bar may stand in the line.
+    constexpr std::string_view kText = "\njuliavdb: interrupted; nothing was written\n";
+    const std::string_view text = kText.substr(isatty(STDERR_FILENO) != 0 ? 0 : 1);
+    [[maybe_unused]] const auto written = write(STDERR_FILENO, text.data(), text.size());
     _exit(kInterrupted);
   }).detach();
 }

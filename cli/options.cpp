@@ -4,6 +4,7 @@
 #include "vdbtools/errors.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cstdlib>
 #include <fstream>
@@ -26,6 +27,18 @@ std::optional<int> parseThreads(const std::string& text) {
   if (error != std::errc{} || end != text.data() + text.size() || threads < 1 || threads > kMostThreads)
     return std::nullopt;
   return threads;
+}
+
+/// A negative number that stands alone, as in 'versor translate F.json -0.1,0,0', is a word and no short option.
+std::vector<po::option> takeNegativeNumber(std::vector<std::string>& words) {
+  const std::string word = words.front();
+  if (word.size() < 2 || word[0] != '-' || !(std::isdigit(static_cast<unsigned char>(word[1])) || word[1] == '.'))
+    return {};
+  words.erase(words.begin());
+  po::option option;
+  option.value.push_back(word);
+  option.original_tokens.push_back(word);
+  return {option};
 }
 
 bool isRecipeFile(const std::string& file) {
@@ -91,7 +104,13 @@ bool CommandLine::parse(const Arguments& arguments) {
   po::options_description all;
   all.add(mOwn).add(mFromRecipe).add(mCommon).add(mHidden);
   try {
-    po::store(po::command_line_parser(arguments).options(all).positional(mPositional).style(kStyle).run(), mValues);
+    po::store(po::command_line_parser(arguments)
+                  .options(all)
+                  .positional(mPositional)
+                  .style(kStyle)
+                  .extra_style_parser(takeNegativeNumber)
+                  .run(),
+              mValues);
     po::notify(mValues);
   } catch (const po::too_many_positional_options_error&) {
     throw std::invalid_argument("there is one word too many; 'juliavdb " + std::string(mUsage.command) +
@@ -136,7 +155,8 @@ void CommandLine::readConfig(const std::string& file) {
     known.add_options()("input", po::value<std::string>());
     try {
       for (const auto& option : po::parse_config_file(stream, known).options)
-        base[option.string_key] = option.value.empty() ? "true" : option.value.front();
+        if (!base.emplace(option.string_key, option.value.empty() ? "true" : option.value.front()).second)
+          throw std::invalid_argument("'" + file + "' gives '" + option.string_key + "' twice; keep one of them");
     } catch (const po::error& error) {
       throw std::invalid_argument("'" + file + "': " + error.what());
     }

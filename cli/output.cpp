@@ -40,6 +40,11 @@ std::string Outputs::names() const {
   return names;
 }
 
+std::string formatOf(const std::string& name, const char* usual) {
+  const std::string extension = std::filesystem::path(name).extension().string();
+  return extension.empty() ? usual : extension;
+}
+
 std::optional<int> parseFrame(const std::string& text) {
   if (text.empty()) return std::nullopt;
   int frame = 0;

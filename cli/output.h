@@ -36,6 +36,9 @@ class Outputs {
   std::list<vdbtools::AtomicFile> mFiles;
 };
 
+/// The extension that says what is written to @a name; @a usual for a device, which has none.
+std::string formatOf(const std::string& name, const char* usual);
+
 /// The value of an option --frame. @throw std::invalid_argument
 std::optional<int> parseFrame(const std::string& text);
 

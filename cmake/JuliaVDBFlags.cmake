@@ -8,7 +8,8 @@ add_library(juliavdb_flags INTERFACE)
 target_compile_options(juliavdb_flags INTERFACE -ffp-contract=off $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>)
 
 add_library(juliavdb_warnings INTERFACE)
-target_compile_options(juliavdb_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual)
+target_compile_options(juliavdb_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
+                       -Wno-missing-field-initializers) # options structs have defaults; that is their point
 if(JULIAVDB_WERROR)
   target_compile_options(juliavdb_warnings INTERFACE -Werror)
 endif()

@@ -54,9 +54,10 @@ int runFractal(const Arguments& arguments) {
     *vdb << vdbtools::encodeVdb(result.grids, {.half = options.half, .metadata = metadata});
   }
   if (mesh)
-    vdbtools::writeMesh(
-        *mesh, result.mesh,
-        {.format = vdbtools::meshFormat(line.text("mesh")), .voxelSize = scene.voxelSize, .comments = metadata});
+    vdbtools::writeMesh(*mesh, result.mesh,
+                        {.format = vdbtools::meshFormat("mesh" + formatOf(line.text("mesh"), ".ply")),
+                         .voxelSize = scene.voxelSize,
+                         .comments = metadata});
   progress.throwIfCancelled();
   outputs.commit();
 

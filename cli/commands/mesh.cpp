@@ -68,7 +68,7 @@ int runMesh(const Arguments& arguments) {
   const auto [recipe, command] = vdbtools::recipeFromMetadata(vdbtools::readVdbMetadata(input));
   const bool exact = command == "fractal" && !line.has("from-grid") && !line.has("grid");
   Made made = exact ? fromRecipe(recipe, line.progress()) : fromGrid(input, line.text("grid"), line.progress());
-  made.write.format = vdbtools::meshFormat(line.text("output"));
+  made.write.format = vdbtools::meshFormat("mesh" + formatOf(line.text("output"), ".ply"));
   vdbtools::writeMesh(file, made.mesh, made.write);
   line.progress().throwIfCancelled();
   outputs.commit();

@@ -67,7 +67,7 @@ int runRender(const Arguments& arguments) {
   std::ostream& file = outputs.add("output", line.text("output"), ".png .exr");
   const auto grid = vdbtools::chooseFloatGrid(vdbtools::readVdb(input), line.text("grid"), input);
   const vdbtools::Image image = vdbtools::renderPreview(*grid, options, line.progress());
-  file << vdbtools::encodeImage(image, std::filesystem::path(line.text("output")).extension().string());
+  file << vdbtools::encodeImage(image, formatOf(line.text("output"), ".png"));
   outputs.commit();
   std::cerr << "wrote " << outputs.names() << ": " << image.width << " x " << image.height << '\n';
   return kDone;

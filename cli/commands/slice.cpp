@@ -212,7 +212,7 @@ int runSlice(const Arguments& arguments) {
     const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(recipeFor(line, input));
     image = sliceOfScene(vdbtools::makeScene(options, line.progress()), field, placement, range, line.progress());
   }
-  file << vdbtools::encodeImage(image, std::filesystem::path(line.text("output")).extension().string());
+  file << vdbtools::encodeImage(image, formatOf(line.text("output"), ".png"));
   outputs.commit();
   std::cerr << "wrote " << outputs.names() << ": " << image.width << " x " << image.height << '\n';
   return kDone;

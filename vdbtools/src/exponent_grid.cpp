@@ -218,6 +218,9 @@ void extendBand(Target& target, double exteriorWidth, Monitor& monitor) {
     target.phi = openvdb::tools::dilateSdf(
         *target.phi, static_cast<int>(std::ceil((wanted - phi->background()) / voxel)),
         openvdb::tools::NN_FACE_EDGE_VERTEX, kSweeps, openvdb::tools::FastSweepingDomain::SWEEP_GREATER_THAN_ISOVALUE);
+  // Sweeping touches the outermost of the values that it starts from; what was read stays what it was.
+  auto accessor = target.phi->getAccessor();
+  for (auto value = phi->cbeginValueOn(); value; ++value) accessor.setValue(value.getCoord(), *value);
   monitor.throwIfCancelled();
 }
 

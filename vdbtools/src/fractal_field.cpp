@@ -2,6 +2,7 @@
 #include "vdbtools/fractal_field.h"
 
 #include <openvdb/tools/SignedFloodFill.h>
+#include <openvdb/tree/ValueAccessor.h>
 
 #include <tbb/parallel_for.h>
 
@@ -30,10 +31,11 @@ Coord blockOf(const Coord& node) { return node & ~(kBlock - 1); }
 
 void addBlocks(BlockMask& blocks, const CoordBBox& nodes) {
   if (nodes.empty()) return;
+  openvdb::tree::ValueAccessor<BlockMask> accessor(blocks);
   const Coord low = blockOf(nodes.min()), high = blockOf(nodes.max());
   for (int x = low[0]; x <= high[0]; x += kBlock)
     for (int y = low[1]; y <= high[1]; y += kBlock)
-      for (int z = low[2]; z <= high[2]; z += kBlock) blocks.touchLeaf({x, y, z});
+      for (int z = low[2]; z <= high[2]; z += kBlock) accessor.touchLeaf({x, y, z});
 }
 
 /// The lattice nodes in a box of world space, plus @a margin nodes on every side.
@@ -74,16 +76,24 @@ CoordBBox shellDomain(const ExponentGrid& exponent, const FractalFieldOptions& o
 /// Blocks that hold a corner of any lattice cell which touches an undecided cell of E: a change of F's sign lies in
 /// such a cell, for E is continuous.
 void addShellBlocks(BlockMask& blocks, const ExponentGrid& exponent, const CoordBBox& domain, double voxelSize) {
-  for (auto leaf = exponent.grid->tree().cbeginLeaf(); leaf; ++leaf) {
-    CoordBBox cells;
-    leaf->evalActiveBoundingBox(cells);
-    if (cells.empty()) continue;
-    // A node owns the cell that begins at it.
-    const openvdb::BBoxd index(cells.min().asVec3d(), cells.max().offsetBy(1).asVec3d());
-    CoordBBox nodes = latticeNodes(exponent.grid->transform().indexToWorld(index), voxelSize, 1);
-    nodes.intersect(domain);
-    addBlocks(blocks, nodes);
-  }
+  const openvdb::math::Transform& transform = exponent.grid->transform();
+  const openvdb::tree::ValueAccessor<const FloatTree> values(exponent.grid->tree());
+  for (auto leaf = exponent.grid->tree().cbeginLeaf(); leaf; ++leaf)
+    for (auto value = leaf->cbeginValueOn(); value; ++value) {
+      // A node owns the cell that begins at it.
+      const Coord node = value.getCoord();
+      float low = *value, high = *value;
+      for (int corner = 1; corner < 8; ++corner) {
+        const float other = values.getValue(node.offsetBy(corner & 1, corner >> 1 & 1, corner >> 2 & 1));
+        low = std::min(low, other);
+        high = std::max(high, other);
+      }
+      if (high <= exponent.shell.lower || low >= exponent.shell.upper) continue;
+      const openvdb::BBoxd cell(node.asVec3d(), node.offsetBy(1).asVec3d());
+      CoordBBox nodes = latticeNodes(transform.indexToWorld(cell), voxelSize, 1);
+      nodes.intersect(domain);
+      addBlocks(blocks, nodes);
+    }
 }
 
 /// Blocks on the domain's border and just outside of it, so that the cut itself is a change of sign between leaves.
@@ -128,7 +138,8 @@ FractalField evaluateBlocks(const BlockMask& blocks, const CoordBBox& domain, bo
     std::vector<int> steps;
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
       if (monitor.cancelled()) return;
-      fieldLeaves[i] = new Leaf(origins[i], kOutside, false);
+      // All active for now: the flood below overwrites what is not.
+      fieldLeaves[i] = new Leaf(origins[i], kOutside, true);
       if (options.keepIterations) stepLeaves[i] = new Leaf(origins[i], 0.0f, false);
       points.clear();
       offsets.clear();
@@ -163,6 +174,11 @@ FractalField evaluateBlocks(const BlockMask& blocks, const CoordBBox& domain, bo
   monitor.throwIfCancelled();
   // Where there is no leaf nothing changes sign, so the sign of a block's corner is that of its neighbours.
   openvdb::tools::signedFloodFillWithValues(result.field->tree(), kOutside, -kOutside);
+  for (auto leaf = result.field->tree().beginLeaf(); leaf; ++leaf) {
+    if (domain.isInside(leaf->getNodeBoundingBox())) continue;
+    for (auto value = leaf->beginValueOn(); value; ++value)
+      if (!domain.isInside(value.getCoord())) value.setValueOff();
+  }
   result.evaluatedNodes = evaluated;
   return result;
 }

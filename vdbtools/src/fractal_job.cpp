@@ -91,6 +91,16 @@ MeshSdf makeSdf(const Mesh& mesh, const MeshToSdfOptions& options, bool repair, 
   return {repaired.grid, repaired.moved, repaired.closedGap};
 }
 
+/// The same on a lattice about the target's own middle: wherever it lies, the nodes sample it alike, and the fractal is
+/// the same.
+MeshSdf makeSdfAbout(const Vec3d& middle, Mesh mesh, const MeshToSdfOptions& options, bool repair, double gap,
+                     Monitor& monitor) {
+  for (Vec3d& point : mesh.points) point -= middle;
+  MeshSdf sdf = makeSdf(mesh, options, repair, gap, monitor);
+  sdf.grid->transform().postTranslate(middle);
+  return sdf;
+}
+
 /// The target's box and the controls that may refer to it, then the target itself with the band that they need.
 struct Input {
   Target target;
@@ -109,14 +119,15 @@ double spaceScale(const FractalOptions& options, const BBoxd& box) {
 }
 
 Input readMeshInput(const FractalOptions& options, std::map<std::string, std::string>& facts, Monitor& monitor) {
-  const Mesh mesh = readMesh(options.input);
+  Mesh mesh = readMesh(options.input);
   const MeshReport report = reportMesh(mesh);
   const double voxel = options.sdfVoxels.sizeFor(longestSide(report.box));
   ExponentGridOptions exponent = exponentOptions(options, report.box);
   const double reach = exteriorReach(exponent) * spaceScale(options, report.box);
   const MeshSdf sdf =
-      makeSdf(mesh, sdfBand(voxel, reach / voxel + kBandMargin, std::numeric_limits<double>::infinity()),
-              options.repair, options.gap, monitor);
+      makeSdfAbout(report.box.getCenter(), std::move(mesh),
+                   sdfBand(voxel, reach / voxel + kBandMargin, std::numeric_limits<double>::infinity()), options.repair,
+                   options.gap, monitor);
   if (sdf.moved) facts["julia_repair_moved"] = numbersText({*sdf.moved});
   return {makeTarget(sdf.grid, report.box), std::move(exponent)};
 }

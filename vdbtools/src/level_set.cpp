@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/level_set.h"
 
+#include "mesh_conversion.h"
+
 #include <openvdb/tools/Diagnostics.h>
 #include <openvdb/tools/LevelSetUtil.h>
 #include <openvdb/tools/MeshToVolume.h>
@@ -19,15 +21,10 @@ FloatGrid::Ptr levelSet(const FractalField& field, const Mesh& mesh, Monitor& mo
   if (mesh.triangles.empty()) throw DataError("the fractal is empty here: there is no surface");
   monitor.begin("level set", 0);
   const double voxel = field.field->voxelSize()[0];
-  std::vector<openvdb::Vec3d> indexPoints;
-  indexPoints.reserve(mesh.points.size());
-  for (const openvdb::Vec3d& point : mesh.points) indexPoints.push_back(point / voxel);
-  openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3d, openvdb::Vec3I> adapter(indexPoints, mesh.triangles);
-  OpenVdbInterrupter interrupter(monitor);
-  FloatGrid::Ptr grid = openvdb::tools::meshToVolume<FloatGrid>(
-      interrupter, adapter, field.field->transform(), static_cast<float>(kHalfWidth), static_cast<float>(kHalfWidth),
+  FloatGrid::Ptr grid = convert(
+      toIndexSpace(mesh.points, voxel), mesh.triangles,
+      {.voxelSize = voxel, .exteriorBandWidth = kHalfWidth, .interiorBandWidth = kHalfWidth}, monitor,
       openvdb::tools::UNSIGNED_DISTANCE_FIELD);
-  monitor.throwIfCancelled();
   // F knows the sign at every node, also in closed bubbles, which a flood fill from outside would call inside.
   using LeafManager = openvdb::tree::LeafManager<FloatTree>;
   LeafManager leaves(grid->tree());

@@ -143,7 +143,7 @@ std::vector<Vec3d> toIndexSpace(const std::vector<Vec3d>& points, double voxelSi
 }
 
 FloatGrid::Ptr convert(const std::vector<Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,
-                       const MeshToSdfOptions& options, Monitor& monitor) {
+                       const MeshToSdfOptions& options, Monitor& monitor, int flags) {
   openvdb::BBoxd box;
   for (const openvdb::Vec3I& t : triangles) {
     for (int c = 0; c < 3; ++c) box.expand(points[t[c]]);
@@ -165,7 +165,8 @@ FloatGrid::Ptr convert(const std::vector<Vec3d>& points, const std::vector<openv
   const FloatGrid::Ptr grid = openvdb::tools::meshToVolume<FloatGrid>(
       interrupter, adapter, *openvdb::math::Transform::createLinearTransform(1.0),
       static_cast<float>(options.exteriorBandWidth),
-      static_cast<float>(finiteInteriorBand(box, options.interiorBandWidth)));
+      static_cast<float>(finiteInteriorBand(box, options.interiorBandWidth)),
+      flags);
   monitor.throwIfCancelled();
   if (isFar) shiftTree(*grid, shift);
   scaleValues(*grid, static_cast<float>(options.voxelSize));

@@ -25,9 +25,10 @@ std::vector<openvdb::Vec3d> toIndexSpace(const std::vector<openvdb::Vec3d>& poin
 /// meshToVolume in index space, scaled to world units afterwards: it has absolute tolerances, which would make the
 /// field of a small mesh in large units another than that of the same mesh in small units. Nothing is checked.
 /// @param points  index space
+/// @param flags   of openvdb::tools::MeshToVolumeFlags
 /// @throw Interrupted
 openvdb::FloatGrid::Ptr convert(const std::vector<openvdb::Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,
-                                const MeshToSdfOptions& options, Monitor& monitor);
+                                const MeshToSdfOptions& options, Monitor& monitor, int flags = 0);
 
 /// Points spread over the surface, about @a count of them and each standing for the same area. The same ones every
 /// time.

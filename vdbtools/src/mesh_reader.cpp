@@ -41,9 +41,9 @@ class PolygonImporter final : public om::IO::BaseImporter {
     return om::VertexHandle(static_cast<int>(points.size() - 1));
   }
   om::VertexHandle add_vertex() override { return add_vertex(om::Vec3d(0, 0, 0)); }
-  om::FaceHandle add_face(const VHandles& corners) override {
-    for (const om::VertexHandle corner : corners) this->corners.push_back(static_cast<std::uint32_t>(corner.idx()));
-    ends.push_back(this->corners.size());
+  om::FaceHandle add_face(const VHandles& polygon) override {
+    for (const om::VertexHandle corner : polygon) corners.push_back(static_cast<std::uint32_t>(corner.idx()));
+    ends.push_back(corners.size());
     return om::FaceHandle(static_cast<int>(ends.size() - 1));
   }
   void set_point(om::VertexHandle v, const om::Vec3f& p) override {

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: Apache-2.0
+# For quickstart and run-tests: what Debian 12 must have, and how to build. Sourced from the project's root.
+
+BUILD_PACKAGES=(g++ cmake ninja-build libopenvdb-dev libtbb-dev libopenmesh-dev libopenimageio-dev libssl-dev
+  nlohmann-json3-dev libboost-dev libboost-iostreams-dev libboost-program-options-dev libblosc-dev zlib1g-dev)
+QUICKSTART_PACKAGES=(glmark2-data)
+TEST_PACKAGES=(libgtest-dev libopenvdb-tools python3 python3-openvdb clang-format git ca-certificates)
+
+# Installs those of the packages that are not there yet.
+install_packages() {
+  local missing=() package
+  for package in "$@"; do
+    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
+  done
+  [ ${#missing[@]} -eq 0 ] && return
+  echo "== installing ${missing[*]}"
+  local sudo=()
+  [ "$(id -u)" -eq 0 ] || sudo=(sudo)
+  "${sudo[@]}" apt-get update -qq
+  "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+}
+
+# Builds build/release with the CMake options given.
+build_release() {
+  echo "== building"
+  mkdir -p build
+  cmake --preset release "$@" >build/configure.log 2>&1 || { cat build/configure.log >&2; return 1; }
+  cmake --build --preset release
+}

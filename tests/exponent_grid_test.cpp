@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+// The target and its exponent: read as it is, widened without touching its band, clamped only where nothing depends on it.
+#include "test_fields.h"
+#include "test_meshes.h"
+
+#include "vdbtools/exponent_grid.h"
+#include "vdbtools/mesh_to_sdf.h"
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace vdbtools;
+using openvdb::BBoxd;
+using openvdb::Coord;
+using openvdb::Vec3d;
+
+constexpr double kVoxel = 1.0 / 32;
+
+double ball(const Vec3d& x) { return x.length() - 0.5; }
+
+TEST(FractalSpace, TheBoxOfABallIsFoundBetweenNodes) {
+  openvdb::initialize();
+  for (const double radius : {0.31, 0.5, 0.517}) {
+    const auto phi = test_fields::bandGrid([&](const Vec3d& x) { return x.length() - radius; }, kVoxel, 0.2);
+    const BBoxd box = insideBox(*phi);
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_NEAR(box.min()[axis], -radius, 1e-6) << radius;
+      EXPECT_NEAR(box.max()[axis], radius, 1e-6) << radius;
+    }
+  }
+}
+
+TEST(FractalSpace, ACentreOutsideMovesToTheDeepestNode) {
+  // A ring: its box's centre is a hole.
+  const auto ring = [](const Vec3d& x) { return std::hypot(std::hypot(x[0], x[2]) - 0.35, x[1]) - 0.12; };
+  const auto phi = test_fields::bandGrid(ring, kVoxel, 0.2);
+  const BBoxd box = insideBox(*phi);
+  EXPECT_NEAR(box.extents()[0], 0.94, 1e-3);
+  const FractalSpace space = fitFractalSpace(*phi, box, Vec3d(0));
+  EXPECT_NEAR(space.scale, box.extents()[0], 1e-12);
+  EXPECT_LT(ring(space.centre), -0.12 + 2 * kVoxel);
+  // The origin moves it on, in units of the space.
+  const FractalSpace moved = fitFractalSpace(*phi, box, Vec3d(0.1, 0, -0.2));
+  EXPECT_NEAR((moved.centre - space.centre - Vec3d(0.1, 0, -0.2) * space.scale).length(), 0, 1e-12);
+  const Vec3d x(0.3, -1.2, 5);
+  EXPECT_NEAR((moved.toWorld(moved.toFractal(x)) - x).length(), 0, 1e-12);
+}
+
+TEST(FractalSpace, ACentreInsideStays) {
+  const auto phi = test_fields::bandGrid(ball, kVoxel, 0.2);
+  EXPECT_NEAR(fitFractalSpace(*phi, insideBox(*phi), Vec3d(0)).centre.length(), 0, 1e-6);
+}
+
+TEST(Target, RefusesWhatIsNoDistance) {
+  const auto empty = openvdb::FloatGrid::create(1);
+  EXPECT_THROW(makeTarget(empty, {}), DataError);
+  const auto positive = test_fields::denseGrid([](const Vec3d&) { return 1.0; }, 0.1, {Coord(0), Coord(4)});
+  EXPECT_THROW(makeTarget(positive, {}), DataError);
+  const auto broken = test_fields::denseGrid(ball, 0.1, {Coord(-8), Coord(8)});
+  broken->tree().setValue(Coord(1, 2, 3), std::nanf(""));
+  EXPECT_THROW(makeTarget(broken, {}), DataError);
+  const auto noOutside = test_fields::bandGrid(ball, kVoxel, 0.1);
+  noOutside->tree().root().setBackground(-1, false);
+  EXPECT_THROW(makeTarget(noOutside, {}), DataError);
+}
+
+TEST(ExtendBand, KeepsTheBandAndFindsTheDistanceBeyond) {
+  // Three voxels to each side, as level sets come.
+  const auto phi = test_fields::bandGrid(ball, kVoxel, 3 * kVoxel, 3 * kVoxel);
+  Target target = makeTarget(phi->deepCopy(), {});
+  Monitor monitor;
+  const double width = 0.3;
+  extendBand(target, width, monitor);
+  for (auto value = phi->cbeginValueOn(); value; ++value)
+    ASSERT_EQ(target.phi->tree().getValue(value.getCoord()), *value) << value.getCoord();
+  // Beyond, first-order sweeping: an error of some per cent of a voxel for each voxel of distance.
+  std::size_t checked = 0;
+  for (auto node = openvdb::CoordBBox(Coord(-26), Coord(26)).begin(); node; ++node) {
+    const double distance = ball(phi->indexToWorld(*node));
+    if (distance > width) continue;
+    ++checked;
+    ASSERT_TRUE(target.phi->tree().isValueOn(*node)) << *node << " at distance " << distance;
+    ASSERT_NEAR(target.phi->tree().getValue(*node), distance, 0.5 * kVoxel + 0.06 * std::abs(distance)) << *node;
+  }
+  EXPECT_GT(checked, 10000u);
+}
+
+TEST(ExtendBand, LeavesADenseTargetAlone) {
+  const auto phi = test_fields::denseGrid([](const Vec3d& x) { return 3 * ball(x); }, 0.1, {Coord(-8), Coord(8)});
+  Target target = makeTarget(phi, {});
+  ASSERT_TRUE(target.denseBox.has_value());
+  Monitor monitor;
+  extendBand(target, 10, monitor);
+  EXPECT_EQ(target.phi, phi);
+}
+
+TEST(ExponentGrid, IsAlphaTimesPhiLessBetaWhereItMatters) {
+  const auto phi = test_fields::bandGrid(ball, kVoxel, 0.4);
+  const Target target = makeTarget(phi, {});
+  Monitor monitor;
+  ExponentGridOptions options{40.0, 0.02, 3, 20};
+  const ExponentGrid exponent = exponentGrid(target, FractalSpace{Vec3d(0), 2}, options, monitor);
+  const double upper = std::log(20.0);
+  EXPECT_DOUBLE_EQ(exponent.shell.upper, upper);
+  EXPECT_LT(exponent.shell.lower, 0);
+  const auto field = makeExponentField<double>(exponent);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> place(-0.6, 0.6);
+  int undecided = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const double x = place(random), y = place(random), z = place(random);
+    double read = 0;
+    field->sample(std::span(&x, 1), std::span(&y, 1), std::span(&z, 1), std::span(&read, 1));
+    // Fractal units are twice the world's here.
+    const auto nodeExponent = [](const Vec3d& w) { return 40 * (static_cast<float>(ball(w)) / 2.0 - 0.02); };
+    const double expected = test_fields::trilinear(nodeExponent, kVoxel, Vec3d(x, y, z) * 2.0);
+    ASSERT_EQ(read >= upper, expected >= upper) << x << " " << y << " " << z;
+    ASSERT_EQ(read <= exponent.shell.lower, expected <= exponent.shell.lower) << x << " " << y << " " << z;
+    if (expected <= exponent.shell.lower || expected >= upper) continue;
+    ++undecided;
+    ASSERT_NEAR(read, expected, 1e-5) << x << " " << y << " " << z;
+  }
+  EXPECT_GT(undecided, 300);
+}
+
+TEST(ExponentGrid, BeyondADenseFieldItsNearestFaceHolds) {
+  const auto phi = test_fields::denseGrid(ball, 0.1, {Coord(-6), Coord(6)});
+  const Target target = makeTarget(phi, {});
+  Monitor monitor;
+  const ExponentGrid exponent = exponentGrid(target, {}, {4.0, 0.0, 3, 20}, monitor);
+  const auto field = makeExponentField<double>(exponent);
+  const double x[4] = {0.6, 0.9, 15, -3}, y[4] = {0.3, 0.3, 0.3, -0.61}, z[4] = {0, 0, 0, 19};
+  double read[4];
+  field->sample(x, y, z, read);
+  EXPECT_EQ(read[1], read[0]);
+  EXPECT_EQ(read[2], read[0]);
+  EXPECT_NEAR(read[3], 4 * ball(Vec3d(-0.6, -0.6, 0.6)), 1e-5);
+}
+
+TEST(ExponentGrid, TheTrappedBallIsThatOfTheRadialMaximum) {
+  // E of a ball about the origin depends on |x| alone: m(r) = exp(alpha (r - R)), so r_in solves m(m(r)) = 1, m(r) = R.
+  const double alpha = 20, radius = 0.5;
+  const auto phi = test_fields::bandGrid(ball, 1.0 / 128, 0.3);
+  Monitor monitor;
+  const ExponentGrid exponent = exponentGrid(makeTarget(phi, {}), {}, {alpha, 0.0, 3, 20}, monitor);
+  const double exact = std::log(radius + std::log(radius) / alpha);
+  EXPECT_LE(exponent.shell.lower, exact + 1e-9) << "not a bound";
+  // The bound gives away two cell diagonals of 1/128 at most, in each of two applications.
+  EXPECT_NEAR(exponent.shell.lower, exact, 2 * 2 * std::sqrt(3.0) / 128 / std::exp(exact));
+}
+
+TEST(ExponentGrid, RefusesAnAlphaThatIsNotPositive) {
+  const Target target = makeTarget(test_fields::bandGrid(ball, kVoxel, 0.4), {});
+  Monitor monitor;
+  for (const double alpha : {0.0, -3.0})
+    EXPECT_THROW(exponentGrid(target, {}, {alpha, 0.0, 3, 20}, monitor), std::invalid_argument) << alpha;
+  const Ramp ramp{.axis = 0, .from = -1, .to = 10};
+  EXPECT_THROW(exponentGrid(target, {}, {Control(ramp, target.box), 0.0, 3, 20}, monitor), std::invalid_argument);
+}
+
+TEST(Control, ReadsNumbersRampsAndGrids) {
+  const BBoxd box(Vec3d(-1, 0, 0), Vec3d(3, 1, 1));
+  EXPECT_EQ(std::get<double>(parseControl("-2.5")), -2.5);
+  const Ramp ramp = std::get<Ramp>(parseControl("x:10@0.25:300@0.75:smooth"));
+  const auto at = Control(ramp, box).reader();
+  EXPECT_EQ(at(Vec3d(-7, 0, 0)), 10);
+  EXPECT_EQ(at(Vec3d(0, 0, 0)), 10);
+  EXPECT_DOUBLE_EQ(at(Vec3d(1, 5, 5)), 155);
+  EXPECT_EQ(at(Vec3d(2, 0, 0)), 300);
+  // Smooth: no slope at the ends; and monotonic.
+  EXPECT_LT(at(Vec3d(0.01, 0, 0)) - 10, 290 * 3 * 0.005 * 0.005 * 1.01);
+  for (double x = 0; x < 2; x += 0.1) EXPECT_LT(at(Vec3d(x, 0, 0)), at(Vec3d(x + 0.1, 0, 0)));
+  const auto linear = Control(std::get<Ramp>(parseControl("z:0:1")), box).reader();
+  EXPECT_DOUBLE_EQ(linear(Vec3d(9, 9, 0.3)), 0.3);
+  EXPECT_EQ(Control(ramp, box).range(), std::pair(10.0, 300.0));
+
+  auto grid = openvdb::FloatGrid::create(5);
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+  grid->tree().setValue(Coord(0), 7);
+  const Control fromGrid{openvdb::FloatGrid::ConstPtr(grid)};
+  EXPECT_EQ(fromGrid.reader()(Vec3d(0)), 7);
+  EXPECT_DOUBLE_EQ(fromGrid.reader()(Vec3d(0.25, 0, 0)), 6);
+  EXPECT_EQ(fromGrid.reader()(Vec3d(100)), 5);
+  EXPECT_EQ(fromGrid.range(), std::pair(5.0, 7.0));
+}
+
+TEST(Control, RefusesBrokenText) {
+  for (const char* text : {"nan", "inf", "-inf", "1e999", "x:1:nan", "x:1@2@3:4", "x:a:4", "x:1:2:rough", "x:1:2:smooth:3"})
+    EXPECT_THROW(parseControl(text), std::invalid_argument) << text;
+  for (const char* text : {"file.vdb", "", "w:1:2", "1 2"})
+    EXPECT_TRUE(std::holds_alternative<std::monostate>(parseControl(text))) << text;
+  EXPECT_THROW(Control(Ramp{.axis = 0, .from = 1, .to = 2, .startAt = 0.5, .endAt = 0.5}, BBoxd(Vec3d(0), Vec3d(1))),
+               std::invalid_argument);
+}
+
+}  // namespace

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+// Marching cubes: every configuration of corner signs and random fields give closed 2-manifolds that separate inside from
+// outside, with vertices where the field changes sign.
+#include "mesh_laws.h"
+#include "test_fields.h"
+
+#include "vdbtools/extract_mesh.h"
+#include "vdbtools/grid_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <tbb/global_control.h>
+
+namespace {
+
+using namespace vdbtools;
+using openvdb::BBoxd;
+using openvdb::Coord;
+using openvdb::Vec3d;
+using test_fields::NodeEvaluator;
+
+struct Extracted {
+  FractalField field;
+  Mesh mesh;
+};
+
+Extracted extract(const julia::FieldEvaluator& evaluator, const BBoxd& box, double tolerance = 1e-3,
+                  Border border = Border::Cap) {
+  Monitor monitor;
+  const FieldSource source{evaluator, FractalSpace{}};
+  Extracted result;
+  result.field = fractalFieldEverywhere(source, {.voxelSize = 1, .box = box}, monitor);
+  result.mesh = extractMesh(result.field, source, {.tolerance = tolerance, .border = border}, monitor);
+  return result;
+}
+
+/// A number in [-1, 1) that depends on the node alone.
+double noise(const Coord& node, unsigned seed) {
+  std::uint64_t h = seed * 0x9E3779B97F4A7C15ull;
+  for (int axis = 0; axis < 3; ++axis) {
+    h ^= static_cast<std::uint64_t>(node[axis] + 1000);
+    h *= 0xBF58476D1CE4E5B9ull;
+    h ^= h >> 29;
+  }
+  return static_cast<double>(h >> 11) * 0x1p-52 - 1;
+}
+
+TEST(ExtractMesh, AllCornerSignsGiveClosedManifolds) {
+  openvdb::initialize();
+  for (unsigned signs = 0; signs < 256; ++signs) {
+    SCOPED_TRACE(testing::Message() << "corner signs " << signs);
+    // Across the corner of eight leaves, so that every neighbour is met.
+    const NodeEvaluator evaluator([&](const Coord& node) {
+      const Coord c = node - Coord(7);
+      const bool corner = c[0] >= 0 && c[0] <= 1 && c[1] >= 0 && c[1] <= 1 && c[2] >= 0 && c[2] <= 1;
+      return corner && (signs >> (c[0] + 2 * c[1] + 4 * c[2]) & 1) ? -1.0 : 1.0;
+    });
+    const Extracted result = extract(evaluator, BBoxd(Vec3d(5), Vec3d(10)));
+    EXPECT_EQ(mesh_laws::notClosedManifold(result.mesh), "");
+    if (signs == 0)
+      EXPECT_TRUE(result.mesh.triangles.empty());
+    else
+      EXPECT_GT(mesh_laws::volume(result.mesh), 0) << "oriented inward";
+  }
+}
+
+TEST(ExtractMesh, RandomFieldsGiveClosedManifolds) {
+  for (unsigned seed = 1; seed <= 24; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    const double bias = 0.05 * (seed % 12) - 0.3;  // from sparse specks to a sponge with specks of air
+    const NodeEvaluator evaluator([&](const Coord& node) { return noise(node, seed) + bias; });
+    const Extracted result = extract(evaluator, BBoxd(Vec3d(-9), Vec3d(10)));
+    ASSERT_GT(result.mesh.triangles.size(), 100u);
+    EXPECT_EQ(mesh_laws::notClosedManifold(result.mesh), "");
+  }
+}
+
+TEST(ExtractMesh, EveryVertexBracketsAChangeOfSign) {
+  for (const double tolerance : {0.1, 1e-3, 1e-7}) {
+    const NodeEvaluator evaluator([](const Coord& node) { return noise(node, 99); });
+    const Extracted result = extract(evaluator, BBoxd(Vec3d(-9), Vec3d(10)), tolerance, Border::Open);
+    ASSERT_GT(result.mesh.points.size(), 1000u);
+    for (const Vec3d& point : result.mesh.points) {
+      const mesh_laws::OnEdge edge = mesh_laws::onEdge(point, 1);
+      ASSERT_GE(edge.axis, 0) << point << " lies on no lattice edge";
+      Vec3d before = point, after = point;
+      // Not past the edge's ends: the next edge may have a change of its own.
+      before[edge.axis] = std::max(point[edge.axis] - tolerance, static_cast<double>(edge.node[edge.axis]));
+      after[edge.axis] = std::min(point[edge.axis] + tolerance, edge.node[edge.axis] + 1.0);
+      const julia::Point ends[2] = {{before[0], before[1], before[2]}, {after[0], after[1], after[2]}};
+      double field[2];
+      evaluator.evaluate(ends, field, {});
+      EXPECT_NE(field[0] < 0, field[1] < 0) << point << " tolerance " << tolerance;
+    }
+  }
+}
+
+TEST(ExtractMesh, EveryCrossingEdgeOfTheDomainHasItsVertex) {
+  const NodeEvaluator evaluator([](const Coord& node) { return noise(node, 7) + 0.2; });
+  const openvdb::CoordBBox domain(Coord(-9), Coord(10));
+  const Extracted result = extract(evaluator, BBoxd(Vec3d(-9), Vec3d(10)), 1e-3, Border::Open);
+  std::size_t crossings = 0;
+  for (auto node = domain.begin(); node; ++node)
+    for (int axis = 0; axis < 3; ++axis) {
+      Coord end = *node;
+      ++end[axis];
+      if (domain.isInside(end) && (noise(*node, 7) + 0.2 < 0) != (noise(end, 7) + 0.2 < 0)) ++crossings;
+    }
+  EXPECT_EQ(result.mesh.points.size(), crossings);
+}
+
+TEST(ExtractMesh, OpenEdgesLieOnTheDomainsBorderOnly) {
+  const NodeEvaluator evaluator([](const Coord& node) { return noise(node, 3); });
+  const Extracted result = extract(evaluator, BBoxd(Vec3d(-9), Vec3d(10)), 1e-3, Border::Open);
+  const auto edges = mesh_laws::directedEdges(result.mesh);
+  std::size_t open = 0;
+  for (const auto& [edge, count] : edges) {
+    ASSERT_EQ(count, 1);
+    if (edges.contains({edge.second, edge.first})) continue;
+    ++open;
+    bool onBorder = false;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double face : {-9.0, 10.0})
+        onBorder = onBorder ||
+                   (result.mesh.points[edge.first][axis] == face && result.mesh.points[edge.second][axis] == face);
+    EXPECT_TRUE(onBorder) << result.mesh.points[edge.first] << " " << result.mesh.points[edge.second];
+  }
+  EXPECT_GT(open, 0u);
+}
+
+TEST(ExtractMesh, TheMeshOfPartIsPartOfTheMesh) {
+  const NodeEvaluator evaluator([](const Coord& node) { return noise(node, 5); });
+  const Extracted whole = extract(evaluator, BBoxd(Vec3d(-9), Vec3d(10)), 1e-3, Border::Open);
+  const Extracted part = extract(evaluator, BBoxd(Vec3d(-3, -5, 1), Vec3d(8, 9, 10)), 1e-3, Border::Open);
+  std::set<std::tuple<double, double, double>> points;
+  for (const Vec3d& p : whole.mesh.points) points.insert({p[0], p[1], p[2]});
+  for (const Vec3d& p : part.mesh.points) EXPECT_TRUE(points.contains({p[0], p[1], p[2]})) << p;
+}
+
+TEST(ExtractMesh, ThreadsDoNotMatter) {
+  const NodeEvaluator evaluator([](const Coord& node) { return noise(node, 11); });
+  Mesh meshes[2];
+  for (const int threads : {1, 2}) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+    meshes[threads - 1] = extract(evaluator, BBoxd(Vec3d(-20), Vec3d(20))).mesh;
+  }
+  EXPECT_EQ(meshes[0].points, meshes[1].points);
+  EXPECT_EQ(meshes[0].triangles, meshes[1].triangles);
+}
+
+TEST(ExtractMesh, RefusesATolerance) {
+  const NodeEvaluator evaluator([](const Coord&) { return 1.0; });
+  for (const double tolerance : {0.0, -1.0, 0.6, std::nan("")})
+    EXPECT_THROW(extract(evaluator, BBoxd(Vec3d(0), Vec3d(2)), tolerance), std::invalid_argument) << tolerance;
+}
+
+TEST(ComputeNormals, PointAwayFromTheMiddleOfABall) {
+  const NodeEvaluator evaluator([](const Coord& node) { return node.asVec3d().length() - 8; });
+  Extracted result = extract(evaluator, BBoxd(Vec3d(-12), Vec3d(12)));
+  computeNormals(result.mesh);
+  ASSERT_EQ(result.mesh.normals.size(), result.mesh.points.size());
+  for (std::size_t i = 0; i < result.mesh.points.size(); ++i) {
+    const Vec3d normal(result.mesh.normals[i]);
+    EXPECT_NEAR(normal.length(), 1, 1e-6);
+    EXPECT_GT(normal.dot(result.mesh.points[i].unit()), 0.9);
+  }
+}
+
+TEST(MeshOfLevelSet, IsTheBallOfADistance) {
+  const auto ball = [](const Vec3d& x) { return x.length() - 1; };
+  Monitor monitor;
+  // Narrow and dense, the latter cut off by its border: both closed, in world space.
+  const double h = 0.05;
+  const auto narrow = test_fields::bandGrid([](const Vec3d& x) { return x.length() - 0.5; }, h, 0.15, 0.15);
+  const Mesh mesh = meshOfLevelSet(*narrow, monitor);
+  EXPECT_EQ(mesh_laws::notClosedManifold(mesh), "");
+  // A polyhedron inscribed to second order: relative errors of (h/r)^2.
+  const double ratio = h / 0.5;
+  EXPECT_NEAR(mesh_laws::volume(mesh) / (4 * M_PI / 3 * 0.125), 1, ratio * ratio);
+  const auto dense = test_fields::denseGrid(ball, 0.1, {Coord(-15), Coord(15)}, Vec3d(100, 0, -7));
+  const auto centred = test_fields::denseGrid(ball, 0.1, {Coord(-15), Coord(15)});
+  centred->setTransform(dense->transformPtr());
+  const Mesh moved = meshOfLevelSet(*centred, monitor);
+  EXPECT_EQ(mesh_laws::notClosedManifold(moved), "");
+  Vec3d middle(0);
+  for (const Vec3d& p : moved.points) middle += p / static_cast<double>(moved.points.size());
+  EXPECT_NEAR((middle - Vec3d(100, 0, -7)).length(), 0, 1e-6);
+}
+
+TEST(MeshOfLevelSet, AMirroredGridStillFacesOutward) {
+  const auto grid = test_fields::denseGrid([](const Vec3d& x) { return x.length() - 1; }, 0.1, {Coord(-15), Coord(15)});
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(
+      openvdb::Mat4R(-0.1, 0., 0., 0., 0., 0.1, 0., 0., 0., 0., 0.1, 0., 0., 0., 0., 1.)));
+  Monitor monitor;
+  EXPECT_GT(mesh_laws::volume(meshOfLevelSet(*grid, monitor)), 4);
+}
+
+TEST(MeshOfLevelSet, RefusesAGridWithoutASurface) {
+  Monitor monitor;
+  EXPECT_THROW(meshOfLevelSet(*openvdb::FloatGrid::create(1), monitor), DataError);
+  const auto broken = openvdb::FloatGrid::create(1);
+  broken->tree().setValue(Coord(0), std::nanf(""));
+  EXPECT_THROW(meshOfLevelSet(*broken, monitor), DataError);
+}
+
+}  // namespace

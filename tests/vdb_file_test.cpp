@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "test_fields.h"
+
+#include "vdbtools/recipe.h"
+#include "vdbtools/vdb_file.h"
+
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <fstream>
+
+namespace {
+
+using namespace vdbtools;
+using openvdb::Coord;
+
+openvdb::FloatGrid::Ptr ball() {
+  const auto grid =
+      test_fields::bandGrid([](const openvdb::Vec3d& x) { return x.length() - 0.4; }, 0.05, 0.15, 0.15);
+  grid->setName("surface");
+  return grid;
+}
+
+class VdbFileTest : public testing::Test {
+ protected:
+  VdbFileTest()
+      : mPath(std::filesystem::temp_directory_path() / ("juliavdb_vdb_file_" + std::to_string(getpid()) + ".vdb")) {
+    openvdb::initialize();
+  }
+  ~VdbFileTest() override { std::filesystem::remove(mPath); }
+  void write(const std::string& bytes) const { std::ofstream(mPath, std::ios::binary) << bytes; }
+
+  std::filesystem::path mPath;
+};
+
+TEST_F(VdbFileTest, ComesBackAsItWas) {
+  const auto grid = ball();
+  const auto versor = openvdb::Vec3SGrid::create();
+  versor->setName("versor");
+  versor->tree().setValue(Coord(1, 2, 3), openvdb::Vec3s(0.5f, -1, 0));
+  write(encodeVdb({grid, versor}, {.metadata = {{"julia_alpha", "40"}, {"julia_versor_seed", "7"}}}));
+  const VdbFile file = readVdb(mPath);
+  ASSERT_EQ(file.grids.size(), 2u);
+  EXPECT_EQ(file.metadata.at("julia_alpha"), "40");
+  EXPECT_EQ(readVdbMetadata(mPath), file.metadata);
+  const auto read = chooseFloatGrid(file, "", mPath);
+  EXPECT_EQ(read->metaValue<std::string>("julia_versor_seed"), "7");
+  EXPECT_EQ(read->getGridClass(), openvdb::GRID_LEVEL_SET);
+  EXPECT_TRUE(read->tree().hasSameTopology(grid->tree()));
+  for (auto value = grid->cbeginValueOn(); value; ++value)
+    ASSERT_EQ(read->tree().getValue(value.getCoord()), *value);
+}
+
+TEST_F(VdbFileTest, SameGridsSameBytes) {
+  const std::string once = encodeVdb({ball()}, {});
+  EXPECT_EQ(encodeVdb({ball()}, {}), once);
+  // And other grids another identifier: programs tell files apart by it.
+  const auto other = ball();
+  other->tree().setValue(Coord(0), -0.125f);
+  EXPECT_NE(encodeVdb({other}, {}).substr(21, 36), once.substr(21, 36));
+}
+
+TEST_F(VdbFileTest, CanBeReadGridByGrid) {
+  write(encodeVdb({ball()}, {}));
+  openvdb::io::File file(mPath.string());
+  file.open();
+  EXPECT_TRUE(file.hasGrid("surface"));
+  EXPECT_EQ(file.readGridMetadata("surface")->getGridClass(), openvdb::GRID_LEVEL_SET);
+  EXPECT_GT(openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid("surface"))->activeVoxelCount(), 100u);
+}
+
+TEST_F(VdbFileTest, HalfIsSmallerAndNearlyTheSame) {
+  const auto grid = ball();
+  const std::string full = encodeVdb({grid}, {}), half = encodeVdb({grid}, {.half = true});
+  EXPECT_LT(half.size(), full.size());
+  write(half);
+  const auto read = chooseFloatGrid(readVdb(mPath), "surface", mPath);
+  for (auto value = grid->cbeginValueOn(); value; ++value)
+    ASSERT_NEAR(read->tree().getValue(value.getCoord()), *value, std::abs(*value) * 0x1p-11 + 1e-7);
+}
+
+TEST_F(VdbFileTest, TwoGridsOfOneNameAreRefused) { EXPECT_THROW(encodeVdb({ball(), ball()}, {}), std::invalid_argument); }
+
+TEST_F(VdbFileTest, BrokenFilesAreRefused) {
+  EXPECT_THROW(readVdb(mPath), MissingInputError);
+  EXPECT_THROW(readVdb(mPath.parent_path()), MissingInputError);
+  write("");
+  EXPECT_THROW(readVdb(mPath), DataError);
+  write("solid cube");
+  EXPECT_THROW(readVdb(mPath), DataError);
+  write(encodeVdb({}, {}));
+  EXPECT_THROW(readVdb(mPath), DataError);
+  // Cut off anywhere.
+  const std::string bytes = encodeVdb({ball()}, {.metadata = {{"julia_alpha", "40"}}});
+  for (std::size_t length = 0; length < bytes.size(); length += 1 + bytes.size() / 97) {
+    write(bytes.substr(0, length));
+    EXPECT_THROW(readVdb(mPath), DataError) << length << " of " << bytes.size() << " bytes";
+  }
+}
+
+TEST_F(VdbFileTest, AGridIsChosenByNameOrRefusedWithTheList) {
+  const auto phi = ball(), density = ball();
+  phi->setName("phi");
+  density->setName("density");
+  const VdbFile file{{phi, density}, {}};
+  EXPECT_EQ(chooseFloatGrid(file, "density", "x.vdb"), density);
+  EXPECT_EQ(chooseFloatGrid(file, "", "x.vdb"), phi);
+  try {
+    chooseFloatGrid(file, "alpha", "x.vdb");
+    FAIL();
+  } catch (const DataError& error) {
+    EXPECT_NE(std::string(error.what()).find("'density'"), std::string::npos) << error.what();
+  }
+  const auto a = ball(), b = ball();
+  a->setName("a");
+  b->setName("b");
+  EXPECT_THROW(chooseFloatGrid({{a, b}, {}}, "", "x.vdb"), DataError);
+  EXPECT_THROW(chooseFloatGrid({{openvdb::Vec3SGrid::create()}, {}}, "", "x.vdb"), DataError);
+}
+
+TEST(Recipe, SurvivesMetadata) {
+  const Recipe recipe = completeRecipe({{"input", "a b.obj"}, {"alpha", "x:10:300:smooth"}, {"versor-integer", "true"}},
+                                       fractalOptionSpecs());
+  EXPECT_EQ(recipe.at("beta"), "0");
+  const auto metadata = recipeToMetadata(recipe, "fractal");
+  for (const auto& [name, value] : metadata)
+    for (const char c : name) EXPECT_TRUE(std::isalnum(static_cast<unsigned char>(c)) || c == '_') << name;
+  const auto [back, command] = recipeFromMetadata(metadata);
+  EXPECT_EQ(back, recipe);
+  EXPECT_EQ(command, "fractal");
+  EXPECT_EQ(recipeFromMetadata({{"name", "x"}}).second, "");
+}
+
+TEST(Recipe, TwoWaysToSayTheSameAreRefusedTogether) {
+  EXPECT_THROW(parseFractalOptions({{"input", "a.obj"}, {"resolution", "10"}, {"voxel-size", "1"}}),
+               std::invalid_argument);
+}
+
+TEST(Recipe, TheDefaultsAreValid) {
+  EXPECT_NO_THROW(parseFractalOptions(completeRecipe({{"input", "a.obj"}}, fractalOptionSpecs())));
+  EXPECT_NO_THROW(parseSdfOptions(completeRecipe({{"input", "a.obj"}}, sdfOptionSpecs())));
+}
+
+TEST(Recipe, EveryValueIsChecked) {
+  const std::pair<const char*, const char*> wrong[] = {
+      {"resolution", "0"},        {"resolution", "nan"},      {"resolution", "-3"},        {"voxel-size", "1e400"},
+      {"voxel-size", "0"},        {"iterations", "0"},        {"iterations", "2.5"},       {"iterations", "99999999999"},
+      {"escape", "1"},            {"escape", "inf"},          {"slice", "x"},              {"origin", "1,2"},
+      {"origin", "1,2,3,4"},      {"drop-axis", "r"},         {"space", "mars"},           {"box", "0,0,0,1,1"},
+      {"box", "0,0,0,1,-1,1"},    {"map", "mandelbrot"},      {"c", "1,2,3"},              {"c", "1,2,3,nan"},
+      {"versor-seed", "-1"},      {"versor-seed", "1.5"},     {"versor-roots", "0"},       {"versor-powers", "5:2"},
+      {"versor-powers", "1:2:3"}, {"versor-powers", "a:b"},   {"versor-placement", "sky"}, {"versor-radius", "0"},
+      {"versor-scale", "0"},      {"versor-translate", "1"},  {"tolerance", "0"},          {"tolerance", "0.7"},
+      {"precision", "half"},      {"grids", "surface,moon"},  {"grids", "surface,surface"}, {"grids", ""},
+      {"repair", "maybe"},        {"repair-gap", "-1"},       {"half", "yes"},             {"no-such-option", "1"}};
+  for (const auto& [name, value] : wrong)
+    try {
+      Recipe recipe{{"input", "a.obj"}};
+      recipe[name] = value;
+      parseFractalOptions(recipe);
+      ADD_FAILURE() << "--" << name << " " << value << " was taken";
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
+    }
+}
+
+}  // namespace
