@@ -28,8 +28,8 @@ int main() {
 
   // The map: that exponent, and the direction of a random polynomial.
   const julia::Rational versor{.top = julia::randomPolynomial({.seed = 3, .count = 8})};
-  const auto map = std::make_shared<julia::ShapeModulus<double>>(makeExponentField<double>(exponent), versor,
-                                                                 julia::DropAxis::K);
+  const auto map =
+      std::make_shared<julia::ShapeModulus<double>>(makeExponentField<double>(exponent), versor, julia::DropAxis::K);
   const auto evaluator = julia::makeScalarEvaluator<double>(map, {}, {.logTrap = exponent.shell.lower});
 
   const FieldSource source{*evaluator, space};

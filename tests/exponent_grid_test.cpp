@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The target and its exponent: read as it is, widened without touching its band, clamped only where nothing depends on it.
+// The target and its exponent: read as it is, widened without touching its band, clamped only where nothing depends on
+// it.
 #include "test_fields.h"
 #include "test_meshes.h"
 
@@ -186,7 +187,8 @@ TEST(Control, ReadsNumbersRampsAndGrids) {
 }
 
 TEST(Control, RefusesBrokenText) {
-  for (const char* text : {"nan", "inf", "-inf", "1e999", "x:1:nan", "x:1@2@3:4", "x:a:4", "x:1:2:rough", "x:1:2:smooth:3"})
+  for (const char* text :
+       {"nan", "inf", "-inf", "1e999", "x:1:nan", "x:1@2@3:4", "x:a:4", "x:1:2:rough", "x:1:2:smooth:3"})
     EXPECT_THROW(parseControl(text), std::invalid_argument) << text;
   for (const char* text : {"file.vdb", "", "w:1:2", "1 2"})
     EXPECT_TRUE(std::holds_alternative<std::monostate>(parseControl(text))) << text;

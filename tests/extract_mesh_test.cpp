@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Marching cubes: every configuration of corner signs and random fields give closed 2-manifolds that separate inside from
-// outside, with vertices where the field changes sign.
+// Marching cubes: every configuration of corner signs and random fields give closed 2-manifolds that separate inside
+// from outside, with vertices where the field changes sign.
 #include "mesh_laws.h"
 #include "test_fields.h"
 
@@ -121,8 +121,8 @@ TEST(ExtractMesh, OpenEdgesLieOnTheDomainsBorderOnly) {
     bool onBorder = false;
     for (int axis = 0; axis < 3; ++axis)
       for (const double face : {-9.0, 10.0})
-        onBorder = onBorder ||
-                   (result.mesh.points[edge.first][axis] == face && result.mesh.points[edge.second][axis] == face);
+        onBorder =
+            onBorder || (result.mesh.points[edge.first][axis] == face && result.mesh.points[edge.second][axis] == face);
     EXPECT_TRUE(onBorder) << result.mesh.points[edge.first] << " " << result.mesh.points[edge.second];
   }
   EXPECT_GT(open, 0u);

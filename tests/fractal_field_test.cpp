@@ -14,8 +14,8 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <tbb/parallel_for.h>
+#include <atomic>
 
 namespace {
 
@@ -123,7 +123,8 @@ TEST(FractalField, SignsAreTheReferencesEverywhere) {
     const julia::Rational versor = test_fields::randomVersor(17, 8, 9, c.integerPowers);
     const Made made = make(c, versor);
     Monitor monitor;
-    const FractalField field = fractalField({*made.evaluator, made.exponent.space}, made.exponent, {.voxelSize = h}, monitor);
+    const FractalField field =
+        fractalField({*made.evaluator, made.exponent.space}, made.exponent, {.voxelSize = h}, monitor);
     std::atomic<int> wrong{0}, inside{0};
     tbb::parallel_for(lattice.min()[0], lattice.max()[0] + 1, [&](int x) {
       const auto accessor = field.field->getConstAccessor();
@@ -157,7 +158,8 @@ TEST(FractalField, ExhaustiveGivesTheSameMesh) {
     const julia::Rational versor = test_fields::randomVersor(3, 6, 7, c.integerPowers);
     const Made fast = make(c, versor), slow = make(c, versor, /*trap=*/false);
     Monitor monitor;
-    const FieldSource fastSource{*fast.evaluator, fast.exponent.space}, slowSource{*slow.evaluator, slow.exponent.space};
+    const FieldSource fastSource{*fast.evaluator, fast.exponent.space},
+        slowSource{*slow.evaluator, slow.exponent.space};
     const FractalFieldOptions options{.voxelSize = 1.0 / 40};
     const Mesh a = extractMesh(fractalField(fastSource, fast.exponent, options, monitor), fastSource, {}, monitor);
     const Mesh b =
@@ -200,10 +202,10 @@ TEST(FractalField, RefusesWhatCannotBe) {
   const FieldSource source{*made.evaluator, made.exponent.space};
   for (const double h : {0.0, -1.0, std::nan(""), double(INFINITY), 1e-12})
     EXPECT_THROW(fractalField(source, made.exponent, {.voxelSize = h}, monitor), std::invalid_argument) << h;
-  EXPECT_THROW(fractalField(source, made.exponent, {.voxelSize = 0.1, .box = BBoxd(Vec3d(5), Vec3d(6))}, monitor), DataError);
-  EXPECT_THROW(
-      fractalField(source, made.exponent, {.voxelSize = 0.1, .box = BBoxd(Vec3d(0.01), Vec3d(0.02))}, monitor),
-      std::invalid_argument);
+  EXPECT_THROW(fractalField(source, made.exponent, {.voxelSize = 0.1, .box = BBoxd(Vec3d(5), Vec3d(6))}, monitor),
+               DataError);
+  EXPECT_THROW(fractalField(source, made.exponent, {.voxelSize = 0.1, .box = BBoxd(Vec3d(0.01), Vec3d(0.02))}, monitor),
+               std::invalid_argument);
   EXPECT_THROW(fractalFieldEverywhere(source, {.voxelSize = 0.1}, monitor), std::invalid_argument);
 }
 

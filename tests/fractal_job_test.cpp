@@ -159,7 +159,8 @@ TEST_F(FractalJob, AgreesWithAnIndependentMarchingCubes) {
 
 TEST_F(FractalJob, SizeAndPlaceDoNotMatter) {
   // A shape without symmetry; the shift is a multiple of both voxel sizes, so that nodes fall on the same places.
-  const Mesh shape = test_meshes::merged(test_meshes::makeSphere(0.8, 3), test_meshes::makeBox(Vec3d(0.1, 0.2, -0.3), Vec3d(1.2, 0.7, 0.4)));
+  const Mesh shape = test_meshes::merged(test_meshes::makeSphere(0.8, 3),
+                                         test_meshes::makeBox(Vec3d(0.1, 0.2, -0.3), Vec3d(1.2, 0.7, 0.4)));
   const double extent = 2.0, factor = 1000;
   const Vec3d shift(1e5, -1e5, 2e5);
   ASSERT_NEAR(reportMesh(shape).box.extents()[0], extent, 1e-2);
@@ -191,7 +192,8 @@ TEST_F(FractalJob, AlphaThinsTheShellAndBetaMovesIt) {
   const std::string input = writeObj("ball.obj", test_meshes::makeSphere(1, 4));
   const double target = 4 * M_PI / 3;
   const auto volume = [&](const char* alpha, const char* beta) {
-    return mesh_laws::volume(mesh({{"input", input}, {"alpha", alpha}, {"beta", beta}, {"resolution", "50"}, {"sdf-resolution", "60"}}));
+    return mesh_laws::volume(
+        mesh({{"input", input}, {"alpha", alpha}, {"beta", beta}, {"resolution", "50"}, {"sdf-resolution", "60"}}));
   };
   double last = 1e9;
   for (const char* alpha : {"10", "40", "100", "300"}) {
@@ -207,7 +209,8 @@ TEST_F(FractalJob, AlphaThinsTheShellAndBetaMovesIt) {
 
 TEST_F(FractalJob, FloatIsNearDouble) {
   const std::string input = writeObj("ball.obj", test_meshes::makeSphere(1, 4));
-  const Recipe recipe{{"input", input}, {"alpha", "40"}, {"resolution", "60"}, {"sdf-resolution", "60"}, {"versor-integer", "true"}};
+  const Recipe recipe{
+      {"input", input}, {"alpha", "40"}, {"resolution", "60"}, {"sdf-resolution", "60"}, {"versor-integer", "true"}};
   Recipe asFloat = recipe;
   asFloat["precision"] = "float";
   const Scene scene = this->scene(recipe);
@@ -222,7 +225,10 @@ TEST_F(FractalJob, FloatIsNearDouble) {
 
 TEST_F(FractalJob, TheRecipeMakesTheSameBytes) {
   const std::string input = writeObj("ball.obj", test_meshes::makeSphere(1, 3));
-  const Recipe recipe{{"input", input}, {"resolution", "30"}, {"sdf-resolution", "40"}, {"grids", "surface,density,logmodulus,iterations,versor"}};
+  const Recipe recipe{{"input", input},
+                      {"resolution", "30"},
+                      {"sdf-resolution", "40"},
+                      {"grids", "surface,density,logmodulus,iterations,versor"}};
   const auto bytes = [&](const Recipe& what) {
     const Recipe complete = completeRecipe(what, fractalOptionSpecs());
     const Scene scene = makeScene(parseFractalOptions(complete), mMonitor);

@@ -62,7 +62,8 @@ TEST_F(MeshWriter, DoublesWhereFloatsWouldMoveVertices) {
 }
 
 TEST_F(MeshWriter, CommentsComeBack) {
-  const std::map<std::string, std::string> comments{{"julia_alpha", "40"}, {"julia_input", "a b.obj"}, {"julia_grid", ""}};
+  const std::map<std::string, std::string> comments{
+      {"julia_alpha", "40"}, {"julia_input", "a b.obj"}, {"julia_grid", ""}};
   const Mesh mesh = test_meshes::makeCube();
   EXPECT_EQ(readMeshComments(write("c.ply", mesh, {.comments = comments})), comments);
   EXPECT_EQ(readMeshComments(write("c.obj", mesh, {.comments = comments})), comments);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file test_fields.h
-/// Targets with a known signed distance, as grids and as functions, and the plain evaluation of what they define: nothing
-/// here shares code with what it tests.
+/// Targets with a known signed distance, as grids and as functions, and the plain evaluation of what they define:
+/// nothing here shares code with what it tests.
 #pragma once
 
 #include "julia/embedding.h"
@@ -92,7 +92,8 @@ class NodeEvaluator final : public julia::FieldEvaluator {
  public:
   explicit NodeEvaluator(std::function<double(const Coord&)> value) : mValue(std::move(value)) {}
 
-  void evaluate(std::span<const julia::Point> points, std::span<double> field, std::span<int> iterations) const override {
+  void evaluate(std::span<const julia::Point> points, std::span<double> field,
+                std::span<int> iterations) const override {
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Vec3d index(points[i].data());
       const Coord corner = Coord::floor(index);

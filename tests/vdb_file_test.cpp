@@ -16,8 +16,7 @@ using namespace vdbtools;
 using openvdb::Coord;
 
 openvdb::FloatGrid::Ptr ball() {
-  const auto grid =
-      test_fields::bandGrid([](const openvdb::Vec3d& x) { return x.length() - 0.4; }, 0.05, 0.15, 0.15);
+  const auto grid = test_fields::bandGrid([](const openvdb::Vec3d& x) { return x.length() - 0.4; }, 0.05, 0.15, 0.15);
   grid->setName("surface");
   return grid;
 }
@@ -48,8 +47,7 @@ TEST_F(VdbFileTest, ComesBackAsItWas) {
   EXPECT_EQ(read->metaValue<std::string>("julia_versor_seed"), "7");
   EXPECT_EQ(read->getGridClass(), openvdb::GRID_LEVEL_SET);
   EXPECT_TRUE(read->tree().hasSameTopology(grid->tree()));
-  for (auto value = grid->cbeginValueOn(); value; ++value)
-    ASSERT_EQ(read->tree().getValue(value.getCoord()), *value);
+  for (auto value = grid->cbeginValueOn(); value; ++value) ASSERT_EQ(read->tree().getValue(value.getCoord()), *value);
 }
 
 TEST_F(VdbFileTest, SameGridsSameBytes) {
@@ -80,7 +78,9 @@ TEST_F(VdbFileTest, HalfIsSmallerAndNearlyTheSame) {
     ASSERT_NEAR(read->tree().getValue(value.getCoord()), *value, std::abs(*value) * 0x1p-11 + 1e-7);
 }
 
-TEST_F(VdbFileTest, TwoGridsOfOneNameAreRefused) { EXPECT_THROW(encodeVdb({ball(), ball()}, {}), std::invalid_argument); }
+TEST_F(VdbFileTest, TwoGridsOfOneNameAreRefused) {
+  EXPECT_THROW(encodeVdb({ball(), ball()}, {}), std::invalid_argument);
+}
 
 TEST_F(VdbFileTest, BrokenFilesAreRefused) {
   EXPECT_THROW(readVdb(mPath), MissingInputError);
@@ -143,19 +143,47 @@ TEST(Recipe, TheDefaultsAreValid) {
 }
 
 TEST(Recipe, EveryValueIsChecked) {
-  const std::pair<const char*, const char*> wrong[] = {
-      {"resolution", "0"},        {"resolution", "nan"},      {"resolution", "-3"},        {"voxel-size", "1e400"},
-      {"voxel-size", "0"},        {"iterations", "0"},        {"iterations", "2.5"},       {"iterations", "99999999999"},
-      {"escape", "1"},            {"escape", "inf"},          {"slice", "x"},              {"origin", "1,2"},
-      {"origin", "1,2,3,4"},      {"drop-axis", "r"},         {"space", "mars"},           {"box", "0,0,0,1,1"},
-      {"box", "0,0,0,1,-1,1"},    {"map", "mandelbrot"},      {"c", "1,2,3"},              {"c", "1,2,3,nan"},
-      {"versor-seed", "-1"},      {"versor-seed", "1.5"},     {"versor-roots", "0"},       {"versor-powers", "5:2"},
-      {"versor-powers", "1:2:3"}, {"versor-powers", "a:b"},   {"versor-placement", "sky"}, {"versor-radius", "0"},
-      {"versor-scale", "0"},      {"versor-translate", "1"},  {"tolerance", "0"},          {"tolerance", "0.7"},
-      {"precision", "half"},      {"grids", "surface,moon"},  {"grids", "surface,surface"}, {"grids", ""},
-      {"repair", "maybe"},        {"repair-gap", "-1"},       {"half", "yes"},             {"no-such-option", "1"}};
-  for (const auto& [name, value] : wrong)
-    try {
+  const std::pair<const char*, const char*> wrong[] = {{"resolution", "0"},
+                                                       {"resolution", "nan"},
+                                                       {"resolution", "-3"},
+                                                       {"voxel-size", "1e400"},
+                                                       {"voxel-size", "0"},
+                                                       {"iterations", "0"},
+                                                       {"iterations", "2.5"},
+                                                       {"iterations", "99999999999"},
+                                                       {"escape", "1"},
+                                                       {"escape", "inf"},
+                                                       {"slice", "x"},
+                                                       {"origin", "1,2"},
+                                                       {"origin", "1,2,3,4"},
+                                                       {"drop-axis", "r"},
+                                                       {"space", "mars"},
+                                                       {"box", "0,0,0,1,1"},
+                                                       {"box", "0,0,0,1,-1,1"},
+                                                       {"map", "mandelbrot"},
+                                                       {"c", "1,2,3"},
+                                                       {"c", "1,2,3,nan"},
+                                                       {"versor-seed", "-1"},
+                                                       {"versor-seed", "1.5"},
+                                                       {"versor-roots", "0"},
+                                                       {"versor-powers", "5:2"},
+                                                       {"versor-powers", "1:2:3"},
+                                                       {"versor-powers", "a:b"},
+                                                       {"versor-placement", "sky"},
+                                                       {"versor-radius", "0"},
+                                                       {"versor-scale", "0"},
+                                                       {"versor-translate", "1"},
+                                                       {"tolerance", "0"},
+                                                       {"tolerance", "0.7"},
+                                                       {"precision", "half"},
+                                                       {"grids", "surface,moon"},
+                                                       {"grids", "surface,surface"},
+                                                       {"grids", ""},
+                                                       {"repair", "maybe"},
+                                                       {"repair-gap", "-1"},
+                                                       {"half", "yes"},
+                                                       {"no-such-option", "1"}};
+  for (const auto& [name, value] : wrong) try {
       Recipe recipe{{"input", "a.obj"}};
       recipe[name] = value;
       parseFractalOptions(recipe);

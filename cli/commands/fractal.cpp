@@ -66,6 +66,8 @@ int runFractal(const Arguments& arguments) {
     if (grid->getName() == "surface")
       std::cerr << ", " << grid->activeVoxelCount() << " in the band, |grad| within 0.5 of 1 in "
                 << 100 * result.check.gradientFraction << " % of them";
+  if (const auto moved = scene.facts.find("julia_repair_moved"); moved != scene.facts.end())
+    std::cerr << ", the target repaired and its surface moved by at most " << moved->second;
   if (wantMesh) std::cerr << ", " << result.mesh.triangles.size() << " triangles";
   std::cerr << '\n';
   return kDone;

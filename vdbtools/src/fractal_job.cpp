@@ -124,10 +124,9 @@ Input readMeshInput(const FractalOptions& options, std::map<std::string, std::st
   const double voxel = options.sdfVoxels.sizeFor(longestSide(report.box));
   ExponentGridOptions exponent = exponentOptions(options, report.box);
   const double reach = exteriorReach(exponent) * spaceScale(options, report.box);
-  const MeshSdf sdf =
-      makeSdfAbout(report.box.getCenter(), std::move(mesh),
-                   sdfBand(voxel, reach / voxel + kBandMargin, std::numeric_limits<double>::infinity()), options.repair,
-                   options.gap, monitor);
+  const MeshSdf sdf = makeSdfAbout(report.box.getCenter(), std::move(mesh),
+                                   sdfBand(voxel, reach / voxel + kBandMargin, std::numeric_limits<double>::infinity()),
+                                   options.repair, options.gap, monitor);
   if (sdf.moved) facts["julia_repair_moved"] = numbersText({*sdf.moved});
   return {makeTarget(sdf.grid, report.box), std::move(exponent)};
 }
@@ -228,7 +227,6 @@ BBoxd regionOf(const Scene& scene) {
   }
   if (options.map == MapKind::Quadratic) {
     const double radius = julia::quadraticBound(options.c, options.iterations, options.escape);
-    const Vec3d corner(radius, radius, radius);
     return {scene.space.toWorld({-radius, -radius, -radius}), scene.space.toWorld({radius, radius, radius})};
   }
   if (std::filesystem::path(options.versor).extension() == ".o3d") {

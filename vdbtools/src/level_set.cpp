@@ -21,10 +21,9 @@ FloatGrid::Ptr levelSet(const FractalField& field, const Mesh& mesh, Monitor& mo
   if (mesh.triangles.empty()) throw DataError("the fractal is empty here: there is no surface");
   monitor.begin("level set", 0);
   const double voxel = field.field->voxelSize()[0];
-  FloatGrid::Ptr grid = convert(
-      toIndexSpace(mesh.points, voxel), mesh.triangles,
-      {.voxelSize = voxel, .exteriorBandWidth = kHalfWidth, .interiorBandWidth = kHalfWidth}, monitor,
-      openvdb::tools::UNSIGNED_DISTANCE_FIELD);
+  FloatGrid::Ptr grid = convert(toIndexSpace(mesh.points, voxel), mesh.triangles,
+                                {.voxelSize = voxel, .exteriorBandWidth = kHalfWidth, .interiorBandWidth = kHalfWidth},
+                                monitor, openvdb::tools::UNSIGNED_DISTANCE_FIELD);
   // F knows the sign at every node, also in closed bubbles, which a flood fill from outside would call inside.
   using LeafManager = openvdb::tree::LeafManager<FloatTree>;
   LeafManager leaves(grid->tree());

@@ -165,8 +165,7 @@ FloatGrid::Ptr convert(const std::vector<Vec3d>& points, const std::vector<openv
   const FloatGrid::Ptr grid = openvdb::tools::meshToVolume<FloatGrid>(
       interrupter, adapter, *openvdb::math::Transform::createLinearTransform(1.0),
       static_cast<float>(options.exteriorBandWidth),
-      static_cast<float>(finiteInteriorBand(box, options.interiorBandWidth)),
-      flags);
+      static_cast<float>(finiteInteriorBand(box, options.interiorBandWidth)), flags);
   monitor.throwIfCancelled();
   if (isFar) shiftTree(*grid, shift);
   scaleValues(*grid, static_cast<float>(options.voxelSize));

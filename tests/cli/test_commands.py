@@ -1,0 +1,298 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every command: its help, the examples in it, what goes to stdout and what to stderr, frames, threads, progress."""
+
+import json
+import os
+import re
+import shlex
+import signal
+import subprocess
+import time
+import unittest
+
+import harness
+from harness import DONE, USAGE
+
+COMMANDS = ["sdf", "fractal", "mesh", "versor", "slice", "render", "info"]
+
+
+class Help(harness.CliTest):
+
+    def test_help_of_the_program_names_every_command(self):
+        for word in ("--help", "-h", "help"):
+            text = self.ok(word, data=True)
+            for command in COMMANDS:
+                self.assertRegex(text, rf"(?m)^ +{command} +\S")
+
+    def test_version(self):
+        self.assertRegex(self.ok("--version", data=True), r"\Ajuliavdb \d+\.\d+\.\d+\n\Z")
+
+    def test_help_of_each_command(self):
+        for command in COMMANDS:
+            for word in ("--help", "-h"):
+                with self.subTest(command=command, word=word):
+                    text = self.ok(command, word, data=True)
+                    self.assertTrue(text.startswith(f"Usage: juliavdb {command} "), text[:80])
+                    self.assertIn("\nExamples:\n", text)
+
+    def test_no_arguments_show_the_commands(self):
+        run = self.run_program()
+        self.assertEqual((run.returncode, run.stdout), (USAGE, b""))
+        for command in COMMANDS:
+            self.assertIn(command.encode(), run.stderr)
+
+    def test_unknown_words(self):
+        self.refused(USAGE, "frctal", mentions="frctal")
+        self.refused(USAGE, "--frobnicate", mentions="--frobnicate")
+        self.refused(USAGE, "", mentions="''")
+        for command in COMMANDS:
+            with self.subTest(command=command):
+                self.refused(USAGE, command, mentions="juliavdb" if command != "info" else "no file")
+                self.refused(USAGE, command, "--frobnicate", mentions="frobnicate")
+                self.refused(USAGE, command, "--thr", "2", mentions="thr")  # no guessing of abbreviations
+                self.refused(USAGE, command, "--threads", mentions="threads")
+
+    def test_one_word_too_many(self):
+        for command in ("sdf", "fractal", "mesh", "slice", "render"):
+            self.refused(USAGE, command, "one.vdb", "two.vdb", "-o", "x.vdb", mentions="too many")
+
+
+class Examples(harness.CliTest):
+
+    @staticmethod
+    def cheaper(command, words):
+        """The same line for a small picture: JULIAVDB_FULL_EXAMPLES=1 runs the lines as they are printed."""
+        if os.environ.get("JULIAVDB_FULL_EXAMPLES"):
+            return words
+        words = list(words)
+
+        def replace(option, value):
+            if option in words:
+                words[words.index(option) + 1] = value
+            else:
+                words.extend((option, value))
+
+        if command == "fractal":
+            replace("--resolution", "32")
+        if command in ("fractal", "slice") and "--config" not in words and not words[0].endswith(".vdb"):
+            replace("--sdf-resolution", "32")
+        if command == "slice":
+            replace("--size", "40")
+        if command == "render":
+            replace("--size", "40x30")
+        return words
+
+    def test_the_lines_of_every_help_run_as_printed(self):
+        self.write("bunny.obj", harness.obj(harness.sphere(3)))
+        self.write("scan.ply", harness.ply(harness.with_hole(harness.sphere(3, 0.2), 0.9)))
+        for command in COMMANDS:
+            examples = self.ok(command, "--help", data=True).split("\nExamples:\n")[1].splitlines()
+            self.assertGreater(len(examples), 0)
+            for line in examples:
+                words = shlex.split(line)
+                self.assertEqual(words[:2], ["juliavdb", command])
+                with self.subTest(line=line):
+                    run = self.run_program(command, *self.cheaper(command, words[2:]))
+                    self.assertEqual(run.returncode, DONE, run.stderr.decode())
+                    wants_data = command == "info" or words[2] == "inspect"
+                    self.assertEqual(run.stdout != b"", wants_data)
+                    for option, name in zip(words, words[1:]):
+                        if option in ("-o", "--mesh"):
+                            self.assertGreater(self.path(name).stat().st_size, 0)
+
+
+class Streams(harness.CliTest):
+
+    def test_a_picture_can_go_to_standard_output(self):
+        self.write("s.obj", harness.obj(harness.sphere(2)))
+        self.ok("sdf", "s.obj", "-o", "s.vdb", "--resolution", 24)
+        run = self.run_program("sdf", "s.obj", "-o", "/dev/stdout", "--resolution", 24)
+        self.assertEqual(run.returncode, DONE, run.stderr)
+        self.assertEqual(run.stdout, self.bytes("s.vdb"))
+
+    def test_the_last_line_says_what_was_written(self):
+        self.write("s.obj", harness.obj(harness.sphere(2)))
+        text = self.ok("fractal", "s.obj", "-o", "s.vdb", "--mesh", "s.ply", "--resolution", 24, "--sdf-resolution", 24)
+        self.assertRegex(text, r"\Awrote s\.vdb, s\.ply: [^\n]*triangles\n\Z")
+        self.assertEqual(self.listing(), ["s.obj", "s.ply", "s.vdb"])
+
+    def test_a_reader_that_is_gone(self):
+        self.write("s.obj", harness.obj(harness.sphere(2)))
+        reader, writer = os.pipe()
+        os.close(reader)
+        try:
+            run = self.run_program("info", "s.obj", stdout=writer)
+        finally:
+            os.close(writer)
+        self.check_refusal(run, harness.IO_ERROR, "info s.obj | nobody")
+
+
+class Frames(harness.CliTest):
+
+    def test_frame_patterns(self):
+        self.write("s.obj", harness.obj(harness.cube()))
+        for pattern in ("name.####.vdb", "name.$F4.vdb", "name.%04d.vdb", "name.vdb"):
+            with self.subTest(pattern=pattern):
+                self.ok("sdf", "s.obj", "-o", pattern, "--resolution", 16, "--frame", 7)
+                self.assertEqual(self.listing(), ["name.0007.vdb", "s.obj"])
+                self.path("name.0007.vdb").unlink()
+        self.ok("fractal", "s.obj", "-o", "f.$F4.vdb", "--mesh", "f.####.ply", "--resolution", 16, "--sdf-resolution",
+                16, "--frame", 12)
+        self.assertEqual(self.listing(), ["f.0012.ply", "f.0012.vdb", "s.obj"])
+
+    def test_frames_that_are_none(self):
+        self.write("s.obj", harness.obj(harness.cube()))
+        self.refused(USAGE, "sdf", "s.obj", "-o", "name.####.vdb", mentions="####")
+        for frame in ("-1", "1.5", "x", "99999999999"):
+            self.refused(USAGE, "sdf", "s.obj", "-o", "name.vdb", f"--frame={frame}", mentions=frame)
+
+
+class Threads(harness.CliTest):
+
+    def test_thread_counts(self):
+        self.write("s.obj", harness.obj(harness.cube()))
+        for value in ("0", "-1", "1.5", "two", "nan", "100000", ""):
+            self.refused(USAGE, "sdf", "s.obj", "-o", "s.vdb", f"--threads={value}", mentions="threads")
+        self.ok("sdf", "s.obj", "-o", "s.vdb", "--resolution", 16, "--threads", 1)
+
+    def test_slurm(self):
+        self.write("s.obj", harness.obj(harness.cube()))
+        # What Slurm sets is not the user's word: a value that is none is passed over.
+        for value in ("1", "2", "0", "many", "", "-3"):
+            self.ok("sdf", "s.obj", "-o", "s.vdb", "--resolution", 16, env={"SLURM_CPUS_PER_TASK": value})
+
+    def most_threads(self, *arguments, env=None):
+        """The largest number of threads that a run is seen with."""
+        process = subprocess.Popen([harness.program(), *map(str, arguments)], cwd=self.folder,
+                                   env=harness.environment(env), stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        most, end = 0, time.monotonic() + 1.2
+        while process.poll() is None and time.monotonic() < end:
+            try:
+                with open(f"/proc/{process.pid}/status") as status:
+                    most = max(most, int(re.search(r"Threads:\s+(\d+)", status.read())[1]))
+            except (FileNotFoundError, ProcessLookupError, TypeError):
+                pass
+            time.sleep(0.02)
+        process.kill()
+        process.wait()
+        return most
+
+    @unittest.skipIf(len(os.sched_getaffinity(0)) < 2, "one processor: every run has one thread")
+    def test_the_number_of_threads_is_honoured(self):
+        self.write("s.obj", harness.obj(harness.sphere(2)))
+        job = ("fractal", "s.obj", "-o", "s.vdb", "--resolution", 400, "--alpha", 6, "--sdf-resolution", 32,
+               "--progress", "none")
+        one = self.most_threads(*job, "--threads", 1)
+        self.assertEqual(self.most_threads(*job, "--threads", 2), one + 1)
+        self.assertEqual(self.most_threads(*job, env={"SLURM_CPUS_PER_TASK": "1"}), one)
+        self.assertEqual(self.most_threads(*job, "--threads", 2, env={"SLURM_CPUS_PER_TASK": "1"}), one + 1)
+
+
+class ProgressLines(harness.CliTest):
+    # Enough for three seconds or so on any machine: the run is stopped as soon as the lines are there.
+    LONG = ("fractal", "s.obj", "-o", "s.vdb", "--resolution", 1000, "--alpha", 6, "--sdf-resolution", 32)
+
+    def lines_of_long_job(self, *arguments, seconds):
+        self.write("s.obj", harness.obj(harness.sphere(2)))
+        process = subprocess.Popen([harness.program(), *map(str, self.LONG + arguments)], cwd=self.folder,
+                                   env=harness.environment(), stdin=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                                   preexec_fn=harness.restore_interrupt)
+        try:
+            process.wait(timeout=seconds)
+            self.fail("the job was to take long")
+        except subprocess.TimeoutExpired:
+            process.send_signal(signal.SIGINT)
+        error = process.communicate(timeout=harness.TIMEOUT)[1].decode()
+        self.assertEqual(process.returncode, harness.INTERRUPTED)
+        return error.splitlines()
+
+    def test_quick_jobs_are_quiet(self):
+        self.write("s.obj", harness.obj(harness.cube()))
+        for style in ("bar", "json", "none"):
+            text = self.ok("sdf", "s.obj", "-o", "s.vdb", "--resolution", 16, "--progress", style)
+            self.assertRegex(text, r"\Awrote [^\n]*\n\Z")
+
+    def test_json(self):
+        *lines, last = self.lines_of_long_job("--progress", "json", seconds=4)
+        self.assertTrue(last.startswith("juliavdb: "), last)
+        self.assertGreater(len(lines), 1)
+        elapsed = 0
+        for line in lines:
+            entry = json.loads(line)
+            self.assertIsInstance(entry["phase"], str)
+            self.assertGreater(entry["elapsed"], elapsed)
+            elapsed = entry["elapsed"]
+            if "fraction" in entry:
+                self.assertTrue(0 <= entry["fraction"] <= 1)
+        self.assertGreater(json.loads(lines[0])["elapsed"], 1.9)
+
+    def test_none(self):
+        lines = self.lines_of_long_job("--progress", "none", seconds=3)
+        self.assertEqual(len(lines), 1, lines)
+
+    def test_bar_in_a_log(self):
+        *lines, last = self.lines_of_long_job(seconds=3)
+        self.assertTrue(last.startswith("juliavdb: "), last)
+        self.assertEqual(len(lines), 1, lines)  # a line each five seconds where stderr is no terminal
+        self.assertNotIn("\r", lines[0])
+        self.assertNotIn("\033", lines[0])
+
+    def test_style(self):
+        self.write("s.obj", harness.obj(harness.cube()))
+        self.refused(USAGE, "sdf", "s.obj", "-o", "s.vdb", "--progress", "loud", mentions="loud")
+
+
+class InfoOnEveryKind(harness.CliTest):
+
+    def test_meshes(self):
+        mesh = harness.sphere(2)
+        for name, content in (("s.obj", harness.obj(mesh)), ("s.ply", harness.ply(mesh)), ("s.stl", harness.stl(mesh)),
+                              ("s.off", harness.off(mesh)), ("text.ply", harness.ply_text(mesh)),
+                              ("upper.OBJ", harness.obj(mesh))):
+            with self.subTest(name=name):
+                info = self.info(self.write(name, content))
+                self.assertEqual((info["kind"], info["file"], info["points"], info["triangles"], info["closed"]),
+                                 ("mesh", name, len(mesh[0]), len(mesh[1]), True))
+                self.assertAlmostEqual(info["volume"], harness.volume_of(harness.Mesh(*mesh, [], {}, True)), 5)
+
+    def test_a_hole_is_told(self):
+        info = self.info(self.write("h.obj", harness.obj(harness.with_hole(harness.sphere(2)))))
+        self.assertFalse(info["closed"])
+        self.assertGreater(info["open edges"], 0)
+
+    def test_vdb_and_its_recipe(self):
+        self.write("s.obj", harness.obj(harness.sphere(2)))
+        self.ok("sdf", "s.obj", "-o", "s.vdb", "--resolution", 24)
+        info = self.info("s.vdb")
+        self.assertEqual((info["kind"], info["recipe"]["command"], info["recipe"]["resolution"]), ("VDB", "sdf", "24"))
+        self.assertEqual([grid["name"] for grid in info["grids"]], ["phi"])
+        self.assertEqual(info["grids"][0]["level set check"], "passes")
+        self.ok("fractal", "s.vdb", "-o", "f.vdb", "--mesh", "f.ply", "--resolution", 24, "--versor-seed", 9)
+        for name in ("f.vdb", "f.ply"):
+            recipe = self.info(name)["recipe"]
+            self.assertEqual((recipe["command"], recipe["versor-seed"], recipe["input"]), ("fractal", "9", "s.vdb"))
+
+    def test_versors(self):
+        for name, content in (("v.json", harness.rational_json(harness.ROOTS)), ("v.p4d", harness.p4d(harness.ROOTS)),
+                              ("v.poly4d", harness.p4d(harness.ROOTS)),
+                              ("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))):
+            with self.subTest(name=name):
+                info = self.info(self.write(name, content))
+                self.assertEqual((info["kind"], info["top"]["roots"], info["top"]["summed powers"]), ("versor", 3, 9))
+                self.assertEqual(info["bottom"]["roots"], 1 if name == "v.o3d" else 0)
+
+    def test_several_files_are_an_object_a_line(self):
+        self.write("a.obj", harness.obj(harness.cube()))
+        self.write("b.json", harness.rational_json(harness.ROOTS))
+        lines = self.ok("info", "a.obj", "b.json", "--json", data=True).splitlines()
+        self.assertEqual([json.loads(line)["file"] for line in lines], ["a.obj", "b.json"])
+
+    def test_text_says_the_same(self):
+        self.write("a.obj", harness.obj(harness.cube()))
+        text = self.ok("info", "a.obj", data=True)
+        self.assertIn("triangles: 12\n", text)
+        self.assertIn("closed: true\n", text)
+
+
+if __name__ == "__main__":
+    harness.main()

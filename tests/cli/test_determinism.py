@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The same recipe gives the same bytes, with any number of threads, and from the files that carry the recipe."""
+
+import harness
+from harness import BAD_DATA
+
+LOW = ("--resolution", 28, "--sdf-resolution", 28)
+ALL_GRIDS = "surface,density,logmodulus,iterations,versor"
+
+
+class SameBytes(harness.CliTest):
+
+    def setUp(self):
+        super().setUp()
+        self.write("t.obj", harness.obj(harness.torus()))
+
+    def twice(self, extensions, *arguments):
+        """Runs with one thread, with two and with those that there are. @param extensions: of the outputs, by option"""
+        results = {}
+        for threads in (1, 2, None):
+            outputs = [word for option, extension in extensions.items() for word in (option, f"{threads}{extension}")]
+            self.ok(*arguments, *outputs, *(("--threads", threads) if threads else ()))
+            for extension in extensions.values():
+                results.setdefault(extension, []).append(self.bytes(f"{threads}{extension}"))
+        for extension, (first, *others) in results.items():
+            for other in others:
+                self.assertTrue(first == other, f"{arguments}: the bytes of {extension} differ with the threads")
+
+    def test_fractals(self):
+        self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))
+        for options in (("t.obj",), ("t.obj", "--alpha", "x:10:100:smooth", "--beta", "y:0:0.02"),
+                        ("t.obj", "--slice", 0.2, "--origin", "-0.1,0,0.05", "--versor-seed", 5),
+                        ("t.obj", "--versor-integer", "--drop-axis", "i", "--precision", "float"),
+                        ("t.obj", "--versor-placement", "surface", "--versor-roots", 20, "--half"),
+                        ("t.obj", "--map", "rational", "--versor", "v.o3d"),
+                        ("--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "--iterations", 8)):
+            with self.subTest(options=options):
+                self.twice({"-o": ".vdb", "--mesh": ".ply"}, "fractal", *options, *LOW, "--grids", ALL_GRIDS)
+
+    def test_fractal_in_a_box(self):
+        self.twice({"-o": ".vdb", "--mesh": ".ply"}, "fractal", "t.obj", *LOW, "--box", "-0.2,-0.3,-0.2,0.8,0.9,0.7",
+                   "--grids", ALL_GRIDS)
+        self.twice({"-o": ".vdb", "--mesh": ".ply"}, "fractal", "t.obj", *LOW, "--box", "-0.2,-0.3,-0.2,0.8,0.9,0.7",
+                   "--cap")
+
+    def test_the_other_commands(self):
+        self.twice({"-o": ".vdb"}, "sdf", "t.obj", "--resolution", 48)
+        self.write("hole.obj", harness.obj(harness.with_hole(harness.sphere(3), 0.94)))
+        self.twice({"-o": ".vdb"}, "sdf", "hole.obj", "--resolution", 32, "--repair")
+        self.ok("fractal", "t.obj", *LOW, "-o", "f.vdb")
+        self.twice({"-o": ".png"}, "slice", "f.vdb", "--size", 60, "--field", "f")
+        self.twice({"-o": ".exr"}, "slice", "f.vdb", "--size", 60, "--field", "versor")
+        self.twice({"-o": ".png"}, "render", "f.vdb", "--size", "60x40")
+        self.twice({"-o": ".exr"}, "render", "f.vdb", "--size", "60x40")
+        self.twice({"-o": ".ply"}, "mesh", "f.vdb")
+        self.twice({"-o": ".ply"}, "mesh", "f.vdb", "--from-grid")
+
+
+class Recipes(harness.CliTest):
+
+    def setUp(self):
+        super().setUp()
+        self.write("s.obj", harness.obj(harness.sphere(3)))
+        self.options = (*LOW, "--alpha", "y:20:90@0.7", "--beta", 0.01, "--versor-seed", 11, "--slice", 0.1, "--grids",
+                        "surface,versor")
+        self.ok("fractal", "s.obj", *self.options, "-o", "f.vdb", "--mesh", "f.ply")
+
+    def same(self, vdb, mesh):
+        self.assertTrue(self.bytes("f.vdb") == self.bytes(vdb), f"{vdb} differs from f.vdb")
+        self.assertTrue(self.bytes("f.ply") == self.bytes(mesh), f"{mesh} differs from f.ply")
+
+    def test_from_what_was_made(self):
+        self.ok("fractal", "s.obj", *self.options, "--mesh", "f.obj")
+        for config in ("f.vdb", "f.ply", "f.obj"):
+            with self.subTest(config=config):
+                self.ok("fractal", "--config", config, "-o", "again.vdb", "--mesh", "again.ply")
+                self.same("again.vdb", "again.ply")
+
+    def test_from_a_text(self):
+        self.write("job.cfg", "# a comment\ninput = s.obj\nresolution = 28\nsdf-resolution=28\nalpha = y:20:90@0.7\n"
+                   "beta = 0.01\nversor-seed = 11\nslice = 0.1\ngrids = surface,versor\n")
+        self.ok("fractal", "--config", "job.cfg", "-o", "again.vdb", "--mesh", "again.ply")
+        self.same("again.vdb", "again.ply")
+
+    def test_flags_in_a_text(self):
+        self.write("job.cfg", "input = s.obj\nresolution = 20\nsdf-resolution = 20\nhalf = true\ncap = false\n")
+        self.ok("fractal", "--config", "job.cfg", "-o", "config.vdb")
+        self.assertEqual(self.info("config.vdb")["recipe"]["half"], "true")
+
+    def test_the_command_line_goes_first(self):
+        self.ok("fractal", "--config", "f.vdb", "--alpha", 60, "--voxel-size", 0.1, "-o", "other.vdb")
+        recipe = self.info("other.vdb")["recipe"]
+        self.assertEqual((recipe["alpha"], recipe["voxel-size"], recipe["versor-seed"]), ("60", "0.1", "11"))
+        self.assertNotIn("resolution", recipe)
+
+    def test_another_source_is_refused(self):
+        self.write("s.obj", harness.obj(harness.sphere(2)))
+        self.refused(BAD_DATA, "fractal", "--config", "f.vdb", "-o", "x.vdb", mentions=["s.obj", "SHA-256"])
+        self.refused(BAD_DATA, "mesh", "f.vdb", "-o", "x.ply", mentions=["s.obj", "SHA-256"])
+        # Named on the command line, it is what is wanted.
+        self.ok("fractal", "s.obj", "--config", "f.vdb", "-o", "x.vdb")
+        self.path("s.obj").unlink()
+        self.refused(harness.NO_INPUT, "fractal", "--config", "f.vdb", "-o", "y.vdb", mentions="s.obj")
+
+    def test_another_versor_is_refused(self):
+        self.write("v.json", harness.rational_json(harness.ROOTS))
+        self.ok("fractal", "s.obj", *LOW, "--versor", "v.json", "-o", "v.vdb")
+        self.write("v.json", harness.rational_json(harness.ROOTS[:2]))
+        self.refused(BAD_DATA, "fractal", "--config", "v.vdb", "-o", "x.vdb", mentions=["v.json", "SHA-256"])
+
+    def test_sdf_recipe(self):
+        self.ok("sdf", "s.obj", "-o", "a.vdb", "--resolution", 30, "--band", 4)
+        self.ok("sdf", "--config", "a.vdb", "-o", "b.vdb")
+        self.assertTrue(self.bytes("a.vdb") == self.bytes("b.vdb"))
+
+    def test_the_versor_of_another_fractal(self):
+        self.ok("fractal", "s.obj", *self.options, "--versor", "f.vdb", "-o", "g.vdb", "--mesh", "g.ply")
+        f, g = harness.read_ply(self.bytes("f.ply")), harness.read_ply(self.bytes("g.ply"))
+        self.assertTrue((f.points, f.faces) == (g.points, g.faces), "the meshes differ")
+
+
+if __name__ == "__main__":
+    harness.main()

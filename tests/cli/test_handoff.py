@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What other programs find in the files: pyopenvdb, vdb_print and vdb_tool read them."""
+
+import math
+import re
+import shutil
+import subprocess
+import unittest
+
+import pyopenvdb
+
+import harness
+
+ALL_GRIDS = ["surface", "density", "logmodulus", "iterations", "versor"]
+LOW = ("--resolution", 32, "--sdf-resolution", 32)
+
+
+class HandOff(harness.CliTest):
+
+    def setUp(self):
+        super().setUp()
+        self.write("t.obj", harness.obj(harness.torus()))
+
+    def grids(self, name):
+        grids = pyopenvdb.readAllGridMetadata(str(self.path(name)))
+        names = [grid.name for grid in grids]
+        self.assertEqual(len(names), len(set(names)), "two grids have one name")
+        return {grid_name: pyopenvdb.read(str(self.path(name)), grid_name) for grid_name in names}
+
+    def check_metadata(self, metadata):
+        ours = {name: value for name, value in metadata.items() if name.startswith("julia_")}
+        self.assertIn("julia_alpha", ours)
+        for name, value in ours.items():
+            self.assertRegex(name, r"\A[A-Za-z_][A-Za-z0-9_]*\Z")
+            self.assertIsInstance(value, str, name)
+
+    def test_all_grids(self):
+        self.ok("fractal", "t.obj", *LOW, "--iterations", 4, "-o", "t.vdb", "--mesh", "t.ply", "--grids",
+                ",".join(ALL_GRIDS))
+        grids = self.grids("t.vdb")
+        self.assertEqual(sorted(grids), sorted(ALL_GRIDS))
+        voxel = 2.0 / 32  # the torus is 2 across
+        for name, grid in grids.items():
+            self.assertIsInstance(grid, pyopenvdb.Vec3SGrid if name == "versor" else pyopenvdb.FloatGrid)
+            for size in grid.transform.voxelSize():
+                self.assertAlmostEqual(size, voxel, 12)
+            self.check_metadata(grid.metadata)
+            self.assertFalse(grid.saveFloatAsHalf)
+        self.check_metadata(pyopenvdb.readMetadata(str(self.path("t.vdb"))))
+        self.check_surface(grids["surface"], voxel)
+
+        density = grids["density"]
+        self.assertEqual((density.gridClass, density.background), ("fog volume", 0))
+        values = [item.value for item in density.citerOnValues()]
+        self.assertTrue(all(0 <= v <= 1 for v in values))
+        self.assertGreater(max(values), 0.5)
+
+        iterations = grids["iterations"]
+        values = {item.value for item in iterations.citerOnValues()}
+        self.assertLessEqual(values, {1.0, 2.0, 3.0, 4.0})
+        self.assertGreater(len(values), 1)
+
+        modulus = grids["logmodulus"]
+        self.assertNotEqual(modulus.gridClass, "level set")
+        self.assertTrue(all(math.isfinite(item.value) for item in modulus.citerAllValues()))
+        self.assertEqual(modulus.activeVoxelCount(), iterations.activeVoxelCount())
+
+        lengths = [math.hypot(*item.value) for item in grids["versor"].citerOnValues()]
+        self.assertEqual(len(lengths), grids["surface"].activeVoxelCount())
+        self.assertTrue(all(length <= 1 + 1e-5 for length in lengths))  # the part of a unit quaternion without its real
+        self.assertGreater(max(lengths), 0.5)
+
+        # World units are the mesh's: the level set lies where the mesh does, within a voxel.
+        mesh, surface = harness.read_ply(self.bytes("t.ply")), grids["surface"]
+        inside = [surface.transform.indexToWorld(item.min) for item in surface.citerOnValues() if item.value <= 0]
+        for axis in range(3):
+            for pick in (min, max):
+                self.assertAlmostEqual(pick(p[axis] for p in mesh.points), pick(p[axis] for p in inside), delta=voxel)
+        # And each vertex is on the level set, within what trilinear distances make of a rough surface.
+        accessor = surface.getConstAccessor()
+        for point in mesh.points[::7]:
+            node = tuple(round(x) for x in surface.transform.worldToIndex(point))
+            self.assertLess(abs(accessor.getValue(node)), voxel)  # the nearest node is half a diagonal away
+
+    def check_surface(self, surface, voxel):
+        self.assertEqual(surface.gridClass, "level set")
+        self.assertGreater(surface.background, 3 * voxel)
+        self.assertLess(surface.background, 3.1 * voxel)
+        for item in surface.citerOnValues():
+            self.assertEqual(item.count, 1, "an active tile")
+            self.assertLessEqual(abs(item.value), surface.background)
+        for item in surface.citerOffValues():
+            self.assertEqual(abs(item.value), surface.background)
+
+    def test_sdf(self):
+        self.ok("sdf", "t.obj", "-o", "t.vdb", "--resolution", 40)
+        grid = self.grids("t.vdb")["phi"]
+        self.assertEqual(grid.gridClass, "level set")
+        self.assertGreaterEqual(grid.background, 3 * 0.05)
+        # Against the torus itself; the mesh is inscribed with a sagitta of r (1 - cos(pi / n)), below half a voxel.
+        for item in list(grid.citerOnValues())[::11]:
+            x, y, z = grid.transform.indexToWorld(item.min)
+            self.assertAlmostEqual(item.value, math.hypot(math.hypot(x, z) - 0.7, y) - 0.3, delta=0.02)
+
+    def test_half(self):
+        for name, options in (("full", ()), ("half", ("--half",))):
+            self.ok("fractal", "t.obj", *LOW, "-o", f"{name}.vdb", "--grids", "surface,density", *options)
+        self.assertLess(len(self.bytes("half.vdb")), len(self.bytes("full.vdb")))
+        half, full = self.grids("half.vdb"), self.grids("full.vdb")
+        for name in ("surface", "density"):
+            self.assertTrue(half[name].saveFloatAsHalf)
+            self.assertEqual(half[name].activeVoxelCount(), full[name].activeVoxelCount())
+            accessor = half[name].getConstAccessor()
+            for item in list(full[name].citerOnValues())[::17]:
+                self.assertAlmostEqual(accessor.getValue(item.min), item.value, delta=abs(item.value) * 2**-10 + 1e-7)
+
+    def test_one_grid_unless_asked(self):
+        self.ok("fractal", "t.obj", *LOW, "-o", "t.vdb")
+        self.assertEqual(list(self.grids("t.vdb")), ["surface"])
+        self.ok("fractal", "t.obj", *LOW, "-o", "t.vdb", "--grids", "logmodulus")
+        self.assertEqual(list(self.grids("t.vdb")), ["logmodulus"])
+
+    def test_nothing_is_not_finite(self):
+        # A slice through a root (the versor of 0), and an escape radius that lets the last steps grow.
+        self.write("v.json", harness.rational_json([(0, 0, 0, 0, 3), (0.0625, 0, 0, 0, 2.5), (0.125, 0, 0, 0, -2)]))
+        self.ok("fractal", "t.obj", *LOW, "--versor", "v.json", "-o", "t.vdb", "--grids", ",".join(ALL_GRIDS),
+                "--escape", "1e9", "--iterations", 9)
+        self.ok("fractal", "--map", "rational", "--versor", "v.json", "--box", "-1,-1,-1,1,1,1", "-o", "r.vdb",
+                "--resolution", 32, "--grids", ",".join(ALL_GRIDS))
+        for name in ("t.vdb", "r.vdb"):
+            for grid in self.grids(name).values():
+                for item in grid.citerAllValues():
+                    values = item.value if isinstance(item.value, tuple) else (item.value,)
+                    self.assertTrue(all(map(math.isfinite, values)), f"{name} {grid.name} at {item.min}: {item.value}")
+
+    @unittest.skipUnless(shutil.which("vdb_print") and shutil.which("vdb_tool"), "Debian's libopenvdb-tools is not here")
+    def test_tools_of_openvdb(self):
+        self.ok("fractal", "t.obj", *LOW, "-o", "t.vdb", "--grids", ",".join(ALL_GRIDS))
+        tool = lambda *words: subprocess.run(words, cwd=self.folder, capture_output=True, text=True, check=True).stdout
+        listing = tool("vdb_print", "-l", "t.vdb")
+        self.assertEqual(sorted(re.findall(r"(?m)^Name: (\w+)", listing)), sorted(ALL_GRIDS))
+        self.assertIn("julia_command: fractal", listing)
+        self.assertIn("class: level set", listing)
+        self.ok("fractal", "t.obj", *LOW, "-o", "one.vdb")
+        tool("vdb_tool", "-read", "one.vdb", "-ls2mesh", "-write", "tool.ply")
+        theirs = self.info("tool.ply")
+        self.ok("mesh", "one.vdb", "--from-grid", "-o", "ours.ply")
+        ours = self.info("ours.ply")
+        # Two ways to mesh one level set; they differ where cells are ambiguous, and in which way round a face goes.
+        self.assertAlmostEqual(abs(theirs["volume"]), ours["volume"], delta=0.03 * ours["volume"])
+        for end in ("box min", "box max"):
+            for theirs_at, ours_at in zip(theirs[end], ours[end]):
+                self.assertAlmostEqual(theirs_at, ours_at, delta=0.0625)
+
+
+if __name__ == "__main__":
+    harness.main()

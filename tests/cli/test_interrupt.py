@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Ctrl-C and SIGTERM: gone within a second, exit code 75, nothing left behind."""
+
+import json
+import signal
+import subprocess
+import time
+
+import harness
+
+PROMISE = 1.0  # seconds
+SLACK = 0.5  # for a machine that has other things to do
+
+
+class Interrupt(harness.CliTest):
+
+    def setUp(self):
+        super().setUp()
+        self.write("s.obj", harness.obj(harness.sphere(3)))
+
+    def interrupt_in(self, phase, *arguments, by=signal.SIGINT):
+        """Starts a job that would take long, and stops it once it says that it is in @a phase."""
+        before = self.listing()
+        process = subprocess.Popen([harness.program(), *map(str, arguments), "--progress", "json"], cwd=self.folder,
+                                   env=harness.environment(), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, preexec_fn=harness.restore_interrupt)
+        try:
+            seen = []
+            for line in process.stderr:
+                self.assertTrue(line.startswith(b"{"), f"the job ended before the phase '{phase}': {line} after {seen}")
+                seen.append(json.loads(line)["phase"])
+                if seen[-1] == phase:
+                    break
+            self.assertIn(phase, seen, "no such phase")
+            process.send_signal(by)
+            sent = time.monotonic()
+            stdout, stderr = process.communicate(timeout=harness.TIMEOUT)
+            took = time.monotonic() - sent
+        finally:
+            process.kill()
+            process.wait()
+            process.stdout.close()
+            process.stderr.close()
+        self.assertEqual(process.returncode, harness.INTERRUPTED, stderr.decode())
+        self.assertLess(took, PROMISE + SLACK)
+        self.assertEqual(stdout, b"")
+        rest = [line for line in stderr.decode().splitlines() if not line.startswith("{")]
+        self.assertEqual(len(rest), 1, rest)
+        self.assertTrue(rest[0].startswith("juliavdb: "), rest)
+        self.assertEqual(self.listing(), before)
+
+    def test_distance_field(self):
+        self.interrupt_in("distance field", "sdf", "s.obj", "-o", "x.vdb", "--resolution", 1200, "--band", 20)
+
+    def test_field(self):
+        self.interrupt_in("field", "fractal", "s.obj", "-o", "x.vdb", "--mesh", "x.ply", "--resolution", 1000,
+                          "--alpha", 6, "--sdf-resolution", 48)
+
+    def test_field_by_sigterm(self):
+        self.interrupt_in("field", "fractal", "s.obj", "-o", "x.vdb", "--resolution", 1000, "--alpha", 6,
+                          "--sdf-resolution", 48, by=signal.SIGTERM)
+
+    def test_edges(self):
+        self.interrupt_in("edges", "fractal", "s.obj", "--mesh", "x.ply", "-o", "x.vdb", "--resolution", 150,
+                          "--alpha", 20, "--sdf-resolution", 48, "--tolerance", 1e-12)
+
+    def test_field_of_a_quadratic_map(self):
+        self.interrupt_in("field", "fractal", "--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "--iterations", 1000,
+                          "-o", "x.vdb", "--resolution", 600)
+
+    def test_slice(self):
+        self.interrupt_in("slice", "slice", "s.obj", "-o", "x.png", "--field", "f", "--size", 20000,
+                          "--sdf-resolution", 32)
+
+    def test_render(self):
+        self.ok("sdf", "s.obj", "-o", "s.vdb", "--resolution", 32)
+        self.interrupt_in("render", "render", "s.vdb", "-o", "x.png", "--size", "6000x6000", "--samples", 16)
+
+    def test_an_existing_output_stays(self):
+        self.write("x.vdb", "precious")
+        self.interrupt_in("field", "fractal", "s.obj", "-o", "x.vdb", "--resolution", 1000, "--alpha", 6,
+                          "--sdf-resolution", 48)
+        self.assertEqual(self.bytes("x.vdb"), b"precious")
+
+    def test_before_anything_is_said(self):
+        """At once after the start: while the program loads it has no handler yet, but no file either."""
+        for delay in (0.3, 0.6):
+            process = subprocess.Popen([harness.program(), "fractal", "s.obj", "-o", "x.vdb", "--resolution", "1000",
+                                        "--alpha", "6"], cwd=self.folder, env=harness.environment(),
+                                       stdin=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                                       preexec_fn=harness.restore_interrupt)
+            time.sleep(delay)
+            process.send_signal(signal.SIGINT)
+            sent = time.monotonic()
+            process.communicate(timeout=harness.TIMEOUT)
+            self.assertLess(time.monotonic() - sent, PROMISE + SLACK)
+            self.assertIn(process.returncode, (harness.INTERRUPTED, -signal.SIGINT))
+            self.assertEqual(self.listing(), ["s.obj"])
+
+
+if __name__ == "__main__":
+    harness.main()

@@ -1,0 +1,274 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Laws that the meshes obey, whatever their numbers: closed, of known size where a size is known, equal in every format
+and from every way to them, and moving with their targets."""
+
+import math
+
+import harness
+
+LOW = ("--resolution", 28, "--sdf-resolution", 28)
+BOX = (-0.4, -0.5, -0.3, 0.7, 0.8, 0.9)
+BOX_TEXT = ",".join(map(str, BOX))
+
+
+class Laws(harness.CliTest):
+
+    def setUp(self):
+        super().setUp()
+        self.write("s.obj", harness.obj(harness.sphere(3)))
+        self.write("t.obj", harness.obj(harness.torus()))
+
+    def mesh(self, *arguments):
+        self.ok(*arguments, "m.ply")
+        return harness.read_ply(self.bytes("m.ply"))
+
+    def fractal(self, *options):
+        return self.mesh("fractal", *options, "--mesh")
+
+    def check_closed(self, mesh):
+        for (a, b), uses in harness.edge_uses(mesh).items():
+            self.assertEqual(uses, 1, f"the edge {a}-{b} has a direction twice")
+        self.assertEqual(len(harness.open_edges(mesh)), 0, "open edges")
+        self.check_vertices(mesh)
+        self.assertGreater(harness.volume_of(mesh), 0)
+
+    def check_vertices(self, mesh):
+        self.assertTrue(all(math.isfinite(c) for p in mesh.points for c in p))
+        self.assertTrue(all(len(set(f)) == 3 for f in mesh.faces), "a face has a corner twice")
+        self.assertEqual(set(range(len(mesh.points))), {k for f in mesh.faces for k in f}, "a vertex of no face")
+        self.assertEqual(len(mesh.normals), len(mesh.points))
+        self.assertTrue(all(abs(math.hypot(*n) - 1) < 1e-5 for n in mesh.normals))
+
+
+class Closed(Laws):
+
+    def test_closed_and_manifold(self):
+        for options in (("s.obj",), ("t.obj", "--alpha", 15), ("t.obj", "--alpha", "x:8:200", "--beta", -0.02),
+                        ("s.obj", "--slice", 0.3, "--origin", "0.1,0.05,-0.1"), ("t.obj", "--iterations", 1),
+                        ("t.obj", "--drop-axis", "j", "--versor-integer"), ("s.obj", "--space", "world"),
+                        ("t.obj", "--tolerance", 0.5), ("s.obj", "--precision", "float"), ("s.obj", "--exhaustive"),
+                        ("--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "--iterations", 8)):
+            with self.subTest(options=options):
+                self.check_closed(self.fractal(*options, *LOW))
+
+    def test_a_rational_map(self):
+        self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))
+        for target in ((), ("s.obj",)):
+            with self.subTest(target=target):
+                self.check_closed(self.fractal(*target, "--map", "rational", "--versor", "v.o3d", *LOW, "--cap"))
+
+    def test_a_capped_box(self):
+        mesh = self.fractal("s.obj", *LOW, "--box", BOX_TEXT, "--cap")
+        self.check_closed(mesh)
+        self.check_box(mesh, 2 / 28)
+
+    def test_an_open_box(self):
+        mesh = self.fractal("s.obj", *LOW, "--box", BOX_TEXT)
+        self.check_vertices(mesh)
+        self.check_box(mesh, 0)
+        edges = harness.open_edges(mesh)
+        self.assertGreater(len(edges), 0)
+        # The border is the outermost lattice nodes in the box.
+        voxel = 2 / 28
+        faces = [math.ceil(x / voxel - 1e-9) * voxel for x in BOX[:3]], [math.floor(x / voxel + 1e-9) * voxel
+                                                                         for x in BOX[3:]]
+        for edge in edges:
+            ends = [mesh.points[k] for k in edge]
+            self.assertTrue(
+                any(all(abs(p[axis] - side[axis]) < 1e-6 for p in ends) for axis in range(3) for side in faces),
+                f"the open edge {ends} is not on the border of {faces}")
+
+    def check_box(self, mesh, margin):
+        for point in mesh.points:
+            for axis in range(3):
+                self.assertGreaterEqual(point[axis], BOX[axis] - margin - 1e-6)
+                self.assertLessEqual(point[axis], BOX[axis + 3] + margin + 1e-6)
+
+    def test_the_box_cuts_and_changes_nothing_else(self):
+        whole = self.fractal("s.obj", *LOW)
+        part = self.fractal("s.obj", *LOW, "--box", BOX_TEXT)
+        self.assertLess(set(part.points), set(whole.points))
+
+    def test_from_the_grid(self):
+        self.ok("fractal", "t.obj", *LOW, "-o", "t.vdb")
+        mesh = self.mesh("mesh", "t.vdb", "--from-grid", "-o")
+        self.check_closed(mesh)
+        self.ok("sdf", "t.obj", "-o", "sdf.vdb", "--resolution", 40)
+        mesh = self.mesh("mesh", "sdf.vdb", "-o")
+        self.check_closed(mesh)
+        self.assertEqual(len(mesh.points) - len(mesh.faces) // 2, 0, "a torus has the Euler number 0")
+
+
+class Sizes(Laws):
+
+    def test_the_unit_ball(self):
+        """|q| < 1 stays bounded under q^2 and all else does not: with n steps the surface is at escape^(1/2^n)."""
+        n, escape, voxel = 20, 20, None
+        mesh = self.fractal("--map", "quadratic", "--c", "0,0,0,0", "--iterations", n, "--escape", escape,
+                            "--resolution", 60)
+        self.check_closed(mesh)
+        box = [max(p[axis] for p in mesh.points) for axis in range(3)]
+        radius = escape**(1 / 2**n)
+        voxel = float(self.info("m.ply")["recipe"].get("voxel-size", 0)) or 2.0 / 60
+        # The vertices lie on the sphere within tolerance x voxel; the chords of cells of side h cut off at most
+        # 3 h^2 / 8 R (a triangle's corners are within sqrt(3) h of one another).
+        for point in mesh.points:
+            self.assertAlmostEqual(math.hypot(*point), radius, delta=1e-3 * voxel + 1e-6)
+        sagitta = 3 * voxel**2 / 8
+        self.assertLess(harness.volume_of(mesh), 4 / 3 * math.pi * radius**3)
+        self.assertGreater(harness.volume_of(mesh), 4 / 3 * math.pi * (1 - sagitta)**3)
+        self.assertLess(harness.area_of(mesh), 4 * math.pi * radius**2)
+        self.assertGreater(harness.area_of(mesh), 4 * math.pi * (1 - sagitta)**2 * 0.99)
+        self.assertLess(max(box), 1 + 1e-4)
+
+    def test_a_larger_beta_is_a_larger_set(self):
+        volumes = [harness.volume_of(self.fractal("s.obj", *LOW, "--beta", beta)) for beta in (-0.05, 0, 0.05)]
+        self.assertLess(volumes[0], volumes[1])
+        self.assertLess(volumes[1], volumes[2])
+
+    def test_a_larger_alpha_is_nearer_to_the_target(self):
+        target = self.info("s.obj")["volume"]
+        errors = [abs(harness.volume_of(self.fractal("s.obj", *LOW, "--alpha", alpha)) - target)
+                  for alpha in (10, 40, 160, 640)]
+        self.assertEqual(errors, sorted(errors, reverse=True))
+        # At 640 the shell from E = ln(r_in) to ln(20) is thinner than ln(20)/640 of the longest side on the outside.
+        self.assertLess(errors[-1], 4 * math.pi * 2 * math.log(20) / 640 * 2)
+
+
+class Similarity(Laws):
+
+    def test_scaled_and_moved_targets(self):
+        """alpha = 40 means the same in metres and millimetres, here and a mile away."""
+        # Coordinates and moves that doubles hold exactly: what differs is the program's own rounding.
+        voxel = 1 / 16
+        points, faces = harness.sphere(3)
+        target = [tuple(round(c * 2**20) / 2**20 for c in p) for p in points], faces
+        self.write("plain.obj", harness.obj(target))
+        low = ("--resolution", 32, "--sdf-resolution", 32)
+        plain = self.fractal("plain.obj", *low)
+        for factor, steps in ((1024.0, (0, 0, 0)), (1 / 64, (0, 0, 0)), (1.0, (2**12, -2**13, 2**11)),
+                              (1024.0, (2**12, 2**10, 0)), (1.0, (100000 * 16, 0, 100000 * 16))):
+            with self.subTest(factor=factor, steps=steps):
+                by = [k * factor * voxel for k in steps]
+                self.write("moved.obj", harness.obj(harness.moved(target, factor, by)))
+                mesh = self.fractal("moved.obj", *low)
+                # A written float is exact to 2^-24 of its size; where that is more than 1/1000 voxel, doubles are
+                # written. A vertex is exact to the tolerance, 1/1000 voxel, and may sit anywhere within it.
+                slack = min(2**-24 * (max(map(abs, by)) / factor + 1.5), 1e-3 * voxel) + 2e-3 * voxel
+                back = [tuple((y - b) / factor for y, b in zip(p, by)) for p in mesh.points]
+                self.check_same(plain, back, mesh.faces, slack)
+
+    def check_same(self, mesh, points, faces, slack):
+        """The same triangles. Their order is that of the lattice's blocks, which stay where they are."""
+        self.assertEqual(len(points), len(mesh.points))
+        self.assertEqual(len(faces), len(mesh.faces))
+        cell = lambda p: tuple(math.floor(c / (4 * slack)) for c in p)
+        near = {}
+        for index, point in enumerate(mesh.points):
+            near.setdefault(cell(point), []).append(index)
+        steps = [(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1)]
+        match = []
+        for point in points:
+            candidates = [k for step in steps for k in near.get(tuple(c + d for c, d in zip(cell(point), step)), ())]
+            self.assertGreater(len(candidates), 0, f"there was no vertex near {point}")
+            best = min(candidates, key=lambda k: math.dist(mesh.points[k], point))
+            for x, y in zip(mesh.points[best], point):
+                self.assertAlmostEqual(x, y, delta=slack)
+            match.append(best)
+        turned = lambda f: min((f[k:] + f[:k] for k in range(3)))
+        if len(set(match)) == len(match):  # no two vertices within the slack of one another
+            self.assertTrue({turned(f) for f in mesh.faces} == {turned(tuple(match[k] for k in f)) for f in faces},
+                            "the triangles differ")
+
+    def test_a_thousand_times_as_large(self):
+        plain = self.fractal("s.obj", *LOW)
+        self.write("large.obj", harness.obj(harness.moved(harness.sphere(3), 1000.0, (0, 0, 0))))
+        large = self.fractal("large.obj", *LOW)
+        self.assertEqual(len(large.points), len(plain.points))
+        for p, q in zip(plain.points, large.points):
+            for x, y in zip(p, q):
+                self.assertAlmostEqual(y / 1000, x, delta=2e-3 * 2 / 28)
+
+    def test_far_away_the_file_keeps_the_detail(self):
+        """Floats would move vertices by a share of a voxel there: the PLY has doubles."""
+        voxel = 2 / 28
+        self.write("far.obj", harness.obj(harness.moved(harness.sphere(3), 1.0, (2**21 * voxel, 0, 0))))
+        mesh = self.fractal("far.obj", *LOW)
+        self.assertTrue(mesh.doubles)
+        self.check_closed(mesh)
+        self.assertFalse(self.fractal("s.obj", *LOW).doubles)
+
+    def test_float_and_double_agree(self):
+        double, single = (self.fractal("s.obj", *LOW, "--precision", p) for p in ("double", "float"))
+        near = abs(len(double.points) - len(single.points)) / len(double.points)
+        self.assertLess(near, 0.01)
+        self.assertAlmostEqual(harness.volume_of(single) / harness.volume_of(double), 1, delta=1e-3)
+        places = {tuple(round(c * 200) for c in p) for p in double.points}
+        around = [(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1)]
+        found = sum(any(tuple(round(c * 200) + d for c, d in zip(p, step)) in places for step in around)
+                    for p in single.points)
+        self.assertGreater(found / len(single.points), 0.99)
+
+    def test_the_shell_decides_what_it_says(self):
+        """An exhaustive run evaluates every node and finds the same surface."""
+        shell, every = (self.fractal("t.obj", *LOW, *more) for more in ((), ("--exhaustive",)))
+        self.assertTrue(sorted(shell.points) == sorted(every.points), "the vertices differ")
+        self.assertEqual(len(shell.faces), len(every.faces))
+
+
+class Ways(Laws):
+
+    def test_formats_hold_the_same_triangles(self):
+        job = ("fractal", "s.obj", *LOW, "--mesh")
+        for name in ("m.ply", "m.obj", "m.stl"):
+            self.ok(*job, name)
+        ply, obj = harness.read_ply(self.bytes("m.ply")), harness.read_obj(self.bytes("m.obj"))
+        self.assertTrue(ply.faces == obj.faces, "the triangles differ")
+        # The OBJ has the doubles, the others have floats of them.
+        for p, q in zip(ply.points, obj.points):
+            for x, y in zip(p, q):
+                self.assertAlmostEqual(x, y, delta=2**-24 * max(1, abs(y)))
+        self.assertTrue(harness.triangles_of(ply) == harness.read_stl(self.bytes("m.stl")), "the triangles differ")
+        self.assertEqual(len(obj.normals), len(obj.points))
+        for name in ("m.ply", "m.obj", "m.stl"):
+            info = self.info(name)
+            self.assertTrue(info["closed"], name)
+            self.assertEqual((info["points"], info["triangles"]), (len(ply.points), len(ply.faces)), name)
+
+    def test_mesh_of_a_fractal_is_its_mesh(self):
+        self.ok("fractal", "t.obj", *LOW, "--alpha", 25, "-o", "t.vdb", "--mesh", "one.ply")
+        self.ok("mesh", "t.vdb", "-o", "two.ply")
+        self.assertTrue(self.bytes("one.ply") == self.bytes("two.ply"))
+
+    def test_targets_of_every_format(self):
+        """A mesh that floats hold exactly gives the same fractal from every format that can hold it."""
+        mesh = harness.cube()
+        results = []
+        for name, content in (("c.obj", harness.obj(mesh)), ("c.ply", harness.ply(mesh)), ("c.stl", harness.stl(mesh)),
+                              ("c.off", harness.off(mesh)), ("text.ply", harness.ply_text(mesh))):
+            self.write(name, content)
+            results.append(self.fractal(name, *LOW).points)
+        for other in results[1:]:
+            self.assertTrue(results[0] == other, "the vertices differ")
+
+    def test_an_sdf_is_as_good_as_its_mesh(self):
+        self.ok("sdf", "t.obj", "-o", "sdf.vdb", "--resolution", 40)
+        one = self.fractal("t.obj", "--resolution", 28, "--sdf-resolution", 40)
+        two = self.fractal("sdf.vdb", "--resolution", 28)
+        self.check_closed(two)
+        # The band that was swept outward differs from true distances by a share of a voxel of the distance field.
+        self.assertAlmostEqual(harness.volume_of(two) / harness.volume_of(one), 1, delta=0.05)
+
+    def test_the_bunny(self):
+        if not harness.BUNNY.exists():
+            self.skipTest(f"{harness.BUNNY} is not here (glmark2-data)")
+        mesh = self.fractal(harness.BUNNY, *LOW, "--alpha", 300)
+        self.check_closed(mesh)
+        self.ok("sdf", harness.BUNNY, "-o", "b.vdb", "--resolution", 40)
+        ours, target = self.info("m.ply"), self.info("b.vdb")["grids"][0]
+        self.assertEqual(target["level set check"], "passes")
+        self.assertAlmostEqual(ours["volume"], self.info(str(harness.BUNNY))["volume"], delta=0.15 * ours["volume"])
+
+
+if __name__ == "__main__":
+    harness.main()

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The README is true: its commands run as they stand, its options exist, its pictures are there, and quickstart works."""
+import os
+import pathlib
+import re
+import subprocess
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+PROGRAM = pathlib.Path(os.environ["JULIAVDB"]).resolve()
+README = (ROOT / "README.md").read_text()
+BLOCKS = re.findall(r"```sh\n(.*?)```", README, re.S)
+
+
+def run(command, folder):
+    path = f"{PROGRAM.parent}:{os.environ['PATH']}"
+    return subprocess.run(["bash", "-euo", "pipefail", "-c", command], cwd=folder, capture_output=True, text=True,
+                          env={**os.environ, "PATH": path})
+
+
+class Readme(unittest.TestCase):
+    def test_every_command_of_it_runs(self):
+        self.assertEqual([b.strip() for b in BLOCKS[:2]], ["./quickstart", "./run-tests"])
+        self.assertGreater(len(BLOCKS), 2)
+        with tempfile.TemporaryDirectory() as folder:
+            for block in BLOCKS[2:]:
+                done = run(block, folder)
+                self.assertEqual(done.returncode, 0, f"{block}\n{done.stderr}")
+            made = set(os.listdir(folder))
+        for name in set(re.findall(r"(?:-o|--mesh) (\S+\.\w+)", BLOCKS[2])):
+            self.assertIn(name, made)
+
+    def test_quickstart_writes_its_three_files_and_three_commands_that_work(self):
+        self.assertTrue(os.access(ROOT / "run-tests", os.X_OK))
+        with tempfile.TemporaryDirectory() as folder:
+            done = subprocess.run([ROOT / "quickstart"], capture_output=True, text=True,
+                                  env={**os.environ, "JULIAVDB": str(PROGRAM), "OUT": folder})
+            self.assertEqual(done.returncode, 0, done.stderr)
+            for name in ("bunny_fractal.vdb", "bunny_fractal.ply", "bunny_fractal.png"):
+                self.assertGreater((pathlib.Path(folder) / name).stat().st_size, 1000)
+                self.assertIn(name, done.stdout)
+            commands = re.findall(r"^  (\S*juliavdb .*)$", done.stdout, re.M)
+            self.assertEqual(len(commands), 3, done.stdout)
+            for command in commands:
+                # At a resolution for tests.
+                done = run(re.sub(r"--resolution \d+", "--resolution 40 --sdf-resolution 60", command), folder)
+                self.assertEqual(done.returncode, 0, f"{command}\n{done.stderr}")
+
+    def test_every_option_it_names_exists(self):
+        text = ""
+        for command in ("sdf", "fractal", "mesh", "versor", "slice", "render", "info"):
+            text += subprocess.run([PROGRAM, command, "--help"], capture_output=True, text=True, check=True).stdout
+        known = set(re.findall(r"--[a-z][a-z0-9-]*", text)) | {"--help"}
+        for option in set(re.findall(r"--[a-z][a-z0-9-]*", README)):
+            self.assertIn(option, known)
+
+    def test_every_file_it_names_is_there(self):
+        for link in re.findall(r"\]\(([^)#:]+)\)", README):
+            self.assertTrue((ROOT / link).exists(), link)
+
+
+if __name__ == "__main__":
+    unittest.main()
