@@ -276,10 +276,12 @@ class Places(harness.CliTest):
                 (("render", "s.vdb", "--size", "16x16", "-o"), ".exr")]
 
     def test_no_such_folder(self):
-        self.all_refused(CANNOT_CREATE, [(*job, f"nowhere/x{extension}") for job, extension in self.jobs()], mentions="nowhere")
+        self.all_refused(CANNOT_CREATE, [(*job, f"nowhere/x{extension}") for job, extension in self.jobs()],
+                         mentions="nowhere")
 
     def test_the_folder_is_a_file(self):
-        self.all_refused(CANNOT_CREATE, [(*job, f"v.json/x{extension}") for job, extension in self.jobs()], mentions="v.json")
+        self.all_refused(CANNOT_CREATE, [(*job, f"v.json/x{extension}") for job, extension in self.jobs()],
+                         mentions="v.json")
 
     def test_the_output_is_a_folder(self):
         for job, extension in self.jobs():

@@ -133,7 +133,7 @@ class HandOff(harness.CliTest):
                     values = item.value if isinstance(item.value, tuple) else (item.value,)
                     self.assertTrue(all(map(math.isfinite, values)), f"{name} {grid.name} at {item.min}: {item.value}")
 
-    @unittest.skipUnless(shutil.which("vdb_print") and shutil.which("vdb_tool"), "Debian's libopenvdb-tools is not here")
+    @unittest.skipUnless(shutil.which("vdb_print") and shutil.which("vdb_tool"), "libopenvdb-tools is not here")
     def test_tools_of_openvdb(self):
         self.ok("fractal", "t.obj", *LOW, "-o", "t.vdb", "--grids", ",".join(ALL_GRIDS))
         tool = lambda *words: subprocess.run(words, cwd=self.folder, capture_output=True, text=True, check=True).stdout
