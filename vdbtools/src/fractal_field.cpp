@@ -59,6 +59,9 @@ void requireValid(const FractalFieldOptions& options) {
 CoordBBox shellDomain(const ExponentGrid& exponent, const FractalFieldOptions& options) {
   CoordBBox cells = exponent.grid->evalActiveVoxelBoundingBox();
   if (exponent.denseBox) cells = *exponent.denseBox;
+  if (cells.empty())
+    throw DataError(
+        "the fractal is empty: the exponent is decided everywhere in the target's band; try a larger --beta");
   const openvdb::BBoxd world =
       exponent.grid->transform().indexToWorld(openvdb::BBoxd(cells.min().asVec3d(), cells.max().asVec3d()));
   CoordBBox domain = latticeNodes(world, options.voxelSize, exponent.denseBox ? 0 : 1);

@@ -273,6 +273,9 @@ Scene makeScene(const FractalOptions& options, Monitor& monitor) {
   scene.evaluator = makeEvaluator(scene);
   scene.region = scene.exponent ? BBoxd() : regionOf(scene);
   scene.voxelSize = options.voxels.sizeFor(longestSide(scene.target ? scene.target->box : scene.region));
+  // Room for the outermost cells of a set that fills its region.
+  constexpr double kRoom = 2;  // voxels
+  if (!scene.exponent && !options.box) scene.region.expand(kRoom * scene.voxelSize);
   return scene;
 }
 

@@ -4,6 +4,7 @@
 #include "mesh_conversion.h"
 #include "vdbtools/errors.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -24,6 +25,15 @@ constexpr double kMostLostClosed = 0.5;
 /// grid.
 constexpr double kMostCover = 4;
 
+/// A sheet on the lattice's own nodes is inside by rounding. What is inside lies this deep somewhere, in voxels.
+constexpr double kLeastDepth = 0.01;
+
+double deepest(const openvdb::FloatGrid& grid) {
+  float least = 0;
+  for (auto value = grid.cbeginValueAll(); value; ++value) least = std::min(least, *value);
+  return -least;
+}
+
 std::string percent(double share) {
   char text[16];
   std::snprintf(text, sizeof(text), "%.3g %%", 100 * share);
@@ -43,7 +53,8 @@ std::string whyRefused(const openvdb::FloatGrid& grid, const Mesh& mesh, const s
   const double lost = lostShare(grid, sampleSurface(indexPoints, mesh.triangles, kSamples));
   const bool closed = report.closed();
   const bool tooSmall = inside < (std::abs(report.volume) - std::sqrt(3.0) * h * report.area) / kMostCover;
-  if (inside > 0 && lost <= (closed ? kMostLostClosed : kMostLostOpen) && !(closed && tooSmall)) return {};
+  const bool sheet = !(deepest(grid) > kLeastDepth * h);
+  if (inside > 0 && !sheet && lost <= (closed ? kMostLostClosed : kMostLostOpen) && !(closed && tooSmall)) return {};
   const std::string numbers = "(" + std::to_string(report.openEdges) + " open edges, " +
                               std::to_string(report.nonManifoldEdges) + " non-manifold edges, inside volume " +
                               shortNumber(inside) + " against the mesh's " + shortNumber(std::abs(report.volume)) +

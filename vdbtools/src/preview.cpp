@@ -398,6 +398,9 @@ void check(const openvdb::FloatGrid& grid) {
   if (!grid.hasUniformVoxels()) {
     throw DataError("the voxels of the level set \"" + grid.getName() + "\" are no cubes; resample it first");
   }
+  for (auto value = grid.cbeginValueAll(); value; ++value)
+    if (!std::isfinite(*value))
+      throw DataError("the level set \"" + grid.getName() + "\" holds a value that is not finite");
 }
 
 }  // namespace

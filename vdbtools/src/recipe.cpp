@@ -267,8 +267,14 @@ std::pair<Recipe, std::string> readRecipe(const std::filesystem::path& path) {
 
 double VoxelChoice::sizeFor(double longestSide) const {
   const double size = voxelSize ? *voxelSize : longestSide / resolution.value();
-  if (!(size > 0 && std::isfinite(size)))
-    throw std::invalid_argument("the voxel size comes to " + std::to_string(size) + "; it must be above 0");
+  // OpenVDB takes transforms from about 1.5e-5 on, whose volume is not yet 0 to it.
+  constexpr double kSmallest = 2e-5, kLargest = 1e30;
+  if (!(size >= kSmallest && size <= kLargest)) {
+    std::ostringstream text;
+    text << "the voxel size comes to " << size << "; it must be 2e-5 to 1e30: choose another --resolution or "
+         << "--voxel-size, or give the target in other units";
+    throw std::invalid_argument(text.str());
+  }
   return size;
 }
 

@@ -5,7 +5,7 @@
 #include "vdbtools/file_hash.h"
 
 #include <openvdb/io/Archive.h>
-#include <openvdb/io/File.h>
+#include <openvdb/io/Stream.h>
 
 #include <algorithm>
 #include <fstream>
@@ -69,21 +69,36 @@ class SeekableArchive final : public openvdb::io::Archive {
   }
 };
 
-/// Runs @a use with the opened file; turns what OpenVDB throws into our errors.
+/// Reads the head of a file and nothing after it.
+class HeadArchive final : public openvdb::io::Archive {
+ public:
+  std::map<std::string, std::string> readMetadata(std::istream& stream) {
+    readHeader(stream);
+    openvdb::MetaMap metadata;
+    metadata.readMeta(stream);
+    return asText(metadata);
+  }
+};
+
+/// Runs @a use with a stream of the file and turns what goes wrong into our errors. io::File would go on with sizes
+/// that a file cut short does not hold, and ask for gigabytes; a stream that throws at its end cannot.
 template <class Use>
 auto withVdb(const std::filesystem::path& path, const Use& use) {
   openvdb::initialize();
   requireVdb(path);
+  const std::string name = "'" + inOneLine(path.string()) + "' cannot be read as a VDB: ";
+  std::ifstream stream(path, std::ios::binary);
   try {
-    openvdb::io::File file(path.string());
-    file.open(/*delayLoad=*/false);
-    return use(file);
+    stream.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
+    return use(stream);
+  } catch (const std::ios_base::failure&) {
+    throw DataError(name + "it is cut short");
   } catch (const openvdb::Exception& error) {
-    throw DataError("'" + path.string() + "' cannot be read as a VDB: " + inOneLine(error.what()));
+    throw DataError(name + inOneLine(error.what()));
   } catch (const std::bad_alloc&) {
-    throw DataError("'" + path.string() + "' cannot be read as a VDB: a size in it does not fit memory");
+    throw DataError(name + "a size in it does not fit memory");
   } catch (const std::length_error&) {
-    throw DataError("'" + path.string() + "' cannot be read as a VDB: a size in it is absurd");
+    throw DataError(name + "a size in it is absurd");
   }
 }
 
@@ -115,18 +130,16 @@ std::string encodeVdb(const std::vector<openvdb::GridBase::Ptr>& grids, const Vd
 }
 
 VdbFile readVdb(const std::filesystem::path& path) {
-  VdbFile result = withVdb(path, [&](openvdb::io::File& file) {
-    VdbFile read;
-    read.metadata = asText(*file.getMetadata());
-    read.grids = *file.getGrids();
-    return read;
+  VdbFile result = withVdb(path, [](std::istream& stream) {
+    openvdb::io::Stream archive(stream, /*delayLoad=*/false);
+    return VdbFile{*archive.getGrids(), asText(*archive.getMetadata())};
   });
   if (result.grids.empty()) throw DataError("'" + path.string() + "' holds no grid");
   return result;
 }
 
 std::map<std::string, std::string> readVdbMetadata(const std::filesystem::path& path) {
-  return withVdb(path, [](openvdb::io::File& file) { return asText(*file.getMetadata()); });
+  return withVdb(path, [](std::istream& stream) { return HeadArchive().readMetadata(stream); });
 }
 
 openvdb::FloatGrid::Ptr chooseFloatGrid(const VdbFile& file, const std::string& name,
