@@ -242,8 +242,7 @@ TEST(UnitBall, OfTheSquare) {
     EXPECT_GT(checkSurface(*surface).gradientFraction, 0.99);
     for (auto value = surface->cbeginValueOn(); value; ++value) {
       const double distance = surface->indexToWorld(value.getCoord()).length() - 1;
-      // Next to the mesh its chords alone count; farther out the closest triangle is found by propagation only.
-      ASSERT_NEAR(*value, distance, std::abs(distance) < h ? h * h : h / 3) << value.getCoord();
+      ASSERT_NEAR(*value, distance, h * h) << value.getCoord();
     }
   }
 }

@@ -37,6 +37,14 @@ double longestSide(const BBoxd& box) {
   return std::max({extents[0], extents[1], extents[2]});
 }
 
+/// The report of a mesh that has an extent to measure voxels by.
+MeshReport reportOfSolid(const Mesh& mesh, const std::filesystem::path& path) {
+  const MeshReport report = reportMesh(mesh);
+  if (!(longestSide(report.box) > 0))
+    throw DataError("'" + path.string() + "' has no extent: all its triangles lie in one point");
+  return report;
+}
+
 /// The shortest text that reads back as the same doubles.
 std::string numbersText(std::initializer_list<double> values) {
   std::string text;
@@ -120,7 +128,7 @@ double spaceScale(const FractalOptions& options, const BBoxd& box) {
 
 Input readMeshInput(const FractalOptions& options, std::map<std::string, std::string>& facts, Monitor& monitor) {
   Mesh mesh = readMesh(options.input);
-  const MeshReport report = reportMesh(mesh);
+  const MeshReport report = reportOfSolid(mesh, options.input);
   const double voxel = options.sdfVoxels.sizeFor(longestSide(report.box));
   ExponentGridOptions exponent = exponentOptions(options, report.box);
   const double reach = exteriorReach(exponent) * spaceScale(options, report.box);
@@ -332,7 +340,7 @@ SdfResult runSdf(const SdfOptions& options, Monitor& monitor) {
   openvdb::initialize();
   const Mesh mesh = readMesh(options.input);
   SdfResult result;
-  result.report = reportMesh(mesh);
+  result.report = reportOfSolid(mesh, options.input);
   const double voxel = options.voxels.sizeFor(longestSide(result.report.box));
   MeshSdf sdf = makeSdf(mesh, sdfBand(voxel, options.band, options.band), options.repair, options.gap, monitor);
   result.grid = sdf.grid;

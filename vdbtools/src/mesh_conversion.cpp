@@ -3,6 +3,7 @@
 
 #include "vdbtools/errors.h"
 
+#include <openvdb/math/Proximity.h>
 #include <openvdb/tools/MeshToVolume.h>
 #include <openvdb/tree/LeafManager.h>
 #include <tbb/blocked_range.h>
@@ -10,6 +11,7 @@
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -142,6 +144,45 @@ std::vector<Vec3d> toIndexSpace(const std::vector<Vec3d>& points, double voxelSi
   return result;
 }
 
+namespace {
+
+/// meshToVolume finds the closest triangle of a node by handing it on from neighbour to neighbour, and may miss it:
+/// values are off by up to 0.7 voxels then, and depend on rounding. The triangles of all neighbours are tried here.
+/// Keeps signs.
+/// @param closest  the triangle that was found for each active node
+void refineDistances(FloatGrid& grid, const openvdb::Int32Grid& closest, const std::vector<Vec3d>& points,
+                     const std::vector<openvdb::Vec3I>& triangles, Monitor& monitor) {
+  openvdb::tree::LeafManager<openvdb::FloatTree> leaves(grid.tree());
+  leaves.foreach ([&](openvdb::FloatTree::LeafNodeType& leaf, std::size_t) {
+    if (monitor.cancelled()) return;
+    const openvdb::tree::ValueAccessor<const openvdb::Int32Tree> found(closest.tree());
+    std::array<int, 27> tried;
+    for (auto value = leaf.beginValueOn(); value; ++value) {
+      const openvdb::Coord node = value.getCoord();
+      const Vec3d position = node.asVec3d();
+      std::size_t count = 0;
+      double least = std::numeric_limits<double>::infinity();
+      for (int k = 0; k < 27; ++k) {
+        int triangle;
+        if (!found.probeValue(node.offsetBy(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1), triangle)) continue;
+        if (std::find(tried.begin(), tried.begin() + static_cast<std::ptrdiff_t>(count), triangle) !=
+            tried.begin() + static_cast<std::ptrdiff_t>(count))
+          continue;
+        tried[count++] = triangle;
+        const openvdb::Vec3I& t = triangles[static_cast<std::size_t>(triangle)];
+        Vec3d weights;
+        const Vec3d nearest =
+            openvdb::math::closestPointOnTriangleToPoint(points[t[0]], points[t[1]], points[t[2]], position, weights);
+        least = std::min(least, (nearest - position).lengthSqr());
+      }
+      if (count != 0) value.setValue(std::copysign(static_cast<float>(std::sqrt(least)), *value));
+    }
+  });
+  monitor.throwIfCancelled();
+}
+
+}  // namespace
+
 FloatGrid::Ptr convert(const std::vector<Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,
                        const MeshToSdfOptions& options, Monitor& monitor, int flags) {
   openvdb::BBoxd box;
@@ -162,11 +203,13 @@ FloatGrid::Ptr convert(const std::vector<Vec3d>& points, const std::vector<openv
   }
   const openvdb::tools::QuadAndTriangleDataAdapter<Vec3d, openvdb::Vec3I> adapter(isFar ? moved : points, triangles);
   OpenVdbInterrupter interrupter(monitor);
+  openvdb::Int32Grid closest;
   const FloatGrid::Ptr grid = openvdb::tools::meshToVolume<FloatGrid>(
       interrupter, adapter, *openvdb::math::Transform::createLinearTransform(1.0),
       static_cast<float>(options.exteriorBandWidth),
-      static_cast<float>(finiteInteriorBand(box, options.interiorBandWidth)), flags);
+      static_cast<float>(finiteInteriorBand(box, options.interiorBandWidth)), flags, &closest);
   monitor.throwIfCancelled();
+  refineDistances(*grid, closest, isFar ? moved : points, triangles, monitor);
   if (isFar) shiftTree(*grid, shift);
   scaleValues(*grid, static_cast<float>(options.voxelSize));
   grid->setTransform(openvdb::math::Transform::createLinearTransform(options.voxelSize));

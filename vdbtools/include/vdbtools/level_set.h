@@ -17,8 +17,7 @@ namespace vdbtools {
 inline constexpr double kHalfWidth = 3.01;
 
 /// The level set of the fractal: the distance to @a mesh, with the sign that F has at the node. Class, uniform scale,
-/// no active tile, flood filled; named "surface". Distances are exact next to the mesh; beyond a voxel OpenVDB's search for the closest
-/// triangle is not, and they may be off by up to a third of a voxel.
+/// no active tile, flood filled; named "surface".
 /// @param mesh  of the same field with Border::Cap
 openvdb::FloatGrid::Ptr levelSet(const FractalField& field, const Mesh& mesh, Monitor& monitor);
 
