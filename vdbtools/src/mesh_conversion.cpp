@@ -150,8 +150,9 @@ namespace {
 /// values are off by up to 0.7 voxels then, and depend on rounding. The triangles of all neighbours are tried here.
 /// Keeps signs.
 /// @param closest  the triangle that was found for each active node
-void refineDistances(FloatGrid& grid, const openvdb::Int32Grid& closest, const std::vector<Vec3d>& points,
-                     const std::vector<openvdb::Vec3I>& triangles, Monitor& monitor) {
+/// @param exterior, interior  the band's widths, which bound the values
+void refineDistances(FloatGrid& grid, float exterior, float interior, const openvdb::Int32Grid& closest,
+                     const std::vector<Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles, Monitor& monitor) {
   openvdb::tree::LeafManager<openvdb::FloatTree> leaves(grid.tree());
   leaves.foreach ([&](openvdb::FloatTree::LeafNodeType& leaf, std::size_t) {
     if (monitor.cancelled()) return;
@@ -175,7 +176,9 @@ void refineDistances(FloatGrid& grid, const openvdb::Int32Grid& closest, const s
             openvdb::math::closestPointOnTriangleToPoint(points[t[0]], points[t[1]], points[t[2]], position, weights);
         least = std::min(least, (nearest - position).lengthSqr());
       }
-      if (count != 0) value.setValue(std::copysign(static_cast<float>(std::sqrt(least)), *value));
+      if (count == 0) continue;
+      const float distance = std::copysign(static_cast<float>(std::sqrt(least)), *value);
+      value.setValue(std::clamp(distance, -interior, exterior));
     }
   });
   monitor.throwIfCancelled();
@@ -204,12 +207,12 @@ FloatGrid::Ptr convert(const std::vector<Vec3d>& points, const std::vector<openv
   const openvdb::tools::QuadAndTriangleDataAdapter<Vec3d, openvdb::Vec3I> adapter(isFar ? moved : points, triangles);
   OpenVdbInterrupter interrupter(monitor);
   openvdb::Int32Grid closest;
+  const auto exterior = static_cast<float>(options.exteriorBandWidth);
+  const auto interior = static_cast<float>(finiteInteriorBand(box, options.interiorBandWidth));
   const FloatGrid::Ptr grid = openvdb::tools::meshToVolume<FloatGrid>(
-      interrupter, adapter, *openvdb::math::Transform::createLinearTransform(1.0),
-      static_cast<float>(options.exteriorBandWidth),
-      static_cast<float>(finiteInteriorBand(box, options.interiorBandWidth)), flags, &closest);
+      interrupter, adapter, *openvdb::math::Transform::createLinearTransform(1.0), exterior, interior, flags, &closest);
   monitor.throwIfCancelled();
-  refineDistances(*grid, closest, isFar ? moved : points, triangles, monitor);
+  refineDistances(*grid, exterior, interior, closest, isFar ? moved : points, triangles, monitor);
   if (isFar) shiftTree(*grid, shift);
   scaleValues(*grid, static_cast<float>(options.voxelSize));
   grid->setTransform(openvdb::math::Transform::createLinearTransform(options.voxelSize));
