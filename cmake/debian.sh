@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # For quickstart and run-tests: what Debian 12 must have, and how to build. Sourced from the project's root.
 
-BUILD_PACKAGES=(g++ cmake ninja-build libopenvdb-dev libtbb-dev libopenmesh-dev libopenimageio-dev libssl-dev
+# openimageio-tools: CMake's description of the library names its programs and wants them there.
+BUILD_PACKAGES=(g++ cmake ninja-build libopenvdb-dev libtbb-dev libopenmesh-dev libopenimageio-dev openimageio-tools libssl-dev
   nlohmann-json3-dev libboost-dev libboost-iostreams-dev libboost-program-options-dev libblosc-dev zlib1g-dev)
 QUICKSTART_PACKAGES=(glmark2-data)
 TEST_PACKAGES=(libgtest-dev libopenvdb-tools python3 python3-openvdb clang-format git ca-certificates)
