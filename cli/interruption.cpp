@@ -17,6 +17,7 @@ namespace cli {
 namespace {
 
 std::atomic<bool> theInterrupted{false};
+std::atomic<bool> theLastWordTaken{false};
 
 // The program promises to be gone within a second; this much is left to work that stops by itself.
 constexpr std::chrono::milliseconds kGrace(700);
@@ -39,11 +40,15 @@ void watchForInterruption() {
     // On a terminal a progress bar may stand in the line.
     constexpr std::string_view kText = "\njuliavdb: interrupted; nothing was written\n";
     const std::string_view text = kText.substr(isatty(STDERR_FILENO) != 0 ? 0 : 1);
-    [[maybe_unused]] const auto written = write(STDERR_FILENO, text.data(), text.size());
+    if (takeLastWord()) {
+      [[maybe_unused]] const auto written = write(STDERR_FILENO, text.data(), text.size());
+    }
     _exit(kInterrupted);
   }).detach();
 }
 
 bool interrupted() noexcept { return theInterrupted; }
+
+bool takeLastWord() noexcept { return !theLastWordTaken.exchange(true); }
 
 }  // namespace cli

@@ -12,4 +12,7 @@ void watchForInterruption();
 /// True once a signal came.
 bool interrupted() noexcept;
 
+/// True for the first caller: of the two ways to stop, the one that says so. The other has nothing left to say.
+bool takeLastWord() noexcept;
+
 }  // namespace cli

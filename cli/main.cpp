@@ -6,11 +6,13 @@
 #include "vdbtools/errors.h"
 
 #include <algorithm>
+#include <chrono>
 #include <exception>
 #include <iostream>
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 namespace cli {
 namespace {
@@ -89,6 +91,8 @@ int main(int argc, char** argv) {
   } catch (const vdbtools::IoError& error) {
     return fail(kInputOutput, error.what());
   } catch (const vdbtools::Interrupted& error) {
+    // The watcher may be ending the process at this very moment, and has said why.
+    if (!takeLastWord()) std::this_thread::sleep_for(std::chrono::seconds(10));
     return fail(kInterrupted, error.what());
   } catch (const std::bad_alloc&) {
     return fail(kInternal, "memory ran out; use larger voxels, a lower --sdf-resolution or a --box");
