@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file mesh_sink.h
+/// The seam between whoever makes a mesh piece by piece and whoever keeps or writes it: a mesh of hundreds of millions
+/// of triangles is never held whole.
+#pragma once
+
+#include "vdbtools/mesh.h"
+
+#include <cstdint>
+#include <span>
+
+namespace vdbtools {
+
+/// Takes a mesh in pieces, always called from one thread at a time. Pieces may be of any size; what is made of them
+/// depends on their concatenation only.
+class MeshSink {
+ public:
+  virtual ~MeshSink() = default;
+
+  /// The next points, in the order of their indices.
+  /// @param normals  unit length, one a point; or empty, in every call alike
+  virtual void addPoints(std::span<const openvdb::Vec3d> points, std::span<const openvdb::Vec3s> normals) = 0;
+
+  /// The next triangles, indices into all points. Every point that they use was added before.
+  /// @param firstPoint  no triangle of this call or a later one uses a point before this
+  virtual void addTriangles(std::span<const openvdb::Vec3I> triangles, std::uint64_t firstPoint) = 0;
+};
+
+/// Keeps the whole mesh.
+class MeshCollector final : public MeshSink {
+ public:
+  explicit MeshCollector(Mesh& mesh) : mMesh(mesh) {}
+  void addPoints(std::span<const openvdb::Vec3d> points, std::span<const openvdb::Vec3s> normals) override {
+    mMesh.points.insert(mMesh.points.end(), points.begin(), points.end());
+    mMesh.normals.insert(mMesh.normals.end(), normals.begin(), normals.end());
+  }
+  void addTriangles(std::span<const openvdb::Vec3I> triangles, std::uint64_t) override {
+    mMesh.triangles.insert(mMesh.triangles.end(), triangles.begin(), triangles.end());
+  }
+
+ private:
+  Mesh& mMesh;
+};
+
+}  // namespace vdbtools
