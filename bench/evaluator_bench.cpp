@@ -34,7 +34,7 @@ void countRoots(benchmark::State& state, std::size_t roots) {
 template <class Real>
 void versors(benchmark::State& state) {
   const julia::Rational rational = versor(state.range(0) != 0);
-  const auto evaluator = julia::makeScalarEvaluator<Real>(std::make_shared<julia::RationalMap<Real>>(rational), {}, {});
+  const auto evaluator = julia::makeFieldEvaluator<Real>(std::make_shared<julia::RationalMap<Real>>(rational), {}, {});
   const std::vector<julia::Point> at = points();
   std::vector<julia::Quaternion<double>> out(at.size());
   for (auto _ : state) {

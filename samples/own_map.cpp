@@ -34,7 +34,7 @@ int main() {
   openvdb::initialize();
   Monitor monitor;
   const auto map = std::make_shared<CubicMap>(julia::Quaternion<double>{-0.2, 0.6, 0.1, 0.1});
-  const auto evaluator = julia::makeScalarEvaluator<double>(map, {}, {.maxIterations = 8});
+  const auto evaluator = julia::makeFieldEvaluator<double>(map, {}, {.maxIterations = 8});
   const FieldSource source{*evaluator, {}};
   const FractalField field = fractalFieldEverywhere(
       source, {.voxelSize = 0.05, .box = openvdb::BBoxd(openvdb::Vec3d(-1.6), openvdb::Vec3d(1.6))}, monitor);

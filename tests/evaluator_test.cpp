@@ -27,7 +27,7 @@ namespace reference = julia::reference;
 using julia::DropAxis;
 using julia::Embedding;
 using julia::FieldEvaluator;
-using julia::makeScalarEvaluator;
+using julia::makeFieldEvaluator;
 using julia::Map;
 using julia::OrbitOptions;
 using julia::Point;
@@ -60,7 +60,7 @@ Field evaluate(const FieldEvaluator& evaluator, const std::vector<Point>& points
 template <class Real, template <class> class MapOf, class... Arguments>
 std::unique_ptr<FieldEvaluator> evaluatorOf(const OrbitOptions& options, const Embedding& embedding,
                                             const Arguments&... arguments) {
-  return makeScalarEvaluator<Real>(std::make_shared<MapOf<Real>>(arguments...), embedding, options);
+  return makeFieldEvaluator<Real>(std::make_shared<MapOf<Real>>(arguments...), embedding, options);
 }
 
 /// The target of the tests: a ball of radius 3/8 with lumps (none if their height is 0). E = alpha (phi - beta) with
@@ -107,7 +107,7 @@ class LumpyField final : public julia::ScalarField<Real> {
 template <class Real>
 std::unique_ptr<FieldEvaluator> shapeEvaluator(const Lumpy& lumpy, const Rational& versor, const OrbitOptions& options,
                                                const Embedding& embedding = {}) {
-  return makeScalarEvaluator<Real>(
+  return makeFieldEvaluator<Real>(
       std::make_shared<ShapeModulus<Real>>(std::make_shared<LumpyField<Real>>(lumpy), versor, embedding.dropped),
       embedding, options);
 }
@@ -386,11 +386,16 @@ TEST(Embedding, slicesAlongTheDroppedAxis) {
     const Embedding embedding{0.3, axis};
     const auto evaluator = evaluatorOf<double, RationalMap>({.maxIterations = 1}, embedding, rational);
     const std::vector<Point> points = {{0.1, 0.2, -0.4}};
-    const Quaternion<double> q = embedding.quaternion<double>(points[0]);
-    EXPECT_EQ(evaluate(*evaluator, points).value[0], value(q).l);
+    julia::QuaternionBatch<double> q, u;
+    q.resize(1);
+    q.set(0, embedding.quaternion<double>(points[0]));
+    std::vector<double> l(1);
+    value.logModulus(q, l);
+    value.versor(q, u);
+    EXPECT_EQ(evaluate(*evaluator, points).value[0], l[0]);
     Quaternion<double> versor;
     evaluator->versors(points, {&versor, 1});
-    EXPECT_EQ(versor, value(q).u);
+    EXPECT_EQ(versor, u.get(0));
   }
 }
 
@@ -519,7 +524,7 @@ TYPED_TEST(OrbitLaws, nothingInfiniteOrNaNLeaves) {
     const std::array<std::unique_ptr<FieldEvaluator>, 3> evaluators = {
         evaluatorOf<Real, RationalMap>(options, embedding, rational),
         evaluatorOf<Real, QuadraticMap>(options, embedding, c),
-        makeScalarEvaluator<Real>(std::make_shared<ShapeModulus<Real>>(
+        makeFieldEvaluator<Real>(std::make_shared<ShapeModulus<Real>>(
                                       std::make_shared<ConstantField<Real>>(within(1e30)), rational, embedding.dropped),
                                   embedding, options)};
     for (std::size_t which = 0; which < evaluators.size(); ++which) {

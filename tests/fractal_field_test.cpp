@@ -90,7 +90,7 @@ Made make(const Case& c, const julia::Rational& versor, bool trap = true) {
   made.exponent = exponentGrid(target, FractalSpace{c.origin, 1}, options, monitor);
   julia::OrbitOptions orbit{.maxIterations = c.iterations, .escapeRadius = 20};
   if (trap) orbit.logTrap = made.exponent.shell.lower;
-  made.evaluator = julia::makeScalarEvaluator<double>(
+  made.evaluator = julia::makeFieldEvaluator<double>(
       std::make_shared<julia::ShapeModulus<double>>(makeExponentField<double>(made.exponent), versor, c.dropped),
       {c.slice, c.dropped}, orbit);
   return made;
@@ -221,10 +221,10 @@ TEST(FractalField, StopsWhenAsked) {
 TEST(UnitBall, OfTheSquare) {
   // After n steps |q|^(2^n) < 20 is left: a ball of radius 20^(1/2^n), which is 1 + 3e-6 for n = 20.
   const auto map = std::make_shared<julia::QuadraticMap<double>>(julia::Quaternion<double>{});
-  const auto evaluator = julia::makeScalarEvaluator<double>(map, {}, {.maxIterations = 20});
+  const auto evaluator = julia::makeFieldEvaluator<double>(map, {}, {.maxIterations = 20});
   // The same ball for any n as a rational, whose surface is at |q| = 1.
   const auto rational = std::make_shared<julia::RationalMap<double>>(julia::Rational{0, {{{{}, 2}}, 1}, {}});
-  const auto rationalEvaluator = julia::makeScalarEvaluator<double>(rational, {}, {.maxIterations = 3});
+  const auto rationalEvaluator = julia::makeFieldEvaluator<double>(rational, {}, {.maxIterations = 3});
   const double h = 0.05;
   for (const julia::FieldEvaluator* each : {evaluator.get(), rationalEvaluator.get()}) {
     Monitor monitor;

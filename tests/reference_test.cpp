@@ -159,7 +159,7 @@ TYPED_TEST(LogPolarNeedsNoGuard, finiteAndOfTheRightSign) {
   const Rational rational = likeTheBunny();
   const auto points = pointsOfTheBunny(150);
   std::vector<double> field(points.size());
-  julia::makeScalarEvaluator<Real>(std::make_shared<julia::RationalMap<Real>>(rational), {},
+  julia::makeFieldEvaluator<Real>(std::make_shared<julia::RationalMap<Real>>(rational), {},
                                    {.maxIterations = kSteps, .escapeRadius = kEscape})
       ->evaluate(points, field, {});
   const auto wide = reference::rationalMap<Wide>(rational, false);

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "julia/evaluator.h"
 
-#include "julia/log_polar.h"
+#include "batch_view.h"
+#include "careful.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -13,13 +16,15 @@
 namespace julia {
 namespace {
 
+/// Works through a batch in steps of the map. What has ended leaves the batch, so that the kernels' lanes stay full.
 template <class Real>
-class ScalarEvaluator final : public FieldEvaluator {
+class BatchEvaluator final : public FieldEvaluator {
  public:
-  ScalarEvaluator(std::shared_ptr<const Map<Real>> map, const Embedding& embedding, const OrbitOptions& options)
+  BatchEvaluator(std::shared_ptr<const Map<Real>> map, const Embedding& embedding, const OrbitOptions& options)
       : mMap(std::move(map)),
         mEmbedding(embedding),
         mOptions(options),
+        mEscapeSquared(static_cast<Real>(options.escapeRadius * options.escapeRadius)),
         mLogEscape(static_cast<Real>(std::log(options.escapeRadius))),
         mLogTrap(static_cast<Real>(options.logTrap)),
         mLevel(mMap->surfaceLevel(mLogEscape)) {
@@ -29,26 +34,19 @@ class ScalarEvaluator final : public FieldEvaluator {
   }
 
   void evaluate(std::span<const Point> points, std::span<double> field, std::span<int> iterations) const override {
-    QuaternionBatch<Real> q = embed(points), u;
-    std::vector<std::size_t> index(points.size());  // which point an entry of the batch belongs to
-    std::vector<Real> l(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      index[i] = i;
-      l[i] = logNorm(q.get(i));
-    }
-    // Only what has not escaped goes on, and its entries stay together.
-    std::size_t alive = keep(
-        q, index, l, [this](Real value) { return value < mLogEscape; }, field, iterations, 0);
-    for (int step = 1; alive != 0; ++step) {
-      l.resize(alive);
-      mMap->logModulus(q, l);
+    Batch batch;
+    start(points, batch, field, iterations);
+    QuaternionBatch<Real> u;
+    for (int step = 1; batch.q.size() != 0; ++step) {
+      batch.l.resize(batch.q.size());
+      mMap->logModulus(batch.q, batch.l);
       const bool last = step == mOptions.maxIterations;
-      alive = keep(
-          q, index, l, [&](Real value) { return !last && value < mLogEscape && !isTrapped(value); }, field, iterations,
-          step);
-      if (alive == 0) break;
-      mMap->versor(q, u);
-      for (std::size_t i = 0; i < alive; ++i) q.set(i, toCartesian(LogPolar<Real>{l[i], u.get(i)}));
+      keep(
+          batch, [&](Real l) { return !last && l < mLogEscape && !isTrapped(l); }, field, iterations, step);
+      if (batch.q.size() == 0) break;
+      mMap->versor(batch.q, u);
+      std::swap(batch.q, u);
+      kernels::kernels<Real>().scaleByExponential(batch.l.data(), view(batch.q), batch.q.size());
     }
   }
 
@@ -66,46 +64,79 @@ class ScalarEvaluator final : public FieldEvaluator {
     return q;
   }
 
+  /// The orbits that go on: their iterates, l of these, and which point each belongs to.
+  struct Batch {
+    QuaternionBatch<Real> q;
+    std::vector<Real> l;
+    std::vector<std::uint32_t> index;
+  };
+
   /// An iterate of 0 has l = -inf too; without a trap it goes on, for not every map keeps it there.
   bool isTrapped(Real l) const { return l <= mLogTrap && mLogTrap > -std::numeric_limits<Real>::infinity(); }
 
-  /// Writes the field of the entries that end at this step and closes the ranks of the others. @return how many go on
+  /// The points themselves, less those that have escaped before the first step.
+  void start(std::span<const Point> points, Batch& batch, std::span<double> field, std::span<int> iterations) const {
+    batch.q = embed(points);
+    batch.index.resize(points.size());
+    std::iota(batch.index.begin(), batch.index.end(), 0u);
+    Real farthest = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Real squared = normSquared(batch.q.get(i));
+      farthest = squared > farthest ? squared : farthest;
+    }
+    if (farthest < mEscapeSquared) return;
+    batch.l.resize(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i)
+      // At least the escape: a rounding error must not bring back what has escaped.
+      batch.l[i] = normSquared(batch.q.get(i)) < mEscapeSquared ? -std::numeric_limits<Real>::infinity()
+                                                                : std::max(careful::logNorm(batch.q.get(i)), mLogEscape);
+    keep(
+        batch, [&](Real l) { return l < mLogEscape; }, field, iterations, 0);
+  }
+
+  /// Writes the field of the orbits that end at this step and closes the ranks of the others.
   template <class GoesOn>
-  std::size_t keep(QuaternionBatch<Real>& q, std::vector<std::size_t>& index, std::vector<Real>& l, GoesOn goesOn,
-                   std::span<double> field, std::span<int> iterations, int step) const {
+  void keep(Batch& batch, GoesOn goesOn, std::span<double> field, std::span<int> iterations, int step) const {
+    QuaternionBatch<Real>& q = batch.q;
     std::size_t kept = 0;
     for (std::size_t i = 0; i < q.size(); ++i) {
-      if (goesOn(l[i])) {
-        q.set(kept, q.get(i));
-        index[kept] = index[i];
-        l[kept] = l[i];
+      const Real l = batch.l[i];
+      const std::uint32_t index = batch.index[i];
+      if (goesOn(l)) {
+        q.a[kept] = q.a[i];
+        q.b[kept] = q.b[i];
+        q.c[kept] = q.c[i];
+        q.d[kept] = q.d[i];
+        batch.index[kept] = index;
+        batch.l[kept] = l;
         ++kept;
       } else {
-        field[index[i]] = std::clamp<double>(static_cast<double>(l[i] - mLevel), -kFieldLimit, kFieldLimit);
-        if (!iterations.empty()) iterations[index[i]] = step;
+        field[index] = std::clamp<double>(static_cast<double>(l - mLevel), -kFieldLimit, kFieldLimit);
+        if (!iterations.empty()) iterations[index] = step;
       }
     }
     q.resize(kept);
-    return kept;
+    batch.l.resize(kept);
+    batch.index.resize(kept);
   }
 
   std::shared_ptr<const Map<Real>> mMap;
   Embedding mEmbedding;
   OrbitOptions mOptions;
-  Real mLogEscape, mLogTrap, mLevel;
+  Real mEscapeSquared, mLogEscape, mLogTrap, mLevel;
 };
 
 }  // namespace
 
 template <class Real>
-std::unique_ptr<FieldEvaluator> makeScalarEvaluator(std::shared_ptr<const Map<Real>> map, const Embedding& embedding,
+std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const Map<Real>> map, const Embedding& embedding,
                                                     const OrbitOptions& options) {
-  return std::make_unique<ScalarEvaluator<Real>>(std::move(map), embedding, options);
+  return std::make_unique<BatchEvaluator<Real>>(std::move(map), embedding, options);
 }
 
-template std::unique_ptr<FieldEvaluator> makeScalarEvaluator(std::shared_ptr<const Map<float>>, const Embedding&,
+template std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const Map<float>>, const Embedding&,
                                                              const OrbitOptions&);
-template std::unique_ptr<FieldEvaluator> makeScalarEvaluator(std::shared_ptr<const Map<double>>, const Embedding&,
+template std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const Map<double>>, const Embedding&,
                                                              const OrbitOptions&);
 
 }  // namespace julia

@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "julia/rational.h"
 
+#include "batch_view.h"
+#include "careful.h"
+
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 
 namespace julia {
 namespace {
@@ -74,33 +80,152 @@ void requireFinite(const Rational& rational) {
 }
 
 template <class Real>
-RationalEvaluator<Real>::RationalEvaluator(const Rational& rational) : mLogScale(static_cast<Real>(rational.logScale)) {
+struct RationalEvaluator<Real>::Factors {
+  std::vector<kernels::RootFactor<Real>> roots;  ///< in the order of multiplication
+  Real logScale;
+};
+
+namespace {
+
+using kernels::Ieee;
+using kernels::PowerMethod;
+
+// A guessed scale is up to 3.5 per cent off for each factor. Products of norms may add up to e to this, twice.
+constexpr double kGuessedDrift = 0.035, kMostDrift = 20;
+// The largest power by guessed scales: alone it drifts by no more than e^2.3.
+constexpr double kMostGuessed = 64;
+
+template <class Real>
+kernels::RootFactor<Real> makeFactor(const Root& root, double power) {
+  kernels::RootFactor<Real> factor{};
+  const Quaternion<Real> t = root.position.as<Real>();
+  const Real components[4] = {t.a, t.b, t.c, t.d};
+  std::copy(components, components + 4, factor.root);
+  factor.power = static_cast<Real>(power);
+  factor.method = PowerMethod::Angle;
+  if (power == std::floor(power)) {
+    factor.method = std::abs(power) <= kMostGuessed ? PowerMethod::Products : PowerMethod::ExactProducts;
+    factor.integer = static_cast<std::uint32_t>(std::abs(power));
+  }
+  return factor;
+}
+
+/// Where the products of guessed scales must be brought back to about 1.
+template <class Real>
+void planRenormalisations(std::vector<kernels::RootFactor<Real>>& factors) {
+  double drift = 0;
+  for (std::size_t i = 0; i < factors.size(); ++i) {
+    const auto driftOf = [](const kernels::RootFactor<Real>& factor) {
+      return factor.method == PowerMethod::Products ? factor.integer * kGuessedDrift : 0.1;
+    };
+    drift += driftOf(factors[i]);
+    if (i + 1 < factors.size() && drift + driftOf(factors[i + 1]) > kMostDrift) {
+      factors[i].renormaliseAfterward = true;
+      drift = kGuessedDrift;
+    }
+  }
+}
+
+/// Whether the kernels may be trusted with this point: no square of theirs underflows or overflows.
+template <class Real>
+bool isOrdinary(const Quaternion<Real>& q, Real least) {
+  return least >= Ieee<Real>::kTiny && normSquared(q) <= 1 / Ieee<Real>::kTiny;
+}
+
+template <class Real>
+Quaternion<Real> differenceTo(const kernels::RootFactor<Real>& factor, const Quaternion<Real>& q) {
+  return {q.a - factor.root[0], q.b - factor.root[1], q.c - factor.root[2], q.d - factor.root[3]};
+}
+
+/// u^p of a unit quaternion. A negative real has no direction of its own; it takes i.
+template <class Real>
+Quaternion<Real> unitPower(const Quaternion<Real>& u, const kernels::RootFactor<Real>& factor) {
+  if (factor.method != PowerMethod::Angle)
+    return versorPower(factor.power < 0 ? conjugate(u) : u, static_cast<std::int64_t>(factor.integer));
+  Quaternion<Real> axis{Real(0), u.b, u.c, u.d};
+  Real sinus = std::sqrt(u.b * u.b + u.c * u.c + u.d * u.d);
+  if (!(sinus * sinus >= Ieee<Real>::kTiny)) {
+    // So close to a real that squares underflow; what is left still tells the axis.
+    axis = axis == Quaternion<Real>{} ? Quaternion<Real>{Real(0), Real(1), Real(0), Real(0)} : careful::versorOf(axis);
+    sinus = std::sqrt(Ieee<Real>::kTiny);  // an angle that rounding hides
+  } else {
+    axis = axis * (1 / sinus);
+  }
+  Real inverse, sine, cosine;
+  kernels::sineCosine(factor.power * kernels::angleInQuadrants(u.a, sinus, inverse), sine, cosine);
+  return {cosine, axis.b * sine, axis.c * sine, axis.d * sine};
+}
+
+QuaternionBatch<double> widened(const QuaternionBatch<float>& q) {
+  return {{q.a.begin(), q.a.end()}, {q.b.begin(), q.b.end()}, {q.c.begin(), q.c.end()}, {q.d.begin(), q.d.end()}};
+}
+
+}  // namespace
+
+template <class Real>
+RationalEvaluator<Real>::RationalEvaluator(const Rational& rational) {
   requireFinite(rational);
-  const auto append = [this](const Root& root, double power) {
+  auto factors = std::make_shared<Factors>();
+  factors->logScale = static_cast<Real>(rational.logScale);
+  double largest = 0;
+  const auto append = [&](const Root& root, double power) {
     if (power == 0) return;
-    const bool isInteger = power == std::floor(power);
-    mFactors.push_back({root.position.as<Real>(), static_cast<Real>(power),
-                        isInteger ? static_cast<std::int64_t>(power) : 0, isInteger});
+    factors->roots.push_back(makeFactor<Real>(root, power));
+    largest = std::max(largest, std::abs(power));
   };
   for (const Root& root : rational.top.roots) append(root, root.power * rational.top.powerScale);
   // The inverse of an ordered product runs backwards.
   for (auto root = rational.bottom.roots.rbegin(); root != rational.bottom.roots.rend(); ++root)
     append(*root, -root->power * rational.bottom.powerScale);
+  planRenormalisations(factors->roots);
+  mFactors = std::move(factors);
+  if (largest > Ieee<Real>::kLargestPower) mWide = std::make_shared<RationalEvaluator<double>>(rational);
+}
+
+template <class Real>
+std::size_t RationalEvaluator<Real>::rootCount() const {
+  return mFactors->roots.size();
+}
+
+template <class Real>
+void RationalEvaluator<Real>::logModulus(const QuaternionBatch<Real>& q, std::span<Real> l) const {
+  std::vector<Real> least(q.size());
+  kernels::kernels<Real>().logModulus(mFactors->roots.data(), rootCount(), mFactors->logScale, view(q), l.data(),
+                                      least.data(), q.size());
+  for (std::size_t i = 0; i < q.size(); ++i)
+    if (!isOrdinary(q.get(i), least[i])) l[i] = logModulus(q.get(i));
+}
+
+template <class Real>
+void RationalEvaluator<Real>::versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const {
+  u.resize(q.size());
+  if constexpr (std::is_same_v<Real, float>) {
+    if (mWide) {
+      QuaternionBatch<double> wide;
+      mWide->versor(widened(q), wide);
+      for (std::size_t i = 0; i < q.size(); ++i) u.set(i, wide.get(i).template as<Real>());
+      return;
+    }
+  }
+  std::vector<Real> least(q.size());
+  kernels::kernels<Real>().versor(mFactors->roots.data(), rootCount(), view(q), view(u), least.data(), q.size());
+  for (std::size_t i = 0; i < q.size(); ++i)
+    if (!isOrdinary(q.get(i), least[i])) u.set(i, versor(q.get(i)));
 }
 
 template <class Real>
 Real RationalEvaluator<Real>::logModulus(const Quaternion<Real>& q) const {
-  Real sum = mLogScale;
+  Real sum = mFactors->logScale;
   Real powersHit = 0;
   bool hit = false;
-  for (const Factor& factor : mFactors) {
-    const Real l = logNorm(q - factor.root);
-    if (l == -std::numeric_limits<Real>::infinity()) {
+  for (const auto& factor : mFactors->roots) {
+    const Quaternion<Real> difference = differenceTo(factor, q);
+    if (difference == Quaternion<Real>{}) {
       hit = true;
       powersHit += factor.power;
-    } else {
-      sum += factor.power * l;
+      continue;
     }
+    sum += factor.power * careful::logNorm(difference);
   }
   if (hit && powersHit != 0) return std::copysign(std::numeric_limits<Real>::infinity(), -powersHit);
   return sum;
@@ -108,14 +233,15 @@ Real RationalEvaluator<Real>::logModulus(const Quaternion<Real>& q) const {
 
 template <class Real>
 Quaternion<Real> RationalEvaluator<Real>::versor(const Quaternion<Real>& q) const {
+  if constexpr (std::is_same_v<Real, float>)
+    if (mWide) return mWide->versor(q.template as<double>()).template as<Real>();
   Quaternion<Real> u = Quaternion<Real>::one();
-  for (const Factor& factor : mFactors) {
-    const Quaternion<Real> difference = q - factor.root;
+  for (const auto& factor : mFactors->roots) {
+    const Quaternion<Real> difference = differenceTo(factor, q);
     if (difference == Quaternion<Real>{}) continue;
-    const Quaternion<Real> direction = versorOf(difference);
-    u = u * (factor.isInteger ? versorPower(direction, factor.integer) : versorPower(direction, factor.power));
+    u = u * unitPower(careful::versorOf(difference), factor);
   }
-  return versorOf(u);
+  return careful::versorOf(u);
 }
 
 template class RationalEvaluator<float>;

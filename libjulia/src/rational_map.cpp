@@ -5,13 +5,12 @@ namespace julia {
 
 template <class Real>
 void RationalMap<Real>::logModulus(const QuaternionBatch<Real>& q, std::span<Real> l) const {
-  for (std::size_t i = 0; i < q.size(); ++i) l[i] = mRational.logModulus(q.get(i));
+  mRational.logModulus(q, l);
 }
 
 template <class Real>
 void RationalMap<Real>::versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const {
-  u.resize(q.size());
-  for (std::size_t i = 0; i < q.size(); ++i) u.set(i, mRational.versor(q.get(i)));
+  mRational.versor(q, u);
 }
 
 template class RationalMap<float>;

@@ -19,8 +19,7 @@ void ShapeModulus<Real>::logModulus(const QuaternionBatch<Real>& q, std::span<Re
 
 template <class Real>
 void ShapeModulus<Real>::versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const {
-  u.resize(q.size());
-  for (std::size_t i = 0; i < q.size(); ++i) u.set(i, mVersor.versor(q.get(i)));
+  mVersor.versor(q, u);
 }
 
 template class ShapeModulus<float>;

@@ -220,8 +220,8 @@ std::unique_ptr<julia::FieldEvaluator> makeEvaluator(const Scene& scene) {
   julia::OrbitOptions orbit{.maxIterations = options.iterations, .escapeRadius = options.escape};
   if (scene.exponent && !options.exhaustive) orbit.logTrap = scene.exponent->shell.lower;
   return options.precision == Precision::Float
-             ? julia::makeScalarEvaluator<float>(makeMap<float>(scene), embedding, orbit)
-             : julia::makeScalarEvaluator<double>(makeMap<double>(scene), embedding, orbit);
+             ? julia::makeFieldEvaluator<float>(makeMap<float>(scene), embedding, orbit)
+             : julia::makeFieldEvaluator<double>(makeMap<double>(scene), embedding, orbit);
 }
 
 /// Where a map without a shell is evaluated, world units.

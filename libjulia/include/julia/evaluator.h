@@ -25,14 +25,14 @@ class FieldEvaluator {
   virtual void versors(std::span<const Point> points, std::span<Quaternion<double>> versors) const = 0;
 };
 
-/// The plain back end: batches, scalar arithmetic in Real (float or double).
+/// The one back end: batches through the vector kernels, in Real (float or double).
 template <class Real>
-std::unique_ptr<FieldEvaluator> makeScalarEvaluator(std::shared_ptr<const Map<Real>> map, const Embedding& embedding,
+std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const Map<Real>> map, const Embedding& embedding,
                                                     const OrbitOptions& options);
 
-extern template std::unique_ptr<FieldEvaluator> makeScalarEvaluator(std::shared_ptr<const Map<float>>, const Embedding&,
+extern template std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const Map<float>>, const Embedding&,
                                                                     const OrbitOptions&);
-extern template std::unique_ptr<FieldEvaluator> makeScalarEvaluator(std::shared_ptr<const Map<double>>,
+extern template std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const Map<double>>,
                                                                     const Embedding&, const OrbitOptions&);
 
 }  // namespace julia

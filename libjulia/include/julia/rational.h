@@ -10,8 +10,11 @@
 
 #include "julia/log_polar.h"
 #include "julia/quaternion.h"
+#include "julia/quaternion_batch.h"
 
 #include <cstddef>
+#include <memory>
+#include <span>
 #include <vector>
 
 namespace julia {
@@ -55,28 +58,30 @@ void requireFinite(const Rational& rational);
 
 /// A rational ready to be evaluated in @a Real. Where q hits roots exactly, their powers decide: a positive net power
 /// gives l = -inf, a negative one +inf, and 0 (coincident top and bottom roots) cancels; the versor of a root that is
-/// hit is 1.
+/// hit is 1. Evaluation is const and may run in many threads at once.
 template <class Real>
 class RationalEvaluator {
  public:
   /// @throw as requireFinite()
   explicit RationalEvaluator(const Rational& rational);
 
+  /// Of many points at once, by the vector kernels. A point's result does not depend on the others.
+  /// @pre l.size() == q.size(); @a u is resized
+  void logModulus(const QuaternionBatch<Real>& q, std::span<Real> l) const;
+  void versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const;
+
+  /// Of one point, slowly, and with care where squares would underflow.
   Real logModulus(const Quaternion<Real>& q) const;
   Quaternion<Real> versor(const Quaternion<Real>& q) const;
   LogPolar<Real> operator()(const Quaternion<Real>& q) const { return {logModulus(q), versor(q)}; }
 
-  std::size_t rootCount() const { return mFactors.size(); }
+  std::size_t rootCount() const;
 
  private:
-  struct Factor {
-    Quaternion<Real> root;
-    Real power;            ///< negative for a bottom root
-    std::int64_t integer;  ///< the power, where isInteger
-    bool isInteger;
-  };
-  std::vector<Factor> mFactors;  ///< in the order of multiplication
-  Real mLogScale;
+  struct Factors;
+  std::shared_ptr<const Factors> mFactors;
+  /// Powers that do not fit floats are done in doubles.
+  std::shared_ptr<const RationalEvaluator<double>> mWide;
 };
 
 extern template class RationalEvaluator<float>;

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file elementary.h
+/// Elementary functions of additions, multiplications, divisions, square roots and integer operations only: IEEE 754
+/// fixes the result of each, so every instruction set and vector width gives the same bits. Straight-line code, which
+/// compilers vectorise when it stands in a loop. Errors are a few units in the last place.
+///
+/// The polynomials are Chebyshev fits to 40 digits of the functions named beside them.
+///
+/// Included by sources that are compiled for different instruction sets: everything has internal linkage.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+namespace julia::kernels {
+
+#define JULIA_INLINE [[gnu::always_inline]] static inline
+
+/// What the two widths do not share.
+template <class Real>
+struct Ieee;
+
+template <>
+struct Ieee<float> {
+  using Int = std::int32_t;
+  using Unsigned = std::uint32_t;
+  static constexpr int kMantissaBits = 23;
+  static constexpr Unsigned kMagnitude = 0x7fffffff;  ///< all but the sign
+  static constexpr float kRounder = 0x1.8p23f;        ///< x + this - this = x to the nearest integer, |x| < 2^22
+  static constexpr Unsigned kSqrtHalf = 0x3f3504f3;   ///< bits of sqrt(1/2)
+  /// ln 2 in two parts; the first times any exponent is exact.
+  static constexpr float kLn2High = 0x1.62ep-1f, kLn2Low = 0x1.0bfbe8p-15f;
+  static constexpr float kLeastExponent = -87;  ///< e^x is a normal number from here
+  /// Bits of a first guess at 1 / sqrt(x), less half the bits of x: 3.5 per cent.
+  static constexpr Unsigned kRootGuess = 0x5f3759df;
+  /// |q - t|^2 below this goes through the careful path: squares underflow.
+  static constexpr float kTiny = 1e-30f;
+  /// Powers beyond this do not fit sineCosine() or drift in norm.
+  static constexpr float kLargestPower = 0x1p20f;
+
+  static constexpr float kAtan[] = {1.7610707731959368e-3f, -1.0014824235222271e-2f, 2.68256443374629e-2f,
+                                    -4.7471812219091153e-2f, 6.759864697812169e-2f, -9.0385987997914194e-2f,
+                                    1.2727221020373234e-1f, -2.1220470242186062e-1f, 6.366197607738795e-1f};
+  static constexpr float kSin[] = {1.5167170366408959e-4f, -4.6741438381517776e-3f, 7.9689918329028496e-2f,
+                                   -6.459637595835393e-1f, 1.5707963200386016f};
+  static constexpr float kCos[] = {-2.4049913667215291e-5f, 9.1825925125935912e-4f, -2.0863124385951487e-2f,
+                                   2.5366946341771486e-1f, -1.2337005492467463f};
+  static constexpr float kLog[] = {2.9580985929974423e-1f, 3.9988757716604847e-1f, 6.6666685095429069e-1f};
+  static constexpr float kExp[] = {1.3926213466332443e-3f, 8.3632029715758549e-3f, 4.1666554437685939e-2f,
+                                   1.6666576845993976e-1f, 0.5f};
+};
+
+template <>
+struct Ieee<double> {
+  using Int = std::int64_t;
+  using Unsigned = std::uint64_t;
+  static constexpr int kMantissaBits = 52;
+  static constexpr Unsigned kMagnitude = 0x7fffffffffffffff;
+  static constexpr double kRounder = 0x1.8p52;
+  static constexpr Unsigned kSqrtHalf = 0x3fe6a09e667f3bcd;
+  static constexpr double kLn2High = 0x1.62e42fee00000p-1, kLn2Low = 0x1.a39ef35793c76p-33;
+  static constexpr double kLeastExponent = -708;
+  static constexpr Unsigned kRootGuess = 0x5fe6eb50c7b537a9;
+  static constexpr double kTiny = 1e-280;
+  static constexpr double kLargestPower = 0x1p40;
+
+  static constexpr double kAtan[] = {
+      -1.231372092164173e-5, 1.3638821515656189e-4, -7.1635921922447444e-4, 2.3880489277811624e-3,
+      -5.7238996484056917e-3, 1.0644025440027983e-2, -1.6277491364232295e-2, 2.15631183045346e-2,
+      -2.5981247095510743e-2, 2.9722155732148845e-2, -3.3342473384855847e-2, 3.7413049764882895e-2,
+      -4.2435577400991022e-2, 4.8970059747680367e-2, -5.7874465569745159e-2, 7.0735526869187109e-2,
+      -9.0945681647192066e-2, 1.2732395447127511e-1, -2.1220659078917703e-1, 6.3661977236758132e-1};
+  static constexpr double kSin[] = {
+      5.8729757447999501e-12, -6.6844168318560843e-10, 5.6921364280986252e-8, -3.5988430204672575e-6,
+      1.6044118471309159e-4, -4.6817541353042553e-3, 7.969262624616564e-2, -6.459640975062462e-1,
+      1.5707963267948966};
+  static constexpr double kCos[] = {
+      6.3574210551863837e-11, -6.3832314259805815e-9, 4.7108463195309231e-7, -2.5202041040893936e-5,
+      9.19260274500616e-4, -2.0863480763310631e-2, 2.53669507901046e-1, -1.2337005501361698};
+  static constexpr double kLog[] = {1.4617807153417325e-1, 1.5331611722055008e-1, 1.8182892432536871e-1,
+                                    2.2222211089379496e-1, 2.8571428626253838e-1, 3.9999999999898891e-1,
+                                    6.6666666666666697e-1};
+  static constexpr double kExp[] = {2.5100424157005067e-8, 2.7620138719733996e-7, 2.7557268378684193e-6,
+                                    2.4801521190217728e-5, 1.9841269863105969e-4, 1.3888888917281793e-3,
+                                    8.3333333333300513e-3, 4.1666666666623992e-2, 1.6666666666666667e-1,
+                                    0.5};
+};
+
+template <class Real>
+using Unsigned = typename Ieee<Real>::Unsigned;
+
+template <class Real>
+JULIA_INLINE Unsigned<Real> bitsOf(Real x) {
+  return std::bit_cast<Unsigned<Real>>(x);
+}
+template <class Real>
+JULIA_INLINE Real fromBits(Unsigned<Real> bits) {
+  return std::bit_cast<Real>(bits);
+}
+
+JULIA_INLINE float squareRoot(float x) { return __builtin_sqrtf(x); }
+JULIA_INLINE double squareRoot(double x) { return __builtin_sqrt(x); }
+
+template <class Real>
+JULIA_INLINE Real magnitude(Real x) {
+  return fromBits<Real>(bitsOf(x) & Ieee<Real>::kMagnitude);
+}
+
+/// Horner's rule, the highest coefficient first.
+template <class Real, std::size_t N>
+JULIA_INLINE Real polynomial(const Real (&coefficients)[N], Real x) {
+  Real sum = coefficients[0];
+#pragma GCC unroll 32
+  for (std::size_t i = 1; i < N; ++i) sum = sum * x + coefficients[i];
+  return sum;
+}
+
+/// 1 / sqrt(x) within 3.5 per cent, for normal x > 0.
+template <class Real>
+JULIA_INLINE Real guessedInverseRoot(Real x) {
+  return fromBits<Real>(Ieee<Real>::kRootGuess - (bitsOf(x) >> 1));
+}
+
+/// ln x for normal x > 0.
+template <class Real>
+JULIA_INLINE Real logarithm(Real x) {
+  using I = Ieee<Real>;
+  // x = 2^e m with m from sqrt(1/2) to sqrt(2); the bias keeps the shifted number positive.
+  constexpr Unsigned<Real> kBias = Unsigned<Real>(1) << (sizeof(Real) * 8 - 2);
+  const Unsigned<Real> shifted = (bitsOf(x) - I::kSqrtHalf + kBias) >> I::kMantissaBits;
+  const Unsigned<Real> e = shifted - (kBias >> I::kMantissaBits);
+  const Real m = fromBits<Real>(bitsOf(x) - (e << I::kMantissaBits));
+  // An integer becomes a float through the last bits of a large one; AVX2 has no other way for 64 bits.
+  const Real exponent = fromBits<Real>(bitsOf(I::kRounder) + e) - I::kRounder;
+  const Real f = m - 1;
+  const Real s = f / (f + 2);
+  const Real z = s * s;
+  // ln m = 2 artanh s, written so that its leading part f is exact.
+  const Real rest = exponent * I::kLn2Low + s * (z * polynomial(I::kLog, z) - f);
+  return exponent * I::kLn2High + (f + rest);
+}
+
+/// e^x for x up to 88; 0 where it would be denormal.
+template <class Real>
+JULIA_INLINE Real exponential(Real x) {
+  using I = Ieee<Real>;
+  constexpr Real kLog2E = Real(1.4426950408889634074);
+  const Real clamped = x > I::kLeastExponent ? x : I::kLeastExponent;
+  const Real rounded = clamped * kLog2E + I::kRounder;
+  const Real n = rounded - I::kRounder;
+  const Real r = (clamped - n * I::kLn2High) - n * I::kLn2Low;
+  const Real value = 1 + (r + r * r * polynomial(I::kExp, r));
+  const Real scaled = fromBits<Real>(bitsOf(value) + (bitsOf(rounded) << I::kMantissaBits));
+  return x > I::kLeastExponent ? scaled : Real(0);
+}
+
+/// The angle of a + i y, y > 0, in quadrants: 0 on the positive real axis, 2 on the negative.
+/// @param inverseY  1 / y, a by-product
+template <class Real>
+JULIA_INLINE Real angleInQuadrants(Real a, Real y, Real& inverseY) {
+  const Real x = magnitude(a);
+  const Real larger = x > y ? x : y, smaller = x > y ? y : x;
+  const Real inverse = 1 / (y * larger);
+  inverseY = larger * inverse;
+  const Real t = smaller * (y * inverse);
+  const Real steep = t * polynomial(Ieee<Real>::kAtan, t * t);
+  const Real acute = x > y ? steep : 1 - steep;
+  return a < 0 ? 2 - acute : acute;
+}
+
+/// Sine and cosine of an angle in quadrants, |angle| < 2^22 in floats, 2^51 in doubles.
+template <class Real>
+JULIA_INLINE void sineCosine(Real quadrants, Real& sine, Real& cosine) {
+  using I = Ieee<Real>;
+  // Whole half turns change both signs.
+  const Real rounded = quadrants * Real(0.5) + I::kRounder;
+  const Unsigned<Real> sign = bitsOf(rounded) << (sizeof(Real) * 8 - 1);
+  const Real rest = quadrants - 2 * (rounded - I::kRounder);
+  const Real z = rest * rest;
+  sine = fromBits<Real>(bitsOf(rest * polynomial(I::kSin, z)) ^ sign);
+  cosine = fromBits<Real>(bitsOf(1 + z * polynomial(I::kCos, z)) ^ sign);
+}
+
+}  // namespace julia::kernels

@@ -1,0 +1,388 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file kernel_bodies.h
+/// The kernels' text. Included once by each of the sources that are compiled for one instruction set, so nothing here
+/// may have external linkage or call what the compiler might emit out of line: the linker would take any one of the
+/// copies for all processors.
+#pragma once
+
+#include "elementary.h"
+#include "kernels.h"
+
+namespace julia::kernels {
+namespace {
+
+// Points worked on at once: all arrays of a block stay in the first-level cache.
+constexpr std::size_t kBlock = 128;
+// Blocks are filled up to a multiple of the widest vector, so that no loop has a remainder.
+constexpr std::size_t kWidest = 16;
+
+template <class Real>
+using Row = Real[kBlock];
+
+// The points are independent, and the arrays of a block apart.
+#define JULIA_FOR_POINTS _Pragma("GCC ivdep") for (std::size_t i = 0; i < padded / kWidest * kWidest; ++i)
+
+struct Range {
+  std::size_t begin, size, padded;
+};
+
+JULIA_INLINE Range blockAt(std::size_t begin, std::size_t size) {
+  const std::size_t count = size - begin < kBlock ? size - begin : kBlock;
+  return {begin, count, (count + kWidest - 1) / kWidest * kWidest};
+}
+
+/// Copies a block in; the padding repeats its first entry.
+template <class Real>
+JULIA_INLINE void load(const Real* from, Row<Real>& to, const Range& range) {
+  for (std::size_t i = 0; i < range.size; ++i) to[i] = from[range.begin + i];
+  for (std::size_t i = range.size; i < range.padded; ++i) to[i] = from[range.begin];
+}
+template <class Real>
+JULIA_INLINE void store(const Row<Real>& from, Real* to, const Range& range) {
+  for (std::size_t i = 0; i < range.size; ++i) to[range.begin + i] = from[i];
+}
+
+/// The factor (q - t)^p of every point as real + imaginary v, v the imaginary part of q - t.
+template <class Real>
+struct Factor {
+  alignas(64) Row<Real> real, imaginary;
+};
+
+/// An integer power by squaring, in the plane of 1 and v: (R + S v)^2 = R^2 - S^2 s + 2 R S v with s = |v|^2, and
+/// likewise the product with a + v. @a scale makes |q - t| about 1.
+template <class Real>
+JULIA_INLINE void powerByProducts(std::uint32_t integer, const Row<Real>& a, const Row<Real>& s, const Row<Real>& scale,
+                                  Factor<Real>& factor, std::size_t padded) {
+  JULIA_FOR_POINTS {
+    factor.real[i] = a[i];
+    factor.imaginary[i] = 1;
+  }
+  for (int bit = 30 - __builtin_clz(integer); bit >= 0; --bit) {
+    if (integer >> bit & 1) {
+      JULIA_FOR_POINTS {
+        const Real R = factor.real[i], S = factor.imaginary[i];
+        const Real squareR = R * R - S * S * s[i], squareS = 2 * (R * S);
+        factor.real[i] = squareR * a[i] - squareS * s[i];
+        factor.imaginary[i] = squareR + squareS * a[i];
+      }
+    } else {
+      JULIA_FOR_POINTS {
+        const Real R = factor.real[i], S = factor.imaginary[i];
+        factor.real[i] = R * R - S * S * s[i];
+        factor.imaginary[i] = 2 * (R * S);
+      }
+    }
+  }
+  JULIA_FOR_POINTS factor.imaginary[i] *= scale[i];
+}
+
+template <class Real>
+void versor(const RootFactor<Real>* roots, std::size_t rootCount, ConstBatch<Real> points, Batch<Real> out, Real* least,
+            std::size_t size) {
+  alignas(64) Row<Real> q[4], u[4], a, s, scale, smallest;
+  Factor<Real> factor;
+  for (std::size_t begin = 0; begin < size; begin += kBlock) {
+    const Range range = blockAt(begin, size);
+    const std::size_t padded = range.padded;
+    for (int k = 0; k < 4; ++k) load(points.component[k], q[k], range);
+    JULIA_FOR_POINTS {
+      u[0][i] = 1;
+      u[1][i] = u[2][i] = u[3][i] = 0;
+      smallest[i] = 1;
+    }
+    for (std::size_t r = 0; r < rootCount; ++r) {
+      const RootFactor<Real>& root = roots[r];
+      const Real ta = root.root[0], tb = root.root[1], tc = root.root[2], td = root.root[3];
+      if (root.method == PowerMethod::Angle) {
+        const Real power = root.power;
+        JULIA_FOR_POINTS {
+          const Real da = q[0][i] - ta, db = q[1][i] - tb, dc = q[2][i] - tc, dd = q[3][i] - td;
+          const Real square = db * db + dc * dc + dd * dd;
+          smallest[i] = square < smallest[i] ? square : smallest[i];
+          a[i] = power * angleInQuadrants(da, squareRoot(square), scale[i]);
+        }
+        JULIA_FOR_POINTS {
+          Real sine, cosine;
+          sineCosine(a[i], sine, cosine);
+          factor.real[i] = cosine;
+          factor.imaginary[i] = sine * scale[i];
+        }
+      } else {
+        if (root.method == PowerMethod::Products) {
+          JULIA_FOR_POINTS {
+            const Real da = q[0][i] - ta, db = q[1][i] - tb, dc = q[2][i] - tc, dd = q[3][i] - td;
+            const Real square = db * db + dc * dc + dd * dd;
+            const Real norm = da * da + square;
+            smallest[i] = norm < smallest[i] ? norm : smallest[i];
+            const Real by = guessedInverseRoot(norm);
+            scale[i] = by;
+            a[i] = da * by;
+            s[i] = square * (by * by);
+          }
+        } else {
+          JULIA_FOR_POINTS {
+            const Real da = q[0][i] - ta, db = q[1][i] - tb, dc = q[2][i] - tc, dd = q[3][i] - td;
+            const Real square = db * db + dc * dc + dd * dd;
+            const Real norm = da * da + square;
+            smallest[i] = norm < smallest[i] ? norm : smallest[i];
+            const Real by = 1 / squareRoot(norm);
+            scale[i] = by;
+            a[i] = da * by;
+            s[i] = square * (by * by);
+          }
+        }
+        powerByProducts(root.integer, a, s, scale, factor, padded);
+        if (root.power < 0) JULIA_FOR_POINTS factor.imaginary[i] = -factor.imaginary[i];
+      }
+      JULIA_FOR_POINTS {
+        const Real fa = factor.real[i], by = factor.imaginary[i];
+        const Real fb = (q[1][i] - tb) * by, fc = (q[2][i] - tc) * by, fd = (q[3][i] - td) * by;
+        const Real ua = u[0][i], ub = u[1][i], uc = u[2][i], ud = u[3][i];
+        u[0][i] = ua * fa - ub * fb - uc * fc - ud * fd;
+        u[1][i] = ua * fb + ub * fa + uc * fd - ud * fc;
+        u[2][i] = ua * fc - ub * fd + uc * fa + ud * fb;
+        u[3][i] = ua * fd + ub * fc - uc * fb + ud * fa;
+      }
+      if (root.renormaliseAfterward)
+        JULIA_FOR_POINTS {
+          const Real ua = u[0][i], ub = u[1][i], uc = u[2][i], ud = u[3][i];
+          const Real by = guessedInverseRoot(ua * ua + ub * ub + uc * uc + ud * ud);
+          u[0][i] = ua * by;
+          u[1][i] = ub * by;
+          u[2][i] = uc * by;
+          u[3][i] = ud * by;
+        }
+    }
+    JULIA_FOR_POINTS {
+      const Real ua = u[0][i], ub = u[1][i], uc = u[2][i], ud = u[3][i];
+      const Real by = 1 / squareRoot(ua * ua + ub * ub + uc * uc + ud * ud);
+      u[0][i] = ua * by;
+      u[1][i] = ub * by;
+      u[2][i] = uc * by;
+      u[3][i] = ud * by;
+    }
+    for (int k = 0; k < 4; ++k) store(u[k], out.component[k], range);
+    store(smallest, least, range);
+  }
+}
+
+template <class Real>
+void logModulus(const RootFactor<Real>* roots, std::size_t rootCount, Real constant, ConstBatch<Real> points, Real* l,
+                Real* least, std::size_t size) {
+  alignas(64) Row<Real> q[4], sum, smallest;
+  for (std::size_t begin = 0; begin < size; begin += kBlock) {
+    const Range range = blockAt(begin, size);
+    const std::size_t padded = range.padded;
+    for (int k = 0; k < 4; ++k) load(points.component[k], q[k], range);
+    JULIA_FOR_POINTS {
+      sum[i] = constant;
+      smallest[i] = 1;
+    }
+    for (std::size_t r = 0; r < rootCount; ++r) {
+      const RootFactor<Real>& root = roots[r];
+      const Real ta = root.root[0], tb = root.root[1], tc = root.root[2], td = root.root[3];
+      const Real halfPower = root.power * Real(0.5);
+      JULIA_FOR_POINTS {
+        const Real da = q[0][i] - ta, db = q[1][i] - tb, dc = q[2][i] - tc, dd = q[3][i] - td;
+        const Real norm = da * da + (db * db + dc * dc + dd * dd);
+        smallest[i] = norm < smallest[i] ? norm : smallest[i];
+        sum[i] += halfPower * logarithm(norm);
+      }
+    }
+    store(sum, l, range);
+    store(smallest, least, range);
+  }
+}
+
+template <class Real>
+void scaleByExponential(const Real* l, Batch<Real> batch, std::size_t size) {
+  alignas(64) Row<Real> factor, q;
+  for (std::size_t begin = 0; begin < size; begin += kBlock) {
+    const Range range = blockAt(begin, size);
+    const std::size_t padded = range.padded;
+    load(l, factor, range);
+    JULIA_FOR_POINTS factor[i] = exponential(factor[i]);
+    for (int k = 0; k < 4; ++k) {
+      load<Real>(batch.component[k], q, range);
+      JULIA_FOR_POINTS q[i] *= factor[i];
+      store(q, batch.component[k], range);
+    }
+  }
+}
+
+template <class Real>
+void logNorm(ConstBatch<Real> points, Real* l, std::size_t size) {
+  alignas(64) Row<Real> q[4], result;
+  for (std::size_t begin = 0; begin < size; begin += kBlock) {
+    const Range range = blockAt(begin, size);
+    const std::size_t padded = range.padded;
+    for (int k = 0; k < 4; ++k) load(points.component[k], q[k], range);
+    JULIA_FOR_POINTS result[i] = Real(0.5) * logarithm(q[0][i] * q[0][i] + (q[1][i] * q[1][i] + q[2][i] * q[2][i] +
+                                                                          q[3][i] * q[3][i]));
+    store(result, l, range);
+  }
+}
+
+template <class Real>
+void normalise(Batch<Real> batch, std::size_t size) {
+  alignas(64) Row<Real> q[4];
+  for (std::size_t begin = 0; begin < size; begin += kBlock) {
+    const Range range = blockAt(begin, size);
+    const std::size_t padded = range.padded;
+    for (int k = 0; k < 4; ++k) load<Real>(batch.component[k], q[k], range);
+    JULIA_FOR_POINTS {
+      const Real by = 1 / squareRoot(q[0][i] * q[0][i] + (q[1][i] * q[1][i] + q[2][i] * q[2][i] + q[3][i] * q[3][i]));
+      q[0][i] *= by;
+      q[1][i] *= by;
+      q[2][i] *= by;
+      q[3][i] *= by;
+    }
+    for (int k = 0; k < 4; ++k) store(q[k], batch.component[k], range);
+  }
+}
+
+template <class Real>
+void quadratic(const Real* c, ConstBatch<Real> points, Batch<Real> f, std::size_t size) {
+  alignas(64) Row<Real> q[4], square[4];
+  const Real ca = c[0], cb = c[1], cc = c[2], cd = c[3];
+  for (std::size_t begin = 0; begin < size; begin += kBlock) {
+    const Range range = blockAt(begin, size);
+    const std::size_t padded = range.padded;
+    for (int k = 0; k < 4; ++k) load(points.component[k], q[k], range);
+    JULIA_FOR_POINTS {
+      const Real a = q[0][i], b = q[1][i], c2 = q[2][i], d = q[3][i];
+      square[0][i] = a * a - (b * b + c2 * c2 + d * d) + ca;
+      square[1][i] = 2 * (a * b) + cb;
+      square[2][i] = 2 * (a * c2) + cc;
+      square[3][i] = 2 * (a * d) + cd;
+    }
+    for (int k = 0; k < 4; ++k) store(square[k], f.component[k], range);
+  }
+}
+
+/// Positions of a block of points on the brick lattice, clamped to it.
+template <class Real>
+JULIA_INLINE void latticePositions(const BrickLattice<Real>& lattice, const Row<Real> (&point)[3],
+                                   Row<Real> (&position)[3], std::size_t padded) {
+  const Real zero = 0;
+  for (int row = 0; row < 3; ++row) {
+    const Real mx = lattice.matrix[row][0], my = lattice.matrix[row][1], mz = lattice.matrix[row][2];
+    const Real offset = lattice.offset[row], high = lattice.high[row];
+    JULIA_FOR_POINTS {
+      const Real at = mx * point[0][i] + my * point[1][i] + mz * point[2][i] + offset;
+      const Real above = at > zero ? at : zero;  // a NaN, too, becomes 0
+      position[row][i] = above < high ? above : high;
+    }
+  }
+}
+
+/// Which brick of the table a cell lies in, and where in the brick.
+template <class Real, std::uint32_t kSide>
+JULIA_INLINE void findCells(const BrickLattice<Real>& lattice, const Row<std::int32_t> (&cell)[3],
+                            Row<std::int32_t>& brick, Row<std::int32_t>& offset, std::size_t padded) {
+  const std::int32_t ny = static_cast<std::int32_t>(lattice.bricks[1]);
+  const std::int32_t nz = static_cast<std::int32_t>(lattice.bricks[2]);
+  constexpr std::int32_t side = kSide;
+  JULIA_FOR_POINTS {
+    const std::int32_t x = cell[0][i], y = cell[1][i], z = cell[2][i];
+    brick[i] = ((x >> 3) * ny + (y >> 3)) * nz + (z >> 3);
+    offset[i] = ((x & 7) * side + (y & 7)) * side + (z & 7);
+  }
+}
+
+template <class Real>
+void sampleTrilinear(const BrickLattice<Real>& lattice, const Real* x, const Real* y, const Real* z, Real* out,
+                     std::size_t size) {
+  constexpr std::uint32_t kSide = 9;
+  alignas(64) Row<Real> point[3], position[3], result;
+  alignas(64) Row<std::int32_t> cell[3], brick, offset;
+  alignas(64) Row<float> corner[8];
+  const Real* const from[3] = {x, y, z};
+  for (std::size_t begin = 0; begin < size; begin += kBlock) {
+    const Range range = blockAt(begin, size);
+    const std::size_t padded = range.padded;
+    for (int axis = 0; axis < 3; ++axis) load(from[axis], point[axis], range);
+    latticePositions(lattice, point, position, padded);
+    for (int axis = 0; axis < 3; ++axis) JULIA_FOR_POINTS {
+        const std::int32_t floor = static_cast<std::int32_t>(position[axis][i]);
+        cell[axis][i] = floor;
+        position[axis][i] -= static_cast<Real>(floor);
+      }
+    findCells<Real, kSide>(lattice, cell, brick, offset, padded);
+    for (std::size_t i = 0; i < range.size; ++i) {
+      const float* value =
+          lattice.values + std::size_t{lattice.brickAt[brick[i]]} * (kSide * kSide * kSide) + offset[i];
+      corner[0][i] = value[0];
+      corner[1][i] = value[1];
+      corner[2][i] = value[kSide];
+      corner[3][i] = value[kSide + 1];
+      corner[4][i] = value[kSide * kSide];
+      corner[5][i] = value[kSide * kSide + 1];
+      corner[6][i] = value[kSide * kSide + kSide];
+      corner[7][i] = value[kSide * kSide + kSide + 1];
+    }
+    for (std::size_t i = range.size; i < padded; ++i)
+      for (int k = 0; k < 8; ++k) corner[k][i] = 0;
+    JULIA_FOR_POINTS {
+      const Real tx = position[0][i], ty = position[1][i], tz = position[2][i];
+      const Real v0 = corner[0][i], v1 = corner[1][i], v2 = corner[2][i], v3 = corner[3][i];
+      const Real v4 = corner[4][i], v5 = corner[5][i], v6 = corner[6][i], v7 = corner[7][i];
+      const Real e0 = v0 + (v1 - v0) * tz, e1 = v2 + (v3 - v2) * tz;
+      const Real e2 = v4 + (v5 - v4) * tz, e3 = v6 + (v7 - v6) * tz;
+      const Real f0 = e0 + (e1 - e0) * ty, f1 = e2 + (e3 - e2) * ty;
+      result[i] = f0 + (f1 - f0) * tx;
+    }
+    store(result, out, range);
+  }
+}
+
+template <class Real>
+void sampleQuadratic(const BrickLattice<Real>& lattice, const Real* x, const Real* y, const Real* z, Real* out,
+                     std::size_t size) {
+  constexpr std::uint32_t kSide = 10;
+  alignas(64) Row<Real> point[3], position[3], weight[3][3], result;
+  alignas(64) Row<std::int32_t> cell[3], brick, offset;
+  const Real* const from[3] = {x, y, z};
+  for (std::size_t begin = 0; begin < size; begin += kBlock) {
+    const Range range = blockAt(begin, size);
+    const std::size_t padded = range.padded;
+    for (int axis = 0; axis < 3; ++axis) load(from[axis], point[axis], range);
+    latticePositions(lattice, point, position, padded);
+    // The nearest node and its two neighbours, weighted by the quadratic B-spline.
+    for (int axis = 0; axis < 3; ++axis) JULIA_FOR_POINTS {
+        const Real half = Real(0.5);
+        const std::int32_t nearest = static_cast<std::int32_t>(position[axis][i] + half);
+        const Real t = position[axis][i] - static_cast<Real>(nearest);
+        cell[axis][i] = nearest;
+        weight[axis][0][i] = half * ((half - t) * (half - t));
+        weight[axis][1][i] = Real(0.75) - t * t;
+        weight[axis][2][i] = half * ((half + t) * (half + t));
+      }
+    findCells<Real, kSide>(lattice, cell, brick, offset, padded);
+    for (std::size_t i = 0; i < range.size; ++i) {
+      const float* value =
+          lattice.values + std::size_t{lattice.brickAt[brick[i]]} * (kSide * kSide * kSide) + offset[i];
+      Real sum = 0;
+      for (std::size_t dx = 0; dx < 3; ++dx) {
+        Real face = 0;
+        for (std::size_t dy = 0; dy < 3; ++dy, value += kSide) {
+          const Real edge = Real(value[0]) * weight[2][0][i] + Real(value[1]) * weight[2][1][i] +
+                            Real(value[2]) * weight[2][2][i];
+          face += edge * weight[1][dy][i];
+        }
+        sum += face * weight[0][dx][i];
+        value += kSide * kSide - 3 * kSide;
+      }
+      result[i] = sum;
+    }
+    store(result, out, range);
+  }
+}
+
+template <class Real>
+constexpr Kernels<Real> kTable = {versor<Real>,          logModulus<Real>,      scaleByExponential<Real>,
+                                  logNorm<Real>,         normalise<Real>,       quadratic<Real>,
+                                  sampleTrilinear<Real>, sampleQuadratic<Real>};
+
+}  // namespace
+}  // namespace julia::kernels

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file kernels.h
+/// The inner loops, compiled once for each instruction set: structure of arrays in and out, plain loops that the
+/// compiler vectorises. A quaternion batch is four pointers, a b c d; outputs do not overlap inputs unless it says so.
+///
+/// Plain loops were measured against vector types and intrinsics (docs/performance.md): split so that no loop carries a
+/// long chain of dependent operations, they are the fastest and the simplest.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace julia::kernels {
+
+/// How a root's factor (q - t)^p is made.
+enum class PowerMethod : std::uint8_t {
+  Products,       ///< integer p up to 64 in magnitude: multiplications, the scale guessed
+  ExactProducts,  ///< larger integers: multiplications from a unit quaternion
+  Angle,          ///< real p: by the angle
+};
+
+template <class Real>
+struct RootFactor {
+  Real root[4];
+  Real power;  ///< negative for a bottom root
+  PowerMethod method;
+  std::uint32_t integer;      ///< |p|, unless the method is Angle
+  bool renormaliseAfterward;  ///< scales that were only guessed may have added up
+};
+
+template <class Real>
+struct ConstBatch {
+  const Real* component[4];
+};
+template <class Real>
+struct Batch {
+  Real* component[4];
+};
+
+/// A scalar field of bricks (brick_field.h), as its kernel needs it.
+template <class Real>
+struct BrickLattice {
+  Real matrix[3][3];  ///< point to brick-lattice position
+  Real offset[3];
+  Real high[3];  ///< positions are clamped to [0, high], so that a cell is always there
+  std::uint32_t bricks[3];
+  const std::uint32_t* brickAt;  ///< which brick, by (x * bricks[1] + y) * bricks[2] + z
+  const float* values;           ///< of all bricks
+};
+
+template <class Real>
+struct Kernels {
+  /// u = the unit quaternion of the ordered product of (q - t)^p over all roots; least[i] = the smallest |q - t|^2, or
+  /// squared distance from the real axis through t for a real power, that was met. Where that is below Ieee::kTiny, u
+  /// is not to be used.
+  void (*versor)(const RootFactor<Real>* roots, std::size_t rootCount, ConstBatch<Real> q, Batch<Real> u, Real* least,
+                 std::size_t size);
+  /// l = constant + sum of p ln|q - t|; least as above, of |q - t|^2.
+  void (*logModulus)(const RootFactor<Real>* roots, std::size_t rootCount, Real constant, ConstBatch<Real> q, Real* l,
+                     Real* least, std::size_t size);
+  /// q = e^l q, in place.
+  void (*scaleByExponential)(const Real* l, Batch<Real> q, std::size_t size);
+  /// l = ln|q|, where |q|^2 is a normal number.
+  void (*logNorm)(ConstBatch<Real> q, Real* l, std::size_t size);
+  /// q / |q|, in place, where |q|^2 is a normal number.
+  void (*normalise)(Batch<Real> q, std::size_t size);
+  /// f = q^2 + c.
+  void (*quadratic)(const Real* c, ConstBatch<Real> q, Batch<Real> f, std::size_t size);
+  /// Trilinear: bricks of 8^3 cells, 9^3 values. Between nodes of a cell the result is linear along each axis.
+  void (*sampleTrilinear)(const BrickLattice<Real>& lattice, const Real* x, const Real* y, const Real* z, Real* out,
+                          std::size_t size);
+  /// Quadratic B-spline: bricks of 8^3 nodes with one more all round, 10^3 values.
+  void (*sampleQuadratic)(const BrickLattice<Real>& lattice, const Real* x, const Real* y, const Real* z, Real* out,
+                          std::size_t size);
+};
+
+/// The kernels of the instruction set in use.
+template <class Real>
+const Kernels<Real>& kernels();
+
+template <>
+const Kernels<float>& kernels();
+template <>
+const Kernels<double>& kernels();
+
+}  // namespace julia::kernels

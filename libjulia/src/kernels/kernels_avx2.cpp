@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernel_tables.h"
+
+#include "kernel_bodies.h"
+
+namespace julia::kernels {
+
+const Tables kAvx2 = {&kTable<float>, &kTable<double>};
+
+}  // namespace julia::kernels
