@@ -525,8 +525,8 @@ TYPED_TEST(OrbitLaws, nothingInfiniteOrNaNLeaves) {
         evaluatorOf<Real, RationalMap>(options, embedding, rational),
         evaluatorOf<Real, QuadraticMap>(options, embedding, c),
         makeFieldEvaluator<Real>(std::make_shared<ShapeModulus<Real>>(
-                                      std::make_shared<ConstantField<Real>>(within(1e30)), rational, embedding.dropped),
-                                  embedding, options)};
+                                     std::make_shared<ConstantField<Real>>(within(1e30)), rational, embedding.dropped),
+                                 embedding, options)};
     for (std::size_t which = 0; which < evaluators.size(); ++which) {
       const Field field = evaluate(*evaluators[which], points);
       std::vector<Quaternion<double>> versors(points.size());

@@ -27,13 +27,15 @@ BrickField<Real>::BrickField(std::shared_ptr<const Bricks> bricks, const BrickPl
   auto lattice = std::make_unique<Lattice>();
   for (std::size_t row = 0; row < 3; ++row) {
     const double end = mBricks->count[row] * double{kBrickSide};
-    if (!(placement.high[row] >= 0 && placement.high[row] + 0.5 < end))
-      throw std::invalid_argument("positions up to " + std::to_string(placement.high[row]) + " do not lie within " +
-                                  std::to_string(end) + " nodes");
+    const double low = placement.low[row], high = placement.high[row];
+    if (!(low >= 0 && high >= low && high + 0.5 < end))
+      throw std::invalid_argument("positions from " + std::to_string(low) + " to " + std::to_string(high) +
+                                  " do not lie within " + std::to_string(end) + " nodes");
     for (std::size_t column = 0; column < 3; ++column)
       lattice->matrix[row][column] = static_cast<Real>(placement.matrix[row][column]);
     lattice->offset[row] = static_cast<Real>(placement.offset[row]);
-    lattice->high[row] = static_cast<Real>(placement.high[row]);
+    lattice->low[row] = static_cast<Real>(low);
+    lattice->high[row] = static_cast<Real>(high);
     lattice->bricks[row] = mBricks->count[row];
   }
   lattice->brickAt = mBricks->brickAt.data();

@@ -88,8 +88,9 @@ class BatchEvaluator final : public FieldEvaluator {
     batch.l.resize(points.size());
     for (std::size_t i = 0; i < points.size(); ++i)
       // At least the escape: a rounding error must not bring back what has escaped.
-      batch.l[i] = normSquared(batch.q.get(i)) < mEscapeSquared ? -std::numeric_limits<Real>::infinity()
-                                                                : std::max(careful::logNorm(batch.q.get(i)), mLogEscape);
+      batch.l[i] = normSquared(batch.q.get(i)) < mEscapeSquared
+                       ? -std::numeric_limits<Real>::infinity()
+                       : std::max(careful::logNorm(batch.q.get(i)), mLogEscape);
     keep(
         batch, [&](Real l) { return l < mLogEscape; }, field, iterations, 0);
   }
@@ -130,13 +131,13 @@ class BatchEvaluator final : public FieldEvaluator {
 
 template <class Real>
 std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const Map<Real>> map, const Embedding& embedding,
-                                                    const OrbitOptions& options) {
+                                                   const OrbitOptions& options) {
   return std::make_unique<BatchEvaluator<Real>>(std::move(map), embedding, options);
 }
 
 template std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const Map<float>>, const Embedding&,
-                                                             const OrbitOptions&);
+                                                            const OrbitOptions&);
 template std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const Map<double>>, const Embedding&,
-                                                             const OrbitOptions&);
+                                                            const OrbitOptions&);
 
 }  // namespace julia

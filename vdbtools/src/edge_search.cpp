@@ -1,10 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "edge_search.h"
 
-namespace vdbtools {
+#include <algorithm>
+#include <cmath>
 
-// F jumps where an orbit escapes one step sooner, and an edge may hold many changes of sign; bisection needs nothing
-// but signs, finds the change that the papers' programs find, and gives the same result from either end.
+namespace vdbtools {
+namespace {
+
+/// A bracket of a change of sign, in voxels from the edge's beginning, and F at its ends.
+struct Bracket {
+  std::size_t edge;
+  double low = 0, high = 1;
+  double atLow, atHigh;
+};
+
+/// F steers the search, but it is not to be trusted: it spans many orders of magnitude and jumps where an orbit escapes
+/// one step sooner. Far from 0 it says little more than its sign.
+double damped(double field) { return field / (1 + std::abs(field)); }
+
+/// Where to evaluate next: the step of the ITP method (Oliveira and Takahashi, ACM TOMS 47(1), 2020), which
+/// interpolates but never needs more than @a left more evaluations to bring the bracket to @a width.
+double nextPoint(const Bracket& bracket, double width, int left) {
+  constexpr double kTruncation = 0.1;
+  const double size = bracket.high - bracket.low, middle = bracket.low + size / 2;
+  const double interpolated =
+      (bracket.high * bracket.atLow - bracket.low * bracket.atHigh) / (bracket.atLow - bracket.atHigh);
+  // Towards the middle by a little, so that the change comes to lie on the short side.
+  const double towards = middle >= interpolated ? 1 : -1;
+  const double truncation = kTruncation * size * size;
+  const double truncated = truncation <= std::abs(middle - interpolated) ? interpolated + towards * truncation : middle;
+  const double reach = std::max(0.0, std::ldexp(width, left - 1) - size / 2);
+  return std::abs(truncated - middle) <= reach ? truncated : middle - towards * reach;
+}
+
+}  // namespace
+
 std::vector<openvdb::Vec3d> searchEdges(const std::vector<LatticeEdge>& edges, double voxelSize,
                                         const FieldSource& source, double tolerance) {
   const auto worldAt = [&](const LatticeEdge& edge, double t) {
@@ -12,25 +42,44 @@ std::vector<openvdb::Vec3d> searchEdges(const std::vector<LatticeEdge>& edges, d
     index[edge.axis] += t;
     return index * voxelSize;
   };
-  std::vector<double> low(edges.size(), 0.0);
+  // The middle of the last bracket is within half its width of the change.
+  const double width = 2 * tolerance;
+  int left = 1;  // evaluations at the most: bisection's, and one to spare for interpolating
+  while (std::ldexp(width, left - 1) < 1) ++left;
+
+  std::vector<double> found(edges.size(), 0.5);
+  std::vector<Bracket> brackets;
+  brackets.reserve(edges.size());
+  for (std::size_t i = 0; i < edges.size(); ++i)
+    if (!edges[i].cut) brackets.push_back({.edge = i, .atLow = damped(edges[i].from), .atHigh = damped(edges[i].to)});
   std::vector<julia::Point> points;
-  std::vector<double> field;
-  double width = 1;
-  // Half the last bracket is how far the change may be from its middle.
-  for (; width / 2 > tolerance; width /= 2) {
+  std::vector<double> next, field;
+  for (;; --left) {
+    // What is narrow enough leaves the batch.
+    std::erase_if(brackets, [&](const Bracket& bracket) {
+      if (bracket.high - bracket.low > width) return false;
+      found[bracket.edge] = bracket.low + (bracket.high - bracket.low) / 2;
+      return true;
+    });
+    if (brackets.empty()) break;
     points.clear();
-    for (std::size_t i = 0; i < edges.size(); ++i)
-      if (!edges[i].cut) points.push_back(source.space.toFractal(worldAt(edges[i], low[i] + width / 2)));
+    next.clear();
+    for (const Bracket& bracket : brackets) {
+      next.push_back(nextPoint(bracket, width, left));
+      points.push_back(source.space.toFractal(worldAt(edges[bracket.edge], next.back())));
+    }
     field.resize(points.size());
     source.evaluator.evaluate(points, field, {});
-    std::size_t k = 0;
-    for (std::size_t i = 0; i < edges.size(); ++i)
-      if (!edges[i].cut && (field[k++] < 0) == edges[i].beginInside) low[i] += width / 2;
+    for (std::size_t i = 0; i < brackets.size(); ++i) {
+      Bracket& bracket = brackets[i];
+      const bool likeLow = (field[i] < 0) == (edges[bracket.edge].from < 0);
+      (likeLow ? bracket.low : bracket.high) = next[i];
+      (likeLow ? bracket.atLow : bracket.atHigh) = damped(field[i]);
+    }
   }
   std::vector<openvdb::Vec3d> positions;
   positions.reserve(edges.size());
-  for (std::size_t i = 0; i < edges.size(); ++i)
-    positions.push_back(worldAt(edges[i], edges[i].cut ? 0.5 : low[i] + width / 2));
+  for (std::size_t i = 0; i < edges.size(); ++i) positions.push_back(worldAt(edges[i], found[i]));
   return positions;
 }
 

@@ -11,13 +11,13 @@ namespace vdbtools {
 
 struct LatticeEdge {
   openvdb::Coord begin;
-  int axis;          ///< the edge runs from begin one voxel along this axis
-  bool beginInside;  ///< F < 0 at begin, and not at the other end; or the other way round
-  bool cut;          ///< it leaves the domain: no F to search, the middle is taken
+  int axis;        ///< the edge runs from begin one voxel along this axis
+  float from, to;  ///< F at its two ends: one below 0, the other not
+  bool cut;        ///< it leaves the domain: no F to search, the middle is taken
 };
 
-/// @param tolerance  voxels: the change of sign lies within this of the result
-/// @return world positions, one an edge
+/// @param tolerance  voxels: F changes sign within this of the result
+/// @return world positions, one an edge; each depends on its edge alone
 std::vector<openvdb::Vec3d> searchEdges(const std::vector<LatticeEdge>& edges, double voxelSize,
                                         const FieldSource& source, double tolerance);
 

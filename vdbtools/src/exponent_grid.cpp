@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/exponent_grid.h"
 
+#include "vdbtools/grid_sampler.h"
+
 #include <openvdb/tools/ChangeBackground.h>
 #include <openvdb/tools/FastSweeping.h>
 #include <openvdb/tools/Prune.h>
@@ -22,9 +24,6 @@ using openvdb::FloatGrid;
 using openvdb::FloatTree;
 using openvdb::Vec3d;
 using LeafManager = openvdb::tree::LeafManager<FloatTree>;
-
-// Trilinear reading and the difference bound reach one node further than the interval; one more for rounding.
-constexpr int kBandMargin = 4;  // voxels
 
 void requireFiniteValues(const FloatGrid& phi) {
   for (auto value = phi.tree().cbeginValueAll(); value; ++value)
@@ -52,8 +51,9 @@ void bake(LeafManager& leaves, const openvdb::math::Transform& transform, const 
   monitor.throwIfCancelled();
 }
 
-/// A bound of how much E differs between two corners of any cell: three times its largest step between face neighbours.
-double largestDifferenceInCell(const LeafManager& leaves) {
+/// A bound of how much E differs between two nodes that one point's reading may use: three times its largest step
+/// between face neighbours for the corners of a cell, three times that for the quadratic B-spline's wider reach.
+double largestDifferenceInReach(const LeafManager& leaves, julia::Interpolation interpolation) {
   tbb::enumerable_thread_specific<double> largest(0.0);
   tbb::parallel_for(leaves.leafRange(), [&](const LeafManager::LeafRange& range) {
     openvdb::tree::ValueAccessor<const FloatTree> accessor(leaves.tree());
@@ -67,14 +67,16 @@ double largestDifferenceInCell(const LeafManager& leaves) {
           if (accessor.probeValue(next, other)) most = std::max(most, std::abs(double(other) - double(*value)));
         }
   });
-  return 3 * *std::max_element(largest.begin(), largest.end());
+  const int reach = interpolation == julia::Interpolation::Quadratic ? 3 : 1;
+  return 3 * reach * *std::max_element(largest.begin(), largest.end());
 }
 
-/// m(r) of shell.h, from the nodes: one at distance d takes part in cells that come as near as d less a cell's
-/// diagonal.
+/// m(r) of shell.h, from the nodes: one at distance d is read at points that come as near as d less a cell's diagonal,
+/// or one and a half for the quadratic B-spline.
 julia::RadialMaximum radialMaximum(const LeafManager& leaves, const openvdb::math::Transform& transform,
-                                   const FractalSpace& space, double atOrigin) {
+                                   const FractalSpace& space, double atOrigin, julia::Interpolation interpolation) {
   const double step = transform.voxelSize().length() / space.scale / 2;  // half a cell's diagonal
+  const double reach = step * (interpolation == julia::Interpolation::Quadratic ? 3 : 2);
   const std::size_t count = static_cast<std::size_t>(std::ceil(1 / step));
   const std::vector<double> nothing(count, -std::numeric_limits<double>::infinity());
   tbb::enumerable_thread_specific<std::vector<double>> parts(nothing);
@@ -83,7 +85,7 @@ julia::RadialMaximum radialMaximum(const LeafManager& leaves, const openvdb::mat
     for (auto leaf = range.begin(); leaf; ++leaf)
       for (auto value = leaf->cbeginValueOn(); value; ++value) {
         const Vec3d x = (transform.indexToWorld(value.getCoord()) - space.centre) / space.scale;
-        const double nearest = std::max(0.0, x.length() - 2 * step);
+        const double nearest = std::max(0.0, x.length() - reach);
         // A hair of slack against rounding at a ball's edge.
         const std::size_t ball = static_cast<std::size_t>(std::max(0.0, std::floor(nearest / step - 1e-9)));
         if (ball < count) maximum[ball] = std::max(maximum[ball], static_cast<double>(*value));
@@ -98,7 +100,7 @@ julia::RadialMaximum radialMaximum(const LeafManager& leaves, const openvdb::mat
 }
 
 /// Replaces what is farther outside the interval than any cell that touches it by a constant.
-void narrowToShell(FloatGrid& grid, const julia::ShellInterval& shell, double differenceInCell) {
+void narrowToShell(FloatGrid& grid, const julia::ShellInterval& shell, double differenceInReach) {
   const float outside = static_cast<float>(shell.upper + 1);
   const bool hasLower = std::isfinite(shell.lower);
   const float inside = hasLower ? static_cast<float>(shell.lower - 1) : -1.0f;
@@ -106,69 +108,14 @@ void narrowToShell(FloatGrid& grid, const julia::ShellInterval& shell, double di
   LeafManager leaves(grid.tree());
   leaves.foreach ([&](FloatTree::LeafNodeType& leaf, std::size_t) {
     for (auto value = leaf.beginValueOn(); value; ++value) {
-      if (*value > shell.upper + differenceInCell)
+      if (*value > shell.upper + differenceInReach)
         leaf.setValueOff(value.pos(), outside);
-      else if (hasLower && *value < shell.lower - differenceInCell)
+      else if (hasLower && *value < shell.lower - differenceInReach)
         leaf.setValueOff(value.pos(), inside);
     }
   });
   openvdb::tools::pruneLevelSet(grid.tree(), outside, inside);
 }
-
-/// Trilinear reading in the arithmetic of the dynamics. OpenVDB's BoxSampler would do it in the grid's 32 bits.
-template <class Real>
-class ExponentField final : public julia::ScalarField<Real> {
- public:
-  explicit ExponentField(const ExponentGrid& exponent) : mGrid(exponent.grid), mDenseBox(exponent.denseBox) {
-    const auto index = [&](double x, double y, double z) {
-      return mGrid->worldToIndex(exponent.space.toWorld({x, y, z}));
-    };
-    const Vec3d zero = index(0, 0, 0);
-    const Vec3d columns[3] = {index(1, 0, 0) - zero, index(0, 1, 0) - zero, index(0, 0, 1) - zero};
-    for (int row = 0; row < 3; ++row) {
-      mOffset[row] = static_cast<Real>(zero[row]);
-      for (int column = 0; column < 3; ++column) mMatrix[row][column] = static_cast<Real>(columns[column][row]);
-    }
-  }
-
-  void sample(std::span<const Real> x, std::span<const Real> y, std::span<const Real> z,
-              std::span<Real> out) const override {
-    openvdb::tree::ValueAccessor<const FloatTree> accessor(mGrid->tree());
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = sampleOne(accessor, x[i], y[i], z[i]);
-  }
-
- private:
-  Real sampleOne(const openvdb::tree::ValueAccessor<const FloatTree>& accessor, Real x, Real y, Real z) const {
-    // Beyond this index there is background only; the bound keeps the conversion to an integer defined.
-    constexpr Real kFar = Real(1 << 28);
-    Coord corner;
-    Real weight[3];
-    for (int row = 0; row < 3; ++row) {
-      Real position = mMatrix[row][0] * x + mMatrix[row][1] * y + mMatrix[row][2] * z + mOffset[row];
-      if (mDenseBox)
-        position = std::clamp(position, Real(mDenseBox->min()[row]), Real(mDenseBox->max()[row]));
-      else
-        position = std::clamp(position, -kFar, kFar);
-      const Real floor = std::floor(position);
-      corner[row] = static_cast<int>(floor);
-      weight[row] = position - floor;
-      if (mDenseBox && corner[row] == mDenseBox->max()[row] && corner[row] > mDenseBox->min()[row]) {
-        // On the far face: the last cell's end, not the beginning of one that is not there.
-        --corner[row];
-        weight[row] = 1;
-      }
-    }
-    const auto along = [](Real from, Real to, Real t) { return from + (to - from) * t; };
-    const auto value = [&](int dx, int dy, int dz) { return Real(accessor.getValue(corner.offsetBy(dx, dy, dz))); };
-    const auto edge = [&](int dx, int dy) { return along(value(dx, dy, 0), value(dx, dy, 1), weight[2]); };
-    const auto face = [&](int dx) { return along(edge(dx, 0), edge(dx, 1), weight[1]); };
-    return along(face(0), face(1), weight[0]);
-  }
-
-  FloatGrid::ConstPtr mGrid;
-  std::optional<CoordBBox> mDenseBox;
-  Real mMatrix[3][3], mOffset[3];
-};
 
 }  // namespace
 
@@ -198,7 +145,7 @@ void extendBand(Target& target, double exteriorWidth, Monitor& monitor) {
   const double voxel = phi->voxelSize()[0];
   bool solidInside = false;  // an inside that holds no distance
   for (auto value = phi->tree().cbeginValueOff(); value && !solidInside; ++value) solidInside = *value < 0;
-  const double wanted = exteriorWidth + kBandMargin * voxel;
+  const double wanted = exteriorWidth + kExponentMargin * voxel;
   const bool widen = phi->background() < wanted * (1 - 1e-6);
   if (!solidInside && !widen) return;
   if (!phi->hasUniformVoxels())
@@ -236,6 +183,7 @@ ExponentGrid exponentGrid(const Target& target, const FractalSpace& space, const
   exteriorReach(options);  // its checks
   ExponentGrid result;
   result.space = space;
+  result.interpolation = options.interpolation;
   result.denseBox = target.denseBox;
   result.grid = target.phi->deepCopy();
   result.grid->setName("exponent");
@@ -250,7 +198,7 @@ ExponentGrid exponentGrid(const Target& target, const FractalSpace& space, const
   {
     LeafManager leaves(grid.tree());
     bake(leaves, transform, space, options, monitor);
-    difference = largestDifferenceInCell(leaves);
+    difference = largestDifferenceInReach(leaves, options.interpolation);
     const Vec3d origin = transform.worldToIndex(space.centre);
     const bool originInBox =
         !target.denseBox ||
@@ -259,7 +207,9 @@ ExponentGrid exponentGrid(const Target& target, const FractalSpace& space, const
     maximum.step = 1;
     // Past the faces of a dense field the nearest face's value holds; that is no farther from the origin than the point
     // itself only where the box holds the origin.
-    if (originInBox) maximum = radialMaximum(leaves, transform, space, grid.tree().getValue(Coord::round(origin)));
+    if (originInBox)
+      maximum =
+          radialMaximum(leaves, transform, space, grid.tree().getValue(Coord::round(origin)), options.interpolation);
     result.shell = julia::shellInterval(maximum, options.maxIterations, options.escapeRadius);
   }
   narrowToShell(grid, result.shell, difference);
@@ -268,7 +218,29 @@ ExponentGrid exponentGrid(const Target& target, const FractalSpace& space, const
 
 template <class Real>
 std::shared_ptr<const julia::ScalarField<Real>> makeExponentField(const ExponentGrid& exponent) {
-  return std::make_shared<ExponentField<Real>>(exponent);
+  CoordBBox nodes = exponent.grid->evalActiveVoxelBoundingBox();
+  if (nodes.empty()) nodes = CoordBBox(Coord(0), Coord(0));
+  // A narrow band is surrounded by one value; with a rim of it, the nearest node is right everywhere beyond.
+  constexpr int kRim = 2;
+  if (exponent.denseBox)
+    nodes = *exponent.denseBox;
+  else
+    nodes.expand(kRim);
+  const GridBricks made = makeBricks(*exponent.grid, nodes, exponent.interpolation);
+  const auto position = [&](double x, double y, double z) {
+    return exponent.grid->worldToIndex(exponent.space.toWorld({x, y, z})) - made.origin.asVec3d();
+  };
+  const Vec3d zero = position(0, 0, 0);
+  const Vec3d columns[3] = {position(1, 0, 0) - zero, position(0, 1, 0) - zero, position(0, 0, 1) - zero};
+  julia::BrickPlacement placement;
+  for (int row = 0; row < 3; ++row) {
+    const auto r = static_cast<std::size_t>(row);
+    for (std::size_t column = 0; column < 3; ++column) placement.matrix[r][column] = columns[column][row];
+    placement.offset[r] = zero[row];
+    placement.low[r] = nodes.min()[row] - made.origin[row];
+    placement.high[r] = nodes.max()[row] - made.origin[row];
+  }
+  return std::make_shared<julia::BrickField<Real>>(made.bricks, placement);
 }
 
 template std::shared_ptr<const julia::ScalarField<float>> makeExponentField(const ExponentGrid&);

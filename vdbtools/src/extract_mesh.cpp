@@ -2,6 +2,7 @@
 #include "vdbtools/extract_mesh.h"
 
 #include "edge_search.h"
+#include "leaf_signs.h"
 #include "marching_cubes_table.h"
 
 #include <openvdb/tree/ValueAccessor.h>
@@ -9,6 +10,7 @@
 #include <tbb/parallel_for.h>
 
 #include <array>
+#include <bit>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -27,8 +29,6 @@ using Accessor = openvdb::tree::ValueAccessor<const FloatTree>;
 
 constexpr std::uint16_t kNoVertex = 0xffff;
 
-bool isInside(float field) { return field < 0; }
-
 /// The vertices on the edges that begin at a leaf's nodes.
 struct LeafVertices {
   std::array<std::uint16_t, 3 * Leaf::SIZE> onEdge;  // by 3 offset + axis: which of positions
@@ -41,21 +41,29 @@ struct LeafVertices {
 /// Phase 1: the crossing edges that begin in a leaf, and their vertices.
 std::unique_ptr<LeafVertices> findVertices(const Leaf& leaf, const Accessor& accessor, const FractalField& field,
                                            const FieldSource& source, const ExtractMeshOptions& options) {
-  auto vertices = std::make_unique<LeafVertices>();
+  const LeafSigns signs(leaf, accessor);
+  std::unique_ptr<LeafVertices> vertices;
   std::vector<LatticeEdge> edges;
-  for (Index offset = 0; offset < Leaf::SIZE; ++offset) {
-    const Coord node = leaf.offsetToGlobalCoord(offset);
-    const bool inside = isInside(leaf.getValue(offset));
-    for (int axis = 0; axis < 3; ++axis) {
-      Coord end = node;
-      ++end[axis];
-      if (isInside(accessor.getValue(end)) == inside) continue;
-      const bool cut = !field.domain.isInside(node) || !field.domain.isInside(end);
-      if (cut && options.border == Border::Open) continue;
-      vertices->onEdge[3 * offset + static_cast<Index>(axis)] = static_cast<std::uint16_t>(edges.size());
-      edges.push_back({node, axis, inside, cut});
+  for (unsigned x = 0; x < LeafSigns::kSide; ++x)
+    for (unsigned y = 0; y < LeafSigns::kSide; ++y) {
+      const std::array<unsigned, 3> crossings = {signs.crossings(x, y, 0), signs.crossings(x, y, 1),
+                                                 signs.crossings(x, y, 2)};
+      for (unsigned rest = crossings[0] | crossings[1] | crossings[2]; rest != 0; rest &= rest - 1) {
+        const auto z = static_cast<unsigned>(std::countr_zero(rest));
+        const Index offset = (x * LeafSigns::kSide + y) * LeafSigns::kSide + z;
+        const Coord node = leaf.offsetToGlobalCoord(offset);
+        for (int axis = 0; axis < 3; ++axis) {
+          if (!(crossings[static_cast<std::size_t>(axis)] >> z & 1)) continue;
+          Coord end = node;
+          ++end[axis];
+          const bool cut = !field.domain.isInside(node) || !field.domain.isInside(end);
+          if (cut && options.border == Border::Open) continue;
+          if (!vertices) vertices = std::make_unique<LeafVertices>();
+          vertices->onEdge[3 * offset + static_cast<Index>(axis)] = static_cast<std::uint16_t>(edges.size());
+          edges.push_back({node, axis, leaf.getValue(offset), accessor.getValue(end), cut});
+        }
+      }
     }
-  }
   if (edges.empty()) return nullptr;
   vertices->positions = searchEdges(edges, field.field->voxelSize()[0], source, options.tolerance);
   return vertices;
@@ -73,23 +81,24 @@ class CellWalker {
     bool any = false;
     for (const LeafVertices* neighbour : neighbours) any = any || neighbour;
     if (!any) return;
-    for (Index offset = 0; offset < Leaf::SIZE; ++offset) {
-      const Coord node = leaf.offsetToGlobalCoord(offset);
-      unsigned inside = 0;
-      bool cut = false;
-      for (unsigned corner = 0; corner < 8; ++corner) {
-        const Coord at = cornerOf(node, corner);
-        inside |= static_cast<unsigned>(isInside(accessor.getValue(at))) << corner;
-        cut = cut || !mField.domain.isInside(at);
-      }
-      if (cut && mBorder == Border::Open) continue;
-      for (const CellTriangle& triangle : cellTriangles(inside)) {
-        openvdb::Vec3I indices;
-        for (int k = 0; k < 3; ++k)
-          indices[k] = vertex(neighbours, leaf.origin(), node, triangle[static_cast<std::size_t>(k)]);
-        triangles.push_back(indices);
-      }
-    }
+    const LeafSigns signs(leaf, accessor);
+    const bool nearBorder = !mField.domain.isInside(
+        openvdb::CoordBBox(leaf.origin(), leaf.origin().offsetBy(static_cast<int>(LeafSigns::kSide))));
+    for (unsigned x = 0; x < LeafSigns::kSide; ++x)
+      for (unsigned y = 0; y < LeafSigns::kSide; ++y)
+        for (unsigned rest = signs.mixedCells(x, y); rest != 0; rest &= rest - 1) {
+          const auto z = static_cast<unsigned>(std::countr_zero(rest));
+          const Coord node = leaf.offsetToGlobalCoord((x * LeafSigns::kSide + y) * LeafSigns::kSide + z);
+          if (nearBorder && mBorder == Border::Open &&
+              !mField.domain.isInside(openvdb::CoordBBox(node, node.offsetBy(1))))
+            continue;
+          for (const CellTriangle& triangle : cellTriangles(signs.cell(x, y, z))) {
+            openvdb::Vec3I indices;
+            for (int k = 0; k < 3; ++k)
+              indices[k] = vertex(neighbours, leaf.origin(), node, triangle[static_cast<std::size_t>(k)]);
+            triangles.push_back(indices);
+          }
+        }
   }
 
  private:

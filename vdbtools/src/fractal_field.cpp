@@ -7,6 +7,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <stdexcept>
@@ -146,11 +147,15 @@ FractalField evaluateBlocks(const BlockMask& blocks, const CoordBBox& domain, bo
       if (options.keepIterations) stepLeaves[i] = new Leaf(origins[i], 0.0f, false);
       points.clear();
       offsets.clear();
+      // Each coordinate is that of its index alone, whichever block asks.
+      std::array<julia::Point, kBlock> at;
+      for (int k = 0; k < kBlock; ++k)
+        at[static_cast<std::size_t>(k)] = source.space.toFractal(origins[i].offsetBy(k).asVec3d() * options.voxelSize);
+      const bool within = domain.isInside(fieldLeaves[i]->getNodeBoundingBox());
       for (openvdb::Index offset = 0; offset < Leaf::SIZE; ++offset) {
-        const Coord node = fieldLeaves[i]->offsetToGlobalCoord(offset);
-        if (!domain.isInside(node)) continue;
+        if (!within && !domain.isInside(fieldLeaves[i]->offsetToGlobalCoord(offset))) continue;
         offsets.push_back(offset);
-        points.push_back(source.space.toFractal(node.asVec3d() * options.voxelSize));
+        points.push_back({at[offset >> 6][0], at[offset >> 3 & 7][1], at[offset & 7][2]});
       }
       values.resize(points.size());
       steps.resize(points.size());

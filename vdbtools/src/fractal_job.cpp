@@ -29,8 +29,6 @@ constexpr const char* kTargetBox = "julia_target_box";
 constexpr const char* kVersorJson = "julia_versor_json";
 // Around the target, of its longest side: where the set of a map without a shell is looked for.
 constexpr double kRegionMargin = 0.25;
-// Nodes kept beyond what the shell needs, for trilinear reading.
-constexpr double kBandMargin = 5;  // voxels
 
 double longestSide(const BBoxd& box) {
   const Vec3d extents = box.extents();
@@ -119,7 +117,8 @@ ExponentGridOptions exponentOptions(const FractalOptions& options, const BBoxd& 
   return {.alpha = readControl("alpha", options.alpha, box),
           .beta = readControl("beta", options.beta, box),
           .maxIterations = options.iterations,
-          .escapeRadius = options.escape};
+          .escapeRadius = options.escape,
+          .interpolation = options.interpolation};
 }
 
 double spaceScale(const FractalOptions& options, const BBoxd& box) {
@@ -132,9 +131,10 @@ Input readMeshInput(const FractalOptions& options, std::map<std::string, std::st
   const double voxel = options.sdfVoxels.sizeFor(longestSide(report.box));
   ExponentGridOptions exponent = exponentOptions(options, report.box);
   const double reach = exteriorReach(exponent) * spaceScale(options, report.box);
-  const MeshSdf sdf = makeSdfAbout(report.box.getCenter(), std::move(mesh),
-                                   sdfBand(voxel, reach / voxel + kBandMargin, std::numeric_limits<double>::infinity()),
-                                   options.repair, options.gap, monitor);
+  const MeshSdf sdf =
+      makeSdfAbout(report.box.getCenter(), std::move(mesh),
+                   sdfBand(voxel, reach / voxel + kExponentMargin, std::numeric_limits<double>::infinity()),
+                   options.repair, options.gap, monitor);
   if (sdf.moved) facts["julia_repair_moved"] = numbersText({*sdf.moved});
   return {makeTarget(sdf.grid, report.box), std::move(exponent)};
 }
@@ -214,14 +214,62 @@ std::shared_ptr<const julia::Map<Real>> makeMap(const Scene& scene) {
                                                      scene.options.dropAxis);
 }
 
+/// Whether 32 bits are as good as 64 for what the scene shows: the voxels are large against the rounding of positions,
+/// and neither powers nor iterations pile up more of it (docs/precision.md has the measurements).
+bool floatServes(const Scene& scene) {
+  constexpr double kLeastVoxel = 1e-4;  // of the largest coordinate: a thousandth of it is still resolved
+  constexpr double kMostSummedPowers = 1000;
+  constexpr int kMostIterations = 8;
+  if (scene.options.iterations > kMostIterations) return false;
+  double powers = 0;
+  for (const julia::Polynomial* polynomial : {&scene.rational.top, &scene.rational.bottom})
+    for (const julia::Root& root : polynomial->roots) powers += std::abs(root.power * polynomial->powerScale);
+  if (powers > kMostSummedPowers) return false;
+  double largest = std::max(1.0, std::abs(scene.options.slice));
+  const BBoxd& box = scene.exponent ? scene.target->box : scene.region;
+  for (const Vec3d& corner : {box.min(), box.max()})
+    for (const double x : scene.space.toFractal(corner)) largest = std::max(largest, std::abs(x));
+  return scene.voxelSize / scene.space.scale >= kLeastVoxel * largest;
+}
+
+/// Follows every orbit to its end, to confirm what the trap says: where they agree, F is what the trap made of it.
+class ConfirmingEvaluator final : public julia::FieldEvaluator {
+ public:
+  ConfirmingEvaluator(std::unique_ptr<FieldEvaluator> trapped, std::unique_ptr<FieldEvaluator> full)
+      : mTrapped(std::move(trapped)), mFull(std::move(full)) {}
+
+  void evaluate(std::span<const julia::Point> points, std::span<double> field,
+                std::span<int> iterations) const override {
+    mTrapped->evaluate(points, field, iterations);
+    std::vector<double> full(points.size());
+    std::vector<int> steps(points.size());
+    mFull->evaluate(points, full, steps);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if ((full[i] < 0) == (field[i] < 0)) continue;
+      field[i] = full[i];
+      if (!iterations.empty()) iterations[i] = steps[i];
+    }
+  }
+  void versors(std::span<const julia::Point> points, std::span<julia::Quaternion<double>> versors) const override {
+    mFull->versors(points, versors);
+  }
+
+ private:
+  std::unique_ptr<FieldEvaluator> mTrapped, mFull;
+};
+
+template <class Real>
 std::unique_ptr<julia::FieldEvaluator> makeEvaluator(const Scene& scene) {
   const FractalOptions& options = scene.options;
   const julia::Embedding embedding{options.slice, options.dropAxis};
-  julia::OrbitOptions orbit{.maxIterations = options.iterations, .escapeRadius = options.escape};
-  if (scene.exponent && !options.exhaustive) orbit.logTrap = scene.exponent->shell.lower;
-  return options.precision == Precision::Float
-             ? julia::makeFieldEvaluator<float>(makeMap<float>(scene), embedding, orbit)
-             : julia::makeFieldEvaluator<double>(makeMap<double>(scene), embedding, orbit);
+  const std::shared_ptr<const julia::Map<Real>> map = makeMap<Real>(scene);
+  const julia::OrbitOptions full{.maxIterations = options.iterations, .escapeRadius = options.escape};
+  julia::OrbitOptions trapped = full;
+  if (scene.exponent) trapped.logTrap = scene.exponent->shell.lower;
+  auto evaluator = julia::makeFieldEvaluator<Real>(map, embedding, trapped);
+  if (!options.exhaustive) return evaluator;
+  return std::make_unique<ConfirmingEvaluator>(std::move(evaluator),
+                                               julia::makeFieldEvaluator<Real>(map, embedding, full));
 }
 
 /// Where a map without a shell is evaluated, world units.
@@ -278,12 +326,15 @@ Scene makeScene(const FractalOptions& options, Monitor& monitor) {
     scene.facts["julia_shell"] = numbersText({shell.lower, shell.upper});
   }
   if (options.map != MapKind::Quadratic) scene.rational = readVersor(options, scene);
-  scene.evaluator = makeEvaluator(scene);
   scene.region = scene.exponent ? BBoxd() : regionOf(scene);
   scene.voxelSize = options.voxels.sizeFor(longestSide(scene.target ? scene.target->box : scene.region));
   // Room for the outermost cells of a set that fills its region.
   constexpr double kRoom = 2;  // voxels
   if (!scene.exponent && !options.box) scene.region.expand(kRoom * scene.voxelSize);
+  scene.inFloats =
+      options.precision == Precision::Float || (options.precision == Precision::Auto && floatServes(scene));
+  scene.facts["julia_arithmetic"] = scene.inFloats ? "float" : "double";
+  scene.evaluator = scene.inFloats ? makeEvaluator<float>(scene) : makeEvaluator<double>(scene);
   return scene;
 }
 

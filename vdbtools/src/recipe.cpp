@@ -68,7 +68,10 @@ constexpr OptionSpec kFractalSpecs[] = {
     {"box", "X0,Y0,Z0,X1,Y1,Z1", nullptr, "only this region, in the target's units"},
     {"tolerance", "T", "0.001", "how near a vertex lies to the true surface, voxels"},
     {"cap", nullptr, nullptr, "close the mesh where the box cuts the set; the VDB always is"},
-    {"precision", "float|double", "double", "the arithmetic of the iteration"},
+    {"precision", "auto|float|double", "auto",
+     "the arithmetic of the iteration; auto takes float where it is as good as double"},
+    {"sampling", "trilinear|quadratic", "trilinear",
+     "how the target's distances are read between their nodes; quadratic has no creases in deep zooms"},
     {"exhaustive", nullptr, nullptr, "evaluate every node, also where the result is known; for checking"},
     {"grids", "LIST", "surface", "what the VDB holds: surface, density, logmodulus, iterations, versor"},
     {"half", nullptr, nullptr, "write 16-bit floats"},
@@ -350,8 +353,10 @@ FractalOptions parseFractalOptions(const Recipe& recipe) {
   if (!(options.tolerance >= 0x1p-40 && options.tolerance <= 0.5))
     refuse("tolerance", reader.text("tolerance"), "at least 1e-12 and at most 0.5");
   options.cap = reader.flag("cap");
-  options.precision =
-      reader.choice<Precision>("precision", {{"float", Precision::Float}, {"double", Precision::Double}});
+  options.precision = reader.choice<Precision>(
+      "precision", {{"auto", Precision::Auto}, {"float", Precision::Float}, {"double", Precision::Double}});
+  options.interpolation = reader.choice<julia::Interpolation>(
+      "sampling", {{"trilinear", julia::Interpolation::Trilinear}, {"quadratic", julia::Interpolation::Quadratic}});
   options.exhaustive = reader.flag("exhaustive");
   options.grids = parseGrids(reader.text("grids"));
   options.half = reader.flag("half");

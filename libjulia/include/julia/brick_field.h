@@ -39,7 +39,7 @@ struct Bricks {
 struct BrickPlacement {
   std::array<std::array<double, 3>, 3> matrix{};
   std::array<double, 3> offset{};
-  std::array<double, 3> high{};  ///< positions are clamped to the box from 0 to this, within the bricks
+  std::array<double, 3> low{}, high{};  ///< positions are clamped to this box, which lies within the bricks
 };
 
 /// Reads in @a Real. All reads are exact: the interpolant of the stored values, whatever the instruction set.

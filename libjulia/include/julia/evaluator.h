@@ -28,11 +28,11 @@ class FieldEvaluator {
 /// The one back end: batches through the vector kernels, in Real (float or double).
 template <class Real>
 std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const Map<Real>> map, const Embedding& embedding,
-                                                    const OrbitOptions& options);
+                                                   const OrbitOptions& options);
 
 extern template std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const Map<float>>, const Embedding&,
-                                                                    const OrbitOptions&);
-extern template std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const Map<double>>,
-                                                                    const Embedding&, const OrbitOptions&);
+                                                                   const OrbitOptions&);
+extern template std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const Map<double>>, const Embedding&,
+                                                                   const OrbitOptions&);
 
 }  // namespace julia

@@ -143,8 +143,7 @@ void versor(const RootFactor<Real>* roots, std::size_t rootCount, ConstBatch<Rea
         u[2][i] = ua * fc - ub * fd + uc * fa + ud * fb;
         u[3][i] = ua * fd + ub * fc - uc * fb + ud * fa;
       }
-      if (root.renormaliseAfterward)
-        JULIA_FOR_POINTS {
+      if (root.renormaliseAfterward) JULIA_FOR_POINTS {
           const Real ua = u[0][i], ub = u[1][i], uc = u[2][i], ud = u[3][i];
           const Real by = guessedInverseRoot(ua * ua + ub * ub + uc * uc + ud * ud);
           u[0][i] = ua * by;
@@ -217,8 +216,8 @@ void logNorm(ConstBatch<Real> points, Real* l, std::size_t size) {
     const Range range = blockAt(begin, size);
     const std::size_t padded = range.padded;
     for (int k = 0; k < 4; ++k) load(points.component[k], q[k], range);
-    JULIA_FOR_POINTS result[i] = Real(0.5) * logarithm(q[0][i] * q[0][i] + (q[1][i] * q[1][i] + q[2][i] * q[2][i] +
-                                                                          q[3][i] * q[3][i]));
+    JULIA_FOR_POINTS result[i] =
+        Real(0.5) * logarithm(q[0][i] * q[0][i] + (q[1][i] * q[1][i] + q[2][i] * q[2][i] + q[3][i] * q[3][i]));
     store(result, l, range);
   }
 }
@@ -264,13 +263,12 @@ void quadratic(const Real* c, ConstBatch<Real> points, Batch<Real> f, std::size_
 template <class Real>
 JULIA_INLINE void latticePositions(const BrickLattice<Real>& lattice, const Row<Real> (&point)[3],
                                    Row<Real> (&position)[3], std::size_t padded) {
-  const Real zero = 0;
   for (int row = 0; row < 3; ++row) {
     const Real mx = lattice.matrix[row][0], my = lattice.matrix[row][1], mz = lattice.matrix[row][2];
-    const Real offset = lattice.offset[row], high = lattice.high[row];
+    const Real offset = lattice.offset[row], low = lattice.low[row], high = lattice.high[row];
     JULIA_FOR_POINTS {
       const Real at = mx * point[0][i] + my * point[1][i] + mz * point[2][i] + offset;
-      const Real above = at > zero ? at : zero;  // a NaN, too, becomes 0
+      const Real above = at > low ? at : low;  // so does a NaN
       position[row][i] = above < high ? above : high;
     }
   }
@@ -366,8 +364,8 @@ void sampleQuadratic(const BrickLattice<Real>& lattice, const Real* x, const Rea
       for (std::size_t dx = 0; dx < 3; ++dx) {
         Real face = 0;
         for (std::size_t dy = 0; dy < 3; ++dy, value += kSide) {
-          const Real edge = Real(value[0]) * weight[2][0][i] + Real(value[1]) * weight[2][1][i] +
-                            Real(value[2]) * weight[2][2][i];
+          const Real edge =
+              Real(value[0]) * weight[2][0][i] + Real(value[1]) * weight[2][1][i] + Real(value[2]) * weight[2][2][i];
           face += edge * weight[1][dy][i];
         }
         sum += face * weight[0][dx][i];
@@ -380,9 +378,8 @@ void sampleQuadratic(const BrickLattice<Real>& lattice, const Real* x, const Rea
 }
 
 template <class Real>
-constexpr Kernels<Real> kTable = {versor<Real>,          logModulus<Real>,      scaleByExponential<Real>,
-                                  logNorm<Real>,         normalise<Real>,       quadratic<Real>,
-                                  sampleTrilinear<Real>, sampleQuadratic<Real>};
+constexpr Kernels<Real> kTable = {versor<Real>,    logModulus<Real>, scaleByExponential<Real>, logNorm<Real>,
+                                  normalise<Real>, quadratic<Real>,  sampleTrilinear<Real>,    sampleQuadratic<Real>};
 
 }  // namespace
 }  // namespace julia::kernels

@@ -42,7 +42,7 @@ template <class Real>
 struct BrickLattice {
   Real matrix[3][3];  ///< point to brick-lattice position
   Real offset[3];
-  Real high[3];  ///< positions are clamped to [0, high], so that a cell is always there
+  Real low[3], high[3];  ///< positions are clamped to this, so that a cell is always there
   std::uint32_t bricks[3];
   const std::uint32_t* brickAt;  ///< which brick, by (x * bricks[1] + y) * bricks[2] + z
   const float* values;           ///< of all bricks

@@ -3,14 +3,15 @@
 /// The exponent E(x) = alpha(x) (phi(x) - beta(x)) of the shape modulus, baked once: all that the dynamics needs of the
 /// target. E < 0 inside, > 0 outside; phi and beta in units of fractal space.
 ///
-/// E matters in the open shell interval only (DESIGN.md 2.4). The grid holds its true value at every node of a cell
-/// that touches that interval, and a constant beyond either end elsewhere.
+/// E matters in the open shell interval only (DESIGN.md 2.4). The grid holds its true value at every node that is read
+/// anywhere in a cell which touches that interval, and a constant beyond either end elsewhere.
 #pragma once
 
 #include "vdbtools/control.h"
 #include "vdbtools/fractal_space.h"
 #include "vdbtools/monitor.h"
 
+#include "julia/brick_field.h"
 #include "julia/scalar_field.h"
 #include "julia/shell.h"
 
@@ -42,6 +43,7 @@ struct ExponentGridOptions {
   Control beta{0.0};    ///< offset of the shell, units of fractal space
   int maxIterations = 3;
   double escapeRadius = 20;
+  julia::Interpolation interpolation = julia::Interpolation::Trilinear;
 };
 
 struct ExponentGrid {
@@ -49,17 +51,21 @@ struct ExponentGrid {
   FractalSpace space;
   julia::ShellInterval shell;
   std::optional<openvdb::CoordBBox> denseBox;  ///< see Target
+  julia::Interpolation interpolation = julia::Interpolation::Trilinear;
 };
+
+/// Nodes of phi that are needed beyond the reach below, voxels: those that are read about a point there.
+inline constexpr double kExponentMargin = 7;
 
 /// How far outside the surface E may stay below ln(escape): the band that phi needs there, units of fractal space.
 double exteriorReach(const ExponentGridOptions& options);
 
-/// @pre extendBand(target, space.scale * exteriorReach(options))
+/// @pre extendBand(target, space.scale * exteriorReach(options)), or a band that reaches kExponentMargin further
 /// @throw std::invalid_argument  alpha not positive, or not finite
 ExponentGrid exponentGrid(const Target& target, const FractalSpace& space, const ExponentGridOptions& options,
                           Monitor& monitor);
 
-/// E as the dynamics reads it: trilinear, at points of fractal space.
+/// E as the dynamics reads it, at points of fractal space. Copies the grid.
 template <class Real>
 std::shared_ptr<const julia::ScalarField<Real>> makeExponentField(const ExponentGrid& exponent);
 

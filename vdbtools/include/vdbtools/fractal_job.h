@@ -24,6 +24,7 @@ struct Scene {
   FractalSpace space;
   std::optional<ExponentGrid> exponent;  ///< of the shape modulus
   julia::Rational rational;              ///< the versor, or the rational map
+  bool inFloats = false;                 ///< the arithmetic, as options.precision has it or as it was chosen
   std::unique_ptr<julia::FieldEvaluator> evaluator;
   openvdb::BBoxd region;  ///< of a map without a shell, world units
   double voxelSize = 0;   ///< of the result, world units

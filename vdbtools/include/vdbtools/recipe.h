@@ -9,6 +9,7 @@
 
 #include "vdbtools/control.h"
 
+#include "julia/brick_field.h"
 #include "julia/embedding.h"
 #include "julia/orbit.h"
 #include "julia/random_roots.h"
@@ -72,7 +73,7 @@ struct SdfOptions {
 
 enum class MapKind { ShapeModulus, Rational, Quadratic };
 enum class SpaceKind { Fit, World };
-enum class Precision { Float, Double };
+enum class Precision { Auto, Float, Double };
 
 struct FractalOptions {
   std::filesystem::path input;  ///< empty: none
@@ -96,7 +97,8 @@ struct FractalOptions {
   std::optional<openvdb::BBoxd> box;
   double tolerance = 1e-3;
   bool cap = false;
-  Precision precision = Precision::Double;
+  Precision precision = Precision::Auto;
+  julia::Interpolation interpolation = julia::Interpolation::Trilinear;
   bool exhaustive = false;
   std::vector<std::string> grids;
   bool half = false;

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file leaf_signs.h
+/// Which nodes of a leaf, and of the first layers of its neighbours behind it, lie inside: as bits, so that the few
+/// places where the sign changes are found without looking at the rest.
+#pragma once
+
+#include <openvdb/openvdb.h>
+
+#include <array>
+#include <cstdint>
+
+namespace vdbtools {
+
+inline bool isInside(float field) { return field < 0; }
+
+class LeafSigns {
+ public:
+  using Leaf = openvdb::FloatTree::LeafNodeType;
+  using Accessor = openvdb::tree::ValueAccessor<const openvdb::FloatTree>;
+  static constexpr unsigned kSide = Leaf::DIM;
+
+  LeafSigns(const Leaf& leaf, const Accessor& accessor) {
+    for (unsigned neighbour = 0; neighbour < 8; ++neighbour) {
+      const unsigned dx = neighbour & 1, dy = neighbour >> 1 & 1, dz = neighbour >> 2 & 1;
+      const openvdb::Coord origin = leaf.origin().offsetBy(static_cast<int>(dx * kSide), static_cast<int>(dy * kSide),
+                                                           static_cast<int>(dz * kSide));
+      const Leaf* from = neighbour == 0 ? &leaf : accessor.probeConstLeaf(origin);
+      const bool tile = !from && isInside(accessor.getValue(origin));
+      // The whole leaf, or the layer of the neighbour that touches it.
+      const unsigned endX = dx ? 1 : kSide, endY = dy ? 1 : kSide, endZ = dz ? 1 : kSide;
+      for (unsigned x = 0; x < endX; ++x)
+        for (unsigned y = 0; y < endY; ++y) {
+          unsigned bits = tile ? (1u << endZ) - 1 : 0;
+          if (from) {
+            const float* row = from->buffer().data() + (x * kSide + y) * kSide;
+            for (unsigned z = 0; z < endZ; ++z) bits |= static_cast<unsigned>(isInside(row[z])) << z;
+          }
+          mRows[x + dx * kSide][y + dy * kSide] |= static_cast<std::uint16_t>(bits << dz * kSide);
+        }
+    }
+  }
+
+  /// Bit z: whether node (x, y, z) is inside; x, y, z from 0 to 8.
+  unsigned row(unsigned x, unsigned y) const { return mRows[x][y]; }
+
+  /// Bit z: whether the edge along @a axis that begins at (x, y, z) changes sign; x, y, z from 0 to 7.
+  unsigned crossings(unsigned x, unsigned y, int axis) const {
+    const unsigned here = row(x, y);
+    const unsigned there = axis == 0 ? row(x + 1, y) : axis == 1 ? row(x, y + 1) : here >> 1;
+    return (here ^ there) & 0xff;
+  }
+
+  /// Bit z: whether the corners of the cell that begins at (x, y, z) differ.
+  unsigned mixedCells(unsigned x, unsigned y) const {
+    const unsigned a = row(x, y), b = row(x + 1, y), c = row(x, y + 1), d = row(x + 1, y + 1);
+    const unsigned any = a | b | c | d, all = a & b & c & d;
+    return ((any | any >> 1) & ~(all & all >> 1)) & 0xff;
+  }
+
+  /// The corners of a cell that are inside: bit 1 for x, 2 for y, 4 for z.
+  unsigned cell(unsigned x, unsigned y, unsigned z) const {
+    unsigned inside = 0;
+    for (unsigned corner = 0; corner < 8; ++corner)
+      inside |= (row(x + (corner & 1), y + (corner >> 1 & 1)) >> (z + (corner >> 2)) & 1) << corner;
+    return inside;
+  }
+
+ private:
+  std::array<std::array<std::uint16_t, kSide + 1>, kSide + 1> mRows{};
+};
+
+}  // namespace vdbtools
