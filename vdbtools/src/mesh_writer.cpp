@@ -2,6 +2,7 @@
 #include "vdbtools/mesh_writer.h"
 
 #include "vdbtools/errors.h"
+#include "vdbtools/file_bytes.h"
 
 #include <algorithm>
 #include <bit>
@@ -154,13 +155,6 @@ void writeStl(std::ostream& stream, const Mesh& mesh) {
     buffer.raw(std::uint16_t{0});
     buffer.flushIfFull();
   }
-}
-
-std::string lowerExtension(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
 }
 
 }  // namespace
