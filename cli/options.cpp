@@ -2,8 +2,8 @@
 #include "options.h"
 
 #include "vdbtools/errors.h"
+#include "vdbtools/file_bytes.h"
 
-#include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <cstdlib>
@@ -42,9 +42,7 @@ std::vector<po::option> takeNegativeNumber(std::vector<std::string>& words) {
 }
 
 bool isRecipeFile(const std::string& file) {
-  std::string extension = std::filesystem::path(file).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = vdbtools::lowerExtension(file);
   return extension == ".vdb" || extension == ".ply" || extension == ".obj";
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "output.h"
 
+#include "vdbtools/file_bytes.h"
 #include "vdbtools/frame_name.h"
 
 #include <algorithm>
@@ -12,9 +13,7 @@ namespace cli {
 
 std::ostream& Outputs::add(const std::string& option, const std::string& name, std::string_view extensions) {
   const std::filesystem::path path = vdbtools::expandFrame(name, mFrame);
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = vdbtools::lowerExtension(path);
   bool known = false;
   for (std::size_t at = 0; at < extensions.size();) {
     const std::size_t end = std::min(extensions.find(' ', at), extensions.size());

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/atomic_file.h"
 
+#include "small_disk.h"
+
 #include "vdbtools/errors.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
-#include <sys/mount.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -344,26 +345,6 @@ TEST_F(AtomicFileTest, WritesToDevicesAndPipesDirectly) {
   EXPECT_TRUE(received.get() == content);
   EXPECT_EQ(names(), Names{"pipe"});
 }
-
-/// A file system with room for 64 KiB, where this process may mount one.
-class SmallDisk {
- public:
-  explicit SmallDisk(const fs::path& folder) : mFolder(folder) {
-    fs::create_directory(folder);
-    mMounted = ::mount("none", folder.c_str(), "tmpfs", 0, "size=64k") == 0;
-    if (!mMounted) mError = errno;
-  }
-  ~SmallDisk() {
-    if (mMounted) ::umount(mFolder.c_str());
-  }
-  bool isMounted() const { return mMounted; }
-  std::string error() const { return std::strerror(mError); }
-
- private:
-  fs::path mFolder;
-  bool mMounted = false;
-  int mError = 0;
-};
 
 TEST_F(AtomicFileTest, KeepsTheOldFileWhenTheDiskIsFull) {
   const fs::path folder = mFolder / "disk";

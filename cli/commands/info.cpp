@@ -4,6 +4,7 @@
 #include "exit_code.h"
 #include "options.h"
 
+#include "vdbtools/file_bytes.h"
 #include "vdbtools/level_set.h"
 #include "vdbtools/mesh.h"
 #include "vdbtools/mesh_writer.h"
@@ -121,9 +122,7 @@ Json versorInfo(const std::string& path) {
 }
 
 Json infoOf(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = vdbtools::lowerExtension(path);
   if (extension == ".vdb") return vdbInfo(path);
   for (const char* versor : {".json", ".p4d", ".poly4d", ".o3d"})
     if (extension == versor) return versorInfo(path);

@@ -271,14 +271,15 @@ Mesh = collections.namedtuple("Mesh", "points faces normals comments doubles")
 
 
 def read_ply(data):
-    """The binary PLY that the program writes."""
+    """The binary PLY that the program writes, as strictly as the strictest reader."""
     head, mark, body = data.partition(b"end_header\n")
     assert mark, "the PLY has no end_header"
     lines = head.decode().splitlines()
     assert lines[:2] == ["ply", "format binary_little_endian 1.0"], lines[:2]
     comments = dict(line.split(" ", 3)[2:4] for line in lines if line.startswith("comment juliavdb "))
-    vertices = int(next(line for line in lines if line.startswith("element vertex")).split()[2])
-    count = int(next(line for line in lines if line.startswith("element face")).split()[2])
+    elements = [line.split(" ") for line in lines if line.startswith("element")]
+    assert [words[:-1] for words in elements] == [["element", "vertex"], ["element", "face"]], elements
+    vertices, count = (int(words[-1]) for words in elements)
     kinds = [line.split()[1:] for line in lines if line.startswith("property") and "list" not in line]
     layout = "<" + "".join({"float": "f", "double": "d"}[kind] for kind, _ in kinds)
     names = [name for _, name in kinds]

@@ -90,4 +90,13 @@ std::string inOneLine(std::string_view text) {
   return line;
 }
 
+std::string lowerCase(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return lower;
+}
+
+std::string lowerExtension(const std::filesystem::path& path) { return lowerCase(path.extension().native()); }
+
 }  // namespace vdbtools

@@ -2,12 +2,12 @@
 #include "vdbtools/image.h"
 
 #include "vdbtools/errors.h"
+#include "vdbtools/file_bytes.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <stdexcept>
@@ -23,8 +23,7 @@ constexpr const char* kNoDate = "1970:01:01 00:00:00";
 enum class Kind { Png, Exr };
 
 Kind kindOf(const std::string& extension) {
-  std::string name = extension.substr(extension.starts_with('.') ? 1 : 0);
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string name = lowerCase(extension.substr(extension.starts_with('.') ? 1 : 0));
   if (name == "png") return Kind::Png;
   if (name == "exr") return Kind::Exr;
   throw std::invalid_argument("no picture is written as \"" + extension + "\"; use png or exr");

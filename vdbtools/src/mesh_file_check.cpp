@@ -3,9 +3,9 @@
 
 #include "text_scan.h"
 #include "vdbtools/errors.h"
+#include "vdbtools/file_bytes.h"
 
 #include <bit>
-#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -17,12 +17,6 @@ namespace {
 /// Coordinates reach the mesh as doubles, past OpenMesh, whose text readers know floats only; it gets this in their
 /// place.
 constexpr std::string_view kPlaceholder = "0 0 0\n";
-
-std::string lower(std::string_view word) {
-  std::string result(word);
-  for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return result;
-}
 
 openvdb::Vec3d readPoint(const LineScanner& lines, WordScanner& words) {
   openvdb::Vec3d point;
@@ -122,7 +116,7 @@ CheckedFile checkOff(const std::filesystem::path& path, std::string_view content
                " and not with OFF, COFF, NOFF or STOFF; export the mesh as OBJ, PLY or STL");
   }
   std::string_view word = header.next();
-  if (lower(word) == "binary") lines.fail("binary OFF is not read; export the mesh as text OFF, or as PLY");
+  if (lowerCase(word) == "binary") lines.fail("binary OFF is not read; export the mesh as text OFF, or as PLY");
   if (word.empty()) {
     line = lines.nextMeaningful();
     if (!line) lines.fail("the file ends before its counts; it is truncated: export it again");
@@ -182,7 +176,7 @@ bool isBinaryStl(std::string_view contents) {
     return true;
   }
   const std::size_t begin = contents.find_first_not_of(" \t\r\n");
-  const bool solid = begin != std::string_view::npos && lower(contents.substr(begin, 5)) == "solid";
+  const bool solid = begin != std::string_view::npos && lowerCase(contents.substr(begin, 5)) == "solid";
   return !solid || contents.find('\0') != std::string_view::npos;
 }
 
@@ -223,7 +217,7 @@ CheckedFile checkTextStl(const std::filesystem::path& path, std::string_view con
   int corners = -1;  // of the facet's loop; -1 outside one
   while (const auto line = lines.next()) {
     WordScanner words(*line);
-    for (std::string word = lower(words.next()); !word.empty(); word = lower(words.next())) {
+    for (std::string word = lowerCase(words.next()); !word.empty(); word = lowerCase(words.next())) {
       if (word == "solid" || word == "endsolid") {  // a name follows, of any words
         if (corners >= 0 || inSolid == (word == "solid")) {
           lines.fail("'" + word + "' in the midst of a solid or a triangle; the file is damaged: export it again");

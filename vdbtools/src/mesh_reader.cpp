@@ -3,6 +3,7 @@
 #include "ply_reader.h"
 #include "polygon.h"
 #include "vdbtools/errors.h"
+#include "vdbtools/file_bytes.h"
 #include "vdbtools/mesh.h"
 
 #include <OpenMesh/Core/IO/IOManager.hh>
@@ -13,7 +14,6 @@
 #include <OpenMesh/Core/System/omstream.hh>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -187,8 +187,7 @@ std::string loadFile(const std::filesystem::path& path) {
 
 Mesh readMesh(const std::filesystem::path& path) {
   const std::string contents = loadFile(path);
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string extension = lowerExtension(path);
   if (extension != ".obj" && extension != ".ply" && extension != ".stl" && extension != ".off") {
     throw DataError(path.string() + ": the format '" + extension +
                     "' is not read; name a file that ends in .obj, .ply, .stl or .off");

@@ -1,166 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/mesh_writer.h"
 
+#include "mesh_encoder.h"
 #include "vdbtools/errors.h"
+#include "vdbtools/file_bytes.h"
 
 #include <algorithm>
-#include <bit>
-#include <charconv>
-#include <cmath>
-#include <cstring>
 #include <fstream>
-#include <limits>
-#include <ostream>
 #include <stdexcept>
+#include <vector>
 
 namespace vdbtools {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "the writers copy numbers as they lie in memory");
+using openvdb::Vec3d;
+using openvdb::Vec3I;
+using openvdb::Vec3s;
 
-constexpr const char* kCommentMark = "juliavdb ";
-// The share of a voxel that rounding may move a vertex by.
-constexpr double kPositionTolerance = 1e-3;
-constexpr std::size_t kBufferSize = 1 << 16;
-
-/// Collects small pieces; a stream call each would cost more than the formatting.
-class Buffer {
- public:
-  explicit Buffer(std::ostream& stream) : mStream(stream) { mBytes.reserve(kBufferSize + 256); }
-  ~Buffer() { flush(); }
-  Buffer(const Buffer&) = delete;
-  Buffer& operator=(const Buffer&) = delete;
-
-  template <class T>
-  void raw(const T& value) {
-    const char* bytes = reinterpret_cast<const char*>(&value);
-    mBytes.append(bytes, sizeof value);
-  }
-  template <class Number>
-  void text(Number value) {
-    char digits[32];
-    mBytes.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
-  }
-  void text(const char* value) { mBytes += value; }
-  void flushIfFull() {
-    if (mBytes.size() > kBufferSize) flush();
-  }
-
- private:
-  void flush() {
-    mStream.write(mBytes.data(), static_cast<std::streamsize>(mBytes.size()));
-    mBytes.clear();
-  }
-  std::ostream& mStream;
-  std::string mBytes;
-};
-
-bool needsDoubles(const Mesh& mesh, double voxelSize) {
-  if (!(voxelSize > 0)) return false;
-  double largest = 0;
-  for (const openvdb::Vec3d& point : mesh.points)
-    largest = std::max({largest, std::abs(point[0]), std::abs(point[1]), std::abs(point[2])});
-  return largest * std::numeric_limits<float>::epsilon() / 2 > kPositionTolerance * voxelSize;
+void requireNormals(std::size_t points, std::size_t normals) {
+  if (normals != 0 && normals != points)
+    throw std::logic_error(std::to_string(normals) + " normals were given for " + std::to_string(points) + " points");
 }
 
-/// A comment stays one line.
-std::string oneLine(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
-  return text;
-}
-
-void writePly(std::ostream& stream, const Mesh& mesh, const MeshWriteOptions& options) {
-  const bool doubles = needsDoubles(mesh, options.voxelSize);
-  const bool normals = !mesh.normals.empty();
-  stream << "ply\nformat binary_little_endian 1.0\n";
-  for (const auto& [key, value] : options.comments)
-    stream << "comment " << kCommentMark << key << ' ' << oneLine(value) << '\n';
-  stream << "element vertex " << mesh.points.size() << '\n';
-  for (const char* name : {"x", "y", "z"}) stream << "property " << (doubles ? "double " : "float ") << name << '\n';
-  if (normals)
-    for (const char* name : {"nx", "ny", "nz"}) stream << "property float " << name << '\n';
-  stream << "element face " << mesh.triangles.size() << "\nproperty list uchar uint vertex_indices\nend_header\n";
-  Buffer buffer(stream);
-  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
-    if (doubles)
-      for (int axis = 0; axis < 3; ++axis) buffer.raw(mesh.points[i][axis]);
-    else
-      for (int axis = 0; axis < 3; ++axis) buffer.raw(static_cast<float>(mesh.points[i][axis]));
-    if (normals)
-      for (int axis = 0; axis < 3; ++axis) buffer.raw(mesh.normals[i][axis]);
-    buffer.flushIfFull();
-  }
-  for (const openvdb::Vec3I& triangle : mesh.triangles) {
-    buffer.raw(std::uint8_t{3});
-    for (int k = 0; k < 3; ++k) buffer.raw(static_cast<std::uint32_t>(triangle[k]));
-    buffer.flushIfFull();
-  }
-}
-
-void writeObj(std::ostream& stream, const Mesh& mesh, const MeshWriteOptions& options) {
-  for (const auto& [key, value] : options.comments)
-    stream << "# " << kCommentMark << key << ' ' << oneLine(value) << '\n';
-  Buffer buffer(stream);
-  const bool normals = !mesh.normals.empty();
-  for (const openvdb::Vec3d& point : mesh.points) {
-    buffer.text("v");
-    for (int axis = 0; axis < 3; ++axis) {
-      buffer.text(" ");
-      buffer.text(point[axis]);
-    }
-    buffer.text("\n");
-    buffer.flushIfFull();
-  }
-  for (const openvdb::Vec3s& normal : mesh.normals) {
-    buffer.text("vn");
-    for (int axis = 0; axis < 3; ++axis) {
-      buffer.text(" ");
-      buffer.text(normal[axis]);
-    }
-    buffer.text("\n");
-    buffer.flushIfFull();
-  }
-  for (const openvdb::Vec3I& triangle : mesh.triangles) {
-    buffer.text("f");
-    for (int k = 0; k < 3; ++k) {
-      buffer.text(" ");
-      buffer.text(std::uint64_t{triangle[k]} + 1);
-      if (!normals) continue;
-      buffer.text("//");
-      buffer.text(std::uint64_t{triangle[k]} + 1);
-    }
-    buffer.text("\n");
-    buffer.flushIfFull();
-  }
-}
-
-void writeStl(std::ostream& stream, const Mesh& mesh) {
-  if (mesh.triangles.size() > std::numeric_limits<std::uint32_t>::max())
-    throw std::invalid_argument("STL cannot count " + std::to_string(mesh.triangles.size()) +
-                                " triangles; write a PLY");
-  char header[80] = "JuliaVDB";
-  stream.write(header, sizeof header);
-  Buffer buffer(stream);
-  buffer.raw(static_cast<std::uint32_t>(mesh.triangles.size()));
-  for (const openvdb::Vec3I& triangle : mesh.triangles) {
-    const openvdb::Vec3d& a = mesh.points[triangle[0]];
-    openvdb::Vec3d normal = (mesh.points[triangle[1]] - a).cross(mesh.points[triangle[2]] - a);
-    const double length = normal.length();
-    if (length > 0) normal /= length;
-    for (int axis = 0; axis < 3; ++axis) buffer.raw(static_cast<float>(normal[axis]));
+/// Triangles use points from @a first to before @a end.
+void requirePoints(std::span<const Vec3I> triangles, std::uint64_t first, std::uint64_t end) {
+  for (const Vec3I& triangle : triangles)
     for (int k = 0; k < 3; ++k)
-      for (int axis = 0; axis < 3; ++axis) buffer.raw(static_cast<float>(mesh.points[triangle[k]][axis]));
-    buffer.raw(std::uint16_t{0});
-    buffer.flushIfFull();
-  }
-}
-
-std::string lowerExtension(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
+      if (triangle[k] < first || triangle[k] >= end)
+        throw std::logic_error("a triangle uses point " + std::to_string(triangle[k]) + ", which is not from " +
+                               std::to_string(first) + " to before " + std::to_string(end));
 }
 
 }  // namespace
@@ -175,21 +43,137 @@ MeshFormat meshFormat(const std::filesystem::path& path) {
 }
 
 void writeMesh(std::ostream& stream, const Mesh& mesh, const MeshWriteOptions& options) {
-  switch (options.format) {
-    case MeshFormat::Ply: return writePly(stream, mesh, options);
-    case MeshFormat::Obj: return writeObj(stream, mesh, options);
-    case MeshFormat::Stl: return writeStl(stream, mesh);
+  requireNormals(mesh.points.size(), mesh.normals.size());
+  requirePoints(mesh.triangles, 0, mesh.points.size());
+  MeshWriteOptions complete = options;
+  if (!complete.box) {
+    complete.box.emplace();
+    for (const Vec3d& point : mesh.points) complete.box->expand(point);
   }
+  MeshEncoder encoder(complete);
+  encoder.requireCounts(mesh.points.size(), mesh.triangles.size());
+  encoder.setNormals(!mesh.normals.empty());
+  stream << encoder.header(mesh.points.size(), mesh.triangles.size());
+  MeshPart whole(stream);
+  encoder.encodePoints(mesh.points, mesh.normals, whole);
+  encoder.encodeNormals(mesh.normals, whole);
+  encoder.encodeTriangles(mesh.triangles, mesh.points, 0, whole);
+  whole.finish();
+}
+
+struct MeshStreamWriter::State {
+  State(std::ostream& target, const std::filesystem::path& folder, const MeshWriteOptions& options)
+      : stream(target),
+        encoder(options),
+        seekable(stream.tellp() != std::ostream::pos_type(-1)),
+        points(stream, scratch(folder, options.format == MeshFormat::Ply && !seekable)),
+        normals(stream, scratch(folder, options.format == MeshFormat::Obj)),
+        triangles(stream, scratch(folder, options.format != MeshFormat::Stl || !seekable)) {}
+
+  static std::unique_ptr<ScratchFile> scratch(const std::filesystem::path& folder, bool needed) {
+    return needed ? std::make_unique<ScratchFile>(folder) : nullptr;
+  }
+
+  /// Runs one call of the writer. After one that threw there is no whole mesh to be had any more.
+  template <class Act>
+  void run(const Act& act) {
+    if (!usable) throw std::logic_error("a mesh writer was used after it was finished, or after an error");
+    usable = false;
+    act();
+    if (!stream) throw IoError("writing a mesh broke off, as its stream takes no more; is the disk full?");
+    usable = true;
+  }
+
+  /// What stands before the points, or room for it.
+  void begin(bool withNormals) {
+    encoder.setNormals(withNormals);
+    const std::string header = encoder.header(0, 0);
+    if (!encoder.headerHasCounts()) {
+      stream << header;
+    } else if (seekable) {
+      start = stream.tellp();
+      stream << std::string(header.size(), ' ');  // no header at all, lest it pass for an empty mesh
+    }
+  }
+
+  void finish() {
+    if (pointCount == 0) begin(false);
+    const std::string header = encoder.header(pointCount, triangleCount);
+    if (encoder.headerHasCounts() && !seekable) stream << header;
+    points.finish();
+    normals.finish();
+    triangles.finish();
+    if (!encoder.headerHasCounts() || !seekable) return;
+    const std::ostream::pos_type end = stream.tellp();
+    stream.seekp(start) << header;
+    stream.seekp(end);
+  }
+
+  /// Drops the points that no triangle will use, once they are so many that moving the others costs no more.
+  void trimWindow() {
+    const std::uint64_t unused = std::min(firstPoint, pointCount) - windowStart;
+    if (2 * unused < window.size()) return;
+    window.erase(window.begin(), window.begin() + static_cast<std::ptrdiff_t>(unused));
+    windowStart += unused;
+  }
+
+  std::ostream& stream;
+  MeshEncoder encoder;
+  bool seekable;
+  MeshPart points, normals, triangles;
+  std::ostream::pos_type start = 0;  ///< of the header
+  std::uint64_t pointCount = 0, triangleCount = 0, firstPoint = 0;
+  std::vector<Vec3d> window;  ///< points from windowStart on, for STL
+  std::uint64_t windowStart = 0;
+  bool usable = true;
+};
+
+MeshStreamWriter::MeshStreamWriter(std::ostream& stream, const std::filesystem::path& scratchFolder,
+                                   const MeshWriteOptions& options)
+    : mState(std::make_unique<State>(stream, scratchFolder, options)) {}
+
+MeshStreamWriter::~MeshStreamWriter() = default;
+
+void MeshStreamWriter::addPoints(std::span<const Vec3d> points, std::span<const Vec3s> normals) {
+  State& s = *mState;
+  s.run([&] {
+    requireNormals(points.size(), normals.size());
+    if (points.empty()) return;
+    s.encoder.requireCounts(s.pointCount + points.size(), s.triangleCount);
+    if (s.pointCount == 0) s.begin(!normals.empty());
+    if (s.encoder.hasNormals() == normals.empty())
+      throw std::logic_error("some points of a mesh were given with normals, and some without");
+    s.encoder.encodePoints(points, normals, s.points);
+    s.encoder.encodeNormals(normals, s.normals);
+    s.pointCount += points.size();
+    if (s.encoder.format() == MeshFormat::Stl) s.window.insert(s.window.end(), points.begin(), points.end());
+  });
+}
+
+void MeshStreamWriter::addTriangles(std::span<const Vec3I> triangles, std::uint64_t firstPoint) {
+  State& s = *mState;
+  s.run([&] {
+    s.encoder.requireCounts(s.pointCount, s.triangleCount + triangles.size());
+    s.firstPoint = std::max(s.firstPoint, firstPoint);
+    requirePoints(triangles, s.firstPoint, s.pointCount);
+    s.encoder.encodeTriangles(triangles, s.window, s.windowStart, s.triangles);
+    s.triangleCount += triangles.size();
+    if (s.encoder.format() == MeshFormat::Stl) s.trimWindow();
+  });
+}
+
+void MeshStreamWriter::finish() {
+  mState->run([&] { mState->finish(); });
+  mState->usable = false;
 }
 
 std::map<std::string, std::string> readMeshComments(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw MissingInputError("cannot open '" + path.string() + "'");
   const std::string extension = lowerExtension(path);
-  const std::string ours = extension == ".ply" ? "comment " : "# ";
   std::map<std::string, std::string> comments;
   if (extension != ".ply" && extension != ".obj") return comments;
-  const std::string prefix = ours + kCommentMark;
+  const std::string prefix = (extension == ".ply" ? "comment " : "# ") + std::string(kCommentMark);
   for (std::string line; std::getline(file, line);) {
     // The comments stand at the head of the file: magic and format before them, geometry after.
     if (line.rfind(prefix, 0) == 0) {

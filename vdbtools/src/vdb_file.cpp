@@ -7,7 +7,6 @@
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/Stream.h>
 
-#include <algorithm>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -162,11 +161,6 @@ openvdb::FloatGrid::Ptr chooseFloatGrid(const VdbFile& file, const std::string& 
   return candidates.front();
 }
 
-bool isVdbPath(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == ".vdb";
-}
+bool isVdbPath(const std::filesystem::path& path) { return lowerExtension(path) == ".vdb"; }
 
 }  // namespace vdbtools

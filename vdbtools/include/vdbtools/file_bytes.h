@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file file_bytes.h
-/// The bytes of input files, and their names in messages. Sizes are in bytes.
+/// The bytes of input files, the kind that their names tell, and their names in messages. Sizes are in bytes.
 ///
 /// Every function that opens a file
 /// @throw MissingInputError  there is no such file, it is a directory, or it may not be opened
@@ -24,5 +24,11 @@ std::string readWholeFile(const std::filesystem::path& path);
 /// @a text with a question mark for every control character, and cut where it is longer than a message should be: what
 /// a file holds, or how it is called, does not break a message into lines.
 std::string inOneLine(std::string_view text);
+
+/// @a text with the letters A to Z in lower case, whatever the locale.
+std::string lowerCase(std::string_view text);
+
+/// Which kind of file a name tells: its extension in lower case, with the dot; empty where it has none.
+std::string lowerExtension(const std::filesystem::path& path);
 
 }  // namespace vdbtools

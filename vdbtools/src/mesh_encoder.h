@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file mesh_encoder.h
+/// The bytes of mesh files: a header, then the parts of points, normals and triangles, in this order. What a part holds
+/// does not depend on the pieces in which it was encoded.
+#pragma once
+
+#include "scratch_file.h"
+#include "vdbtools/mesh_writer.h"
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace vdbtools {
+
+/// Begins the value of a comment that is ours.
+inline constexpr std::string_view kCommentMark = "juliavdb ";
+
+/// A part of a file on its way into the stream: at once, or put aside until all that stands before it is complete.
+class MeshPart {
+ public:
+  static constexpr std::size_t kLongestRecord = 128;  ///< bytes; lines of OBJ are the longest
+
+  explicit MeshPart(std::ostream& stream, std::unique_ptr<ScratchFile> aside = nullptr);
+
+  /// Adds @a count records: @a encode(to, i) writes the i-th to where it is told, and returns its end.
+  /// @throw IoError  it could not be put aside; errors of the stream are left to its owner
+  template <class Encode>
+  void add(std::size_t count, const Encode& encode) {
+    char* end = mBytes.get() + mSize;
+    for (std::size_t i = 0; i < count; ++i) {
+      end = encode(end, i);
+      if (end < mBytes.get() + kChunkSize) continue;
+      flush(end);
+      end = mBytes.get();
+    }
+    mSize = static_cast<std::size_t>(end - mBytes.get());
+  }
+
+  /// Brings all of it into the stream. @throw IoError
+  void finish();
+
+ private:
+  /// A call of the stream for each record would cost more than the encoding.
+  static constexpr std::size_t kChunkSize = std::size_t{1} << 20;
+
+  void flush(const char* end);
+
+  std::ostream& mStream;
+  std::unique_ptr<ScratchFile> mAside;
+  std::unique_ptr<char[]> mBytes;
+  std::size_t mSize = 0;
+};
+
+class MeshEncoder {
+ public:
+  /// @throw std::invalid_argument  a voxel size without a box
+  explicit MeshEncoder(const MeshWriteOptions& options);
+
+  MeshFormat format() const { return mOptions.format; }
+  bool hasNormals() const { return mNormals; }
+  /// To be said before the header and the points are asked for.
+  void setNormals(bool normals) { mNormals = normals; }
+
+  /// @throw DataError              more points than triangles can refer to
+  /// @throw std::invalid_argument  more triangles than the format can count
+  void requireCounts(std::uint64_t points, std::uint64_t triangles) const;
+
+  /// Its length does not depend on the counts.
+  std::string header(std::uint64_t points, std::uint64_t triangles) const;
+  bool headerHasCounts() const { return format() != MeshFormat::Obj; }
+
+  void encodePoints(std::span<const openvdb::Vec3d> points, std::span<const openvdb::Vec3s> normals,
+                    MeshPart& part) const;
+  void encodeNormals(std::span<const openvdb::Vec3s> normals, MeshPart& part) const;
+  /// @param points  those from @a firstPoint on; needed in STL only
+  void encodeTriangles(std::span<const openvdb::Vec3I> triangles, std::span<const openvdb::Vec3d> points,
+                       std::uint64_t firstPoint, MeshPart& part) const;
+
+ private:
+  MeshWriteOptions mOptions;
+  bool mDoubles = false;
+  bool mNormals = false;
+};
+
+}  // namespace vdbtools

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scratch_file.h"
+
+#include "vdbtools/errors.h"
+#include "vdbtools/file_bytes.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <ostream>
+#include <system_error>
+#include <vector>
+
+namespace vdbtools {
+namespace {
+
+constexpr std::size_t kPieceSize = std::size_t{1} << 20;
+
+std::string textOf(int error) { return std::generic_category().message(error); }
+
+/// @return its descriptor, or -1 with errno
+int openNameless(const std::filesystem::path& folder) {
+  const int descriptor = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
+  if (descriptor >= 0) return descriptor;
+  // Not every file system has files that never had a name (overlayfs, NFS): there it loses its name at once.
+  std::string name = (folder / ".juliavdb.XXXXXX").native();
+  const int named = ::mkostemp(name.data(), O_CLOEXEC);
+  if (named >= 0) ::unlink(name.c_str());
+  return named;
+}
+
+}  // namespace
+
+ScratchFile::ScratchFile(const std::filesystem::path& folder) {
+  const std::filesystem::path place = folder.empty() ? "." : folder;
+  mFolder = inOneLine(place.native());
+  mDescriptor = openNameless(place);
+  if (mDescriptor < 0) throw CreateError("cannot create a temporary file in " + mFolder + ": " + textOf(errno));
+}
+
+ScratchFile::~ScratchFile() { ::close(mDescriptor); }
+
+void ScratchFile::append(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = ::pwrite(mDescriptor, bytes.data(), bytes.size(), mSize);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) fail("cannot be written: " + textOf(count < 0 ? errno : EIO));
+    bytes.remove_prefix(static_cast<std::size_t>(count));
+    mSize += count;
+  }
+}
+
+void ScratchFile::moveTo(std::ostream& stream) {
+  std::vector<char> piece(kPieceSize);
+  for (std::int64_t at = 0; at < mSize && stream;) {
+    const ssize_t count = ::pread(mDescriptor, piece.data(), piece.size(), at);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) fail("cannot be read: " + (count < 0 ? textOf(errno) : "it ends at byte " + std::to_string(at)));
+    stream.write(piece.data(), count);
+    // Two copies need not fit on the disk. Where the file system cannot do it, nothing is lost.
+    [[maybe_unused]] const int result = ::fallocate(mDescriptor, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, at, count);
+    at += count;
+  }
+}
+
+void ScratchFile::fail(const std::string& reason) const {
+  throw IoError("a temporary file in " + mFolder + " " + reason);
+}
+
+}  // namespace vdbtools
