@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: Apache-2.0
+// The vector kernels: the same bits from every instruction set, and right ones.
+#include "float128.h"
+
+#include "julia/brick_field.h"
+#include "julia/evaluator.h"
+#include "julia/instruction_set.h"
+#include "julia/quadratic_map.h"
+#include "julia/random_roots.h"
+#include "julia/rational_map.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <functional>
+#include <random>
+#include <type_traits>
+
+namespace {
+
+using julia::InstructionSet;
+using julia::Quaternion;
+using julia::QuaternionBatch;
+using julia::Rational;
+
+/// Puts back the instruction set that was in use.
+class KeepInstructionSet {
+ public:
+  KeepInstructionSet() : mSet(julia::instructionSet()) {}
+  ~KeepInstructionSet() { julia::setInstructionSet(mSet); }
+
+ private:
+  InstructionSet mSet;
+};
+
+template <class Real>
+using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
+
+template <class Real>
+std::vector<Bits<Real>> bitsOf(const std::vector<Real>& values) {
+  std::vector<Bits<Real>> bits;
+  for (const Real value : values) bits.push_back(std::bit_cast<Bits<Real>>(value));
+  return bits;
+}
+
+/// What @a work gives is the same to the bit for each instruction set that this processor has.
+template <class Real>
+void expectSameBits(const std::function<std::vector<Real>()>& work) {
+  const KeepInstructionSet keep;
+  julia::setInstructionSet(InstructionSet::Portable);
+  const auto expected = bitsOf<Real>(work());
+  for (const InstructionSet set : julia::availableInstructionSets()) {
+    julia::setInstructionSet(set);
+    EXPECT_EQ(bitsOf<Real>(work()), expected) << julia::nameOf(set);
+  }
+}
+
+Rational randomRational(std::uint64_t seed, int count, double maxPower, bool integer) {
+  Rational rational{
+      0.25, julia::randomPolynomial({.seed = seed, .count = count, .maxPower = maxPower, .integerPowers = integer}),
+      julia::randomPolynomial({.seed = seed + 1, .count = count / 2, .maxPower = 3, .integerPowers = integer})};
+  return rational;
+}
+
+/// Points in a box, on roots, very near to roots, on the real line through a root, and far away.
+template <class Real>
+QuaternionBatch<Real> trickyPoints(const Rational& rational, std::size_t count) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> place(-0.7, 0.7);
+  std::vector<Quaternion<double>> points;
+  for (std::size_t i = 0; i < count; ++i)
+    points.push_back({place(random), place(random), place(random), place(random)});
+  for (const julia::Root& root : rational.top.roots) {
+    const Quaternion<double> t = root.position;
+    points.push_back(t);
+    points.push_back({t.a + 0.25, t.b, t.c, t.d});
+    points.push_back({t.a - 0.25, t.b, t.c, t.d});
+    points.push_back({t.a, t.b + 1e-18, t.c, t.d});
+  }
+  for (const double scale : {1e-40, 1e-25, 1e-12, 19.0, 1e8}) points.push_back({scale, -scale, scale / 3, 0});
+  QuaternionBatch<Real> batch;
+  batch.resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) batch.set(i, points[i].as<Real>());
+  return batch;
+}
+
+template <class Real>
+std::vector<Real> flattened(const QuaternionBatch<Real>& batch) {
+  std::vector<Real> all;
+  for (const std::vector<Real>* part : {&batch.a, &batch.b, &batch.c, &batch.d})
+    all.insert(all.end(), part->begin(), part->end());
+  return all;
+}
+
+template <class Real>
+class Kernels : public testing::Test {};
+using Reals = testing::Types<float, double>;
+TYPED_TEST_SUITE(Kernels, Reals);
+
+TYPED_TEST(Kernels, rationalsAreTheSameOnAllInstructionSets) {
+  using Real = TypeParam;
+  for (const bool integer : {false, true})
+    for (const double maxPower : {11., 50., 300.})
+      for (const std::size_t count : {1u, 15u, 127u, 128u, 129u, 700u}) {
+        const Rational rational = randomRational(count, 12, maxPower, integer);
+        const julia::RationalEvaluator<Real> evaluator(rational);
+        const QuaternionBatch<Real> q = trickyPoints<Real>(rational, count);
+        expectSameBits<Real>([&] {
+          QuaternionBatch<Real> u;
+          evaluator.versor(q, u);
+          std::vector<Real> l(q.size());
+          evaluator.logModulus(q, l);
+          std::vector<Real> all = flattened(u);
+          all.insert(all.end(), l.begin(), l.end());
+          return all;
+        });
+      }
+}
+
+TYPED_TEST(Kernels, orbitsAreTheSameOnAllInstructionSets) {
+  using Real = TypeParam;
+  std::mt19937_64 random(8);
+  std::uniform_real_distribution<double> place(-1.2, 1.2);
+  std::vector<julia::Point> points(1000);
+  for (julia::Point& x : points) x = {place(random), place(random), place(random)};
+  const std::vector<std::shared_ptr<const julia::Map<Real>>> maps = {
+      std::make_shared<julia::RationalMap<Real>>(randomRational(9, 6, 4, false)),
+      std::make_shared<julia::QuadraticMap<Real>>(Quaternion<double>{-0.2, 0.6, 0.2, 0.1})};
+  for (const auto& map : maps) {
+    const auto evaluator = julia::makeFieldEvaluator<Real>(map, {0.1, julia::DropAxis::K}, {.maxIterations = 8});
+    expectSameBits<double>([&] {
+      std::vector<double> field(points.size());
+      evaluator->evaluate(points, field, {});
+      return field;
+    });
+  }
+}
+
+TYPED_TEST(Kernels, aPointDoesNotDependOnItsBatch) {
+  using Real = TypeParam;
+  const Rational rational = randomRational(3, 9, 11, false);
+  const julia::RationalEvaluator<Real> evaluator(rational);
+  const QuaternionBatch<Real> q = trickyPoints<Real>(rational, 300);
+  QuaternionBatch<Real> together;
+  evaluator.versor(q, together);
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    QuaternionBatch<Real> one, alone;
+    one.resize(1);
+    one.set(0, q.get(i));
+    evaluator.versor(one, alone);
+    EXPECT_EQ(alone.get(0), together.get(i)) << i;
+  }
+}
+
+// The careful path is another text: what both compute is the same quaternion.
+TYPED_TEST(Kernels, agreeWithTheCarefulPath) {
+  using Real = TypeParam;
+  const double eps = std::numeric_limits<Real>::epsilon();
+  for (const bool integer : {false, true}) {
+    const Rational rational = randomRational(5, 20, 13, integer);
+    double powers = 0;
+    for (const auto* polynomial : {&rational.top, &rational.bottom}) powers += julia::summedPowers(*polynomial);
+    const julia::RationalEvaluator<Real> evaluator(rational);
+    const QuaternionBatch<Real> q = trickyPoints<Real>(rational, 500);
+    QuaternionBatch<Real> u;
+    evaluator.versor(q, u);
+    std::vector<Real> l(q.size());
+    evaluator.logModulus(q, l);
+    for (std::size_t i = 0; i < 500; ++i) {
+      const Quaternion<Real> difference = u.get(i) - evaluator.versor(q.get(i));
+      EXPECT_LT(std::sqrt(double(normSquared(difference))), 4 * eps * powers) << i;
+      EXPECT_NEAR(l[i], evaluator.logModulus(q.get(i)), 4 * eps * powers) << i;
+    }
+  }
+}
+
+/// Bricks of a function of the node, over a few bricks in each direction.
+template <class Function>
+std::shared_ptr<const julia::Bricks> bricksOf(julia::Interpolation interpolation, const Function& f) {
+  auto bricks = std::make_shared<julia::Bricks>();
+  bricks->interpolation = interpolation;
+  bricks->count = {3, 2, 4};
+  const int side = static_cast<int>(bricks->side()), before = static_cast<int>(bricks->before());
+  for (int bx = 0; bx < 3; ++bx)
+    for (int by = 0; by < 2; ++by)
+      for (int bz = 0; bz < 4; ++bz) {
+        bricks->brickAt.push_back(static_cast<std::uint32_t>(bricks->brickAt.size()));
+        for (int x = 0; x < side; ++x)
+          for (int y = 0; y < side; ++y)
+            for (int z = 0; z < side; ++z)
+              bricks->values.push_back(
+                  static_cast<float>(f(bx * 8 + x - before, by * 8 + y - before, bz * 8 + z - before)));
+      }
+  return bricks;
+}
+
+template <class Real>
+std::vector<Real> sampled(const julia::BrickField<Real>& field, const std::vector<julia::Point>& points) {
+  std::vector<Real> x, y, z, out(points.size());
+  for (const julia::Point& p : points) {
+    x.push_back(static_cast<Real>(p[0]));
+    y.push_back(static_cast<Real>(p[1]));
+    z.push_back(static_cast<Real>(p[2]));
+  }
+  field.sample(x, y, z, out);
+  return out;
+}
+
+julia::BrickPlacement indexPlacement() {
+  julia::BrickPlacement placement;
+  for (std::size_t k = 0; k < 3; ++k) placement.matrix[k][k] = 1;
+  placement.high = {23, 15, 31};
+  return placement;
+}
+
+// Both interpolations give back any function that is linear along each axis, between and across bricks.
+TYPED_TEST(Kernels, bricksReproduceLinearFunctions) {
+  using Real = TypeParam;
+  const auto f = [](double x, double y, double z) { return 1 + 2 * x - y + 0.5 * z + 0.25 * x * y - 0.125 * x * z; };
+  std::mt19937_64 random(11);
+  std::vector<julia::Point> points;
+  for (int i = 0; i < 500; ++i)
+    points.push_back({std::uniform_real_distribution(0., 23.)(random), std::uniform_real_distribution(0., 15.)(random),
+                      std::uniform_real_distribution(0., 31.)(random)});
+  points.push_back({23, 15, 31});
+  points.push_back({0, 0, 0});
+  points.push_back({8, 8, 8});
+  for (const auto interpolation : {julia::Interpolation::Trilinear, julia::Interpolation::Quadratic}) {
+    const julia::BrickField<Real> field(bricksOf(interpolation, f), indexPlacement());
+    const std::vector<Real> values = sampled(field, points);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      EXPECT_NEAR(values[i], f(points[i][0], points[i][1], points[i][2]), 500 * std::numeric_limits<Real>::epsilon())
+          << i;
+    expectSameBits<Real>([&] { return sampled(field, points); });
+  }
+}
+
+// Between nodes the trilinear slope jumps; the B-spline's does not.
+TYPED_TEST(Kernels, quadraticReadingHasNoCreases) {
+  using Real = TypeParam;
+  const auto f = [](int x, int y, int z) { return std::sin(1.7 * x) + std::cos(2.3 * y + z); };
+  // The change of slope where the stencil moves on, against its change over as short a way within.
+  const auto jump = [&](julia::Interpolation interpolation, double at) {
+    const julia::BrickField<Real> field(bricksOf(interpolation, f), indexPlacement());
+    constexpr double h = 1.0 / 64;
+    const std::vector<Real> v = sampled(field, {{at - h, 5.3, 9.1}, {at, 5.3, 9.1}, {at + h, 5.3, 9.1}});
+    return std::abs(double(v[2]) - 2 * double(v[1]) + double(v[0])) / h;
+  };
+  EXPECT_GT(jump(julia::Interpolation::Trilinear, 6), 0.5);
+  for (const double at : {6.0, 6.5, 7.5, 8.0}) EXPECT_LT(jump(julia::Interpolation::Quadratic, at), 0.1) << at;
+}
+
+TEST(BrickField, positionsBeyondTheBoxAreThoseOfItsFace) {
+  const auto f = [](int x, int y, int z) { return x + 100 * y + 10000 * z; };
+  const julia::BrickField<double> field(bricksOf(julia::Interpolation::Trilinear, f), indexPlacement());
+  const auto values = sampled<double>(field, {{-5, 2, 3}, {1e30, 2, 3}, {4, -1e300, 31}, {23, 15, 99}});
+  EXPECT_EQ(values, (std::vector<double>{f(0, 2, 3), f(23, 2, 3), f(4, 0, 31), f(23, 15, 31)}));
+}
+
+TEST(BrickField, refusesWhatDoesNotFit) {
+  auto bricks = std::make_shared<julia::Bricks>();
+  EXPECT_THROW((julia::BrickField<float>(bricks, indexPlacement())), std::invalid_argument);
+  bricks->count = {1, 1, 1};
+  bricks->brickAt = {1};
+  bricks->values.resize(bricks->size());
+  EXPECT_THROW((julia::BrickField<float>(bricks, julia::BrickPlacement{})), std::invalid_argument);
+  bricks->brickAt = {0};
+  EXPECT_NO_THROW((julia::BrickField<float>(bricks, julia::BrickPlacement{})));
+  EXPECT_THROW((julia::BrickField<float>(bricks, indexPlacement())), std::invalid_argument);
+}
+
+TEST(InstructionSets, theLastOneIsInUseUnlessAnotherIsSet) {
+  const KeepInstructionSet keep;
+  const auto available = julia::availableInstructionSets();
+  ASSERT_FALSE(available.empty());
+  EXPECT_EQ(available.front(), InstructionSet::Portable);
+  for (const InstructionSet set : available) {
+    julia::setInstructionSet(set);
+    EXPECT_EQ(julia::instructionSet(), set);
+  }
+}
+
+}  // namespace
