@@ -18,6 +18,7 @@ using openvdb::BBoxd;
 using openvdb::Coord;
 using openvdb::Vec3d;
 using test_fields::NodeEvaluator;
+using test_fields::noise;
 
 struct Extracted {
   FractalField field;
@@ -32,17 +33,6 @@ Extracted extract(const julia::FieldEvaluator& evaluator, const BBoxd& box, doub
   result.field = fractalFieldEverywhere(source, {.voxelSize = 1, .box = box}, monitor);
   result.mesh = extractMesh(result.field, source, {.tolerance = tolerance, .border = border}, monitor);
   return result;
-}
-
-/// A number in [-1, 1) that depends on the node alone.
-double noise(const Coord& node, unsigned seed) {
-  std::uint64_t h = seed * 0x9E3779B97F4A7C15ull;
-  for (int axis = 0; axis < 3; ++axis) {
-    h ^= static_cast<std::uint64_t>(node[axis] + 1000);
-    h *= 0xBF58476D1CE4E5B9ull;
-    h ^= h >> 29;
-  }
-  return static_cast<double>(h >> 11) * 0x1p-52 - 1;
 }
 
 TEST(ExtractMesh, AllCornerSignsGiveClosedManifolds) {

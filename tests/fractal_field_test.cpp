@@ -89,7 +89,8 @@ Made make(const Case& c, const julia::Rational& versor, bool trap = true) {
   Made made;
   made.exponent = exponentGrid(target, FractalSpace{c.origin, 1}, options, monitor);
   julia::OrbitOptions orbit{.maxIterations = c.iterations, .escapeRadius = 20};
-  if (trap) orbit.logTrap = made.exponent.shell.lower;
+  orbit.logTrap = made.exponent.shell.lower;
+  orbit.confirmTrap = !trap;
   made.evaluator = julia::makeFieldEvaluator<double>(
       std::make_shared<julia::ShapeModulus<double>>(makeExponentField<double>(made.exponent), versor, c.dropped),
       {c.slice, c.dropped}, orbit);

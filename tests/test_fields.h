@@ -87,6 +87,17 @@ inline julia::Rational randomVersor(unsigned seed, int roots, double maxPower, b
   return rational;
 }
 
+/// A number in [-1, 1) that depends on the node alone.
+inline double noise(const Coord& node, unsigned seed) {
+  std::uint64_t h = seed * 0x9E3779B97F4A7C15ull;
+  for (int axis = 0; axis < 3; ++axis) {
+    h ^= static_cast<std::uint64_t>(node[axis] + 1000);
+    h *= 0xBF58476D1CE4E5B9ull;
+    h ^= h >> 29;
+  }
+  return static_cast<double>(h >> 11) * 0x1p-52 - 1;
+}
+
 /// A field given by its values at integer nodes, trilinear between them: what random fields are made of.
 class NodeEvaluator final : public julia::FieldEvaluator {
  public:

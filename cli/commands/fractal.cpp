@@ -68,6 +68,7 @@ int runFractal(const Arguments& arguments) {
                 << 100 * result.check.gradientFraction << " % of them";
   if (const auto moved = scene.facts.find("julia_repair_moved"); moved != scene.facts.end())
     std::cerr << ", the target repaired and its surface moved by at most " << moved->second;
+  if (result.islands) std::cerr << ", " << result.islands->kept << " of " << result.islands->islands << " islands kept";
   if (wantMesh) std::cerr << ", " << result.mesh.triangles.size() << " triangles";
   std::cerr << '\n';
   return kDone;

@@ -127,12 +127,42 @@ class BatchEvaluator final : public FieldEvaluator {
   Real mEscapeSquared, mLogEscape, mLogTrap, mLevel;
 };
 
+/// Two evaluators of one map, with a trap and without.
+class ConfirmingEvaluator final : public FieldEvaluator {
+ public:
+  ConfirmingEvaluator(std::unique_ptr<FieldEvaluator> trapped, std::unique_ptr<FieldEvaluator> full)
+      : mTrapped(std::move(trapped)), mFull(std::move(full)) {}
+
+  void evaluate(std::span<const Point> points, std::span<double> field, std::span<int> iterations) const override {
+    mTrapped->evaluate(points, field, iterations);
+    std::vector<double> full(points.size());
+    std::vector<int> steps(points.size());
+    mFull->evaluate(points, full, steps);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if ((full[i] < 0) == (field[i] < 0)) continue;
+      field[i] = full[i];
+      if (!iterations.empty()) iterations[i] = steps[i];
+    }
+  }
+  void versors(std::span<const Point> points, std::span<Quaternion<double>> versors) const override {
+    mFull->versors(points, versors);
+  }
+
+ private:
+  std::unique_ptr<FieldEvaluator> mTrapped, mFull;
+};
+
 }  // namespace
 
 template <class Real>
 std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const Map<Real>> map, const Embedding& embedding,
                                                    const OrbitOptions& options) {
-  return std::make_unique<BatchEvaluator<Real>>(std::move(map), embedding, options);
+  auto evaluator = std::make_unique<BatchEvaluator<Real>>(map, embedding, options);
+  if (!options.confirmTrap) return evaluator;
+  OrbitOptions full = options;
+  full.logTrap = -std::numeric_limits<double>::infinity();
+  return std::make_unique<ConfirmingEvaluator>(std::move(evaluator),
+                                               std::make_unique<BatchEvaluator<Real>>(std::move(map), embedding, full));
 }
 
 template std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const Map<float>>, const Embedding&,

@@ -232,44 +232,15 @@ bool floatServes(const Scene& scene) {
   return scene.voxelSize / scene.space.scale >= kLeastVoxel * largest;
 }
 
-/// Follows every orbit to its end, to confirm what the trap says: where they agree, F is what the trap made of it.
-class ConfirmingEvaluator final : public julia::FieldEvaluator {
- public:
-  ConfirmingEvaluator(std::unique_ptr<FieldEvaluator> trapped, std::unique_ptr<FieldEvaluator> full)
-      : mTrapped(std::move(trapped)), mFull(std::move(full)) {}
-
-  void evaluate(std::span<const julia::Point> points, std::span<double> field,
-                std::span<int> iterations) const override {
-    mTrapped->evaluate(points, field, iterations);
-    std::vector<double> full(points.size());
-    std::vector<int> steps(points.size());
-    mFull->evaluate(points, full, steps);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if ((full[i] < 0) == (field[i] < 0)) continue;
-      field[i] = full[i];
-      if (!iterations.empty()) iterations[i] = steps[i];
-    }
-  }
-  void versors(std::span<const julia::Point> points, std::span<julia::Quaternion<double>> versors) const override {
-    mFull->versors(points, versors);
-  }
-
- private:
-  std::unique_ptr<FieldEvaluator> mTrapped, mFull;
-};
-
 template <class Real>
 std::unique_ptr<julia::FieldEvaluator> makeEvaluator(const Scene& scene) {
   const FractalOptions& options = scene.options;
   const julia::Embedding embedding{options.slice, options.dropAxis};
   const std::shared_ptr<const julia::Map<Real>> map = makeMap<Real>(scene);
-  const julia::OrbitOptions full{.maxIterations = options.iterations, .escapeRadius = options.escape};
-  julia::OrbitOptions trapped = full;
-  if (scene.exponent) trapped.logTrap = scene.exponent->shell.lower;
-  auto evaluator = julia::makeFieldEvaluator<Real>(map, embedding, trapped);
-  if (!options.exhaustive) return evaluator;
-  return std::make_unique<ConfirmingEvaluator>(std::move(evaluator),
-                                               julia::makeFieldEvaluator<Real>(map, embedding, full));
+  julia::OrbitOptions orbit{
+      .maxIterations = options.iterations, .escapeRadius = options.escape, .confirmTrap = options.exhaustive};
+  if (scene.exponent) orbit.logTrap = scene.exponent->shell.lower;
+  return julia::makeFieldEvaluator<Real>(makeMap<Real>(scene), embedding, orbit);
 }
 
 /// Where a map without a shell is evaluated, world units.
@@ -353,8 +324,10 @@ FractalResult runFractal(const Scene& scene, bool wantGrids, bool wantMesh, Moni
   const auto wants = [&](const char* name) {
     return wantGrids && std::find(names.begin(), names.end(), name) != names.end();
   };
-  const FractalField field = evaluateScene(scene, wants("iterations"), monitor);
+  FractalField field = evaluateScene(scene, wants("iterations"), monitor);
   FractalResult result;
+  if (scene.options.islands.largest > 0 || scene.options.islands.minSize > 0)
+    result.islands = dropIslands(field, scene.options.islands, monitor);
   result.evaluatedNodes = field.evaluatedNodes;
 
   ExtractMeshOptions extract{.tolerance = scene.options.tolerance, .border = Border::Cap};

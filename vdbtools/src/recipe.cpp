@@ -67,6 +67,8 @@ constexpr OptionSpec kFractalSpecs[] = {
      "fit: the target's longest side is 1 and its centre 0; world: coordinates as they are"},
     {"box", "X0,Y0,Z0,X1,Y1,Z1", nullptr, "only this region, in the target's units"},
     {"tolerance", "T", "0.001", "how near a vertex lies to the true surface, voxels"},
+    {"largest", "N", "0", "keep only the N largest islands, by volume; 0 keeps all. A box's islands are what it holds"},
+    {"min-size", "W", "0", "drop islands whose longest side is below this, in the target's units"},
     {"cap", nullptr, nullptr, "close the mesh where the box cuts the set; the VDB always is"},
     {"precision", "auto|float|double", "auto",
      "the arithmetic of the iteration; auto takes float where it is as good as double"},
@@ -352,6 +354,8 @@ FractalOptions parseFractalOptions(const Recipe& recipe) {
   options.tolerance = reader.number("tolerance");
   if (!(options.tolerance >= 0x1p-40 && options.tolerance <= 0.5))
     refuse("tolerance", reader.text("tolerance"), "at least 1e-12 and at most 0.5");
+  options.islands.largest = reader.integer<std::uint64_t>("largest", 0, std::numeric_limits<std::uint64_t>::max());
+  options.islands.minSize = reader.notNegative("min-size");
   options.cap = reader.flag("cap");
   options.precision = reader.choice<Precision>(
       "precision", {{"auto", Precision::Auto}, {"float", Precision::Float}, {"double", Precision::Double}});

@@ -16,6 +16,9 @@ struct OrbitOptions {
   double escapeRadius = 20;  ///< in units of the map's space, > 1
   /// An iterate with l <= logTrap, after the first step or later, is inside whatever comes; -inf knows no such ball.
   double logTrap = -std::numeric_limits<double>::infinity();
+  /// Follows trapped orbits to their end all the same, to check that they stay inside. F is what the trap made of it
+  /// where that holds, so that a trap that is right changes no bit.
+  bool confirmTrap = false;
 };
 
 /// Bounds that keep every intermediate number finite in 32 bits, and counters in 16.

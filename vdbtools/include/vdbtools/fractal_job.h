@@ -44,7 +44,8 @@ struct FractalResult {
   std::vector<openvdb::GridBase::Ptr> grids;  ///< those of options.grids, if @a wantGrids
   Mesh mesh;                                  ///< with normals, if @a wantMesh
   std::uint64_t evaluatedNodes = 0;
-  LevelSetCheck check;  ///< of the grid "surface", if it was made
+  std::optional<IslandReport> islands;  ///< if any were to be dropped
+  LevelSetCheck check;                  ///< of the grid "surface", if it was made
 };
 
 /// @throw DataError if there is no surface

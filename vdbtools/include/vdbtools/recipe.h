@@ -8,6 +8,7 @@
 #pragma once
 
 #include "vdbtools/control.h"
+#include "vdbtools/islands.h"
 
 #include "julia/brick_field.h"
 #include "julia/embedding.h"
@@ -96,6 +97,7 @@ struct FractalOptions {
   SpaceKind space = SpaceKind::Fit;
   std::optional<openvdb::BBoxd> box;
   double tolerance = 1e-3;
+  IslandOptions islands;
   bool cap = false;
   Precision precision = Precision::Auto;
   julia::Interpolation interpolation = julia::Interpolation::Trilinear;
