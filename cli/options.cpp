@@ -4,6 +4,8 @@
 #include "vdbtools/errors.h"
 #include "vdbtools/file_bytes.h"
 
+#include "julia/instruction_set.h"
+
 #include <cctype>
 #include <charconv>
 #include <cstdlib>
@@ -86,6 +88,8 @@ CommandLine::CommandLine(const Usage& usage, std::span<const vdbtools::OptionSpe
         "command line goes first");
   mCommon.add_options()("threads", po::value<std::string>()->value_name("N"),
                         "threads to use (default: SLURM_CPUS_PER_TASK, then all that this process may use)")(
+      "instructions", po::value<std::string>()->value_name("auto|portable|avx2|avx512"),
+      "vector units to use; they change the speed and no bit of the result (default auto, the widest)")(
       "progress", po::value<std::string>()->value_name("bar|json|none"),
       "progress on stderr, for work of more than two seconds (default bar)")("help,h", "show this help");
 }
@@ -121,6 +125,7 @@ bool CommandLine::parse(const Arguments& arguments) {
     return false;
   }
   applyThreads();
+  applyInstructions();
   for (const vdbtools::OptionSpec& spec : mSpecs)
     if (has(spec.name)) mGiven[spec.name] = mValues[spec.name].as<std::string>();
   if (has("config")) readConfig(text("config"));
@@ -176,6 +181,15 @@ void CommandLine::applyThreads() {
   if (threads)
     mThreads = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
                                                      static_cast<std::size_t>(*threads));
+}
+
+void CommandLine::applyInstructions() const {
+  const std::string name = has("instructions") ? text("instructions") : "auto";
+  if (name == "auto") return;
+  for (const julia::InstructionSet set :
+       {julia::InstructionSet::Portable, julia::InstructionSet::Avx2, julia::InstructionSet::Avx512})
+    if (name == julia::nameOf(set)) return julia::setInstructionSet(set);
+  throw std::invalid_argument("--instructions is '" + name + "'; it must be one of auto, portable, avx2, avx512");
 }
 
 void CommandLine::printHelp() const {

@@ -57,6 +57,7 @@ class CommandLine {
  private:
   void readConfig(const std::string& file);
   void applyThreads();
+  void applyInstructions() const;
   void printHelp() const;
 
   Usage mUsage;

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The same recipe gives the same bytes, with any number of threads, and from the files that carry the recipe."""
 
+import pathlib
+
 import harness
 from harness import BAD_DATA
 
@@ -36,6 +38,27 @@ class SameBytes(harness.CliTest):
                         ("--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "--iterations", 8)):
             with self.subTest(options=options):
                 self.twice({"-o": ".vdb", "--mesh": ".ply"}, "fractal", *options, *LOW, "--grids", ALL_GRIDS)
+
+    def test_skipping_changes_no_byte(self):
+        """What is skipped, because its fate is proven, would have come out the same."""
+        for options in ((), ("--alpha", 6), ("--alpha", 100, "--precision", "double"), ("--alpha", "x:10:100:smooth"),
+                        ("--beta", "y:-0.02:0.03", "--versor-integer"), ("--slice", 0.2, "--origin", "-0.1,0,0.05"),
+                        ("--drop-axis", "j", "--iterations", 5), ("--sampling", "quadratic")):
+            with self.subTest(options=options):
+                self.ok("fractal", "t.obj", *LOW, *options, "-o", "skipped.vdb", "--mesh", "skipped.stl")
+                self.ok("fractal", "t.obj", *LOW, *options, "-o", "all.vdb", "--mesh", "all.stl", "--exhaustive")
+                # STL carries no recipe, in which --exhaustive stands.
+                self.assertTrue(self.bytes("skipped.stl") == self.bytes("all.stl"), options)
+
+    def test_vector_units_change_no_byte(self):
+        flags = pathlib.Path("/proc/cpuinfo").read_text().split()
+        sets = ["portable"] + [name for name, flag in (("avx2", "avx2"), ("avx512", "avx512vl")) if flag in flags]
+        for options in (("t.obj",), ("t.obj", "--versor-integer", "--precision", "double"),
+                        ("--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "--iterations", 8)):
+            for name in sets:
+                self.ok("fractal", *options, *LOW, "-o", f"{name}.vdb", "--mesh", f"{name}.ply", "--instructions", name)
+                for kind in (".vdb", ".ply"):
+                    self.assertTrue(self.bytes(name + kind) == self.bytes("portable" + kind), (options, name, kind))
 
     def test_fractal_in_a_box(self):
         self.twice({"-o": ".vdb", "--mesh": ".ply"}, "fractal", "t.obj", *LOW, "--box", "-0.2,-0.3,-0.2,0.8,0.9,0.7",

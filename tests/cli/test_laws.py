@@ -46,10 +46,20 @@ class Closed(Laws):
         for options in (("s.obj",), ("t.obj", "--alpha", 15), ("t.obj", "--alpha", "x:8:200", "--beta", -0.02),
                         ("s.obj", "--slice", 0.3, "--origin", "0.1,0.05,-0.1"), ("t.obj", "--iterations", 1),
                         ("t.obj", "--drop-axis", "j", "--versor-integer"), ("s.obj", "--space", "world"),
-                        ("t.obj", "--tolerance", 0.5), ("s.obj", "--precision", "float"), ("s.obj", "--exhaustive"),
+                        ("t.obj", "--tolerance", 0.5), ("t.obj", "--sampling", "quadratic"), ("s.obj", "--precision", "float"), ("s.obj", "--exhaustive"),
                         ("--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "--iterations", 8)):
             with self.subTest(options=options):
                 self.check_closed(self.fractal(*options, *LOW))
+
+    def test_islands_are_dropped_whole(self):
+        rough = ("t.obj", "--alpha", 15, "--versor-seed", 3, *LOW)
+        whole = self.fractal(*rough)
+        largest = self.fractal(*rough, "--largest", 1)
+        self.check_closed(largest)
+        self.assertLess(len(largest.faces), len(whole.faces))
+        self.assertLessEqual(set(largest.points), set(whole.points))
+        self.check_closed(self.fractal(*rough, "--min-size", 0.5))
+        self.refused(harness.BAD_DATA, "fractal", *rough, "--min-size", 50, "-o", "none.vdb", mentions="min-size")
 
     def test_a_rational_map(self):
         self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))
