@@ -508,7 +508,7 @@ TEST(Islands, OfAFractalLeaveAMeshAndALevelSet) {
   const auto phi = test_fields::bandGrid(test_fields::lumpy, kPhiVoxel, exteriorReach(options) + 6 * kPhiVoxel);
   const ExponentGrid exponent =
       exponentGrid(makeTarget(phi, std::nullopt), FractalSpace{Vec3d(0), 1}, options, monitor);
-  const auto evaluator = julia::makeScalarEvaluator<double>(
+  const auto evaluator = julia::makeFieldEvaluator<double>(
       std::make_shared<julia::ShapeModulus<double>>(makeExponentField<double>(exponent),
                                                     test_fields::randomVersor(17, 8, 9, true), julia::DropAxis::K),
       {0, julia::DropAxis::K}, {.maxIterations = 3, .escapeRadius = 20, .logTrap = exponent.shell.lower});
