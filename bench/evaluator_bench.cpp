@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Root evaluations a second of the plain evaluator, and of the reference beside it in the same run.
-#include "julia/evaluator.h"
+// Root evaluations a second of the kernels, and of the reference beside them in the same run.
+#include "julia/embedding.h"
+#include "julia/instruction_set.h"
+#include "julia/quaternion_batch.h"
 #include "julia/random_roots.h"
 #include "julia/rational_map.h"
 #include "julia/reference.h"
@@ -8,6 +10,7 @@
 #include <benchmark/benchmark.h>
 
 #include <random>
+#include <string>
 #include <vector>
 
 namespace {
@@ -31,20 +34,30 @@ void countRoots(benchmark::State& state, std::size_t roots) {
       static_cast<double>(state.iterations()) * static_cast<double>(kPoints * roots), benchmark::Counter::kIsRate);
 }
 
+/// The kernel alone: structure of arrays in and out.
 template <class Real>
 void versors(benchmark::State& state) {
+  const auto available = julia::availableInstructionSets();
+  const auto set = static_cast<std::size_t>(state.range(1));
+  if (set >= available.size()) return state.SkipWithError("this processor lacks it");
+  const julia::InstructionSet before = julia::instructionSet();
+  julia::setInstructionSet(available[set]);
+  state.SetLabel(std::string(julia::nameOf(available[set])));
   const julia::Rational rational = versor(state.range(0) != 0);
-  const auto evaluator = julia::makeFieldEvaluator<Real>(std::make_shared<julia::RationalMap<Real>>(rational), {}, {});
+  const julia::RationalEvaluator<Real> evaluator(rational);
+  julia::QuaternionBatch<Real> q, u;
   const std::vector<julia::Point> at = points();
-  std::vector<julia::Quaternion<double>> out(at.size());
+  q.resize(at.size());
+  for (std::size_t i = 0; i < at.size(); ++i) q.set(i, julia::Embedding{}.quaternion<Real>(at[i]));
   for (auto _ : state) {
-    evaluator->versors(at, out);
-    benchmark::DoNotOptimize(out.data());
+    evaluator.versor(q, u);
+    benchmark::DoNotOptimize(u.a.data());
   }
   countRoots(state, rational.top.roots.size());
+  julia::setInstructionSet(before);
 }
-BENCHMARK(versors<float>)->ArgName("integer")->Arg(0)->Arg(1);
-BENCHMARK(versors<double>)->ArgName("integer")->Arg(0)->Arg(1);
+BENCHMARK(versors<float>)->ArgNames({"integer", "set"})->ArgsProduct({{0, 1}, {0, 1, 2}});
+BENCHMARK(versors<double>)->ArgNames({"integer", "set"})->ArgsProduct({{0, 1}, {0, 1, 2}});
 
 void reference(benchmark::State& state) {
   const julia::Rational rational = versor(state.range(0) != 0);

@@ -160,7 +160,7 @@ TYPED_TEST(LogPolarNeedsNoGuard, finiteAndOfTheRightSign) {
   const auto points = pointsOfTheBunny(150);
   std::vector<double> field(points.size());
   julia::makeFieldEvaluator<Real>(std::make_shared<julia::RationalMap<Real>>(rational), {},
-                                   {.maxIterations = kSteps, .escapeRadius = kEscape})
+                                  {.maxIterations = kSteps, .escapeRadius = kEscape})
       ->evaluate(points, field, {});
   const auto wide = reference::rationalMap<Wide>(rational, false);
   const auto bound = law_tests::rationalBound<Real>(rational);

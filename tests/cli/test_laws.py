@@ -58,7 +58,7 @@ class Closed(Laws):
         self.check_closed(largest)
         self.assertLess(len(largest.faces), len(whole.faces))
         self.assertLessEqual(set(largest.points), set(whole.points))
-        self.check_closed(self.fractal(*rough, "--min-size", 0.5))
+        self.check_closed(self.fractal(*rough, "--min-size", 0.15))
         self.refused(harness.BAD_DATA, "fractal", *rough, "--min-size", 50, "-o", "none.vdb", mentions="min-size")
 
     def test_a_rational_map(self):

@@ -217,9 +217,9 @@ std::shared_ptr<const julia::Map<Real>> makeMap(const Scene& scene) {
 /// Whether 32 bits are as good as 64 for what the scene shows: the voxels are large against the rounding of positions,
 /// and neither powers nor iterations pile up more of it (docs/precision.md has the measurements).
 bool floatServes(const Scene& scene) {
-  constexpr double kLeastVoxel = 1e-4;  // of the largest coordinate: a thousandth of it is still resolved
-  constexpr double kMostSummedPowers = 1000;
-  constexpr int kMostIterations = 8;
+  constexpr double kLeastVoxel = 1e-3;  // of the largest coordinate: a thousandth of it is still resolved
+  constexpr double kMostSummedPowers = 250;
+  constexpr int kMostIterations = 5;
   if (scene.options.iterations > kMostIterations) return false;
   double powers = 0;
   for (const julia::Polynomial* polynomial : {&scene.rational.top, &scene.rational.bottom})
