@@ -61,8 +61,8 @@ class Interrupt(harness.CliTest):
                           "--sdf-resolution", 48, by=signal.SIGTERM)
 
     def test_edges(self):
-        self.interrupt_in("edges", "fractal", "s.obj", "--mesh", "x.ply", "-o", "x.vdb", "--resolution", 150,
-                          "--alpha", 20, "--sdf-resolution", 48, "--tolerance", 1e-12)
+        self.interrupt_in("edges", "fractal", "s.obj", "--mesh", "x.ply", "-o", "x.vdb", "--resolution", 250,
+                          "--alpha", 20, "--sdf-resolution", 48, "--tolerance", 1e-12, "--versor-roots", 400)
 
     def test_field_of_a_quadratic_map(self):
         self.interrupt_in("field", "fractal", "--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "--iterations", 1000,
