@@ -23,7 +23,7 @@ int main() {
 
   // Its exponent, in a band as wide as the shell needs.
   const ExponentGridOptions shell{.alpha = 30.0, .beta = 0.0};
-  extendBand(target, space.scale * exteriorReach(shell), monitor);
+  extendBand(target, space.scale * exteriorReach(shell), space.scale * likelyInteriorReach(shell), monitor);
   const ExponentGrid exponent = exponentGrid(target, space, shell, monitor);
 
   // The map: that exponent, and the direction of a random polynomial.

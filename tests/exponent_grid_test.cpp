@@ -72,7 +72,7 @@ TEST(ExtendBand, KeepsTheBandAndFindsTheDistanceBeyond) {
   Target target = makeTarget(phi->deepCopy(), {});
   Monitor monitor;
   const double width = 0.3;
-  extendBand(target, width, monitor);
+  extendBand(target, width, std::numeric_limits<double>::infinity(), monitor);
   for (auto value = phi->cbeginValueOn(); value; ++value)
     ASSERT_EQ(target.phi->tree().getValue(value.getCoord()), *value) << value.getCoord();
   // Beyond, first-order sweeping: an error of some per cent of a voxel for each voxel of distance.
@@ -92,7 +92,7 @@ TEST(ExtendBand, LeavesADenseTargetAlone) {
   Target target = makeTarget(phi, {});
   ASSERT_TRUE(target.denseBox.has_value());
   Monitor monitor;
-  extendBand(target, 10, monitor);
+  extendBand(target, 10, 10, monitor);
   EXPECT_EQ(target.phi, phi);
 }
 

@@ -83,8 +83,13 @@ std::function<double(const openvdb::Vec3d&)> Control::reader() const {
   };
 }
 
+std::optional<double> Control::constant() const {
+  if (const double* number = std::get_if<double>(&mSource)) return *number;
+  return std::nullopt;
+}
+
 std::pair<double, double> Control::range() const {
-  if (const double* number = std::get_if<double>(&mSource)) return {*number, *number};
+  if (const std::optional<double> number = constant()) return {*number, *number};
   if (const PlacedRamp* placed = std::get_if<PlacedRamp>(&mSource))
     return std::minmax({placed->ramp.from, placed->ramp.to});
   const auto& grid = std::get<openvdb::FloatGrid::ConstPtr>(mSource);

@@ -3,17 +3,20 @@
 
 #include "vdbtools/grid_sampler.h"
 
-#include <openvdb/tools/ChangeBackground.h>
 #include <openvdb/tools/FastSweeping.h>
-#include <openvdb/tools/Prune.h>
-#include <openvdb/tree/LeafManager.h>
+#include <openvdb/tools/Morphology.h>
+#include <openvdb/tools/SignedFloodFill.h>
+#include <openvdb/tree/ValueAccessor.h>
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <memory>
 #include <stdexcept>
+#include <vector>
 
 namespace vdbtools {
 namespace {
@@ -23,99 +26,320 @@ using openvdb::CoordBBox;
 using openvdb::FloatGrid;
 using openvdb::FloatTree;
 using openvdb::Vec3d;
-using LeafManager = openvdb::tree::LeafManager<FloatTree>;
+using Leaf = FloatTree::LeafNodeType;
 
 void requireFiniteValues(const FloatGrid& phi) {
-  for (auto value = phi.tree().cbeginValueAll(); value; ++value)
-    if (!std::isfinite(*value))
-      throw DataError("the signed distance field '" + phi.getName() + "' holds a value that is not finite near index " +
-                      std::to_string(value.getCoord()[0]) + ", " + std::to_string(value.getCoord()[1]) + ", " +
-                      std::to_string(value.getCoord()[2]));
+  const auto refuse = [&](const Coord& node) {
+    throw DataError("the signed distance field '" + phi.getName() + "' holds a value that is not finite near index " +
+                    std::to_string(node[0]) + ", " + std::to_string(node[1]) + ", " + std::to_string(node[2]));
+  };
+  for (auto leaf = phi.tree().cbeginLeaf(); leaf; ++leaf) {
+    const float* values = leaf->buffer().data();
+    for (openvdb::Index i = 0; i < Leaf::SIZE; ++i)
+      if (!std::isfinite(values[i])) refuse(leaf->offsetToGlobalCoord(i));
+  }
+  auto tile = phi.tree().cbeginValueAll();
+  tile.setMaxDepth(FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
+  for (; tile; ++tile)
+    if (!std::isfinite(*tile)) refuse(tile.getCoord());
 }
 
-/// E = alpha (phi - beta) at every active node, in place.
-void bake(LeafManager& leaves, const openvdb::math::Transform& transform, const FractalSpace& space,
-          const ExponentGridOptions& options, Monitor& monitor) {
-  monitor.begin("exponent", leaves.leafCount());
-  tbb::parallel_for(leaves.leafRange(), [&](const LeafManager::LeafRange& range) {
-    const auto alpha = options.alpha.reader(), beta = options.beta.reader();
-    for (auto leaf = range.begin(); leaf; ++leaf) {
-      if (monitor.cancelled()) return;
-      for (auto value = leaf->beginValueOn(); value; ++value) {
-        const Vec3d world = transform.indexToWorld(value.getCoord());
-        value.setValue(static_cast<float>(alpha(world) * (*value / space.scale - beta(world))));
-      }
-      monitor.advance(1);
-    }
+/// Runs body(i) for every i below count, in threads, until the work is cancelled.
+template <class Body>
+void inParallel(std::size_t count, Monitor& monitor, const Body& body) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 16), [&](const auto& range) {
+    if (monitor.cancelled()) return;
+    for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
+    monitor.advance(range.size());
   });
   monitor.throwIfCancelled();
 }
 
-/// A bound of how much E differs between two nodes that one point's reading may use: three times its largest step
-/// between face neighbours for the corners of a cell, three times that for the quadratic B-spline's wider reach.
-double largestDifferenceInReach(const LeafManager& leaves, julia::Interpolation interpolation) {
-  tbb::enumerable_thread_specific<double> largest(0.0);
-  tbb::parallel_for(leaves.leafRange(), [&](const LeafManager::LeafRange& range) {
-    openvdb::tree::ValueAccessor<const FloatTree> accessor(leaves.tree());
-    double& most = largest.local();
-    for (auto leaf = range.begin(); leaf; ++leaf)
-      for (auto value = leaf->cbeginValueOn(); value; ++value)
-        for (int axis = 0; axis < 3; ++axis) {
-          Coord next = value.getCoord();
-          next[axis] += 1;
-          float other;
-          if (accessor.probeValue(next, other)) most = std::max(most, std::abs(double(other) - double(*value)));
-        }
-  });
-  const int reach = interpolation == julia::Interpolation::Quadratic ? 3 : 1;
-  return 3 * reach * *std::max_element(largest.begin(), largest.end());
-}
+/// A leaf's values and the first of its three neighbours behind it, for differences between face neighbours.
+class LeafReach {
+ public:
+  static constexpr unsigned kSide = Leaf::DIM;
 
-/// m(r) of shell.h, from the nodes: one at distance d is read at points that come as near as d less a cell's diagonal,
-/// or one and a half for the quadratic B-spline.
-julia::RadialMaximum radialMaximum(const LeafManager& leaves, const openvdb::math::Transform& transform,
-                                   const FractalSpace& space, double atOrigin, julia::Interpolation interpolation) {
-  const double step = transform.voxelSize().length() / space.scale / 2;  // half a cell's diagonal
-  const double reach = step * (interpolation == julia::Interpolation::Quadratic ? 3 : 2);
-  const std::size_t count = static_cast<std::size_t>(std::ceil(1 / step));
-  const std::vector<double> nothing(count, -std::numeric_limits<double>::infinity());
-  tbb::enumerable_thread_specific<std::vector<double>> parts(nothing);
-  tbb::parallel_for(leaves.leafRange(), [&](const LeafManager::LeafRange& range) {
-    std::vector<double>& maximum = parts.local();
-    for (auto leaf = range.begin(); leaf; ++leaf)
-      for (auto value = leaf->cbeginValueOn(); value; ++value) {
-        const Vec3d x = (transform.indexToWorld(value.getCoord()) - space.centre) / space.scale;
-        const double nearest = std::max(0.0, x.length() - reach);
-        // A hair of slack against rounding at a ball's edge.
-        const std::size_t ball = static_cast<std::size_t>(std::max(0.0, std::floor(nearest / step - 1e-9)));
-        if (ball < count) maximum[ball] = std::max(maximum[ball], static_cast<double>(*value));
+  LeafReach(const Leaf& leaf, const openvdb::tree::ValueAccessor<const FloatTree>& accessor) {
+    put(leaf, 0, 0, 0, kSide, kSide, kSide);
+    for (int axis = 0; axis < 3; ++axis) {
+      Coord next = leaf.origin();
+      next[axis] += static_cast<int>(kSide);
+      const bool x = axis == 0, y = axis == 1, z = axis == 2;
+      const unsigned endX = x ? 1 : kSide, endY = y ? 1 : kSide, endZ = z ? 1 : kSide;
+      if (const Leaf* neighbour = accessor.probeConstLeaf(next)) {
+        put(*neighbour, x ? kSide : 0, y ? kSide : 0, z ? kSide : 0, endX, endY, endZ);
+      } else {
+        const float tile = accessor.getValue(next);
+        for (unsigned i = 0; i < endX; ++i)
+          for (unsigned j = 0; j < endY; ++j)
+            for (unsigned k = 0; k < endZ; ++k) mValue[i + x * kSide][j + y * kSide][k + z * kSide] = tile;
+        mDense = false;
       }
+    }
+  }
+
+  /// Whether all these nodes are active.
+  bool isDense() const { return mDense; }
+
+  /// The largest |difference| between face neighbours. @pre isDense()
+  float largestStep() const {
+    float most[kSide] = {};
+    for (unsigned x = 0; x < kSide; ++x)
+      for (unsigned y = 0; y < kSide; ++y) {
+        const float *here = mValue[x][y], *nextX = mValue[x + 1][y], *nextY = mValue[x][y + 1];
+        for (unsigned z = 0; z < kSide; ++z) {
+          const float a = std::abs(nextX[z] - here[z]), b = std::abs(nextY[z] - here[z]),
+                      c = std::abs(here[z + 1] - here[z]);
+          const float ab = a > b ? a : b, abc = ab > c ? ab : c;
+          most[z] = abc > most[z] ? abc : most[z];
+        }
+      }
+    return *std::max_element(most, most + kSide);
+  }
+
+  /// Calls body(offset of the one, value and activity of the one and of the other) for each pair of face neighbours.
+  template <class Body>
+  void forEachPair(const Body& body) const {
+    for (unsigned x = 0; x < kSide; ++x)
+      for (unsigned y = 0; y < kSide; ++y)
+        for (unsigned z = 0; z < kSide; ++z)
+          for (unsigned axis = 0; axis < 3; ++axis) {
+            const unsigned i = x + (axis == 0), j = y + (axis == 1), k = z + (axis == 2);
+            body(mValue[x][y][z], mOn[x][y] >> z & 1, mValue[i][j][k], mOn[i][j] >> k & 1);
+          }
+  }
+
+ private:
+  void put(const Leaf& leaf, unsigned atX, unsigned atY, unsigned atZ, unsigned endX, unsigned endY, unsigned endZ) {
+    const float* values = leaf.buffer().data();
+    for (unsigned x = 0; x < endX; ++x)
+      for (unsigned y = 0; y < endY; ++y)
+        for (unsigned z = 0; z < endZ; ++z) {
+          const openvdb::Index offset = (x * kSide + y) * kSide + z;
+          mValue[x + atX][y + atY][z + atZ] = values[offset];
+          const bool on = leaf.isValueOn(offset);
+          mOn[x + atX][y + atY] |= static_cast<std::uint16_t>(static_cast<unsigned>(on) << (z + atZ));
+          mDense = mDense && on;
+        }
+  }
+
+  float mValue[kSide + 1][kSide + 1][kSide + 1];
+  std::uint16_t mOn[kSide + 1][kSide + 1] = {};
+  bool mDense = true;
+};
+
+/// Where the distances inside end and the solid begins, whose nodes say no more than that they are inside.
+/// @return  the largest value of an active node that has an inactive negative neighbour; -inf: nowhere
+float solidBeginsAt(const FloatGrid& grid, Monitor& monitor) {
+  std::vector<const Leaf*> leaves;
+  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) leaves.push_back(leaf.getLeaf());
+  constexpr float kNever = -std::numeric_limits<float>::infinity();
+  tbb::enumerable_thread_specific<float> begins(kNever);
+  inParallel(leaves.size(), monitor, [&](std::size_t i) {
+    const openvdb::tree::ValueAccessor<const FloatTree> accessor(grid.tree());
+    float& most = begins.local();
+    // A solid tile before the leaf has no pairs of its own.
+    for (int axis = 0; axis < 3; ++axis) {
+      Coord before = leaves[i]->origin();
+      --before[axis];
+      if (accessor.probeConstLeaf(before) || !(accessor.getValue(before) < 0)) continue;
+      for (auto value = leaves[i]->cbeginValueOn(); value; ++value)
+        if (value.getCoord()[axis] == leaves[i]->origin()[axis]) most = std::max(most, *value);
+    }
+    const LeafReach reach(*leaves[i], accessor);
+    if (reach.isDense()) return;
+    reach.forEachPair([&](float a, bool aOn, float b, bool bOn) {
+      if (aOn && !bOn && b < 0) most = std::max(most, a);
+      if (bOn && !aOn && a < 0) most = std::max(most, b);
+    });
   });
-  julia::RadialMaximum result{step, nothing};
-  for (const std::vector<double>& part : parts)
-    for (std::size_t i = 0; i < count; ++i) result.maximum[i] = std::max(result.maximum[i], part[i]);
-  double running = atOrigin;
-  for (double& maximum : result.maximum) running = maximum = std::max(running, maximum);
-  return result;
+  return std::max(kNever, *std::max_element(begins.begin(), begins.end()));
 }
 
-/// Replaces what is farther outside the interval than any cell that touches it by a constant.
-void narrowToShell(FloatGrid& grid, const julia::ShellInterval& shell, double differenceInReach) {
-  const float outside = static_cast<float>(shell.upper + 1);
-  const bool hasLower = std::isfinite(shell.lower);
-  const float inside = hasLower ? static_cast<float>(shell.lower - 1) : -1.0f;
-  openvdb::tools::changeAsymmetricLevelSetBackground(grid.tree(), outside, inside);
-  LeafManager leaves(grid.tree());
-  leaves.foreach ([&](FloatTree::LeafNodeType& leaf, std::size_t) {
-    for (auto value = leaf.beginValueOn(); value; ++value) {
-      if (*value > shell.upper + differenceInReach)
-        leaf.setValueOff(value.pos(), outside);
-      else if (hasLower && *value < shell.lower - differenceInReach)
-        leaf.setValueOff(value.pos(), inside);
+/// The leaves that hold nodes of the band, of the inside where @a inside asks for it, and as many @a layers of voxels
+/// around as are asked for: a little more rather than less.
+openvdb::MaskGrid::Ptr sweepingMask(const FloatGrid& phi, bool inside, int layers) {
+  // One voxel a leaf.
+  constexpr int kSide = Leaf::DIM;
+  openvdb::MaskTree coarse;
+  for (auto leaf = phi.tree().cbeginLeaf(); leaf; ++leaf)
+    if (!leaf->isEmpty() || inside) coarse.setValueOn(leaf->origin() >> Leaf::LOG2DIM);
+  if (inside) {
+    auto tile = phi.tree().cbeginValueAll();
+    tile.setMaxDepth(FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
+    for (; tile; ++tile) {
+      const CoordBBox box = tile.getBoundingBox();
+      if (*tile < 0) coarse.fill({box.min() >> Leaf::LOG2DIM, box.max() >> Leaf::LOG2DIM}, true);
     }
-  });
-  openvdb::tools::pruneLevelSet(grid.tree(), outside, inside);
+  }
+  if (layers > 0)
+    openvdb::tools::dilateActiveValues(coarse, (layers + kSide - 1) / kSide, openvdb::tools::NN_FACE_EDGE_VERTEX,
+                                       openvdb::tools::EXPAND_TILES);
+  coarse.voxelizeActiveTiles();
+  const auto mask = openvdb::MaskGrid::create();
+  mask->setTransform(phi.transform().copy());
+  for (auto place = coarse.cbeginValueOn(); place; ++place)
+    mask->tree().touchLeaf(place.getCoord() << Leaf::LOG2DIM)->setValuesOn();
+  return mask;
 }
+
+/// How many steps between face neighbours lie between two nodes that one point's reading may use: three for the corners
+/// of a cell, three times that for the quadratic B-spline's wider reach.
+int stepsInReach(julia::Interpolation interpolation) {
+  return interpolation == julia::Interpolation::Quadratic ? 9 : 3;
+}
+
+/// E on the nodes of phi, and what is found out about it.
+class Baker {
+ public:
+  Baker(const Target& target, const FractalSpace& space, const ExponentGridOptions& options, Monitor& monitor)
+      : mSpace(space), mOptions(options), mMonitor(monitor), mTransform(target.phi->transform()) {
+    std::vector<const Leaf*> leaves;
+    for (auto leaf = target.phi->tree().cbeginLeaf(); leaf; ++leaf) leaves.push_back(leaf.getLeaf());
+    mLeaves.resize(leaves.size());
+    monitor.begin("exponent", 2 * leaves.size());
+    try {
+      inParallel(leaves.size(), monitor, [&](std::size_t i) { mLeaves[i] = bake(*leaves[i]); });
+    } catch (...) {
+      for (Leaf* leaf : mLeaves) delete leaf;
+      throw;
+    }
+    for (Leaf* leaf : mLeaves) mTree.addLeaf(leaf);
+  }
+
+  const FloatTree& tree() const { return mTree; }
+
+  /// A bound of how much E differs between face neighbours.
+  double largestStep() const {
+    tbb::enumerable_thread_specific<float> largest(0.0f);
+    inParallel(mLeaves.size(), mMonitor, [&](std::size_t i) {
+      float& most = largest.local();
+      const LeafReach reach(*mLeaves[i], openvdb::tree::ValueAccessor<const FloatTree>(mTree));
+      if (reach.isDense())
+        most = std::max(most, reach.largestStep());
+      else
+        reach.forEachPair([&](float a, bool aOn, float b, bool bOn) {
+          if (aOn && bOn) most = std::max(most, std::abs(b - a));
+        });
+    });
+    constexpr double kRounding = 1 + 1e-6;
+    return kRounding * *std::max_element(largest.begin(), largest.end());
+  }
+
+  /// An upper bound of E where phi is solid, -inf if it is so nowhere.
+  double solidBound(const Target& target) const {
+    const double phi = solidBeginsAt(*target.phi, mMonitor) / mSpace.scale - mOptions.beta.range().first;
+    const auto [least, most] = mOptions.alpha.range();
+    return phi < 0 ? least * phi : most * phi;
+  }
+
+  /// m(r) of shell.h, from the nodes: one at distance d is read at points that come as near as d less a cell's
+  /// diagonal, or one and a half for the quadratic B-spline.
+  julia::RadialMaximum radialMaximum(double atOrigin) const {
+    const double step = mTransform.voxelSize().length() / mSpace.scale / 2;  // half a cell's diagonal
+    const double reach = step * (mOptions.interpolation == julia::Interpolation::Quadratic ? 3 : 2);
+    const std::size_t count = static_cast<std::size_t>(std::ceil(1 / step));
+    const std::vector<double> nothing(count, -std::numeric_limits<double>::infinity());
+    tbb::enumerable_thread_specific<std::vector<double>> parts(nothing);
+    inParallel(mLeaves.size(), mMonitor, [&](std::size_t i) {
+      std::vector<double>& maximum = parts.local();
+      const Leaf& leaf = *mLeaves[i];
+      const Axes at(leaf.origin(), mTransform);
+      const float* values = leaf.buffer().data();
+      for (openvdb::Index row = 0; row < Leaf::SIZE; row += Leaf::DIM) {
+        double ball[Leaf::DIM];
+        const Vec3d base = (at.x[row / Leaf::DIM / Leaf::DIM] + at.y[row / Leaf::DIM % Leaf::DIM] - mSpace.centre);
+        for (unsigned z = 0; z < Leaf::DIM; ++z) {
+          const double x = (base[0] + at.z[z][0]) / mSpace.scale, y = (base[1] + at.z[z][1]) / mSpace.scale,
+                       w = (base[2] + at.z[z][2]) / mSpace.scale;
+          const double nearest = std::sqrt(x * x + y * y + w * w) - reach;
+          // A hair of slack against rounding at a ball's edge.
+          ball[z] = nearest / step - 1e-9;
+        }
+        for (unsigned z = 0; z < Leaf::DIM; ++z) {
+          if (!leaf.isValueOn(row + z) || !(ball[z] < static_cast<double>(count))) continue;
+          double& most = maximum[static_cast<std::size_t>(std::max(0.0, ball[z]))];
+          most = std::max(most, static_cast<double>(values[row + z]));
+        }
+      }
+    });
+    julia::RadialMaximum result{step, nothing};
+    for (const std::vector<double>& part : parts)
+      for (std::size_t i = 0; i < count; ++i) result.maximum[i] = std::max(result.maximum[i], part[i]);
+    double running = atOrigin;
+    for (double& maximum : result.maximum) running = maximum = std::max(running, maximum);
+    return result;
+  }
+
+  /// The grid, what is farther outside the interval than any cell that touches it replaced by a constant.
+  FloatGrid::Ptr narrowed(const julia::ShellInterval& shell, double differenceInReach) {
+    const float outside = static_cast<float>(shell.upper + 1);
+    const bool hasLower = std::isfinite(shell.lower);
+    const float inside = hasLower ? static_cast<float>(shell.lower - 1) : -1.0f;
+    const double highest = shell.upper + differenceInReach,
+                 lowest = hasLower ? shell.lower - differenceInReach : -std::numeric_limits<double>::infinity();
+    std::vector<std::uint8_t> keeps(mLeaves.size());
+    inParallel(mLeaves.size(), mMonitor, [&](std::size_t i) {
+      Leaf& leaf = *mLeaves[i];
+      float* values = leaf.buffer().data();
+      for (openvdb::Index k = 0; k < Leaf::SIZE; ++k) {
+        const float value = values[k];
+        if (leaf.isValueOn(k) && value <= highest && value >= lowest) continue;
+        leaf.setValueOff(k, leaf.isValueOn(k) ? (value > highest ? outside : inside) : (value < 0 ? inside : outside));
+      }
+      keeps[i] = !leaf.isEmpty();
+    });
+    const FloatGrid::Ptr grid = FloatGrid::create(outside);
+    grid->setTransform(mTransform.copy());
+    grid->setName("exponent");
+    for (std::size_t i = 0; i < mLeaves.size(); ++i)
+      if (keeps[i]) grid->tree().addLeaf(mTree.stealNode<Leaf>(mLeaves[i]->origin(), outside, false));
+    openvdb::tools::signedFloodFillWithValues(grid->tree(), outside, inside);
+    return grid;
+  }
+
+ private:
+  /// The world positions of a leaf's nodes, as sums of one part an axis; the first holds the offset.
+  struct Axes {
+    Axes(const Coord& origin, const openvdb::math::Transform& transform) {
+      const Vec3d zero = transform.indexToWorld(Vec3d(0));
+      for (int k = 0; k < static_cast<int>(Leaf::DIM); ++k) {
+        x[k] = transform.indexToWorld(Vec3d(origin[0] + k, 0, 0));
+        y[k] = transform.indexToWorld(Vec3d(0, origin[1] + k, 0)) - zero;
+        z[k] = transform.indexToWorld(Vec3d(0, 0, origin[2] + k)) - zero;
+      }
+    }
+    Vec3d x[Leaf::DIM], y[Leaf::DIM], z[Leaf::DIM];
+  };
+
+  /// E = alpha (phi - beta). Inactive nodes keep a value of phi's sign.
+  Leaf* bake(const Leaf& phi) const {
+    auto leaf = std::make_unique<Leaf>(phi);
+    float* values = leaf->buffer().data();
+    const std::optional<double> alpha = mOptions.alpha.constant(), beta = mOptions.beta.constant();
+    if (alpha && beta) {
+      for (openvdb::Index i = 0; i < Leaf::SIZE; ++i)
+        values[i] = static_cast<float>(*alpha * (values[i] / mSpace.scale - *beta));
+    } else {
+      const auto alphaAt = mOptions.alpha.reader(), betaAt = mOptions.beta.reader();
+      for (auto value = leaf->beginValueOn(); value; ++value) {
+        const Vec3d world = mTransform.indexToWorld(value.getCoord());
+        value.setValue(static_cast<float>(alphaAt(world) * (*value / mSpace.scale - betaAt(world))));
+      }
+    }
+    for (auto value = leaf->beginValueOff(); value; ++value)
+      value.setValue(phi.getValue(value.pos()) < 0 ? -1.0f : 1.0f);
+    return leaf.release();
+  }
+
+  FractalSpace mSpace;
+  const ExponentGridOptions& mOptions;
+  Monitor& mMonitor;
+  const openvdb::math::Transform& mTransform;
+  FloatTree mTree{1.0f};
+  std::vector<Leaf*> mLeaves;  // mTree's
+};
 
 }  // namespace
 
@@ -139,32 +363,27 @@ Target makeTarget(FloatGrid::Ptr phi, std::optional<openvdb::BBoxd> box) {
   return target;
 }
 
-void extendBand(Target& target, double exteriorWidth, Monitor& monitor) {
+void extendBand(Target& target, double exteriorWidth, double interiorWidth, Monitor& monitor) {
   if (target.denseBox) return;
   const FloatGrid::Ptr phi = target.phi;
   const double voxel = phi->voxelSize()[0];
-  bool solidInside = false;  // an inside that holds no distance
-  for (auto value = phi->tree().cbeginValueOff(); value && !solidInside; ++value) solidInside = *value < 0;
-  const double wanted = exteriorWidth + kExponentMargin * voxel;
+  const double wanted = exteriorWidth + kExponentMargin * voxel, wantedInside = interiorWidth + kExponentMargin * voxel;
   const bool widen = phi->background() < wanted * (1 - 1e-6);
-  if (!solidInside && !widen) return;
+  const double known = -solidBeginsAt(*phi, monitor);
+  const bool deepen = known < wantedInside * (1 - 1e-6);
+  if (!deepen && !widen) return;
   if (!phi->hasUniformVoxels())
     throw DataError(
         "the narrow band of '" + phi->getName() +
         "' must be widened, which needs voxels of one size in all directions; resample it, or make it dense");
   monitor.begin("widening the band", 0);
-  constexpr int kSweeps = 1;  // of 8 directions each; distances about one surface need no second round
-  if (solidInside) {
-    const Coord extent = phi->evalActiveVoxelDim();
-    const int deepest = std::min({extent[0], extent[1], extent[2]}) / 2 + 2;
-    target.phi = openvdb::tools::dilateSdf(*target.phi, deepest, openvdb::tools::NN_FACE, kSweeps,
-                                           openvdb::tools::FastSweepingDomain::SWEEP_LESS_THAN_ISOVALUE);
-    monitor.throwIfCancelled();
-  }
-  if (widen)
-    target.phi = openvdb::tools::dilateSdf(
-        *target.phi, static_cast<int>(std::ceil((wanted - phi->background()) / voxel)),
-        openvdb::tools::NN_FACE_EDGE_VERTEX, kSweeps, openvdb::tools::FastSweepingDomain::SWEEP_GREATER_THAN_ISOVALUE);
+  // Distances about one surface need no second round of the eight directions.
+  constexpr int kSweeps = 1;
+  const double layers = std::max(widen ? (wanted - phi->background()) / voxel : 0.0,
+                                 deepen && std::isfinite(interiorWidth) ? (wantedInside - known) / voxel : 0.0);
+  const bool wholeInside = deepen && !std::isfinite(interiorWidth);
+  target.phi = openvdb::tools::maskSdf(*phi, *sweepingMask(*phi, wholeInside, static_cast<int>(std::ceil(layers))),
+                                       false, kSweeps);
   // Sweeping touches the outermost of the values that it starts from; what was read stays what it was.
   auto accessor = target.phi->getAccessor();
   for (auto value = phi->cbeginValueOn(); value; ++value) accessor.setValue(value.getCoord(), *value);
@@ -178,6 +397,12 @@ double exteriorReach(const ExponentGridOptions& options) {
   return std::max(0.0, std::log(options.escapeRadius) / least + options.beta.range().second);
 }
 
+double likelyInteriorReach(const ExponentGridOptions& options) {
+  constexpr double kDepth = 2.5;
+  const auto [least, most] = options.alpha.range();
+  return std::max(0.0, kDepth / least - options.beta.range().first);
+}
+
 ExponentGrid exponentGrid(const Target& target, const FractalSpace& space, const ExponentGridOptions& options,
                           Monitor& monitor) {
   exteriorReach(options);  // its checks
@@ -185,34 +410,29 @@ ExponentGrid exponentGrid(const Target& target, const FractalSpace& space, const
   result.space = space;
   result.interpolation = options.interpolation;
   result.denseBox = target.denseBox;
-  result.grid = target.phi->deepCopy();
-  result.grid->setName("exponent");
-  result.grid->setGridClass(openvdb::GRID_UNKNOWN);
-  result.grid->clearMetadata();
-  FloatGrid& grid = *result.grid;
-  const openvdb::math::Transform& transform = grid.transform();
-  const double logEscape = std::log(options.escapeRadius);
-  if (!target.denseBox)
-    openvdb::tools::changeAsymmetricLevelSetBackground(grid.tree(), static_cast<float>(logEscape + 1), -1.0f);
-  double difference;
-  {
-    LeafManager leaves(grid.tree());
-    bake(leaves, transform, space, options, monitor);
-    difference = largestDifferenceInReach(leaves, options.interpolation);
-    const Vec3d origin = transform.worldToIndex(space.centre);
-    const bool originInBox =
-        !target.denseBox ||
-        openvdb::BBoxd(target.denseBox->min().asVec3d(), target.denseBox->max().asVec3d()).isInside(origin);
-    julia::RadialMaximum maximum;
-    maximum.step = 1;
-    // Past the faces of a dense field the nearest face's value holds; that is no farther from the origin than the point
-    // itself only where the box holds the origin.
-    if (originInBox)
-      maximum =
-          radialMaximum(leaves, transform, space, grid.tree().getValue(Coord::round(origin)), options.interpolation);
-    result.shell = julia::shellInterval(maximum, options.maxIterations, options.escapeRadius);
+  Baker baker(target, space, options, monitor);
+  const double largestStep = baker.largestStep();
+  const double difference = largestStep * stepsInReach(options.interpolation);
+  // Where the distances end inside, E is at least as low as at their end.
+  const double solid = target.denseBox ? -std::numeric_limits<double>::infinity() : baker.solidBound(target);
+  const Vec3d origin = target.phi->worldToIndex(space.centre);
+  const bool originInBox =
+      !target.denseBox ||
+      openvdb::BBoxd(target.denseBox->min().asVec3d(), target.denseBox->max().asVec3d()).isInside(origin);
+  julia::RadialMaximum maximum;
+  maximum.step = 1;
+  // Past the faces of a dense field the nearest face's value holds; that is no farther from the origin than the point
+  // itself only where the box holds the origin.
+  if (originInBox) {
+    const Coord node = Coord::round(origin);
+    const bool outside = !target.phi->tree().isValueOn(node) && !(target.phi->tree().getValue(node) < 0);
+    const double logEscape = std::log(options.escapeRadius);
+    maximum = baker.radialMaximum(outside ? logEscape + 1 : solid);
   }
-  narrowToShell(grid, result.shell, difference);
+  result.shell = julia::shellInterval(maximum, options.maxIterations, options.escapeRadius);
+  // Of the nodes that are read with a solid one, one lies next to it; all must be trapped.
+  result.tooShallow = solid + difference > result.shell.lower + largestStep;
+  result.grid = baker.narrowed(result.shell, difference);
   return result;
 }
 

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 namespace vdbtools {
@@ -107,11 +108,25 @@ MeshSdf makeSdfAbout(const Vec3d& middle, Mesh mesh, const MeshToSdfOptions& opt
   return sdf;
 }
 
+double spaceScale(const FractalOptions& options, const BBoxd& box) {
+  return options.space == SpaceKind::World ? 1 : longestSide(box);
+}
+
 /// The target's box and the controls that may refer to it, then the target itself with the band that they need.
 struct Input {
   Target target;
   ExponentGridOptions exponent;
+  /// Makes the target's distances known over the whole inside, which takes long and is seldom needed.
+  std::function<void(Target&)> deepen;
 };
+
+/// How deep the distances must be known at first, world units.
+double interiorWidth(const FractalOptions& options, const ExponentGridOptions& exponent, const BBoxd& box) {
+  double width = likelyInteriorReach(exponent) * spaceScale(options, box);
+  if (options.versor == "random" && options.randomRoots.placement == julia::RootPlacement::Surface)
+    width = std::max(width, options.randomRoots.surfaceDistance * longestSide(box));
+  return width;
+}
 
 ExponentGridOptions exponentOptions(const FractalOptions& options, const BBoxd& box) {
   return {.alpha = readControl("alpha", options.alpha, box),
@@ -121,22 +136,22 @@ ExponentGridOptions exponentOptions(const FractalOptions& options, const BBoxd& 
           .interpolation = options.interpolation};
 }
 
-double spaceScale(const FractalOptions& options, const BBoxd& box) {
-  return options.space == SpaceKind::World ? 1 : longestSide(box);
-}
-
 Input readMeshInput(const FractalOptions& options, std::map<std::string, std::string>& facts, Monitor& monitor) {
-  Mesh mesh = readMesh(options.input);
-  const MeshReport report = reportOfSolid(mesh, options.input);
+  const auto mesh = std::make_shared<const Mesh>(readMesh(options.input));
+  const MeshReport report = reportOfSolid(*mesh, options.input);
   const double voxel = options.sdfVoxels.sizeFor(longestSide(report.box));
   ExponentGridOptions exponent = exponentOptions(options, report.box);
   const double reach = exteriorReach(exponent) * spaceScale(options, report.box);
-  const MeshSdf sdf =
-      makeSdfAbout(report.box.getCenter(), std::move(mesh),
-                   sdfBand(voxel, reach / voxel + kExponentMargin, std::numeric_limits<double>::infinity()),
-                   options.repair, options.gap, monitor);
-  if (sdf.moved) facts["julia_repair_moved"] = numbersText({*sdf.moved});
-  return {makeTarget(sdf.grid, report.box), std::move(exponent)};
+  const auto makeAt = [=, &options, &facts, &monitor](double depth) {
+    const MeshSdf sdf = makeSdfAbout(report.box.getCenter(), *mesh,
+                                     sdfBand(voxel, reach / voxel + kExponentMargin, depth / voxel + kExponentMargin),
+                                     options.repair, options.gap, monitor);
+    if (sdf.moved) facts["julia_repair_moved"] = numbersText({*sdf.moved});
+    return makeTarget(sdf.grid, report.box);
+  };
+  const double depth = interiorWidth(options, exponent, report.box);
+  return {makeAt(depth), std::move(exponent),
+          [makeAt](Target& target) { target = makeAt(std::numeric_limits<double>::infinity()); }};
 }
 
 Input readVdbInput(const FractalOptions& options, Monitor& monitor) {
@@ -148,9 +163,13 @@ Input readVdbInput(const FractalOptions& options, Monitor& monitor) {
     const std::vector<double> b = parseNumbers(kTargetBox, found->second, 6);
     box.emplace(Vec3d(b[0], b[1], b[2]), Vec3d(b[3], b[4], b[5]));
   }
-  Input input{makeTarget(phi, box), {}};
+  Input input{makeTarget(phi, box), {}, {}};
   input.exponent = exponentOptions(options, input.target.box);
-  extendBand(input.target, exteriorReach(input.exponent) * spaceScale(options, input.target.box), monitor);
+  const double reach = exteriorReach(input.exponent) * spaceScale(options, input.target.box);
+  extendBand(input.target, reach, interiorWidth(options, input.exponent, input.target.box), monitor);
+  input.deepen = [reach, &monitor](Target& target) {
+    extendBand(target, reach, std::numeric_limits<double>::infinity(), monitor);
+  };
   return input;
 }
 
@@ -236,7 +255,6 @@ template <class Real>
 std::unique_ptr<julia::FieldEvaluator> makeEvaluator(const Scene& scene) {
   const FractalOptions& options = scene.options;
   const julia::Embedding embedding{options.slice, options.dropAxis};
-  const std::shared_ptr<const julia::Map<Real>> map = makeMap<Real>(scene);
   julia::OrbitOptions orbit{
       .maxIterations = options.iterations, .escapeRadius = options.escape, .confirmTrap = options.exhaustive};
   if (scene.exponent) orbit.logTrap = scene.exponent->shell.lower;
@@ -274,28 +292,32 @@ Scene makeScene(const FractalOptions& options, Monitor& monitor) {
   openvdb::initialize();
   Scene scene;
   scene.options = options;
-  std::optional<ExponentGridOptions> exponent;
+  std::optional<Input> input;
   if (!options.input.empty()) {
-    Input input =
-        isVdbPath(options.input) ? readVdbInput(options, monitor) : readMeshInput(options, scene.facts, monitor);
+    input = isVdbPath(options.input) ? readVdbInput(options, monitor) : readMeshInput(options, scene.facts, monitor);
     const std::string hash = sha256OfFile(options.input);
     requireHash(options.sourceHash, hash, options.input);
     scene.facts["julia_source_sha256"] = hash;
-    scene.facts[kTargetBox] = boxText(input.target.box);
-    scene.target = std::move(input.target);
-    exponent = std::move(input.exponent);
+    scene.facts[kTargetBox] = boxText(input->target.box);
+    if (options.space == SpaceKind::Fit && !centreIsInside(*input->target.phi, input->target.box))
+      input->deepen(input->target);
   } else if (options.map == MapKind::ShapeModulus) {
     throw std::invalid_argument("the shape modulus needs a target: give a mesh, or a VDB with its signed distance");
   }
-  scene.space = makeSpace(options, scene.target ? &*scene.target : nullptr);
+  scene.space = makeSpace(options, input ? &input->target : nullptr);
   const Vec3d& centre = scene.space.centre;
   scene.facts["julia_space_centre"] = numbersText({centre[0], centre[1], centre[2]});
   scene.facts["julia_space_scale"] = numbersText({scene.space.scale});
   if (options.map == MapKind::ShapeModulus) {
-    scene.exponent = exponentGrid(*scene.target, scene.space, *exponent, monitor);
+    scene.exponent = exponentGrid(input->target, scene.space, input->exponent, monitor);
+    if (scene.exponent->tooShallow) {
+      input->deepen(input->target);
+      scene.exponent = exponentGrid(input->target, scene.space, input->exponent, monitor);
+    }
     const julia::ShellInterval& shell = scene.exponent->shell;
     scene.facts["julia_shell"] = numbersText({shell.lower, shell.upper});
   }
+  if (input) scene.target = std::move(input->target);
   if (options.map != MapKind::Quadratic) scene.rational = readVersor(options, scene);
   scene.region = scene.exponent ? BBoxd() : regionOf(scene);
   scene.voxelSize = options.voxels.sizeFor(longestSide(scene.target ? scene.target->box : scene.region));

@@ -52,14 +52,17 @@ openvdb::BBoxd insideBox(const openvdb::FloatGrid& phi) {
   return phi.transform().indexToWorld(openvdb::BBoxd(low, high));
 }
 
+bool centreIsInside(const openvdb::FloatGrid& phi, const openvdb::BBoxd& box) {
+  return openvdb::tools::BoxSampler::sample(phi.getConstAccessor(), phi.worldToIndex(box.getCenter())) < 0;
+}
+
 FractalSpace fitFractalSpace(const openvdb::FloatGrid& phi, const openvdb::BBoxd& box, const openvdb::Vec3d& origin) {
   FractalSpace space;
   space.scale = box.extents()[static_cast<int>(openvdb::math::MaxIndex(box.extents()))];
   if (!(space.scale > 0 && std::isfinite(space.scale)))
     throw std::invalid_argument("the target's longest side is " + std::to_string(space.scale) + "; it must be above 0");
   space.centre = box.getCenter();
-  const auto accessor = phi.getConstAccessor();
-  if (!(openvdb::tools::BoxSampler::sample(accessor, phi.worldToIndex(space.centre)) < 0)) {
+  if (!centreIsInside(phi, box)) {
     float deepest = 0;
     Coord deepestNode;
     for (auto value = phi.tree().cbeginValueAll(); value; ++value) {

@@ -7,6 +7,7 @@
 #include <openvdb/openvdb.h>
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -31,6 +32,9 @@ class Control {
 
   /// A function of the world position. Each thread takes its own: it may carry a cache.
   std::function<double(const openvdb::Vec3d&)> reader() const;
+
+  /// The value, if it is the same everywhere.
+  std::optional<double> constant() const;
 
   /// Bounds of the values anywhere.
   std::pair<double, double> range() const;

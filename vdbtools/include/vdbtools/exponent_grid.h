@@ -34,9 +34,10 @@ struct Target {
 /// @throw DataError  empty, not finite, without an inside, a background that is not positive in a narrow band
 Target makeTarget(openvdb::FloatGrid::Ptr phi, std::optional<openvdb::BBoxd> box);
 
-/// Widens the band of a narrow-band target, where it is narrower, to @a exteriorWidth (world units) and over the whole
-/// inside, by fast sweeping. Values of the band stay as they are. A dense target stays as it is.
-void extendBand(Target& target, double exteriorWidth, Monitor& monitor);
+/// Widens the band of a narrow-band target, where it is narrower, to @a exteriorWidth and @a interiorWidth (world units;
+/// infinity: over the whole inside), and kExponentMargin voxels further, by fast sweeping. Values of the band stay as
+/// they are. A dense target stays as it is.
+void extendBand(Target& target, double exteriorWidth, double interiorWidth, Monitor& monitor);
 
 struct ExponentGridOptions {
   Control alpha{40.0};  ///< thinness of the shell, > 0 everywhere
@@ -51,6 +52,8 @@ struct ExponentGrid {
   FractalSpace space;
   julia::ShellInterval shell;
   std::optional<openvdb::CoordBBox> denseBox;  ///< see Target
+  /// The target's distances end before E is as low as the shell's lower end: they must be extended further inward.
+  bool tooShallow = false;
   julia::Interpolation interpolation = julia::Interpolation::Trilinear;
 };
 
@@ -60,7 +63,11 @@ inline constexpr double kExponentMargin = 7;
 /// How far outside the surface E may stay below ln(escape): the band that phi needs there, units of fractal space.
 double exteriorReach(const ExponentGridOptions& options);
 
-/// @pre extendBand(target, space.scale * exteriorReach(options)), or a band that reaches kExponentMargin further
+/// How deep inside E may stay above -2.5; most targets are trapped before. The same units.
+double likelyInteriorReach(const ExponentGridOptions& options);
+
+/// @pre extendBand() with space.scale times exteriorReach() and the whole inside, or a band as wide. A band that is
+///      shallower inside serves where the result is not tooShallow.
 /// @throw std::invalid_argument  alpha not positive, or not finite
 ExponentGrid exponentGrid(const Target& target, const FractalSpace& space, const ExponentGridOptions& options,
                           Monitor& monitor);

@@ -26,6 +26,9 @@ struct FractalSpace {
 /// @throw DataError if phi is nowhere negative
 openvdb::BBoxd insideBox(const openvdb::FloatGrid& phi);
 
+/// Whether phi < 0 at the middle of the box: fitFractalSpace() then needs no distances deep inside.
+bool centreIsInside(const openvdb::FloatGrid& phi, const openvdb::BBoxd& box);
+
 /// The space of a target: its centre is the box's if phi < 0 there, else the deepest node (the first in the order of
 /// the tree). The origin is then moved by @a origin, in units of the space.
 /// @throw DataError if phi is nowhere negative; std::invalid_argument if the box has no extent
