@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/fractal_field.h"
 
+#include "block_evaluator.h"
+#include "block_layers.h"
+
 #include <openvdb/tools/SignedFloodFill.h>
 #include <openvdb/tree/ValueAccessor.h>
 
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
-#include <atomic>
+#include <bit>
 #include <cmath>
 #include <stdexcept>
 #include <vector>
@@ -22,22 +25,9 @@ using openvdb::FloatGrid;
 using openvdb::FloatTree;
 using openvdb::Vec3d;
 using Leaf = FloatTree::LeafNodeType;
-using BlockMask = openvdb::MaskTree;
 
-constexpr int kBlock = static_cast<int>(Leaf::DIM);
 // Lattice indices beyond this leave no room for a neighbour, or lose their last bits in world space.
 constexpr double kMostIndex = 1 << 29;
-
-Coord blockOf(const Coord& node) { return node & ~(kBlock - 1); }
-
-void addBlocks(BlockMask& blocks, const CoordBBox& nodes) {
-  if (nodes.empty()) return;
-  openvdb::tree::ValueAccessor<BlockMask> accessor(blocks);
-  const Coord low = blockOf(nodes.min()), high = blockOf(nodes.max());
-  for (int x = low[0]; x <= high[0]; x += kBlock)
-    for (int y = low[1]; y <= high[1]; y += kBlock)
-      for (int z = low[2]; z <= high[2]; z += kBlock) accessor.touchLeaf({x, y, z});
-}
 
 /// The lattice nodes in a box of world space, plus @a margin nodes on every side.
 CoordBBox latticeNodes(const openvdb::BBoxd& world, double voxelSize, int margin) {
@@ -77,153 +67,190 @@ CoordBBox shellDomain(const ExponentGrid& exponent, const FractalFieldOptions& o
   return domain;
 }
 
+/// A leaf's values and the first layer of its neighbours behind it: the corners of the cells that begin in it.
+class CellCorners {
+ public:
+  static constexpr unsigned kSide = Leaf::DIM;
+
+  CellCorners(const Leaf& leaf, const openvdb::tree::ValueAccessor<const FloatTree>& accessor) {
+    for (unsigned neighbour = 0; neighbour < 8; ++neighbour) {
+      const unsigned dx = neighbour & 1, dy = neighbour >> 1 & 1, dz = neighbour >> 2 & 1;
+      const Coord origin = leaf.origin().offsetBy(static_cast<int>(dx * kSide), static_cast<int>(dy * kSide),
+                                                  static_cast<int>(dz * kSide));
+      const Leaf* from = neighbour == 0 ? &leaf : accessor.probeConstLeaf(origin);
+      const float tile = from ? 0 : accessor.getValue(origin);
+      for (unsigned x = 0; x < (dx ? 1 : kSide); ++x)
+        for (unsigned y = 0; y < (dy ? 1 : kSide); ++y)
+          for (unsigned z = 0; z < (dz ? 1 : kSide); ++z)
+            mValue[x + dx * kSide][y + dy * kSide][z + dz * kSide] =
+                from ? from->buffer().data()[(x * kSide + y) * kSide + z] : tile;
+    }
+  }
+
+  /// Bit z: whether the values at the corners of cell (x, y, z) reach into the open interval.
+  unsigned touching(unsigned x, unsigned y, float lower, float upper) const {
+    const float *a = mValue[x][y], *b = mValue[x + 1][y], *c = mValue[x][y + 1], *d = mValue[x + 1][y + 1];
+    float low[kSide + 1], high[kSide + 1];
+    for (unsigned z = 0; z <= kSide; ++z) {
+      low[z] = std::min(std::min(a[z], b[z]), std::min(c[z], d[z]));
+      high[z] = std::max(std::max(a[z], b[z]), std::max(c[z], d[z]));
+    }
+    unsigned bits = 0;
+    for (unsigned z = 0; z < kSide; ++z) {
+      const bool touches = std::max(high[z], high[z + 1]) > lower && std::min(low[z], low[z + 1]) < upper;
+      bits |= static_cast<unsigned>(touches) << z;
+    }
+    return bits;
+  }
+
+ private:
+  float mValue[kSide + 1][kSide + 1][kSide + 1];
+};
+
 /// Blocks that hold a corner of any lattice cell which touches an undecided cell of E: a change of F's sign lies in
 /// such a cell, for E is continuous.
-void addShellBlocks(BlockMask& blocks, const ExponentGrid& exponent, const CoordBBox& domain, double voxelSize) {
+void addShellBlocks(BlockSet& blocks, const ExponentGrid& exponent, const CoordBBox& domain, double voxelSize) {
+  // Interpolating rounds.
+  constexpr double kRounding = 1e-5;
+  const double lower = exponent.shell.lower - kRounding * (1 + std::abs(exponent.shell.lower));
+  const double upper = exponent.shell.upper + kRounding * (1 + exponent.shell.upper);
+  // E's index space to the lattice's: a point, and how far a unit cell reaches about its middle.
   const openvdb::math::Transform& transform = exponent.grid->transform();
-  const openvdb::tree::ValueAccessor<const FloatTree> values(exponent.grid->tree());
-  for (auto leaf = exponent.grid->tree().cbeginLeaf(); leaf; ++leaf)
-    for (auto value = leaf->cbeginValueOn(); value; ++value) {
-      // A node owns the cell that begins at it.
-      const Coord node = value.getCoord();
-      float low = *value, high = *value;
-      for (int corner = 1; corner < 8; ++corner) {
-        const float other = values.getValue(node.offsetBy(corner & 1, corner >> 1 & 1, corner >> 2 & 1));
-        low = std::min(low, other);
-        high = std::max(high, other);
-      }
-      if (high <= exponent.shell.lower || low >= exponent.shell.upper) continue;
-      const openvdb::BBoxd cell(node.asVec3d(), node.offsetBy(1).asVec3d());
-      CoordBBox nodes = latticeNodes(transform.indexToWorld(cell), voxelSize, 1);
-      nodes.intersect(domain);
-      addBlocks(blocks, nodes);
-    }
-}
-
-/// Blocks on the domain's border and just outside of it, so that the cut itself is a change of sign between leaves.
-void addBorderBlocks(BlockMask& blocks, const CoordBBox& domain) {
+  const Vec3d zero = transform.indexToWorld(Vec3d(0)) / voxelSize;
+  Vec3d columns[3];
   for (int axis = 0; axis < 3; ++axis) {
-    for (const bool far : {false, true}) {
-      CoordBBox slab = domain;
-      slab.expand(1);
-      Coord low = slab.min(), high = slab.max();
-      if (far)
-        low[axis] = high[axis] - 1;
-      else
-        high[axis] = low[axis] + 1;
-      addBlocks(blocks, {low, high});
-    }
+    Vec3d unit(0);
+    unit[axis] = 1;
+    columns[axis] = transform.indexToWorld(unit) / voxelSize - zero;
   }
-}
-
-/// Keeps the sign, whatever rounding to 32 bits does.
-float stored(double field) {
-  const float value = static_cast<float>(field);
-  return value == 0 && field < 0 ? -std::numeric_limits<float>::min() : value;
-}
-
-FractalField evaluateBlocks(const BlockMask& blocks, const CoordBBox& domain, bool bounded, const FieldSource& source,
-                            const FractalFieldOptions& options, Monitor& monitor) {
-  std::vector<Coord> origins;
-  origins.reserve(blocks.leafCount());
-  for (auto leaf = blocks.cbeginLeaf(); leaf; ++leaf) origins.push_back(leaf->origin());
-
-  constexpr float kOutside = 1;
-  FractalField result;
-  result.domain = domain;
-  result.bounded = bounded;
-  std::vector<Leaf*> fieldLeaves(origins.size()), stepLeaves(options.keepIterations ? origins.size() : 0);
-  std::atomic<std::uint64_t> evaluated{0};
-  monitor.begin("field", origins.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, origins.size(), 4), [&](const auto& range) {
-    std::vector<julia::Point> points;
-    std::vector<openvdb::Index> offsets;
-    std::vector<double> values;
-    std::vector<int> steps;
+  constexpr double kMargin = 1 + 1e-6;  // a corner of a lattice cell that touches
+  std::vector<const Leaf*> leaves;
+  for (auto leaf = exponent.grid->tree().cbeginLeaf(); leaf; ++leaf) leaves.push_back(leaf.getLeaf());
+  tbb::enumerable_thread_specific<BlockSet> parts;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), 16), [&](const auto& range) {
+    const openvdb::tree::ValueAccessor<const FloatTree> values(exponent.grid->tree());
+    BlockSet& part = parts.local();
+    openvdb::tree::ValueAccessor<BlockSet> marked(part);
+    CoordBBox last;
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
-      if (monitor.cancelled()) return;
-      // All active for now: the flood below overwrites what is not.
-      fieldLeaves[i] = new Leaf(origins[i], kOutside, true);
-      if (options.keepIterations) stepLeaves[i] = new Leaf(origins[i], 0.0f, false);
-      points.clear();
-      offsets.clear();
-      // Each coordinate is that of its index alone, whichever block asks.
-      std::array<julia::Point, kBlock> at;
-      for (int k = 0; k < kBlock; ++k)
-        at[static_cast<std::size_t>(k)] = source.space.toFractal(origins[i].offsetBy(k).asVec3d() * options.voxelSize);
-      const bool within = domain.isInside(fieldLeaves[i]->getNodeBoundingBox());
-      for (openvdb::Index offset = 0; offset < Leaf::SIZE; ++offset) {
-        if (!within && !domain.isInside(fieldLeaves[i]->offsetToGlobalCoord(offset))) continue;
-        offsets.push_back(offset);
-        points.push_back({at[offset >> 6][0], at[offset >> 3 & 7][1], at[offset & 7][2]});
+      const CellCorners corners(*leaves[i], values);
+      for (unsigned row = 0; row < CellCorners::kSide * CellCorners::kSide; ++row) {
+        const unsigned x = row / CellCorners::kSide, y = row % CellCorners::kSide;
+        const unsigned on = leaves[i]->getValueMask().getWord<openvdb::Byte>(row);
+        unsigned bits = on & corners.touching(x, y, static_cast<float>(lower), static_cast<float>(upper));
+        while (bits != 0) {
+          // A run of cells along z.
+          const int first = std::countr_zero(bits), length = std::countr_one(bits >> first);
+          bits &= ~(((1u << length) - 1) << first);
+          const Coord begin = leaves[i]->origin().offsetBy(static_cast<int>(x), static_cast<int>(y), first);
+          const Vec3d half(0.5, 0.5, 0.5 * length), middle = begin.asVec3d() + half;
+          CoordBBox nodes;
+          for (int axis = 0; axis < 3; ++axis) {
+            double at = zero[axis], extent = kMargin;
+            for (int k = 0; k < 3; ++k) {
+              at += columns[k][axis] * middle[k];
+              extent += std::abs(columns[k][axis]) * half[k];
+            }
+            nodes.min()[axis] = static_cast<int>(std::ceil(at - extent));
+            nodes.max()[axis] = static_cast<int>(std::floor(at + extent));
+          }
+          nodes.intersect(domain);
+          if (nodes.empty()) continue;
+          const CoordBBox touched(nodes.min() >> kBlockLog2, nodes.max() >> kBlockLog2);
+          if (touched == last) continue;
+          last = touched;
+          if (touched.volume() > 512)
+            part.denseFill(touched, true);
+          else
+            for (auto block = touched.begin(); block; ++block) marked.setValueOn(*block);
+        }
       }
-      values.resize(points.size());
-      steps.resize(points.size());
-      source.evaluator.evaluate(points, values, steps);
-      for (std::size_t k = 0; k < offsets.size(); ++k) {
-        fieldLeaves[i]->setValueOn(offsets[k], stored(values[k]));
-        if (options.keepIterations) stepLeaves[i]->setValueOn(offsets[k], static_cast<float>(steps[k]));
-      }
-      evaluated += points.size();
-      monitor.advance(1);
     }
   });
-  // The trees own the leaves from here, also when the work was cancelled.
-  const auto plant = [&](std::vector<Leaf*>& leaves, float background, const char* name) {
-    FloatGrid::Ptr grid = FloatGrid::create(background);
-    grid->setTransform(openvdb::math::Transform::createLinearTransform(options.voxelSize));
-    grid->setName(name);
-    for (Leaf* leaf : leaves)
-      if (leaf) grid->tree().addLeaf(leaf);
-    return grid;
-  };
-  result.field = plant(fieldLeaves, kOutside, "logmodulus");
-  if (options.keepIterations) result.iterations = plant(stepLeaves, 0, "iterations");
-  monitor.throwIfCancelled();
-  // Where there is no leaf nothing changes sign, so the sign of a block's corner is that of its neighbours.
-  openvdb::tools::signedFloodFillWithValues(result.field->tree(), kOutside, -kOutside);
-  for (auto leaf = result.field->tree().beginLeaf(); leaf; ++leaf) {
-    if (domain.isInside(leaf->getNodeBoundingBox())) continue;
-    for (auto value = leaf->beginValueOn(); value; ++value)
-      if (!domain.isInside(value.getCoord())) value.setValueOff();
-  }
-  result.evaluatedNodes = evaluated;
-  return result;
+  for (const BlockSet& part : parts) blocks.topologyUnion(part);
+}
+
+FieldPlan makePlan(const CoordBBox& domain, bool bounded, double voxelSize) {
+  return {domain, bounded, voxelSize, std::make_shared<BlockSet>()};
 }
 
 }  // namespace
 
+FieldPlan planShell(const ExponentGrid& exponent, const FractalFieldOptions& options) {
+  requireValid(options);
+  const bool bounded = options.box.has_value() || exponent.denseBox.has_value();
+  FieldPlan plan = makePlan(shellDomain(exponent, options), bounded, options.voxelSize);
+  addShellBlocks(*plan.blocks, exponent, plan.domain, options.voxelSize);
+  if (bounded) addBorderBlocks(*plan.blocks, plan.domain);
+  return plan;
+}
+
+FieldPlan planExhaustive(const ExponentGrid& exponent, const FractalFieldOptions& options) {
+  requireValid(options);
+  const bool bounded = options.box.has_value() || exponent.denseBox.has_value();
+  FieldPlan plan = makePlan(shellDomain(exponent, options), bounded, options.voxelSize);
+  addBlocks(*plan.blocks, plan.domain);
+  addBorderBlocks(*plan.blocks, plan.domain);
+  return plan;
+}
+
+FieldPlan planBox(const FractalFieldOptions& options) {
+  requireValid(options);
+  if (!options.box) throw std::invalid_argument("a field without a shell needs a box to be evaluated in");
+  FieldPlan plan = makePlan(latticeNodes(*options.box, options.voxelSize, 0), true, options.voxelSize);
+  if (plan.domain.empty())
+    throw std::invalid_argument("the box holds no node of the lattice; make it larger, or the voxels smaller");
+  addBlocks(*plan.blocks, plan.domain);
+  addBorderBlocks(*plan.blocks, plan.domain);
+  return plan;
+}
+
+FractalField evaluateField(const FieldPlan& plan, const FieldSource& source, bool keepIterations, Monitor& monitor) {
+  const auto makeGrid = [&](float background, const char* name) {
+    FloatGrid::Ptr grid = FloatGrid::create(background);
+    grid->setTransform(openvdb::math::Transform::createLinearTransform(plan.voxelSize));
+    grid->setName(name);
+    return grid;
+  };
+  FractalField result;
+  result.domain = plan.domain;
+  result.bounded = plan.bounded;
+  result.field = makeGrid(kFieldOutside, "logmodulus");
+  if (keepIterations) result.iterations = makeGrid(0, "iterations");
+  BlockLayers layers(*plan.blocks);
+  BlockEvaluator evaluator(source,
+                           {.voxelSize = plan.voxelSize, .domain = plan.domain, .keepIterations = keepIterations});
+  monitor.begin("field", layers.blockCount());
+  while (const auto origins = layers.next()) {
+    for (EvaluatedBlock& block : evaluator.evaluate(*origins, monitor)) {
+      if (block.field) result.field->tree().addLeaf(block.field.release());
+      if (block.iterations) result.iterations->tree().addLeaf(block.iterations.release());
+    }
+    monitor.throwIfCancelled();
+  }
+  // Where there is no leaf nothing changes sign, so the sign of a block's corner is that of its neighbours.
+  openvdb::tools::signedFloodFillWithValues(result.field->tree(), kFieldOutside, -kFieldOutside);
+  for (auto leaf = result.field->tree().beginLeaf(); leaf; ++leaf) {
+    if (plan.domain.isInside(leaf->getNodeBoundingBox())) continue;
+    for (auto value = leaf->beginValueOn(); value; ++value)
+      if (!plan.domain.isInside(value.getCoord())) value.setValueOff();
+  }
+  result.evaluatedNodes = evaluator.evaluatedNodes();
+  return result;
+}
+
 FractalField fractalField(const FieldSource& source, const ExponentGrid& exponent, const FractalFieldOptions& options,
                           Monitor& monitor) {
-  requireValid(options);
-  const CoordBBox domain = shellDomain(exponent, options);
-  const bool bounded = options.box.has_value() || exponent.denseBox.has_value();
-  BlockMask blocks;
-  addShellBlocks(blocks, exponent, domain, options.voxelSize);
-  if (bounded) addBorderBlocks(blocks, domain);
-  return evaluateBlocks(blocks, domain, bounded, source, options, monitor);
+  return evaluateField(planShell(exponent, options), source, options.keepIterations, monitor);
 }
 
 FractalField fractalFieldExhaustive(const FieldSource& source, const ExponentGrid& exponent,
                                     const FractalFieldOptions& options, Monitor& monitor) {
-  requireValid(options);
-  const CoordBBox domain = shellDomain(exponent, options);
-  BlockMask blocks;
-  addBlocks(blocks, domain);
-  addBorderBlocks(blocks, domain);
-  return evaluateBlocks(blocks, domain, options.box || exponent.denseBox, source, options, monitor);
+  return evaluateField(planExhaustive(exponent, options), source, options.keepIterations, monitor);
 }
 
 FractalField fractalFieldEverywhere(const FieldSource& source, const FractalFieldOptions& options, Monitor& monitor) {
-  requireValid(options);
-  if (!options.box) throw std::invalid_argument("a field without a shell needs a box to be evaluated in");
-  const CoordBBox domain = latticeNodes(*options.box, options.voxelSize, 0);
-  if (domain.empty())
-    throw std::invalid_argument("the box holds no node of the lattice; make it larger, or the voxels smaller");
-  BlockMask blocks;
-  addBlocks(blocks, domain);
-  addBorderBlocks(blocks, domain);
-  return evaluateBlocks(blocks, domain, true, source, options, monitor);
+  return evaluateField(planBox(options), source, options.keepIterations, monitor);
 }
 
 }  // namespace vdbtools

@@ -43,15 +43,15 @@ Mesh meshOfLevelSet(const openvdb::FloatGrid& levelSet, Monitor& monitor) {
   field.field->setTransform(openvdb::math::Transform::createLinearTransform(1.0));
   openvdb::FloatTree& tree = field.field->tree();
   tree.voxelizeActiveTiles();
-  // A narrow band holds every cell that the surface crosses. Another grid may end inside; the cells around it then
-  // begin in the leaves before.
+  // A narrow band holds every cell that the surface crosses. Another grid may end inside; the surface then lies between
+  // its leaves and those around.
   if (levelSet.getGridClass() != openvdb::GRID_LEVEL_SET) {
     std::vector<openvdb::Coord> origins;
     for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) origins.push_back(leaf->origin());
     constexpr int kStep = openvdb::FloatTree::LeafNodeType::DIM;
     for (const openvdb::Coord& origin : origins)
-      for (int k = 1; k < 8; ++k)
-        tree.touchLeaf(origin.offsetBy(k & 1 ? -kStep : 0, k & 2 ? -kStep : 0, k & 4 ? -kStep : 0));
+      for (int k = 0; k < 27; ++k)
+        tree.touchLeaf(origin.offsetBy((k % 3 - 1) * kStep, (k / 3 % 3 - 1) * kStep, (k / 9 - 1) * kStep));
   }
   field.domain = field.field->evalActiveVoxelBoundingBox();
   field.domain.expand(2);

@@ -16,26 +16,30 @@ inline bool isInside(float field) { return field < 0; }
 class LeafSigns {
  public:
   using Leaf = openvdb::FloatTree::LeafNodeType;
-  using Accessor = openvdb::tree::ValueAccessor<const openvdb::FloatTree>;
   static constexpr unsigned kSide = Leaf::DIM;
 
-  LeafSigns(const Leaf& leaf, const Accessor& accessor) {
+  /// A leaf and its seven neighbours behind it: [1] in x, [2] in y, [4] in z, and their sums. Where one is absent the
+  /// field does not change sign from there to the leaves next to it.
+  using Neighbours = std::array<const Leaf*, 8>;
+
+  explicit LeafSigns(const Neighbours& leaves) {
     for (unsigned neighbour = 0; neighbour < 8; ++neighbour) {
       const unsigned dx = neighbour & 1, dy = neighbour >> 1 & 1, dz = neighbour >> 2 & 1;
-      const openvdb::Coord origin = leaf.origin().offsetBy(static_cast<int>(dx * kSide), static_cast<int>(dy * kSide),
-                                                           static_cast<int>(dz * kSide));
-      const Leaf* from = neighbour == 0 ? &leaf : accessor.probeConstLeaf(origin);
-      const bool tile = !from && isInside(accessor.getValue(origin));
+      const Leaf* from = leaves[neighbour];
       // The whole leaf, or the layer of the neighbour that touches it.
       const unsigned endX = dx ? 1 : kSide, endY = dy ? 1 : kSide, endZ = dz ? 1 : kSide;
       for (unsigned x = 0; x < endX; ++x)
         for (unsigned y = 0; y < endY; ++y) {
-          unsigned bits = tile ? (1u << endZ) - 1 : 0;
+          std::uint16_t& bits = mRows[x + dx * kSide][y + dy * kSide];
           if (from) {
             const float* row = from->buffer().data() + (x * kSide + y) * kSide;
-            for (unsigned z = 0; z < endZ; ++z) bits |= static_cast<unsigned>(isInside(row[z])) << z;
+            for (unsigned z = 0; z < endZ; ++z)
+              bits |= static_cast<std::uint16_t>(static_cast<unsigned>(isInside(row[z])) << (z + dz * kSide));
+            continue;
           }
-          mRows[x + dx * kSide][y + dy * kSide] |= static_cast<std::uint16_t>(bits << dz * kSide);
+          // As one node before, towards a neighbour that was here earlier.
+          const unsigned before = dz ? unsigned{bits} << 1 : dy ? row(x + dx * kSide, kSide - 1) : row(kSide - 1, y);
+          bits |= static_cast<std::uint16_t>(before & (dz ? 1u << kSide : (1u << kSide) - 1));
         }
     }
   }

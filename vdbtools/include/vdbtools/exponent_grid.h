@@ -34,9 +34,9 @@ struct Target {
 /// @throw DataError  empty, not finite, without an inside, a background that is not positive in a narrow band
 Target makeTarget(openvdb::FloatGrid::Ptr phi, std::optional<openvdb::BBoxd> box);
 
-/// Widens the band of a narrow-band target, where it is narrower, to @a exteriorWidth and @a interiorWidth (world units;
-/// infinity: over the whole inside), and kExponentMargin voxels further, by fast sweeping. Values of the band stay as
-/// they are. A dense target stays as it is.
+/// Widens the band of a narrow-band target, where it is narrower, to @a exteriorWidth and @a interiorWidth (world
+/// units; infinity: over the whole inside), and kExponentMargin voxels further, by fast sweeping. Values of the band
+/// stay as they are. A dense target stays as it is.
 void extendBand(Target& target, double exteriorWidth, double interiorWidth, Monitor& monitor);
 
 struct ExponentGridOptions {

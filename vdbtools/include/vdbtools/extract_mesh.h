@@ -5,11 +5,13 @@
 ///
 /// The mesh is closed and 2-manifold away from the domain's border, oriented outward; vertices are shared, one for each
 /// crossing edge. Ambiguous faces keep the inside corners apart. A vertex and the order of all of them depend on global
-/// indices only.
+/// indices only: points and triangles come by the blocks of 8^3 nodes that their edges and cells begin in, these by x,
+/// then y, then z.
 #pragma once
 
 #include "vdbtools/fractal_field.h"
 #include "vdbtools/mesh.h"
+#include "vdbtools/mesh_sink.h"
 
 namespace vdbtools {
 
@@ -24,10 +26,27 @@ struct ExtractMeshOptions {
   Border border = Border::Open;
 };
 
+struct MeshCounts {
+  std::uint64_t points = 0, triangles = 0;
+  std::uint64_t evaluatedNodes = 0;  ///< of the lattice; 0 where the field was there before
+};
+
+/// The whole mesh, without normals.
 /// @throw std::invalid_argument  tolerance out of its domain
 /// @throw DataError              more points than 32-bit indices count
 Mesh extractMesh(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
                  Monitor& monitor);
+
+/// The same in pieces, with normals as computeNormals() makes them.
+MeshCounts extractMesh(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
+                       MeshSink& sink, Monitor& monitor);
+
+/// The same mesh while F is evaluated, which is never held whole: memory follows the largest layers of blocks in x.
+MeshCounts streamMesh(const FieldPlan& plan, const FieldSource& source, const ExtractMeshOptions& options,
+                      MeshSink& sink, Monitor& monitor);
+
+/// The direction of a sum of normals. Where they cancel out there is none; up is as good as any.
+openvdb::Vec3s unitNormal(const openvdb::Vec3d& sum);
 
 /// Sets unit normals: the sum of the normals of a point's triangles, weighted by area.
 void computeNormals(Mesh& mesh);

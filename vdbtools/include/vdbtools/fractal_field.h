@@ -18,19 +18,29 @@
 
 namespace vdbtools {
 
+/// What to evaluate: a domain, and the blocks of 8^3 nodes in it where F may change sign.
+struct FieldPlan {
+  openvdb::CoordBBox domain;  ///< the nodes of the domain, index space, both ends included
+  /// Whether the domain may cut the set: a box was asked for, or phi ends there.
+  bool bounded = false;
+  double voxelSize = 0;  ///< h, world units
+  /// One voxel (i, j, k) for the block whose first node is 8 (i, j, k). Next to blocks that are not in here F changes
+  /// no sign.
+  openvdb::MaskTree::Ptr blocks;
+};
+
 struct FractalField {
   /// F. Active nodes were evaluated; all others hold a constant of the right sign, outside of the domain a positive
   /// one.
   openvdb::FloatGrid::Ptr field;
   /// The steps that each evaluated node took; empty unless asked for.
   openvdb::FloatGrid::Ptr iterations;
-  openvdb::CoordBBox domain;  ///< the nodes of the domain, index space, both ends included
-  /// Whether the domain may cut the set: a box was asked for, or phi ends there.
-  bool bounded = false;
+  openvdb::CoordBBox domain;  ///< as the plan's
+  bool bounded = false;       ///< as the plan's
   std::uint64_t evaluatedNodes = 0;
 };
 
-/// What to evaluate, and where that lies.
+/// What to evaluate with, and where that lies.
 struct FieldSource {
   const julia::FieldEvaluator& evaluator;  ///< takes points of fractal space
   FractalSpace space;
@@ -42,17 +52,25 @@ struct FractalFieldOptions {
   bool keepIterations = false;
 };
 
-/// F of a map that has a shell: only where the exponent leaves it undecided.
+/// For a map that has a shell: only where the exponent leaves F undecided.
 /// @throw std::invalid_argument  h not positive, a lattice too large to be indexed, a box that holds no node
 /// @throw DataError              the box does not touch the domain
+FieldPlan planShell(const ExponentGrid& exponent, const FractalFieldOptions& options);
+
+/// The same domain, every node of it: to check the other one, which must agree in every sign.
+FieldPlan planExhaustive(const ExponentGrid& exponent, const FractalFieldOptions& options);
+
+/// Every node of options.box, which must be given: for maps without a shell.
+FieldPlan planBox(const FractalFieldOptions& options);
+
+/// The field of a plan, whole in memory.
+FractalField evaluateField(const FieldPlan& plan, const FieldSource& source, bool keepIterations, Monitor& monitor);
+
+/// The two steps in one.
 FractalField fractalField(const FieldSource& source, const ExponentGrid& exponent, const FractalFieldOptions& options,
                           Monitor& monitor);
-
-/// The same domain, every node of it evaluated: to check the other one, which must agree in every sign.
 FractalField fractalFieldExhaustive(const FieldSource& source, const ExponentGrid& exponent,
                                     const FractalFieldOptions& options, Monitor& monitor);
-
-/// F at every node of options.box, which must be given: for maps without a shell.
 FractalField fractalFieldEverywhere(const FieldSource& source, const FractalFieldOptions& options, Monitor& monitor);
 
 }  // namespace vdbtools

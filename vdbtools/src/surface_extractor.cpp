@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "surface_extractor.h"
+
+#include "block_layers.h"
+#include "marching_cubes_table.h"
+
+#include <tbb/parallel_for.h>
+
+#include <array>
+#include <bit>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+namespace vdbtools {
+
+using openvdb::Coord;
+using openvdb::CoordBBox;
+using openvdb::Index;
+using openvdb::Vec3d;
+
+namespace {
+
+constexpr std::uint16_t kNoVertex = 0xffff;
+
+constexpr unsigned kSide = LeafSigns::kSide;
+
+Coord cornerOf(const Coord& node, unsigned corner) {
+  return node.offsetBy(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
+}
+
+/// Runs body(first, last) over parts of 0 to count in threads, until the work is cancelled.
+template <class Body>
+void inParallel(std::size_t count, std::size_t grain, Monitor& monitor, const Body& body) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), [&](const auto& range) {
+    if (!monitor.cancelled()) body(range.begin(), range.end());
+  });
+  monitor.throwIfCancelled();
+}
+
+}  // namespace
+
+/// The vertices on the edges that begin at a leaf's nodes.
+struct SurfaceExtractor::LeafVertices {
+  std::array<std::uint16_t, 3 * Leaf::SIZE> onEdge;  // by 3 offset + axis: which of the leaf's
+  std::size_t first = 0;                             // of the layer's vertices
+  std::vector<LatticeEdge> edges;                    // until they are searched
+
+  LeafVertices() { onEdge.fill(kNoVertex); }
+};
+
+struct SurfaceExtractor::Layer {
+  enum class Stage { Added, HasVertices, HasTriangles, HasEmittedPoints };
+
+  int x = 0;  // of the blocks' first nodes
+  std::vector<const Leaf*> leaves;
+  std::shared_ptr<void> owner;
+  std::unordered_map<std::uint64_t, std::uint32_t> index;  // which leaf, by its place
+  Stage stage = Stage::Added;
+  std::vector<std::unique_ptr<LeafVertices>> vertices;  // of each leaf; none: no edge crosses
+  std::vector<Vec3d> positions;                         // world units
+  std::vector<Vec3d> normals;                           // sums of the triangles', weighted by area
+  std::uint64_t first = 0;                              // of all vertices
+  std::vector<std::vector<openvdb::Vec3I>> triangles;   // of each leaf
+
+  static std::uint64_t placeOf(int y, int z) {
+    return std::uint64_t{static_cast<std::uint32_t>(y)} << 32 | static_cast<std::uint32_t>(z);
+  }
+  /// Which leaf is at (y, z); none: the number of leaves.
+  std::size_t find(int y, int z) const {
+    const auto found = index.find(placeOf(y, z));
+    return found == index.end() ? leaves.size() : found->second;
+  }
+};
+
+SurfaceExtractor::SurfaceExtractor(const FieldSource& source, const Options& options, MeshSink& sink, Monitor& monitor)
+    : mSource(source), mOptions(options), mSink(sink), mMonitor(monitor) {
+  const double tolerance = options.extract.tolerance;
+  if (!(tolerance >= 0x1p-40 && tolerance <= 0.5))
+    throw std::invalid_argument("the tolerance of edge searches is " + std::to_string(tolerance) +
+                                " voxels; it must be at most 0.5 and at least 1e-12");
+}
+
+SurfaceExtractor::~SurfaceExtractor() = default;
+
+void SurfaceExtractor::add(std::vector<const Leaf*> leaves, std::shared_ptr<void> owner) {
+  if (leaves.empty()) return;
+  auto layer = std::make_unique<Layer>();
+  layer->x = leaves.front()->origin()[0];
+  layer->index.reserve(leaves.size());
+  for (std::size_t i = 0; i < leaves.size(); ++i)
+    layer->index.emplace(Layer::placeOf(leaves[i]->origin()[1], leaves[i]->origin()[2]), static_cast<std::uint32_t>(i));
+  layer->leaves = std::move(leaves);
+  layer->owner = std::move(owner);
+  mLayers.push_back(std::move(layer));
+  advance(mLayers.size() - 1);
+}
+
+void SurfaceExtractor::finish() { advance(mLayers.size()); }
+
+/// Takes every layer as far as it can be taken when what comes behind the first @a known of them is known.
+void SurfaceExtractor::advance(std::size_t known) {
+  using Stage = Layer::Stage;
+  const bool finished = known == mLayers.size();
+  const auto behind = [&](std::size_t i) -> Layer* {
+    return i + 1 < mLayers.size() && mLayers[i + 1]->x == mLayers[i]->x + kBlock ? mLayers[i + 1].get() : nullptr;
+  };
+  for (std::size_t i = 0; i < known; ++i)
+    if (mLayers[i]->stage == Stage::Added) findVertices(*mLayers[i], behind(i));
+  for (std::size_t i = 0; i < known; ++i) {
+    Layer* next = behind(i);
+    if (mLayers[i]->stage != Stage::HasVertices || (next && next->stage == Stage::Added)) continue;
+    findTriangles(*mLayers[i], next);
+    emitPoints(*mLayers[i]);
+    mLayers[i]->owner.reset();
+  }
+  while (!mLayers.empty() && mLayers[0]->stage == Stage::HasEmittedPoints) {
+    const Layer* next = behind(0);
+    // Triangles use the next layer's points, and that layer's walk this one's positions no more.
+    if (!finished && mLayers.size() == 1) return;
+    if (next && next->stage != Stage::HasEmittedPoints) return;
+    emitTriangles(*mLayers[0]);
+    mLayers.pop_front();
+  }
+}
+
+LeafSigns::Neighbours SurfaceExtractor::neighbours(const Leaf& leaf, const Layer& layer, const Layer* next) const {
+  LeafSigns::Neighbours result{};
+  for (unsigned k = 0; k < 8; ++k) {
+    const Layer* of = k & 1 ? next : &layer;
+    if (!of) continue;
+    const std::size_t found =
+        of->find(leaf.origin()[1] + (k & 2 ? kBlock : 0), leaf.origin()[2] + (k & 4 ? kBlock : 0));
+    if (found < of->leaves.size()) result[k] = of->leaves[found];
+  }
+  return result;
+}
+
+/// The crossing edges that begin in a layer, and the vertices on them.
+void SurfaceExtractor::findVertices(Layer& layer, const Layer* next) {
+  layer.vertices.resize(layer.leaves.size());
+  inParallel(layer.leaves.size(), 16, mMonitor, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Leaf& leaf = *layer.leaves[i];
+      const LeafSigns::Neighbours around = neighbours(leaf, layer, next);
+      const LeafSigns signs(around);
+      std::unique_ptr<LeafVertices> vertices;
+      for (unsigned x = 0; x < kSide; ++x)
+        for (unsigned y = 0; y < kSide; ++y) {
+          const std::array<unsigned, 3> crossings = {signs.crossings(x, y, 0), signs.crossings(x, y, 1),
+                                                     signs.crossings(x, y, 2)};
+          for (unsigned rest = crossings[0] | crossings[1] | crossings[2]; rest != 0; rest &= rest - 1) {
+            const auto z = static_cast<unsigned>(std::countr_zero(rest));
+            const Index offset = (x * kSide + y) * kSide + z;
+            const Coord node = leaf.offsetToGlobalCoord(offset);
+            const unsigned at[3] = {x, y, z};
+            for (unsigned axis = 0; axis < 3; ++axis) {
+              if (!(crossings[axis] >> z & 1)) continue;
+              Coord ahead = node;
+              ++ahead[static_cast<int>(axis)];
+              const bool cut = !mOptions.domain.isInside(node) || !mOptions.domain.isInside(ahead);
+              if (cut && mOptions.extract.border == Border::Open) continue;
+              const Leaf* of = at[axis] + 1 < kSide ? &leaf : around[std::size_t{1} << axis];
+              if (!vertices) vertices = std::make_unique<LeafVertices>();
+              vertices->onEdge[3 * offset + axis] = static_cast<std::uint16_t>(vertices->edges.size());
+              vertices->edges.push_back(
+                  {node, static_cast<int>(axis), leaf.getValue(offset), of->getValue(ahead), cut});
+            }
+          }
+        }
+      layer.vertices[i] = std::move(vertices);
+    }
+  });
+  std::size_t count = 0;
+  for (const auto& part : layer.vertices)
+    if (part) {
+      part->first = count;
+      count += part->edges.size();
+    }
+  layer.first = mPoints;
+  mPoints += count;
+  if (mPoints > std::numeric_limits<Index>::max())
+    throw DataError("the mesh has more than " + std::to_string(std::numeric_limits<Index>::max()) +
+                    " vertices, which is what 32-bit indices count; use larger voxels, or several boxes");
+  layer.positions.resize(count);
+  if (mOptions.normals) layer.normals.assign(count, Vec3d(0));
+  inParallel(layer.leaves.size(), 8, mMonitor, [&](std::size_t begin, std::size_t end) {
+    std::vector<LatticeEdge> edges;
+    std::size_t first = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!layer.vertices[i]) continue;
+      if (edges.empty()) first = layer.vertices[i]->first;
+      edges.insert(edges.end(), layer.vertices[i]->edges.begin(), layer.vertices[i]->edges.end());
+      layer.vertices[i]->edges = {};
+    }
+    const std::vector<Vec3d> found = searchEdges(edges, mOptions.voxelSize, mSource, mOptions.extract.tolerance);
+    std::copy(found.begin(), found.end(), layer.positions.begin() + static_cast<std::ptrdiff_t>(first));
+  });
+  mMonitor.advance(layer.leaves.size());
+  layer.stage = Layer::Stage::HasVertices;
+}
+
+/// The triangles of the cells that begin at a leaf's nodes.
+void SurfaceExtractor::walk(std::size_t leafIndex, Layer& layer, const Layer* next) const {
+  const Leaf& leaf = *layer.leaves[leafIndex];
+  const Coord origin = leaf.origin();
+  std::array<const LeafVertices*, 8> vertices{};
+  std::array<std::uint64_t, 8> firsts{};
+  bool any = false;
+  for (unsigned k = 0; k < 8; ++k) {
+    const Layer* of = k & 1 ? next : &layer;
+    if (!of) continue;
+    const std::size_t found = of->find(origin[1] + (k & 2 ? kBlock : 0), origin[2] + (k & 4 ? kBlock : 0));
+    if (found == of->leaves.size() || !of->vertices[found]) continue;
+    vertices[k] = of->vertices[found].get();
+    firsts[k] = of->first + vertices[k]->first;
+    any = true;
+  }
+  if (!any) return;
+  const auto vertex = [&](const Coord& node, std::size_t cellEdge) {
+    const CellEdge& edge = cellEdges()[cellEdge];
+    const Coord begin = cornerOf(node, static_cast<unsigned>(edge.corner));
+    unsigned neighbour = 0;
+    for (unsigned axis = 0; axis < 3; ++axis)
+      if (begin[static_cast<int>(axis)] >= origin[static_cast<int>(axis)] + kBlock) neighbour |= 1u << axis;
+    const std::uint16_t local =
+        vertices[neighbour]
+            ? vertices[neighbour]->onEdge[3 * Leaf::coordToOffset(begin) + static_cast<Index>(edge.axis)]
+            : kNoVertex;
+    if (local == kNoVertex)
+      throw std::logic_error("F changes sign on an edge at " + std::to_string(begin[0]) + ", " +
+                             std::to_string(begin[1]) + ", " + std::to_string(begin[2]) + " that no block owns");
+    return static_cast<Index>(firsts[neighbour] + local);
+  };
+  const LeafSigns signs(neighbours(leaf, layer, next));
+  const bool nearBorder = !mOptions.domain.isInside(CoordBBox(origin, origin.offsetBy(kBlock)));
+  std::vector<openvdb::Vec3I>& triangles = layer.triangles[leafIndex];
+  for (unsigned x = 0; x < kSide; ++x)
+    for (unsigned y = 0; y < kSide; ++y)
+      for (unsigned rest = signs.mixedCells(x, y); rest != 0; rest &= rest - 1) {
+        const auto z = static_cast<unsigned>(std::countr_zero(rest));
+        const Coord node = leaf.offsetToGlobalCoord((x * kSide + y) * kSide + z);
+        if (nearBorder && mOptions.extract.border == Border::Open &&
+            !mOptions.domain.isInside(CoordBBox(node, node.offsetBy(1))))
+          continue;
+        for (const CellTriangle& triangle : cellTriangles(signs.cell(x, y, z)))
+          triangles.emplace_back(vertex(node, triangle[0]), vertex(node, triangle[1]), vertex(node, triangle[2]));
+      }
+}
+
+void SurfaceExtractor::findTriangles(Layer& layer, Layer* next) {
+  layer.triangles.resize(layer.leaves.size());
+  inParallel(layer.leaves.size(), 16, mMonitor, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) walk(i, layer, next);
+  });
+  if (mOptions.normals) addNormals(layer, next);
+  layer.stage = Layer::Stage::HasTriangles;
+}
+
+/// Adds to the sums in the order of the triangles, which is one order whatever the threads.
+void SurfaceExtractor::addNormals(Layer& layer, Layer* next) const {
+  const std::uint64_t behind = layer.first + layer.positions.size();
+  const auto at = [&](Index i) -> const Vec3d& {
+    return i < behind ? layer.positions[i - layer.first] : next->positions[i - next->first];
+  };
+  for (const auto& part : layer.triangles)
+    for (const openvdb::Vec3I& triangle : part) {
+      const Vec3d& a = at(triangle[0]);
+      const Vec3d normal = (at(triangle[1]) - a).cross(at(triangle[2]) - a);
+      for (int k = 0; k < 3; ++k) {
+        const Index i = triangle[k];
+        (i < behind ? layer.normals[i - layer.first] : next->normals[i - next->first]) += normal;
+      }
+    }
+}
+
+void SurfaceExtractor::emitPoints(Layer& layer) {
+  std::vector<openvdb::Vec3s> units(layer.normals.size());
+  inParallel(units.size(), 4096, mMonitor, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) units[i] = unitNormal(layer.normals[i]);
+  });
+  if (!layer.positions.empty()) mSink.addPoints(layer.positions, units);
+  layer.normals = {};
+  layer.stage = Layer::Stage::HasEmittedPoints;
+}
+
+void SurfaceExtractor::emitTriangles(Layer& layer) {
+  for (const auto& part : layer.triangles) {
+    if (part.empty()) continue;
+    mSink.addTriangles(part, layer.first);
+    mTriangles += part.size();
+  }
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file surface_extractor.h
+/// The mesh of F, made while its blocks come in: of a lattice worked through in x, four layers of blocks are held.
+#pragma once
+
+#include "edge_search.h"
+#include "leaf_signs.h"
+
+#include "vdbtools/extract_mesh.h"
+#include "vdbtools/mesh_sink.h"
+#include "vdbtools/monitor.h"
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+namespace vdbtools {
+
+/// Points and triangles come in the order of the blocks that they begin in, by x, then y, then z; within one, in that
+/// of its nodes. So the mesh depends on the field alone.
+class SurfaceExtractor {
+ public:
+  using Leaf = LeafSigns::Leaf;
+
+  struct Options {
+    ExtractMeshOptions extract;
+    openvdb::CoordBBox domain;
+    double voxelSize = 0;  ///< world units
+    bool normals = false;
+  };
+
+  SurfaceExtractor(const FieldSource& source, const Options& options, MeshSink& sink, Monitor& monitor);
+  ~SurfaceExtractor();
+  SurfaceExtractor(const SurfaceExtractor&) = delete;
+  SurfaceExtractor& operator=(const SurfaceExtractor&) = delete;
+
+  /// The next layer: leaves of one x, by y, then z. Layers come by x; those without leaves are left out.
+  /// @param owner  keeps the leaves until they are no longer needed
+  void add(std::vector<const Leaf*> leaves, std::shared_ptr<void> owner);
+
+  /// What is left; no layer comes after.
+  void finish();
+
+  std::uint64_t points() const { return mPoints; }
+  std::uint64_t triangles() const { return mTriangles; }
+
+ private:
+  struct LeafVertices;
+  struct Layer;
+
+  LeafSigns::Neighbours neighbours(const Leaf& leaf, const Layer& layer, const Layer* next) const;
+  void findVertices(Layer& layer, const Layer* next);
+  void findTriangles(Layer& layer, Layer* next);
+  void walk(std::size_t leaf, Layer& layer, const Layer* next) const;
+  void addNormals(Layer& layer, Layer* next) const;
+  void emitPoints(Layer& layer);
+  void emitTriangles(Layer& layer);
+  void advance(std::size_t known);
+
+  FieldSource mSource;
+  Options mOptions;
+  MeshSink& mSink;
+  Monitor& mMonitor;
+  std::deque<std::unique_ptr<Layer>> mLayers;
+  std::uint64_t mPoints = 0, mTriangles = 0;
+};
+
+}  // namespace vdbtools
