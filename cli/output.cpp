@@ -11,7 +11,7 @@
 
 namespace cli {
 
-std::ostream& Outputs::add(const std::string& option, const std::string& name, std::string_view extensions) {
+vdbtools::AtomicFile& Outputs::add(const std::string& option, const std::string& name, std::string_view extensions) {
   const std::filesystem::path path = vdbtools::expandFrame(name, mFrame);
   const std::string extension = vdbtools::lowerExtension(path);
   bool known = false;
@@ -24,7 +24,7 @@ std::ostream& Outputs::add(const std::string& option, const std::string& name, s
   if (!known && !(std::filesystem::exists(path) && !std::filesystem::is_regular_file(path)))
     throw std::invalid_argument("--" + option + " is '" + name + "'; its extension must be one of " +
                                 std::string(extensions));
-  return mFiles.emplace_back(path).stream();
+  return mFiles.emplace_back(path);
 }
 
 void Outputs::commit() {
@@ -37,6 +37,11 @@ std::string Outputs::names() const {
   std::string names;
   for (const vdbtools::AtomicFile& file : mFiles) names += (names.empty() ? "" : ", ") + file.target().string();
   return names;
+}
+
+std::filesystem::path scratchFolder(const vdbtools::AtomicFile& file) {
+  const std::filesystem::path temporary = file.temporaryPath();
+  return temporary.empty() ? std::filesystem::temp_directory_path() : temporary.parent_path();
 }
 
 std::string formatOf(const std::string& name, const char* usual) {

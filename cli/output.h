@@ -22,8 +22,8 @@ class Outputs {
   ///        vdbtools::CreateError
   explicit Outputs(std::optional<int> frame = {}) : mFrame(frame) {}
 
-  /// Claims a place; the stream is for its content.
-  std::ostream& add(const std::string& option, const std::string& name, std::string_view extensions);
+  /// Claims a place; the file's stream is for its content.
+  vdbtools::AtomicFile& add(const std::string& option, const std::string& name, std::string_view extensions);
 
   /// Brings all to their places. @throw vdbtools::IoError
   void commit();
@@ -35,6 +35,9 @@ class Outputs {
   std::optional<int> mFrame;
   std::list<vdbtools::AtomicFile> mFiles;
 };
+
+/// Where what waits to be put into @a file may be kept: beside it, or for a device where temporaries go.
+std::filesystem::path scratchFolder(const vdbtools::AtomicFile& file);
 
 /// The extension that says what is written to @a name; @a usual for a device, which has none.
 std::string formatOf(const std::string& name, const char* usual);

@@ -52,7 +52,7 @@ class FractalJob : public testing::Test {
   Scene scene(const Recipe& recipe) {
     return makeScene(parseFractalOptions(completeRecipe(recipe, fractalOptionSpecs())), mMonitor);
   }
-  Mesh mesh(const Recipe& recipe) { return runFractal(scene(recipe), false, true, mMonitor).mesh; }
+  Mesh mesh(const Recipe& recipe) { return fractalMesh(scene(recipe), mMonitor); }
 
   std::filesystem::path mFolder;
   Monitor mMonitor;
@@ -255,7 +255,7 @@ TEST_F(FractalJob, TheRecipeMakesTheSameBytes) {
     VdbWriteOptions options;
     options.metadata = recipeToMetadata(complete, "fractal");
     options.metadata.insert(scene.facts.begin(), scene.facts.end());
-    return encodeVdb(runFractal(scene, true, false, mMonitor).grids, options);
+    return encodeVdb(runFractal(scene, planScene(scene), true, nullptr, mMonitor).grids, options);
   };
   const std::string first = bytes(recipe);
   const auto [again, command] = readRecipe(write("out.vdb", first));
@@ -283,7 +283,7 @@ TEST_F(FractalJob, NothingInfiniteReachesAGrid) {
                                    {"voxel-size", "0.05"},
                                    {"box", "-1,-1,-1,1,1,1"},
                                    {"grids", "surface,density,logmodulus,iterations,versor"}});
-  for (const auto& grid : runFractal(scene, true, false, mMonitor).grids) {
+  for (const auto& grid : runFractal(scene, planScene(scene), true, nullptr, mMonitor).grids) {
     SCOPED_TRACE(grid->getName());
     if (const auto floats = openvdb::gridPtrCast<openvdb::FloatGrid>(grid)) {
       for (auto value = floats->cbeginValueAll(); value; ++value) ASSERT_TRUE(std::isfinite(*value));

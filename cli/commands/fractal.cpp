@@ -2,11 +2,11 @@
 #include "commands.h"
 
 #include "exit_code.h"
+#include "mesh_file.h"
 #include "options.h"
 #include "output.h"
 
 #include "vdbtools/fractal_job.h"
-#include "vdbtools/mesh_writer.h"
 #include "vdbtools/vdb_file.h"
 
 #include <iostream>
@@ -39,25 +39,30 @@ int runFractal(const Arguments& arguments) {
   const bool wantVdb = line.has("output"), wantMesh = line.has("mesh");
   if (!wantVdb && !wantMesh) throw std::invalid_argument("no output was given; use -o F.vdb, --mesh F.ply, or both");
   Outputs outputs(parseFrame(line.text("frame")));
-  std::ostream* vdb = wantVdb ? &outputs.add("output", line.text("output"), ".vdb") : nullptr;
-  std::ostream* mesh = wantMesh ? &outputs.add("mesh", line.text("mesh"), ".ply .obj .stl") : nullptr;
+  vdbtools::AtomicFile* vdb = wantVdb ? &outputs.add("output", line.text("output"), ".vdb") : nullptr;
+  vdbtools::AtomicFile* mesh = wantMesh ? &outputs.add("mesh", line.text("mesh"), ".ply .obj .stl") : nullptr;
 
   Progress& progress = line.progress();
   const vdbtools::Scene scene = vdbtools::makeScene(options, progress);
-  const vdbtools::FractalResult result = vdbtools::runFractal(scene, wantVdb, wantMesh, progress);
+  const vdbtools::FieldPlan plan = vdbtools::planScene(scene);
   std::map<std::string, std::string> metadata = vdbtools::recipeToMetadata(line.recipe(), "fractal");
   metadata.insert(scene.facts.begin(), scene.facts.end());
+  std::optional<MeshFile> meshFile;
+  if (mesh)
+    meshFile.emplace(
+        *mesh, vdbtools::MeshWriteOptions{.format = vdbtools::meshFormat("mesh" + formatOf(line.text("mesh"), ".ply")),
+                                          .voxelSize = scene.voxelSize,
+                                          .box = vdbtools::meshBox(plan),
+                                          .comments = metadata});
+  const vdbtools::FractalResult result =
+      vdbtools::runFractal(scene, plan, wantVdb, meshFile ? &*meshFile : nullptr, progress);
   progress.begin("writing", 0);
   if (vdb) {
     if (!result.check.failure.empty())
       throw std::logic_error("the level set fails OpenVDB's check: " + result.check.failure);
-    *vdb << vdbtools::encodeVdb(result.grids, {.half = options.half, .metadata = metadata});
+    vdb->stream() << vdbtools::encodeVdb(result.grids, {.half = options.half, .metadata = metadata});
   }
-  if (mesh)
-    vdbtools::writeMesh(*mesh, result.mesh,
-                        {.format = vdbtools::meshFormat("mesh" + formatOf(line.text("mesh"), ".ply")),
-                         .voxelSize = scene.voxelSize,
-                         .comments = metadata});
+  if (meshFile) meshFile->finish();
   progress.throwIfCancelled();
   outputs.commit();
 
@@ -69,7 +74,7 @@ int runFractal(const Arguments& arguments) {
   if (const auto moved = scene.facts.find("julia_repair_moved"); moved != scene.facts.end())
     std::cerr << ", the target repaired and its surface moved by at most " << moved->second;
   if (result.islands) std::cerr << ", " << result.islands->kept << " of " << result.islands->islands << " islands kept";
-  if (wantMesh) std::cerr << ", " << result.mesh.triangles.size() << " triangles";
+  if (wantMesh) std::cerr << ", " << result.mesh.triangles << " triangles";
   std::cerr << '\n';
   return kDone;
 }

@@ -2,6 +2,7 @@
 #include "commands.h"
 
 #include "exit_code.h"
+#include "mesh_file.h"
 #include "options.h"
 #include "output.h"
 
@@ -25,29 +26,29 @@ constexpr Usage kUsageText = {"mesh", "F.vdb -o F.ply [--from-grid] [options]",
                               "  juliavdb mesh bunny_sdf.vdb -o bunny.stl\n"
                               "  juliavdb mesh bunny.vdb -o blocky.obj --from-grid\n"};
 
-struct Made {
-  vdbtools::Mesh mesh;
-  vdbtools::MeshWriteOptions write;
-};
-
-Made fromRecipe(const vdbtools::Recipe& recipe, Progress& progress) {
+vdbtools::MeshCounts fromRecipe(const vdbtools::Recipe& recipe, vdbtools::AtomicFile& file,
+                                vdbtools::MeshWriteOptions options, Progress& progress) {
   const vdbtools::Scene scene = vdbtools::makeScene(vdbtools::parseFractalOptions(recipe), progress);
-  Made made;
-  made.mesh = vdbtools::runFractal(scene, false, true, progress).mesh;
-  made.write.voxelSize = scene.voxelSize;
-  made.write.comments = vdbtools::recipeToMetadata(recipe, "fractal");
-  made.write.comments.insert(scene.facts.begin(), scene.facts.end());
-  return made;
+  const vdbtools::FieldPlan plan = vdbtools::planScene(scene);
+  options.voxelSize = scene.voxelSize;
+  options.box = vdbtools::meshBox(plan);
+  options.comments = vdbtools::recipeToMetadata(recipe, "fractal");
+  options.comments.insert(scene.facts.begin(), scene.facts.end());
+  MeshFile mesh(file, options);
+  const vdbtools::FractalResult result = vdbtools::runFractal(scene, plan, false, &mesh, progress);
+  mesh.finish();
+  return result.mesh;
 }
 
-Made fromGrid(const std::string& input, const std::string& grid, Progress& progress) {
-  const vdbtools::VdbFile file = vdbtools::readVdb(input);
-  const auto levelSet = vdbtools::chooseFloatGrid(file, grid, input);
-  Made made;
-  made.mesh = vdbtools::meshOfLevelSet(*levelSet, progress);
-  vdbtools::computeNormals(made.mesh);
-  made.write.voxelSize = levelSet->voxelSize()[0];
-  return made;
+vdbtools::MeshCounts fromGrid(const std::string& input, const std::string& grid, vdbtools::AtomicFile& file,
+                              vdbtools::MeshWriteOptions options, Progress& progress) {
+  const vdbtools::VdbFile vdb = vdbtools::readVdb(input);
+  const auto levelSet = vdbtools::chooseFloatGrid(vdb, grid, input);
+  vdbtools::Mesh mesh = vdbtools::meshOfLevelSet(*levelSet, progress);
+  vdbtools::computeNormals(mesh);
+  options.voxelSize = levelSet->voxelSize()[0];
+  vdbtools::writeMesh(file.stream(), mesh, options);
+  return {mesh.points.size(), mesh.triangles.size()};
 }
 
 }  // namespace
@@ -63,16 +64,17 @@ int runMesh(const Arguments& arguments) {
   if (input.empty()) throw std::invalid_argument("no VDB was given");
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.ply");
   Outputs outputs;
-  std::ostream& file = outputs.add("output", line.text("output"), ".ply .obj .stl");
+  vdbtools::AtomicFile& file = outputs.add("output", line.text("output"), ".ply .obj .stl");
 
   const auto [recipe, command] = vdbtools::recipeFromMetadata(vdbtools::readVdbMetadata(input));
   const bool exact = command == "fractal" && !line.has("from-grid") && !line.has("grid");
-  Made made = exact ? fromRecipe(recipe, line.progress()) : fromGrid(input, line.text("grid"), line.progress());
-  made.write.format = vdbtools::meshFormat("mesh" + formatOf(line.text("output"), ".ply"));
-  vdbtools::writeMesh(file, made.mesh, made.write);
+  const vdbtools::MeshWriteOptions options{.format =
+                                               vdbtools::meshFormat("mesh" + formatOf(line.text("output"), ".ply"))};
+  const vdbtools::MeshCounts counts = exact ? fromRecipe(recipe, file, options, line.progress())
+                                            : fromGrid(input, line.text("grid"), file, options, line.progress());
   line.progress().throwIfCancelled();
   outputs.commit();
-  std::cerr << "wrote " << outputs.names() << ": " << made.mesh.triangles.size() << " triangles\n";
+  std::cerr << "wrote " << outputs.names() << ": " << counts.triangles << " triangles\n";
   return kDone;
 }
 

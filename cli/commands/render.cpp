@@ -64,7 +64,7 @@ int runRender(const Arguments& arguments) {
   }
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
   Outputs outputs;
-  std::ostream& file = outputs.add("output", line.text("output"), ".png .exr");
+  std::ostream& file = outputs.add("output", line.text("output"), ".png .exr").stream();
   const auto grid = vdbtools::chooseFloatGrid(vdbtools::readVdb(input), line.text("grid"), input);
   const vdbtools::Image image = vdbtools::renderPreview(*grid, options, line.progress());
   file << vdbtools::encodeImage(image, formatOf(line.text("output"), ".png"));

@@ -32,7 +32,7 @@ int runSdf(const Arguments& arguments) {
   const vdbtools::SdfOptions options = vdbtools::parseSdfOptions(line.recipe());
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.vdb");
   Outputs outputs(parseFrame(line.text("frame")));
-  std::ostream& file = outputs.add("output", line.text("output"), ".vdb");
+  std::ostream& file = outputs.add("output", line.text("output"), ".vdb").stream();
 
   vdbtools::SdfResult result = vdbtools::runSdf(options, line.progress());
   vdbtools::VdbWriteOptions write{.half = options.half, .metadata = vdbtools::recipeToMetadata(line.recipe(), "sdf")};

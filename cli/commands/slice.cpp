@@ -201,7 +201,7 @@ int runSlice(const Arguments& arguments) {
     throw std::invalid_argument("--range is '" + line.text("range") + "'; it must be above 0");
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
   Outputs outputs;
-  std::ostream& file = outputs.add("output", line.text("output"), ".png .exr");
+  std::ostream& file = outputs.add("output", line.text("output"), ".png .exr").stream();
 
   const std::string input = line.text("input");
   vdbtools::Image image;

@@ -40,7 +40,7 @@ void write(CommandLine& line, const julia::Rational& rational, const std::string
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.json");
   Outputs outputs;
   const std::string name = line.text("output");
-  std::ostream& file = outputs.add("output", name, ".json .p4d .poly4d");
+  std::ostream& file = outputs.add("output", name, ".json .p4d .poly4d").stream();
   const std::string extension = std::filesystem::path(name).extension().string();
   if (extension == ".p4d" || extension == ".poly4d") {
     if (!rational.bottom.roots.empty() || rational.logScale != 0)

@@ -60,8 +60,8 @@ class Interrupt(harness.CliTest):
         self.interrupt_in("field", "fractal", "s.obj", "-o", "x.vdb", "--resolution", 1000, "--alpha", 6,
                           "--sdf-resolution", 48, by=signal.SIGTERM)
 
-    def test_edges(self):
-        self.interrupt_in("edges", "fractal", "s.obj", "--mesh", "x.ply", "-o", "x.vdb", "--resolution", 250,
+    def test_surface(self):
+        self.interrupt_in("surface", "fractal", "s.obj", "--mesh", "x.ply", "-o", "x.vdb", "--resolution", 250,
                           "--alpha", 20, "--sdf-resolution", 48, "--tolerance", 1e-12, "--versor-roots", 400)
 
     def test_field_of_a_quadratic_map(self):

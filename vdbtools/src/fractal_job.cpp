@@ -331,46 +331,60 @@ Scene makeScene(const FractalOptions& options, Monitor& monitor) {
   return scene;
 }
 
-FractalField evaluateScene(const Scene& scene, bool keepIterations, Monitor& monitor) {
-  FractalFieldOptions field{.voxelSize = scene.voxelSize, .box = scene.options.box, .keepIterations = keepIterations};
-  if (scene.exponent) {
-    if (!scene.options.exhaustive) return fractalField(scene.source(), *scene.exponent, field, monitor);
-    return fractalFieldExhaustive(scene.source(), *scene.exponent, field, monitor);
-  }
+FieldPlan planScene(const Scene& scene) {
+  FractalFieldOptions field{.voxelSize = scene.voxelSize, .box = scene.options.box};
+  if (scene.exponent)
+    return scene.options.exhaustive ? planExhaustive(*scene.exponent, field) : planShell(*scene.exponent, field);
   field.box = scene.region;
-  return fractalFieldEverywhere(scene.source(), field, monitor);
+  return planBox(field);
 }
 
-FractalResult runFractal(const Scene& scene, bool wantGrids, bool wantMesh, Monitor& monitor) {
+BBoxd meshBox(const FieldPlan& plan) {
+  openvdb::CoordBBox nodes = plan.domain;
+  nodes.expand(1);
+  return {nodes.min().asVec3d() * plan.voxelSize, nodes.max().asVec3d() * plan.voxelSize};
+}
+
+FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGrids, MeshSink* sink, Monitor& monitor) {
   const std::vector<std::string>& names = scene.options.grids;
   const auto wants = [&](const char* name) {
     return wantGrids && std::find(names.begin(), names.end(), name) != names.end();
   };
-  FractalField field = evaluateScene(scene, wants("iterations"), monitor);
+  const auto requireSurface = [](std::uint64_t triangles) {
+    if (triangles == 0)
+      throw DataError("the fractal is empty here: F changes sign nowhere in the region; try a larger --beta or --box");
+  };
+  const bool capMesh = scene.options.cap || !plan.bounded;
+  const ExtractMeshOptions capped{.tolerance = scene.options.tolerance, .border = Border::Cap};
+  const ExtractMeshOptions asked{.tolerance = scene.options.tolerance, .border = capMesh ? Border::Cap : Border::Open};
+  const bool dropsIslands = scene.options.islands.largest > 0 || scene.options.islands.minSize > 0;
   FractalResult result;
-  if (scene.options.islands.largest > 0 || scene.options.islands.minSize > 0)
-    result.islands = dropIslands(field, scene.options.islands, monitor);
-  result.evaluatedNodes = field.evaluatedNodes;
+  if (!wantGrids && !dropsIslands) {
+    if (!sink) return result;
+    result.mesh = streamMesh(plan, scene.source(), asked, *sink, monitor);
+    result.evaluatedNodes = result.mesh.evaluatedNodes;
+    requireSurface(result.mesh.triangles);
+    return result;
+  }
 
-  ExtractMeshOptions extract{.tolerance = scene.options.tolerance, .border = Border::Cap};
+  FractalField field = evaluateField(plan, scene.source(), wants("iterations"), monitor);
+  result.evaluatedNodes = field.evaluatedNodes;
+  if (dropsIslands) result.islands = dropIslands(field, scene.options.islands, monitor);
   FloatGrid::Ptr surface;
-  Mesh capped;
-  const bool needsSurface = wants("surface") || wants("density") || wants("versor");
-  if (needsSurface || scene.options.cap || !field.bounded) {
-    capped = extractMesh(field, scene.source(), extract, monitor);
-    if (capped.triangles.empty())
-      throw DataError("the fractal is empty here: F changes sign nowhere in the region; try a larger --beta or --box");
+  if (wants("surface") || wants("density") || wants("versor")) {
+    Mesh mesh = extractMesh(field, scene.source(), capped, monitor);
+    requireSurface(mesh.triangles.size());
+    surface = levelSet(field, mesh, monitor);
+    result.check = checkSurface(*surface);
+    if (sink && capMesh) {
+      computeNormals(mesh);
+      sink->addPoints(mesh.points, mesh.normals);
+      sink->addTriangles(mesh.triangles, 0);
+      result.mesh = {mesh.points.size(), mesh.triangles.size()};
+    }
   }
-  if (needsSurface) surface = levelSet(field, capped, monitor);
-  if (wantMesh) {
-    extract.border = Border::Open;
-    result.mesh =
-        scene.options.cap || !field.bounded ? std::move(capped) : extractMesh(field, scene.source(), extract, monitor);
-    if (result.mesh.triangles.empty())
-      throw DataError("the fractal is empty here: F changes sign nowhere in the region; try a larger --beta or --box");
-    computeNormals(result.mesh);
-  }
-  if (surface) result.check = checkSurface(*surface);
+  if (sink && result.mesh.triangles == 0) result.mesh = extractMesh(field, scene.source(), asked, *sink, monitor);
+  if (sink) requireSurface(result.mesh.triangles);
   for (const std::string& name : names) {
     if (!wantGrids) break;
     if (name == "surface") result.grids.push_back(surface);
@@ -380,6 +394,13 @@ FractalResult runFractal(const Scene& scene, bool wantGrids, bool wantMesh, Moni
     if (name == "versor") result.grids.push_back(versorGrid(*surface, scene.source(), monitor));
   }
   return result;
+}
+
+Mesh fractalMesh(const Scene& scene, Monitor& monitor) {
+  Mesh mesh;
+  MeshCollector collector(mesh);
+  runFractal(scene, planScene(scene), false, &collector, monitor);
+  return mesh;
 }
 
 SdfResult runSdf(const SdfOptions& options, Monitor& monitor) {

@@ -37,19 +37,28 @@ struct Scene {
 /// @throw what reading, repairing and the options' checks throw
 Scene makeScene(const FractalOptions& options, Monitor& monitor);
 
-/// F over the options' box or the whole set.
-FractalField evaluateScene(const Scene& scene, bool keepIterations, Monitor& monitor);
+/// What of the scene is evaluated: the options' box or the whole set.
+FieldPlan planScene(const Scene& scene);
+
+/// Holds every vertex of the plan's mesh, world units.
+openvdb::BBoxd meshBox(const FieldPlan& plan);
 
 struct FractalResult {
   std::vector<openvdb::GridBase::Ptr> grids;  ///< those of options.grids, if @a wantGrids
-  Mesh mesh;                                  ///< with normals, if @a wantMesh
+  MeshCounts mesh;                            ///< of what went to the sink
   std::uint64_t evaluatedNodes = 0;
   std::optional<IslandReport> islands;  ///< if any were to be dropped
   LevelSetCheck check;                  ///< of the grid "surface", if it was made
 };
 
+/// The grids and the mesh of a scene. The field is held in memory for the grids, and to find islands; for a mesh alone
+/// it is not.
+/// @param sink  takes the mesh, with normals; none: no mesh is wanted
 /// @throw DataError if there is no surface
-FractalResult runFractal(const Scene& scene, bool wantGrids, bool wantMesh, Monitor& monitor);
+FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGrids, MeshSink* sink, Monitor& monitor);
+
+/// The mesh alone, in memory.
+Mesh fractalMesh(const Scene& scene, Monitor& monitor);
 
 struct SdfResult {
   openvdb::FloatGrid::Ptr grid;
