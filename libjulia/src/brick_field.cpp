@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "julia/brick_field.h"
 
+#include "ball_arithmetic.h"
+#include "brick_pyramid.h"
 #include "kernels/kernels.h"
 
 #include <algorithm>
@@ -11,11 +13,13 @@
 namespace julia {
 
 template <class Real>
-struct BrickField<Real>::Lattice : kernels::BrickLattice<Real> {};
+struct BrickField<Real>::Lattice : kernels::BrickLattice<Real> {
+  double stretch = 0;  ///< the most nodes that a unit of space may become
+};
 
 template <class Real>
 BrickField<Real>::BrickField(std::shared_ptr<const Bricks> bricks, const BrickPlacement& placement)
-    : mBricks(std::move(bricks)) {
+    : mBricks(std::move(bricks)), mPlacement(placement) {
   const std::size_t places = std::size_t{mBricks->count[0]} * mBricks->count[1] * mBricks->count[2];
   if (places == 0 || places > 0x7fffffff || places != mBricks->brickAt.size())
     throw std::invalid_argument("a lattice of " + std::to_string(places) + " bricks has " +
@@ -38,6 +42,16 @@ BrickField<Real>::BrickField(std::shared_ptr<const Bricks> bricks, const BrickPl
     lattice->high[row] = static_cast<Real>(high);
     lattice->bricks[row] = mBricks->count[row];
   }
+  // The norm of M M^T is at most its largest sum over a row, which is exact for a similarity.
+  for (const auto& row : lattice->matrix) {
+    double sum = 0;
+    for (const auto& column : lattice->matrix) {
+      double dot = 0;
+      for (std::size_t k = 0; k < 3; ++k) dot += static_cast<double>(row[k]) * static_cast<double>(column[k]);
+      sum += std::abs(dot);
+    }
+    lattice->stretch = std::max(lattice->stretch, std::sqrt(sum) * (1 + kSlack));
+  }
   lattice->brickAt = mBricks->brickAt.data();
   lattice->values = mBricks->values.data();
   mLattice = std::move(lattice);
@@ -52,6 +66,68 @@ void BrickField<Real>::sample(std::span<const Real> x, std::span<const Real> y, 
   const auto& table = kernels::kernels<Real>();
   const auto read = mBricks->interpolation == Interpolation::Quadratic ? table.sampleQuadratic : table.sampleTrilinear;
   read(*mLattice, x.data(), y.data(), z.data(), out.data(), out.size());
+}
+
+template <class Real>
+const BrickPyramid& BrickField<Real>::pyramid() const {
+  std::call_once(mPyramidMade, [this] { mPyramid = std::make_unique<const BrickPyramid>(*mBricks, mPlacement); });
+  return *mPyramid;
+}
+
+template <class Real>
+ValueRange BrickField<Real>::range(const std::array<double, 3>& centre, double radius) const {
+  constexpr double eps = kEpsilonOf<Real>;
+  const Lattice& lattice = *mLattice;
+  const std::array<Real, 3> at{static_cast<Real>(centre[0]), static_cast<Real>(centre[1]),
+                               static_cast<Real>(centre[2])};
+  // Three products and three sums, of points that are rounded to Real, the centre among them: 4 eps of all that is
+  // added. The spline's shift by half a node is one more.
+  constexpr double kPositionRounding = 4 * eps;
+  const double nodes = lattice.stretch * radius * (1 + kSlack);
+  const double half = mBricks->interpolation == Interpolation::Quadratic ? 0.5 : 0;
+  BrickPyramid::Box first{}, last{};
+  double rounding = 0;
+  for (std::size_t row = 0; row < 3; ++row) {
+    double position = static_cast<double>(lattice.offset[row]), size = std::abs(position) + 1 + nodes;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double term = static_cast<double>(lattice.matrix[row][k]) * centre[k];
+      position += term;
+      size += std::abs(term);
+    }
+    const double off = kPositionRounding * size, reach = nodes + off;
+    if (!(std::abs(position) + reach < std::numeric_limits<double>::max())) return {};
+    rounding = std::max(rounding, off);
+    const double low = static_cast<double>(lattice.low[row]), high = static_cast<double>(lattice.high[row]);
+    const double slack = 2 * eps * (high + 1);
+    const auto brick = [&](double node) {
+      const double inside = std::max(node, 0.) * (1. / kBrickSide);
+      return std::min(static_cast<std::uint32_t>(inside), lattice.bricks[row] - 1);
+    };
+    first[row] = brick(std::clamp(position - reach, low, high) + half - slack);
+    last[row] = brick(std::clamp(position + reach, low, high) + half + slack);
+  }
+  const BrickExtremes extremes = pyramid().over(first, last);
+  // An interpolant is a mean of values that is right to some 12 eps of the largest.
+  const double least = static_cast<double>(extremes.low), most = static_cast<double>(extremes.high);
+  const double off = 16 * eps * std::max(std::abs(least), std::abs(most));
+  Real value = 0;
+  sample({&at[0], 1}, {&at[1], 1}, {&at[2], 1}, {&value, 1});
+  // Positions are clamped to a box, which brings none further from another; the centre's is rounded too.
+  const double distance = nodes + 2 * std::sqrt(3.) * rounding;
+  const double rise = static_cast<double>(extremes.slope) * distance * (1 + kSlack) + 2 * off;
+  return {std::max(least - off, static_cast<double>(value) - rise),
+          std::min(most + off, static_cast<double>(value) + rise)};
+}
+
+template <class Real>
+double BrickField<Real>::lowestBeyond(double distance) const {
+  // The pyramid allows for positions that are off by half a node.
+  double size = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    size = std::max(size, std::abs(mPlacement.offset[axis]) + mPlacement.high[axis]);
+  if (!(64 * kEpsilonOf<Real> * size < 0.5)) return -std::numeric_limits<double>::infinity();
+  const double low = pyramid().lowestBeyond(distance * (1 - 8 * kEpsilonOf<Real>));
+  return low - 16 * kEpsilonOf<Real> * pyramid().largest();
 }
 
 template class BrickField<float>;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "julia/evaluator.h"
 
+#include "ball_arithmetic.h"
 #include "batch_view.h"
 #include "careful.h"
 
@@ -9,6 +10,7 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -47,6 +49,30 @@ class BatchEvaluator final : public FieldEvaluator {
       mMap->versor(batch.q, u);
       std::swap(batch.q, u);
       kernels::kernels<Real>().scaleByExponential(batch.l.data(), view(batch.q), batch.q.size());
+    }
+  }
+
+  /// The loop of evaluate() on ranges. A ball splits where an iterate may but need not end: those of its points that
+  /// end there forbid one answer, the others go on within what is left of the range.
+  void decide(std::span<const Point> centres, double radius, std::span<Decision> out) const override {
+    std::fill(out.begin(), out.end(), Decision::Undecided);
+    if (!signsFollowEnds() || !(radius >= 0)) return;
+    BallBatch batch;
+    start(centres, radius, batch, out);
+    for (int step = 1; !batch.balls.empty(); ++step) {
+      batch.l.resize(batch.balls.size());
+      mMap->logModulusRanges(batch.balls, batch.l);
+      keep(batch, out, step == mOptions.maxIterations);
+      if (batch.balls.empty()) break;
+      batch.images.resize(batch.balls.size());
+      mMap->images(batch.balls, batch.l, batch.images);
+      std::size_t kept = 0;
+      for (std::size_t i = 0; i < batch.images.size(); ++i) {
+        if (!batch.images[i] || !std::isfinite(batch.images[i]->radius)) continue;
+        batch.balls[kept] = *batch.images[i];
+        batch.rest[kept++] = batch.rest[i];
+      }
+      batch.resize(kept);
     }
   }
 
@@ -119,6 +145,86 @@ class BatchEvaluator final : public FieldEvaluator {
     q.resize(kept);
     batch.l.resize(kept);
     batch.index.resize(kept);
+  }
+
+  /// A ball's number and which answers its points that have ended leave open.
+  struct Rest {
+    std::uint32_t index = 0;
+    bool inside = true, outside = true;
+  };
+  /// The balls that hold the iterates of those that go on.
+  struct BallBatch {
+    std::vector<Ball> balls;
+    std::vector<LogRange> l;
+    std::vector<std::optional<Ball>> images;
+    std::vector<Rest> rest;
+
+    void resize(std::size_t n) {
+      balls.resize(n);
+      l.resize(n);
+      rest.resize(n);
+    }
+  };
+
+  /// What escapes is outside and what is trapped inside for all maps of the library, but a map may set its level as it
+  /// likes.
+  bool signsFollowEnds() const { return mLevel <= mLogEscape && (mLogTrap < mLevel || !isTrapped(mLogTrap)); }
+
+  static Decision decision(const Rest& rest, bool inside, bool outside) {
+    if (inside && rest.inside) return Decision::Inside;
+    return outside && rest.outside ? Decision::Outside : Decision::Undecided;
+  }
+
+  void start(std::span<const Point> centres, double radius, BallBatch& batch, std::span<Decision> out) const {
+    batch.balls.reserve(centres.size());
+    batch.rest.reserve(centres.size());
+    Embedding rounded = mEmbedding;
+    rounded.slice = static_cast<double>(static_cast<Real>(mEmbedding.slice));
+    const double escape = std::sqrt(static_cast<double>(mEscapeSquared)), slack = 8 * kEpsilonOf<Real>;
+    for (std::size_t i = 0; i < centres.size(); ++i) {
+      const Ball ball = roundedTo<Real>({rounded.quaternion<double>(centres[i]), radius});
+      const double size = norm(ball.centre);
+      Rest rest{static_cast<std::uint32_t>(i)};
+      if ((size - ball.radius) * (1 - slack) >= escape) {
+        out[i] = Decision::Outside;
+        continue;
+      }
+      if (!std::isfinite(size + ball.radius)) continue;
+      rest.inside = (size + ball.radius) * (1 + slack) < escape;
+      batch.balls.push_back(ball);
+      batch.rest.push_back(rest);
+    }
+  }
+
+  /// Answers for the balls of which nothing goes on, and cuts the ranges of the others.
+  void keep(BallBatch& batch, std::span<Decision> out, bool last) const {
+    const double escape = static_cast<double>(mLogEscape), level = static_cast<double>(mLevel);
+    const double trap = isTrapped(mLogTrap) ? static_cast<double>(mLogTrap) : -std::numeric_limits<double>::infinity();
+    const bool traps = isTrapped(mLogTrap);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < batch.balls.size(); ++i) {
+      LogRange l = batch.l[i];
+      Rest rest = batch.rest[i];
+      const bool inside = last ? l.high < level : traps && l.high <= trap;
+      const bool outside = l.low >= (last ? level : escape);
+      if (last || inside || outside) {
+        out[rest.index] = decision(rest, inside, outside);
+        continue;
+      }
+      if (l.high >= escape) {
+        l.high = escape;
+        rest.inside = false;
+      }
+      if (traps && l.low <= trap) {
+        l.low = trap;
+        rest.outside = false;
+      }
+      if (!rest.inside && !rest.outside) continue;
+      batch.balls[kept] = batch.balls[i];
+      batch.l[kept] = l;
+      batch.rest[kept++] = rest;
+    }
+    batch.resize(kept);
   }
 
   std::shared_ptr<const Map<Real>> mMap;

@@ -3,6 +3,7 @@
 
 #include "batch_view.h"
 #include "careful.h"
+#include "rational_factors.h"
 
 #include <algorithm>
 #include <cmath>
@@ -78,12 +79,6 @@ void requireFinite(const Rational& rational) {
   requireFinite(rational.top, "top");
   requireFinite(rational.bottom, "bottom");
 }
-
-template <class Real>
-struct RationalEvaluator<Real>::Factors {
-  std::vector<kernels::RootFactor<Real>> roots;  ///< in the order of multiplication
-  Real logScale;
-};
 
 namespace {
 

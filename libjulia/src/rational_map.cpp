@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "julia/rational_map.h"
 
+#include "ball_arithmetic.h"
+
 namespace julia {
 
 template <class Real>
@@ -11,6 +13,31 @@ void RationalMap<Real>::logModulus(const QuaternionBatch<Real>& q, std::span<Rea
 template <class Real>
 void RationalMap<Real>::versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const {
   mRational.versor(q, u);
+}
+
+template <class Real>
+LogRange RationalMap<Real>::logModulusRange(const Ball& ball) const {
+  LogRange l;
+  mRational.logModulusRanges({&ball, 1}, {&l, 1});
+  return l;
+}
+
+template <class Real>
+std::optional<Ball> RationalMap<Real>::image(const Ball& ball, const LogRange& l) const {
+  std::optional<Ball> result;
+  images({&ball, 1}, {&l, 1}, {&result, 1});
+  return result;
+}
+
+template <class Real>
+void RationalMap<Real>::logModulusRanges(std::span<const Ball> balls, std::span<LogRange> l) const {
+  mRational.logModulusRanges(balls, l);
+}
+
+template <class Real>
+void RationalMap<Real>::images(std::span<const Ball> balls, std::span<const LogRange> l,
+                               std::span<std::optional<Ball>> images) const {
+  imagesOf(mRational, balls, l, images, 0);
 }
 
 template class RationalMap<float>;

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -42,6 +43,8 @@ struct BrickPlacement {
   std::array<double, 3> low{}, high{};  ///< positions are clamped to this box, which lies within the bricks
 };
 
+class BrickPyramid;
+
 /// Reads in @a Real. All reads are exact: the interpolant of the stored values, whatever the instruction set.
 template <class Real>
 class BrickField final : public ScalarField<Real> {
@@ -53,10 +56,19 @@ class BrickField final : public ScalarField<Real> {
   void sample(std::span<const Real> x, std::span<const Real> y, std::span<const Real> z,
               std::span<Real> out) const override;
 
+  /// From the extremes of the bricks that the ball touches, and from the value at its centre and the steepest slope
+  /// there. The first call goes through all bricks once.
+  ValueRange range(const std::array<double, 3>& centre, double radius) const override;
+  double lowestBeyond(double distance) const override;
+
  private:
   struct Lattice;
+  const BrickPyramid& pyramid() const;
   std::shared_ptr<const Bricks> mBricks;
   std::unique_ptr<const Lattice> mLattice;
+  BrickPlacement mPlacement;
+  mutable std::once_flag mPyramidMade;
+  mutable std::unique_ptr<const BrickPyramid> mPyramid;
 };
 
 extern template class BrickField<float>;

@@ -3,10 +3,12 @@
 /// The seam between the dynamics and whoever fills grids and searches edges: points in, field values out.
 #pragma once
 
+#include "julia/ball.h"
 #include "julia/embedding.h"
 #include "julia/map.h"
 #include "julia/orbit.h"
 
+#include <algorithm>
 #include <memory>
 #include <span>
 
@@ -23,6 +25,13 @@ class FieldEvaluator {
 
   /// versors[i] = f/|f| at points[i], of the map's first step.
   virtual void versors(std::span<const Point> points, std::span<Quaternion<double>> versors) const = 0;
+
+  /// out[i] = what is known of F's sign, as evaluate() computes it, at all points within @a radius of centres[i].
+  /// Undecided says nothing; the other answers are proofs.
+  virtual void decide(std::span<const Point> centres, double radius, std::span<Decision> out) const {
+    (void)centres, (void)radius;
+    std::fill(out.begin(), out.end(), Decision::Undecided);
+  }
 };
 
 /// The one back end: batches through the vector kernels, in Real (float or double).

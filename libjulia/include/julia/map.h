@@ -4,8 +4,11 @@
 /// asked for apart, because the last iterate needs no versor.
 #pragma once
 
+#include "julia/ball.h"
 #include "julia/quaternion_batch.h"
 
+#include <cstddef>
+#include <optional>
 #include <span>
 
 namespace julia {
@@ -25,6 +28,22 @@ class Map {
   /// The l on which the surface lies, given ln(escape): 0 for maps with super-attracting 0 and infinity, ln(escape) for
   /// those whose bounded orbits go anywhere (DESIGN.md 2.3).
   virtual Real surfaceLevel(Real logEscape) const = 0;
+
+  /// Holds l as logModulus() computes it, rounding included, at each q of the ball.
+  virtual LogRange logModulusRange(const Ball&) const { return {}; }
+
+  /// Holds e^l u, as logModulus() and versor() compute them, for each q of the ball whose l lies in the range; empty if
+  /// nothing is known.
+  virtual std::optional<Ball> image(const Ball&, const LogRange&) const { return std::nullopt; }
+
+  /// The same of many balls at once, for maps whose kernels like batches. All spans have one size.
+  virtual void logModulusRanges(std::span<const Ball> balls, std::span<LogRange> l) const {
+    for (std::size_t i = 0; i < balls.size(); ++i) l[i] = logModulusRange(balls[i]);
+  }
+  virtual void images(std::span<const Ball> balls, std::span<const LogRange> l,
+                      std::span<std::optional<Ball>> images) const {
+    for (std::size_t i = 0; i < balls.size(); ++i) images[i] = image(balls[i], l[i]);
+  }
 };
 
 }  // namespace julia

@@ -15,8 +15,12 @@ class QuadraticMap final : public Map<Real> {
   void logModulus(const QuaternionBatch<Real>& q, std::span<Real> l) const override;
   void versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const override;
   Real surfaceLevel(Real logEscape) const override { return logEscape; }
+  LogRange logModulusRange(const Ball& ball) const override;
+  std::optional<Ball> image(const Ball& ball, const LogRange& l) const override;
 
  private:
+  Ball valueOver(const Ball& ball) const;
+
   Quaternion<Real> mC;
 };
 

@@ -8,6 +8,7 @@
 /// roots. As a versor only its direction f/|f| is used ([SK23] Eq. 2), so there C has no effect.
 #pragma once
 
+#include "julia/ball.h"
 #include "julia/log_polar.h"
 #include "julia/quaternion.h"
 #include "julia/quaternion_batch.h"
@@ -56,6 +57,12 @@ Rational product(const Rational& left, const Rational& right);
 /// @throw std::invalid_argument naming the first number that is not finite
 void requireFinite(const Rational& rational);
 
+/// Where the versors over a ball may point: within an angle of an axis.
+struct Cone {
+  Quaternion<double> axis = Quaternion<double>::one();
+  double quadrants = 2;  ///< the angle in quarter turns; 1 or more where nothing is known
+};
+
 /// A rational ready to be evaluated in @a Real. Where q hits roots exactly, their powers decide: a positive net power
 /// gives l = -inf, a negative one +inf, and 0 (coincident top and bottom roots) cancels; the versor of a root that is
 /// hit is 1. Evaluation is const and may run in many threads at once.
@@ -74,6 +81,10 @@ class RationalEvaluator {
   Real logModulus(const Quaternion<Real>& q) const;
   Quaternion<Real> versor(const Quaternion<Real>& q) const;
   LogPolar<Real> operator()(const Quaternion<Real>& q) const { return {logModulus(q), versor(q)}; }
+
+  /// Bounds over balls of what logModulus() and versor() compute, rounding included. All spans have one size.
+  void logModulusRanges(std::span<const Ball> balls, std::span<LogRange> l) const;
+  void cones(std::span<const Ball> balls, std::span<Cone> cones) const;
 
   std::size_t rootCount() const;
 

@@ -3,9 +3,16 @@
 /// The seam for the exponent E: a scalar on R^3, read at a batch of points.
 #pragma once
 
+#include <array>
+#include <limits>
 #include <span>
 
 namespace julia {
+
+struct ValueRange {
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+};
 
 template <class Real>
 class ScalarField {
@@ -15,6 +22,12 @@ class ScalarField {
   /// out[i] = the field at (x[i], y[i], z[i]), finite. All spans have one size. May run in many threads at once.
   virtual void sample(std::span<const Real> x, std::span<const Real> y, std::span<const Real> z,
                       std::span<Real> out) const = 0;
+
+  /// Holds what sample() gives, rounding included, at each point of a ball. Whoever knows nothing says so.
+  virtual ValueRange range(const std::array<double, 3>& /*centre*/, double /*radius*/) const { return {}; }
+
+  /// Bounds from below what sample() gives wherever |x| >= distance.
+  virtual double lowestBeyond(double /*distance*/) const { return -std::numeric_limits<double>::infinity(); }
 };
 
 }  // namespace julia

@@ -25,6 +25,10 @@ class ShapeModulus final : public Map<Real> {
   void logModulus(const QuaternionBatch<Real>& q, std::span<Real> l) const override;
   void versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const override;
   Real surfaceLevel(Real) const override { return 0; }
+  LogRange logModulusRange(const Ball& ball) const override;
+  std::optional<Ball> image(const Ball& ball, const LogRange& l) const override;
+  void images(std::span<const Ball> balls, std::span<const LogRange> l,
+              std::span<std::optional<Ball>> images) const override;
 
  private:
   std::shared_ptr<const ScalarField<Real>> mExponent;

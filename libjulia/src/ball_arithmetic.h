@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file ball_arithmetic.h
+/// Pieces of the bounds over balls. Bounds are computed in double by functions that every processor computes alike
+/// (elementary.h), and widened twice: by kSlack for their own rounding, by what the evaluator's Real may do.
+#pragma once
+
+#include "julia/ball.h"
+#include "julia/rational.h"
+
+#include "kernels/elementary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace julia {
+
+/// Of every bound, relative: some hundred roundings of doubles, and elementary functions right to a few units in the
+/// last place.
+inline constexpr double kSlack = 1e-13;
+
+template <class Real>
+inline constexpr double kEpsilonOf = static_cast<double>(std::numeric_limits<Real>::epsilon());
+
+/// A number that all results of Real that underflow are smaller than, sums of a few included; nor do its squares
+/// vanish.
+template <class Real>
+inline constexpr double kVanishing = static_cast<double>(std::numeric_limits<Real>::min()) < 1e-100 ? 1e-140 : 1e-36;
+
+/// Images of anything longer are not asked for: it has escaped. e to this is within floats.
+inline constexpr double kMostLogModulus = 40;
+
+inline double norm(const Quaternion<double>& q) { return std::sqrt(normSquared(q)); }
+
+/// ln x; -inf for 0.
+inline double logarithmOf(double x) {
+  if (x >= std::numeric_limits<double>::max()) return std::numeric_limits<double>::infinity();
+  if (x < std::numeric_limits<double>::min()) return -std::numeric_limits<double>::infinity();
+  return kernels::logarithm(x);
+}
+
+/// The ball that holds what points of @a ball become when rounded to Real, about a centre that is exact in Real.
+template <class Real>
+Ball roundedTo(const Ball& ball) {
+  const Quaternion<double> centre = ball.centre.as<Real>().template as<double>();
+  const double size = std::max({std::abs(centre.a), std::abs(centre.b), std::abs(centre.c), std::abs(centre.d)});
+  // Half a unit each for the centre and for the points, of four components.
+  return {centre, (1 + kSlack) * (ball.radius + kEpsilonOf<Real> * 2 * (size + ball.radius) + kVanishing<Real>)};
+}
+
+/// A ball for e^l u, u in the cone and l in the range: the smallest one about a point s of the axis. With the moduli
+/// from m to M and the angle t < pi/2 the farthest of these are at the angle t, so that s = min(M cos t, (m + M) / (2
+/// cos t)) is best. Where nothing is known of u it is the ball about 0.
+/// @param dropped  the imaginary unit, 1 to 3, without which Ball::hollow is to be told; 0 for none. If the axis is at
+///                 an angle v from it, what is left of u is sin v' long, v' from v - t to v + t.
+template <class Real>
+Ball imageOf(const Cone& cone, const LogRange& l, int dropped) {
+  const double high = kernels::exponential(l.high) * (1 + kSlack);
+  const double low = l.low > l.high - 40 ? kernels::exponential(l.low) * (1 - kSlack) : 0;
+  // The evaluator's e^l, the length of its u and their product are a few units off, and what is too small becomes 0.
+  const double rounding = 16 * kEpsilonOf<Real> * high + kVanishing<Real>;
+  if (!(cone.quadrants < 1)) return {{}, high + rounding};
+  double sine = 0, cosine = 1;
+  kernels::sineCosine(cone.quadrants * (1 + kSlack), sine, cosine);
+  const double along = std::min(high * cosine, (low + high) / (2 * cosine));
+  const double across = along * sine, behind = along * cosine;
+  const double longest = std::max(std::abs(low - behind), std::abs(high - behind));
+  Ball ball{cone.axis * along, std::sqrt(longest * longest + across * across) + high * kSlack + rounding};
+  if (dropped != 0) {
+    const Quaternion<double>& u = cone.axis;
+    const double gone = dropped == 1 ? u.b : dropped == 2 ? u.c : u.d;
+    const double left = std::sqrt(std::max(normSquared(u) - gone * gone, 0.));
+    ball.hollow = std::max(low * (left * cosine - std::abs(gone) * sine) - rounding, 0.);
+  }
+  return ball;
+}
+
+/// Images of balls under e^l times the versor of a rational.
+template <class Real>
+void imagesOf(const RationalEvaluator<Real>& versor, std::span<const Ball> balls, std::span<const LogRange> l,
+              std::span<std::optional<Ball>> images, int dropped) {
+  std::vector<Cone> cones(balls.size());
+  versor.cones(balls, cones);
+  for (std::size_t i = 0; i < balls.size(); ++i)
+    images[i] = l[i].high <= kMostLogModulus ? std::optional(imageOf<Real>(cones[i], l[i], dropped)) : std::nullopt;
+}
+
+}  // namespace julia

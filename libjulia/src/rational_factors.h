@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file rational_factors.h
+/// What a RationalEvaluator keeps of its rational.
+#pragma once
+
+#include "julia/rational.h"
+
+#include "kernels/kernels.h"
+
+#include <vector>
+
+namespace julia {
+
+template <class Real>
+struct RationalEvaluator<Real>::Factors {
+  std::vector<kernels::RootFactor<Real>> roots;  ///< in the order of multiplication
+  Real logScale;
+};
+
+}  // namespace julia
