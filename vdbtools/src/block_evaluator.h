@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file block_evaluator.h
-/// F at the nodes of whole blocks.
+/// F at the nodes of whole blocks. Where its sign is proved for a block or a part of it, no node there is evaluated.
 #pragma once
 
 #include "vdbtools/fractal_field.h"
@@ -20,7 +20,8 @@ inline constexpr float kFieldOutside = 1;
 
 struct EvaluatedBlock {
   using Leaf = openvdb::FloatTree::LeafNodeType;
-  std::unique_ptr<Leaf> field;       ///< active: evaluated, or left to an active-state pass of the caller
+  /// Active nodes were evaluated. Empty: F has one sign at all nodes of the block and at those next to it.
+  std::unique_ptr<Leaf> field;
   std::unique_ptr<Leaf> iterations;  ///< if asked for
 };
 
@@ -30,6 +31,7 @@ class BlockEvaluator {
     double voxelSize = 0;       ///< world units
     openvdb::CoordBBox domain;  ///< nodes beyond hold kFieldOutside
     bool keepIterations = false;
+    bool prove = false;  ///< skip nodes where the sign of F is proved, there and at the nodes next to them
   };
 
   BlockEvaluator(const FieldSource& source, const Options& options) : mSource(source), mOptions(options) {}
@@ -42,7 +44,10 @@ class BlockEvaluator {
 
  private:
   struct Scratch;
-  EvaluatedBlock evaluateOne(const openvdb::Coord& origin, Scratch& scratch);
+  void evaluatePart(std::span<const openvdb::Coord> origins, std::span<EvaluatedBlock> blocks, Scratch& scratch);
+  void decide(std::span<const openvdb::Coord> corners, int side, Scratch& scratch) const;
+  void evaluateOne(const openvdb::Coord& origin, std::span<const julia::Decision> parts, EvaluatedBlock& block,
+                   Scratch& scratch);
 
   FieldSource mSource;
   Options mOptions;

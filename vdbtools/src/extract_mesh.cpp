@@ -62,7 +62,7 @@ MeshCounts streamMesh(const FieldPlan& plan, const FieldSource& source, const Ex
   SurfaceExtractor extractor(
       source, {.extract = options, .domain = plan.domain, .voxelSize = plan.voxelSize, .normals = true}, sink, monitor);
   BlockLayers layers(*plan.blocks);
-  BlockEvaluator evaluator(source, {.voxelSize = plan.voxelSize, .domain = plan.domain, .keepIterations = false});
+  BlockEvaluator evaluator(source, {.voxelSize = plan.voxelSize, .domain = plan.domain, .prove = true});
   // Every block is evaluated, and searched later.
   monitor.begin("surface", 2 * layers.blockCount());
   while (const auto origins = layers.next()) {

@@ -205,7 +205,8 @@ FieldPlan planBox(const FractalFieldOptions& options) {
   return plan;
 }
 
-FractalField evaluateField(const FieldPlan& plan, const FieldSource& source, bool keepIterations, Monitor& monitor) {
+FractalField evaluateField(const FieldPlan& plan, const FieldSource& source, const EvaluateFieldOptions& options,
+                           Monitor& monitor) {
   const auto makeGrid = [&](float background, const char* name) {
     FloatGrid::Ptr grid = FloatGrid::create(background);
     grid->setTransform(openvdb::math::Transform::createLinearTransform(plan.voxelSize));
@@ -216,10 +217,12 @@ FractalField evaluateField(const FieldPlan& plan, const FieldSource& source, boo
   result.domain = plan.domain;
   result.bounded = plan.bounded;
   result.field = makeGrid(kFieldOutside, "logmodulus");
-  if (keepIterations) result.iterations = makeGrid(0, "iterations");
+  if (options.keepIterations) result.iterations = makeGrid(0, "iterations");
   BlockLayers layers(*plan.blocks);
-  BlockEvaluator evaluator(source,
-                           {.voxelSize = plan.voxelSize, .domain = plan.domain, .keepIterations = keepIterations});
+  BlockEvaluator evaluator(source, {.voxelSize = plan.voxelSize,
+                                    .domain = plan.domain,
+                                    .keepIterations = options.keepIterations,
+                                    .prove = !options.everyNode});
   monitor.begin("field", layers.blockCount());
   while (const auto origins = layers.next()) {
     for (EvaluatedBlock& block : evaluator.evaluate(*origins, monitor)) {
@@ -228,29 +231,25 @@ FractalField evaluateField(const FieldPlan& plan, const FieldSource& source, boo
     }
     monitor.throwIfCancelled();
   }
-  // Where there is no leaf nothing changes sign, so the sign of a block's corner is that of its neighbours.
-  openvdb::tools::signedFloodFillWithValues(result.field->tree(), kFieldOutside, -kFieldOutside);
-  for (auto leaf = result.field->tree().beginLeaf(); leaf; ++leaf) {
-    if (plan.domain.isInside(leaf->getNodeBoundingBox())) continue;
-    for (auto value = leaf->beginValueOn(); value; ++value)
-      if (!plan.domain.isInside(value.getCoord())) value.setValueOff();
-  }
+  // Where there is no leaf nothing changes sign, so the sign of a block's corner is that of its neighbours. In the
+  // leaves every value stands; the fill, which doubts what is not active, goes above them only.
+  openvdb::tools::signedFloodFillWithValues(result.field->tree(), kFieldOutside, -kFieldOutside, true, 1, 1);
   result.evaluatedNodes = evaluator.evaluatedNodes();
   return result;
 }
 
 FractalField fractalField(const FieldSource& source, const ExponentGrid& exponent, const FractalFieldOptions& options,
                           Monitor& monitor) {
-  return evaluateField(planShell(exponent, options), source, options.keepIterations, monitor);
+  return evaluateField(planShell(exponent, options), source, {options.keepIterations, options.everyNode}, monitor);
 }
 
 FractalField fractalFieldExhaustive(const FieldSource& source, const ExponentGrid& exponent,
                                     const FractalFieldOptions& options, Monitor& monitor) {
-  return evaluateField(planExhaustive(exponent, options), source, options.keepIterations, monitor);
+  return evaluateField(planExhaustive(exponent, options), source, {options.keepIterations, options.everyNode}, monitor);
 }
 
 FractalField fractalFieldEverywhere(const FieldSource& source, const FractalFieldOptions& options, Monitor& monitor) {
-  return evaluateField(planBox(options), source, options.keepIterations, monitor);
+  return evaluateField(planBox(options), source, {options.keepIterations, options.everyNode}, monitor);
 }
 
 }  // namespace vdbtools

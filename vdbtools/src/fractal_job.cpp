@@ -367,7 +367,9 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
     return result;
   }
 
-  FractalField field = evaluateField(plan, scene.source(), wants("iterations"), monitor);
+  const bool iterations = wants("iterations");
+  FractalField field = evaluateField(
+      plan, scene.source(), {.keepIterations = iterations, .everyNode = iterations || wants("logmodulus")}, monitor);
   result.evaluatedNodes = field.evaluatedNodes;
   if (dropsIslands) result.islands = dropIslands(field, scene.options.islands, monitor);
   FloatGrid::Ptr surface;

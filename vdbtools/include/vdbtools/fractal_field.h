@@ -49,7 +49,8 @@ struct FieldSource {
 struct FractalFieldOptions {
   double voxelSize = 0;               ///< h, world units, > 0
   std::optional<openvdb::BBoxd> box;  ///< region of interest, world units
-  bool keepIterations = false;
+  bool keepIterations = false;        ///< as in EvaluateFieldOptions
+  bool everyNode = false;             ///< as in EvaluateFieldOptions
 };
 
 /// For a map that has a shell: only where the exponent leaves F undecided.
@@ -63,8 +64,16 @@ FieldPlan planExhaustive(const ExponentGrid& exponent, const FractalFieldOptions
 /// Every node of options.box, which must be given: for maps without a shell.
 FieldPlan planBox(const FractalFieldOptions& options);
 
+struct EvaluateFieldOptions {
+  bool keepIterations = false;
+  /// F itself is wanted, not only its sign and where it changes: evaluates every node of the plan's blocks, also those
+  /// whose sign is proved.
+  bool everyNode = false;
+};
+
 /// The field of a plan, whole in memory.
-FractalField evaluateField(const FieldPlan& plan, const FieldSource& source, bool keepIterations, Monitor& monitor);
+FractalField evaluateField(const FieldPlan& plan, const FieldSource& source, const EvaluateFieldOptions& options,
+                           Monitor& monitor);
 
 /// The two steps in one.
 FractalField fractalField(const FieldSource& source, const ExponentGrid& exponent, const FractalFieldOptions& options,
