@@ -264,7 +264,8 @@ void step(const Map<Real>& map, const julia::QuaternionBatch<Real>& q, std::vect
 /// Every point's l and image lie in what the map says of the ball. @return the share of balls whose image is bounded
 /// by less than the ball about 0
 template <class Real>
-double expectHolds(const Map<Real>& map, Random& random, const std::vector<Ball>& balls, const std::string& what) {
+double expectHolds(const Map<Real>& map, Random& random, const std::vector<Ball>& balls, const std::string& what,
+                   DropAxis dropped = DropAxis::K) {
   int useful = 0;
   julia::QuaternionBatch<Real> q, next;
   std::vector<Real> l;
@@ -281,6 +282,10 @@ double expectHolds(const Map<Real>& map, Random& random, const std::vector<Ball>
           << text(q.get(i)) << ": " << what;
       if (!image) continue;
       const double distance = static_cast<double>(law_tests::distance(next.get(i), image->centre));
+      Quaternion<double> read = next.get(i).template as<double>();
+      (dropped == DropAxis::I ? read.b : dropped == DropAxis::J ? read.c : read.d) = 0;
+      EXPECT_GE(static_cast<double>(law_tests::length(read)), image->hollow)
+          << text(next.get(i)) << ", radius " << ball.radius << " at " << text(q.get(i)) << ": " << what;
       EXPECT_LE(distance, image->radius) << text(next.get(i)) << " l " << l[i] << ", radius " << ball.radius << " at "
                                          << text(q.get(i)) << ": " << what;
     }
@@ -306,6 +311,30 @@ TYPED_TEST(BallLaws, stepOfARationalHoldsEveryPoint) {
   }
   this->RecordProperty("useful", std::to_string(useful));
   EXPECT_GT(useful, 0.4);
+}
+
+TYPED_TEST(BallLaws, stepOfAShapeModulusHoldsEveryPoint) {
+  using Real = TypeParam;
+  Random random(910);
+  const auto field = bricksOf<Real>([&](double x, double y, double z) { return 10 * lumpy(x, y, z); },
+                                    Interpolation::Trilinear, 0.6, 1. / 64);
+  int hollows = 0;
+  for (int round = 0; round < 300; ++round) {
+    const Rational versor = randomRational(random, round % 2);
+    const DropAxis dropped = std::array{DropAxis::I, DropAxis::J, DropAxis::K}[static_cast<std::size_t>(round) % 3];
+    const julia::ShapeModulus<Real> map(field, versor, dropped);
+    std::vector<Ball> balls;
+    for (int i = 0; i < 60; ++i) {
+      const double radius = i % 10 == 0 ? 0 : logUniform(random, 1e-9, 0.1);
+      const Ball ball{riskyPoint(random, versor, radius), radius};
+      const std::optional<Ball> image = map.image(ball, map.logModulusRange(ball));
+      if (image && image->hollow > 0) ++hollows;
+      balls.push_back(ball);
+    }
+    expectHolds<Real>(map, random, balls, law_tests::text(versor), dropped);
+    if (this->HasFailure()) return;
+  }
+  EXPECT_GT(hollows, 5000);
 }
 
 TYPED_TEST(BallLaws, stepOfAQuadraticHoldsEveryPoint) {

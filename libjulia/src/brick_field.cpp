@@ -76,10 +76,29 @@ const BrickPyramid& BrickField<Real>::pyramid() const {
 
 template <class Real>
 ValueRange BrickField<Real>::range(const std::array<double, 3>& centre, double radius) const {
+  ValueRange result;
+  ranges({&centre, 1}, {&radius, 1}, {&result, 1});
+  return result;
+}
+
+template <class Real>
+void BrickField<Real>::ranges(std::span<const std::array<double, 3>> centres, std::span<const double> radii,
+                              std::span<ValueRange> out) const {
+  std::vector<Real> x(centres.size()), y(centres.size()), z(centres.size()), values(centres.size());
+  for (std::size_t i = 0; i < centres.size(); ++i) {
+    x[i] = static_cast<Real>(centres[i][0]);
+    y[i] = static_cast<Real>(centres[i][1]);
+    z[i] = static_cast<Real>(centres[i][2]);
+  }
+  sample(x, y, z, values);
+  for (std::size_t i = 0; i < centres.size(); ++i) out[i] = rangeAbout(values[i], centres[i], radii[i]);
+}
+
+/// @param value  what sample() gives at the centre
+template <class Real>
+ValueRange BrickField<Real>::rangeAbout(Real value, const std::array<double, 3>& centre, double radius) const {
   constexpr double eps = kEpsilonOf<Real>;
   const Lattice& lattice = *mLattice;
-  const std::array<Real, 3> at{static_cast<Real>(centre[0]), static_cast<Real>(centre[1]),
-                               static_cast<Real>(centre[2])};
   // Three products and three sums, of points that are rounded to Real, the centre among them: 4 eps of all that is
   // added. The spline's shift by half a node is one more.
   constexpr double kPositionRounding = 4 * eps;
@@ -110,8 +129,6 @@ ValueRange BrickField<Real>::range(const std::array<double, 3>& centre, double r
   // An interpolant is a mean of values that is right to some 12 eps of the largest.
   const double least = static_cast<double>(extremes.low), most = static_cast<double>(extremes.high);
   const double off = 16 * eps * std::max(std::abs(least), std::abs(most));
-  Real value = 0;
-  sample({&at[0], 1}, {&at[1], 1}, {&at[2], 1}, {&value, 1});
   // Positions are clamped to a box, which brings none further from another; the centre's is rounded too.
   const double distance = nodes + 2 * std::sqrt(3.) * rounding;
   const double rise = static_cast<double>(extremes.slope) * distance * (1 + kSlack) + 2 * off;

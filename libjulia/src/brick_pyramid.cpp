@@ -10,8 +10,10 @@ namespace julia {
 namespace {
 
 // A query looks at this many cells along an axis at most.
-constexpr std::uint32_t kCellsAcross = 3;
+constexpr std::uint32_t kCellsAcross = 2;
 
+// Values compared at once.
+constexpr std::size_t kLanes = 16;
 // Distances from the origin are told apart by this share of the farthest.
 constexpr std::uint32_t kSteps = 256;
 // An inverse is right to this, or it is not used.
@@ -56,7 +58,17 @@ class BrickReader {
       : mSide(bricks.side()), mSize(bricks.size()), mReads(bricks.before() + 2), mLargest(mSize), mSquares(mSize) {}
 
   BrickExtremes operator()(const float* values) {
-    const auto [low, high] = std::minmax_element(values, values + mSize);
+    // One extreme for each place in a row: compilers vectorise that, and not a single one.
+    float low[kLanes], high[kLanes], squares[kBrickSide] = {};
+    std::copy(values, values + kLanes, low);
+    std::copy(values, values + kLanes, high);
+    for (std::size_t i = kLanes; i < mSize; i += kLanes) {
+      const float* const row = values + std::min(i, mSize - kLanes);
+      for (std::size_t k = 0; k < kLanes; ++k) {
+        low[k] = row[k] < low[k] ? row[k] : low[k];
+        high[k] = row[k] > high[k] ? row[k] : high[k];
+      }
+    }
     std::fill(mSquares.begin(), mSquares.end(), 0.f);
     const std::size_t strides[3] = {std::size_t{mSide} * mSide, mSide, 1};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -66,17 +78,18 @@ class BrickReader {
         slideMaximum(mLargest, strides[other], other == axis ? mReads - 1 : mReads);
       for (std::size_t i = 0; i < mSize; ++i) mSquares[i] += mLargest[i] * mLargest[i];
     }
-    float steepest = 0;
     for (std::size_t x = 0; x < kBrickSide; ++x)
-      for (std::size_t y = 0; y < kBrickSide; ++y)
-        for (std::size_t z = 0; z < kBrickSide; ++z)
-          steepest = std::max(steepest, mSquares[x * strides[0] + y * strides[1] + z]);
+      for (std::size_t y = 0; y < kBrickSide; ++y) {
+        const float* const row = mSquares.data() + x * strides[0] + y * strides[1];
+        for (std::size_t z = 0; z < kBrickSide; ++z) squares[z] = row[z] > squares[z] ? row[z] : squares[z];
+      }
+    const float steepest = *std::max_element(squares, squares + kBrickSide);
     // Squares leave the range of floats where values are beyond all use.
     const bool usual = steepest >= 1e-30f && steepest <= 1e30f;
     const float slope = usual               ? std::sqrt(steepest) * (1 + 8 * std::numeric_limits<float>::epsilon())
                         : steepest < 1e-30f ? 1e-14f
                                             : std::numeric_limits<float>::infinity();
-    return {*low, *high, slope};
+    return {*std::min_element(low, low + kLanes), *std::max_element(high, high + kLanes), slope};
   }
 
  private:
@@ -87,12 +100,6 @@ class BrickReader {
 };
 
 }  // namespace
-
-void BrickExtremes::include(const BrickExtremes& other) {
-  low = std::min(low, other.low);
-  high = std::max(high, other.high);
-  slope = std::max(slope, other.slope);
-}
 
 BrickPyramid::BrickPyramid(const Bricks& bricks, const BrickPlacement& placement) : mBricks(bricks) {
   BrickReader read(bricks);
@@ -187,13 +194,6 @@ double BrickPyramid::lowestBeyond(double distance) const {
   if (mStep == 0 || !(distance >= 0)) return -std::numeric_limits<double>::infinity();
   const double step = std::min(distance / mStep, double{kSteps});
   return static_cast<double>(mLowestBeyond[static_cast<std::size_t>(step)]);
-}
-
-/// @param level  0 for the bricks themselves
-const BrickExtremes& BrickPyramid::at(std::size_t level, std::size_t x, std::size_t y, std::size_t z) const {
-  const Box& count = level == 0 ? mBricks.count : mLevels[level - 1].count;
-  const std::size_t place = (x * count[1] + y) * count[2] + z;
-  return level == 0 ? mOfBrick[mBricks.brickAt[place]] : mLevels[level - 1].cells[place];
 }
 
 BrickExtremes BrickPyramid::over(const Box& first, const Box& last) const {

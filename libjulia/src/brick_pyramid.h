@@ -6,6 +6,7 @@
 
 #include "julia/brick_field.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -16,7 +17,11 @@ struct BrickExtremes {
   float low = 0, high = 0;
   float slope = 0;  ///< the interpolant's steepest, a node
 
-  void include(const BrickExtremes& other);
+  void include(const BrickExtremes& other) {
+    low = std::min(low, other.low);
+    high = std::max(high, other.high);
+    slope = std::max(slope, other.slope);
+  }
 };
 
 class BrickPyramid {
@@ -39,7 +44,12 @@ class BrickPyramid {
     std::vector<BrickExtremes> cells;
   };
   void findLowestBeyond(const BrickPlacement& placement);
-  const BrickExtremes& at(std::size_t level, std::size_t x, std::size_t y, std::size_t z) const;
+  /// @param level  0 for the bricks themselves
+  const BrickExtremes& at(std::size_t level, std::size_t x, std::size_t y, std::size_t z) const {
+    const Box& count = level == 0 ? mBricks.count : mLevels[level - 1].count;
+    const std::size_t place = (x * count[1] + y) * count[2] + z;
+    return level == 0 ? mOfBrick[mBricks.brickAt[place]] : mLevels[level - 1].cells[place];
+  }
 
   const Bricks& mBricks;
   std::vector<BrickExtremes> mOfBrick;  ///< by the number in brickAt

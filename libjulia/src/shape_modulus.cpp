@@ -4,6 +4,8 @@
 #include "ball_arithmetic.h"
 
 #include <algorithm>
+#include <array>
+#include <vector>
 
 namespace julia {
 
@@ -28,18 +30,31 @@ void ShapeModulus<Real>::versor(const QuaternionBatch<Real>& q, QuaternionBatch<
 
 template <class Real>
 LogRange ShapeModulus<Real>::logModulusRange(const Ball& ball) const {
-  const Quaternion<double>& q = ball.centre;
+  LogRange l;
+  logModulusRanges({&ball, 1}, {&l, 1});
+  return l;
+}
+
+template <class Real>
+void ShapeModulus<Real>::logModulusRanges(std::span<const Ball> balls, std::span<LogRange> l) const {
   // What is left of a ball without one component is a ball of three dimensions.
-  const auto over = [&](double x, double y, double z) -> LogRange {
-    const ValueRange range = mExponent->range({x, y, z}, ball.radius);
-    return {ball.hollow > 0 ? std::max(range.low, mExponent->lowestBeyond(ball.hollow)) : range.low, range.high};
-  };
-  switch (mDropped) {
-    case DropAxis::I: return over(q.a, q.c, q.d);
-    case DropAxis::J: return over(q.a, q.b, q.d);
-    case DropAxis::K: break;
+  std::vector<std::array<double, 3>> centres(balls.size());
+  std::vector<double> radii(balls.size());
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    const Quaternion<double>& q = balls[i].centre;
+    switch (mDropped) {
+      case DropAxis::I: centres[i] = {q.a, q.c, q.d}; break;
+      case DropAxis::J: centres[i] = {q.a, q.b, q.d}; break;
+      case DropAxis::K: centres[i] = {q.a, q.b, q.c}; break;
+    }
+    radii[i] = balls[i].radius;
   }
-  return over(q.a, q.b, q.c);
+  std::vector<ValueRange> ranges(balls.size());
+  mExponent->ranges(centres, radii, ranges);
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    l[i] = {ranges[i].low, ranges[i].high};
+    if (balls[i].hollow > 0) l[i].low = std::max(l[i].low, mExponent->lowestBeyond(balls[i].hollow));
+  }
 }
 
 template <class Real>

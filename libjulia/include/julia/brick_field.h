@@ -59,11 +59,14 @@ class BrickField final : public ScalarField<Real> {
   /// From the extremes of the bricks that the ball touches, and from the value at its centre and the steepest slope
   /// there. The first call goes through all bricks once.
   ValueRange range(const std::array<double, 3>& centre, double radius) const override;
+  void ranges(std::span<const std::array<double, 3>> centres, std::span<const double> radii,
+              std::span<ValueRange> out) const override;
   double lowestBeyond(double distance) const override;
 
  private:
   struct Lattice;
   const BrickPyramid& pyramid() const;
+  ValueRange rangeAbout(Real value, const std::array<double, 3>& centre, double radius) const;
   std::shared_ptr<const Bricks> mBricks;
   std::unique_ptr<const Lattice> mLattice;
   BrickPlacement mPlacement;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <limits>
 #include <span>
 
@@ -25,6 +26,12 @@ class ScalarField {
 
   /// Holds what sample() gives, rounding included, at each point of a ball. Whoever knows nothing says so.
   virtual ValueRange range(const std::array<double, 3>& /*centre*/, double /*radius*/) const { return {}; }
+
+  /// The same of many balls at once.
+  virtual void ranges(std::span<const std::array<double, 3>> centres, std::span<const double> radii,
+                      std::span<ValueRange> out) const {
+    for (std::size_t i = 0; i < centres.size(); ++i) out[i] = range(centres[i], radii[i]);
+  }
 
   /// Bounds from below what sample() gives wherever |x| >= distance.
   virtual double lowestBeyond(double /*distance*/) const { return -std::numeric_limits<double>::infinity(); }
