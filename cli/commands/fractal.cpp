@@ -10,6 +10,7 @@
 #include "vdbtools/vdb_file.h"
 
 #include <iostream>
+#include <sstream>
 
 namespace po = boost::program_options;
 
@@ -26,6 +27,16 @@ constexpr Usage kUsageText = {
     "  juliavdb fractal bunny.obj -o ramp.vdb --alpha x:10:300:smooth --resolution 100\n"
     "  juliavdb fractal --config bunny.vdb -o again.vdb\n"
     "  juliavdb fractal --map quadratic --c=-0.2,0.6,0.2,0.2 --iterations 8 -o julia.vdb --resolution 80\n"};
+
+/// What was left out, in a sentence.
+std::string followText(const vdbtools::FollowReport& report) {
+  std::ostringstream text;
+  text.precision(2);
+  const double visited = 100.0 * static_cast<double>(report.visitedBlocks) / static_cast<double>(report.shellBlocks);
+  text << visited << " % of the shell's blocks visited, some " << 100 * report.missedShare()
+       << " % of the surface missed by an estimate from " << report.probedBlocks << " of the others";
+  return text.str();
+}
 
 }  // namespace
 
@@ -74,6 +85,7 @@ int runFractal(const Arguments& arguments) {
   if (const auto moved = scene.facts.find("julia_repair_moved"); moved != scene.facts.end())
     std::cerr << ", the target repaired and its surface moved by at most " << moved->second;
   if (result.islands) std::cerr << ", " << result.islands->kept << " of " << result.islands->islands << " islands kept";
+  if (result.follow) std::cerr << ", " << followText(*result.follow);
   if (wantMesh) std::cerr << ", " << result.mesh.triangles << " triangles";
   std::cerr << '\n';
   return kDone;

@@ -58,6 +58,7 @@ void BlockEvaluator::evaluatePart(std::span<const Coord> origins, std::span<Eval
   if (mOptions.prove) {
     decide(origins, kBlock, scratch);
     for (std::size_t i = 0; i < origins.size(); ++i) {
+      blocks[i].decision = scratch.decisions[i];
       if (scratch.decisions[i] != julia::Decision::Undecided) continue;
       scratch.undecided.push_back(origins[i]);
       scratch.which.push_back(i);

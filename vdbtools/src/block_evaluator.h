@@ -23,7 +23,15 @@ struct EvaluatedBlock {
   /// Active nodes were evaluated. Empty: F has one sign at all nodes of the block and at those next to it.
   std::unique_ptr<Leaf> field;
   std::unique_ptr<Leaf> iterations;  ///< if asked for
+  /// That one sign, where the field is empty.
+  julia::Decision decision = julia::Decision::Undecided;
 };
+
+/// A plan's field before anything is evaluated.
+FractalField emptyField(const FieldPlan& plan, bool keepIterations);
+
+/// Gives the tiles of a field the sign of the leaves next to them.
+void fillTiles(FractalField& field);
 
 class BlockEvaluator {
  public:

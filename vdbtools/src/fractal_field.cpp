@@ -205,8 +205,7 @@ FieldPlan planBox(const FractalFieldOptions& options) {
   return plan;
 }
 
-FractalField evaluateField(const FieldPlan& plan, const FieldSource& source, const EvaluateFieldOptions& options,
-                           Monitor& monitor) {
+FractalField emptyField(const FieldPlan& plan, bool keepIterations) {
   const auto makeGrid = [&](float background, const char* name) {
     FloatGrid::Ptr grid = FloatGrid::create(background);
     grid->setTransform(openvdb::math::Transform::createLinearTransform(plan.voxelSize));
@@ -217,7 +216,19 @@ FractalField evaluateField(const FieldPlan& plan, const FieldSource& source, con
   result.domain = plan.domain;
   result.bounded = plan.bounded;
   result.field = makeGrid(kFieldOutside, "logmodulus");
-  if (options.keepIterations) result.iterations = makeGrid(0, "iterations");
+  if (keepIterations) result.iterations = makeGrid(0, "iterations");
+  return result;
+}
+
+void fillTiles(FractalField& field) {
+  // Where there is no leaf nothing changes sign, so the sign of a block's corner is that of its neighbours. In the
+  // leaves every value stands; the fill, which doubts what is not active, goes above them only.
+  openvdb::tools::signedFloodFillWithValues(field.field->tree(), kFieldOutside, -kFieldOutside, true, 1, 1);
+}
+
+FractalField evaluateField(const FieldPlan& plan, const FieldSource& source, const EvaluateFieldOptions& options,
+                           Monitor& monitor) {
+  FractalField result = emptyField(plan, options.keepIterations);
   BlockLayers layers(*plan.blocks);
   BlockEvaluator evaluator(source, {.voxelSize = plan.voxelSize,
                                     .domain = plan.domain,
@@ -231,9 +242,7 @@ FractalField evaluateField(const FieldPlan& plan, const FieldSource& source, con
     }
     monitor.throwIfCancelled();
   }
-  // Where there is no leaf nothing changes sign, so the sign of a block's corner is that of its neighbours. In the
-  // leaves every value stands; the fill, which doubts what is not active, goes above them only.
-  openvdb::tools::signedFloodFillWithValues(result.field->tree(), kFieldOutside, -kFieldOutside, true, 1, 1);
+  fillTiles(result);
   result.evaluatedNodes = evaluator.evaluatedNodes();
   return result;
 }

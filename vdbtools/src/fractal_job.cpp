@@ -359,7 +359,7 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
   const ExtractMeshOptions asked{.tolerance = scene.options.tolerance, .border = capMesh ? Border::Cap : Border::Open};
   const bool dropsIslands = scene.options.islands.largest > 0 || scene.options.islands.minSize > 0;
   FractalResult result;
-  if (!wantGrids && !dropsIslands) {
+  if (!wantGrids && !dropsIslands && !scene.options.follow) {
     if (!sink) return result;
     result.mesh = streamMesh(plan, scene.source(), asked, *sink, monitor);
     result.evaluatedNodes = result.mesh.evaluatedNodes;
@@ -367,9 +367,11 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
     return result;
   }
 
-  const bool iterations = wants("iterations");
-  FractalField field = evaluateField(
-      plan, scene.source(), {.keepIterations = iterations, .everyNode = iterations || wants("logmodulus")}, monitor);
+  const EvaluateFieldOptions evaluate{.keepIterations = wants("iterations"),
+                                      .everyNode = wants("iterations") || wants("logmodulus")};
+  FractalField field = scene.options.follow ? followSurface(plan, scene.source(), evaluate, *scene.options.follow,
+                                                            result.follow.emplace(), monitor)
+                                            : evaluateField(plan, scene.source(), evaluate, monitor);
   result.evaluatedNodes = field.evaluatedNodes;
   if (dropsIslands) result.islands = dropIslands(field, scene.options.islands, monitor);
   FloatGrid::Ptr surface;

@@ -6,6 +6,7 @@
 #include "vdbtools/vdb_file.h"
 
 #include <algorithm>
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <sstream>
@@ -75,6 +76,10 @@ constexpr OptionSpec kFractalSpecs[] = {
     {"sampling", "trilinear|quadratic", "trilinear",
      "how the target's distances are read between their nodes; quadratic has no creases in deep zooms"},
     {"exhaustive", nullptr, nullptr, "evaluate every node, also where the result is known; for checking"},
+    {"follow", nullptr, nullptr,
+     "follow the surface from seeds instead of going through the whole shell: for huge runs. What is found is exact, "
+     "islands that no seed meets are missed; says how much that is likely to be"},
+    {"seed-stride", "N", "8", "follow: voxels between seeds, a power of 2 up to 64; fewer find more"},
     {"grids", "LIST", "surface", "what the VDB holds: surface, density, logmodulus, iterations, versor"},
     {"half", nullptr, nullptr, "write 16-bit floats"},
 };
@@ -362,6 +367,14 @@ FractalOptions parseFractalOptions(const Recipe& recipe) {
   options.interpolation = reader.choice<julia::Interpolation>(
       "sampling", {{"trilinear", julia::Interpolation::Trilinear}, {"quadratic", julia::Interpolation::Quadratic}});
   options.exhaustive = reader.flag("exhaustive");
+  const int stride = reader.integer<int>("seed-stride", 1, 64);
+  if (!std::has_single_bit(static_cast<unsigned>(stride)))
+    refuse("seed-stride", reader.text("seed-stride"), "a power of 2, at most 64");
+  if (reader.flag("follow")) {
+    if (options.exhaustive)
+      throw std::invalid_argument("--follow and --exhaustive contradict each other; give one of them");
+    options.follow = FollowOptions{.seedStride = stride};
+  }
   options.grids = parseGrids(reader.text("grids"));
   options.half = reader.flag("half");
   options.sourceHash = reader.text(kHashOptions[0]);

@@ -47,12 +47,13 @@ struct FractalResult {
   std::vector<openvdb::GridBase::Ptr> grids;  ///< those of options.grids, if @a wantGrids
   MeshCounts mesh;                            ///< of what went to the sink
   std::uint64_t evaluatedNodes = 0;
+  std::optional<FollowReport> follow;   ///< if the surface was followed
   std::optional<IslandReport> islands;  ///< if any were to be dropped
   LevelSetCheck check;                  ///< of the grid "surface", if it was made
 };
 
-/// The grids and the mesh of a scene. The field is held in memory for the grids, and to find islands; for a mesh alone
-/// it is not.
+/// The grids and the mesh of a scene. The field is held in memory for the grids, to find islands, and what is visited
+/// of it to follow the surface; for a mesh alone it is not.
 /// @param sink  takes the mesh, with normals; none: no mesh is wanted
 /// @throw DataError if there is no surface
 FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGrids, MeshSink* sink, Monitor& monitor);

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "vdbtools/control.h"
+#include "vdbtools/follow_surface.h"
 #include "vdbtools/islands.h"
 
 #include "julia/brick_field.h"
@@ -102,6 +103,7 @@ struct FractalOptions {
   Precision precision = Precision::Auto;
   julia::Interpolation interpolation = julia::Interpolation::Trilinear;
   bool exhaustive = false;
+  std::optional<FollowOptions> follow;  ///< if the surface is to be followed
   std::vector<std::string> grids;
   bool half = false;
   std::string sourceHash, versorHash;  ///< expected, if not empty

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/follow_surface.h"
+
+#include "block_evaluator.h"
+#include "block_layers.h"
+#include "leaf_signs.h"
+
+#include <openvdb/tools/Morphology.h>
+#include <openvdb/tree/ValueAccessor.h>
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace vdbtools {
+namespace {
+
+using openvdb::Coord;
+using openvdb::Index;
+using Leaf = EvaluatedBlock::Leaf;
+
+/// The two sides along each axis.
+constexpr int kFaces = 6;
+
+Coord acrossFace(const Coord& block, int face) {
+  Coord next = block;
+  next[face / 2] += face % 2 ? 1 : -1;
+  return next;
+}
+
+/// Which signs the nodes on a face of a leaf have.
+struct FaceSigns {
+  bool inside = false, outside = false;
+};
+FaceSigns signsOnFace(const Leaf& leaf, int face) {
+  FaceSigns signs;
+  const float* values = leaf.buffer().data();
+  for (int a = 0; a < kBlock; ++a)
+    for (int b = 0; b < kBlock; ++b) {
+      std::array<int, 3> at{a, a, a};
+      at[static_cast<std::size_t>(face / 2)] = face % 2 ? kBlock - 1 : 0;
+      at[static_cast<std::size_t>((face / 2 + 1) % 3)] = a;
+      at[static_cast<std::size_t>((face / 2 + 2) % 3)] = b;
+      (isInside(values[(at[0] * kBlock + at[1]) * kBlock + at[2]]) ? signs.inside : signs.outside) = true;
+    }
+  return signs;
+}
+
+/// The crossing edges between nodes of one leaf.
+std::uint64_t crossingsWithin(const Leaf& leaf) {
+  LeafSigns::Neighbours alone{};
+  alone[0] = &leaf;
+  const LeafSigns signs(alone);
+  std::uint64_t count = 0;
+  for (unsigned x = 0; x < LeafSigns::kSide; ++x)
+    for (unsigned y = 0; y < LeafSigns::kSide; ++y)
+      for (int axis = 0; axis < 3; ++axis) count += static_cast<unsigned>(std::popcount(signs.crossings(x, y, axis)));
+  return count;
+}
+
+class Follower {
+ public:
+  Follower(const FieldPlan& plan, const FieldSource& source, const EvaluateFieldOptions& field, int stride,
+           Monitor& monitor)
+      : mPlan(plan),
+        mSource(source),
+        mStride(stride),
+        mMonitor(monitor),
+        mKnown(*plan.blocks),
+        mEvaluator(source, {.voxelSize = plan.voxelSize,
+                            .domain = plan.domain,
+                            .keepIterations = field.keepIterations,
+                            .prove = !field.everyNode}) {
+    // Blocks next to the plan's have one sign each, which their own seed gives.
+    openvdb::tools::dilateActiveValues(mKnown, 1, openvdb::tools::NN_FACE, openvdb::tools::EXPAND_TILES);
+    mKnown.voxelizeActiveTiles();
+  }
+
+  void follow(FractalField& result, FollowReport& report) {
+    std::vector<Coord> wave = start();
+    mMonitor.begin("following the surface", 0);
+    while (!wave.empty()) {
+      std::vector<Coord> origins;
+      for (const Coord& block : wave) origins.push_back(block << kBlockLog2);
+      std::vector<EvaluatedBlock> blocks = mEvaluator.evaluate(origins, mMonitor);
+      mMonitor.throwIfCancelled();
+      for (std::size_t i = 0; i < wave.size(); ++i) spread(wave[i], blocks[i]);
+      for (EvaluatedBlock& block : blocks) {
+        if (block.field) {
+          report.foundVertices += crossingsWithin(*block.field);
+          result.field->tree().addLeaf(block.field.release());
+        }
+        if (block.iterations) result.iterations->tree().addLeaf(block.iterations.release());
+      }
+      wave = std::exchange(mNext, {});
+      std::sort(wave.begin(), wave.end());
+    }
+    report.visitedBlocks = mVisited.activeVoxelCount();
+    result.evaluatedNodes = mEvaluator.evaluatedNodes();
+  }
+
+  /// Looks into blocks that were left out.
+  void probe(std::uint64_t probes, FollowReport& report) {
+    std::vector<Coord> leftOut;
+    report.shellBlocks = mPlan.blocks->activeVoxelCount();
+    const std::uint64_t count = report.shellBlocks - report.visitedBlocks;
+    // The same ones every time: which of them, in the order of the tree.
+    std::mt19937_64 random(1);
+    std::vector<std::uint64_t> chosen;
+    for (std::uint64_t i = 0; i < probes && count > 0; ++i) chosen.push_back(random() % count);
+    std::sort(chosen.begin(), chosen.end());
+    chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+    std::uint64_t at = 0;
+    auto next = chosen.begin();
+    openvdb::tree::ValueAccessor<const BlockSet> visited(mVisited);
+    for (auto block = mPlan.blocks->cbeginValueOn(); block && next != chosen.end(); ++block) {
+      if (visited.isValueOn(block.getCoord())) continue;
+      if (at++ != *next) continue;
+      leftOut.push_back(block.getCoord() << kBlockLog2);
+      ++next;
+    }
+    std::uint64_t crossings = 0;
+    for (const EvaluatedBlock& block : mEvaluator.evaluate(leftOut, mMonitor))
+      if (block.field) crossings += crossingsWithin(*block.field);
+    mMonitor.throwIfCancelled();
+    report.probedBlocks = leftOut.size();
+    if (!leftOut.empty())
+      report.missedVertices =
+          static_cast<double>(crossings) * static_cast<double>(count) / static_cast<double>(leftOut.size());
+  }
+
+ private:
+  /// The sign at seeds, and the blocks where it differs within or from the next block's.
+  std::vector<Coord> start() {
+    std::vector<Coord> blocks;
+    for (auto block = mKnown.cbeginValueOn(); block; ++block) blocks.push_back(block.getCoord());
+    std::vector<std::uint8_t> inside(blocks.size()), mixed(blocks.size());
+    mMonitor.begin("seeds", blocks.size());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.size(), 256), [&](const auto& range) {
+      if (mMonitor.cancelled()) return;
+      seed(std::span(blocks).subspan(range.begin(), range.size()), inside.data() + range.begin(),
+           mixed.data() + range.begin());
+      mMonitor.advance(range.size());
+    });
+    mMonitor.throwIfCancelled();
+    openvdb::tree::ValueAccessor<BlockSet> insideAt(mInside);
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+      if (inside[i]) insideAt.setValueOn(blocks[i]);
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      if (mixed[i]) visit(blocks[i]);
+      for (int face = 1; face < kFaces; face += 2) {
+        const Coord next = acrossFace(blocks[i], face);
+        if (!mKnown.isValueOn(next) || insideAt.isValueOn(next) == bool(inside[i])) continue;
+        visit(blocks[i]);
+        visit(next);
+      }
+    }
+    std::sort(mNext.begin(), mNext.end());
+    return std::exchange(mNext, {});
+  }
+
+  void seed(std::span<const Coord> blocks, std::uint8_t* inside, std::uint8_t* mixed) const {
+    // Where the stride is more than a block, blocks share the seed of the corner of theirs.
+    const int step = std::min(mStride, kBlock), perSide = kBlock / step, together = std::max(mStride / kBlock, 1);
+    std::vector<julia::Point> points;
+    std::vector<bool> within;
+    for (const Coord& block : blocks)
+      for (int k = 0; k < perSide * perSide * perSide; ++k) {
+        const Coord node =
+            ((block & ~(together - 1)) << kBlockLog2)
+                .offsetBy(k / perSide / perSide * step, k / perSide % perSide * step, k % perSide * step);
+        within.push_back(mPlan.domain.isInside(node));
+        points.push_back(mSource.space.toFractal(node.asVec3d() * mPlan.voxelSize));
+      }
+    std::vector<double> values(points.size());
+    mSource.evaluator.evaluate(points, values, {});
+    const std::size_t each = points.size() / std::max<std::size_t>(blocks.size(), 1);
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      std::size_t count = 0;
+      for (std::size_t k = i * each; k < (i + 1) * each; ++k) count += within[k] && values[k] < 0 ? 1 : 0;
+      inside[i] = within[i * each] && values[i * each] < 0;
+      mixed[i] = count > 0 && count < each;
+    }
+  }
+
+  /// Blocks beyond the faces on which another sign was found than they are taken to have.
+  void spread(const Coord& block, const EvaluatedBlock& evaluated) {
+    for (int face = 0; face < kFaces; ++face) {
+      const Coord next = acrossFace(block, face);
+      FaceSigns signs;
+      if (evaluated.field)
+        signs = signsOnFace(*evaluated.field, face);
+      else
+        (evaluated.decision == julia::Decision::Inside ? signs.inside : signs.outside) = true;
+      if (mInside.isValueOn(next) ? signs.outside : signs.inside) visit(next);
+    }
+  }
+
+  void visit(const Coord& block) {
+    if (!mPlan.blocks->isValueOn(block) || mVisited.isValueOn(block)) return;
+    mVisited.setValueOn(block);
+    mNext.push_back(block);
+  }
+
+  const FieldPlan& mPlan;
+  FieldSource mSource;
+  int mStride;
+  Monitor& mMonitor;
+  BlockSet mKnown;             // the plan's blocks and those next to them
+  BlockSet mInside, mVisited;  // of these
+  std::vector<Coord> mNext;
+  BlockEvaluator mEvaluator;
+};
+
+}  // namespace
+
+FractalField followSurface(const FieldPlan& plan, const FieldSource& source, const EvaluateFieldOptions& field,
+                           const FollowOptions& options, FollowReport& report, Monitor& monitor) {
+  if (options.seedStride < 1 || options.seedStride > 64 ||
+      !std::has_single_bit(static_cast<unsigned>(options.seedStride)))
+    throw std::invalid_argument("the stride of seeds is " + std::to_string(options.seedStride) +
+                                " voxels; it must be a power of 2, at most 64");
+  report = {};
+  FractalField result = emptyField(plan, field.keepIterations);
+  Follower follower(plan, source, field, options.seedStride, monitor);
+  follower.follow(result, report);
+  follower.probe(options.probes, report);
+  fillTiles(result);
+  return result;
+}
+
+}  // namespace vdbtools
