@@ -139,6 +139,40 @@ TEST(ExponentGrid, BeyondADenseFieldItsNearestFaceHolds) {
   EXPECT_NEAR(read[3], 4 * ball(Vec3d(-0.6, -0.6, 0.6)), 1e-5);
 }
 
+TEST(ExponentGrid, AnInsideThatIsKnownInPartServesWhereItIsDeepEnough) {
+  // The same distances, once over the whole inside and once to a depth: where that is said to be enough, E and its trap
+  // are the same wherever an orbit goes on.
+  Monitor monitor;
+  const ExponentGridOptions options{20.0, 0.0, 3, 20};
+  const auto exponentOf = [&](double depth) {
+    return exponentGrid(makeTarget(test_fields::bandGrid(ball, 1.0 / 64, 0.3, depth), {}), {}, options, monitor);
+  };
+  const ExponentGrid whole = exponentOf(1e9);
+  EXPECT_FALSE(whole.tooShallow);
+  int enough = 0, tooLittle = 0;
+  for (const double depth : {0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4}) {
+    const ExponentGrid part = exponentOf(depth);
+    (part.tooShallow ? tooLittle : enough) += 1;
+    if (part.tooShallow) continue;
+    EXPECT_EQ(part.shell.lower, whole.shell.lower) << depth;
+    const auto a = makeExponentField<double>(part), b = makeExponentField<double>(whole);
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> place(-0.6, 0.6);
+    for (int i = 0; i < 20000; ++i) {
+      const double x = place(random), y = place(random), z = place(random);
+      double readA = 0, readB = 0;
+      a->sample(std::span(&x, 1), std::span(&y, 1), std::span(&z, 1), std::span(&readA, 1));
+      b->sample(std::span(&x, 1), std::span(&y, 1), std::span(&z, 1), std::span(&readB, 1));
+      ASSERT_EQ(readA <= whole.shell.lower, readB <= whole.shell.lower) << depth;
+      if (readB > whole.shell.lower) {
+        ASSERT_EQ(readA, readB) << depth;
+      }
+    }
+  }
+  EXPECT_GT(enough, 0);
+  EXPECT_GT(tooLittle, 0);
+}
+
 TEST(ExponentGrid, TheTrappedBallIsThatOfTheRadialMaximum) {
   // E of a ball about the origin depends on |x| alone: m(r) = exp(alpha (r - R)), so r_in solves m(m(r)) = 1, m(r) = R.
   const double alpha = 20, radius = 0.5;

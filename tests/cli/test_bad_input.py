@@ -380,6 +380,7 @@ class Options(harness.CliTest):
             "space": ["outer"],
             "box": ["1,1,1,0,0,0", "0,0,0,1,1,0", "0,0,0,1,1", "0,0,0,1,1,nan", "0,0,0,0,0,0"],
             "tolerance": ["0", "-1", "1", "nan"],
+            "seed-stride": ["0", "3", "128", "-8", "x"],
             "precision": ["half"],
             "grids": ["", "surface,", "surface,surface", "velocity", "surface velocity"],
         }
@@ -397,6 +398,8 @@ class Options(harness.CliTest):
                                  for option, values in cases.items() for value in values])
 
     def test_alternatives_exclude_each_other(self):
+        self.refused(USAGE, "fractal", "s.obj", "-o", "x.vdb", "--resolution", 24, "--follow", "--exhaustive",
+                     mentions="--follow")
         self.refused(USAGE, "fractal", "s.obj", "-o", "x.vdb", "--resolution", 24, "--voxel-size", 0.1,
                      mentions=["--resolution", "--voxel-size"])
         self.refused(USAGE, "fractal", "s.obj", "-o", "x.vdb", "--sdf-resolution", 24, "--sdf-voxel-size", 0.1,

@@ -17,9 +17,9 @@ class SameBytes(harness.CliTest):
         self.write("t.obj", harness.obj(harness.torus()))
 
     def twice(self, extensions, *arguments):
-        """Runs with one thread, with two and with those that there are. @param extensions: of the outputs, by option"""
+        """Runs with one thread, with two, with four and with those that there are. @param extensions: of the outputs, by option"""
         results = {}
-        for threads in (1, 2, None):
+        for threads in (1, 2, 4, None):
             outputs = [word for option, extension in extensions.items() for word in (option, f"{threads}{extension}")]
             self.ok(*arguments, *outputs, *(("--threads", threads) if threads else ()))
             for extension in extensions.values():
@@ -41,14 +41,28 @@ class SameBytes(harness.CliTest):
 
     def test_skipping_changes_no_byte(self):
         """What is skipped, because its fate is proven, would have come out the same."""
+        self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))
         for options in ((), ("--alpha", 6), ("--alpha", 100, "--precision", "double"), ("--alpha", "x:10:100:smooth"),
                         ("--beta", "y:-0.02:0.03", "--versor-integer"), ("--slice", 0.2, "--origin", "-0.1,0,0.05"),
-                        ("--drop-axis", "j", "--iterations", 5), ("--sampling", "quadratic")):
+                        ("--drop-axis", "j", "--iterations", 5), ("--sampling", "quadratic"),
+                        ("--box", "-0.2,-0.3,-0.2,0.8,0.9,0.7"), ("--map", "rational", "--versor", "v.o3d"),
+                        ("--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "--iterations", 8)):
             with self.subTest(options=options):
                 self.ok("fractal", "t.obj", *LOW, *options, "-o", "skipped.vdb", "--mesh", "skipped.stl")
                 self.ok("fractal", "t.obj", *LOW, *options, "-o", "all.vdb", "--mesh", "all.stl", "--exhaustive")
                 # STL carries no recipe, in which --exhaustive stands.
                 self.assertTrue(self.bytes("skipped.stl") == self.bytes("all.stl"), options)
+
+    def test_a_mesh_alone_is_the_mesh_beside_a_vdb(self):
+        """Alone it is written while it is made; the field is never whole."""
+        for options in ((), ("--box", "-0.2,-0.3,-0.2,0.8,0.9,0.7"), ("--box", "-0.2,-0.3,-0.2,0.8,0.9,0.7", "--cap")):
+            for kind in (".ply", ".obj", ".stl"):
+                self.ok("fractal", "t.obj", *LOW, *options, "--mesh", "alone" + kind)
+                self.ok("fractal", "t.obj", *LOW, *options, "--mesh", "beside" + kind, "-o", "x.vdb")
+                self.assertTrue(self.bytes("alone" + kind) == self.bytes("beside" + kind), (options, kind))
+
+    def test_following(self):
+        self.twice({"-o": ".vdb", "--mesh": ".ply"}, "fractal", "t.obj", *LOW, "--follow")
 
     def test_vector_units_change_no_byte(self):
         flags = pathlib.Path("/proc/cpuinfo").read_text().split()

@@ -51,6 +51,18 @@ class Closed(Laws):
             with self.subTest(options=options):
                 self.check_closed(self.fractal(*options, *LOW))
 
+    def test_following_finds_the_surface(self):
+        """--follow says what it left out, finds what the whole shell holds but for a few islands, and closes it."""
+        whole = self.fractal("t.obj", "--resolution", 100, "--alpha", 40)
+        for stride in (8, 2):
+            said = self.ok("fractal", "t.obj", "--resolution", 100, "--alpha", 40, "--mesh", "followed.ply", "--follow",
+                           "--seed-stride", stride)
+            self.assertIn("missed by an estimate", said)
+            followed = harness.read_ply(self.bytes("followed.ply"))
+            self.check_closed(followed)
+            self.assertLessEqual(set(followed.points), set(whole.points))
+            self.assertGreater(len(followed.points), 0.99 * len(whole.points))
+
     def test_islands_are_dropped_whole(self):
         rough = ("t.obj", "--alpha", 15, "--versor-seed", 3, *LOW)
         whole = self.fractal(*rough)

@@ -11,7 +11,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <random>
 #include <stdexcept>
@@ -25,30 +24,23 @@ using openvdb::Coord;
 using openvdb::Index;
 using Leaf = EvaluatedBlock::Leaf;
 
-/// The two sides along each axis.
-constexpr int kFaces = 6;
+/// The 26 blocks around a block: cells that begin in one reach into those behind it across faces, edges and corners.
+constexpr int kAround = 27;
+Coord towards(int direction) { return {direction / 9 - 1, direction / 3 % 3 - 1, direction % 3 - 1}; }
 
-Coord acrossFace(const Coord& block, int face) {
-  Coord next = block;
-  next[face / 2] += face % 2 ? 1 : -1;
-  return next;
-}
-
-/// Which signs the nodes on a face of a leaf have.
-struct FaceSigns {
+/// Which signs the nodes have that touch the neighbour in a direction.
+struct TouchingSigns {
   bool inside = false, outside = false;
 };
-FaceSigns signsOnFace(const Leaf& leaf, int face) {
-  FaceSigns signs;
+TouchingSigns signsTowards(const Leaf& leaf, const Coord& direction) {
+  TouchingSigns signs;
   const float* values = leaf.buffer().data();
-  for (int a = 0; a < kBlock; ++a)
-    for (int b = 0; b < kBlock; ++b) {
-      std::array<int, 3> at{a, a, a};
-      at[static_cast<std::size_t>(face / 2)] = face % 2 ? kBlock - 1 : 0;
-      at[static_cast<std::size_t>((face / 2 + 1) % 3)] = a;
-      at[static_cast<std::size_t>((face / 2 + 2) % 3)] = b;
-      (isInside(values[(at[0] * kBlock + at[1]) * kBlock + at[2]]) ? signs.inside : signs.outside) = true;
-    }
+  const auto first = [&](int axis) { return direction[axis] > 0 ? kBlock - 1 : 0; };
+  const auto last = [&](int axis) { return direction[axis] < 0 ? 0 : kBlock - 1; };
+  for (int x = first(0); x <= last(0); ++x)
+    for (int y = first(1); y <= last(1); ++y)
+      for (int z = first(2); z <= last(2); ++z)
+        (isInside(values[(x * kBlock + y) * kBlock + z]) ? signs.inside : signs.outside) = true;
   return signs;
 }
 
@@ -78,7 +70,7 @@ class Follower {
                             .keepIterations = field.keepIterations,
                             .prove = !field.everyNode}) {
     // Blocks next to the plan's have one sign each, which their own seed gives.
-    openvdb::tools::dilateActiveValues(mKnown, 1, openvdb::tools::NN_FACE, openvdb::tools::EXPAND_TILES);
+    openvdb::tools::dilateActiveValues(mKnown, 1, openvdb::tools::NN_FACE_EDGE_VERTEX, openvdb::tools::EXPAND_TILES);
     mKnown.voxelizeActiveTiles();
   }
 
@@ -154,8 +146,9 @@ class Follower {
       if (inside[i]) insideAt.setValueOn(blocks[i]);
     for (std::size_t i = 0; i < blocks.size(); ++i) {
       if (mixed[i]) visit(blocks[i]);
-      for (int face = 1; face < kFaces; face += 2) {
-        const Coord next = acrossFace(blocks[i], face);
+      for (int axis = 0; axis < 3; ++axis) {
+        Coord next = blocks[i];
+        ++next[axis];
         if (!mKnown.isValueOn(next) || insideAt.isValueOn(next) == bool(inside[i])) continue;
         visit(blocks[i]);
         visit(next);
@@ -189,13 +182,14 @@ class Follower {
     }
   }
 
-  /// Blocks beyond the faces on which another sign was found than they are taken to have.
+  /// Blocks next to nodes of another sign than they are taken to have.
   void spread(const Coord& block, const EvaluatedBlock& evaluated) {
-    for (int face = 0; face < kFaces; ++face) {
-      const Coord next = acrossFace(block, face);
-      FaceSigns signs;
+    for (int i = 0; i < kAround; ++i) {
+      const Coord direction = towards(i), next = block + direction;
+      if (direction == Coord(0) || mVisited.isValueOn(next)) continue;
+      TouchingSigns signs;
       if (evaluated.field)
-        signs = signsOnFace(*evaluated.field, face);
+        signs = signsTowards(*evaluated.field, direction);
       else
         (evaluated.decision == julia::Decision::Inside ? signs.inside : signs.outside) = true;
       if (mInside.isValueOn(next) ? signs.outside : signs.inside) visit(next);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file follow_surface.h
 /// A field by following its surface, for runs so large or so deeply zoomed that even the shell is too much: from seeds
-/// on a coarse lattice, block by block to wherever a sign changes on a block's face. What it finds is exact, and its
-/// mesh is closed; islands and bubbles that no seed meets are missed. How much that is, a random sample of what was
-/// left out tells.
+/// on a coarse lattice, block by block to wherever another sign than a block's own seed comes up to it. What it finds
+/// is exact, and its mesh is closed; islands and bubbles that no seed meets are missed. How much that is, a random
+/// sample of what was left out tells.
 #pragma once
 
 #include "vdbtools/fractal_field.h"

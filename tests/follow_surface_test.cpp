@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+// The surface in pieces: while F is evaluated, and by following it from seeds. Both are held against the whole field.
+#include "mesh_laws.h"
+#include "test_fields.h"
+
+#include "vdbtools/extract_mesh.h"
+#include "vdbtools/follow_surface.h"
+
+#include "julia/quadratic_map.h"
+#include "julia/shape_modulus.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <set>
+#include <tuple>
+
+namespace {
+
+using namespace vdbtools;
+using openvdb::BBoxd;
+using openvdb::Vec3d;
+
+/// A fractal of a lumpy ball, from target to evaluator.
+struct Fractal {
+  explicit Fractal(double alpha, unsigned seed = 3) {
+    constexpr double kVoxel = 1.0 / 40;
+    const ExponentGridOptions options{alpha, 0.0, 3, 20};
+    const auto phi = test_fields::bandGrid(test_fields::lumpy, kVoxel, exteriorReach(options) + 8 * kVoxel);
+    exponent = exponentGrid(makeTarget(phi, std::nullopt), FractalSpace{Vec3d(0), 1}, options, monitor);
+    const auto map = std::make_shared<julia::ShapeModulus<float>>(
+        makeExponentField<float>(exponent), test_fields::randomVersor(seed, 8, 9, true), julia::DropAxis::K);
+    evaluator = julia::makeFieldEvaluator<float>(map, {}, {.logTrap = exponent.shell.lower});
+  }
+  FieldSource source() const { return {*evaluator, exponent.space}; }
+
+  Monitor monitor;
+  ExponentGrid exponent;
+  std::unique_ptr<julia::FieldEvaluator> evaluator;
+};
+
+Mesh collected(const auto& make) {
+  Mesh mesh;
+  MeshCollector collector(mesh);
+  const MeshCounts counts = make(collector);
+  EXPECT_EQ(counts.points, mesh.points.size());
+  EXPECT_EQ(counts.triangles, mesh.triangles.size());
+  return mesh;
+}
+
+using Positions = std::set<std::tuple<double, double, double>>;
+Positions positions(const Mesh& mesh) {
+  Positions all;
+  for (const Vec3d& p : mesh.points) all.insert({p[0], p[1], p[2]});
+  return all;
+}
+
+TEST(StreamMesh, IsTheMeshOfTheWholeField) {
+  Fractal fractal(20);
+  for (const auto& box :
+       {std::optional<BBoxd>(), std::optional(BBoxd(Vec3d(-0.2, -0.5, 0.0), Vec3d(0.25, 0.11, 0.43)))})
+    for (const Border border : {Border::Cap, Border::Open}) {
+      const FieldPlan plan = planShell(fractal.exponent, {.voxelSize = 1.0 / 60, .box = box});
+      const ExtractMeshOptions options{.border = border};
+      Mesh whole = extractMesh(evaluateField(plan, fractal.source(), {}, fractal.monitor), fractal.source(), options,
+                               fractal.monitor);
+      ASSERT_GT(whole.triangles.size(), 1000u);
+      computeNormals(whole);
+      for (const std::size_t threads : {1u, 4u}) {
+        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+        const Mesh streamed = collected(
+            [&](MeshSink& sink) { return streamMesh(plan, fractal.source(), options, sink, fractal.monitor); });
+        EXPECT_EQ(streamed.points, whole.points);
+        EXPECT_EQ(streamed.normals, whole.normals);
+        EXPECT_EQ(streamed.triangles, whole.triangles);
+      }
+    }
+}
+
+TEST(StreamMesh, ATriangleUsesNoPointBeforeItsFirst) {
+  Fractal fractal(20);
+  struct Checker final : MeshSink {
+    std::uint64_t points = 0, first = 0;
+    void addPoints(std::span<const Vec3d> added, std::span<const openvdb::Vec3s> normals) override {
+      EXPECT_EQ(added.size(), normals.size());
+      for (const openvdb::Vec3s& normal : normals) EXPECT_NEAR(normal.length(), 1, 1e-5);
+      points += added.size();
+    }
+    void addTriangles(std::span<const openvdb::Vec3I> triangles, std::uint64_t firstPoint) override {
+      EXPECT_GE(firstPoint, first);
+      first = firstPoint;
+      for (const openvdb::Vec3I& triangle : triangles)
+        for (int k = 0; k < 3; ++k) {
+          ASSERT_GE(triangle[k], first);
+          ASSERT_LT(triangle[k], points);
+        }
+    }
+  } checker;
+  const FieldPlan plan = planShell(fractal.exponent, {.voxelSize = 1.0 / 60});
+  streamMesh(plan, fractal.source(), {}, checker, fractal.monitor);
+  EXPECT_GT(checker.first, 0u) << "the writer could forget nothing";
+}
+
+TEST(FollowSurface, FindsNearlyAllAndNothingElse) {
+  for (const double alpha : {12.0, 40.0}) {
+    SCOPED_TRACE(alpha);
+    Fractal fractal(alpha);
+    const FieldPlan plan = planShell(fractal.exponent, {.voxelSize = 1.0 / 100});
+    const Mesh exact =
+        extractMesh(evaluateField(plan, fractal.source(), {}, fractal.monitor), fractal.source(), {}, fractal.monitor);
+    const Positions all = positions(exact);
+    for (const int stride : {64, 8, 2}) {
+      SCOPED_TRACE(stride);
+      FollowReport report;
+      const FractalField field =
+          followSurface(plan, fractal.source(), {}, {.seedStride = stride}, report, fractal.monitor);
+      const Mesh mesh = extractMesh(field, fractal.source(), {}, fractal.monitor);
+      EXPECT_EQ(mesh_laws::notClosedManifold(mesh), "");
+      const Positions found = positions(mesh);
+      EXPECT_TRUE(std::includes(all.begin(), all.end(), found.begin(), found.end()));
+      EXPECT_LE(report.visitedBlocks, report.shellBlocks);
+      EXPECT_LE(report.foundVertices, found.size());
+      EXPECT_GT(report.foundVertices, found.size() / 2);
+      const double missed = 1 - static_cast<double>(found.size()) / static_cast<double>(all.size());
+      // The probes are a sample: within a few per cent of the truth.
+      EXPECT_NEAR(report.missedShare(), missed, 0.03);
+      if (stride == 2) {
+        EXPECT_LT(missed, 0.005);
+      }
+    }
+  }
+}
+
+TEST(FollowSurface, LooksAtASmallPartOfALargeShell) {
+  Fractal fractal(12);
+  const FieldPlan plan = planShell(fractal.exponent, {.voxelSize = 1.0 / 200});
+  FollowReport report;
+  followSurface(plan, fractal.source(), {}, {}, report, fractal.monitor);
+  EXPECT_LT(report.visitedBlocks, report.shellBlocks / 3);
+}
+
+TEST(FollowSurface, IsClosedInABoxThatCutsTheSet) {
+  const auto map = std::make_shared<julia::QuadraticMap<double>>(julia::Quaternion<double>{-0.2, 0.6, 0.2, 0.2});
+  const auto evaluator = julia::makeFieldEvaluator<double>(map, {}, {.maxIterations = 8});
+  const FieldSource source{*evaluator, {}};
+  Monitor monitor;
+  const FieldPlan plan = planBox({.voxelSize = 1.0 / 50, .box = BBoxd(Vec3d(-0.9, -0.8, -0.7), Vec3d(0.4, 0.5, 0.6))});
+  FollowReport report;
+  const FractalField field = followSurface(plan, source, {}, {}, report, monitor);
+  const Mesh mesh = extractMesh(field, source, {.border = Border::Cap}, monitor);
+  EXPECT_GT(mesh.triangles.size(), 1000u);
+  EXPECT_EQ(mesh_laws::notClosedManifold(mesh), "");
+}
+
+TEST(FollowSurface, RefusesAStride) {
+  Fractal fractal(40);
+  const FieldPlan plan = planShell(fractal.exponent, {.voxelSize = 1.0 / 20});
+  FollowReport report;
+  for (const int stride : {-1, 0, 3, 12, 128})
+    EXPECT_THROW(followSurface(plan, fractal.source(), {}, {.seedStride = stride}, report, fractal.monitor),
+                 std::invalid_argument)
+        << stride;
+}
+
+}  // namespace
