@@ -86,6 +86,7 @@ int runFractal(const Arguments& arguments) {
     std::cerr << ", the target repaired and its surface moved by at most " << moved->second;
   if (result.islands) std::cerr << ", " << result.islands->kept << " of " << result.islands->islands << " islands kept";
   if (result.follow) std::cerr << ", " << followText(*result.follow);
+  std::cerr << ", " << result.evaluatedNodes << " nodes evaluated";
   if (wantMesh) std::cerr << ", " << result.mesh.triangles << " triangles";
   std::cerr << '\n';
   return kDone;

@@ -2,13 +2,13 @@
 #include "block_evaluator.h"
 
 #include "block_layers.h"
+#include "undecided_blocks.h"
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 
 namespace vdbtools {
@@ -56,7 +56,7 @@ void BlockEvaluator::evaluatePart(std::span<const Coord> origins, std::span<Eval
   scratch.undecided.clear();
   scratch.which.clear();
   if (mOptions.prove) {
-    decide(origins, kBlock, scratch);
+    decideCubes(origins, kBlock, mOptions.voxelSize, mOptions.domain, mSource, scratch.decisions);
     for (std::size_t i = 0; i < origins.size(); ++i) {
       blocks[i].decision = scratch.decisions[i];
       if (scratch.decisions[i] != julia::Decision::Undecided) continue;
@@ -69,7 +69,7 @@ void BlockEvaluator::evaluatePart(std::span<const Coord> origins, std::span<Eval
         const auto at = [&](unsigned bit) { return k >> bit & 1 ? kBlock / 2 : 0; };
         scratch.corners.push_back(origin.offsetBy(at(2), at(1), at(0)));
       }
-    decide(scratch.corners, kBlock / 2, scratch);
+    decideCubes(scratch.corners, kBlock / 2, mOptions.voxelSize, mOptions.domain, mSource, scratch.decisions);
   } else {
     for (std::size_t i = 0; i < origins.size(); ++i) scratch.which.push_back(i);
     scratch.undecided.assign(origins.begin(), origins.end());
@@ -78,22 +78,6 @@ void BlockEvaluator::evaluatePart(std::span<const Coord> origins, std::span<Eval
   for (std::size_t i = 0; i < scratch.undecided.size(); ++i)
     evaluateOne(scratch.undecided[i], std::span<const julia::Decision>(scratch.decisions).subspan(kParts * i, kParts),
                 blocks[scratch.which[i]], scratch);
-}
-
-/// Asks for the sign in cubes of nodes and their next neighbours.
-/// @param corners  first nodes; results go to scratch.decisions
-void BlockEvaluator::decide(std::span<const Coord> corners, int side, Scratch& scratch) const {
-  scratch.points.clear();
-  for (const Coord& corner : corners)
-    scratch.points.push_back(
-        mSource.space.toFractal((corner.asVec3d() + openvdb::Vec3d(0.5 * (side - 1))) * mOptions.voxelSize));
-  const double radius = std::sqrt(3.0) * 0.5 * (side + 1) * mOptions.voxelSize / mSource.space.scale;
-  scratch.decisions.resize(corners.size());
-  mSource.evaluator.decide(scratch.points, radius, scratch.decisions);
-  // On the domain's border the nodes beyond have a sign of their own.
-  for (std::size_t i = 0; i < corners.size(); ++i)
-    if (!mOptions.domain.isInside(openvdb::CoordBBox(corners[i].offsetBy(-1), corners[i].offsetBy(side))))
-      scratch.decisions[i] = julia::Decision::Undecided;
 }
 
 void BlockEvaluator::evaluateOne(const Coord& origin, std::span<const julia::Decision> parts, EvaluatedBlock& block,

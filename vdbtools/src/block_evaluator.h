@@ -53,7 +53,6 @@ class BlockEvaluator {
  private:
   struct Scratch;
   void evaluatePart(std::span<const openvdb::Coord> origins, std::span<EvaluatedBlock> blocks, Scratch& scratch);
-  void decide(std::span<const openvdb::Coord> corners, int side, Scratch& scratch) const;
   void evaluateOne(const openvdb::Coord& origin, std::span<const julia::Decision> parts, EvaluatedBlock& block,
                    Scratch& scratch);
 

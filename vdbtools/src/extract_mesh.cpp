@@ -4,6 +4,7 @@
 #include "block_evaluator.h"
 #include "block_layers.h"
 #include "surface_extractor.h"
+#include "undecided_blocks.h"
 
 #include <algorithm>
 #include <utility>
@@ -61,18 +62,19 @@ MeshCounts streamMesh(const FieldPlan& plan, const FieldSource& source, const Ex
                       MeshSink& sink, Monitor& monitor) {
   SurfaceExtractor extractor(
       source, {.extract = options, .domain = plan.domain, .voxelSize = plan.voxelSize, .normals = true}, sink, monitor);
-  BlockLayers layers(*plan.blocks);
+  const BlockSet blocks = undecidedBlocks(plan, source, monitor);
+  BlockLayers layers(blocks);
   BlockEvaluator evaluator(source, {.voxelSize = plan.voxelSize, .domain = plan.domain, .prove = true});
   // Every block is evaluated, and searched later.
   monitor.begin("surface", 2 * layers.blockCount());
   while (const auto origins = layers.next()) {
-    const auto blocks = std::make_shared<std::vector<EvaluatedBlock>>(evaluator.evaluate(*origins, monitor));
+    const auto layer = std::make_shared<std::vector<EvaluatedBlock>>(evaluator.evaluate(*origins, monitor));
     monitor.throwIfCancelled();
     std::vector<const Leaf*> leaves;
-    leaves.reserve(blocks->size());
-    for (const EvaluatedBlock& block : *blocks)
+    leaves.reserve(layer->size());
+    for (const EvaluatedBlock& block : *layer)
       if (block.field) leaves.push_back(block.field.get());
-    extractor.add(std::move(leaves), blocks);
+    extractor.add(std::move(leaves), layer);
   }
   extractor.finish();
   return {extractor.points(), extractor.triangles(), evaluator.evaluatedNodes()};

@@ -4,6 +4,7 @@
 #include "block_evaluator.h"
 #include "block_layers.h"
 #include "leaf_signs.h"
+#include "undecided_blocks.h"
 
 #include <openvdb/tools/Morphology.h>
 #include <openvdb/tree/ValueAccessor.h>
@@ -64,12 +65,13 @@ class Follower {
         mSource(source),
         mStride(stride),
         mMonitor(monitor),
-        mKnown(*plan.blocks),
+        mBlocks(field.everyNode ? *plan.blocks : undecidedBlocks(plan, source, monitor)),
+        mKnown(mBlocks),
         mEvaluator(source, {.voxelSize = plan.voxelSize,
                             .domain = plan.domain,
                             .keepIterations = field.keepIterations,
                             .prove = !field.everyNode}) {
-    // Blocks next to the plan's have one sign each, which their own seed gives.
+    // Blocks next to them have one sign each, which their own seed gives.
     openvdb::tools::dilateActiveValues(mKnown, 1, openvdb::tools::NN_FACE_EDGE_VERTEX, openvdb::tools::EXPAND_TILES);
     mKnown.voxelizeActiveTiles();
   }
@@ -100,7 +102,7 @@ class Follower {
   /// Looks into blocks that were left out.
   void probe(std::uint64_t probes, FollowReport& report) {
     std::vector<Coord> leftOut;
-    report.shellBlocks = mPlan.blocks->activeVoxelCount();
+    report.shellBlocks = mBlocks.activeVoxelCount();
     const std::uint64_t count = report.shellBlocks - report.visitedBlocks;
     // The same ones every time: which of them, in the order of the tree.
     std::mt19937_64 random(1);
@@ -111,7 +113,7 @@ class Follower {
     std::uint64_t at = 0;
     auto next = chosen.begin();
     openvdb::tree::ValueAccessor<const BlockSet> visited(mVisited);
-    for (auto block = mPlan.blocks->cbeginValueOn(); block && next != chosen.end(); ++block) {
+    for (auto block = mBlocks.cbeginValueOn(); block && next != chosen.end(); ++block) {
       if (visited.isValueOn(block.getCoord())) continue;
       if (at++ != *next) continue;
       leftOut.push_back(block.getCoord() << kBlockLog2);
@@ -197,7 +199,7 @@ class Follower {
   }
 
   void visit(const Coord& block) {
-    if (!mPlan.blocks->isValueOn(block) || mVisited.isValueOn(block)) return;
+    if (!mBlocks.isValueOn(block) || mVisited.isValueOn(block)) return;
     mVisited.setValueOn(block);
     mNext.push_back(block);
   }
@@ -206,7 +208,8 @@ class Follower {
   FieldSource mSource;
   int mStride;
   Monitor& mMonitor;
-  BlockSet mKnown;             // the plan's blocks and those next to them
+  BlockSet mBlocks;            // the plan's, less what is proved
+  BlockSet mKnown;             // these and those next to them
   BlockSet mInside, mVisited;  // of these
   std::vector<Coord> mNext;
   BlockEvaluator mEvaluator;

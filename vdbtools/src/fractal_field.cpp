@@ -3,6 +3,7 @@
 
 #include "block_evaluator.h"
 #include "block_layers.h"
+#include "undecided_blocks.h"
 
 #include <openvdb/tools/SignedFloodFill.h>
 #include <openvdb/tree/ValueAccessor.h>
@@ -229,7 +230,8 @@ void fillTiles(FractalField& field) {
 FractalField evaluateField(const FieldPlan& plan, const FieldSource& source, const EvaluateFieldOptions& options,
                            Monitor& monitor) {
   FractalField result = emptyField(plan, options.keepIterations);
-  BlockLayers layers(*plan.blocks);
+  const BlockSet blocks = options.everyNode ? *plan.blocks : undecidedBlocks(plan, source, monitor);
+  BlockLayers layers(blocks);
   BlockEvaluator evaluator(source, {.voxelSize = plan.voxelSize,
                                     .domain = plan.domain,
                                     .keepIterations = options.keepIterations,

@@ -18,7 +18,7 @@ struct FollowOptions {
 };
 
 struct FollowReport {
-  std::uint64_t shellBlocks = 0;    ///< of the plan
+  std::uint64_t shellBlocks = 0;    ///< of the plan, less those in large cubes whose sign is proved
   std::uint64_t visitedBlocks = 0;  ///< of these
   std::uint64_t probedBlocks = 0;   ///< of those not visited
   /// Vertices: on edges that begin in the visited blocks, and estimated from the probed ones for the rest.

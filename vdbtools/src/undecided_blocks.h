@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file undecided_blocks.h
+/// What is left of a plan's blocks when large cubes of them are proved to have one sign.
+#pragma once
+
+#include "block_layers.h"
+
+#include "vdbtools/fractal_field.h"
+
+namespace vdbtools {
+
+/// Whether F has one sign at the nodes of cubes and at those next to them. A cube on the domain's border is not asked
+/// for, as the nodes beyond have a sign of their own.
+/// @param corners  first nodes of the cubes
+/// @param side     nodes along a cube's side
+void decideCubes(std::span<const openvdb::Coord> corners, int side, double voxelSize, const openvdb::CoordBBox& domain,
+                 const FieldSource& source, std::vector<julia::Decision>& decisions);
+
+/// The plan's blocks less those in cubes of 64, 32 and 16 nodes a side whose sign is proved. Next to what is left out F
+/// changes no sign, as in the plan.
+BlockSet undecidedBlocks(const FieldPlan& plan, const FieldSource& source, Monitor& monitor);
+
+}  // namespace vdbtools
