@@ -294,7 +294,8 @@ void sampleTrilinear(const BrickLattice<Real>& lattice, const Real* x, const Rea
   constexpr std::uint32_t kSide = 9;
   alignas(64) Row<Real> point[3], position[3], result;
   alignas(64) Row<std::int32_t> cell[3], brick, offset;
-  alignas(64) Row<float> corner[8];
+  const float* at[kBlock];
+  alignas(64) float edge[4][2 * kBlock];  // the two values along z, which one read takes
   const Real* const from[3] = {x, y, z};
   for (std::size_t begin = 0; begin < size; begin += kBlock) {
     const Range range = blockAt(begin, size);
@@ -307,24 +308,19 @@ void sampleTrilinear(const BrickLattice<Real>& lattice, const Real* x, const Rea
         position[axis][i] -= static_cast<Real>(floor);
       }
     findCells<Real, kSide>(lattice, cell, brick, offset, padded);
-    for (std::size_t i = 0; i < range.size; ++i) {
-      const float* value =
-          lattice.values + std::size_t{lattice.brickAt[brick[i]]} * (kSide * kSide * kSide) + offset[i];
-      corner[0][i] = value[0];
-      corner[1][i] = value[1];
-      corner[2][i] = value[kSide];
-      corner[3][i] = value[kSide + 1];
-      corner[4][i] = value[kSide * kSide];
-      corner[5][i] = value[kSide * kSide + 1];
-      corner[6][i] = value[kSide * kSide + kSide];
-      corner[7][i] = value[kSide * kSide + kSide + 1];
+    // Where the values are is told ahead: points of a block may lie far apart, and a read waits for memory.
+    for (std::size_t i = 0; i < padded; ++i) {
+      at[i] = lattice.values + std::size_t{lattice.brickAt[brick[i]]} * (kSide * kSide * kSide) + offset[i];
+      __builtin_prefetch(at[i]);
+      __builtin_prefetch(at[i] + kSide * kSide + kSide);
     }
-    for (std::size_t i = range.size; i < padded; ++i)
-      for (int k = 0; k < 8; ++k) corner[k][i] = 0;
+    for (std::size_t i = 0; i < padded; ++i)
+      for (std::size_t k = 0; k < 4; ++k)
+        __builtin_memcpy(&edge[k][2 * i], at[i] + (k >> 1) * kSide * kSide + (k & 1) * kSide, 2 * sizeof(float));
     JULIA_FOR_POINTS {
       const Real tx = position[0][i], ty = position[1][i], tz = position[2][i];
-      const Real v0 = corner[0][i], v1 = corner[1][i], v2 = corner[2][i], v3 = corner[3][i];
-      const Real v4 = corner[4][i], v5 = corner[5][i], v6 = corner[6][i], v7 = corner[7][i];
+      const Real v0 = edge[0][2 * i], v1 = edge[0][2 * i + 1], v2 = edge[1][2 * i], v3 = edge[1][2 * i + 1];
+      const Real v4 = edge[2][2 * i], v5 = edge[2][2 * i + 1], v6 = edge[3][2 * i], v7 = edge[3][2 * i + 1];
       const Real e0 = v0 + (v1 - v0) * tz, e1 = v2 + (v3 - v2) * tz;
       const Real e2 = v4 + (v5 - v4) * tz, e3 = v6 + (v7 - v6) * tz;
       const Real f0 = e0 + (e1 - e0) * ty, f1 = e2 + (e3 - e2) * ty;
