@@ -42,6 +42,18 @@ JULIA_INLINE void store(const Row<Real>& from, Real* to, const Range& range) {
   for (std::size_t i = 0; i < range.size; ++i) to[range.begin + i] = from[i];
 }
 
+/// Whether a point of a block has squares that may not be trusted.
+template <class Real>
+JULIA_INLINE bool anyUnusual(const Row<Real> (&q)[4], const Row<Real>& least, std::size_t padded) {
+  constexpr Real kTiny = Ieee<Real>::kTiny;
+  typename Ieee<Real>::Int unusual = 0;
+  JULIA_FOR_POINTS {
+    const Real norm = q[0][i] * q[0][i] + q[1][i] * q[1][i] + q[2][i] * q[2][i] + q[3][i] * q[3][i];
+    unusual |= least[i] >= kTiny && norm <= 1 / kTiny ? 0 : 1;  // a NaN is unusual too
+  }
+  return unusual != 0;
+}
+
 /// The factor (q - t)^p of every point as real + imaginary v, v the imaginary part of q - t.
 template <class Real>
 struct Factor {
@@ -77,10 +89,11 @@ JULIA_INLINE void powerByProducts(std::uint32_t integer, const Row<Real>& a, con
 }
 
 template <class Real>
-void versor(const RootFactor<Real>* roots, std::size_t rootCount, ConstBatch<Real> points, Batch<Real> out, Real* least,
+bool versor(const RootFactor<Real>* roots, std::size_t rootCount, ConstBatch<Real> points, Batch<Real> out, Real* least,
             std::size_t size) {
   alignas(64) Row<Real> q[4], u[4], a, s, scale, smallest;
   Factor<Real> factor;
+  bool unusual = false;
   for (std::size_t begin = 0; begin < size; begin += kBlock) {
     const Range range = blockAt(begin, size);
     const std::size_t padded = range.padded;
@@ -162,13 +175,16 @@ void versor(const RootFactor<Real>* roots, std::size_t rootCount, ConstBatch<Rea
     }
     for (int k = 0; k < 4; ++k) store(u[k], out.component[k], range);
     store(smallest, least, range);
+    unusual |= anyUnusual(q, smallest, padded);
   }
+  return unusual;
 }
 
 template <class Real>
-void logModulus(const RootFactor<Real>* roots, std::size_t rootCount, Real constant, ConstBatch<Real> points, Real* l,
+bool logModulus(const RootFactor<Real>* roots, std::size_t rootCount, Real constant, ConstBatch<Real> points, Real* l,
                 Real* least, std::size_t size) {
   alignas(64) Row<Real> q[4], sum, smallest;
+  bool unusual = false;
   for (std::size_t begin = 0; begin < size; begin += kBlock) {
     const Range range = blockAt(begin, size);
     const std::size_t padded = range.padded;
@@ -190,7 +206,9 @@ void logModulus(const RootFactor<Real>* roots, std::size_t rootCount, Real const
     }
     store(sum, l, range);
     store(smallest, least, range);
+    unusual |= anyUnusual(q, smallest, padded);
   }
+  return unusual;
 }
 
 template <class Real>
