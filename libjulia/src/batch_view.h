@@ -7,16 +7,19 @@
 
 #include "kernels/kernels.h"
 
+#include <cstddef>
+
 namespace julia {
 
+/// From the one of number @a first on.
 template <class Real>
-kernels::ConstBatch<Real> view(const QuaternionBatch<Real>& q) {
-  return {{q.a.data(), q.b.data(), q.c.data(), q.d.data()}};
+kernels::ConstBatch<Real> view(const QuaternionBatch<Real>& q, std::size_t first = 0) {
+  return {{q.a.data() + first, q.b.data() + first, q.c.data() + first, q.d.data() + first}};
 }
 
 template <class Real>
-kernels::Batch<Real> view(QuaternionBatch<Real>& q) {
-  return {{q.a.data(), q.b.data(), q.c.data(), q.d.data()}};
+kernels::Batch<Real> view(QuaternionBatch<Real>& q, std::size_t first = 0) {
+  return {{q.a.data() + first, q.b.data() + first, q.c.data() + first, q.d.data() + first}};
 }
 
 }  // namespace julia

@@ -6,6 +6,7 @@
 #include "careful.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -27,6 +28,7 @@ class BatchEvaluator final : public FieldEvaluator {
         mEmbedding(embedding),
         mOptions(options),
         mEscapeSquared(static_cast<Real>(options.escapeRadius * options.escapeRadius)),
+        mNearSquared(mEscapeSquared * (1 - 8 * std::numeric_limits<Real>::epsilon())),
         mLogEscape(static_cast<Real>(std::log(options.escapeRadius))),
         mLogTrap(static_cast<Real>(options.logTrap)),
         mLevel(mMap->surfaceLevel(mLogEscape)) {
@@ -35,20 +37,13 @@ class BatchEvaluator final : public FieldEvaluator {
       throw std::invalid_argument("slice is " + std::to_string(embedding.slice) + "; it must be between -1e9 and 1e9");
   }
 
+  /// In pieces that stay in the second-level cache; the room for one is kept for the next.
   void evaluate(std::span<const Point> points, std::span<double> field, std::span<int> iterations) const override {
-    Batch batch;
-    start(points, batch, field, iterations);
-    QuaternionBatch<Real> u;
-    for (int step = 1; batch.q.size() != 0; ++step) {
-      batch.l.resize(batch.q.size());
-      mMap->logModulus(batch.q, batch.l);
-      const bool last = step == mOptions.maxIterations;
-      keep(
-          batch, [&](Real l) { return !last && l < mLogEscape && !isTrapped(l); }, field, iterations, step);
-      if (batch.q.size() == 0) break;
-      mMap->versor(batch.q, u);
-      std::swap(batch.q, u);
-      kernels::kernels<Real>().scaleByExponential(batch.l.data(), view(batch.q), batch.q.size());
+    static thread_local Batch batch;
+    for (std::size_t first = 0; first < points.size(); first += kPiece) {
+      const std::size_t size = std::min(kPiece, points.size() - first);
+      evaluatePiece(points.subspan(first, size), batch, field.subspan(first, size),
+                    iterations.empty() ? iterations : iterations.subspan(first, size));
     }
   }
 
@@ -83,6 +78,8 @@ class BatchEvaluator final : public FieldEvaluator {
   }
 
  private:
+  static constexpr std::size_t kPiece = 2048;
+
   QuaternionBatch<Real> embed(std::span<const Point> points) const {
     QuaternionBatch<Real> q;
     q.resize(points.size());
@@ -92,59 +89,112 @@ class BatchEvaluator final : public FieldEvaluator {
 
   /// The orbits that go on: their iterates, l of these, and which point each belongs to.
   struct Batch {
-    QuaternionBatch<Real> q;
+    QuaternionBatch<Real> q, next;
     std::vector<Real> l;
     std::vector<std::uint32_t> index;
+    std::vector<std::uint32_t> stays;  ///< places of those that go on, while ranks close
+
+    void resize(std::size_t n) {
+      q.resize(n);
+      l.resize(n);
+      index.resize(n);
+      stays.resize(n);
+    }
   };
+
+  void evaluatePiece(std::span<const Point> points, Batch& batch, std::span<double> field,
+                     std::span<int> iterations) const {
+    start(points, batch, field, iterations);
+    for (int step = 1; batch.q.size() != 0; ++step) {
+      mMap->logModulus(batch.q, batch.l);
+      const Real none = -std::numeric_limits<Real>::infinity();
+      const bool traps = isTrapped(mLogTrap);
+      const Real escape = step == mOptions.maxIterations ? none : mLogEscape, trap = mLogTrap;
+      keep(
+          batch, [=](Real l) { return (l < escape) & (!traps | (l > trap)); }, field, iterations, step);
+      if (batch.q.size() == 0) break;
+      mMap->versor(batch.q, batch.next);
+      std::swap(batch.q, batch.next);
+      kernels::kernels<Real>().scaleByExponential(batch.l.data(), view(batch.q), batch.q.size());
+    }
+  }
 
   /// An iterate of 0 has l = -inf too; without a trap it goes on, for not every map keeps it there.
   bool isTrapped(Real l) const { return l <= mLogTrap && mLogTrap > -std::numeric_limits<Real>::infinity(); }
 
   /// The points themselves, less those that have escaped before the first step.
   void start(std::span<const Point> points, Batch& batch, std::span<double> field, std::span<int> iterations) const {
-    batch.q = embed(points);
-    batch.index.resize(points.size());
-    std::iota(batch.index.begin(), batch.index.end(), 0u);
-    Real farthest = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const Real squared = normSquared(batch.q.get(i));
-      farthest = squared > farthest ? squared : farthest;
-    }
-    if (farthest < mEscapeSquared) return;
-    batch.l.resize(points.size());
+    batch.resize(points.size());
+    if (!embed(points, batch)) return;
     for (std::size_t i = 0; i < points.size(); ++i)
       // At least the escape: a rounding error must not bring back what has escaped.
       batch.l[i] = normSquared(batch.q.get(i)) < mEscapeSquared
                        ? -std::numeric_limits<Real>::infinity()
                        : std::max(careful::logNorm(batch.q.get(i)), mLogEscape);
     keep(
-        batch, [&](Real l) { return l < mLogEscape; }, field, iterations, 0);
+        batch, [escape = mLogEscape](Real l) { return l < escape; }, field, iterations, 0);
   }
 
-  /// Writes the field of the orbits that end at this step and closes the ranks of the others.
+  /// @return whether one has escaped already
+  bool embed(std::span<const Point> points, Batch& batch) const {
+    QuaternionBatch<Real>& q = batch.q;
+    const auto to = [&]() -> std::array<Real*, 4> {
+      switch (mEmbedding.dropped) {
+        case DropAxis::I: return {q.a.data(), q.c.data(), q.d.data(), q.b.data()};
+        case DropAxis::J: return {q.a.data(), q.b.data(), q.d.data(), q.c.data()};
+        case DropAxis::K: break;
+      }
+      return {q.a.data(), q.b.data(), q.c.data(), q.d.data()};
+    }();
+    const Real slice = static_cast<Real>(mEmbedding.slice);
+    bool escaped = false;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Real x = static_cast<Real>(points[i][0]), y = static_cast<Real>(points[i][1]),
+                 z = static_cast<Real>(points[i][2]);
+      to[0][i] = x;
+      to[1][i] = y;
+      to[2][i] = z;
+      to[3][i] = slice;
+      batch.index[i] = static_cast<std::uint32_t>(i);
+      escaped |= !(x * x + y * y + z * z + slice * slice < mNearSquared);
+    }
+    return escaped;
+  }
+
+  /// Writes the field of the orbits that end at this step and closes the ranks of the others. Without branches, which
+  /// would go either way: what goes on has its field written again later.
   template <class GoesOn>
   void keep(Batch& batch, GoesOn goesOn, std::span<double> field, std::span<int> iterations, int step) const {
-    QuaternionBatch<Real>& q = batch.q;
+    const std::size_t size = batch.q.size();
+    const Real* const l = batch.l.data();
+    std::uint32_t* const index = batch.index.data();
+    const Real level = mLevel;
+    const auto fieldOf = [level](Real at) {
+      const double value = static_cast<double>(at - level);
+      const double above = value > -kFieldLimit ? value : -kFieldLimit;
+      return above < kFieldLimit ? above : kFieldLimit;
+    };
+    if (size == field.size())
+      for (std::size_t i = 0; i < size; ++i) field[i] = fieldOf(l[i]);
+    else
+      for (std::size_t i = 0; i < size; ++i) field[index[i]] = fieldOf(l[i]);
+    if (!iterations.empty())
+      for (std::size_t i = 0; i < size; ++i) iterations[index[i]] = step;
+    std::uint32_t* const stays = batch.stays.data();
     std::size_t kept = 0;
-    for (std::size_t i = 0; i < q.size(); ++i) {
-      const Real l = batch.l[i];
-      const std::uint32_t index = batch.index[i];
-      if (goesOn(l)) {
-        q.a[kept] = q.a[i];
-        q.b[kept] = q.b[i];
-        q.c[kept] = q.c[i];
-        q.d[kept] = q.d[i];
-        batch.index[kept] = index;
-        batch.l[kept] = l;
-        ++kept;
-      } else {
-        field[index] = std::clamp<double>(static_cast<double>(l - mLevel), -kFieldLimit, kFieldLimit);
-        if (!iterations.empty()) iterations[index] = step;
-      }
+    for (std::size_t i = 0; i < size; ++i) {
+      stays[kept] = static_cast<std::uint32_t>(i);
+      kept += goesOn(l[i]) ? 1 : 0;
     }
-    q.resize(kept);
-    batch.l.resize(kept);
-    batch.index.resize(kept);
+    if (kept < size) {
+      const auto closeRanks = [&](auto* values) {
+        for (std::size_t k = 0; k < kept; ++k) values[k] = values[stays[k]];
+      };
+      for (std::vector<Real>* part : {&batch.q.a, &batch.q.b, &batch.q.c, &batch.q.d, &batch.l})
+        closeRanks(part->data());
+      closeRanks(index);
+    }
+    batch.resize(kept);
   }
 
   /// A ball's number and which answers its points that have ended leave open.
@@ -230,7 +280,9 @@ class BatchEvaluator final : public FieldEvaluator {
   std::shared_ptr<const Map<Real>> mMap;
   Embedding mEmbedding;
   OrbitOptions mOptions;
-  Real mEscapeSquared, mLogEscape, mLogTrap, mLevel;
+  Real mEscapeSquared;
+  Real mNearSquared;  ///< below, in whichever order squares are added
+  Real mLogEscape, mLogTrap, mLevel;
 };
 
 /// Two evaluators of one map, with a trap and without.

@@ -6,6 +6,7 @@
 #include "rational_factors.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -121,6 +122,9 @@ void planRenormalisations(std::vector<kernels::RootFactor<Real>>& factors) {
   }
 }
 
+/// Points handed to a kernel at once, so that what it finds unusual needs no memory of its own.
+constexpr std::size_t kPiece = 512;
+
 /// Whether the kernels may be trusted with this point: no square of theirs underflows or overflows.
 template <class Real>
 bool isOrdinary(const Quaternion<Real>& q, Real least) {
@@ -184,11 +188,16 @@ std::size_t RationalEvaluator<Real>::rootCount() const {
 
 template <class Real>
 void RationalEvaluator<Real>::logModulus(const QuaternionBatch<Real>& q, std::span<Real> l) const {
-  std::vector<Real> least(q.size());
-  kernels::kernels<Real>().logModulus(mFactors->roots.data(), rootCount(), mFactors->logScale, view(q), l.data(),
-                                      least.data(), q.size());
-  for (std::size_t i = 0; i < q.size(); ++i)
-    if (!isOrdinary(q.get(i), least[i])) l[i] = logModulus(q.get(i));
+  const auto& factors = *mFactors;
+  std::array<Real, kPiece> least;
+  for (std::size_t first = 0; first < q.size(); first += kPiece) {
+    const std::size_t size = std::min(kPiece, q.size() - first);
+    if (!kernels::kernels<Real>().logModulus(factors.roots.data(), factors.roots.size(), factors.logScale,
+                                             view(q, first), l.data() + first, least.data(), size))
+      continue;
+    for (std::size_t i = 0; i < size; ++i)
+      if (!isOrdinary(q.get(first + i), least[i])) l[first + i] = logModulus(q.get(first + i));
+  }
 }
 
 template <class Real>
@@ -202,10 +211,16 @@ void RationalEvaluator<Real>::versor(const QuaternionBatch<Real>& q, QuaternionB
       return;
     }
   }
-  std::vector<Real> least(q.size());
-  kernels::kernels<Real>().versor(mFactors->roots.data(), rootCount(), view(q), view(u), least.data(), q.size());
-  for (std::size_t i = 0; i < q.size(); ++i)
-    if (!isOrdinary(q.get(i), least[i])) u.set(i, versor(q.get(i)));
+  const auto& roots = mFactors->roots;
+  std::array<Real, kPiece> least;
+  for (std::size_t first = 0; first < q.size(); first += kPiece) {
+    const std::size_t size = std::min(kPiece, q.size() - first);
+    if (!kernels::kernels<Real>().versor(roots.data(), roots.size(), view(q, first), view(u, first), least.data(),
+                                         size))
+      continue;
+    for (std::size_t i = 0; i < size; ++i)
+      if (!isOrdinary(q.get(first + i), least[i])) u.set(first + i, versor(q.get(first + i)));
+  }
 }
 
 template <class Real>

@@ -42,6 +42,18 @@ JULIA_INLINE void store(const Row<Real>& from, Real* to, const Range& range) {
   for (std::size_t i = 0; i < range.size; ++i) to[range.begin + i] = from[i];
 }
 
+/// Whether a point of a block has squares that may not be trusted.
+template <class Real>
+JULIA_INLINE bool anyUnusual(const Row<Real> (&q)[4], const Row<Real>& least, std::size_t padded) {
+  constexpr Real kTiny = Ieee<Real>::kTiny;
+  typename Ieee<Real>::Int unusual = 0;
+  JULIA_FOR_POINTS {
+    const Real norm = q[0][i] * q[0][i] + q[1][i] * q[1][i] + q[2][i] * q[2][i] + q[3][i] * q[3][i];
+    unusual |= least[i] >= kTiny && norm <= 1 / kTiny ? 0 : 1;  // a NaN is unusual too
+  }
+  return unusual != 0;
+}
+
 /// The factor (q - t)^p of every point as real + imaginary v, v the imaginary part of q - t.
 template <class Real>
 struct Factor {
@@ -77,10 +89,11 @@ JULIA_INLINE void powerByProducts(std::uint32_t integer, const Row<Real>& a, con
 }
 
 template <class Real>
-void versor(const RootFactor<Real>* roots, std::size_t rootCount, ConstBatch<Real> points, Batch<Real> out, Real* least,
+bool versor(const RootFactor<Real>* roots, std::size_t rootCount, ConstBatch<Real> points, Batch<Real> out, Real* least,
             std::size_t size) {
   alignas(64) Row<Real> q[4], u[4], a, s, scale, smallest;
   Factor<Real> factor;
+  bool unusual = false;
   for (std::size_t begin = 0; begin < size; begin += kBlock) {
     const Range range = blockAt(begin, size);
     const std::size_t padded = range.padded;
@@ -162,13 +175,16 @@ void versor(const RootFactor<Real>* roots, std::size_t rootCount, ConstBatch<Rea
     }
     for (int k = 0; k < 4; ++k) store(u[k], out.component[k], range);
     store(smallest, least, range);
+    unusual |= anyUnusual(q, smallest, padded);
   }
+  return unusual;
 }
 
 template <class Real>
-void logModulus(const RootFactor<Real>* roots, std::size_t rootCount, Real constant, ConstBatch<Real> points, Real* l,
+bool logModulus(const RootFactor<Real>* roots, std::size_t rootCount, Real constant, ConstBatch<Real> points, Real* l,
                 Real* least, std::size_t size) {
   alignas(64) Row<Real> q[4], sum, smallest;
+  bool unusual = false;
   for (std::size_t begin = 0; begin < size; begin += kBlock) {
     const Range range = blockAt(begin, size);
     const std::size_t padded = range.padded;
@@ -190,7 +206,9 @@ void logModulus(const RootFactor<Real>* roots, std::size_t rootCount, Real const
     }
     store(sum, l, range);
     store(smallest, least, range);
+    unusual |= anyUnusual(q, smallest, padded);
   }
+  return unusual;
 }
 
 template <class Real>
@@ -294,7 +312,8 @@ void sampleTrilinear(const BrickLattice<Real>& lattice, const Real* x, const Rea
   constexpr std::uint32_t kSide = 9;
   alignas(64) Row<Real> point[3], position[3], result;
   alignas(64) Row<std::int32_t> cell[3], brick, offset;
-  alignas(64) Row<float> corner[8];
+  const float* at[kBlock];
+  alignas(64) float edge[4][2 * kBlock];  // the two values along z, which one read takes
   const Real* const from[3] = {x, y, z};
   for (std::size_t begin = 0; begin < size; begin += kBlock) {
     const Range range = blockAt(begin, size);
@@ -307,24 +326,19 @@ void sampleTrilinear(const BrickLattice<Real>& lattice, const Real* x, const Rea
         position[axis][i] -= static_cast<Real>(floor);
       }
     findCells<Real, kSide>(lattice, cell, brick, offset, padded);
-    for (std::size_t i = 0; i < range.size; ++i) {
-      const float* value =
-          lattice.values + std::size_t{lattice.brickAt[brick[i]]} * (kSide * kSide * kSide) + offset[i];
-      corner[0][i] = value[0];
-      corner[1][i] = value[1];
-      corner[2][i] = value[kSide];
-      corner[3][i] = value[kSide + 1];
-      corner[4][i] = value[kSide * kSide];
-      corner[5][i] = value[kSide * kSide + 1];
-      corner[6][i] = value[kSide * kSide + kSide];
-      corner[7][i] = value[kSide * kSide + kSide + 1];
+    // Where the values are is told ahead: points of a block may lie far apart, and a read waits for memory.
+    for (std::size_t i = 0; i < padded; ++i) {
+      at[i] = lattice.values + std::size_t{lattice.brickAt[brick[i]]} * (kSide * kSide * kSide) + offset[i];
+      __builtin_prefetch(at[i]);
+      __builtin_prefetch(at[i] + kSide * kSide + kSide);
     }
-    for (std::size_t i = range.size; i < padded; ++i)
-      for (int k = 0; k < 8; ++k) corner[k][i] = 0;
+    for (std::size_t i = 0; i < padded; ++i)
+      for (std::size_t k = 0; k < 4; ++k)
+        __builtin_memcpy(&edge[k][2 * i], at[i] + (k >> 1) * kSide * kSide + (k & 1) * kSide, 2 * sizeof(float));
     JULIA_FOR_POINTS {
       const Real tx = position[0][i], ty = position[1][i], tz = position[2][i];
-      const Real v0 = corner[0][i], v1 = corner[1][i], v2 = corner[2][i], v3 = corner[3][i];
-      const Real v4 = corner[4][i], v5 = corner[5][i], v6 = corner[6][i], v7 = corner[7][i];
+      const Real v0 = edge[0][2 * i], v1 = edge[0][2 * i + 1], v2 = edge[1][2 * i], v3 = edge[1][2 * i + 1];
+      const Real v4 = edge[2][2 * i], v5 = edge[2][2 * i + 1], v6 = edge[3][2 * i], v7 = edge[3][2 * i + 1];
       const Real e0 = v0 + (v1 - v0) * tz, e1 = v2 + (v3 - v2) * tz;
       const Real e2 = v4 + (v5 - v4) * tz, e3 = v6 + (v7 - v6) * tz;
       const Real f0 = e0 + (e1 - e0) * ty, f1 = e2 + (e3 - e2) * ty;

@@ -51,12 +51,12 @@ struct BrickLattice {
 template <class Real>
 struct Kernels {
   /// u = the unit quaternion of the ordered product of (q - t)^p over all roots; least[i] = the smallest |q - t|^2, or
-  /// squared distance from the real axis through t for a real power, that was met. Where that is below Ieee::kTiny, u
-  /// is not to be used.
-  void (*versor)(const RootFactor<Real>* roots, std::size_t rootCount, ConstBatch<Real> q, Batch<Real> u, Real* least,
+  /// squared distance from the real axis through t for a real power, that was met. Where that is below Ieee::kTiny or
+  /// |q|^2 above its inverse, u is not to be used. @return whether there is such a point
+  bool (*versor)(const RootFactor<Real>* roots, std::size_t rootCount, ConstBatch<Real> q, Batch<Real> u, Real* least,
                  std::size_t size);
-  /// l = constant + sum of p ln|q - t|; least as above, of |q - t|^2.
-  void (*logModulus)(const RootFactor<Real>* roots, std::size_t rootCount, Real constant, ConstBatch<Real> q, Real* l,
+  /// l = constant + sum of p ln|q - t|; least as above, of |q - t|^2, and so is what is returned.
+  bool (*logModulus)(const RootFactor<Real>* roots, std::size_t rootCount, Real constant, ConstBatch<Real> q, Real* l,
                      Real* least, std::size_t size);
   /// q = e^l q, in place.
   void (*scaleByExponential)(const Real* l, Batch<Real> q, std::size_t size);
