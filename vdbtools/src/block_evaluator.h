@@ -46,8 +46,9 @@ class BlockEvaluator {
   struct Scratch;
   void evaluatePart(std::span<const openvdb::Coord> origins, std::span<EvaluatedBlock> blocks, Scratch& scratch);
   void decide(std::span<const openvdb::Coord> corners, int side, Scratch& scratch) const;
-  void evaluateOne(const openvdb::Coord& origin, std::span<const julia::Decision> parts, EvaluatedBlock& block,
-                   Scratch& scratch);
+  void begin(const openvdb::Coord& origin, std::span<const julia::Decision> parts, EvaluatedBlock& block,
+             Scratch& scratch) const;
+  void evaluateWaiting(Scratch& scratch);
 
   FieldSource mSource;
   Options mOptions;
