@@ -27,10 +27,19 @@ float stored(double field) {
 }  // namespace
 
 struct BlockEvaluator::Scratch {
-  std::vector<julia::Point> points;
-  std::vector<Index> offsets;
-  std::vector<double> values;
-  std::vector<int> steps;
+  /// Nodes of a few blocks are evaluated together: the kernels like long batches.
+  static constexpr std::size_t kNodes = 4 * Leaf::SIZE;
+  std::vector<julia::Point> points = std::vector<julia::Point>(kNodes);
+  std::vector<Index> offsets = std::vector<Index>(kNodes);
+  std::vector<double> values = std::vector<double>(kNodes);
+  std::vector<int> steps = std::vector<int>(kNodes);
+  std::size_t count = 0;  ///< of the nodes that wait
+  struct Waiting {
+    EvaluatedBlock* block;
+    std::size_t end;  ///< of its nodes among those that wait
+  };
+  std::vector<Waiting> waiting;
+
   std::vector<julia::Decision> decisions;
   std::vector<Coord> undecided, corners;
   std::vector<std::size_t> which;
@@ -75,40 +84,64 @@ void BlockEvaluator::evaluatePart(std::span<const Coord> origins, std::span<Eval
     scratch.undecided.assign(origins.begin(), origins.end());
     scratch.decisions.assign(kParts * origins.size(), julia::Decision::Undecided);
   }
-  for (std::size_t i = 0; i < scratch.undecided.size(); ++i)
-    evaluateOne(scratch.undecided[i], std::span<const julia::Decision>(scratch.decisions).subspan(kParts * i, kParts),
-                blocks[scratch.which[i]], scratch);
+  for (std::size_t i = 0; i < scratch.undecided.size(); ++i) {
+    begin(scratch.undecided[i], std::span<const julia::Decision>(scratch.decisions).subspan(kParts * i, kParts),
+          blocks[scratch.which[i]], scratch);
+    if (scratch.count + Leaf::SIZE > Scratch::kNodes) evaluateWaiting(scratch);
+  }
+  evaluateWaiting(scratch);
 }
 
-void BlockEvaluator::evaluateOne(const Coord& origin, std::span<const julia::Decision> parts, EvaluatedBlock& block,
-                                 Scratch& scratch) {
+/// Makes the block's leaves, and has its nodes wait for their values.
+void BlockEvaluator::begin(const Coord& origin, std::span<const julia::Decision> parts, EvaluatedBlock& block,
+                           Scratch& scratch) const {
   block.field = std::make_unique<Leaf>(origin, kFieldOutside, false);
-  if (mOptions.keepIterations) block.iterations = std::make_unique<Leaf>(origin, 0.0f, false);
-  scratch.points.clear();
-  scratch.offsets.clear();
   // Each coordinate is that of its index alone, whichever block asks.
   std::array<julia::Point, kBlock> at;
   for (int k = 0; k < kBlock; ++k)
     at[static_cast<std::size_t>(k)] = mSource.space.toFractal(origin.offsetBy(k).asVec3d() * mOptions.voxelSize);
   const bool within = mOptions.domain.isInside(block.field->getNodeBoundingBox());
   constexpr Index kHalf = kBlock / 2;
-  for (Index offset = 0; offset < Leaf::SIZE; ++offset) {
-    const Index x = offset >> 2 * kBlockLog2, y = offset >> kBlockLog2 & (kBlock - 1), z = offset & (kBlock - 1);
+  float* const values = block.field->buffer().data();
+  Leaf::NodeMaskType active;
+  std::size_t count = scratch.count;
+  for (Index first = 0; first < Leaf::SIZE; first += kHalf) {
+    const Index x = first >> 2 * kBlockLog2, y = first >> kBlockLog2 & (kBlock - 1), z = first & (kBlock - 1);
     const julia::Decision decision = parts[x / kHalf * 4 + y / kHalf * 2 + z / kHalf];
-    if (decision == julia::Decision::Inside) block.field->setValueOnly(offset, -kFieldOutside);
+    if (decision == julia::Decision::Inside) std::fill_n(values + first, kHalf, -kFieldOutside);
     if (decision != julia::Decision::Undecided) continue;
-    if (!within && !mOptions.domain.isInside(block.field->offsetToGlobalCoord(offset))) continue;
-    scratch.offsets.push_back(offset);
-    scratch.points.push_back({at[x][0], at[y][1], at[z][2]});
+    for (Index k = 0; k < kHalf; ++k) {
+      if (!within && !mOptions.domain.isInside(block.field->offsetToGlobalCoord(first + k))) continue;
+      active.setOn(first + k);
+      scratch.offsets[count] = first + k;
+      scratch.points[count++] = {at[x][0], at[y][1], at[z + k][2]};
+    }
   }
-  scratch.values.resize(scratch.points.size());
-  scratch.steps.resize(mOptions.keepIterations ? scratch.points.size() : 0);
-  mSource.evaluator.evaluate(scratch.points, scratch.values, scratch.steps);
-  for (std::size_t k = 0; k < scratch.offsets.size(); ++k) {
-    block.field->setValueOn(scratch.offsets[k], stored(scratch.values[k]));
-    if (mOptions.keepIterations) block.iterations->setValueOn(scratch.offsets[k], static_cast<float>(scratch.steps[k]));
+  block.field->setValueMask(active);
+  if (mOptions.keepIterations) {
+    block.iterations = std::make_unique<Leaf>(origin, 0.0f, false);
+    block.iterations->setValueMask(active);
   }
-  mEvaluated += scratch.points.size();
+  scratch.count = count;
+  scratch.waiting.push_back({&block, count});
+}
+
+void BlockEvaluator::evaluateWaiting(Scratch& scratch) {
+  const std::size_t count = scratch.count;
+  const auto steps = std::span(scratch.steps).first(mOptions.keepIterations ? count : 0);
+  mSource.evaluator.evaluate(std::span(scratch.points).first(count), std::span(scratch.values).first(count), steps);
+  std::size_t k = 0;
+  for (const auto& [block, end] : scratch.waiting) {
+    float* const values = block->field->buffer().data();
+    float* const iterations = block->iterations ? block->iterations->buffer().data() : nullptr;
+    for (; k < end; ++k) {
+      values[scratch.offsets[k]] = stored(scratch.values[k]);
+      if (iterations) iterations[scratch.offsets[k]] = static_cast<float>(steps[k]);
+    }
+  }
+  mEvaluated += count;
+  scratch.count = 0;
+  scratch.waiting.clear();
 }
 
 }  // namespace vdbtools

@@ -53,8 +53,9 @@ class BlockEvaluator {
  private:
   struct Scratch;
   void evaluatePart(std::span<const openvdb::Coord> origins, std::span<EvaluatedBlock> blocks, Scratch& scratch);
-  void evaluateOne(const openvdb::Coord& origin, std::span<const julia::Decision> parts, EvaluatedBlock& block,
-                   Scratch& scratch);
+  void begin(const openvdb::Coord& origin, std::span<const julia::Decision> parts, EvaluatedBlock& block,
+             Scratch& scratch) const;
+  void evaluateWaiting(Scratch& scratch);
 
   FieldSource mSource;
   Options mOptions;

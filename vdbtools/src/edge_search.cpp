@@ -19,8 +19,8 @@ struct Bracket {
 double damped(double field) { return field / (1 + std::abs(field)); }
 
 /// Where to evaluate next: the step of the ITP method (Oliveira and Takahashi, ACM TOMS 47(1), 2020), which
-/// interpolates but never needs more than @a left more evaluations to bring the bracket to @a width.
-double nextPoint(const Bracket& bracket, double width, int left) {
+/// interpolates but never lets the bracket become wider than @a most.
+double nextPoint(const Bracket& bracket, double most) {
   constexpr double kTruncation = 0.1;
   const double size = bracket.high - bracket.low, middle = bracket.low + size / 2;
   const double interpolated =
@@ -29,7 +29,7 @@ double nextPoint(const Bracket& bracket, double width, int left) {
   const double towards = middle >= interpolated ? 1 : -1;
   const double truncation = kTruncation * size * size;
   const double truncated = truncation <= std::abs(middle - interpolated) ? interpolated + towards * truncation : middle;
-  const double reach = std::max(0.0, std::ldexp(width, left - 1) - size / 2);
+  const double reach = std::max(0.0, most - size / 2);
   return std::abs(truncated - middle) <= reach ? truncated : middle - towards * reach;
 }
 
@@ -64,8 +64,10 @@ std::vector<openvdb::Vec3d> searchEdges(const std::vector<LatticeEdge>& edges, d
     if (brackets.empty()) break;
     points.clear();
     next.clear();
+    // So that each search ends after as many evaluations as are left.
+    const double most = std::ldexp(width, left - 1);
     for (const Bracket& bracket : brackets) {
-      next.push_back(nextPoint(bracket, width, left));
+      next.push_back(nextPoint(bracket, most));
       points.push_back(source.space.toFractal(worldAt(edges[bracket.edge], next.back())));
     }
     field.resize(points.size());

@@ -184,7 +184,8 @@ void SurfaceExtractor::findVertices(Layer& layer, const Layer* next) {
                     " vertices, which is what 32-bit indices count; use larger voxels, or several boxes");
   layer.positions.resize(count);
   if (mOptions.normals) layer.normals.assign(count, Vec3d(0));
-  inParallel(layer.leaves.size(), 8, mMonitor, [&](std::size_t begin, std::size_t end) {
+  // Enough leaves for the kernels' batches to be long.
+  inParallel(layer.leaves.size(), 32, mMonitor, [&](std::size_t begin, std::size_t end) {
     std::vector<LatticeEdge> edges;
     std::size_t first = 0;
     for (std::size_t i = begin; i < end; ++i) {
