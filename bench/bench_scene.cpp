@@ -2,6 +2,7 @@
 #include "bench_scene.h"
 
 #include "vdbtools/mesh_writer.h"
+#include "vdbtools/vdb_file.h"
 
 #include "julia/instruction_set.h"
 
@@ -26,6 +27,9 @@ namespace {
 
 using openvdb::Vec3d;
 using openvdb::Vec3I;
+
+constexpr int kSdfVoxels = 200;
+constexpr double kBand = 24;  // voxels: alpha = 40 reads within ln(20) / 40 of the surface, and a few nodes around
 
 const char* givenTarget() { return std::getenv("JULIAVDB_BENCH_MESH"); }
 
@@ -76,20 +80,17 @@ vdbtools::Mesh makeMesh() {
   return mesh;
 }
 
-/// The mesh as a file for as long as the program runs: reading it is a part of the job.
-class TargetFile {
+/// A file for as long as the program runs: reading it is a part of the job.
+class TemporaryFile {
  public:
-  TargetFile()
-      : mPath(std::filesystem::temp_directory_path() / ("juliavdb_bench_" + std::to_string(getpid()) + ".ply")) {
-    std::ofstream stream(mPath, std::ios::binary);
-    vdbtools::writeMesh(stream, makeMesh(), {});
-  }
-  ~TargetFile() {
+  explicit TemporaryFile(const std::string& extension)
+      : mPath(std::filesystem::temp_directory_path() / ("juliavdb_bench_" + std::to_string(getpid()) + extension)) {}
+  ~TemporaryFile() {
     std::error_code ignored;
     std::filesystem::remove(mPath, ignored);
   }
-  TargetFile(const TargetFile&) = delete;
-  TargetFile& operator=(const TargetFile&) = delete;
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
 
   const std::filesystem::path& path() const { return mPath; }
 
@@ -97,9 +98,30 @@ class TargetFile {
   std::filesystem::path mPath;
 };
 
-std::filesystem::path target() {
+std::filesystem::path meshFile() {
   if (givenTarget()) return givenTarget();
-  static const TargetFile file;
+  static const TemporaryFile file(".ply");
+  [[maybe_unused]] static const bool written = [] {
+    std::ofstream stream(file.path(), std::ios::binary);
+    vdbtools::writeMesh(stream, makeMesh(), {});
+    return true;
+  }();
+  return file.path();
+}
+
+std::filesystem::path distanceFile() {
+  const std::filesystem::path mesh = meshFile();
+  if (vdbtools::isVdbPath(mesh)) return mesh;
+  static const TemporaryFile file(".vdb");
+  [[maybe_unused]] static const bool written = [&] {
+    openvdb::initialize();
+    vdbtools::Monitor monitor;
+    const vdbtools::SdfResult sdf =
+        runSdf({.input = mesh, .voxels = {.resolution = kSdfVoxels}, .band = kBand}, monitor);
+    std::ofstream stream(file.path(), std::ios::binary);
+    stream << vdbtools::encodeVdb({sdf.grid}, {.metadata = sdf.facts});
+    return true;
+  }();
   return file.path();
 }
 
@@ -121,11 +143,15 @@ std::vector<vdbtools::LatticeEdge> crossingEdges(const vdbtools::FractalField& f
 
 }  // namespace
 
-vdbtools::FractalOptions jobOptions(std::int64_t voxels) {
-  const vdbtools::Recipe recipe{{"input", target().string()}, {"resolution", std::to_string(voxels)},
-                                {"sdf-resolution", "200"},    {"alpha", "40"},
-                                {"versor-roots", "10"},       {"versor-powers", "2:11"},
-                                {"versor-integer", "true"},   {"iterations", "3"}};
+vdbtools::FractalOptions jobOptions(Input input, std::int64_t voxels) {
+  const vdbtools::Recipe recipe{{"input", (input == Input::Mesh ? meshFile() : distanceFile()).string()},
+                                {"resolution", std::to_string(voxels)},
+                                {"sdf-resolution", std::to_string(kSdfVoxels)},
+                                {"alpha", "40"},
+                                {"versor-roots", "10"},
+                                {"versor-powers", "2:11"},
+                                {"versor-integer", "true"},
+                                {"iterations", "3"}};
   return vdbtools::parseFractalOptions(vdbtools::completeRecipe(recipe, vdbtools::fractalOptionSpecs()));
 }
 
@@ -135,7 +161,7 @@ const Job& jobAt(std::int64_t voxels) {
   if (last == voxels) return *job;
   job.reset();
   vdbtools::Monitor monitor;
-  job = std::make_unique<Job>(Job{.scene = makeScene(jobOptions(voxels), monitor)});
+  job = std::make_unique<Job>(Job{.scene = makeScene(jobOptions(Input::Distances, voxels), monitor)});
   job->plan = planScene(job->scene);
   job->field = evaluateField(job->plan, job->scene.source(), {}, monitor);
   job->edges = crossingEdges(job->field);

@@ -14,10 +14,14 @@
 
 namespace bench {
 
-/// The job's options at @a voxels along the target's longest side.
-vdbtools::FractalOptions jobOptions(std::int64_t voxels);
+/// What the job begins with. The distances are known as far as the job reads them, as in the fields that the released
+/// program of [SK23] begins with.
+enum class Input { Mesh, Distances };
 
-/// Everything up to the search of the edges.
+/// The job's options at @a voxels along the target's longest side.
+vdbtools::FractalOptions jobOptions(Input input, std::int64_t voxels);
+
+/// Everything from the distances up to the search of the edges.
 struct Job {
   vdbtools::Scene scene;
   vdbtools::FieldPlan plan;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The whole exact job, from the target's file to the last triangle, and its phases one by one.
+// The whole exact job, from the file of the target's mesh or distances to the last triangle, and its phases one by one.
 #include "bench_scene.h"
 
 #include "vdbtools/mesh_sink.h"
@@ -17,12 +17,19 @@ class NoSink final : public vdbtools::MeshSink {
   void addTriangles(std::span<const openvdb::Vec3I>, std::uint64_t) override {}
 };
 
+void sizes(benchmark::internal::Benchmark* benchmark) {
+  benchmark->ArgName("N")->Arg(50)->Arg(100)->Arg(200)->Arg(400)->Arg(800);
+  benchmark->Iterations(1)->MeasureProcessCPUTime()->Unit(benchmark::kMillisecond);
+}
+
+template <bench::Input input>
 void job(benchmark::State& state) {
   vdbtools::Monitor monitor;
   std::optional<vdbtools::FieldPlan> plan;
   vdbtools::FractalResult result;
+  bench::jobOptions(input, state.range(0));  // makes the file, if it is not there yet
   for (auto _ : state) {
-    const vdbtools::Scene scene = makeScene(bench::jobOptions(state.range(0)), monitor);
+    const vdbtools::Scene scene = makeScene(bench::jobOptions(input, state.range(0)), monitor);
     plan = planScene(scene);
     NoSink sink;
     result = runFractal(scene, *plan, false, &sink, monitor);
@@ -32,20 +39,13 @@ void job(benchmark::State& state) {
   state.counters["evaluated"] = static_cast<double>(result.evaluatedNodes);
   state.counters["triangles"] = static_cast<double>(result.mesh.triangles);
 }
-BENCHMARK(job)
-    ->ArgName("N")
-    ->Arg(50)
-    ->Arg(100)
-    ->Arg(200)
-    ->Arg(400)
-    ->Arg(800)
-    ->Iterations(1)
-    ->MeasureProcessCPUTime()
-    ->Unit(benchmark::kMillisecond);
+BENCHMARK(job<bench::Input::Distances>)->Name("job")->Apply(sizes);
+BENCHMARK(job<bench::Input::Mesh>)->Name("jobFromMesh")->Apply(sizes);
 
 /// CPU seconds of each. The job works through field and surface in layers; here one is done before the other.
 void phases(benchmark::State& state) {
   vdbtools::Monitor monitor;
+  bench::jobOptions(bench::Input::Distances, state.range(0));
   for (auto _ : state) {
     double last = bench::cpuSeconds();
     const auto phase = [&](const char* name) {
@@ -53,7 +53,7 @@ void phases(benchmark::State& state) {
       state.counters[name] = now - last;
       last = now;
     };
-    const vdbtools::Scene scene = makeScene(bench::jobOptions(state.range(0)), monitor);
+    const vdbtools::Scene scene = makeScene(bench::jobOptions(bench::Input::Distances, state.range(0)), monitor);
     phase("scene");
     const vdbtools::FieldPlan plan = planScene(scene);
     phase("plan");
@@ -65,15 +65,6 @@ void phases(benchmark::State& state) {
     phase("surface");
   }
 }
-BENCHMARK(phases)
-    ->ArgName("N")
-    ->Arg(50)
-    ->Arg(100)
-    ->Arg(200)
-    ->Arg(400)
-    ->Arg(800)
-    ->Iterations(1)
-    ->MeasureProcessCPUTime()
-    ->Unit(benchmark::kMillisecond);
+BENCHMARK(phases)->Apply(sizes);
 
 }  // namespace
