@@ -68,6 +68,7 @@ void countEach(benchmark::State& state) {
 void decide(benchmark::State& state) {
   const Setting at = setting(static_cast<double>(state.range(0)), state.range(1) != 0);
   std::vector<julia::Decision> decisions(kBalls);
+  at.evaluator->decide({at.centres.data(), 1}, 0, {decisions.data(), 1});  // makes the pyramid
   for (auto _ : state) {
     at.evaluator->decide(at.centres, static_cast<double>(state.range(2)) / 1000, decisions);
     benchmark::DoNotOptimize(decisions.data());

@@ -5,7 +5,7 @@
 BUILD_PACKAGES=(g++ cmake ninja-build libopenvdb-dev libtbb-dev libopenmesh-dev libopenimageio-dev openimageio-tools libssl-dev
   nlohmann-json3-dev libboost-dev libboost-iostreams-dev libboost-program-options-dev libblosc-dev zlib1g-dev)
 QUICKSTART_PACKAGES=(glmark2-data)
-TEST_PACKAGES=(libgtest-dev libopenvdb-tools python3 python3-openvdb clang-format git ca-certificates)
+TEST_PACKAGES=(libgtest-dev libbenchmark-dev libopenvdb-tools python3 python3-openvdb clang-format git ca-certificates)
 
 # Installs those of the packages that are not there yet.
 install_packages() {
