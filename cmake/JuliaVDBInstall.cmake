@@ -12,5 +12,8 @@ install(FILES ${PROJECT_BINARY_DIR}/JuliaVDBConfig.cmake ${PROJECT_BINARY_DIR}/J
 install(TARGETS julia vdbtools juliavdb_cli juliavdb_flags juliavdb_warnings EXPORT JuliaVDBTargets
         RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
         LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+if(TARGET vdbtools_images)
+  install(TARGETS vdbtools_images LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+endif()
 install(EXPORT JuliaVDBTargets NAMESPACE juliavdb:: DESTINATION ${package_dir})
 install(DIRECTORY libjulia/include/julia vdbtools/include/vdbtools DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})

@@ -146,7 +146,8 @@ class BatchEvaluator final : public FieldEvaluator {
       }
       return {q.a.data(), q.b.data(), q.c.data(), q.d.data()};
     }();
-    const Real slice = static_cast<Real>(mEmbedding.slice);
+    const Real slice = static_cast<Real>(mEmbedding.slice), near = mNearSquared;
+    std::uint32_t* const index = batch.index.data();
     bool escaped = false;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Real x = static_cast<Real>(points[i][0]), y = static_cast<Real>(points[i][1]),
@@ -155,8 +156,8 @@ class BatchEvaluator final : public FieldEvaluator {
       to[1][i] = y;
       to[2][i] = z;
       to[3][i] = slice;
-      batch.index[i] = static_cast<std::uint32_t>(i);
-      escaped |= !(x * x + y * y + z * z + slice * slice < mNearSquared);
+      index[i] = static_cast<std::uint32_t>(i);
+      escaped |= !(x * x + y * y + z * z + slice * slice < near);
     }
     return escaped;
   }
@@ -180,11 +181,14 @@ class BatchEvaluator final : public FieldEvaluator {
       for (std::size_t i = 0; i < size; ++i) field[index[i]] = fieldOf(l[i]);
     if (!iterations.empty())
       for (std::size_t i = 0; i < size; ++i) iterations[index[i]] = step;
+    // Apart from the count, whose additions wait for each other.
+    std::array<std::uint8_t, kPiece> goes;
+    for (std::size_t i = 0; i < size; ++i) goes[i] = goesOn(l[i]) ? 1 : 0;
     std::uint32_t* const stays = batch.stays.data();
     std::size_t kept = 0;
     for (std::size_t i = 0; i < size; ++i) {
       stays[kept] = static_cast<std::uint32_t>(i);
-      kept += goesOn(l[i]) ? 1 : 0;
+      kept += goes[i];
     }
     if (kept < size) {
       const auto closeRanks = [&](auto* values) {

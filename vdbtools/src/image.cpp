@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/image.h"
 
+#include "image_encoder.h"
+
 #include "vdbtools/errors.h"
 #include "vdbtools/file_bytes.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
+#ifdef JULIAVDB_IMAGE_MODULE
+#include <dlfcn.h>
+
+#include <filesystem>
+#endif
 
 #include <algorithm>
 #include <cmath>
@@ -15,10 +20,7 @@
 namespace vdbtools {
 namespace {
 
-constexpr int kChannels = 3;
 constexpr float kLargestHalf = 65504;  ///< beyond it a half float is infinite
-
-constexpr const char* kNoDate = "1970:01:01 00:00:00";
 
 enum class Kind { Png, Exr };
 
@@ -41,24 +43,34 @@ std::uint8_t srgbCode(float linear) {
 template <typename Value, typename Convert>
 std::vector<Value> converted(const Image& image, Convert convert) {
   std::vector<Value> values;
-  values.reserve(image.pixels.size() * kChannels);
+  values.reserve(image.pixels.size() * kImageChannels);
   for (const auto& pixel : image.pixels) {
     for (const float channel : pixel) values.push_back(convert(channel));
   }
   return values;
 }
 
-std::string write(const char* format, const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* values) {
-  const auto output = OIIO::ImageOutput::create(format);
-  if (!output) throw IoError(std::string("OpenImageIO was built without ") + format + ": " + OIIO::geterror());
+#ifdef JULIAVDB_IMAGE_MODULE
+/// Loads the module that lies beside this library. @throw IoError
+ImageEncoder* loadEncoder() {
+  Dl_info here{};
+  if (dladdr(reinterpret_cast<const void*>(&loadEncoder), &here) == 0 || !here.dli_fname)
+    throw IoError("pictures cannot be encoded: the folder of the libraries is not known");
+  const std::filesystem::path path = std::filesystem::path(here.dli_fname).parent_path() / JULIAVDB_IMAGE_MODULE;
+  void* const module = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  void* const function = module ? dlsym(module, "juliavdbEncodeImage") : nullptr;
+  if (!function) throw IoError(std::string("pictures cannot be encoded: ") + dlerror());
+  return reinterpret_cast<ImageEncoder*>(function);
+}
+#else
+ImageEncoder* loadEncoder() { return juliavdbEncodeImage; }
+#endif
 
-  std::vector<unsigned char> bytes;
-  OIIO::Filesystem::IOVecOutput sink(bytes);
-  output->set_ioproxy(&sink);
-  // The name only tells the format; the bytes go to the sink.
-  const bool written = output->open(std::string("picture.") + format, spec) && output->write_image(type, values);
-  if (!output->close() || !written) throw IoError(std::string("cannot encode the picture: ") + output->geterror());
-  return {bytes.begin(), bytes.end()};
+std::string write(const Picture& picture) {
+  static ImageEncoder* const encode = loadEncoder();
+  std::string result;
+  if (!encode(picture, result)) throw IoError(result);
+  return result;
 }
 
 }  // namespace
@@ -72,17 +84,12 @@ std::string encodeImage(const Image& image, const std::string& extension) {
   }
 
   if (kind == Kind::Png) {
-    OIIO::ImageSpec spec(image.width, image.height, kChannels, OIIO::TypeDesc::UINT8);
-    spec.attribute("oiio:ColorSpace", "sRGB");
-    return write("png", spec, OIIO::TypeDesc::UINT8, converted<std::uint8_t>(image, srgbCode).data());
+    const auto codes = converted<std::uint8_t>(image, srgbCode);
+    return write({.width = image.width, .height = image.height, .codes = codes.data()});
   }
-  OIIO::ImageSpec spec(image.width, image.height, kChannels, OIIO::TypeDesc::HALF);
-  spec.attribute("oiio:ColorSpace", "Linear");
-  spec.attribute("compression", "zip");
-  // OpenImageIO writes the time of day where no date is given; the same picture shall give the same bytes.
-  spec.attribute("DateTime", kNoDate);
   const auto toHalfRange = [](float v) { return std::clamp(finiteOrZero(v), -kLargestHalf, kLargestHalf); };
-  return write("exr", spec, OIIO::TypeDesc::FLOAT, converted<float>(image, toHalfRange).data());
+  const auto values = converted<float>(image, toHalfRange);
+  return write({.width = image.width, .height = image.height, .linear = values.data()});
 }
 
 }  // namespace vdbtools

@@ -7,11 +7,31 @@
 #include <openvdb/openvdb.h>
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace vdbtools {
 
 inline bool isInside(float field) { return field < 0; }
+
+/// Bit 8 y + z of word x: whether that node of a leaf is inside. Leaves are read once, and not again by each neighbour.
+using InsideBits = std::array<std::uint64_t, 8>;
+
+inline InsideBits insideBits(const openvdb::FloatTree::LeafNodeType& leaf) {
+  const float* const values = leaf.buffer().data();
+  InsideBits bits{};
+  for (std::size_t x = 0; x < 8; ++x) {
+    std::array<std::uint8_t, 64> inside;
+    for (std::size_t k = 0; k < 64; ++k) inside[k] = isInside(values[64 * x + k]) ? 1 : 0;
+    for (std::size_t y = 0; y < 8; ++y) {
+      std::uint64_t row = 0;
+      for (std::size_t z = 0; z < 8; ++z) row |= std::uint64_t{inside[8 * y + z]} << (8 * z);
+      // Byte z becomes bit z of the product's last byte.
+      bits[x] |= (row * 0x0102040810204080) >> 56 << (8 * y);
+    }
+  }
+  return bits;
+}
 
 class LeafSigns {
  public:
@@ -20,21 +40,20 @@ class LeafSigns {
 
   /// A leaf and its seven neighbours behind it: [1] in x, [2] in y, [4] in z, and their sums. Where one is absent the
   /// field does not change sign from there to the leaves next to it.
-  using Neighbours = std::array<const Leaf*, 8>;
+  using Neighbours = std::array<const InsideBits*, 8>;
 
   explicit LeafSigns(const Neighbours& leaves) {
     for (unsigned neighbour = 0; neighbour < 8; ++neighbour) {
       const unsigned dx = neighbour & 1, dy = neighbour >> 1 & 1, dz = neighbour >> 2 & 1;
-      const Leaf* from = leaves[neighbour];
+      const InsideBits* from = leaves[neighbour];
       // The whole leaf, or the layer of the neighbour that touches it.
-      const unsigned endX = dx ? 1 : kSide, endY = dy ? 1 : kSide, endZ = dz ? 1 : kSide;
+      const unsigned endX = dx ? 1 : kSide, endY = dy ? 1 : kSide, bitsZ = dz ? 1 : 0xff;
       for (unsigned x = 0; x < endX; ++x)
         for (unsigned y = 0; y < endY; ++y) {
           std::uint16_t& bits = mRows[x + dx * kSide][y + dy * kSide];
           if (from) {
-            const float* row = from->buffer().data() + (x * kSide + y) * kSide;
-            for (unsigned z = 0; z < endZ; ++z)
-              bits |= static_cast<std::uint16_t>(static_cast<unsigned>(isInside(row[z])) << (z + dz * kSide));
+            const auto inside = static_cast<unsigned>((*from)[x] >> (y * kSide)) & bitsZ;
+            bits |= static_cast<std::uint16_t>(inside << (dz * kSide));
             continue;
           }
           // As one node before, towards a neighbour that was here earlier.

@@ -54,6 +54,7 @@ struct SurfaceExtractor::Layer {
 
   int x = 0;  // of the blocks' first nodes
   std::vector<const Leaf*> leaves;
+  std::vector<InsideBits> inside;  // of each leaf
   std::shared_ptr<void> owner;
   std::unordered_map<std::uint64_t, std::uint32_t> index;  // which leaf, by its place
   Stage stage = Stage::Added;
@@ -90,6 +91,10 @@ void SurfaceExtractor::add(std::vector<const Leaf*> leaves, std::shared_ptr<void
   layer->index.reserve(leaves.size());
   for (std::size_t i = 0; i < leaves.size(); ++i)
     layer->index.emplace(Layer::placeOf(leaves[i]->origin()[1], leaves[i]->origin()[2]), static_cast<std::uint32_t>(i));
+  layer->inside.resize(leaves.size());
+  inParallel(leaves.size(), 64, mMonitor, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) layer->inside[i] = insideBits(*leaves[i]);
+  });
   layer->leaves = std::move(leaves);
   layer->owner = std::move(owner);
   mLayers.push_back(std::move(layer));
@@ -124,14 +129,17 @@ void SurfaceExtractor::advance(std::size_t known) {
   }
 }
 
-LeafSigns::Neighbours SurfaceExtractor::neighbours(const Leaf& leaf, const Layer& layer, const Layer* next) const {
-  LeafSigns::Neighbours result{};
+SurfaceExtractor::Neighbours SurfaceExtractor::neighbours(const Leaf& leaf, const Layer& layer,
+                                                          const Layer* next) const {
+  Neighbours result;
   for (unsigned k = 0; k < 8; ++k) {
     const Layer* of = k & 1 ? next : &layer;
     if (!of) continue;
     const std::size_t found =
         of->find(leaf.origin()[1] + (k & 2 ? kBlock : 0), leaf.origin()[2] + (k & 4 ? kBlock : 0));
-    if (found < of->leaves.size()) result[k] = of->leaves[found];
+    if (found == of->leaves.size()) continue;
+    result.leaves[k] = of->leaves[found];
+    result.inside[k] = &of->inside[found];
   }
   return result;
 }
@@ -142,8 +150,8 @@ void SurfaceExtractor::findVertices(Layer& layer, const Layer* next) {
   inParallel(layer.leaves.size(), 16, mMonitor, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Leaf& leaf = *layer.leaves[i];
-      const LeafSigns::Neighbours around = neighbours(leaf, layer, next);
-      const LeafSigns signs(around);
+      const Neighbours around = neighbours(leaf, layer, next);
+      const LeafSigns signs(around.inside);
       std::unique_ptr<LeafVertices> vertices;
       for (unsigned x = 0; x < kSide; ++x)
         for (unsigned y = 0; y < kSide; ++y) {
@@ -160,7 +168,7 @@ void SurfaceExtractor::findVertices(Layer& layer, const Layer* next) {
               ++ahead[static_cast<int>(axis)];
               const bool cut = !mOptions.domain.isInside(node) || !mOptions.domain.isInside(ahead);
               if (cut && mOptions.extract.border == Border::Open) continue;
-              const Leaf* of = at[axis] + 1 < kSide ? &leaf : around[std::size_t{1} << axis];
+              const Leaf* of = at[axis] + 1 < kSide ? &leaf : around.leaves[std::size_t{1} << axis];
               if (!vertices) vertices = std::make_unique<LeafVertices>();
               vertices->onEdge[3 * offset + axis] = static_cast<std::uint16_t>(vertices->edges.size());
               vertices->edges.push_back(
@@ -233,7 +241,7 @@ void SurfaceExtractor::walk(std::size_t leafIndex, Layer& layer, const Layer* ne
                              std::to_string(begin[1]) + ", " + std::to_string(begin[2]) + " that no block owns");
     return static_cast<Index>(firsts[neighbour] + local);
   };
-  const LeafSigns signs(neighbours(leaf, layer, next));
+  const LeafSigns signs(neighbours(leaf, layer, next).inside);
   const bool nearBorder = !mOptions.domain.isInside(CoordBBox(origin, origin.offsetBy(kBlock)));
   std::vector<openvdb::Vec3I>& triangles = layer.triangles[leafIndex];
   for (unsigned x = 0; x < kSide; ++x)

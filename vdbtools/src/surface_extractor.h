@@ -10,6 +10,7 @@
 #include "vdbtools/mesh_sink.h"
 #include "vdbtools/monitor.h"
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -51,7 +52,12 @@ class SurfaceExtractor {
   struct LeafVertices;
   struct Layer;
 
-  LeafSigns::Neighbours neighbours(const Leaf& leaf, const Layer& layer, const Layer* next) const;
+  /// As LeafSigns counts them; absent ones are null.
+  struct Neighbours {
+    std::array<const Leaf*, 8> leaves{};
+    LeafSigns::Neighbours inside{};
+  };
+  Neighbours neighbours(const Leaf& leaf, const Layer& layer, const Layer* next) const;
   void findVertices(Layer& layer, const Layer* next);
   void findTriangles(Layer& layer, Layer* next);
   void walk(std::size_t leaf, Layer& layer, const Layer* next) const;

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "image_encoder.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include <exception>
+#include <vector>
+
+namespace {
+
+using vdbtools::kImageChannels;
+
+constexpr const char* kNoDate = "1970:01:01 00:00:00";
+
+bool encode(const char* format, const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* values,
+            std::string& result) {
+  const auto output = OIIO::ImageOutput::create(format);
+  if (!output) {
+    result = std::string("OpenImageIO was built without ") + format + ": " + OIIO::geterror();
+    return false;
+  }
+  std::vector<unsigned char> bytes;
+  OIIO::Filesystem::IOVecOutput sink(bytes);
+  output->set_ioproxy(&sink);
+  // The name only tells the format; the bytes go to the sink.
+  const bool written = output->open(std::string("picture.") + format, spec) && output->write_image(type, values);
+  if (!output->close() || !written) {
+    result = std::string("cannot encode the picture: ") + output->geterror();
+    return false;
+  }
+  result.assign(bytes.begin(), bytes.end());
+  return true;
+}
+
+}  // namespace
+
+bool juliavdbEncodeImage(const vdbtools::Picture& picture, std::string& result) {
+  try {
+    if (picture.codes) {
+      OIIO::ImageSpec spec(picture.width, picture.height, kImageChannels, OIIO::TypeDesc::UINT8);
+      spec.attribute("oiio:ColorSpace", "sRGB");
+      return encode("png", spec, OIIO::TypeDesc::UINT8, picture.codes, result);
+    }
+    OIIO::ImageSpec spec(picture.width, picture.height, kImageChannels, OIIO::TypeDesc::HALF);
+    spec.attribute("oiio:ColorSpace", "Linear");
+    spec.attribute("compression", "zip");
+    // OpenImageIO writes the time of day where no date is given; the same picture shall give the same bytes.
+    spec.attribute("DateTime", kNoDate);
+    return encode("exr", spec, OIIO::TypeDesc::FLOAT, picture.linear, result);
+  } catch (const std::exception& error) {
+    result = std::string("cannot encode the picture: ") + error.what();
+    return false;
+  }
+}
