@@ -11,7 +11,9 @@
 
 #include <benchmark/benchmark.h>
 
+#include <cmath>
 #include <random>
+#include <vector>
 
 namespace {
 
@@ -53,6 +55,7 @@ class Reference {
 
 struct Sample {
   double seconds = 0, count = 0, otherSigns = 0;
+  double squares = 0;  ///< of the seconds of each block
 };
 
 /// Each block that holds nodes of the domain is as likely as any other, and so is each node.
@@ -72,7 +75,9 @@ Sample sampleNodes(const bench::Job& job, const Reference& reference, std::mt199
     inside.clear();
     const double begin = bench::cpuSeconds();
     for (auto node = nodes.begin(); node; ++node) inside.push_back(reference.isInside((*node).asVec3d()));
-    sample.seconds += bench::cpuSeconds() - begin;
+    const double seconds = bench::cpuSeconds() - begin;
+    sample.seconds += seconds;
+    sample.squares += seconds * seconds;
     sample.count += static_cast<double>(inside.size());
     std::size_t k = 0;
     for (auto node = nodes.begin(); node; ++node) sample.otherSigns += inside[k++] != (values.getValue(*node) < 0);
@@ -113,6 +118,10 @@ void referenceJob(benchmark::State& state) {
   state.counters["sample"] = nodes.count;
   state.counters["otherSigns"] = nodes.otherSigns;
   state.counters["nodes"] = nodes.seconds / nodes.count * static_cast<double>(job.plan.domain.volume());
+  // The standard error of the blocks' mean, as a share. Blocks that the domain cuts are smaller, so it is a little
+  // less.
+  const double spread = kBlocks * nodes.squares / (nodes.seconds * nodes.seconds) - 1;
+  state.counters["nodesError"] = std::sqrt(spread / kBlocks);
   state.counters["edges"] = edgeSeconds;
   state.counters["releasedEdges"] = edgeSeconds * kReleasedEvaluations / kToleranceEvaluations;
 }

@@ -35,7 +35,9 @@ void field(benchmark::State& state) {
   std::optional<vdbtools::FieldPlan> plan;
   std::optional<vdbtools::FractalField> field;
   for (auto _ : state) {
+    const double begin = bench::cpuSeconds();
     plan = way == kEveryNode ? planExhaustive(*scene.exponent, lattice) : planShell(*scene.exponent, lattice);
+    state.counters["plan"] = bench::cpuSeconds() - begin;
     field = evaluateField(*plan, scene.source(), {.everyNode = way != kProofs}, monitor);
   }
   state.counters["domain"] = static_cast<double>(plan->domain.volume());
