@@ -47,8 +47,9 @@ TouchingSigns signsTowards(const Leaf& leaf, const Coord& direction) {
 
 /// The crossing edges between nodes of one leaf.
 std::uint64_t crossingsWithin(const Leaf& leaf) {
+  const InsideBits inside = insideBits(leaf);
   LeafSigns::Neighbours alone{};
-  alone[0] = &leaf;
+  alone[0] = &inside;
   const LeafSigns signs(alone);
   std::uint64_t count = 0;
   for (unsigned x = 0; x < LeafSigns::kSide; ++x)

@@ -256,7 +256,7 @@ FractalField fractalField(const FieldSource& source, const ExponentGrid& exponen
 
 FractalField fractalFieldExhaustive(const FieldSource& source, const ExponentGrid& exponent,
                                     const FractalFieldOptions& options, Monitor& monitor) {
-  return evaluateField(planExhaustive(exponent, options), source, {options.keepIterations, options.everyNode}, monitor);
+  return evaluateField(planExhaustive(exponent, options), source, {options.keepIterations, true}, monitor);
 }
 
 FractalField fractalFieldEverywhere(const FieldSource& source, const FractalFieldOptions& options, Monitor& monitor) {
