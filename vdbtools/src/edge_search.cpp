@@ -10,6 +10,7 @@ namespace {
 /// A bracket of a change of sign, in voxels from the edge's beginning, and F at its ends.
 struct Bracket {
   std::size_t edge;
+  julia::Point point;  ///< where F was asked for last; two of its coordinates stay
   double low = 0, high = 1;
   double atLow, atHigh;
 };
@@ -51,7 +52,11 @@ std::vector<openvdb::Vec3d> searchEdges(const std::vector<LatticeEdge>& edges, d
   std::vector<Bracket> brackets;
   brackets.reserve(edges.size());
   for (std::size_t i = 0; i < edges.size(); ++i)
-    if (!edges[i].cut) brackets.push_back({.edge = i, .atLow = damped(edges[i].from), .atHigh = damped(edges[i].to)});
+    if (!edges[i].cut)
+      brackets.push_back({.edge = i,
+                          .point = source.space.toFractal(worldAt(edges[i], 0)),
+                          .atLow = damped(edges[i].from),
+                          .atHigh = damped(edges[i].to)});
   std::vector<julia::Point> points;
   std::vector<double> next, field;
   for (;; --left) {
@@ -66,9 +71,12 @@ std::vector<openvdb::Vec3d> searchEdges(const std::vector<LatticeEdge>& edges, d
     next.clear();
     // So that each search ends after as many evaluations as are left.
     const double most = std::ldexp(width, left - 1);
-    for (const Bracket& bracket : brackets) {
+    for (Bracket& bracket : brackets) {
       next.push_back(nextPoint(bracket, most));
-      points.push_back(source.space.toFractal(worldAt(edges[bracket.edge], next.back())));
+      const LatticeEdge& edge = edges[bracket.edge];
+      bracket.point[static_cast<std::size_t>(edge.axis)] =
+          source.space.toFractal((edge.begin[edge.axis] + next.back()) * voxelSize, edge.axis);
+      points.push_back(bracket.point);
     }
     field.resize(points.size());
     source.evaluator.evaluate(points, field, {});

@@ -55,6 +55,9 @@ void inParallel(std::size_t count, Monitor& monitor, const Body& body) {
   monitor.throwIfCancelled();
 }
 
+/// Bit z: whether node z of a row along z is active; row 8 x + y.
+unsigned activeInRow(const Leaf& leaf, openvdb::Index row) { return leaf.getValueMask().getWord<openvdb::Byte>(row); }
+
 /// A leaf's values and the first of its three neighbours behind it, for differences between face neighbours.
 class LeafReach {
  public:
@@ -113,21 +116,32 @@ class LeafReach {
  private:
   void put(const Leaf& leaf, unsigned atX, unsigned atY, unsigned atZ, unsigned endX, unsigned endY, unsigned endZ) {
     const float* values = leaf.buffer().data();
+    const unsigned wanted = (1u << endZ) - 1;
     for (unsigned x = 0; x < endX; ++x)
-      for (unsigned y = 0; y < endY; ++y)
-        for (unsigned z = 0; z < endZ; ++z) {
-          const openvdb::Index offset = (x * kSide + y) * kSide + z;
-          mValue[x + atX][y + atY][z + atZ] = values[offset];
-          const bool on = leaf.isValueOn(offset);
-          mOn[x + atX][y + atY] |= static_cast<std::uint16_t>(static_cast<unsigned>(on) << (z + atZ));
-          mDense = mDense && on;
-        }
+      for (unsigned y = 0; y < endY; ++y) {
+        const unsigned row = x * kSide + y, on = activeInRow(leaf, row) & wanted;
+        std::copy_n(values + row * kSide, endZ, &mValue[x + atX][y + atY][atZ]);
+        mOn[x + atX][y + atY] |= static_cast<std::uint16_t>(on << atZ);
+        mDense = mDense && on == wanted;
+      }
   }
 
   float mValue[kSide + 1][kSide + 1][kSide + 1];
   std::uint16_t mOn[kSide + 1][kSide + 1] = {};
   bool mDense = true;
 };
+
+/// Whether the leaf and its three neighbours behind it hold active nodes only.
+bool isDenseThere(const Leaf& leaf, const openvdb::tree::ValueAccessor<const FloatTree>& accessor) {
+  if (!leaf.isDense()) return false;
+  for (int axis = 0; axis < 3; ++axis) {
+    Coord next = leaf.origin();
+    next[axis] += static_cast<int>(Leaf::DIM);
+    const Leaf* neighbour = accessor.probeConstLeaf(next);
+    if (!neighbour || !neighbour->isDense()) return false;
+  }
+  return true;
+}
 
 /// Where the distances inside end and the solid begins, whose nodes say no more than that they are inside.
 /// @return  the largest value of an active node that has an inactive negative neighbour; -inf: nowhere
@@ -147,9 +161,8 @@ float solidBeginsAt(const FloatGrid& grid, Monitor& monitor) {
       for (auto value = leaves[i]->cbeginValueOn(); value; ++value)
         if (value.getCoord()[axis] == leaves[i]->origin()[axis]) most = std::max(most, *value);
     }
-    const LeafReach reach(*leaves[i], accessor);
-    if (reach.isDense()) return;
-    reach.forEachPair([&](float a, bool aOn, float b, bool bOn) {
+    if (isDenseThere(*leaves[i], accessor)) return;
+    LeafReach(*leaves[i], accessor).forEachPair([&](float a, bool aOn, float b, bool bOn) {
       if (aOn && !bOn && b < 0) most = std::max(most, a);
       if (bOn && !aOn && a < 0) most = std::max(most, b);
     });
@@ -257,8 +270,9 @@ class Baker {
           // A hair of slack against rounding at a ball's edge.
           ball[z] = nearest / step - 1e-9;
         }
+        const unsigned on = activeInRow(leaf, row / Leaf::DIM);
         for (unsigned z = 0; z < Leaf::DIM; ++z) {
-          if (!leaf.isValueOn(row + z) || !(ball[z] < static_cast<double>(count))) continue;
+          if (!(on >> z & 1) || !(ball[z] < static_cast<double>(count))) continue;
           double& most = maximum[static_cast<std::size_t>(std::max(0.0, ball[z]))];
           most = std::max(most, static_cast<double>(values[row + z]));
         }
@@ -283,10 +297,16 @@ class Baker {
     inParallel(mLeaves.size(), mMonitor, [&](std::size_t i) {
       Leaf& leaf = *mLeaves[i];
       float* values = leaf.buffer().data();
-      for (openvdb::Index k = 0; k < Leaf::SIZE; ++k) {
-        const float value = values[k];
-        if (leaf.isValueOn(k) && value <= highest && value >= lowest) continue;
-        leaf.setValueOff(k, leaf.isValueOn(k) ? (value > highest ? outside : inside) : (value < 0 ? inside : outside));
+      for (openvdb::Index row = 0; row < Leaf::DIM * Leaf::DIM; ++row) {
+        const unsigned on = activeInRow(leaf, row);
+        unsigned stays = 0;
+        for (unsigned z = 0; z < Leaf::DIM; ++z) {
+          float& value = values[row * Leaf::DIM + z];
+          const bool active = on >> z & 1, kept = active && value <= highest && value >= lowest;
+          stays |= static_cast<unsigned>(kept) << z;
+          if (!kept) value = (active ? value > highest : !(value < 0)) ? outside : inside;
+        }
+        leaf.getValueMask().getWord<openvdb::Byte>(row) = static_cast<openvdb::Byte>(stays);
       }
       keeps[i] = !leaf.isEmpty();
     });

@@ -80,11 +80,15 @@ class CellCorners {
                                                   static_cast<int>(dz * kSide));
       const Leaf* from = neighbour == 0 ? &leaf : accessor.probeConstLeaf(origin);
       const float tile = from ? 0 : accessor.getValue(origin);
-      for (unsigned x = 0; x < (dx ? 1 : kSide); ++x)
-        for (unsigned y = 0; y < (dy ? 1 : kSide); ++y)
-          for (unsigned z = 0; z < (dz ? 1 : kSide); ++z)
-            mValue[x + dx * kSide][y + dy * kSide][z + dz * kSide] =
-                from ? from->buffer().data()[(x * kSide + y) * kSide + z] : tile;
+      const unsigned endX = dx ? 1 : kSide, endY = dy ? 1 : kSide, endZ = dz ? 1 : kSide;
+      for (unsigned x = 0; x < endX; ++x)
+        for (unsigned y = 0; y < endY; ++y) {
+          float* row = &mValue[x + dx * kSide][y + dy * kSide][dz * kSide];
+          if (from)
+            std::copy_n(from->buffer().data() + (x * kSide + y) * kSide, endZ, row);
+          else
+            std::fill_n(row, endZ, tile);
+        }
     }
   }
 

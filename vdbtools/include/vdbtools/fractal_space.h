@@ -15,8 +15,10 @@ struct FractalSpace {
   double scale = 1;                ///< world units a unit of fractal space, > 0
 
   julia::Point toFractal(const openvdb::Vec3d& world) const {
-    return {(world[0] - centre[0]) / scale, (world[1] - centre[1]) / scale, (world[2] - centre[2]) / scale};
+    return {toFractal(world[0], 0), toFractal(world[1], 1), toFractal(world[2], 2)};
   }
+  /// One coordinate.
+  double toFractal(double world, int axis) const { return (world - centre[axis]) / scale; }
   openvdb::Vec3d toWorld(const julia::Point& x) const {
     return {x[0] * scale + centre[0], x[1] * scale + centre[1], x[2] * scale + centre[2]};
   }
