@@ -10,6 +10,7 @@
 #include <openvdb/tools/LevelSetSphere.h>
 
 #include <iostream>
+#include <limits>
 
 int main() {
   using namespace vdbtools;
@@ -23,7 +24,7 @@ int main() {
 
   // Its exponent, in a band as wide as the shell needs.
   const ExponentGridOptions shell{.alpha = 30.0, .beta = 0.0};
-  extendBand(target, space.scale * exteriorReach(shell), space.scale * likelyInteriorReach(shell), monitor);
+  extendBand(target, space.scale * exteriorReach(shell), std::numeric_limits<double>::infinity(), monitor);
   const ExponentGrid exponent = exponentGrid(target, space, shell, monitor);
 
   // The map: that exponent, and the direction of a random polynomial.

@@ -417,10 +417,8 @@ double exteriorReach(const ExponentGridOptions& options) {
   return std::max(0.0, std::log(options.escapeRadius) / least + options.beta.range().second);
 }
 
-double likelyInteriorReach(const ExponentGridOptions& options) {
-  constexpr double kDepth = 2.5;
-  const auto [least, most] = options.alpha.range();
-  return std::max(0.0, kDepth / least - options.beta.range().first);
+double interiorReach(const ExponentGridOptions& options, double depth) {
+  return std::max(0.0, depth / options.alpha.range().first - options.beta.range().first);
 }
 
 ExponentGrid exponentGrid(const Target& target, const FractalSpace& space, const ExponentGridOptions& options,

@@ -120,9 +120,14 @@ struct Input {
   std::function<void(Target&)> deepen;
 };
 
+/// -E at the depth to which distances are made at first. Most targets are trapped before; making a mesh's distances
+/// again costs more than going deep at once, while a VDB may have them.
+constexpr double kMeshDepth = 5.5, kVdbDepth = 2.5;
+
 /// How deep the distances must be known at first, world units.
-double interiorWidth(const FractalOptions& options, const ExponentGridOptions& exponent, const BBoxd& box) {
-  double width = likelyInteriorReach(exponent) * spaceScale(options, box);
+double interiorWidth(const FractalOptions& options, const ExponentGridOptions& exponent, const BBoxd& box,
+                     double depth) {
+  double width = interiorReach(exponent, depth) * spaceScale(options, box);
   if (options.versor == "random" && options.randomRoots.placement == julia::RootPlacement::Surface)
     width = std::max(width, options.randomRoots.surfaceDistance * longestSide(box));
   return width;
@@ -149,7 +154,7 @@ Input readMeshInput(const FractalOptions& options, std::map<std::string, std::st
     if (sdf.moved) facts["julia_repair_moved"] = numbersText({*sdf.moved});
     return makeTarget(sdf.grid, report.box);
   };
-  const double depth = interiorWidth(options, exponent, report.box);
+  const double depth = interiorWidth(options, exponent, report.box, kMeshDepth);
   return {makeAt(depth), std::move(exponent),
           [makeAt](Target& target) { target = makeAt(std::numeric_limits<double>::infinity()); }};
 }
@@ -166,7 +171,7 @@ Input readVdbInput(const FractalOptions& options, Monitor& monitor) {
   Input input{makeTarget(phi, box), {}, {}};
   input.exponent = exponentOptions(options, input.target.box);
   const double reach = exteriorReach(input.exponent) * spaceScale(options, input.target.box);
-  extendBand(input.target, reach, interiorWidth(options, input.exponent, input.target.box), monitor);
+  extendBand(input.target, reach, interiorWidth(options, input.exponent, input.target.box, kVdbDepth), monitor);
   input.deepen = [reach, &monitor](Target& target) {
     extendBand(target, reach, std::numeric_limits<double>::infinity(), monitor);
   };

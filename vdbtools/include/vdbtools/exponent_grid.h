@@ -63,8 +63,8 @@ inline constexpr double kExponentMargin = 7;
 /// How far outside the surface E may stay below ln(escape): the band that phi needs there, units of fractal space.
 double exteriorReach(const ExponentGridOptions& options);
 
-/// How deep inside E may stay above -2.5; most targets are trapped before. The same units.
-double likelyInteriorReach(const ExponentGridOptions& options);
+/// How deep inside E may stay above -@a depth, the same units.
+double interiorReach(const ExponentGridOptions& options, double depth);
 
 /// @pre extendBand() with space.scale times exteriorReach() and the whole inside, or a band as wide. A band that is
 ///      shallower inside serves where the result is not tooShallow.
