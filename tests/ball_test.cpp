@@ -373,7 +373,22 @@ TYPED_TEST(BallLaws, stepOfASingleRootHoldsEveryPoint) {
 
 struct Count {
   int inside = 0, outside = 0, undecided = 0;
+
+  Count& operator+=(const Count& other) {
+    inside += other.inside;
+    outside += other.outside;
+    undecided += other.undecided;
+    return *this;
+  }
 };
+
+/// Enough balls were decided either way for the law to say something.
+void expectMany(const Count& sum) {
+  testing::Test::RecordProperty("inside", sum.inside);
+  testing::Test::RecordProperty("outside", sum.outside);
+  EXPECT_GT(sum.inside, 10'000);
+  EXPECT_GT(sum.outside, 10'000);
+}
 
 /// Wherever a ball is decided, F has that sign at many of its points.
 Count expectDecisionsHold(const FieldEvaluator& evaluator, Random& random, const std::vector<Point>& centres,
@@ -437,9 +452,7 @@ Count expectSound(const FieldEvaluator& evaluator, Random& random, double half, 
   Count sum;
   const auto add = [&](const std::vector<Point>& centres, double radius) {
     const Count count = expectDecisionsHold(evaluator, random, centres, radius, what);
-    sum.inside += count.inside;
-    sum.outside += count.outside;
-    sum.undecided += count.undecided;
+    sum += count;
   };
   for (const double radius :
        {0., 1e-6, logUniform(random, 1e-9, 1e-3), logUniform(random, 1e-3, 1e-2), logUniform(random, 1e-2, 0.3)}) {
@@ -490,8 +503,7 @@ TYPED_TEST(BallLaws, decisionsOfTheShapeModulusHold) {
                             std::to_string(options.escapeRadius) + " trap " + std::to_string(options.logTrap) +
                             " slice " + std::to_string(embedding.slice) + law_tests::text(versor));
         if (this->HasFailure()) return;
-        sum.inside += count.inside;
-        sum.outside += count.outside;
+        sum += count;
       }
       this->RecordProperty("inside" + std::to_string(static_cast<int>(alpha)), sum.inside);
       this->RecordProperty("outside" + std::to_string(static_cast<int>(alpha)), sum.outside);
@@ -520,13 +532,9 @@ TYPED_TEST(BallLaws, decisionsOfRationalsHold) {
             law_tests::text(rational),
         risky);
     if (this->HasFailure()) return;
-    sum.inside += count.inside;
-    sum.outside += count.outside;
+    sum += count;
   }
-  this->RecordProperty("inside", sum.inside);
-  this->RecordProperty("outside", sum.outside);
-  EXPECT_GT(sum.inside, 10'000);
-  EXPECT_GT(sum.outside, 10'000);
+  expectMany(sum);
 }
 
 TYPED_TEST(BallLaws, decisionsOfQuadraticsHold) {
@@ -542,13 +550,9 @@ TYPED_TEST(BallLaws, decisionsOfQuadraticsHold) {
         *julia::makeFieldEvaluator<Real>(std::make_shared<julia::QuadraticMap<Real>>(c), embedding, options), random,
         2.1, "c = " + text(c) + " n " + std::to_string(options.maxIterations));
     if (this->HasFailure()) return;
-    sum.inside += count.inside;
-    sum.outside += count.outside;
+    sum += count;
   }
-  this->RecordProperty("inside", sum.inside);
-  this->RecordProperty("outside", sum.outside);
-  EXPECT_GT(sum.inside, 10'000);
-  EXPECT_GT(sum.outside, 10'000);
+  expectMany(sum);
 }
 
 // ------------------------------------------------------------------------------------------------- it is worth asking

@@ -75,13 +75,6 @@ const BrickPyramid& BrickField<Real>::pyramid() const {
 }
 
 template <class Real>
-ValueRange BrickField<Real>::range(const std::array<double, 3>& centre, double radius) const {
-  ValueRange result;
-  ranges({&centre, 1}, {&radius, 1}, {&result, 1});
-  return result;
-}
-
-template <class Real>
 void BrickField<Real>::ranges(std::span<const std::array<double, 3>> centres, std::span<const double> radii,
                               std::span<ValueRange> out) const {
   std::vector<Real> x(centres.size()), y(centres.size()), z(centres.size()), values(centres.size());

@@ -253,7 +253,7 @@ class BatchEvaluator final : public FieldEvaluator {
   /// Answers for the balls of which nothing goes on, and cuts the ranges of the others.
   void keep(BallBatch& batch, std::span<Decision> out, bool last) const {
     const double escape = static_cast<double>(mLogEscape), level = static_cast<double>(mLevel);
-    const double trap = isTrapped(mLogTrap) ? static_cast<double>(mLogTrap) : -std::numeric_limits<double>::infinity();
+    const double trap = static_cast<double>(mLogTrap);
     const bool traps = isTrapped(mLogTrap);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < batch.balls.size(); ++i) {

@@ -58,7 +58,7 @@ Ball QuadraticMap<Real>::valueOver(const Ball& ball) const {
 }
 
 template <class Real>
-LogRange QuadraticMap<Real>::logModulusRange(const Ball& ball) const {
+LogRange QuadraticMap<Real>::rangeOver(const Ball& ball) const {
   const Ball value = valueOver(ball);
   const double size = norm(value.centre);
   const double low = logarithmOf(size - value.radius), high = logarithmOf(size + value.radius);
@@ -68,7 +68,7 @@ LogRange QuadraticMap<Real>::logModulusRange(const Ball& ball) const {
 }
 
 template <class Real>
-std::optional<Ball> QuadraticMap<Real>::image(const Ball& ball, const LogRange& l) const {
+std::optional<Ball> QuadraticMap<Real>::imageOf(const Ball& ball, const LogRange& l) const {
   if (!(l.high <= kMostLogModulus)) return std::nullopt;
   Ball value = valueOver(ball);
   // The evaluator goes on with e^l u, whose length is off by what l is: eps (2 |l| + 4). |l| e^l <= 1/e for l < 0.
@@ -76,6 +76,17 @@ std::optional<Ball> QuadraticMap<Real>::image(const Ball& ball, const LogRange& 
   value.radius += kEpsilonOf<Real> * (most * (2 * std::max(l.high, 0.) + 24) + 1);
   const double about0 = most * (1 + 32 * kEpsilonOf<Real>)+kVanishing<Real>;
   return value.radius < about0 ? value : Ball{{}, about0};
+}
+
+template <class Real>
+void QuadraticMap<Real>::logModulusRanges(std::span<const Ball> balls, std::span<LogRange> l) const {
+  for (std::size_t i = 0; i < balls.size(); ++i) l[i] = rangeOver(balls[i]);
+}
+
+template <class Real>
+void QuadraticMap<Real>::images(std::span<const Ball> balls, std::span<const LogRange> l,
+                                std::span<std::optional<Ball>> images) const {
+  for (std::size_t i = 0; i < balls.size(); ++i) images[i] = imageOf(balls[i], l[i]);
 }
 
 template class QuadraticMap<float>;

@@ -16,20 +16,6 @@ void RationalMap<Real>::versor(const QuaternionBatch<Real>& q, QuaternionBatch<R
 }
 
 template <class Real>
-LogRange RationalMap<Real>::logModulusRange(const Ball& ball) const {
-  LogRange l;
-  mRational.logModulusRanges({&ball, 1}, {&l, 1});
-  return l;
-}
-
-template <class Real>
-std::optional<Ball> RationalMap<Real>::image(const Ball& ball, const LogRange& l) const {
-  std::optional<Ball> result;
-  images({&ball, 1}, {&l, 1}, {&result, 1});
-  return result;
-}
-
-template <class Real>
 void RationalMap<Real>::logModulusRanges(std::span<const Ball> balls, std::span<LogRange> l) const {
   mRational.logModulusRanges(balls, l);
 }

@@ -29,13 +29,6 @@ void ShapeModulus<Real>::versor(const QuaternionBatch<Real>& q, QuaternionBatch<
 }
 
 template <class Real>
-LogRange ShapeModulus<Real>::logModulusRange(const Ball& ball) const {
-  LogRange l;
-  logModulusRanges({&ball, 1}, {&l, 1});
-  return l;
-}
-
-template <class Real>
 void ShapeModulus<Real>::logModulusRanges(std::span<const Ball> balls, std::span<LogRange> l) const {
   // What is left of a ball without one component is a ball of three dimensions.
   std::vector<std::array<double, 3>> centres(balls.size());
@@ -55,13 +48,6 @@ void ShapeModulus<Real>::logModulusRanges(std::span<const Ball> balls, std::span
     l[i] = {ranges[i].low, ranges[i].high};
     if (balls[i].hollow > 0) l[i].low = std::max(l[i].low, mExponent->lowestBeyond(balls[i].hollow));
   }
-}
-
-template <class Real>
-std::optional<Ball> ShapeModulus<Real>::image(const Ball& ball, const LogRange& l) const {
-  std::optional<Ball> result;
-  images({&ball, 1}, {&l, 1}, {&result, 1});
-  return result;
 }
 
 template <class Real>

@@ -58,7 +58,6 @@ class BrickField final : public ScalarField<Real> {
 
   /// From the extremes of the bricks that the ball touches, and from the value at its centre and the steepest slope
   /// there. The first call goes through all bricks once.
-  ValueRange range(const std::array<double, 3>& centre, double radius) const override;
   void ranges(std::span<const std::array<double, 3>> centres, std::span<const double> radii,
               std::span<ValueRange> out) const override;
   double lowestBeyond(double distance) const override;

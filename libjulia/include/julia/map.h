@@ -7,7 +7,7 @@
 #include "julia/ball.h"
 #include "julia/quaternion_batch.h"
 
-#include <cstddef>
+#include <algorithm>
 #include <optional>
 #include <span>
 
@@ -29,20 +29,28 @@ class Map {
   /// those whose bounded orbits go anywhere (DESIGN.md 2.3).
   virtual Real surfaceLevel(Real logEscape) const = 0;
 
-  /// Holds l as logModulus() computes it, rounding included, at each q of the ball.
-  virtual LogRange logModulusRange(const Ball&) const { return {}; }
-
-  /// Holds e^l u, as logModulus() and versor() compute them, for each q of the ball whose l lies in the range; empty if
-  /// nothing is known.
-  virtual std::optional<Ball> image(const Ball&, const LogRange&) const { return std::nullopt; }
-
-  /// The same of many balls at once, for maps whose kernels like batches. All spans have one size.
-  virtual void logModulusRanges(std::span<const Ball> balls, std::span<LogRange> l) const {
-    for (std::size_t i = 0; i < balls.size(); ++i) l[i] = logModulusRange(balls[i]);
+  /// l[i] holds l as logModulus() computes it, rounding included, at each q of ball i. All spans have one size. A map
+  /// that knows nothing leaves this and the next as they are.
+  virtual void logModulusRanges(std::span<const Ball>, std::span<LogRange> l) const {
+    std::fill(l.begin(), l.end(), LogRange{});
   }
-  virtual void images(std::span<const Ball> balls, std::span<const LogRange> l,
-                      std::span<std::optional<Ball>> images) const {
-    for (std::size_t i = 0; i < balls.size(); ++i) images[i] = image(balls[i], l[i]);
+
+  /// images[i] holds e^l u, as logModulus() and versor() compute them, for each q of ball i whose l lies in the range;
+  /// empty if nothing is known.
+  virtual void images(std::span<const Ball>, std::span<const LogRange>, std::span<std::optional<Ball>> images) const {
+    std::fill(images.begin(), images.end(), std::nullopt);
+  }
+
+  /// The same of one ball.
+  LogRange logModulusRange(const Ball& ball) const {
+    LogRange l;
+    logModulusRanges({&ball, 1}, {&l, 1});
+    return l;
+  }
+  std::optional<Ball> image(const Ball& ball, const LogRange& l) const {
+    std::optional<Ball> result;
+    images({&ball, 1}, {&l, 1}, {&result, 1});
+    return result;
   }
 };
 

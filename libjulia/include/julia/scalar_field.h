@@ -3,8 +3,8 @@
 /// The seam for the exponent E: a scalar on R^3, read at a batch of points.
 #pragma once
 
+#include <algorithm>
 #include <array>
-#include <cstddef>
 #include <limits>
 #include <span>
 
@@ -24,13 +24,18 @@ class ScalarField {
   virtual void sample(std::span<const Real> x, std::span<const Real> y, std::span<const Real> z,
                       std::span<Real> out) const = 0;
 
-  /// Holds what sample() gives, rounding included, at each point of a ball. Whoever knows nothing says so.
-  virtual ValueRange range(const std::array<double, 3>& /*centre*/, double /*radius*/) const { return {}; }
-
-  /// The same of many balls at once.
-  virtual void ranges(std::span<const std::array<double, 3>> centres, std::span<const double> radii,
+  /// out[i] holds what sample() gives, rounding included, at each point of ball i. A field that knows nothing leaves
+  /// this and lowestBeyond() as they are.
+  virtual void ranges(std::span<const std::array<double, 3>> /*centres*/, std::span<const double> /*radii*/,
                       std::span<ValueRange> out) const {
-    for (std::size_t i = 0; i < centres.size(); ++i) out[i] = range(centres[i], radii[i]);
+    std::fill(out.begin(), out.end(), ValueRange{});
+  }
+
+  /// The same of one ball.
+  ValueRange range(const std::array<double, 3>& centre, double radius) const {
+    ValueRange result;
+    ranges({&centre, 1}, {&radius, 1}, {&result, 1});
+    return result;
   }
 
   /// Bounds from below what sample() gives wherever |x| >= distance.

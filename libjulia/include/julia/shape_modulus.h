@@ -25,8 +25,6 @@ class ShapeModulus final : public Map<Real> {
   void logModulus(const QuaternionBatch<Real>& q, std::span<Real> l) const override;
   void versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const override;
   Real surfaceLevel(Real) const override { return 0; }
-  LogRange logModulusRange(const Ball& ball) const override;
-  std::optional<Ball> image(const Ball& ball, const LogRange& l) const override;
   void logModulusRanges(std::span<const Ball> balls, std::span<LogRange> l) const override;
   void images(std::span<const Ball> balls, std::span<const LogRange> l,
               std::span<std::optional<Ball>> images) const override;
