@@ -30,10 +30,8 @@ void addBorderBlocks(BlockSet& blocks, const CoordBBox& domain) {
 
 BlockLayers::BlockLayers(const BlockSet& blocks) {
   mLeaves.reserve(blocks.leafCount());
-  for (auto leaf = blocks.cbeginLeaf(); leaf; ++leaf) {
-    mLeaves.push_back(leaf.getLeaf());
-    mCount += leaf->onVoxelCount();
-  }
+  blocks.getNodes(mLeaves);
+  mCount = blocks.activeVoxelCount();
   std::sort(mLeaves.begin(), mLeaves.end(), [](const auto* a, const auto* b) { return a->origin() < b->origin(); });
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/exponent_grid.h"
 
+#include "cell_corners.h"
+#include "in_parallel.h"
 #include "vdbtools/grid_sampler.h"
 
 #include <openvdb/tools/FastSweeping.h>
@@ -9,7 +11,6 @@
 #include <openvdb/tree/ValueAccessor.h>
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -44,95 +45,57 @@ void requireFiniteValues(const FloatGrid& phi) {
     if (!std::isfinite(*tile)) refuse(tile.getCoord());
 }
 
+using Accessor = openvdb::tree::ValueAccessor<const FloatTree>;
+
 /// Runs body(i) for every i below count, in threads, until the work is cancelled.
 template <class Body>
-void inParallel(std::size_t count, Monitor& monitor, const Body& body) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 16), [&](const auto& range) {
-    if (monitor.cancelled()) return;
-    for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
-    monitor.advance(range.size());
+void forEach(std::size_t count, Monitor& monitor, const Body& body) {
+  inParallel(count, 16, monitor, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i != end; ++i) body(i);
+    monitor.advance(end - begin);
   });
-  monitor.throwIfCancelled();
 }
 
-/// Bit z: whether node z of a row along z is active; row 8 x + y.
-unsigned activeInRow(const Leaf& leaf, openvdb::Index row) { return leaf.getValueMask().getWord<openvdb::Byte>(row); }
+std::vector<const Leaf*> leavesOf(const FloatTree& tree) {
+  std::vector<const Leaf*> leaves;
+  leaves.reserve(tree.leafCount());
+  tree.getNodes(leaves);
+  return leaves;
+}
 
-/// A leaf's values and the first of its three neighbours behind it, for differences between face neighbours.
-class LeafReach {
- public:
-  static constexpr unsigned kSide = Leaf::DIM;
-
-  LeafReach(const Leaf& leaf, const openvdb::tree::ValueAccessor<const FloatTree>& accessor) {
-    put(leaf, 0, 0, 0, kSide, kSide, kSide);
-    for (int axis = 0; axis < 3; ++axis) {
-      Coord next = leaf.origin();
-      next[axis] += static_cast<int>(kSide);
-      const bool x = axis == 0, y = axis == 1, z = axis == 2;
-      const unsigned endX = x ? 1 : kSide, endY = y ? 1 : kSide, endZ = z ? 1 : kSide;
-      if (const Leaf* neighbour = accessor.probeConstLeaf(next)) {
-        put(*neighbour, x ? kSide : 0, y ? kSide : 0, z ? kSide : 0, endX, endY, endZ);
-      } else {
-        const float tile = accessor.getValue(next);
-        for (unsigned i = 0; i < endX; ++i)
-          for (unsigned j = 0; j < endY; ++j)
-            for (unsigned k = 0; k < endZ; ++k) mValue[i + x * kSide][j + y * kSide][k + z * kSide] = tile;
-        mDense = false;
+/// The largest |difference| between a leaf's nodes and their face neighbours behind.
+float largestStepOf(const CellCorners& corners) {
+  constexpr unsigned kSide = CellCorners::kSide;
+  float most[kSide] = {};
+  for (unsigned x = 0; x < kSide; ++x)
+    for (unsigned y = 0; y < kSide; ++y) {
+      const float *here = corners.row(x, y), *nextX = corners.row(x + 1, y), *nextY = corners.row(x, y + 1);
+      for (unsigned z = 0; z < kSide; ++z) {
+        const float a = std::abs(nextX[z] - here[z]), b = std::abs(nextY[z] - here[z]),
+                    c = std::abs(here[z + 1] - here[z]);
+        const float ab = a > b ? a : b, abc = ab > c ? ab : c;
+        most[z] = abc > most[z] ? abc : most[z];
       }
     }
-  }
+  return *std::max_element(most, most + kSide);
+}
 
-  /// Whether all these nodes are active.
-  bool isDense() const { return mDense; }
-
-  /// The largest |difference| between face neighbours. @pre isDense()
-  float largestStep() const {
-    float most[kSide] = {};
-    for (unsigned x = 0; x < kSide; ++x)
-      for (unsigned y = 0; y < kSide; ++y) {
-        const float *here = mValue[x][y], *nextX = mValue[x + 1][y], *nextY = mValue[x][y + 1];
-        for (unsigned z = 0; z < kSide; ++z) {
-          const float a = std::abs(nextX[z] - here[z]), b = std::abs(nextY[z] - here[z]),
-                      c = std::abs(here[z + 1] - here[z]);
-          const float ab = a > b ? a : b, abc = ab > c ? ab : c;
-          most[z] = abc > most[z] ? abc : most[z];
+/// Calls body(value, whether active, value and activity of the other) for a leaf's nodes and their face neighbours
+/// behind.
+template <class Body>
+void forEachPair(const CellCorners& corners, const Body& body) {
+  constexpr unsigned kSide = CellCorners::kSide;
+  for (unsigned x = 0; x < kSide; ++x)
+    for (unsigned y = 0; y < kSide; ++y)
+      for (unsigned z = 0; z < kSide; ++z)
+        for (unsigned axis = 0; axis < 3; ++axis) {
+          const unsigned i = x + (axis == 0), j = y + (axis == 1), k = z + (axis == 2);
+          body(corners.row(x, y)[z], corners.isActive(x, y, z), corners.row(i, j)[k], corners.isActive(i, j, k));
         }
-      }
-    return *std::max_element(most, most + kSide);
-  }
-
-  /// Calls body(offset of the one, value and activity of the one and of the other) for each pair of face neighbours.
-  template <class Body>
-  void forEachPair(const Body& body) const {
-    for (unsigned x = 0; x < kSide; ++x)
-      for (unsigned y = 0; y < kSide; ++y)
-        for (unsigned z = 0; z < kSide; ++z)
-          for (unsigned axis = 0; axis < 3; ++axis) {
-            const unsigned i = x + (axis == 0), j = y + (axis == 1), k = z + (axis == 2);
-            body(mValue[x][y][z], mOn[x][y] >> z & 1, mValue[i][j][k], mOn[i][j] >> k & 1);
-          }
-  }
-
- private:
-  void put(const Leaf& leaf, unsigned atX, unsigned atY, unsigned atZ, unsigned endX, unsigned endY, unsigned endZ) {
-    const float* values = leaf.buffer().data();
-    const unsigned wanted = (1u << endZ) - 1;
-    for (unsigned x = 0; x < endX; ++x)
-      for (unsigned y = 0; y < endY; ++y) {
-        const unsigned row = x * kSide + y, on = activeInRow(leaf, row) & wanted;
-        std::copy_n(values + row * kSide, endZ, &mValue[x + atX][y + atY][atZ]);
-        mOn[x + atX][y + atY] |= static_cast<std::uint16_t>(on << atZ);
-        mDense = mDense && on == wanted;
-      }
-  }
-
-  float mValue[kSide + 1][kSide + 1][kSide + 1];
-  std::uint16_t mOn[kSide + 1][kSide + 1] = {};
-  bool mDense = true;
-};
+}
 
 /// Whether the leaf and its three neighbours behind it hold active nodes only.
-bool isDenseThere(const Leaf& leaf, const openvdb::tree::ValueAccessor<const FloatTree>& accessor) {
+bool isDenseThere(const Leaf& leaf, const Accessor& accessor) {
   if (!leaf.isDense()) return false;
   for (int axis = 0; axis < 3; ++axis) {
     Coord next = leaf.origin();
@@ -146,12 +109,11 @@ bool isDenseThere(const Leaf& leaf, const openvdb::tree::ValueAccessor<const Flo
 /// Where the distances inside end and the solid begins, whose nodes say no more than that they are inside.
 /// @return  the largest value of an active node that has an inactive negative neighbour; -inf: nowhere
 float solidBeginsAt(const FloatGrid& grid, Monitor& monitor) {
-  std::vector<const Leaf*> leaves;
-  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) leaves.push_back(leaf.getLeaf());
+  const std::vector<const Leaf*> leaves = leavesOf(grid.tree());
   constexpr float kNever = -std::numeric_limits<float>::infinity();
   tbb::enumerable_thread_specific<float> begins(kNever);
-  inParallel(leaves.size(), monitor, [&](std::size_t i) {
-    const openvdb::tree::ValueAccessor<const FloatTree> accessor(grid.tree());
+  forEach(leaves.size(), monitor, [&](std::size_t i) {
+    const Accessor accessor(grid.tree());
     float& most = begins.local();
     // A solid tile before the leaf has no pairs of its own.
     for (int axis = 0; axis < 3; ++axis) {
@@ -162,12 +124,12 @@ float solidBeginsAt(const FloatGrid& grid, Monitor& monitor) {
         if (value.getCoord()[axis] == leaves[i]->origin()[axis]) most = std::max(most, *value);
     }
     if (isDenseThere(*leaves[i], accessor)) return;
-    LeafReach(*leaves[i], accessor).forEachPair([&](float a, bool aOn, float b, bool bOn) {
+    forEachPair(CellCorners(*leaves[i], accessor), [&](float a, bool aOn, float b, bool bOn) {
       if (aOn && !bOn && b < 0) most = std::max(most, a);
       if (bOn && !aOn && a < 0) most = std::max(most, b);
     });
   });
-  return std::max(kNever, *std::max_element(begins.begin(), begins.end()));
+  return *std::max_element(begins.begin(), begins.end());
 }
 
 /// The leaves that hold nodes of the band, of the inside where @a inside asks for it, and as many @a layers of voxels
@@ -208,12 +170,11 @@ class Baker {
  public:
   Baker(const Target& target, const FractalSpace& space, const ExponentGridOptions& options, Monitor& monitor)
       : mSpace(space), mOptions(options), mMonitor(monitor), mTransform(target.phi->transform()) {
-    std::vector<const Leaf*> leaves;
-    for (auto leaf = target.phi->tree().cbeginLeaf(); leaf; ++leaf) leaves.push_back(leaf.getLeaf());
+    const std::vector<const Leaf*> leaves = leavesOf(target.phi->tree());
     mLeaves.resize(leaves.size());
     monitor.begin("exponent", 2 * leaves.size());
     try {
-      inParallel(leaves.size(), monitor, [&](std::size_t i) { mLeaves[i] = bake(*leaves[i]); });
+      forEach(leaves.size(), monitor, [&](std::size_t i) { mLeaves[i] = bake(*leaves[i]); });
     } catch (...) {
       for (Leaf* leaf : mLeaves) delete leaf;
       throw;
@@ -221,18 +182,17 @@ class Baker {
     for (Leaf* leaf : mLeaves) mTree.addLeaf(leaf);
   }
 
-  const FloatTree& tree() const { return mTree; }
-
   /// A bound of how much E differs between face neighbours.
   double largestStep() const {
     tbb::enumerable_thread_specific<float> largest(0.0f);
-    inParallel(mLeaves.size(), mMonitor, [&](std::size_t i) {
+    forEach(mLeaves.size(), mMonitor, [&](std::size_t i) {
       float& most = largest.local();
-      const LeafReach reach(*mLeaves[i], openvdb::tree::ValueAccessor<const FloatTree>(mTree));
-      if (reach.isDense())
-        most = std::max(most, reach.largestStep());
+      const Accessor accessor(mTree);
+      const CellCorners corners(*mLeaves[i], accessor);
+      if (isDenseThere(*mLeaves[i], accessor))
+        most = std::max(most, largestStepOf(corners));
       else
-        reach.forEachPair([&](float a, bool aOn, float b, bool bOn) {
+        forEachPair(corners, [&](float a, bool aOn, float b, bool bOn) {
           if (aOn && bOn) most = std::max(most, std::abs(b - a));
         });
     });
@@ -255,7 +215,7 @@ class Baker {
     const std::size_t count = static_cast<std::size_t>(std::ceil(1 / step));
     const std::vector<double> nothing(count, -std::numeric_limits<double>::infinity());
     tbb::enumerable_thread_specific<std::vector<double>> parts(nothing);
-    inParallel(mLeaves.size(), mMonitor, [&](std::size_t i) {
+    forEach(mLeaves.size(), mMonitor, [&](std::size_t i) {
       std::vector<double>& maximum = parts.local();
       const Leaf& leaf = *mLeaves[i];
       const Axes at(leaf.origin(), mTransform);
@@ -294,7 +254,7 @@ class Baker {
     const double highest = shell.upper + differenceInReach,
                  lowest = hasLower ? shell.lower - differenceInReach : -std::numeric_limits<double>::infinity();
     std::vector<std::uint8_t> keeps(mLeaves.size());
-    inParallel(mLeaves.size(), mMonitor, [&](std::size_t i) {
+    forEach(mLeaves.size(), mMonitor, [&](std::size_t i) {
       Leaf& leaf = *mLeaves[i];
       float* values = leaf.buffer().data();
       for (openvdb::Index row = 0; row < Leaf::DIM * Leaf::DIM; ++row) {
@@ -370,14 +330,12 @@ Target makeTarget(FloatGrid::Ptr phi, std::optional<openvdb::BBoxd> box) {
   Target target;
   if (active.volume() == phi->activeVoxelCount()) {
     target.denseBox = active;
-    phi->tree().voxelizeActiveTiles();
-  } else {
-    if (!(phi->background() > 0))
-      throw DataError("the signed distance field '" + phi->getName() +
-                      "' is neither dense nor a narrow band: its background is " + std::to_string(phi->background()) +
-                      " and must be positive, the outside");
-    phi->tree().voxelizeActiveTiles();
+  } else if (!(phi->background() > 0)) {
+    throw DataError("the signed distance field '" + phi->getName() +
+                    "' is neither dense nor a narrow band: its background is " + std::to_string(phi->background()) +
+                    " and must be positive, the outside");
   }
+  phi->tree().voxelizeActiveTiles();
   target.box = box ? *box : insideBox(*phi);
   target.phi = std::move(phi);
   return target;

@@ -20,7 +20,7 @@ using Leaf = SurfaceExtractor::Leaf;
 std::vector<const Leaf*> sortedLeaves(const openvdb::FloatTree& tree) {
   std::vector<const Leaf*> leaves;
   leaves.reserve(tree.leafCount());
-  for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) leaves.push_back(leaf.getLeaf());
+  tree.getNodes(leaves);
   std::sort(leaves.begin(), leaves.end(), [](const Leaf* a, const Leaf* b) { return a->origin() < b->origin(); });
   return leaves;
 }

@@ -3,13 +3,12 @@
 
 #include "block_evaluator.h"
 #include "block_layers.h"
+#include "in_parallel.h"
 #include "leaf_signs.h"
 #include "undecided_blocks.h"
 
 #include <openvdb/tools/Morphology.h>
 #include <openvdb/tree/ValueAccessor.h>
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <bit>
@@ -137,13 +136,10 @@ class Follower {
     for (auto block = mKnown.cbeginValueOn(); block; ++block) blocks.push_back(block.getCoord());
     std::vector<std::uint8_t> inside(blocks.size()), mixed(blocks.size());
     mMonitor.begin("seeds", blocks.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.size(), 256), [&](const auto& range) {
-      if (mMonitor.cancelled()) return;
-      seed(std::span(blocks).subspan(range.begin(), range.size()), inside.data() + range.begin(),
-           mixed.data() + range.begin());
-      mMonitor.advance(range.size());
+    inParallel(blocks.size(), 256, mMonitor, [&](std::size_t begin, std::size_t end) {
+      seed(std::span(blocks).subspan(begin, end - begin), inside.data() + begin, mixed.data() + begin);
+      mMonitor.advance(end - begin);
     });
-    mMonitor.throwIfCancelled();
     openvdb::tree::ValueAccessor<BlockSet> insideAt(mInside);
     for (std::size_t i = 0; i < blocks.size(); ++i)
       if (inside[i]) insideAt.setValueOn(blocks[i]);
@@ -218,10 +214,13 @@ class Follower {
 
 }  // namespace
 
+bool isSeedStride(int stride) {
+  return stride >= 1 && stride <= 64 && std::has_single_bit(static_cast<unsigned>(stride));
+}
+
 FractalField followSurface(const FieldPlan& plan, const FieldSource& source, const EvaluateFieldOptions& field,
                            const FollowOptions& options, FollowReport& report, Monitor& monitor) {
-  if (options.seedStride < 1 || options.seedStride > 64 ||
-      !std::has_single_bit(static_cast<unsigned>(options.seedStride)))
+  if (!isSeedStride(options.seedStride))
     throw std::invalid_argument("the stride of seeds is " + std::to_string(options.seedStride) +
                                 " voxels; it must be a power of 2, at most 64");
   report = {};

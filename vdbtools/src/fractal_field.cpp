@@ -3,6 +3,7 @@
 
 #include "block_evaluator.h"
 #include "block_layers.h"
+#include "cell_corners.h"
 #include "undecided_blocks.h"
 
 #include <openvdb/tools/SignedFloodFill.h>
@@ -68,49 +69,23 @@ CoordBBox shellDomain(const ExponentGrid& exponent, const FractalFieldOptions& o
   return domain;
 }
 
-/// A leaf's values and the first layer of its neighbours behind it: the corners of the cells that begin in it.
-class CellCorners {
- public:
-  static constexpr unsigned kSide = Leaf::DIM;
-
-  CellCorners(const Leaf& leaf, const openvdb::tree::ValueAccessor<const FloatTree>& accessor) {
-    for (unsigned neighbour = 0; neighbour < 8; ++neighbour) {
-      const unsigned dx = neighbour & 1, dy = neighbour >> 1 & 1, dz = neighbour >> 2 & 1;
-      const Coord origin = leaf.origin().offsetBy(static_cast<int>(dx * kSide), static_cast<int>(dy * kSide),
-                                                  static_cast<int>(dz * kSide));
-      const Leaf* from = neighbour == 0 ? &leaf : accessor.probeConstLeaf(origin);
-      const float tile = from ? 0 : accessor.getValue(origin);
-      const unsigned endX = dx ? 1 : kSide, endY = dy ? 1 : kSide, endZ = dz ? 1 : kSide;
-      for (unsigned x = 0; x < endX; ++x)
-        for (unsigned y = 0; y < endY; ++y) {
-          float* row = &mValue[x + dx * kSide][y + dy * kSide][dz * kSide];
-          if (from)
-            std::copy_n(from->buffer().data() + (x * kSide + y) * kSide, endZ, row);
-          else
-            std::fill_n(row, endZ, tile);
-        }
-    }
+/// Bit z: whether the values at the corners of cell (x, y, z) reach into the open interval.
+unsigned touching(const CellCorners& corners, unsigned x, unsigned y, float lower, float upper) {
+  constexpr unsigned kSide = CellCorners::kSide;
+  const float *a = corners.row(x, y), *b = corners.row(x + 1, y), *c = corners.row(x, y + 1),
+              *d = corners.row(x + 1, y + 1);
+  float low[kSide + 1], high[kSide + 1];
+  for (unsigned z = 0; z <= kSide; ++z) {
+    low[z] = std::min(std::min(a[z], b[z]), std::min(c[z], d[z]));
+    high[z] = std::max(std::max(a[z], b[z]), std::max(c[z], d[z]));
   }
-
-  /// Bit z: whether the values at the corners of cell (x, y, z) reach into the open interval.
-  unsigned touching(unsigned x, unsigned y, float lower, float upper) const {
-    const float *a = mValue[x][y], *b = mValue[x + 1][y], *c = mValue[x][y + 1], *d = mValue[x + 1][y + 1];
-    float low[kSide + 1], high[kSide + 1];
-    for (unsigned z = 0; z <= kSide; ++z) {
-      low[z] = std::min(std::min(a[z], b[z]), std::min(c[z], d[z]));
-      high[z] = std::max(std::max(a[z], b[z]), std::max(c[z], d[z]));
-    }
-    unsigned bits = 0;
-    for (unsigned z = 0; z < kSide; ++z) {
-      const bool touches = std::max(high[z], high[z + 1]) > lower && std::min(low[z], low[z + 1]) < upper;
-      bits |= static_cast<unsigned>(touches) << z;
-    }
-    return bits;
+  unsigned bits = 0;
+  for (unsigned z = 0; z < kSide; ++z) {
+    const bool touches = std::max(high[z], high[z + 1]) > lower && std::min(low[z], low[z + 1]) < upper;
+    bits |= static_cast<unsigned>(touches) << z;
   }
-
- private:
-  float mValue[kSide + 1][kSide + 1][kSide + 1];
-};
+  return bits;
+}
 
 /// Blocks that hold a corner of any lattice cell which touches an undecided cell of E: a change of F's sign lies in
 /// such a cell, for E is continuous.
@@ -130,7 +105,7 @@ void addShellBlocks(BlockSet& blocks, const ExponentGrid& exponent, const CoordB
   }
   constexpr double kMargin = 1 + 1e-6;  // a corner of a lattice cell that touches
   std::vector<const Leaf*> leaves;
-  for (auto leaf = exponent.grid->tree().cbeginLeaf(); leaf; ++leaf) leaves.push_back(leaf.getLeaf());
+  exponent.grid->tree().getNodes(leaves);
   tbb::enumerable_thread_specific<BlockSet> parts;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), 16), [&](const auto& range) {
     const openvdb::tree::ValueAccessor<const FloatTree> values(exponent.grid->tree());
@@ -141,8 +116,8 @@ void addShellBlocks(BlockSet& blocks, const ExponentGrid& exponent, const CoordB
       const CellCorners corners(*leaves[i], values);
       for (unsigned row = 0; row < CellCorners::kSide * CellCorners::kSide; ++row) {
         const unsigned x = row / CellCorners::kSide, y = row % CellCorners::kSide;
-        const unsigned on = leaves[i]->getValueMask().getWord<openvdb::Byte>(row);
-        unsigned bits = on & corners.touching(x, y, static_cast<float>(lower), static_cast<float>(upper));
+        const unsigned on = activeInRow(*leaves[i], row);
+        unsigned bits = on & touching(corners, x, y, static_cast<float>(lower), static_cast<float>(upper));
         while (bits != 0) {
           // A run of cells along z.
           const int first = std::countr_zero(bits), length = std::countr_one(bits >> first);
@@ -175,38 +150,42 @@ void addShellBlocks(BlockSet& blocks, const ExponentGrid& exponent, const CoordB
   for (const BlockSet& part : parts) blocks.topologyUnion(part);
 }
 
-FieldPlan makePlan(const CoordBBox& domain, bool bounded, double voxelSize) {
+/// A plan without blocks.
+FieldPlan emptyPlan(const CoordBBox& domain, bool bounded, double voxelSize) {
   return {domain, bounded, voxelSize, std::make_shared<BlockSet>()};
+}
+FieldPlan emptyShellPlan(const ExponentGrid& exponent, const FractalFieldOptions& options) {
+  requireValid(options);
+  return emptyPlan(shellDomain(exponent, options), options.box || exponent.denseBox, options.voxelSize);
+}
+
+void addEveryBlock(FieldPlan& plan) {
+  addBlocks(*plan.blocks, plan.domain);
+  addBorderBlocks(*plan.blocks, plan.domain);
 }
 
 }  // namespace
 
 FieldPlan planShell(const ExponentGrid& exponent, const FractalFieldOptions& options) {
-  requireValid(options);
-  const bool bounded = options.box.has_value() || exponent.denseBox.has_value();
-  FieldPlan plan = makePlan(shellDomain(exponent, options), bounded, options.voxelSize);
+  FieldPlan plan = emptyShellPlan(exponent, options);
   addShellBlocks(*plan.blocks, exponent, plan.domain, options.voxelSize);
-  if (bounded) addBorderBlocks(*plan.blocks, plan.domain);
+  if (plan.bounded) addBorderBlocks(*plan.blocks, plan.domain);
   return plan;
 }
 
 FieldPlan planExhaustive(const ExponentGrid& exponent, const FractalFieldOptions& options) {
-  requireValid(options);
-  const bool bounded = options.box.has_value() || exponent.denseBox.has_value();
-  FieldPlan plan = makePlan(shellDomain(exponent, options), bounded, options.voxelSize);
-  addBlocks(*plan.blocks, plan.domain);
-  addBorderBlocks(*plan.blocks, plan.domain);
+  FieldPlan plan = emptyShellPlan(exponent, options);
+  addEveryBlock(plan);
   return plan;
 }
 
 FieldPlan planBox(const FractalFieldOptions& options) {
   requireValid(options);
   if (!options.box) throw std::invalid_argument("a field without a shell needs a box to be evaluated in");
-  FieldPlan plan = makePlan(latticeNodes(*options.box, options.voxelSize, 0), true, options.voxelSize);
+  FieldPlan plan = emptyPlan(latticeNodes(*options.box, options.voxelSize, 0), true, options.voxelSize);
   if (plan.domain.empty())
     throw std::invalid_argument("the box holds no node of the lattice; make it larger, or the voxels smaller");
-  addBlocks(*plan.blocks, plan.domain);
-  addBorderBlocks(*plan.blocks, plan.domain);
+  addEveryBlock(plan);
   return plan;
 }
 
@@ -255,16 +234,17 @@ FractalField evaluateField(const FieldPlan& plan, const FieldSource& source, con
 
 FractalField fractalField(const FieldSource& source, const ExponentGrid& exponent, const FractalFieldOptions& options,
                           Monitor& monitor) {
-  return evaluateField(planShell(exponent, options), source, {options.keepIterations, options.everyNode}, monitor);
+  return evaluateField(planShell(exponent, options), source, {.keepIterations = options.keepIterations}, monitor);
 }
 
 FractalField fractalFieldExhaustive(const FieldSource& source, const ExponentGrid& exponent,
                                     const FractalFieldOptions& options, Monitor& monitor) {
-  return evaluateField(planExhaustive(exponent, options), source, {options.keepIterations, true}, monitor);
+  return evaluateField(planExhaustive(exponent, options), source,
+                       {.keepIterations = options.keepIterations, .everyNode = true}, monitor);
 }
 
 FractalField fractalFieldEverywhere(const FieldSource& source, const FractalFieldOptions& options, Monitor& monitor) {
-  return evaluateField(planBox(options), source, {options.keepIterations, options.everyNode}, monitor);
+  return evaluateField(planBox(options), source, {.keepIterations = options.keepIterations}, monitor);
 }
 
 }  // namespace vdbtools

@@ -6,7 +6,6 @@
 #include "vdbtools/vdb_file.h"
 
 #include <algorithm>
-#include <bit>
 #include <charconv>
 #include <cmath>
 #include <sstream>
@@ -368,8 +367,7 @@ FractalOptions parseFractalOptions(const Recipe& recipe) {
       "sampling", {{"trilinear", julia::Interpolation::Trilinear}, {"quadratic", julia::Interpolation::Quadratic}});
   options.exhaustive = reader.flag("exhaustive");
   const int stride = reader.integer<int>("seed-stride", 1, 64);
-  if (!std::has_single_bit(static_cast<unsigned>(stride)))
-    refuse("seed-stride", reader.text("seed-stride"), "a power of 2, at most 64");
+  if (!isSeedStride(stride)) refuse("seed-stride", reader.text("seed-stride"), "a power of 2, at most 64");
   if (reader.flag("follow")) {
     if (options.exhaustive)
       throw std::invalid_argument("--follow and --exhaustive contradict each other; give one of them");

@@ -2,9 +2,8 @@
 #include "surface_extractor.h"
 
 #include "block_layers.h"
+#include "in_parallel.h"
 #include "marching_cubes_table.h"
-
-#include <tbb/parallel_for.h>
 
 #include <array>
 #include <bit>
@@ -29,15 +28,6 @@ Coord cornerOf(const Coord& node, unsigned corner) {
   return node.offsetBy(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
 }
 
-/// Runs body(first, last) over parts of 0 to count in threads, until the work is cancelled.
-template <class Body>
-void inParallel(std::size_t count, std::size_t grain, Monitor& monitor, const Body& body) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), [&](const auto& range) {
-    if (!monitor.cancelled()) body(range.begin(), range.end());
-  });
-  monitor.throwIfCancelled();
-}
-
 }  // namespace
 
 /// The vertices on the edges that begin at a leaf's nodes.
@@ -50,7 +40,7 @@ struct SurfaceExtractor::LeafVertices {
 };
 
 struct SurfaceExtractor::Layer {
-  enum class Stage { Added, HasVertices, HasTriangles, HasEmittedPoints };
+  enum class Stage { Added, HasVertices, HasTriangles };
 
   int x = 0;  // of the blocks' first nodes
   std::vector<const Leaf*> leaves;
@@ -119,11 +109,11 @@ void SurfaceExtractor::advance(std::size_t known) {
     emitPoints(*mLayers[i]);
     mLayers[i]->owner.reset();
   }
-  while (!mLayers.empty() && mLayers[0]->stage == Stage::HasEmittedPoints) {
+  while (!mLayers.empty() && mLayers[0]->stage == Stage::HasTriangles) {
     const Layer* next = behind(0);
-    // Triangles use the next layer's points, and that layer's walk this one's positions no more.
+    // Triangles use the next layer's points, which go out first.
     if (!finished && mLayers.size() == 1) return;
-    if (next && next->stage != Stage::HasEmittedPoints) return;
+    if (next && next->stage != Stage::HasTriangles) return;
     emitTriangles(*mLayers[0]);
     mLayers.pop_front();
   }
@@ -138,6 +128,8 @@ SurfaceExtractor::Neighbours SurfaceExtractor::neighbours(const Leaf& leaf, cons
     const std::size_t found =
         of->find(leaf.origin()[1] + (k & 2 ? kBlock : 0), leaf.origin()[2] + (k & 4 ? kBlock : 0));
     if (found == of->leaves.size()) continue;
+    result.layers[k] = of;
+    result.numbers[k] = found;
     result.leaves[k] = of->leaves[found];
     result.inside[k] = &of->inside[found];
   }
@@ -213,16 +205,14 @@ void SurfaceExtractor::findVertices(Layer& layer, const Layer* next) {
 void SurfaceExtractor::walk(std::size_t leafIndex, Layer& layer, const Layer* next) const {
   const Leaf& leaf = *layer.leaves[leafIndex];
   const Coord origin = leaf.origin();
+  const Neighbours around = neighbours(leaf, layer, next);
   std::array<const LeafVertices*, 8> vertices{};
   std::array<std::uint64_t, 8> firsts{};
   bool any = false;
   for (unsigned k = 0; k < 8; ++k) {
-    const Layer* of = k & 1 ? next : &layer;
-    if (!of) continue;
-    const std::size_t found = of->find(origin[1] + (k & 2 ? kBlock : 0), origin[2] + (k & 4 ? kBlock : 0));
-    if (found == of->leaves.size() || !of->vertices[found]) continue;
-    vertices[k] = of->vertices[found].get();
-    firsts[k] = of->first + vertices[k]->first;
+    if (!around.layers[k] || !around.layers[k]->vertices[around.numbers[k]]) continue;
+    vertices[k] = around.layers[k]->vertices[around.numbers[k]].get();
+    firsts[k] = around.layers[k]->first + vertices[k]->first;
     any = true;
   }
   if (!any) return;
@@ -241,7 +231,7 @@ void SurfaceExtractor::walk(std::size_t leafIndex, Layer& layer, const Layer* ne
                              std::to_string(begin[1]) + ", " + std::to_string(begin[2]) + " that no block owns");
     return static_cast<Index>(firsts[neighbour] + local);
   };
-  const LeafSigns signs(neighbours(leaf, layer, next).inside);
+  const LeafSigns signs(around.inside);
   const bool nearBorder = !mOptions.domain.isInside(CoordBBox(origin, origin.offsetBy(kBlock)));
   std::vector<openvdb::Vec3I>& triangles = layer.triangles[leafIndex];
   for (unsigned x = 0; x < kSide; ++x)
@@ -290,7 +280,6 @@ void SurfaceExtractor::emitPoints(Layer& layer) {
   });
   if (!layer.positions.empty()) mSink.addPoints(layer.positions, units);
   layer.normals = {};
-  layer.stage = Layer::Stage::HasEmittedPoints;
 }
 
 void SurfaceExtractor::emitTriangles(Layer& layer) {

@@ -54,6 +54,8 @@ class SurfaceExtractor {
 
   /// As LeafSigns counts them; absent ones are null.
   struct Neighbours {
+    std::array<const Layer*, 8> layers{};
+    std::array<std::size_t, 8> numbers{};  ///< in their layers
     std::array<const Leaf*, 8> leaves{};
     LeafSigns::Neighbours inside{};
   };

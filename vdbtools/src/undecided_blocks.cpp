@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "undecided_blocks.h"
 
-#include <tbb/parallel_for.h>
+#include "in_parallel.h"
 
 #include <cmath>
 #include <span>
@@ -53,12 +53,11 @@ void decideCubes(std::span<const Coord> corners, int side, double voxelSize, con
 BlockSet undecidedBlocks(const FieldPlan& plan, const FieldSource& source, Monitor& monitor) {
   BlockSet blocks(*plan.blocks);
   std::vector<MaskLeaf*> leaves;
-  for (auto leaf = blocks.beginLeaf(); leaf; ++leaf) leaves.push_back(leaf.getLeaf());
+  blocks.getNodes(leaves);
   monitor.begin("proofs", leaves.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), 32), [&](const auto& range) {
-    if (monitor.cancelled()) return;
+  inParallel(leaves.size(), 32, monitor, [&](std::size_t begin, std::size_t end) {
     std::vector<Cube> cubes, rest;
-    for (std::size_t i = range.begin(); i != range.end(); ++i) cubes.push_back({leaves[i], leaves[i]->origin()});
+    for (std::size_t i = begin; i != end; ++i) cubes.push_back({leaves[i], leaves[i]->origin()});
     std::vector<Coord> corners;
     std::vector<julia::Decision> decisions;
     for (int side = MaskLeaf::DIM; side > 1 && !cubes.empty(); side /= 2) {
@@ -80,9 +79,8 @@ BlockSet undecidedBlocks(const FieldPlan& plan, const FieldSource& source, Monit
       }
       std::swap(cubes, rest);
     }
-    monitor.advance(range.size());
+    monitor.advance(end - begin);
   });
-  monitor.throwIfCancelled();
   return blocks;
 }
 

@@ -17,6 +17,9 @@ struct FollowOptions {
   std::uint64_t probes = 2000;  ///< blocks that were left out and are looked into to estimate what is missed
 };
 
+/// Whether seeds can be so many voxels apart.
+bool isSeedStride(int stride);
+
 struct FollowReport {
   std::uint64_t shellBlocks = 0;    ///< of the plan, less those in large cubes whose sign is proved
   std::uint64_t visitedBlocks = 0;  ///< of these

@@ -50,7 +50,6 @@ struct FractalFieldOptions {
   double voxelSize = 0;               ///< h, world units, > 0
   std::optional<openvdb::BBoxd> box;  ///< region of interest, world units
   bool keepIterations = false;        ///< as in EvaluateFieldOptions
-  bool everyNode = false;             ///< as in EvaluateFieldOptions
 };
 
 /// For a map that has a shell: only where the exponent leaves F undecided.
