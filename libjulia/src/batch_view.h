@@ -22,4 +22,14 @@ kernels::Batch<Real> view(QuaternionBatch<Real>& q, std::size_t first = 0) {
   return {{q.a.data() + first, q.b.data() + first, q.c.data() + first, q.d.data() + first}};
 }
 
+/// The same for all points, and one for each.
+template <class Real>
+kernels::Addend<Real> addend(const Quaternion<Real>& c) {
+  return {{{&c.a, &c.b, &c.c, &c.d}}, true};
+}
+template <class Real>
+kernels::Addend<Real> addend(const QuaternionBatch<Real>& c) {
+  return {view(c), false};
+}
+
 }  // namespace julia

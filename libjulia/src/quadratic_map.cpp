@@ -3,7 +3,7 @@
 
 #include "ball_arithmetic.h"
 #include "batch_view.h"
-#include "careful.h"
+#include "norms.h"
 
 #include <cmath>
 #include <limits>
@@ -13,37 +13,25 @@ namespace julia {
 namespace {
 
 template <class Real>
-QuaternionBatch<Real> squaresPlus(const Quaternion<Real>& c, const QuaternionBatch<Real>& q) {
-  QuaternionBatch<Real> f;
+void squaresPlus(const kernels::Addend<Real>& c, const QuaternionBatch<Real>& q, QuaternionBatch<Real>& f) {
   f.resize(q.size());
-  const Real constant[4] = {c.a, c.b, c.c, c.d};
-  kernels::kernels<Real>().quadratic(constant, view(q), view(f), q.size());
-  return f;
-}
-
-template <class Real>
-bool isNormal(const Quaternion<Real>& q) {
-  const Real squared = normSquared(q);
-  return squared >= kernels::Ieee<Real>::kTiny && squared <= std::numeric_limits<Real>::max();
+  kernels::kernels<Real>().quadratic(c, view(q), view(f), q.size());
 }
 
 }  // namespace
 
 template <class Real>
 void QuadraticMap<Real>::logModulus(const QuaternionBatch<Real>& q, std::span<Real> l) const {
-  const QuaternionBatch<Real> f = squaresPlus(mC, q);
-  kernels::kernels<Real>().logNorm(view(f), l.data(), f.size());
-  for (std::size_t i = 0; i < f.size(); ++i)
-    if (!isNormal(f.get(i))) l[i] = careful::logNorm(f.get(i));
+  QuaternionBatch<Real> f;
+  squaresPlus(addend(mC), q, f);
+  logNorms(f, l);
 }
 
 template <class Real>
 void QuadraticMap<Real>::versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const {
-  const QuaternionBatch<Real> f = squaresPlus(mC, q);
-  u = f;
-  kernels::kernels<Real>().normalise(view(u), u.size());
-  for (std::size_t i = 0; i < f.size(); ++i)
-    if (!isNormal(f.get(i))) u.set(i, careful::versorOf(f.get(i)));
+  QuaternionBatch<Real> f;
+  squaresPlus(addend(mC), q, f);
+  versorsOf(f, u);
 }
 
 /// (q + d)^2 + c = q^2 + c + (q d + d q) + d^2. The evaluator's four products and sums a component are off by 8 eps
@@ -91,6 +79,22 @@ void QuadraticMap<Real>::images(std::span<const Ball> balls, std::span<const Log
 
 template class QuadraticMap<float>;
 template class QuadraticMap<double>;
+
+template <class Real>
+void QuadraticMandelbrot<Real>::begin(const QuaternionBatch<Real>& start, QuaternionBatch<Real>& carried,
+                                      QuaternionBatch<Real>& next) const {
+  carried = start;
+  step(start, carried, next);
+}
+
+template <class Real>
+void QuadraticMandelbrot<Real>::step(const QuaternionBatch<Real>& q, const QuaternionBatch<Real>& carried,
+                                     QuaternionBatch<Real>& next) const {
+  squaresPlus(addend(carried), q, next);
+}
+
+template class QuadraticMandelbrot<float>;
+template class QuadraticMandelbrot<double>;
 
 double quadraticBound(const Quaternion<double>& c, int iterations, double escapeRadius) {
   const double shift = std::sqrt(normSquared(c));

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "julia/ball.h"
+#include "julia/cartesian_map.h"
 #include "julia/embedding.h"
 #include "julia/map.h"
 #include "julia/orbit.h"
@@ -23,7 +24,7 @@ class FieldEvaluator {
   /// field[i] = F(points[i]), finite; iterations[i] = the number of steps taken, if iterations is not empty.
   virtual void evaluate(std::span<const Point> points, std::span<double> field, std::span<int> iterations) const = 0;
 
-  /// versors[i] = f/|f| at points[i], of the map's first step.
+  /// versors[i] = f/|f| at points[i], of the map's first step; of a Cartesian map, what its direction() says.
   virtual void versors(std::span<const Point> points, std::span<Quaternion<double>> versors) const = 0;
 
   /// out[i] = what is known of F's sign, as evaluate() computes it, at all points within @a radius of centres[i].
@@ -43,5 +44,16 @@ extern template std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_p
                                                                    const OrbitOptions&);
 extern template std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const Map<double>>, const Embedding&,
                                                                    const OrbitOptions&);
+
+/// The same for a Cartesian map; it decides nothing. @throw std::invalid_argument if the embedding has a slice or
+/// another dropped axis than k and the map is one of three dimensions.
+template <class Real>
+std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const CartesianMap<Real>> map,
+                                                   const Embedding& embedding, const OrbitOptions& options);
+
+extern template std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const CartesianMap<float>>,
+                                                                   const Embedding&, const OrbitOptions&);
+extern template std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const CartesianMap<double>>,
+                                                                   const Embedding&, const OrbitOptions&);
 
 }  // namespace julia

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file quadratic_map.h
-/// q^2 + c: the quaternion Julia sets of Norton 1982 and [HSK89].
+/// q^2 + c: the quaternion Julia sets of Norton 1982 and [HSK89], c fixed; and their Mandelbrot set, c = q_0. A point
+/// of R^3 is squared as the quaternion [x y z S], S the slice: the sets in three dimensions are sections of those in
+/// four.
 #pragma once
 
+#include "julia/cartesian_map.h"
 #include "julia/map.h"
 
 namespace julia {
 
+/// c fixed.
 template <class Real>
 class QuadraticMap final : public Map<Real> {
  public:
@@ -30,8 +34,22 @@ class QuadraticMap final : public Map<Real> {
 extern template class QuadraticMap<float>;
 extern template class QuadraticMap<double>;
 
-/// A radius outside of which every point has escaped after @a iterations: |q^2 + c| >= |q|^2 - |c|, run backwards from
-/// the escape radius.
+/// c = q_0, slice included: which c keep the orbit of 0 bounded.
+template <class Real>
+class QuadraticMandelbrot final : public CartesianMap<Real> {
+ public:
+  int dimension() const override { return 4; }
+  void begin(const QuaternionBatch<Real>& start, QuaternionBatch<Real>& carried,
+             QuaternionBatch<Real>& next) const override;
+  void step(const QuaternionBatch<Real>& q, const QuaternionBatch<Real>& carried,
+            QuaternionBatch<Real>& next) const override;
+};
+
+extern template class QuadraticMandelbrot<float>;
+extern template class QuadraticMandelbrot<double>;
+
+/// For c fixed: a radius outside of which every point has escaped after @a iterations: |q^2 + c| >= |q|^2 - |c|, run
+/// backwards from the escape radius.
 double quadraticBound(const Quaternion<double>& c, int iterations, double escapeRadius);
 
 }  // namespace julia

@@ -36,6 +36,8 @@ struct Ieee<float> {
   static constexpr Unsigned kRootGuess = 0x5f3759df;
   /// |q - t|^2 below this goes through the careful path: squares underflow.
   static constexpr float kTiny = 1e-30f;
+  /// |q|^2 up to this may be trusted.
+  static constexpr float kHuge = 1e38f;
   /// Powers beyond this do not fit sineCosine() or drift in norm.
   static constexpr float kLargestPower = 0x1p20f;
 
@@ -63,6 +65,7 @@ struct Ieee<double> {
   static constexpr double kLeastExponent = -708;
   static constexpr Unsigned kRootGuess = 0x5fe6eb50c7b537a9;
   static constexpr double kTiny = 1e-280;
+  static constexpr double kHuge = 1e307;
   static constexpr double kLargestPower = 0x1p40;
 
   static constexpr double kAtan[] = {

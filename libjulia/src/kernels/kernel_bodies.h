@@ -5,42 +5,13 @@
 /// copies for all processors.
 #pragma once
 
+#include "blocks.h"
+#include "cartesian_bodies.h"
 #include "elementary.h"
 #include "kernels.h"
 
 namespace julia::kernels {
 namespace {
-
-// Points worked on at once: all arrays of a block stay in the first-level cache.
-constexpr std::size_t kBlock = 128;
-// Blocks are filled up to a multiple of the widest vector, so that no loop has a remainder.
-constexpr std::size_t kWidest = 16;
-
-template <class Real>
-using Row = Real[kBlock];
-
-// The points are independent, and the arrays of a block apart.
-#define JULIA_FOR_POINTS _Pragma("GCC ivdep") for (std::size_t i = 0; i < padded / kWidest * kWidest; ++i)
-
-struct Range {
-  std::size_t begin, size, padded;
-};
-
-JULIA_INLINE Range blockAt(std::size_t begin, std::size_t size) {
-  const std::size_t count = size - begin < kBlock ? size - begin : kBlock;
-  return {begin, count, (count + kWidest - 1) / kWidest * kWidest};
-}
-
-/// Copies a block in; the padding repeats its first entry.
-template <class Real>
-JULIA_INLINE void load(const Real* from, Row<Real>& to, const Range& range) {
-  for (std::size_t i = 0; i < range.size; ++i) to[i] = from[range.begin + i];
-  for (std::size_t i = range.size; i < range.padded; ++i) to[i] = from[range.begin];
-}
-template <class Real>
-JULIA_INLINE void store(const Row<Real>& from, Real* to, const Range& range) {
-  for (std::size_t i = 0; i < range.size; ++i) to[range.begin + i] = from[i];
-}
 
 /// Whether a point of a block has squares that may not be trusted.
 template <class Real>
@@ -228,16 +199,20 @@ void scaleByExponential(const Real* l, Batch<Real> batch, std::size_t size) {
 }
 
 template <class Real>
-void logNorm(ConstBatch<Real> points, Real* l, std::size_t size) {
-  alignas(64) Row<Real> q[4], result;
+bool logNorm(ConstBatch<Real> points, Real* l, std::size_t size) {
+  constexpr Real kLeast = 2 * Ieee<Real>::kTiny, kMost = Ieee<Real>::kHuge;
+  alignas(64) Row<Real> q[4], result, norm;
+  typename Ieee<Real>::Int unusual = 0;
   for (std::size_t begin = 0; begin < size; begin += kBlock) {
     const Range range = blockAt(begin, size);
     const std::size_t padded = range.padded;
     for (int k = 0; k < 4; ++k) load(points.component[k], q[k], range);
-    JULIA_FOR_POINTS result[i] =
-        Real(0.5) * logarithm(q[0][i] * q[0][i] + (q[1][i] * q[1][i] + q[2][i] * q[2][i] + q[3][i] * q[3][i]));
+    JULIA_FOR_POINTS norm[i] = q[0][i] * q[0][i] + (q[1][i] * q[1][i] + q[2][i] * q[2][i] + q[3][i] * q[3][i]);
+    JULIA_FOR_POINTS result[i] = Real(0.5) * logarithm(norm[i]);
+    JULIA_FOR_POINTS unusual |= norm[i] >= kLeast && norm[i] <= kMost ? 0 : 1;  // a NaN is unusual too
     store(result, l, range);
   }
+  return unusual != 0;
 }
 
 template <class Real>
@@ -255,25 +230,6 @@ void normalise(Batch<Real> batch, std::size_t size) {
       q[3][i] *= by;
     }
     for (int k = 0; k < 4; ++k) store(q[k], batch.component[k], range);
-  }
-}
-
-template <class Real>
-void quadratic(const Real* c, ConstBatch<Real> points, Batch<Real> f, std::size_t size) {
-  alignas(64) Row<Real> q[4], square[4];
-  const Real ca = c[0], cb = c[1], cc = c[2], cd = c[3];
-  for (std::size_t begin = 0; begin < size; begin += kBlock) {
-    const Range range = blockAt(begin, size);
-    const std::size_t padded = range.padded;
-    for (int k = 0; k < 4; ++k) load(points.component[k], q[k], range);
-    JULIA_FOR_POINTS {
-      const Real a = q[0][i], b = q[1][i], c2 = q[2][i], d = q[3][i];
-      square[0][i] = a * a - (b * b + c2 * c2 + d * d) + ca;
-      square[1][i] = 2 * (a * b) + cb;
-      square[2][i] = 2 * (a * c2) + cc;
-      square[3][i] = 2 * (a * d) + cd;
-    }
-    for (int k = 0; k < 4; ++k) store(square[k], f.component[k], range);
   }
 }
 
@@ -392,8 +348,16 @@ void sampleQuadratic(const BrickLattice<Real>& lattice, const Real* x, const Rea
 }
 
 template <class Real>
-constexpr Kernels<Real> kTable = {versor<Real>,    logModulus<Real>, scaleByExponential<Real>, logNorm<Real>,
-                                  normalise<Real>, quadratic<Real>,  sampleTrilinear<Real>,    sampleQuadratic<Real>};
+constexpr Kernels<Real> kTable = {
+    .versor = versor<Real>,
+    .logModulus = logModulus<Real>,
+    .scaleByExponential = scaleByExponential<Real>,
+    .logNorm = logNorm<Real>,
+    .normalise = normalise<Real>,
+    .quadratic = quadratic<Real>,
+    .sampleTrilinear = sampleTrilinear<Real>,
+    .sampleQuadratic = sampleQuadratic<Real>,
+};
 
 }  // namespace
 }  // namespace julia::kernels

@@ -37,6 +37,13 @@ struct Batch {
   Real* component[4];
 };
 
+/// What a map adds: one value for each point, or one for all.
+template <class Real>
+struct Addend {
+  ConstBatch<Real> value;
+  bool forAll;
+};
+
 /// A scalar field of bricks (brick_field.h), as its kernel needs it.
 template <class Real>
 struct BrickLattice {
@@ -60,12 +67,12 @@ struct Kernels {
                      Real* least, std::size_t size);
   /// q = e^l q, in place.
   void (*scaleByExponential)(const Real* l, Batch<Real> q, std::size_t size);
-  /// l = ln|q|, where |q|^2 is a normal number.
-  void (*logNorm)(ConstBatch<Real> q, Real* l, std::size_t size);
+  /// l = ln|q|, where |q|^2 is a normal number. @return whether there may be one that is not
+  bool (*logNorm)(ConstBatch<Real> q, Real* l, std::size_t size);
   /// q / |q|, in place, where |q|^2 is a normal number.
   void (*normalise)(Batch<Real> q, std::size_t size);
   /// f = q^2 + c.
-  void (*quadratic)(const Real* c, ConstBatch<Real> q, Batch<Real> f, std::size_t size);
+  void (*quadratic)(const Addend<Real>& c, ConstBatch<Real> q, Batch<Real> f, std::size_t size);
   /// Trilinear: bricks of 8^3 cells, 9^3 values. Between nodes of a cell the result is linear along each axis.
   void (*sampleTrilinear)(const BrickLattice<Real>& lattice, const Real* x, const Real* y, const Real* z, Real* out,
                           std::size_t size);

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file blocks.h
+/// How the kernels go through their arrays: block by block. See kernel_bodies.h for what must not stand here.
+#pragma once
+
+#include "elementary.h"
+#include "kernels.h"
+
+namespace julia::kernels {
+namespace {
+
+// Points worked on at once: all arrays of a block stay in the first-level cache.
+constexpr std::size_t kBlock = 128;
+// Blocks are filled up to a multiple of the widest vector, so that no loop has a remainder.
+constexpr std::size_t kWidest = 16;
+
+template <class Real>
+using Row = Real[kBlock];
+
+// The points are independent, and the arrays of a block apart.
+#define JULIA_FOR_POINTS _Pragma("GCC ivdep") for (std::size_t i = 0; i < padded / kWidest * kWidest; ++i)
+
+struct Range {
+  std::size_t begin, size, padded;
+};
+
+JULIA_INLINE Range blockAt(std::size_t begin, std::size_t size) {
+  const std::size_t count = size - begin < kBlock ? size - begin : kBlock;
+  return {begin, count, (count + kWidest - 1) / kWidest * kWidest};
+}
+
+/// Copies a block in; the padding repeats its first entry.
+template <class Real>
+JULIA_INLINE void load(const Real* from, Row<Real>& to, const Range& range) {
+  for (std::size_t i = 0; i < range.size; ++i) to[i] = from[range.begin + i];
+  for (std::size_t i = range.size; i < range.padded; ++i) to[i] = from[range.begin];
+}
+template <class Real>
+JULIA_INLINE void store(const Row<Real>& from, Real* to, const Range& range) {
+  for (std::size_t i = 0; i < range.size; ++i) to[range.begin + i] = from[i];
+}
+
+}  // namespace
+}  // namespace julia::kernels
