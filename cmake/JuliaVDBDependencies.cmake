@@ -13,6 +13,7 @@ find_dependency(OpenMesh)
 find_dependency(OpenImageIO)
 find_dependency(OpenSSL)
 find_dependency(nlohmann_json)
+find_dependency(muparser)
 find_dependency(Boost COMPONENTS program_options)
 
 # Debian's OpenImageIO names include folders of packages that it does not depend on, which CMake refuses.

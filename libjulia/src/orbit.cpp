@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "julia/orbit.h"
 
+#include "julia/embedding.h"
+
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -15,6 +17,13 @@ void requireValid(const OrbitOptions& options) {
     throw std::invalid_argument("escape radius is " + std::to_string(options.escapeRadius) +
                                 "; it must be above 1 and at most 1e9");
   if (std::isnan(options.logTrap)) throw std::invalid_argument("the trap's logarithm is not a number");
+}
+
+void requireConstant(const Point& constant) {
+  for (const double x : constant)
+    if (!(std::abs(x) <= kMaxEscapeRadius))
+      throw std::invalid_argument("a component of the constant is " + std::to_string(x) +
+                                  "; it must be between -1e9 and 1e9");
 }
 
 }  // namespace julia

@@ -12,6 +12,9 @@ namespace julia {
 
 using Point = std::array<double, 3>;
 
+/// For a map's constant. @throw std::invalid_argument unless its components lie between -1e9 and 1e9
+void requireConstant(const Point& constant);
+
 enum class DropAxis { I, J, K };
 
 struct Embedding {

@@ -28,10 +28,13 @@ struct Ieee<float> {
   static constexpr int kMantissaBits = 23;
   static constexpr Unsigned kMagnitude = 0x7fffffff;  ///< all but the sign
   static constexpr float kRounder = 0x1.8p23f;        ///< x + this - this = x to the nearest integer, |x| < 2^22
+  static constexpr Unsigned kExponent = 0x7f800000;   ///< its bits
+  static constexpr Unsigned kBiasTwice = 0x7f000000;  ///< 2^k as bits, and the inverse of it, add up to this
   static constexpr Unsigned kSqrtHalf = 0x3f3504f3;   ///< bits of sqrt(1/2)
   /// ln 2 in two parts; the first times any exponent is exact.
   static constexpr float kLn2High = 0x1.62ep-1f, kLn2Low = 0x1.0bfbe8p-15f;
   static constexpr float kLeastExponent = -87;  ///< e^x is a normal number from here
+  static constexpr float kMostExponent = 88;    ///< and finite to here
   /// Bits of a first guess at 1 / sqrt(x), less half the bits of x: 3.5 per cent.
   static constexpr Unsigned kRootGuess = 0x5f3759df;
   /// |q - t|^2 below this goes through the careful path: squares underflow.
@@ -60,9 +63,12 @@ struct Ieee<double> {
   static constexpr int kMantissaBits = 52;
   static constexpr Unsigned kMagnitude = 0x7fffffffffffffff;
   static constexpr double kRounder = 0x1.8p52;
+  static constexpr Unsigned kExponent = 0x7ff0000000000000;
+  static constexpr Unsigned kBiasTwice = 0x7fe0000000000000;
   static constexpr Unsigned kSqrtHalf = 0x3fe6a09e667f3bcd;
   static constexpr double kLn2High = 0x1.62e42fee00000p-1, kLn2Low = 0x1.a39ef35793c76p-33;
   static constexpr double kLeastExponent = -708;
+  static constexpr double kMostExponent = 709;
   static constexpr Unsigned kRootGuess = 0x5fe6eb50c7b537a9;
   static constexpr double kTiny = 1e-280;
   static constexpr double kHuge = 1e307;
@@ -181,6 +187,53 @@ JULIA_INLINE void sineCosine(Real quadrants, Real& sine, Real& cosine) {
   const Real z = rest * rest;
   sine = fromBits<Real>(bitsOf(rest * polynomial(I::kSin, z)) ^ sign);
   cosine = fromBits<Real>(bitsOf(1 + z * polynomial(I::kCos, z)) ^ sign);
+}
+
+/// Sine and cosine of x radians, |x| < 2^30: right to a few units of the number's type at 1, however large x is. Whole
+/// turns are taken off in double, where the products of their number with the first two parts of 2 pi are exact.
+JULIA_INLINE void sineCosineOfRadians(double x, double& sine, double& cosine) {
+  constexpr double kTurns = 0.15915494309189533577, kQuadrants = 0.63661977236758134308;
+  constexpr double kTurnHigh = 0x1.921fb4p+2, kTurnMiddle = 0x1.4442dp-22, kTurnLow = 0x1.8469898cc5170p-46;
+  const double turns = (x * kTurns + Ieee<double>::kRounder) - Ieee<double>::kRounder;
+  const double rest = ((x - turns * kTurnHigh) - turns * kTurnMiddle) - turns * kTurnLow;
+  sineCosine(rest * kQuadrants, sine, cosine);
+}
+JULIA_INLINE void sineCosineOfRadians(float x, float& sine, float& cosine) {
+  constexpr double kQuadrants = 0.63661977236758134308;
+  const double quadrants = static_cast<double>(x) * kQuadrants;
+  const double turns = (quadrants * 0.25 + Ieee<double>::kRounder) - Ieee<double>::kRounder;
+  sineCosine(static_cast<float>(quadrants - 4 * turns), sine, cosine);
+}
+
+template <class Real>
+JULIA_INLINE Real cosineOfRadians(Real x) {
+  Real sine, cosine;
+  sineCosineOfRadians(x, sine, cosine);
+  return cosine;
+}
+
+/// The power of two that brings x >= 0 to between 1 and 2; for 0 and denormal numbers, the largest but one.
+template <class Real>
+JULIA_INLINE Real scaleToOne(Real x) {
+  return fromBits<Real>(Ieee<Real>::kBiasTwice - (bitsOf(x) & Ieee<Real>::kExponent));
+}
+
+/// Twice the angles of [ZB25] Eq. (1), phi about the z axis and theta above the xy plane, from the components alone;
+/// x = y = 0 means phi = 0, and p = 0 means theta = 0 also.
+template <class Real>
+struct DoubleAngles {
+  Real cos2phi, sin2phi, cos2theta, sin2theta;
+};
+
+template <class Real>
+JULIA_INLINE DoubleAngles<Real> doubleAngles(Real x, Real y, Real z) {
+  const Real flat = magnitude(x) > magnitude(y) ? magnitude(x) : magnitude(y);
+  const Real largest = flat > magnitude(z) ? flat : magnitude(z);
+  // Scaled, so that no square underflows.
+  const Real s = scaleToOne(flat), X = x * s, Y = y * s, across = X * X + Y * Y;
+  const Real t = scaleToOne(largest), U = x * t, V = y * t, W = z * t, level = U * U + V * V, r = level + W * W;
+  return {across > 0 ? (X * X - Y * Y) / across : Real(1), across > 0 ? 2 * (X * Y) / across : Real(0),
+          r > 0 ? (level - W * W) / r : Real(1), r > 0 ? 2 * (squareRoot(level) * W) / r : Real(0)};
 }
 
 }  // namespace julia::kernels

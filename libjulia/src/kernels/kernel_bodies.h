@@ -355,6 +355,12 @@ constexpr Kernels<Real> kTable = {
     .logNorm = logNorm<Real>,
     .normalise = normalise<Real>,
     .quadratic = quadratic<Real>,
+    .cross = {cross<Real, PairA<1>>, cross<Real, PairA<-1>>, cross<Real, PairB>, cross<Real, PairC>, cross<Real, PairD>,
+              cross<Real, PairE>},
+    .crossSecond = {crossSecond<Real, PairA<1>>, crossSecond<Real, PairA<-1>>, crossSecond<Real, PairB>,
+                    crossSecond<Real, PairC>, crossSecond<Real, PairD>, crossSecond<Real, PairE>},
+    .crossProduct = crossProduct<Real>,
+    .triplex = triplex<Real>,
     .sampleTrilinear = sampleTrilinear<Real>,
     .sampleQuadratic = sampleQuadratic<Real>,
 };

@@ -35,6 +35,7 @@ struct ConstBatch {
 template <class Real>
 struct Batch {
   Real* component[4];
+  operator ConstBatch<Real>() const { return {{component[0], component[1], component[2], component[3]}}; }
 };
 
 /// What a map adds: one value for each point, or one for all.
@@ -42,6 +43,17 @@ template <class Real>
 struct Addend {
   ConstBatch<Real> value;
   bool forAll;
+};
+
+/// The pairs of [ZB25], in the order of julia::CrossPair.
+inline constexpr int kCrossPairs = 6;
+
+/// The power of a triplex number, a point of R^3 by its radius and two angles.
+template <class Real>
+struct TriplexPower {
+  Real power;
+  std::uint32_t integer;  ///< the same if it is whole and its powers are made by products, else 0
+  bool fromPole;          ///< the second angle is that from the z axis, not that above the xy plane
 };
 
 /// A scalar field of bricks (brick_field.h), as its kernel needs it.
@@ -73,6 +85,16 @@ struct Kernels {
   void (*normalise)(Batch<Real> q, std::size_t size);
   /// f = q^2 + c.
   void (*quadratic)(const Addend<Real>& c, ConstBatch<Real> q, Batch<Real> f, std::size_t size);
+  /// For each of the pairs: next = f(p) x g(p) + c, in R^3. The fourth components are 0 here and below.
+  void (*cross[kCrossPairs])(const Addend<Real>& c, ConstBatch<Real> p, Batch<Real> next, std::size_t size);
+  /// g(p).
+  void (*crossSecond[kCrossPairs])(ConstBatch<Real> p, Batch<Real> g, std::size_t size);
+  /// next = f x g + c.
+  void (*crossProduct)(const Addend<Real>& c, ConstBatch<Real> f, ConstBatch<Real> g, Batch<Real> next,
+                       std::size_t size);
+  /// next = p^power + c.
+  void (*triplex)(const TriplexPower<Real>& power, const Addend<Real>& c, ConstBatch<Real> p, Batch<Real> next,
+                  std::size_t size);
   /// Trilinear: bricks of 8^3 cells, 9^3 values. Between nodes of a cell the result is linear along each axis.
   void (*sampleTrilinear)(const BrickLattice<Real>& lattice, const Real* x, const Real* y, const Real* z, Real* out,
                           std::size_t size);

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file cross_map.h
+/// The cross-product maps of R^3 of [ZB25] (Zimmermann & Bruckner 2025): two functions f and g of a point p, multiplied
+/// as f(p) x g(p), in three schemes, numbered as the paper's equations.
+///
+/// With p = (x, y, z), r = |p|, phi its angle about the z axis and theta that above the xy plane (Eq. 1), the pairs are
+///
+///   A   f = r^2 (-sin 2phi, cos 2phi, 0)   g = (-sin 2theta / cos 2phi, 0, cos 2theta)
+///   A'  f of A                             g = (+sin 2theta / cos 2phi, 0, cos 2theta)
+///   B   f = (1, 1, 1)                      g = (cos x, cos y, cos z)
+///   C   f = (x^2, y^2, z^2)                g of B
+///   D   f of A                             g = (0, 0, 1)
+///   E   f = (x^2 y, y^2, z^2)              g = (1, cos z, 1)
+///
+/// The sines and cosines of 2phi and 2theta come from the components. x = y = 0 means phi = 0, and p = 0 means theta =
+/// 0 also. Where cos 2phi = 0, which is |x| = |y| > 0, A and A' are not defined: the orbit has escaped there (F =
+/// 1e30).
+///
+/// The paper's i, default 10, is OrbitOptions::maxIterations: how many cross products are made at most, f(c) x g(c) of
+/// scheme (3) among them. Its r, default 2, is the escape radius: each iterate is tested after its step, and one with
+/// |p| >= r has escaped, as have points that far out before any step.
+#pragma once
+
+#include "julia/cartesian_map.h"
+#include "julia/embedding.h"
+
+#include <memory>
+#include <string>
+
+namespace julia {
+
+class ExpressionPair;
+
+enum class CrossPair { A, APrime, B, C, D, E, User };
+
+/// With c the point where the orbit starts.
+enum class CrossScheme {
+  FixedFactor,  ///< (3): p_0 = f(c) x g(c), p_{k+1} = p_k x g(c)
+  Mandelbrot,   ///< (4): p_0 = c, p_{k+1} = f(p_k) x g(p_k) + c
+  Julia,        ///< (5): p_0 = c, p_{k+1} = f(p_k) x g(p_k) + constant
+};
+
+struct CrossOptions {
+  CrossPair pair = CrossPair::A;
+  CrossScheme scheme = CrossScheme::Mandelbrot;
+  Point constant{};  ///< of scheme (5); the other two do not look at it
+  std::string f, g;  ///< of the pair User, see expression_pair.h; the others do not look at them
+};
+
+/// Its direction(), by which [ZB25] colours, is f x g at the point.
+template <class Real>
+class CrossMap final : public CartesianMap<Real> {
+ public:
+  /// @throw std::invalid_argument if the constant is not finite, or as ExpressionPair does
+  explicit CrossMap(const CrossOptions& options);
+
+  int dimension() const override { return 3; }
+  void begin(const QuaternionBatch<Real>& start, QuaternionBatch<Real>& carried,
+             QuaternionBatch<Real>& next) const override;
+  void step(const QuaternionBatch<Real>& p, const QuaternionBatch<Real>& carried,
+            QuaternionBatch<Real>& next) const override;
+  void direction(const QuaternionBatch<Real>& start, QuaternionBatch<Real>& direction) const override;
+
+ private:
+  /// next = f(p) x g(p) + one constant for all, or one for each orbit.
+  template <class Constant>
+  void multiply(const QuaternionBatch<Real>& p, const Constant& constant, QuaternionBatch<Real>& next) const;
+  void second(const QuaternionBatch<Real>& p, QuaternionBatch<Real>& g) const;
+
+  CrossPair mPair;
+  CrossScheme mScheme;
+  Quaternion<Real> mConstant;
+  std::shared_ptr<const ExpressionPair> mUser;  ///< of the pair User only
+};
+
+extern template class CrossMap<float>;
+extern template class CrossMap<double>;
+
+}  // namespace julia

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "julia/mandelbulb.h"
+
+#include "batch_view.h"
+
+#include <cmath>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+
+namespace julia {
+namespace {
+
+constexpr double kMostPower = 100;
+// Beyond this squarings drift, and angles are as good.
+constexpr double kMostByProducts = 64;
+
+}  // namespace
+
+template <class Real>
+Mandelbulb<Real>::Mandelbulb(const MandelbulbOptions& options) : mPower(options.power), mAngle(options.angle) {
+  if (!(std::abs(options.power) <= kMostPower))
+    throw std::invalid_argument("the triplex power is " + std::to_string(options.power) +
+                                "; it must be between -100 and 100");
+  if (!options.constant) return;
+  requireConstant(*options.constant);
+  mConstant = Embedding{}.quaternion<Real>(*options.constant);
+}
+
+template <class Real>
+void Mandelbulb<Real>::begin(const QuaternionBatch<Real>& start, QuaternionBatch<Real>& carried,
+                             QuaternionBatch<Real>& next) const {
+  if (!mConstant) carried = start;
+  step(start, carried, next);
+}
+
+template <class Real>
+void Mandelbulb<Real>::step(const QuaternionBatch<Real>& p, const QuaternionBatch<Real>& carried,
+                            QuaternionBatch<Real>& next) const {
+  if (mConstant)
+    power(p, *mConstant, next);
+  else
+    power(p, carried, next);
+}
+
+template <class Real>
+void Mandelbulb<Real>::direction(const QuaternionBatch<Real>& start, QuaternionBatch<Real>& direction) const {
+  power(start, Quaternion<Real>{}, direction);
+}
+
+template <class Real>
+template <class Constant>
+void Mandelbulb<Real>::power(const QuaternionBatch<Real>& p, const Constant& constant,
+                             QuaternionBatch<Real>& next) const {
+  const bool byProducts = mPower >= 2 && mPower <= kMostByProducts && mPower == std::floor(mPower);
+  const kernels::TriplexPower<Real> triplex{
+      static_cast<Real>(mPower), byProducts ? static_cast<std::uint32_t>(mPower) : 0, mAngle == TriplexAngle::FromPole};
+  next.resize(p.size());
+  kernels::kernels<Real>().triplex(triplex, addend(constant), view(p), view(next), p.size());
+}
+
+template class Mandelbulb<float>;
+template class Mandelbulb<double>;
+
+}  // namespace julia
