@@ -8,6 +8,7 @@
 #include "julia/quadratic_map.h"
 #include "julia/random_roots.h"
 #include "julia/rational_map.h"
+#include "same_bits.h"
 
 #include <gtest/gtest.h>
 
@@ -23,38 +24,8 @@ using julia::InstructionSet;
 using julia::Quaternion;
 using julia::QuaternionBatch;
 using julia::Rational;
-
-/// Puts back the instruction set that was in use.
-class KeepInstructionSet {
- public:
-  KeepInstructionSet() : mSet(julia::instructionSet()) {}
-  ~KeepInstructionSet() { julia::setInstructionSet(mSet); }
-
- private:
-  InstructionSet mSet;
-};
-
-template <class Real>
-using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
-
-template <class Real>
-std::vector<Bits<Real>> bitsOf(const std::vector<Real>& values) {
-  std::vector<Bits<Real>> bits;
-  for (const Real value : values) bits.push_back(std::bit_cast<Bits<Real>>(value));
-  return bits;
-}
-
-/// What @a work gives is the same to the bit for each instruction set that this processor has.
-template <class Real>
-void expectSameBits(const std::function<std::vector<Real>()>& work) {
-  const KeepInstructionSet keep;
-  julia::setInstructionSet(InstructionSet::Portable);
-  const auto expected = bitsOf<Real>(work());
-  for (const InstructionSet set : julia::availableInstructionSets()) {
-    julia::setInstructionSet(set);
-    EXPECT_EQ(bitsOf<Real>(work()), expected) << julia::nameOf(set);
-  }
-}
+using law_tests::expectSameBits;
+using law_tests::KeepInstructionSet;
 
 Rational randomRational(std::uint64_t seed, int count, double maxPower, bool integer) {
   Rational rational{
