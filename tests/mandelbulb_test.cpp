@@ -160,6 +160,30 @@ TYPED_TEST(Mandelbulbs, overflowIsEscape) {
   }
 }
 
+// On rays from the origin: all that lies beyond the bound has escaped, and not only what lies beyond the radius.
+TYPED_TEST(Mandelbulbs, beyondTheBoundAllHasEscaped) {
+  using Real = TypeParam;
+  for (const double n : {2., 3.5, 8.})
+    for (const int iterations : {1, 3, 20})
+      for (const std::optional<Point>& constant : {std::optional<Point>(), std::optional<Point>({-0.75, 0.5, 0.25})}) {
+        const OrbitOptions orbit{.maxIterations = iterations, .escapeRadius = 20};
+        const MandelbulbOptions options{.power = n, .constant = constant};
+        const double bound = julia::triplexBound(options, iterations, orbit.escapeRadius);
+        EXPECT_LT(bound, 6) << n;
+        std::vector<Point> points = pointsInBox(76, 2000, 1);
+        std::erase_if(points, [](const Point& p) { return std::hypot(p[0], p[1], p[2]) < 0.01; });
+        for (std::size_t i = 0; i < points.size(); ++i) {
+          const double scale =
+              bound * (1 + 1e-6 + 0.5 * i / points.size()) / std::hypot(points[i][0], points[i][1], points[i][2]);
+          for (double& x : points[i]) x *= scale;
+        }
+        for (const double field : evaluated(*bulbEvaluator<Real>(options, orbit), points).field)
+          EXPECT_GE(field, 0) << n << ' ' << iterations;
+      }
+  EXPECT_NEAR(julia::triplexBound({.power = 2}, 1000, 2), 2, 1e-9);
+  EXPECT_EQ(julia::triplexBound({.power = 1.5}, 1000, 2), 2);
+}
+
 TEST(MandelbulbInput, isRefused) {
   for (const double n : {std::nan(""), 101., -1e9, HUGE_VAL})
     EXPECT_THROW(Mandelbulb<float>({.power = n}), std::invalid_argument) << n;

@@ -3,6 +3,7 @@
 
 #include "batch_view.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <stdexcept>
@@ -61,5 +62,29 @@ void Mandelbulb<Real>::power(const QuaternionBatch<Real>& p, const Constant& con
 
 template class Mandelbulb<float>;
 template class Mandelbulb<double>;
+
+double triplexBound(const MandelbulbOptions& options, int iterations, double escapeRadius) {
+  if (!(options.power >= 2)) return escapeRadius;
+  // A point this far out, and all beyond it, for the bound grows with |p| while it is above 1.
+  const auto escapes = [&](double radius) {
+    double shift = radius;
+    if (options.constant) {
+      const Point& c = *options.constant;
+      shift = std::hypot(c[0], c[1], c[2]);
+    }
+    double least = radius;
+    for (int i = 0; i < iterations && least > 1 && least < escapeRadius; ++i)
+      least = std::pow(least, options.power) - shift;
+    return least >= escapeRadius;
+  };
+  double low = 1, high = escapeRadius;
+  constexpr int kHalvings = 60;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = (low + high) / 2;
+    (escapes(middle) ? high : low) = middle;
+  }
+  // For rounding in float.
+  return std::min(high * (1 + 1e-6), escapeRadius);
+}
 
 }  // namespace julia

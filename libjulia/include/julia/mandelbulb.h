@@ -56,4 +56,9 @@ class Mandelbulb final : public CartesianMap<Real> {
 extern template class Mandelbulb<float>;
 extern template class Mandelbulb<double>;
 
+/// A radius, at most the escape radius, outside of which every point has escaped after @a iterations: |p^n + c| >=
+/// |p|^n - |c|. For n = 2 it serves all maps whose square is |p|^2 long: the pairs A, A' and D of cross_map.h in
+/// schemes (4) and (5), and the Mandelbrot set of quadratic_map.h. For n < 2 it is the escape radius.
+double triplexBound(const MandelbulbOptions& options, int iterations, double escapeRadius);
+
 }  // namespace julia
