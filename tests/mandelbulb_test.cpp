@@ -216,7 +216,7 @@ TYPED_TEST(Mandelbulbs, quadraticMandelbrotOrbitsAreTheReferences) {
   EXPECT_GT(judged, 1900);
 }
 
-// (y, z) of one length: 5 is 3^2 + 4^2, and with the slice 13 is 3^2 + 4^2 + 12^2. All squares are exact.
+// (y, z) of one length in five directions: 5^2 is 3^2 + 4^2, and all squares are exact.
 template <class Real>
 void expectRotated(const FieldEvaluator& evaluator) {
   constexpr double k = 1. / 32;
