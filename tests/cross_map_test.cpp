@@ -340,6 +340,20 @@ TYPED_TEST(CrossMaps, versorsPointAlongTheProduct) {
   }
 }
 
+// Of the steps nothing is proved; what lies beyond the escape radius needs none.
+TYPED_TEST(CrossMaps, onlyWhatLiesBeyondTheRadiusIsDecided) {
+  using Real = TypeParam;
+  const OrbitOptions orbit{.maxIterations = 4, .escapeRadius = 3};
+  const auto evaluator = crossEvaluator<Real>({.pair = CrossPair::B}, orbit);
+  const std::vector<Point> centres{{0, 0, 0}, {0, 2.5, 0}, {0, 2.5, 2.5}, {-3, 3, 3}, {3.49, 0, 0}, {3.51, 0, 0}};
+  std::vector<julia::Decision> decisions(centres.size());
+  evaluator->decide(centres, 0.5, decisions);
+  for (std::size_t i = 0; i < centres.size(); ++i)
+    EXPECT_EQ(decisions[i], i == 2 || i == 3 || i == 5 ? julia::Decision::Outside : julia::Decision::Undecided)
+        << text(centres[i]);
+  EXPECT_EQ(evaluator->dimension(), 3);
+}
+
 // The reduction by whole turns, through pair B: far arguments are as right as near ones.
 TYPED_TEST(CrossMaps, cosinesOfFarPointsAreRight) {
   using Real = TypeParam;

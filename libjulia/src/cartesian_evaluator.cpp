@@ -4,6 +4,7 @@
 #include "norms.h"
 #include "orbit_evaluator.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace julia {
@@ -23,6 +24,16 @@ class CartesianEvaluator final : public OrbitEvaluator<Real> {
       throw std::invalid_argument("this map is one of three dimensions; it has no slice and no dropped axis");
   }
 
+  int dimension() const override { return mMap->dimension(); }
+
+  /// Of the steps nothing is known.
+  void decide(std::span<const Point> centres, double radius, std::span<Decision> out) const override {
+    std::fill(out.begin(), out.end(), Decision::Undecided);
+    if (mOptions.confirmTrap || !(radius >= 0)) return;
+    for (std::size_t i = 0; i < centres.size(); ++i)
+      if (this->hasEscaped(this->embeddedBall(centres[i], radius))) out[i] = Decision::Outside;
+  }
+
   void versors(std::span<const Point> points, std::span<Quaternion<double>> versors) const override {
     QuaternionBatch<Real> direction, u;
     mMap->direction(this->embed(points), direction);
@@ -31,6 +42,8 @@ class CartesianEvaluator final : public OrbitEvaluator<Real> {
   }
 
  private:
+  using Base::mOptions;
+
   void takeStep(Batch& batch, int step) const override {
     if (step == 1)
       mMap->begin(batch.q, batch.carried, batch.next);

@@ -57,7 +57,6 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
 
  private:
   using Base::isTrapped;
-  using Base::mEmbedding;
   using Base::mEscapeSquared;
   using Base::mLevel;
   using Base::mLogEscape;
@@ -103,19 +102,17 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
   void start(std::span<const Point> centres, double radius, BallBatch& batch, std::span<Decision> out) const {
     batch.balls.reserve(centres.size());
     batch.rest.reserve(centres.size());
-    Embedding rounded = mEmbedding;
-    rounded.slice = static_cast<double>(static_cast<Real>(mEmbedding.slice));
-    const double escape = std::sqrt(static_cast<double>(mEscapeSquared)), slack = 8 * kEpsilonOf<Real>;
+    const double escape = std::sqrt(static_cast<double>(mEscapeSquared));
     for (std::size_t i = 0; i < centres.size(); ++i) {
-      const Ball ball = roundedTo<Real>({rounded.quaternion<double>(centres[i]), radius});
-      const double size = norm(ball.centre);
+      const Ball ball = this->embeddedBall(centres[i], radius);
       Rest rest{static_cast<std::uint32_t>(i)};
-      if ((size - ball.radius) * (1 - slack) >= escape) {
+      if (this->hasEscaped(ball)) {
         out[i] = Decision::Outside;
         continue;
       }
-      if (!std::isfinite(size + ball.radius)) continue;
-      rest.inside = (size + ball.radius) * (1 + slack) < escape;
+      const double most = norm(ball.centre) + ball.radius;
+      if (!std::isfinite(most)) continue;
+      rest.inside = most * (1 + Base::kNormSlack) < escape;
       batch.balls.push_back(ball);
       batch.rest.push_back(rest);
     }

@@ -6,6 +6,7 @@
 
 #include "julia/evaluator.h"
 
+#include "ball_arithmetic.h"
 #include "batch_view.h"
 #include "careful.h"
 
@@ -76,6 +77,20 @@ class OrbitEvaluator : public FieldEvaluator {
     q.resize(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) q.set(i, mEmbedding.quaternion<Real>(points[i]));
     return q;
+  }
+
+  /// Of the norms that evaluate() compares.
+  static constexpr double kNormSlack = 8 * kEpsilonOf<Real>;
+
+  /// Holds what embed() makes of the points within @a radius of x.
+  Ball embeddedBall(const Point& x, double radius) const {
+    Embedding rounded = mEmbedding;
+    rounded.slice = static_cast<double>(static_cast<Real>(mEmbedding.slice));
+    return roundedTo<Real>({rounded.quaternion<double>(x), radius});
+  }
+  /// Whether all of it has escaped before the first step.
+  bool hasEscaped(const Ball& start) const {
+    return (norm(start.centre) - start.radius) * (1 - kNormSlack) >= std::sqrt(static_cast<double>(mEscapeSquared));
   }
 
   /// An iterate of 0 has l = -inf too; without a trap it goes on, for not every map keeps it there.

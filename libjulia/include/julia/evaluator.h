@@ -24,6 +24,9 @@ class FieldEvaluator {
   /// field[i] = F(points[i]), finite; iterations[i] = the number of steps taken, if iterations is not empty.
   virtual void evaluate(std::span<const Point> points, std::span<double> field, std::span<int> iterations) const = 0;
 
+  /// 4, or 3 for a map of R^3.
+  virtual int dimension() const { return 4; }
+
   /// versors[i] = f/|f| at points[i], of the map's first step; of a Cartesian map, what its direction() says.
   virtual void versors(std::span<const Point> points, std::span<Quaternion<double>> versors) const = 0;
 
@@ -45,8 +48,9 @@ extern template std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_p
 extern template std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const Map<double>>, const Embedding&,
                                                                    const OrbitOptions&);
 
-/// The same for a Cartesian map; it decides nothing. @throw std::invalid_argument if the embedding has a slice or
-/// another dropped axis than k and the map is one of three dimensions.
+/// The same for a Cartesian map, of which only that is proved which has escaped before the first step. @throw
+/// std::invalid_argument if the embedding has a slice or another dropped axis than k and the map is one of three
+/// dimensions.
 template <class Real>
 std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const CartesianMap<Real>> map,
                                                    const Embedding& embedding, const OrbitOptions& options);
