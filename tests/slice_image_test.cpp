@@ -206,6 +206,17 @@ TEST(MembershipSlice, BlackInside) {
   for (int x = 0; x < 4; ++x) EXPECT_EQ(luminance(image.at(x, 0)), expected[x]) << x;
 }
 
+TEST(CountSlice, WhiteAtNoneBlackAtMost) {
+  const SlicePlane plane(Axis::Z, 0, BBoxd(Vec3d(0), Vec3d(4, 1, 1)), 4);
+  const std::vector<int> counts{0, 3, 6, 9};
+  const Image image = vdbtools::countSlice(plane, counts, 6);
+  EXPECT_EQ(image.at(0, 0), (Colour{1, 1, 1}));
+  EXPECT_NEAR(image.at(1, 0)[0], 0.214, 1e-3);  // the middle of sRGB
+  EXPECT_EQ(image.at(2, 0), (Colour{0, 0, 0}));
+  EXPECT_EQ(image.at(3, 0), (Colour{0, 0, 0}));
+  EXPECT_THROW(vdbtools::countSlice(plane, counts, 0), std::invalid_argument);
+}
+
 TEST(VersorSlice, ComponentsBecomeSrgb) {
   const SlicePlane plane(Axis::Z, 0, BBoxd(Vec3d(0), Vec3d(2, 1, 1)), 2);
   const Image image = vdbtools::versorSlice(plane, std::vector<Vec3s>{{-1, 0, 1}, {2, -2, 0.5F}});

@@ -25,30 +25,38 @@ using vdbtools::Scene;
 using vdbtools::SlicePlane;
 
 constexpr Usage kUsageText = {
-    "slice", "MESH|SDF.vdb|FRACTAL.vdb -o F.png [--field phi|e|f|membership|versor|grid] [--axis x|y|z] [options]",
+    "slice",
+    "MESH|SDF.vdb|FRACTAL.vdb -o F.png [--field phi|e|f|membership|iterations|versor|grid] [--axis x|y|z] "
+    "[options]",
     "Makes a picture of a field on a plane. Of a fractal that this program made the options come from its recipe; of a "
     "mesh\n"
     "or a signed distance they are those of 'fractal'.\n\n"
     "  phi         the target's signed distance: blue inside, red outside, the surface dark\n"
     "  e           the exponent of the shape modulus, likewise\n"
-    "  f           the log-modulus after the last step, likewise\n"
+    "  f           the log-modulus after the last step, likewise; also called logmodulus\n"
     "  membership  the fractal itself: black inside\n"
+    "  iterations  how many steps the orbit took: white none, black all of them\n"
     "  versor      the direction of the map as RGB\n"
     "  grid        the voxels of a VDB as they are",
     "  juliavdb slice bunny.vdb -o membership.png --field membership\n"
     "  juliavdb slice bunny.vdb -o versor.png --field versor --axis x\n"
     "  juliavdb slice bunny.obj -o e.exr --field e --alpha 40 --position 0.1 --size 400\n"};
 
-enum class SliceField { Phi, Exponent, Field, Membership, Versor, Grid };
+enum class SliceField { Phi, Exponent, Field, Membership, Iterations, Versor, Grid };
 
 SliceField parseField(const std::string& text) {
-  constexpr std::pair<const char*, SliceField> kFields[] = {
-      {"phi", SliceField::Phi},       {"e", SliceField::Exponent},
-      {"f", SliceField::Field},       {"membership", SliceField::Membership},
-      {"versor", SliceField::Versor}, {"grid", SliceField::Grid}};
+  constexpr std::pair<const char*, SliceField> kFields[] = {{"phi", SliceField::Phi},
+                                                            {"e", SliceField::Exponent},
+                                                            {"f", SliceField::Field},
+                                                            {"logmodulus", SliceField::Field},
+                                                            {"membership", SliceField::Membership},
+                                                            {"iterations", SliceField::Iterations},
+                                                            {"versor", SliceField::Versor},
+                                                            {"grid", SliceField::Grid}};
   for (const auto& [name, field] : kFields)
     if (text == name) return field;
-  throw std::invalid_argument("--field is '" + text + "'; it must be one of phi, e, f, membership, versor, grid");
+  throw std::invalid_argument("--field is '" + text +
+                              "'; it must be one of phi, e, f, logmodulus, membership, iterations, versor, grid");
 }
 
 vdbtools::Axis parseAxis(const std::string& text) {
@@ -91,26 +99,32 @@ std::vector<float> sampleGrid(const SlicePlane& plane, const openvdb::FloatGrid&
   return values;
 }
 
-std::vector<float> sampleField(const SlicePlane& plane, const Scene& scene, Progress& progress) {
-  std::vector<float> values(rowStart(plane, plane.height()));
+struct FieldSamples {
+  std::vector<float> field;
+  std::vector<int> iterations;
+};
+
+FieldSamples sampleField(const SlicePlane& plane, const Scene& scene, Progress& progress) {
+  FieldSamples samples;
+  samples.field.resize(rowStart(plane, plane.height()));
+  samples.iterations.resize(samples.field.size());
   forEachRow(plane, progress, [&](int y) {
     const std::vector<julia::Point> points = pointsOfRow(plane, y, scene.space);
     std::vector<double> field(points.size());
-    scene.evaluator->evaluate(points, field, {});
-    std::transform(field.begin(), field.end(), values.begin() + static_cast<std::ptrdiff_t>(rowStart(plane, y)),
+    const std::size_t start = rowStart(plane, y);
+    scene.evaluator->evaluate(points, field, std::span(samples.iterations).subspan(start, points.size()));
+    std::transform(field.begin(), field.end(), samples.field.begin() + static_cast<std::ptrdiff_t>(start),
                    [](double value) { return static_cast<float>(value); });
   });
-  return values;
+  return samples;
 }
 
 std::vector<openvdb::Vec3s> sampleVersor(const SlicePlane& plane, const Scene& scene, Progress& progress) {
   std::vector<openvdb::Vec3s> values(rowStart(plane, plane.height()));
   forEachRow(plane, progress, [&](int y) {
     const std::vector<julia::Point> points = pointsOfRow(plane, y, scene.space);
-    std::vector<julia::Quaternion<double>> versors(points.size());
-    scene.evaluator->versors(points, versors);
-    std::transform(versors.begin(), versors.end(), values.begin() + static_cast<std::ptrdiff_t>(rowStart(plane, y)),
-                   [](const auto& u) { return openvdb::Vec3s(openvdb::Vec3d(u.b, u.c, u.d)); });
+    const std::vector<openvdb::Vec3s> versors = scene.source().versorVectors(points);
+    std::copy(versors.begin(), versors.end(), values.begin() + static_cast<std::ptrdiff_t>(rowStart(plane, y)));
   });
   return values;
 }
@@ -149,12 +163,14 @@ vdbtools::Image sliceOfScene(const Scene& scene, SliceField field, const Placeme
     case SliceField::Exponent:
       need(scene.exponent.has_value(), "exponent");
       return vdbtools::signedSlice(plane, sampleGrid(plane, *scene.exponent->grid, progress), range);
-    case SliceField::Field: return vdbtools::signedSlice(plane, sampleField(plane, scene, progress), range);
+    case SliceField::Field: return vdbtools::signedSlice(plane, sampleField(plane, scene, progress).field, range);
+    case SliceField::Iterations:
+      return vdbtools::countSlice(plane, sampleField(plane, scene, progress).iterations, scene.options.iterations);
     case SliceField::Versor: return vdbtools::versorSlice(plane, sampleVersor(plane, scene, progress));
     case SliceField::Membership:
     case SliceField::Grid: break;
   }
-  return vdbtools::membershipSlice(plane, sampleField(plane, scene, progress));
+  return vdbtools::membershipSlice(plane, sampleField(plane, scene, progress).field);
 }
 
 vdbtools::Image sliceOfGrid(const std::string& input, const std::string& name, const Placement& placement, double range,

@@ -166,6 +166,17 @@ void addEveryBlock(FieldPlan& plan) {
 
 }  // namespace
 
+std::vector<openvdb::Vec3s> FieldSource::versorVectors(std::span<const julia::Point> points) const {
+  std::vector<julia::Quaternion<double>> versors(points.size());
+  evaluator.versors(points, versors);
+  std::vector<openvdb::Vec3s> vectors(points.size());
+  const bool spatial = evaluator.dimension() == 3;
+  std::transform(versors.begin(), versors.end(), vectors.begin(), [=](const julia::Quaternion<double>& u) {
+    return openvdb::Vec3s(spatial ? Vec3d(u.a, u.b, u.c) : Vec3d(u.b, u.c, u.d));
+  });
+  return vectors;
+}
+
 FieldPlan planShell(const ExponentGrid& exponent, const FractalFieldOptions& options) {
   FieldPlan plan = emptyShellPlan(exponent, options);
   addShellBlocks(*plan.blocks, exponent, plan.domain, options.voxelSize);

@@ -63,11 +63,9 @@ openvdb::Vec3SGrid::Ptr versorGrid(const FloatGrid& surface, const FieldSource& 
     std::vector<julia::Point> points;
     for (auto value = leaf.cbeginValueOn(); value; ++value)
       points.push_back(source.space.toFractal(surface.indexToWorld(value.getCoord())));
-    std::vector<julia::Quaternion<double>> versors(points.size());
-    source.evaluator.versors(points, versors);
+    const std::vector<openvdb::Vec3s> versors = source.versorVectors(points);
     std::size_t k = 0;
-    for (auto value = leaf.beginValueOn(); value; ++value, ++k)
-      value.setValue(openvdb::Vec3s(openvdb::Vec3d(versors[k].b, versors[k].c, versors[k].d)));
+    for (auto value = leaf.beginValueOn(); value; ++value, ++k) value.setValue(versors[k]);
     monitor.advance(1);
   });
   monitor.throwIfCancelled();

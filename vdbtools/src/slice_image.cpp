@@ -145,6 +145,19 @@ Image membershipSlice(const SlicePlane& plane, std::span<const float> values) {
   return image;
 }
 
+Image countSlice(const SlicePlane& plane, std::span<const int> counts, int most) {
+  requireSize(plane, counts.size());
+  if (most < 1)
+    throw std::invalid_argument("the most of a slice's counts is " + std::to_string(most) + "; it must be 1 or more");
+  Image image(plane.width(), plane.height());
+  std::transform(counts.begin(), counts.end(), image.pixels.begin(), [&](int count) {
+    const float share = static_cast<float>(count) / static_cast<float>(most);
+    const float grey = linearFromSrgb(1 - std::clamp(share, 0.0F, 1.0F));
+    return Colour{grey, grey, grey};
+  });
+  return image;
+}
+
 Image versorSlice(const SlicePlane& plane, std::span<const openvdb::Vec3s> versors) {
   requireSize(plane, versors.size());
   Image image(plane.width(), plane.height());

@@ -15,6 +15,8 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <vector>
 
 namespace vdbtools {
 
@@ -44,6 +46,10 @@ struct FractalField {
 struct FieldSource {
   const julia::FieldEvaluator& evaluator;  ///< takes points of fractal space
   FractalSpace space;
+
+  /// The versors at points of fractal space as vectors: their imaginary parts ([SK23] Fig. 2), or directions in R^3
+  /// ([ZB25]).
+  std::vector<openvdb::Vec3s> versorVectors(std::span<const julia::Point> points) const;
 };
 
 struct FractalFieldOptions {

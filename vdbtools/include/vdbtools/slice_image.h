@@ -45,6 +45,10 @@ Image signedSlice(const SlicePlane& plane, std::span<const float> values, double
 /// Membership: black inside (value < 0), white outside.
 Image membershipSlice(const SlicePlane& plane, std::span<const float> values);
 
+/// Counts from 0 (white) to @a most (black), such as the steps of an orbit, in even steps of sRGB.
+/// @throw std::invalid_argument  most < 1
+Image countSlice(const SlicePlane& plane, std::span<const int> counts, int most);
+
 /// The imaginary components of a versor, from [-1, 1] to sRGB in [0, 1] ([SK23] Fig. 2).
 Image versorSlice(const SlicePlane& plane, std::span<const openvdb::Vec3s> versors);
 
