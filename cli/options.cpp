@@ -31,11 +31,14 @@ std::optional<int> parseThreads(const std::string& text) {
   return threads;
 }
 
-/// A negative number that stands alone, as in 'versor translate F.json -0.1,0,0', is a word and no short option.
+/// A negative number that stands alone, as in 'versor translate F.json -0.1,0,0', is a word and no short option; so is
+/// a list of expressions, as in '--f "-x, y, z"'.
 std::vector<po::option> takeNegativeNumber(std::vector<std::string>& words) {
   const std::string word = words.front();
-  if (word.size() < 2 || word[0] != '-' || !(std::isdigit(static_cast<unsigned char>(word[1])) || word[1] == '.'))
-    return {};
+  if (word.size() < 2 || word[0] != '-') return {};
+  const bool number = std::isdigit(static_cast<unsigned char>(word[1])) || word[1] == '.';
+  const bool list = word[1] != '-' && word[1] != 'o' && word.find(',') != std::string::npos;
+  if (!number && !list) return {};
   words.erase(words.begin());
   po::option option;
   option.value.push_back(word);
@@ -52,7 +55,7 @@ bool isRecipeFile(const std::string& file) {
 
 vdbtools::Recipe overridden(vdbtools::Recipe base, const vdbtools::Recipe& given) {
   for (const auto& [name, value] : given) {
-    base.erase(vdbtools::alternativeOption(name));
+    for (const std::string& other : vdbtools::displacedOptions(base, name, value)) base.erase(other);
     if (name == "input") base.erase("source-sha256");
     if (name == "versor") base.erase("versor-sha256");
   }

@@ -21,12 +21,17 @@ constexpr Usage kUsageText = {
     "fractal",
     "MESH|SDF.vdb -o F.vdb [--mesh F.ply] [--alpha A] [--beta B] [--resolution N | --voxel-size H] [options]",
     "Turns a target into a fractal of the same shape: a level set for Houdini or Blender, and the mesh of its true\n"
-    "surface. With a VDB as input its distances are used as they are.",
+    "surface. With a VDB as input its distances are used as they are. The maps quadratic, cross and mandelbulb make "
+    "sets\n"
+    "of their own, without a target: what lies in the ball from which no orbit has escaped, or in a --box.",
     "  juliavdb fractal bunny.obj -o bunny.vdb --mesh bunny.ply --alpha 40 --resolution 150\n"
     "  juliavdb fractal bunny.obj -o deep.vdb --alpha 10 --beta 0.02 --versor-seed 7 --resolution 100\n"
     "  juliavdb fractal bunny.obj -o ramp.vdb --alpha x:10:300:smooth --resolution 100\n"
     "  juliavdb fractal --config bunny.vdb -o again.vdb\n"
-    "  juliavdb fractal --map quadratic --c=-0.2,0.6,0.2,0.2 --iterations 8 -o julia.vdb --resolution 80\n"};
+    "  juliavdb fractal --map quadratic --c=-0.2,0.6,0.2,0.2 --iterations 8 -o julia.vdb --resolution 80\n"
+    "  juliavdb fractal --map mandelbulb --power 8 -o bulb.vdb --resolution 150\n"
+    "  juliavdb fractal --map cross --scheme 5 --pair A --c 0.39,0.2,0 -o tunnels.vdb --resolution 150\n"
+    "  juliavdb fractal --map cross --f \"x*x, y*y, z*z\" --g \"cos(x), cos(y), cos(z)\" --radius 5 -o own.vdb\n"};
 
 /// What was left out, in a sentence.
 std::string followText(const vdbtools::FollowReport& report) {

@@ -30,6 +30,11 @@ constexpr const char* kTargetBox = "julia_target_box";
 constexpr const char* kVersorJson = "julia_versor_json";
 // Around the target, of its longest side: where the set of a map without a shell is looked for.
 constexpr double kRegionMargin = 0.25;
+// How far a cross-product set is moved, as a share of the tolerance: by irrational numbers, so that no node of the
+// lattice lies on its planes of symmetry. A and A' are not defined on one, which counts as outside (cross_map.h), and
+// others hold sheets of the set: neither has volume, a ray meets either by chance only, but whole planes of nodes would
+// show a cut or a disc.
+const Vec3d kLatticeShift(0.6180339887498949, 0.4142135623730951, 0.2360679774997897);
 
 double longestSide(const BBoxd& box) {
   const Vec3d extents = box.extents();
@@ -227,16 +232,33 @@ julia::Rational readVersor(const FractalOptions& options, Scene& scene) {
   return translated(std::move(rational), unsliced.quaternion<double>({by[0], by[1], by[2]}));
 }
 
+/// Of maps in log-polar form.
 template <class Real>
 std::shared_ptr<const julia::Map<Real>> makeMap(const Scene& scene) {
   switch (scene.options.map) {
     case MapKind::Rational: return std::make_shared<julia::RationalMap<Real>>(scene.rational);
     case MapKind::Quadratic: return std::make_shared<julia::QuadraticMap<Real>>(scene.options.c);
-    case MapKind::ShapeModulus: break;
+    default: break;
   }
   return std::make_shared<julia::ShapeModulus<Real>>(makeExponentField<Real>(*scene.exponent), scene.rational,
                                                      scene.options.dropAxis);
 }
+
+/// Of sums by nature; none for the other maps.
+template <class Real>
+std::shared_ptr<const julia::CartesianMap<Real>> makeCartesianMap(const FractalOptions& options) {
+  switch (options.map) {
+    case MapKind::Cross: return std::make_shared<julia::CrossMap<Real>>(options.cross);
+    case MapKind::Mandelbulb: return std::make_shared<julia::Mandelbulb<Real>>(options.mandelbulb);
+    case MapKind::Quadratic:
+      if (options.mandelbrot) return std::make_shared<julia::QuadraticMandelbrot<Real>>();
+      break;
+    default: break;
+  }
+  return nullptr;
+}
+
+bool hasVersor(MapKind map) { return map == MapKind::ShapeModulus || map == MapKind::Rational; }
 
 /// Whether 32 bits are as good as 64 for what the scene shows: the voxels are large against the rounding of positions,
 /// and neither powers nor iterations pile up more of it (docs/precision.md has the measurements).
@@ -244,6 +266,7 @@ bool floatServes(const Scene& scene) {
   constexpr double kLeastVoxel = 1e-3;  // of the largest coordinate: a thousandth of it is still resolved
   constexpr double kMostSummedPowers = 250;
   constexpr int kMostIterations = 5;
+  if (makeCartesianMap<float>(scene.options)) return false;  // not measured
   if (scene.options.iterations > kMostIterations) return false;
   double powers = 0;
   for (const julia::Polynomial* polynomial : {&scene.rational.top, &scene.rational.bottom})
@@ -263,7 +286,31 @@ std::unique_ptr<julia::FieldEvaluator> makeEvaluator(const Scene& scene) {
   julia::OrbitOptions orbit{
       .maxIterations = options.iterations, .escapeRadius = options.escape, .confirmTrap = options.exhaustive};
   if (scene.exponent) orbit.logTrap = scene.exponent->shell.lower;
+  if (auto map = makeCartesianMap<Real>(options)) return julia::makeFieldEvaluator<Real>(map, embedding, orbit);
   return julia::makeFieldEvaluator<Real>(makeMap<Real>(scene), embedding, orbit);
+}
+
+/// A ball about the dynamics' origin in which the whole set lies, by its radius in fractal space; none where no such
+/// ball is known. Nothing is in the set from the escape radius on; for some maps a smaller ball is proved to hold it.
+std::optional<double> radiusOfSet(const FractalOptions& options) {
+  using julia::CrossPair;
+  switch (options.map) {
+    case MapKind::ShapeModulus:
+    case MapKind::Rational: return std::nullopt;
+    case MapKind::Quadratic:
+      if (!options.mandelbrot) return julia::quadraticBound(options.c, options.iterations, options.escape);
+      return julia::triplexBound({.power = 2}, options.iterations, options.escape);
+    case MapKind::Mandelbulb: return julia::triplexBound(options.mandelbulb, options.iterations, options.escape);
+    case MapKind::Cross: break;
+  }
+  // |f x g| = |p|^2 for these pairs.
+  const julia::CrossOptions& cross = options.cross;
+  const bool squares = cross.pair == CrossPair::A || cross.pair == CrossPair::APrime || cross.pair == CrossPair::D;
+  julia::MandelbulbOptions square{.power = 2};
+  if (cross.scheme == julia::CrossScheme::Julia) square.constant = cross.constant;
+  return squares && cross.scheme != julia::CrossScheme::FixedFactor
+             ? julia::triplexBound(square, options.iterations, options.escape)
+             : options.escape;
 }
 
 /// Where a map without a shell is evaluated, world units.
@@ -275,8 +322,8 @@ BBoxd regionOf(const Scene& scene) {
     box.expand(kRegionMargin * longestSide(box));
     return box;
   }
-  if (options.map == MapKind::Quadratic) {
-    const double radius = julia::quadraticBound(options.c, options.iterations, options.escape);
+  if (const std::optional<double> found = radiusOfSet(options)) {
+    const double radius = *found;
     return {scene.space.toWorld({-radius, -radius, -radius}), scene.space.toWorld({radius, radius, radius})};
   }
   if (std::filesystem::path(options.versor).extension() == ".o3d") {
@@ -310,9 +357,6 @@ Scene makeScene(const FractalOptions& options, Monitor& monitor) {
     throw std::invalid_argument("the shape modulus needs a target: give a mesh, or a VDB with its signed distance");
   }
   scene.space = makeSpace(options, input ? &input->target : nullptr);
-  const Vec3d& centre = scene.space.centre;
-  scene.facts["julia_space_centre"] = numbersText({centre[0], centre[1], centre[2]});
-  scene.facts["julia_space_scale"] = numbersText({scene.space.scale});
   if (options.map == MapKind::ShapeModulus) {
     scene.exponent = exponentGrid(input->target, scene.space, input->exponent, monitor);
     if (scene.exponent->tooShallow) {
@@ -323,7 +367,7 @@ Scene makeScene(const FractalOptions& options, Monitor& monitor) {
     scene.facts["julia_shell"] = numbersText({shell.lower, shell.upper});
   }
   if (input) scene.target = std::move(input->target);
-  if (options.map != MapKind::Quadratic) scene.rational = readVersor(options, scene);
+  if (hasVersor(options.map)) scene.rational = readVersor(options, scene);
   scene.region = scene.exponent ? BBoxd() : regionOf(scene);
   scene.voxelSize = options.voxels.sizeFor(longestSide(scene.target ? scene.target->box : scene.region));
   // Room for the outermost cells of a set that fills its region.
@@ -333,6 +377,10 @@ Scene makeScene(const FractalOptions& options, Monitor& monitor) {
       options.precision == Precision::Float || (options.precision == Precision::Auto && floatServes(scene));
   scene.facts["julia_arithmetic"] = scene.inFloats ? "float" : "double";
   scene.evaluator = scene.inFloats ? makeEvaluator<float>(scene) : makeEvaluator<double>(scene);
+  if (options.map == MapKind::Cross) scene.space.centre += kLatticeShift * options.tolerance * scene.voxelSize;
+  const Vec3d& centre = scene.space.centre;
+  scene.facts["julia_space_centre"] = numbersText({centre[0], centre[1], centre[2]});
+  scene.facts["julia_space_scale"] = numbersText({scene.space.scale});
   return scene;
 }
 
@@ -355,9 +403,10 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
   const auto wants = [&](const char* name) {
     return wantGrids && std::find(names.begin(), names.end(), name) != names.end();
   };
-  const auto requireSurface = [](std::uint64_t triangles) {
+  const auto requireSurface = [&](std::uint64_t triangles) {
     if (triangles == 0)
-      throw DataError("the fractal is empty here: F changes sign nowhere in the region; try a larger --beta or --box");
+      throw DataError(std::string("the fractal is empty here: F changes sign nowhere in the region; try ") +
+                      (scene.exponent ? "a larger --beta or --box" : "other constants, or another --box"));
   };
   const bool capMesh = scene.options.cap || !plan.bounded;
   const ExtractMeshOptions capped{.tolerance = scene.options.tolerance, .border = Border::Cap};

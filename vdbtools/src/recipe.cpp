@@ -31,17 +31,21 @@ constexpr OptionSpec kSdfSpecs[] = {
     {"half", nullptr, nullptr, "write 16-bit floats"},
 };
 
+constexpr unsigned kCross = mapBit(MapKind::Cross), kMandelbulb = mapBit(MapKind::Mandelbulb);
+constexpr unsigned kSpatial = kCross | kMandelbulb;  // on R^3; their sets have no target
+
 constexpr OptionSpec kFractalSpecs[] = {
-    {"input", "MESH|SDF.vdb", nullptr, "the target: a mesh, or a VDB that holds its signed distance"},
+    {"input", "MESH|SDF.vdb", nullptr, "the target: a mesh, or a VDB that holds its signed distance", ~kSpatial},
     {"grid", "NAME", "", "which grid of a VDB input"},
-    {"resolution", "N", "200", "voxels of the result along the target's longest side"},
+    {"resolution", "N", "200",
+     "voxels of the result along the longest side of the target, or of the region without one"},
     {"voxel-size", "H", nullptr, "the size of a voxel of the result, in the target's units"},
     {"sdf-resolution", "N", "200",
      "voxels of the target's distance field along its longest side; the fractal is a function of it"},
     {"sdf-voxel-size", "H", nullptr, "the same as a size, in the target's units"},
     {"repair", nullptr, nullptr, "close holes and gaps of an open mesh or a triangle soup"},
     {"repair-gap", "W", "0", "close gaps up to this width, in the mesh's units; 0 finds the smallest that serves"},
-    {"map", "shape-modulus|rational|quadratic", "shape-modulus", "the map that is iterated"},
+    {"map", "shape-modulus|rational|quadratic|cross|mandelbulb", "shape-modulus", "the map that is iterated"},
     {"alpha", "A", "40",
      "thinness of the shell of detail: 6 eats deep, 40 decorates, 300 is nearly smooth. A number, a ramp such as "
      "x:10:300:smooth, or FILE.vdb[:GRID]"},
@@ -57,9 +61,25 @@ constexpr OptionSpec kFractalSpecs[] = {
     {"versor-radius", "R", "0.1", "cluster: its radius, in fractal space"},
     {"versor-scale", "F", "1", "scales the roots about the origin"},
     {"versor-translate", "X,Y,Z", "0,0,0", "moves the roots alone, in fractal space"},
-    {"c", "A,B,C,D", "0,0,0,0", "quadratic: the constant of q^2 + c"},
-    {"iterations", "N", "3", "steps of the map"},
-    {"escape", "R", "20", "radius beyond which an orbit has escaped"},
+    {"scheme", "3|4|5", "4",
+     "cross: the equation of Zimmermann and Bruckner 2025; 3: p x g(c), 4: f(p) x g(p) + c, 5: the same with c fixed",
+     kCross},
+    {"pair", "A|A'|B|C|D|E|user", nullptr, "cross: f and g, the paper's or your own (default A; user with --f)",
+     kCross},
+    {"f", "X,Y,Z", nullptr, "cross: the first function of your own pair, such as \"x*x, y*y, z*z\"", kCross},
+    {"g", "X,Y,Z", nullptr, "cross: the second one, such as \"cos(x), cos(y), cos(z)\"", kCross},
+    {"power", "P", "8", "mandelbulb: the power of triplex numbers, any real number from -100 to 100", kMandelbulb},
+    {"theta", "plane|pole", "plane",
+     "mandelbulb: where its second angle is 0, as in the paper, or as in the well-known set of power 8", kMandelbulb},
+    {"c", "A,B,C[,D]", nullptr,
+     "the constant of a Julia set: four numbers for quadratic (default 0,0,0,0), three for mandelbulb and for cross in "
+     "scheme 5 (default -1,0,0)"},
+    {"mandelbrot", nullptr, nullptr,
+     "quadratic, mandelbulb: the constant is the point itself (default for mandelbulb without --c)",
+     kMandelbulb | mapBit(MapKind::Quadratic)},
+    {"iterations", "N", nullptr, "steps of the map (default 3; 10 for cross, mandelbulb and --mandelbrot)"},
+    {"escape", "R", "20", "radius beyond which an orbit has escaped", ~kSpatial},
+    {"radius", "R", "2", "cross, mandelbulb: the same, and of the ball in which the set is looked for", kSpatial},
     {"slice", "S", "0", "the fourth coordinate of the slice through the quaternions"},
     {"origin", "X,Y,Z", "0,0,0", "moves the dynamics' origin, in fractal space: erodes the set"},
     {"drop-axis", "i|j|k", "k", "the quaternion axis along which the target is extruded"},
@@ -95,25 +115,58 @@ std::vector<std::string> split(const std::string& text, char separator) {
   return parts;
 }
 
+constexpr std::pair<const char*, MapKind> kMaps[] = {{"shape-modulus", MapKind::ShapeModulus},
+                                                     {"rational", MapKind::Rational},
+                                                     {"quadratic", MapKind::Quadratic},
+                                                     {"cross", MapKind::Cross},
+                                                     {"mandelbulb", MapKind::Mandelbulb}};
+
+/// What a recipe says of an option, if anything.
+std::optional<std::string> given(const Recipe& recipe, const std::string& option) {
+  const auto found = recipe.find(option);
+  return found == recipe.end() ? std::nullopt : std::optional(found->second);
+}
+
+/// The map of a recipe; of an unknown one, which parsing refuses, the first.
+MapKind mapOf(const Recipe& recipe) {
+  const std::string text = given(recipe, "map").value_or(kMaps[0].first);
+  for (const auto& [name, map] : kMaps)
+    if (text == name) return map;
+  return kMaps[0].second;
+}
+
+bool isMandelbrot(const Recipe& recipe) { return given(recipe, "mandelbrot").value_or("false") != "false"; }
+
+/// What an option that is not given has for its value, if it has one: with this map and what else is given.
+std::optional<std::string> defaultOf(const OptionSpec& spec, const Recipe& recipe) {
+  const MapKind map = mapOf(recipe);
+  const std::string_view name = spec.name;
+  if (!(spec.maps & mapBit(map)) || recipe.contains(alternativeOption(spec.name))) return std::nullopt;
+  if (name == "iterations") return (mapBit(map) & kSpatial) || isMandelbrot(recipe) ? "10" : "3";
+  if (name == "pair") return recipe.contains("f") || recipe.contains("g") ? "user" : "A";
+  if (name == "mandelbrot" && map == MapKind::Mandelbulb) return "true";
+  if (name == "c" && map == MapKind::Cross)
+    return given(recipe, "scheme") == "5" ? std::optional("-1,0,0") : std::nullopt;
+  if (name == "c" && map != MapKind::Mandelbulb) return "0,0,0,0";
+  return spec.defaultValue ? std::optional(spec.defaultValue) : std::nullopt;
+}
+
 /// Reads a recipe's entries by the registry: known names only, defaults filled in.
 class Reader {
  public:
-  Reader(const Recipe& recipe, std::span<const OptionSpec> specs) : mRecipe(recipe), mSpecs(specs) {
+  Reader(const Recipe& recipe, std::span<const OptionSpec> specs)
+      : mRecipe(completeRecipe(recipe, specs)), mSpecs(specs) {
     for (const auto& [name, value] : recipe) {
-      (void)value;
       const bool hash = std::find(std::begin(kHashOptions), std::end(kHashOptions), name) != std::end(kHashOptions);
-      if (!hash && !find(name)) throw std::invalid_argument("--" + name + " is not an option here; see --help");
+      const OptionSpec* spec = find(name);
+      if (!hash && !spec) throw std::invalid_argument("--" + name + " is not an option here; see --help");
+      if (spec && !(spec->maps & mapBit(mapOf(recipe)))) refuseOfMap(name, value);
     }
   }
 
   bool has(const std::string& name) const { return mRecipe.contains(name); }
 
-  std::string text(const std::string& name) const {
-    const auto found = mRecipe.find(name);
-    if (found != mRecipe.end()) return found->second;
-    const OptionSpec* spec = find(name);
-    return spec && spec->defaultValue ? spec->defaultValue : "";
-  }
+  std::string text(const std::string& name) const { return given(mRecipe, name).value_or(""); }
 
   bool flag(const std::string& name) const {
     const std::string value = text(name);
@@ -153,6 +206,10 @@ class Reader {
 
   template <class Enum>
   Enum choice(const std::string& name, std::initializer_list<std::pair<const char*, Enum>> choices) const {
+    return choice<Enum>(name, std::span(choices.begin(), choices.size()));
+  }
+  template <class Enum>
+  Enum choice(const std::string& name, std::span<const std::pair<const char*, Enum>> choices) const {
     const std::string value = text(name);
     std::string list;
     for (const auto& [word, result] : choices) {
@@ -178,7 +235,15 @@ class Reader {
     return nullptr;
   }
 
-  const Recipe& mRecipe;
+  [[noreturn]] void refuseOfMap(const std::string& option, const std::string& value) const {
+    if (option == "input")
+      throw std::invalid_argument("the map " + text("map") + " has no target; leave '" + value + "' out");
+    throw std::invalid_argument("--" + option + " means nothing to the map " + text("map") + "; leave it out" +
+                                (option == "escape" ? ", or give --radius" : "") +
+                                (option == "radius" ? ", or give --escape" : ""));
+  }
+
+  Recipe mRecipe;
   std::span<const OptionSpec> mSpecs;
 };
 
@@ -203,6 +268,82 @@ julia::RandomRootsOptions parseRandomRoots(const Reader& reader) {
   options.clusterCentre = {centre[0], centre[1], centre[2]};
   options.clusterRadius = reader.positive("versor-radius");
   return options;
+}
+
+julia::Point parsePoint(const std::string& option, const std::string& text) {
+  const std::vector<double> values = parseNumbers(option, text, 3);
+  return {values[0], values[1], values[2]};
+}
+
+/// Three numbers, and a fourth if it is 0: a quaternion that lies in space.
+julia::Point parseSpatialConstant(const std::string& option, const std::string& text) {
+  const bool padded = std::count(text.begin(), text.end(), ',') == 3 && parseNumbers(option, text, 4)[3] == 0;
+  return parsePoint(option, padded ? text.substr(0, text.rfind(',')) : text);
+}
+
+julia::CrossOptions parseCross(const Reader& reader) {
+  using julia::CrossPair, julia::CrossScheme;
+  julia::CrossOptions options;
+  options.scheme = reader.choice<CrossScheme>(
+      "scheme", {{"3", CrossScheme::FixedFactor}, {"4", CrossScheme::Mandelbrot}, {"5", CrossScheme::Julia}});
+  options.pair = reader.choice<CrossPair>("pair", {{"A", CrossPair::A},
+                                                   {"A'", CrossPair::APrime},
+                                                   {"B", CrossPair::B},
+                                                   {"C", CrossPair::C},
+                                                   {"D", CrossPair::D},
+                                                   {"E", CrossPair::E},
+                                                   {"user", CrossPair::User}});
+  for (const char* function : {"f", "g"}) {
+    if (options.pair == CrossPair::User && !reader.has(function))
+      throw std::invalid_argument(std::string("the pair user needs --") + function +
+                                  ", three expressions with commas between them, such as \"x*x, y*y, z*z\"");
+    if (options.pair != CrossPair::User && reader.has(function))
+      throw std::invalid_argument(std::string("--") + function + " is for --pair user, and the pair is " +
+                                  reader.text("pair") + "; give one of the two");
+  }
+  options.f = reader.text("f");
+  options.g = reader.text("g");
+  if (options.scheme == CrossScheme::Julia)
+    options.constant = parsePoint("c", reader.text("c"));
+  else if (reader.has("c"))
+    throw std::invalid_argument("--c is for scheme 5; in scheme " + reader.text("scheme") + " c is the point");
+  return options;
+}
+
+julia::MandelbulbOptions parseMandelbulb(const Reader& reader, bool mandelbrot) {
+  using julia::TriplexAngle;
+  julia::MandelbulbOptions options;
+  options.power = reader.number("power");
+  if (!(std::abs(options.power) <= 100)) refuse("power", reader.text("power"), "between -100 and 100");
+  options.angle =
+      reader.choice<TriplexAngle>("theta", {{"plane", TriplexAngle::AbovePlane}, {"pole", TriplexAngle::FromPole}});
+  if (!mandelbrot) options.constant = reader.has("c") ? parseSpatialConstant("c", reader.text("c")) : julia::Point{};
+  return options;
+}
+
+/// The map and what belongs to it alone.
+void parseMap(const Reader& reader, FractalOptions& options) {
+  options.mandelbrot = reader.flag("mandelbrot");
+  if (options.mandelbrot && reader.has("c"))
+    throw std::invalid_argument("--c and --mandelbrot contradict each other: there c is the point; give one of them");
+  if (options.map == MapKind::Cross) options.cross = parseCross(reader);
+  if (options.map == MapKind::Mandelbulb) options.mandelbulb = parseMandelbulb(reader, options.mandelbrot);
+  const bool spatial = mapBit(options.map) & kSpatial;
+  if (!spatial && reader.has("c")) {
+    const std::vector<double> c = parseNumbers("c", reader.text("c"), 4);
+    options.c = {c[0], c[1], c[2], c[3]};
+  }
+  options.iterations = reader.integer("iterations", 1, julia::kMaxIterations);
+  const char* escape = spatial ? "radius" : "escape";
+  options.escape = reader.number(escape);
+  if (!(options.escape > 1 && options.escape <= julia::kMaxEscapeRadius))
+    refuse(escape, reader.text(escape), "above 1 and at most 1e9");
+  options.slice = reader.number("slice");
+  options.dropAxis = reader.choice<julia::DropAxis>(
+      "drop-axis", {{"i", julia::DropAxis::I}, {"j", julia::DropAxis::J}, {"k", julia::DropAxis::K}});
+  if (spatial && (options.slice != 0 || options.dropAxis != julia::DropAxis::K))
+    throw std::invalid_argument("the map " + reader.text("map") +
+                                " has three dimensions; leave --slice and --drop-axis out");
 }
 
 std::vector<std::string> parseGrids(const std::string& text) {
@@ -251,8 +392,8 @@ std::pair<Recipe, std::string> recipeFromMetadata(const std::map<std::string, st
 }
 
 std::string alternativeOption(const std::string& option) {
-  constexpr std::pair<const char*, const char*> kPairs[] = {{"resolution", "voxel-size"},
-                                                            {"sdf-resolution", "sdf-voxel-size"}};
+  constexpr std::pair<const char*, const char*> kPairs[] = {
+      {"resolution", "voxel-size"}, {"sdf-resolution", "sdf-voxel-size"}, {"c", "mandelbrot"}};
   for (const auto& [one, other] : kPairs) {
     if (option == one) return other;
     if (option == other) return one;
@@ -260,10 +401,27 @@ std::string alternativeOption(const std::string& option) {
   return {};
 }
 
+std::vector<std::string> displacedOptions(const Recipe& base, const std::string& option, const std::string& value) {
+  const std::optional<std::string> before = given(base, option);
+  if (before == value) return {};
+  std::vector<std::string> displaced{alternativeOption(option)};
+  if (option == "f" || option == "g") displaced.emplace_back("pair");
+  if (option == "pair") displaced.insert(displaced.end(), {"f", "g"});
+  if (option == "scheme" && before) displaced.emplace_back("c");
+  if (option == "map" && before) {
+    displaced.insert(displaced.end(), {"c", "iterations"});
+    if (mapBit(mapOf({{"map", value}})) & kSpatial) displaced.emplace_back(kHashOptions[0]);
+    for (const OptionSpec& spec : kFractalSpecs)
+      if (!(spec.maps & mapBit(mapOf({{"map", value}})))) displaced.emplace_back(spec.name);
+  }
+  return displaced;
+}
+
 Recipe completeRecipe(Recipe recipe, std::span<const OptionSpec> specs) {
-  for (const OptionSpec& spec : specs)
-    if (spec.defaultValue && !recipe.contains(alternativeOption(spec.name)))
-      recipe.emplace(spec.name, spec.defaultValue);
+  for (const OptionSpec& spec : specs) {
+    if (recipe.contains(spec.name)) continue;
+    if (const std::optional<std::string> value = defaultOf(spec, recipe)) recipe.emplace(spec.name, *value);
+  }
   return recipe;
 }
 
@@ -326,9 +484,7 @@ FractalOptions parseFractalOptions(const Recipe& recipe) {
   options.sdfVoxels = reader.voxels("sdf-resolution", "sdf-voxel-size");
   options.repair = reader.flag("repair");
   options.gap = reader.notNegative("repair-gap");
-  options.map = reader.choice<MapKind>(
-      "map",
-      {{"shape-modulus", MapKind::ShapeModulus}, {"rational", MapKind::Rational}, {"quadratic", MapKind::Quadratic}});
+  options.map = reader.choice<MapKind>("map", kMaps);
   options.alpha = reader.text("alpha");
   options.beta = reader.text("beta");
   options.versor = reader.text("versor");
@@ -336,16 +492,8 @@ FractalOptions parseFractalOptions(const Recipe& recipe) {
   options.versorScale = reader.number("versor-scale");
   if (options.versorScale == 0) refuse("versor-scale", reader.text("versor-scale"), "other than 0");
   options.versorTranslate = reader.vector("versor-translate");
-  const std::vector<double> c = parseNumbers("c", reader.text("c"), 4);
-  options.c = {c[0], c[1], c[2], c[3]};
-  options.iterations = reader.integer("iterations", 1, julia::kMaxIterations);
-  options.escape = reader.number("escape");
-  if (!(options.escape > 1 && options.escape <= julia::kMaxEscapeRadius))
-    refuse("escape", reader.text("escape"), "above 1 and at most 1e9");
-  options.slice = reader.number("slice");
+  parseMap(reader, options);
   options.origin = reader.vector("origin");
-  options.dropAxis = reader.choice<julia::DropAxis>(
-      "drop-axis", {{"i", julia::DropAxis::I}, {"j", julia::DropAxis::J}, {"k", julia::DropAxis::K}});
   options.randomRoots.embedding = {options.slice, options.dropAxis};
   options.space = reader.choice<SpaceKind>("space", {{"fit", SpaceKind::Fit}, {"world", SpaceKind::World}});
   if (reader.has("box")) {

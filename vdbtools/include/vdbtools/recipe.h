@@ -12,7 +12,9 @@
 #include "vdbtools/islands.h"
 
 #include "julia/brick_field.h"
+#include "julia/cross_map.h"
 #include "julia/embedding.h"
+#include "julia/mandelbulb.h"
 #include "julia/orbit.h"
 #include "julia/random_roots.h"
 
@@ -30,11 +32,18 @@ namespace vdbtools {
 /// Option name (without dashes in front) -> value. A flag that is set has the value "true".
 using Recipe = std::map<std::string, std::string>;
 
+enum class MapKind { ShapeModulus, Rational, Quadratic, Cross, Mandelbulb };
+
+/// A set of maps, a bit each.
+constexpr unsigned mapBit(MapKind map) { return 1u << static_cast<unsigned>(map); }
+inline constexpr unsigned kEveryMap = ~0u;
+
 struct OptionSpec {
   const char* name;
   const char* argument;      ///< what the help calls the value; nullptr: a flag
-  const char* defaultValue;  ///< nullptr: none
+  const char* defaultValue;  ///< nullptr: none, or one that depends on the map
   const char* help;
+  unsigned maps = kEveryMap;  ///< those that have the option; with any other it is refused
 };
 
 /// The options of each command that affect its result.
@@ -42,6 +51,9 @@ std::span<const OptionSpec> sdfOptionSpecs();
 std::span<const OptionSpec> fractalOptionSpecs();
 /// Of two options that say the same in two ways, the other one's name; "" if there is none.
 std::string alternativeOption(const std::string& option);
+/// The options of @a base that mean nothing any more when @a option gets another value: its alternative, and what
+/// belongs to the map, scheme or pair that it had.
+std::vector<std::string> displacedOptions(const Recipe& base, const std::string& option, const std::string& value);
 
 /// "julia_" and the name with underscores: an identifier, as Houdini wants it.
 std::string metadataName(const std::string& option);
@@ -49,8 +61,8 @@ std::string metadataName(const std::string& option);
 std::map<std::string, std::string> recipeToMetadata(const Recipe& recipe, const std::string& command);
 /// What of @a metadata is a recipe, and of which command ("" if none).
 std::pair<Recipe, std::string> recipeFromMetadata(const std::map<std::string, std::string>& metadata);
-/// @a recipe with every option that has a default and is not given: what is recorded does not change its meaning when a
-/// later version has other defaults.
+/// @a recipe with every option that has a default, with its map, and is not given: what is recorded does not change its
+/// meaning when a later version has other defaults.
 Recipe completeRecipe(Recipe recipe, std::span<const OptionSpec> specs);
 /// The recipe in a VDB, PLY or OBJ that the program made. @throw DataError if there is none; MissingInputError
 std::pair<Recipe, std::string> readRecipe(const std::filesystem::path& path);
@@ -73,7 +85,6 @@ struct SdfOptions {
   bool half = false;
 };
 
-enum class MapKind { ShapeModulus, Rational, Quadratic };
 enum class SpaceKind { Fit, World };
 enum class Precision { Auto, Float, Double };
 
@@ -89,9 +100,12 @@ struct FractalOptions {
   julia::RandomRootsOptions randomRoots;
   double versorScale = 1;
   openvdb::Vec3d versorTranslate{0};
-  julia::Quaternion<double> c{};
+  julia::Quaternion<double> c{};  ///< of the quadratic Julia sets
+  bool mandelbrot = false;        ///< of the quadratic map: c is the point
+  julia::CrossOptions cross;
+  julia::MandelbulbOptions mandelbulb;
   int iterations = 3;
-  double escape = 20;
+  double escape = 20;  ///< or radius, as the cross-product maps and Mandelbulbs call it
   double slice = 0;
   openvdb::Vec3d origin{0};
   julia::DropAxis dropAxis = julia::DropAxis::K;
