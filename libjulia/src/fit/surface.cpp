@@ -2,6 +2,7 @@
 #include "julia/fit/surface.h"
 
 #include "fit/vector3.h"
+#include "number_text.h"
 #include "random_numbers.h"
 
 #include <algorithm>
@@ -157,7 +158,7 @@ void requireValid(const TriangleSurface& surface) {
     for (const double coordinate : surface.points[i])
       if (!(std::abs(coordinate) <= kFarthest))
         throw std::invalid_argument("a coordinate of point " + std::to_string(i) + " of the surface is " +
-                                    std::to_string(coordinate) + "; it must be a number between -1e9 and 1e9");
+                                    textOf(coordinate) + "; it must be a number between -1e9 and 1e9");
 }
 
 double area(const TriangleSurface& surface) {
