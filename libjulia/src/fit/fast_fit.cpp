@@ -188,7 +188,7 @@ void Fitter::dropUnused() {
 /// the constant has adapted. Those of one round keep apart.
 std::size_t Fitter::addBest(std::size_t count) {
   // Cells that are well on their side say nothing about where a root is missing.
-  constexpr double kLeastSlope = 0.02;
+  constexpr double kLeastSlope = 0.0;
   std::vector<float> x, y, z;
   std::vector<double> slope, curvature;
   double total = 0;

@@ -21,8 +21,8 @@ constexpr double kFarthest = 1e9;  // as requireFinite(const Rational&) has it
 constexpr std::size_t kMostPoints = 100'000'000;
 // Candidates for each point that is kept: with more the distances hardly grow.
 constexpr std::size_t kOversampling = 5;
-// Three cell indices must fit 64 bits.
-constexpr double kMostCells = 1 << 20;
+// Along an axis, so that indices fit 64 bits.
+constexpr double kMostCells = 0x1p60;
 
 using Index = std::uint32_t;
 
@@ -64,18 +64,18 @@ class HashGrid {
     mCell = std::max(
         {radius, (high[0] - mLow[0]) / kMostCells, (high[1] - mLow[1]) / kMostCells, (high[2] - mLow[2]) / kMostCells});
     mEntries.reserve(members.size());
-    for (const Index i : members) mEntries.emplace_back(keyOf(cellOf(samples[i])), i);
+    for (const Index i : members) mEntries.emplace_back(cellOf(samples[i]), i);
     std::sort(mEntries.begin(), mEntries.end());
   }
 
   /// Calls visit(j, distance) for each other member, always in the same order.
   template <class Visit>
   void forNeighbours(Index i, Visit visit) const {
-    const std::array<std::int64_t, 3> centre = cellOf(mSamples[i]);
-    for (std::int64_t z = centre[2] - 1; z <= centre[2] + 1; ++z)
-      for (std::int64_t y = centre[1] - 1; y <= centre[1] + 1; ++y) {
-        const std::uint64_t last = keyOf({centre[0] + 1, y, z});
-        auto entry = std::lower_bound(mEntries.begin(), mEntries.end(), Entry(keyOf({centre[0] - 1, y, z}), 0));
+    const auto [cz, cy, cx] = cellOf(mSamples[i]);
+    for (std::int64_t z = cz - 1; z <= cz + 1; ++z)
+      for (std::int64_t y = cy - 1; y <= cy + 1; ++y) {
+        const Cell last{z, y, cx + 1};
+        auto entry = std::lower_bound(mEntries.begin(), mEntries.end(), Entry({z, y, cx - 1}, 0));
         for (; entry != mEntries.end() && entry->first <= last; ++entry) {
           const double distance = length(mSamples[entry->second] - mSamples[i]);
           if (entry->second != i && distance < mRadius) visit(entry->second, distance);
@@ -84,16 +84,14 @@ class HashGrid {
   }
 
  private:
-  using Entry = std::pair<std::uint64_t, Index>;
+  /// z, y, x: cells beside each other in x follow each other.
+  using Cell = std::array<std::int64_t, 3>;
+  using Entry = std::pair<Cell, Index>;
 
-  std::array<std::int64_t, 3> cellOf(const Point& x) const {
-    std::array<std::int64_t, 3> cell;
-    for (int axis = 0; axis < 3; ++axis) cell[axis] = static_cast<std::int64_t>((x[axis] - mLow[axis]) / mCell) + 1;
+  Cell cellOf(const Point& x) const {
+    Cell cell;
+    for (int axis = 0; axis < 3; ++axis) cell[2 - axis] = static_cast<std::int64_t>((x[axis] - mLow[axis]) / mCell);
     return cell;
-  }
-  /// Cells beside each other in x have consecutive keys.
-  static std::uint64_t keyOf(const std::array<std::int64_t, 3>& cell) {
-    return static_cast<std::uint64_t>((cell[2] << 42) + (cell[1] << 21) + cell[0]);
   }
 
   std::span<const Point> mSamples;

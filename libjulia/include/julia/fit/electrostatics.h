@@ -20,7 +20,7 @@ namespace julia {
 
 struct ElectrostaticsOptions {
   /// Up to so many triangles the system is solved directly, with 8 bytes for each pair of them and a residual of some
-  /// 1e-15. The iteration's time grows with the square of their number instead of the cube: ten times less at 6000.
+  /// 1e-15. The iteration's time grows with the square of their number instead of the cube: a fifth or less at 6000.
   std::size_t maxDense = 1500;
   /// Of the residual |A s - 1| / |1| where the iteration stops. It works on 32-bit coefficients: 1e-7 is the least.
   double tolerance = 1e-6;
