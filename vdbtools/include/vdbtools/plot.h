@@ -22,10 +22,11 @@ struct PlotSeries {
 struct PlotOptions {
   std::string title, xLabel, yLabel;  ///< ASCII; what the lettering lacks is drawn as a box
   bool logY = false;                  ///< decades; values of 0 and below leave gaps
-  int width = 900, height = 600;      ///< pixels, >= 200 and >= 150, <= 16384
+  int width = 900, height = 600;      ///< pixels, >= 200 and >= 150, <= 4096
 };
 
-/// The axes hold every point of every series that can be drawn: that is finite and, for a logarithm, positive.
+/// The axes hold every point of every series that can be drawn: whose numbers are finite (below 1e307) and, for a
+/// logarithm, positive.
 /// @throw std::invalid_argument  no series, a picture too small or large, or no point that can be drawn
 Image plotLines(std::span<const PlotSeries> series, const PlotOptions& options);
 
