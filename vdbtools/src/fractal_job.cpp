@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/fractal_job.h"
 
+#include "solid_input.h"
 #include "vdbtools/file_hash.h"
-#include "vdbtools/mesh_to_sdf.h"
 #include "vdbtools/peer_formats.h"
 #include "vdbtools/vdb_file.h"
 #include "vdbtools/versor_file.h"
@@ -26,23 +26,9 @@ using openvdb::BBoxd;
 using openvdb::FloatGrid;
 using openvdb::Vec3d;
 
-constexpr const char* kTargetBox = "julia_target_box";
 constexpr const char* kVersorJson = "julia_versor_json";
 // Around the target, of its longest side: where the set of a map without a shell is looked for.
 constexpr double kRegionMargin = 0.25;
-
-double longestSide(const BBoxd& box) {
-  const Vec3d extents = box.extents();
-  return std::max({extents[0], extents[1], extents[2]});
-}
-
-/// The report of a mesh that has an extent to measure voxels by.
-MeshReport reportOfSolid(const Mesh& mesh, const std::filesystem::path& path) {
-  const MeshReport report = reportMesh(mesh);
-  if (!(longestSide(report.box) > 0))
-    throw DataError("'" + path.string() + "' has no extent: all its triangles lie in one point");
-  return report;
-}
 
 /// The shortest text that reads back as the same doubles.
 std::string numbersText(std::initializer_list<double> values) {
@@ -81,31 +67,6 @@ Control readControl(const std::string& option, const std::string& text, const BB
     grid = text.substr(colon + 1);
   }
   return Control(chooseFloatGrid(readVdb(file), grid, file));
-}
-
-MeshToSdfOptions sdfBand(double voxelSize, double exteriorWidth, double interiorWidth) {
-  return {.voxelSize = voxelSize, .exteriorBandWidth = exteriorWidth, .interiorBandWidth = interiorWidth};
-}
-
-struct MeshSdf {
-  FloatGrid::Ptr grid;
-  std::optional<double> moved, closedGap;
-};
-
-MeshSdf makeSdf(const Mesh& mesh, const MeshToSdfOptions& options, bool repair, double gap, Monitor& monitor) {
-  if (!repair) return {meshToSdf(mesh, options, monitor), {}, {}};
-  RepairedSdf repaired = repairedMeshToSdf(mesh, options, {.gap = gap}, monitor);
-  return {repaired.grid, repaired.moved, repaired.closedGap};
-}
-
-/// The same on a lattice about the target's own middle: wherever it lies, the nodes sample it alike, and the fractal is
-/// the same.
-MeshSdf makeSdfAbout(const Vec3d& middle, Mesh mesh, const MeshToSdfOptions& options, bool repair, double gap,
-                     Monitor& monitor) {
-  for (Vec3d& point : mesh.points) point -= middle;
-  MeshSdf sdf = makeSdf(mesh, options, repair, gap, monitor);
-  sdf.grid->transform().postTranslate(middle);
-  return sdf;
 }
 
 double spaceScale(const FractalOptions& options, const BBoxd& box) {
@@ -160,15 +121,7 @@ Input readMeshInput(const FractalOptions& options, std::map<std::string, std::st
 }
 
 Input readVdbInput(const FractalOptions& options, Monitor& monitor) {
-  const VdbFile file = readVdb(options.input);
-  const FloatGrid::Ptr phi = chooseFloatGrid(file, options.grid, options.input);
-  // An SDF of ours knows the box of its mesh; half a voxel more exactly than its nodes do.
-  std::optional<BBoxd> box;
-  if (const auto found = file.metadata.find(kTargetBox); found != file.metadata.end() && phi->getName() == "phi") {
-    const std::vector<double> b = parseNumbers(kTargetBox, found->second, 6);
-    box.emplace(Vec3d(b[0], b[1], b[2]), Vec3d(b[3], b[4], b[5]));
-  }
-  Input input{makeTarget(phi, box), {}, {}};
+  Input input{readVdbTarget(options.input, options.grid), {}, {}};
   input.exponent = exponentOptions(options, input.target.box);
   const double reach = exteriorReach(input.exponent) * spaceScale(options, input.target.box);
   extendBand(input.target, reach, interiorWidth(options, input.exponent, input.target.box, kVdbDepth), monitor);
