@@ -98,10 +98,10 @@ TEST(FitTarget, LevelsKeepTheFinerValues) {
 
 TEST(FitTarget, AdaptiveCellsFillTheCube) {
   for (const double bandWidth : {2.0, 3.0, 5.0}) {
-    const std::vector<FitCell> cells = adaptiveCells(sphere(), bandWidth);
+    const std::vector<julia::FitCell> cells = adaptiveCells(sphere(), bandWidth);
     const double cube = std::pow(2 * 49, 3), ball = 4 * test_meshes::kPi / 3 * std::pow(0.5 / sphere().cell, 3);
     double all = 0, within = 0;
-    for (const FitCell& cell : cells) {
+    for (const julia::FitCell& cell : cells) {
       all += cell.volume;
       if (cell.phi < 0) within += cell.volume;
       EXPECT_NEAR(cell.phi, sphere().distance(cell.x), 0.02 * sphere().cell + 0.05 * std::abs(cell.phi));
@@ -114,12 +114,12 @@ TEST(FitTarget, AdaptiveCellsFillTheCube) {
 
 TEST(FitTarget, DenseCellsAreTheFinestNodes) {
   const FitTarget& target = sphere();
-  const std::vector<FitCell> cells = denseCells(target, 49);
+  const std::vector<julia::FitCell> cells = denseCells(target, 49);
   ASSERT_EQ(cells.size(), 49u * 49u * 49u);
   EXPECT_NEAR(cells[0].x[0], -0.6 + target.cell / 2, 1e-12);
   EXPECT_NEAR(cells[1].x[2] - cells[0].x[2], target.cell, 1e-12);
   EXPECT_EQ(cells[1].x[0], cells[0].x[0]);
-  for (const FitCell& cell : cells) {
+  for (const julia::FitCell& cell : cells) {
     const openvdb::FloatGrid& finest = *target.levels[0];
     const auto node = openvdb::Coord::round(finest.worldToIndex(target.space.toWorld(cell.x)));
     if (finest.tree().isValueOn(node)) {
@@ -127,7 +127,7 @@ TEST(FitTarget, DenseCellsAreTheFinestNodes) {
     }
   }
   double within = 0;
-  for (const FitCell& cell : denseCells(target, 20)) within += cell.phi < 0 ? cell.volume : 0;
+  for (const julia::FitCell& cell : denseCells(target, 20)) within += cell.phi < 0 ? cell.volume : 0;
   EXPECT_NEAR(within * std::pow(target.cell, 3), test_meshes::kPi / 6, 0.03);
 }
 
@@ -165,15 +165,15 @@ TEST(FitTarget, SameForAnyThreads) {
   }
   EXPECT_EQ(targets[0].surface.points, targets[1].surface.points);
   EXPECT_EQ(targets[0].surface.triangles, targets[1].surface.triangles);
-  std::vector<FitCell> cells[2];
+  std::vector<julia::FitCell> cells[2];
   for (const std::size_t t : {0u, 1u}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, t + 1);
     cells[t] = adaptiveCells(targets[t]);
-    const std::vector<FitCell> dense = denseCells(targets[t], 32);
+    const std::vector<julia::FitCell> dense = denseCells(targets[t], 32);
     cells[t].insert(cells[t].end(), dense.begin(), dense.end());
   }
   ASSERT_EQ(cells[0].size(), cells[1].size());
-  EXPECT_EQ(std::memcmp(cells[0].data(), cells[1].data(), cells[0].size() * sizeof(FitCell)), 0);
+  EXPECT_EQ(std::memcmp(cells[0].data(), cells[1].data(), cells[0].size() * sizeof(julia::FitCell)), 0);
   EXPECT_EQ(offsetPoints(targets[0], 100, 0.1, 3), offsetPoints(targets[1], 100, 0.1, 3));
 }
 
@@ -185,7 +185,7 @@ TEST(FitTarget, VdbIsLikeItsMesh) {
   const auto path = folder.write("sphere.vdb", encodeVdb({phi}, {}));
   const FitTarget target = makeFitTarget({.input = path, .resolution = 49, .triangles = 2000}, monitor);
   EXPECT_NEAR(target.space.scale, sphere().space.scale, 0.01);
-  for (const FitCell& cell : adaptiveCells(sphere()))
+  for (const julia::FitCell& cell : adaptiveCells(sphere()))
     ASSERT_NEAR(target.distance(cell.x), cell.phi, 0.1 * target.cell + 0.05 * std::abs(cell.phi));
 }
 
@@ -208,7 +208,7 @@ TEST(FitTarget, ThinPlateKeepsItsInside) {
   const double cell = 1.2 / 60;
   const FitTarget target = targetOf(test_meshes::makeBox({0, 0, 0}, {1, 1, 2 * cell}), {.resolution = 60});
   double within = 0;
-  for (const FitCell& c : adaptiveCells(target)) within += c.phi < 0 ? c.volume : 0;
+  for (const julia::FitCell& c : adaptiveCells(target)) within += c.phi < 0 ? c.volume : 0;
   EXPECT_NEAR(within * cell * cell * cell, 2 * cell, 0.3 * 2 * cell);
   const MeshReport report = reportMesh(meshOf(target.surface));
   EXPECT_TRUE(report.closed());

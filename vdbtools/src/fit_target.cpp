@@ -279,14 +279,14 @@ FitTarget makeFitTarget(const FitTargetOptions& options, Monitor& monitor) {
   return target;
 }
 
-std::vector<FitCell> adaptiveCells(const FitTarget& target, double bandWidth) {
+std::vector<julia::FitCell> adaptiveCells(const FitTarget& target, double bandWidth) {
   if (!(bandWidth >= 1 && bandWidth <= kFitBand - 1))
     throw std::invalid_argument("the band is " + std::to_string(bandWidth) + " cells wide; it must be 1 to " +
                                 std::to_string(kFitBand - 1));
   const Vec3d middle = target.space.toWorld(target.cubeCentre);
   const double voxel = target.cell * target.space.scale;
   const Vec3d half(kKnownSide / 2 * voxel * target.resolution);
-  std::vector<FitCell> cells;
+  std::vector<julia::FitCell> cells;
   for (std::size_t l = 0; l < target.levels.size(); ++l) {
     const FloatGrid& level = *target.levels[l];
     const double size = std::exp2(l);  // cells
@@ -308,7 +308,7 @@ std::vector<FitCell> adaptiveCells(const FitTarget& target, double bandWidth) {
   return cells;
 }
 
-std::vector<FitCell> denseCells(const FitTarget& target, int resolution) {
+std::vector<julia::FitCell> denseCells(const FitTarget& target, int resolution) {
   if (resolution < 1 || resolution > 1000)
     throw std::invalid_argument("the resolution is " + std::to_string(resolution) + "; it must be 1 to 1000");
   const auto side = static_cast<std::size_t>(resolution);
@@ -316,7 +316,7 @@ std::vector<FitCell> denseCells(const FitTarget& target, int resolution) {
   const auto position = [&](std::size_t i, std::size_t axis) {
     return target.cubeCentre[axis] + (static_cast<double>(i) - (resolution - 1) / 2.0) * size * target.cell;
   };
-  std::vector<FitCell> cells(side * side * side);
+  std::vector<julia::FitCell> cells(side * side * side);
   inParallel(side, 1, Monitor(), [&](std::size_t begin, std::size_t end) {
     const Reader phi(target);
     for (std::size_t i = begin * side * side; i != end * side * side; ++i) {

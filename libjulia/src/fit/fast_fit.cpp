@@ -187,14 +187,11 @@ void Fitter::dropUnused() {
 /// Adds the candidates by which the loss would fall most: the square of its slope by the power over the curvature, once
 /// the constant has adapted. Those of one round keep apart.
 std::size_t Fitter::addBest(std::size_t count) {
-  // Cells that are well on their side say nothing about where a root is missing.
-  constexpr double kLeastSlope = 0.0;
   std::vector<float> x, y, z;
   std::vector<double> slope, curvature;
   double total = 0;
   for (std::size_t i = 0; i < mCells.size(); ++i) {
     const LossAt at = lossAt(Loss::Logistic, -mSide[i] * mL[i]);
-    if (at.slope < kLeastSlope) continue;
     x.push_back(static_cast<float>(mCells[i].x[0]));
     y.push_back(static_cast<float>(mCells[i].x[1]));
     z.push_back(static_cast<float>(mCells[i].x[2]));
@@ -349,8 +346,8 @@ void Fitter::report(std::string_view stage, double energy, bool roundEnds) {
   if (!mOptions.onStep) return;
   double psi = 0;
   for (std::size_t i = 0; i < mL.size(); ++i) psi -= mWeight[i] * mSide[i] * std::tanh(mL[i]);
-  const Rational now = roundEnds ? rational() : Rational();
-  mOptions.onStep({stage, mSteps, mRoots.size(), energy, psi, heldOutIou(), roundEnds ? &now : nullptr});
+  const Rational now = rational();
+  mOptions.onStep({stage, mSteps, mRoots.size(), energy, psi, heldOutIou(), &now, roundEnds});
 }
 
 FastFit Fitter::run() {

@@ -9,6 +9,7 @@
 #include "vdbtools/monitor.h"
 
 #include "julia/embedding.h"
+#include "julia/fit/shape_energy.h"
 #include "julia/fit/surface.h"
 
 #include <openvdb/openvdb.h>
@@ -69,22 +70,15 @@ inline constexpr int kFitBand = 6;  ///< voxels known on each side of the surfac
 /// @throw MissingInputError, Interrupted
 FitTarget makeFitTarget(const FitTargetOptions& options, Monitor& monitor);
 
-/// One cell of a quadrature over space.
-struct FitCell {
-  julia::Point x;  ///< its middle
-  float phi;
-  float volume;  ///< in cells of the cube, FitTarget::cell^3
-};
-
 /// Cells that grow with the distance from the surface: nodes of the finest level where |phi| < @a bandWidth cells, of
 /// level l where 2^(l-1) <= |phi| / (bandWidth cells) < 2^l, and of the last one wherever it is more. Together they
 /// fill the cube of twice the side, at whose faces they are cut. In the order of the levels and their trees.
 /// @throw std::invalid_argument  bandWidth is not 1 to 5
-std::vector<FitCell> adaptiveCells(const FitTarget& target, double bandWidth = 3);
+std::vector<julia::FitCell> adaptiveCells(const FitTarget& target, double bandWidth = 3);
 
 /// The resolution^3 equal cells of the cube ([Kim15] Eq. 18), x slowest; phi as distance() has it.
 /// @throw std::invalid_argument  resolution is not 1 to 1000
-std::vector<FitCell> denseCells(const FitTarget& target, int resolution);
+std::vector<julia::FitCell> denseCells(const FitTarget& target, int resolution);
 
 /// Where phi = @a distance, from x along the gradient of phi, by Newton's method. Empty if it gets no nearer than a
 /// tenth of a cell: thin parts have no inner offset.

@@ -31,7 +31,8 @@ struct FitStep {
   double energy = 0;                   ///< what the stage lowers; loss or psi with its penalty
   double psi = 0;                      ///< Eq. 5 on the cells of the fit
   double iou = 0;                      ///< on the held-out cells
-  const Rational* rational = nullptr;  ///< at the end of a round only
+  const Rational* rational = nullptr;  ///< as it is now
+  bool roundEnds = false;              ///< with a new set of roots, or a sharper energy, to come
 };
 
 struct FastFitOptions {
