@@ -11,6 +11,9 @@
 #include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
 #include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <string>
 
 namespace vdbtools {
@@ -79,6 +82,44 @@ void collapseTo(HalfedgeMesh& mesh, std::size_t triangles, bool wellShaped) {
   mesh.garbage_collection();
 }
 
+/// Twice the area, as a vector along the normal.
+OpenMesh::Vec3d areaVector(const HalfedgeMesh& mesh, const std::array<HalfedgeMesh::VertexHandle, 3>& t) {
+  return (mesh.point(t[1]) - mesh.point(t[0])) % (mesh.point(t[2]) - mesh.point(t[0]));
+}
+
+/// Longest edge over height.
+double aspectRatio(const HalfedgeMesh& mesh, const std::array<HalfedgeMesh::VertexHandle, 3>& t) {
+  double longest = 0;
+  for (std::size_t c = 0; c < 3; ++c)
+    longest = std::max(longest, (mesh.point(t[(c + 1) % 3]) - mesh.point(t[c])).sqrnorm());
+  return longest / areaVector(mesh, t).norm();
+}
+
+/// Turns the edge between two triangles, one of which is flat, where that helps: no edge of such a one is short.
+void flipEdgesOfFlatTriangles(HalfedgeMesh& mesh) {
+  constexpr int kRounds = 3;  // a turn may make room for the next
+  for (int round = 0; round < kRounds; ++round)
+    for (const auto edge : mesh.edges()) {
+      if (edge.is_boundary() || !mesh.is_flip_ok(edge)) continue;
+      const auto half = edge.h0();
+      const auto a = half.from(), b = half.to(), c = half.next().to(), d = half.opp().next().to();
+      using Triangle = std::array<HalfedgeMesh::VertexHandle, 3>;
+      const Triangle before[] = {{a, b, c}, {b, a, d}}, after[] = {{a, d, c}, {d, b, c}};
+      const auto worst = [&](const Triangle* pair) {
+        return std::max(aspectRatio(mesh, pair[0]), aspectRatio(mesh, pair[1]));
+      };
+      const double now = worst(before);
+      if (now <= kAspectRatio || !(worst(after) < now)) continue;
+      const OpenMesh::Vec3d normal = areaVector(mesh, before[0]) + areaVector(mesh, before[1]);
+      const double leastCosine = std::cos(kFold * std::acos(-1.0) / 180);
+      const auto turnsLittle = [&](const Triangle& t) {
+        const OpenMesh::Vec3d turned = areaVector(mesh, t);
+        return (turned | normal) > leastCosine * turned.norm() * normal.norm();
+      };
+      if (turnsLittle(after[0]) && turnsLittle(after[1])) mesh.flip(edge);
+    }
+}
+
 }  // namespace
 
 Mesh decimated(const Mesh& mesh, std::size_t triangles, double shortest) {
@@ -86,6 +127,7 @@ Mesh decimated(const Mesh& mesh, std::size_t triangles, double shortest) {
   collapseShortEdges(halfedges, shortest);
   for (const bool wellShaped : {true, false})
     if (halfedges.n_faces() > triangles) collapseTo(halfedges, triangles, wellShaped);
+  flipEdgesOfFlatTriangles(halfedges);
   halfedges.delete_isolated_vertices();
   halfedges.garbage_collection();
 

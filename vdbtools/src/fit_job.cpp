@@ -99,13 +99,19 @@ std::vector<double> logModuli(const Rational& rational, const std::vector<FitCel
   return l;
 }
 
-/// Judges rationals by the same cells: those of both sides, fine near the surface.
+/// Judges rationals by the same cells: those of the target's cube, fine near the surface.
 class Judge {
  public:
-  Judge(const std::vector<FitCell>& cells, double cellSize) {
+  Judge(const FitTarget& target, const std::vector<FitCell>& cells) {
+    const double half = target.cell * target.resolution / 2;
     const std::size_t stride = std::max<std::size_t>(1, cells.size() / kJudgedCells);
-    for (std::size_t i = 0; i < cells.size(); i += stride) mCells.push_back(cells[i]);
-    mWeights = julia::cellWeights(mCells, julia::CellWeights::InverseDistance, cellSize);
+    for (std::size_t i = 0; i < cells.size(); i += stride) {
+      double off = 0;
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        off = std::max(off, std::abs(cells[i].x[axis] - target.cubeCentre[axis]));
+      if (off <= half) mCells.push_back(cells[i]);
+    }
+    mWeights = julia::cellWeights(mCells, julia::CellWeights::InverseDistance, target.cell);
     for (const double weight : mWeights) mEta += std::abs(weight);
   }
 
@@ -132,7 +138,7 @@ class Judge {
 class Report {
  public:
   Report(const FitTarget& target, const std::vector<FitCell>& cells, bool wantDistances, Monitor& monitor)
-      : mTarget(target), mJudge(cells, target.cell), mWantDistances(wantDistances), mMonitor(monitor) {}
+      : mTarget(target), mJudge(target, cells), mWantDistances(wantDistances), mMonitor(monitor) {}
 
   void add(std::string stage, double energy, const Rational& rational) {
     FitRow row;

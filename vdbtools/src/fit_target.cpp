@@ -34,7 +34,7 @@ constexpr double kCubeSide = 1.2;       ///< of the box's longest side
 constexpr double kKnownSide = 2;        ///< of the cube's: how far distances are known
 constexpr int kDefaultSdfVoxels = 200;  ///< along the longest side, which `juliavdb fractal` has by default
 
-constexpr double kShortEdge = 0.1;  ///< cells; shorter edges of the surface are slivers of the marching cubes
+constexpr double kShortEdge = 0.4;  ///< cells; shorter edges of the surface are slivers of the marching cubes
 
 constexpr std::size_t kBatch = 4096;  ///< points that a thread takes at once
 
@@ -76,20 +76,33 @@ FractalSpace spaceOf(const Solid& solid, const FitTargetOptions& options, const 
   const Vec3d middle = solid.box.getCenter();
   const double phi = openvdb::tools::BoxSampler::sample(finest.getConstAccessor(), finest.worldToIndex(middle));
   if (phi < -finest.voxelSize()[0]) return fitFractalSpace(finest, solid.box, Vec3d(0));
+  // Too near to tell: the fractal's own lattice decides, and its deepest node if it says outside.
   const double voxel = longestSide(solid.box) / kDefaultSdfVoxels;
-  const MeshSdf deep =
-      makeSdfAbout(middle, solid.mesh, sdfBand(voxel, kFitBand, std::numeric_limits<double>::infinity()),
-                   options.repair, options.gap, monitor);
-  return fitFractalSpace(*deep.grid, solid.box, Vec3d(0));
+  const auto gridTo = [&](double depth) {
+    return makeSdfAbout(middle, solid.mesh, sdfBand(voxel, kFitBand, depth), options.repair, options.gap, monitor).grid;
+  };
+  const FloatGrid::Ptr shallow = gridTo(kFitBand);
+  if (centreIsInside(*shallow, solid.box)) return fitFractalSpace(*shallow, solid.box, Vec3d(0));
+  return fitFractalSpace(*gridTo(std::numeric_limits<double>::infinity()), solid.box, Vec3d(0));
 }
 
-/// The nodes that the trilinear reading of any point of the known cube needs, index space of @a level.
-CoordBBox knownNodes(const FitTarget& target, const FloatGrid& level) {
-  constexpr double kRounding = 1e-6;
-  const Vec3d middle = target.space.toWorld(target.cubeCentre);
-  const Vec3d half(kKnownSide / 2 * target.cell * target.resolution * target.space.scale);
-  return {Coord::floor(level.worldToIndex(middle - half) + Vec3d(kRounding)),
-          Coord::ceil(level.worldToIndex(middle + half) - Vec3d(kRounding))};
+/// Where the cube's middle lies in the finest level's index space: with an odd number of cells one is in the middle,
+/// with an even one a corner of cells is, and their centres are the nodes all the same.
+double middleNode(int resolution) { return resolution % 2 == 0 ? 0.5 : 0; }
+
+/// The cube in which distances are known, index space of level @a l: the same along each axis.
+struct KnownRange {
+  double low, high;
+};
+KnownRange knownRange(const FitTarget& target, std::size_t l) {
+  const double middle = middleNode(target.resolution), half = kKnownSide / 2 * target.resolution;
+  return {std::ldexp(middle - half, -static_cast<int>(l)), std::ldexp(middle + half, -static_cast<int>(l))};
+}
+
+/// The nodes that the trilinear reading of any point of the known cube needs.
+CoordBBox knownNodes(const FitTarget& target, std::size_t l) {
+  const KnownRange range = knownRange(target, l);
+  return {Coord(static_cast<int>(std::floor(range.low))), Coord(static_cast<int>(std::ceil(range.high)))};
 }
 
 bool knowsAll(const FloatGrid& level, const CoordBBox& nodes) {
@@ -159,23 +172,24 @@ julia::TriangleSurface rootSurface(const FitTarget& target, const FitTargetOptio
 /// Reads the levels from one thread.
 class Reader {
  public:
-  explicit Reader(const FitTarget& target) : mTarget(target), mLast(knownNodes(target, *target.levels.back())) {
+  explicit Reader(const FitTarget& target) : mTarget(target), mKnown(knownRange(target, 0)) {
     for (const FloatGrid::ConstPtr& level : target.levels) mLevels.emplace_back(level->tree());
-    mHalf = kKnownSide / 2 * target.cell * target.resolution;
   }
 
   double operator()(const Point& x) const {
-    Point nearest;
+    const double middle = middleNode(mTarget.resolution);
+    Vec3d node;
     double beyond = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double centre = mTarget.cubeCentre[axis];
-      nearest[axis] = std::clamp(x[axis], centre - mHalf, centre + mHalf);
-      beyond += (x[axis] - nearest[axis]) * (x[axis] - nearest[axis]);
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      const double wanted = (x[a] - mTarget.cubeCentre[a]) / mTarget.cell + middle;
+      node[axis] = std::clamp(wanted, mKnown.low, mKnown.high);
+      beyond += (wanted - node[axis]) * (wanted - node[axis]);
     }
-    const Vec3d world = mTarget.space.toWorld(nearest);
-    for (std::size_t l = 0; l < mLevels.size(); ++l)
-      if (const std::optional<double> phi = read(l, mTarget.levels[l]->worldToIndex(world)))
-        return *phi / mTarget.space.scale + std::sqrt(beyond);
+    if (std::isfinite(beyond))
+      for (std::size_t l = 0; l < mLevels.size(); ++l, node *= 0.5)
+        if (const std::optional<double> phi = read(l, node))
+          return *phi / mTarget.space.scale + std::sqrt(beyond) * mTarget.cell;
     return std::numeric_limits<double>::quiet_NaN();  // of a point that is none
   }
 
@@ -195,28 +209,28 @@ class Reader {
   // Unregistered: making one costs nothing, and the trees do not change.
   using Accessor = openvdb::tree::ValueAccessor<const FloatTree, false>;
 
+  /// Trilinear, world units, if all nodes are known that count: a node itself needs no others.
   std::optional<double> read(std::size_t level, const Vec3d& p) const {
-    if (!std::isfinite(p[0] + p[1] + p[2])) return std::nullopt;
-    Coord base = Coord::floor(p);
-    if (level + 1 == mLevels.size()) {  // a point on the cube's faces
-      base = Coord::maxComponent(base, mLast.min());
-      base = Coord::minComponent(base, mLast.max().offsetBy(-1));
-    }
-    double values[8];
+    constexpr double kRounding = 1e-6;
+    const Coord base = Coord::floor(p + Vec3d(kRounding));
+    const Vec3d t = p - base.asVec3d();
+    const bool between[] = {t[0] > kRounding, t[1] > kRounding, t[2] > kRounding};
+    double values[8] = {};
     for (int n = 0; n < 8; ++n) {
+      const int x = n & 1, y = n >> 1 & 1, z = n >> 2;
+      if ((x && !between[0]) || (y && !between[1]) || (z && !between[2])) continue;
       float value;
-      if (!mLevels[level].probeValue(base.offsetBy(n & 1, n >> 1 & 1, n >> 2), value)) return std::nullopt;
+      if (!mLevels[level].probeValue(base.offsetBy(x, y, z), value)) return std::nullopt;
       values[n] = value;
     }
-    const Vec3d t = p - base.asVec3d();
-    for (int axis = 0, count = 8; axis < 3; ++axis, count /= 2)
-      for (int n = 0; n < count / 2; ++n) values[n] = values[2 * n] + t[axis] * (values[2 * n + 1] - values[2 * n]);
+    for (int axis = 0, count = 4; axis < 3; ++axis, count /= 2)
+      for (int n = 0; n < count; ++n)
+        values[n] = between[axis] ? values[2 * n] + t[axis] * (values[2 * n + 1] - values[2 * n]) : values[2 * n];
     return values[0];
   }
 
   const FitTarget& mTarget;
-  CoordBBox mLast;
-  double mHalf = 0;
+  KnownRange mKnown;
   std::vector<Accessor> mLevels;
 };
 
@@ -261,8 +275,7 @@ FitTarget makeFitTarget(const FitTargetOptions& options, Monitor& monitor) {
   target.box = solid.box;
   target.resolution = options.resolution;
   const double voxel = kCubeSide * longestSide(solid.box) / options.resolution;
-  // The cells' centres are nodes: with an odd number of cells one is in the middle, with an even one a corner is.
-  const Vec3d node = solid.box.getCenter() - Vec3d(options.resolution % 2 == 0 ? voxel / 2 : 0);
+  const Vec3d node = solid.box.getCenter() - Vec3d(middleNode(options.resolution) * voxel);
   const FloatGrid::Ptr finest =
       makeSdfAbout(node, solid.mesh, sdfBand(voxel, kFitBand, kFitBand), options.repair, options.gap, monitor).grid;
   target.levels.push_back(finest);
@@ -271,7 +284,7 @@ FitTarget makeFitTarget(const FitTargetOptions& options, Monitor& monitor) {
   target.cell = voxel / target.space.scale;
   target.cubeCentre = target.space.toFractal(solid.box.getCenter());
   monitor.begin("distances", 0);
-  while (!knowsAll(*target.levels.back(), knownNodes(target, *target.levels.back()))) {
+  while (!knowsAll(*target.levels.back(), knownNodes(target, target.levels.size() - 1))) {
     target.levels.push_back(coarser(*target.levels.back()));
     monitor.throwIfCancelled();
   }
@@ -283,9 +296,7 @@ std::vector<julia::FitCell> adaptiveCells(const FitTarget& target, double bandWi
   if (!(bandWidth >= 1 && bandWidth <= kFitBand - 1))
     throw std::invalid_argument("the band is " + std::to_string(bandWidth) + " cells wide; it must be 1 to " +
                                 std::to_string(kFitBand - 1));
-  const Vec3d middle = target.space.toWorld(target.cubeCentre);
-  const double voxel = target.cell * target.space.scale;
-  const Vec3d half(kKnownSide / 2 * voxel * target.resolution);
+  const double voxel = target.cell * target.space.scale, middle = middleNode(target.resolution);
   std::vector<julia::FitCell> cells;
   for (std::size_t l = 0; l < target.levels.size(); ++l) {
     const FloatGrid& level = *target.levels[l];
@@ -293,16 +304,18 @@ std::vector<julia::FitCell> adaptiveCells(const FitTarget& target, double bandWi
     const double least = l == 0 ? 0 : bandWidth * voxel * size / 2;
     const double most =
         l + 1 == target.levels.size() ? std::numeric_limits<double>::infinity() : bandWidth * voxel * size;
-    const Vec3d low = level.worldToIndex(middle - half), high = level.worldToIndex(middle + half);
+    const KnownRange range = knownRange(target, l);
     for (auto value = level.cbeginValueOn(); value; ++value) {
       if (!(std::abs(*value) >= least && std::abs(*value) < most)) continue;
       const Coord node = value.getCoord();
-      double volume = size * size * size;
-      for (int axis = 0; axis < 3; ++axis)
-        volume *= std::clamp(std::min(node[axis] + 0.5, high[axis]) - std::max(node[axis] - 0.5, low[axis]), 0.0, 1.0);
-      if (!(volume > 0)) continue;
-      cells.push_back({target.space.toFractal(level.indexToWorld(node)),
-                       static_cast<float>(*value / target.space.scale), static_cast<float>(volume)});
+      julia::FitCell cell{{}, static_cast<float>(*value / target.space.scale), 1};
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto a = static_cast<std::size_t>(axis);
+        cell.x[a] = target.cubeCentre[a] + (node[axis] * size - middle) * target.cell;
+        const double within = std::min(node[axis] + 0.5, range.high) - std::max(node[axis] - 0.5, range.low);
+        cell.volume *= static_cast<float>(std::max(within, 0.0) * size);
+      }
+      if (cell.volume > 0) cells.push_back(cell);
     }
   }
   return cells;

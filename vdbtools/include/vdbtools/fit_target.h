@@ -25,7 +25,7 @@
 namespace vdbtools {
 
 struct FitTargetOptions {
-  std::filesystem::path input;  ///< a mesh, or a VDB with a signed distance
+  std::filesystem::path input;  ///< a mesh, or a VDB with a signed distance; cavities count as inside
   std::string grid;             ///< of the VDB, as chooseFloatGrid() takes it
   bool repair = false;          ///< closes a mesh's holes, see repairedMeshToSdf()
   double gap = 0;               ///< of the repair, world units
