@@ -44,7 +44,10 @@ constexpr OptionSpec kFitSpecs[] = {
     {"epsilon", "E", "0.04", "monopoles: how well they match the electrostatic potential, as a relative residual"},
     {"weights", "distance|layers", "distance",
      "W: 1 over the distance, or over the layer of cells as in 2015's program"},
-    {"power-penalty", "P", "0", "times the summed powers is added to the energy; small sums are quicker to evaluate"},
+    {"power-penalty", "P", nullptr,
+     "times the summed powers is added to the energy; small sums make rougher sets. Default 0, and 1e-5 with "
+     "--schedule, "
+     "where psi would fall as powers grow without end"},
     {"alpha", "A", "0",
      "scales all powers until the shell is as thin as fractal's --alpha makes it; n = 1 keeps its shape. 0: as found"},
     {"smooth", "W", "1", "smoothing of the surface that roots are placed on, in cells"},
@@ -53,7 +56,7 @@ constexpr OptionSpec kFitSpecs[] = {
 };
 
 // Where the potential is matched: so far outside the surface (fractal space), at so many points.
-constexpr double kOffset = 0.05;
+constexpr double kOffset = 0.004;
 constexpr std::size_t kPotentialSamples = 4000;
 // The fast fit: the roots it starts with as a share of those wanted, and the places on the surface, a root, where more
 // may go.
@@ -382,7 +385,10 @@ FitOptions parseFitOptions(const Recipe& recipe) {
   if (!(options.epsilon > 0 && options.epsilon < 1)) reader.refuse("epsilon", "above 0 and below 1");
   options.weights = reader.choice<julia::CellWeights>(
       "weights", {{"distance", julia::CellWeights::InverseDistance}, {"layers", julia::CellWeights::Layers}});
-  options.powerPenalty = reader.notNegative("power-penalty");
+  constexpr double kSchedulePenalty = 1e-5;
+  options.powerPenalty = reader.has("power-penalty") ? reader.notNegative("power-penalty")
+                         : options.schedule.empty()  ? 0
+                                                     : kSchedulePenalty;
   options.alpha = reader.notNegative("alpha");
   options.seed = reader.integer<std::uint64_t>("seed", 0, std::numeric_limits<std::uint64_t>::max());
   return options;
