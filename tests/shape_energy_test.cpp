@@ -404,6 +404,23 @@ TEST(ShapeEnergy, scalingAllWeightsChangesNothing) {
   EXPECT_NEAR(energyOf(scene).evaluate(scene.rational, nullptr), energy, kDoubles);
 }
 
+TEST(ShapeEnergy, otherWeightsAreAsAnotherEnergy) {
+  const Scene scene = randomScene(24, 300, 4, 4, false);
+  Scene other = randomScene(25, 300, 0, 0, false);
+  other.cells = scene.cells;
+  other.rational = scene.rational;
+  other.options = scene.options;
+  ShapeEnergy energy = energyOf(scene);
+  energy.setWeights(other.weights);
+  EXPECT_EQ(energy.weights(), other.weights);
+  RationalGradient found, expected;
+  EXPECT_EQ(energy.evaluate(scene.rational, &found), energyOf(other).evaluate(scene.rational, &expected));
+  EXPECT_EQ(flattened(found), flattened(expected));
+  EXPECT_THROW(energy.setWeights(std::vector<double>(299, 1)), std::invalid_argument);
+  EXPECT_THROW(energy.setWeights(std::vector<double>(300, 0)), std::invalid_argument);
+  EXPECT_EQ(energy.weights(), other.weights);
+}
+
 // 5000 cells are 20 blocks, the last of them padded, and three parts.
 TEST(ShapeEnergy, memoryThreadsAndInstructionSetsChangeNoBit) {
   for (const int cells : {1, 256, 5000}) {

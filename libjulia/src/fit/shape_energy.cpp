@@ -46,25 +46,18 @@ struct ShapeEnergy::Parts {
 
 ShapeEnergy::ShapeEnergy(std::span<const Point> cells, std::vector<double> weights, const Rational& roots,
                          const ShapeEnergyOptions& options) {
-  if (cells.empty() || weights.size() != cells.size())
-    throw std::invalid_argument("the energy has " + std::to_string(cells.size()) + " cells and " +
-                                std::to_string(weights.size()) + " weights; it needs one weight for each of some");
   if (!(options.alpha > 0) || !std::isfinite(options.alpha))
     throw std::invalid_argument("the energy's alpha is " + textOf(options.alpha) + "; it must be above 0");
   if (!(options.powerPenalty >= 0) || !std::isfinite(options.powerPenalty))
     throw std::invalid_argument("the penalty on powers is " + textOf(options.powerPenalty) + "; it must be 0 or more");
-  double eta = 0;
-  for (const double weight : weights) eta += std::abs(weight);
-  if (!(eta > 0) || !std::isfinite(eta))
-    throw std::invalid_argument("the weights of the energy's cells sum to " + textOf(eta) +
-                                "; they must be finite and not all 0");
   for (const Point& x : cells)
     for (const double coordinate : x)
       if (!std::isfinite(coordinate))
         throw std::invalid_argument("a coordinate of one of the energy's cells is " + textOf(coordinate));
   requireFinite(roots);
-  mParts = std::make_unique<Parts>(Parts{LogMatrix(cells, options.memoryLimit), std::move(weights), options,
-                                         roots.top.roots.size(), roots.bottom.roots.size(), eta});
+  mParts = std::make_unique<Parts>(
+      Parts{LogMatrix(cells, options.memoryLimit), {}, options, roots.top.roots.size(), roots.bottom.roots.size(), 0});
+  setWeights(std::move(weights));
   std::vector<Quaternion<double>> positions;
   for (const Polynomial* polynomial : {&roots.top, &roots.bottom})
     for (const Root& root : polynomial->roots) positions.push_back(root.position);
@@ -75,6 +68,20 @@ ShapeEnergy::~ShapeEnergy() = default;
 
 const std::vector<double>& ShapeEnergy::weights() const { return mParts->weights; }
 const ShapeEnergyOptions& ShapeEnergy::options() const { return mParts->options; }
+
+void ShapeEnergy::setWeights(std::vector<double> weights) {
+  const std::size_t cells = mParts->logs.cellCount();
+  if (cells == 0 || weights.size() != cells)
+    throw std::invalid_argument("the energy has " + std::to_string(cells) + " cells and " +
+                                std::to_string(weights.size()) + " weights; it needs one weight for each of some");
+  double eta = 0;
+  for (const double weight : weights) eta += std::abs(weight);
+  if (!(eta > 0) || !std::isfinite(eta))
+    throw std::invalid_argument("the weights of the energy's cells sum to " + textOf(eta) +
+                                "; they must be finite and not all 0");
+  mParts->weights = std::move(weights);
+  mParts->eta = eta;
+}
 
 void ShapeEnergy::logModuli(const Rational& rational, std::span<double> l) const {
   mParts->logs.logModuli(mParts->columnWeights(rational), rational.logScale, l);

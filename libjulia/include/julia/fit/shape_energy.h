@@ -64,6 +64,8 @@ class ShapeEnergy {
   void logModuli(const Rational& rational, std::span<double> l) const;
 
   const std::vector<double>& weights() const;
+  /// Other W, for a reweighted pass. @throw as the constructor
+  void setWeights(std::vector<double> weights);
   const ShapeEnergyOptions& options() const;
 
  private:
