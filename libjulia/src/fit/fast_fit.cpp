@@ -4,6 +4,7 @@
 #include "fit/bounded_quadratic.h"
 #include "fit/log_matrix.h"
 #include "kernels/kernels.h"
+#include "number_text.h"
 #include "random_numbers.h"
 
 #include "julia/fit/cancelled.h"
@@ -187,14 +188,11 @@ void Fitter::dropUnused() {
 /// Adds the candidates by which the loss would fall most: the square of its slope by the power over the curvature, once
 /// the constant has adapted. Those of one round keep apart.
 std::size_t Fitter::addBest(std::size_t count) {
-  // Cells that are well on their side say nothing about where a root is missing.
-  constexpr double kLeastSlope = 0.0;
   std::vector<float> x, y, z;
   std::vector<double> slope, curvature;
   double total = 0;
   for (std::size_t i = 0; i < mCells.size(); ++i) {
     const LossAt at = lossAt(Loss::Logistic, -mSide[i] * mL[i]);
-    if (at.slope < kLeastSlope) continue;
     x.push_back(static_cast<float>(mCells[i].x[0]));
     y.push_back(static_cast<float>(mCells[i].x[1]));
     z.push_back(static_cast<float>(mCells[i].x[2]));
@@ -269,6 +267,7 @@ void Fitter::newton(Loss kind, double sharpness, int steps, double settled) {
 
   mLogs.logModuli(weights(mX), constant(mX), mL);
   double current = loss(kind, sharpness, mL) + penalty(mX), damping = 1e-9;
+  mBestEnergy = current;
   std::vector<double> curvature(mCells.size()), difference(mCells.size()), moved(mCells.size());
   int small = 0;
   for (int step = 0; step < steps && small < 2; ++step) {
@@ -349,8 +348,8 @@ void Fitter::report(std::string_view stage, double energy, bool roundEnds) {
   if (!mOptions.onStep) return;
   double psi = 0;
   for (std::size_t i = 0; i < mL.size(); ++i) psi -= mWeight[i] * mSide[i] * std::tanh(mL[i]);
-  const Rational now = roundEnds ? rational() : Rational();
-  mOptions.onStep({stage, mSteps, mRoots.size(), energy, psi, heldOutIou(), roundEnds ? &now : nullptr});
+  const Rational now = rational();
+  mOptions.onStep({stage, mSteps, mRoots.size(), energy, psi, heldOutIou(), &now, roundEnds});
 }
 
 FastFit Fitter::run() {
@@ -402,14 +401,26 @@ FastFit fastFit(std::span<const FitCell> cells, std::span<const RootCandidate> c
                 const FastFitOptions& options) {
   if (options.maxRoots < 1) throw std::invalid_argument("a fit needs at least one root; it may have 0");
   if (!(options.targetIou > 0 && options.targetIou <= 1))
-    throw std::invalid_argument("the fit's target is an IoU of " + std::to_string(options.targetIou) +
+    throw std::invalid_argument("the fit's target is an IoU of " + textOf(options.targetIou) +
                                 "; it must be above 0 and at most 1");
   if (!(options.cellSize > 0) || !std::isfinite(options.cellSize))
-    throw std::invalid_argument("the fit's cells are " + std::to_string(options.cellSize) +
-                                " wide; they must be wider than 0");
+    throw std::invalid_argument("the fit's cells are " + textOf(options.cellSize) + " wide; they must be wider than 0");
   if (!(options.powerPenalty >= 0) || !std::isfinite(options.powerPenalty))
-    throw std::invalid_argument("the penalty on powers is " + std::to_string(options.powerPenalty) +
-                                "; it must be 0 or more");
+    throw std::invalid_argument("the penalty on powers is " + textOf(options.powerPenalty) + "; it must be 0 or more");
+  const auto requireFinitePlace = [](const Point& x, const char* what) {
+    for (const double coordinate : x)
+      if (!std::isfinite(coordinate))
+        throw std::invalid_argument("a coordinate of one of the fit's " + std::string(what) + " is " +
+                                    textOf(coordinate));
+  };
+  for (const FitCell& cell : cells) {
+    requireFinitePlace(cell.x, "cells");
+    if (!std::isfinite(cell.phi) || !(cell.volume > 0) || !std::isfinite(cell.volume))
+      throw std::invalid_argument("one of the fit's cells has a distance of " + textOf(cell.phi) + " and a volume of " +
+                                  textOf(cell.volume));
+  }
+  for (const RootCandidate& candidate : candidates) requireFinitePlace(candidate.x, "candidates");
+  for (const Point& x : options.start) requireFinitePlace(x, "first roots");
   const auto inside = std::count_if(cells.begin(), cells.end(), [](const FitCell& cell) { return cell.phi < 0; });
   if (inside == 0 || inside == static_cast<std::ptrdiff_t>(cells.size()))
     throw std::invalid_argument("of the fit's " + std::to_string(cells.size()) + " cells " + std::to_string(inside) +

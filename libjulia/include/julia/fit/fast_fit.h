@@ -31,7 +31,8 @@ struct FitStep {
   double energy = 0;                   ///< what the stage lowers; loss or psi with its penalty
   double psi = 0;                      ///< Eq. 5 on the cells of the fit
   double iou = 0;                      ///< on the held-out cells
-  const Rational* rational = nullptr;  ///< at the end of a round only
+  const Rational* rational = nullptr;  ///< as it is now
+  bool roundEnds = false;              ///< with a new set of roots, or a sharper energy, to come
 };
 
 struct FastFitOptions {
@@ -55,8 +56,9 @@ struct FastFit {
 };
 
 /// @param cells       of both sides, near the surface finer; a tenth of them is held out
-/// @param candidates  enough to choose from: ten a root
-/// @throw std::invalid_argument  no cell inside or none outside, no candidates, options out of their domain
+/// @param candidates  enough to choose from: ten a root; without any, the first roots are all
+/// @throw std::invalid_argument  no cell inside or none outside, numbers that are not finite, options out of their
+///                               domain
 /// @throw Cancelled
 FastFit fastFit(std::span<const FitCell> cells, std::span<const RootCandidate> candidates,
                 const FastFitOptions& options);
