@@ -56,8 +56,9 @@ struct FastFit {
 };
 
 /// @param cells       of both sides, near the surface finer; a tenth of them is held out
-/// @param candidates  enough to choose from: ten a root
-/// @throw std::invalid_argument  no cell inside or none outside, no candidates, options out of their domain
+/// @param candidates  enough to choose from: ten a root; without any, the first roots are all
+/// @throw std::invalid_argument  no cell inside or none outside, numbers that are not finite, options out of their
+///                               domain
 /// @throw Cancelled
 FastFit fastFit(std::span<const FitCell> cells, std::span<const RootCandidate> candidates,
                 const FastFitOptions& options);
