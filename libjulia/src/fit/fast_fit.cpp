@@ -29,6 +29,10 @@ constexpr std::size_t kCellsPerRoot = 160, kLeastCells = 20'000, kMostCells = 16
 constexpr std::size_t kHeldOut = 10;  // one cell in so many
 // On the sum of the squared powers. It settles what the cells leave open; the shape does not depend on it.
 constexpr double kRidge = 1e-6;
+// Far away the map is |q|^degree, the summed powers of the top less those of the bottom. Where that is not above 1,
+// what lies outside comes back, and below 0 infinity is a root; nothing that the cells say forbids it. So a degree
+// below 2, that of q^2, costs as a spring does.
+constexpr double kLeastDegree = 2, kDegreeStiffness = 1;
 // Roots that a round adds: a share of those that there may be, and of those that there are.
 constexpr double kShareOfMost = 0.15, kShareOfPresent = 0.35;
 constexpr int kMostRounds = 60;
@@ -76,6 +80,7 @@ class Fitter {
   double sign(std::size_t root) const { return mRoots[root].bottom ? -1 : 1; }
   std::vector<double> weights(const VectorXd& x) const;
   double constant(const VectorXd& x) const { return x[x.size() - 1]; }
+  double degree(const VectorXd& x) const;
   double penalty(const VectorXd& x) const;
   double loss(Loss kind, double sharpness, const std::vector<double>& l) const;
   void add(const std::vector<FitRoot>& roots);
@@ -143,9 +148,17 @@ std::vector<double> Fitter::weights(const VectorXd& x) const {
   return weights;
 }
 
+double Fitter::degree(const VectorXd& x) const {
+  double sum = 0;
+  for (std::size_t j = 0; j < mRoots.size(); ++j) sum += sign(j) * x[static_cast<Index>(j)];
+  return sum;
+}
+
 double Fitter::penalty(const VectorXd& x) const {
   const auto powers = x.head(x.size() - 1);
-  return kRidge / 2 * powers.squaredNorm() + mOptions.powerPenalty * powers.sum();
+  const double missing = std::max(0.0, kLeastDegree - degree(x));
+  return kRidge / 2 * powers.squaredNorm() + mOptions.powerPenalty * powers.sum() +
+         kDegreeStiffness / 2 * missing * missing;
 }
 
 double Fitter::loss(Loss kind, double sharpness, const std::vector<double>& l) const {
@@ -200,6 +213,8 @@ std::size_t Fitter::addBest(std::size_t count) {
     curvature.push_back(mWeight[i] * at.curvature);
     total += curvature.back();
   }
+  // A top root helps the spring of the degree, a bottom root strains it.
+  const double pull = kDegreeStiffness * std::max(0.0, kLeastDegree - degree(mX));
   // Whole vectors: the kernels leave no rest.
   const std::size_t size = (x.size() + LogMatrix::kBlock - 1) / LogMatrix::kBlock * LogMatrix::kBlock;
   for (std::vector<float>* coordinate : {&x, &y, &z}) coordinate->resize(size);
@@ -223,6 +238,7 @@ std::size_t Fitter::addBest(std::size_t count) {
     kernel.logDistances(root, blur, x.data(), y.data(), z.data(), logs.data(), size);
     double bySlope = 0, mean = 0, square = 0;
     kernel.dotColumns(logs.data(), slope.data(), 1, &bySlope, size);
+    bySlope -= pull;
     kernel.dotColumns(logs.data(), curvature.data(), 1, &mean, size);
     mean /= total;
     for (std::size_t i = 0; i < size; ++i) square += curvature[i] * ((logs[i] - mean) * (logs[i] - mean));
@@ -289,16 +305,24 @@ void Fitter::newton(Loss kind, double sharpness, int steps, double settled) {
     Eigen::MatrixXd H = signs.asDiagonal() * mLogs.gram(curvature, stride) * signs.asDiagonal();
     H.diagonal().head(n - 1).array() += kRidge;
     const double scale = H.trace() / static_cast<double>(n);
+    // The spring of the degree: it is M/2 (degree - least - s)^2 at its best s >= 0, one more variable.
+    VectorXd spring(n + 1);
+    spring << signs.head(n - 1), 0, -1;
+    const double excess = degree(mX) - kLeastDegree, slack = std::max(0.0, excess);
+    bounded.resize(static_cast<std::size_t>(n) + 1, 1);
 
     // The quadratic model's minimum within the bounds, and then along the line to it: every point there is feasible.
     bool lower = false;
     for (int attempt = 0; attempt < 4 && !lower; ++attempt) {
-      Eigen::MatrixXd damped = H;
-      damped.diagonal().array() += damping * scale;
-      const VectorXd origin = mX - least;
+      Eigen::MatrixXd damped = kDegreeStiffness * spring * spring.transpose();
+      damped.topLeftCorner(n, n) += H;
+      damped.diagonal().head(n).array() += damping * scale;
+      VectorXd origin(n + 1), slope = (kDegreeStiffness * (excess - slack)) * spring;
+      origin << mX - least, slack;
+      slope.head(n) += gradient;
       std::vector<char> passive(bounded.size());
-      for (Index i = 0; i < n; ++i) passive[static_cast<std::size_t>(i)] = origin[i] > 0;
-      const VectorXd target = minimiseBounded(damped, damped * origin - gradient, bounded, passive) + least;
+      for (Index i = 0; i <= n; ++i) passive[static_cast<std::size_t>(i)] = origin[i] > 0;
+      const VectorXd target = minimiseBounded(damped, damped * origin - slope, bounded, passive).head(n) + least;
       const VectorXd direction = target - mX;
       mLogs.logModuli(weights(direction), constant(direction), difference);
       double length = 1;
