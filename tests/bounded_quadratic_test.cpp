@@ -30,11 +30,12 @@ struct Program {
 };
 
 /// @param rank  of H but for a small diagonal: the lower, the more the variables depend on each other
-Program randomProgram(Random& random, Index n, Index rank, double diagonal) {
+/// @param low   of the entries, up to 1, that H is the square of: from 0 on, all columns point one way
+Program randomProgram(Random& random, Index n, Index rank, double diagonal, double low = -1) {
   MatrixXd A(rank, n);
   Program program{{}, VectorXd(n), std::vector<char>(static_cast<std::size_t>(n))};
   for (Index i = 0; i < n; ++i) {
-    for (Index k = 0; k < rank; ++k) A(k, i) = random.between(-1, 1);
+    for (Index k = 0; k < rank; ++k) A(k, i) = random.between(low, 1);
     program.b[i] = random.between(-1, 1);
     program.bounded[static_cast<std::size_t>(i)] = random.integer(0, 4) > 0;
   }
@@ -97,14 +98,16 @@ void expectOptimal(const Program& program, const VectorXd& x, const std::vector<
 
 TEST(BoundedQuadratic, isTheBestOfAllActiveSets) {
   Random random(1);
-  for (int round = 0; round < 400; ++round) {
+  for (int round = 0; round < 4000; ++round) {
     const Index n = random.integer(1, 8);
-    const Program program = randomProgram(random, n, n + 2, 0.01);
+    const double diagonal = std::pow(10, random.between(-4, 0));
+    const Program program =
+        randomProgram(random, n, random.integer(1, static_cast<int>(n) + 2), diagonal, round % 2 == 0 ? -1 : 0.3);
     std::vector<char> passive = randomGuess(random, n);
     const VectorXd x = minimiseBounded(program.H, program.b, program.bounded, passive);
     expectOptimal(program, x, passive, 1e-9);
     const VectorXd expected = bruteForce(program);
-    for (Index i = 0; i < n; ++i) EXPECT_NEAR(x[i], expected[i], 1e-8) << round << ": " << i << " of " << n;
+    for (Index i = 0; i < n; ++i) EXPECT_NEAR(x[i], expected[i], 1e-9 / diagonal) << round << ": " << i << " of " << n;
   }
 }
 

@@ -73,13 +73,13 @@ void expectNothingNegative(const Rational& rational) {
 
 TEST(Minimise, energiesFallAndPowersStayAboveZero) {
   int atBound = 0;
-  for (std::uint64_t seed = 1; seed <= 12; ++seed)
+  for (std::uint64_t seed = 1; seed <= 60; ++seed)
     for (const FitVariables variables : {FitVariables::Coarse, FitVariables::Full}) {
       Rational rational = randomRational(seed, 4, seed % 3 == 0 ? 0 : 5);
       julia::ShapeEnergyOptions energyOptions;
       energyOptions.alpha = seed % 2 == 0 ? 1 : 5;
       energyOptions.powerPenalty = seed % 4 == 0 ? 1e-3 : 0;
-      const ShapeEnergy energy = ballEnergy(12, 0.5 + 0.02 * static_cast<double>(seed), rational, energyOptions);
+      const ShapeEnergy energy = ballEnergy(12, 0.4 + 0.01 * static_cast<double>(seed), rational, energyOptions);
       const double start = energy.evaluate(rational, nullptr);
       double lowest = start;
       int steps = 0;

@@ -33,6 +33,8 @@ constexpr double kRidge = 1e-6;
 // what lies outside comes back, and below 0 infinity is a root; nothing that the cells say forbids it. So a degree
 // below 2, that of q^2, costs as a spring does.
 constexpr double kLeastDegree = 2, kDegreeStiffness = 1;
+// The power of the root at the origin, likewise: 0 attracts from 1 on, and faster than in proportion above it.
+constexpr double kLeastAtOrigin = 2;
 // Roots that a round adds: a share of those that there may be, and of those that there are.
 constexpr double kShareOfMost = 0.15, kShareOfPresent = 0.35;
 constexpr int kMostRounds = 60;
@@ -378,7 +380,7 @@ void Fitter::report(std::string_view stage, double energy, bool roundEnds) {
 
 FastFit Fitter::run() {
   mStage = "roots";
-  std::vector<FitRoot> first{{Point{0, 0, 0}, false, 1}};
+  std::vector<FitRoot> first{{Point{0, 0, 0}, false, kLeastAtOrigin}};
   for (const Point& x : mOptions.start) {
     // The side is left to the cell nearest to it.
     const auto nearest = std::min_element(mCells.begin(), mCells.end(), [&](const FitCell& a, const FitCell& b) {
