@@ -37,9 +37,11 @@ constexpr double kLeastDegree = 2, kDegreeStiffness = 1;
 constexpr double kLeastAtOrigin = 2;
 // Roots that a round adds: a share of those that there may be, and of those that there are.
 constexpr double kShareOfMost = 0.15, kShareOfPresent = 0.35;
-constexpr int kMostRounds = 60;
+constexpr std::size_t kMostRounds = 60;
 constexpr int kPatience = 3;  // rounds without a better fit of the held-out cells
 constexpr double kLeastRise = 2e-4;
+// Logarithms that one round may take to compare candidates; beyond it each round looks at others of them.
+constexpr double kMostScores = 2e9;
 // Multiply-adds that one Gram matrix may take; beyond it a part of the cells stands for all.
 constexpr double kMostWork = 4e10;
 constexpr std::size_t kLeastCellsPerColumn = 6;
@@ -105,6 +107,7 @@ class Fitter {
   std::string_view mStage;
   double mBestEnergy = 0;
   int mSteps = 0;
+  std::size_t mRound = 0;
 };
 
 std::vector<Point> pointsOf(const std::vector<FitCell>& cells) {
@@ -228,12 +231,14 @@ std::size_t Fitter::addBest(std::size_t count) {
     bool bottom = false;
   };
   std::vector<Score> scores(mCandidates.size());
+  const double scoresToMake = static_cast<double>(mCandidates.size()) * static_cast<double>(size);
+  const auto inTurn = static_cast<std::size_t>(1 + std::floor(scoresToMake / kMostScores));
   const kernels::Kernels<float>& kernel = kernels::kernels<float>();
   // A candidate shall not be chosen for the one cell that it happens to lie in.
   const float blur = static_cast<float>(4 * mOptions.cellSize * mOptions.cellSize);
   tbb::parallel_for(std::size_t{0}, mCandidates.size(), [&](std::size_t k) {
     scores[k].candidate = k;
-    if (mUsed[k]) return;
+    if (mUsed[k] || (k + mRound) % inTurn != 0) return;
     const Point& at = mCandidates[k].x;
     const float root[3] = {static_cast<float>(at[0]), static_cast<float>(at[1]), static_cast<float>(at[2])};
     std::vector<float> logs(size);
@@ -396,7 +401,7 @@ FastFit Fitter::run() {
   newton(Loss::Logistic, 1, kRoundSteps, kSettled);
   double best = 0;
   int worse = 0;
-  for (int round = 0; round < kMostRounds && worse < kPatience; ++round) {
+  for (; mRound < kMostRounds && worse < kPatience; ++mRound) {
     dropUnused();
     const double iou = heldOutIou();
     report(mStage, mBestEnergy, true);
