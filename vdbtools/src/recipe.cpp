@@ -153,9 +153,8 @@ std::pair<Recipe, std::string> recipeFromMetadata(const std::map<std::string, st
 }
 
 std::string alternativeOption(const std::string& option) {
-  constexpr std::pair<const char*, const char*> kPairs[] = {{"resolution", "voxel-size"},
-                                                            {"sdf-resolution", "sdf-voxel-size"},
-                                                            {"versor", "rational"}};
+  constexpr std::pair<const char*, const char*> kPairs[] = {
+      {"resolution", "voxel-size"}, {"sdf-resolution", "sdf-voxel-size"}, {"versor", "rational"}};
   for (const auto& [one, other] : kPairs) {
     if (option == one) return other;
     if (option == other) return one;
