@@ -20,6 +20,7 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <random>
 #include <sstream>
 
 namespace vdbtools {
@@ -80,6 +81,27 @@ std::vector<Point> pointsOf(const std::vector<FitCell>& cells) {
   points.reserve(cells.size());
   for (const FitCell& cell : cells) points.push_back(cell.x);
   return points;
+}
+
+/// The same cells, each seen at a place of its own within it: on a lattice, a flat face between two layers of nodes
+/// could lie anywhere.
+std::vector<FitCell> jittered(const FitTarget& target, std::vector<FitCell> cells, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::vector<Point> points;
+  for (const FitCell& cell : cells) {
+    const double size = std::cbrt(double{cell.volume}) * target.cell;
+    Point x = cell.x;
+    // The engine's numbers are fixed by the standard, the library's distributions are not.
+    for (double& coordinate : x) coordinate += size * (static_cast<double>(random() >> 11) * 0x1p-53 - 0.5);
+    points.push_back(x);
+  }
+  std::vector<double> phi(points.size());
+  target.distances(points, phi);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    cells[i].x = points[i];
+    cells[i].phi = static_cast<float>(phi[i]);
+  }
+  return cells;
 }
 
 /// L of many points, in parallel.
@@ -257,7 +279,8 @@ Rational runFast(const FitTarget& target, const std::vector<FitCell>& cells, con
   };
   fast.cancelled = [&monitor] { return monitor.cancelled(); };
   monitor.begin("fit", 0);
-  const julia::FastFit fit = julia::fastFit(cells, candidatesOf(target, options, monitor), fast);
+  const julia::FastFit fit =
+      julia::fastFit(jittered(target, cells, options.seed), candidatesOf(target, options, monitor), fast);
   return fit.rational;
 }
 

@@ -4,6 +4,7 @@
 #include "fit/bounded_quadratic.h"
 #include "fit/log_matrix.h"
 #include "kernels/kernels.h"
+#include "number_text.h"
 #include "random_numbers.h"
 
 #include "julia/fit/cancelled.h"
@@ -28,6 +29,12 @@ constexpr std::size_t kCellsPerRoot = 160, kLeastCells = 20'000, kMostCells = 16
 constexpr std::size_t kHeldOut = 10;  // one cell in so many
 // On the sum of the squared powers. It settles what the cells leave open; the shape does not depend on it.
 constexpr double kRidge = 1e-6;
+// Far away the map is |q|^degree, the summed powers of the top less those of the bottom. Where that is not above 1,
+// what lies outside comes back, and below 0 infinity is a root; nothing that the cells say forbids it. So a degree
+// below 2, that of q^2, costs as a spring does.
+constexpr double kLeastDegree = 2, kDegreeStiffness = 1;
+// The power of the root at the origin, likewise: 0 attracts from 1 on, and faster than in proportion above it.
+constexpr double kLeastAtOrigin = 2;
 // Roots that a round adds: a share of those that there may be, and of those that there are.
 constexpr double kShareOfMost = 0.15, kShareOfPresent = 0.35;
 constexpr int kMostRounds = 60;
@@ -75,6 +82,7 @@ class Fitter {
   double sign(std::size_t root) const { return mRoots[root].bottom ? -1 : 1; }
   std::vector<double> weights(const VectorXd& x) const;
   double constant(const VectorXd& x) const { return x[x.size() - 1]; }
+  double degree(const VectorXd& x) const;
   double penalty(const VectorXd& x) const;
   double loss(Loss kind, double sharpness, const std::vector<double>& l) const;
   void add(const std::vector<FitRoot>& roots);
@@ -142,9 +150,17 @@ std::vector<double> Fitter::weights(const VectorXd& x) const {
   return weights;
 }
 
+double Fitter::degree(const VectorXd& x) const {
+  double sum = 0;
+  for (std::size_t j = 0; j < mRoots.size(); ++j) sum += sign(j) * x[static_cast<Index>(j)];
+  return sum;
+}
+
 double Fitter::penalty(const VectorXd& x) const {
   const auto powers = x.head(x.size() - 1);
-  return kRidge / 2 * powers.squaredNorm() + mOptions.powerPenalty * powers.sum();
+  const double missing = std::max(0.0, kLeastDegree - degree(x));
+  return kRidge / 2 * powers.squaredNorm() + mOptions.powerPenalty * powers.sum() +
+         kDegreeStiffness / 2 * missing * missing;
 }
 
 double Fitter::loss(Loss kind, double sharpness, const std::vector<double>& l) const {
@@ -199,6 +215,8 @@ std::size_t Fitter::addBest(std::size_t count) {
     curvature.push_back(mWeight[i] * at.curvature);
     total += curvature.back();
   }
+  // A top root helps the spring of the degree, a bottom root strains it.
+  const double pull = kDegreeStiffness * std::max(0.0, kLeastDegree - degree(mX));
   // Whole vectors: the kernels leave no rest.
   const std::size_t size = (x.size() + LogMatrix::kBlock - 1) / LogMatrix::kBlock * LogMatrix::kBlock;
   for (std::vector<float>* coordinate : {&x, &y, &z}) coordinate->resize(size);
@@ -222,6 +240,7 @@ std::size_t Fitter::addBest(std::size_t count) {
     kernel.logDistances(root, blur, x.data(), y.data(), z.data(), logs.data(), size);
     double bySlope = 0, mean = 0, square = 0;
     kernel.dotColumns(logs.data(), slope.data(), 1, &bySlope, size);
+    bySlope -= pull;
     kernel.dotColumns(logs.data(), curvature.data(), 1, &mean, size);
     mean /= total;
     for (std::size_t i = 0; i < size; ++i) square += curvature[i] * ((logs[i] - mean) * (logs[i] - mean));
@@ -266,6 +285,7 @@ void Fitter::newton(Loss kind, double sharpness, int steps, double settled) {
 
   mLogs.logModuli(weights(mX), constant(mX), mL);
   double current = loss(kind, sharpness, mL) + penalty(mX), damping = 1e-9;
+  mBestEnergy = current;
   std::vector<double> curvature(mCells.size()), difference(mCells.size()), moved(mCells.size());
   int small = 0;
   for (int step = 0; step < steps && small < 2; ++step) {
@@ -287,16 +307,24 @@ void Fitter::newton(Loss kind, double sharpness, int steps, double settled) {
     Eigen::MatrixXd H = signs.asDiagonal() * mLogs.gram(curvature, stride) * signs.asDiagonal();
     H.diagonal().head(n - 1).array() += kRidge;
     const double scale = H.trace() / static_cast<double>(n);
+    // The spring of the degree: it is M/2 (degree - least - s)^2 at its best s >= 0, one more variable.
+    VectorXd spring(n + 1);
+    spring << signs.head(n - 1), 0, -1;
+    const double excess = degree(mX) - kLeastDegree, slack = std::max(0.0, excess);
+    bounded.resize(static_cast<std::size_t>(n) + 1, 1);
 
     // The quadratic model's minimum within the bounds, and then along the line to it: every point there is feasible.
     bool lower = false;
     for (int attempt = 0; attempt < 4 && !lower; ++attempt) {
-      Eigen::MatrixXd damped = H;
-      damped.diagonal().array() += damping * scale;
-      const VectorXd origin = mX - least;
+      Eigen::MatrixXd damped = kDegreeStiffness * spring * spring.transpose();
+      damped.topLeftCorner(n, n) += H;
+      damped.diagonal().head(n).array() += damping * scale;
+      VectorXd origin(n + 1), slope = (kDegreeStiffness * (excess - slack)) * spring;
+      origin << mX - least, slack;
+      slope.head(n) += gradient;
       std::vector<char> passive(bounded.size());
-      for (Index i = 0; i < n; ++i) passive[static_cast<std::size_t>(i)] = origin[i] > 0;
-      const VectorXd target = minimiseBounded(damped, damped * origin - gradient, bounded, passive) + least;
+      for (Index i = 0; i <= n; ++i) passive[static_cast<std::size_t>(i)] = origin[i] > 0;
+      const VectorXd target = minimiseBounded(damped, damped * origin - slope, bounded, passive).head(n) + least;
       const VectorXd direction = target - mX;
       mLogs.logModuli(weights(direction), constant(direction), difference);
       double length = 1;
@@ -352,7 +380,7 @@ void Fitter::report(std::string_view stage, double energy, bool roundEnds) {
 
 FastFit Fitter::run() {
   mStage = "roots";
-  std::vector<FitRoot> first{{Point{0, 0, 0}, false, 1}};
+  std::vector<FitRoot> first{{Point{0, 0, 0}, false, kLeastAtOrigin}};
   for (const Point& x : mOptions.start) {
     // The side is left to the cell nearest to it.
     const auto nearest = std::min_element(mCells.begin(), mCells.end(), [&](const FitCell& a, const FitCell& b) {
@@ -399,14 +427,26 @@ FastFit fastFit(std::span<const FitCell> cells, std::span<const RootCandidate> c
                 const FastFitOptions& options) {
   if (options.maxRoots < 1) throw std::invalid_argument("a fit needs at least one root; it may have 0");
   if (!(options.targetIou > 0 && options.targetIou <= 1))
-    throw std::invalid_argument("the fit's target is an IoU of " + std::to_string(options.targetIou) +
+    throw std::invalid_argument("the fit's target is an IoU of " + textOf(options.targetIou) +
                                 "; it must be above 0 and at most 1");
   if (!(options.cellSize > 0) || !std::isfinite(options.cellSize))
-    throw std::invalid_argument("the fit's cells are " + std::to_string(options.cellSize) +
-                                " wide; they must be wider than 0");
+    throw std::invalid_argument("the fit's cells are " + textOf(options.cellSize) + " wide; they must be wider than 0");
   if (!(options.powerPenalty >= 0) || !std::isfinite(options.powerPenalty))
-    throw std::invalid_argument("the penalty on powers is " + std::to_string(options.powerPenalty) +
-                                "; it must be 0 or more");
+    throw std::invalid_argument("the penalty on powers is " + textOf(options.powerPenalty) + "; it must be 0 or more");
+  const auto requireFinitePlace = [](const Point& x, const char* what) {
+    for (const double coordinate : x)
+      if (!std::isfinite(coordinate))
+        throw std::invalid_argument("a coordinate of one of the fit's " + std::string(what) + " is " +
+                                    textOf(coordinate));
+  };
+  for (const FitCell& cell : cells) {
+    requireFinitePlace(cell.x, "cells");
+    if (!std::isfinite(cell.phi) || !(cell.volume > 0) || !std::isfinite(cell.volume))
+      throw std::invalid_argument("one of the fit's cells has a distance of " + textOf(cell.phi) + " and a volume of " +
+                                  textOf(cell.volume));
+  }
+  for (const RootCandidate& candidate : candidates) requireFinitePlace(candidate.x, "candidates");
+  for (const Point& x : options.start) requireFinitePlace(x, "first roots");
   const auto inside = std::count_if(cells.begin(), cells.end(), [](const FitCell& cell) { return cell.phi < 0; });
   if (inside == 0 || inside == static_cast<std::ptrdiff_t>(cells.size()))
     throw std::invalid_argument("of the fit's " + std::to_string(cells.size()) + " cells " + std::to_string(inside) +

@@ -2,6 +2,7 @@
 #include "julia/fit/minimise.h"
 
 #include "fit/eigen_setup.h"
+#include "number_text.h"
 
 #include "julia/fit/cancelled.h"
 
@@ -9,7 +10,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <limits>
+#include <stdexcept>
+#include <string>
 
 namespace julia {
 namespace {
@@ -64,6 +68,11 @@ struct Variables {
 double minimise(const ShapeEnergy& energy, Rational& rational, FitVariables kind, const MinimiseOptions& options) {
   fixEigenBlocking();
   requireFinite(rational);
+  if (options.maxIterations < 0)
+    throw std::invalid_argument("the optimiser may make " + std::to_string(options.maxIterations) +
+                                " iterations; it must be 0 or more");
+  if (!(options.tolerance >= 0) || !std::isfinite(options.tolerance))
+    throw std::invalid_argument("the optimiser's tolerance is " + textOf(options.tolerance) + "; it must be 0 or more");
   Variables variables{kind, {}};
   // Powers are hundreds where tau and beta are about 1: a unit of each variable is about its own size.
   variables.units.resize(variables.count(rational));
@@ -80,23 +89,33 @@ double minimise(const ShapeEnergy& energy, Rational& rational, FitVariables kind
   }
   variables.units[0] = std::max(1.0, std::abs(rational.logScale) / 10);
 
-  VectorXd best = variables.of(rational);
+  VectorXd low = VectorXd::Zero(variables.units.size());
+  low[0] = -std::numeric_limits<double>::infinity();
+  const VectorXd high = VectorXd::Constant(low.size(), std::numeric_limits<double>::infinity());
+  VectorXd best = variables.of(rational).cwiseMax(low);
   double lowest = std::numeric_limits<double>::infinity();
   RationalGradient gradient;
   Rational at = rational;
-  bool first = true;
+  int steps = -1;  // the first evaluation is none
+  std::exception_ptr failure;
   const auto evaluate = [&](const VectorXd& x, VectorXd& g) {
-    if (options.cancelled && options.cancelled()) throw Cancelled();
-    variables.assign(x, at);
-    const double value = energy.evaluate(at, &gradient);
-    g = variables.gradient(gradient, at);
-    if (value < lowest) {
-      lowest = value;
-      best = x;
-      if (!first && options.onStep) options.onStep(value, at);
+    try {
+      if (options.cancelled && options.cancelled()) throw Cancelled();
+      // Rounding may take a step a little beyond a bound.
+      const VectorXd within = x.cwiseMax(low);
+      variables.assign(within, at);
+      const double value = energy.evaluate(at, &gradient);
+      g = variables.gradient(gradient, at);
+      if (value < lowest) {
+        lowest = value;
+        best = within;
+        if (++steps > 0 && options.onStep) options.onStep(value, at);
+      }
+      return value;
+    } catch (...) {
+      failure = std::current_exception();
+      throw;
     }
-    first = false;
-    return value;
   };
 
   LBFGSpp::LBFGSBParam<double> parameters;
@@ -105,20 +124,28 @@ double minimise(const ShapeEnergy& energy, Rational& rational, FitVariables kind
   parameters.epsilon_rel = 0;
   parameters.past = 10;
   parameters.delta = options.tolerance;
-  parameters.max_iterations = options.maxIterations;
-  parameters.max_linesearch = 40;
-  LBFGSpp::LBFGSBSolver<double> solver(parameters);
-  VectorXd low = VectorXd::Zero(best.size());
-  low[0] = -std::numeric_limits<double>::infinity();
-  const VectorXd high = VectorXd::Constant(best.size(), std::numeric_limits<double>::infinity());
-  VectorXd x = best.cwiseMax(low);
-  double value = 0;
-  try {
-    solver.minimize(evaluate, x, value, low, high);
-  } catch (const Cancelled&) {
-    throw;
-  } catch (const std::exception&) {
-    // LBFGSpp says so where a line search finds nothing lower: the best so far is what there is.
+  parameters.max_linesearch = 20;
+  bool settled = false;
+  if (options.maxIterations == 0) {
+    VectorXd g;
+    evaluate(best, g);
+    settled = true;
+  }
+  while (!settled) {
+    const double before = lowest;
+    parameters.max_iterations = std::max(1, options.maxIterations - std::max(0, steps));
+    LBFGSpp::LBFGSBSolver<double> solver(parameters);
+    VectorXd x = best;
+    double value = 0;
+    try {
+      solver.minimize(evaluate, x, value, low, high);
+      settled = true;
+    } catch (const std::exception&) {
+      if (failure) std::rethrow_exception(failure);
+      // LBFGSpp says so where a line search ends badly. What it remembers of the curvature may be at fault: another
+      // start from the best so far, without memory, goes on as long as that helps.
+      settled = !(before - lowest > options.tolerance) || steps >= options.maxIterations;
+    }
   }
   variables.assign(best, rational);
   return lowest;

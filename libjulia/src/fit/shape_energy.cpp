@@ -2,6 +2,7 @@
 #include "julia/fit/shape_energy.h"
 
 #include "fit/log_matrix.h"
+#include "number_text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -46,10 +47,14 @@ struct ShapeEnergy::Parts {
 ShapeEnergy::ShapeEnergy(std::span<const Point> cells, std::vector<double> weights, const Rational& roots,
                          const ShapeEnergyOptions& options) {
   if (!(options.alpha > 0) || !std::isfinite(options.alpha))
-    throw std::invalid_argument("the energy's alpha is " + std::to_string(options.alpha) + "; it must be above 0");
+    throw std::invalid_argument("the energy's alpha is " + textOf(options.alpha) + "; it must be above 0");
   if (!(options.powerPenalty >= 0) || !std::isfinite(options.powerPenalty))
-    throw std::invalid_argument("the penalty on powers is " + std::to_string(options.powerPenalty) +
-                                "; it must be 0 or more");
+    throw std::invalid_argument("the penalty on powers is " + textOf(options.powerPenalty) + "; it must be 0 or more");
+  for (const Point& x : cells)
+    for (const double coordinate : x)
+      if (!std::isfinite(coordinate))
+        throw std::invalid_argument("a coordinate of one of the energy's cells is " + textOf(coordinate));
+  requireFinite(roots);
   mParts = std::make_unique<Parts>(
       Parts{LogMatrix(cells, options.memoryLimit), {}, options, roots.top.roots.size(), roots.bottom.roots.size(), 0});
   setWeights(std::move(weights));
@@ -72,7 +77,7 @@ void ShapeEnergy::setWeights(std::vector<double> weights) {
   double eta = 0;
   for (const double weight : weights) eta += std::abs(weight);
   if (!(eta > 0) || !std::isfinite(eta))
-    throw std::invalid_argument("the weights of the energy's cells sum to " + std::to_string(eta) +
+    throw std::invalid_argument("the weights of the energy's cells sum to " + textOf(eta) +
                                 "; they must be finite and not all 0");
   mParts->weights = std::move(weights);
   mParts->eta = eta;

@@ -6,7 +6,9 @@
 /// dropped where their power comes to 0. The energy psi of [Kim15] then sharpens what was found.
 ///
 /// A root inside the target is a top root and one outside a bottom root, so that no root leaves a bubble of its own on
-/// the other side. The first top root lies at the origin with a power of 1 or more: 0 stays super-attracting.
+/// the other side. The first top root lies at the origin, which should be inside, with a power of 2 or more: 0 stays
+/// super-attracting. The summed powers of the top are held at least 2 above those of the
+/// bottom, by a spring that gives a little: far away the map is steeper than q, and infinity attracts.
 #pragma once
 
 #include "julia/fit/shape_energy.h"
@@ -56,8 +58,9 @@ struct FastFit {
 };
 
 /// @param cells       of both sides, near the surface finer; a tenth of them is held out
-/// @param candidates  enough to choose from: ten a root
-/// @throw std::invalid_argument  no cell inside or none outside, no candidates, options out of their domain
+/// @param candidates  enough to choose from: ten a root; without any, the first roots are all
+/// @throw std::invalid_argument  no cell inside or none outside, numbers that are not finite, options out of their
+///                               domain
 /// @throw Cancelled
 FastFit fastFit(std::span<const FitCell> cells, std::span<const RootCandidate> candidates,
                 const FastFitOptions& options);

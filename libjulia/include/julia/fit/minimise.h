@@ -16,17 +16,18 @@ enum class FitVariables {
 };
 
 struct MinimiseOptions {
-  int maxIterations = 500;
+  int maxIterations = 500;  ///< 0 or more
   double tolerance = 1e-6;  ///< stops where ten steps lower the energy by less than this
-  /// Called after each accepted step. The energies it gets never rise.
+  /// Called where the energy is lower than anywhere before. What it throws ends the work.
   std::function<void(double energy, const Rational& rational)> onStep;
   std::function<bool()> cancelled;  ///< asked at each evaluation
 };
 
-/// Lowers the energy from @a rational on, and leaves there the best that was found. A line search that fails ends it
-/// where it is. @return the energy there
+/// Lowers the energy from @a rational on, whose negative variables are taken as 0, and leaves there the best that was
+/// found. @return the energy there
 /// @throw Cancelled
-/// @throw std::invalid_argument  a number of the rational is not finite
+/// @throw std::invalid_argument  a number of the rational is not finite, it has not the energy's roots, or options out
+///                               of their domain
 double minimise(const ShapeEnergy& energy, Rational& rational, FitVariables variables, const MinimiseOptions& options);
 
 }  // namespace julia

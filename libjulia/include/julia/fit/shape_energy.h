@@ -49,14 +49,15 @@ class ShapeEnergy {
  public:
   /// @param weights  W of every cell
   /// @param roots    where the roots are; its powers do not matter
-  /// @throw std::invalid_argument  no cells, sizes that differ, weights that are not finite or all 0, options out of
-  ///                               their domain
+  /// @throw std::invalid_argument  no cells, sizes that differ, numbers that are not finite, weights that are all 0,
+  ///                               options out of their domain
   ShapeEnergy(std::span<const Point> cells, std::vector<double> weights, const Rational& roots,
               const ShapeEnergyOptions& options);
   ~ShapeEnergy();
 
   /// psi and the penalty. @param rational  powers and scales; its roots are where the constructor's are
   /// @param gradient  filled if not null
+  /// @throw std::invalid_argument  not as many roots
   double evaluate(const Rational& rational, RationalGradient* gradient) const;
 
   /// L of every cell.
