@@ -54,7 +54,7 @@ vdbtools::Recipe overridden(vdbtools::Recipe base, const vdbtools::Recipe& given
   for (const auto& [name, value] : given) {
     base.erase(vdbtools::alternativeOption(name));
     if (name == "input") base.erase("source-sha256");
-    if (name == "versor") base.erase("versor-sha256");
+    if (name == "versor" || name == "rational") base.erase("versor-sha256");
   }
   for (const auto& [name, value] : given) base[name] = value;
   return base;

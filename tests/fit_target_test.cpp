@@ -219,6 +219,18 @@ TEST(FitTarget, ThinPlateKeepsItsInside) {
   EXPECT_TRUE(offsetPoints(target, 50, -2 * cell, 1).empty());
 }
 
+// A plate that is not in the middle of its box: the nodes of some coarse level are all outside it.
+TEST(FitTarget, ThinPartsBetweenTheNodesOfCoarseLevels) {
+  const Mesh shape = test_meshes::merged(test_meshes::makeBox({-1, -0.5, -0.25}, {1, 0.5, 0.25}),
+                                         test_meshes::makeSphere(0.25, 3, {0.5, 0, 0.5}));
+  for (int resolution = 28; resolution < 40; ++resolution) {
+    const FitTarget target = targetOf(shape, {.resolution = resolution, .triangles = 100});
+    EXPECT_TRUE(target.inside({0, 0, -0.05})) << resolution;
+    for (const Point& x : {Point{0, 0.5, 0}, Point{1, 1, 1}, Point{-1, -1, -1}})
+      EXPECT_GT(target.distance(x), 0.05) << resolution;
+  }
+}
+
 TEST(FitTarget, BunnySurfaceIsClosed) {
   if (!test_meshes::hasBunny()) GTEST_SKIP() << "no bunny here";
   Monitor monitor;

@@ -435,6 +435,12 @@ FitResult runFit(const FitOptions& options, bool wantDistances, Monitor& monitor
       result.slope = options.alpha;
     }
     result.measure = measureFit(target, result.rational, kAlphaOfPsi, monitor);
+    // Where the outside has most of the weight, all of space outside is a minimum of its own.
+    if (result.measure.iou == 0)
+      throw DataError("the fit came to a map that has nothing of the target inside; " +
+                      std::string(options.schedule.empty()
+                                      ? "allow more --roots"
+                                      : "try --weights layers, or the fast fit, without --schedule"));
     result.rows = std::move(report.rows());
     result.steps = static_cast<int>(result.rows.size());
     return result;

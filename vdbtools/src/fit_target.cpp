@@ -124,7 +124,13 @@ FloatGrid::Ptr coarser(const FloatGrid& fine) {
     if (((node[0] | node[1] | node[2]) & 1) == 0) accessor.setValue(node >> 1, *value);
   }
   openvdb::tools::signedFloodFill(kept->tree());
-  FloatGrid::Ptr wide = openvdb::tools::dilateSdf(*kept, kFitBand / 2, openvdb::tools::NN_FACE_EDGE_VERTEX);
+  // What dilateSdf() does, but that cannot finish where no node is inside: thin parts lie between the nodes.
+  bool anyInside = false;
+  for (auto value = kept->cbeginValueOn(); value; ++value) anyInside |= *value < 0;
+  openvdb::tools::FastSweeping<FloatGrid> sweeping;
+  sweeping.initDilate(*kept, kFitBand / 2, openvdb::tools::NN_FACE_EDGE_VERTEX);
+  sweeping.sweep(1, anyInside);
+  const FloatGrid::Ptr wide = sweeping.sdfGrid();
   // Sweeping touches the outermost of the values that it starts from; what was known stays what it was.
   auto known = wide->getAccessor();
   for (auto value = kept->cbeginValueOn(); value; ++value) known.setValue(value.getCoord(), *value);

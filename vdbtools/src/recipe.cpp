@@ -153,8 +153,8 @@ std::pair<Recipe, std::string> recipeFromMetadata(const std::map<std::string, st
 }
 
 std::string alternativeOption(const std::string& option) {
-  constexpr std::pair<const char*, const char*> kPairs[] = {{"resolution", "voxel-size"},
-                                                            {"sdf-resolution", "sdf-voxel-size"}};
+  constexpr std::pair<const char*, const char*> kPairs[] = {
+      {"resolution", "voxel-size"}, {"sdf-resolution", "sdf-voxel-size"}, {"versor", "rational"}};
   for (const auto& [one, other] : kPairs) {
     if (option == one) return other;
     if (option == other) return one;
@@ -239,6 +239,7 @@ FractalOptions parseFractalOptions(const Recipe& recipe) {
       throw std::invalid_argument("--rational gives the map's roots; it goes with --map rational");
     if (options.versor != "random")
       throw std::invalid_argument("--rational and --versor both give the map's roots; give one of them");
+    if (rational == "random") reader.refuse("rational", "a file; --versor random draws roots");
     options.versor = rational;
   }
   options.randomRoots = parseRandomRoots(reader);

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <initializer_list>
 #include <optional>
 #include <set>
@@ -183,6 +184,16 @@ class Node {
   std::string mName, mPlace;
 };
 
+/// The shortest digits that are read back as the same double, in any locale.
+std::string shortestNumber(double value) {
+  std::array<char, 32> digits{};
+  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc()) throw std::logic_error("a double did not fit into 32 characters");
+  const std::string text(digits.data(), end);
+  // JSON readers take "-0" for an integer, which has no sign at 0.
+  return text == "-0" ? "-0.0" : text;
+}
+
 std::vector<double> numbersFrom(const Node& node, std::size_t count) {
   std::vector<double> numbers;
   for (const Node& element : node.elements()) numbers.push_back(element.number());
@@ -195,10 +206,23 @@ FittedTo targetFrom(const Node& node) {
   node.requireKeys({kCentreKey, kScaleKey, kBoxKey});
   const std::vector<double> c = numbersFrom(node.at(kCentreKey), 3), b = numbersFrom(node.at(kBoxKey), 6);
   const double scale = node.at(kScaleKey).number();
-  if (!(scale > 0)) node.at(kScaleKey).fail("is " + std::to_string(scale) + "; it must be above 0");
-  for (std::size_t axis = 0; axis < 3; ++axis)
+  if (!(scale > 0)) node.at(kScaleKey).fail("is " + shortestNumber(scale) + "; it must be above 0");
+  for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!(b[axis] < b[axis + 3])) node.at(kBoxKey).fail("has no extent; the smaller corner must come first");
+    if (!std::isfinite(b[axis + 3] - b[axis])) node.at(kBoxKey).fail("is larger than any number");
+  }
   return {{{c[0], c[1], c[2]}, scale}, {{b[0], b[1], b[2]}, {b[3], b[4], b[5]}}};
+}
+
+/// @throw std::invalid_argument  targetFrom() would refuse it
+void requireReadable(const FittedTo& target) {
+  const openvdb::Vec3d &low = target.box.min(), &high = target.box.max();
+  bool readable = target.space.centre.isFinite() && target.space.scale > 0 && std::isfinite(target.space.scale);
+  for (int axis = 0; axis < 3; ++axis) readable &= low[axis] < high[axis] && std::isfinite(high[axis] - low[axis]);
+  if (!readable)
+    throw std::invalid_argument(
+        "the fitted shape's centre, scale and box must be finite, its scale above 0 and its "
+        "box not empty");
 }
 
 julia::Root rootFrom(const Node& node) {
@@ -218,16 +242,6 @@ julia::Polynomial polynomialFrom(const Node& node) {
   polynomial.powerScale = node.at(kPowerScaleKey).number();
   for (const Node& root : node.at(kRootsKey).elements()) polynomial.roots.push_back(rootFrom(root));
   return polynomial;
-}
-
-/// The shortest digits that are read back as the same double, in any locale.
-std::string shortestNumber(double value) {
-  std::array<char, 32> digits{};
-  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc()) throw std::logic_error("a double did not fit into 32 characters");
-  const std::string text(digits.data(), end);
-  // JSON readers take "-0" for an integer, which has no sign at 0.
-  return text == "-0" ? "-0.0" : text;
 }
 
 std::string numberList(std::initializer_list<double> numbers) {
@@ -285,6 +299,7 @@ julia::Rational rationalFromJson(std::string_view text, const std::string& nameF
 std::string rationalToJson(const julia::Rational& rational, std::string_view note,
                            const std::optional<FittedTo>& target) {
   julia::requireFinite(rational);
+  if (target) requireReadable(*target);
   std::string text = "{\n  \"" + std::string(kFormatKey) + "\": \"" + kFormat + "\",\n  \"" + kVersionKey +
                      "\": " + std::to_string(kVersion) + ",\n";
   if (!note.empty()) {

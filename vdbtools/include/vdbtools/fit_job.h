@@ -68,7 +68,8 @@ struct FitResult {
 };
 
 /// @param wantDistances  measures distances at the end of every round or pass, which takes about a second each
-/// @throw std::invalid_argument, DataError, MissingInputError, Interrupted
+/// @throw std::invalid_argument, MissingInputError, Interrupted
+/// @throw DataError  as makeFitTarget(), or what was found has nothing of the target inside
 FitResult runFit(const FitOptions& options, bool wantDistances, Monitor& monitor);
 
 /// The rows as CSV, with a line of names.

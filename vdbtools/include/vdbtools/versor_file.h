@@ -18,8 +18,9 @@
 ///   }
 ///
 /// All keys but "note" and "target" are required and no others allowed. "target" is of a map that was fitted to a
-/// shape: the space that its roots are in, and the shape's box, both in world units. "position" is [A, B, C, D] in units of the map's space, and
-/// "logScale" the C of e^C. Numbers are read back as exactly the doubles that were written.
+/// shape: the space that its roots are in, and the shape's box, both in world units. "position" is [A, B, C, D] in
+/// units of the map's space, and "logScale" the C of e^C. Numbers are read back as exactly the doubles that were
+/// written.
 ///
 /// The functions that read
 /// @throw DataError              the content is not such a file; the text names the place
@@ -60,7 +61,7 @@ julia::Rational rationalFromJson(std::string_view text, const std::string& nameF
 RationalFile rationalFileFromJson(std::string_view text, const std::string& nameForErrors);
 
 /// @param note  left out where empty; bytes that are not UTF-8 become U+FFFD
-/// @throw std::invalid_argument  a number that is not finite or beyond 1e9
+/// @throw std::invalid_argument  a number that is not finite or, of the rational, beyond 1e9; a target without extent
 std::string rationalToJson(const julia::Rational& rational, std::string_view note = {},
                            const std::optional<FittedTo>& target = {});
 
