@@ -20,6 +20,7 @@ namespace {
 constexpr Command kCommands[] = {
     {"sdf", runSdf, "mesh -> signed distance field (VDB)"},
     {"fractal", runFractal, "mesh or signed distance field -> fractal (VDB, mesh)"},
+    {"fit", runFit, "mesh -> rational map whose Julia set has its shape"},
     {"mesh", runMesh, "VDB -> mesh"},
     {"versor", runVersor, "make, look at and change versors, the fractal's texture"},
     {"slice", runSlice, "picture of a field on a plane"},

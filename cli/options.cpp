@@ -57,7 +57,7 @@ vdbtools::Recipe overridden(vdbtools::Recipe base, const vdbtools::Recipe& given
   for (const auto& [name, value] : given) {
     for (const std::string& other : vdbtools::displacedOptions(base, name, value)) base.erase(other);
     if (name == "input") base.erase("source-sha256");
-    if (name == "versor") base.erase("versor-sha256");
+    if (name == "versor" || name == "rational") base.erase("versor-sha256");
   }
   for (const auto& [name, value] : given) base[name] = value;
   return base;

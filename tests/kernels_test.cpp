@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The vector kernels: the same bits from every instruction set, and right ones.
+#include "kernels/kernels.h"
 #include "float128.h"
 
 #include "julia/brick_field.h"
@@ -220,6 +221,99 @@ TYPED_TEST(Kernels, quadraticReadingHasNoCreases) {
   };
   EXPECT_GT(jump(julia::Interpolation::Trilinear, 6), 0.5);
   for (const double at : {6.0, 6.5, 7.5, 8.0}) EXPECT_LT(jump(julia::Interpolation::Quadratic, at), 0.1) << at;
+}
+
+/// Places of the kernels of a fit: random ones, and some on the root, beside it, and far away.
+template <class Real>
+std::vector<Real> coordinates(std::uint64_t seed, std::size_t size, Real root) {
+  law_tests::Random random(seed);
+  std::vector<Real> x;
+  for (std::size_t i = 0; i < size; ++i) x.push_back(static_cast<Real>(random.between(-1, 1)));
+  x[3] = x[4] = x[5] = x[6] = root;
+  x[5] = std::nextafter(root, Real(2));
+  x[7] = Real(1e15);
+  return x;
+}
+
+TYPED_TEST(Kernels, logDistancesAreRight) {
+  using Real = TypeParam;
+  constexpr double eps = std::numeric_limits<Real>::epsilon();
+  const Real root[3] = {Real(0.1), Real(-0.25), Real(0.7)};
+  for (const std::size_t size : {16, 256, 1008})
+    for (const Real rest : {Real(0), Real(0.01)}) {
+      const auto x = coordinates<Real>(1, size, root[0]), y = coordinates<Real>(2, size, root[1]),
+                 z = coordinates<Real>(3, size, root[2]);
+      const auto logs = [&] {
+        std::vector<Real> out(size);
+        julia::kernels::kernels<Real>().logDistances(root, rest, x.data(), y.data(), z.data(), out.data(), size);
+        return out;
+      };
+      expectSameBits<Real>(logs);
+      const std::vector<Real> found = logs();
+      for (std::size_t i = 0; i < size; ++i) {
+        const long double dx = static_cast<long double>(x[i]) - root[0], dy = static_cast<long double>(y[i]) - root[1],
+                          dz = static_cast<long double>(z[i]) - root[2];
+        const long double square = dx * dx + dy * dy + dz * dz + rest;
+        if (square == 0) {
+          // As near as can be, and finite.
+          EXPECT_TRUE(std::isfinite(found[i])) << i;
+          EXPECT_LT(found[i], -30) << i;
+          continue;
+        }
+        // Three eps of the square's terms, half of them in the logarithm, and its own 2 eps.
+        const long double expected = std::log(square) / 2;
+        EXPECT_LE(std::abs(found[i] - expected), eps * (2 + 2 * std::abs(expected))) << i << " of " << size;
+      }
+    }
+}
+
+/// Counts that fill the kernels' groups of columns and that do not.
+constexpr std::size_t kColumnCounts[] = {0, 1, 3, 4, 5, 8, 11};
+
+TYPED_TEST(Kernels, columnsAreSummedAndMultiplied) {
+  using Real = TypeParam;
+  constexpr double eps = std::numeric_limits<double>::epsilon();
+  for (const std::size_t size : {16, 256})
+    for (const std::size_t count : kColumnCounts) {
+      law_tests::Random random(4);
+      std::vector<Real> columns(count * size);
+      std::vector<double> weights(count), start(size), factors(size);
+      for (Real& value : columns) value = static_cast<Real>(random.between(-3, 1));
+      for (std::vector<double>* values : {&weights, &start, &factors})
+        for (double& value : *values) value = random.between(-1, 1) * std::exp(random.between(-3, 3));
+      const auto sums = [&] {
+        std::vector<double> out = start;
+        julia::kernels::kernels<Real>().addColumns(columns.data(), weights.data(), count, out.data(), size);
+        return out;
+      };
+      const auto products = [&] {
+        std::vector<double> out(count, -1);
+        julia::kernels::kernels<Real>().dotColumns(columns.data(), factors.data(), count, out.data(), size);
+        return out;
+      };
+      expectSameBits<double>(sums);
+      expectSameBits<double>(products);
+      const std::vector<double> foundSums = sums(), foundProducts = products();
+      // n terms: n eps of the sum of their magnitudes at most.
+      for (std::size_t i = 0; i < size; ++i) {
+        long double sum = start[i], magnitude = std::abs(sum);
+        for (std::size_t j = 0; j < count; ++j) {
+          const long double term = static_cast<long double>(weights[j]) * columns[j * size + i];
+          sum += term;
+          magnitude += std::abs(term);
+        }
+        EXPECT_LE(std::abs(foundSums[i] - sum), eps * static_cast<double>(count + 1) * magnitude) << i << ' ' << count;
+      }
+      for (std::size_t j = 0; j < count; ++j) {
+        long double sum = 0, magnitude = 0;
+        for (std::size_t i = 0; i < size; ++i) {
+          const long double term = static_cast<long double>(factors[i]) * columns[j * size + i];
+          sum += term;
+          magnitude += std::abs(term);
+        }
+        EXPECT_LE(std::abs(foundProducts[j] - sum), eps * static_cast<double>(size) * magnitude) << j << ' ' << count;
+      }
+    }
 }
 
 TEST(BrickField, positionsBeyondTheBoxAreThoseOfItsFace) {

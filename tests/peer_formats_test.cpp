@@ -319,6 +319,95 @@ TEST(O3d, SurvivesNoise) {
   }
 }
 
+/// A shape of 2 x 3 x 2 cells with a field of 12 values that tell their places apart.
+OptimisedShape writtenShape() {
+  PeerPolynomial bottom;
+  bottom.roots = {{5, -6, 7, -8}};
+  bottom.powers = {0.75};
+  bottom.scalar = -0.5;
+  return {{2, 3, 2}, {0.5, -1, 2}, {1, 2, 3}, {-3.5, PeerPolynomial().expected(), bottom.expected()}};
+}
+
+std::vector<double> cellValues(double first) {
+  std::vector<double> values;
+  for (int i = 0; i < 12; ++i) values.push_back(first + i);
+  return values;
+}
+
+TEST(O3d, IsWrittenByteForByte) {
+  const OptimisedShape shape = writtenShape();
+  const std::string box =
+      int32(2) + int32(3) + int32(2) + float64(0.5) + float64(-1) + float64(2) + float64(1) + float64(2) + float64(3);
+  PeerPolynomial top, bottom;
+  top.unusedCount = top.unusedCountStated = bottom.unusedCount = bottom.unusedCountStated = 0;
+  bottom.degree = bottom.rootsStated = bottom.powersStated = 1;
+  bottom.roots = {{5, -6, 7, -8}};
+  bottom.powers = {0.75};
+  bottom.scalar = -0.5;
+  std::string expected = box + top.bytes() + bottom.bytes() + float64(std::exp(-3.5)) + int32(0);
+  for (const double first : {100., -1e300, 0.5}) {
+    expected += box;
+    for (const double value : cellValues(first)) expected += float64(value);
+  }
+  EXPECT_EQ(optimisedShapeToO3d(shape, cellValues(100), cellValues(-1e300), cellValues(0.5)), expected);
+}
+
+TEST(O3d, ComesBackAsItWasWritten) {
+  for (const double logScale : {-3.5, 0., 1.0 / 3, -708.0, 709.0}) {
+    for (const bool empty : {false, true}) {
+      OptimisedShape shape = writtenShape();
+      shape.rational.logScale = logScale;
+      if (empty) shape.rational.bottom = {};
+      std::vector<double> values = cellValues(1);
+      values[3] = kNan;
+      values[4] = -kInfinity;
+      const std::string bytes = optimisedShapeToO3d(shape, values, values, values);
+      const OptimisedShape back = optimisedShapeFromO3d(bytes, "x");
+      EXPECT_EQ(back.resolutions, shape.resolutions);
+      EXPECT_EQ(back.centre, shape.centre);
+      EXPECT_EQ(back.lengths, shape.lengths);
+      EXPECT_EQ(back.rational.top, shape.rational.top);
+      EXPECT_EQ(back.rational.bottom, shape.rational.bottom);
+      EXPECT_NEAR(back.rational.logScale, logScale, 4e-16 * (1 + std::abs(logScale)));
+    }
+  }
+}
+
+TEST(O3d, DoesNotWriteWhatCannotBeRead) {
+  const std::vector<double> good = cellValues(1);
+  const auto refused = [&](const std::function<void(OptimisedShape&)>& change) -> std::string {
+    OptimisedShape shape = writtenShape();
+    change(shape);
+    try {
+      optimisedShapeToO3d(shape, good, good, good);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    ADD_FAILURE() << "accepted";
+    return {};
+  };
+  for (const double bad : {-709.0, 710.0, 1e8, -1e8}) {
+    const std::string text = refused([bad](OptimisedShape& shape) { shape.rational.logScale = bad; });
+    EXPECT_TRUE(contains(text, ".json")) << text;
+  }
+  EXPECT_TRUE(contains(refused([](OptimisedShape& shape) { shape.rational.logScale = 710; }), "C is 710"));
+  for (const double bad : {kNan, kInfinity, 2e9}) {
+    refused([bad](OptimisedShape& shape) { shape.rational.logScale = bad; });
+    refused([bad](OptimisedShape& shape) { shape.rational.bottom.roots[0].power = bad; });
+    refused([bad](OptimisedShape& shape) { shape.centre[1] = bad; });
+    refused([bad](OptimisedShape& shape) { shape.lengths[1] = bad; });
+  }
+  refused([](OptimisedShape& shape) { shape.lengths[2] = 0; });
+  for (const int bad : {0, -1, 1, 3, 0x7FFFFFFF}) refused([bad](OptimisedShape& shape) { shape.resolutions[2] = bad; });
+  refused([](OptimisedShape& shape) { shape.resolutions = {0x40000000, 0x40000000, 0x40000000}; });
+  const std::vector<double> many(13), none;
+  for (const std::vector<double>& bad : {many, none}) {
+    EXPECT_THROW(optimisedShapeToO3d(writtenShape(), bad, good, good), std::invalid_argument);
+    EXPECT_THROW(optimisedShapeToO3d(writtenShape(), good, bad, good), std::invalid_argument);
+    EXPECT_THROW(optimisedShapeToO3d(writtenShape(), good, good, bad), std::invalid_argument);
+  }
+}
+
 TEST(PeerFiles, AreReadFromPaths) {
   std::string folder = ::testing::TempDir() + "peer_formats_XXXXXX";
   ASSERT_NE(::mkdtemp(folder.data()), nullptr);

@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -16,6 +18,7 @@
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -206,6 +209,104 @@ TEST(VersorFile, DoesNotWriteWhatCannotBeRead) {
     rational.top.roots[0].position.d = bad;
     EXPECT_THROW(rationalToJson(rational), std::invalid_argument) << bad;
   }
+}
+
+// The text of kText with a target, which its last lines hold.
+const std::string kFitted =
+    kText.substr(0, kText.size() - 3) +
+    ",\n  \"target\": {\"centre\": [0.5, -20, 1e-7], \"scale\": 4, \"box\": [-1.5, -22, -2, 2.5, "
+    "-18, 2]}\n}\n";
+
+FittedTo fittedTo() { return {{{0.5, -20, 1e-7}, 4}, {{-1.5, -22, -2}, {2.5, -18, 2}}}; }
+
+TEST(VersorFile, BringsBackTheTarget) {
+  EXPECT_EQ(rationalToJson(example(), "a \"note\"", fittedTo()), kFitted);
+  const RationalFile file = rationalFileFromJson(kFitted, "x");
+  EXPECT_EQ(file.rational, example());
+  ASSERT_TRUE(file.target);
+  EXPECT_EQ(file.target->space.centre, fittedTo().space.centre);
+  EXPECT_EQ(file.target->space.scale, fittedTo().space.scale);
+  EXPECT_EQ(file.target->box, fittedTo().box);
+  EXPECT_FALSE(rationalFileFromJson(kText, "x").target);
+}
+
+TEST(VersorFile, BringsBackEveryBitOfTheTarget) {
+  const auto bits = [](const FittedTo& target) {
+    std::vector<std::uint64_t> result{std::bit_cast<std::uint64_t>(target.space.scale)};
+    for (const openvdb::Vec3d& v : {target.space.centre, target.box.min(), target.box.max()})
+      for (int axis = 0; axis < 3; ++axis) result.push_back(std::bit_cast<std::uint64_t>(v[axis]));
+    return result;
+  };
+  std::mt19937_64 random(5);
+  const auto any = [&] {
+    for (;;)
+      if (const double number = std::bit_cast<double>(std::uint64_t{random()}); std::abs(number) <= 1e300)
+        return number;
+  };
+  for (int n = 0; n < 300; ++n) {
+    FittedTo target;
+    target.space.centre = {any(), n % 3 ? any() : -0.0, any()};
+    target.space.scale = std::max(std::abs(any()), 5e-324);
+    for (int axis = 0; axis < 3; ++axis)
+      std::tie(target.box.min()[axis], target.box.max()[axis]) = std::minmax({any(), any()});
+    const RationalFile back = rationalFileFromJson(rationalToJson(example(), {}, target), "x");
+    ASSERT_TRUE(back.target);
+    EXPECT_EQ(bits(*back.target), bits(target)) << n;
+  }
+}
+
+TEST(VersorFile, RefusesABadTargetAndNamesThePlace) {
+  const std::string box = "\"box\": [-1.5, -22, -2, 2.5, -18, 2]";
+  const std::vector<std::array<std::string, 3>> changes{
+      {"\"centre\": [0.5, -20, 1e-7], ", "", "target has no \"centre\""},
+      {"\"scale\": 4, ", "", "target has no \"scale\""},
+      {", " + box, "", "target has no \"box\""},
+      {"[0.5, -20, 1e-7]", "[0.5, -20]", "target.centre has 2 numbers; it must have 3"},
+      {"[0.5, -20, 1e-7]", "[0.5, -20, 0, 0]", "target.centre has 4 numbers"},
+      {"[0.5, -20, 1e-7]", "[0.5, null, 0]", "target.centre[1] is null"},
+      {"[0.5, -20, 1e-7]", "0.5", "target.centre is 0.5"},
+      {"[0.5, -20, 1e-7]", "[0.5, 1e999, 0]", "line 19"},
+      {"[0.5, -20, 1e-7]", "[0.5, NaN, 0]", "line 19"},
+      {"\"scale\": 4", "\"scale\": 0", "target.scale is 0"},
+      {"\"scale\": 4", "\"scale\": -4", "target.scale is -4"},
+      {"\"scale\": 4", "\"scale\": -1e-9", "target.scale is -1e-09"},
+      {"\"scale\": 4", "\"scale\": \"4\"", "target.scale is \"4\""},
+      {"\"scale\": 4", "\"scale\": 1e999", "line 19"},
+      {"\"scale\": 4", "\"scale\": Infinity", "line 19"},
+      {"\"scale\": 4", "\"scale\": 4, \"unit\": 1", "target has the unknown key \"unit\""},
+      {"\"scale\": 4", "\"scale\": 4, \"scale\": 4", "target.scale stands twice"},
+      {"2.5, -18, 2]", "2.5, -18]", "target.box has 5 numbers; it must have 6"},
+      {"2.5, -18, 2]", "2.5, -22, 2]", "target.box has no extent"},
+      {"2.5, -18, 2]", "-2.5, -18, 2]", "target.box has no extent"},
+      {"[-1.5, -22, -2, 2.5, -18, 2]", "[-1e308, -22, -2, 1e308, -18, 2]", "target.box is larger than any number"},
+      {"{\"centre\": [0.5, -20, 1e-7], \"scale\": 4, " + box + "}", "[1]", "target is an array"},
+      {"{\"centre\": [0.5, -20, 1e-7], \"scale\": 4, " + box + "}", "null", "target is null"},
+  };
+  for (const auto& [from, to, words] : changes) {
+    SCOPED_TRACE(from + " -> " + to);
+    const std::string message = refusal(replaced(kFitted, from, to));
+    EXPECT_NE(message.find(words), std::string::npos) << message;
+  }
+}
+
+TEST(VersorFile, DoesNotWriteATargetThatCannotBeRead) {
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    FittedTo target = fittedTo();
+    target.space.centre[1] = bad;
+    EXPECT_THROW(rationalToJson(example(), {}, target), std::invalid_argument) << bad;
+    target = fittedTo();
+    target.space.scale = bad;
+    EXPECT_THROW(rationalToJson(example(), {}, target), std::invalid_argument) << bad;
+    target = fittedTo();
+    target.box.max()[2] = bad;
+    EXPECT_THROW(rationalToJson(example(), {}, target), std::invalid_argument) << bad;
+  }
+  FittedTo target = fittedTo();
+  target.space.scale = 0;
+  EXPECT_THROW(rationalToJson(example(), {}, target), std::invalid_argument);
+  target = fittedTo();
+  target.box.max()[0] = target.box.min()[0];
+  EXPECT_THROW(rationalToJson(example(), {}, target), std::invalid_argument);
 }
 
 class RationalPath : public ::testing::Test {

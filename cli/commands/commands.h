@@ -14,6 +14,7 @@ using Arguments = std::vector<std::string>;
 int runSdf(const Arguments& arguments);
 int runFractal(const Arguments& arguments);
 int runMesh(const Arguments& arguments);
+int runFit(const Arguments& arguments);
 int runVersor(const Arguments& arguments);
 int runSlice(const Arguments& arguments);
 int runRender(const Arguments& arguments);

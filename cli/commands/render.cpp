@@ -7,6 +7,7 @@
 
 #include "vdbtools/preview.h"
 #include "vdbtools/vdb_file.h"
+#include "vdbtools/versor_file.h"
 
 #include <charconv>
 #include <iostream>
@@ -31,6 +32,24 @@ void parseSize(const std::string& text, vdbtools::PreviewOptions& options) {
     throw std::invalid_argument("--size is '" + text + "'; it must be WIDTHxHEIGHT, each 1 to 32768");
 }
 
+std::vector<vdbtools::PreviewBall> ballsOf(const std::string& name) {
+  constexpr double kRadius = 0.008;  // of the target's longest side
+  const vdbtools::RationalFile file = vdbtools::readRationalFile(name);
+  if (!file.target)
+    throw std::invalid_argument("'" + name + "' does not say where its roots are in the world; 'juliavdb fit' does");
+  const vdbtools::FractalSpace& space = file.target->space;
+  std::vector<vdbtools::PreviewBall> balls;
+  const auto add = [&](const julia::Polynomial& polynomial, const std::array<float, 3>& colour) {
+    for (const julia::Root& root : polynomial.roots) {
+      const julia::Quaternion<double>& t = root.position;
+      balls.push_back({space.toWorld({t.a, t.b, t.c}), kRadius * space.scale, colour});
+    }
+  };
+  add(file.rational.top, {0.02f, 0.12f, 0.75f});
+  add(file.rational.bottom, {0.75f, 0.03f, 0.02f});
+  return balls;
+}
+
 }  // namespace
 
 int runRender(const Arguments& arguments) {
@@ -43,7 +62,9 @@ int runRender(const Arguments& arguments) {
       "elevation", po::value<std::string>()->value_name("DEG"), "angle above the horizon")(
       "fov", po::value<std::string>()->value_name("DEG"), "vertical field of view")(
       "samples", po::value<std::string>()->value_name("N"), "rays a pixel: 1, 4, 9 or 16")(
-      "zoom", po::value<std::string>()->value_name("F"), "above 1 comes closer");
+      "zoom", po::value<std::string>()->value_name("F"), "above 1 comes closer")(
+      "roots", po::value<std::string>()->value_name("F.json"),
+      "show the roots of a map that 'juliavdb fit' made: the top's blue, the bottom's red");
   if (!line.parse(arguments)) return kDone;
   const std::string input = line.text("input");
   if (input.empty()) throw std::invalid_argument("no VDB was given");
@@ -62,6 +83,7 @@ int runRender(const Arguments& arguments) {
       throw std::invalid_argument("--samples is '" + line.text("samples") + "'; it must be 1, 4, 9 or 16");
     options.samples = static_cast<int>(samples);
   }
+  if (line.has("roots")) options.balls = ballsOf(line.text("roots"));
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
   Outputs outputs;
   std::ostream& file = outputs.add("output", line.text("output"), ".png .exr").stream();

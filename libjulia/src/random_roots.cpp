@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "julia/random_roots.h"
 
+#include "random_numbers.h"
+
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <stdexcept>
 #include <string>
 
@@ -16,26 +17,6 @@ constexpr int kMostRoots = 1'000'000;
 constexpr double kMostPower = 1e6;
 // The largest component of a root that a rational accepts; see requireFinite(const Rational&).
 constexpr double kFarthest = 1e9;
-
-/// Numbers that are the same with every standard library: the engine is fixed by the standard, its distributions are
-/// not.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : mEngine(seed) {}
-
-  /// In [0, 1), 53 bits.
-  double unit() { return static_cast<double>(mEngine() >> 11) * 0x1p-53; }
-  double between(double low, double high) { return low + (high - low) * unit(); }
-  /// Irwin and Hall: the sum of twelve uniforms has mean 6 and variance 1, and needs no elementary function.
-  double normal() {
-    double sum = -6;
-    for (int i = 0; i < 12; ++i) sum += unit();
-    return sum;
-  }
-
- private:
-  std::mt19937_64 mEngine;
-};
 
 void require(bool good, const std::string& text) {
   if (!good) throw std::invalid_argument(text);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/fractal_job.h"
 
+#include "solid_input.h"
 #include "vdbtools/file_hash.h"
-#include "vdbtools/mesh_to_sdf.h"
 #include "vdbtools/peer_formats.h"
 #include "vdbtools/vdb_file.h"
 #include "vdbtools/versor_file.h"
@@ -26,7 +26,6 @@ using openvdb::BBoxd;
 using openvdb::FloatGrid;
 using openvdb::Vec3d;
 
-constexpr const char* kTargetBox = "julia_target_box";
 constexpr const char* kVersorJson = "julia_versor_json";
 // Around the target, of its longest side: where the set of a map without a shell is looked for.
 constexpr double kRegionMargin = 0.25;
@@ -35,19 +34,6 @@ constexpr double kRegionMargin = 0.25;
 // others hold sheets of the set: neither has volume, a ray meets either by chance only, but whole planes of nodes would
 // show a cut or a disc.
 const Vec3d kLatticeShift(0.6180339887498949, 0.4142135623730951, 0.2360679774997897);
-
-double longestSide(const BBoxd& box) {
-  const Vec3d extents = box.extents();
-  return std::max({extents[0], extents[1], extents[2]});
-}
-
-/// The report of a mesh that has an extent to measure voxels by.
-MeshReport reportOfSolid(const Mesh& mesh, const std::filesystem::path& path) {
-  const MeshReport report = reportMesh(mesh);
-  if (!(longestSide(report.box) > 0))
-    throw DataError("'" + path.string() + "' has no extent: all its triangles lie in one point");
-  return report;
-}
 
 /// The shortest text that reads back as the same doubles.
 std::string numbersText(std::initializer_list<double> values) {
@@ -86,31 +72,6 @@ Control readControl(const std::string& option, const std::string& text, const BB
     grid = text.substr(colon + 1);
   }
   return Control(chooseFloatGrid(readVdb(file), grid, file));
-}
-
-MeshToSdfOptions sdfBand(double voxelSize, double exteriorWidth, double interiorWidth) {
-  return {.voxelSize = voxelSize, .exteriorBandWidth = exteriorWidth, .interiorBandWidth = interiorWidth};
-}
-
-struct MeshSdf {
-  FloatGrid::Ptr grid;
-  std::optional<double> moved, closedGap;
-};
-
-MeshSdf makeSdf(const Mesh& mesh, const MeshToSdfOptions& options, bool repair, double gap, Monitor& monitor) {
-  if (!repair) return {meshToSdf(mesh, options, monitor), {}, {}};
-  RepairedSdf repaired = repairedMeshToSdf(mesh, options, {.gap = gap}, monitor);
-  return {repaired.grid, repaired.moved, repaired.closedGap};
-}
-
-/// The same on a lattice about the target's own middle: wherever it lies, the nodes sample it alike, and the fractal is
-/// the same.
-MeshSdf makeSdfAbout(const Vec3d& middle, Mesh mesh, const MeshToSdfOptions& options, bool repair, double gap,
-                     Monitor& monitor) {
-  for (Vec3d& point : mesh.points) point -= middle;
-  MeshSdf sdf = makeSdf(mesh, options, repair, gap, monitor);
-  sdf.grid->transform().postTranslate(middle);
-  return sdf;
 }
 
 double spaceScale(const FractalOptions& options, const BBoxd& box) {
@@ -165,15 +126,7 @@ Input readMeshInput(const FractalOptions& options, std::map<std::string, std::st
 }
 
 Input readVdbInput(const FractalOptions& options, Monitor& monitor) {
-  const VdbFile file = readVdb(options.input);
-  const FloatGrid::Ptr phi = chooseFloatGrid(file, options.grid, options.input);
-  // An SDF of ours knows the box of its mesh; half a voxel more exactly than its nodes do.
-  std::optional<BBoxd> box;
-  if (const auto found = file.metadata.find(kTargetBox); found != file.metadata.end() && phi->getName() == "phi") {
-    const std::vector<double> b = parseNumbers(kTargetBox, found->second, 6);
-    box.emplace(Vec3d(b[0], b[1], b[2]), Vec3d(b[3], b[4], b[5]));
-  }
-  Input input{makeTarget(phi, box), {}, {}};
+  Input input{readVdbTarget(options.input, options.grid), {}, {}};
   input.exponent = exponentOptions(options, input.target.box);
   const double reach = exteriorReach(input.exponent) * spaceScale(options, input.target.box);
   extendBand(input.target, reach, interiorWidth(options, input.exponent, input.target.box, kVdbDepth), monitor);
@@ -183,10 +136,12 @@ Input readVdbInput(const FractalOptions& options, Monitor& monitor) {
   return input;
 }
 
-FractalSpace makeSpace(const FractalOptions& options, const Target* target) {
+/// The space of the target; without one, that of the shape that a rational map was fitted to, if it was.
+FractalSpace makeSpace(const FractalOptions& options, const Target* target, const std::optional<FittedTo>& fitted) {
   FractalSpace space;
   if (target && options.space == SpaceKind::Fit) return fitFractalSpace(*target->phi, target->box, options.origin);
-  space.centre = options.origin;
+  if (!target && fitted && options.space == SpaceKind::Fit) space = fitted->space;
+  space.centre += options.origin * space.scale;
   return space;
 }
 
@@ -207,25 +162,30 @@ julia::Rational randomVersor(const FractalOptions& options, const Scene& scene) 
   return {0, julia::randomPolynomial(random), {}};
 }
 
-julia::Rational readVersor(const FractalOptions& options, Scene& scene) {
-  julia::Rational rational;
-  if (options.versor == "random") {
-    rational = randomVersor(options, scene);
-  } else if (isVdbPath(options.versor)) {
+bool hasVersor(MapKind map) { return map == MapKind::ShapeModulus || map == MapKind::Rational; }
+
+/// The file that --versor or --rational names; none for random roots.
+std::optional<RationalFile> readVersorFile(const FractalOptions& options, std::map<std::string, std::string>& facts) {
+  if (!hasVersor(options.map) || options.versor == "random") return std::nullopt;
+  RationalFile file;
+  if (isVdbPath(options.versor)) {
     const auto metadata = readVdbMetadata(options.versor);
     const auto json = metadata.find(kVersorJson);
     if (json == metadata.end())
       throw DataError("'" + options.versor + "' holds no versor; only a VDB that 'juliavdb fractal' made does");
-    rational = julia::Rational(rationalFromJson(json->second, options.versor));
+    file = rationalFileFromJson(json->second, options.versor);
   } else {
-    rational = readRational(options.versor);
+    file = readRationalFile(options.versor);
   }
-  if (options.versor != "random") {
-    const std::string hash = sha256OfFile(options.versor);
-    requireHash(options.versorHash, hash, options.versor);
-    scene.facts["julia_versor_sha256"] = hash;
-  }
-  scene.facts[kVersorJson] = rationalToJson(rational);
+  const std::string hash = sha256OfFile(options.versor);
+  requireHash(options.versorHash, hash, options.versor);
+  facts["julia_versor_sha256"] = hash;
+  return file;
+}
+
+julia::Rational makeVersor(const FractalOptions& options, const std::optional<RationalFile>& file, Scene& scene) {
+  julia::Rational rational = file ? file->rational : randomVersor(options, scene);
+  scene.facts[kVersorJson] = rationalToJson(rational, {}, file ? file->target : std::nullopt);
   if (options.versorScale != 1) rational = scaled(std::move(rational), options.versorScale);
   const Vec3d& by = options.versorTranslate;
   const julia::Embedding unsliced{0, options.dropAxis};
@@ -257,8 +217,6 @@ std::shared_ptr<const julia::CartesianMap<Real>> makeCartesianMap(const FractalO
   }
   return nullptr;
 }
-
-bool hasVersor(MapKind map) { return map == MapKind::ShapeModulus || map == MapKind::Rational; }
 
 /// Whether 32 bits are as good as 64 for what the scene shows: the voxels are large against the rounding of positions,
 /// and neither powers nor iterations pile up more of it (docs/precision.md has the measurements).
@@ -314,11 +272,12 @@ std::optional<double> radiusOfSet(const FractalOptions& options) {
 }
 
 /// Where a map without a shell is evaluated, world units.
-BBoxd regionOf(const Scene& scene) {
+/// @param known  the box of the shape that it has, if it has one
+BBoxd regionOf(const Scene& scene, const std::optional<BBoxd>& known) {
   const FractalOptions& options = scene.options;
   if (options.box) return *options.box;
-  if (scene.target) {
-    BBoxd box = scene.target->box;
+  if (known) {
+    BBoxd box = *known;
     box.expand(kRegionMargin * longestSide(box));
     return box;
   }
@@ -335,7 +294,8 @@ BBoxd regionOf(const Scene& scene) {
     }
     return {low, high};
   }
-  throw std::invalid_argument("a rational map without a target has no region of its own; give --box, or a mesh");
+  throw std::invalid_argument(
+      "a rational map that was not fitted to a shape has no region of its own; give --box, or a mesh");
 }
 
 }  // namespace
@@ -356,7 +316,9 @@ Scene makeScene(const FractalOptions& options, Monitor& monitor) {
   } else if (options.map == MapKind::ShapeModulus) {
     throw std::invalid_argument("the shape modulus needs a target: give a mesh, or a VDB with its signed distance");
   }
-  scene.space = makeSpace(options, input ? &input->target : nullptr);
+  const std::optional<RationalFile> versor = readVersorFile(options, scene.facts);
+  const std::optional<FittedTo> fitted = versor && options.map == MapKind::Rational ? versor->target : std::nullopt;
+  scene.space = makeSpace(options, input ? &input->target : nullptr, fitted);
   if (options.map == MapKind::ShapeModulus) {
     scene.exponent = exponentGrid(input->target, scene.space, input->exponent, monitor);
     if (scene.exponent->tooShallow) {
@@ -367,9 +329,12 @@ Scene makeScene(const FractalOptions& options, Monitor& monitor) {
     scene.facts["julia_shell"] = numbersText({shell.lower, shell.upper});
   }
   if (input) scene.target = std::move(input->target);
-  if (hasVersor(options.map)) scene.rational = readVersor(options, scene);
-  scene.region = scene.exponent ? BBoxd() : regionOf(scene);
-  scene.voxelSize = options.voxels.sizeFor(longestSide(scene.target ? scene.target->box : scene.region));
+  if (hasVersor(options.map)) scene.rational = makeVersor(options, versor, scene);
+  std::optional<BBoxd> shape;
+  if (scene.target) shape = scene.target->box;
+  if (!scene.target && fitted && options.space == SpaceKind::Fit) shape = fitted->box;
+  scene.region = scene.exponent ? BBoxd() : regionOf(scene, shape);
+  scene.voxelSize = options.voxels.sizeFor(longestSide(shape ? *shape : scene.region));
   // Room for the outermost cells of a set that fills its region.
   constexpr double kRoom = 2;  // voxels
   if (!scene.exponent && !options.box) scene.region.expand(kRoom * scene.voxelSize);

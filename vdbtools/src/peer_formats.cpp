@@ -157,6 +157,78 @@ void appendDouble(std::string& bytes, double value) {
   appendLittleEndian(bytes, std::bit_cast<std::uint64_t>(value), kDoubleSize);
 }
 
+void appendInt(std::string& bytes, int value) {
+  appendLittleEndian(bytes, static_cast<std::uint32_t>(value), kIntSize);
+}
+
+/// @param format  the file's, for the message
+void appendPolynomial(std::string& bytes, const julia::Polynomial& polynomial, const char* format) {
+  const std::size_t count = polynomial.roots.size();
+  if (count > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
+    throw std::invalid_argument("a polynomial with " + std::to_string(count) + " roots cannot be written as " + format +
+                                ", which holds at most 2147483647");
+  }
+  appendLittleEndian(bytes, count, kIntSize);
+  for (int unused = 0; unused < 3; ++unused) appendInt(bytes, 0);
+  appendLittleEndian(bytes, count, kIntSize);
+  for (const julia::Root& root : polynomial.roots) {
+    for (const double component : {root.position.a, root.position.b, root.position.c, root.position.d}) {
+      appendDouble(bytes, component);
+    }
+  }
+  appendLittleEndian(bytes, count, kIntSize);
+  for (const julia::Root& root : polynomial.roots) appendDouble(bytes, root.power);
+  appendDouble(bytes, polynomial.powerScale);
+}
+
+/// The resolutions, the centre and the lengths, as the shape itself and each of its fields begin.
+void appendBox(std::string& bytes, const OptimisedShape& shape) {
+  for (const int resolution : shape.resolutions) appendInt(bytes, resolution);
+  for (const double coordinate : shape.centre) appendDouble(bytes, coordinate);
+  for (const double length : shape.lengths) appendDouble(bytes, length);
+}
+
+void requireWritable(const OptimisedShape& shape) {
+  for (const int resolution : shape.resolutions) {
+    if (resolution < 1) {
+      throw std::invalid_argument("one of the shape's resolutions is " + std::to_string(resolution) +
+                                  "; it must be at least 1");
+    }
+  }
+  for (const double coordinate : shape.centre) {
+    if (!(std::abs(coordinate) <= kLargestCoordinate)) {
+      throw std::invalid_argument("a coordinate of the shape's centre is " + textOf(coordinate) +
+                                  "; it must be between -1e9 and 1e9");
+    }
+  }
+  for (const double length : shape.lengths) {
+    if (!(length > 0 && length <= kLargestCoordinate)) {
+      throw std::invalid_argument("one of the shape's lengths is " + textOf(length) +
+                                  "; it must be above 0 and at most 1e9");
+    }
+  }
+  julia::requireFinite(shape.rational);
+  if (!std::isnormal(std::exp(shape.rational.logScale))) {
+    throw std::invalid_argument("the constant C is " + textOf(shape.rational.logScale) +
+                                "; an o3d holds e^C as a double, which reaches from about -708 to 709. Write .json, "
+                                "which holds C itself");
+  }
+}
+
+void requireOneValueACell(const OptimisedShape& shape, std::size_t values, const char* field) {
+  std::size_t left = values;
+  bool whole = true;
+  for (const int resolution : shape.resolutions) {
+    const auto size = static_cast<std::size_t>(resolution);
+    whole = whole && left % size == 0;
+    left /= size;
+  }
+  if (whole && left == 1) return;
+  throw std::invalid_argument(std::string("the ") + field + " field has " + std::to_string(values) +
+                              " values; it must have " + std::to_string(shape.resolutions[0]) + " x " +
+                              std::to_string(shape.resolutions[1]) + " x " + std::to_string(shape.resolutions[2]));
+}
+
 }  // namespace
 
 julia::Polynomial polynomialFromP4d(std::string_view bytes, const std::string& name) {
@@ -219,24 +291,28 @@ std::string rationalToP4d(const julia::Polynomial& polynomial) {
   julia::Rational rational;
   rational.top = polynomial;
   julia::requireFinite(rational);
-  const std::size_t count = polynomial.roots.size();
-  if (count > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
-    throw std::invalid_argument("a polynomial with " + std::to_string(count) +
-                                " roots cannot be written as p4d, which holds at most 2147483647");
-  }
+  std::string bytes;
+  appendPolynomial(bytes, polynomial, "p4d");
+  return bytes;
+}
+
+std::string optimisedShapeToO3d(const OptimisedShape& shape, std::span<const double> fractal,
+                                std::span<const double> distance, std::span<const double> potential) {
+  requireWritable(shape);
+  requireOneValueACell(shape, fractal.size(), "fractal");
+  requireOneValueACell(shape, distance.size(), "distance");
+  requireOneValueACell(shape, potential.size(), "potential");
 
   std::string bytes;
-  appendLittleEndian(bytes, count, kIntSize);
-  for (int unused = 0; unused < 3; ++unused) appendLittleEndian(bytes, 0, kIntSize);
-  appendLittleEndian(bytes, count, kIntSize);
-  for (const julia::Root& root : polynomial.roots) {
-    for (const double component : {root.position.a, root.position.b, root.position.c, root.position.d}) {
-      appendDouble(bytes, component);
-    }
+  appendBox(bytes, shape);
+  appendPolynomial(bytes, shape.rational.top, "o3d");
+  appendPolynomial(bytes, shape.rational.bottom, "o3d");
+  appendDouble(bytes, std::exp(shape.rational.logScale));
+  appendInt(bytes, 0);
+  for (const std::span<const double> field : {fractal, distance, potential}) {
+    appendBox(bytes, shape);
+    for (const double value : field) appendDouble(bytes, value);
   }
-  appendLittleEndian(bytes, count, kIntSize);
-  for (const julia::Root& root : polynomial.roots) appendDouble(bytes, root.power);
-  appendDouble(bytes, polynomial.powerScale);
   return bytes;
 }
 

@@ -12,6 +12,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
@@ -299,11 +300,13 @@ class PixelSequence {
 
 class Renderer {
  public:
+  /// @param balls  in index space
   Renderer(const openvdb::FloatTree& field, const openvdb::MaskTree& cells, const Bounds& bounds, const Stage& stage,
-           const PreviewOptions& options)
+           const PreviewOptions& options, const std::vector<PreviewBall>& balls)
       : mTracer(field, cells, bounds.box),
         mStage(stage),
         mOptions(options),
+        mBalls(balls),
         mGrid(static_cast<int>(std::lround(std::sqrt(options.samples)))),
         mGatherRays((kGatherRaysPerPixel + options.samples - 1) / options.samples),
         mShadowRays((kShadowRaysPerPixel + options.samples - 1) / options.samples) {}
@@ -316,7 +319,8 @@ class Renderer {
       const double v = 1 - 2 * (y + (s / mGrid + 0.5) / mGrid) / mOptions.height;
       const Vec3d direction = (mStage.forward + u * mStage.right + v * mStage.up).unit();
       const auto hit = mTracer.firstHit(mStage.eye, direction);
-      sum += hit ? shade(mStage.eye + *hit * direction, direction, sequence, s) : background(u, v);
+      const Vec3d seen = hit ? shade(mStage.eye + *hit * direction, direction, sequence, s) : background(u, v);
+      sum += withBalls(seen, hit, direction);
     }
     sum /= mOptions.samples;
     return {float(sum[0]), float(sum[1]), float(sum[2])};
@@ -326,6 +330,29 @@ class Renderer {
   static Vec3d background(double u, double v) {
     const double height = 0.5 * (v + 1);
     return Vec3d(std::lerp(kBackgroundBottom, kBackgroundTop, height) - kVignette * 0.5 * (u * u + v * v));
+  }
+
+  /// What is seen, with the nearest ball before it, or shining through it from not far behind.
+  Vec3d withBalls(const Vec3d& seen, const std::optional<double>& hit, const Vec3d& direction) const {
+    constexpr double kSeenThrough = 0.55;  // of a ball's colour
+    constexpr double kDepth = 8;           // radii behind the surface
+    double nearest = std::numeric_limits<double>::infinity();
+    const PreviewBall* ball = nullptr;
+    for (const PreviewBall& candidate : mBalls) {
+      const Vec3d to = candidate.centre - mStage.eye;
+      const double along = to.dot(direction), off = to.lengthSqr() - along * along;
+      const double square = candidate.radius * candidate.radius - off;
+      if (square < 0) continue;
+      const double entry = along - std::sqrt(square);
+      if (entry <= 0 || entry >= nearest || (hit && entry > *hit + kDepth * candidate.radius)) continue;
+      nearest = entry;
+      ball = &candidate;
+    }
+    if (!ball) return seen;
+    const Vec3d normal = (mStage.eye + nearest * direction - ball->centre) / ball->radius;
+    const Vec3d colour(ball->colour[0], ball->colour[1], ball->colour[2]);
+    const Vec3d lit = colour * (environment(normal) + std::max(0.0, normal.dot(mStage.key)) * kKeyColour);
+    return !hit || nearest <= *hit ? lit : kSeenThrough * lit + (1 - kSeenThrough) * seen;
   }
 
   Vec3d environment(const Vec3d& direction) const {
@@ -368,6 +395,7 @@ class Renderer {
   SurfaceTracer mTracer;
   const Stage& mStage;
   const PreviewOptions& mOptions;
+  const std::vector<PreviewBall>& mBalls;
   int mGrid;                     ///< samples along a pixel's side
   int mGatherRays, mShadowRays;  ///< for each sample
 };
@@ -388,6 +416,7 @@ void check(const PreviewOptions& o) {
   require(o.fieldOfView >= 1 && o.fieldOfView <= 150, "fieldOfView", o.fieldOfView, "1 to 150 degrees");
   require(o.samples == 1 || o.samples == 4 || o.samples == 9 || o.samples == 16, "samples", o.samples, "1, 4, 9 or 16");
   require(o.zoom > 0 && std::isfinite(o.zoom), "zoom", o.zoom, "positive");
+  for (const PreviewBall& ball : o.balls) require(ball.radius > 0, "a ball's radius", ball.radius, "positive");
 }
 
 void check(const openvdb::FloatGrid& grid) {
@@ -417,10 +446,15 @@ Image renderPreview(const openvdb::FloatGrid& levelSet, const PreviewOptions& op
   const Bounds bounds = boundsOf(cells);
   const Stage stage = makeStage(levelSet.transform(), bounds, options);
 
+  std::vector<PreviewBall> balls = options.balls;
+  for (PreviewBall& ball : balls) {
+    ball.centre = levelSet.worldToIndex(ball.centre);
+    ball.radius /= levelSet.voxelSize()[0];
+  }
   Image image(options.width, options.height);
   monitor.begin("render", static_cast<std::uint64_t>(options.height));
   tbb::parallel_for(tbb::blocked_range<int>(0, options.height), [&](const tbb::blocked_range<int>& rows) {
-    Renderer renderer(levelSet.tree(), cells, bounds, stage, options);
+    Renderer renderer(levelSet.tree(), cells, bounds, stage, options, balls);
     for (int y = rows.begin(); y != rows.end(); ++y) {
       for (int x = 0; x < options.width; ++x) {
         if (x % kPixelsPerCheck == 0) monitor.throwIfCancelled();

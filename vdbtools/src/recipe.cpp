@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/recipe.h"
 
+#include "recipe_reader.h"
+
 #include "vdbtools/errors.h"
 #include "vdbtools/mesh_writer.h"
 #include "vdbtools/vdb_file.h"
@@ -18,8 +20,6 @@ namespace {
 constexpr const char* kPrefix = "julia_";
 constexpr const char* kCommandName = "julia_command";
 constexpr const char* kVersionName = "julia_version";
-// Facts that are recorded beside the options: what the input files held.
-constexpr const char* kHashOptions[] = {"source-sha256", "versor-sha256"};
 
 constexpr OptionSpec kSdfSpecs[] = {
     {"input", "MESH", nullptr, "the mesh: .obj, .ply, .stl or .off"},
@@ -51,6 +51,7 @@ constexpr OptionSpec kFractalSpecs[] = {
      "x:10:300:smooth, or FILE.vdb[:GRID]"},
     {"beta", "B", "0", "offset of the shell, as a share of the target's longest side; positive is outward. As alpha"},
     {"versor", "random|FILE", "random", "the texture: random roots, or .json, .p4d, .poly4d, .o3d"},
+    {"rational", "FILE", "", "the rational map: .json of 'juliavdb fit', or .o3d"},
     {"versor-seed", "S", "1", "another number, another texture"},
     {"versor-roots", "N", "10", "how many roots"},
     {"versor-powers", "MIN:MAX", "2:11", "their powers: higher is finer"},
@@ -60,7 +61,7 @@ constexpr OptionSpec kFractalSpecs[] = {
     {"versor-centre", "X,Y,Z", "0,0,0", "cluster: its middle, in fractal space"},
     {"versor-radius", "R", "0.1", "cluster: its radius, in fractal space"},
     {"versor-scale", "F", "1", "scales the roots about the origin"},
-    {"versor-translate", "X,Y,Z", "0,0,0", "moves the roots alone, in fractal space"},
+    {"versor-translate", "X,Y,Z", "0,0,0", "moves the roots alone, also a rational map's, in fractal space"},
     {"scheme", "3|4|5", "4",
      "cross: the equation of Zimmermann and Bruckner 2025; 3: p x g(c), 4: f(p) x g(p) + c, 5: the same with c fixed",
      kCross},
@@ -103,37 +104,22 @@ constexpr OptionSpec kFractalSpecs[] = {
     {"half", nullptr, nullptr, "write 16-bit floats"},
 };
 
-[[noreturn]] void refuse(const std::string& option, const std::string& text, const std::string& wanted) {
-  throw std::invalid_argument("--" + option + " is '" + text + "'; it must be " + wanted);
-}
-
-std::vector<std::string> split(const std::string& text, char separator) {
-  std::vector<std::string> parts;
-  std::istringstream stream(text);
-  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
-  if (text.empty() || text.back() == separator) parts.emplace_back();
-  return parts;
-}
-
 constexpr std::pair<const char*, MapKind> kMaps[] = {{"shape-modulus", MapKind::ShapeModulus},
                                                      {"rational", MapKind::Rational},
                                                      {"quadratic", MapKind::Quadratic},
                                                      {"cross", MapKind::Cross},
                                                      {"mandelbulb", MapKind::Mandelbulb}};
 
-/// What a recipe says of an option, if anything.
-std::optional<std::string> given(const Recipe& recipe, const std::string& option) {
-  const auto found = recipe.find(option);
-  return found == recipe.end() ? std::nullopt : std::optional(found->second);
-}
+}  // namespace
 
-/// The map of a recipe; of an unknown one, which parsing refuses, the first.
 MapKind mapOf(const Recipe& recipe) {
   const std::string text = given(recipe, "map").value_or(kMaps[0].first);
   for (const auto& [name, map] : kMaps)
     if (text == name) return map;
   return kMaps[0].second;
 }
+
+namespace {
 
 bool isMandelbrot(const Recipe& recipe) { return given(recipe, "mandelbrot").value_or("false") != "false"; }
 
@@ -151,103 +137,7 @@ std::optional<std::string> defaultOf(const OptionSpec& spec, const Recipe& recip
   return spec.defaultValue ? std::optional(spec.defaultValue) : std::nullopt;
 }
 
-/// Reads a recipe's entries by the registry: known names only, defaults filled in.
-class Reader {
- public:
-  Reader(const Recipe& recipe, std::span<const OptionSpec> specs)
-      : mRecipe(completeRecipe(recipe, specs)), mSpecs(specs) {
-    for (const auto& [name, value] : recipe) {
-      const bool hash = std::find(std::begin(kHashOptions), std::end(kHashOptions), name) != std::end(kHashOptions);
-      const OptionSpec* spec = find(name);
-      if (!hash && !spec) throw std::invalid_argument("--" + name + " is not an option here; see --help");
-      if (spec && !(spec->maps & mapBit(mapOf(recipe)))) refuseOfMap(name, value);
-    }
-  }
-
-  bool has(const std::string& name) const { return mRecipe.contains(name); }
-
-  std::string text(const std::string& name) const { return given(mRecipe, name).value_or(""); }
-
-  bool flag(const std::string& name) const {
-    const std::string value = text(name);
-    if (value.empty() || value == "false") return false;
-    if (value != "true") refuse(name, value, "true or false");
-    return true;
-  }
-
-  double number(const std::string& name) const { return parseNumber(name, text(name)); }
-
-  double positive(const std::string& name) const {
-    const double value = number(name);
-    if (!(value > 0)) refuse(name, text(name), "above 0");
-    return value;
-  }
-
-  double notNegative(const std::string& name) const {
-    const double value = number(name);
-    if (!(value >= 0)) refuse(name, text(name), "0 or more");
-    return value;
-  }
-
-  template <class Integer = int>
-  Integer integer(const std::string& name, Integer low, Integer high) const {
-    const std::string value = text(name);
-    Integer result{};
-    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), result);
-    if (error != std::errc{} || end != value.data() + value.size() || result < low || result > high)
-      refuse(name, value, "a whole number from " + std::to_string(low) + " to " + std::to_string(high));
-    return result;
-  }
-
-  openvdb::Vec3d vector(const std::string& name) const {
-    const std::vector<double> values = parseNumbers(name, text(name), 3);
-    return {values[0], values[1], values[2]};
-  }
-
-  template <class Enum>
-  Enum choice(const std::string& name, std::initializer_list<std::pair<const char*, Enum>> choices) const {
-    return choice<Enum>(name, std::span(choices.begin(), choices.size()));
-  }
-  template <class Enum>
-  Enum choice(const std::string& name, std::span<const std::pair<const char*, Enum>> choices) const {
-    const std::string value = text(name);
-    std::string list;
-    for (const auto& [word, result] : choices) {
-      if (value == word) return result;
-      list += (list.empty() ? "" : ", ") + std::string(word);
-    }
-    refuse(name, value, "one of " + list);
-  }
-
-  VoxelChoice voxels(const std::string& resolution, const std::string& voxelSize) const {
-    VoxelChoice choice;
-    if (has(resolution) && has(voxelSize))
-      throw std::invalid_argument("--" + resolution + " and --" + voxelSize + " say the same; give one of them");
-    if (has(voxelSize)) choice.voxelSize = positive(voxelSize);
-    if (!has(voxelSize)) choice.resolution = positive(resolution);
-    return choice;
-  }
-
- private:
-  const OptionSpec* find(const std::string& name) const {
-    for (const OptionSpec& spec : mSpecs)
-      if (name == spec.name) return &spec;
-    return nullptr;
-  }
-
-  [[noreturn]] void refuseOfMap(const std::string& option, const std::string& value) const {
-    if (option == "input")
-      throw std::invalid_argument("the map " + text("map") + " has no target; leave '" + value + "' out");
-    throw std::invalid_argument("--" + option + " means nothing to the map " + text("map") + "; leave it out" +
-                                (option == "escape" ? ", or give --radius" : "") +
-                                (option == "radius" ? ", or give --escape" : ""));
-  }
-
-  Recipe mRecipe;
-  std::span<const OptionSpec> mSpecs;
-};
-
-julia::RandomRootsOptions parseRandomRoots(const Reader& reader) {
+julia::RandomRootsOptions parseRandomRoots(const RecipeReader& reader) {
   julia::RandomRootsOptions options;
   options.seed = reader.integer<std::uint64_t>("versor-seed", 0, std::numeric_limits<std::uint64_t>::max());
   options.count = reader.integer("versor-roots", 1, 1'000'000);
@@ -281,7 +171,7 @@ julia::Point parseSpatialConstant(const std::string& option, const std::string& 
   return parsePoint(option, padded ? text.substr(0, text.rfind(',')) : text);
 }
 
-julia::CrossOptions parseCross(const Reader& reader) {
+julia::CrossOptions parseCross(const RecipeReader& reader) {
   using julia::CrossPair, julia::CrossScheme;
   julia::CrossOptions options;
   options.scheme = reader.choice<CrossScheme>(
@@ -310,7 +200,7 @@ julia::CrossOptions parseCross(const Reader& reader) {
   return options;
 }
 
-julia::MandelbulbOptions parseMandelbulb(const Reader& reader, bool mandelbrot) {
+julia::MandelbulbOptions parseMandelbulb(const RecipeReader& reader, bool mandelbrot) {
   using julia::TriplexAngle;
   julia::MandelbulbOptions options;
   options.power = reader.number("power");
@@ -322,7 +212,7 @@ julia::MandelbulbOptions parseMandelbulb(const Reader& reader, bool mandelbrot) 
 }
 
 /// The map and what belongs to it alone.
-void parseMap(const Reader& reader, FractalOptions& options) {
+void parseMap(const RecipeReader& reader, FractalOptions& options) {
   options.mandelbrot = reader.flag("mandelbrot");
   if (options.mandelbrot && reader.has("c"))
     throw std::invalid_argument("--c and --mandelbrot contradict each other: there c is the point; give one of them");
@@ -393,7 +283,7 @@ std::pair<Recipe, std::string> recipeFromMetadata(const std::map<std::string, st
 
 std::string alternativeOption(const std::string& option) {
   constexpr std::pair<const char*, const char*> kPairs[] = {
-      {"resolution", "voxel-size"}, {"sdf-resolution", "sdf-voxel-size"}, {"c", "mandelbrot"}};
+      {"resolution", "voxel-size"}, {"sdf-resolution", "sdf-voxel-size"}, {"versor", "rational"}, {"c", "mandelbrot"}};
   for (const auto& [one, other] : kPairs) {
     if (option == one) return other;
     if (option == other) return one;
@@ -462,7 +352,7 @@ std::vector<double> parseNumbers(const std::string& option, const std::string& t
 }
 
 SdfOptions parseSdfOptions(const Recipe& recipe) {
-  const Reader reader(recipe, sdfOptionSpecs());
+  const RecipeReader reader(recipe, sdfOptionSpecs());
   SdfOptions options;
   options.input = reader.text("input");
   if (options.input.empty()) throw std::invalid_argument("no mesh was given");
@@ -476,7 +366,7 @@ SdfOptions parseSdfOptions(const Recipe& recipe) {
 }
 
 FractalOptions parseFractalOptions(const Recipe& recipe) {
-  const Reader reader(recipe, fractalOptionSpecs());
+  const RecipeReader reader(recipe, fractalOptionSpecs());
   FractalOptions options;
   options.input = reader.text("input");
   options.grid = reader.text("grid");
@@ -488,6 +378,14 @@ FractalOptions parseFractalOptions(const Recipe& recipe) {
   options.alpha = reader.text("alpha");
   options.beta = reader.text("beta");
   options.versor = reader.text("versor");
+  if (const std::string rational = reader.text("rational"); !rational.empty()) {
+    if (options.map != MapKind::Rational)
+      throw std::invalid_argument("--rational gives the map's roots; it goes with --map rational");
+    if (options.versor != "random")
+      throw std::invalid_argument("--rational and --versor both give the map's roots; give one of them");
+    if (rational == "random") reader.refuse("rational", "a file; --versor random draws roots");
+    options.versor = rational;
+  }
   options.randomRoots = parseRandomRoots(reader);
   options.versorScale = reader.number("versor-scale");
   if (options.versorScale == 0) refuse("versor-scale", reader.text("versor-scale"), "other than 0");

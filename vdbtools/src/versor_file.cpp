@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <initializer_list>
 #include <optional>
 #include <set>
@@ -35,6 +36,10 @@ constexpr const char* kPowerScaleKey = "powerScale";
 constexpr const char* kRootsKey = "roots";
 constexpr const char* kPositionKey = "position";
 constexpr const char* kPowerKey = "power";
+constexpr const char* kTargetKey = "target";
+constexpr const char* kCentreKey = "centre";
+constexpr const char* kScaleKey = "scale";
+constexpr const char* kBoxKey = "box";
 
 /// What the tree of nlohmann::json would not tell: where a text breaks off, and that a key stands twice.
 class Syntax : public nlohmann::json_sax<Json> {
@@ -179,6 +184,47 @@ class Node {
   std::string mName, mPlace;
 };
 
+/// The shortest digits that are read back as the same double, in any locale.
+std::string shortestNumber(double value) {
+  std::array<char, 32> digits{};
+  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc()) throw std::logic_error("a double did not fit into 32 characters");
+  const std::string text(digits.data(), end);
+  // JSON readers take "-0" for an integer, which has no sign at 0.
+  return text == "-0" ? "-0.0" : text;
+}
+
+std::vector<double> numbersFrom(const Node& node, std::size_t count) {
+  std::vector<double> numbers;
+  for (const Node& element : node.elements()) numbers.push_back(element.number());
+  if (numbers.size() != count)
+    node.fail("has " + std::to_string(numbers.size()) + " numbers; it must have " + std::to_string(count));
+  return numbers;
+}
+
+FittedTo targetFrom(const Node& node) {
+  node.requireKeys({kCentreKey, kScaleKey, kBoxKey});
+  const std::vector<double> c = numbersFrom(node.at(kCentreKey), 3), b = numbersFrom(node.at(kBoxKey), 6);
+  const double scale = node.at(kScaleKey).number();
+  if (!(scale > 0)) node.at(kScaleKey).fail("is " + shortestNumber(scale) + "; it must be above 0");
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!(b[axis] < b[axis + 3])) node.at(kBoxKey).fail("has no extent; the smaller corner must come first");
+    if (!std::isfinite(b[axis + 3] - b[axis])) node.at(kBoxKey).fail("is larger than any number");
+  }
+  return {{{c[0], c[1], c[2]}, scale}, {{b[0], b[1], b[2]}, {b[3], b[4], b[5]}}};
+}
+
+/// @throw std::invalid_argument  targetFrom() would refuse it
+void requireReadable(const FittedTo& target) {
+  const openvdb::Vec3d &low = target.box.min(), &high = target.box.max();
+  bool readable = target.space.centre.isFinite() && target.space.scale > 0 && std::isfinite(target.space.scale);
+  for (int axis = 0; axis < 3; ++axis) readable &= low[axis] < high[axis] && std::isfinite(high[axis] - low[axis]);
+  if (!readable)
+    throw std::invalid_argument(
+        "the fitted shape's centre, scale and box must be finite, its scale above 0 and its "
+        "box not empty");
+}
+
 julia::Root rootFrom(const Node& node) {
   node.requireKeys({kPositionKey, kPowerKey});
   const Node position = node.at(kPositionKey);
@@ -198,14 +244,10 @@ julia::Polynomial polynomialFrom(const Node& node) {
   return polynomial;
 }
 
-/// The shortest digits that are read back as the same double, in any locale.
-std::string shortestNumber(double value) {
-  std::array<char, 32> digits{};
-  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc()) throw std::logic_error("a double did not fit into 32 characters");
-  const std::string text(digits.data(), end);
-  // JSON readers take "-0" for an integer, which has no sign at 0.
-  return text == "-0" ? "-0.0" : text;
+std::string numberList(std::initializer_list<double> numbers) {
+  std::string text;
+  for (const double number : numbers) text += (text.empty() ? "" : ", ") + shortestNumber(number);
+  return text;
 }
 
 void appendPolynomial(std::string& text, const char* key, const julia::Polynomial& polynomial) {
@@ -234,13 +276,14 @@ RationalFile rationalFileFromJson(std::string_view text, const std::string& name
   // What kind of file it is comes first: a later version may well have other keys.
   root.at(kFormatKey).requireEqual(kFormat);
   root.at(kVersionKey).requireEqual(kVersion);
-  root.requireKeys({kFormatKey, kVersionKey, kLogScaleKey, kTopKey, kBottomKey}, {kNoteKey});
+  root.requireKeys({kFormatKey, kVersionKey, kLogScaleKey, kTopKey, kBottomKey}, {kNoteKey, kTargetKey});
 
   RationalFile file;
   if (root.has(kNoteKey)) file.note = root.at(kNoteKey).string();
   file.rational.logScale = root.at(kLogScaleKey).number();
   file.rational.top = polynomialFrom(root.at(kTopKey));
   file.rational.bottom = polynomialFrom(root.at(kBottomKey));
+  if (root.has(kTargetKey)) file.target = targetFrom(root.at(kTargetKey));
   try {
     julia::requireFinite(file.rational);
   } catch (const std::invalid_argument& error) {
@@ -253,8 +296,10 @@ julia::Rational rationalFromJson(std::string_view text, const std::string& nameF
   return rationalFileFromJson(text, nameForErrors).rational;
 }
 
-std::string rationalToJson(const julia::Rational& rational, std::string_view note) {
+std::string rationalToJson(const julia::Rational& rational, std::string_view note,
+                           const std::optional<FittedTo>& target) {
   julia::requireFinite(rational);
+  if (target) requireReadable(*target);
   std::string text = "{\n  \"" + std::string(kFormatKey) + "\": \"" + kFormat + "\",\n  \"" + kVersionKey +
                      "\": " + std::to_string(kVersion) + ",\n";
   if (!note.empty()) {
@@ -265,6 +310,13 @@ std::string rationalToJson(const julia::Rational& rational, std::string_view not
   appendPolynomial(text, kTopKey, rational.top);
   text += ",\n";
   appendPolynomial(text, kBottomKey, rational.bottom);
+  if (target) {
+    const openvdb::Vec3d &centre = target->space.centre, &low = target->box.min(), &high = target->box.max();
+    text += ",\n  \"" + std::string(kTargetKey) + "\": {\"" + kCentreKey + "\": [" +
+            numberList({centre[0], centre[1], centre[2]}) + "], \"" + kScaleKey +
+            "\": " + shortestNumber(target->space.scale) + ", \"" + kBoxKey + "\": [" +
+            numberList({low[0], low[1], low[2], high[0], high[1], high[2]}) + "]}";
+  }
   text += "\n}\n";
   return text;
 }
@@ -279,7 +331,7 @@ RationalFile readRationalFile(const std::filesystem::path& path) {
     file.rational.top = readPolynomial(path);
     return file;
   }
-  if (extension == ".o3d") return {readOptimisedShape(path).rational, {}};
+  if (extension == ".o3d") return {readOptimisedShape(path).rational, {}, {}};
   throw std::invalid_argument("cannot tell what kind of file " + inOneLine(path.native()) + " is by its extension \"" +
                               inOneLine(extension) + "\"; a rational is read from .json, .p4d, .poly4d or .o3d");
 }

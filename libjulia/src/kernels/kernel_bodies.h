@@ -348,6 +348,78 @@ void sampleQuadratic(const BrickLattice<Real>& lattice, const Real* x, const Rea
 }
 
 template <class Real>
+void logDistances(const Real* root, Real rest, const Real* x, const Real* y, const Real* z, Real* out,
+                  std::size_t size) {
+  const Real rx = root[0], ry = root[1], rz = root[2];
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < size; ++i) {
+    const Real dx = x[i] - rx, dy = y[i] - ry, dz = z[i] - rz;
+    const Real square = dx * dx + dy * dy + dz * dz + rest;
+    out[i] = Real(0.5) * logarithm(square > Ieee<Real>::kTiny ? square : Ieee<Real>::kTiny);
+  }
+}
+
+// Columns that are worked on at once, so that the sums are loaded and stored less often.
+constexpr std::size_t kColumns = 4;
+
+template <class Real>
+void addColumns(const Real* columns, const double* weights, std::size_t columnCount, double* sums, std::size_t size) {
+  size = size / kWidest * kWidest;
+  std::size_t j = 0;
+  for (; j + kColumns <= columnCount; j += kColumns) {
+    const Real *a = columns + j * size, *b = a + size, *c = b + size, *d = c + size;
+    const double wa = weights[j], wb = weights[j + 1], wc = weights[j + 2], wd = weights[j + 3];
+#pragma GCC ivdep
+    for (std::size_t i = 0; i < size; ++i) sums[i] = sums[i] + wa * a[i] + wb * b[i] + wc * c[i] + wd * d[i];
+  }
+  for (; j < columnCount; ++j) {
+    const Real* a = columns + j * size;
+    const double w = weights[j];
+#pragma GCC ivdep
+    for (std::size_t i = 0; i < size; ++i) sums[i] += w * a[i];
+  }
+}
+
+/// The sum over lanes in a fixed order, which no vector width changes.
+template <std::size_t N>
+JULIA_INLINE double sumOf(const double (&lanes)[N]) {
+  double sum = 0;
+  for (std::size_t lane = 0; lane < N; ++lane) sum += lanes[lane];
+  return sum;
+}
+
+template <class Real>
+void dotColumns(const Real* columns, const double* factors, std::size_t columnCount, double* products,
+                std::size_t size) {
+  constexpr std::size_t kLanes = 8;
+  size = size / kWidest * kWidest;
+  std::size_t j = 0;
+  for (; j + kColumns <= columnCount; j += kColumns) {
+    const Real *a = columns + j * size, *b = a + size, *c = b + size, *d = c + size;
+    double sa[kLanes] = {}, sb[kLanes] = {}, sc[kLanes] = {}, sd[kLanes] = {};
+    for (std::size_t i = 0; i < size; i += kLanes)
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const double factor = factors[i + lane];
+        sa[lane] += a[i + lane] * factor;
+        sb[lane] += b[i + lane] * factor;
+        sc[lane] += c[i + lane] * factor;
+        sd[lane] += d[i + lane] * factor;
+      }
+    products[j] = sumOf(sa);
+    products[j + 1] = sumOf(sb);
+    products[j + 2] = sumOf(sc);
+    products[j + 3] = sumOf(sd);
+  }
+  for (; j < columnCount; ++j) {
+    const Real* a = columns + j * size;
+    double sum[kLanes] = {};
+    for (std::size_t i = 0; i < size; i += kLanes)
+      for (std::size_t lane = 0; lane < kLanes; ++lane) sum[lane] += a[i + lane] * factors[i + lane];
+    products[j] = sumOf(sum);
+  }
+}
+
+template <class Real>
 constexpr Kernels<Real> kTable = {
     .versor = versor<Real>,
     .logModulus = logModulus<Real>,
@@ -363,6 +435,9 @@ constexpr Kernels<Real> kTable = {
     .triplex = triplex<Real>,
     .sampleTrilinear = sampleTrilinear<Real>,
     .sampleQuadratic = sampleQuadratic<Real>,
+    .logDistances = logDistances<Real>,
+    .addColumns = addColumns<Real>,
+    .dotColumns = dotColumns<Real>,
 };
 
 }  // namespace

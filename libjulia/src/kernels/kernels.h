@@ -101,6 +101,16 @@ struct Kernels {
   /// Quadratic B-spline: bricks of 8^3 nodes with one more all round, 10^3 values.
   void (*sampleQuadratic)(const BrickLattice<Real>& lattice, const Real* x, const Real* y, const Real* z, Real* out,
                           std::size_t size);
+  /// out = ln|x - root|, of roots that lie @a rest (squared) off the slice of the points. The square of the distance is
+  /// taken as at least Ieee::kTiny.
+  void (*logDistances)(const Real* root, Real rest, const Real* x, const Real* y, const Real* z, Real* out,
+                       std::size_t size);
+  /// sums += the columns times their weights, one after the other; columns lie @a size apart, a multiple of 16.
+  void (*addColumns)(const Real* columns, const double* weights, std::size_t columnCount, double* sums,
+                     std::size_t size);
+  /// products[j] = the sum over i of column j times factors; columns as above.
+  void (*dotColumns)(const Real* columns, const double* factors, std::size_t columnCount, double* products,
+                     std::size_t size);
 };
 
 /// The kernels of the instruction set in use.

@@ -20,6 +20,7 @@
 
 #include <array>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -44,5 +45,14 @@ OptimisedShape optimisedShapeFromO3d(std::string_view bytes, const std::string& 
 /// The bytes of a `.p4d`, with empty coefficient arrays: the released programs evaluate it in its factored form only.
 /// @throw std::invalid_argument  more than 2^31 - 1 roots, or a number that is not finite or beyond 1e9
 std::string rationalToP4d(const julia::Polynomial& polynomial);
+
+/// The bytes of an `.o3d`, with empty coefficient arrays and history. Its three fields are sampled at the centres of
+/// the box's cells, x fastest, and written as they are: the field of the rational's orbit, the target's signed
+/// distance, and the target's potential ([Kim15] 4.4).
+/// @throw std::invalid_argument  resolutions, a box or a rational that could not be read back, a field without one
+/// value
+///                               a cell, or an e^C that a double does not hold in full precision, C beyond about 708
+std::string optimisedShapeToO3d(const OptimisedShape& shape, std::span<const double> fractal,
+                                std::span<const double> distance, std::span<const double> potential);
 
 }  // namespace vdbtools

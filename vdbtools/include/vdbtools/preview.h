@@ -10,7 +10,17 @@
 
 #include <openvdb/openvdb.h>
 
+#include <array>
+#include <vector>
+
 namespace vdbtools {
+
+/// A mark in the picture, such as a root of a map. One that lies within the object shows through its surface.
+struct PreviewBall {
+  openvdb::Vec3d centre;          ///< world units
+  double radius = 0;              ///< world units, > 0
+  std::array<float, 3> colour{};  ///< linear RGB
+};
 
 struct PreviewOptions {
   int width = 800;          ///< pixels
@@ -20,6 +30,7 @@ struct PreviewOptions {
   double fieldOfView = 30;  ///< degrees, vertical, 1 to 150
   int samples = 4;          ///< rays a pixel: 1, 4, 9 or 16
   double zoom = 1;          ///< magnification: at 1 the ball around the object touches the frame
+  std::vector<PreviewBall> balls;
 };
 
 /// The same picture for any number of threads. Colours lie near [0, 1]; the background is neutral.

@@ -13,11 +13,14 @@
 ///         {"position": [0.5, 0, -1, 0], "power": 2}
 ///       ]
 ///     },
-///     "bottom": {"powerScale": 1, "roots": []}
+///     "bottom": {"powerScale": 1, "roots": []},
+///     "target": {"centre": [0, 0, 0], "scale": 1, "box": [-0.5, -0.5, -0.5, 0.5, 0.5, 0.5]}
 ///   }
 ///
-/// All keys but "note" are required and no others allowed. "position" is [A, B, C, D] in units of the map's space, and
-/// "logScale" the C of e^C. Numbers are read back as exactly the doubles that were written.
+/// All keys but "note" and "target" are required and no others allowed. "target" is of a map that was fitted to a
+/// shape: the space that its roots are in, and the shape's box, both in world units. "position" is [A, B, C, D] in
+/// units of the map's space, and "logScale" the C of e^C. Numbers are read back as exactly the doubles that were
+/// written.
 ///
 /// The functions that read
 /// @throw DataError              the content is not such a file; the text names the place
@@ -25,17 +28,27 @@
 /// @throw IoError                reading broke off
 #pragma once
 
+#include "vdbtools/fractal_space.h"
+
 #include "julia/rational.h"
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
 namespace vdbtools {
 
+/// The shape that a rational map was fitted to.
+struct FittedTo {
+  FractalSpace space;
+  openvdb::BBoxd box;  ///< of the shape, world units
+};
+
 struct RationalFile {
   julia::Rational rational;
   std::string note;  ///< free text, such as the recipe; empty where the file has none
+  std::optional<FittedTo> target;
 };
 
 /// By extension, in any case: `.json` as above; `.p4d` and `.poly4d`, whose polynomial becomes the top; `.o3d`.
@@ -48,7 +61,8 @@ julia::Rational rationalFromJson(std::string_view text, const std::string& nameF
 RationalFile rationalFileFromJson(std::string_view text, const std::string& nameForErrors);
 
 /// @param note  left out where empty; bytes that are not UTF-8 become U+FFFD
-/// @throw std::invalid_argument  a number that is not finite or beyond 1e9
-std::string rationalToJson(const julia::Rational& rational, std::string_view note = {});
+/// @throw std::invalid_argument  a number that is not finite or, of the rational, beyond 1e9; a target without extent
+std::string rationalToJson(const julia::Rational& rational, std::string_view note = {},
+                           const std::optional<FittedTo>& target = {});
 
 }  // namespace vdbtools

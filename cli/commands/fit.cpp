@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands.h"
+
+#include "exit_code.h"
+#include "options.h"
+#include "output.h"
+
+#include "vdbtools/fit_job.h"
+
+#include <filesystem>
+#include <iostream>
+
+namespace po = boost::program_options;
+
+namespace cli {
+namespace {
+
+constexpr Usage kUsageText = {
+    "fit", "MESH|SDF.vdb -o shape.json [--roots N | --target-iou X] [--schedule S] [options]",
+    "Finds a rational quaternion map whose Julia set has a target's shape: 'juliavdb fractal --map rational "
+    "--rational\n"
+    "shape.json' makes it, at any number of iterations, and the map serves as a versor too. The fast fit is the\n"
+    "default; --schedule runs Kim's (2015) own method: electrostatics, monopoles, and the passes that it lists.",
+    "  juliavdb fit bunny.obj -o shape.json --roots 331 --report fit.csv --plot fit.png\n"
+    "  juliavdb fit bunny.obj -o paper.json --schedule '25(VFRF) 50(V)' --epsilon 0.04\n"
+    "  juliavdb fractal --map rational --rational shape.json -o bunny.vdb --mesh bunny.ply --resolution 300\n"};
+
+/// The command that makes it again, less what names files.
+std::string noteOf(const vdbtools::Recipe& recipe) {
+  std::string note = "juliavdb fit";
+  for (const auto& [name, value] : recipe)
+    if (name != "input" && !value.empty()) note += " --" + name + (value == "true" ? "" : " " + value);
+  return note;
+}
+
+}  // namespace
+
+int runFit(const Arguments& arguments) {
+  CommandLine line(kUsageText, vdbtools::fitOptionSpecs());
+  line.addOptions()("output,o", po::value<std::string>()->value_name("F.json"), "the map to write: .json or .o3d")(
+      "report", po::value<std::string>()->value_name("F.csv"), "every accepted step: energies, IoU, distances, powers")(
+      "plot", po::value<std::string>()->value_name("F.png"), "the same as a picture: .png or .exr");
+  if (!line.parse(arguments)) return kDone;
+  const vdbtools::FitOptions options = vdbtools::parseFitOptions(line.recipe());
+  if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.json");
+  Outputs outputs;
+  std::ostream& file = outputs.add("output", line.text("output"), ".json .o3d").stream();
+  std::ostream* const report =
+      line.has("report") ? &outputs.add("report", line.text("report"), ".csv").stream() : nullptr;
+  std::ostream* const plot = line.has("plot") ? &outputs.add("plot", line.text("plot"), ".png .exr").stream() : nullptr;
+
+  const vdbtools::FitResult fit = vdbtools::runFit(options, report != nullptr, line.progress());
+  if (formatOf(line.text("output"), ".json") == ".o3d")
+    file << vdbtools::fitToO3d(fit, options, line.progress());
+  else
+    file << vdbtools::rationalToJson(fit.rational, noteOf(line.recipe()), fit.target);
+  if (report) *report << vdbtools::fitReportCsv(fit.rows);
+  if (plot) *plot << vdbtools::encodeImage(vdbtools::fitReportPlot(fit.rows), formatOf(line.text("plot"), ".png"));
+  line.progress().throwIfCancelled();
+  outputs.commit();
+  const vdbtools::FitMeasure& measure = fit.measure;
+  std::cerr << "wrote " << outputs.names() << ": " << fit.rational.top.roots.size() << " top and "
+            << fit.rational.bottom.roots.size() << " bottom roots, IoU " << measure.iou << ", psi " << measure.psi
+            << ", mean distance " << measure.meanDistance << ", Hausdorff " << measure.hausdorff
+            << " of the longest side; powers sum to " << julia::summedPowers(fit.rational.top) << " and "
+            << julia::summedPowers(fit.rational.bottom) << "; as thin as --alpha " << fit.slope << "; "
+            << fit.rows.size() << " steps\n";
+  if (fit.monopoles > 0)
+    std::cerr << "electrostatics: " << fit.monopoles << " monopoles, capacitance " << fit.capacitance << '\n';
+  return kDone;
+}
+
+}  // namespace cli

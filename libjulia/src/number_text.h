@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file number_text.h
+/// Numbers as messages show them: short, and small ones not as 0.
+#pragma once
+
+#include <sstream>
+#include <string>
+
+namespace julia {
+
+inline std::string textOf(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+}  // namespace julia

@@ -1,0 +1,554 @@
+// SPDX-License-Identifier: Apache-2.0
+// The fit from end to end: shapes whose fit is known, and changes that must not matter.
+#include "test_fields.h"
+#include "test_meshes.h"
+
+#include "vdbtools/fit_job.h"
+#include "vdbtools/mesh_writer.h"
+#include "vdbtools/peer_formats.h"
+#include "vdbtools/vdb_file.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <locale>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace vdbtools;
+using openvdb::Vec3d;
+using test_meshes::TemporaryFolder;
+
+/// Two balls and the rod between them, along x: waists are what one root cannot have.
+double dumbbellDistance(const Vec3d& x) {
+  const double rod = std::max(std::hypot(x[1], x[2]) - 0.09, std::abs(x[0]) - 0.3);
+  const double balls = (Vec3d(std::abs(x[0]), x[1], x[2]) - Vec3d(0.3, 0, 0)).length() - 0.2;
+  return std::min(rod, balls);
+}
+
+/// Recipes and the files that they name.
+class Job {
+ public:
+  Job(std::string input, Recipe recipe) : mRecipe(std::move(recipe)) {
+    mRecipe["input"] = std::move(input);
+    mRecipe.try_emplace("resolution", "33");
+    mRecipe.try_emplace("triangles", "600");
+  }
+  FitOptions options() const { return parseFitOptions(mRecipe); }
+  FitResult run(bool wantDistances = false) const {
+    Monitor monitor;
+    return run(wantDistances, monitor);
+  }
+  FitResult run(bool wantDistances, Monitor& monitor) const { return runFit(options(), wantDistances, monitor); }
+  FitTarget target() const {
+    Monitor monitor;
+    return makeFitTarget(options().target, monitor);
+  }
+
+ private:
+  Recipe mRecipe;
+};
+
+class Files {
+ public:
+  Files() {
+    openvdb::initialize();
+    mBall = mesh("ball.obj", test_meshes::makeSphere(2, 4, {10, -20, 30}));
+    mBox = mesh("box.obj", box());
+    mDumbbell = mFolder.write("dumbbell.vdb", encodeVdb({test_fields::bandGrid(dumbbellDistance, 1.0 / 48, 0.15)}, {}))
+                    .string();
+  }
+  static Mesh box() { return test_meshes::makeBox({-1, -0.5, -0.25}, {1, 0.5, 0.25}); }
+  std::string mesh(const std::string& name, const Mesh& mesh) const {
+    std::ostringstream obj;
+    writeMesh(obj, mesh, {.format = MeshFormat::Obj});
+    return mFolder.write(name, obj.str()).string();
+  }
+  std::filesystem::path write(const std::string& name, const std::string& bytes) const {
+    return mFolder.write(name, bytes);
+  }
+  Job ball(Recipe recipe) const { return {mBall, std::move(recipe)}; }
+  Job box(Recipe recipe) const { return {mBox, std::move(recipe)}; }
+  Job dumbbell(Recipe recipe) const { return {mDumbbell, std::move(recipe)}; }
+
+ private:
+  TemporaryFolder mFolder;
+  std::string mBall, mBox, mDumbbell;
+};
+
+const Files& files() {
+  static const Files files;
+  return files;
+}
+
+const std::string kSchedule = "9(V) 17(VFR)";
+const Recipe kFastRecipe{{"roots", "24"}};
+// By 1 over the distance, most of the weight would be outside so thin a shape, and a map without inside a minimum.
+const Recipe kScheduleRecipe{{"roots", "24"}, {"schedule", kSchedule}, {"weights", "layers"}};
+
+/// The fits that several tests look at.
+const FitResult& fastFit() {
+  static const FitResult fit = files().dumbbell(kFastRecipe).run(true);
+  return fit;
+}
+const FitResult& scheduledFit() {
+  static const FitResult fit = files().dumbbell(kScheduleRecipe).run(true);
+  return fit;
+}
+
+std::string bytesOf(const FitResult& fit) { return rationalToJson(fit.rational, {}, fit.target); }
+
+std::vector<double> logModuli(const julia::Rational& rational, const std::vector<julia::FitCell>& cells) {
+  const julia::RationalEvaluator<double> evaluator(rational);
+  std::vector<double> l;
+  for (const julia::FitCell& cell : cells)
+    l.push_back(evaluator.logModulus(julia::Embedding{}.quaternion<double>(cell.x)));
+  return l;
+}
+
+std::string refusal(Recipe recipe) {
+  recipe.try_emplace("input", "nowhere.obj");
+  try {
+    parseFitOptions(recipe);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "accepted";
+  return {};
+}
+
+TEST(FitJob, RefusesBadOptionsAndNamesThem) {
+  const std::vector<std::pair<std::string, std::vector<std::string>>> bad{
+      {"roots", {"0", "-1", "1.5", "", "many", "100001", "99999999999999999999"}},
+      {"epsilon", {"0", "1", "-1", "nan", "inf", "", "0.04x"}},
+      {"target-iou", {"0", "2", "-0.5", "nan", "1.0000001"}},
+      {"resolution", {"7", "1001", "0", "33.5", "-33"}},
+      {"smooth", {"-1", "5", "nan", "inf"}},
+      {"triangles", {"99", "0", "1000001"}},
+      {"alpha", {"-1", "nan", "inf"}},
+      {"power-penalty", {"-1e-9", "nan", "inf"}},
+      {"repair-gap", {"-1", "nan"}},
+      {"start", {"random", ""}},
+      {"weights", {"layer", ""}},
+      {"seed", {"-1", "1.5", "18446744073709551616"}},
+      {"repair", {"yes"}},
+  };
+  for (const auto& [option, values] : bad)
+    for (const std::string& value : values) {
+      SCOPED_TRACE(option + " = " + value);
+      const std::string message = refusal({{option, value}});
+      EXPECT_NE(message.find("--" + option), std::string::npos) << message;
+      EXPECT_NE(message.find("'" + value + "'"), std::string::npos) << message;
+    }
+  EXPECT_NE(refusal({{"epsylon", "0.1"}}).find("--epsylon is not an option"), std::string::npos);
+  EXPECT_NE(refusal({{"input", ""}}).find("no target"), std::string::npos);
+}
+
+TEST(FitJob, RefusesABadScheduleAndNamesTheCharacter) {
+  const std::vector<std::pair<std::string, int>> bad{
+      {"V", 1},          {"25", 3},    {"25()", 4},           {"25(VX)", 5}, {"25(V", 5},
+      {"25(VF) 50", 10}, {" ", 2},     {"25(V) 50(V) )", 13}, {"3(V)", 1},   {"1001(V)", 1},
+      {"25[V]", 3},      {"25(v)", 4}, {"-25(V)", 1}};
+  for (const auto& [schedule, character] : bad) {
+    const std::string message = refusal({{"schedule", schedule}});
+    EXPECT_NE(message.find("at character " + std::to_string(character) + " "), std::string::npos)
+        << "'" << schedule << "': " << message;
+  }
+}
+
+TEST(FitJob, DefaultsAreThePapersOnlyWithASchedule) {
+  const FitOptions fast = parseFitOptions({{"input", "x.obj"}});
+  EXPECT_TRUE(fast.schedule.empty());
+  EXPECT_EQ(fast.powerPenalty, 0);
+  EXPECT_EQ(fast.roots, 331u);
+  EXPECT_EQ(fast.target.resolution, 97);
+  const FitOptions paper = parseFitOptions({{"input", "x.obj"}, {"schedule", kSchedule}});
+  EXPECT_EQ(julia::toString(paper.schedule), kSchedule);
+  EXPECT_EQ(paper.powerPenalty, 1e-5);
+  EXPECT_EQ(parseFitOptions({{"input", "x.obj"}, {"schedule", kSchedule}, {"power-penalty", "0"}}).powerPenalty, 0);
+}
+
+TEST(FitJob, OneRootIsABall) {
+  const FitResult fit = files().ball({{"roots", "1"}}).run();
+  ASSERT_EQ(fit.rational.top.roots.size(), 1u);
+  EXPECT_TRUE(fit.rational.bottom.roots.empty());
+  EXPECT_EQ(fit.rational.top.roots[0].position, julia::Quaternion<double>{});
+  EXPECT_GE(fit.rational.top.roots[0].power, 1);
+  EXPECT_GT(fit.measure.iou, 0.99);
+  // L = C + power ln|q|, 0 at the radius.
+  const double power = fit.rational.top.roots[0].power * fit.rational.top.powerScale;
+  EXPECT_NEAR(std::exp(-fit.rational.logScale / power), 0.5, 0.005);
+}
+
+TEST(FitJob, MoreRootsFitBetter) {
+  for (const char* shape : {"dumbbell", "box"}) {
+    SCOPED_TRACE(shape);
+    const auto fitted = [&](const char* roots) {
+      const Recipe recipe{{"roots", roots}};
+      return (shape == std::string("box") ? files().box(recipe) : files().dumbbell(recipe)).run();
+    };
+    const FitResult one = fitted("1"), few = fitted("8"), more = fitted("60");
+    EXPECT_LE(few.rational.top.roots.size() + few.rational.bottom.roots.size(), 8u);
+    EXPECT_LE(more.rational.top.roots.size() + more.rational.bottom.roots.size(), 60u);
+    EXPECT_GT(few.measure.iou, one.measure.iou);
+    EXPECT_GT(more.measure.iou, few.measure.iou);
+    EXPECT_LT(more.measure.psi, few.measure.psi);
+    EXPECT_LT(more.measure.meanDistance, few.measure.meanDistance);
+    EXPECT_GT(more.measure.iou, 0.9);
+  }
+}
+
+TEST(FitJob, TargetIouSavesRoots) {
+  const FitResult all = files().dumbbell({{"roots", "60"}}).run();
+  const FitResult enough = files().dumbbell({{"roots", "60"}, {"target-iou", "0.5"}}).run();
+  EXPECT_LT(enough.rational.top.roots.size() + enough.rational.bottom.roots.size(),
+            all.rational.top.roots.size() + all.rational.bottom.roots.size());
+  EXPECT_GT(enough.measure.iou, 0.45);
+}
+
+void expectSoundRows(const FitResult& fit) {
+  ASSERT_FALSE(fit.rows.empty());
+  EXPECT_EQ(fit.steps, static_cast<int>(fit.rows.size()));
+  double seconds = 0;
+  for (std::size_t i = 0; i < fit.rows.size(); ++i) {
+    const FitRow& row = fit.rows[i];
+    SCOPED_TRACE("row " + std::to_string(i) + ", " + row.stage);
+    EXPECT_EQ(row.step, static_cast<int>(i) + 1);
+    EXPECT_TRUE(std::isfinite(row.energy));
+    EXPECT_GE(row.psi, -1);
+    EXPECT_LE(row.psi, 1);
+    EXPECT_GE(row.iou, 0);
+    EXPECT_LE(row.iou, 1);
+    EXPECT_GE(row.top, 1u);
+    EXPECT_GE(row.topPowers, 0);
+    EXPECT_GE(row.bottomPowers, 0);
+    EXPECT_GE(row.seconds, seconds);
+    seconds = row.seconds;
+    // Both distances are measured or none.
+    EXPECT_EQ(row.meanDistance < 0, row.hausdorff < 0);
+    if (row.hausdorff >= 0) {
+      EXPECT_LE(row.meanDistance, row.hausdorff);
+    }
+  }
+  EXPECT_GE(fit.rows.back().hausdorff, 0) << "the last row ends a round";
+  // What the rows judge by a sample is what the whole says.
+  EXPECT_NEAR(fit.rows.back().iou, fit.measure.iou, 0.05);
+  EXPECT_NEAR(fit.rows.back().psi, fit.measure.psi, 0.1);
+  EXPECT_NEAR(fit.rows.back().meanDistance, fit.measure.meanDistance, 1e-9);
+}
+
+TEST(FitJob, FastFitGoesDown) {
+  const FitResult& fit = fastFit();
+  expectSoundRows(fit);
+  EXPECT_EQ(fit.monopoles, 0u);
+  std::size_t roots = 0, energies = 0;
+  for (std::size_t i = 0; i < fit.rows.size(); ++i) {
+    const FitRow& row = fit.rows[i];
+    SCOPED_TRACE("row " + std::to_string(i) + ", " + row.stage);
+    ASSERT_TRUE(row.stage == "roots" || (row.stage == "energy" && (i == 0 || roots > 0)));
+    ++(row.stage == "roots" ? roots : energies);
+    EXPECT_LE(row.top + row.bottom, 24u);
+    if (i == 0 || fit.rows[i - 1].stage != row.stage) continue;
+    // New roots begin with a power of 0 and those that go had it, so a round begins where the one before ended. The
+    // energy is another one each time it gets sharper, which is where a round ends.
+    const bool newEnergy = row.stage == "energy" && fit.rows[i - 1].hausdorff >= 0;
+    if (!newEnergy) {
+      EXPECT_LE(row.energy, fit.rows[i - 1].energy);
+    }
+  }
+  EXPECT_GT(roots, 0u);
+  EXPECT_GT(energies, 0u);
+  EXPECT_GT(fit.measure.iou, 0.85);
+}
+
+TEST(FitJob, ScheduleGoesDown) {
+  const FitResult& fit = scheduledFit();
+  expectSoundRows(fit);
+  EXPECT_GT(fit.monopoles, 0u);
+  EXPECT_LE(fit.monopoles, 24u);
+  EXPECT_EQ(fit.rational.top.roots.size() + fit.rational.bottom.roots.size(), fit.monopoles + 2)
+      << "one at the origin on each side";
+  std::vector<std::string> stages;
+  for (std::size_t i = 0; i < fit.rows.size(); ++i) {
+    const FitRow& row = fit.rows[i];
+    SCOPED_TRACE("row " + std::to_string(i) + ", " + row.stage);
+    if (stages.empty() || stages.back() != row.stage) stages.push_back(row.stage);
+    // V and F of one grid lower one energy, R another.
+    if (i > 0 && (fit.rows[i - 1].stage == row.stage || row.stage == "17(F)")) {
+      EXPECT_LE(row.energy, fit.rows[i - 1].energy);
+    }
+  }
+  const std::vector<std::string> passes{"9(V)", "17(V)", "17(F)", "17(R)"};
+  // A pass that finds nothing better has no row, but the order is the schedule's.
+  EXPECT_TRUE(std::includes(
+      passes.begin(), passes.end(), stages.begin(), stages.end(), [&](const std::string& a, const std::string& b) {
+        return std::find(passes.begin(), passes.end(), a) < std::find(passes.begin(), passes.end(), b);
+      }));
+  EXPECT_GE(stages.size(), 3u);
+  EXPECT_GT(fit.measure.iou, 0.5);
+}
+
+TEST(FitJob, DistancesAreMeasuredOnRequestOnly) {
+  for (const FitRow& row : files().ball({{"roots", "2"}}).run(false).rows) {
+    EXPECT_EQ(row.meanDistance, -1);
+    EXPECT_EQ(row.hausdorff, -1);
+  }
+}
+
+TEST(FitJob, SameBytesForAnyThreadsAndForTheSeed) {
+  const FitResult& fast = fastFit();
+  for (const Recipe& recipe : {kFastRecipe, kScheduleRecipe, Recipe{{"roots", "12"}, {"start", "monopoles"}}}) {
+    const Job job = files().dumbbell(recipe);
+    std::string bytes[2];
+    std::vector<FitRow> rows[2];
+    for (const std::size_t threads : {1u, 2u}) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      const FitResult fit = job.run();
+      bytes[threads - 1] = bytesOf(fit);
+      rows[threads - 1] = fit.rows;
+    }
+    EXPECT_EQ(bytes[0], bytes[1]);
+    for (std::vector<FitRow>& side : rows)
+      for (FitRow& row : side) row.seconds = 0;
+    EXPECT_EQ(fitReportCsv(rows[0]), fitReportCsv(rows[1]));
+  }
+  EXPECT_EQ(bytesOf(files().dumbbell(kFastRecipe).run()), bytesOf(fast)) << "measuring distances changes no root";
+  Recipe other = kFastRecipe;
+  other["seed"] = "2";
+  EXPECT_NE(bytesOf(files().dumbbell(other).run()), bytesOf(fast));
+}
+
+TEST(FitJob, AlphaThinsTheShellAndKeepsTheShape) {
+  const Job plain = files().dumbbell(kFastRecipe);
+  const FitResult& found = fastFit();
+  Recipe recipe = kFastRecipe;
+  recipe["alpha"] = "40";
+  const FitResult scaled = files().dumbbell(recipe).run();
+  EXPECT_EQ(scaled.slope, 40);
+  const double factor = 40 / found.slope;
+  EXPECT_NEAR(scaled.rational.logScale / found.rational.logScale, factor, 1e-9 * factor);
+  EXPECT_NEAR(julia::summedPowers(scaled.rational.top) / julia::summedPowers(found.rational.top), factor,
+              1e-9 * factor);
+  EXPECT_EQ(scaled.rational.top.roots, found.rational.top.roots);
+  EXPECT_EQ(scaled.rational.bottom.roots, found.rational.bottom.roots);
+
+  const FitTarget target = plain.target();
+  const std::vector<julia::FitCell> cells = adaptiveCells(target);
+  const std::vector<double> before = logModuli(found.rational, cells), after = logModuli(scaled.rational, cells);
+  std::vector<double> slopes;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    // But for those on the surface itself, where rounding decides.
+    if (std::abs(before[i]) > 1e-9) {
+      EXPECT_EQ(before[i] < 0, after[i] < 0);
+    }
+    const double cellsAway = std::abs(cells[i].phi) / target.cell;
+    if (cellsAway > 0.5 && cellsAway < 2) slopes.push_back(std::abs(after[i] / cells[i].phi));
+  }
+  std::nth_element(slopes.begin(), slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2), slopes.end());
+  EXPECT_NEAR(slopes[slopes.size() / 2], 40, 0.05);
+  EXPECT_EQ(scaled.measure.iou, found.measure.iou);
+}
+
+std::vector<std::vector<std::string>> parsed(const std::string& csv) {
+  std::vector<std::vector<std::string>> lines;
+  std::istringstream stream(csv);
+  for (std::string line; std::getline(stream, line);) {
+    lines.emplace_back();
+    std::istringstream words(line);
+    for (std::string word; std::getline(words, word, ',');) lines.back().push_back(word);
+  }
+  return lines;
+}
+
+TEST(FitJob, ReportParsesBack) {
+  struct Comma : std::numpunct<char> {
+    char do_decimal_point() const override { return ','; }
+    char do_thousands_sep() const override { return '.'; }
+    std::string do_grouping() const override { return "\1"; }
+  };
+  for (const FitResult* fit : {&fastFit(), &scheduledFit()}) {
+    const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
+    const std::string csv = fitReportCsv(fit->rows);
+    std::locale::global(before);
+    EXPECT_EQ(csv, fitReportCsv(fit->rows)) << "numbers do not depend on the locale";
+    EXPECT_EQ(csv.back(), '\n');
+    const auto lines = parsed(csv);
+    ASSERT_EQ(lines.size(), fit->rows.size() + 1);
+    EXPECT_EQ(lines[0],
+              (std::vector<std::string>{"step", "stage", "top_roots", "bottom_roots", "working_energy", "psi", "iou",
+                                        "mean_distance", "hausdorff", "top_powers", "bottom_powers", "seconds"}));
+    for (std::size_t i = 0; i < fit->rows.size(); ++i) {
+      const FitRow& row = fit->rows[i];
+      const std::vector<std::string>& words = lines[i + 1];
+      SCOPED_TRACE(i);
+      ASSERT_EQ(words.size(), lines[0].size());
+      EXPECT_EQ(words[0], std::to_string(row.step));
+      EXPECT_EQ(words[1], row.stage);
+      EXPECT_EQ(words[2], std::to_string(row.top));
+      EXPECT_EQ(words[3], std::to_string(row.bottom));
+      const std::vector<std::pair<std::size_t, double>> numbers{
+          {4, row.energy},    {5, row.psi},       {6, row.iou},           {7, row.meanDistance},
+          {8, row.hausdorff}, {9, row.topPowers}, {10, row.bottomPowers}, {11, row.seconds}};
+      for (const auto& [column, value] : numbers) {
+        if ((column == 7 || column == 8) && value < 0) {
+          EXPECT_EQ(words[column], "") << lines[0][column];
+        } else {
+          EXPECT_NEAR(std::stod(words[column]), value, 1e-5 * std::abs(value)) << lines[0][column];
+        }
+      }
+    }
+  }
+  EXPECT_EQ(parsed(fitReportCsv({})).size(), 1u);
+}
+
+TEST(FitJob, PlotHasItsSize) {
+  const Image plot = fitReportPlot(fastFit().rows);
+  EXPECT_EQ(plot.width, 900);
+  EXPECT_EQ(plot.height, 600);
+  ASSERT_EQ(plot.pixels.size(), 900u * 600u);
+  EXPECT_GT(std::count_if(plot.pixels.begin(), plot.pixels.end(),
+                          [&](const auto& pixel) { return pixel != plot.pixels.front(); }),
+            1000);
+  EXPECT_EQ(fitReportPlot(scheduledFit().rows).width, 900);
+  EXPECT_EQ(fitReportPlot(std::span(fastFit().rows).first(1)).width, 900);
+}
+
+TEST(FitJob, MonopolesCanBeTheStart) {
+  const FitResult fit = files().ball({{"roots", "16"}, {"start", "monopoles"}, {"epsilon", "0.02"}}).run();
+  EXPECT_GT(fit.monopoles, 0u);
+  EXPECT_LE(fit.monopoles, 8u);
+  EXPECT_NEAR(fit.capacitance, 0.5, 0.02) << "a ball's is its radius";
+  EXPECT_GT(fit.measure.iou, 0.98);
+}
+
+TEST(FitJob, O3dReadsBack) {
+  const FitOptions options = files().box({{"roots", "20"}}).options();
+  Monitor monitor;
+  const FitResult fit = runFit(options, false, monitor);
+  const std::string bytes = fitToO3d(fit, options, monitor);
+  const OptimisedShape shape = readOptimisedShape(files().write("box.o3d", bytes));
+  EXPECT_EQ(shape.rational.top, fit.rational.top);
+  EXPECT_EQ(shape.rational.bottom, fit.rational.bottom);
+  EXPECT_NEAR(shape.rational.logScale, fit.rational.logScale, 1e-12 * std::max(1.0, std::abs(fit.rational.logScale)));
+  EXPECT_EQ(shape.resolutions, (std::array<int, 3>{33, 33, 33}));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(shape.centre[axis], 0, 1e-6);
+    EXPECT_NEAR(shape.lengths[axis], 1.2, 1e-6) << "fractal space";
+  }
+  // Its last three fields: the fractal's, the distance, and the potential, x fastest.
+  constexpr std::size_t kCells = 33 * 33 * 33, kHead = 3 * 4 + 6 * 8, kField = kHead + 8 * kCells;
+  const auto field = [&](std::size_t which) {
+    std::vector<double> values(kCells);
+    std::memcpy(values.data(), bytes.data() + bytes.size() - (3 - which) * kField + kHead, 8 * kCells);
+    return values;
+  };
+  const std::vector<double> fractal = field(0), distance = field(1);
+  const double cell = 1.2 / 33;
+  std::vector<julia::FitCell> cells;
+  for (int z = 0; z < 33; ++z)
+    for (int y = 0; y < 33; ++y)
+      for (int x = 0; x < 33; ++x) cells.push_back({{(x - 16) * cell, (y - 16) * cell, (z - 16) * cell}});
+  const std::vector<double> l = logModuli(fit.rational, cells);
+  for (std::size_t i = 0; i < kCells; ++i) {
+    const julia::Point& p = cells[i].x;
+    // The box is 1 by 1/2 by 1/4 there.
+    const double outside = std::max({std::abs(p[0]) - 0.5, std::abs(p[1]) - 0.25, std::abs(p[2]) - 0.125});
+    if (std::abs(outside) > cell) {
+      ASSERT_EQ(distance[i] < 0, outside < 0) << p[0] << ' ' << p[1] << ' ' << p[2];
+    }
+    if (std::isfinite(l[i])) {
+      ASSERT_NEAR(fractal[i], l[i], 1e-3 * std::max(1.0, std::abs(l[i])));
+    }
+  }
+}
+
+/// Says that it was interrupted from the n-th question on.
+class Interrupting : public Monitor {
+ public:
+  explicit Interrupting(std::int64_t from) : mFrom(from) {}
+  bool cancelled() const override { return ++mAsked >= mFrom; }
+  std::int64_t asked() const { return mAsked; }
+
+ private:
+  std::int64_t mFrom;
+  mutable std::atomic<std::int64_t> mAsked{0};
+};
+
+TEST(FitJob, InterruptionIsAllThatItThrows) {
+  for (Recipe recipe : {Recipe{}, Recipe{{"start", "monopoles"}}, Recipe{{"schedule", "9(VFR)"}}}) {
+    recipe.merge(Recipe{{"roots", "10"}, {"resolution", "21"}, {"weights", "layers"}});
+    const Job job = files().dumbbell(recipe);
+    Interrupting never(std::numeric_limits<std::int64_t>::max());
+    job.run(true, never);
+    ASSERT_GT(never.asked(), 20);
+    for (const double share : {0.0, 0.1, 0.3, 0.6, 0.8, 0.95}) {
+      Interrupting monitor(1 + static_cast<std::int64_t>(share * static_cast<double>(never.asked())));
+      SCOPED_TRACE(share);
+      EXPECT_THROW(job.run(true, monitor), Interrupted);
+    }
+  }
+}
+
+TEST(FitJob, SizeAndPlaceDoNotMatter) {
+  // Powers of two and multiples of voxels: the same numbers but for their exponents. The box is its own mirror image,
+  // so a lump that is not makes sure that directions stay.
+  const Mesh shape = test_meshes::merged(Files::box(), test_meshes::makeSphere(0.25, 3, {0.5, 0, 0.5}));
+  const FitResult near = Job(files().mesh("near.obj", shape), {{"roots", "12"}}).run();
+  const Vec3d shift(100, -200, 50);
+  const FitResult far =
+      Job(files().mesh("far.obj", test_meshes::transformed(shape, 1000, shift)), {{"roots", "12"}}).run();
+  EXPECT_NEAR(far.target.space.scale / near.target.space.scale, 1000, 1e-3);
+  EXPECT_NEAR((far.target.space.centre - (near.target.space.centre * 1000.0 + shift)).length(), 0, 1e-2);
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(far.target.box.min()[axis], near.target.box.min()[axis] * 1000 + shift[axis], 1e-2);
+    EXPECT_NEAR(far.target.box.max()[axis], near.target.box.max()[axis] * 1000 + shift[axis], 1e-2);
+  }
+  const auto expectSame = [](const julia::Polynomial& a, const julia::Polynomial& b) {
+    ASSERT_EQ(a.roots.size(), b.roots.size());
+    for (std::size_t i = 0; i < a.roots.size(); ++i) {
+      const auto &p = a.roots[i].position, &q = b.roots[i].position;
+      EXPECT_NEAR(std::hypot(p.a - q.a, p.b - q.b, p.c - q.c), 0, 1e-4) << i;
+      EXPECT_EQ(p.d, q.d);
+      EXPECT_NEAR(a.roots[i].power, b.roots[i].power, 1e-2 * std::max(1.0, b.roots[i].power)) << i;
+    }
+  };
+  expectSame(near.rational.top, far.rational.top);
+  expectSame(near.rational.bottom, far.rational.bottom);
+  EXPECT_NEAR(near.measure.iou, far.measure.iou, 1e-3);
+  // The roots brought back lie about the target.
+  const RationalFile file = rationalFileFromJson(bytesOf(far), "x");
+  ASSERT_TRUE(file.target);
+  openvdb::BBoxd room = file.target->box;
+  room.expand(1000);
+  for (const julia::Root& root : file.rational.top.roots)
+    EXPECT_TRUE(room.isInside(file.target->space.toWorld({root.position.a, root.position.b, root.position.c})));
+}
+
+TEST(FitJob, AMapWithoutInsideIsNoResult) {
+  Recipe recipe = kScheduleRecipe;
+  recipe["weights"] = "distance";
+  try {
+    const FitResult fit = files().dumbbell(recipe).run();
+    EXPECT_GT(fit.measure.iou, 0);
+  } catch (const DataError& error) {
+    EXPECT_NE(std::string(error.what()).find("--weights layers"), std::string::npos) << error.what();
+  }
+}
+
+TEST(FitJob, RefusesATargetWithoutInside) {
+  Mesh plane;
+  plane.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  plane.triangles = {{0, 1, 2}, {0, 2, 3}};
+  EXPECT_THROW(Job(files().mesh("plane.obj", plane), {}).run(), DataError);
+  EXPECT_THROW(Job("nowhere.obj", {}).run(), MissingInputError);
+}
+
+}  // namespace

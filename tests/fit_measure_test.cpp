@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// The measure of a fit against maps whose fit is known.
+#include "test_meshes.h"
+
+#include "vdbtools/fit_measure.h"
+#include "vdbtools/mesh_writer.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <sstream>
+
+namespace {
+
+using namespace vdbtools;
+
+constexpr double kSharpness = 100;
+
+/// A sphere of diameter 1 in fractal space.
+const FitTarget& sphere() {
+  static const FitTarget target = [] {
+    const test_meshes::TemporaryFolder folder;
+    std::ostringstream obj;
+    writeMesh(obj, test_meshes::makeSphere(2.0, 5, {1, -2, 3}), {.format = MeshFormat::Obj});
+    Monitor monitor;
+    return makeFitTarget({.input = folder.write("sphere.obj", obj.str()), .resolution = 48}, monitor);
+  }();
+  return target;
+}
+
+FitMeasure measure(const julia::Rational& rational) {
+  Monitor monitor;
+  return measureFit(sphere(), rational, kSharpness, monitor);
+}
+
+/// |q| / r to the power: inside of a sphere for 1, outside of it for -1.
+julia::Rational ball(double radius, double power = 1) {
+  julia::Rational rational;
+  rational.logScale = -power * std::log(radius);
+  (power > 0 ? rational.top : rational.bottom).roots = {{{0, 0, 0, 0}, std::abs(power)}};
+  return rational;
+}
+
+TEST(FitMeasure, SphereFitsItself) {
+  const FitMeasure fit = measure(ball(0.5));
+  EXPECT_GT(fit.iou, 0.99);
+  EXPECT_LT(fit.meanDistance, 0.2 * sphere().cell);
+  EXPECT_LT(fit.hausdorff, sphere().cell);
+  EXPECT_LT(fit.psi, -0.9);
+  EXPECT_GE(fit.psi, -1);
+}
+
+TEST(FitMeasure, OppositeIsWorst) {
+  const FitMeasure fit = measure(ball(0.5, -1));
+  EXPECT_LT(fit.iou, 0.01);
+  EXPECT_GT(fit.psi, 0.9);
+  EXPECT_LE(fit.psi, 1);
+  EXPECT_EQ(fit.wrongCells + measure(ball(0.5)).wrongCells, 48u * 48u * 48u);
+}
+
+TEST(FitMeasure, SmallerSphereByItsVolumeAndDistance) {
+  const FitMeasure fit = measure(ball(0.4));
+  EXPECT_NEAR(fit.iou, 0.512, 0.01);
+  EXPECT_NEAR(fit.meanDistance, 0.1, 0.2 * sphere().cell);
+  EXPECT_NEAR(fit.hausdorff, 0.1, sphere().cell);
+}
+
+TEST(FitMeasure, NoSurfaceIsInfinitelyFar) {
+  julia::Rational everywhereOutside = ball(0.5);
+  everywhereOutside.logScale = 1000;
+  const FitMeasure fit = measure(everywhereOutside);
+  EXPECT_EQ(fit.iou, 0);
+  EXPECT_TRUE(std::isinf(fit.meanDistance));
+  EXPECT_TRUE(std::isinf(fit.hausdorff));
+  EXPECT_GT(fit.psi, -1);
+  EXPECT_LT(fit.psi, 1);
+}
+
+TEST(FitMeasure, SameForAnyThreads) {
+  FitMeasure fits[2];
+  for (const std::size_t threads : {1u, 2u}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    fits[threads - 1] = measure(ball(0.45, 2));
+  }
+  EXPECT_EQ(fits[0].psi, fits[1].psi);
+  EXPECT_EQ(fits[0].meanDistance, fits[1].meanDistance);
+  EXPECT_EQ(fits[0].hausdorff, fits[1].hausdorff);
+}
+
+TEST(FitMeasure, RefusesABadSharpness) {
+  Monitor monitor;
+  EXPECT_THROW(measureFit(sphere(), ball(0.5), 0, monitor), std::invalid_argument);
+}
+
+}  // namespace

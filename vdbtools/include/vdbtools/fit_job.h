@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file fit_job.h
+/// A rational map in the shape of a target, from end to end: [Kim15] as it is written, or the fast fit of
+/// DESIGN.md 2.6.
+#pragma once
+
+#include "vdbtools/fit_measure.h"
+#include "vdbtools/fit_target.h"
+#include "vdbtools/image.h"
+#include "vdbtools/recipe.h"
+#include "vdbtools/versor_file.h"
+
+#include "julia/fit/schedule.h"
+#include "julia/fit/shape_energy.h"
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace vdbtools {
+
+/// The options of `juliavdb fit` that affect its result.
+std::span<const OptionSpec> fitOptionSpecs();
+
+enum class FitStart {
+  BlueNoise,  ///< roots on both sides of the surface, evenly
+  Monopoles,  ///< where monopoles approximate the surface's electrostatic potential ([Kim15] 4.4)
+};
+
+struct FitOptions {
+  FitTargetOptions target;
+  std::size_t roots = 331;  ///< at most, on both sides together
+  double targetIou = 1;     ///< the fast fit adds roots until the held-out cells reach it
+  /// The passes of [Kim15]; the fast fit if there are none.
+  std::vector<julia::FitPass> schedule;
+  FitStart start = FitStart::BlueNoise;  ///< of the fast fit
+  double epsilon = 0.04;                 ///< relative residual of the monopoles
+  julia::CellWeights weights = julia::CellWeights::InverseDistance;
+  double powerPenalty = 0;  ///< see julia::ShapeEnergyOptions
+  double alpha = 0;         ///< all powers and C are scaled until |grad L| is this near the surface; 0: as found
+  std::uint64_t seed = 1;
+};
+
+/// @throw std::invalid_argument
+FitOptions parseFitOptions(const Recipe& recipe);
+
+/// A line of the report: an accepted step.
+struct FitRow {
+  std::string stage;                ///< "roots", "energy", or a pass as "25(V)"
+  int step = 0;                     ///< from 1 on, through all stages
+  std::size_t top = 0, bottom = 0;  ///< roots
+  double energy = 0;  ///< what the stage lowers: the loss of the stage "roots", else psi on its own cells and weights
+  double psi = 0, iou = 0;  ///< with the paper's weights, on a sample of cells that is the same for all rows
+  double topPowers = 0, bottomPowers = 0;
+  double meanDistance = -1, hausdorff = -1;  ///< fractal space; -1 where they were not measured
+  double seconds = 0;                        ///< since the fit began
+};
+
+struct FitResult {
+  julia::Rational rational;
+  FittedTo target;
+  FitMeasure measure;  ///< on the cells of the cube
+  double slope = 0;    ///< median of |L / phi| near the surface
+  std::vector<FitRow> rows;
+  std::size_t monopoles = 0;  ///< if electrostatics had a part
+  double capacitance = 0;     ///< likewise, fractal space
+  int steps = 0;
+};
+
+/// @param wantDistances  measures distances at the end of every round or pass, which takes about a second each
+/// @throw std::invalid_argument, MissingInputError, Interrupted
+/// @throw DataError  as makeFitTarget(), or what was found has nothing of the target inside
+FitResult runFit(const FitOptions& options, bool wantDistances, Monitor& monitor);
+
+/// The rows as CSV, with a line of names.
+std::string fitReportCsv(std::span<const FitRow> rows);
+
+/// psi by step as [Kim15] Fig. 11 draws it: from [-1, 1] brought to [0, 1], logarithmic.
+Image fitReportPlot(std::span<const FitRow> rows);
+
+/// The fit as an `.o3d`, with the fields that belong to it on the cells of the target's cube.
+/// @throw std::invalid_argument  e^C does not fit a double
+std::string fitToO3d(const FitResult& fit, const FitOptions& options, Monitor& monitor);
+
+}  // namespace vdbtools

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file fit_target.h
+/// A shape as the fitting of [Kim15] sees it: signed distances on the cells of a cube and, ever coarser, around it, and
+/// a smooth surface to place roots on. Positions and distances are in fractal space (fractal_space.h) unless told
+/// otherwise; phi < 0 inside.
+#pragma once
+
+#include "vdbtools/fractal_space.h"
+#include "vdbtools/monitor.h"
+
+#include "julia/embedding.h"
+#include "julia/fit/shape_energy.h"
+#include "julia/fit/surface.h"
+
+#include <openvdb/openvdb.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace vdbtools {
+
+struct FitTargetOptions {
+  std::filesystem::path input;  ///< a mesh, or a VDB with a signed distance; cavities count as inside
+  std::string grid;             ///< of the VDB, as chooseFloatGrid() takes it
+  bool repair = false;          ///< closes a mesh's holes, see repairedMeshToSdf()
+  double gap = 0;               ///< of the repair, world units
+  int resolution = 97;          ///< cells along the cube's side, 8 to 1000
+  /// Of the surface that roots are placed on, in cells, 0 to 4: details of this size vanish. Nowhere does the surface
+  /// move by more than half of it, so parts thicker than it stay.
+  double smooth = 1;
+  int triangles = 5000;  ///< of that surface, at most, >= 100
+};
+
+/// The cube has resolution^3 cells about the middle of the shape's box; its side is 1.2 times the box's longest side.
+/// A level's lattice has every second node of the one before, so the finest node spacing is one cell and, further out,
+/// 2, 4, 8 cells and so on.
+struct FitTarget {
+  FractalSpace space;       ///< as `juliavdb fractal` has it by default for this input
+  openvdb::BBoxd box;       ///< of the shape, world units
+  int resolution = 0;       ///< cells along the cube's side
+  double cell = 0;          ///< the edge of one
+  julia::Point cubeCentre;  ///< the middle of the box
+
+  /// Smooth, closed, 2-manifold, oriented outward.
+  julia::TriangleSurface surface;
+
+  /// Signed distances, world units, a narrow band each; the first has the cells' centres for nodes. Level l has voxels
+  /// of 2^l cells, is known within kFitBand of these from the surface, and its values are those of level l - 1 where
+  /// that knows them; beyond, they come from fast sweeping. The last is known all over the cube of twice the side.
+  std::vector<openvdb::FloatGrid::ConstPtr> levels;
+
+  /// phi, trilinear in the finest level that knows it. Beyond the cube of twice the side, that of the nearest point of
+  /// it plus the distance from there.
+  double distance(const julia::Point& x) const;
+  /// Of many points at once, faster. @pre one size
+  void distances(std::span<const julia::Point> x, std::span<double> phi) const;
+  bool inside(const julia::Point& x) const { return distance(x) < 0; }
+};
+
+inline constexpr int kFitBand = 6;  ///< voxels known on each side of the surface, about
+
+/// @throw std::invalid_argument  options out of their domain
+/// @throw DataError              no inside, or as readMesh(), readVdb(), chooseFloatGrid(), makeTarget() and
+///                               meshToSdf() throw it
+/// @throw MissingInputError, Interrupted
+FitTarget makeFitTarget(const FitTargetOptions& options, Monitor& monitor);
+
+/// Cells that grow with the distance from the surface: nodes of the finest level where |phi| < @a bandWidth cells, of
+/// level l where 2^(l-1) <= |phi| / (bandWidth cells) < 2^l, and of the last one wherever it is more. Together they
+/// fill the cube of twice the side, at whose faces they are cut. In the order of the levels and their trees.
+/// @throw std::invalid_argument  bandWidth is not 1 to 5
+std::vector<julia::FitCell> adaptiveCells(const FitTarget& target, double bandWidth = 3);
+
+/// The resolution^3 equal cells of the cube ([Kim15] Eq. 18), x slowest; phi as distance() has it.
+/// @throw std::invalid_argument  resolution is not 1 to 1000
+std::vector<julia::FitCell> denseCells(const FitTarget& target, int resolution);
+
+/// Where phi = @a distance, from x along the gradient of phi, by Newton's method. Empty if it gets no nearer than a
+/// tenth of a cell: thin parts have no inner offset.
+std::optional<julia::Point> movedTo(const FitTarget& target, julia::Point x, double distance);
+
+/// Points near blue noise on the surface of phi = @a distance (Gamma+ of [Kim15] 4.4): @a count points of
+/// julia::blueNoise() on the target's surface, moved there. Those that do not get there are left out.
+/// @throw std::invalid_argument  as julia::blueNoise()
+std::vector<julia::Point> offsetPoints(const FitTarget& target, std::size_t count, double distance, std::uint64_t seed);
+
+}  // namespace vdbtools

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/fit_measure.h"
+
+#include "in_parallel.h"
+
+#include <openvdb/tools/Dense.h>
+#include <openvdb/tools/FastSweeping.h>
+#include <openvdb/tools/Interpolation.h>
+#include <openvdb/tools/VolumeToMesh.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+namespace vdbtools {
+namespace {
+
+using julia::Point;
+using openvdb::Coord;
+using openvdb::FloatGrid;
+using openvdb::Vec3d;
+using openvdb::Vec3s;
+
+constexpr double kLeastPhi = 0.5;  ///< cells; nearer to the surface a cell is cut by it, and 1 / phi says nothing
+
+constexpr float kLargestLog = 20;  ///< |L| on the cells, infinite at roots, is cut to it for the surface between them
+
+/// What one slice of the cube counts.
+struct Tally {
+  std::uint64_t both = 0, either = 0;
+  double psi = 0, eta = 0;
+};
+
+/// The cells' lattice: cell (i, j, k) of the cube, x slowest; cells from 1, as there is a rim about them.
+class Lattice {
+ public:
+  explicit Lattice(const FitTarget& target) : mTarget(target) {}
+
+  std::size_t side() const { return static_cast<std::size_t>(mTarget.resolution); }
+  Point position(const Vec3d& index) const {
+    Point x;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      x[axis] =
+          mTarget.cubeCentre[axis] + (index[static_cast<int>(axis)] - (mTarget.resolution + 1) / 2.0) * mTarget.cell;
+    return x;
+  }
+  Vec3d index(const Vec3d& nodeOfFinest) const {
+    return nodeOfFinest + Vec3d((mTarget.resolution - 1) / 2 + 1);  // rounded down: see makeFitTarget()
+  }
+
+ private:
+  const FitTarget& mTarget;
+};
+
+/// L of every cell, in a grid of them with a rim that is outside.
+struct Potential {
+  std::vector<float> values;
+  Tally tally;
+};
+
+Potential potentialOf(const FitTarget& target, const Lattice& lattice, const julia::Rational& rational,
+                      double sharpness, Monitor& monitor) {
+  const julia::RationalEvaluator<float> evaluator(rational);
+  const julia::Embedding embedding;
+  const std::size_t n = lattice.side(), rimmed = n + 2;
+  Potential result;
+  result.values.assign(rimmed * rimmed * rimmed, 1);
+  std::vector<Tally> tallies(n);
+  monitor.begin("measure", n);
+  inParallel(n, 1, monitor, [&](std::size_t begin, std::size_t end) {
+    std::vector<Point> points(n * n);
+    std::vector<double> phi(n * n);
+    std::vector<float> l(n * n);
+    julia::QuaternionBatch<float> q;
+    q.resize(n * n);
+    for (std::size_t i = begin; i != end; ++i) {
+      for (std::size_t c = 0; c < n * n; ++c) {
+        points[c] = lattice.position(
+            Vec3d(static_cast<double>(i + 1), static_cast<double>(c / n + 1), static_cast<double>(c % n + 1)));
+        q.set(c, embedding.quaternion<float>(points[c]));
+      }
+      target.distances(points, phi);
+      evaluator.logModulus(q, l);
+      Tally& tally = tallies[i];
+      for (std::size_t c = 0; c < n * n; ++c) {
+        const bool inMap = l[c] < 0, inTarget = phi[c] < 0;
+        tally.both += inMap && inTarget;
+        tally.either += inMap || inTarget;
+        const double w = 1 / std::copysign(std::max(std::abs(phi[c]), kLeastPhi * target.cell), phi[c]);
+        tally.psi -= std::tanh(sharpness * static_cast<double>(l[c])) * w;
+        tally.eta += std::abs(w);
+        result.values[((i + 1) * rimmed + c / n + 1) * rimmed + c % n + 1] =
+            std::clamp(l[c], -kLargestLog, kLargestLog);
+      }
+      monitor.advance(1);
+    }
+  });
+  for (const Tally& tally : tallies) {
+    result.tally.both += tally.both;
+    result.tally.either += tally.either;
+    result.tally.psi += tally.psi;
+    result.tally.eta += tally.eta;
+  }
+  return result;
+}
+
+FloatGrid::Ptr gridOf(std::vector<float>& values, const Lattice& lattice) {
+  const int last = static_cast<int>(lattice.side()) + 1;
+  const openvdb::tools::Dense<float> dense(openvdb::CoordBBox(Coord(0), Coord(last)), values.data());
+  // A background that no value has, so that all are active.
+  const FloatGrid::Ptr grid = FloatGrid::create(2 * kLargestLog);
+  openvdb::tools::copyFromDense(dense, *grid, 0.0f);
+  grid->tree().voxelizeActiveTiles();
+  return grid;
+}
+
+std::vector<Vec3s> surfacePoints(const FloatGrid& grid) {
+  std::vector<Vec3s> points;
+  std::vector<openvdb::Vec4I> quads;
+  openvdb::tools::volumeToMesh(grid, points, quads, 0);
+  return points;
+}
+
+struct Distances {
+  double mean = std::numeric_limits<double>::infinity(), largest = std::numeric_limits<double>::infinity();
+};
+
+Distances summary(const std::vector<double>& distances) {
+  if (distances.empty()) return {};
+  Distances result{0, 0};
+  for (const double distance : distances) {
+    result.mean += std::abs(distance);
+    result.largest = std::max(result.largest, std::abs(distance));
+  }
+  result.mean /= static_cast<double>(distances.size());
+  return result;
+}
+
+/// From the map's surface to the target's.
+Distances toTarget(const FitTarget& target, const Lattice& lattice, const std::vector<Vec3s>& surface) {
+  std::vector<Point> points;
+  for (const Vec3s& p : surface) points.push_back(lattice.position(p));
+  std::vector<double> distances(points.size());
+  target.distances(points, distances);
+  return summary(distances);
+}
+
+/// From the target's surface to the map's, whose distances fast sweeping makes.
+Distances fromTarget(const FitTarget& target, const Lattice& lattice, const FloatGrid& potential) {
+  const FloatGrid::Ptr sdf = openvdb::tools::sdfToSdf(potential);
+  const auto accessor = sdf->getConstAccessor();
+  const FloatGrid::ConstPtr finest =
+      target.levels.front()->copyReplacingTransform(openvdb::math::Transform::createLinearTransform(1.0));
+  std::vector<double> distances;
+  for (const Vec3s& node : surfacePoints(*finest))
+    distances.push_back(openvdb::tools::BoxSampler::sample(accessor, lattice.index(node)) * target.cell);
+  return summary(distances);
+}
+
+}  // namespace
+
+FitMeasure measureFit(const FitTarget& target, const julia::Rational& rational, double sharpness, Monitor& monitor) {
+  if (!(sharpness > 0 && std::isfinite(sharpness)))
+    throw std::invalid_argument("the sharpness is " + std::to_string(sharpness) + "; it must be above 0");
+  const Lattice lattice(target);
+  Potential potential = potentialOf(target, lattice, rational, sharpness, monitor);
+  const Tally& tally = potential.tally;
+  FitMeasure measure;
+  measure.iou = tally.either == 0 ? 0 : static_cast<double>(tally.both) / static_cast<double>(tally.either);
+  measure.wrongCells = tally.either - tally.both;
+  measure.psi = tally.psi / tally.eta;
+  const FloatGrid::Ptr grid = gridOf(potential.values, lattice);
+  const std::vector<Vec3s> surface = surfacePoints(*grid);
+  const Distances there = toTarget(target, lattice, surface);
+  const Distances back = surface.empty() ? Distances() : fromTarget(target, lattice, *grid);
+  measure.meanDistance = (there.mean + back.mean) / 2;
+  measure.hausdorff = std::max(there.largest, back.largest);
+  monitor.throwIfCancelled();
+  return measure;
+}
+
+}  // namespace vdbtools

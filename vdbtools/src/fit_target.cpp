@@ -1,0 +1,366 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/fit_target.h"
+
+#include "decimate.h"
+#include "in_parallel.h"
+#include "solid_input.h"
+#include "vdbtools/grid_mesh.h"
+#include "vdbtools/mesh_to_sdf.h"
+#include "vdbtools/vdb_file.h"
+
+#include <openvdb/tools/Composite.h>
+#include <openvdb/tools/FastSweeping.h>
+#include <openvdb/tools/LevelSetFilter.h>
+#include <openvdb/tools/SignedFloodFill.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+namespace vdbtools {
+namespace {
+
+using julia::Point;
+using openvdb::Coord;
+using openvdb::CoordBBox;
+using openvdb::FloatGrid;
+using openvdb::FloatTree;
+using openvdb::Vec3d;
+
+constexpr double kCubeSide = 1.2;       ///< of the box's longest side
+constexpr double kKnownSide = 2;        ///< of the cube's: how far distances are known
+constexpr int kDefaultSdfVoxels = 200;  ///< along the longest side, which `juliavdb fractal` has by default
+
+constexpr double kShortEdge = 0.4;  ///< cells; shorter edges of the surface are slivers of the marching cubes
+
+constexpr std::size_t kBatch = 4096;  ///< points that a thread takes at once
+
+void requireInDomain(const FitTargetOptions& options) {
+  if (options.resolution < 8 || options.resolution > 1000)
+    throw std::invalid_argument("the resolution is " + std::to_string(options.resolution) + "; it must be 8 to 1000");
+  if (options.triangles < 100)
+    throw std::invalid_argument("a surface of " + std::to_string(options.triangles) +
+                                " triangles says too little; allow 100 or more");
+  if (!(options.smooth >= 0 && options.smooth <= 4))
+    throw std::invalid_argument("the smoothing is " + std::to_string(options.smooth) + " cells; it must be 0 to 4");
+}
+
+/// The shape as a mesh, and where `juliavdb fractal` puts it.
+struct Solid {
+  Mesh mesh;
+  openvdb::BBoxd box;
+  std::optional<FractalSpace> space;  ///< a VDB's; a mesh's depends on its distances
+};
+
+Solid readSolid(const FitTargetOptions& options, Monitor& monitor) {
+  Solid solid;
+  if (!isVdbPath(options.input)) {
+    solid.mesh = readMesh(options.input);
+    solid.box = reportOfSolid(solid.mesh, options.input).box;
+    return solid;
+  }
+  Target target = readVdbTarget(options.input, options.grid);
+  solid.mesh = meshOfLevelSet(*target.phi, monitor);
+  solid.box = target.box;
+  if (!centreIsInside(*target.phi, target.box)) extendBand(target, 0, std::numeric_limits<double>::infinity(), monitor);
+  solid.space = fitFractalSpace(*target.phi, target.box, Vec3d(0));
+  return solid;
+}
+
+/// @param finest  distances that are good to a voxel
+FractalSpace spaceOf(const Solid& solid, const FitTargetOptions& options, const FloatGrid& finest, Monitor& monitor) {
+  if (solid.space) return *solid.space;
+  const Vec3d middle = solid.box.getCenter();
+  const double phi = openvdb::tools::BoxSampler::sample(finest.getConstAccessor(), finest.worldToIndex(middle));
+  if (phi < -finest.voxelSize()[0]) return fitFractalSpace(finest, solid.box, Vec3d(0));
+  // Too near to tell: the fractal's own lattice decides, and its deepest node if it says outside.
+  const double voxel = longestSide(solid.box) / kDefaultSdfVoxels;
+  const auto gridTo = [&](double depth) {
+    return makeSdfAbout(middle, solid.mesh, sdfBand(voxel, kFitBand, depth), options.repair, options.gap, monitor).grid;
+  };
+  const FloatGrid::Ptr shallow = gridTo(kFitBand);
+  if (centreIsInside(*shallow, solid.box)) return fitFractalSpace(*shallow, solid.box, Vec3d(0));
+  return fitFractalSpace(*gridTo(std::numeric_limits<double>::infinity()), solid.box, Vec3d(0));
+}
+
+/// Where the cube's middle lies in the finest level's index space: with an odd number of cells one is in the middle,
+/// with an even one a corner of cells is, and their centres are the nodes all the same.
+double middleNode(int resolution) { return resolution % 2 == 0 ? 0.5 : 0; }
+
+/// The cube in which distances are known, index space of level @a l: the same along each axis.
+struct KnownRange {
+  double low, high;
+};
+KnownRange knownRange(const FitTarget& target, std::size_t l) {
+  const double middle = middleNode(target.resolution), half = kKnownSide / 2 * target.resolution;
+  return {std::ldexp(middle - half, -static_cast<int>(l)), std::ldexp(middle + half, -static_cast<int>(l))};
+}
+
+/// The nodes that the trilinear reading of any point of the known cube needs.
+CoordBBox knownNodes(const FitTarget& target, std::size_t l) {
+  const KnownRange range = knownRange(target, l);
+  return {Coord(static_cast<int>(std::floor(range.low))), Coord(static_cast<int>(std::ceil(range.high)))};
+}
+
+bool knowsAll(const FloatGrid& level, const CoordBBox& nodes) {
+  const auto accessor = level.getConstAccessor();
+  for (auto node = nodes.begin(); node; ++node)
+    if (!accessor.isValueOn(*node)) return false;
+  return true;
+}
+
+/// The next level: every second node's value as it is, and its band as many of its voxels wide again.
+FloatGrid::Ptr coarser(const FloatGrid& fine) {
+  const FloatGrid::Ptr kept = FloatGrid::create(2 * fine.background());
+  kept->setTransform(fine.transform().copy());
+  kept->transform().preScale(2);
+  kept->setGridClass(openvdb::GRID_LEVEL_SET);
+  auto accessor = kept->getAccessor();
+  for (auto value = fine.cbeginValueOn(); value; ++value) {
+    const Coord node = value.getCoord();
+    if (((node[0] | node[1] | node[2]) & 1) == 0) accessor.setValue(node >> 1, *value);
+  }
+  openvdb::tools::signedFloodFill(kept->tree());
+  // What dilateSdf() does, but that cannot finish where no node is inside: thin parts lie between the nodes.
+  bool anyInside = false;
+  for (auto value = kept->cbeginValueOn(); value; ++value) anyInside |= *value < 0;
+  openvdb::tools::FastSweeping<FloatGrid> sweeping;
+  sweeping.initDilate(*kept, kFitBand / 2, openvdb::tools::NN_FACE_EDGE_VERTEX);
+  sweeping.sweep(1, anyInside);
+  const FloatGrid::Ptr wide = sweeping.sdfGrid();
+  // Sweeping touches the outermost of the values that it starts from; what was known stays what it was.
+  auto known = wide->getAccessor();
+  for (auto value = kept->cbeginValueOn(); value; ++value) known.setValue(value.getCoord(), *value);
+  return wide;
+}
+
+/// Motion by mean curvature, of no more than half of @a smooth voxels anywhere.
+FloatGrid::Ptr smoothed(const FloatGrid& phi, double smooth, Monitor& monitor) {
+  FloatGrid::Ptr result = phi.deepCopy();
+  if (smooth == 0) return result;
+  // A step is a third of a voxel squared of heat conduction: n of them blur by a Gaussian of deviation sqrt(n / 3).
+  const int steps = static_cast<int>(std::ceil(3 * smooth * smooth));
+  OpenVdbInterrupter interrupter(monitor);
+  openvdb::tools::LevelSetFilter<FloatGrid, FloatGrid, OpenVdbInterrupter> filter(*result, &interrupter);
+  for (int n = 0; n < steps; ++n) {
+    filter.meanCurvature();
+    monitor.throwIfCancelled();
+  }
+  const auto movedBy = [&phi](double distance) {
+    FloatGrid::Ptr moved = phi.deepCopy();
+    for (auto value = moved->beginValueOn(); value; ++value) value.setValue(*value - static_cast<float>(distance));
+    return moved;
+  };
+  const double most = smooth / 2 * phi.voxelSize()[0];
+  openvdb::tools::csgUnion(*result, *movedBy(-most));
+  openvdb::tools::csgIntersection(*result, *movedBy(most));
+  return result;
+}
+
+julia::TriangleSurface rootSurface(const FitTarget& target, const FitTargetOptions& options, Monitor& monitor) {
+  monitor.begin("surface", 0);
+  Mesh mesh = meshOfLevelSet(*smoothed(*target.levels.front(), options.smooth, monitor), monitor);
+  for (Vec3d& point : mesh.points) {
+    const Point x = target.space.toFractal(point);
+    point = Vec3d(x.data());
+  }
+  mesh = decimated(mesh, static_cast<std::size_t>(options.triangles), kShortEdge * target.cell);
+  julia::TriangleSurface surface;
+  for (const Vec3d& p : mesh.points) surface.points.push_back({p[0], p[1], p[2]});
+  for (const openvdb::Vec3I& t : mesh.triangles) surface.triangles.push_back({t[0], t[1], t[2]});
+  monitor.throwIfCancelled();
+  return surface;
+}
+
+/// Reads the levels from one thread.
+class Reader {
+ public:
+  explicit Reader(const FitTarget& target) : mTarget(target), mKnown(knownRange(target, 0)) {
+    for (const FloatGrid::ConstPtr& level : target.levels) mLevels.emplace_back(level->tree());
+  }
+
+  double operator()(const Point& x) const {
+    const double middle = middleNode(mTarget.resolution);
+    Vec3d node;
+    double beyond = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      const double wanted = (x[a] - mTarget.cubeCentre[a]) / mTarget.cell + middle;
+      node[axis] = std::clamp(wanted, mKnown.low, mKnown.high);
+      beyond += (wanted - node[axis]) * (wanted - node[axis]);
+    }
+    if (std::isfinite(beyond))
+      for (std::size_t l = 0; l < mLevels.size(); ++l, node *= 0.5)
+        if (const std::optional<double> phi = read(l, node))
+          return *phi / mTarget.space.scale + std::sqrt(beyond) * mTarget.cell;
+    return std::numeric_limits<double>::quiet_NaN();  // of a point that is none
+  }
+
+  /// By central differences, half a cell to each side.
+  Vec3d gradient(const Point& x) const {
+    Vec3d result;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      Point a = x, b = x;
+      a[axis] -= mTarget.cell / 2;
+      b[axis] += mTarget.cell / 2;
+      result[static_cast<int>(axis)] = ((*this)(b) - (*this)(a)) / mTarget.cell;
+    }
+    return result;
+  }
+
+ private:
+  // Unregistered: making one costs nothing, and the trees do not change.
+  using Accessor = openvdb::tree::ValueAccessor<const FloatTree, false>;
+
+  /// Trilinear, world units, if all nodes are known that count: a node itself needs no others.
+  std::optional<double> read(std::size_t level, const Vec3d& p) const {
+    constexpr double kRounding = 1e-6;
+    const Coord base = Coord::floor(p + Vec3d(kRounding));
+    const Vec3d t = p - base.asVec3d();
+    const bool between[] = {t[0] > kRounding, t[1] > kRounding, t[2] > kRounding};
+    double values[8] = {};
+    for (int n = 0; n < 8; ++n) {
+      const int x = n & 1, y = n >> 1 & 1, z = n >> 2;
+      if ((x && !between[0]) || (y && !between[1]) || (z && !between[2])) continue;
+      float value;
+      if (!mLevels[level].probeValue(base.offsetBy(x, y, z), value)) return std::nullopt;
+      values[n] = value;
+    }
+    for (int axis = 0, count = 4; axis < 3; ++axis, count /= 2)
+      for (int n = 0; n < count; ++n)
+        values[n] = between[axis] ? values[2 * n] + t[axis] * (values[2 * n + 1] - values[2 * n]) : values[2 * n];
+    return values[0];
+  }
+
+  const FitTarget& mTarget;
+  KnownRange mKnown;
+  std::vector<Accessor> mLevels;
+};
+
+std::optional<Point> moved(const Reader& phi, double cell, Point x, double distance) {
+  constexpr int kMostSteps = 20;
+  constexpr double kGood = 1e-3, kGoodEnough = 0.1;  // cells
+  constexpr double kFlat = 0.1;  // of the gradient's length: a medial axis, from where no way leads on
+  double error = distance - phi(x);
+  Point best = x;
+  double least = std::abs(error);
+  for (int step = 0; step < kMostSteps && least > kGood * cell; ++step) {
+    const Vec3d gradient = phi.gradient(x);
+    const double squared = gradient.lengthSqr();
+    if (!(squared > kFlat * kFlat)) break;
+    for (std::size_t axis = 0; axis < 3; ++axis) x[axis] += error / squared * gradient[static_cast<int>(axis)];
+    error = distance - phi(x);
+    if (std::abs(error) < least) {
+      least = std::abs(error);
+      best = x;
+    }
+  }
+  if (!(least <= kGoodEnough * cell)) return std::nullopt;
+  return best;
+}
+
+}  // namespace
+
+double FitTarget::distance(const Point& x) const { return Reader(*this)(x); }
+
+void FitTarget::distances(std::span<const Point> x, std::span<double> phi) const {
+  inParallel(x.size(), kBatch, Monitor(), [&](std::size_t begin, std::size_t end) {
+    const Reader reader(*this);
+    for (std::size_t i = begin; i != end; ++i) phi[i] = reader(x[i]);
+  });
+}
+
+FitTarget makeFitTarget(const FitTargetOptions& options, Monitor& monitor) {
+  openvdb::initialize();
+  requireInDomain(options);
+  Solid solid = readSolid(options, monitor);
+  FitTarget target;
+  target.box = solid.box;
+  target.resolution = options.resolution;
+  const double voxel = kCubeSide * longestSide(solid.box) / options.resolution;
+  const Vec3d node = solid.box.getCenter() - Vec3d(middleNode(options.resolution) * voxel);
+  const FloatGrid::Ptr finest =
+      makeSdfAbout(node, solid.mesh, sdfBand(voxel, kFitBand, kFitBand), options.repair, options.gap, monitor).grid;
+  target.levels.push_back(finest);
+  target.space = spaceOf(solid, options, *finest, monitor);
+  solid.mesh = Mesh();
+  target.cell = voxel / target.space.scale;
+  target.cubeCentre = target.space.toFractal(solid.box.getCenter());
+  monitor.begin("distances", 0);
+  while (!knowsAll(*target.levels.back(), knownNodes(target, target.levels.size() - 1))) {
+    target.levels.push_back(coarser(*target.levels.back()));
+    monitor.throwIfCancelled();
+  }
+  target.surface = rootSurface(target, options, monitor);
+  return target;
+}
+
+std::vector<julia::FitCell> adaptiveCells(const FitTarget& target, double bandWidth) {
+  if (!(bandWidth >= 1 && bandWidth <= kFitBand - 1))
+    throw std::invalid_argument("the band is " + std::to_string(bandWidth) + " cells wide; it must be 1 to " +
+                                std::to_string(kFitBand - 1));
+  const double voxel = target.cell * target.space.scale, middle = middleNode(target.resolution);
+  std::vector<julia::FitCell> cells;
+  for (std::size_t l = 0; l < target.levels.size(); ++l) {
+    const FloatGrid& level = *target.levels[l];
+    const double size = std::exp2(l);  // cells
+    const double least = l == 0 ? 0 : bandWidth * voxel * size / 2;
+    const double most =
+        l + 1 == target.levels.size() ? std::numeric_limits<double>::infinity() : bandWidth * voxel * size;
+    const KnownRange range = knownRange(target, l);
+    for (auto value = level.cbeginValueOn(); value; ++value) {
+      if (!(std::abs(*value) >= least && std::abs(*value) < most)) continue;
+      const Coord node = value.getCoord();
+      julia::FitCell cell{{}, static_cast<float>(*value / target.space.scale), 1};
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto a = static_cast<std::size_t>(axis);
+        cell.x[a] = target.cubeCentre[a] + (node[axis] * size - middle) * target.cell;
+        const double within = std::min(node[axis] + 0.5, range.high) - std::max(node[axis] - 0.5, range.low);
+        cell.volume *= static_cast<float>(std::max(within, 0.0) * size);
+      }
+      if (cell.volume > 0) cells.push_back(cell);
+    }
+  }
+  return cells;
+}
+
+std::vector<julia::FitCell> denseCells(const FitTarget& target, int resolution) {
+  if (resolution < 1 || resolution > 1000)
+    throw std::invalid_argument("the resolution is " + std::to_string(resolution) + "; it must be 1 to 1000");
+  const auto side = static_cast<std::size_t>(resolution);
+  const double size = static_cast<double>(target.resolution) / resolution;  // cells
+  const auto position = [&](std::size_t i, std::size_t axis) {
+    return target.cubeCentre[axis] + (static_cast<double>(i) - (resolution - 1) / 2.0) * size * target.cell;
+  };
+  std::vector<julia::FitCell> cells(side * side * side);
+  inParallel(side, 1, Monitor(), [&](std::size_t begin, std::size_t end) {
+    const Reader phi(target);
+    for (std::size_t i = begin * side * side; i != end * side * side; ++i) {
+      const Point x{position(i / side / side, 0), position(i / side % side, 1), position(i % side, 2)};
+      cells[i] = {x, static_cast<float>(phi(x)), static_cast<float>(size * size * size)};
+    }
+  });
+  return cells;
+}
+
+std::optional<Point> movedTo(const FitTarget& target, Point x, double distance) {
+  return moved(Reader(target), target.cell, x, distance);
+}
+
+std::vector<Point> offsetPoints(const FitTarget& target, std::size_t count, double distance, std::uint64_t seed) {
+  const std::vector<Point> onSurface = julia::blueNoise(target.surface, count, seed);
+  std::vector<std::optional<Point>> found(onSurface.size());
+  inParallel(onSurface.size(), 64, Monitor(), [&](std::size_t begin, std::size_t end) {
+    const Reader phi(target);
+    for (std::size_t i = begin; i != end; ++i) found[i] = moved(phi, target.cell, onSurface[i], distance);
+  });
+  std::vector<Point> points;
+  for (const std::optional<Point>& point : found)
+    if (point) points.push_back(*point);
+  return points;
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "solid_input.h"
+
+#include "vdbtools/recipe.h"
+#include "vdbtools/vdb_file.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace vdbtools {
+
+using openvdb::BBoxd;
+using openvdb::FloatGrid;
+using openvdb::Vec3d;
+
+double longestSide(const BBoxd& box) {
+  const Vec3d extents = box.extents();
+  return std::max({extents[0], extents[1], extents[2]});
+}
+
+MeshReport reportOfSolid(const Mesh& mesh, const std::filesystem::path& path) {
+  const MeshReport report = reportMesh(mesh);
+  if (!(longestSide(report.box) > 0))
+    throw DataError("'" + path.string() + "' has no extent: all its triangles lie in one point");
+  return report;
+}
+
+MeshToSdfOptions sdfBand(double voxelSize, double exteriorWidth, double interiorWidth) {
+  return {.voxelSize = voxelSize, .exteriorBandWidth = exteriorWidth, .interiorBandWidth = interiorWidth};
+}
+
+MeshSdf makeSdf(const Mesh& mesh, const MeshToSdfOptions& options, bool repair, double gap, Monitor& monitor) {
+  if (!repair) return {meshToSdf(mesh, options, monitor), {}, {}};
+  RepairedSdf repaired = repairedMeshToSdf(mesh, options, {.gap = gap}, monitor);
+  return {repaired.grid, repaired.moved, repaired.closedGap};
+}
+
+MeshSdf makeSdfAbout(const Vec3d& middle, Mesh mesh, const MeshToSdfOptions& options, bool repair, double gap,
+                     Monitor& monitor) {
+  for (Vec3d& point : mesh.points) point -= middle;
+  MeshSdf sdf = makeSdf(mesh, options, repair, gap, monitor);
+  sdf.grid->transform().postTranslate(middle);
+  return sdf;
+}
+
+Target readVdbTarget(const std::filesystem::path& path, const std::string& grid) {
+  const VdbFile file = readVdb(path);
+  const FloatGrid::Ptr phi = chooseFloatGrid(file, grid, path);
+  // An SDF of ours knows the box of its mesh; half a voxel more exactly than its nodes do.
+  std::optional<BBoxd> box;
+  if (const auto found = file.metadata.find(kTargetBox); found != file.metadata.end() && phi->getName() == "phi") {
+    const std::vector<double> b = parseNumbers(kTargetBox, found->second, 6);
+    box.emplace(Vec3d(b[0], b[1], b[2]), Vec3d(b[3], b[4], b[5]));
+  }
+  return makeTarget(phi, box);
+}
+
+}  // namespace vdbtools
