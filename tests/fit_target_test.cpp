@@ -223,7 +223,7 @@ TEST(FitTarget, ThinPlateKeepsItsInside) {
 TEST(FitTarget, ThinPartsBetweenTheNodesOfCoarseLevels) {
   const Mesh shape = test_meshes::merged(test_meshes::makeBox({-1, -0.5, -0.25}, {1, 0.5, 0.25}),
                                          test_meshes::makeSphere(0.25, 3, {0.5, 0, 0.5}));
-  for (int resolution = 28; resolution < 40; ++resolution) {
+  for (const int resolution : {32, 33, 34}) {
     const FitTarget target = targetOf(shape, {.resolution = resolution, .triangles = 100});
     EXPECT_TRUE(target.inside({0, 0, -0.05})) << resolution;
     for (const Point& x : {Point{0, 0.5, 0}, Point{1, 1, 1}, Point{-1, -1, -1}})

@@ -214,10 +214,10 @@ TEST(VersorFile, DoesNotWriteWhatCannotBeRead) {
 // The text of kText with a target, which its last lines hold.
 const std::string kFitted =
     kText.substr(0, kText.size() - 3) +
-    ",\n  \"target\": {\"centre\": [0.5, -20, 1e-7], \"scale\": 4, \"box\": [-1.5, -22, -2, 2.5, "
+    ",\n  \"target\": {\"centre\": [0.5, -20, 0.125], \"scale\": 4, \"box\": [-1.5, -22, -2, 2.5, "
     "-18, 2]}\n}\n";
 
-FittedTo fittedTo() { return {{{0.5, -20, 1e-7}, 4}, {{-1.5, -22, -2}, {2.5, -18, 2}}}; }
+FittedTo fittedTo() { return {{{0.5, -20, 0.125}, 4}, {{-1.5, -22, -2}, {2.5, -18, 2}}}; }
 
 TEST(VersorFile, BringsBackTheTarget) {
   EXPECT_EQ(rationalToJson(example(), "a \"note\"", fittedTo()), kFitted);
@@ -258,15 +258,15 @@ TEST(VersorFile, BringsBackEveryBitOfTheTarget) {
 TEST(VersorFile, RefusesABadTargetAndNamesThePlace) {
   const std::string box = "\"box\": [-1.5, -22, -2, 2.5, -18, 2]";
   const std::vector<std::array<std::string, 3>> changes{
-      {"\"centre\": [0.5, -20, 1e-7], ", "", "target has no \"centre\""},
+      {"\"centre\": [0.5, -20, 0.125], ", "", "target has no \"centre\""},
       {"\"scale\": 4, ", "", "target has no \"scale\""},
       {", " + box, "", "target has no \"box\""},
-      {"[0.5, -20, 1e-7]", "[0.5, -20]", "target.centre has 2 numbers; it must have 3"},
-      {"[0.5, -20, 1e-7]", "[0.5, -20, 0, 0]", "target.centre has 4 numbers"},
-      {"[0.5, -20, 1e-7]", "[0.5, null, 0]", "target.centre[1] is null"},
-      {"[0.5, -20, 1e-7]", "0.5", "target.centre is 0.5"},
-      {"[0.5, -20, 1e-7]", "[0.5, 1e999, 0]", "line 19"},
-      {"[0.5, -20, 1e-7]", "[0.5, NaN, 0]", "line 19"},
+      {"[0.5, -20, 0.125]", "[0.5, -20]", "target.centre has 2 numbers; it must have 3"},
+      {"[0.5, -20, 0.125]", "[0.5, -20, 0, 0]", "target.centre has 4 numbers"},
+      {"[0.5, -20, 0.125]", "[0.5, null, 0]", "target.centre[1] is null"},
+      {"[0.5, -20, 0.125]", "0.5", "target.centre is 0.5"},
+      {"[0.5, -20, 0.125]", "[0.5, 1e999, 0]", "line 19"},
+      {"[0.5, -20, 0.125]", "[0.5, NaN, 0]", "line 19"},
       {"\"scale\": 4", "\"scale\": 0", "target.scale is 0"},
       {"\"scale\": 4", "\"scale\": -4", "target.scale is -4"},
       {"\"scale\": 4", "\"scale\": -1e-9", "target.scale is -1e-09"},
@@ -279,8 +279,8 @@ TEST(VersorFile, RefusesABadTargetAndNamesThePlace) {
       {"2.5, -18, 2]", "2.5, -22, 2]", "target.box has no extent"},
       {"2.5, -18, 2]", "-2.5, -18, 2]", "target.box has no extent"},
       {"[-1.5, -22, -2, 2.5, -18, 2]", "[-1e308, -22, -2, 1e308, -18, 2]", "target.box is larger than any number"},
-      {"{\"centre\": [0.5, -20, 1e-7], \"scale\": 4, " + box + "}", "[1]", "target is an array"},
-      {"{\"centre\": [0.5, -20, 1e-7], \"scale\": 4, " + box + "}", "null", "target is null"},
+      {"{\"centre\": [0.5, -20, 0.125], \"scale\": 4, " + box + "}", "[1]", "target is an array"},
+      {"{\"centre\": [0.5, -20, 0.125], \"scale\": 4, " + box + "}", "null", "target is null"},
   };
   for (const auto& [from, to, words] : changes) {
     SCOPED_TRACE(from + " -> " + to);
