@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Root evaluations a second of the kernels, and of the reference beside them in the same run.
+// Root evaluations a second of the kernels, and of the reference beside them in the same run; steps a second of the
+// maps of R^3.
+#include "julia/cross_map.h"
 #include "julia/embedding.h"
+#include "julia/evaluator.h"
 #include "julia/instruction_set.h"
+#include "julia/mandelbulb.h"
 #include "julia/quaternion_batch.h"
 #include "julia/random_roots.h"
 #include "julia/rational_map.h"
@@ -9,8 +13,11 @@
 
 #include <benchmark/benchmark.h>
 
+#include <memory>
+#include <numeric>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -68,5 +75,32 @@ void reference(benchmark::State& state) {
   countRoots(state, rational.top.roots.size());
 }
 BENCHMARK(reference)->ArgName("integer")->Arg(0)->Arg(1);
+
+/// Whole orbits, ten steps at most.
+void orbits(benchmark::State& state, std::shared_ptr<const julia::CartesianMap<double>> map) {
+  const auto evaluator =
+      julia::makeFieldEvaluator<double>(std::move(map), {}, {.maxIterations = 10, .escapeRadius = 2});
+  const std::vector<julia::Point> at = points();
+  std::vector<double> field(at.size());
+  std::vector<int> steps(at.size());
+  for (auto _ : state) {
+    evaluator->evaluate(at, field, steps);
+    benchmark::DoNotOptimize(field.data());
+  }
+  state.counters["steps/s"] =
+      benchmark::Counter(static_cast<double>(state.iterations()) * std::accumulate(steps.begin(), steps.end(), 0.),
+                         benchmark::Counter::kIsRate);
+}
+void cross(benchmark::State& state, const julia::CrossOptions& options) {
+  orbits(state, std::make_shared<julia::CrossMap<double>>(options));
+}
+void mandelbulb(benchmark::State& state, double power) {
+  orbits(state, std::make_shared<julia::Mandelbulb<double>>(julia::MandelbulbOptions{.power = power}));
+}
+BENCHMARK_CAPTURE(cross, A, {.pair = julia::CrossPair::A});
+BENCHMARK_CAPTURE(cross, C, {.pair = julia::CrossPair::C});
+BENCHMARK_CAPTURE(cross, user, {.pair = julia::CrossPair::User, .f = "x*x, y*y, z*z", .g = "cos(x), cos(y), cos(z)"});
+BENCHMARK_CAPTURE(mandelbulb, whole, 8);
+BENCHMARK_CAPTURE(mandelbulb, real, 8.5);
 
 }  // namespace
