@@ -41,7 +41,8 @@ class FitTest(harness.CliTest):
         maker = harness.CliTest()
         maker.folder = cls.made
         maker.write("m.obj", harness.obj(pebble()))
-        cls.said = maker.ok("fit", "m.obj", "-o", "shape.json", *LOW, *ROOTS, "--report", "fit.csv", "--plot", "fit.png")
+        cls.said = maker.ok("fit", "m.obj", "-o", "shape.json", *LOW, *ROOTS, "--report", "fit.csv", "--plot",
+                            "fit.png")
 
     def setUp(self):
         super().setUp()
@@ -223,13 +224,15 @@ class Fractals(FitTest):
 
     def test_another_map_is_refused_unless_named(self):
         self.ok(*FRACTAL, "shape.json", "-o", "f.vdb", "--resolution", 24)
-        self.ok("versor", "scale", "shape.json", 0.5, "-o", "half.json")
-        self.ok("fractal", "--config", "f.vdb", "--rational", "half.json", "--box", "70,-70,-20,130,-10,30", "-o",
-                "half.vdb")
-        self.ok("fractal", "--config", "f.vdb", "--versor", "half.json", "--box", "70,-70,-20,130,-10,30", "-o",
-                "versor.vdb")
-        self.assertEqual(self.info("versor.vdb")["recipe"]["versor"], "half.json")
-        self.write("shape.json", self.bytes("half.json"))
+        # The same roots, of no target: in fractal space.
+        self.ok("versor", "scale", "shape.json", 1, "-o", "bare.json")
+        box = ("--box", "-0.6,-0.6,-0.6,0.6,0.6,0.6")
+        for option, other in (("rational", "versor"), ("versor", "rational")):
+            self.ok("fractal", "--config", "f.vdb", f"--{option}", "bare.json", *box, "-o", f"{option}.vdb")
+            recipe = self.info(f"{option}.vdb")["recipe"]
+            self.assertEqual(recipe[option], "bare.json")
+            self.assertNotIn(other, recipe)
+        self.write("shape.json", self.bytes("bare.json"))
         self.refused(BAD_DATA, "fractal", "--config", "f.vdb", "-o", "x.vdb", mentions=["shape.json", "SHA-256"])
 
     def test_o3d(self):
@@ -277,7 +280,8 @@ class Refusals(FitTest):
         self.path("folder.json").mkdir()
         job = ("fit", "m.obj", *LOW)
         self.all_refused(USAGE, [(*job, "-o", "x.vdb"), (*job, "-o", "x"), (*job, "-o", "x.p4d"),
-                                 (*job, "-o", "x.json", "--report", "x.txt"), (*job, "-o", "x.json", "--plot", "x.jpg")],
+                                 (*job, "-o", "x.json", "--report", "x.txt"),
+                                 (*job, "-o", "x.json", "--plot", "x.jpg")],
                          mentions="x")
         self.all_refused(CANNOT_CREATE, [(*job, "-o", "nowhere/x.json"), (*job, "-o", "m.obj/x.json"),
                                          (*job, "-o", "folder.json"), (*job, "-o", "/proc/x.json"),
@@ -342,7 +346,8 @@ class Interrupted(FitTest):
             self.path(name).unlink()
 
     def test_fast_fit(self):
-        self.interrupt_in("fit", "fit", "m.obj", "-o", "x.json", "--report", "x.csv", "--plot", "x.png", "--roots", 2000)
+        self.interrupt_in("fit", "fit", "m.obj", "-o", "x.json", "--report", "x.csv", "--plot", "x.png", "--roots",
+                          2000)
 
     def test_schedule_by_sigterm(self):
         self.interrupt_in("electrostatics", "fit", "m.obj", "-o", "x.json", "--triangles", 20000, "--schedule",
