@@ -381,7 +381,7 @@ FractalOptions parseFractalOptions(const Recipe& recipe) {
   if (const std::string rational = reader.text("rational"); !rational.empty()) {
     if (options.map != MapKind::Rational)
       throw std::invalid_argument("--rational gives the map's roots; it goes with --map rational");
-    if (options.versor != "random")
+    if (reader.has("versor") && options.versor != "random")
       throw std::invalid_argument("--rational and --versor both give the map's roots; give one of them");
     if (rational == "random") reader.refuse("rational", "a file; --versor random draws roots");
     options.versor = rational;
