@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <optional>
 
 namespace po = boost::program_options;
 
@@ -36,7 +37,8 @@ constexpr Usage kUsageText = {"versor", "new|inspect|add|scale|translate [FILES]
                               "  juliavdb versor translate swirl.json 0.1,0,0 -o moved.json\n"
                               "  juliavdb versor add fine.json moved.json -o both.json\n"};
 
-void write(CommandLine& line, const julia::Rational& rational, const std::string& note) {
+void write(CommandLine& line, const julia::Rational& rational, const std::string& note,
+           const std::optional<vdbtools::FittedTo>& target = {}) {
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.json");
   Outputs outputs;
   const std::string name = line.text("output");
@@ -48,7 +50,7 @@ void write(CommandLine& line, const julia::Rational& rational, const std::string
           "a " + extension + " holds a polynomial only, and this versor has bottom roots or a scale; write a .json");
     file << vdbtools::rationalToP4d(rational.top);
   } else {
-    file << vdbtools::rationalToJson(rational, note);
+    file << vdbtools::rationalToJson(rational, note, target);
   }
   outputs.commit();
   std::cerr << "wrote " << outputs.names() << ": " << rational.top.roots.size() << " top and "
@@ -120,12 +122,14 @@ int runVersor(const Arguments& arguments) {
   } else if (action == "scale") {
     expect(2, "a file and a factor");
     const double factor = vdbtools::parseNumber("scale", words[2]);
-    write(line, julia::scaled(vdbtools::readRational(words[1]), factor), "");
+    const vdbtools::RationalFile file = vdbtools::readRationalFile(words[1]);
+    write(line, julia::scaled(file.rational, factor), "", file.target);
   } else if (action == "translate") {
     expect(2, "a file and X,Y,Z or X,Y,Z,S");
     const bool four = std::count(words[2].begin(), words[2].end(), ',') == 3;
     const std::vector<double> by = vdbtools::parseNumbers("translate", words[2], four ? 4 : 3);
-    write(line, julia::translated(vdbtools::readRational(words[1]), {by[0], by[1], by[2], four ? by[3] : 0}), "");
+    const vdbtools::RationalFile file = vdbtools::readRationalFile(words[1]);
+    write(line, julia::translated(file.rational, {by[0], by[1], by[2], four ? by[3] : 0}), "", file.target);
   } else {
     throw std::invalid_argument((action.empty() ? std::string("nothing to do") : "'" + action + "' is unknown") +
                                 "; use new, inspect, add, scale or translate");
