@@ -37,14 +37,14 @@ class BatchEvaluator final : public FieldEvaluator {
       throw std::invalid_argument("slice is " + std::to_string(embedding.slice) + "; it must be between -1e9 and 1e9");
   }
 
-  /// In pieces that stay in the second-level cache; the room for one is kept for the next.
   void evaluate(std::span<const Point> points, std::span<double> field, std::span<int> iterations) const override {
-    static thread_local Batch batch;
-    for (std::size_t first = 0; first < points.size(); first += kPiece) {
-      const std::size_t size = std::min(kPiece, points.size() - first);
-      evaluatePiece(points.subspan(first, size), batch, field.subspan(first, size),
-                    iterations.empty() ? iterations : iterations.subspan(first, size));
-    }
+    evaluatePieces(points, field, iterations, {});
+  }
+
+  void orbitTraps(std::span<const Point> points, std::span<double> nearest) const override {
+    std::vector<double> field(points.size());
+    std::fill(nearest.begin(), nearest.end(), kFieldLimit);
+    evaluatePieces(points, field, {}, nearest);
   }
 
   /// The loop of evaluate() on ranges. A ball splits where an iterate may but need not end: those of its points that
@@ -102,11 +102,31 @@ class BatchEvaluator final : public FieldEvaluator {
     }
   };
 
-  void evaluatePiece(std::span<const Point> points, Batch& batch, std::span<double> field,
-                     std::span<int> iterations) const {
+  /// In pieces that stay in the second-level cache; the room for one is kept for the next.
+  void evaluatePieces(std::span<const Point> points, std::span<double> field, std::span<int> iterations,
+                      std::span<double> nearest) const {
+    static thread_local Batch batch;
+    const auto piece = [](auto values, std::size_t first, std::size_t size) {
+      return values.empty() ? values : values.subspan(first, size);
+    };
+    for (std::size_t first = 0; first < points.size(); first += kPiece) {
+      const std::size_t size = std::min(kPiece, points.size() - first);
+      evaluatePiece(points.subspan(first, size), batch, field.subspan(first, size), piece(iterations, first, size),
+                    piece(nearest, first, size));
+    }
+  }
+
+  /// @param nearest  takes the smallest l, if not empty
+  void evaluatePiece(std::span<const Point> points, Batch& batch, std::span<double> field, std::span<int> iterations,
+                     std::span<double> nearest) const {
     start(points, batch, field, iterations);
     for (int step = 1; batch.q.size() != 0; ++step) {
       mMap->logModulus(batch.q, batch.l);
+      if (!nearest.empty())
+        for (std::size_t i = 0; i < batch.l.size(); ++i) {
+          double& smallest = nearest[batch.index[i]];
+          smallest = std::max(-kFieldLimit, std::min(smallest, static_cast<double>(batch.l[i])));
+        }
       const Real none = -std::numeric_limits<Real>::infinity();
       const bool traps = isTrapped(mLogTrap);
       const Real escape = step == mOptions.maxIterations ? none : mLogEscape, trap = mLogTrap;
@@ -308,6 +328,9 @@ class ConfirmingEvaluator final : public FieldEvaluator {
   }
   void versors(std::span<const Point> points, std::span<Quaternion<double>> versors) const override {
     mFull->versors(points, versors);
+  }
+  void orbitTraps(std::span<const Point> points, std::span<double> nearest) const override {
+    mFull->orbitTraps(points, nearest);
   }
 
  private:
