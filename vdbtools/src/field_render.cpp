@@ -203,7 +203,7 @@ class Exposure {
         mGrid(static_cast<int>(std::lround(std::sqrt(options.samples)))),
         mOccupancy(occupancy) {
     // The key comes over the left shoulder, the other light from the eye.
-    mLights.key = (-0.55 * mFrame.right + 0.65 * mFrame.up - 0.60 * mFrame.forward).unit();
+    mLights.key = (-0.60 * mFrame.right + 0.65 * mFrame.up - 0.47 * mFrame.forward).unit();
     mLights.head = -mFrame.forward;
     const double farthest = (mRegion.getCenter() - mEye).length() + mRegion.extents().length();
     if (!mSteps.servesUpTo(farthest))

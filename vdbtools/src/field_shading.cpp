@@ -11,14 +11,27 @@ namespace {
 using openvdb::Vec3d;
 
 // Phong's model, in linear RGB.
-constexpr double kAmbient = 0.16, kKey = 0.80, kHead = 0.22;
+constexpr double kAmbient = 0.10, kKey = 1.00, kHead = 0.14;
 constexpr double kShine = 0.22, kSharpness = 36;
 const Vec3d kClay(0.55, 0.32, 0.21);
 
 /// What shows of a colour whose entries reach from 0 to 1 ([ZB25]): fully saturated ones hide the shape.
 constexpr double kSaturation = 0.85;
 
-constexpr int kNeighbours = 6;
+/// Differences along 13 axes, of a cube's faces, edges and corners. Where F goes from one bound to the other within a
+/// step, as it does on rough sets, three axes know 26 normals only, and a smooth face breaks into facets.
+constexpr int kAxes = 13, kNeighbours = 2 * kAxes;
+
+const std::array<Vec3d, kAxes>& axes() {
+  static const std::array<Vec3d, kAxes> all = [] {
+    std::array<Vec3d, kAxes> result;
+    // One of each pair of opposite nodes of a 3^3 lattice: those before its middle.
+    for (int i = 0; i < kAxes; ++i)
+      result[static_cast<std::size_t>(i)] = Vec3d(i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1).unit();
+    return result;
+  }();
+  return all;
+}
 
 double linearFromSrgb(double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); }
 
@@ -69,7 +82,7 @@ struct Neighbourhood {
 Neighbourhood look(std::span<const double> field, std::span<const int> iterations, double escapeRadius) {
   Neighbourhood result;
   int last = 0, outside = 0;
-  for (int i = 0; i < kNeighbours; ++i) {
+  for (std::size_t i = 0; i < kNeighbours; ++i) {
     if (field[i] < 0) continue;
     last = std::max(last, iterations[i]);
     result.iterations += iterations[i];
@@ -77,9 +90,11 @@ Neighbourhood look(std::span<const double> field, std::span<const int> iteration
   }
   result.iterations /= std::max(1, outside);
   const Potential potential(escapeRadius, last);
-  for (int axis = 0; axis < 3; ++axis)
-    result.gradient[axis] =
-        potential(field[2 * axis], iterations[2 * axis]) - potential(field[2 * axis + 1], iterations[2 * axis + 1]);
+  for (std::size_t axis = 0; axis < kAxes; ++axis) {
+    const std::size_t ahead = 2 * axis, behind = ahead + 1;
+    const double rise = potential(field[ahead], iterations[ahead]) - potential(field[behind], iterations[behind]);
+    result.gradient += rise * axes()[axis];
+  }
   return result;
 }
 
@@ -88,10 +103,11 @@ std::vector<Neighbourhood> neighbourhoods(const julia::FieldEvaluator& evaluator
   std::vector<julia::Point> points;
   points.reserve(kNeighbours * hits.size());
   for (const FieldHit& hit : hits) {
-    for (int i = 0; i < kNeighbours; ++i) {
-      Vec3d x = hit.inside;
-      x[i / 2] += i % 2 ? -hit.step : hit.step;
-      points.push_back({x[0], x[1], x[2]});
+    for (const Vec3d& axis : axes()) {
+      for (const double step : {hit.step, -hit.step}) {
+        const Vec3d x = hit.inside + step * axis;
+        points.push_back({x[0], x[1], x[2]});
+      }
     }
   }
   std::vector<double> field(points.size());

@@ -5,8 +5,9 @@
 ///
 /// A ray is sampled at t_0 = where it enters the region, t_{k+1} = t_k + max(alpha t_k^delta, epsilon), t the distance
 /// from the eye: the clarity function of [HSK89] Eq. 16. Between the first sample inside and the one before it the
-/// surface is found by bisection. The normal comes from central differences at the hit's own step, after which Phong's
-/// model shades. Details that lie between two samples of a ray are not seen; a smaller alpha and epsilon find more.
+/// surface is found by bisection. The normal comes from central differences at the hit's own step, along 13 axes and of
+/// a field that grows monotonely outwards (F starts anew where orbits escape a step earlier); Phong's model shades.
+/// Details that lie between two samples of a ray are not seen; a smaller alpha and epsilon find more.
 ///
 /// Skipping: before the march the region is covered with cubes, and those that FieldEvaluator::decide() proves to be
 /// outside are remembered in a VDB mask. Samples in such a cube are not evaluated, and no other sample moves: the
