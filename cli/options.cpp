@@ -3,6 +3,7 @@
 
 #include "vdbtools/errors.h"
 #include "vdbtools/file_bytes.h"
+#include "vdbtools/vdb_file.h"
 
 #include "julia/instruction_set.h"
 
@@ -200,6 +201,15 @@ void CommandLine::printHelp() const {
   if (!mOwn.options().empty()) std::cout << mOwn << '\n';
   if (!mFromRecipe.options().empty()) std::cout << mFromRecipe << '\n';
   std::cout << mCommon << "\nExamples:\n" << mUsage.examples;
+}
+
+vdbtools::Recipe sceneRecipe(const CommandLine& line, const std::string& input) {
+  if (!vdbtools::isVdbPath(input)) return line.recipe();
+  auto [recipe, command] = vdbtools::recipeFromMetadata(vdbtools::readVdbMetadata(input));
+  if (command != "fractal") return line.recipe();
+  vdbtools::Recipe given = line.givenRecipe();
+  given.erase("input");
+  return vdbtools::completeRecipe(overridden(std::move(recipe), given), vdbtools::fractalOptionSpecs());
 }
 
 }  // namespace cli

@@ -74,4 +74,8 @@ class CommandLine {
 /// Merges the words of @a given over @a base: an option displaces its alternative, and another file its old hash.
 vdbtools::Recipe overridden(vdbtools::Recipe base, const vdbtools::Recipe& given);
 
+/// The recipe for a command that shows a scene: of a fractal that this program made its own stands in for the options
+/// that were not given.
+vdbtools::Recipe sceneRecipe(const CommandLine& line, const std::string& input);
+
 }  // namespace cli

@@ -77,6 +77,26 @@ TEST(Image, ExrHoldsLinearHalves) {
   EXPECT_NEAR(last[2], 0.1F, 1e-4F);
 }
 
+TEST(Image, ExrTakesFurtherChannelsAsFloats) {
+  const Image image = ramp(3, 2);
+  const vdbtools::Channel depth{"Z", {1e10F, 0.1F, kNaN, -3, 70000, 1e-7F}}, alpha{"A", {0, 0.25F, 0.5F, 0.75F, 1, 1}};
+  const std::vector<vdbtools::Channel> channels = {depth, alpha};
+  const std::string bytes = vdbtools::encodeExr(image, channels);
+  EXPECT_EQ(bytes, vdbtools::encodeExr(image, channels));
+  const Decoded decoded = decode(bytes, "exr");
+  ASSERT_EQ(decoded.spec.nchannels, 5);
+  const auto value = [&](const char* name, std::size_t pixel) {
+    return decoded.values[pixel * 5 + static_cast<std::size_t>(decoded.spec.channelindex(name))];
+  };
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(value("Z", i), i == 2 ? 0 : depth.values[i]);
+    EXPECT_EQ(value("A", i), alpha.values[i]);
+    EXPECT_NEAR(value("R", i), image.pixels[i][0], 1e-3F);
+  }
+  EXPECT_THROW(vdbtools::encodeExr(image, std::vector<vdbtools::Channel>{{"A", {1, 2}}}), std::invalid_argument);
+  EXPECT_THROW(vdbtools::encodeExr(Image(), {}), std::invalid_argument);
+}
+
 TEST(Image, RowsRunFromTheTopLeft) {
   const Image image = ramp(9, 5);
   for (const char* extension : {"png", "exr"}) {

@@ -5,24 +5,47 @@
 #include "options.h"
 #include "output.h"
 
+#include "vdbtools/field_render.h"
+#include "vdbtools/file_bytes.h"
+#include "vdbtools/fractal_job.h"
 #include "vdbtools/preview.h"
 #include "vdbtools/vdb_file.h"
 #include "vdbtools/versor_file.h"
 
 #include <charconv>
+#include <chrono>
 #include <iostream>
+#include <memory>
 
 namespace po = boost::program_options;
 
 namespace cli {
 namespace {
 
-constexpr Usage kUsageText = {"render", "F.vdb -o F.png [--size WxH] [--azimuth DEG] [--elevation DEG] [options]",
-                              "Makes a shaded picture of a level set, framed by itself.",
-                              "  juliavdb render bunny.vdb -o bunny.png\n"
-                              "  juliavdb render bunny.vdb -o back.exr --size 1280x720 --azimuth 200 --zoom 1.5\n"};
+constexpr Usage kUsageText = {
+    "render",
+    "F.vdb -o F.png [--size WxH] [--azimuth DEG] [--elevation DEG] [options]\n"
+    "       juliavdb render --field [MESH|SDF.vdb|FRACTAL.vdb] -o F.png [options]",
+    "Makes a shaded picture of a level set, framed by itself; or, with --field, of the set of a map, by rays through "
+    "the\n"
+    "map and through no grid: finer than any voxels. Its map is that of a fractal that this program made, or given by\n"
+    "the options of 'fractal', with a target or without. An EXR then holds R G B premultiplied without a background, "
+    "A,\n"
+    "the normal N.x N.y N.z, the depth Z along the view axis (1e10: nothing) and id.",
+    "  juliavdb render bunny.vdb -o bunny.png\n"
+    "  juliavdb render bunny.vdb -o back.exr --size 1280x720 --azimuth 200 --zoom 1.5\n"
+    "  juliavdb render --field bunny.vdb -o field.png --size 400x400\n"
+    "  juliavdb render --field --map quadratic --c=-0.2,0.6,0.2,0.2 --iterations 8 -o julia.exr --size 400x400\n"
+    "  juliavdb render --field --map quadratic --c=-1,0.2,0,0 --iterations 8 -o turn.####.png --frames 2 --size "
+    "200x200\n"};
 
-void parseSize(const std::string& text, vdbtools::PreviewOptions& options) {
+/// Options that one way of rendering has and the other has not.
+constexpr const char* kFieldOnly[] = {"eye",   "look-at", "up",     "epsilon", "alpha-clarity",
+                                      "delta", "colour",  "frames", "no-skip"};
+constexpr const char* kLevelSetOnly[] = {"roots"};
+
+template <class Options>
+void parseSize(const std::string& text, Options& options) {
   const char* end = text.data() + text.size();
   const auto [x, error] = std::from_chars(text.data(), end, options.width);
   const bool good = error == std::errc{} && x != end && *x == 'x';
@@ -50,22 +73,28 @@ std::vector<vdbtools::PreviewBall> ballsOf(const std::string& name) {
   return balls;
 }
 
-}  // namespace
+template <class Options>
+void parseSamples(const CommandLine& line, Options& options) {
+  if (!line.has("samples")) return;
+  const double samples = vdbtools::parseNumber("samples", line.text("samples"));
+  if (samples != 1 && samples != 4 && samples != 9 && samples != 16)
+    throw std::invalid_argument("--samples is '" + line.text("samples") + "'; it must be 1, 4, 9 or 16");
+  options.samples = static_cast<int>(samples);
+}
 
-int runRender(const Arguments& arguments) {
-  CommandLine line(kUsageText, {});
-  line.addPositional("input", 1, "the VDB");
-  line.addOptions()("output,o", po::value<std::string>()->value_name("F.png"), "the picture to write: .png or .exr")(
-      "grid", po::value<std::string>()->value_name("NAME"), "which grid (default: surface)")(
-      "size", po::value<std::string>()->default_value("800x800")->value_name("WxH"), "pixels")(
-      "azimuth", po::value<std::string>()->value_name("DEG"), "angle about the vertical, from the front")(
-      "elevation", po::value<std::string>()->value_name("DEG"), "angle above the horizon")(
-      "fov", po::value<std::string>()->value_name("DEG"), "vertical field of view")(
-      "samples", po::value<std::string>()->value_name("N"), "rays a pixel: 1, 4, 9 or 16")(
-      "zoom", po::value<std::string>()->value_name("F"), "above 1 comes closer")(
-      "roots", po::value<std::string>()->value_name("F.json"),
-      "show the roots of a map that 'juliavdb fit' made: the top's blue, the bottom's red");
-  if (!line.parse(arguments)) return kDone;
+void requireFits(const CommandLine& line, bool field) {
+  if (field) {
+    for (const char* name : kLevelSetOnly)
+      if (line.has(name)) throw std::invalid_argument(std::string("--") + name + " does not go with --field");
+    return;
+  }
+  for (const char* name : kFieldOnly)
+    if (line.has(name)) throw std::invalid_argument(std::string("--") + name + " goes with --field only");
+  for (const auto& [name, value] : line.givenRecipe())
+    if (name != "input" && name != "grid") throw std::invalid_argument("--" + name + " goes with --field only");
+}
+
+int renderLevelSet(const CommandLine& line) {
   const std::string input = line.text("input");
   if (input.empty()) throw std::invalid_argument("no VDB was given");
   vdbtools::PreviewOptions options;
@@ -77,12 +106,7 @@ int runRender(const Arguments& arguments) {
   number("elevation", options.elevation);
   number("fov", options.fieldOfView);
   number("zoom", options.zoom);
-  if (line.has("samples")) {
-    const double samples = vdbtools::parseNumber("samples", line.text("samples"));
-    if (samples != 1 && samples != 4 && samples != 9 && samples != 16)
-      throw std::invalid_argument("--samples is '" + line.text("samples") + "'; it must be 1, 4, 9 or 16");
-    options.samples = static_cast<int>(samples);
-  }
+  parseSamples(line, options);
   if (line.has("roots")) options.balls = ballsOf(line.text("roots"));
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
   Outputs outputs;
@@ -93,6 +117,199 @@ int runRender(const Arguments& arguments) {
   outputs.commit();
   std::cerr << "wrote " << outputs.names() << ": " << image.width << " x " << image.height << '\n';
   return kDone;
+}
+
+/// Where the eye is: given, or at an angle around what is framed.
+struct View {
+  std::optional<openvdb::Vec3d> eye, lookAt;
+  openvdb::Vec3d up{0, 1, 0};
+  double azimuth = vdbtools::PreviewOptions().azimuth, elevation = vdbtools::PreviewOptions().elevation;
+  double fieldOfView = vdbtools::PreviewOptions().fieldOfView, zoom = 1;
+
+  vdbtools::Camera camera(const vdbtools::Scene& scene, const openvdb::BBoxd& region, double aspect) const {
+    vdbtools::Camera camera;
+    camera.fieldOfView = fieldOfView;
+    if (!eye || !lookAt)
+      camera = vdbtools::cameraAround(vdbtools::frameSet(scene.source(), region), azimuth, elevation, fieldOfView, zoom,
+                                      aspect);
+    const openvdb::Vec3d arm = camera.eye - camera.lookAt;
+    if (lookAt) camera.lookAt = *lookAt;
+    camera.eye = eye ? *eye : camera.lookAt + arm;
+    camera.up = up;
+    if ((camera.eye - camera.lookAt).length() == 0)
+      throw std::invalid_argument("--eye and --look-at are the same point; move one of them");
+    return camera;
+  }
+};
+
+View parseView(const CommandLine& line) {
+  View view;
+  const auto vector = [&](const char* name) -> std::optional<openvdb::Vec3d> {
+    if (!line.has(name)) return std::nullopt;
+    const std::vector<double> v = vdbtools::parseNumbers(name, line.text(name), 3);
+    return openvdb::Vec3d(v[0], v[1], v[2]);
+  };
+  const auto number = [&](const char* name, double& value, double low, double high, const char* domain) {
+    if (!line.has(name)) return;
+    value = vdbtools::parseNumber(name, line.text(name));
+    if (!(value >= low && value <= high))
+      throw std::invalid_argument(std::string("--") + name + " is '" + line.text(name) + "'; it must be " + domain);
+  };
+  view.eye = vector("eye");
+  view.lookAt = vector("look-at");
+  if (const auto up = vector("up")) view.up = *up;
+  if (view.up.length() == 0) throw std::invalid_argument("--up is '0,0,0'; it must be a direction");
+  for (const char* name : {"azimuth", "elevation", "zoom"})
+    if (view.eye && line.has(name))
+      throw std::invalid_argument(std::string("--eye and --") + name + " both place the eye; give one of them");
+  number("azimuth", view.azimuth, -1e6, 1e6, "-1e6 to 1e6 degrees");
+  number("elevation", view.elevation, -90, 90, "-90 to 90 degrees");
+  number("fov", view.fieldOfView, 1, 150, "1 to 150 degrees");
+  number("zoom", view.zoom, 1e-3, 20, "0.001 to 20");
+  return view;
+}
+
+vdbtools::FieldColour parseColour(const std::string& text) {
+  using vdbtools::FieldColour;
+  constexpr std::pair<const char*, FieldColour> kColours[] = {{"direction", FieldColour::Direction},
+                                                              {"versor", FieldColour::Versor},
+                                                              {"iterations", FieldColour::Iterations},
+                                                              {"trap", FieldColour::Trap},
+                                                              {"clay", FieldColour::Clay}};
+  for (const auto& [name, colour] : kColours)
+    if (text == name) return colour;
+  throw std::invalid_argument("--colour is '" + text +
+                              "'; it must be one of direction, versor, iterations, trap, clay");
+}
+
+vdbtools::FieldRenderOptions parseFieldOptions(const CommandLine& line) {
+  vdbtools::FieldRenderOptions options;
+  parseSize(line.text("size"), options);
+  parseSamples(line, options);
+  if (line.has("colour")) options.colour = parseColour(line.text("colour"));
+  const auto refuse = [&](const char* name, const char* domain) {
+    throw std::invalid_argument(std::string("--") + name + " is '" + line.text(name) + "'; it must be " + domain);
+  };
+  if (line.has("epsilon")) {
+    options.clarity.epsilon = vdbtools::parseNumber("epsilon", line.text("epsilon"));
+    if (!(options.clarity.epsilon >= 1e-9)) refuse("epsilon", "at least 1e-9");
+  }
+  if (line.has("alpha-clarity")) {
+    options.clarity.alpha = vdbtools::parseNumber("alpha-clarity", line.text("alpha-clarity"));
+    if (!(*options.clarity.alpha >= 0)) refuse("alpha-clarity", "at least 0");
+  }
+  if (line.has("delta")) {
+    const double delta = vdbtools::parseNumber("delta", line.text("delta"));
+    if (delta != 0 && delta != 1 && delta != 2) refuse("delta", "0, 1 or 2");
+    options.clarity.delta = static_cast<int>(delta);
+  }
+  options.skip = !line.has("no-skip");
+  return options;
+}
+
+/// The number of a turntable's frames; none for a single picture.
+std::optional<int> parseFrames(const CommandLine& line) {
+  constexpr int kMost = 100000;
+  if (!line.has("frames")) return std::nullopt;
+  const double frames = vdbtools::parseNumber("frames", line.text("frames"));
+  if (!(frames >= 1 && frames <= kMost && frames == static_cast<int>(frames)))
+    throw std::invalid_argument("--frames is '" + line.text("frames") + "'; it must be a whole number, 1 to 100000");
+  return static_cast<int>(frames);
+}
+
+/// Renders one frame under a name of its own: "render, frame 3 of 24".
+class FrameMonitor final : public vdbtools::Monitor {
+ public:
+  FrameMonitor(Progress& progress, std::string suffix) : mProgress(progress), mSuffix(std::move(suffix)) {}
+  void begin(std::string_view phase, std::uint64_t total) override {
+    mProgress.begin(std::string(phase) + mSuffix, total);
+  }
+  void advance(std::uint64_t steps) override { mProgress.advance(steps); }
+  bool cancelled() const override { return mProgress.cancelled(); }
+
+ private:
+  Progress& mProgress;
+  std::string mSuffix;
+};
+
+/// Where the rays go: the box that was asked for, or all of the set.
+openvdb::BBoxd regionOf(const vdbtools::Scene& scene) {
+  if (scene.options.box) return *scene.options.box;
+  return scene.exponent ? vdbtools::meshBox(vdbtools::planScene(scene)) : scene.region;
+}
+
+int renderMap(const CommandLine& line) {
+  const View view = parseView(line);
+  vdbtools::FieldRenderOptions options = parseFieldOptions(line);
+  const std::optional<int> frames = parseFrames(line);
+  if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
+  const vdbtools::FractalOptions fractal = vdbtools::parseFractalOptions(sceneRecipe(line, line.text("input")));
+  const std::string output = line.text("output"), format = formatOf(output, ".png");
+  const auto claim = [&](Outputs& outputs) -> std::ostream& {
+    return outputs.add("output", output, ".png .exr").stream();
+  };
+  const auto frameNumber = [&](int frame) { return frames ? std::optional(frame) : std::nullopt; };
+  // The first place is claimed before the work begins, the others with their frames.
+  auto outputs = std::make_unique<Outputs>(frameNumber(1));
+  std::ostream* file = &claim(*outputs);
+
+  const vdbtools::Scene scene = vdbtools::makeScene(fractal, line.progress());
+  const openvdb::BBoxd region = regionOf(scene);
+  const vdbtools::Camera camera = view.camera(scene, region, static_cast<double>(options.width) / options.height);
+  options.dropAxis = fractal.dropAxis;
+  options.maxIterations = fractal.iterations;
+  options.escapeRadius = fractal.escape;
+  options.background = vdbtools::lowerCase(format) != ".exr";
+  vdbtools::FieldRenderer renderer(scene.source(), region);
+  const int count = frames.value_or(1);
+  for (int frame = 1; frame <= count; ++frame) {
+    if (frame > 1) {
+      outputs = std::make_unique<Outputs>(frameNumber(frame));
+      file = &claim(*outputs);
+    }
+    options.camera = vdbtools::turned(camera, 360.0 * (frame - 1) / count);
+    FrameMonitor monitor(line.progress(),
+                         frames ? ", frame " + std::to_string(frame) + " of " + std::to_string(count) : std::string());
+    const auto start = std::chrono::steady_clock::now();
+    const vdbtools::FieldImage image = renderer.render(options, monitor);
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    *file << vdbtools::encodeFieldImage(image, format);
+    outputs->commit();
+    std::cerr << "wrote " << outputs->names() << ": " << options.width << " x " << options.height << ", " << image.rays
+              << " rays, " << static_cast<std::uint64_t>(static_cast<double>(image.rays) / seconds.count())
+              << " a second, " << image.evaluations << " samples evaluated\n";
+  }
+  return kDone;
+}
+
+}  // namespace
+
+int runRender(const Arguments& arguments) {
+  CommandLine line(kUsageText, vdbtools::fractalOptionSpecs());
+  const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
+  line.addOptions()("output,o", text("F.png"), "the picture to write: .png or .exr")(
+      "size", po::value<std::string>()->default_value("800x800")->value_name("WxH"), "pixels")(
+      "azimuth", text("DEG"), "angle about the vertical, from the front (default -30)")(
+      "elevation", text("DEG"), "angle above the horizon (default 15)")("fov", text("DEG"),
+                                                                        "vertical field of view (default 30)")(
+      "samples", text("N"), "rays a pixel: 1, 4, 9 or 16 (default 4)")("zoom", text("F"), "above 1 comes closer")(
+      "roots", text("F.json"), "show the roots of a map that 'juliavdb fit' made: the top's blue, the bottom's red")(
+      "field", po::bool_switch(), "show the map's set itself, not the level set of a VDB. The others here go with it:")(
+      "eye", text("X,Y,Z"), "where the eye is, in the target's units, instead of azimuth, elevation and zoom")(
+      "look-at", text("X,Y,Z"), "what is in the picture's middle (default: the set's)")("up", text("X,Y,Z"),
+                                                                                        "what is up (default 0,1,0)")(
+      "colour", text("NAME"), "direction of the first step as RGB (default), versor, iterations, trap, clay")(
+      "epsilon", text("E"), "the shortest step of a ray, in fractal space (default 5e-5)")(
+      "alpha-clarity", text("A"),
+      "steps are A d^D at the distance d from the eye (default: as long as a pixel is wide)")(
+      "delta", text("D"), "0, 1 or 2 (default 1)")("frames", text("N"),
+                                                   "a turntable of N pictures, called as in name.####.png")(
+      "no-skip", po::value<std::string>()->implicit_value("true")->zero_tokens(),
+      "evaluate every sample, also where the map is proved to be empty; for checking");
+  if (!line.parse(arguments)) return kDone;
+  const bool field = line.values()["field"].as<bool>();
+  requireFits(line, field);
+  return field ? renderMap(line) : renderLevelSet(line);
 }
 
 }  // namespace cli

@@ -183,16 +183,6 @@ vdbtools::Image sliceOfGrid(const std::string& input, const std::string& name, c
   return vdbtools::signedSlice(plane, sampleGrid(plane, *grid, progress), range);
 }
 
-/// The recipe of a fractal stands in for the options that were not given.
-vdbtools::Recipe recipeFor(const CommandLine& line, const std::string& input) {
-  if (!vdbtools::isVdbPath(input)) return line.recipe();
-  auto [recipe, command] = vdbtools::recipeFromMetadata(vdbtools::readVdbMetadata(input));
-  if (command != "fractal") return line.recipe();
-  vdbtools::Recipe given = line.givenRecipe();
-  given.erase("input");
-  return vdbtools::completeRecipe(overridden(std::move(recipe), given), vdbtools::fractalOptionSpecs());
-}
-
 }  // namespace
 
 int runSlice(const Arguments& arguments) {
@@ -225,7 +215,7 @@ int runSlice(const Arguments& arguments) {
     if (input.empty()) throw std::invalid_argument("no VDB was given");
     image = sliceOfGrid(input, line.text("grid"), placement, range, line.progress());
   } else {
-    const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(recipeFor(line, input));
+    const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(sceneRecipe(line, input));
     image = sliceOfScene(vdbtools::makeScene(options, line.progress()), field, placement, range, line.progress());
   }
   file << vdbtools::encodeImage(image, formatOf(line.text("output"), ".png"));

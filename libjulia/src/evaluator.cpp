@@ -172,6 +172,9 @@ class ConfirmingEvaluator final : public FieldEvaluator {
   void versors(std::span<const Point> points, std::span<Quaternion<double>> versors) const override {
     mFull->versors(points, versors);
   }
+  void orbitTraps(std::span<const Point> points, std::span<double> nearest) const override {
+    mFull->orbitTraps(points, nearest);
+  }
 
  private:
   std::unique_ptr<FieldEvaluator> mTrapped, mFull;

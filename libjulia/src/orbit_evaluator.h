@@ -24,14 +24,14 @@ namespace julia {
 template <class Real>
 class OrbitEvaluator : public FieldEvaluator {
  public:
-  /// In pieces that stay in the second-level cache; the room for one is kept for the next.
   void evaluate(std::span<const Point> points, std::span<double> field, std::span<int> iterations) const final {
-    static thread_local Batch batch;
-    for (std::size_t first = 0; first < points.size(); first += kPiece) {
-      const std::size_t size = std::min(kPiece, points.size() - first);
-      evaluatePiece(points.subspan(first, size), batch, field.subspan(first, size),
-                    iterations.empty() ? iterations : iterations.subspan(first, size));
-    }
+    evaluatePieces(points, field, iterations, {});
+  }
+
+  void orbitTraps(std::span<const Point> points, std::span<double> nearest) const final {
+    std::vector<double> field(points.size());
+    std::fill(nearest.begin(), nearest.end(), kFieldLimit);
+    evaluatePieces(points, field, {}, nearest);
   }
 
  protected:
@@ -105,11 +105,31 @@ class OrbitEvaluator : public FieldEvaluator {
  private:
   static constexpr std::size_t kPiece = 2048;
 
-  void evaluatePiece(std::span<const Point> points, Batch& batch, std::span<double> field,
-                     std::span<int> iterations) const {
+  /// In pieces that stay in the second-level cache; the room for one is kept for the next.
+  void evaluatePieces(std::span<const Point> points, std::span<double> field, std::span<int> iterations,
+                      std::span<double> nearest) const {
+    static thread_local Batch batch;
+    const auto piece = [](auto values, std::size_t first, std::size_t size) {
+      return values.empty() ? values : values.subspan(first, size);
+    };
+    for (std::size_t first = 0; first < points.size(); first += kPiece) {
+      const std::size_t size = std::min(kPiece, points.size() - first);
+      evaluatePiece(points.subspan(first, size), batch, field.subspan(first, size), piece(iterations, first, size),
+                    piece(nearest, first, size));
+    }
+  }
+
+  /// @param nearest  takes the smallest l, if not empty
+  void evaluatePiece(std::span<const Point> points, Batch& batch, std::span<double> field, std::span<int> iterations,
+                     std::span<double> nearest) const {
     start(points, batch, field, iterations);
     for (int step = 1; batch.q.size() != 0; ++step) {
       takeStep(batch, step);
+      if (!nearest.empty())
+        for (std::size_t i = 0; i < batch.l.size(); ++i) {
+          double& smallest = nearest[batch.index[i]];
+          smallest = std::max(-kFieldLimit, std::min(smallest, static_cast<double>(batch.l[i])));
+        }
       const Real none = -std::numeric_limits<Real>::infinity();
       const bool traps = isTrapped(mLogTrap);
       const Real escape = step == mOptions.maxIterations ? none : mLogEscape, trap = mLogTrap;

@@ -73,23 +73,49 @@ std::string write(const Picture& picture) {
   return result;
 }
 
-}  // namespace
+float inHalfRange(float value) { return std::clamp(finiteOrZero(value), -kLargestHalf, kLargestHalf); }
 
-std::string encodeImage(const Image& image, const std::string& extension) {
-  const Kind kind = kindOf(extension);
+void requirePixels(const Image& image) {
   if (image.width < 1 || image.height < 1 ||
       image.pixels.size() != static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height)) {
     throw std::invalid_argument("a picture of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
                                 " with " + std::to_string(image.pixels.size()) + " pixels cannot be written");
   }
+}
 
+}  // namespace
+
+std::string encodeImage(const Image& image, const std::string& extension) {
+  const Kind kind = kindOf(extension);
+  requirePixels(image);
   if (kind == Kind::Png) {
     const auto codes = converted<std::uint8_t>(image, srgbCode);
     return write({.width = image.width, .height = image.height, .codes = codes.data()});
   }
-  const auto toHalfRange = [](float v) { return std::clamp(finiteOrZero(v), -kLargestHalf, kLargestHalf); };
-  const auto values = converted<float>(image, toHalfRange);
+  const auto values = converted<float>(image, inHalfRange);
   return write({.width = image.width, .height = image.height, .linear = values.data()});
+}
+
+std::string encodeExr(const Image& image, std::span<const Channel> channels) {
+  requirePixels(image);
+  std::vector<const char*> names;
+  for (const Channel& channel : channels) {
+    if (channel.values.size() != image.pixels.size())
+      throw std::invalid_argument("the channel \"" + channel.name + "\" has " + std::to_string(channel.values.size()) +
+                                  " values for " + std::to_string(image.pixels.size()) + " pixels");
+    names.push_back(channel.name.c_str());
+  }
+  std::vector<float> values;
+  values.reserve(image.pixels.size() * (kImageChannels + channels.size()));
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    for (const float channel : image.pixels[i]) values.push_back(inHalfRange(channel));
+    for (const Channel& channel : channels) values.push_back(finiteOrZero(channel.values[i]));
+  }
+  return write({.width = image.width,
+                .height = image.height,
+                .linear = values.data(),
+                .channels = kImageChannels + static_cast<int>(channels.size()),
+                .names = names.data()});
 }
 
 }  // namespace vdbtools

@@ -42,7 +42,18 @@ bool juliavdbEncodeImage(const vdbtools::Picture& picture, std::string& result) 
       spec.attribute("oiio:ColorSpace", "sRGB");
       return encode("png", spec, OIIO::TypeDesc::UINT8, picture.codes, result);
     }
-    OIIO::ImageSpec spec(picture.width, picture.height, kImageChannels, OIIO::TypeDesc::HALF);
+    OIIO::ImageSpec spec(picture.width, picture.height, picture.channels, OIIO::TypeDesc::HALF);
+    if (picture.channels > kImageChannels) {
+      spec.channelnames = {"R", "G", "B"};
+      spec.channelformats.assign(kImageChannels, OIIO::TypeDesc::HALF);
+      for (int extra = 0; extra < picture.channels - kImageChannels; ++extra) {
+        const std::string name = picture.names[extra];
+        if (name == "A") spec.alpha_channel = kImageChannels + extra;
+        if (name == "Z") spec.z_channel = kImageChannels + extra;
+        spec.channelnames.push_back(name);
+        spec.channelformats.emplace_back(OIIO::TypeDesc::FLOAT);
+      }
+    }
     spec.attribute("oiio:ColorSpace", "Linear");
     spec.attribute("compression", "zip");
     // OpenImageIO writes the time of day where no date is given; the same picture shall give the same bytes.

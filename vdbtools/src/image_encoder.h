@@ -15,7 +15,9 @@ inline constexpr int kImageChannels = 3;
 struct Picture {
   int width = 0, height = 0;            ///< pixels
   const std::uint8_t* codes = nullptr;  ///< sRGB, for a PNG
-  const float* linear = nullptr;        ///< within the range of half floats, for an EXR
+  const float* linear = nullptr;        ///< for an EXR; RGB within the range of half floats
+  int channels = kImageChannels;        ///< of the linear array, pixel by pixel; those beyond RGB are kept as floats
+  const char* const* names = nullptr;   ///< of those beyond RGB
 };
 
 /// @param result  the file's bytes; why there are none, where it returns false

@@ -30,6 +30,11 @@ class FieldEvaluator {
   /// versors[i] = f/|f| at points[i], of the map's first step; of a Cartesian map, what its direction() says.
   virtual void versors(std::span<const Point> points, std::span<Quaternion<double>> versors) const = 0;
 
+  /// nearest[i] = ln of the smallest modulus among the iterates of points[i], its own apart: an orbit trap about 0.
+  virtual void orbitTraps(std::span<const Point> points, std::span<double> nearest) const {
+    evaluate(points, nearest, {});
+  }
+
   /// out[i] = what is known of F's sign, as evaluate() computes it, at all points within @a radius of centres[i].
   /// Undecided says nothing; the other answers are proofs.
   virtual void decide(std::span<const Point> centres, double radius, std::span<Decision> out) const {

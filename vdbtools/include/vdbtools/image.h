@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,5 +29,15 @@ struct Image {
 /// @throw std::invalid_argument  another extension, or an empty picture
 /// @throw IoError                OpenImageIO cannot do it
 std::string encodeImage(const Image& image, const std::string& extension);
+
+/// A channel beyond RGB, a value a pixel in the image's order.
+struct Channel {
+  std::string name;  ///< as compositors know it: A, Z, N.x
+  std::vector<float> values;
+};
+
+/// The same as an EXR with further channels, in 32 bits each.
+/// @throw std::invalid_argument  an empty picture, or a channel of another size; IoError
+std::string encodeExr(const Image& image, std::span<const Channel> channels);
 
 }  // namespace vdbtools

@@ -1,0 +1,428 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/field_render.h"
+
+#include "test_meshes.h"
+
+#include "vdbtools/fractal_job.h"
+#include "vdbtools/mesh_writer.h"
+#include "vdbtools/versor_file.h"
+
+#include "julia/quadratic_map.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <sstream>
+
+namespace {
+
+using namespace vdbtools;
+using openvdb::BBoxd;
+using openvdb::Vec3d;
+
+/// |q|^(2^n) <= escape: a ball.
+constexpr int kIterations = 6;
+const double kBall = std::pow(20.0, 1.0 / 64);
+
+/// A quadratic set somewhere in the world, at another scale.
+struct Quadratic {
+  explicit Quadratic(const julia::Quaternion<double>& c = {}, int iterations = kIterations)
+      : evaluator(julia::makeFieldEvaluator<double>(std::make_shared<julia::QuadraticMap<double>>(c), {},
+                                                    {.maxIterations = iterations})) {}
+
+  FieldSource source() const { return {*evaluator, space}; }
+  BBoxd region() const { return {space.toWorld({-1.7, -1.7, -1.7}), space.toWorld({1.7, 1.7, 1.7})}; }
+
+  std::unique_ptr<julia::FieldEvaluator> evaluator;
+  FractalSpace space{Vec3d(3, -2, 5), 2.5};
+};
+
+const julia::Quaternion<double> kRough{-0.2, 0.6, 0.2, 0.2};
+
+FieldRenderOptions small(const Quadratic& set, int width, int height, int samples = 1) {
+  FieldRenderOptions options;
+  options.width = width;
+  options.height = height;
+  options.samples = samples;
+  options.maxIterations = kIterations;
+  options.camera = {.eye = set.space.toWorld({0, 0, 6}), .lookAt = set.space.centre};
+  return options;
+}
+
+FieldImage render(const Quadratic& set, const FieldRenderOptions& options) {
+  Monitor monitor;
+  return renderField(set.source(), set.region(), options, monitor);
+}
+
+void expectSame(const FieldImage& a, const FieldImage& b) {
+  EXPECT_EQ(a.beauty.pixels, b.beauty.pixels);
+  EXPECT_EQ(a.coverage, b.coverage);
+  EXPECT_EQ(a.normal.pixels, b.normal.pixels);
+  EXPECT_EQ(a.depth, b.depth);
+  EXPECT_EQ(a.id, b.id);
+}
+
+TEST(FieldRender, ABallIsACircleWithItsNormalsAndDepth) {
+  const Quadratic set;
+  constexpr int kSide = 160;
+  const FieldRenderOptions options = small(set, kSide, kSide);
+  const FieldImage image = render(set, options);
+  const double tangent = std::tan(options.camera.fieldOfView * std::numbers::pi / 360);
+  const double radius = std::tan(std::asin(kBall / 6)) / tangent * kSide / 2;  // pixels
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      const double a = x + 0.5 - kSide / 2, b = kSide / 2 - y - 0.5, off = std::hypot(a, b);
+      const std::size_t at = static_cast<std::size_t>(y * kSide + x);
+      if (off < radius - 0.75) {
+        ASSERT_EQ(image.id[at], 1) << x << ' ' << y;
+      }
+      if (off > radius + 0.75) {
+        ASSERT_EQ(image.id[at], 0) << x << ' ' << y;
+        ASSERT_EQ(image.depth[at], kNoDepth);
+        ASSERT_EQ(image.coverage[at], 0);
+        ASSERT_EQ(image.normal.pixels[at], (std::array<float, 3>{}));
+      }
+      if (off > radius - 2) continue;
+      // Where the ray meets the ball, in fractal space.
+      const Vec3d d = Vec3d(2 * tangent * a / kSide, 2 * tangent * b / kSide, -1).unit(), eye(0, 0, 6);
+      const double t = -eye.dot(d) - std::sqrt(std::pow(eye.dot(d), 2) - eye.lengthSqr() + kBall * kBall);
+      const Vec3d hit = eye + t * d;
+      ASSERT_NEAR(image.depth[at], 2.5 * (6 - hit[2]), 2.5 * 2e-4) << x << ' ' << y;
+      const auto& n = image.normal.pixels[at];
+      ASSERT_NEAR(Vec3d(n[0], n[1], n[2]).dot(hit.unit()), 1, 1e-3) << x << ' ' << y;  // 2.5 degrees
+    }
+  }
+}
+
+TEST(FieldRender, SkippingSavesMostAndChangesNothing) {
+  for (const auto& c : {julia::Quaternion<double>{}, kRough}) {
+    const Quadratic set(c);
+    for (const int delta : {0, 1, 2}) {
+      FieldRenderOptions options = small(set, 60, 40, 4);
+      options.clarity.delta = delta;
+      const FieldImage skipped = render(set, options);
+      options.skip = false;
+      const FieldImage all = render(set, options);
+      expectSame(skipped, all);
+      EXPECT_LT(2 * skipped.evaluations, all.evaluations);
+    }
+  }
+}
+
+TEST(FieldRender, SkippingSeesTheInsideAndCutsAsItIs) {
+  const Quadratic set(kRough);
+  FieldRenderOptions options = small(set, 40, 40);
+  const BBoxd half(set.region().min(), Vec3d(set.region().max()[0], set.region().max()[1], set.space.centre[2]));
+  for (const Vec3d& eye : {set.space.toWorld({0.3, 0.2, 6}), set.space.toWorld({1.2, 0.1, -0.3}), set.space.centre}) {
+    options.camera = {.eye = eye, .lookAt = set.space.toWorld({0.01, 0.02, -0.4})};
+    Monitor monitor;
+    options.skip = true;
+    const FieldImage skipped = renderField(set.source(), half, options, monitor);
+    options.skip = false;
+    expectSame(skipped, renderField(set.source(), half, options, monitor));
+  }
+  // The cut faces the eye.
+  const Quadratic ball;
+  options = small(ball, 40, 40);
+  Monitor monitor;
+  const FieldImage cut = renderField(ball.source(), half, options, monitor);
+  EXPECT_EQ(cut.normal.at(20, 20), (std::array<float, 3>{0, 0, 1}));
+  EXPECT_NEAR(cut.depth[20 * 40 + 20], 6 * 2.5, 1e-4);
+}
+
+TEST(FieldRender, AMapThatProvesNothingIsShownAsWell) {
+  struct Silent : julia::FieldEvaluator {
+    const julia::FieldEvaluator& other;
+    explicit Silent(const julia::FieldEvaluator& o) : other(o) {}
+    void evaluate(std::span<const julia::Point> p, std::span<double> f, std::span<int> n) const override {
+      other.evaluate(p, f, n);
+    }
+    void versors(std::span<const julia::Point> p, std::span<julia::Quaternion<double>> u) const override {
+      other.versors(p, u);
+    }
+  };
+  const Quadratic set(kRough);
+  const Silent silent(*set.evaluator);
+  const FieldRenderOptions options = small(set, 40, 30);
+  Monitor monitor;
+  expectSame(render(set, options), renderField({silent, set.space}, set.region(), options, monitor));
+}
+
+TEST(FieldRender, SamePictureForAnyNumberOfThreads) {
+  const Quadratic set(kRough);
+  const FieldRenderOptions options = small(set, 90, 70, 4);
+  const auto with = [&](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return render(set, options);
+  };
+  const FieldImage one = with(1);
+  expectSame(one, with(2));
+  expectSame(one, with(4));
+}
+
+TEST(FieldRender, APartOfAPictureIsThatPartOfIt) {
+  // A ray's samples are its own: in a picture of another shape, other rays march beside it.
+  const Quadratic set(kRough);
+  const FieldImage wide = render(set, small(set, 100, 50)), narrow = render(set, small(set, 50, 50));
+  for (int y = 0; y < 50; ++y)
+    for (int x = 0; x < 50; ++x)
+      ASSERT_NEAR(wide.depth[static_cast<std::size_t>(y * 100 + x + 25)],
+                  narrow.depth[static_cast<std::size_t>(y * 50 + x)], 1e-3)
+          << x << ' ' << y;
+}
+
+TEST(FieldRender, ColoursAreThoseOfTheMap) {
+  const Quadratic set;  // q^2 of a unit imaginary is -1, of 1 is 1
+  FieldRenderOptions options = small(set, 41, 41);
+  options.colour = FieldColour::Direction;
+  options.camera = {.eye = set.space.toWorld({0, 6, 0}), .lookAt = set.space.centre};
+  const auto pole = render(set, options).beauty.at(20, 20);
+  EXPECT_LT(pole[0], pole[1]);  // (-1, 0, 0)
+  EXPECT_NEAR(pole[1], pole[2], 0.02);
+  options.camera = {.eye = set.space.toWorld({6, 0, 0}), .lookAt = set.space.centre};
+  const auto front = render(set, options).beauty.at(20, 20);
+  EXPECT_GT(front[0], front[1]);  // (1, 0, 0)
+  std::vector<Image> images;
+  for (const FieldColour colour :
+       {FieldColour::Direction, FieldColour::Iterations, FieldColour::Trap, FieldColour::Clay}) {
+    options.colour = colour;
+    images.push_back(render(set, options).beauty);
+    for (std::size_t i = 0; i + 1 < images.size(); ++i) EXPECT_NE(images[i].pixels, images.back().pixels);
+  }
+}
+
+TEST(FieldRender, TheFrameHoldsTheSet) {
+  const Quadratic set;
+  const FramedBall ball = frameSet(set.source(), set.region());
+  EXPECT_LT((ball.centre - set.space.centre).length(), 0.1);
+  EXPECT_NEAR(ball.radius, 2.5 * kBall, 0.2);
+  for (const double aspect : {0.5, 1.0, 2.0}) {
+    FieldRenderOptions options = small(set, static_cast<int>(80 * aspect), 80);
+    options.camera = cameraAround(ball, 25, -40, 35, 1, aspect);
+    const FieldImage image = render(set, options);
+    int covered = 0;
+    for (int y = 0; y < options.height; ++y)
+      for (int x = 0; x < options.width; ++x) {
+        const bool seen = image.id[static_cast<std::size_t>(y * options.width + x)] != 0;
+        covered += seen;
+        if (x == 0 || y == 0 || x == options.width - 1 || y == options.height - 1) {
+          EXPECT_FALSE(seen);
+        }
+      }
+    EXPECT_GT(covered, 0.5 * 80 * 80 * std::min(1.0, aspect) * std::min(1.0, aspect));
+  }
+}
+
+TEST(FieldRender, ATurntableComesBack) {
+  const Camera camera{.eye = Vec3d(4, 3, 2), .lookAt = Vec3d(1, 1, 1), .up = Vec3d(0.2, 1, 0)};
+  Camera around = camera;
+  for (int i = 0; i < 8; ++i) {
+    around = turned(around, 45);
+    EXPECT_NEAR((around.eye - camera.lookAt).length(), (camera.eye - camera.lookAt).length(), 1e-12);
+    EXPECT_NEAR((around.eye - camera.eye).dot(camera.up), 0, 1e-12);
+  }
+  EXPECT_LT((around.eye - camera.eye).length(), 1e-12);
+}
+
+TEST(FieldRender, AnExrHasItsChannels) {
+  const Quadratic set;
+  FieldRenderOptions options = small(set, 24, 16, 4);
+  options.background = false;
+  const FieldImage image = render(set, options);
+  const std::string bytes = encodeFieldImage(image, ".exr");
+  EXPECT_EQ(bytes, encodeFieldImage(image, "EXR"));
+  OIIO::Filesystem::IOMemReader source(bytes.data(), bytes.size());
+  const auto input = OIIO::ImageInput::open("x.exr", nullptr, &source);
+  ASSERT_TRUE(input) << OIIO::geterror();
+  const OIIO::ImageSpec spec = input->spec();
+  std::vector<float> values(24 * 16 * static_cast<std::size_t>(spec.nchannels));
+  ASSERT_TRUE(input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, values.data()));
+  for (const char* name : {"R", "G", "B", "A", "N.x", "N.y", "N.z", "Z", "id"})
+    EXPECT_GE(spec.channelindex(name), 0) << name;
+  const auto value = [&](const char* name, std::size_t pixel) {
+    return values[pixel * static_cast<std::size_t>(spec.nchannels) + static_cast<std::size_t>(spec.channelindex(name))];
+  };
+  for (std::size_t i = 0; i < image.depth.size(); ++i) {
+    EXPECT_EQ(value("Z", i), image.depth[i]);
+    EXPECT_EQ(value("N.z", i), image.normal.pixels[i][2]);
+    EXPECT_EQ(value("id", i), image.id[i]);
+    EXPECT_EQ(value("A", i), image.coverage[i]);
+    if (image.coverage[i] == 0) {
+      EXPECT_EQ(value("R", i), 0);
+    }
+  }
+}
+
+TEST(FieldRender, RefusesOptionsOutOfTheirDomain) {
+  const Quadratic set;
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<std::function<void(FieldRenderOptions&)>> faults = {[](auto& o) { o.width = 0; },
+                                                                        [](auto& o) { o.height = 0; },
+                                                                        [](auto& o) { o.height = 1 << 20; },
+                                                                        [](auto& o) { o.samples = 2; },
+                                                                        [](auto& o) { o.camera.fieldOfView = 0; },
+                                                                        [](auto& o) { o.camera.fieldOfView = 180; },
+                                                                        [](auto& o) { o.camera.eye = o.camera.lookAt; },
+                                                                        [](auto& o) { o.camera.eye[1] = kNaN; },
+                                                                        [](auto& o) { o.camera.up = Vec3d(0); },
+                                                                        [](auto& o) { o.clarity.epsilon = 0; },
+                                                                        [](auto& o) { o.clarity.epsilon = kNaN; },
+                                                                        [](auto& o) { o.clarity.alpha = -1; },
+                                                                        [](auto& o) { o.clarity.delta = 3; },
+                                                                        [](auto& o) { o.clarity.delta = -1; },
+                                                                        [](auto& o) { o.maxIterations = 0; },
+                                                                        [](auto& o) { o.escapeRadius = 1; }};
+  for (std::size_t i = 0; i < faults.size(); ++i) {
+    FieldRenderOptions options = small(set, 8, 8);
+    faults[i](options);
+    EXPECT_THROW(render(set, options), std::invalid_argument) << "fault " << i;
+  }
+  Monitor monitor;
+  EXPECT_THROW(renderField(set.source(), BBoxd(), small(set, 8, 8), monitor), std::invalid_argument);
+}
+
+TEST(FieldRender, StopsWhenCancelled) {
+  struct Stopper : Monitor {
+    std::atomic<int> advanced{0};
+    void advance(std::uint64_t) override { ++advanced; }
+    bool cancelled() const override { return advanced > 1; }
+  } stopper;
+  const Quadratic set(kRough);
+  EXPECT_THROW(renderField(set.source(), set.region(), small(set, 400, 400), stopper), Interrupted);
+  EXPECT_LT(stopper.advanced, 20);
+}
+
+/// Scenes as the program makes them.
+class FieldRenderScene : public testing::Test {
+ protected:
+  FieldRenderScene() {
+    openvdb::initialize();
+    mFolder = std::filesystem::temp_directory_path() / ("juliavdb_field_render_" + std::to_string(getpid()));
+    std::filesystem::create_directories(mFolder);
+  }
+  ~FieldRenderScene() override { std::filesystem::remove_all(mFolder); }
+
+  std::string write(const std::string& name, const std::string& bytes) const {
+    const std::string path = mFolder / name;
+    std::ofstream(path, std::ios::binary) << bytes;
+    return path;
+  }
+  Scene scene(Recipe recipe) {
+    return makeScene(parseFractalOptions(completeRecipe(std::move(recipe), fractalOptionSpecs())), mMonitor);
+  }
+  static BBoxd regionOf(const Scene& scene) { return scene.exponent ? meshBox(planScene(scene)) : scene.region; }
+  std::string target() const {
+    std::ostringstream stream;
+    writeMesh(stream,
+              test_meshes::merged(test_meshes::makeSphere(1, 3),
+                                  test_meshes::makeBox(Vec3d(1.2, -0.3, -0.2), Vec3d(1.8, 0.4, 0.5))),
+              {.format = MeshFormat::Obj});
+    return write("target.obj", stream.str());
+  }
+  std::vector<Recipe> recipes() const {
+    julia::Rational map{.logScale = 0.3};
+    map.top.roots = {{{0.2, 0.1, -0.1, 0}, 3}, {{-0.3, 0.2, 0.1, 0}, 2}};
+    const std::string rational = rationalToJson(map);
+    return {{{"map", "quadratic"}, {"c", "-0.2,0.6,0.2,0.2"}, {"iterations", "6"}, {"resolution", "96"}},
+            {{"input", target()}, {"alpha", "30"}, {"resolution", "96"}, {"sdf-resolution", "48"}},
+            {{"map", "rational"},
+             {"rational", write("map.json", rational)},
+             {"box", "-1.5,-1.5,-1.5,1.5,1.5,1.5"},
+             {"resolution", "96"}}};
+  }
+
+  std::filesystem::path mFolder;
+  Monitor mMonitor;
+};
+
+FieldRenderOptions optionsFor(const Scene& scene, const BBoxd& region, int side) {
+  FieldRenderOptions options;
+  options.width = options.height = side;
+  options.samples = 1;
+  options.maxIterations = scene.options.iterations;
+  options.escapeRadius = scene.options.escape;
+  options.camera = cameraAround(frameSet(scene.source(), region), 30, 20, 30, 1, 1);
+  return options;
+}
+
+TEST_F(FieldRenderScene, SkippingChangesNothingForAnyMap) {
+  for (const Recipe& recipe : recipes()) {
+    const Scene made = scene(recipe);
+    const BBoxd region = regionOf(made);
+    FieldRenderOptions options = optionsFor(made, region, 64);
+    const FieldImage skipped = renderField(made.source(), region, options, mMonitor);
+    options.skip = false;
+    const FieldImage all = renderField(made.source(), region, options, mMonitor);
+    expectSame(skipped, all);
+    EXPECT_LT(2 * skipped.evaluations, all.evaluations);
+  }
+}
+
+/// The pixels that the mesh covers.
+std::vector<char> silhouette(const Mesh& mesh, const Camera& camera, int side) {
+  const Vec3d forward = (camera.lookAt - camera.eye).unit(), right = forward.cross(camera.up).unit();
+  const Vec3d up = right.cross(forward);
+  const double tangent = std::tan(camera.fieldOfView * std::numbers::pi / 360);
+  const auto project = [&](const auto& p) {
+    const Vec3d to = Vec3d(p[0], p[1], p[2]) - camera.eye;
+    const double w = to.dot(forward) * tangent;
+    return Vec3d(0.5 * side * (1 + to.dot(right) / w), 0.5 * side * (1 - to.dot(up) / w), 0);
+  };
+  std::vector<char> mask(static_cast<std::size_t>(side * side));
+  for (const auto& triangle : mesh.triangles) {
+    const Vec3d a = project(mesh.points[triangle[0]]), b = project(mesh.points[triangle[1]]),
+                c = project(mesh.points[triangle[2]]);
+    const auto edge = [](const Vec3d& p, const Vec3d& q, double x, double y) {
+      return (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]);
+    };
+    const auto low = [&](int k) { return std::max(0, static_cast<int>(std::min({a[k], b[k], c[k]}))); };
+    const auto high = [&](int k) { return std::min(side - 1, static_cast<int>(std::max({a[k], b[k], c[k]}))); };
+    for (int y = low(1); y <= high(1); ++y)
+      for (int x = low(0); x <= high(0); ++x) {
+        const double e[] = {edge(a, b, x + 0.5, y + 0.5), edge(b, c, x + 0.5, y + 0.5), edge(c, a, x + 0.5, y + 0.5)};
+        if ((e[0] >= 0 && e[1] >= 0 && e[2] >= 0) || (e[0] <= 0 && e[1] <= 0 && e[2] <= 0))
+          mask[static_cast<std::size_t>(y * side + x)] = 1;
+      }
+  }
+  return mask;
+}
+
+TEST_F(FieldRenderScene, SilhouettesAreThoseOfTheMesh) {
+  constexpr int kSide = 96, kNear = 2;  // pixels
+  for (const Recipe& recipe : recipes()) {
+    const Scene made = scene(recipe);
+    const BBoxd region = regionOf(made);
+    const FieldRenderOptions options = optionsFor(made, region, kSide);
+    const FieldImage image = renderField(made.source(), region, options, mMonitor);
+    const std::vector<char> mesh = silhouette(fractalMesh(made, mMonitor), options.camera, kSide);
+    const std::vector<char> field(image.id.begin(), image.id.end());
+    const auto nearOne = [&](const std::vector<char>& mask, int x, int y) {
+      for (int j = std::max(0, y - kNear); j <= std::min(kSide - 1, y + kNear); ++j)
+        for (int i = std::max(0, x - kNear); i <= std::min(kSide - 1, x + kNear); ++i)
+          if (mask[static_cast<std::size_t>(j * kSide + i)]) return true;
+      return false;
+    };
+    int covered = 0, apart = 0;
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) {
+        const std::size_t at = static_cast<std::size_t>(y * kSide + x);
+        covered += field[at];
+        apart += (mesh[at] && !nearOne(field, x, y)) || (field[at] && !nearOne(mesh, x, y));
+      }
+    // Specks smaller than a voxel, or than a step, are in one of them only.
+    EXPECT_LE(apart, covered / 500);
+    EXPECT_GT(covered, kSide * kSide / 8);
+  }
+}
+
+}  // namespace

@@ -1,0 +1,499 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/field_render.h"
+
+#include "field_shading.h"
+#include "in_parallel.h"
+#include "occupancy.h"
+
+#include "vdbtools/file_bytes.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+namespace vdbtools {
+namespace {
+
+using openvdb::BBoxd;
+using openvdb::Vec3d;
+
+constexpr int kOccupancyCells = 128;  ///< along the region's longest side
+constexpr int kTile = 32;             ///< pixels along a side of what one thread marches together
+/// Points of a batch, for the vector kernels, and the most samples that one ray gives to it: what comes after its hit
+/// is in vain.
+constexpr std::size_t kBatch = 2048, kMostAhead = 32;
+constexpr int kBisections = 12;  ///< to a 4096th of a step
+constexpr int kFrameCells = 64;  ///< of the lattice that looks for the set, along the region's longest side
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+double radians(double degrees) { return degrees * (std::numbers::pi / 180); }
+double longest(const Vec3d& v) { return std::max({v[0], v[1], v[2]}); }
+
+Vec3d inFractalSpace(const FractalSpace& space, const Vec3d& world) {
+  const julia::Point x = space.toFractal(world);
+  return {x[0], x[1], x[2]};
+}
+
+julia::Point pointOf(const Vec3d& x) { return {x[0], x[1], x[2]}; }
+
+/// The camera's directions, of length 1: those of the world and of fractal space.
+struct Frame {
+  Vec3d right, up, forward;
+  double tangent;  ///< of half the vertical field of view
+};
+
+Frame frameOf(const Camera& camera) {
+  constexpr double kParallel = 1e-6;  // sine of the angle between the view and up
+  Frame frame;
+  frame.forward = (camera.lookAt - camera.eye).unit();
+  Vec3d up = camera.up.unit();
+  if (frame.forward.cross(up).length() < kParallel) up = std::abs(up[2]) < 0.5 ? Vec3d(0, 0, -1) : Vec3d(0, 1, 0);
+  frame.right = frame.forward.cross(up).unit();
+  frame.up = frame.right.cross(frame.forward);
+  frame.tangent = std::tan(0.5 * radians(camera.fieldOfView));
+  return frame;
+}
+
+[[noreturn]] void refuse(const char* name, double value, const char* domain) {
+  throw std::invalid_argument(std::string("field render: ") + name + " must be " + domain + ", not " +
+                              std::to_string(value));
+}
+
+void require(bool good, const char* name, double value, const char* domain) {
+  if (!good) refuse(name, value, domain);
+}
+
+void check(const FieldRenderOptions& o) {
+  constexpr int kLargestSide = 32768;
+  constexpr double kShortestStep = 1e-9;
+  require(o.width >= 1 && o.width <= kLargestSide, "width", o.width, "1 to 32768 pixels");
+  require(o.height >= 1 && o.height <= kLargestSide, "height", o.height, "1 to 32768 pixels");
+  require(o.samples == 1 || o.samples == 4 || o.samples == 9 || o.samples == 16, "samples", o.samples, "1, 4, 9 or 16");
+  const double fov = o.camera.fieldOfView;
+  require(fov >= 1 && fov <= 150, "fieldOfView", fov, "1 to 150 degrees");
+  const double distance = (o.camera.lookAt - o.camera.eye).length();
+  require(distance > 0 && std::isfinite(distance), "the distance from the eye to the look-at point", distance,
+          "above 0");
+  require(o.camera.up.length() > 0 && std::isfinite(o.camera.up.length()), "the length of up", o.camera.up.length(),
+          "above 0");
+  if (o.clarity.alpha) {
+    const double alpha = *o.clarity.alpha;
+    require(alpha >= 0 && std::isfinite(alpha), "alpha", alpha, "at least 0");
+  }
+  require(o.clarity.delta >= 0 && o.clarity.delta <= 2, "delta", o.clarity.delta, "0, 1 or 2");
+  require(o.clarity.epsilon >= kShortestStep && std::isfinite(o.clarity.epsilon), "epsilon", o.clarity.epsilon,
+          "at least 1e-9");
+  require(o.maxIterations >= 1, "maxIterations", o.maxIterations, "at least 1");
+  require(o.escapeRadius > 1, "escapeRadius", o.escapeRadius, "above 1");
+}
+
+/// The lengths of steps: a function of the distance from the eye only, so that a ray's samples are always the same.
+class Steps {
+ public:
+  Steps(const Clarity& clarity, double pixel, double distance)
+      : mAlpha(clarity.alpha.value_or(pixel * std::pow(distance, 1 - clarity.delta))),
+        mDelta(clarity.delta),
+        mEpsilon(clarity.epsilon) {}
+
+  double length(double t) const {
+    const double power = mDelta == 1 ? t : mDelta == 0 ? 1 : t * t;
+    return std::max(mAlpha * power, mEpsilon);
+  }
+
+  /// Goes on from @a t, once at least, to the first sample at @a end or beyond. @return the sample before it
+  double pass(double& t, double end) const {
+    switch (mDelta) {
+      case 0: return pass(t, end, [](double) { return 1.0; });
+      case 1: return pass(t, end, [](double at) { return at; });
+      default: return pass(t, end, [](double at) { return at * at; });
+    }
+  }
+
+  /// Whether no step up to the distance @a t is lost in rounding.
+  bool servesUpTo(double t) const {
+    constexpr double kLeast = 1e-14;  // of the distance
+    // Of the second power a step is the smallest part of the distance where it grows beyond epsilon.
+    const double least = mDelta == 2 && mAlpha > 0 ? std::min(t, std::sqrt(mEpsilon / mAlpha)) : t;
+    return length(least) >= kLeast * least;
+  }
+
+ private:
+  template <class Power>
+  double pass(double& t, double end, Power power) const {
+    const double alpha = mAlpha, epsilon = mEpsilon;
+    double at = t, before;
+    do {
+      before = at;
+      at += std::max(alpha * power(at), epsilon);
+    } while (at < end);
+    t = at;
+    return before;
+  }
+
+  double mAlpha;
+  int mDelta;
+  double mEpsilon;
+};
+
+struct Ray {
+  Vec3d direction;
+  std::uint32_t pixel = 0;  ///< in the tile
+  double t = 0, end = 0;    ///< the next sample; where the region ends
+  double before = 0;        ///< the sample before that
+  bool entering = true;     ///< there was none
+  int entryAxis = -1;       ///< of the region's face where it enters; -1: it begins inside
+  Occupancy::Walker::Span known{true, 0};
+};
+
+struct Sample {
+  double before, t;  ///< distances of the sample before it, and its own
+  bool first;        ///< of its ray
+};
+
+/// Where a ray met the set.
+struct Meeting {
+  Ray ray;
+  double outside, inside;  ///< around the surface
+  bool atEntry;
+};
+
+/// Clips to the region. @return whether anything is left
+bool enter(Ray& ray, const Vec3d& eye, const BBoxd& region) {
+  double from = 0, to = kInfinity;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double d = ray.direction[axis];
+    if (d == 0) {
+      if (eye[axis] < region.min()[axis] || eye[axis] > region.max()[axis]) return false;
+      continue;
+    }
+    double near = (region.min()[axis] - eye[axis]) / d, far = (region.max()[axis] - eye[axis]) / d;
+    if (near > far) std::swap(near, far);
+    if (near > from) {
+      from = near;
+      ray.entryAxis = axis;
+    }
+    to = std::min(to, far);
+  }
+  ray.t = from;
+  ray.end = to;
+  return from < to;
+}
+
+/// One picture.
+class Exposure {
+ public:
+  /// @param region     fractal space
+  /// @param occupancy  nullptr: every sample is evaluated
+  Exposure(const FieldSource& source, const BBoxd& region, const Occupancy* occupancy,
+           const FieldRenderOptions& options, Monitor& monitor)
+      : mEvaluator(source.evaluator),
+        mOptions(options),
+        mMonitor(monitor),
+        mScale(source.space.scale),
+        mEye(inFractalSpace(source.space, options.camera.eye)),
+        mRegion(region),
+        mFrame(frameOf(options.camera)),
+        mSteps(options.clarity, 2 * mFrame.tangent / options.height,
+               (options.camera.lookAt - options.camera.eye).length() / mScale),
+        mGrid(static_cast<int>(std::lround(std::sqrt(options.samples)))),
+        mOccupancy(occupancy) {
+    // The key comes over the left shoulder, the other light from the eye.
+    mLights.key = (-0.60 * mFrame.right + 0.65 * mFrame.up - 0.47 * mFrame.forward).unit();
+    mLights.head = -mFrame.forward;
+    const double farthest = (mRegion.getCenter() - mEye).length() + mRegion.extents().length();
+    if (!mSteps.servesUpTo(farthest))
+      throw std::invalid_argument("epsilon is too small for an eye this far away; make it larger, or come nearer");
+  }
+
+  FieldImage render() {
+    const auto pixels = static_cast<std::size_t>(mOptions.width) * static_cast<std::size_t>(mOptions.height);
+    FieldImage image;
+    image.beauty = image.normal = Image(mOptions.width, mOptions.height);
+    image.coverage.resize(pixels);
+    image.depth.resize(pixels, kNoDepth);
+    image.id.resize(pixels);
+    const auto tiles = [](int side) { return static_cast<std::size_t>((side + kTile - 1) / kTile); };
+    const std::size_t across = tiles(mOptions.width), count = across * tiles(mOptions.height);
+    mMonitor.begin("render", count);
+    inParallel(count, 1, mMonitor, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t tile = begin; tile < end && !mMonitor.cancelled(); ++tile) {
+        renderTile(static_cast<int>(tile % across) * kTile, static_cast<int>(tile / across) * kTile, image);
+        mMonitor.advance(1);
+      }
+    });
+    image.rays = pixels * static_cast<std::uint64_t>(mOptions.samples);
+    image.evaluations = mEvaluations;
+    return image;
+  }
+
+ private:
+  struct Tile {
+    int left, top, width, height;
+  };
+
+  void renderTile(int left, int top, FieldImage& image) {
+    const Tile tile{left, top, std::min(kTile, mOptions.width - left), std::min(kTile, mOptions.height - top)};
+    std::vector<Meeting> meetings = march(raysOf(tile));
+    bisect(meetings);
+    std::vector<FieldHit> hits;
+    hits.reserve(meetings.size());
+    for (const Meeting& m : meetings) {
+      FieldHit hit{mEye + m.inside * m.ray.direction, m.ray.direction, mSteps.length(m.inside), std::nullopt};
+      if (m.atEntry) {
+        Vec3d face(0);
+        if (m.ray.entryAxis >= 0)
+          face[m.ray.entryAxis] = m.ray.direction[m.ray.entryAxis] > 0 ? -1 : 1;
+        else
+          face = -m.ray.direction;
+        hit.normal = face;
+      }
+      hits.push_back(hit);
+    }
+    std::vector<ShadedHit> shaded(hits.size());
+    shadeHits(mEvaluator, mOptions, mLights, hits, shaded);
+    compose(tile, meetings, shaded, image);
+  }
+
+  std::vector<Ray> raysOf(const Tile& tile) const {
+    std::vector<Ray> rays;
+    rays.reserve(static_cast<std::size_t>(tile.width * tile.height * mOptions.samples));
+    const double aspect = static_cast<double>(mOptions.width) / mOptions.height;
+    for (int y = 0; y < tile.height; ++y) {
+      for (int x = 0; x < tile.width; ++x) {
+        for (int s = 0; s < mOptions.samples; ++s) {
+          const double u = 2 * (tile.left + x + (s % mGrid + 0.5) / mGrid) / mOptions.width - 1;
+          const double v = 1 - 2 * (tile.top + y + (s / mGrid + 0.5) / mGrid) / mOptions.height;
+          Ray ray;
+          ray.direction = (mFrame.forward + mFrame.tangent * (u * aspect * mFrame.right + v * mFrame.up)).unit();
+          ray.pixel = static_cast<std::uint32_t>(y * tile.width + x);
+          if (enter(ray, mEye, mRegion)) rays.push_back(ray);
+        }
+      }
+    }
+    return rays;
+  }
+
+  /// Passes over the samples that are known to be outside. @return whether there is one to evaluate
+  bool toNextSample(Ray& ray, std::optional<Occupancy::Walker>& walker) const {
+    while (ray.t <= ray.end) {
+      if (!walker) return true;
+      if (ray.t >= ray.known.end) ray.known = walker->at(mEye, ray.direction, ray.t);
+      if (ray.known.occupied) return true;
+      pass(ray, std::min(ray.known.end, std::nextafter(ray.end, kInfinity)));
+    }
+    return false;
+  }
+
+  /// On to the first sample at @a end or beyond, to the next one at least.
+  void pass(Ray& ray, double end) const {
+    ray.before = mSteps.pass(ray.t, end);
+    ray.entering = false;
+  }
+
+  /// All rays go forward together, so that the evaluator gets many points at a time; each ray's samples are its own.
+  std::vector<Meeting> march(std::vector<Ray> rays) {
+    std::vector<Meeting> meetings;
+    std::optional<Occupancy::Walker> walker;
+    if (mOccupancy) walker.emplace(*mOccupancy);
+    std::vector<julia::Point> points;
+    std::vector<Sample> samples;
+    std::vector<double> field;
+    std::vector<std::size_t> ends;
+    std::uint64_t evaluations = 0;
+    while (!rays.empty() && !mMonitor.cancelled()) {
+      const std::size_t ahead = std::clamp(kBatch / rays.size(), std::size_t(1), kMostAhead);
+      points.clear();
+      samples.clear();
+      ends.clear();
+      for (Ray& ray : rays) {
+        for (std::size_t n = 0; n < ahead && toNextSample(ray, walker); ++n) {
+          points.push_back(pointOf(mEye + ray.t * ray.direction));
+          samples.push_back({ray.before, ray.t, ray.entering});
+          pass(ray, ray.t);
+        }
+        ends.push_back(points.size());
+      }
+      field.resize(points.size());
+      mEvaluator.evaluate(points, field, {});
+      evaluations += points.size();
+      std::size_t kept = 0, sample = 0;
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        const std::size_t begin = sample;
+        while (sample < ends[i] && !(field[sample] < 0)) ++sample;
+        if (sample < ends[i])
+          meetings.push_back({rays[i], samples[sample].before, samples[sample].t, samples[sample].first});
+        else if (sample - begin == ahead)
+          rays[kept++] = rays[i];
+        sample = ends[i];
+      }
+      rays.resize(kept);
+    }
+    mEvaluations += evaluations;
+    return meetings;
+  }
+
+  void bisect(std::vector<Meeting>& meetings) const {
+    std::vector<julia::Point> points(meetings.size());
+    std::vector<double> field(meetings.size());
+    const auto middle = [](const Meeting& m) { return m.atEntry ? m.inside : 0.5 * (m.outside + m.inside); };
+    for (int step = 0; step < kBisections; ++step) {
+      for (std::size_t i = 0; i < meetings.size(); ++i)
+        points[i] = pointOf(mEye + middle(meetings[i]) * meetings[i].ray.direction);
+      mEvaluator.evaluate(points, field, {});
+      for (std::size_t i = 0; i < meetings.size(); ++i)
+        (field[i] < 0 ? meetings[i].inside : meetings[i].outside) = middle(meetings[i]);
+    }
+  }
+
+  void compose(const Tile& tile, const std::vector<Meeting>& meetings, const std::vector<ShadedHit>& shaded,
+               FieldImage& image) const {
+    struct Pixel {
+      Vec3d sum{0};
+      int hits = 0;
+      double nearest = kInfinity;
+      std::size_t meeting = 0;
+    };
+    std::vector<Pixel> pixels(static_cast<std::size_t>(tile.width * tile.height));
+    // The order of a pixel's meetings depends on when their rays ended, and so do the roundings of a sum.
+    std::vector<std::size_t> order(meetings.size());
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      const Ray &left = meetings[a].ray, &right = meetings[b].ray;
+      if (left.pixel != right.pixel) return left.pixel < right.pixel;
+      return std::lexicographical_compare(left.direction.asPointer(), left.direction.asPointer() + 3,
+                                          right.direction.asPointer(), right.direction.asPointer() + 3);
+    });
+    for (const std::size_t i : order) {
+      Pixel& pixel = pixels[meetings[i].ray.pixel];
+      pixel.sum += shaded[i].colour;
+      ++pixel.hits;
+      if (!(meetings[i].inside < pixel.nearest)) continue;
+      pixel.nearest = meetings[i].inside;
+      pixel.meeting = i;
+    }
+    for (int y = 0; y < tile.height; ++y) {
+      for (int x = 0; x < tile.width; ++x) {
+        const Pixel& pixel = pixels[static_cast<std::size_t>(y * tile.width + x)];
+        const int column = tile.left + x, row = tile.top + y;
+        const std::size_t at =
+            static_cast<std::size_t>(row) * static_cast<std::size_t>(mOptions.width) + static_cast<std::size_t>(column);
+        const double coverage = static_cast<double>(pixel.hits) / mOptions.samples;
+        Vec3d colour = pixel.sum / mOptions.samples;
+        if (mOptions.background && coverage < 1)
+          colour += (1 - coverage) *
+                    fieldBackground(2 * (column + 0.5) / mOptions.width - 1, 1 - 2 * (row + 0.5) / mOptions.height);
+        image.beauty.pixels[at] = rgb(colour);
+        image.coverage[at] = static_cast<float>(coverage);
+        if (pixel.hits == 0) continue;
+        image.normal.pixels[at] = rgb(shaded[pixel.meeting].normal);
+        image.depth[at] =
+            static_cast<float>(pixel.nearest * mFrame.forward.dot(meetings[pixel.meeting].ray.direction) * mScale);
+        image.id[at] = 1;
+      }
+    }
+  }
+
+  static std::array<float, 3> rgb(const Vec3d& v) {
+    return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+  }
+
+  const julia::FieldEvaluator& mEvaluator;
+  const FieldRenderOptions& mOptions;
+  Monitor& mMonitor;
+  double mScale;  ///< world units a unit of fractal space
+  Vec3d mEye;     ///< fractal space
+  BBoxd mRegion;  ///< fractal space
+  Frame mFrame;
+  Steps mSteps;
+  int mGrid;  ///< samples along a pixel's side
+  FieldLights mLights;
+  const Occupancy* mOccupancy;
+  std::atomic<std::uint64_t> mEvaluations{0};
+};
+
+}  // namespace
+
+Camera turned(const Camera& camera, double degrees) {
+  const Vec3d axis = camera.up.unit(), arm = camera.eye - camera.lookAt;
+  const double angle = radians(degrees), c = std::cos(angle), s = std::sin(angle);
+  Camera result = camera;
+  result.eye = camera.lookAt + c * arm + s * axis.cross(arm) + (1 - c) * axis.dot(arm) * axis;
+  return result;
+}
+
+FramedBall frameSet(const FieldSource& source, const BBoxd& region) {
+  const double cell = longest(region.extents()) / kFrameCells;
+  std::vector<julia::Point> points;
+  std::vector<Vec3d> places;
+  std::array<int, 3> count{};
+  for (int axis = 0; axis < 3; ++axis)
+    count[static_cast<std::size_t>(axis)] = std::max(1, static_cast<int>(std::ceil(region.extents()[axis] / cell)));
+  for (int i = 0; i < count[0]; ++i)
+    for (int j = 0; j < count[1]; ++j)
+      for (int k = 0; k < count[2]; ++k) {
+        places.push_back(region.min() + cell * Vec3d(i + 0.5, j + 0.5, k + 0.5));
+        points.push_back(source.space.toFractal(places.back()));
+      }
+  std::vector<double> field(points.size());
+  source.evaluator.evaluate(points, field, {});
+  BBoxd box;
+  for (std::size_t i = 0; i < places.size(); ++i)
+    if (field[i] < 0) box.expand(places[i]);
+  if (box.empty()) return {region.getCenter(), 0.5 * region.extents().length()};
+  FramedBall ball{box.getCenter(), 0};
+  for (std::size_t i = 0; i < places.size(); ++i)
+    if (field[i] < 0) ball.radius = std::max(ball.radius, (places[i] - ball.centre).length());
+  ball.radius += cell;
+  return ball;
+}
+
+Camera cameraAround(const FramedBall& ball, double azimuth, double elevation, double fieldOfView, double zoom,
+                    double aspect) {
+  const double a = radians(azimuth), e = radians(elevation);
+  const Vec3d towardsEye(std::sin(a) * std::cos(e), std::sin(e), std::cos(a) * std::cos(e));
+  const double tangent = std::tan(0.5 * radians(fieldOfView));
+  Camera camera;
+  camera.lookAt = ball.centre;
+  camera.eye = ball.centre + ball.radius / std::sin(std::atan(tangent * std::min(1.0, aspect))) * towardsEye;
+  camera.fieldOfView = 2 * std::atan(tangent / zoom) / radians(1);
+  return camera;
+}
+
+FieldRenderer::FieldRenderer(const FieldSource& source, const BBoxd& region)
+    : mSource(source), mRegion(inFractalSpace(source.space, region.min()), inFractalSpace(source.space, region.max())) {
+  for (int axis = 0; axis < 3; ++axis)
+    require(region.max()[axis] > region.min()[axis] && std::isfinite(region.extents()[axis]), "a side of the region",
+            region.extents()[axis], "above 0");
+}
+
+FieldRenderer::~FieldRenderer() = default;
+
+FieldImage FieldRenderer::render(const FieldRenderOptions& options, Monitor& monitor) {
+  check(options);
+  monitor.throwIfCancelled();
+  if (options.skip && !mOccupancy)
+    mOccupancy = std::make_unique<const Occupancy>(mSource.evaluator, mRegion, kOccupancyCells, monitor);
+  return Exposure(mSource, mRegion, options.skip ? mOccupancy.get() : nullptr, options, monitor).render();
+}
+
+FieldImage renderField(const FieldSource& source, const BBoxd& region, const FieldRenderOptions& options,
+                       Monitor& monitor) {
+  return FieldRenderer(source, region).render(options, monitor);
+}
+
+std::string encodeFieldImage(const FieldImage& image, const std::string& extension) {
+  if (!lowerCase(extension).ends_with("exr")) return encodeImage(image.beauty, extension);
+  std::vector<Channel> channels = {{"A", image.coverage}, {"N.x", {}}, {"N.y", {}}, {"N.z", {}}};
+  for (const auto& normal : image.normal.pixels)
+    for (std::size_t axis = 0; axis < 3; ++axis) channels[1 + axis].values.push_back(normal[axis]);
+  channels.push_back({"Z", image.depth});
+  channels.push_back({"id", image.id});
+  return encodeExr(image.beauty, channels);
+}
+
+}  // namespace vdbtools

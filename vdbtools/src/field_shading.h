@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file field_shading.h
+/// What a ray that met the set sees there: normals from the field, colours from the map, Phong's model.
+#pragma once
+
+#include "vdbtools/field_render.h"
+
+#include "julia/evaluator.h"
+
+#include <openvdb/openvdb.h>
+
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace vdbtools {
+
+/// All in fractal space.
+struct FieldHit {
+  openvdb::Vec3d inside;                 ///< just behind the surface
+  openvdb::Vec3d view;                   ///< the ray's direction, of length 1
+  double step = 0;                       ///< of the ray there
+  std::optional<openvdb::Vec3d> normal;  ///< where it is known: at a face that cuts the set
+};
+
+struct ShadedHit {
+  openvdb::Vec3d normal;  ///< outward, of length 1
+  openvdb::Vec3d colour;  ///< linear RGB
+};
+
+/// Directions to the lights, of length 1.
+struct FieldLights {
+  openvdb::Vec3d key, head;
+};
+
+/// @param shaded  as long as @a hits
+void shadeHits(const julia::FieldEvaluator& evaluator, const FieldRenderOptions& options, const FieldLights& lights,
+               std::span<const FieldHit> hits, std::span<ShadedHit> shaded);
+
+/// Behind the set; u, v from -1 to 1, v up. The colours of renderPreview().
+openvdb::Vec3d fieldBackground(double u, double v);
+
+}  // namespace vdbtools

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "occupancy.h"
+
+#include "in_parallel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+namespace vdbtools {
+
+using openvdb::Coord;
+using openvdb::CoordBBox;
+using openvdb::Vec3d;
+
+namespace {
+
+/// Balls reach a little beyond their cubes: a sample at a cube's face may be counted to either side.
+constexpr double kReach = 1 + 1e-3;
+constexpr int kLargestCube = 32;  ///< cells: where the subdivision begins
+constexpr std::size_t kGrain = 512;
+
+struct Cube {
+  Coord corner;
+  julia::Point centre;
+};
+
+}  // namespace
+
+Occupancy::Occupancy(const julia::FieldEvaluator& evaluator, const openvdb::BBoxd& box, int cells, Monitor& monitor)
+    : mOrigin(box.min()), mCell(box.extents()[static_cast<int>(openvdb::math::MaxIndex(box.extents()))] / cells) {
+  Coord count;
+  for (int axis = 0; axis < 3; ++axis)
+    count[axis] = std::max(1, static_cast<int>(std::ceil(box.extents()[axis] / mCell)));
+  // One more on each side for what rounding puts beyond a face.
+  const CoordBBox domain(Coord(-1), count);
+  std::vector<Coord> corners;
+  const auto low = [](int i) { return i & ~(kLargestCube - 1); };
+  for (int i = low(-1); i <= count[0]; i += kLargestCube)
+    for (int j = low(-1); j <= count[1]; j += kLargestCube)
+      for (int k = low(-1); k <= count[2]; k += kLargestCube) corners.emplace_back(i, j, k);
+
+  for (int size = kLargestCube; !corners.empty(); size /= 2) {
+    std::vector<julia::Point> centres(corners.size());
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const Vec3d centre = mOrigin + mCell * (corners[i].asVec3d() + Vec3d(0.5 * size));
+      centres[i] = {centre[0], centre[1], centre[2]};
+    }
+    const double radius = 0.5 * std::numbers::sqrt3 * size * mCell * kReach;
+    std::vector<julia::Decision> decisions(corners.size());
+    inParallel(corners.size(), kGrain, monitor, [&](std::size_t begin, std::size_t end) {
+      evaluator.decide(std::span(centres).subspan(begin, end - begin), radius,
+                       std::span(decisions).subspan(begin, end - begin));
+    });
+    std::vector<Coord> next;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      if (decisions[i] == julia::Decision::Outside) continue;
+      if (decisions[i] == julia::Decision::Inside || size == 1) {
+        mCells.fill(CoordBBox::createCube(corners[i], size), true, true);
+        continue;
+      }
+      const int half = size / 2;
+      for (int child = 0; child < 8; ++child) {
+        const Coord corner = corners[i].offsetBy(child & 1 ? half : 0, child & 2 ? half : 0, child & 4 ? half : 0);
+        if (domain.hasOverlap(CoordBBox::createCube(corner, half))) next.push_back(corner);
+      }
+    }
+    corners = std::move(next);
+  }
+  mCells.prune();
+}
+
+Occupancy::Walker::Span Occupancy::Walker::at(const Vec3d& eye, const Vec3d& direction, double t) {
+  const Vec3d place = (eye + t * direction - mOrigin) / mCell;
+  const Coord cell = Coord::floor(place);
+  const bool occupied = mCells.isValueOn(cell);
+  // The node that is constant here: a cube, or a tile of many.
+  using Lower = openvdb::MaskTree::LeafNodeType;
+  constexpr int kTiles[] = {4096, 128, Lower::DIM, 1};
+  const int depth = mCells.getValueDepth(cell);
+  const int size = kTiles[depth < 0 ? 0 : depth];
+  double end = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < 3; ++axis) {
+    if (direction[axis] == 0) continue;
+    const int low = cell[axis] & ~(size - 1);
+    const double face = direction[axis] > 0 ? low + size : low;
+    end = std::min(end, t + (face - place[axis]) * mCell / direction[axis]);
+  }
+  return {occupied, std::max(end, std::nextafter(t, std::numeric_limits<double>::infinity()))};
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file occupancy.h
+/// Which cubes of a region are proved to lie outside of the set, for rays to pass them by.
+#pragma once
+
+#include "vdbtools/monitor.h"
+
+#include "julia/evaluator.h"
+
+#include <openvdb/openvdb.h>
+
+namespace vdbtools {
+
+/// All in fractal space.
+class Occupancy {
+ public:
+  /// @param box  cubes are @a cells to its longest side
+  Occupancy(const julia::FieldEvaluator& evaluator, const openvdb::BBoxd& box, int cells, Monitor& monitor);
+
+  /// For one thread.
+  class Walker {
+   public:
+    explicit Walker(const Occupancy& occupancy)
+        : mOrigin(occupancy.mOrigin), mCell(occupancy.mCell), mCells(occupancy.mCells) {}
+
+    /// The part of the ray around @a t, from there on, over which the answer is one: whether the set may be there.
+    struct Span {
+      bool occupied;
+      double end;  ///< > t
+    };
+    Span at(const openvdb::Vec3d& eye, const openvdb::Vec3d& direction, double t);
+
+   private:
+    openvdb::Vec3d mOrigin;
+    double mCell;
+    openvdb::tree::ValueAccessor<const openvdb::MaskTree> mCells;
+  };
+
+ private:
+  openvdb::Vec3d mOrigin;  ///< the corner of cube (0, 0, 0)
+  double mCell = 0;        ///< side of a cube
+  openvdb::MaskTree mCells;
+};
+
+}  // namespace vdbtools
