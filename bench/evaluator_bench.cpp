@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Root evaluations a second of the kernels, and of the reference beside them in the same run; steps a second of the
 // maps of R^3.
+#include "chosen_instruction_set.h"
+
 #include "julia/cross_map.h"
 #include "julia/embedding.h"
 #include "julia/evaluator.h"
-#include "julia/instruction_set.h"
 #include "julia/mandelbulb.h"
 #include "julia/quaternion_batch.h"
 #include "julia/random_roots.h"
@@ -44,12 +45,8 @@ void countRoots(benchmark::State& state, std::size_t roots) {
 /// The kernel alone: structure of arrays in and out.
 template <class Real>
 void versors(benchmark::State& state) {
-  const auto available = julia::availableInstructionSets();
-  const auto set = static_cast<std::size_t>(state.range(1));
-  if (set >= available.size()) return state.SkipWithError("this processor lacks it");
-  const julia::InstructionSet before = julia::instructionSet();
-  julia::setInstructionSet(available[set]);
-  state.SetLabel(std::string(julia::nameOf(available[set])));
+  const bench::ChosenInstructionSet set(state, state.range(1));
+  if (!set) return;
   const julia::Rational rational = versor(state.range(0) != 0);
   const julia::RationalEvaluator<Real> evaluator(rational);
   julia::QuaternionBatch<Real> q, u;
@@ -61,7 +58,6 @@ void versors(benchmark::State& state) {
     benchmark::DoNotOptimize(u.a.data());
   }
   countRoots(state, rational.top.roots.size());
-  julia::setInstructionSet(before);
 }
 BENCHMARK(versors<float>)->ArgNames({"integer", "set"})->ArgsProduct({{0, 1}, {0, 1, 2}});
 BENCHMARK(versors<double>)->ArgNames({"integer", "set"})->ArgsProduct({{0, 1}, {0, 1, 2}});

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // One energy and its gradient, what the optimiser of [Kim15] asks for some hundred times a pass: 50^3 cells and 108
 // roots, the size at which the released program was measured.
+#include "chosen_instruction_set.h"
+
 #include "julia/fit/shape_energy.h"
-#include "julia/instruction_set.h"
 
 #include <benchmark/benchmark.h>
 
@@ -53,12 +54,8 @@ julia::Rational rational() {
 }
 
 void energy(benchmark::State& state) {
-  const auto available = julia::availableInstructionSets();
-  const auto set = static_cast<std::size_t>(state.range(1));
-  if (set >= available.size()) return state.SkipWithError("this processor lacks it");
-  const julia::InstructionSet before = julia::instructionSet();
-  julia::setInstructionSet(available[set]);
-  state.SetLabel(std::string(julia::nameOf(available[set])));
+  const bench::ChosenInstructionSet set(state, state.range(1));
+  if (!set) return;
   const Cells cells = ballCells();
   const julia::Rational map = rational();
   julia::ShapeEnergyOptions options;
@@ -66,7 +63,6 @@ void energy(benchmark::State& state) {
   const julia::ShapeEnergy energy(cells.places, cells.weights, map, options);
   julia::RationalGradient gradient;
   for (auto _ : state) benchmark::DoNotOptimize(energy.evaluate(map, &gradient));
-  julia::setInstructionSet(before);
 }
 BENCHMARK(energy)
     ->ArgNames({"stored", "set"})

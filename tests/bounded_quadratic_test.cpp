@@ -104,7 +104,7 @@ TEST(BoundedQuadratic, isTheBestOfAllActiveSets) {
     const Program program =
         randomProgram(random, n, random.integer(1, static_cast<int>(n) + 2), diagonal, round % 2 == 0 ? -1 : 0.3);
     std::vector<char> passive = randomGuess(random, n);
-    const VectorXd x = minimiseBounded(program.H, program.b, program.bounded, passive);
+    const VectorXd x = minimiseBounded(program.H, program.b, program.bounded, passive).value();
     expectOptimal(program, x, passive, 1e-9);
     const VectorXd expected = bruteForce(program);
     for (Index i = 0; i < n; ++i) EXPECT_NEAR(x[i], expected[i], 1e-9 / diagonal) << round << ": " << i << " of " << n;
@@ -117,7 +117,7 @@ TEST(BoundedQuadratic, conditionsHoldForLargeOnes) {
     for (const double rankShare : {0.2, 1., 2.}) {
       Program program = randomProgram(random, n, std::max<Index>(1, static_cast<Index>(rankShare * double(n))), 1e-3);
       std::vector<char> passive = randomGuess(random, n);
-      const VectorXd x = minimiseBounded(program.H, program.b, program.bounded, passive);
+      const VectorXd x = minimiseBounded(program.H, program.b, program.bounded, passive).value();
       expectOptimal(program, x, passive, 1e-8);
       int atBound = 0, free = 0;
       for (const char p : passive) ++(p ? free : atBound);
@@ -131,10 +131,10 @@ TEST(BoundedQuadratic, theGuessDoesNotMatter) {
   Random random(3);
   const Program program = randomProgram(random, 60, 60, 0.1);
   std::vector<char> expectedPassive(60, 0);
-  const VectorXd expected = minimiseBounded(program.H, program.b, program.bounded, expectedPassive);
+  const VectorXd expected = minimiseBounded(program.H, program.b, program.bounded, expectedPassive).value();
   for (int round = 0; round < 20; ++round) {
     std::vector<char> passive = randomGuess(random, 60);
-    const VectorXd x = minimiseBounded(program.H, program.b, program.bounded, passive);
+    const VectorXd x = minimiseBounded(program.H, program.b, program.bounded, passive).value();
     EXPECT_EQ(passive, expectedPassive) << round;
     EXPECT_LT((x - expected).cwiseAbs().maxCoeff(), 1e-10) << round;
   }
@@ -145,7 +145,7 @@ TEST(BoundedQuadratic, withoutBoundsItIsALinearSystem) {
   Program program = randomProgram(random, 40, 60, 0.1);
   program.bounded.assign(40, 0);
   std::vector<char> passive(40, 0);
-  const VectorXd x = minimiseBounded(program.H, program.b, program.bounded, passive);
+  const VectorXd x = minimiseBounded(program.H, program.b, program.bounded, passive).value();
   EXPECT_LT((program.H * x - program.b).cwiseAbs().maxCoeff(), 1e-10);
   EXPECT_LT(x.minCoeff(), 0);
   EXPECT_EQ(passive, std::vector<char>(40, 1));
@@ -154,9 +154,14 @@ TEST(BoundedQuadratic, withoutBoundsItIsALinearSystem) {
 TEST(BoundedQuadratic, nothingToGainMeansZero) {
   const MatrixXd H = MatrixXd::Identity(5, 5);
   std::vector<char> passive(5, 1);
-  EXPECT_EQ(minimiseBounded(H, VectorXd::Constant(5, -1), std::vector<char>(5, 1), passive), VectorXd::Zero(5));
+  EXPECT_EQ(minimiseBounded(H, VectorXd::Constant(5, -1), std::vector<char>(5, 1), passive).value(), VectorXd::Zero(5));
   EXPECT_EQ(passive, std::vector<char>(5, 0));
-  EXPECT_EQ(minimiseBounded(H, VectorXd::Zero(5), std::vector<char>(5, 1), passive), VectorXd::Zero(5));
+  EXPECT_EQ(minimiseBounded(H, VectorXd::Zero(5), std::vector<char>(5, 1), passive).value(), VectorXd::Zero(5));
+}
+
+TEST(BoundedQuadratic, nothingWhereTheMatrixIsNotPositive) {
+  std::vector<char> passive(5, 1);
+  EXPECT_FALSE(minimiseBounded(-MatrixXd::Identity(5, 5), VectorXd::Ones(5), std::vector<char>(5, 0), passive));
 }
 
 }  // namespace

@@ -316,6 +316,37 @@ TYPED_TEST(Kernels, columnsAreSummedAndMultiplied) {
     }
 }
 
+TYPED_TEST(Kernels, tilesAreMultiplied) {
+  using Real = TypeParam;
+  constexpr std::size_t kTile = julia::kernels::kTile;
+  constexpr double eps = std::numeric_limits<Real>::epsilon();
+  for (const std::size_t depth : {0, 1, 5, 256}) {
+    law_tests::Random random(5);
+    // At an odd address: rows of tiles lie anywhere.
+    std::vector<Real> a(depth * kTile + 1), b(depth * kTile + 1);
+    for (std::vector<Real>* values : {&a, &b})
+      for (Real& value : *values) value = static_cast<Real>(random.between(-3, 3));
+    const auto product = [&] {
+      std::vector<Real> out(kTile * kTile, -1);
+      julia::kernels::kernels<Real>().tileProduct(a.data() + 1, b.data() + 1, depth, out.data());
+      return out;
+    };
+    expectSameBits<Real>(product);
+    const std::vector<Real> found = product();
+    for (std::size_t i = 0; i < kTile; ++i)
+      for (std::size_t j = 0; j < kTile; ++j) {
+        long double sum = 0, magnitude = 0;
+        for (std::size_t k = 0; k < depth; ++k) {
+          const long double term = static_cast<long double>(a[1 + k * kTile + i]) * b[1 + k * kTile + j];
+          sum += term;
+          magnitude += std::abs(term);
+        }
+        EXPECT_LE(std::abs(found[i * kTile + j] - sum), eps * static_cast<double>(depth) * magnitude)
+            << i << ' ' << j << " of depth " << depth;
+      }
+  }
+}
+
 TEST(BrickField, positionsBeyondTheBoxAreThoseOfItsFace) {
   const auto f = [](int x, int y, int z) { return x + 100 * y + 10000 * z; };
   const julia::BrickField<double> field(bricksOf(julia::Interpolation::Trilinear, f), indexPlacement());

@@ -6,6 +6,7 @@
 #include "output.h"
 
 #include "vdbtools/fit_job.h"
+#include "vdbtools/versor_file.h"
 
 #include <filesystem>
 #include <iostream>
@@ -51,9 +52,10 @@ int runFit(const Arguments& arguments) {
 
   const vdbtools::FitResult fit = vdbtools::runFit(options, report != nullptr, line.progress());
   if (formatOf(line.text("output"), ".json") == ".o3d")
-    file << vdbtools::fitToO3d(fit, options, line.progress());
+    file << vdbtools::fitToO3d(fit, line.progress());
   else
-    file << vdbtools::rationalToJson(fit.rational, noteOf(line.recipe()), fit.target);
+    file << vdbtools::rationalToJson(fit.rational, noteOf(line.recipe()),
+                                     vdbtools::FittedTo{fit.target.space, fit.target.box});
   if (report) *report << vdbtools::fitReportCsv(fit.rows);
   if (plot) *plot << vdbtools::encodeImage(vdbtools::fitReportPlot(fit.rows), formatOf(line.text("plot"), ".png"));
   line.progress().throwIfCancelled();

@@ -2,6 +2,7 @@
 #include "vdbtools/fit_job.h"
 
 #include "in_parallel.h"
+#include "log_moduli.h"
 #include "recipe_reader.h"
 
 #include "vdbtools/errors.h"
@@ -76,13 +77,6 @@ double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-std::vector<Point> pointsOf(const std::vector<FitCell>& cells) {
-  std::vector<Point> points;
-  points.reserve(cells.size());
-  for (const FitCell& cell : cells) points.push_back(cell.x);
-  return points;
-}
-
 /// The same cells, each seen at a place of its own within it: on a lattice, a flat face between two layers of nodes
 /// could lie anywhere.
 std::vector<FitCell> jittered(const FitTarget& target, std::vector<FitCell> cells, std::uint64_t seed) {
@@ -105,23 +99,15 @@ std::vector<FitCell> jittered(const FitTarget& target, std::vector<FitCell> cell
 }
 
 /// L of many points, in parallel.
-std::vector<double> logModuli(const Rational& rational, const std::vector<FitCell>& cells, const Monitor& monitor) {
+std::vector<double> logModuli(const Rational& rational, std::span<const Point> points, const Monitor& monitor) {
   constexpr std::size_t kBatch = 4096;
   const julia::RationalEvaluator<float> evaluator(rational);
-  std::vector<double> l(cells.size());
-  inParallel((cells.size() + kBatch - 1) / kBatch, 1, monitor, [&](std::size_t begin, std::size_t end) {
-    julia::QuaternionBatch<float> q;
-    std::vector<float> values;
-    for (std::size_t batch = begin; batch < end; ++batch) {
-      const std::size_t first = batch * kBatch, size = std::min(kBatch, cells.size() - first);
-      q.resize(size);
-      values.resize(size);
-      for (std::size_t i = 0; i < size; ++i) q.set(i, julia::Embedding{}.quaternion<float>(cells[first + i].x));
-      evaluator.logModulus(q, values);
-      std::copy(values.begin(), values.end(), l.begin() + static_cast<std::ptrdiff_t>(first));
-    }
+  std::vector<float> l(points.size());
+  inParallel((points.size() + kBatch - 1) / kBatch, 1, monitor, [&](std::size_t begin, std::size_t end) {
+    const std::size_t first = begin * kBatch, size = std::min(end * kBatch, points.size()) - first;
+    vdbtools::logModuli(evaluator, points.subspan(first, size), std::span(l).subspan(first, size));
   });
-  return l;
+  return {l.begin(), l.end()};
 }
 
 /// Judges rationals by the same cells: those of the target's cube, fine near the surface.
@@ -141,7 +127,7 @@ class Judge {
   }
 
   void judge(const Rational& rational, FitRow& row, const Monitor& monitor) const {
-    const std::vector<double> l = logModuli(rational, mCells, monitor);
+    const std::vector<double> l = logModuli(rational, pointsOf(mCells), monitor);
     double both = 0, either = 0, psi = 0;
     for (std::size_t i = 0; i < l.size(); ++i) {
       const bool target = mCells[i].phi < 0, fractal = l[i] < 0;
@@ -276,6 +262,7 @@ Rational runFast(const FitTarget& target, const std::vector<FitCell>& cells, con
   fast.onStep = [&](const julia::FitStep& step) {
     if (!step.roundEnds) return report.add(std::string(step.stage), step.energy, *step.rational);
     report.measure(*step.rational);
+    monitor.begin("fit", 0);
   };
   fast.cancelled = [&monitor] { return monitor.cancelled(); };
   monitor.begin("fit", 0);
@@ -313,8 +300,7 @@ Rational initialRational(const FitTarget& target, const julia::MonopoleFit& mono
     std::nth_element(values.begin(), middle, values.end());
     return *middle;
   };
-  std::vector<FitCell> surface;
-  for (const Point& x : target.surface.points) surface.push_back({x});
+  const std::vector<Point>& surface = target.surface.points;
   Rational rational = julia::rationalFromMonopoles(monopoles.monopoles, 1, false);
   std::vector<double> l = logModuli(rational, surface, monitor);
   rational.logScale = -median(l);
@@ -322,7 +308,7 @@ Rational initialRational(const FitTarget& target, const julia::MonopoleFit& mono
   for (const FitCell& cell : cells)
     if (std::abs(cell.phi) < cellSize) near.push_back(cell);
   double square = 0;
-  for (const double value : logModuli(rational, near, monitor)) square += value * value;
+  for (const double value : logModuli(rational, pointsOf(near), monitor)) square += value * value;
   const double scale = near.empty() || !(square > 0) ? 1 : std::sqrt(static_cast<double>(near.size()) / square);
   Rational scaled = julia::rationalFromMonopoles(monopoles.monopoles, scale, true);
   l = logModuli(scaled, surface, monitor);
@@ -374,7 +360,7 @@ double surfaceSlope(const Rational& rational, const std::vector<FitCell>& cells,
   for (const FitCell& cell : cells)
     if (std::abs(cell.phi) < 2 * cellSize && std::abs(cell.phi) > 0.5 * cellSize) near.push_back(cell);
   if (near.empty()) return 0;
-  std::vector<double> slopes = logModuli(rational, near, monitor);
+  std::vector<double> slopes = logModuli(rational, pointsOf(near), monitor);
   for (std::size_t i = 0; i < near.size(); ++i) slopes[i] = std::abs(slopes[i] / near[i].phi);
   const auto middle = slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2);
   std::nth_element(slopes.begin(), middle, slopes.end());
@@ -419,10 +405,9 @@ FitOptions parseFitOptions(const Recipe& recipe) {
 
 FitResult runFit(const FitOptions& options, bool wantDistances, Monitor& monitor) {
   try {
-    const FitTarget target = makeFitTarget(options.target, monitor);
+    FitTarget target = makeFitTarget(options.target, monitor);
     const std::vector<FitCell> cells = adaptiveCells(target);
     FitResult result;
-    result.target = {target.space, target.box};
     Report report(target, cells, wantDistances, monitor);
     result.rational = options.schedule.empty() ? runFast(target, cells, options, report, result, monitor)
                                                : runSchedule(target, options, report, result, monitor);
@@ -442,7 +427,7 @@ FitResult runFit(const FitOptions& options, bool wantDistances, Monitor& monitor
                                       ? "allow more --roots"
                                       : "try --weights layers, or the fast fit, without --schedule"));
     result.rows = std::move(report.rows());
-    result.steps = static_cast<int>(result.rows.size());
+    result.target = std::move(target);
     return result;
   } catch (const julia::Cancelled&) {
     monitor.throwIfCancelled();
@@ -483,8 +468,8 @@ Image fitReportPlot(std::span<const FitRow> rows) {
   return plotLines(series, {.title = "Error of the fit", .xLabel = "step", .yLabel = "(psi + 1) / 2", .logY = true});
 }
 
-std::string fitToO3d(const FitResult& fit, const FitOptions& options, Monitor& monitor) {
-  const FitTarget target = makeFitTarget(options.target, monitor);
+std::string fitToO3d(const FitResult& fit, Monitor& monitor) {
+  const FitTarget& target = fit.target;
   // The 2015 program has x fastest, the cells of a target have x slowest.
   const int n = target.resolution;
   std::vector<FitCell> cells = denseCells(target, n);
@@ -495,7 +480,7 @@ std::string fitToO3d(const FitResult& fit, const FitOptions& options, Monitor& m
       for (int z = 0; z < n; ++z, ++i)
         ordered[(static_cast<std::size_t>(z) * n + static_cast<std::size_t>(y)) * n + static_cast<std::size_t>(x)] =
             cells[i];
-  const std::vector<double> potential = logModuli(fit.rational, ordered, monitor);
+  const std::vector<double> potential = logModuli(fit.rational, pointsOf(ordered), monitor);
   std::vector<double> distance;
   for (const FitCell& cell : ordered) distance.push_back(cell.phi);
   const double side = target.cell * n;

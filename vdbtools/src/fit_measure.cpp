@@ -2,6 +2,7 @@
 #include "vdbtools/fit_measure.h"
 
 #include "in_parallel.h"
+#include "log_moduli.h"
 
 #include <openvdb/tools/Dense.h>
 #include <openvdb/tools/FastSweeping.h>
@@ -22,8 +23,6 @@ using openvdb::Coord;
 using openvdb::FloatGrid;
 using openvdb::Vec3d;
 using openvdb::Vec3s;
-
-constexpr double kLeastPhi = 0.5;  ///< cells; nearer to the surface a cell is cut by it, and 1 / phi says nothing
 
 constexpr float kLargestLog = 20;  ///< |L| on the cells, infinite at roots, is cut to it for the surface between them
 
@@ -63,7 +62,6 @@ struct Potential {
 Potential potentialOf(const FitTarget& target, const Lattice& lattice, const julia::Rational& rational,
                       double sharpness, Monitor& monitor) {
   const julia::RationalEvaluator<float> evaluator(rational);
-  const julia::Embedding embedding;
   const std::size_t n = lattice.side(), rimmed = n + 2;
   Potential result;
   result.values.assign(rimmed * rimmed * rimmed, 1);
@@ -73,22 +71,18 @@ Potential potentialOf(const FitTarget& target, const Lattice& lattice, const jul
     std::vector<Point> points(n * n);
     std::vector<double> phi(n * n);
     std::vector<float> l(n * n);
-    julia::QuaternionBatch<float> q;
-    q.resize(n * n);
     for (std::size_t i = begin; i != end; ++i) {
-      for (std::size_t c = 0; c < n * n; ++c) {
+      for (std::size_t c = 0; c < n * n; ++c)
         points[c] = lattice.position(
             Vec3d(static_cast<double>(i + 1), static_cast<double>(c / n + 1), static_cast<double>(c % n + 1)));
-        q.set(c, embedding.quaternion<float>(points[c]));
-      }
       target.distances(points, phi);
-      evaluator.logModulus(q, l);
+      logModuli(evaluator, points, l);
       Tally& tally = tallies[i];
       for (std::size_t c = 0; c < n * n; ++c) {
         const bool inMap = l[c] < 0, inTarget = phi[c] < 0;
         tally.both += inMap && inTarget;
         tally.either += inMap || inTarget;
-        const double w = 1 / std::copysign(std::max(std::abs(phi[c]), kLeastPhi * target.cell), phi[c]);
+        const double w = 1 / std::copysign(std::max(std::abs(phi[c]), julia::kLeastDistance * target.cell), phi[c]);
         tally.psi -= std::tanh(sharpness * static_cast<double>(l[c])) * w;
         tally.eta += std::abs(w);
         result.values[((i + 1) * rimmed + c / n + 1) * rimmed + c % n + 1] =

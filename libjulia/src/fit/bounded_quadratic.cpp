@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fit/bounded_quadratic.h"
 
-#include <Eigen/Cholesky>
+#include "fit/cholesky.h"
 
 #include <cstddef>
 
@@ -11,8 +11,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-VectorXd minimiseBounded(const MatrixXd& H, const VectorXd& b, const std::vector<char>& bounded,
-                         std::vector<char>& passive) {
+std::optional<VectorXd> minimiseBounded(const MatrixXd& H, const VectorXd& b, const std::vector<char>& bounded,
+                                        std::vector<char>& passive) {
   fixEigenBlocking();
   // Exchanges of all that violate their sign converge fast but may cycle; where their number does not fall this often,
   // single exchanges, which cannot cycle, take over until it does.
@@ -31,9 +31,9 @@ VectorXd minimiseBounded(const MatrixXd& H, const VectorXd& b, const std::vector
       if (passive[static_cast<std::size_t>(i)]) free.push_back(i);
     x = VectorXd::Zero(n);
     if (!free.empty()) {
-      const MatrixXd part = H(free, free);
-      const VectorXd right = b(free), solution = part.llt().solve(right);
-      x(free) = solution;
+      const std::optional<VectorXd> solution = solveCholesky(H(free, free), b(free));
+      if (!solution) return std::nullopt;
+      x(free) = *solution;
     }
     const VectorXd slope = H * x - b;
     std::vector<std::size_t> wrong;

@@ -5,6 +5,7 @@
 
 #include "fit/eigen_setup.h"
 
+#include <optional>
 #include <vector>
 
 namespace julia {
@@ -12,9 +13,10 @@ namespace julia {
 /// The x that minimises x^T H x / 2 - b^T x with x_i >= 0 where @a bounded, by block principal pivoting [Portugal,
 /// Júdice & Vicente, A comparison of block pivoting and interior-point algorithms for linear least squares problems
 /// with nonnegative variables, Math. Comp. 63, 1994].
-/// @param H        symmetric, positive definite
+/// @param H        symmetric
 /// @param passive  in: a guess of which variables are not at their bound; out: which are not
-Eigen::VectorXd minimiseBounded(const Eigen::MatrixXd& H, const Eigen::VectorXd& b, const std::vector<char>& bounded,
-                                std::vector<char>& passive);
+/// @return nothing where H is not positive definite in floating point
+std::optional<Eigen::VectorXd> minimiseBounded(const Eigen::MatrixXd& H, const Eigen::VectorXd& b,
+                                               const std::vector<char>& bounded, std::vector<char>& passive);
 
 }  // namespace julia

@@ -110,13 +110,6 @@ class Fitter {
   std::size_t mRound = 0;
 };
 
-std::vector<Point> pointsOf(const std::vector<FitCell>& cells) {
-  std::vector<Point> points;
-  points.reserve(cells.size());
-  for (const FitCell& cell : cells) points.push_back(cell.x);
-  return points;
-}
-
 /// Shuffled cells: every one in kHeldOut is held out, and of the rest there are at most @a most.
 std::pair<std::vector<FitCell>, std::vector<FitCell>> split(std::span<const FitCell> cells, std::uint64_t seed,
                                                             std::size_t most) {
@@ -329,7 +322,12 @@ void Fitter::newton(Loss kind, double sharpness, int steps, double settled) {
       slope.head(n) += gradient;
       std::vector<char> passive(bounded.size());
       for (Index i = 0; i <= n; ++i) passive[static_cast<std::size_t>(i)] = origin[i] > 0;
-      const VectorXd target = minimiseBounded(damped, damped * origin - slope, bounded, passive).head(n) + least;
+      const auto minimum = minimiseBounded(damped, damped * origin - slope, bounded, passive);
+      if (!minimum) {  // rounding in H
+        damping *= 100;
+        continue;
+      }
+      const VectorXd target = minimum->head(n) + least;
       const VectorXd direction = target - mX;
       mLogs.logModuli(weights(direction), constant(direction), difference);
       double length = 1;

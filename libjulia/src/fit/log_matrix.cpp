@@ -14,8 +14,6 @@ namespace {
 
 // Blocks whose products are summed by one thread before they meet the others'.
 constexpr std::size_t kBlocksPerPart = 8;
-// Roots on a side of what one thread makes of a Gram matrix.
-constexpr std::size_t kTile = 96;
 
 }  // namespace
 
@@ -126,44 +124,49 @@ void LogMatrix::logModuli(std::span<const double> weights, double constant, std:
 }
 
 Eigen::MatrixXd LogMatrix::gram(std::span<const double> d, std::size_t stride) const {
-  fixEigenBlocking();
   using Index = Eigen::Index;
+  using kernels::kTile;
   const std::size_t roots = mRoots.size(), blocks = blockCount();
   const std::size_t counted = (blocks + stride - 1) / stride;
   const double share = static_cast<double>(blocks) / static_cast<double>(std::max<std::size_t>(counted, 1));
+  const std::size_t side = (roots + kTile) / kTile;  // of the column of ones too
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(static_cast<Index>(roots) + 1, static_cast<Index>(roots) + 1);
-  // A panel of cells at a time: its columns as they are, and multiplied by d. The row of ones is a column too.
-  Eigen::MatrixXf plain(kBlocksPerPart * kBlock, roots + 1), scaled(plain.rows(), plain.cols());
+  // A panel of blocks at a time, in tiles: the columns as they are, and multiplied by d.
+  constexpr std::size_t kTileSize = kBlock * kTile;
+  std::vector<float> plain(kBlocksPerPart * side * kTileSize), scaled(plain.size());
   for (std::size_t first = 0; first < blocks; first += stride * kBlocksPerPart) {
     const std::size_t inPanel = std::min(kBlocksPerPart, (blocks - first + stride - 1) / stride);
     tbb::parallel_for(std::size_t{0}, inPanel, [&](std::size_t k) {
       std::vector<float> scratch;
       const std::size_t block = first + k * stride, begin = block * kBlock;
       const float* const logs = columns(block, scratch);
-      Eigen::ArrayXf factors = Eigen::ArrayXf::Zero(kBlock);
+      std::array<float, kBlock> factors{};
       for (std::size_t i = begin; i < std::min(begin + kBlock, mCellCount); ++i)
-        factors[static_cast<Index>(i - begin)] = static_cast<float>(d[i] * share);
-      const Index row = static_cast<Index>(k * kBlock);
+        factors[i - begin] = static_cast<float>(d[i] * share);
       for (std::size_t j = 0; j <= roots; ++j) {
-        const Index column = static_cast<Index>(j);
-        auto to = plain.col(column).segment(row, kBlock);
-        if (j < roots)
-          to = Eigen::Map<const Eigen::VectorXf>(logs + j * kBlock, kBlock);
-        else
-          to.setOnes();
-        scaled.col(column).segment(row, kBlock) = to.array() * factors;
+        const std::size_t at = (k * side + j / kTile) * kTileSize + j % kTile;
+        for (std::size_t i = 0; i < kBlock; ++i) {
+          const float value = j < roots ? logs[j * kBlock + i] : 1;
+          plain[at + i * kTile] = value;
+          scaled[at + i * kTile] = value * factors[i];
+        }
       }
     });
-    const Index rows = static_cast<Index>(inPanel * kBlock);
-    const std::size_t side = (roots + 1 + kTile - 1) / kTile;
     tbb::parallel_for(std::size_t{0}, side * (side + 1) / 2, [&](std::size_t pair) {
       std::size_t row = 0;
       while ((row + 1) * (row + 2) / 2 <= pair) ++row;
       const std::size_t column = pair - row * (row + 1) / 2;
-      const Index i = static_cast<Index>(row * kTile), j = static_cast<Index>(column * kTile);
-      const Index height = std::min<Index>(kTile, gram.rows() - i), width = std::min<Index>(kTile, gram.cols() - j);
-      const Eigen::MatrixXf product = plain.block(0, i, rows, height).transpose() * scaled.block(0, j, rows, width);
-      gram.block(i, j, height, width) += product.cast<double>();
+      const std::size_t height = std::min(kTile, roots + 1 - row * kTile);
+      const std::size_t width = std::min(kTile, roots + 1 - column * kTile);
+      alignas(64) std::array<float, kTile * kTile> product;
+      for (std::size_t k = 0; k < inPanel; ++k) {
+        kernels::kernels<float>().tileProduct(&plain[(k * side + column) * kTileSize],
+                                              &scaled[(k * side + row) * kTileSize], kBlock, product.data());
+        for (std::size_t j = 0; j < width; ++j) {
+          double* const to = &gram(static_cast<Index>(row * kTile), static_cast<Index>(column * kTile + j));
+          for (std::size_t i = 0; i < height; ++i) to[i] += product[j * kTile + i];
+        }
+      }
     });
   }
   gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();

@@ -11,12 +11,20 @@
 
 namespace julia {
 
+std::vector<Point> pointsOf(std::span<const FitCell> cells) {
+  std::vector<Point> points;
+  points.reserve(cells.size());
+  for (const FitCell& cell : cells) points.push_back(cell.x);
+  return points;
+}
+
 std::vector<double> cellWeights(std::span<const FitCell> cells, CellWeights kind, double cellSize) {
   std::vector<double> weights(cells.size());
   double inside = 0, outside = 0;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const double distance = std::abs(double{cells[i].phi}) / cellSize, sign = cells[i].phi < 0 ? -1 : 1;
-    const double by = kind == CellWeights::Layers ? std::max(std::ceil(distance), 1.0) : std::max(distance, 0.5);
+    const double by =
+        kind == CellWeights::Layers ? std::max(std::ceil(distance), 1.0) : std::max(distance, kLeastDistance);
     weights[i] = sign * cells[i].volume / by;
     (sign < 0 ? inside : outside) += std::abs(weights[i]);
   }

@@ -419,6 +419,40 @@ void dotColumns(const Real* columns, const double* factors, std::size_t columnCo
   }
 }
 
+// Of a register of the instruction set.
+#if defined(__AVX512F__)
+constexpr std::size_t kRegister = 64, kRegisters = 32;
+#elif defined(__AVX2__)
+constexpr std::size_t kRegister = 32, kRegisters = 16;
+#else
+constexpr std::size_t kRegister = 16, kRegisters = 16;
+#endif
+
+/// The part of a tile's product whose sums stay in registers, half of which they fill.
+template <class Real>
+JULIA_INLINE void patchProduct(const Real* a, const Real* b, std::size_t depth, Real* out) {
+  typedef Real Vector __attribute__((vector_size(kRegister)));
+  typedef Real Loaded __attribute__((vector_size(kRegister), aligned(alignof(Real)), may_alias));
+  constexpr std::size_t kLanes = kRegister / sizeof(Real);
+  Vector sums[4][kRegisters / 8] = {};
+  for (std::size_t k = 0; k < depth; ++k, a += kTile, b += kTile)
+#pragma GCC unroll 4
+    for (std::size_t i = 0; i < 4; ++i)
+#pragma GCC unroll 4
+      for (std::size_t j = 0; j < kRegisters / 8; ++j)
+        sums[i][j] += a[i] * *reinterpret_cast<const Loaded*>(b + j * kLanes);
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 0; j < kRegisters / 8; ++j)
+      *reinterpret_cast<Loaded*>(out + i * kTile + j * kLanes) = sums[i][j];
+}
+
+template <class Real>
+void tileProduct(const Real* a, const Real* b, std::size_t depth, Real* out) {
+  constexpr std::size_t kWidth = kRegister / sizeof(Real) * (kRegisters / 8);
+  for (std::size_t j = 0; j < kTile; j += kWidth)
+    for (std::size_t i = 0; i < kTile; i += 4) patchProduct(a + i, b + j, depth, out + i * kTile + j);
+}
+
 template <class Real>
 constexpr Kernels<Real> kTable = {
     .versor = versor<Real>,
@@ -438,6 +472,7 @@ constexpr Kernels<Real> kTable = {
     .logDistances = logDistances<Real>,
     .addColumns = addColumns<Real>,
     .dotColumns = dotColumns<Real>,
+    .tileProduct = tileProduct<Real>,
 };
 
 }  // namespace

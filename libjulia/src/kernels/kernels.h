@@ -67,6 +67,9 @@ struct BrickLattice {
   const float* values;           ///< of all bricks
 };
 
+/// Rows and columns of the tiles that dense matrices are multiplied by.
+constexpr std::size_t kTile = 64;
+
 template <class Real>
 struct Kernels {
   /// u = the unit quaternion of the ordered product of (q - t)^p over all roots; least[i] = the smallest |q - t|^2, or
@@ -111,6 +114,8 @@ struct Kernels {
   /// products[j] = the sum over i of column j times factors; columns as above.
   void (*dotColumns)(const Real* columns, const double* factors, std::size_t columnCount, double* products,
                      std::size_t size);
+  /// out[i][j] = the sum over k of a[k][i] b[k][j], k < depth, one after the other; rows of kTile, @a out of kTile^2.
+  void (*tileProduct)(const Real* a, const Real* b, std::size_t depth, Real* out);
 };
 
 /// The kernels of the instruction set in use.

@@ -8,7 +8,6 @@
 #include "vdbtools/fit_target.h"
 #include "vdbtools/image.h"
 #include "vdbtools/recipe.h"
-#include "vdbtools/versor_file.h"
 
 #include "julia/fit/schedule.h"
 #include "julia/fit/shape_energy.h"
@@ -58,13 +57,12 @@ struct FitRow {
 
 struct FitResult {
   julia::Rational rational;
-  FittedTo target;
+  FitTarget target;
   FitMeasure measure;  ///< on the cells of the cube
   double slope = 0;    ///< median of |L / phi| near the surface
   std::vector<FitRow> rows;
   std::size_t monopoles = 0;  ///< if electrostatics had a part
   double capacitance = 0;     ///< likewise, fractal space
-  int steps = 0;
 };
 
 /// @param wantDistances  measures distances at the end of every round or pass, which takes about a second each
@@ -80,6 +78,6 @@ Image fitReportPlot(std::span<const FitRow> rows);
 
 /// The fit as an `.o3d`, with the fields that belong to it on the cells of the target's cube.
 /// @throw std::invalid_argument  e^C does not fit a double
-std::string fitToO3d(const FitResult& fit, const FitOptions& options, Monitor& monitor);
+std::string fitToO3d(const FitResult& fit, Monitor& monitor);
 
 }  // namespace vdbtools

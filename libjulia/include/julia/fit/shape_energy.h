@@ -26,8 +26,13 @@ struct FitCell {
   float volume = 1;  ///< of what the cell stands for, in the smallest cells
 };
 
+std::vector<Point> pointsOf(std::span<const FitCell> cells);
+
+/// Cells; nearer to the surface a cell is cut by it, and 1 / phi says nothing.
+inline constexpr double kLeastDistance = 0.5;
+
 enum class CellWeights {
-  InverseDistance,  ///< W = volume / phi, |phi| taken as at least half a cell: [Kim15] Eq. 6
+  InverseDistance,  ///< W = volume / phi, |phi| taken as at least kLeastDistance: [Kim15] Eq. 6
   Layers,           ///< W = volume / layers of cells from the surface, each side summing to one half: the 2015 program
 };
 
