@@ -55,15 +55,15 @@ int runStudy(const Arguments& arguments) {
                                      .circles = line.has("curve") || line.has("csv")};
   const PlanePlacement placement = parsePlacement(line);
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
-  const std::string input = line.text("input");
-  if (input.empty()) throw std::invalid_argument("no target was given");
+  const auto input = line.recipe().find("input");
+  if (input == line.recipe().end()) throw std::invalid_argument("no target was given");
   Outputs outputs;
   std::ostream& file = outputs.add("output", line.text("output"), ".png .exr").stream();
   std::ostream* const curve =
       line.has("curve") ? &outputs.add("curve", line.text("curve"), ".png .exr").stream() : nullptr;
   std::ostream* const csv = line.has("csv") ? &outputs.add("csv", line.text("csv"), ".csv").stream() : nullptr;
 
-  const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(sceneRecipe(line, input));
+  const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(sceneRecipe(line, input->second));
   const vdbtools::Scene scene = vdbtools::makeScene(options, line.progress());
   const vdbtools::SlicePlane plane = placement.plane(frameOf(scene), scene.space.centre);
   const vdbtools::Study result = vdbtools::runStudy(scene, plane, study, line.progress());

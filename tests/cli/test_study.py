@@ -71,7 +71,7 @@ class Average(StudyTest):
         sets = ["portable"] + [name for name, flag in (("avx2", "avx2"), ("avx512", "avx512vl")) if flag in flags]
         results = set()
         for options in [("--threads", 1), ("--threads", 2), ()] + [("--instructions", name) for name in sets]:
-            self.ok("study", "t.obj", *LOW, *ROUGH, "--versors", 70, "-o", "x.png", "--curve", "c.png", "--csv", "x.csv",
+            self.ok("study", "t.obj", *LOW, "--alpha", 60, "--versors", 66, "-o", "x.png", "--curve", "c.png", "--csv", "x.csv",
                     *options)
             results.add((self.bytes("x.png"), self.bytes("c.png"), self.bytes("x.csv")))
         self.assertEqual(len(results), 1)

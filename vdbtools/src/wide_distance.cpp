@@ -20,7 +20,7 @@ using openvdb::FloatGrid;
 using openvdb::FloatTree;
 using openvdb::Vec3d;
 
-constexpr int kGain = 3;  ///< voxels that each level adds to its band
+constexpr int kGain = 8;  ///< voxels that each level adds to its band: more are more exact, and slower
 
 // Unregistered: making one costs nothing, and the trees do not change.
 using Accessor = openvdb::tree::ValueAccessor<const FloatTree, false>;
