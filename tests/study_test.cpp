@@ -87,17 +87,17 @@ TEST_F(StudyTest, CountsTheSetsThatTheJobMakes) {
     Recipe recipe = recipes[n];
     recipe["input"] = input;
     const Scene first = scene(recipe);
-    const SlicePlane plane = planeOf(first, 60, 0.02);
+    const SlicePlane plane = planeOf(first, 40, 0.02);
     const std::vector<int> alone = study(first, plane, 1).inside;
     EXPECT_EQ(alone, membership(first, plane)) << "recipe " << n;
     std::vector<int> sum = alone;
-    for (std::uint64_t k = 1; k < 4; ++k) {
+    for (std::uint64_t k = 1; k < 3; ++k) {
       recipe["versor-seed"] = std::to_string(first.options.randomRoots.seed + k);
       const std::vector<int> other = membership(scene(recipe), plane);
       EXPECT_NE(other, alone) << "recipe " << n;
       for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += other[i];
     }
-    EXPECT_EQ(study(first, plane, 4).inside, sum) << "recipe " << n;
+    EXPECT_EQ(study(first, plane, 3).inside, sum) << "recipe " << n;
   }
 }
 
@@ -105,7 +105,7 @@ TEST_F(StudyTest, EachVersorHasItsOwnArithmetic) {
   // Summed powers lie about the 250 from which doubles are taken.
   Recipe recipe{{"input", lumpy()}, {"alpha", "10"}, {"versor-roots", "38"}};
   const Scene first = scene(recipe);
-  const SlicePlane plane = planeOf(first, 48);
+  const SlicePlane plane = planeOf(first, 32);
   std::vector<int> sum(static_cast<std::size_t>(plane.width()) * static_cast<std::size_t>(plane.height()));
   int inFloats = 0;
   for (int k = 0; k < 8; ++k) {
@@ -143,8 +143,8 @@ TEST_F(StudyTest, CirclesAboutASphere) {
     EXPECT_LT(low, 0);
     for (const StudyCircle& circle : result.circles) {
       const double phi = circle.radius - kRadius;
-      // Facets, voxels of 0.1, and at the middle the kink of the distance.
-      const double tolerance = circle.radius < 0.3 ? 0.1 : 0.03;
+      // Facets, voxels of 0.1, and about the middle, where the distance has a kink, sweeping in voxels of 0.2.
+      const double tolerance = circle.radius < 0.8 ? 0.2 : 0.03;
       EXPECT_NEAR(circle.mean, phi, tolerance) << circle.radius;
       EXPECT_NEAR(circle.sphereMean, phi, tolerance) << circle.radius;
       EXPECT_LE(circle.least, circle.mean + 1e-12);
@@ -186,7 +186,7 @@ TEST_F(StudyTest, EveryKindOfTarget) {
   for (std::size_t n = 0; n < grids.size(); ++n) {
     const Scene made = scene({{"input", file("ball.vdb", grids[n])}});
     for (const StudyCircle& circle : study(made, planeOf(made, 20), 1, true).circles)
-      EXPECT_NEAR(circle.mean, circle.radius - 0.5, circle.radius > 0.05 ? 0.01 : 0.03)
+      EXPECT_NEAR(circle.mean, circle.radius - 0.5, circle.radius > 0.25 ? 0.01 : 0.05)
           << "grid " << n << ", radius " << circle.radius;
   }
 }
@@ -196,7 +196,7 @@ TEST_F(StudyTest, FarFromTheTarget) {
   const openvdb::BBoxd box(kCentre - Vec3d(300), kCentre + Vec3d(300));
   const Study result = study(made, SlicePlane(Axis::Y, kCentre[1], box, 16), 2, true);
   for (const StudyCircle& circle : result.circles)
-    EXPECT_NEAR(circle.mean, circle.radius - kRadius, 0.02 * circle.radius + 0.1) << circle.radius;
+    EXPECT_NEAR(circle.mean, circle.radius - kRadius, 0.02 * circle.radius + 0.2) << circle.radius;
 }
 
 TEST_F(StudyTest, AnOriginOutside) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file wide_distance.h
 /// Signed distances far from a surface, from a band about it. Nothing is made at the voxels of the band: the further
-/// away, the coarser.
+/// away, the coarser. What sweeping finds is good to a voxel of its level, on both sides of a kink; elsewhere better.
 #pragma once
 
 #include "vdbtools/exponent_grid.h"
