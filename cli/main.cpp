@@ -24,6 +24,7 @@ constexpr Command kCommands[] = {
     {"mesh", runMesh, "VDB -> mesh"},
     {"versor", runVersor, "make, look at and change versors, the fractal's texture"},
     {"slice", runSlice, "picture of a field on a plane"},
+    {"study", runStudy, "what a target does whatever its versor: average membership, distance over circles"},
     {"render", runRender, "shaded picture of a level set"},
     {"info", runInfo, "what is in a mesh, a VDB or a versor file"},
 };

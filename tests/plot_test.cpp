@@ -15,7 +15,7 @@ namespace {
 
 using Colour = std::array<float, 3>;
 constexpr Colour kRed{1, 0, 0}, kBlue{0, 0, 1};
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
 
 /// Columns that hold a pixel of exactly this colour.
 std::set<int> columnsOf(const Image& image, const Colour& colour) {
@@ -70,6 +70,17 @@ TEST(Plot, PointsThatAreNotFiniteAreGaps) {
   const int middle = (*columns.begin() + *columns.rbegin()) / 2;
   EXPECT_EQ(columns.count(middle), 0u);
   EXPECT_EQ(columns.count(middle / 2 + *columns.begin() / 2), 1u);
+}
+
+TEST(Plot, BandFillsItsRangeAndWidensNothing) {
+  const std::vector<PlotSeries> series{{"", {{0, 0}, {1, 1}}, kRed}};
+  const int all = rowsOf(plot(series, {.band = PlotBand{"", -kInfinity, kInfinity, kBlue}}), kBlue);
+  const int half = rowsOf(plot(series, {.band = PlotBand{"", 0.5, 7, kBlue}}), kBlue);
+  EXPECT_GT(all, 300);
+  EXPECT_NEAR(half, all / 2.0, 2);
+  EXPECT_EQ(rowsOf(plot(series, {.band = PlotBand{"", 3, 7, kBlue}}), kBlue), 0);
+  EXPECT_GT(rowsOf(plot(series, {.band = PlotBand{"named", 3, 7, kBlue}}), kBlue), 0);
+  EXPECT_THROW(plot(series, {.logY = true, .band = PlotBand{}}), std::invalid_argument);
 }
 
 TEST(Plot, OnePointIsADot) {

@@ -17,6 +17,7 @@ int runMesh(const Arguments& arguments);
 int runFit(const Arguments& arguments);
 int runVersor(const Arguments& arguments);
 int runSlice(const Arguments& arguments);
+int runStudy(const Arguments& arguments);
 int runRender(const Arguments& arguments);
 int runInfo(const Arguments& arguments);
 

@@ -4,6 +4,7 @@
 #include "exit_code.h"
 #include "options.h"
 #include "output.h"
+#include "slice_plane.h"
 
 #include "vdbtools/fractal_job.h"
 #include "vdbtools/slice_image.h"
@@ -57,13 +58,6 @@ SliceField parseField(const std::string& text) {
     if (text == name) return field;
   throw std::invalid_argument("--field is '" + text +
                               "'; it must be one of phi, e, f, logmodulus, membership, iterations, versor, grid");
-}
-
-vdbtools::Axis parseAxis(const std::string& text) {
-  if (text == "x") return vdbtools::Axis::X;
-  if (text == "y") return vdbtools::Axis::Y;
-  if (text == "z") return vdbtools::Axis::Z;
-  throw std::invalid_argument("--axis is '" + text + "'; it must be one of x, y, z");
 }
 
 /// A row of pixels at a time, in threads.
@@ -129,30 +123,10 @@ std::vector<openvdb::Vec3s> sampleVersor(const SlicePlane& plane, const Scene& s
   return values;
 }
 
-/// The rectangle that a picture of the scene shows: its box, or its target with some air.
-openvdb::BBoxd frameOf(const Scene& scene) {
-  constexpr double kAir = 0.08;  // of the target's longest side
-  if (scene.options.box) return *scene.options.box;
-  if (!scene.target) return scene.region;
-  openvdb::BBoxd box = scene.target->box;
-  const openvdb::Vec3d extents = box.extents();
-  box.expand(kAir * std::max({extents[0], extents[1], extents[2]}));
-  return box;
-}
-
-struct Placement {
-  vdbtools::Axis axis;
-  std::optional<double> position;
-  int size;
-
-  SlicePlane plane(const openvdb::BBoxd& box) const {
-    return {axis, position.value_or(box.getCenter()[static_cast<int>(axis)]), box, size};
-  }
-};
-
-vdbtools::Image sliceOfScene(const Scene& scene, SliceField field, const Placement& placement, double range,
+vdbtools::Image sliceOfScene(const Scene& scene, SliceField field, const PlanePlacement& placement, double range,
                              Progress& progress) {
-  const SlicePlane plane = placement.plane(frameOf(scene));
+  const openvdb::BBoxd frame = frameOf(scene);
+  const SlicePlane plane = placement.plane(frame, frame.getCenter());
   const auto need = [](bool there, const char* what) {
     if (!there) throw std::invalid_argument(std::string("there is no ") + what + " without a target");
   };
@@ -173,13 +147,14 @@ vdbtools::Image sliceOfScene(const Scene& scene, SliceField field, const Placeme
   return vdbtools::membershipSlice(plane, sampleField(plane, scene, progress).field);
 }
 
-vdbtools::Image sliceOfGrid(const std::string& input, const std::string& name, const Placement& placement, double range,
-                            Progress& progress) {
+vdbtools::Image sliceOfGrid(const std::string& input, const std::string& name, const PlanePlacement& placement,
+                            double range, Progress& progress) {
   const auto grid = vdbtools::chooseFloatGrid(vdbtools::readVdb(input), name, input);
   const openvdb::CoordBBox active = grid->evalActiveVoxelBoundingBox();
   if (active.empty()) throw vdbtools::DataError("the grid '" + grid->getName() + "' is empty");
-  const SlicePlane plane =
-      placement.plane(grid->transform().indexToWorld(openvdb::BBoxd(active.min().asVec3d(), active.max().asVec3d())));
+  const openvdb::BBoxd frame =
+      grid->transform().indexToWorld(openvdb::BBoxd(active.min().asVec3d(), active.max().asVec3d()));
+  const SlicePlane plane = placement.plane(frame, frame.getCenter());
   return vdbtools::signedSlice(plane, sampleGrid(plane, *grid, progress), range);
 }
 
@@ -188,20 +163,13 @@ vdbtools::Image sliceOfGrid(const std::string& input, const std::string& name, c
 int runSlice(const Arguments& arguments) {
   CommandLine line(kUsageText, vdbtools::fractalOptionSpecs());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.png"), "the picture to write: .png or .exr")(
-      "field", po::value<std::string>()->default_value("membership")->value_name("NAME"), "what to show")(
-      "axis", po::value<std::string>()->default_value("z")->value_name("x|y|z"), "the axis across the plane")(
-      "position", po::value<std::string>()->value_name("P"),
-      "where the plane cuts the axis, in the target's units (default: its middle)")(
-      "size", po::value<std::string>()->default_value("800")->value_name("N"), "pixels along the longer side")(
-      "range", po::value<std::string>()->value_name("R"), "phi, e, f, grid: the value of full colour (default: found)");
+      "field", po::value<std::string>()->default_value("membership")->value_name("NAME"), "what to show");
+  addPlaneOptions(line, "its middle");
+  line.addOptions()("range", po::value<std::string>()->value_name("R"),
+                    "phi, e, f, grid: the value of full colour (default: found)");
   if (!line.parse(arguments)) return kDone;
   const SliceField field = parseField(line.text("field"));
-  Placement placement{parseAxis(line.text("axis")), {}, 0};
-  if (line.has("position")) placement.position = vdbtools::parseNumber("position", line.text("position"));
-  const double size = vdbtools::parseNumber("size", line.text("size"));
-  if (!(size >= 1 && size <= 32768))
-    throw std::invalid_argument("--size is '" + line.text("size") + "'; it must be 1 to 32768");
-  placement.size = static_cast<int>(size);
+  const PlanePlacement placement = parsePlacement(line);
   const double range = line.has("range") ? vdbtools::parseNumber("range", line.text("range")) : 0;
   if (line.has("range") && !(range > 0))
     throw std::invalid_argument("--range is '" + line.text("range") + "'; it must be above 0");

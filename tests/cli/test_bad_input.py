@@ -273,6 +273,7 @@ class Places(harness.CliTest):
                 (("fractal", "s.obj", *LOW, "--mesh"), ".ply"), (("mesh", "s.vdb", "-o"), ".stl"),
                 (("versor", "new", "-o"), ".json"), (("versor", "scale", "v.json", "2", "-o"), ".p4d"),
                 (("slice", "s.vdb", "--field", "grid", "--size", 16, "-o"), ".png"),
+                (("study", "s.vdb", "--versors", 2, "--size", 16, "-o"), ".png"),
                 (("render", "s.vdb", "--size", "16x16", "-o"), ".exr")]
 
     def test_no_such_folder(self):

@@ -13,7 +13,7 @@ import unittest
 import harness
 from harness import DONE, USAGE
 
-COMMANDS = ["sdf", "fractal", "mesh", "versor", "slice", "render", "info"]
+COMMANDS = ["sdf", "fractal", "mesh", "versor", "slice", "study", "render", "info"]
 
 
 class Help(harness.CliTest):
@@ -53,7 +53,7 @@ class Help(harness.CliTest):
                 self.refused(USAGE, command, "--threads", mentions="threads")
 
     def test_one_word_too_many(self):
-        for command in ("sdf", "fractal", "mesh", "slice", "render"):
+        for command in ("sdf", "fractal", "mesh", "slice", "study", "render"):
             self.refused(USAGE, command, "one.vdb", "two.vdb", "-o", "x.vdb", mentions="too many")
 
 
@@ -74,10 +74,12 @@ class Examples(harness.CliTest):
 
         if command == "fractal":
             replace("--resolution", "32")
-        if command in ("fractal", "slice") and "--config" not in words and not words[0].endswith(".vdb"):
+        if command in ("fractal", "slice", "study") and "--config" not in words and not words[0].endswith(".vdb"):
             replace("--sdf-resolution", "32")
-        if command == "slice":
+        if command in ("slice", "study"):
             replace("--size", "40")
+        if command == "study":
+            replace("--versors", "3")
         if command == "render":
             replace("--size", "40x30")
         return words

@@ -72,6 +72,10 @@ class Interrupt(harness.CliTest):
         self.interrupt_in("slice", "slice", "s.obj", "-o", "x.png", "--field", "f", "--size", 20000,
                           "--sdf-resolution", 32)
 
+    def test_study(self):
+        self.interrupt_in("versors", "study", "s.obj", "-o", "x.png", "--csv", "x.csv", "--alpha", 6, "--versors",
+                          100000, "--sdf-resolution", 32)
+
     def test_render(self):
         self.ok("sdf", "s.obj", "-o", "s.vdb", "--resolution", 32)
         self.interrupt_in("render", "render", "s.vdb", "-o", "x.png", "--size", "6000x6000", "--samples", 16)

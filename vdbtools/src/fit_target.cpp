@@ -7,11 +7,10 @@
 #include "vdbtools/grid_mesh.h"
 #include "vdbtools/mesh_to_sdf.h"
 #include "vdbtools/vdb_file.h"
+#include "wide_distance.h"
 
 #include <openvdb/tools/Composite.h>
-#include <openvdb/tools/FastSweeping.h>
 #include <openvdb/tools/LevelSetFilter.h>
-#include <openvdb/tools/SignedFloodFill.h>
 
 #include <algorithm>
 #include <array>
@@ -110,31 +109,6 @@ bool knowsAll(const FloatGrid& level, const CoordBBox& nodes) {
   for (auto node = nodes.begin(); node; ++node)
     if (!accessor.isValueOn(*node)) return false;
   return true;
-}
-
-/// The next level: every second node's value as it is, and its band as many of its voxels wide again.
-FloatGrid::Ptr coarser(const FloatGrid& fine) {
-  const FloatGrid::Ptr kept = FloatGrid::create(2 * fine.background());
-  kept->setTransform(fine.transform().copy());
-  kept->transform().preScale(2);
-  kept->setGridClass(openvdb::GRID_LEVEL_SET);
-  auto accessor = kept->getAccessor();
-  for (auto value = fine.cbeginValueOn(); value; ++value) {
-    const Coord node = value.getCoord();
-    if (((node[0] | node[1] | node[2]) & 1) == 0) accessor.setValue(node >> 1, *value);
-  }
-  openvdb::tools::signedFloodFill(kept->tree());
-  // What dilateSdf() does, but that cannot finish where no node is inside: thin parts lie between the nodes.
-  bool anyInside = false;
-  for (auto value = kept->cbeginValueOn(); value; ++value) anyInside |= *value < 0;
-  openvdb::tools::FastSweeping<FloatGrid> sweeping;
-  sweeping.initDilate(*kept, kFitBand / 2, openvdb::tools::NN_FACE_EDGE_VERTEX);
-  sweeping.sweep(1, anyInside);
-  const FloatGrid::Ptr wide = sweeping.sdfGrid();
-  // Sweeping touches the outermost of the values that it starts from; what was known stays what it was.
-  auto known = wide->getAccessor();
-  for (auto value = kept->cbeginValueOn(); value; ++value) known.setValue(value.getCoord(), *value);
-  return wide;
 }
 
 /// Motion by mean curvature, of no more than half of @a smooth voxels anywhere.
@@ -291,7 +265,7 @@ FitTarget makeFitTarget(const FitTargetOptions& options, Monitor& monitor) {
   target.cubeCentre = target.space.toFractal(solid.box.getCenter());
   monitor.begin("distances", 0);
   while (!knowsAll(*target.levels.back(), knownNodes(target, target.levels.size() - 1))) {
-    target.levels.push_back(coarser(*target.levels.back()));
+    target.levels.push_back(coarserBand(*target.levels.back(), kFitBand / 2));
     monitor.throwIfCancelled();
   }
   target.surface = rootSurface(target, options, monitor);

@@ -145,8 +145,9 @@ FractalSpace makeSpace(const FractalOptions& options, const Target* target, cons
   return space;
 }
 
-julia::Rational randomVersor(const FractalOptions& options, const Scene& scene) {
+julia::Rational randomVersor(const FractalOptions& options, const Scene& scene, std::uint64_t seed) {
   julia::RandomRootsOptions random = options.randomRoots;
+  random.seed = seed;
   // The roots lie in the target's space; moving the dynamics' origin does not strew them anew.
   FractalSpace unmoved = scene.space;
   unmoved.centre -= options.origin * (options.space == SpaceKind::Fit ? scene.space.scale : 1.0);
@@ -183,13 +184,18 @@ std::optional<RationalFile> readVersorFile(const FractalOptions& options, std::m
   return file;
 }
 
-julia::Rational makeVersor(const FractalOptions& options, const std::optional<RationalFile>& file, Scene& scene) {
-  julia::Rational rational = file ? file->rational : randomVersor(options, scene);
-  scene.facts[kVersorJson] = rationalToJson(rational, {}, file ? file->target : std::nullopt);
+/// Scaled and moved as the options say.
+julia::Rational placed(julia::Rational rational, const FractalOptions& options) {
   if (options.versorScale != 1) rational = scaled(std::move(rational), options.versorScale);
   const Vec3d& by = options.versorTranslate;
   const julia::Embedding unsliced{0, options.dropAxis};
   return translated(std::move(rational), unsliced.quaternion<double>({by[0], by[1], by[2]}));
+}
+
+julia::Rational makeVersor(const FractalOptions& options, const std::optional<RationalFile>& file, Scene& scene) {
+  julia::Rational rational = file ? file->rational : randomVersor(options, scene, options.randomRoots.seed);
+  scene.facts[kVersorJson] = rationalToJson(rational, {}, file ? file->target : std::nullopt);
+  return placed(std::move(rational), options);
 }
 
 /// Of maps in log-polar form.
@@ -220,14 +226,14 @@ std::shared_ptr<const julia::CartesianMap<Real>> makeCartesianMap(const FractalO
 
 /// Whether 32 bits are as good as 64 for what the scene shows: the voxels are large against the rounding of positions,
 /// and neither powers nor iterations pile up more of it (docs/precision.md has the measurements).
-bool floatServes(const Scene& scene) {
+bool floatServes(const Scene& scene, const julia::Rational& rational) {
   constexpr double kLeastVoxel = 1e-3;  // of the largest coordinate: a thousandth of it is still resolved
   constexpr double kMostSummedPowers = 250;
   constexpr int kMostIterations = 5;
   if (makeCartesianMap<float>(scene.options)) return false;  // not measured
   if (scene.options.iterations > kMostIterations) return false;
   double powers = 0;
-  for (const julia::Polynomial* polynomial : {&scene.rational.top, &scene.rational.bottom})
+  for (const julia::Polynomial* polynomial : {&rational.top, &rational.bottom})
     for (const julia::Root& root : polynomial->roots) powers += std::abs(root.power * polynomial->powerScale);
   if (powers > kMostSummedPowers) return false;
   double largest = std::max(1.0, std::abs(scene.options.slice));
@@ -237,15 +243,34 @@ bool floatServes(const Scene& scene) {
   return scene.voxelSize / scene.space.scale >= kLeastVoxel * largest;
 }
 
-template <class Real>
-std::unique_ptr<julia::FieldEvaluator> makeEvaluator(const Scene& scene) {
+bool choosesFloats(const Scene& scene, const julia::Rational& rational) {
+  const Precision precision = scene.options.precision;
+  return precision == Precision::Float || (precision == Precision::Auto && floatServes(scene, rational));
+}
+
+template <class Real, template <class> class AnyMap>
+std::unique_ptr<julia::FieldEvaluator> makeEvaluator(const Scene& scene, std::shared_ptr<const AnyMap<Real>> map) {
   const FractalOptions& options = scene.options;
-  const julia::Embedding embedding{options.slice, options.dropAxis};
   julia::OrbitOptions orbit{
       .maxIterations = options.iterations, .escapeRadius = options.escape, .confirmTrap = options.exhaustive};
   if (scene.exponent) orbit.logTrap = scene.exponent->shell.lower;
-  if (auto map = makeCartesianMap<Real>(options)) return julia::makeFieldEvaluator<Real>(map, embedding, orbit);
-  return julia::makeFieldEvaluator<Real>(makeMap<Real>(scene), embedding, orbit);
+  return julia::makeFieldEvaluator<Real>(std::move(map), {options.slice, options.dropAxis}, orbit);
+}
+
+template <class Real>
+std::unique_ptr<julia::FieldEvaluator> makeEvaluator(const Scene& scene) {
+  if (auto map = makeCartesianMap<Real>(scene.options)) return makeEvaluator<Real>(scene, std::move(map));
+  return makeEvaluator<Real>(scene, makeMap<Real>(scene));
+}
+
+/// The shape modulus of a scene with another versor.
+template <class Real>
+std::unique_ptr<julia::FieldEvaluator> makeEvaluator(const Scene& scene, const julia::Rational& versor,
+                                                     std::shared_ptr<const julia::ScalarField<Real>>& exponent) {
+  if (!exponent) exponent = makeExponentField<Real>(*scene.exponent);
+  const std::shared_ptr<const julia::Map<Real>> map =
+      std::make_shared<julia::ShapeModulus<Real>>(exponent, versor, scene.options.dropAxis);
+  return makeEvaluator<Real>(scene, map);
 }
 
 /// A ball about the dynamics' origin in which the whole set lies, by its radius in fractal space; none where no such
@@ -338,8 +363,7 @@ Scene makeScene(const FractalOptions& options, Monitor& monitor) {
   // Room for the outermost cells of a set that fills its region.
   constexpr double kRoom = 2;  // voxels
   if (!scene.exponent && !options.box) scene.region.expand(kRoom * scene.voxelSize);
-  scene.inFloats =
-      options.precision == Precision::Float || (options.precision == Precision::Auto && floatServes(scene));
+  scene.inFloats = choosesFloats(scene, scene.rational);
   scene.facts["julia_arithmetic"] = scene.inFloats ? "float" : "double";
   scene.evaluator = scene.inFloats ? makeEvaluator<float>(scene) : makeEvaluator<double>(scene);
   if (options.map == MapKind::Cross) scene.space.centre += kLatticeShift * options.tolerance * scene.voxelSize;
@@ -347,6 +371,20 @@ Scene makeScene(const FractalOptions& options, Monitor& monitor) {
   scene.facts["julia_space_centre"] = numbersText({centre[0], centre[1], centre[2]});
   scene.facts["julia_space_scale"] = numbersText({scene.space.scale});
   return scene;
+}
+
+VersorSeeds::VersorSeeds(const Scene& scene) : mScene(scene) {
+  if (scene.options.map != MapKind::ShapeModulus)
+    throw std::invalid_argument("only the shape modulus has random versors over a target, and the map is another one");
+  if (scene.options.versor != "random")
+    throw std::invalid_argument("the versor is '" + scene.options.versor +
+                                "'; only random ones come in a row of seeds");
+}
+
+std::unique_ptr<julia::FieldEvaluator> VersorSeeds::evaluator(std::uint64_t seed) {
+  const julia::Rational versor = placed(randomVersor(mScene.options, mScene, seed), mScene.options);
+  return choosesFloats(mScene, versor) ? makeEvaluator<float>(mScene, versor, mFloats)
+                                       : makeEvaluator<double>(mScene, versor, mDoubles);
 }
 
 FieldPlan planScene(const Scene& scene) {

@@ -212,6 +212,12 @@ int widestLabel(const Axis& axis) {
 
 int pixelOf(double position) { return static_cast<int>(std::lround(position)); }
 
+/// What of the band lies between the axes.
+void drawBand(Image& image, const Axis& x, const Axis& y, const PlotBand& band) {
+  const auto row = [&](double value) { return pixelOf(y.pixel(std::clamp(value, y.low, y.high))); };
+  fill(image, pixelOf(x.first), row(band.high), pixelOf(x.last), row(band.low), band.colour);
+}
+
 void drawAxes(Image& image, const Axis& x, const Axis& y, const PlotOptions& options) {
   const int left = pixelOf(x.first), right = pixelOf(x.last), bottom = pixelOf(y.first), top = pixelOf(y.last);
   constexpr int kTick = 5;
@@ -244,13 +250,15 @@ void drawAxes(Image& image, const Axis& x, const Axis& y, const PlotOptions& opt
 
 /// In the corner of the axes where it hides least of the curves.
 void drawLegend(Image& image, const Axis& x, const Axis& y, std::span<const PlotSeries> series,
-                std::vector<Coverage>& curves) {
+                const std::optional<PlotBand>& band, std::vector<Coverage>& curves) {
   int rows = 0, width = 0;
-  for (const PlotSeries& one : series) {
-    if (one.name.empty()) continue;
+  const auto count = [&](const std::string& name) {
+    if (name.empty()) return;
     ++rows;
-    width = std::max(width, kKeyLength + kGap + textWidth(one.name));
-  }
+    width = std::max(width, kKeyLength + kGap + textWidth(name));
+  };
+  for (const PlotSeries& one : series) count(one.name);
+  if (band) count(band->name);
   if (rows == 0) return;
   width += 2 * kGap;
   const int height = rows * kLine + kGap;
@@ -281,6 +289,9 @@ void drawLegend(Image& image, const Axis& x, const Axis& y, std::span<const Plot
     drawText(image, bestX + 2 * kGap + kKeyLength, row, one.name);
     row += kLine;
   }
+  if (!band || band->name.empty()) return;
+  fill(image, bestX + kGap, row, bestX + kGap + kKeyLength, row + kAscent, band->colour);
+  drawText(image, bestX + 2 * kGap + kKeyLength, row, band->name);
 }
 
 void requireDrawable(std::span<const PlotSeries> series, const PlotOptions& options) {
@@ -288,6 +299,7 @@ void requireDrawable(std::span<const PlotSeries> series, const PlotOptions& opti
   if (options.width < kLeastWidth || options.height < kLeastHeight || options.width > kMost || options.height > kMost)
     throw std::invalid_argument("a plot of " + std::to_string(options.width) + " x " + std::to_string(options.height) +
                                 " pixels cannot be drawn; use 200 x 150 to 4096 x 4096");
+  if (options.band && options.logY) throw std::invalid_argument("a band has no place beside a logarithm");
   for (const PlotSeries& one : series)
     for (const auto& point : one.points)
       if (drawable(point, options.logY)) return;
@@ -325,13 +337,14 @@ Image plotLines(std::span<const PlotSeries> series, const PlotOptions& options) 
 
   Image image(options.width, options.height);
   std::fill(image.pixels.begin(), image.pixels.end(), kWhite);
+  if (options.band) drawBand(image, x, y, *options.band);
   drawAxes(image, x, y, options);
   std::vector<Coverage> curves;
   for (const PlotSeries& one : series) {
     drawCurve(curves.emplace_back(options.width, options.height), one, x, y, options.logY);
     curves.back().blendInto(image, one.colour);
   }
-  drawLegend(image, x, y, series, curves);
+  drawLegend(image, x, y, series, options.band, curves);
   return image;
 }
 

@@ -37,6 +37,24 @@ struct Scene {
 /// @throw what reading, repairing and the options' checks throw
 Scene makeScene(const FractalOptions& options, Monitor& monitor);
 
+/// A scene's evaluators with other random versors: what its target gives is made once and shared.
+class VersorSeeds {
+ public:
+  /// @param scene  must outlive this
+  /// @throw std::invalid_argument  the map is not the shape modulus, or its versor is not random
+  explicit VersorSeeds(const Scene& scene);
+
+  /// The evaluator that makeScene() would make for --versor-seed @a seed: the same bits.
+  /// @throw as julia::randomPolynomial()
+  std::unique_ptr<julia::FieldEvaluator> evaluator(std::uint64_t seed);
+
+ private:
+  const Scene& mScene;
+  // Made when first needed, for the arithmetic may depend on the versor.
+  std::shared_ptr<const julia::ScalarField<float>> mFloats;
+  std::shared_ptr<const julia::ScalarField<double>> mDoubles;
+};
+
 /// What of the scene is evaluated: the options' box or the whole set.
 FieldPlan planScene(const Scene& scene);
 

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands.h"
+
+#include "exit_code.h"
+#include "options.h"
+#include "output.h"
+#include "slice_plane.h"
+
+#include "vdbtools/study.h"
+
+#include <charconv>
+#include <iostream>
+
+namespace po = boost::program_options;
+
+namespace cli {
+namespace {
+
+constexpr Usage kUsageText = {
+    "study", "MESH|SDF.vdb|FRACTAL.vdb -o F.png [--curve F.png] [--csv F.csv] [--versors N] [--axis x|y|z] [options]",
+    "Shows on a plane what a target decides by itself and what is left to the versor: the average of the sets of many\n"
+    "random versors, black where all of them are inside and white where none is (Schor and Kim 2023, Fig. 8). The "
+    "k-th\n"
+    "versor, from 0 on, is that of --versor-seed S + k: 'juliavdb slice' shows it alone.\n\n"
+    "  --curve  the target's distance phi over circles about the dynamics' origin: mean, least and greatest by "
+    "radius.\n"
+    "           Where phi lies in the shaded range, the versor decides\n"
+    "  --csv    the same as numbers, in the target's units: radius, mean, least and greatest phi on the circle, mean "
+    "phi\n"
+    "           on the sphere of that radius, and the mean membership of the circle, 0 to 1",
+    "  juliavdb study bunny.obj -o study.png --curve curve.png --csv study.csv --versors 200\n"
+    "  juliavdb study bunny.obj -o rough.png --alpha 10 --versors 100 --size 400\n"
+    "  juliavdb study bunny.vdb -o side.png --axis x --versor-seed 5000\n"};
+
+int parseVersors(const std::string& text) {
+  int versors = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), versors);
+  if (error != std::errc{} || end != text.data() + text.size() || versors < 1 || versors > vdbtools::kMostVersors)
+    throw std::invalid_argument("--versors is '" + text + "'; it must be a whole number from 1 to " +
+                                std::to_string(vdbtools::kMostVersors));
+  return versors;
+}
+
+}  // namespace
+
+int runStudy(const Arguments& arguments) {
+  CommandLine line(kUsageText, vdbtools::studyOptionSpecs());
+  line.addOptions()("output,o", po::value<std::string>()->value_name("F.png"), "the average to write: .png or .exr")(
+      "curve", po::value<std::string>()->value_name("F.png"), "the distance over circles to write: .png or .exr")(
+      "csv", po::value<std::string>()->value_name("F.csv"), "the circles as numbers to write")(
+      "versors", po::value<std::string>()->default_value("1000")->value_name("N"), "how many random versors");
+  addPlaneOptions(line, "through the dynamics' origin");
+  if (!line.parse(arguments)) return kDone;
+  const vdbtools::StudyOptions study{.versors = parseVersors(line.text("versors")),
+                                     .circles = line.has("curve") || line.has("csv")};
+  const PlanePlacement placement = parsePlacement(line);
+  if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
+  const auto input = line.recipe().find("input");
+  if (input == line.recipe().end()) throw std::invalid_argument("no target was given");
+  Outputs outputs;
+  std::ostream& file = outputs.add("output", line.text("output"), ".png .exr").stream();
+  std::ostream* const curve =
+      line.has("curve") ? &outputs.add("curve", line.text("curve"), ".png .exr").stream() : nullptr;
+  std::ostream* const csv = line.has("csv") ? &outputs.add("csv", line.text("csv"), ".csv").stream() : nullptr;
+
+  const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(sceneRecipe(line, input->second));
+  const vdbtools::Scene scene = vdbtools::makeScene(options, line.progress());
+  const vdbtools::SlicePlane plane = placement.plane(frameOf(scene), scene.space.centre);
+  const vdbtools::Study result = vdbtools::runStudy(scene, plane, study, line.progress());
+  file << vdbtools::encodeImage(vdbtools::studyImage(plane, result), formatOf(line.text("output"), ".png"));
+  if (curve) *curve << vdbtools::encodeImage(vdbtools::studyPlot(result), formatOf(line.text("curve"), ".png"));
+  if (csv) *csv << vdbtools::studyCsv(result);
+  line.progress().throwIfCancelled();
+  outputs.commit();
+  std::cerr << "wrote " << outputs.names() << ": " << plane.width() << " x " << plane.height() << ", " << result.versors
+            << " versors from seed " << options.randomRoots.seed << " on";
+  if (result.undecided)
+    std::cerr << ", open where phi is between " << result.undecided->first << " and " << result.undecided->second;
+  if (!result.originInside) std::cerr << ", the dynamics' origin lies outside the target";
+  std::cerr << '\n';
+  return kDone;
+}
+
+}  // namespace cli

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/study.h"
+
+#include "in_parallel.h"
+#include "study_circles.h"
+#include "vdbtools/plot.h"
+
+#include <openvdb/tools/Interpolation.h>
+
+#include <algorithm>
+#include <limits>
+#include <locale>
+#include <sstream>
+#include <stdexcept>
+
+namespace vdbtools {
+namespace {
+
+using julia::FieldEvaluator;
+using julia::Point;
+
+// Of the job `fractal` and its outputs, or of other maps; what is left means the same as there.
+constexpr const char* kNoOptions[] = {"map", "versor", "rational",    "c",     "tolerance", "largest",   "min-size",
+                                      "cap", "follow", "seed-stride", "grids", "half",      "exhaustive"};
+
+constexpr std::size_t kChunk = 2048;        ///< points that a thread takes at once
+constexpr std::size_t kVersorsAtOnce = 64;  ///< between two meetings of the threads
+
+std::size_t chunksOf(std::size_t count) { return (count + kChunk - 1) / kChunk; }
+
+/// Runs body(i, begin, end) over the chunks of 0 to @a count, in threads.
+template <class Body>
+void inChunks(std::size_t count, const Monitor& monitor, const Body& body) {
+  inParallel(chunksOf(count), 1, monitor, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i != last && !monitor.cancelled(); ++i)
+      body(i, i * kChunk, std::min(count, (i + 1) * kChunk));
+  });
+}
+
+/// How many of the sets of seeds @a firstSeed and on hold each of the points pointAt(0) to pointAt(count - 1).
+template <class PointAt>
+std::vector<int> countInside(std::size_t count, const PointAt& pointAt, const Scene& scene, int versors,
+                             Monitor& monitor) {
+  VersorSeeds seeds(scene);
+  const std::uint64_t firstSeed = scene.options.randomRoots.seed;
+  std::vector<int> inside(count);
+
+  // |q_1| is e^E and knows nothing of the versor: what one step decides, it decides for all of them.
+  const std::unique_ptr<FieldEvaluator> first = seeds.evaluator(firstSeed);
+  std::vector<std::vector<std::size_t>> openOfChunk(chunksOf(count));
+  monitor.begin("first versor", count);
+  inChunks(count, monitor, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+    std::vector<Point> points;
+    for (std::size_t i = begin; i != end; ++i) points.push_back(pointAt(i));
+    std::vector<double> field(points.size());
+    std::vector<int> iterations(points.size());
+    first->evaluate(points, field, iterations);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const bool isOpen = iterations[k] > 1;
+      if (field[k] < 0) inside[begin + k] = isOpen ? 1 : versors;
+      if (isOpen) openOfChunk[chunk].push_back(begin + k);
+    }
+    monitor.advance(points.size());
+  });
+  std::vector<std::size_t> open;
+  for (const std::vector<std::size_t>& some : openOfChunk) open.insert(open.end(), some.begin(), some.end());
+
+  const auto others = static_cast<std::size_t>(versors - 1);
+  monitor.begin("versors", others * open.size());
+  for (std::size_t done = 0; done < others; done += kVersorsAtOnce) {
+    std::vector<std::unique_ptr<FieldEvaluator>> evaluators;
+    for (std::size_t k = done; k < std::min(others, done + kVersorsAtOnce); ++k)
+      evaluators.push_back(seeds.evaluator(firstSeed + 1 + k));
+    inChunks(open.size(), monitor, [&](std::size_t, std::size_t begin, std::size_t end) {
+      std::vector<Point> points;
+      for (std::size_t i = begin; i != end; ++i) points.push_back(pointAt(open[i]));
+      std::vector<double> field(points.size());
+      for (const auto& evaluator : evaluators) {
+        if (monitor.cancelled()) return;
+        evaluator->evaluate(points, field, {});
+        for (std::size_t k = 0; k < points.size(); ++k) inside[open[begin + k]] += field[k] < 0 ? 1 : 0;
+        monitor.advance(points.size());
+      }
+    });
+  }
+  return inside;
+}
+
+/// Where E lies in the open shell interval, as a range of phi.
+std::optional<std::pair<double, double>> undecidedRange(const Scene& scene) {
+  if (scene.options.iterations == 1) return std::nullopt;  // E's sign is all there is
+  const auto alpha = parseControl(scene.options.alpha), beta = parseControl(scene.options.beta);
+  const double *a = std::get_if<double>(&alpha), *b = std::get_if<double>(&beta);
+  if (!a || !b) return std::nullopt;
+  const julia::ShellInterval& shell = scene.exponent->shell;
+  return std::pair{scene.space.scale * (shell.lower / *a + *b), scene.space.scale * (shell.upper / *a + *b)};
+}
+
+}  // namespace
+
+std::span<const OptionSpec> studyOptionSpecs() {
+  static const std::vector<OptionSpec> specs = [] {
+    std::vector<OptionSpec> result;
+    for (const OptionSpec& spec : fractalOptionSpecs()) {
+      const bool drops = std::any_of(std::begin(kNoOptions), std::end(kNoOptions),
+                                     [&](const char* name) { return std::string_view(name) == spec.name; });
+      if (!drops && (spec.maps & mapBit(MapKind::ShapeModulus))) result.push_back(spec);
+    }
+    return result;
+  }();
+  return specs;
+}
+
+Study runStudy(const Scene& scene, const SlicePlane& plane, const StudyOptions& options, Monitor& monitor) {
+  if (options.versors < 1 || options.versors > kMostVersors)
+    throw std::invalid_argument("the number of versors is " + std::to_string(options.versors) + "; it must be 1 to " +
+                                std::to_string(kMostVersors));
+  const auto others = static_cast<std::uint64_t>(options.versors - 1);
+  if (scene.options.randomRoots.seed > std::numeric_limits<std::uint64_t>::max() - others)
+    throw std::invalid_argument("--versor-seed is '" + std::to_string(scene.options.randomRoots.seed) + "'; " +
+                                std::to_string(options.versors) + " seeds do not fit above it");
+  VersorSeeds{scene};  // its checks, before the work
+  Study study;
+  study.versors = options.versors;
+  study.undecided = undecidedRange(scene);
+  const openvdb::FloatGrid& phi = *scene.target->phi;
+  study.originInside = openvdb::tools::BoxSampler::sample(phi.tree(), phi.worldToIndex(scene.space.centre)) < 0;
+  const StudyCircles circles(plane, scene.space.centre);
+  if (options.circles) study.circles = circles.measure(scene, monitor);
+
+  const auto width = static_cast<std::size_t>(plane.width());
+  const std::size_t pixels = width * static_cast<std::size_t>(plane.height());
+  const auto pointAt = [&](std::size_t i) {
+    return scene.space.toFractal(
+        i < pixels ? plane.position(static_cast<int>(i % width), static_cast<int>(i / width))
+                   : circles.position((i - pixels) / StudyCircles::kAngles, (i - pixels) % StudyCircles::kAngles));
+  };
+  study.inside =
+      countInside(pixels + study.circles.size() * StudyCircles::kAngles, pointAt, scene, options.versors, monitor);
+  for (std::size_t i = 0; i < study.circles.size(); ++i) {
+    double sum = 0;
+    for (std::size_t k = 0; k < StudyCircles::kAngles; ++k) sum += study.inside[pixels + i * StudyCircles::kAngles + k];
+    study.circles[i].membership = sum / (static_cast<double>(StudyCircles::kAngles) * options.versors);
+  }
+  study.inside.resize(pixels);
+  return study;
+}
+
+Image studyImage(const SlicePlane& plane, const Study& study) { return countSlice(plane, study.inside, study.versors); }
+
+std::string studyCsv(const Study& study) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text.precision(9);
+  text << "radius,mean,least,greatest,sphere_mean,membership\n";
+  for (const StudyCircle& circle : study.circles)
+    text << circle.radius << ',' << circle.mean << ',' << circle.least << ',' << circle.greatest << ','
+         << circle.sphereMean << ',' << circle.membership << '\n';
+  return text.str();
+}
+
+Image studyPlot(const Study& study) {
+  PlotSeries mean{"mean", {}, {0.02F, 0.02F, 0.02F}}, least{"least, greatest", {}, {0.25F, 0.45F, 0.8F}};
+  PlotSeries greatest{"", {}, least.colour};
+  for (const StudyCircle& circle : study.circles) {
+    mean.points.emplace_back(circle.radius, circle.mean);
+    least.points.emplace_back(circle.radius, circle.least);
+    greatest.points.emplace_back(circle.radius, circle.greatest);
+  }
+  const PlotSeries series[] = {least, greatest, mean};
+  PlotOptions options{.title = "Distance over circles", .xLabel = "radius", .yLabel = "phi"};
+  if (study.undecided)
+    options.band = PlotBand{"undecided", study.undecided->first, study.undecided->second, {0.85F, 0.7F, 0.45F}};
+  return plotLines(series, options);
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file wide_distance.h
+/// Signed distances far from a surface, from a band about it. Nothing is made at the voxels of the band: the further
+/// away, the coarser. What sweeping finds is good to a voxel of its level, on both sides of a kink; elsewhere better.
+#pragma once
+
+#include "vdbtools/exponent_grid.h"
+
+#include <openvdb/openvdb.h>
+
+#include <span>
+#include <vector>
+
+namespace vdbtools {
+
+/// A band on the lattice of every second node: their values as they are, and @a gain of the new voxels more on each
+/// side, by fast sweeping.
+openvdb::FloatGrid::Ptr coarserBand(const openvdb::FloatGrid& fine, int gain);
+
+/// A target's phi all over a box.
+class WideDistance {
+ public:
+  /// @param box  world units
+  /// @throw DataError  a narrow band whose voxels are no cubes; Interrupted
+  WideDistance(const Target& target, const openvdb::BBoxd& box, Monitor& monitor);
+
+  /// phi[i] at points[i], world units: the target's own where it knows it, trilinear. A dense target knows all: see
+  /// Target. @pre one size; the points lie in the box
+  void sample(std::span<const openvdb::Vec3d> points, std::span<double> phi) const;
+
+ private:
+  /// The target's grid and ever coarser ones, voxels doubled each time; the last knows the whole box.
+  std::vector<openvdb::FloatGrid::ConstPtr> mLevels;
+  std::optional<openvdb::CoordBBox> mDenseBox;
+};
+
+}  // namespace vdbtools
