@@ -44,10 +44,13 @@ constexpr double kLeastRise = 2e-4;
 constexpr double kMostScores = 2e9;
 // Multiply-adds that one Gram matrix may take; beyond it a part of the cells stands for all.
 constexpr double kMostWork = 4e10;
-constexpr std::size_t kLeastCellsPerColumn = 6;
-// Newton's method.
-constexpr int kRoundSteps = 5, kLastSteps = 12, kEnergySteps = 6;
-constexpr double kSettled = 1e-3, kWellSettled = 1e-4;
+// How far Newton's method goes: steps at most, the relative fall of the loss that counts as none, and cells a column
+// that a Gram matrix has at least. Where roots are still to come, half of those do.
+struct Effort {
+  int steps;
+  double settled, leastCellsPerColumn;
+};
+constexpr Effort kRound{5, 1e-3, 3}, kLast{12, 1e-4, 6}, kSharpen{6, 1e-4, 6};
 constexpr double kEnergySharpness[] = {1, 2, 4, 8};
 
 enum class Loss { Logistic, Energy };
@@ -90,7 +93,7 @@ class Fitter {
   void add(const std::vector<FitRoot>& roots);
   void dropUnused();
   std::size_t addBest(std::size_t count);
-  void newton(Loss kind, double sharpness, int steps, double settled);
+  void newton(Loss kind, double sharpness, const Effort& effort);
   double heldOutIou() const;
   Rational rational() const;
   void report(std::string_view stage, double energy, bool roundEnds);
@@ -267,7 +270,7 @@ std::size_t Fitter::addBest(std::size_t count) {
   return chosen.size();
 }
 
-void Fitter::newton(Loss kind, double sharpness, int steps, double settled) {
+void Fitter::newton(Loss kind, double sharpness, const Effort& effort) {
   const Index n = mX.size();
   const auto roots = static_cast<std::size_t>(n - 1);
   VectorXd signs = VectorXd::Ones(n), least = VectorXd::Zero(n);
@@ -278,7 +281,7 @@ void Fitter::newton(Loss kind, double sharpness, int steps, double settled) {
     least[static_cast<Index>(j)] = mRoots[j].least;
   }
   const double columns = static_cast<double>(n), cells = static_cast<double>(mCells.size());
-  const double affordable = std::max(2 * kMostWork / (columns * columns), kLeastCellsPerColumn * columns);
+  const double affordable = std::max(2 * kMostWork / (columns * columns), effort.leastCellsPerColumn * columns);
   const auto stride = static_cast<std::size_t>(std::max(1.0, std::floor(cells / affordable)));
 
   mLogs.logModuli(weights(mX), constant(mX), mL);
@@ -286,7 +289,7 @@ void Fitter::newton(Loss kind, double sharpness, int steps, double settled) {
   mBestEnergy = current;
   std::vector<double> curvature(mCells.size()), difference(mCells.size()), moved(mCells.size());
   int small = 0;
-  for (int step = 0; step < steps && small < 2; ++step) {
+  for (int step = 0; step < effort.steps && small < 2; ++step) {
     if (mOptions.cancelled && mOptions.cancelled()) throw Cancelled();
     const LogMatrix::Pass pass = mLogs.pass(
         weights(mX), constant(mX),
@@ -336,7 +339,7 @@ void Fitter::newton(Loss kind, double sharpness, int steps, double settled) {
         const VectorXd x = length == 1 ? target : VectorXd(mX + length * direction);
         const double value = loss(kind, sharpness, moved) + penalty(x);
         if (!(value < current)) continue;
-        small = current - value < settled * std::abs(value) ? small + 1 : 0;
+        small = current - value < effort.settled * std::abs(value) ? small + 1 : 0;
         current = value;
         mX = x;
         std::swap(mL, moved);
@@ -396,7 +399,7 @@ FastFit Fitter::run() {
     if (first.size() < mOptions.maxRoots) first.push_back({x, nearest->phi > 0, 0});
   }
   add(first);
-  newton(Loss::Logistic, 1, kRoundSteps, kSettled);
+  newton(Loss::Logistic, 1, kRound);
   double best = 0;
   int worse = 0;
   for (; mRound < kMostRounds && worse < kPatience; ++mRound) {
@@ -410,12 +413,12 @@ FastFit Fitter::run() {
         1 + static_cast<std::size_t>(std::max(kShareOfMost * static_cast<double>(mOptions.maxRoots),
                                               kShareOfPresent * static_cast<double>(mRoots.size())));
     if (addBest(std::min(wanted, mOptions.maxRoots - mRoots.size())) == 0) break;
-    newton(Loss::Logistic, 1, kRoundSteps, kSettled);
+    newton(Loss::Logistic, 1, kRound);
   }
-  newton(Loss::Logistic, 1, kLastSteps, kWellSettled);
+  newton(Loss::Logistic, 1, kLast);
   mStage = "energy";
   for (const double sharpness : kEnergySharpness) {
-    newton(Loss::Energy, sharpness, kEnergySteps, kWellSettled);
+    newton(Loss::Energy, sharpness, kSharpen);
     dropUnused();
     report(mStage, mBestEnergy, true);
   }
