@@ -7,6 +7,7 @@
 #include "vdbtools/mesh_writer.h"
 #include "vdbtools/peer_formats.h"
 #include "vdbtools/vdb_file.h"
+#include "vdbtools/versor_file.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
