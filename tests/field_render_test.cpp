@@ -372,6 +372,12 @@ class FieldRenderScene : public testing::Test {
   Monitor mMonitor;
 };
 
+std::string recipeText(const Recipe& recipe) {
+  std::string text;
+  for (const auto& [name, value] : recipe) text += name + " = " + value + "; ";
+  return text;
+}
+
 FieldRenderOptions optionsFor(const Scene& scene, const BBoxd& region, int side) {
   FieldRenderOptions options;
   options.width = options.height = side;
@@ -394,7 +400,7 @@ TEST_F(FieldRenderScene, SkippingChangesNothingForAnyMap) {
     // Scheme (3) fills the ball: there is little to skip, and a ray's last samples are taken some at a time.
     const auto scheme = recipe.find("scheme");
     if (scheme == recipe.end() || scheme->second != "3") {
-      EXPECT_LT(skipped.evaluations, 0.7 * static_cast<double>(all.evaluations));
+      EXPECT_LT(skipped.evaluations, 0.7 * static_cast<double>(all.evaluations)) << recipeText(recipe);
     }
   }
 }
@@ -495,7 +501,7 @@ TEST_F(FieldRenderScene, SilhouettesAreThoseOfTheMesh) {
         apart += (mesh[at] && !nearOne(field, x, y)) || (field[at] && !nearOne(mesh, x, y));
       }
     // Specks smaller than a voxel, or than a step, are in one of them only.
-    EXPECT_LE(apart, covered / 500);
+    EXPECT_LE(apart, covered / 500) << recipeText(recipe);
     EXPECT_GT(covered, kSide * kSide / 8);
   }
 }

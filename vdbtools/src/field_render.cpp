@@ -71,7 +71,7 @@ void require(bool good, const char* name, double value, const char* domain) {
 /// Along the region's longest side, for pictures of this many rays: finding out costs as much as it saves when cells
 /// are some eight rays wide.
 int occupancyCells(const FieldRenderOptions& options) {
-  constexpr unsigned kRays = 8, kFewest = 32, kMost = 256;
+  constexpr unsigned kRays = 8, kFewest = 64, kMost = 256;
   const auto across = std::max(options.width, options.height) * std::sqrt(options.samples);
   return static_cast<int>(std::clamp(std::bit_ceil(static_cast<unsigned>(across) / kRays), kFewest, kMost));
 }
