@@ -340,11 +340,12 @@ TYPED_TEST(CrossMaps, versorsPointAlongTheProduct) {
   }
 }
 
-// Of the steps nothing is proved; what lies beyond the escape radius needs none.
-TYPED_TEST(CrossMaps, onlyWhatLiesBeyondTheRadiusIsDecided) {
+// Of a user's pair nothing is proved; what lies beyond the escape radius needs no proof.
+TYPED_TEST(CrossMaps, ofAUsersPairOnlyWhatLiesBeyondTheRadiusIsDecided) {
   using Real = TypeParam;
   const OrbitOptions orbit{.maxIterations = 4, .escapeRadius = 3};
-  const auto evaluator = crossEvaluator<Real>({.pair = CrossPair::B}, orbit);
+  const auto evaluator =
+      crossEvaluator<Real>({.pair = CrossPair::User, .f = "1, 1, 1", .g = "cos(x), cos(y), cos(z)"}, orbit);
   const std::vector<Point> centres{{0, 0, 0}, {0, 2.5, 0}, {0, 2.5, 2.5}, {-3, 3, 3}, {3.49, 0, 0}, {3.51, 0, 0}};
   std::vector<julia::Decision> decisions(centres.size());
   evaluator->decide(centres, 0.5, decisions);

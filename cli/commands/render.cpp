@@ -35,6 +35,7 @@ constexpr Usage kUsageText = {
     "  juliavdb render bunny.vdb -o bunny.png\n"
     "  juliavdb render bunny.vdb -o back.exr --size 1280x720 --azimuth 200 --zoom 1.5\n"
     "  juliavdb render --field bunny.vdb -o field.png --size 400x400\n"
+    "  juliavdb render --field --map cross --pair A -o triplex.png --size 400x400\n"
     "  juliavdb render --field --map quadratic --c=-0.2,0.6,0.2,0.2 --iterations 8 -o julia.exr --size 400x400\n"
     "  juliavdb render --field --map quadratic --c=-1,0.2,0,0 --iterations 8 -o turn.####.png --frames 2 --size "
     "200x200\n"};

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "julia/evaluator.h"
 
+#include "ball_arithmetic.h"
 #include "norms.h"
 #include "orbit_evaluator.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <stdexcept>
 
 namespace julia {
@@ -26,12 +29,11 @@ class CartesianEvaluator final : public OrbitEvaluator<Real> {
 
   int dimension() const override { return mMap->dimension(); }
 
-  /// Of the steps nothing is known.
   void decide(std::span<const Point> centres, double radius, std::span<Decision> out) const override {
     std::fill(out.begin(), out.end(), Decision::Undecided);
-    if (mOptions.confirmTrap || !(radius >= 0)) return;
-    for (std::size_t i = 0; i < centres.size(); ++i)
-      if (this->hasEscaped(this->embeddedBall(centres[i], radius))) out[i] = Decision::Outside;
+    // A trap would end orbits inside.
+    if (mOptions.confirmTrap || this->isTrapped(this->mLogTrap) || !(radius >= 0)) return;
+    for (std::size_t i = 0; i < centres.size(); ++i) out[i] = decisionOf(this->embeddedBall(centres[i], radius));
   }
 
   void versors(std::span<const Point> points, std::span<Quaternion<double>> versors) const override {
@@ -43,6 +45,29 @@ class CartesianEvaluator final : public OrbitEvaluator<Real> {
 
  private:
   using Base::mOptions;
+
+  /// The balls that hold the iterates of those that have not escaped; where all of one have, that is the end.
+  Decision decisionOf(const Ball& start) const {
+    if (this->hasEscaped(start)) return Decision::Outside;
+    // The evaluator compares logarithms, its own and that of the radius; nor are the lengths that it takes them of
+    // exact.
+    const double escape = mOptions.escapeRadius, logs = 2 * std::abs(std::log(escape)) + 16;
+    const double slack = Base::kNormSlack + 2 * kEpsilonOf<Real> * logs;
+    const auto largest = [](const Ball& ball) { return norm(ball.centre) + ball.radius; };
+    const auto mayEscape = [&](const Ball& ball) { return !(largest(ball) * (1 + slack) < escape); };
+    bool inside = mMap->isDefinedEverywhere() && !mayEscape(start);
+    Ball ball = start;
+    for (int number = 1; number <= mOptions.maxIterations; ++number) {
+      const std::optional<Ball> image = mMap->imageOf(ball, start, number);
+      if (!image || !std::isfinite(largest(*image))) return Decision::Undecided;
+      ball = *image;
+      if ((norm(ball.centre) - ball.radius) * (1 - slack) >= escape) return Decision::Outside;
+      inside = inside && !mayEscape(ball);
+      // It holds all that can go on, and so will its images.
+      if (ball.radius > norm(ball.centre) + escape) return Decision::Undecided;
+    }
+    return inside ? Decision::Inside : Decision::Undecided;
+  }
 
   void takeStep(Batch& batch, int step) const override {
     if (step == 1)

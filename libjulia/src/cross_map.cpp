@@ -4,6 +4,7 @@
 #include "julia/expression_pair.h"
 
 #include "batch_view.h"
+#include "cartesian_balls.h"
 
 namespace julia {
 
@@ -48,6 +49,22 @@ void CrossMap<Real>::step(const QuaternionBatch<Real>& p, const QuaternionBatch<
 template <class Real>
 void CrossMap<Real>::direction(const QuaternionBatch<Real>& start, QuaternionBatch<Real>& direction) const {
   multiply(start, Quaternion<Real>{}, direction);
+}
+
+template <class Real>
+std::optional<Ball> CrossMap<Real>::imageOf(const Ball& ball, const Ball& start, int number) const {
+  if (mScheme == CrossScheme::FixedFactor && number > 1) {
+    const std::optional<Ball> g = crossSecondOf<Real>(mPair, start);
+    return g ? std::optional(crossProductOf<Real>(ball, *g)) : std::nullopt;
+  }
+  const std::optional<Ball> product = crossProductOf<Real>(mPair, ball);
+  if (!product || mScheme == CrossScheme::FixedFactor) return product;
+  return sumOf<Real>(*product, mScheme == CrossScheme::Julia ? Ball{mConstant.template as<double>(), 0} : start);
+}
+
+template <class Real>
+bool CrossMap<Real>::isDefinedEverywhere() const {
+  return mPair != CrossPair::A && mPair != CrossPair::APrime && mPair != CrossPair::User;
 }
 
 template <class Real>

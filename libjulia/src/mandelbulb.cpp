@@ -2,6 +2,7 @@
 #include "julia/mandelbulb.h"
 
 #include "batch_view.h"
+#include "cartesian_balls.h"
 
 #include <algorithm>
 #include <cmath>
@@ -50,12 +51,24 @@ void Mandelbulb<Real>::direction(const QuaternionBatch<Real>& start, QuaternionB
 }
 
 template <class Real>
+std::optional<Ball> Mandelbulb<Real>::imageOf(const Ball& ball, const Ball& start, int) const {
+  if (wholePower() == 0) return std::nullopt;
+  const Ball power = triplexPowerOf<Real>(wholePower(), mAngle, ball);
+  return sumOf<Real>(power, mConstant ? Ball{mConstant->template as<double>(), 0} : start);
+}
+
+template <class Real>
+int Mandelbulb<Real>::wholePower() const {
+  const bool byProducts = mPower >= 2 && mPower <= kMostByProducts && mPower == std::floor(mPower);
+  return byProducts ? static_cast<int>(mPower) : 0;
+}
+
+template <class Real>
 template <class Constant>
 void Mandelbulb<Real>::power(const QuaternionBatch<Real>& p, const Constant& constant,
                              QuaternionBatch<Real>& next) const {
-  const bool byProducts = mPower >= 2 && mPower <= kMostByProducts && mPower == std::floor(mPower);
-  const kernels::TriplexPower<Real> triplex{
-      static_cast<Real>(mPower), byProducts ? static_cast<std::uint32_t>(mPower) : 0, mAngle == TriplexAngle::FromPole};
+  const kernels::TriplexPower<Real> triplex{static_cast<Real>(mPower), static_cast<std::uint32_t>(wholePower()),
+                                            mAngle == TriplexAngle::FromPole};
   next.resize(p.size());
   kernels::kernels<Real>().triplex(triplex, addend(constant), view(p), view(next), p.size());
 }

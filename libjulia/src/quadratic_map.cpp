@@ -3,6 +3,7 @@
 
 #include "ball_arithmetic.h"
 #include "batch_view.h"
+#include "cartesian_balls.h"
 #include "norms.h"
 
 #include <cmath>
@@ -91,6 +92,11 @@ template <class Real>
 void QuadraticMandelbrot<Real>::step(const QuaternionBatch<Real>& q, const QuaternionBatch<Real>& carried,
                                      QuaternionBatch<Real>& next) const {
   squaresPlus(addend(carried), q, next);
+}
+
+template <class Real>
+std::optional<Ball> QuadraticMandelbrot<Real>::imageOf(const Ball& ball, const Ball& start, int) const {
+  return sumOf<Real>(squareOf<Real>(ball), start);
 }
 
 template class QuadraticMandelbrot<float>;

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -21,8 +22,7 @@ namespace {
 using openvdb::BBoxd;
 using openvdb::Vec3d;
 
-constexpr int kOccupancyCells = 128;  ///< along the region's longest side
-constexpr int kTile = 32;             ///< pixels along a side of what one thread marches together
+constexpr int kTile = 32;  ///< pixels along a side of what one thread marches together
 /// Points of a batch, for the vector kernels, and the most samples that one ray gives to it: what comes after its hit
 /// is in vain.
 constexpr std::size_t kBatch = 2048, kMostAhead = 32;
@@ -68,6 +68,14 @@ void require(bool good, const char* name, double value, const char* domain) {
   if (!good) refuse(name, value, domain);
 }
 
+/// Along the region's longest side, for pictures of this many rays: finding out costs as much as it saves when cells
+/// are some eight rays wide.
+int occupancyCells(const FieldRenderOptions& options) {
+  constexpr unsigned kRays = 8, kFewest = 64, kMost = 256;
+  const auto across = std::max(options.width, options.height) * std::sqrt(options.samples);
+  return static_cast<int>(std::clamp(std::bit_ceil(static_cast<unsigned>(across) / kRays), kFewest, kMost));
+}
+
 void check(const FieldRenderOptions& o) {
   constexpr int kLargestSide = 32768;
   constexpr double kShortestStep = 1e-9;
@@ -92,7 +100,8 @@ void check(const FieldRenderOptions& o) {
   require(o.escapeRadius > 1, "escapeRadius", o.escapeRadius, "above 1");
 }
 
-/// The lengths of steps: a function of the distance from the eye only, so that a ray's samples are always the same.
+/// Where rays are sampled: one sequence of distances from the eye for all of them, t_{k+1} = t_k + the step at t_k. So
+/// what is skipped need not be gone through: some of its members are kept, and the search goes on from these.
 class Steps {
  public:
   Steps(const Clarity& clarity, double pixel, double distance)
@@ -105,15 +114,6 @@ class Steps {
     return std::max(mAlpha * power, mEpsilon);
   }
 
-  /// Goes on from @a t, once at least, to the first sample at @a end or beyond. @return the sample before it
-  double pass(double& t, double end) const {
-    switch (mDelta) {
-      case 0: return pass(t, end, [](double) { return 1.0; });
-      case 1: return pass(t, end, [](double at) { return at; });
-      default: return pass(t, end, [](double at) { return at * at; });
-    }
-  }
-
   /// Whether no step up to the distance @a t is lost in rounding.
   bool servesUpTo(double t) const {
     constexpr double kLeast = 1e-14;  // of the distance
@@ -122,23 +122,55 @@ class Steps {
     return length(least) >= kLeast * least;
   }
 
- private:
-  template <class Power>
-  double pass(double& t, double end, Power power) const {
-    const double alpha = mAlpha, epsilon = mEpsilon;
-    double at = t, before;
-    do {
-      before = at;
-      at += std::max(alpha * power(at), epsilon);
-    } while (at < end);
-    t = at;
-    return before;
+  /// Makes the sequence, from @a first on to beyond @a last, as far as servesUpTo() goes.
+  void lay(double first, double last) {
+    constexpr std::size_t kMost = 1 << 15;  // in the second-level cache
+    std::size_t stride = 1, count = 0;
+    mKept.clear();
+    for (double t = first;; t = next(t), ++count) {
+      if (count % stride == 0) {
+        if (mKept.size() == kMost) {
+          for (std::size_t i = 0; i < kMost / 2; ++i) mKept[i] = mKept[2 * i];
+          mKept.resize(kMost / 2);
+          stride *= 2;
+        }
+        if (count % stride == 0) mKept.push_back(t);
+      }
+      if (t >= last) break;
+    }
   }
 
+  /// After a member of the sequence.
+  double next(double t) const { return t + length(t); }
+
+  /// The sequence's first member at @a place or beyond, and the one before it.
+  struct Reached {
+    double before, t;
+  };
+  /// @param place  above the sequence's first
+  Reached reach(double place) const {
+    double before = *(std::lower_bound(mKept.begin(), mKept.end(), place) - 1), t = next(before);
+    while (t < place) {
+      before = t;
+      t = next(t);
+    }
+    return {before, t};
+  }
+
+ private:
   double mAlpha;
   int mDelta;
   double mEpsilon;
+  std::vector<double> mKept;
 };
+
+/// 0 within.
+double distanceTo(const BBoxd& box, const Vec3d& x) {
+  Vec3d off;
+  for (int axis = 0; axis < 3; ++axis)
+    off[axis] = std::max({box.min()[axis] - x[axis], x[axis] - box.max()[axis], 0.0});
+  return off.length();
+}
 
 struct Ray {
   Vec3d direction;
@@ -208,6 +240,9 @@ class Exposure {
     const double farthest = (mRegion.getCenter() - mEye).length() + mRegion.extents().length();
     if (!mSteps.servesUpTo(farthest))
       throw std::invalid_argument("epsilon is too small for an eye this far away; make it larger, or come nearer");
+    // Before the region, so that every place in it is above the sequence's first.
+    constexpr double kBefore = 1 - 1e-9;
+    mSteps.lay(kBefore * distanceTo(mRegion, mEye), farthest);
   }
 
   FieldImage render() {
@@ -280,19 +315,35 @@ class Exposure {
 
   /// Passes over the samples that are known to be outside. @return whether there is one to evaluate
   bool toNextSample(Ray& ray, std::optional<Occupancy::Walker>& walker) const {
+    if (!walker) return ray.t <= ray.end;
     while (ray.t <= ray.end) {
-      if (!walker) return true;
-      if (ray.t >= ray.known.end) ray.known = walker->at(mEye, ray.direction, ray.t);
-      if (ray.known.occupied) return true;
-      pass(ray, std::min(ray.known.end, std::nextafter(ray.end, kInfinity)));
+      double place = ray.t;
+      for (;;) {
+        if (place >= ray.known.end) ray.known = walker->at(mEye, ray.direction, place);
+        if (ray.known.occupied) break;
+        place = ray.known.end;
+        if (place > ray.end) return false;
+      }
+      if (place == ray.t) return true;
+      pass(ray, place);
     }
     return false;
   }
 
-  /// On to the first sample at @a end or beyond, to the next one at least.
-  void pass(Ray& ray, double end) const {
-    ray.before = mSteps.pass(ray.t, end);
+  /// On to the first sample at @a place or beyond.
+  /// @param place  above ray.t
+  void pass(Ray& ray, double place) const {
+    const Steps::Reached reached = mSteps.reach(place);
+    // Where the ray enters is a sample of its own.
+    ray.before = std::max(reached.before, ray.t);
+    ray.t = reached.t;
     ray.entering = false;
+  }
+
+  void step(Ray& ray) const {
+    if (ray.entering) return pass(ray, std::nextafter(ray.t, kInfinity));
+    ray.before = ray.t;
+    ray.t = mSteps.next(ray.t);
   }
 
   /// All rays go forward together, so that the evaluator gets many points at a time; each ray's samples are its own.
@@ -314,7 +365,7 @@ class Exposure {
         for (std::size_t n = 0; n < ahead && toNextSample(ray, walker); ++n) {
           points.push_back(pointOf(mEye + ray.t * ray.direction));
           samples.push_back({ray.before, ray.t, ray.entering});
-          pass(ray, ray.t);
+          step(ray);
         }
         ends.push_back(points.size());
       }
@@ -477,7 +528,7 @@ FieldImage FieldRenderer::render(const FieldRenderOptions& options, Monitor& mon
   check(options);
   monitor.throwIfCancelled();
   if (options.skip && !mOccupancy)
-    mOccupancy = std::make_unique<const Occupancy>(mSource.evaluator, mRegion, kOccupancyCells, monitor);
+    mOccupancy = std::make_unique<const Occupancy>(mSource.evaluator, mRegion, occupancyCells(options), monitor);
   return Exposure(mSource, mRegion, options.skip ? mOccupancy.get() : nullptr, options, monitor).render();
 }
 

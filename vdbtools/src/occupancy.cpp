@@ -73,12 +73,12 @@ Occupancy::Occupancy(const julia::FieldEvaluator& evaluator, const openvdb::BBox
 }
 
 Occupancy::Walker::Span Occupancy::Walker::at(const Vec3d& eye, const Vec3d& direction, double t) {
-  const Vec3d place = (eye + t * direction - mOrigin) / mCell;
+  const Vec3d place = (eye + t * direction - mOrigin) * mPerCell;
   const Coord cell = Coord::floor(place);
-  const bool occupied = mCells.isValueOn(cell);
   // The node that is constant here: a cube, or a tile of many.
   using Lower = openvdb::MaskTree::LeafNodeType;
   constexpr int kTiles[] = {4096, 128, Lower::DIM, 1};
+  const bool occupied = mCells.isValueOn(cell);
   const int depth = mCells.getValueDepth(cell);
   const int size = kTiles[depth < 0 ? 0 : depth];
   double end = std::numeric_limits<double>::infinity();

@@ -21,7 +21,7 @@ class Occupancy {
   class Walker {
    public:
     explicit Walker(const Occupancy& occupancy)
-        : mOrigin(occupancy.mOrigin), mCell(occupancy.mCell), mCells(occupancy.mCells) {}
+        : mOrigin(occupancy.mOrigin), mCell(occupancy.mCell), mPerCell(1 / occupancy.mCell), mCells(occupancy.mCells) {}
 
     /// The part of the ray around @a t, from there on, over which the answer is one: whether the set may be there.
     struct Span {
@@ -32,7 +32,7 @@ class Occupancy {
 
    private:
     openvdb::Vec3d mOrigin;
-    double mCell;
+    double mCell, mPerCell;
     openvdb::tree::ValueAccessor<const openvdb::MaskTree> mCells;
   };
 

@@ -7,7 +7,10 @@
 /// The level of F is ln(escape): F < 0 says 'did not escape' (DESIGN.md 2.3).
 #pragma once
 
+#include "julia/ball.h"
 #include "julia/quaternion_batch.h"
+
+#include <optional>
 
 namespace julia {
 
@@ -29,6 +32,16 @@ class CartesianMap {
   /// Each later step; @a carried has the same orbits as @a q, or is empty as begin() left it. @a next is resized.
   virtual void step(const QuaternionBatch<Real>& q, const QuaternionBatch<Real>& carried,
                     QuaternionBatch<Real>& next) const = 0;
+
+  /// A ball that holds the iterates which step number @a number, the first being 1, makes of those in @a ball, as they
+  /// are computed in Real, for all orbits that begin in @a start; but for points where the map is not defined. None if
+  /// the map proves nothing.
+  virtual std::optional<Ball> imageOf(const Ball& ball, const Ball& start, int number) const {
+    (void)ball, (void)start, (void)number;
+    return std::nullopt;
+  }
+  /// Whether it is defined at every point.
+  virtual bool isDefinedEverywhere() const { return true; }
 
   /// What FieldEvaluator::versors() gives the versor of: the first iterate, unless the map has a better sign of where
   /// a point goes. @a direction is resized.

@@ -60,6 +60,9 @@ class CrossMap final : public CartesianMap<Real> {
   void step(const QuaternionBatch<Real>& p, const QuaternionBatch<Real>& carried,
             QuaternionBatch<Real>& next) const override;
   void direction(const QuaternionBatch<Real>& start, QuaternionBatch<Real>& direction) const override;
+  /// None for the pair User, and for A and A' after the first step of scheme (3).
+  std::optional<Ball> imageOf(const Ball& ball, const Ball& start, int number) const override;
+  bool isDefinedEverywhere() const override;
 
  private:
   /// next = f(p) x g(p) + one constant for all, or one for each orbit.

@@ -53,9 +53,8 @@ extern template std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_p
 extern template std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const Map<double>>, const Embedding&,
                                                                    const OrbitOptions&);
 
-/// The same for a Cartesian map, of which only that is proved which has escaped before the first step. @throw
-/// std::invalid_argument if the embedding has a slice or another dropped axis than k and the map is one of three
-/// dimensions.
+/// The same for a Cartesian map; what it can prove is what imageOf() knows. @throw std::invalid_argument if the
+/// embedding has a slice or another dropped axis than k and the map is one of three dimensions.
 template <class Real>
 std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const CartesianMap<Real>> map,
                                                    const Embedding& embedding, const OrbitOptions& options);

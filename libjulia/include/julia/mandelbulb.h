@@ -43,10 +43,15 @@ class Mandelbulb final : public CartesianMap<Real> {
             QuaternionBatch<Real>& next) const override;
   /// p^n.
   void direction(const QuaternionBatch<Real>& start, QuaternionBatch<Real>& direction) const override;
+  /// For whole powers from 2 to 64.
+  std::optional<Ball> imageOf(const Ball& ball, const Ball& start, int number) const override;
 
  private:
   template <class Constant>
   void power(const QuaternionBatch<Real>& p, const Constant& constant, QuaternionBatch<Real>& next) const;
+
+  /// 0 if the power is not one that products make.
+  int wholePower() const;
 
   double mPower;
   TriplexAngle mAngle;

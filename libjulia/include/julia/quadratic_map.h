@@ -43,6 +43,7 @@ class QuadraticMandelbrot final : public CartesianMap<Real> {
              QuaternionBatch<Real>& next) const override;
   void step(const QuaternionBatch<Real>& q, const QuaternionBatch<Real>& carried,
             QuaternionBatch<Real>& next) const override;
+  std::optional<Ball> imageOf(const Ball& ball, const Ball& start, int number) const override;
 };
 
 extern template class QuadraticMandelbrot<float>;

@@ -3,17 +3,18 @@
 /// Pictures of the set F < 0 itself, by rays through the map and through no grid, as [ZB25] makes them. All lengths of
 /// the march are in fractal space, where the map lives; the camera is in the world.
 ///
-/// A ray is sampled at t_0 = where it enters the region, t_{k+1} = t_k + max(alpha t_k^delta, epsilon), t the distance
-/// from the eye: the clarity function of [HSK89] Eq. 16. Between the first sample inside and the one before it the
-/// surface is found by bisection. The normal comes from central differences at the hit's own step, along 13 axes and of
-/// a field that grows monotonely outwards (F starts anew where orbits escape a step earlier); Phong's model shades.
-/// Details that lie between two samples of a ray are not seen; a smaller alpha and epsilon find more.
+/// A ray is sampled where it enters the region, and from there on at t_{k+1} = t_k + max(alpha t_k^delta, epsilon), t
+/// the distance from the eye: the clarity function of [HSK89] Eq. 16, from one t_0 for all rays. Between the first
+/// sample inside and the one before it the surface is found by bisection. The normal comes from central differences at
+/// the hit's own step, along 13 axes and of a field that grows monotonely outwards (F starts anew where orbits escape a
+/// step earlier); Phong's model shades. Details that lie between two samples of a ray are not seen; a smaller alpha and
+/// epsilon find more.
 ///
 /// Skipping: before the march the region is covered with cubes, and those that FieldEvaluator::decide() proves to be
 /// outside are remembered in a VDB mask. Samples in such a cube are not evaluated, and no other sample moves: the
-/// picture has the same bytes as without. How much that saves depends on what the map can prove: for the shape modulus,
-/// rational and quadratic maps all but a layer around the set; for a map that proves nothing only what lies beyond the
-/// escape radius.
+/// picture has the same bytes as without. How much that saves depends on what the map can prove: mostly all but a
+/// layer around the set; for a map that proves nothing (a user's pair, a Mandelbulb of a power that is not whole) only
+/// what lies beyond the escape radius.
 #pragma once
 
 #include "vdbtools/fractal_field.h"

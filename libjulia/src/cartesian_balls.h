@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file cartesian_balls.h
+/// Images of balls under the products that the Cartesian maps add c to. A ball around the image of the centre has the
+/// ball's radius times the largest derivative over the ball as its own, and what the kernels' arithmetic in Real may
+/// add; see ball_arithmetic.h.
+#pragma once
+
+#include "julia/ball.h"
+#include "julia/cross_map.h"
+#include "julia/mandelbulb.h"
+
+#include <optional>
+
+namespace julia {
+
+/// Each holds what the kernels compute at all points of @a ball, but for those where the map is not defined.
+/// @{
+
+/// q^2 of quaternions.
+template <class Real>
+Ball squareOf(const Ball& ball);
+
+/// The triplex power p^n, n from 2 to 64.
+template <class Real>
+Ball triplexPowerOf(int n, TriplexAngle angle, const Ball& ball);
+
+/// f(p) x g(p); nothing is known of the pair User.
+template <class Real>
+std::optional<Ball> crossProductOf(CrossPair pair, const Ball& ball);
+
+/// g(p); nothing is known of the pairs A and A', where it has no bound, and of User.
+template <class Real>
+std::optional<Ball> crossSecondOf(CrossPair pair, const Ball& ball);
+
+/// p x g + c.
+template <class Real>
+Ball crossProductOf(const Ball& p, const Ball& g);
+
+template <class Real>
+Ball sumOf(const Ball& a, const Ball& b);
+/// @}
+
+}  // namespace julia

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The commands of docs/gallery.md run, at a small size, and make the pictures that it shows; those are there."""
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+PAGE = (ROOT / "docs/gallery.md").read_text()
+PICTURES = re.findall(r"images/gallery/([\w-]+\.png)", PAGE)
+BUNNY = "/usr/share/glmark2/models/bunny.obj"
+FIGURES = {"SK23": (2, 5, 7, 9, 11, 13), "Kim15": (2, 3, 4, 5), "ZB25": (2, 3, 4, 5, 6, 7)}
+
+
+class Gallery(unittest.TestCase):
+    def test_every_figure_has_its_place(self):
+        sections = re.split(r"^### ", PAGE, flags=re.M)[1:]
+        titles = [re.match(r"\[(\w+)\] Fig\. (\d+): ", section).groups() for section in sections]
+        self.assertEqual(titles, [(paper, str(number)) for paper, numbers in FIGURES.items() for number in numbers])
+        for (paper, number), section in zip(titles, sections):
+            names = set(re.findall(r"images/gallery/([\w-]+)\.png", section))
+            self.assertTrue(names, section)
+            self.assertEqual({re.sub(r"[a-z]$", "", name) for name in names}, {f"{paper.lower()}-{number}"})
+
+    def test_every_picture_is_there_and_no_other(self):
+        self.assertEqual(sorted(PICTURES), sorted(p.name for p in (ROOT / "docs/images/gallery").iterdir()))
+
+    def test_the_commands_make_the_pictures(self):
+        with tempfile.TemporaryDirectory() as folder:
+            done = subprocess.run([sys.executable, ROOT / "docs/make-gallery", "--small", "--dragon", BUNNY, "--into", folder],
+                                  capture_output=True, text=True, env={**os.environ})
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(sorted(PICTURES), sorted(os.listdir(folder)))
+            for picture in pathlib.Path(folder).iterdir():
+                self.assertEqual(picture.read_bytes()[:4], b"\x89PNG", picture)
+
+
+if __name__ == "__main__":
+    unittest.main()
