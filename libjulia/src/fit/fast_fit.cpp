@@ -44,13 +44,13 @@ constexpr double kLeastRise = 2e-4;
 constexpr double kMostScores = 2e9;
 // Multiply-adds that one Gram matrix may take; beyond it a part of the cells stands for all.
 constexpr double kMostWork = 4e10;
-// How far Newton's method goes: steps at most, the relative fall of the loss that counts as none, and cells a column
-// that a Gram matrix has at least. Where roots are still to come, half of those do.
+constexpr std::size_t kLeastCellsPerColumn = 6;
+// How far Newton's method goes: steps at most, and the relative fall of the loss that counts as none.
 struct Effort {
   int steps;
-  double settled, leastCellsPerColumn;
+  double settled;
 };
-constexpr Effort kRound{5, 1e-3, 3}, kLast{12, 1e-4, 6}, kSharpen{6, 1e-4, 6};
+constexpr Effort kRound{5, 1e-3}, kLast{12, 1e-4}, kSharpen{6, 1e-4};
 constexpr double kEnergySharpness[] = {1, 2, 4, 8};
 
 enum class Loss { Logistic, Energy };
@@ -281,7 +281,7 @@ void Fitter::newton(Loss kind, double sharpness, const Effort& effort) {
     least[static_cast<Index>(j)] = mRoots[j].least;
   }
   const double columns = static_cast<double>(n), cells = static_cast<double>(mCells.size());
-  const double affordable = std::max(2 * kMostWork / (columns * columns), effort.leastCellsPerColumn * columns);
+  const double affordable = std::max(2 * kMostWork / (columns * columns), kLeastCellsPerColumn * columns);
   const auto stride = static_cast<std::size_t>(std::max(1.0, std::floor(cells / affordable)));
 
   mLogs.logModuli(weights(mX), constant(mX), mL);
