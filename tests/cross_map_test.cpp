@@ -30,6 +30,8 @@ using julia::OrbitOptions;
 using julia::Point;
 using julia::Quaternion;
 using julia::QuaternionBatch;
+using law_tests::batchOf;
+using law_tests::crossEvaluator;
 using law_tests::evaluated;
 using law_tests::FieldValues;
 using law_tests::Long;
@@ -44,19 +46,6 @@ constexpr CrossScheme kSchemes[] = {CrossScheme::FixedFactor, CrossScheme::Mande
 std::string nameOf(CrossPair pair, CrossScheme scheme = CrossScheme::Mandelbrot) {
   return std::string(std::array{"A", "A'", "B", "C", "D", "E", "user"}[static_cast<std::size_t>(pair)]) + " scheme " +
          std::to_string(static_cast<int>(scheme) + 3);
-}
-
-template <class Real>
-std::unique_ptr<FieldEvaluator> crossEvaluator(const CrossOptions& options, const OrbitOptions& orbit) {
-  return julia::makeFieldEvaluator<Real>(std::make_shared<CrossMap<Real>>(options), {}, orbit);
-}
-
-template <class Real>
-QuaternionBatch<Real> batchOf(const std::vector<Point>& points) {
-  QuaternionBatch<Real> batch;
-  batch.resize(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) batch.set(i, julia::Embedding{}.quaternion<Real>(points[i]));
-  return batch;
 }
 
 /// What one step may be off by, in units of epsilon: a dozen operations on terms of these sizes.

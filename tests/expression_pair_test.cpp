@@ -26,6 +26,7 @@ using julia::ExpressionPair;
 using julia::FieldEvaluator;
 using julia::OrbitOptions;
 using julia::Point;
+using law_tests::crossEvaluator;
 using law_tests::evaluated;
 using law_tests::FieldValues;
 using law_tests::pointsInBox;
@@ -46,11 +47,6 @@ const std::vector<Written>& builtIn() {
       {CrossPair::E, "x^2*y, y^2, z^2", "1, cos(z), max(1, 1)"},
   };
   return pairs;
-}
-
-template <class Real>
-std::unique_ptr<FieldEvaluator> crossEvaluator(const CrossOptions& options, const OrbitOptions& orbit) {
-  return julia::makeFieldEvaluator<Real>(std::make_shared<CrossMap<Real>>(options), {}, orbit);
 }
 
 template <class Real>

@@ -46,10 +46,8 @@ std::unique_ptr<FieldEvaluator> bulbEvaluator(const MandelbulbOptions& options, 
 
 template <class Real>
 QuaternionBatch<Real> powers(const MandelbulbOptions& options, const std::vector<Point>& points) {
-  QuaternionBatch<Real> start, power;
-  start.resize(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) start.set(i, julia::Embedding{}.quaternion<Real>(points[i]));
-  Mandelbulb<Real>(options).direction(start, power);
+  QuaternionBatch<Real> power;
+  Mandelbulb<Real>(options).direction(law_tests::batchOf<Real>(points), power);
   return power;
 }
 

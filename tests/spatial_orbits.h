@@ -5,12 +5,16 @@
 #pragma once
 
 #include "float128.h"
+#include "julia/cross_map.h"
 #include "julia/evaluator.h"
+#include "julia/quaternion_batch.h"
 #include "julia/reference_triplex.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -33,6 +37,20 @@ inline std::vector<Point> pointsInBox(std::uint64_t seed, int count, double half
   for (Point& p : points)
     for (double& x : p) x = static_cast<double>(static_cast<float>(random.between(-halfWidth, halfWidth)));
   return points;
+}
+
+template <class Real>
+julia::QuaternionBatch<Real> batchOf(const std::vector<Point>& points) {
+  julia::QuaternionBatch<Real> batch;
+  batch.resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) batch.set(i, julia::Embedding{}.quaternion<Real>(points[i]));
+  return batch;
+}
+
+template <class Real>
+std::unique_ptr<julia::FieldEvaluator> crossEvaluator(const julia::CrossOptions& options,
+                                                      const julia::OrbitOptions& orbit) {
+  return julia::makeFieldEvaluator<Real>(std::make_shared<julia::CrossMap<Real>>(options), {}, orbit);
 }
 
 struct FieldValues {

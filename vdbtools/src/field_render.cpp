@@ -4,6 +4,7 @@
 #include "field_shading.h"
 #include "in_parallel.h"
 #include "occupancy.h"
+#include "ray_steps.h"
 
 #include "vdbtools/file_bytes.h"
 
@@ -27,12 +28,10 @@ constexpr int kTile = 32;  ///< pixels along a side of what one thread marches t
 /// is in vain.
 constexpr std::size_t kBatch = 2048, kMostAhead = 32;
 constexpr int kBisections = 12;  ///< to a 4096th of a step
-constexpr int kFrameCells = 64;  ///< of the lattice that looks for the set, along the region's longest side
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double radians(double degrees) { return degrees * (std::numbers::pi / 180); }
-double longest(const Vec3d& v) { return std::max({v[0], v[1], v[2]}); }
 
 Vec3d inFractalSpace(const FractalSpace& space, const Vec3d& world) {
   const julia::Point x = space.toFractal(world);
@@ -99,70 +98,6 @@ void check(const FieldRenderOptions& o) {
   require(o.maxIterations >= 1, "maxIterations", o.maxIterations, "at least 1");
   require(o.escapeRadius > 1, "escapeRadius", o.escapeRadius, "above 1");
 }
-
-/// Where rays are sampled: one sequence of distances from the eye for all of them, t_{k+1} = t_k + the step at t_k. So
-/// what is skipped need not be gone through: some of its members are kept, and the search goes on from these.
-class Steps {
- public:
-  Steps(const Clarity& clarity, double pixel, double distance)
-      : mAlpha(clarity.alpha.value_or(pixel * std::pow(distance, 1 - clarity.delta))),
-        mDelta(clarity.delta),
-        mEpsilon(clarity.epsilon) {}
-
-  double length(double t) const {
-    const double power = mDelta == 1 ? t : mDelta == 0 ? 1 : t * t;
-    return std::max(mAlpha * power, mEpsilon);
-  }
-
-  /// Whether no step up to the distance @a t is lost in rounding.
-  bool servesUpTo(double t) const {
-    constexpr double kLeast = 1e-14;  // of the distance
-    // Of the second power a step is the smallest part of the distance where it grows beyond epsilon.
-    const double least = mDelta == 2 && mAlpha > 0 ? std::min(t, std::sqrt(mEpsilon / mAlpha)) : t;
-    return length(least) >= kLeast * least;
-  }
-
-  /// Makes the sequence, from @a first on to beyond @a last, as far as servesUpTo() goes.
-  void lay(double first, double last) {
-    constexpr std::size_t kMost = 1 << 15;  // in the second-level cache
-    std::size_t stride = 1, count = 0;
-    mKept.clear();
-    for (double t = first;; t = next(t), ++count) {
-      if (count % stride == 0) {
-        if (mKept.size() == kMost) {
-          for (std::size_t i = 0; i < kMost / 2; ++i) mKept[i] = mKept[2 * i];
-          mKept.resize(kMost / 2);
-          stride *= 2;
-        }
-        if (count % stride == 0) mKept.push_back(t);
-      }
-      if (t >= last) break;
-    }
-  }
-
-  /// After a member of the sequence.
-  double next(double t) const { return t + length(t); }
-
-  /// The sequence's first member at @a place or beyond, and the one before it.
-  struct Reached {
-    double before, t;
-  };
-  /// @param place  above the sequence's first
-  Reached reach(double place) const {
-    double before = *(std::lower_bound(mKept.begin(), mKept.end(), place) - 1), t = next(before);
-    while (t < place) {
-      before = t;
-      t = next(t);
-    }
-    return {before, t};
-  }
-
- private:
-  double mAlpha;
-  int mDelta;
-  double mEpsilon;
-  std::vector<double> mKept;
-};
 
 /// 0 within.
 double distanceTo(const BBoxd& box, const Vec3d& x) {
@@ -242,7 +177,7 @@ class Exposure {
       throw std::invalid_argument("epsilon is too small for an eye this far away; make it larger, or come nearer");
     // Before the region, so that every place in it is above the sequence's first.
     constexpr double kBefore = 1 - 1e-9;
-    mSteps.lay(kBefore * distanceTo(mRegion, mEye), farthest);
+    mSteps.lay(kBefore * distanceTo(mRegion, mEye), farthest, monitor);
   }
 
   FieldImage render() {
@@ -333,7 +268,7 @@ class Exposure {
   /// On to the first sample at @a place or beyond.
   /// @param place  above ray.t
   void pass(Ray& ray, double place) const {
-    const Steps::Reached reached = mSteps.reach(place);
+    const RaySteps::Reached reached = mSteps.reach(place);
     // Where the ray enters is a sample of its own.
     ray.before = std::max(reached.before, ray.t);
     ray.t = reached.t;
@@ -460,7 +395,7 @@ class Exposure {
   Vec3d mEye;     ///< fractal space
   BBoxd mRegion;  ///< fractal space
   Frame mFrame;
-  Steps mSteps;
+  RaySteps mSteps;
   int mGrid;  ///< samples along a pixel's side
   FieldLights mLights;
   const Occupancy* mOccupancy;
@@ -468,52 +403,6 @@ class Exposure {
 };
 
 }  // namespace
-
-Camera turned(const Camera& camera, double degrees) {
-  const Vec3d axis = camera.up.unit(), arm = camera.eye - camera.lookAt;
-  const double angle = radians(degrees), c = std::cos(angle), s = std::sin(angle);
-  Camera result = camera;
-  result.eye = camera.lookAt + c * arm + s * axis.cross(arm) + (1 - c) * axis.dot(arm) * axis;
-  return result;
-}
-
-FramedBall frameSet(const FieldSource& source, const BBoxd& region) {
-  const double cell = longest(region.extents()) / kFrameCells;
-  std::vector<julia::Point> points;
-  std::vector<Vec3d> places;
-  std::array<int, 3> count{};
-  for (int axis = 0; axis < 3; ++axis)
-    count[static_cast<std::size_t>(axis)] = std::max(1, static_cast<int>(std::ceil(region.extents()[axis] / cell)));
-  for (int i = 0; i < count[0]; ++i)
-    for (int j = 0; j < count[1]; ++j)
-      for (int k = 0; k < count[2]; ++k) {
-        places.push_back(region.min() + cell * Vec3d(i + 0.5, j + 0.5, k + 0.5));
-        points.push_back(source.space.toFractal(places.back()));
-      }
-  std::vector<double> field(points.size());
-  source.evaluator.evaluate(points, field, {});
-  BBoxd box;
-  for (std::size_t i = 0; i < places.size(); ++i)
-    if (field[i] < 0) box.expand(places[i]);
-  if (box.empty()) return {region.getCenter(), 0.5 * region.extents().length()};
-  FramedBall ball{box.getCenter(), 0};
-  for (std::size_t i = 0; i < places.size(); ++i)
-    if (field[i] < 0) ball.radius = std::max(ball.radius, (places[i] - ball.centre).length());
-  ball.radius += cell;
-  return ball;
-}
-
-Camera cameraAround(const FramedBall& ball, double azimuth, double elevation, double fieldOfView, double zoom,
-                    double aspect) {
-  const double a = radians(azimuth), e = radians(elevation);
-  const Vec3d towardsEye(std::sin(a) * std::cos(e), std::sin(e), std::cos(a) * std::cos(e));
-  const double tangent = std::tan(0.5 * radians(fieldOfView));
-  Camera camera;
-  camera.lookAt = ball.centre;
-  camera.eye = ball.centre + ball.radius / std::sin(std::atan(tangent * std::min(1.0, aspect))) * towardsEye;
-  camera.fieldOfView = 2 * std::atan(tangent / zoom) / radians(1);
-  return camera;
-}
 
 FieldRenderer::FieldRenderer(const FieldSource& source, const BBoxd& region)
     : mSource(source), mRegion(inFractalSpace(source.space, region.min()), inFractalSpace(source.space, region.max())) {

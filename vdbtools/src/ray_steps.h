@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file ray_steps.h
+/// How far apart the samples of the field renderer's rays are.
+#pragma once
+
+#include "vdbtools/field_render.h"
+#include "vdbtools/monitor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace vdbtools {
+
+/// Where rays are sampled: one sequence of distances from the eye for all of them, t_{k+1} = t_k + the step at t_k. So
+/// what is skipped need not be gone through: some of its members are kept, and the search goes on from these.
+class RaySteps {
+ public:
+  RaySteps(const Clarity& clarity, double pixel, double distance)
+      : mAlpha(clarity.alpha.value_or(pixel * std::pow(distance, 1 - clarity.delta))),
+        mDelta(clarity.delta),
+        mEpsilon(clarity.epsilon) {}
+
+  double length(double t) const {
+    const double power = mDelta == 1 ? t : mDelta == 0 ? 1 : t * t;
+    return std::max(mAlpha * power, mEpsilon);
+  }
+
+  /// Whether no step up to the distance @a t is lost in rounding.
+  bool servesUpTo(double t) const {
+    constexpr double kLeast = 1e-14;  // of the distance
+    // Of the second power a step is the smallest part of the distance where it grows beyond epsilon.
+    const double least = mDelta == 2 && mAlpha > 0 ? std::min(t, std::sqrt(mEpsilon / mAlpha)) : t;
+    return length(least) >= kLeast * least;
+  }
+
+  /// Makes the sequence, from @a first on to beyond @a last, as far as servesUpTo() goes.
+  /// @throw Interrupted
+  void lay(double first, double last, const Monitor& monitor) {
+    constexpr std::size_t kMost = 1 << 15;  // in the second-level cache
+    constexpr std::size_t kPerLook = 1 << 20;
+    std::size_t stride = 1, count = 0;
+    mKept.clear();
+    for (double t = first;; t = next(t), ++count) {
+      if (count % kPerLook == 0) monitor.throwIfCancelled();
+      if (count % stride == 0) {
+        if (mKept.size() == kMost) {
+          for (std::size_t i = 0; i < kMost / 2; ++i) mKept[i] = mKept[2 * i];
+          mKept.resize(kMost / 2);
+          stride *= 2;
+        }
+        if (count % stride == 0) mKept.push_back(t);
+      }
+      if (t >= last) break;
+    }
+  }
+
+  /// After a member of the sequence.
+  double next(double t) const { return t + length(t); }
+
+  /// The sequence's first member at @a place or beyond, and the one before it.
+  struct Reached {
+    double before, t;
+  };
+  /// @param place  above the sequence's first
+  Reached reach(double place) const {
+    double before = *(std::lower_bound(mKept.begin(), mKept.end(), place) - 1), t = next(before);
+    while (t < place) {
+      before = t;
+      t = next(t);
+    }
+    return {before, t};
+  }
+
+ private:
+  double mAlpha;
+  int mDelta;
+  double mEpsilon;
+  std::vector<double> mKept;
+};
+
+}  // namespace vdbtools
