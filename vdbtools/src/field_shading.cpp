@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "field_shading.h"
 
+#include "srgb.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -33,15 +35,13 @@ const std::array<Vec3d, kAxes>& axes() {
   return all;
 }
 
-double linearFromSrgb(double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); }
-
-Vec3d linearFromSrgb(const Vec3d& v) { return {linearFromSrgb(v[0]), linearFromSrgb(v[1]), linearFromSrgb(v[2])}; }
+Vec3d linearColour(const Vec3d& v) { return {linearFromSrgb(v[0]), linearFromSrgb(v[1]), linearFromSrgb(v[2])}; }
 
 /// Entries of [-1, 1] as the screen's RGB.
 Vec3d directionColour(const Vec3d& direction) {
   Vec3d rgb;
   for (int i = 0; i < 3; ++i) rgb[i] = std::clamp(0.5 + 0.5 * kSaturation * direction[i], 0.0, 1.0);
-  return linearFromSrgb(rgb);
+  return linearColour(rgb);
 }
 
 /// From dark blue over green to yellow, evenly in lightness: five colours of viridis.
@@ -52,7 +52,7 @@ Vec3d ramp(double v) {
   const double at = std::clamp(v, 0.0, 1.0) * (kStops.size() - 1);
   const std::size_t i = std::min(kStops.size() - 2, static_cast<std::size_t>(at));
   const double part = at - static_cast<double>(i);
-  return linearFromSrgb((1 - part) * kStops[i] + part * kStops[i + 1]);
+  return linearColour((1 - part) * kStops[i] + part * kStops[i + 1]);
 }
 
 /// A field that grows from the surface outwards like a distance: F is a sawtooth there, starting anew where orbits

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/slice_image.h"
 
+#include "srgb.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -46,10 +48,6 @@ Colour divergingColour(float t) {
   const Oklab& end = t < 0 ? kInside : kOutside;
   const float w = std::abs(t);
   return toLinearRgb({kMiddle.lightness + w * (end.lightness - kMiddle.lightness), w * end.a, w * end.b});
-}
-
-float linearFromSrgb(float encoded) {
-  return encoded <= 0.04045F ? encoded / 12.92F : std::pow((encoded + 0.055F) / 1.055F, 2.4F);
 }
 
 void requireSize(const SlicePlane& plane, std::size_t size) {

@@ -15,16 +15,23 @@ JULIA_INLINE void loadComponent(const Addend<Real>& from, int k, Row<Real>& to, 
   for (std::size_t i = 0; i < range.padded; ++i) to[i] = value;
 }
 
+/// As many components of the points and of the addend as there are rows.
+template <class Real, int N>
+JULIA_INLINE void loadBoth(ConstBatch<Real> points, const Addend<Real>& c, Row<Real> (&p)[N], Row<Real> (&constant)[N],
+                           const Range& range) {
+  for (int k = 0; k < N; ++k) {
+    load(points.component[k], p[k], range);
+    loadComponent(c, k, constant[k], range);
+  }
+}
+
 template <class Real>
 void quadratic(const Addend<Real>& c, ConstBatch<Real> points, Batch<Real> f, std::size_t size) {
   alignas(64) Row<Real> q[4], constant[4], square[4];
   for (std::size_t begin = 0; begin < size; begin += kBlock) {
     const Range range = blockAt(begin, size);
     const std::size_t padded = range.padded;
-    for (int k = 0; k < 4; ++k) {
-      load(points.component[k], q[k], range);
-      loadComponent(c, k, constant[k], range);
-    }
+    loadBoth(points, c, q, constant, range);
     JULIA_FOR_POINTS {
       const Real a = q[0][i], b = q[1][i], c2 = q[2][i], d = q[3][i];
       square[0][i] = a * a - (b * b + c2 * c2 + d * d) + constant[0][i];
@@ -136,10 +143,7 @@ void cross(const Addend<Real>& c, ConstBatch<Real> points, Batch<Real> next, std
   for (std::size_t begin = 0; begin < size; begin += kBlock) {
     const Range range = blockAt(begin, size);
     const std::size_t padded = range.padded;
-    for (int k = 0; k < 3; ++k) {
-      load(points.component[k], p[k], range);
-      loadComponent(c, k, constant[k], range);
-    }
+    loadBoth(points, c, p, constant, range);
     JULIA_FOR_POINTS {
       const Vector<Real> v = Pair::product(p[0][i], p[1][i], p[2][i]);
       value[0][i] = v.x + constant[0][i];
@@ -174,11 +178,8 @@ void crossProduct(const Addend<Real>& c, ConstBatch<Real> first, ConstBatch<Real
   for (std::size_t begin = 0; begin < size; begin += kBlock) {
     const Range range = blockAt(begin, size);
     const std::size_t padded = range.padded;
-    for (int k = 0; k < 3; ++k) {
-      load(first.component[k], f[k], range);
-      load(second.component[k], g[k], range);
-      loadComponent(c, k, constant[k], range);
-    }
+    loadBoth(first, c, f, constant, range);
+    for (int k = 0; k < 3; ++k) load(second.component[k], g[k], range);
     JULIA_FOR_POINTS {
       value[0][i] = f[1][i] * g[2][i] - f[2][i] * g[1][i] + constant[0][i];
       value[1][i] = f[2][i] * g[0][i] - f[0][i] * g[2][i] + constant[1][i];
@@ -237,10 +238,7 @@ void triplex(const TriplexPower<Real>& power, const Addend<Real>& c, ConstBatch<
   for (std::size_t begin = 0; begin < size; begin += kBlock) {
     const Range range = blockAt(begin, size);
     const std::size_t padded = range.padded;
-    for (int k = 0; k < 3; ++k) {
-      load(points.component[k], p[k], range);
-      loadComponent(c, k, constant[k], range);
-    }
+    loadBoth(points, c, p, constant, range);
     // u + i v = e^(i phi); a + i b = r e^(i theta), without r for the powers that are not made by products.
     JULIA_FOR_POINTS {
       const Real x = p[0][i], y = p[1][i];
