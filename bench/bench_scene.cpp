@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench_scene.h"
 
-#include "vdbtools/mesh_writer.h"
-#include "vdbtools/vdb_file.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/mesh/mesh_writer.h"
 
 #include "julia/instruction_set.h"
 

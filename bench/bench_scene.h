@@ -5,9 +5,9 @@
 /// mesh or VDB that JULIAVDB_BENCH_MESH names.
 #pragma once
 
-#include "edge_search.h"
+#include "surface/edge_search.h"
 
-#include "vdbtools/fractal_job.h"
+#include "vdbtools/job/fractal_job.h"
 
 #include <cstdint>
 #include <vector>

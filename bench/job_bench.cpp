@@ -2,7 +2,7 @@
 // The whole exact job, from the file of the target's mesh or distances to the last triangle, and its phases one by one.
 #include "bench_scene.h"
 
-#include "vdbtools/mesh_sink.h"
+#include "vdbtools/mesh/mesh_sink.h"
 
 #include <benchmark/benchmark.h>
 

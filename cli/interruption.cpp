@@ -3,7 +3,7 @@
 
 #include "exit_code.h"
 
-#include "vdbtools/atomic_file.h"
+#include "vdbtools/files/atomic_file.h"
 
 #include <atomic>
 #include <chrono>

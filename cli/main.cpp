@@ -3,7 +3,7 @@
 #include "exit_code.h"
 #include "interruption.h"
 
-#include "vdbtools/errors.h"
+#include "vdbtools/base/errors.h"
 
 #include <algorithm>
 #include <chrono>

@@ -5,8 +5,8 @@
 
 #include "output.h"
 
-#include "vdbtools/errors.h"
-#include "vdbtools/mesh_writer.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/mesh/mesh_writer.h"
 
 namespace cli {
 

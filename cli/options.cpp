@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "options.h"
 
-#include "vdbtools/errors.h"
-#include "vdbtools/file_bytes.h"
-#include "vdbtools/vdb_file.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/files/file_bytes.h"
+#include "vdbtools/formats/vdb_file.h"
 
 #include "julia/instruction_set.h"
 

@@ -6,7 +6,7 @@
 #include "commands/commands.h"
 #include "progress.h"
 
-#include "vdbtools/recipe.h"
+#include "vdbtools/recipe/recipe.h"
 
 #include <boost/program_options.hpp>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "output.h"
 
-#include "vdbtools/file_bytes.h"
-#include "vdbtools/frame_name.h"
+#include "vdbtools/files/file_bytes.h"
+#include "vdbtools/files/frame_name.h"
 
 #include <algorithm>
 #include <charconv>

@@ -4,7 +4,7 @@
 /// end.
 #pragma once
 
-#include "vdbtools/atomic_file.h"
+#include "vdbtools/files/atomic_file.h"
 
 #include <functional>
 #include <list>

@@ -3,7 +3,7 @@
 /// Progress on stderr: a bar with the time left, or JSON lines for other programs. Nothing for work under two seconds.
 #pragma once
 
-#include "vdbtools/monitor.h"
+#include "vdbtools/base/monitor.h"
 
 #include <atomic>
 #include <chrono>

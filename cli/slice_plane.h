@@ -5,8 +5,8 @@
 
 #include "options.h"
 
-#include "vdbtools/fractal_job.h"
-#include "vdbtools/slice_image.h"
+#include "vdbtools/job/fractal_job.h"
+#include "vdbtools/picture/slice_image.h"
 
 #include <optional>
 

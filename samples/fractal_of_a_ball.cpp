@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The main job through the library: any signed distance field becomes a fractal level set and a mesh.
-#include "vdbtools/exponent_grid.h"
-#include "vdbtools/extract_mesh.h"
-#include "vdbtools/level_set.h"
+#include "vdbtools/surface/extract_mesh.h"
+#include "vdbtools/surface/level_set.h"
+#include "vdbtools/target/exponent_grid.h"
 
 #include "julia/random_roots.h"
 #include "julia/shape_modulus.h"

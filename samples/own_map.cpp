@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A map of one's own behind the seam: here q^3 + c, meshed like the built-in ones.
-#include "vdbtools/extract_mesh.h"
+#include "vdbtools/surface/extract_mesh.h"
 
 #include "julia/log_polar.h"
 

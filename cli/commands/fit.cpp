@@ -5,8 +5,8 @@
 #include "options.h"
 #include "output.h"
 
-#include "vdbtools/fit_job.h"
-#include "vdbtools/versor_file.h"
+#include "vdbtools/fit/fit_job.h"
+#include "vdbtools/formats/versor_file.h"
 
 #include <filesystem>
 #include <iostream>

@@ -4,12 +4,12 @@
 #include "exit_code.h"
 #include "options.h"
 
-#include "vdbtools/file_bytes.h"
-#include "vdbtools/level_set.h"
-#include "vdbtools/mesh.h"
-#include "vdbtools/mesh_writer.h"
-#include "vdbtools/vdb_file.h"
-#include "vdbtools/versor_file.h"
+#include "vdbtools/files/file_bytes.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/formats/versor_file.h"
+#include "vdbtools/mesh/mesh.h"
+#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/surface/level_set.h"
 
 #include <nlohmann/json.hpp>
 

@@ -6,10 +6,10 @@
 #include "options.h"
 #include "output.h"
 
-#include "vdbtools/fractal_job.h"
-#include "vdbtools/grid_mesh.h"
-#include "vdbtools/mesh_writer.h"
-#include "vdbtools/vdb_file.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/job/fractal_job.h"
+#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/surface/grid_mesh.h"
 
 #include <iostream>
 

@@ -5,12 +5,12 @@
 #include "options.h"
 #include "output.h"
 
-#include "vdbtools/field_render.h"
-#include "vdbtools/file_bytes.h"
-#include "vdbtools/fractal_job.h"
-#include "vdbtools/preview.h"
-#include "vdbtools/vdb_file.h"
-#include "vdbtools/versor_file.h"
+#include "vdbtools/files/file_bytes.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/formats/versor_file.h"
+#include "vdbtools/job/fractal_job.h"
+#include "vdbtools/render/field_render.h"
+#include "vdbtools/render/preview.h"
 
 #include <charconv>
 #include <chrono>

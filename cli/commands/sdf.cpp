@@ -5,8 +5,8 @@
 #include "options.h"
 #include "output.h"
 
-#include "vdbtools/fractal_job.h"
-#include "vdbtools/vdb_file.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/job/fractal_job.h"
 
 #include <iostream>
 

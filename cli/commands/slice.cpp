@@ -6,9 +6,9 @@
 #include "output.h"
 #include "slice_plane.h"
 
-#include "vdbtools/fractal_job.h"
-#include "vdbtools/slice_image.h"
-#include "vdbtools/vdb_file.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/job/fractal_job.h"
+#include "vdbtools/picture/slice_image.h"
 
 #include <openvdb/tools/Interpolation.h>
 

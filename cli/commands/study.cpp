@@ -6,7 +6,7 @@
 #include "output.h"
 #include "slice_plane.h"
 
-#include "vdbtools/study.h"
+#include "vdbtools/job/study.h"
 
 #include <charconv>
 #include <iostream>

@@ -5,8 +5,8 @@
 #include "options.h"
 #include "output.h"
 
-#include "vdbtools/peer_formats.h"
-#include "vdbtools/versor_file.h"
+#include "vdbtools/formats/peer_formats.h"
+#include "vdbtools/formats/versor_file.h"
 
 #include "julia/random_roots.h"
 

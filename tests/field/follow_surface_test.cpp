@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The surface in pieces: while F is evaluated, and by following it from seeds. Both are held against the whole field.
-#include "mesh_laws.h"
-#include "test_fields.h"
+#include "support/mesh_laws.h"
+#include "support/test_fields.h"
 
-#include "vdbtools/extract_mesh.h"
-#include "vdbtools/follow_surface.h"
+#include "vdbtools/field/follow_surface.h"
+#include "vdbtools/surface/extract_mesh.h"
 
 #include "julia/quadratic_map.h"
 #include "julia/shape_modulus.h"

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The shell: what is not evaluated has the sign that evaluating it would give; and the field agrees with the reference.
-#include "mesh_laws.h"
-#include "test_fields.h"
+#include "support/mesh_laws.h"
+#include "support/test_fields.h"
 
-#include "vdbtools/exponent_grid.h"
-#include "vdbtools/extract_mesh.h"
-#include "vdbtools/fractal_field.h"
-#include "vdbtools/level_set.h"
+#include "vdbtools/field/fractal_field.h"
+#include "vdbtools/surface/extract_mesh.h"
+#include "vdbtools/surface/level_set.h"
+#include "vdbtools/target/exponent_grid.h"
 
 #include "julia/quadratic_map.h"
 #include "julia/rational_map.h"

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Islands: the same as OpenVDB's segments, whatever tiles and threads there are; and the mesh without them is the mesh
 // from before without their triangles.
-#include "mesh_laws.h"
-#include "test_fields.h"
+#include "support/mesh_laws.h"
+#include "support/test_fields.h"
 
-#include "vdbtools/exponent_grid.h"
-#include "vdbtools/extract_mesh.h"
-#include "vdbtools/islands.h"
-#include "vdbtools/level_set.h"
+#include "vdbtools/field/islands.h"
+#include "vdbtools/surface/extract_mesh.h"
+#include "vdbtools/surface/level_set.h"
+#include "vdbtools/target/exponent_grid.h"
 
 #include "julia/shape_modulus.h"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/atomic_file.h"
+#include "vdbtools/files/atomic_file.h"
 
-#include "small_disk.h"
+#include "support/small_disk.h"
 
-#include "vdbtools/errors.h"
+#include "vdbtools/base/errors.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

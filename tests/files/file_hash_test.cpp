@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/file_hash.h"
+#include "vdbtools/files/file_hash.h"
 
-#include "vdbtools/errors.h"
-#include "vdbtools/file_bytes.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/files/file_bytes.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

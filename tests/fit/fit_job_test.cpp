@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The fit from end to end: shapes whose fit is known, and changes that must not matter.
-#include "test_fields.h"
-#include "test_meshes.h"
+#include "support/test_fields.h"
+#include "support/test_meshes.h"
 
-#include "vdbtools/fit_job.h"
-#include "vdbtools/mesh_writer.h"
-#include "vdbtools/peer_formats.h"
-#include "vdbtools/vdb_file.h"
-#include "vdbtools/versor_file.h"
+#include "vdbtools/fit/fit_job.h"
+#include "vdbtools/formats/peer_formats.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/formats/versor_file.h"
+#include "vdbtools/mesh/mesh_writer.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

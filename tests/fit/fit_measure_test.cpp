@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The measure of a fit against maps whose fit is known.
-#include "test_meshes.h"
+#include "support/test_meshes.h"
 
-#include "vdbtools/fit_measure.h"
-#include "vdbtools/mesh_writer.h"
+#include "vdbtools/fit/fit_measure.h"
+#include "vdbtools/mesh/mesh_writer.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

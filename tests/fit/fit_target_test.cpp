@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The target of a fit against shapes whose distances are known, and under changes that must not matter.
-#include "test_meshes.h"
+#include "support/test_meshes.h"
 
-#include "vdbtools/fit_target.h"
-#include "vdbtools/fractal_job.h"
-#include "vdbtools/mesh_to_sdf.h"
-#include "vdbtools/mesh_writer.h"
-#include "vdbtools/vdb_file.h"
+#include "vdbtools/fit/fit_target.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/job/fractal_job.h"
+#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/target/mesh_to_sdf.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

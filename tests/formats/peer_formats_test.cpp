@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/peer_formats.h"
+#include "vdbtools/formats/peer_formats.h"
 
-#include "vdbtools/errors.h"
+#include "vdbtools/base/errors.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

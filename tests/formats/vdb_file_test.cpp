@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "test_fields.h"
+#include "support/test_fields.h"
 
-#include "vdbtools/recipe.h"
-#include "vdbtools/vdb_file.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/recipe/recipe.h"
 
 #include <gtest/gtest.h>
 

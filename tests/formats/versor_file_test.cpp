@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/versor_file.h"
+#include "vdbtools/formats/versor_file.h"
 
-#include "vdbtools/errors.h"
-#include "vdbtools/peer_formats.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/formats/peer_formats.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The main job against programs written independently of it, and under changes that must not matter.
-#include "mesh_laws.h"
-#include "test_fields.h"
-#include "test_meshes.h"
+#include "support/mesh_laws.h"
+#include "support/test_fields.h"
+#include "support/test_meshes.h"
 
-#include "vdbtools/fractal_job.h"
-#include "vdbtools/mesh_writer.h"
-#include "vdbtools/peer_formats.h"
-#include "vdbtools/vdb_file.h"
-#include "vdbtools/versor_file.h"
+#include "vdbtools/formats/peer_formats.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/formats/versor_file.h"
+#include "vdbtools/job/fractal_job.h"
+#include "vdbtools/mesh/mesh_writer.h"
 
 #include <gtest/gtest.h>
 

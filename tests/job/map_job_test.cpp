@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Maps without a target through the whole job: where they are looked for, what is skipped, and what their recipes say.
-#include "mesh_laws.h"
+#include "support/mesh_laws.h"
 
-#include "vdbtools/fractal_job.h"
-#include "vdbtools/vdb_file.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/job/fractal_job.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The study of a target: its counts against the sets themselves, its circles against distances that are known.
-#include "test_fields.h"
-#include "test_meshes.h"
+#include "support/test_fields.h"
+#include "support/test_meshes.h"
 
-#include "vdbtools/mesh_writer.h"
-#include "vdbtools/study.h"
-#include "vdbtools/vdb_file.h"
-#include "vdbtools/versor_file.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/formats/versor_file.h"
+#include "vdbtools/job/study.h"
+#include "vdbtools/mesh/mesh_writer.h"
 
 #include <gtest/gtest.h>
 

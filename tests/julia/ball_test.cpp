@@ -2,13 +2,13 @@
 // What is proved of whole balls holds at each of their points, in the arithmetic of the evaluator.
 #include "julia/ball.h"
 
-#include "float128.h"
 #include "julia/brick_field.h"
 #include "julia/evaluator.h"
 #include "julia/quadratic_map.h"
 #include "julia/random_roots.h"
 #include "julia/rational_map.h"
 #include "julia/shape_modulus.h"
+#include "support/float128.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include "julia/mandelbulb.h"
 #include "julia/quadratic_map.h"
 
-#include "float128.h"
+#include "support/float128.h"
 
 #include <gtest/gtest.h>
 

@@ -2,11 +2,11 @@
 // The cross-product maps: against the trigonometric reference, where the answer is known, and where nothing is defined.
 #include "julia/cross_map.h"
 
-#include "float128.h"
 #include "julia/evaluator.h"
 #include "julia/mandelbulb.h"
-#include "same_bits.h"
-#include "spatial_orbits.h"
+#include "support/float128.h"
+#include "support/same_bits.h"
+#include "support/spatial_orbits.h"
 
 #include <gtest/gtest.h>
 

@@ -2,14 +2,14 @@
 // Orbits and fields of the scalar evaluator: against the reference in 128 bits, and where the answer is known.
 #include "julia/evaluator.h"
 
-#include "float128.h"
 #include "julia/quadratic_map.h"
 #include "julia/rational_map.h"
 #include "julia/reference.h"
 #include "julia/scalar_field.h"
 #include "julia/shape_modulus.h"
 #include "julia/shell.h"
-#include "rounding_bounds.h"
+#include "support/float128.h"
+#include "support/rounding_bounds.h"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 
 #include "julia/cross_map.h"
 #include "julia/evaluator.h"
-#include "same_bits.h"
-#include "spatial_orbits.h"
+#include "support/same_bits.h"
+#include "support/spatial_orbits.h"
 
 #include <gtest/gtest.h>
 

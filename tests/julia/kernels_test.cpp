@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The vector kernels: the same bits from every instruction set, and right ones.
 #include "kernels/kernels.h"
-#include "float128.h"
+#include "support/float128.h"
 
 #include "julia/brick_field.h"
 #include "julia/evaluator.h"
@@ -9,7 +9,7 @@
 #include "julia/quadratic_map.h"
 #include "julia/random_roots.h"
 #include "julia/rational_map.h"
-#include "same_bits.h"
+#include "support/same_bits.h"
 
 #include <gtest/gtest.h>
 

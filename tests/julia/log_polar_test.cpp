@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Laws of the quaternions and of their log-polar form, in float and double against 128 bits.
 #include "julia/log_polar.h"
-#include "float128.h"
 #include "julia/reference.h"
+#include "support/float128.h"
 
 #include <gtest/gtest.h>
 

@@ -2,13 +2,13 @@
 // Triplex powers, and the quadratic sets of quaternions beside them: against the reference, and their symmetries.
 #include "julia/mandelbulb.h"
 
-#include "float128.h"
 #include "julia/cross_map.h"
 #include "julia/evaluator.h"
 #include "julia/quadratic_map.h"
 #include "julia/reference.h"
-#include "same_bits.h"
-#include "spatial_orbits.h"
+#include "support/float128.h"
+#include "support/same_bits.h"
+#include "support/spatial_orbits.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 // Random polynomials: the same everywhere, and where they were asked for.
 #include "julia/random_roots.h"
 
-#include "float128.h"
+#include "support/float128.h"
 
 #include <gtest/gtest.h>
 

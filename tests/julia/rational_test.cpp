@@ -2,9 +2,9 @@
 // Laws of quaternion rationals, and their log-polar evaluation in float and double against Cartesian 128 bits.
 #include "julia/rational.h"
 
-#include "float128.h"
 #include "julia/reference.h"
-#include "rounding_bounds.h"
+#include "support/float128.h"
+#include "support/rounding_bounds.h"
 
 #include <gtest/gtest.h>
 

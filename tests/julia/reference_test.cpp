@@ -2,10 +2,10 @@
 // The slow reference keeps its own laws; and the guard of [KD20] is needed by it, but not by the log-polar form.
 #include "julia/reference.h"
 
-#include "float128.h"
 #include "julia/evaluator.h"
 #include "julia/rational_map.h"
-#include "rounding_bounds.h"
+#include "support/float128.h"
+#include "support/rounding_bounds.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 // The shell interval: known answers, and soundness against every worst orbit r -> m(r).
 #include "julia/shell.h"
 
-#include "float128.h"
+#include "support/float128.h"
 
 #include <gtest/gtest.h>
 

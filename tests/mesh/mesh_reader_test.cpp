@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "test_meshes.h"
-#include "vdbtools/errors.h"
-#include "vdbtools/mesh.h"
+#include "support/test_meshes.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/mesh/mesh.h"
 
 #include <gtest/gtest.h>
 

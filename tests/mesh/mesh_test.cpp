@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/mesh.h"
+#include "vdbtools/mesh/mesh.h"
 
-#include "test_meshes.h"
-#include "vdbtools/errors.h"
+#include "support/test_meshes.h"
+#include "vdbtools/base/errors.h"
 
 #include <gtest/gtest.h>
 

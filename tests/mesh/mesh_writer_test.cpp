@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "small_disk.h"
-#include "test_meshes.h"
+#include "support/small_disk.h"
+#include "support/test_meshes.h"
 
-#include "vdbtools/atomic_file.h"
-#include "vdbtools/errors.h"
-#include "vdbtools/extract_mesh.h"
-#include "vdbtools/mesh_writer.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/files/atomic_file.h"
+#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/surface/extract_mesh.h"
 
 #include <gtest/gtest.h>
 

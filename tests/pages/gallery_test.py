@@ -8,7 +8,7 @@ import sys
 import tempfile
 import unittest
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 PAGE = (ROOT / "docs/gallery.md").read_text()
 PICTURES = re.findall(r"images/gallery/([\w-]+\.png)", PAGE)
 BUNNY = "/usr/share/glmark2/models/bunny.obj"

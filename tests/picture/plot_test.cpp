@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/plot.h"
+#include "vdbtools/picture/plot.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/slice_image.h"
+#include "vdbtools/picture/slice_image.h"
 
 #include <gtest/gtest.h>
 

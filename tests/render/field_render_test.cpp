@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/field_render.h"
+#include "vdbtools/render/field_render.h"
 
-#include "test_meshes.h"
+#include "support/test_meshes.h"
 
-#include "vdbtools/fractal_job.h"
-#include "vdbtools/mesh_writer.h"
-#include "vdbtools/versor_file.h"
+#include "vdbtools/formats/versor_file.h"
+#include "vdbtools/job/fractal_job.h"
+#include "vdbtools/mesh/mesh_writer.h"
 
 #include "julia/quadratic_map.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/preview.h"
+#include "vdbtools/render/preview.h"
 
-#include "vdbtools/errors.h"
+#include "vdbtools/base/errors.h"
 
 #include <gtest/gtest.h>
 #include <openvdb/tools/LevelSetSphere.h>

@@ -3,7 +3,7 @@
 /// What must hold for every mesh that leaves the project, in words when it does not.
 #pragma once
 
-#include "vdbtools/mesh.h"
+#include "vdbtools/mesh/mesh.h"
 
 #include <cmath>
 #include <map>

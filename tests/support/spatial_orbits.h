@@ -4,11 +4,11 @@
 /// running bound of what rounding in Real may have done to them.
 #pragma once
 
-#include "float128.h"
 #include "julia/cross_map.h"
 #include "julia/evaluator.h"
 #include "julia/quaternion_batch.h"
 #include "julia/reference_triplex.h"
+#include "support/float128.h"
 
 #include <gtest/gtest.h>
 

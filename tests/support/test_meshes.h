@@ -3,7 +3,7 @@
 /// Meshes that tests share, all oriented outward, and a folder for the files of one test.
 #pragma once
 
-#include "vdbtools/mesh.h"
+#include "vdbtools/mesh/mesh.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

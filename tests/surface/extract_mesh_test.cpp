@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Marching cubes: every configuration of corner signs and random fields give closed 2-manifolds that separate inside
 // from outside, with vertices where the field changes sign.
-#include "mesh_laws.h"
-#include "test_fields.h"
+#include "support/mesh_laws.h"
+#include "support/test_fields.h"
 
-#include "vdbtools/extract_mesh.h"
-#include "vdbtools/grid_mesh.h"
+#include "vdbtools/surface/extract_mesh.h"
+#include "vdbtools/surface/grid_mesh.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The target and its exponent: read as it is, widened without touching its band, clamped only where nothing depends on
 // it.
-#include "test_fields.h"
-#include "test_meshes.h"
+#include "support/test_fields.h"
+#include "support/test_meshes.h"
 
-#include "vdbtools/exponent_grid.h"
-#include "vdbtools/mesh_to_sdf.h"
+#include "vdbtools/target/exponent_grid.h"
+#include "vdbtools/target/mesh_to_sdf.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/mesh_to_sdf.h"
+#include "vdbtools/target/mesh_to_sdf.h"
 
-#include "test_meshes.h"
-#include "vdbtools/errors.h"
+#include "support/test_meshes.h"
+#include "vdbtools/base/errors.h"
 
 #include <gtest/gtest.h>
 #include <openvdb/tools/GridOperators.h>

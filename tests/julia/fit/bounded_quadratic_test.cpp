@@ -2,7 +2,7 @@
 // Quadratic programs with signs: the conditions of Karush, Kuhn and Tucker, and every active set there is.
 #include "fit/bounded_quadratic.h"
 
-#include "float128.h"
+#include "support/float128.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>

@@ -2,7 +2,7 @@
 // Cholesky's factors in tiles: what they solve, on any number of threads, and what they refuse.
 #include "fit/cholesky.h"
 
-#include "float128.h"
+#include "support/float128.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -2,8 +2,8 @@
 // Charged conductors whose capacitance, charge and potential are known in closed form or to many digits.
 #include "julia/fit/electrostatics.h"
 
-#include "fit_surfaces.h"
 #include "julia/fit/cancelled.h"
+#include "support/fit_surfaces.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

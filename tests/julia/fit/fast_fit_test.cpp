@@ -2,9 +2,9 @@
 // The fast fit: targets that it must find, what it promises of roots and powers, and that nothing but the seed decides.
 #include "julia/fit/fast_fit.h"
 
-#include "float128.h"
 #include "julia/fit/cancelled.h"
 #include "julia/instruction_set.h"
+#include "support/float128.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -2,7 +2,7 @@
 // The constant matrix of a fit: its passes against sums over its entries, and what is kept of it against a fresh one.
 #include "fit/log_matrix.h"
 
-#include "float128.h"
+#include "support/float128.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

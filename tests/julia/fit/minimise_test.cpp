@@ -2,8 +2,8 @@
 // The optimiser of the shape energy: it only goes down, keeps to the bounds, and finds what is known.
 #include "julia/fit/minimise.h"
 
-#include "float128.h"
 #include "julia/fit/cancelled.h"
+#include "support/float128.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

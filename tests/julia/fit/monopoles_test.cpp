@@ -2,9 +2,9 @@
 // Monopoles: a least-squares fit at every step, of the columns that the greedy rule names.
 #include "julia/fit/monopoles.h"
 
-#include "fit_surfaces.h"
 #include "julia/fit/cancelled.h"
 #include "julia/fit/electrostatics.h"
+#include "support/fit_surfaces.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -3,9 +3,9 @@
 // ordered products of [Kim15] Appendix A.
 #include "julia/fit/shape_energy.h"
 
-#include "float128.h"
 #include "julia/instruction_set.h"
 #include "julia/reference.h"
+#include "support/float128.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -2,7 +2,7 @@
 // Points on a surface: on it, evenly, in an order whose beginnings are even too.
 #include "julia/fit/surface.h"
 
-#include "fit_surfaces.h"
+#include "support/fit_surfaces.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 /// Loops in threads that stop when they are asked to.
 #pragma once
 
-#include "vdbtools/monitor.h"
+#include "vdbtools/base/monitor.h"
 
 #include <tbb/parallel_for.h>
 

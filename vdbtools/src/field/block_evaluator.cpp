@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "block_evaluator.h"
+#include "field/block_evaluator.h"
 
-#include "block_layers.h"
-#include "undecided_blocks.h"
+#include "field/block_layers.h"
+#include "field/undecided_blocks.h"
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>

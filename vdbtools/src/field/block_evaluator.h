@@ -3,7 +3,7 @@
 /// F at the nodes of whole blocks. Where its sign is proved for a block or a part of it, no node there is evaluated.
 #pragma once
 
-#include "vdbtools/fractal_field.h"
+#include "vdbtools/field/fractal_field.h"
 
 #include <openvdb/openvdb.h>
 

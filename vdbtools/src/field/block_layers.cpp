@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "block_layers.h"
+#include "field/block_layers.h"
 
 #include <algorithm>
 

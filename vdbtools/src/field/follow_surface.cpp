@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/follow_surface.h"
+#include "vdbtools/field/follow_surface.h"
 
-#include "block_evaluator.h"
-#include "block_layers.h"
-#include "in_parallel.h"
-#include "leaf_signs.h"
-#include "undecided_blocks.h"
+#include "base/in_parallel.h"
+#include "field/block_evaluator.h"
+#include "field/block_layers.h"
+#include "field/leaf_signs.h"
+#include "field/undecided_blocks.h"
 
 #include <openvdb/tools/Morphology.h>
 #include <openvdb/tree/ValueAccessor.h>

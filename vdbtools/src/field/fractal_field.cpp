@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/fractal_field.h"
+#include "vdbtools/field/fractal_field.h"
 
-#include "block_evaluator.h"
-#include "block_layers.h"
-#include "cell_corners.h"
-#include "undecided_blocks.h"
+#include "field/block_evaluator.h"
+#include "field/block_layers.h"
+#include "field/undecided_blocks.h"
+#include "target/cell_corners.h"
 
 #include <openvdb/tools/SignedFloodFill.h>
 #include <openvdb/tree/ValueAccessor.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/islands.h"
+#include "vdbtools/field/islands.h"
 
-#include "mesh_conversion.h"
+#include "target/mesh_conversion.h"
 
 #include <openvdb/tree/ValueAccessor.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "undecided_blocks.h"
+#include "field/undecided_blocks.h"
 
-#include "in_parallel.h"
+#include "base/in_parallel.h"
 
 #include <cmath>
 #include <span>

@@ -3,9 +3,9 @@
 /// What is left of a plan's blocks when large cubes of them are proved to have one sign.
 #pragma once
 
-#include "block_layers.h"
+#include "field/block_layers.h"
 
-#include "vdbtools/fractal_field.h"
+#include "vdbtools/field/fractal_field.h"
 
 namespace vdbtools {
 

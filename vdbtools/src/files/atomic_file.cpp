@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/atomic_file.h"
+#include "vdbtools/files/atomic_file.h"
 
-#include "vdbtools/errors.h"
-#include "vdbtools/file_bytes.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/files/file_bytes.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>

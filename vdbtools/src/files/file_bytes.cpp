@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/file_bytes.h"
+#include "vdbtools/files/file_bytes.h"
 
-#include "vdbtools/errors.h"
+#include "vdbtools/base/errors.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/file_hash.h"
+#include "vdbtools/files/file_hash.h"
 
-#include "vdbtools/file_bytes.h"
+#include "vdbtools/files/file_bytes.h"
 
 #include <openssl/evp.h>
 

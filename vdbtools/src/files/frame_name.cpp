@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/frame_name.h"
+#include "vdbtools/files/frame_name.h"
 
 #include <algorithm>
 #include <stdexcept>

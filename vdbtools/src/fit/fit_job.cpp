@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/fit_job.h"
+#include "vdbtools/fit/fit_job.h"
 
-#include "in_parallel.h"
-#include "log_moduli.h"
-#include "recipe_reader.h"
+#include "base/in_parallel.h"
+#include "fit/log_moduli.h"
+#include "recipe/recipe_reader.h"
 
-#include "vdbtools/errors.h"
-#include "vdbtools/peer_formats.h"
-#include "vdbtools/plot.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/formats/peer_formats.h"
+#include "vdbtools/picture/plot.h"
 
 #include "julia/fit/cancelled.h"
 #include "julia/fit/electrostatics.h"

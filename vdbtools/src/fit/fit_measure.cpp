@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/fit_measure.h"
+#include "vdbtools/fit/fit_measure.h"
 
-#include "in_parallel.h"
-#include "log_moduli.h"
+#include "base/in_parallel.h"
+#include "fit/log_moduli.h"
 
 #include <openvdb/tools/Dense.h>
 #include <openvdb/tools/FastSweeping.h>

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/fit_target.h"
+#include "vdbtools/fit/fit_target.h"
 
-#include "decimate.h"
-#include "in_parallel.h"
-#include "solid_input.h"
-#include "vdbtools/grid_mesh.h"
-#include "vdbtools/mesh_to_sdf.h"
-#include "vdbtools/vdb_file.h"
-#include "wide_distance.h"
+#include "base/in_parallel.h"
+#include "mesh/decimate.h"
+#include "target/solid_input.h"
+#include "target/wide_distance.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/surface/grid_mesh.h"
+#include "vdbtools/target/mesh_to_sdf.h"
 
 #include <openvdb/tools/Composite.h>
 #include <openvdb/tools/LevelSetFilter.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/peer_formats.h"
+#include "vdbtools/formats/peer_formats.h"
 
-#include "vdbtools/errors.h"
-#include "vdbtools/file_bytes.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/files/file_bytes.h"
 
 #include <algorithm>
 #include <bit>

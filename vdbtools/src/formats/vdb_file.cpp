@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/vdb_file.h"
+#include "vdbtools/formats/vdb_file.h"
 
-#include "vdbtools/file_bytes.h"
-#include "vdbtools/file_hash.h"
+#include "vdbtools/files/file_bytes.h"
+#include "vdbtools/files/file_hash.h"
 
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/Stream.h>

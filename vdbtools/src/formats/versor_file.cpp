@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/versor_file.h"
+#include "vdbtools/formats/versor_file.h"
 
-#include "vdbtools/errors.h"
-#include "vdbtools/file_bytes.h"
-#include "vdbtools/peer_formats.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/files/file_bytes.h"
+#include "vdbtools/formats/peer_formats.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/fractal_job.h"
+#include "vdbtools/job/fractal_job.h"
 
-#include "solid_input.h"
-#include "vdbtools/file_hash.h"
-#include "vdbtools/peer_formats.h"
-#include "vdbtools/vdb_file.h"
-#include "vdbtools/versor_file.h"
+#include "target/solid_input.h"
+#include "vdbtools/files/file_hash.h"
+#include "vdbtools/formats/peer_formats.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/formats/versor_file.h"
 
 #include "julia/quadratic_map.h"
 #include "julia/rational_map.h"

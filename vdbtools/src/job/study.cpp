@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/study.h"
+#include "vdbtools/job/study.h"
 
-#include "in_parallel.h"
-#include "study_circles.h"
-#include "vdbtools/plot.h"
+#include "base/in_parallel.h"
+#include "job/study_circles.h"
+#include "vdbtools/picture/plot.h"
 
 #include <openvdb/tools/Interpolation.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "study_circles.h"
+#include "job/study_circles.h"
 
-#include "in_parallel.h"
-#include "wide_distance.h"
+#include "base/in_parallel.h"
+#include "target/wide_distance.h"
 
 #include <algorithm>
 #include <cmath>

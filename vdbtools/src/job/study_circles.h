@@ -3,7 +3,7 @@
 /// Circles in a plane about the foot of the dynamics' origin, and a target's distance over them.
 #pragma once
 
-#include "vdbtools/study.h"
+#include "vdbtools/job/study.h"
 
 #include <array>
 #include <vector>

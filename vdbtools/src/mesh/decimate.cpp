@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decimate.h"
+#include "mesh/decimate.h"
 
-#include "vdbtools/errors.h"
+#include "vdbtools/base/errors.h"
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <OpenMesh/Core/System/omstream.hh>

@@ -3,7 +3,7 @@
 /// Fewer triangles for the same shape, by OpenMesh.
 #pragma once
 
-#include "vdbtools/mesh.h"
+#include "vdbtools/mesh/mesh.h"
 
 #include <cstddef>
 

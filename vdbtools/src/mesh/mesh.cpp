@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/mesh.h"
+#include "vdbtools/mesh/mesh.h"
 
-#include "vdbtools/errors.h"
+#include "vdbtools/base/errors.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mesh_encoder.h"
+#include "mesh/mesh_encoder.h"
 
-#include "vdbtools/errors.h"
+#include "vdbtools/base/errors.h"
 
 #include <algorithm>
 #include <bit>

@@ -4,8 +4,8 @@
 /// does not depend on the pieces in which it was encoded.
 #pragma once
 
-#include "scratch_file.h"
-#include "vdbtools/mesh_writer.h"
+#include "files/scratch_file.h"
+#include "vdbtools/mesh/mesh_writer.h"
 
 #include <cstdint>
 #include <memory>

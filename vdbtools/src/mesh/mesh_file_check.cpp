@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mesh_file_check.h"
+#include "mesh/mesh_file_check.h"
 
-#include "text_scan.h"
-#include "vdbtools/errors.h"
-#include "vdbtools/file_bytes.h"
+#include "mesh/text_scan.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/files/file_bytes.h"
 
 #include <bit>
 #include <cmath>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mesh_file_check.h"
-#include "ply_reader.h"
-#include "polygon.h"
-#include "vdbtools/errors.h"
-#include "vdbtools/file_bytes.h"
-#include "vdbtools/mesh.h"
+#include "mesh/mesh_file_check.h"
+#include "mesh/ply_reader.h"
+#include "mesh/polygon.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/files/file_bytes.h"
+#include "vdbtools/mesh/mesh.h"
 
 #include <OpenMesh/Core/IO/IOManager.hh>
 #include <OpenMesh/Core/IO/Options.hh>

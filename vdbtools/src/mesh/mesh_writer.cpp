@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/mesh_writer.h"
+#include "vdbtools/mesh/mesh_writer.h"
 
-#include "mesh_encoder.h"
-#include "vdbtools/errors.h"
-#include "vdbtools/file_bytes.h"
+#include "mesh/mesh_encoder.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/files/file_bytes.h"
 
 #include <algorithm>
 #include <fstream>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ply_reader.h"
+#include "mesh/ply_reader.h"
 
-#include "polygon.h"
-#include "text_scan.h"
-#include "vdbtools/errors.h"
+#include "mesh/polygon.h"
+#include "mesh/text_scan.h"
+#include "vdbtools/base/errors.h"
 
 #include <algorithm>
 #include <bit>

@@ -5,7 +5,7 @@
 /// and on a file that ends within its header it loops for ever.
 #pragma once
 
-#include "vdbtools/mesh.h"
+#include "vdbtools/mesh/mesh.h"
 
 #include <filesystem>
 #include <string_view>

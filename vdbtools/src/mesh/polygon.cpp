@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "polygon.h"
+#include "mesh/polygon.h"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "text_scan.h"
+#include "mesh/text_scan.h"
 
-#include "vdbtools/errors.h"
+#include "vdbtools/base/errors.h"
 
 #include <charconv>
 #include <cmath>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/image.h"
+#include "vdbtools/picture/image.h"
 
-#include "image_encoder.h"
+#include "picture/image_encoder.h"
 
-#include "vdbtools/errors.h"
-#include "vdbtools/file_bytes.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/files/file_bytes.h"
 
 #ifdef JULIAVDB_IMAGE_MODULE
 #include <dlfcn.h>

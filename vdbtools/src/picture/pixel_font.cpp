@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "pixel_font.h"
+#include "picture/pixel_font.h"
 
 #include <string_view>
 

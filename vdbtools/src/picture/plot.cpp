@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/plot.h"
+#include "vdbtools/picture/plot.h"
 
-#include "pixel_font.h"
+#include "picture/pixel_font.h"
 
 #include <algorithm>
 #include <cmath>

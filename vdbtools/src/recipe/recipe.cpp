@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/recipe.h"
+#include "vdbtools/recipe/recipe.h"
 
-#include "recipe_reader.h"
+#include "recipe/recipe_reader.h"
 
-#include "vdbtools/errors.h"
-#include "vdbtools/mesh_writer.h"
-#include "vdbtools/vdb_file.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/mesh/mesh_writer.h"
 
 #include <algorithm>
 #include <charconv>

@@ -3,7 +3,7 @@
 /// Recipes into options: every command's registry of options is read by the same rules and refused in the same words.
 #pragma once
 
-#include "vdbtools/recipe.h"
+#include "vdbtools/recipe/recipe.h"
 
 #include <algorithm>
 #include <charconv>

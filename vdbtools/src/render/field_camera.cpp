@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/field_render.h"
+#include "vdbtools/render/field_render.h"
 
 #include <algorithm>
 #include <array>

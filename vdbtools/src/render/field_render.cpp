@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/field_render.h"
+#include "vdbtools/render/field_render.h"
 
-#include "field_shading.h"
-#include "in_parallel.h"
-#include "occupancy.h"
-#include "ray_steps.h"
+#include "base/in_parallel.h"
+#include "render/field_shading.h"
+#include "render/occupancy.h"
+#include "render/ray_steps.h"
 
-#include "vdbtools/file_bytes.h"
+#include "vdbtools/files/file_bytes.h"
 
 #include <algorithm>
 #include <atomic>

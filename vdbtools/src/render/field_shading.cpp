@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "field_shading.h"
+#include "render/field_shading.h"
 
-#include "srgb.h"
+#include "picture/srgb.h"
 
 #include <algorithm>
 #include <array>

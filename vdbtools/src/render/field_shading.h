@@ -3,7 +3,7 @@
 /// What a ray that met the set sees there: normals from the field, colours from the map, Phong's model.
 #pragma once
 
-#include "vdbtools/field_render.h"
+#include "vdbtools/render/field_render.h"
 
 #include "julia/evaluator.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "occupancy.h"
+#include "render/occupancy.h"
 
-#include "in_parallel.h"
+#include "base/in_parallel.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 /// Which cubes of a region are proved to lie outside of the set, for rays to pass them by.
 #pragma once
 
-#include "vdbtools/monitor.h"
+#include "vdbtools/base/monitor.h"
 
 #include "julia/evaluator.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/preview.h"
+#include "vdbtools/render/preview.h"
 
 #include <openvdb/math/DDA.h>
 #include <openvdb/math/Ray.h>

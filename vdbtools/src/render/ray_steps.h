@@ -3,8 +3,8 @@
 /// How far apart the samples of the field renderer's rays are.
 #pragma once
 
-#include "vdbtools/field_render.h"
-#include "vdbtools/monitor.h"
+#include "vdbtools/base/monitor.h"
+#include "vdbtools/render/field_render.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "edge_search.h"
+#include "surface/edge_search.h"
 
 #include <algorithm>
 #include <cmath>

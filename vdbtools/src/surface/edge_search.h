@@ -3,7 +3,7 @@
 /// Where the true F changes sign on lattice edges ([Kim15], [KD20] Fig. 4).
 #pragma once
 
-#include "vdbtools/fractal_field.h"
+#include "vdbtools/field/fractal_field.h"
 
 #include <vector>
 

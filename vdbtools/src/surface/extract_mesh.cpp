@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/extract_mesh.h"
+#include "vdbtools/surface/extract_mesh.h"
 
-#include "block_evaluator.h"
-#include "block_layers.h"
-#include "surface_extractor.h"
-#include "undecided_blocks.h"
+#include "field/block_evaluator.h"
+#include "field/block_layers.h"
+#include "field/undecided_blocks.h"
+#include "surface/surface_extractor.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/grid_mesh.h"
+#include "vdbtools/surface/grid_mesh.h"
 
-#include "vdbtools/extract_mesh.h"
+#include "vdbtools/surface/extract_mesh.h"
 
 #include <openvdb/tools/Interpolation.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/level_set.h"
+#include "vdbtools/surface/level_set.h"
 
-#include "mesh_conversion.h"
+#include "target/mesh_conversion.h"
 
 #include <openvdb/tools/Diagnostics.h>
 #include <openvdb/tools/LevelSetUtil.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "marching_cubes_table.h"
+#include "surface/marching_cubes_table.h"
 
 #include <stdexcept>
 

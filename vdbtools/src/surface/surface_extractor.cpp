@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "surface_extractor.h"
+#include "surface/surface_extractor.h"
 
-#include "block_layers.h"
-#include "in_parallel.h"
-#include "marching_cubes_table.h"
+#include "base/in_parallel.h"
+#include "field/block_layers.h"
+#include "surface/marching_cubes_table.h"
 
 #include <array>
 #include <bit>

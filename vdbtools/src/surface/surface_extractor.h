@@ -3,12 +3,12 @@
 /// The mesh of F, made while its blocks come in: of a lattice worked through in x, four layers of blocks are held.
 #pragma once
 
-#include "edge_search.h"
-#include "leaf_signs.h"
+#include "field/leaf_signs.h"
+#include "surface/edge_search.h"
 
-#include "vdbtools/extract_mesh.h"
-#include "vdbtools/mesh_sink.h"
-#include "vdbtools/monitor.h"
+#include "vdbtools/base/monitor.h"
+#include "vdbtools/mesh/mesh_sink.h"
+#include "vdbtools/surface/extract_mesh.h"
 
 #include <array>
 #include <cstdint>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/exponent_grid.h"
+#include "vdbtools/target/exponent_grid.h"
 
-#include "cell_corners.h"
-#include "in_parallel.h"
-#include "vdbtools/grid_sampler.h"
+#include "base/in_parallel.h"
+#include "target/cell_corners.h"
+#include "vdbtools/target/grid_sampler.h"
 
 #include <openvdb/tools/FastSweeping.h>
 #include <openvdb/tools/Morphology.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mesh_conversion.h"
+#include "target/mesh_conversion.h"
 
-#include "vdbtools/errors.h"
+#include "vdbtools/base/errors.h"
 
 #include <openvdb/math/Proximity.h>
 #include <openvdb/tools/MeshToVolume.h>

@@ -3,9 +3,9 @@
 /// What meshToSdf() and repairedMeshToSdf() share: the conversion itself, and the look at its outcome.
 #pragma once
 
-#include "vdbtools/mesh.h"
-#include "vdbtools/mesh_to_sdf.h"
-#include "vdbtools/monitor.h"
+#include "vdbtools/base/monitor.h"
+#include "vdbtools/mesh/mesh.h"
+#include "vdbtools/target/mesh_to_sdf.h"
 
 #include <openvdb/openvdb.h>
 

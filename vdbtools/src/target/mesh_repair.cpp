@@ -4,9 +4,9 @@
 /// own conversion then makes the field, so that it is the mesh's true distance field wherever the mesh was whole. The
 /// ball also bridges grooves that it is too wide for. Such an envelope touches no open edge, is no lid, and is left
 /// out, unless the mesh leaks without it.
-#include "mesh_conversion.h"
-#include "vdbtools/errors.h"
-#include "vdbtools/mesh_to_sdf.h"
+#include "target/mesh_conversion.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/target/mesh_to_sdf.h"
 
 #include <openvdb/math/Proximity.h>
 #include <openvdb/tools/Interpolation.h>

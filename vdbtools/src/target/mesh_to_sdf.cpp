@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/mesh_to_sdf.h"
+#include "vdbtools/target/mesh_to_sdf.h"
 
-#include "mesh_conversion.h"
-#include "vdbtools/errors.h"
+#include "target/mesh_conversion.h"
+#include "vdbtools/base/errors.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "solid_input.h"
+#include "target/solid_input.h"
 
-#include "vdbtools/recipe.h"
-#include "vdbtools/vdb_file.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/recipe/recipe.h"
 
 #include <algorithm>
 #include <vector>

@@ -3,8 +3,8 @@
 /// From a file to signed distances, as every command that takes a shape does it.
 #pragma once
 
-#include "vdbtools/exponent_grid.h"
-#include "vdbtools/mesh_to_sdf.h"
+#include "vdbtools/target/exponent_grid.h"
+#include "vdbtools/target/mesh_to_sdf.h"
 
 #include <filesystem>
 #include <optional>

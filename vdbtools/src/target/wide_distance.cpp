@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "wide_distance.h"
+#include "target/wide_distance.h"
 
-#include "vdbtools/errors.h"
+#include "vdbtools/base/errors.h"
 
 #include <openvdb/tools/FastSweeping.h>
 #include <openvdb/tools/Interpolation.h>

@@ -3,7 +3,7 @@
 /// The seam between long work and whoever watches it: progress out, cancellation in.
 #pragma once
 
-#include "vdbtools/errors.h"
+#include "vdbtools/base/errors.h"
 
 #include <cstdint>
 #include <string_view>

@@ -6,7 +6,7 @@
 /// sample of what was left out tells.
 #pragma once
 
-#include "vdbtools/fractal_field.h"
+#include "vdbtools/field/fractal_field.h"
 
 #include <cstdint>
 

@@ -5,9 +5,9 @@
 /// julia.
 #pragma once
 
-#include "vdbtools/exponent_grid.h"
-#include "vdbtools/fractal_space.h"
-#include "vdbtools/monitor.h"
+#include "vdbtools/base/fractal_space.h"
+#include "vdbtools/base/monitor.h"
+#include "vdbtools/target/exponent_grid.h"
 
 #include "julia/evaluator.h"
 

@@ -9,8 +9,8 @@
 /// its surface away whole, and leaves every vertex and triangle of the others as it was.
 #pragma once
 
-#include "vdbtools/fractal_field.h"
-#include "vdbtools/monitor.h"
+#include "vdbtools/base/monitor.h"
+#include "vdbtools/field/fractal_field.h"
 
 #include <cstdint>
 

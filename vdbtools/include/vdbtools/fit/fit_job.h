@@ -4,10 +4,10 @@
 /// DESIGN.md 2.6.
 #pragma once
 
-#include "vdbtools/fit_measure.h"
-#include "vdbtools/fit_target.h"
-#include "vdbtools/image.h"
-#include "vdbtools/recipe.h"
+#include "vdbtools/fit/fit_measure.h"
+#include "vdbtools/fit/fit_target.h"
+#include "vdbtools/picture/image.h"
+#include "vdbtools/recipe/recipe.h"
 
 #include "julia/fit/schedule.h"
 #include "julia/fit/shape_energy.h"

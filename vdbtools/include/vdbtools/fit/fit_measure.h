@@ -4,7 +4,7 @@
 /// [Kim15] Eq. 5.
 #pragma once
 
-#include "vdbtools/fit_target.h"
+#include "vdbtools/fit/fit_target.h"
 
 #include "julia/rational.h"
 

@@ -5,8 +5,8 @@
 /// otherwise; phi < 0 inside.
 #pragma once
 
-#include "vdbtools/fractal_space.h"
-#include "vdbtools/monitor.h"
+#include "vdbtools/base/fractal_space.h"
+#include "vdbtools/base/monitor.h"
 
 #include "julia/embedding.h"
 #include "julia/fit/shape_energy.h"

@@ -4,7 +4,7 @@
 /// identifier, which is replaced by one made from the content.
 #pragma once
 
-#include "vdbtools/errors.h"
+#include "vdbtools/base/errors.h"
 
 #include <openvdb/openvdb.h>
 

@@ -28,7 +28,7 @@
 /// @throw IoError                reading broke off
 #pragma once
 
-#include "vdbtools/fractal_space.h"
+#include "vdbtools/base/fractal_space.h"
 
 #include "julia/rational.h"
 

@@ -4,11 +4,11 @@
 /// field, mesh and hand-off grids out.
 #pragma once
 
-#include "vdbtools/exponent_grid.h"
-#include "vdbtools/extract_mesh.h"
-#include "vdbtools/fractal_field.h"
-#include "vdbtools/level_set.h"
-#include "vdbtools/recipe.h"
+#include "vdbtools/field/fractal_field.h"
+#include "vdbtools/recipe/recipe.h"
+#include "vdbtools/surface/extract_mesh.h"
+#include "vdbtools/surface/level_set.h"
+#include "vdbtools/target/exponent_grid.h"
 
 #include <map>
 #include <memory>

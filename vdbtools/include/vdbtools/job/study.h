@@ -5,9 +5,9 @@
 /// origin. Where alpha (phi - beta) is low or high enough, it decides; between the two the versor does.
 #pragma once
 
-#include "vdbtools/fractal_job.h"
-#include "vdbtools/image.h"
-#include "vdbtools/slice_image.h"
+#include "vdbtools/job/fractal_job.h"
+#include "vdbtools/picture/image.h"
+#include "vdbtools/picture/slice_image.h"
 
 #include <optional>
 #include <span>

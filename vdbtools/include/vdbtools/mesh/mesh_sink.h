@@ -4,7 +4,7 @@
 /// of triangles is never held whole.
 #pragma once
 
-#include "vdbtools/mesh.h"
+#include "vdbtools/mesh/mesh.h"
 
 #include <cstdint>
 #include <span>

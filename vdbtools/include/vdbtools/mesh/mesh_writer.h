@@ -5,7 +5,7 @@
 /// origin). The same mesh gives the same bytes, whole or in pieces, whatever the stream.
 #pragma once
 
-#include "vdbtools/mesh_sink.h"
+#include "vdbtools/mesh/mesh_sink.h"
 
 #include <filesystem>
 #include <iosfwd>

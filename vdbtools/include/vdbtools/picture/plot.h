@@ -3,7 +3,7 @@
 /// Curves in a picture: axes with round numbers, a legend, and lettering of its own.
 #pragma once
 
-#include "vdbtools/image.h"
+#include "vdbtools/picture/image.h"
 
 #include <array>
 #include <optional>

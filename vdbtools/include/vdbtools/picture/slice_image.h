@@ -4,7 +4,7 @@
 /// SlicePlane::position() of every pixel; these functions give the values their colours.
 #pragma once
 
-#include "vdbtools/image.h"
+#include "vdbtools/picture/image.h"
 
 #include <openvdb/Types.h>
 #include <openvdb/math/BBox.h>

@@ -7,9 +7,9 @@
 /// documentation take theirs from here.
 #pragma once
 
-#include "vdbtools/control.h"
-#include "vdbtools/follow_surface.h"
-#include "vdbtools/islands.h"
+#include "vdbtools/field/follow_surface.h"
+#include "vdbtools/field/islands.h"
+#include "vdbtools/target/control.h"
 
 #include "julia/brick_field.h"
 #include "julia/cross_map.h"

@@ -17,9 +17,9 @@
 /// what lies beyond the escape radius.
 #pragma once
 
-#include "vdbtools/fractal_field.h"
-#include "vdbtools/image.h"
-#include "vdbtools/monitor.h"
+#include "vdbtools/base/monitor.h"
+#include "vdbtools/field/fractal_field.h"
+#include "vdbtools/picture/image.h"
 
 #include "julia/embedding.h"
 

@@ -5,8 +5,8 @@
 /// far from 1 have no holes. World Y is up.
 #pragma once
 
-#include "vdbtools/image.h"
-#include "vdbtools/monitor.h"
+#include "vdbtools/base/monitor.h"
+#include "vdbtools/picture/image.h"
 
 #include <openvdb/openvdb.h>
 

@@ -9,9 +9,9 @@
 /// then y, then z.
 #pragma once
 
-#include "vdbtools/fractal_field.h"
-#include "vdbtools/mesh.h"
-#include "vdbtools/mesh_sink.h"
+#include "vdbtools/field/fractal_field.h"
+#include "vdbtools/mesh/mesh.h"
+#include "vdbtools/mesh/mesh_sink.h"
 
 namespace vdbtools {
 

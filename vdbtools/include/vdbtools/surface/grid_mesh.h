@@ -5,8 +5,8 @@
 /// surface.
 #pragma once
 
-#include "vdbtools/mesh.h"
-#include "vdbtools/monitor.h"
+#include "vdbtools/base/monitor.h"
+#include "vdbtools/mesh/mesh.h"
 
 #include <openvdb/openvdb.h>
 

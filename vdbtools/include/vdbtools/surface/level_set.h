@@ -3,8 +3,8 @@
 /// The hand-off grids (DESIGN.md section 3).
 #pragma once
 
-#include "vdbtools/fractal_field.h"
-#include "vdbtools/mesh.h"
+#include "vdbtools/field/fractal_field.h"
+#include "vdbtools/mesh/mesh.h"
 
 #include <openvdb/openvdb.h>
 

@@ -7,9 +7,9 @@
 /// anywhere in a cell which touches that interval, and a constant beyond either end elsewhere.
 #pragma once
 
-#include "vdbtools/control.h"
-#include "vdbtools/fractal_space.h"
-#include "vdbtools/monitor.h"
+#include "vdbtools/base/fractal_space.h"
+#include "vdbtools/base/monitor.h"
+#include "vdbtools/target/control.h"
 
 #include "julia/brick_field.h"
 #include "julia/scalar_field.h"

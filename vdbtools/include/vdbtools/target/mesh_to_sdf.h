@@ -8,8 +8,8 @@
 /// what passes at one resolution may fail at a finer one. meshToSdf() checks what it made and refuses.
 #pragma once
 
-#include "vdbtools/mesh.h"
-#include "vdbtools/monitor.h"
+#include "vdbtools/base/monitor.h"
+#include "vdbtools/mesh/mesh.h"
 
 #include <openvdb/openvdb.h>
 
