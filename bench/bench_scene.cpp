@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench_scene.h"
 
+#include "vdbtools/base/grids.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/mesh/mesh_writer.h"
 
 #include "julia/instruction_set.h"
-
-#include <openvdb/openvdb.h>
 
 #include <benchmark/benchmark.h>
 #include <unistd.h>

@@ -200,7 +200,7 @@ class OrbitEvaluator : public FieldEvaluator {
     if (!iterations.empty())
       for (std::size_t i = 0; i < size; ++i) iterations[index[i]] = step;
     // Apart from the count, whose additions wait for each other.
-    std::array<std::uint8_t, kPiece> goes;
+    std::array<std::uint8_t, kPiece> goes{};
     for (std::size_t i = 0; i < size; ++i) goes[i] = goesOn(l[i]) ? 1 : 0;
     std::uint32_t* const stays = batch.stays.data();
     std::size_t kept = 0;

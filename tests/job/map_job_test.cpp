@@ -78,8 +78,9 @@ TEST_F(MapJob, TheRegionHoldsTheSet) {
     const auto values = made.field->getConstAccessor();
     for (auto node = plan.domain.begin(); node; ++node)
       for (int axis = 0; axis < 3; ++axis)
-        if ((*node)[axis] == plan.domain.min()[axis] || (*node)[axis] == plan.domain.max()[axis])
+        if ((*node)[axis] == plan.domain.min()[axis] || (*node)[axis] == plan.domain.max()[axis]) {
           ASSERT_GE(values.getValue(*node), 0) << *node;
+        }
   }
 }
 

@@ -8,8 +8,8 @@
 #include "julia/evaluator.h"
 #include "julia/rational.h"
 #include "julia/reference.h"
+#include "vdbtools/base/grids.h"
 
-#include <openvdb/openvdb.h>
 #include <openvdb/tools/SignedFloodFill.h>
 
 #include <cmath>

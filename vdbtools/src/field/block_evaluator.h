@@ -3,9 +3,8 @@
 /// F at the nodes of whole blocks. Where its sign is proved for a block or a part of it, no node there is evaluated.
 #pragma once
 
+#include "vdbtools/base/grids.h"
 #include "vdbtools/field/fractal_field.h"
-
-#include <openvdb/openvdb.h>
 
 #include <atomic>
 #include <cstdint>

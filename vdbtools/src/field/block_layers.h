@@ -4,7 +4,7 @@
 /// voxel of the mask stands for a block, so that sets of many millions of them stay small.
 #pragma once
 
-#include <openvdb/openvdb.h>
+#include "vdbtools/base/grids.h"
 
 #include <cstdint>
 #include <optional>

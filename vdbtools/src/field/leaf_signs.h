@@ -4,7 +4,7 @@
 /// places where the sign changes are found without looking at the rest.
 #pragma once
 
-#include <openvdb/openvdb.h>
+#include "vdbtools/base/grids.h"
 
 #include <array>
 #include <cstddef>

@@ -2,6 +2,7 @@
 #include "vdbtools/fit/fit_job.h"
 
 #include "base/in_parallel.h"
+#include "base/openvdb/fast_sweeping.h"
 #include "fit/log_moduli.h"
 #include "recipe/recipe_reader.h"
 
@@ -14,8 +15,6 @@
 #include "julia/fit/fast_fit.h"
 #include "julia/fit/minimise.h"
 #include "julia/fit/monopoles.h"
-
-#include <openvdb/tools/FastSweeping.h>
 
 #include <algorithm>
 #include <chrono>
@@ -282,7 +281,7 @@ std::vector<char> insideFractal(const std::vector<double>& l, int resolution) {
   std::vector<char> inside(l.size());
   const bool anySurface = std::any_of(l.begin(), l.end(), [](double value) { return value < 0; }) &&
                           std::any_of(l.begin(), l.end(), [](double value) { return value >= 0; });
-  const FloatGrid::Ptr phi = anySurface ? openvdb::tools::sdfToSdf(field, 0.0f) : field.deepCopy();
+  const FloatGrid::Ptr phi = anySurface ? sdfOfField(field) : field.deepCopy();
   FloatGrid::ConstAccessor read = phi->getConstAccessor();
   i = 0;
   for (int x = 0; x < resolution; ++x)

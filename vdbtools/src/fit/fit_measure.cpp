@@ -2,10 +2,10 @@
 #include "vdbtools/fit/fit_measure.h"
 
 #include "base/in_parallel.h"
+#include "base/openvdb/fast_sweeping.h"
 #include "fit/log_moduli.h"
 
 #include <openvdb/tools/Dense.h>
-#include <openvdb/tools/FastSweeping.h>
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/VolumeToMesh.h>
 
@@ -143,7 +143,7 @@ Distances toTarget(const FitTarget& target, const Lattice& lattice, const std::v
 
 /// From the target's surface to the map's, whose distances fast sweeping makes.
 Distances fromTarget(const FitTarget& target, const Lattice& lattice, const FloatGrid& potential) {
-  const FloatGrid::Ptr sdf = openvdb::tools::sdfToSdf(potential);
+  const FloatGrid::Ptr sdf = sdfOfField(potential);
   const auto accessor = sdf->getConstAccessor();
   const FloatGrid::ConstPtr finest =
       target.levels.front()->copyReplacingTransform(openvdb::math::Transform::createLinearTransform(1.0));

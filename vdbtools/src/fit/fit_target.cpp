@@ -2,6 +2,7 @@
 #include "vdbtools/fit/fit_target.h"
 
 #include "base/in_parallel.h"
+#include "base/openvdb/level_set_filter.h"
 #include "mesh/decimate.h"
 #include "target/solid_input.h"
 #include "target/wide_distance.h"
@@ -10,7 +11,7 @@
 #include "vdbtools/target/mesh_to_sdf.h"
 
 #include <openvdb/tools/Composite.h>
-#include <openvdb/tools/LevelSetFilter.h>
+#include <openvdb/tools/Interpolation.h>
 
 #include <algorithm>
 #include <array>
@@ -117,12 +118,7 @@ FloatGrid::Ptr smoothed(const FloatGrid& phi, double smooth, Monitor& monitor) {
   if (smooth == 0) return result;
   // A step is a third of a voxel squared of heat conduction: n of them blur by a Gaussian of deviation sqrt(n / 3).
   const int steps = static_cast<int>(std::ceil(3 * smooth * smooth));
-  OpenVdbInterrupter interrupter(monitor);
-  openvdb::tools::LevelSetFilter<FloatGrid, FloatGrid, OpenVdbInterrupter> filter(*result, &interrupter);
-  for (int n = 0; n < steps; ++n) {
-    filter.meanCurvature();
-    monitor.throwIfCancelled();
-  }
+  meanCurvatureFlow(*result, steps, monitor);
   const auto movedBy = [&phi](double distance) {
     FloatGrid::Ptr moved = phi.deepCopy();
     for (auto value = moved->beginValueOn(); value; ++value) value.setValue(*value - static_cast<float>(distance));

@@ -3,11 +3,10 @@
 /// What a ray that met the set sees there: normals from the field, colours from the map, Phong's model.
 #pragma once
 
+#include "vdbtools/base/grids.h"
 #include "vdbtools/render/field_render.h"
 
 #include "julia/evaluator.h"
-
-#include <openvdb/openvdb.h>
 
 #include <optional>
 #include <span>

@@ -3,11 +3,10 @@
 /// Which cubes of a region are proved to lie outside of the set, for rays to pass them by.
 #pragma once
 
+#include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
 
 #include "julia/evaluator.h"
-
-#include <openvdb/openvdb.h>
 
 namespace vdbtools {
 

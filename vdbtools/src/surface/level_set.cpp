@@ -5,7 +5,6 @@
 
 #include <openvdb/tools/Diagnostics.h>
 #include <openvdb/tools/LevelSetUtil.h>
-#include <openvdb/tools/MeshToVolume.h>
 #include <openvdb/tools/Prune.h>
 #include <openvdb/tools/SignedFloodFill.h>
 #include <openvdb/tree/LeafManager.h>
@@ -23,7 +22,7 @@ FloatGrid::Ptr levelSet(const FractalField& field, const Mesh& mesh, Monitor& mo
   const double voxel = field.field->voxelSize()[0];
   FloatGrid::Ptr grid = convert(toIndexSpace(mesh.points, voxel), mesh.triangles,
                                 {.voxelSize = voxel, .exteriorBandWidth = kHalfWidth, .interiorBandWidth = kHalfWidth},
-                                monitor, openvdb::tools::UNSIGNED_DISTANCE_FIELD);
+                                monitor, DistanceField::Unsigned);
   // F knows the sign at every node, also in closed bubbles, which a flood fill from outside would call inside.
   using LeafManager = openvdb::tree::LeafManager<FloatTree>;
   LeafManager leaves(grid->tree());

@@ -3,7 +3,8 @@
 /// The values at the corners of the cells that begin in a leaf: its own, and the first layers of its neighbours behind.
 #pragma once
 
-#include <openvdb/openvdb.h>
+#include "vdbtools/base/grids.h"
+
 #include <openvdb/tree/ValueAccessor.h>
 
 #include <algorithm>

@@ -2,10 +2,10 @@
 #include "vdbtools/target/exponent_grid.h"
 
 #include "base/in_parallel.h"
+#include "base/openvdb/fast_sweeping.h"
 #include "target/cell_corners.h"
 #include "vdbtools/target/grid_sampler.h"
 
-#include <openvdb/tools/FastSweeping.h>
 #include <openvdb/tools/Morphology.h>
 #include <openvdb/tools/SignedFloodFill.h>
 #include <openvdb/tree/ValueAccessor.h>
@@ -360,8 +360,7 @@ void extendBand(Target& target, double exteriorWidth, double interiorWidth, Moni
   const double layers = std::max(widen ? (wanted - phi->background()) / voxel : 0.0,
                                  deepen && std::isfinite(interiorWidth) ? (wantedInside - known) / voxel : 0.0);
   const bool wholeInside = deepen && !std::isfinite(interiorWidth);
-  target.phi = openvdb::tools::maskSdf(*phi, *sweepingMask(*phi, wholeInside, static_cast<int>(std::ceil(layers))),
-                                       false, kSweeps);
+  target.phi = extendSdf(*phi, *sweepingMask(*phi, wholeInside, static_cast<int>(std::ceil(layers))), kSweeps);
   // Sweeping touches the outermost of the values that it starts from; what was read stays what it was.
   auto accessor = target.phi->getAccessor();
   for (auto value = phi->cbeginValueOn(); value; ++value) accessor.setValue(value.getCoord(), *value);

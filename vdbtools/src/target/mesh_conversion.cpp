@@ -4,7 +4,6 @@
 #include "vdbtools/base/errors.h"
 
 #include <openvdb/math/Proximity.h>
-#include <openvdb/tools/MeshToVolume.h>
 #include <openvdb/tree/LeafManager.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -187,7 +186,7 @@ void refineDistances(FloatGrid& grid, float exterior, float interior, const open
 }  // namespace
 
 FloatGrid::Ptr convert(const std::vector<Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,
-                       const MeshToSdfOptions& options, Monitor& monitor, int flags) {
+                       const MeshToSdfOptions& options, Monitor& monitor, DistanceField kind) {
   openvdb::BBoxd box;
   for (const openvdb::Vec3I& t : triangles) {
     for (int c = 0; c < 3; ++c) box.expand(points[t[c]]);
@@ -204,14 +203,11 @@ FloatGrid::Ptr convert(const std::vector<Vec3d>& points, const std::vector<openv
     moved.reserve(points.size());
     for (const Vec3d& p : points) moved.push_back(p - shift.asVec3d());
   }
-  const openvdb::tools::QuadAndTriangleDataAdapter<Vec3d, openvdb::Vec3I> adapter(isFar ? moved : points, triangles);
-  OpenVdbInterrupter interrupter(monitor);
   openvdb::Int32Grid closest;
   const auto exterior = static_cast<float>(options.exteriorBandWidth);
   const auto interior = static_cast<float>(finiteInteriorBand(box, options.interiorBandWidth));
-  const FloatGrid::Ptr grid = openvdb::tools::meshToVolume<FloatGrid>(
-      interrupter, adapter, *openvdb::math::Transform::createLinearTransform(1.0), exterior, interior, flags, &closest);
-  monitor.throwIfCancelled();
+  const FloatGrid::Ptr grid =
+      meshToVolume(isFar ? moved : points, triangles, exterior, interior, kind, &closest, monitor);
   refineDistances(*grid, exterior, interior, closest, isFar ? moved : points, triangles, monitor);
   if (isFar) shiftTree(*grid, shift);
   scaleValues(*grid, static_cast<float>(options.voxelSize));

@@ -3,11 +3,11 @@
 /// What meshToSdf() and repairedMeshToSdf() share: the conversion itself, and the look at its outcome.
 #pragma once
 
+#include "base/openvdb/mesh_to_volume.h"
+#include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/mesh/mesh.h"
 #include "vdbtools/target/mesh_to_sdf.h"
-
-#include <openvdb/openvdb.h>
 
 #include <cstdint>
 #include <string>
@@ -25,10 +25,10 @@ std::vector<openvdb::Vec3d> toIndexSpace(const std::vector<openvdb::Vec3d>& poin
 /// meshToVolume in index space, scaled to world units afterwards: it has absolute tolerances, which would make the
 /// field of a small mesh in large units another than that of the same mesh in small units. Nothing is checked.
 /// @param points  index space
-/// @param flags   of openvdb::tools::MeshToVolumeFlags
 /// @throw Interrupted
 openvdb::FloatGrid::Ptr convert(const std::vector<openvdb::Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,
-                                const MeshToSdfOptions& options, Monitor& monitor, int flags = 0);
+                                const MeshToSdfOptions& options, Monitor& monitor,
+                                DistanceField kind = DistanceField::Signed);
 
 /// Points spread over the surface, about @a count of them and each standing for the same area. The same ones every
 /// time.

@@ -11,7 +11,6 @@
 #include <openvdb/math/Proximity.h>
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/LevelSetUtil.h>
-#include <openvdb/tools/MeshToVolume.h>
 #include <openvdb/tools/SignedFloodFill.h>
 #include <openvdb/tools/VolumeToMesh.h>
 #include <openvdb/tree/LeafManager.h>
@@ -92,15 +91,10 @@ Surface extractSurface(const FloatGrid& grid, double isovalue) {
   return surface;
 }
 
-FloatGrid::Ptr distanceTo(const Surface& surface, double exteriorBand, double interiorBand, int flags,
+FloatGrid::Ptr distanceTo(const Surface& surface, double exteriorBand, double interiorBand, DistanceField kind,
                           Int32Grid* closest, Monitor& monitor) {
-  const openvdb::tools::QuadAndTriangleDataAdapter<Vec3d, Vec3I> adapter(surface.points, surface.triangles);
-  OpenVdbInterrupter interrupter(monitor);
-  const FloatGrid::Ptr grid = openvdb::tools::meshToVolume<FloatGrid>(
-      interrupter, adapter, *openvdb::math::Transform::createLinearTransform(1.0), static_cast<float>(exteriorBand),
-      static_cast<float>(interiorBand), flags, closest);
-  monitor.throwIfCancelled();
-  return grid;
+  return meshToVolume(surface.points, surface.triangles, static_cast<float>(exteriorBand),
+                      static_cast<float>(interiorBand), kind, closest, monitor);
 }
 
 /// The ball's centres: from the distance to the mesh, negative where the ball cannot be.
@@ -242,13 +236,13 @@ Closing closeGaps(const Mesh& mesh, const MeshReport& report, const std::vector<
   local.triangles = mesh.triangles;
 
   const Int32Grid::Ptr closest = Int32Grid::create(openvdb::Int32(openvdb::util::INVALID_IDX));
-  const FloatGrid::Ptr distance = distanceTo(local, radius + kMargin, radius + kMargin,
-                                             openvdb::tools::UNSIGNED_DISTANCE_FIELD, closest.get(), monitor);
+  const FloatGrid::Ptr distance =
+      distanceTo(local, radius + kMargin, radius + kMargin, DistanceField::Unsigned, closest.get(), monitor);
   floodFromOutside(*distance, radius);
   const Surface reached = extractSurface(*distance, 0);
   // Back by the same amount: the closed region begins where the distance from the ball's centres exceeds its radius.
   closing.field =
-      distanceTo(reached, kMargin, radius + kMargin, openvdb::tools::DISABLE_RENORMALIZATION, nullptr, monitor);
+      distanceTo(reached, kMargin, radius + kMargin, DistanceField::SignedNotRenormalized, nullptr, monitor);
   closing.lids = findLids(extractSurface(*closing.field, -radius), local, open, *closest);
   monitor.throwIfCancelled();
 

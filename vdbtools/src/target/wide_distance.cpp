@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "target/wide_distance.h"
 
+#include "base/openvdb/fast_sweeping.h"
 #include "vdbtools/base/errors.h"
 
-#include <openvdb/tools/FastSweeping.h>
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/SignedFloodFill.h>
 
@@ -66,13 +66,10 @@ FloatGrid::Ptr coarserBand(const FloatGrid& fine, int gain) {
     if (((node[0] | node[1] | node[2]) & 1) == 0) accessor.setValue(node >> 1, *value);
   }
   openvdb::tools::signedFloodFill(kept->tree());
-  // What dilateSdf() does, but that cannot finish where no node is inside: thin parts lie between the nodes.
+  // What OpenVDB's dilateSdf() does, but that cannot finish where no node is inside: thin parts lie between the nodes.
   bool anyInside = false;
   for (auto value = kept->cbeginValueOn(); value; ++value) anyInside |= *value < 0;
-  openvdb::tools::FastSweeping<FloatGrid> sweeping;
-  sweeping.initDilate(*kept, gain, openvdb::tools::NN_FACE_EDGE_VERTEX);
-  sweeping.sweep(1, anyInside);
-  const FloatGrid::Ptr wide = sweeping.sdfGrid();
+  const FloatGrid::Ptr wide = dilateSdf(*kept, gain, anyInside);
   // Sweeping touches the outermost of the values that it starts from; what was known stays what it was.
   auto known = wide->getAccessor();
   for (auto value = kept->cbeginValueOn(); value; ++value) known.setValue(value.getCoord(), *value);

@@ -4,9 +4,8 @@
 /// away, the coarser. What sweeping finds is good to a voxel of its level, on both sides of a kink; elsewhere better.
 #pragma once
 
+#include "vdbtools/base/grids.h"
 #include "vdbtools/target/exponent_grid.h"
-
-#include <openvdb/openvdb.h>
 
 #include <span>
 #include <vector>

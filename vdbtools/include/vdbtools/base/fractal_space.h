@@ -5,8 +5,7 @@
 #pragma once
 
 #include "julia/embedding.h"
-
-#include <openvdb/openvdb.h>
+#include "vdbtools/base/grids.h"
 
 namespace vdbtools {
 

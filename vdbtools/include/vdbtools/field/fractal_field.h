@@ -6,12 +6,11 @@
 #pragma once
 
 #include "vdbtools/base/fractal_space.h"
+#include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/target/exponent_grid.h"
 
 #include "julia/evaluator.h"
-
-#include <openvdb/openvdb.h>
 
 #include <cstdint>
 #include <optional>

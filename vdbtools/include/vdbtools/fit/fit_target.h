@@ -6,13 +6,12 @@
 #pragma once
 
 #include "vdbtools/base/fractal_space.h"
+#include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
 
 #include "julia/embedding.h"
 #include "julia/fit/shape_energy.h"
 #include "julia/fit/surface.h"
-
-#include <openvdb/openvdb.h>
 
 #include <cstddef>
 #include <cstdint>

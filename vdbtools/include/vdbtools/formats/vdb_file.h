@@ -5,8 +5,7 @@
 #pragma once
 
 #include "vdbtools/base/errors.h"
-
-#include <openvdb/openvdb.h>
+#include "vdbtools/base/grids.h"
 
 #include <filesystem>
 #include <iosfwd>

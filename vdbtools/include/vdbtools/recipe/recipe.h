@@ -7,6 +7,7 @@
 /// documentation take theirs from here.
 #pragma once
 
+#include "vdbtools/base/grids.h"
 #include "vdbtools/field/follow_surface.h"
 #include "vdbtools/field/islands.h"
 #include "vdbtools/target/control.h"
@@ -17,8 +18,6 @@
 #include "julia/mandelbulb.h"
 #include "julia/orbit.h"
 #include "julia/random_roots.h"
-
-#include <openvdb/openvdb.h>
 
 #include <filesystem>
 #include <map>

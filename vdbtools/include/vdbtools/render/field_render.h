@@ -17,13 +17,12 @@
 /// what lies beyond the escape radius.
 #pragma once
 
+#include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/field/fractal_field.h"
 #include "vdbtools/picture/image.h"
 
 #include "julia/embedding.h"
-
-#include <openvdb/openvdb.h>
 
 #include <array>
 #include <cstdint>

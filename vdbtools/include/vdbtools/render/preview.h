@@ -5,10 +5,9 @@
 /// far from 1 have no holes. World Y is up.
 #pragma once
 
+#include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/picture/image.h"
-
-#include <openvdb/openvdb.h>
 
 #include <array>
 #include <vector>

@@ -5,10 +5,9 @@
 /// surface.
 #pragma once
 
+#include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/mesh/mesh.h"
-
-#include <openvdb/openvdb.h>
 
 namespace vdbtools {
 

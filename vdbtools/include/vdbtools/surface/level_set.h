@@ -3,10 +3,9 @@
 /// The hand-off grids (DESIGN.md section 3).
 #pragma once
 
+#include "vdbtools/base/grids.h"
 #include "vdbtools/field/fractal_field.h"
 #include "vdbtools/mesh/mesh.h"
-
-#include <openvdb/openvdb.h>
 
 #include <string>
 

@@ -4,7 +4,7 @@
 /// FloatGrid.
 #pragma once
 
-#include <openvdb/openvdb.h>
+#include "vdbtools/base/grids.h"
 
 #include <functional>
 #include <optional>

@@ -4,8 +4,7 @@
 #pragma once
 
 #include "julia/brick_field.h"
-
-#include <openvdb/openvdb.h>
+#include "vdbtools/base/grids.h"
 
 namespace vdbtools {
 

@@ -8,10 +8,9 @@
 /// what passes at one resolution may fail at a finer one. meshToSdf() checks what it made and refuses.
 #pragma once
 
+#include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/mesh/mesh.h"
-
-#include <openvdb/openvdb.h>
 
 namespace vdbtools {
 

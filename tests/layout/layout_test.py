@@ -1,0 +1,190 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The layers and the rooms: nothing includes what lies above it.
+
+ORDER below is the one place that says what lies above what. docs/architecture.md explains it.
+"""
+import os
+import re
+import sys
+import tempfile
+import unittest
+
+# From the bottom up. A folder may include what stands before it. A file belongs to the longest of these paths that it
+# lies below; `include` and `src` are two halves of one room.
+ORDER = [
+    "libjulia",
+    "libjulia/fit",
+    "vdbtools/base",
+    "vdbtools/files",
+    "vdbtools/mesh",
+    "vdbtools/formats",
+    "vdbtools/recipe",
+    "vdbtools/target",
+    "vdbtools/field",
+    "vdbtools/surface",
+    "vdbtools/picture",
+    "vdbtools/render",
+    "vdbtools/fit",
+    "vdbtools/maps",
+    "vdbtools/job",
+    "cli",
+]
+
+# How the folders on disk are named above.
+PLACES = [
+    ("libjulia/include/julia/fit/", "libjulia/fit"),
+    ("libjulia/src/fit/", "libjulia/fit"),
+    ("libjulia/include/julia/", "libjulia"),
+    ("libjulia/src/", "libjulia"),
+    *[(f"vdbtools/{half}/{room.partition('/')[2]}/", room)
+      for room in ORDER if room.startswith("vdbtools/") for half in ("include/vdbtools", "src")],
+    ("cli/", "cli"),
+]
+
+# Where the compiler looks for what each layer includes in quotes, besides the file's own folder.
+SEARCHED = {
+    "libjulia": ["libjulia/include", "libjulia/src"],
+    "vdbtools": ["vdbtools/include", "vdbtools/src", "libjulia/include"],
+    "cli": ["cli", "vdbtools/include", "libjulia/include"],
+    # Some tests and benchmarks look at the insides.
+    "tests": ["tests", "vdbtools/include", "vdbtools/src", "libjulia/include", "libjulia/src"],
+    "bench": ["bench", "vdbtools/include", "vdbtools/src", "libjulia/include", "libjulia/src"],
+    "samples": ["vdbtools/include", "libjulia/include"],
+}
+
+INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^">]+)[">]', re.MULTILINE)
+OWN_IN_ANGLES = re.compile(r"^(julia|vdbtools)/")
+
+
+def place_of(path):
+    """The entry of ORDER that a file belongs to; None for tests, samples and benchmarks, which may use everything."""
+    for folder, place in PLACES:
+        if path.startswith(folder):
+            return place
+    return None
+
+
+def sources(root):
+    """Every header and source of the project, relative to its root."""
+    for layer in SEARCHED:
+        for folder, _, names in os.walk(os.path.join(root, layer)):
+            for name in sorted(names):
+                if name.endswith((".h", ".cpp")):
+                    yield os.path.relpath(os.path.join(folder, name), root)
+
+
+def resolve(root, path, name):
+    """The project's file that `path` includes as `name`, or None."""
+    for folder in [os.path.dirname(path), *SEARCHED[path.split("/")[0]]]:
+        candidate = os.path.normpath(os.path.join(folder, name))
+        if os.path.isfile(os.path.join(root, candidate)):
+            return candidate
+    return None
+
+
+def complaints(root):
+    """What is wrong with the includes of the tree below `root`, one line each."""
+    found = []
+    for path in sources(root):
+        layer, place = path.split("/")[0], place_of(path)
+        with open(os.path.join(root, path), encoding="utf-8") as file:
+            text = file.read()
+        if place is None and layer in ("libjulia", "vdbtools"):
+            found.append(f"{path} lies in no room; the rooms are in tests/layout/layout_test.py")
+            continue
+        for match in INCLUDE.finditer(text):
+            name = match.group(2)
+            where = f"{path}:{text.count(chr(10), 0, match.start()) + 1}"
+            if match.group(1) == "<":
+                if OWN_IN_ANGLES.match(name) and layer not in ("samples", "tests"):
+                    found.append(f'{where} includes <{name}>; the project\'s own headers are included in quotes')
+                continue
+            included = resolve(root, path, name)
+            if included is None:
+                found.append(f'{where} includes "{name}", which does not exist where {layer} looks for headers')
+                continue
+            other = place_of(included)
+            if place and other and ORDER.index(other) > ORDER.index(place):
+                found.append(f'{where} includes "{name}": {place} lies below {other}')
+            if path.startswith(("libjulia/include/", "vdbtools/include/")) and "/include/" not in included:
+                found.append(f'{where} includes "{name}": a public header includes a private one')
+    return found
+
+
+class TheTree(unittest.TestCase):
+    root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+
+    def test_nothing_includes_what_lies_above_it(self):
+        self.assertEqual(complaints(self.root), [])
+
+    def test_the_files_are_found(self):
+        found = list(sources(self.root))
+        self.assertGreater(len(found), 150)
+        self.assertEqual({place_of(path) for path in found} - {None} - set(ORDER), set())
+
+
+class ABadTree(unittest.TestCase):
+    """Each rule finds what breaks it."""
+
+    FILES = {
+        "libjulia/include/julia/map.h": "",
+        "libjulia/include/julia/fit/panels.h": '#include "julia/map.h"\n',
+        "libjulia/src/fit/log.h": "",
+        "vdbtools/include/vdbtools/base/grids.h": "#include <openvdb/openvdb.h>\n",
+        "vdbtools/include/vdbtools/field/field.h": '#include "julia/map.h"\n#include "vdbtools/base/grids.h"\n',
+        "vdbtools/include/vdbtools/job/job.h": '#include "vdbtools/field/field.h"\n',
+        "vdbtools/src/field/blocks.h": "",
+        "vdbtools/src/field/field.cpp": '#include "field/blocks.h"\n#include "vdbtools/field/field.h"\n',
+        "cli/options.h": '#include "vdbtools/job/job.h"\n',
+        "cli/commands/fit.cpp": '#include "options.h"\n',
+        "tests/field/field_test.cpp": '#include "field/blocks.h"\n#include "vdbtools/job/job.h"\n',
+    }
+
+    def complaints_with(self, extra):
+        with tempfile.TemporaryDirectory() as root:
+            for path, text in {**self.FILES, **extra}.items():
+                os.makedirs(os.path.join(root, os.path.dirname(path)), exist_ok=True)
+                with open(os.path.join(root, path), "w", encoding="utf-8") as file:
+                    file.write(text)
+            return complaints(root)
+
+    def expect(self, path, text, words):
+        found = self.complaints_with({path: text})
+        self.assertEqual(len(found), 1, found)
+        self.assertIn(words, found[0])
+        self.assertIn(path, found[0])
+
+    def test_a_good_one_passes(self):
+        self.assertEqual(self.complaints_with({}), [])
+
+    def test_a_room_that_includes_a_later_one(self):
+        self.expect("vdbtools/src/field/bad.cpp", '#include "vdbtools/job/job.h"\n',
+                    "vdbtools/field lies below vdbtools/job")
+
+    def test_a_layer_that_includes_a_higher_one(self):
+        self.expect("libjulia/src/bad.cpp", '#include "../../vdbtools/include/vdbtools/base/grids.h"\n',
+                    "libjulia lies below vdbtools/base")
+        self.expect("vdbtools/src/job/bad.cpp", '#include "../../../cli/options.h"\n', "vdbtools/job lies below cli")
+
+    def test_libjulia_that_includes_its_fit(self):
+        self.expect("libjulia/src/bad.cpp", '#include "fit/log.h"\n', "libjulia lies below libjulia/fit")
+
+    def test_a_private_header_of_another_layer(self):
+        self.expect("cli/bad.cpp", '#include "field/blocks.h"\n', "does not exist where cli looks")
+
+    def test_a_public_header_that_includes_a_private_one(self):
+        self.expect("vdbtools/include/vdbtools/job/bad.h", '#include "field/blocks.h"\n', "a private one")
+
+    def test_a_file_that_is_not_there(self):
+        self.expect("vdbtools/src/job/bad.cpp", '\n#  include "vdbtools/job/gone.h"\n', "bad.cpp:2")
+
+    def test_a_file_in_no_room(self):
+        self.expect("vdbtools/src/cellar/bad.cpp", "", "lies in no room")
+
+    def test_an_own_header_in_angles(self):
+        self.expect("vdbtools/src/job/bad.cpp", "#include <vdbtools/job/job.h>\n", "in quotes")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1] + ["-v"] + sys.argv[1:])
