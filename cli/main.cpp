@@ -65,6 +65,19 @@ int fail(int code, std::string text) {
   return code;
 }
 
+/// The option that does what would help.
+std::string optionFor(vdbtools::Remedy remedy) {
+  using vdbtools::Remedy;
+  switch (remedy) {
+    case Remedy::None: break;
+    case Remedy::RepairMesh: return "; see --repair";
+    case Remedy::SmallerIslands: return "; see --min-size";
+    case Remedy::LargerBeta: return "; see --beta";
+    case Remedy::AnotherFieldBox: return "; see --box, and 'juliavdb info' for the target's";
+  }
+  return "";
+}
+
 /// Data on stdout is an output like any other: it must have arrived.
 int finish(int code) {
   std::cout.flush();
@@ -85,7 +98,7 @@ int main(int argc, char** argv) {
   } catch (const std::invalid_argument& error) {
     return fail(kUsage, error.what());
   } catch (const vdbtools::DataError& error) {
-    return fail(kBadData, error.what());
+    return fail(kBadData, error.what() + optionFor(error.remedy()));
   } catch (const vdbtools::MissingInputError& error) {
     return fail(kNoInput, error.what());
   } catch (const vdbtools::CreateError& error) {

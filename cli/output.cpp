@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "output.h"
 
+#include "vdbtools/base/number_text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/frame_name.h"
 
 #include <algorithm>
-#include <charconv>
 #include <stdexcept>
 #include <vector>
 
@@ -45,15 +45,14 @@ std::filesystem::path scratchFolder(const vdbtools::AtomicFile& file) {
 }
 
 std::string formatOf(const std::string& name, const char* usual) {
-  const std::string extension = std::filesystem::path(name).extension().string();
+  const std::string extension = vdbtools::lowerExtension(name);
   return extension.empty() ? usual : extension;
 }
 
 std::optional<int> parseFrame(const std::string& text) {
   if (text.empty()) return std::nullopt;
-  int frame = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), frame);
-  if (error != std::errc{} || end != text.data() + text.size() || frame < 0)
+  const std::optional<int> frame = vdbtools::wholeFromText<int>(text);
+  if (!frame || *frame < 0)
     throw std::invalid_argument("--frame is '" + text + "'; it must be a whole number of at least 0");
   return frame;
 }

@@ -571,7 +571,8 @@ TEST(Islands, AllTooSmallIsAnError) {
     drop(after, {.minSize = 0.6});
     ADD_FAILURE() << "nothing thrown";
   } catch (const DataError& error) {
-    EXPECT_NE(std::string(error.what()).find("0.5 across; use a smaller --min-size than 0.6"), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("0.5 across, and the smallest that was to be kept is 0.6"),
+              std::string::npos)
         << error.what();
   }
   const CoordBBox box(Coord(-8), Coord(8));
@@ -590,7 +591,7 @@ TEST(Islands, RefuseASize) {
       drop(field, {.minSize = size});
       ADD_FAILURE() << size;
     } catch (const std::invalid_argument& error) {
-      EXPECT_NE(std::string(error.what()).find("min-size"), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("smallest size"), std::string::npos) << error.what();
     }
   }
 }

@@ -28,7 +28,7 @@ using openvdb::FloatTree;
 using openvdb::Vec3d;
 using Leaf = FloatTree::LeafNodeType;
 
-// Lattice indices beyond this leave no room for a neighbour, or lose their last bits in world space.
+// Beyond this, a lattice index leaves no room for a neighbour or loses its last bits in world space.
 constexpr double kMostIndex = 1 << 29;
 
 /// The lattice nodes in a box of world space, plus @a margin nodes on every side.
@@ -43,18 +43,18 @@ CoordBBox latticeNodes(const openvdb::BBoxd& world, double voxelSize, int margin
 
 void requireValid(const FractalFieldOptions& options) {
   if (!(options.voxelSize > 0 && std::isfinite(options.voxelSize)))
-    throw std::invalid_argument("voxel size is " + std::to_string(options.voxelSize) + "; it must be above 0");
+    throw std::invalid_argument("the voxel size is " + std::to_string(options.voxelSize) + "; it must be above 0");
   if (options.box && (options.box->empty() || !options.box->min().isFinite() || !options.box->max().isFinite()))
     throw std::invalid_argument("the box is empty or not finite; give x0,y0,z0,x1,y1,z1 with the smaller corner first");
 }
 
-/// The domain of a run: where E's cells are, cut by the box.
+/// The domain of a run: the cells of E, clipped by the box.
 CoordBBox shellDomain(const ExponentGrid& exponent, const FractalFieldOptions& options) {
   CoordBBox cells = exponent.grid->evalActiveVoxelBoundingBox();
   if (exponent.denseBox) cells = *exponent.denseBox;
   if (cells.empty())
-    throw DataError(
-        "the fractal is empty: the exponent is decided everywhere in the target's band; try a larger --beta");
+    throw DataError("the fractal is empty: the exponent is decided everywhere in the target's band; try a larger beta",
+                    Remedy::LargerBeta);
   const openvdb::BBoxd world =
       exponent.grid->transform().indexToWorld(openvdb::BBoxd(cells.min().asVec3d(), cells.max().asVec3d()));
   CoordBBox domain = latticeNodes(world, options.voxelSize, exponent.denseBox ? 0 : 1);
@@ -65,7 +65,8 @@ CoordBBox shellDomain(const ExponentGrid& exponent, const FractalFieldOptions& o
     domain.intersect(asked);
   }
   if (domain.empty())
-    throw DataError("the box does not touch the fractal; 'juliavdb info' tells where the target lies");
+    throw DataError("the box does not touch the fractal; choose one that overlaps the target's own box",
+                    Remedy::AnotherFieldBox);
   return domain;
 }
 
@@ -87,23 +88,47 @@ unsigned touching(const CellCorners& corners, unsigned x, unsigned y, float lowe
   return bits;
 }
 
-/// Blocks that hold a corner of any lattice cell which touches an undecided cell of E: a change of F's sign lies in
-/// such a cell, for E is continuous.
-void addShellBlocks(BlockSet& blocks, const ExponentGrid& exponent, const CoordBBox& domain, double voxelSize) {
-  // Interpolating rounds.
-  constexpr double kRounding = 1e-5;
-  const double lower = exponent.shell.lower - kRounding * (1 + std::abs(exponent.shell.lower));
-  const double upper = exponent.shell.upper + kRounding * (1 + exponent.shell.upper);
-  // E's index space to the lattice's: a point, and how far a unit cell reaches about its middle.
-  const openvdb::math::Transform& transform = exponent.grid->transform();
-  const Vec3d zero = transform.indexToWorld(Vec3d(0)) / voxelSize;
-  Vec3d columns[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    Vec3d unit(0);
-    unit[axis] = 1;
-    columns[axis] = transform.indexToWorld(unit) / voxelSize - zero;
+/// E's index space, seen from the lattice's.
+class LatticeView {
+ public:
+  LatticeView(const openvdb::math::Transform& transform, double voxelSize)
+      : mZero(transform.indexToWorld(Vec3d(0)) / voxelSize) {
+    for (int axis = 0; axis < 3; ++axis) {
+      Vec3d unit(0);
+      unit[axis] = 1;
+      mColumns[axis] = transform.indexToWorld(unit) / voxelSize - mZero;
+    }
   }
-  constexpr double kMargin = 1 + 1e-6;  // a corner of a lattice cell that touches
+
+  /// The corners of all lattice cells that touch a box of E's index space.
+  CoordBBox cornersAround(const Vec3d& middle, const Vec3d& half) const {
+    constexpr double kMargin = 1 + 1e-6;  // a corner of a lattice cell that touches
+    CoordBBox nodes;
+    for (int axis = 0; axis < 3; ++axis) {
+      double at = mZero[axis], extent = kMargin;
+      for (int k = 0; k < 3; ++k) {
+        at += mColumns[k][axis] * middle[k];
+        extent += std::abs(mColumns[k][axis]) * half[k];
+      }
+      nodes.min()[axis] = static_cast<int>(std::ceil(at - extent));
+      nodes.max()[axis] = static_cast<int>(std::floor(at + extent));
+    }
+    return nodes;
+  }
+
+ private:
+  Vec3d mZero;
+  Vec3d mColumns[3];
+};
+
+/// Blocks that hold a corner of any lattice cell which touches an undecided cell of E: F changes its sign in such cells
+/// only, for E is continuous.
+void addShellBlocks(BlockSet& blocks, const ExponentGrid& exponent, const CoordBBox& domain, double voxelSize) {
+  // A margin for the rounding of interpolation.
+  constexpr double kRounding = 1e-5;
+  const auto lower = static_cast<float>(exponent.shell.lower - kRounding * (1 + std::abs(exponent.shell.lower)));
+  const auto upper = static_cast<float>(exponent.shell.upper + kRounding * (1 + exponent.shell.upper));
+  const LatticeView lattice(exponent.grid->transform(), voxelSize);
   std::vector<const Leaf*> leaves;
   exponent.grid->tree().getNodes(leaves);
   tbb::enumerable_thread_specific<BlockSet> parts;
@@ -116,24 +141,14 @@ void addShellBlocks(BlockSet& blocks, const ExponentGrid& exponent, const CoordB
       const CellCorners corners(*leaves[i], values);
       for (unsigned row = 0; row < CellCorners::kSide * CellCorners::kSide; ++row) {
         const unsigned x = row / CellCorners::kSide, y = row % CellCorners::kSide;
-        const unsigned on = activeInRow(*leaves[i], row);
-        unsigned bits = on & touching(corners, x, y, static_cast<float>(lower), static_cast<float>(upper));
+        unsigned bits = activeInRow(*leaves[i], row) & touching(corners, x, y, lower, upper);
         while (bits != 0) {
           // A run of cells along z.
           const int first = std::countr_zero(bits), length = std::countr_one(bits >> first);
           bits &= ~(((1u << length) - 1) << first);
           const Coord begin = leaves[i]->origin().offsetBy(static_cast<int>(x), static_cast<int>(y), first);
-          const Vec3d half(0.5, 0.5, 0.5 * length), middle = begin.asVec3d() + half;
-          CoordBBox nodes;
-          for (int axis = 0; axis < 3; ++axis) {
-            double at = zero[axis], extent = kMargin;
-            for (int k = 0; k < 3; ++k) {
-              at += columns[k][axis] * middle[k];
-              extent += std::abs(columns[k][axis]) * half[k];
-            }
-            nodes.min()[axis] = static_cast<int>(std::ceil(at - extent));
-            nodes.max()[axis] = static_cast<int>(std::floor(at + extent));
-          }
+          const Vec3d half(0.5, 0.5, 0.5 * length);
+          CoordBBox nodes = lattice.cornersAround(begin.asVec3d() + half, half);
           nodes.intersect(domain);
           if (nodes.empty()) continue;
           const CoordBBox touched(nodes.min() >> kBlockLog2, nodes.max() >> kBlockLog2);
@@ -217,7 +232,7 @@ FractalField emptyField(const FieldPlan& plan, bool keepIterations) {
 
 void fillTiles(FractalField& field) {
   // Where there is no leaf nothing changes sign, so the sign of a block's corner is that of its neighbours. In the
-  // leaves every value stands; the fill, which doubts what is not active, goes above them only.
+  // leaves every value stands; the fill, which would overwrite inactive values, works above the leaves only.
   openvdb::tools::signedFloodFillWithValues(field.field->tree(), kFieldOutside, -kFieldOutside, true, 1, 1);
 }
 

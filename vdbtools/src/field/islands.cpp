@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/field/islands.h"
 
+#include "base/disjoint_sets.h"
 #include "target/mesh_conversion.h"
 
 #include <openvdb/tree/ValueAccessor.h>
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cmath>
 #include <stdexcept>
@@ -27,44 +27,10 @@ using openvdb::Index;
 using Upper = FloatTree::RootNodeType::ChildNodeType;
 using Lower = Upper::ChildNodeType;
 using Leaf = Lower::ChildNodeType;
-// One a leaf, too many to register each with the tree, whose nodes stay where they are.
+// One for each leaf: too many to register each with the tree, and its nodes stay where they are.
 using Accessor = openvdb::tree::ValueAccessor<const FloatTree, /*IsSafe=*/false>;
 
 constexpr std::size_t kNoPart = ~std::size_t(0);
-
-/// Union-find that threads may work on at once. A set is named after its smallest member, so that its name does not
-/// depend on the order of what is joined.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t size) : mParents(size) {
-    for (std::size_t i = 0; i < size; ++i) mParents[i].store(i, std::memory_order_relaxed);
-  }
-
-  std::size_t find(std::size_t member) {
-    for (;;) {
-      std::size_t parent = mParents[member].load(std::memory_order_relaxed);
-      const std::size_t grandparent = mParents[parent].load(std::memory_order_relaxed);
-      if (parent == grandparent) return parent;
-      // Any ancestor will do as a parent; who else found one meanwhile may keep it.
-      mParents[member].compare_exchange_weak(parent, grandparent, std::memory_order_relaxed);
-      member = grandparent;
-    }
-  }
-
-  void join(std::size_t a, std::size_t b) {
-    for (;;) {
-      a = find(a);
-      b = find(b);
-      if (a == b) return;
-      if (a < b) std::swap(a, b);
-      std::size_t expected = a;  // still a root
-      if (mParents[a].compare_exchange_strong(expected, b, std::memory_order_relaxed)) return;
-    }
-  }
-
- private:
-  std::vector<std::atomic<std::size_t>> mParents;
-};
 
 /// The nodes of an island that lie in one node of the tree; once all are joined, in its smallest one, the whole island.
 struct Part {
@@ -141,7 +107,7 @@ void forEachRun(const Block<Node>& block, const Body& body) {
   }
 }
 
-/// Parts are numbered in the order of their first cells.
+/// Numbers the parts in the order of their first cells.
 template <class Node>
 void labelParts(Block<Node>& block) {
   using C = Cube<Node>;
@@ -229,7 +195,7 @@ class IslandFinder {
     return result;
   }
 
-  /// Turns the islands that are not kept into outside.
+  /// Makes the islands that are not kept part of the outside.
   void drop() {
     const Monitor untilDone;  // half of it would be worse than none
     forEachLevel([&](auto& level) { level.forEach(untilDone, [&](const auto& block) { drop(block); }); });
@@ -279,7 +245,7 @@ class IslandFinder {
     });
   }
 
-  /// Each pair of neighbours is seen from one side: of equal cells from the one before, else from the smaller one.
+  /// Joins each pair of neighbours from one side: cells of equal size from the first one, others from the smaller one.
   template <class Node>
   void joinAcrossFaces(const Block<Node>& block) {
     if (block.inside.isOff()) return;
@@ -375,7 +341,7 @@ class IslandFinder {
   Level<Upper> mUppers;
   std::unordered_map<Coord, std::size_t> mRootTiles;  ///< by origin: those inside, each a part of its own
   std::vector<Part> mParts;
-  DisjointSets mSets;
+  DisjointSets<std::size_t> mSets;
 };
 
 /// Voxels.
@@ -385,7 +351,7 @@ int sizeOf(const Part& island) {
 }
 
 void dropSmall(std::vector<Part*>& islands, double minSize, double voxelSize) {
-  // An island of exactly that size stays, though the product of two decimal fractions may come out a little less.
+  // An island of exactly that size stays, although the product of two decimal fractions may be rounded down.
   constexpr double kRounding = 1e-9;
   const double least = minSize / voxelSize * (1 - kRounding);
   int largest = 0;
@@ -395,8 +361,9 @@ void dropSmall(std::vector<Part*>& islands, double minSize, double voxelSize) {
   }
   if (largest < least)
     throw DataError("no island is left: the largest of " + std::to_string(islands.size()) + " is " +
-                    shortNumber(largest * voxelSize) + " across; use a smaller --min-size than " +
-                    shortNumber(minSize));
+                        shortNumber(largest * voxelSize) + " across, and the smallest that was to be kept is " +
+                        shortNumber(minSize) + "; keep smaller ones",
+                    Remedy::SmallerIslands);
   std::erase_if(islands, [](const Part* island) { return !island->kept; });
 }
 
@@ -414,7 +381,8 @@ void keepLargest(std::vector<Part*>& islands, std::uint64_t count) {
 
 IslandReport dropIslands(FractalField& field, const IslandOptions& options, Monitor& monitor) {
   if (!(options.minSize >= 0 && std::isfinite(options.minSize)))
-    throw std::invalid_argument("min-size is " + shortNumber(options.minSize) + "; it must be 0 or above, world units");
+    throw std::invalid_argument("the smallest size of islands is " + shortNumber(options.minSize) +
+                                "; it must be 0 or above, world units");
   IslandFinder finder(field.field->tree(), monitor);
   const std::vector<Part*> all = finder.islands();
   IslandReport report;

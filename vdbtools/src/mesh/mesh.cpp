@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/mesh/mesh.h"
 
+#include "base/disjoint_sets.h"
 #include "vdbtools/base/errors.h"
 
 #include <algorithm>
@@ -14,7 +15,7 @@
 namespace vdbtools {
 namespace {
 
-/// Corners whose cross product is this much smaller than the longest edge squared are in line: what is left of it is
+/// Corners are in line if their cross product is this much smaller than the square of the longest edge: what is left is
 /// the rounding of coordinates that were stored in single precision or far from the origin.
 constexpr double kInLine = 1e-12;
 
@@ -37,7 +38,7 @@ void countEdges(const Mesh& mesh, MeshReport& report) {
   std::vector<std::uint64_t> first(mesh.points.size() + 1, 0);
   const auto forEachEdge = [&mesh](auto&& visit) {
     for (const openvdb::Vec3I& t : mesh.triangles) {
-      if (repeatsCorner(t)) continue;  // both its edges are the same one, there and back: nothing to close
+      if (repeatsCorner(t)) continue;  // two of its edges are the same one, there and back, and close each other
       for (int c = 0; c < 3; ++c) visit(t[c], t[(c + 1) % 3]);
     }
   };
@@ -64,21 +65,16 @@ void countEdges(const Mesh& mesh, MeshReport& report) {
 }
 
 std::uint64_t countComponents(const Mesh& mesh) {
-  std::vector<std::uint32_t> parent(mesh.points.size());
-  std::iota(parent.begin(), parent.end(), 0U);
-  const auto root = [&parent](std::uint32_t p) {
-    while (parent[p] != p) p = parent[p] = parent[parent[p]];
-    return p;
-  };
+  DisjointSets<std::uint32_t> sets(mesh.points.size());
   std::vector<bool> used(mesh.points.size(), false);
   for (const openvdb::Vec3I& t : mesh.triangles) {
     for (int c = 0; c < 3; ++c) used[t[c]] = true;
-    parent[root(t[0])] = root(t[1]);
-    parent[root(t[1])] = root(t[2]);
+    sets.join(t[0], t[1]);
+    sets.join(t[1], t[2]);
   }
-  std::uint64_t roots = 0;
-  for (std::uint32_t p = 0; p < parent.size(); ++p) roots += used[p] && parent[p] == p;
-  return roots;
+  std::uint64_t count = 0;
+  for (std::uint32_t p = 0; p < sets.size(); ++p) count += used[p] && sets.find(p) == p;
+  return count;
 }
 
 std::uint64_t hashPosition(const openvdb::Vec3d& p) {

@@ -40,31 +40,32 @@ std::string percent(double share) {
   return text;
 }
 
-/// Why @a grid is not the mesh's distance field; empty if it is.
+/// Throws where @a grid is not the mesh's distance field.
 ///
 /// Volumes: each node stands for h^3. A cell of that volume can be counted wrongly only if the surface crosses it, so
 /// all its points lie within sqrt(3) h of the surface, half of them on the wrong side: the volume of the nodes inside
 /// differs from the mesh's by no more than sqrt(3) h times the area (and the h^2, h^3 terms of Steiner's formula, which
 /// matter where the curvature exceeds 1/h: there the feature is thinner than a voxel and may vanish altogether).
-std::string whyRefused(const openvdb::FloatGrid& grid, const Mesh& mesh, const std::vector<openvdb::Vec3d>& indexPoints,
-                       const MeshReport& report) {
+void requireDistances(const openvdb::FloatGrid& grid, const Mesh& mesh, const std::vector<openvdb::Vec3d>& indexPoints,
+                      const MeshReport& report) {
   const double h = grid.voxelSize()[0];
   const double inside = insideNodes(grid) * h * h * h;
   const double lost = lostShare(grid, sampleSurface(indexPoints, mesh.triangles, kSamples));
   const bool closed = report.closed();
   const bool tooSmall = inside < (std::abs(report.volume) - std::sqrt(3.0) * h * report.area) / kMostCover;
   const bool sheet = !(deepest(grid) > kLeastDepth * h);
-  if (inside > 0 && !sheet && lost <= (closed ? kMostLostClosed : kMostLostOpen) && !(closed && tooSmall)) return {};
+  if (inside > 0 && !sheet && lost <= (closed ? kMostLostClosed : kMostLostOpen) && !(closed && tooSmall)) return;
   const std::string numbers = "(" + std::to_string(report.openEdges) + " open edges, " +
                               std::to_string(report.nonManifoldEdges) + " non-manifold edges, inside volume " +
                               shortNumber(inside) + " against the mesh's " + shortNumber(std::abs(report.volume)) +
                               ", " + percent(lost) + " of the surface bounds nothing)";
   if (closed) {
-    return "the mesh has no inside, or only a part of it, at the voxel size " + shortNumber(h) + " " + numbers +
-           ": its features are thinner than a voxel; use a finer voxel size (a higher --resolution)";
+    throw DataError("the mesh has no inside, or only a part of it, at the voxel size " + shortNumber(h) + " " +
+                    numbers + ": its features are thinner than a voxel; use finer voxels");
   }
-  return "the mesh leaks at the voxel size " + shortNumber(h) + " " + numbers +
-         ": close its holes with --repair, or use a coarser --resolution, at which a voxel spans them";
+  throw DataError("the mesh leaks at the voxel size " + shortNumber(h) + " " + numbers +
+                      ": its holes must be closed, or spanned by coarser voxels",
+                  Remedy::RepairMesh);
 }
 
 }  // namespace
@@ -77,8 +78,7 @@ openvdb::FloatGrid::Ptr meshToSdf(const Mesh& mesh, const MeshToSdfOptions& opti
   const openvdb::FloatGrid::Ptr grid = convert(points, mesh.triangles, options, monitor);
   // Points that are doubled along seams of texture or normals, or in a soup, open no hole.
   if (!report.closed()) report = reportMesh(weldMesh(mesh));
-  const std::string refusal = whyRefused(*grid, mesh, points, report);
-  if (!refusal.empty()) throw DataError(refusal);
+  requireDistances(*grid, mesh, points, report);
   monitor.throwIfCancelled();
   return grid;
 }

@@ -1,16 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file errors.h
-/// The exceptions of vdbtools. Each says, in words for the user, what was found and what to do about it.
-/// An option outside its domain is a std::invalid_argument; a broken promise of our own is a std::logic_error.
+/// The room `base` holds what every other room of vdbtools needs and includes none of them: the exceptions (here), the
+/// seam to whoever watches long work (monitor.h), fractal space (fractal_space.h), and a few private helpers.
+///
+/// The exceptions of vdbtools. Each says, in words for the user, what was found and what to do about it, in terms of
+/// quantities: the names of command-line options are the command line's to add, see Remedy. An option outside its
+/// domain is a std::invalid_argument; a broken promise of our own is a std::logic_error.
 #pragma once
 
 #include <stdexcept>
+#include <string>
 
 namespace vdbtools {
 
+/// What would help against an error, for whoever offers it under a name of their own.
+enum class Remedy {
+  None,
+  RepairMesh,       ///< RepairOptions
+  SmallerIslands,   ///< IslandOptions::minSize
+  LargerBeta,       ///< ExponentGridOptions::beta
+  AnotherFieldBox,  ///< FractalFieldOptions::box
+};
+
 /// The input was read, but cannot be used: truncated, leaky, empty, not finite.
 class DataError : public std::runtime_error {
-  using std::runtime_error::runtime_error;
+ public:
+  explicit DataError(const std::string& what, Remedy remedy = Remedy::None)
+      : std::runtime_error(what), mRemedy(remedy) {}
+  Remedy remedy() const { return mRemedy; }
+
+ private:
+  Remedy mRemedy;
 };
 
 /// There is no such input, or it may not be opened.
