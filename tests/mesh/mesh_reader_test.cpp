@@ -312,6 +312,50 @@ TEST(ReadMesh, MissingAndUnreadable) {
   }
 }
 
+TEST(ReadMesh, SaysWhereReadingBrokeOff) {
+  // An ordinary file by its kind, whose first byte cannot be read.
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "broken.obj";
+  std::filesystem::create_symlink("/proc/self/mem", path);
+  EXPECT_THROW(readMesh(path), vdbtools::IoError);
+}
+
+TEST(ReadMesh, RepeatedCornersOfObjAreDropped) {
+  const TemporaryFolder folder;
+  const Mesh mesh = readMesh(
+      folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 2 3\nf 1 2 1\nf 4 1 3 4\nf 1 2 3 1 4 2\n"));
+  EXPECT_EQ(mesh.points.size(), 4U);
+  EXPECT_EQ(mesh.triangles, std::vector<Vec3I>({{0, 1, 2}, {3, 0, 2}, {0, 1, 2}, {0, 2, 3}}));
+}
+
+TEST(ReadMesh, ErrorsOfTextNameTheLine) {
+  EXPECT_REFUSED("a.obj", "v 0 0 0\n# two\nv 0 \\\nx 0\n", "line 4: 'x'");
+  EXPECT_REFUSED("a.obj", "v 0 0 0\nf 1 1 9\nv 1 1 1\n", "line 2: a face refers to point 9");
+  EXPECT_REFUSED("a.off", "OFF\n3 1\n\n0 0 0\n1 0\n", "line 5: ''");
+  EXPECT_REFUSED("a.stl", "solid\nouter loop\nvertex 0 0 0\nvertex 0 y 0\n", "line 4: 'y'");
+  EXPECT_REFUSED("a.stl", "solid\nouter loop\nvertex 0 0 0\nouter loop\n", "line 4: a triangle begins within another");
+  EXPECT_REFUSED("a.ply", "ply\nformat ascii 1.0\nelement vertex many\n", "line 3: 'many'");
+}
+
+TEST(ReadMesh, PlyNeedsEachCoordinateOnce) {
+  const auto ply = [](const std::string& names) {
+    std::string text = "ply\nformat ascii 1.0\nelement vertex 3\n";
+    for (const char name : names) text += "property float " + std::string(1, name) + "\n";
+    text += "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    for (int p = 0; p < 3; ++p) {
+      for (std::size_t k = 0; k < names.size(); ++k) text += k % 3 == static_cast<std::size_t>(p) ? "1 " : "0 ";
+      text += "\n";
+    }
+    return text + "3 0 1 2\n";
+  };
+  const TemporaryFolder folder;
+  EXPECT_EQ(readMesh(folder.write("good.ply", ply("zxy"))).points[0], Vec3d(0, 0, 1));
+  for (const std::string names : {"xxy", "xyy", "xy", "xyzx", "xyzxyz", "xxx"}) {
+    SCOPED_TRACE(names);
+    EXPECT_REFUSED("a.ply", ply(names), "exactly once each");
+  }
+}
+
 TEST(ReadMesh, RefusesWhatItCannotRead) {
   EXPECT_REFUSED("a.3ds", asObj(makeCube()), "'.3ds'");
   EXPECT_REFUSED("plain", asObj(makeCube()), "format");

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <mutex>
 #include <string>
 
 namespace vdbtools {
@@ -31,8 +32,28 @@ constexpr float kAspectRatio = 5;
 
 constexpr float kFold = 60;  ///< degrees that a triangle's normal may turn by in one collapse
 
+/// Keeps OpenMesh from printing errors for as long as it lives. They go to one stream for the whole program, so only
+/// one of these exists at a time.
+class QuietOpenMesh {
+ public:
+  QuietOpenMesh() : mLock(mutex()), mWasEnabled(omerr().is_enabled()) { omerr().disable(); }
+  ~QuietOpenMesh() {
+    if (mWasEnabled) omerr().enable();
+  }
+  QuietOpenMesh(const QuietOpenMesh&) = delete;
+  QuietOpenMesh& operator=(const QuietOpenMesh&) = delete;
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex mutex;
+    return mutex;
+  }
+  std::scoped_lock<std::mutex> mLock;
+  bool mWasEnabled;
+};
+
 HalfedgeMesh toHalfedges(const Mesh& mesh) {
-  omerr().disable();  // what it would print is thrown below
+  const QuietOpenMesh quiet;  // what it would print is thrown below
   HalfedgeMesh result;
   for (const openvdb::Vec3d& p : mesh.points) result.add_vertex({p[0], p[1], p[2]});
   for (const openvdb::Vec3I& t : mesh.triangles) {

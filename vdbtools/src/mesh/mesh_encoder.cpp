@@ -188,7 +188,7 @@ std::string MeshEncoder::header(std::uint64_t points, std::uint64_t triangles) c
       return header;
     }
   }
-  throw std::logic_error("a mesh format that is none");
+  throw std::logic_error("a mesh format that does not exist");
 }
 
 void MeshEncoder::encodePoints(std::span<const Vec3d> points, std::span<const Vec3s> normals, MeshPart& part) const {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file mesh_encoder.h
-/// The bytes of mesh files: a header, then the parts of points, normals and triangles, in this order. What a part holds
-/// does not depend on the pieces in which it was encoded.
+/// The bytes of mesh files: a header, then the parts with points, normals and triangles, in this order. The bytes of a
+/// part do not depend on the pieces in which it was encoded.
 #pragma once
 
 #include "files/scratch_file.h"
@@ -15,18 +15,18 @@
 
 namespace vdbtools {
 
-/// Begins the value of a comment that is ours.
+/// What comments of this project begin with.
 inline constexpr std::string_view kCommentMark = "juliavdb ";
 
-/// A part of a file on its way into the stream: at once, or put aside until all that stands before it is complete.
+/// A part of a file on its way into the stream: directly, or put aside until everything before it is complete.
 class MeshPart {
  public:
   static constexpr std::size_t kLongestRecord = 128;  ///< bytes; lines of OBJ are the longest
 
   explicit MeshPart(std::ostream& stream, std::unique_ptr<ScratchFile> aside = nullptr);
 
-  /// Adds @a count records: @a encode(to, i) writes the i-th to where it is told, and returns its end.
-  /// @throw IoError  it could not be put aside; errors of the stream are left to its owner
+  /// Adds @a count records: @a encode(to, i) writes the i-th one at @a to and returns its end.
+  /// @throw IoError  it could not be put aside; errors of the stream are left to the stream's owner
   template <class Encode>
   void add(std::size_t count, const Encode& encode) {
     char* end = mBytes.get() + mSize;
@@ -61,7 +61,7 @@ class MeshEncoder {
 
   MeshFormat format() const { return mOptions.format; }
   bool hasNormals() const { return mNormals; }
-  /// To be said before the header and the points are asked for.
+  /// To be called before header() and encodePoints().
   void setNormals(bool normals) { mNormals = normals; }
 
   /// @throw DataError              more points than triangles can refer to

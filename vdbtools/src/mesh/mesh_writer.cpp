@@ -74,13 +74,13 @@ struct MeshStreamWriter::State {
     return needed ? std::make_unique<ScratchFile>(folder) : nullptr;
   }
 
-  /// Runs one call of the writer. After one that threw there is no whole mesh to be had any more.
+  /// Runs one call of the writer. Once a call has thrown, the mesh cannot be completed any more.
   template <class Act>
   void run(const Act& act) {
     if (!usable) throw std::logic_error("a mesh writer was used after it was finished, or after an error");
     usable = false;
     act();
-    if (!stream) throw IoError("writing a mesh broke off, as its stream takes no more; is the disk full?");
+    if (!stream) throw IoError("writing a mesh broke off, because its stream takes no more; is the disk full?");
     usable = true;
   }
 

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mesh/ply_reader.h"
-
+#include "mesh/format_readers.h"
 #include "mesh/polygon.h"
 #include "mesh/text_scan.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/number_text.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <optional>
 #include <string>
-#include <type_traits>
+#include <vector>
 
 namespace vdbtools {
 namespace {
@@ -94,7 +95,7 @@ Header readHeader(const std::filesystem::path& path, std::string_view contents) 
       element.count = static_cast<std::uint64_t>(count);
       header.elements.push_back(std::move(element));
     } else if (keyword == "property") {
-      if (header.elements.empty()) lines.fail("a property ahead of any element; export the mesh again");
+      if (header.elements.empty()) lines.fail("a property stands before the first element; export the mesh again");
       Property property;
       std::string_view type = words.next();
       if (type == "list") {
@@ -110,7 +111,7 @@ Header readHeader(const std::filesystem::path& path, std::string_view contents) 
       header.lines = lines.lineNumber();
       return header;
     } else if (!keyword.empty() && keyword != "comment" && keyword != "obj_info") {
-      lines.fail(shown(keyword) + " has no meaning in a PLY header; export the mesh again");
+      lines.fail(shown(keyword) + " is not a keyword of PLY headers; export the mesh again");
     }
   }
   lines.fail("the file ends within its header; it is truncated: export it again");
@@ -186,8 +187,8 @@ class BodyReader {
 
   double nextWord() {
     const std::string_view text = word();
-    const auto value = parseNumber(text);
-    if (!value) fail(shown(text) + " stands where a number should; export the mesh again");
+    const auto value = numberFromText(text);
+    if (!value) fail(shown(text) + " stands where a number is expected; export the mesh again");
     return *value;
   }
 
@@ -236,9 +237,12 @@ bool isIndexList(const Property& property) {
 }
 
 void readVertices(BodyReader& body, const Element& element, Mesh& mesh) {
-  int axes = 0;
-  for (const Property& p : element.properties) axes += axisOf(p) >= 0;
-  if (axes != 3) body.fail("a vertex has not x, y and z, once each; export the mesh again");
+  std::array<int, 3> found{};
+  for (const Property& p : element.properties)
+    if (const int axis = axisOf(p); axis >= 0) ++found[static_cast<std::size_t>(axis)];
+  if (found != std::array{1, 1, 1}) {
+    body.fail("vertices need the properties x, y and z, exactly once each; export the mesh again");
+  }
   mesh.points.reserve(element.count);  // leastBytes() was checked
   for (std::uint64_t i = 0; i < element.count; ++i) {
     body.setIndex(i);
@@ -259,16 +263,11 @@ void readVertices(BodyReader& body, const Element& element, Mesh& mesh) {
   }
 }
 
-/// Faces may stand ahead of the vertices: they are kept as polygons until all points are known.
-struct Polygons {
-  std::vector<std::uint32_t> corners;
-  std::vector<std::uint64_t> ends;
-};
-
 void readFaces(BodyReader& body, const Element& element, std::uint64_t points, Polygons& polygons) {
   if (std::count_if(element.properties.begin(), element.properties.end(), isIndexList) != 1) {
-    body.fail("a face has no list 'vertex_indices'; export the mesh again");
+    body.fail("faces need the list 'vertex_indices', exactly once; export the mesh again");
   }
+  std::vector<std::uint32_t> corners;
   for (std::uint64_t i = 0; i < element.count; ++i) {
     body.setIndex(i);
     for (const Property& p : element.properties) {
@@ -278,15 +277,16 @@ void readFaces(BodyReader& body, const Element& element, std::uint64_t points, P
       }
       const std::uint64_t length = body.nextLength(p);
       if (length < 3) body.fail("it has " + std::to_string(length) + " corners; repair the mesh and export it again");
+      corners.clear();
       for (std::uint64_t c = 0; c < length; ++c) {
         const std::uint64_t index = body.nextWhole(p.type, "the index of a point");
         if (index >= points) {
           body.fail("it refers to point " + std::to_string(index) + ", but there are only " + std::to_string(points) +
                     "; export the mesh again");
         }
-        polygons.corners.push_back(static_cast<std::uint32_t>(index));
+        corners.push_back(static_cast<std::uint32_t>(index));
       }
-      polygons.ends.push_back(polygons.corners.size());
+      polygons.add(corners);
     }
   }
 }
@@ -333,14 +333,10 @@ Mesh readPly(const std::filesystem::path& path, std::string_view contents) {
       }
     }
   }
-  if (polygons.ends.empty() && hasStrips) {
-    throw DataError(path.string() + ": triangle strips are not read; export the mesh with faces");
+  if (polygons.empty() && hasStrips) {
+    throw DataError(path.string() + ": triangle strips cannot be read; export the mesh with faces");
   }
-  std::uint64_t begin = 0;
-  for (const std::uint64_t end : polygons.ends) {
-    triangulatePolygon(std::span(polygons.corners).subspan(begin, end - begin), mesh.points, mesh.triangles);
-    begin = end;
-  }
+  polygons.triangulate(mesh);
   return mesh;
 }
 

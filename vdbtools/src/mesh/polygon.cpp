@@ -71,4 +71,12 @@ void triangulatePolygon(std::span<const std::uint32_t> corners, const std::vecto
   for (std::size_t i = 1; i + 1 < ring.size(); ++i) triangles.emplace_back(ring[0], ring[i], ring[i + 1]);
 }
 
+void Polygons::triangulate(Mesh& mesh) const {
+  std::size_t begin = 0;
+  for (const std::size_t end : mEnds) {
+    triangulatePolygon(std::span(mCorners).subspan(begin, end - begin), mesh.points, mesh.triangles);
+    begin = end;
+  }
+}
+
 }  // namespace vdbtools

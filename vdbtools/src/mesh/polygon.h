@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file polygon.h
-/// Splitting the polygons of a mesh file into triangles.
+/// The polygons of mesh files, and how they are split into triangles.
 #pragma once
 
-#include <openvdb/Types.h>
+#include "vdbtools/mesh/mesh.h"
 
 #include <cstdint>
 #include <span>
@@ -17,5 +17,23 @@ namespace vdbtools {
 /// @param corners  indices into @a points, three or more
 void triangulatePolygon(std::span<const std::uint32_t> corners, const std::vector<openvdb::Vec3d>& points,
                         std::vector<openvdb::Vec3I>& triangles);
+
+/// Polygons that are kept until all points are known: in some formats faces may stand before their points.
+class Polygons {
+ public:
+  /// @param corners  indices of points, three or more
+  void add(std::span<const std::uint32_t> corners) {
+    mCorners.insert(mCorners.end(), corners.begin(), corners.end());
+    mEnds.push_back(mCorners.size());
+  }
+  bool empty() const { return mEnds.empty(); }
+
+  /// Appends the triangles of all to @a mesh. @pre every corner is one of its points
+  void triangulate(Mesh& mesh) const;
+
+ private:
+  std::vector<std::uint32_t> mCorners;
+  std::vector<std::size_t> mEnds;  ///< of each polygon in mCorners
+};
 
 }  // namespace vdbtools

@@ -2,10 +2,10 @@
 #include "mesh/text_scan.h"
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/number_text.h"
 
-#include <charconv>
+#include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 namespace vdbtools {
 namespace {
@@ -48,29 +48,25 @@ void LineScanner::fail(const std::string& what) const {
 }
 
 double LineScanner::number(std::string_view word) const {
-  const auto value = parseNumber(word);
-  if (!value) fail(shown(word) + " stands where a number should; the file is damaged or truncated: export it again");
+  const auto value = numberFromText(word);
+  if (!value)
+    fail(shown(word) + " stands where a number is expected; the file is damaged or truncated: export it again");
   if (!std::isfinite(*value)) fail("the number " + shown(word) + " is not finite; repair the mesh and export it again");
   return *value;
 }
 
 long long LineScanner::integer(std::string_view word) const {
-  if (word.starts_with('+')) word.remove_prefix(1);
-  long long value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size()) {
-    fail(shown(word) + " stands where a whole number should; the file is damaged or truncated: export it again");
+  const auto value = wholeFromText<long long>(word);
+  if (!value) {
+    fail(shown(word) + " stands where a whole number is expected; the file is damaged or truncated: export it again");
   }
-  return value;
+  return *value;
 }
 
-std::optional<double> parseNumber(std::string_view word) {
-  if (word.starts_with('+')) word.remove_prefix(1);  // from_chars knows no plus sign
-  double value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error == std::errc::result_out_of_range) return std::strtod(std::string(word).c_str(), nullptr);
-  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
-  return value;
+openvdb::Vec3d LineScanner::point(WordScanner& words) const {
+  openvdb::Vec3d point;
+  for (int axis = 0; axis < 3; ++axis) point[axis] = number(words.next());
+  return point;
 }
 
 std::string shown(std::string_view word) {

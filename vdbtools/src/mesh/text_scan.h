@@ -3,6 +3,8 @@
 /// Reading words and numbers from a text file that is held in memory, with errors that name the file and the line.
 #pragma once
 
+#include <openvdb/Types.h>
+
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -44,15 +46,14 @@ class LineScanner {
   /// A whole number. @throw DataError
   long long integer(std::string_view word) const;
 
+  /// The next three words as finite coordinates. @throw DataError
+  openvdb::Vec3d point(WordScanner& words) const;
+
  private:
   const std::filesystem::path& mPath;
   std::string_view mRest;
   std::size_t mLineNumber = 0;
 };
-
-/// @return the value of @a word, infinite where it is too large and 0 where it is too small for a double; nothing if it
-///         is no number
-std::optional<double> parseNumber(std::string_view word);
 
 /// A short form of @a word for an error's text: one line, printable.
 std::string shown(std::string_view word);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file mesh.h
-/// Triangle meshes: the indexed soup that the project passes around, what can be said about one, and reading one.
-/// Positions are in the mesh's own units, called world units. A closed mesh is oriented outward when its signed volume
-/// is positive: seen from outside, corners run counter-clockwise.
+/// The room `mesh` reads, checks, writes and decimates triangle meshes. It uses the rooms `base` and `files`.
+///
+/// Here: the indexed triangles that the project passes around, a report on them, and reading them from a file.
+/// Positions are in the mesh's own units, called world units. A closed mesh is oriented outward if its signed volume is
+/// positive: seen from outside, corners run counter-clockwise.
 #pragma once
 
 #include <openvdb/Types.h>
@@ -23,7 +25,8 @@ struct Mesh {
   std::vector<openvdb::Vec3s> normals;    ///< unit length, one a point, or empty
 };
 
-/// What is known of a mesh. Edges are told apart by point index, so a soup of unshared points is all open edges.
+/// What is known about a mesh. Edges are identified by the indices of their points, so in a soup whose triangles share
+/// no points every edge is open.
 struct MeshReport {
   std::uint64_t points = 0;
   std::uint64_t triangles = 0;
@@ -31,10 +34,10 @@ struct MeshReport {
   std::uint64_t openEdges = 0;         ///< used by one triangle
   std::uint64_t nonManifoldEdges = 0;  ///< used by more than two triangles
   std::uint64_t misorientedEdges = 0;  ///< used by two triangles in the same direction
-  std::uint64_t degenerateFaces = 0;   ///< no area: a repeated corner, or three in line
+  std::uint64_t degenerateFaces = 0;   ///< without area: a repeated corner, or three in line
   openvdb::BBoxd box;                  ///< of the points that triangles use, world units
   double area = 0;                     ///< world units squared
-  double volume = 0;                   ///< signed, world units cubed; means something for a closed mesh only
+  double volume = 0;                   ///< signed, world units cubed; meaningful only for a closed mesh
 
   bool closed() const { return openEdges == 0 && nonManifoldEdges == 0 && misorientedEdges == 0; }
 };
@@ -42,16 +45,19 @@ struct MeshReport {
 /// @throw DataError  an index out of range
 MeshReport reportMesh(const Mesh& mesh);
 
-/// Reads OBJ, PLY, STL or OFF, by the file's extension. Polygons are split into triangles: convex ones into fans,
-/// others ear by ear. Normals, colours and texture coordinates are skipped; unused points are kept; STL is welded.
-/// Coordinates are read in double precision, except STL's. A face that repeats a corner loses the repetition in OBJ.
-/// @throw MissingInputError  no such file, or not readable
+/// Reads OBJ, PLY, STL or OFF, by the file's extension in any case. Polygons are split into triangles: convex ones into
+/// fans, others by ear clipping. Normals, colours and texture coordinates are skipped; unused points are kept; STL is
+/// welded. Coordinates are read in double precision, except those of STL, which are floats. In OBJ, corners that a face
+/// repeats are dropped.
+/// @throw MissingInputError  there is no such file, it is not an ordinary file, or it may not be opened
+/// @throw IoError            reading broke off
 /// @throw DataError          unknown format, empty, truncated, counts that do not fit the file, an index out of range,
 ///                           coordinates that are not finite, no triangle
 Mesh readMesh(const std::filesystem::path& path);
 
-/// Merges points of equal position (bit for bit, but 0 is -0) and drops triangles that repeat a corner thereby: what a
-/// soup such as STL needs before its edges mean anything. The order of first occurrence is kept.
+/// Merges points of equal position (bit for bit, except that 0 equals -0) and drops the triangles that then repeat a
+/// corner. A soup such as STL needs this before its edges mean anything. Points keep the order of their first
+/// occurrence.
 /// @throw DataError  an index out of range
 Mesh weldMesh(const Mesh& mesh);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file mesh_sink.h
-/// The seam between whoever makes a mesh piece by piece and whoever keeps or writes it: a mesh of hundreds of millions
-/// of triangles is never held whole.
+/// The seam between whoever makes a mesh piece by piece and whoever keeps or writes it, so that a mesh of hundreds of
+/// millions of triangles need never be held whole.
 #pragma once
 
 #include "vdbtools/mesh/mesh.h"
@@ -11,18 +11,18 @@
 
 namespace vdbtools {
 
-/// Takes a mesh in pieces, always called from one thread at a time. Pieces may be of any size; what is made of them
-/// depends on their concatenation only.
+/// Takes a mesh in pieces, called by one thread at a time. Pieces may be of any size: the result depends only on what
+/// they add up to.
 class MeshSink {
  public:
   virtual ~MeshSink() = default;
 
   /// The next points, in the order of their indices.
-  /// @param normals  unit length, one a point; or empty, in every call alike
+  /// @param normals  of unit length, one for each point; or empty, in all calls or in none
   virtual void addPoints(std::span<const openvdb::Vec3d> points, std::span<const openvdb::Vec3s> normals) = 0;
 
-  /// The next triangles, indices into all points. Every point that they use was added before.
-  /// @param firstPoint  no triangle of this call or a later one uses a point before this
+  /// The next triangles, as indices into all points. Every point that they use has been added before.
+  /// @param firstPoint  neither these triangles nor later ones use a point before this one
   virtual void addTriangles(std::span<const openvdb::Vec3I> triangles, std::uint64_t firstPoint) = 0;
 };
 
