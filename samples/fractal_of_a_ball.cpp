@@ -3,6 +3,7 @@
 #include "vdbtools/surface/extract_mesh.h"
 #include "vdbtools/surface/level_set.h"
 #include "vdbtools/target/exponent_grid.h"
+#include "vdbtools/target/fit_space.h"
 
 #include "julia/random_roots.h"
 #include "julia/shape_modulus.h"

@@ -5,6 +5,7 @@
 #include "support/test_meshes.h"
 
 #include "vdbtools/target/exponent_grid.h"
+#include "vdbtools/target/fit_space.h"
 #include "vdbtools/target/mesh_to_sdf.h"
 
 #include <gtest/gtest.h>

@@ -4,6 +4,7 @@
 #include "base/in_parallel.h"
 #include "base/openvdb/fast_sweeping.h"
 #include "target/cell_corners.h"
+#include "vdbtools/target/fit_space.h"
 #include "vdbtools/target/grid_sampler.h"
 
 #include <openvdb/tools/Morphology.h>

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file fractal_space.h
-/// Fractal space (DESIGN.md 2.0): the similarity in which the maps are iterated. The target's longest side is 1 there
-/// and its centre 0, so that a setting means the same for a target of any size at any place.
+/// Fractal space: the similarity in which the maps are iterated. The target's longest side is 1 there and its centre 0,
+/// so that a setting means the same for a target of any size at any place. See fit_space.h for the space of a target.
 #pragma once
 
 #include "julia/embedding.h"
-#include "vdbtools/base/grids.h"
+
+#include <openvdb/Types.h>
 
 namespace vdbtools {
 
@@ -22,17 +23,5 @@ struct FractalSpace {
     return {x[0] * scale + centre[0], x[1] * scale + centre[1], x[2] * scale + centre[2]};
   }
 };
-
-/// The box of phi < 0, world units, its faces where phi crosses 0 between nodes (linearly).
-/// @throw DataError if phi is nowhere negative
-openvdb::BBoxd insideBox(const openvdb::FloatGrid& phi);
-
-/// Whether phi < 0 at the middle of the box: fitFractalSpace() then needs no distances deep inside.
-bool centreIsInside(const openvdb::FloatGrid& phi, const openvdb::BBoxd& box);
-
-/// The space of a target: its centre is the box's if phi < 0 there, else the deepest node (the first in the order of
-/// the tree). The origin is then moved by @a origin, in units of the space.
-/// @throw DataError if phi is nowhere negative; std::invalid_argument if the box has no extent
-FractalSpace fitFractalSpace(const openvdb::FloatGrid& phi, const openvdb::BBoxd& box, const openvdb::Vec3d& origin);
 
 }  // namespace vdbtools

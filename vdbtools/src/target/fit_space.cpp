@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/base/fractal_space.h"
+#include "vdbtools/target/fit_space.h"
 
 #include "vdbtools/base/errors.h"
 
