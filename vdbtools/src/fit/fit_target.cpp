@@ -4,10 +4,12 @@
 #include "base/in_parallel.h"
 #include "base/openvdb/level_set_filter.h"
 #include "mesh/decimate.h"
+#include "target/known_distance.h"
 #include "target/solid_input.h"
 #include "target/wide_distance.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/surface/grid_mesh.h"
+#include "vdbtools/target/fit_space.h"
 #include "vdbtools/target/mesh_to_sdf.h"
 
 #include <openvdb/tools/Composite.h>
@@ -43,7 +45,7 @@ void requireInDomain(const FitTargetOptions& options) {
     throw std::invalid_argument("the resolution is " + std::to_string(options.resolution) + "; it must be 8 to 1000");
   if (options.triangles < 100)
     throw std::invalid_argument("a surface of " + std::to_string(options.triangles) +
-                                " triangles says too little; allow 100 or more");
+                                " triangles is too coarse; allow 100 or more");
   if (!(options.smooth >= 0 && options.smooth <= 4))
     throw std::invalid_argument("the smoothing is " + std::to_string(options.smooth) + " cells; it must be 0 to 4");
 }
@@ -76,7 +78,7 @@ FractalSpace spaceOf(const Solid& solid, const FitTargetOptions& options, const 
   const Vec3d middle = solid.box.getCenter();
   const double phi = openvdb::tools::BoxSampler::sample(finest.getConstAccessor(), finest.worldToIndex(middle));
   if (phi < -finest.voxelSize()[0]) return fitFractalSpace(finest, solid.box, Vec3d(0));
-  // Too near to tell: the fractal's own lattice decides, and its deepest node if it says outside.
+  // Too near the surface to tell: the lattice of `juliavdb fractal` decides, and if it says outside, its deepest node.
   const double voxel = longestSide(solid.box) / kDefaultSdfVoxels;
   const auto gridTo = [&](double depth) {
     return makeSdfAbout(middle, solid.mesh, sdfBand(voxel, kFitBand, depth), options.repair, options.gap, monitor).grid;
@@ -164,9 +166,9 @@ class Reader {
     }
     if (std::isfinite(beyond))
       for (std::size_t l = 0; l < mLevels.size(); ++l, node *= 0.5)
-        if (const std::optional<double> phi = read(l, node))
+        if (const std::optional<double> phi = knownDistance(mLevels[l], node))
           return *phi / mTarget.space.scale + std::sqrt(beyond) * mTarget.cell;
-    return std::numeric_limits<double>::quiet_NaN();  // of a point that is none
+    return std::numeric_limits<double>::quiet_NaN();  // the point is not finite
   }
 
   /// By central differences, half a cell to each side.
@@ -182,32 +184,9 @@ class Reader {
   }
 
  private:
-  // Unregistered: making one costs nothing, and the trees do not change.
-  using Accessor = openvdb::tree::ValueAccessor<const FloatTree, false>;
-
-  /// Trilinear, world units, if all nodes are known that count: a node itself needs no others.
-  std::optional<double> read(std::size_t level, const Vec3d& p) const {
-    constexpr double kRounding = 1e-6;
-    const Coord base = Coord::floor(p + Vec3d(kRounding));
-    const Vec3d t = p - base.asVec3d();
-    const bool between[] = {t[0] > kRounding, t[1] > kRounding, t[2] > kRounding};
-    double values[8] = {};
-    for (int n = 0; n < 8; ++n) {
-      const int x = n & 1, y = n >> 1 & 1, z = n >> 2;
-      if ((x && !between[0]) || (y && !between[1]) || (z && !between[2])) continue;
-      float value;
-      if (!mLevels[level].probeValue(base.offsetBy(x, y, z), value)) return std::nullopt;
-      values[n] = value;
-    }
-    for (int axis = 0, count = 4; axis < 3; ++axis, count /= 2)
-      for (int n = 0; n < count; ++n)
-        values[n] = between[axis] ? values[2 * n] + t[axis] * (values[2 * n + 1] - values[2 * n]) : values[2 * n];
-    return values[0];
-  }
-
   const FitTarget& mTarget;
   KnownRange mKnown;
-  std::vector<Accessor> mLevels;
+  std::vector<BandAccessor> mLevels;
 };
 
 std::optional<Point> moved(const Reader& phi, double cell, Point x, double distance) {

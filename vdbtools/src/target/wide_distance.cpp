@@ -2,6 +2,7 @@
 #include "target/wide_distance.h"
 
 #include "base/openvdb/fast_sweeping.h"
+#include "target/known_distance.h"
 #include "vdbtools/base/errors.h"
 
 #include <openvdb/tools/Interpolation.h>
@@ -22,35 +23,17 @@ using openvdb::Vec3d;
 
 constexpr int kGain = 8;  ///< voxels that each level adds to its band: more are more exact, and slower
 
-// Unregistered: making one costs nothing, and the trees do not change.
-using Accessor = openvdb::tree::ValueAccessor<const FloatTree, false>;
-
 /// Whether the level has every node that a point of the box is read from. False too for boxes of many voxels: a coarser
 /// level knows those.
 bool knowsAll(const FloatGrid& level, const BBoxd& box) {
   constexpr double kMost = 64;  // voxels along an axis
   const BBoxd region = level.transform().worldToIndex(box);
   if (!((region.max() - region.min()).length() < kMost)) return false;
-  const Accessor accessor(level.tree());
+  const BandAccessor accessor(level.tree());
   const CoordBBox nodes(Coord::floor(region.min()), Coord::floor(region.max()).offsetBy(1));
   for (auto node = nodes.begin(); node; ++node)
     if (!accessor.isValueOn(*node)) return false;
   return true;
-}
-
-/// Trilinear, if all eight nodes are known.
-std::optional<double> read(const Accessor& level, const Vec3d& index) {
-  const Coord base = Coord::floor(index);
-  const Vec3d t = index - base.asVec3d();
-  double values[8];
-  for (int n = 0; n < 8; ++n) {
-    float value;
-    if (!level.probeValue(base.offsetBy(n & 1, n >> 1 & 1, n >> 2), value)) return std::nullopt;
-    values[n] = value;
-  }
-  for (int axis = 0, count = 4; axis < 3; ++axis, count /= 2)
-    for (int n = 0; n < count; ++n) values[n] = values[2 * n] + t[axis] * (values[2 * n + 1] - values[2 * n]);
-  return values[0];
 }
 
 }  // namespace
@@ -89,7 +72,7 @@ WideDistance::WideDistance(const Target& target, const BBoxd& box, Monitor& moni
 }
 
 void WideDistance::sample(std::span<const Vec3d> points, std::span<double> phi) const {
-  std::vector<Accessor> levels;
+  std::vector<BandAccessor> levels;
   for (const FloatGrid::ConstPtr& level : mLevels) levels.emplace_back(level->tree());
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (mDenseBox) {
@@ -101,7 +84,7 @@ void WideDistance::sample(std::span<const Vec3d> points, std::span<double> phi) 
     }
     std::optional<double> found;
     for (std::size_t l = 0; l < levels.size() && !found; ++l)
-      found = read(levels[l], mLevels[l]->worldToIndex(points[i]));
+      found = knownDistance(levels[l], mLevels[l]->worldToIndex(points[i]));
     phi[i] = found.value();
   }
 }
