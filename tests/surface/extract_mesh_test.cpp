@@ -127,6 +127,28 @@ TEST(ExtractMesh, TheMeshOfPartIsPartOfTheMesh) {
   for (const Vec3d& p : part.mesh.points) EXPECT_TRUE(points.contains({p[0], p[1], p[2]})) << p;
 }
 
+TEST(ExtractMesh, WithoutItsCapsACappedMeshIsTheOpenOne) {
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    const NodeEvaluator evaluator([&](const Coord& node) { return noise(node, seed) + 0.1 * seed - 0.2; });
+    const FieldSource source{evaluator, FractalSpace{}};
+    // Also domains that are thin, down to one node.
+    for (const BBoxd& box : {BBoxd(Vec3d(-9), Vec3d(10)), BBoxd(Vec3d(-3, -5, 1), Vec3d(8, 9, 2)),
+                             BBoxd(Vec3d(0, 0, 0), Vec3d(1, 1, 1)), BBoxd(Vec3d(-9, -9, 4), Vec3d(9, 9, 4))}) {
+      Monitor monitor;
+      const FractalField field = fractalFieldEverywhere(source, {.voxelSize = 1, .box = box}, monitor);
+      const Mesh open = extractMesh(field, source, {.border = Border::Open}, monitor);
+      const CappedMesh capped = extractCappedMesh(field, source, 1e-3, monitor);
+      const Mesh whole = extractMesh(field, source, {.border = Border::Cap}, monitor);
+      EXPECT_EQ(capped.mesh.points, whole.points);
+      EXPECT_EQ(capped.mesh.triangles, whole.triangles);
+      ASSERT_EQ(capped.onCap.size(), whole.points.size());
+      const Mesh derived = withoutCaps(capped);
+      EXPECT_EQ(derived.points, open.points) << seed << ' ' << box;
+      EXPECT_EQ(derived.triangles, open.triangles) << seed << ' ' << box;
+    }
+  }
+}
+
 TEST(ExtractMesh, ThreadsDoNotMatter) {
   const NodeEvaluator evaluator([](const Coord& node) { return noise(node, 11); });
   Mesh meshes[2];

@@ -18,7 +18,7 @@ using openvdb::Coord;
 using openvdb::Index;
 using Leaf = EvaluatedBlock::Leaf;
 
-/// Keeps the sign, whatever rounding to 32 bits does.
+/// Rounded to 32 bits without losing the sign.
 float stored(double field) {
   const float value = static_cast<float>(field);
   return value == 0 && field < 0 ? -std::numeric_limits<float>::min() : value;
@@ -27,7 +27,7 @@ float stored(double field) {
 }  // namespace
 
 struct BlockEvaluator::Scratch {
-  /// Nodes of a few blocks are evaluated together: the kernels like long batches.
+  /// Nodes of a few blocks are evaluated together, as the kernels work best on long batches.
   static constexpr std::size_t kNodes = 4 * Leaf::SIZE;
   std::vector<julia::Point> points = std::vector<julia::Point>(kNodes);
   std::vector<Index> offsets = std::vector<Index>(kNodes);
@@ -92,11 +92,11 @@ void BlockEvaluator::evaluatePart(std::span<const Coord> origins, std::span<Eval
   evaluateWaiting(scratch);
 }
 
-/// Makes the block's leaves, and has its nodes wait for their values.
+/// Makes the block's leaves and queues its nodes for evaluation.
 void BlockEvaluator::begin(const Coord& origin, std::span<const julia::Decision> parts, EvaluatedBlock& block,
                            Scratch& scratch) const {
   block.field = std::make_unique<Leaf>(origin, kFieldOutside, false);
-  // Each coordinate is that of its index alone, whichever block asks.
+  // Each coordinate depends on its index alone, whatever the block.
   std::array<julia::Point, kBlock> at;
   for (int k = 0; k < kBlock; ++k)
     at[static_cast<std::size_t>(k)] = mSource.space.toFractal(origin.offsetBy(k).asVec3d() * mOptions.voxelSize);

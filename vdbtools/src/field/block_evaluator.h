@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file block_evaluator.h
-/// F at the nodes of whole blocks. Where its sign is proved for a block or a part of it, no node there is evaluated.
+/// F at the nodes of whole blocks. Nodes are not evaluated in a block, or a part of one, whose sign is proved.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -14,7 +14,7 @@
 
 namespace vdbtools {
 
-/// What a node outside of the domain holds, and one that is known to be outside of the set.
+/// The value of nodes outside the domain, and of those that are proved to be outside the set.
 inline constexpr float kFieldOutside = 1;
 
 struct EvaluatedBlock {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file block_layers.h
-/// Sets of blocks: the lattice is worked through in blocks of 8^3 nodes, which are what a leaf of a VDB tree holds. One
-/// voxel of the mask stands for a block, so that sets of many millions of them stay small.
+/// Sets of blocks: the lattice is processed in blocks of 8^3 nodes, the size of a leaf of a VDB tree. One voxel of the
+/// mask stands for a block, so that sets of many millions of blocks stay small.
 #pragma once
 
 #include "vdbtools/base/grids.h"

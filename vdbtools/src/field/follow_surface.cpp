@@ -11,6 +11,8 @@
 #include <openvdb/tree/ValueAccessor.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <bit>
 #include <random>
 #include <stdexcept>
@@ -28,7 +30,7 @@ using Leaf = EvaluatedBlock::Leaf;
 constexpr int kAround = 27;
 Coord towards(int direction) { return {direction / 9 - 1, direction / 3 % 3 - 1, direction % 3 - 1}; }
 
-/// Which signs the nodes have that touch the neighbour in a direction.
+/// The signs of the nodes that touch the neighbour in a direction.
 struct TouchingSigns {
   bool inside = false, outside = false;
 };
@@ -44,16 +46,42 @@ TouchingSigns signsTowards(const Leaf& leaf, const Coord& direction) {
   return signs;
 }
 
-/// The crossing edges between nodes of one leaf.
-std::uint64_t crossingsWithin(const Leaf& leaf) {
-  const InsideBits inside = insideBits(leaf);
-  LeafSigns::Neighbours alone{};
-  alone[0] = &inside;
-  const LeafSigns signs(alone);
+/// The crossing edges that begin at a leaf's nodes.
+/// @param around  see LeafSigns; of the neighbours, only those across a face matter
+std::uint64_t crossingsFrom(const LeafSigns::Neighbours& around) {
+  const LeafSigns signs(around);
   std::uint64_t count = 0;
   for (unsigned x = 0; x < LeafSigns::kSide; ++x)
     for (unsigned y = 0; y < LeafSigns::kSide; ++y)
       for (int axis = 0; axis < 3; ++axis) count += static_cast<unsigned>(std::popcount(signs.crossings(x, y, axis)));
+  return count;
+}
+
+/// The crossing edges of a field, which are those that begin in its leaves.
+std::uint64_t crossingsOf(const openvdb::FloatTree& tree, const Monitor& monitor) {
+  std::vector<const Leaf*> leaves;
+  tree.getNodes(leaves);
+  std::atomic<std::uint64_t> count{0};
+  inParallel(leaves.size(), 256, monitor, [&](std::size_t begin, std::size_t end) {
+    const openvdb::tree::ValueAccessor<const openvdb::FloatTree> accessor(tree);
+    std::uint64_t part = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const InsideBits own = insideBits(*leaves[i]);
+      std::array<InsideBits, 3> behind;
+      LeafSigns::Neighbours around{&own};
+      for (int axis = 0; axis < 3; ++axis) {
+        Coord next = leaves[i]->origin();
+        next[axis] += kBlock;
+        const Leaf* const leaf = accessor.probeConstLeaf(next);
+        if (!leaf) continue;
+        InsideBits& bits = behind[static_cast<std::size_t>(axis)];
+        bits = insideBits(*leaf);
+        around[std::size_t{1} << axis] = &bits;
+      }
+      part += crossingsFrom(around);
+    }
+    count += part;
+  });
   return count;
 }
 
@@ -71,7 +99,7 @@ class Follower {
                             .domain = plan.domain,
                             .keepIterations = field.keepIterations,
                             .prove = !field.everyNode}) {
-    // Blocks next to them have one sign each, which their own seed gives.
+    // Each block next to them has one sign, which its own seed gives.
     openvdb::tools::dilateActiveValues(mKnown, 1, openvdb::tools::NN_FACE_EDGE_VERTEX, openvdb::tools::EXPAND_TILES);
     mKnown.voxelizeActiveTiles();
   }
@@ -86,25 +114,23 @@ class Follower {
       mMonitor.throwIfCancelled();
       for (std::size_t i = 0; i < wave.size(); ++i) spread(wave[i], blocks[i]);
       for (EvaluatedBlock& block : blocks) {
-        if (block.field) {
-          report.foundVertices += crossingsWithin(*block.field);
-          result.field->tree().addLeaf(block.field.release());
-        }
+        if (block.field) result.field->tree().addLeaf(block.field.release());
         if (block.iterations) result.iterations->tree().addLeaf(block.iterations.release());
       }
       wave = std::exchange(mNext, {});
       std::sort(wave.begin(), wave.end());
     }
+    report.foundVertices = crossingsOf(result.field->tree(), mMonitor);
     report.visitedBlocks = mVisited.activeVoxelCount();
     result.evaluatedNodes = mEvaluator.evaluatedNodes();
   }
 
-  /// Looks into blocks that were left out.
+  /// Evaluates a sample of the blocks that were left out.
   void probe(std::uint64_t probes, FollowReport& report) {
     std::vector<Coord> leftOut;
     report.shellBlocks = mBlocks.activeVoxelCount();
     const std::uint64_t count = report.shellBlocks - report.visitedBlocks;
-    // The same ones every time: which of them, in the order of the tree.
+    // The same ones every time: numbers of blocks in the order of the tree.
     std::mt19937_64 random(1);
     std::vector<std::uint64_t> chosen;
     for (std::uint64_t i = 0; i < probes && count > 0; ++i) chosen.push_back(random() % count);
@@ -119,18 +145,21 @@ class Follower {
       leftOut.push_back(block.getCoord() << kBlockLog2);
       ++next;
     }
-    std::uint64_t crossings = 0;
-    for (const EvaluatedBlock& block : mEvaluator.evaluate(leftOut, mMonitor))
-      if (block.field) crossings += crossingsWithin(*block.field);
+    const std::vector<EvaluatedBlock> blocks = mEvaluator.evaluate(leftOut, mMonitor);
     mMonitor.throwIfCancelled();
+    std::atomic<std::uint64_t> crossings{0};
+    inParallel(blocks.size(), 16, mMonitor, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        if (blocks[i].field) crossings += crossingsFromAlone(*blocks[i].field);
+    });
     report.probedBlocks = leftOut.size();
     if (!leftOut.empty())
       report.missedVertices =
-          static_cast<double>(crossings) * static_cast<double>(count) / static_cast<double>(leftOut.size());
+          static_cast<double>(crossings.load()) * static_cast<double>(count) / static_cast<double>(leftOut.size());
   }
 
  private:
-  /// The sign at seeds, and the blocks where it differs within or from the next block's.
+  /// Finds the signs at the seeds. @return the blocks where they differ, within the block or from the next one's
   std::vector<Coord> start() {
     std::vector<Coord> blocks;
     for (auto block = mKnown.cbeginValueOn(); block; ++block) blocks.push_back(block.getCoord());
@@ -158,7 +187,7 @@ class Follower {
   }
 
   void seed(std::span<const Coord> blocks, std::uint8_t* inside, std::uint8_t* mixed) const {
-    // Where the stride is more than a block, blocks share the seed of the corner of theirs.
+    // If the stride is more than a block, blocks share the seed at the corner of their cube.
     const int step = std::min(mStride, kBlock), perSide = kBlock / step, together = std::max(mStride / kBlock, 1);
     std::vector<julia::Point> points;
     std::vector<bool> within;
@@ -181,7 +210,37 @@ class Follower {
     }
   }
 
-  /// Blocks next to nodes of another sign than they are taken to have.
+  /// The crossing edges that begin in a leaf whose neighbours were not evaluated.
+  std::uint64_t crossingsFromAlone(const Leaf& leaf) const {
+    // The nodes where the edges that leave it end, one face after the other.
+    constexpr std::size_t kFace = kBlock * kBlock;
+    std::vector<Coord> nodes;
+    for (int axis = 0; axis < 3; ++axis)
+      for (int u = 0; u < kBlock; ++u)
+        for (int v = 0; v < kBlock; ++v) {
+          Coord node = leaf.origin();
+          node[axis] += kBlock;
+          node[(axis + 1) % 3] += u;
+          node[(axis + 2) % 3] += v;
+          nodes.push_back(node);
+        }
+    std::vector<julia::Point> points;
+    for (const Coord& node : nodes) points.push_back(mSource.space.toFractal(node.asVec3d() * mPlan.voxelSize));
+    std::vector<double> values(points.size());
+    mSource.evaluator.evaluate(points, values, {});
+    const InsideBits own = insideBits(leaf);
+    std::array<InsideBits, 3> behind{};
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      const Coord at = nodes[i] & (kBlock - 1);
+      if (values[i] < 0 && mPlan.domain.isInside(nodes[i]))
+        behind[i / kFace][static_cast<std::size_t>(at[0])] |= std::uint64_t{1} << (at[1] * kBlock + at[2]);
+    }
+    LeafSigns::Neighbours around{&own};
+    for (std::size_t axis = 0; axis < 3; ++axis) around[std::size_t{1} << axis] = &behind[axis];
+    return crossingsFrom(around);
+  }
+
+  /// Visits the neighbours whose assumed sign differs from that of a node which touches them.
   void spread(const Coord& block, const EvaluatedBlock& evaluated) {
     for (int i = 0; i < kAround; ++i) {
       const Coord direction = towards(i), next = block + direction;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file leaf_signs.h
 /// Which nodes of a leaf, and of the first layers of its neighbours behind it, lie inside: as bits, so that the few
-/// places where the sign changes are found without looking at the rest.
+/// places where the sign changes are found without visiting the rest.
 #pragma once
 
 #include "vdbtools/base/grids.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file undecided_blocks.h
-/// What is left of a plan's blocks when large cubes of them are proved to have one sign.
+/// The blocks of a plan that remain once large cubes of them have been proved to have one sign.
 #pragma once
 
 #include "field/block_layers.h"
@@ -9,8 +9,8 @@
 
 namespace vdbtools {
 
-/// Whether F has one sign at the nodes of cubes and at those next to them. A cube on the domain's border is not asked
-/// for, as the nodes beyond have a sign of their own.
+/// Whether F has one sign at the nodes of cubes and at the nodes next to them. Cubes on the domain's border stay
+/// undecided, as the nodes beyond it have a sign of their own.
 /// @param corners  first nodes of the cubes
 /// @param side     nodes along a cube's side
 void decideCubes(std::span<const openvdb::Coord> corners, int side, double voxelSize, const openvdb::CoordBBox& domain,

@@ -2,10 +2,12 @@
 #include "vdbtools/job/fractal_job.h"
 
 #include "target/solid_input.h"
+#include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/formats/peer_formats.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/versor_file.h"
+#include "vdbtools/target/fit_space.h"
 
 #include "julia/quadratic_map.h"
 #include "julia/rational_map.h"
@@ -310,7 +312,7 @@ BBoxd regionOf(const Scene& scene, const std::optional<BBoxd>& known) {
     const double radius = *found;
     return {scene.space.toWorld({-radius, -radius, -radius}), scene.space.toWorld({radius, radius, radius})};
   }
-  if (std::filesystem::path(options.versor).extension() == ".o3d") {
+  if (lowerExtension(options.versor) == ".o3d") {
     const OptimisedShape shape = readOptimisedShape(options.versor);
     Vec3d low, high;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -412,7 +414,6 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
                       (scene.exponent ? "a larger --beta or --box" : "other constants, or another --box"));
   };
   const bool capMesh = scene.options.cap || !plan.bounded;
-  const ExtractMeshOptions capped{.tolerance = scene.options.tolerance, .border = Border::Cap};
   const ExtractMeshOptions asked{.tolerance = scene.options.tolerance, .border = capMesh ? Border::Cap : Border::Open};
   const bool dropsIslands = scene.options.islands.largest > 0 || scene.options.islands.minSize > 0;
   FractalResult result;
@@ -433,11 +434,13 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
   if (dropsIslands) result.islands = dropIslands(field, scene.options.islands, monitor);
   FloatGrid::Ptr surface;
   if (wants("surface") || wants("density") || wants("versor")) {
-    Mesh mesh = extractMesh(field, scene.source(), capped, monitor);
-    requireSurface(mesh.triangles.size());
-    surface = levelSet(field, mesh, monitor);
+    CappedMesh capped = extractCappedMesh(field, scene.source(), scene.options.tolerance, monitor);
+    requireSurface(capped.mesh.triangles.size());
+    surface = levelSet(field, capped.mesh, monitor);
     result.check = checkSurface(*surface);
-    if (sink && capMesh) {
+    if (sink) {
+      Mesh mesh = capMesh ? std::move(capped.mesh) : withoutCaps(std::move(capped));
+      requireSurface(mesh.triangles.size());
       computeNormals(mesh);
       sink->addPoints(mesh.points, mesh.normals);
       sink->addTriangles(mesh.triangles, 0);

@@ -15,8 +15,8 @@ struct Bracket {
   double atLow, atHigh;
 };
 
-/// F steers the search, but it is not to be trusted: it spans many orders of magnitude and jumps where an orbit escapes
-/// one step sooner. Far from 0 it says little more than its sign.
+/// F guides the search, but it cannot be trusted: it spans many orders of magnitude and jumps where an orbit escapes
+/// one step sooner. Far from 0, little more than its sign matters.
 double damped(double field) { return field / (1 + std::abs(field)); }
 
 /// Where to evaluate next: the step of the ITP method (Oliveira and Takahashi, ACM TOMS 47(1), 2020), which
@@ -26,7 +26,7 @@ double nextPoint(const Bracket& bracket, double most) {
   const double size = bracket.high - bracket.low, middle = bracket.low + size / 2;
   const double interpolated =
       (bracket.high * bracket.atLow - bracket.low * bracket.atHigh) / (bracket.atLow - bracket.atHigh);
-  // Towards the middle by a little, so that the change comes to lie on the short side.
+  // A little towards the middle, so that the change is likely to lie on the short side.
   const double towards = middle >= interpolated ? 1 : -1;
   const double truncation = kTruncation * size * size;
   const double truncated = truncation <= std::abs(middle - interpolated) ? interpolated + towards * truncation : middle;
@@ -60,7 +60,7 @@ std::vector<openvdb::Vec3d> searchEdges(const std::vector<LatticeEdge>& edges, d
   std::vector<julia::Point> points;
   std::vector<double> next, field;
   for (;; --left) {
-    // What is narrow enough leaves the batch.
+    // Brackets that are narrow enough leave the batch.
     std::erase_if(brackets, [&](const Bracket& bracket) {
       if (bracket.high - bracket.low > width) return false;
       found[bracket.edge] = bracket.low + (bracket.high - bracket.low) / 2;
@@ -69,7 +69,7 @@ std::vector<openvdb::Vec3d> searchEdges(const std::vector<LatticeEdge>& edges, d
     if (brackets.empty()) break;
     points.clear();
     next.clear();
-    // So that each search ends after as many evaluations as are left.
+    // As wide as a bracket may be for the search to end within the evaluations that are left.
     const double most = std::ldexp(width, left - 1);
     for (Bracket& bracket : brackets) {
       next.push_back(nextPoint(bracket, most));

@@ -13,7 +13,7 @@ struct LatticeEdge {
   openvdb::Coord begin;
   int axis;        ///< the edge runs from begin one voxel along this axis
   float from, to;  ///< F at its two ends: one below 0, the other not
-  bool cut;        ///< it leaves the domain: no F to search, the middle is taken
+  bool cut;        ///< it leaves the domain: there is no F to search, and the middle is taken
 };
 
 /// @param tolerance  voxels: F changes sign within this of the result

@@ -7,6 +7,7 @@
 #include "surface/surface_extractor.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -26,11 +27,14 @@ std::vector<const Leaf*> sortedLeaves(const openvdb::FloatTree& tree) {
 }
 
 MeshCounts extract(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
-                   bool normals, MeshSink& sink, Monitor& monitor) {
-  SurfaceExtractor extractor(
-      source,
-      {.extract = options, .domain = field.domain, .voxelSize = field.field->voxelSize()[0], .normals = normals}, sink,
-      monitor);
+                   bool normals, std::vector<bool>* cut, MeshSink& sink, Monitor& monitor) {
+  SurfaceExtractor extractor(source,
+                             {.extract = options,
+                              .domain = field.domain,
+                              .voxelSize = field.field->voxelSize()[0],
+                              .normals = normals,
+                              .cut = cut},
+                             sink, monitor);
   const std::vector<const Leaf*> leaves = sortedLeaves(field.field->tree());
   monitor.begin("surface", leaves.size());
   for (auto first = leaves.begin(); first != leaves.end();) {
@@ -49,13 +53,41 @@ Mesh extractMesh(const FractalField& field, const FieldSource& source, const Ext
                  Monitor& monitor) {
   Mesh mesh;
   MeshCollector collector(mesh);
-  extract(field, source, options, false, collector, monitor);
+  extract(field, source, options, false, nullptr, collector, monitor);
   return mesh;
 }
 
 MeshCounts extractMesh(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
                        MeshSink& sink, Monitor& monitor) {
-  return extract(field, source, options, true, sink, monitor);
+  return extract(field, source, options, true, nullptr, sink, monitor);
+}
+
+CappedMesh extractCappedMesh(const FractalField& field, const FieldSource& source, double tolerance, Monitor& monitor) {
+  CappedMesh result;
+  MeshCollector collector(result.mesh);
+  extract(field, source, {.tolerance = tolerance, .border = Border::Cap}, false, &result.onCap, collector, monitor);
+  return result;
+}
+
+Mesh withoutCaps(CappedMesh capped) {
+  // Every triangle of a cell that the border crosses has a corner on a cap: around the inside corners of such a cell, a
+  // loop crosses at most two edges within the domain's face, and leaves the domain between them.
+  constexpr openvdb::Index kDropped = std::numeric_limits<openvdb::Index>::max();
+  Mesh& mesh = capped.mesh;
+  std::vector<openvdb::Index> kept(mesh.points.size(), kDropped);
+  openvdb::Index count = 0;
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    if (capped.onCap[i]) continue;
+    mesh.points[count] = mesh.points[i];
+    kept[i] = count++;
+  }
+  mesh.points.resize(count);
+  std::erase_if(mesh.triangles, [&](const openvdb::Vec3I& triangle) {
+    return kept[triangle[0]] == kDropped || kept[triangle[1]] == kDropped || kept[triangle[2]] == kDropped;
+  });
+  for (openvdb::Vec3I& triangle : mesh.triangles)
+    for (int k = 0; k < 3; ++k) triangle[k] = kept[triangle[k]];
+  return std::move(mesh);
 }
 
 MeshCounts streamMesh(const FieldPlan& plan, const FieldSource& source, const ExtractMeshOptions& options,
@@ -65,7 +97,7 @@ MeshCounts streamMesh(const FieldPlan& plan, const FieldSource& source, const Ex
   const BlockSet blocks = undecidedBlocks(plan, source, monitor);
   BlockLayers layers(blocks);
   BlockEvaluator evaluator(source, {.voxelSize = plan.voxelSize, .domain = plan.domain, .prove = true});
-  // Every block is evaluated, and searched later.
+  // Every block is evaluated first and searched later.
   monitor.begin("surface", 2 * layers.blockCount());
   while (const auto origins = layers.next()) {
     const auto layer = std::make_shared<std::vector<EvaluatedBlock>>(evaluator.evaluate(*origins, monitor));
@@ -74,6 +106,8 @@ MeshCounts streamMesh(const FieldPlan& plan, const FieldSource& source, const Ex
     leaves.reserve(layer->size());
     for (const EvaluatedBlock& block : *layer)
       if (block.field) leaves.push_back(block.field.get());
+    // Blocks that are proved to have one sign need no search.
+    monitor.advance(layer->size() - leaves.size());
     extractor.add(std::move(leaves), layer);
   }
   extractor.finish();

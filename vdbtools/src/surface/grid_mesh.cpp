@@ -14,7 +14,7 @@
 namespace vdbtools {
 namespace {
 
-/// The grid in the shape of a field to search, in index space.
+/// The grid as a field to search, in index space.
 class GridEvaluator final : public julia::FieldEvaluator {
  public:
   explicit GridEvaluator(const openvdb::FloatGrid& grid) : mGrid(grid) {}

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file marching_cubes_table.h
 /// The triangles of a cell for each of the 256 signs of its corners, derived from three rules:
-/// - on every face, each run of inside corners is cut off by a segment of its own, so that the two cells of a face
-/// agree;
-/// - the segments of a cell link to closed loops, one crossing point an edge;
-/// - a loop is split by diagonals between points that share no face, so that no diagonal can meet one of a neighbour.
-/// The first two make the mesh closed, the third 2-manifold. Such diagonals exist for all 256 (the tests look).
+/// - on every face, each run of inside corners is cut off by a segment of its own, so that the two cells that share the
+///   face agree;
+/// - the segments of a cell form closed loops, with one crossing point on each edge;
+/// - a loop is split by diagonals between points that share no face, so that no diagonal can coincide with one of a
+///   neighbour.
+/// The first two rules make the mesh closed, the third makes it 2-manifold. Such diagonals exist for all 256 (a test
+/// checks this).
 #pragma once
 
 #include <array>

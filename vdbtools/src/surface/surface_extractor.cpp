@@ -93,7 +93,7 @@ void SurfaceExtractor::add(std::vector<const Leaf*> leaves, std::shared_ptr<void
 
 void SurfaceExtractor::finish() { advance(mLayers.size()); }
 
-/// Takes every layer as far as it can be taken when what comes behind the first @a known of them is known.
+/// Advances every layer as far as possible, given that the layers behind the first @a known are known.
 void SurfaceExtractor::advance(std::size_t known) {
   using Stage = Layer::Stage;
   const bool finished = known == mLayers.size();
@@ -136,55 +136,71 @@ SurfaceExtractor::Neighbours SurfaceExtractor::neighbours(const Leaf& leaf, cons
   return result;
 }
 
-/// The crossing edges that begin in a layer, and the vertices on them.
+/// The vertices on the crossing edges that begin in a layer.
 void SurfaceExtractor::findVertices(Layer& layer, const Layer* next) {
   layer.vertices.resize(layer.leaves.size());
   inParallel(layer.leaves.size(), 16, mMonitor, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Leaf& leaf = *layer.leaves[i];
-      const Neighbours around = neighbours(leaf, layer, next);
-      const LeafSigns signs(around.inside);
-      std::unique_ptr<LeafVertices> vertices;
-      for (unsigned x = 0; x < kSide; ++x)
-        for (unsigned y = 0; y < kSide; ++y) {
-          const std::array<unsigned, 3> crossings = {signs.crossings(x, y, 0), signs.crossings(x, y, 1),
-                                                     signs.crossings(x, y, 2)};
-          for (unsigned rest = crossings[0] | crossings[1] | crossings[2]; rest != 0; rest &= rest - 1) {
-            const auto z = static_cast<unsigned>(std::countr_zero(rest));
-            const Index offset = (x * kSide + y) * kSide + z;
-            const Coord node = leaf.offsetToGlobalCoord(offset);
-            const unsigned at[3] = {x, y, z};
-            for (unsigned axis = 0; axis < 3; ++axis) {
-              if (!(crossings[axis] >> z & 1)) continue;
-              Coord ahead = node;
-              ++ahead[static_cast<int>(axis)];
-              const bool cut = !mOptions.domain.isInside(node) || !mOptions.domain.isInside(ahead);
-              if (cut && mOptions.extract.border == Border::Open) continue;
-              const Leaf* of = at[axis] + 1 < kSide ? &leaf : around.leaves[std::size_t{1} << axis];
-              if (!vertices) vertices = std::make_unique<LeafVertices>();
-              vertices->onEdge[3 * offset + axis] = static_cast<std::uint16_t>(vertices->edges.size());
-              vertices->edges.push_back(
-                  {node, static_cast<int>(axis), leaf.getValue(offset), of->getValue(ahead), cut});
-            }
-          }
-        }
-      layer.vertices[i] = std::move(vertices);
-    }
+    for (std::size_t i = begin; i < end; ++i)
+      layer.vertices[i] = crossingEdges(*layer.leaves[i], neighbours(*layer.leaves[i], layer, next));
   });
+  countVertices(layer);
+  placeVertices(layer);
+  mMonitor.advance(layer.leaves.size());
+  layer.stage = Layer::Stage::HasVertices;
+}
+
+/// The crossing edges that begin at a leaf's nodes, in their order; null if there are none.
+std::unique_ptr<SurfaceExtractor::LeafVertices> SurfaceExtractor::crossingEdges(const Leaf& leaf,
+                                                                                const Neighbours& around) const {
+  const LeafSigns signs(around.inside);
+  std::unique_ptr<LeafVertices> vertices;
+  for (unsigned x = 0; x < kSide; ++x)
+    for (unsigned y = 0; y < kSide; ++y) {
+      const std::array<unsigned, 3> crossings = {signs.crossings(x, y, 0), signs.crossings(x, y, 1),
+                                                 signs.crossings(x, y, 2)};
+      for (unsigned rest = crossings[0] | crossings[1] | crossings[2]; rest != 0; rest &= rest - 1) {
+        const auto z = static_cast<unsigned>(std::countr_zero(rest));
+        const Index offset = (x * kSide + y) * kSide + z;
+        const Coord node = leaf.offsetToGlobalCoord(offset);
+        const unsigned at[3] = {x, y, z};
+        for (unsigned axis = 0; axis < 3; ++axis) {
+          if (!(crossings[axis] >> z & 1)) continue;
+          Coord ahead = node;
+          ++ahead[static_cast<int>(axis)];
+          const bool cut = !mOptions.domain.isInside(node) || !mOptions.domain.isInside(ahead);
+          if (cut && mOptions.extract.border == Border::Open) continue;
+          const Leaf* of = at[axis] + 1 < kSide ? &leaf : around.leaves[std::size_t{1} << axis];
+          if (!vertices) vertices = std::make_unique<LeafVertices>();
+          vertices->onEdge[3 * offset + axis] = static_cast<std::uint16_t>(vertices->edges.size());
+          vertices->edges.push_back({node, static_cast<int>(axis), leaf.getValue(offset), of->getValue(ahead), cut});
+        }
+      }
+    }
+  return vertices;
+}
+
+/// Numbers a layer's vertices, after those of the layers before.
+void SurfaceExtractor::countVertices(Layer& layer) {
   std::size_t count = 0;
   for (const auto& part : layer.vertices)
     if (part) {
       part->first = count;
       count += part->edges.size();
+      if (mOptions.cut)
+        for (const LatticeEdge& edge : part->edges) mOptions.cut->push_back(edge.cut);
     }
   layer.first = mPoints;
   mPoints += count;
   if (mPoints > std::numeric_limits<Index>::max())
     throw DataError("the mesh has more than " + std::to_string(std::numeric_limits<Index>::max()) +
-                    " vertices, which is what 32-bit indices count; use larger voxels, or several boxes");
+                    " vertices, the most that 32-bit indices can count; use larger voxels, or several boxes");
   layer.positions.resize(count);
   if (mOptions.normals) layer.normals.assign(count, Vec3d(0));
-  // Enough leaves for the kernels' batches to be long.
+}
+
+/// Searches the edges of a layer for its vertices, and forgets the edges.
+void SurfaceExtractor::placeVertices(Layer& layer) const {
+  // Enough leaves for long batches, on which the kernels work best.
   inParallel(layer.leaves.size(), 32, mMonitor, [&](std::size_t begin, std::size_t end) {
     std::vector<LatticeEdge> edges;
     std::size_t first = 0;
@@ -197,8 +213,6 @@ void SurfaceExtractor::findVertices(Layer& layer, const Layer* next) {
     const std::vector<Vec3d> found = searchEdges(edges, mOptions.voxelSize, mSource, mOptions.extract.tolerance);
     std::copy(found.begin(), found.end(), layer.positions.begin() + static_cast<std::ptrdiff_t>(first));
   });
-  mMonitor.advance(layer.leaves.size());
-  layer.stage = Layer::Stage::HasVertices;
 }
 
 /// The triangles of the cells that begin at a leaf's nodes.
@@ -256,7 +270,7 @@ void SurfaceExtractor::findTriangles(Layer& layer, Layer* next) {
   layer.stage = Layer::Stage::HasTriangles;
 }
 
-/// Adds to the sums in the order of the triangles, which is one order whatever the threads.
+/// Adds to the sums in the order of the triangles, which does not depend on the threads.
 void SurfaceExtractor::addNormals(Layer& layer, Layer* next) const {
   const std::uint64_t behind = layer.first + layer.positions.size();
   const auto at = [&](Index i) -> const Vec3d& {

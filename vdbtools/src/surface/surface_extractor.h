@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file surface_extractor.h
-/// The mesh of F, made while its blocks come in: of a lattice worked through in x, four layers of blocks are held.
+/// The mesh of F, made while its blocks come in by x: at most four layers of blocks are held at a time.
 #pragma once
 
 #include "field/leaf_signs.h"
@@ -31,6 +31,8 @@ class SurfaceExtractor {
     openvdb::CoordBBox domain;
     double voxelSize = 0;  ///< world units
     bool normals = false;
+    /// Takes whether each vertex lies on an edge that leaves the domain, in their order; unless it is null.
+    std::vector<bool>* cut = nullptr;
   };
 
   SurfaceExtractor(const FieldSource& source, const Options& options, MeshSink& sink, Monitor& monitor);
@@ -61,6 +63,9 @@ class SurfaceExtractor {
   };
   Neighbours neighbours(const Leaf& leaf, const Layer& layer, const Layer* next) const;
   void findVertices(Layer& layer, const Layer* next);
+  std::unique_ptr<LeafVertices> crossingEdges(const Leaf& leaf, const Neighbours& around) const;
+  void countVertices(Layer& layer);
+  void placeVertices(Layer& layer) const;
   void findTriangles(Layer& layer, Layer* next);
   void walk(std::size_t leaf, Layer& layer, const Layer* next) const;
   void addNormals(Layer& layer, Layer* next) const;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file follow_surface.h
-/// A field by following its surface, for runs so large or so deeply zoomed that even the shell is too much: from seeds
-/// on a coarse lattice, block by block to wherever another sign than a block's own seed comes up to it. What it finds
-/// is exact, and its mesh is closed; islands and bubbles that no seed meets are missed. How much that is, a random
-/// sample of what was left out tells.
+/// The field of a fractal by following its surface, for runs so large or so deeply zoomed that even the shell is too
+/// much to evaluate: starting from seeds on a coarse lattice, it goes from block to block, to each whose own seed has
+/// another sign than the nodes that touch it. What it finds is exact, and its mesh is closed; islands and bubbles that
+/// no seed meets are missed. A random sample of the blocks that were left out gives an estimate of how much that is.
 #pragma once
 
 #include "vdbtools/field/fractal_field.h"
@@ -14,17 +14,18 @@ namespace vdbtools {
 
 struct FollowOptions {
   int seedStride = 8;           ///< voxels between seeds: a power of 2, at most 64
-  std::uint64_t probes = 2000;  ///< blocks that were left out and are looked into to estimate what is missed
+  std::uint64_t probes = 2000;  ///< blocks that are sampled, of those left out, to estimate what is missed
 };
 
-/// Whether seeds can be so many voxels apart.
+/// Whether seeds can be @a stride voxels apart.
 bool isSeedStride(int stride);
 
 struct FollowReport {
-  std::uint64_t shellBlocks = 0;    ///< of the plan, less those in large cubes whose sign is proved
+  std::uint64_t shellBlocks = 0;    ///< of the plan, without those in large cubes whose sign is proved
   std::uint64_t visitedBlocks = 0;  ///< of these
   std::uint64_t probedBlocks = 0;   ///< of those not visited
-  /// Vertices: on edges that begin in the visited blocks, and estimated from the probed ones for the rest.
+  /// Vertices of the mesh, closed by caps where the domain cuts the set: those on the edges that begin in visited
+  /// blocks, and an estimate of those in the other blocks from the edges that begin in the probed ones.
   std::uint64_t foundVertices = 0;
   double missedVertices = 0;
 
@@ -35,7 +36,7 @@ struct FollowReport {
   }
 };
 
-/// @return  the field; where it was not evaluated it holds the sign of the nearest seed, and next to that no other
+/// @return  the field; in blocks that were not visited it holds the sign of the seed, as do the nodes next to them
 /// @throw std::invalid_argument  a stride out of its domain
 FractalField followSurface(const FieldPlan& plan, const FieldSource& source, const EvaluateFieldOptions& field,
                            const FollowOptions& options, FollowReport& report, Monitor& monitor);

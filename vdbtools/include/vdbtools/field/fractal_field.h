@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file fractal_field.h
-/// The log-modulus field F on a regular lattice: node (i, j, k) lies at (i, j, k) h in world space, so that lattices of
-/// one voxel size agree wherever they overlap. F < 0 inside, >= 0 outside. Only the shell is evaluated; see shell.h of
-/// julia.
+/// The room `field` evaluates the field F of a fractal over space, whole, in layers or along its surface, and edits it.
+/// It uses the rooms up to `target`.
+///
+/// Here: the log-modulus field F on a regular lattice. Node (i, j, k) lies at (i, j, k) h in world space, so lattices
+/// of one voxel size agree wherever they overlap. F < 0 inside, >= 0 outside. Only the shell is evaluated; see
+/// julia/shell.h.
 #pragma once
 
 #include "vdbtools/base/fractal_space.h"
@@ -25,8 +28,8 @@ struct FieldPlan {
   /// Whether the domain may cut the set: a box was asked for, or phi ends there.
   bool bounded = false;
   double voxelSize = 0;  ///< h, world units
-  /// One voxel (i, j, k) for the block whose first node is 8 (i, j, k). Next to blocks that are not in here F changes
-  /// no sign.
+  /// One voxel (i, j, k) for the block whose first node is 8 (i, j, k). F does not change sign within blocks that are
+  /// not in here, nor between those and their neighbours.
   openvdb::MaskTree::Ptr blocks;
 };
 
@@ -41,7 +44,7 @@ struct FractalField {
   std::uint64_t evaluatedNodes = 0;
 };
 
-/// What to evaluate with, and where that lies.
+/// The evaluator of F, and the space of its points.
 struct FieldSource {
   const julia::FieldEvaluator& evaluator;  ///< takes points of fractal space
   FractalSpace space;
@@ -62,7 +65,7 @@ struct FractalFieldOptions {
 /// @throw DataError              the box does not touch the domain
 FieldPlan planShell(const ExponentGrid& exponent, const FractalFieldOptions& options);
 
-/// The same domain, every node of it: to check the other one, which must agree in every sign.
+/// Every node of the same domain: a check on planShell(), which must agree in every sign.
 FieldPlan planExhaustive(const ExponentGrid& exponent, const FractalFieldOptions& options);
 
 /// Every node of options.box, which must be given: for maps without a shell.
@@ -70,8 +73,8 @@ FieldPlan planBox(const FractalFieldOptions& options);
 
 struct EvaluateFieldOptions {
   bool keepIterations = false;
-  /// F itself is wanted, not only its sign and where it changes: evaluates every node of the plan's blocks, also those
-  /// whose sign is proved.
+  /// Whether F itself is wanted, and not only its sign: evaluates every node of the plan's blocks, even where the sign
+  /// is proved.
   bool everyNode = false;
 };
 
@@ -79,7 +82,7 @@ struct EvaluateFieldOptions {
 FractalField evaluateField(const FieldPlan& plan, const FieldSource& source, const EvaluateFieldOptions& options,
                            Monitor& monitor);
 
-/// The two steps in one.
+/// Planning and evaluating in one step.
 FractalField fractalField(const FieldSource& source, const ExponentGrid& exponent, const FractalFieldOptions& options,
                           Monitor& monitor);
 FractalField fractalFieldExhaustive(const FieldSource& source, const ExponentGrid& exponent,

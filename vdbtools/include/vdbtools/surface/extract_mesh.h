@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file extract_mesh.h
-/// Marching cubes on the signs of F, each vertex searched on its lattice edge by evaluating the true F there: F is far
-/// from linear between nodes ([Kim15], [KD20] Fig. 4).
+/// The room `surface` turns a field into surfaces: a mesh whose vertices lie on the true F = 0, and the level set and
+/// other grids that are handed on. It uses the rooms up to `field`.
 ///
-/// The mesh is closed and 2-manifold away from the domain's border, oriented outward; vertices are shared, one for each
-/// crossing edge. Ambiguous faces keep the inside corners apart. A vertex and the order of all of them depend on global
-/// indices only: points and triangles come by the blocks of 8^3 nodes that their edges and cells begin in, these by x,
-/// then y, then z.
+/// Here: marching cubes on the signs of F, where each vertex is searched on its lattice edge by evaluating the true F,
+/// as F is far from linear between nodes ([Kim15], [KD20] Fig. 4).
+///
+/// The mesh is closed and 2-manifold away from the domain's border, and oriented outward; vertices are shared, one for
+/// each crossing edge. On ambiguous faces the inside corners are kept apart. Positions and order depend on global
+/// indices only: points and triangles come by the blocks of 8^3 nodes that their edges and cells begin in, and the
+/// blocks by x, then y, then z.
 #pragma once
 
 #include "vdbtools/field/fractal_field.h"
@@ -15,7 +18,7 @@
 
 namespace vdbtools {
 
-/// What becomes of a set that the domain cuts.
+/// What happens to a set that the domain cuts.
 enum class Border {
   Open,  ///< the mesh ends there
   Cap,   ///< the set is closed by a flat cap, half a voxel beyond the last nodes
@@ -26,9 +29,15 @@ struct ExtractMeshOptions {
   Border border = Border::Open;
 };
 
+/// A whole mesh whose set is closed by caps where the domain cuts it.
+struct CappedMesh {
+  Mesh mesh;                ///< without normals
+  std::vector<bool> onCap;  ///< whether each point lies on an edge that leaves the domain, so on a cap
+};
+
 struct MeshCounts {
   std::uint64_t points = 0, triangles = 0;
-  std::uint64_t evaluatedNodes = 0;  ///< of the lattice; 0 where the field was there before
+  std::uint64_t evaluatedNodes = 0;  ///< of the lattice; 0 if the field was evaluated before
 };
 
 /// The whole mesh, without normals.
@@ -37,15 +46,22 @@ struct MeshCounts {
 Mesh extractMesh(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
                  Monitor& monitor);
 
-/// The same in pieces, with normals as computeNormals() makes them.
+/// The mesh with Border::Cap, from which withoutCaps() makes the other one without searching the edges again.
+/// @throw as extractMesh()
+CappedMesh extractCappedMesh(const FractalField& field, const FieldSource& source, double tolerance, Monitor& monitor);
+
+/// The same mesh, to the bit, as extractMesh() makes with Border::Open.
+Mesh withoutCaps(CappedMesh capped);
+
+/// The mesh in pieces, with normals as computeNormals() makes them.
 MeshCounts extractMesh(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
                        MeshSink& sink, Monitor& monitor);
 
-/// The same mesh while F is evaluated, which is never held whole: memory follows the largest layers of blocks in x.
+/// The same mesh, made while F is evaluated. F is never held whole: memory holds a few layers of blocks in x.
 MeshCounts streamMesh(const FieldPlan& plan, const FieldSource& source, const ExtractMeshOptions& options,
                       MeshSink& sink, Monitor& monitor);
 
-/// The direction of a sum of normals. Where they cancel out there is none; up is as good as any.
+/// The direction of a sum of normals; up (y) where they cancel out.
 openvdb::Vec3s unitNormal(const openvdb::Vec3d& sum);
 
 /// Sets unit normals: the sum of the normals of a point's triangles, weighted by area.

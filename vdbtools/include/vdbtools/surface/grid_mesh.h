@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file grid_mesh.h
-/// Any level set -> mesh, by the same marching cubes as the fractal's: closed and 2-manifold. A vertex lies where the
-/// grid, read linearly along the edge, is 0. For a fractal that is a blocky stand-in; its own field gives the true
-/// surface.
+/// From any level set to a mesh, by the same marching cubes as for a fractal: closed and 2-manifold. A vertex lies
+/// where the grid, interpolated linearly along the edge, is 0. For a fractal that is a blocky stand-in; its own field
+/// gives the true surface.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -11,7 +11,7 @@
 
 namespace vdbtools {
 
-/// Positions are in the grid's world space. Unlike the voxels, the mesh has no normals; see computeNormals().
+/// Positions are in the grid's world space. The mesh has no normals; see computeNormals().
 /// @param levelSet  negative inside; a positive background
 /// @throw DataError  no change of sign, values that are not finite
 Mesh meshOfLevelSet(const openvdb::FloatGrid& levelSet, Monitor& monitor);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file level_set.h
-/// The hand-off grids (DESIGN.md section 3).
+/// The grids that are handed on to other programs (docs/design.md).
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -11,8 +11,8 @@
 
 namespace vdbtools {
 
-/// Half width of a level set that leaves the program, voxels: a little over the 3 that OpenVDB's check asks for, which
-/// exactly 3 fails by rounding.
+/// Half width of a level set that leaves the program, in voxels: a little over the 3 that OpenVDB's check asks for, as
+/// exactly 3 fails it by rounding.
 inline constexpr double kHalfWidth = 3.01;
 
 /// The level set of the fractal: the distance to @a mesh, with the sign that F has at the node. Class, uniform scale,
@@ -20,10 +20,10 @@ inline constexpr double kHalfWidth = 3.01;
 /// @param mesh  of the same field with Border::Cap
 openvdb::FloatGrid::Ptr levelSet(const FractalField& field, const Mesh& mesh, Monitor& monitor);
 
-/// Fog of density 1 inside, falling to 0 at the surface over the half width; named "density".
+/// Fog whose density is 1 inside and falls to 0 at the surface over the half width; named "density".
 openvdb::FloatGrid::Ptr densityGrid(const openvdb::FloatGrid& surface);
 
-/// F at the nodes that were evaluated, class unknown; named "logmodulus".
+/// F at the nodes that were evaluated, of class unknown; named "logmodulus".
 openvdb::FloatGrid::Ptr logModulusGrid(const FractalField& field);
 
 /// The three imaginary components of the map's versor over the band of @a surface; named "versor".
