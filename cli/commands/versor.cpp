@@ -43,7 +43,7 @@ void write(CommandLine& line, const julia::Rational& rational, const std::string
   Outputs outputs;
   const std::string name = line.text("output");
   std::ostream& file = outputs.add("output", name, ".json .p4d .poly4d").stream();
-  const std::string extension = std::filesystem::path(name).extension().string();
+  const std::string extension = vdbtools::lowerExtension(name);
   if (extension == ".p4d" || extension == ".poly4d") {
     if (!rational.bottom.roots.empty() || rational.logScale != 0)
       throw std::invalid_argument(

@@ -152,6 +152,16 @@ class Vdbs(harness.CliTest):
             grid.getAccessor().setValueOn((10, 0, 0), value)
             self.all_refuse(self.save("nan.vdb", grid), mentions="finite")
 
+    def test_broken_metadata(self):
+        self.write("s.obj", harness.obj(harness.sphere(2)))
+        self.ok("sdf", "s.obj", "-o", "good.vdb", "--resolution", 24)
+        grids, metadata = pyopenvdb.readAll(str(self.path("good.vdb")))
+        for number, box in enumerate(("", "here", "0,0,0,1,1", "0,0,0,1,1,nan", "0,0,0,1,1,1,1", "1,1,1,0,0,0",
+                                      "0,0,0,0,0,0")):
+            name = f"box{number}.vdb"
+            pyopenvdb.write(str(self.path(name)), grids=grids, metadata={**metadata, "julia_target_box": box})
+            self.refused(BAD_DATA, "fractal", name, "-o", "x.vdb", *LOW, mentions=[name, "julia_target_box"])
+
     def test_nowhere_negative(self):
         grid = self.sphere_grid()
         grid.mapAll(abs)

@@ -240,6 +240,8 @@ class Fractals(FitTest):
     def test_o3d(self):
         self.write("m.obj", harness.obj(pebble()))
         self.ok("fit", "m.obj", "-o", "shape.o3d", *LOW, *ROOTS)
+        self.ok("fit", "m.obj", "-o", "SHAPE.O3D", *LOW, *ROOTS)
+        self.assertEqual(self.bytes("SHAPE.O3D"), self.bytes("shape.o3d"))
         text = self.ok("versor", "inspect", "shape.o3d", data=True)
         self.assertIn(f"top: {len(self.map_of()['top']['roots'])} roots", text)
         self.ok("versor", "scale", "shape.o3d", 1, "-o", "back.json")

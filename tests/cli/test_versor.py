@@ -82,6 +82,15 @@ class Versor(harness.CliTest):
         # A polynomial's file has no place for a bottom.
         self.refused(USAGE, "versor", "scale", "s.o3d", 1, "-o", "s.p4d", mentions="bottom")
 
+    def test_extensions_in_upper_case(self):
+        self.ok("versor", "new", "-o", "a.P4D", "--seed", 3, "--roots", 5)
+        self.ok("versor", "new", "-o", "a.p4d", "--seed", 3, "--roots", 5)
+        self.assertEqual(self.bytes("a.P4D"), self.bytes("a.p4d"))
+        self.assertIn("5 roots", self.ok("versor", "inspect", "a.P4D", data=True))
+        # The region of a map without a target is the box that its file holds.
+        self.write("S.O3D", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))
+        self.ok("fractal", "--map", "rational", "--rational", "S.O3D", "--mesh", "x.ply", "--resolution", 24)
+
     def test_unused_arrays_of_a_p4d_are_skipped(self):
         filled = (struct.pack("<i", 3) + harness.quaternions([(1e300, float("nan"), 0, 0)] * 4) +
                   harness.quaternions([(0, 0, 0, 0)]) + harness.quaternions([]) + harness.p4d(harness.ROOTS)[16:])

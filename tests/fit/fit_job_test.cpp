@@ -452,7 +452,7 @@ TEST(FitJob, O3dReadsBack) {
     std::memcpy(values.data(), bytes.data() + bytes.size() - (3 - which) * kField + kHead, 8 * kCells);
     return values;
   };
-  const std::vector<double> fractal = field(0), distance = field(1);
+  const std::vector<double> fractal = field(0), distance = field(1), potential = field(2);
   const double cell = 1.2 / 33;
   std::vector<julia::FitCell> cells;
   for (int z = 0; z < 33; ++z)
@@ -468,6 +468,13 @@ TEST(FitJob, O3dReadsBack) {
     }
     if (std::isfinite(l[i])) {
       ASSERT_NEAR(fractal[i], l[i], 1e-3 * std::max(1.0, std::abs(l[i])));
+    }
+    // A conductor has one potential; outside, it lies between those of the balls in and around the box.
+    if (outside < 0) {
+      ASSERT_NEAR(potential[i], 1, 0.02);
+    } else if (const double far = std::hypot(p[0], p[1], p[2]); outside > cell) {
+      ASSERT_GT(potential[i], 0.125 / far);
+      ASSERT_LT(potential[i], std::min(1.0, std::hypot(0.5, 0.25, 0.125) / far));
     }
   }
 }

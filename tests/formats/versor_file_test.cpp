@@ -191,7 +191,7 @@ TEST(VersorFile, NamesThePlace) {
   contains(refusal(replaced(kText, "-0.4", "1e999")), "line 10");
   contains(refusal(replaced(kText, "-0.4", "1e999")), "1e999");
   contains(refusal(replaced(kText, "-0.4", "1e10")), "top root 1");
-  contains(refusal(replaced(kText, "\"power\": 5", "\"power\": 5, \"power\": 6")), "bottom.roots.power stands twice");
+  contains(refusal(replaced(kText, "\"power\": 5", "\"power\": 5, \"power\": 6")), "bottom.roots.power occurs twice");
   contains(refusal(replaced(kText, "\"version\": 1", "\"version\": 2, \"new\": 0")),
            "version is 2; this program reads 1");
 }
@@ -274,11 +274,11 @@ TEST(VersorFile, RefusesABadTargetAndNamesThePlace) {
       {"\"scale\": 4", "\"scale\": 1e999", "line 19"},
       {"\"scale\": 4", "\"scale\": Infinity", "line 19"},
       {"\"scale\": 4", "\"scale\": 4, \"unit\": 1", "target has the unknown key \"unit\""},
-      {"\"scale\": 4", "\"scale\": 4, \"scale\": 4", "target.scale stands twice"},
+      {"\"scale\": 4", "\"scale\": 4, \"scale\": 4", "target.scale occurs twice"},
       {"2.5, -18, 2]", "2.5, -18]", "target.box has 5 numbers; it must have 6"},
       {"2.5, -18, 2]", "2.5, -22, 2]", "target.box has no extent"},
       {"2.5, -18, 2]", "-2.5, -18, 2]", "target.box has no extent"},
-      {"[-1.5, -22, -2, 2.5, -18, 2]", "[-1e308, -22, -2, 1e308, -18, 2]", "target.box is larger than any number"},
+      {"[-1.5, -22, -2, 2.5, -18, 2]", "[-1e308, -22, -2, 1e308, -18, 2]", "target.box is too large"},
       {"{\"centre\": [0.5, -20, 0.125], \"scale\": 4, " + box + "}", "[1]", "target is an array"},
       {"{\"centre\": [0.5, -20, 0.125], \"scale\": 4, " + box + "}", "null", "target is null"},
   };
@@ -342,6 +342,7 @@ TEST_F(RationalPath, ChoosesTheFormatByExtension) {
   for (int i = 0; i < 6; ++i) o3d += oneDouble;
   o3d += p4d + rationalToP4d(example().bottom) + oneDouble + std::string(4 + 3 * (3 * 4 + 6 * 8), '\0');
   EXPECT_EQ(readRational(write("a.o3d", o3d)), (julia::Rational{0, example().top, example().bottom}));
+  EXPECT_EQ(readRational(write("A.O3D", o3d)), (julia::Rational{0, example().top, example().bottom}));
 }
 
 TEST_F(RationalPath, RefusesTheRest) {

@@ -202,6 +202,29 @@ julia::MonopoleFit monopolesOf(const FitTarget& target, const FitOptions& option
   return fit;
 }
 
+/// The target's electrostatic potential at many points: 1 on its surface, 0 at infinity.
+std::vector<double> potentialAt(const julia::TriangleSurface& surface, std::span<const Point> points,
+                                Monitor& monitor) {
+  monitor.begin("electrostatics", 0);
+  julia::SurfaceCharge charge;
+  try {
+    charge = julia::solveExteriorDirichlet(surface, {.cancelled = [&monitor] { return monitor.cancelled(); }});
+  } catch (const julia::Cancelled&) {
+    monitor.throwIfCancelled();
+    throw;
+  }
+  constexpr std::size_t kBatch = 4096;
+  std::vector<double> result(points.size());
+  monitor.begin("potential", points.size());
+  for (std::size_t first = 0; first < points.size(); first += kBatch) {
+    const std::size_t size = std::min(kBatch, points.size() - first);
+    julia::potential(surface, charge, points.subspan(first, size), std::span(result).subspan(first, size));
+    monitor.throwIfCancelled();
+    monitor.advance(size);
+  }
+  return result;
+}
+
 /// How far from the surface the roots of a fit start, fractal space.
 double startOffset(const FitTarget& target, std::size_t roots) {
   const double spacing = std::sqrt(julia::area(target.surface) / static_cast<double>(roots));
@@ -479,12 +502,14 @@ std::string fitToO3d(const FitResult& fit, Monitor& monitor) {
       for (int z = 0; z < n; ++z, ++i)
         ordered[(static_cast<std::size_t>(z) * n + static_cast<std::size_t>(y)) * n + static_cast<std::size_t>(x)] =
             cells[i];
-  const std::vector<double> potential = logModuli(fit.rational, pointsOf(ordered), monitor);
+  const std::vector<Point> points = pointsOf(ordered);
+  const std::vector<double> fractal = logModuli(fit.rational, points, monitor);
+  const std::vector<double> potential = potentialAt(target.surface, points, monitor);
   std::vector<double> distance;
   for (const FitCell& cell : ordered) distance.push_back(cell.phi);
   const double side = target.cell * n;
   OptimisedShape shape{{n, n, n}, target.cubeCentre, {side, side, side}, fit.rational};
-  return optimisedShapeToO3d(shape, potential, distance, potential);
+  return optimisedShapeToO3d(shape, fractal, distance, potential);
 }
 
 }  // namespace vdbtools

@@ -26,13 +26,13 @@ using openvdb::Vec3s;
 
 constexpr float kLargestLog = 20;  ///< |L| on the cells, infinite at roots, is cut to it for the surface between them
 
-/// What one slice of the cube counts.
+/// The counts of one slice of the cube.
 struct Tally {
   std::uint64_t both = 0, either = 0;
   double psi = 0, eta = 0;
 };
 
-/// The cells' lattice: cell (i, j, k) of the cube, x slowest; cells from 1, as there is a rim about them.
+/// The cells' lattice: cell (i, j, k) of the cube, x slowest; cells from 1, as there is a rim around them.
 class Lattice {
  public:
   explicit Lattice(const FitTarget& target) : mTarget(target) {}
@@ -103,7 +103,7 @@ Potential potentialOf(const FitTarget& target, const Lattice& lattice, const jul
 FloatGrid::Ptr gridOf(std::vector<float>& values, const Lattice& lattice) {
   const int last = static_cast<int>(lattice.side()) + 1;
   const openvdb::tools::Dense<float> dense(openvdb::CoordBBox(Coord(0), Coord(last)), values.data());
-  // A background that no value has, so that all are active.
+  // A background that differs from all values, so that all become active.
   const FloatGrid::Ptr grid = FloatGrid::create(2 * kLargestLog);
   openvdb::tools::copyFromDense(dense, *grid, 0.0f);
   grid->tree().voxelizeActiveTiles();

@@ -26,7 +26,7 @@ std::string textOf(double value) {
   return text.str();
 }
 
-/// Walks through the bytes of a file and refuses to pass their end.
+/// Reads the bytes of a file in order, and fails rather than pass their end.
 class Reader {
  public:
   Reader(std::string_view bytes, const std::string& name) : mBytes(bytes), mName(inOneLine(name)) {}
@@ -210,7 +210,7 @@ void requireWritable(const OptimisedShape& shape) {
   julia::requireFinite(shape.rational);
   if (!std::isnormal(std::exp(shape.rational.logScale))) {
     throw std::invalid_argument("the constant C is " + textOf(shape.rational.logScale) +
-                                "; an o3d holds e^C as a double, which reaches from about -708 to 709. Write .json, "
+                                "; an o3d holds e^C as a double, which reaches from about -708 to 709; write .json, "
                                 "which holds C itself");
   }
 }

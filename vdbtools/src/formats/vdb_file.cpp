@@ -44,19 +44,19 @@ std::map<std::string, std::string> asText(const openvdb::MetaMap& metadata) {
   return result;
 }
 
-/// Finds out, in words of ours, whether the file is there and is a VDB at all.
+/// Checks that the file exists and is a VDB, with our own messages.
 void requireVdb(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::error_code ignored;
   if (!file || std::filesystem::is_directory(path, ignored))
     throw MissingInputError("cannot open '" + inOneLine(path.string()) + "': " +
-                            (std::filesystem::exists(path, ignored) ? "it is no readable file" : "no such file"));
+                            (std::filesystem::exists(path, ignored) ? "it is not a readable file" : "no such file"));
   char magic[8] = {};
   file.read(magic, sizeof magic);
   if (file.bad()) throw IoError("reading '" + inOneLine(path.string()) + "' broke off");
   constexpr std::string_view kMagic(" BDV\0\0\0\0", 8);
   if (std::string_view(magic, static_cast<std::size_t>(file.gcount())) != kMagic)
-    throw DataError("'" + inOneLine(path.string()) + "' is not a VDB file: it does not begin like one");
+    throw DataError("'" + inOneLine(path.string()) + "' is not a VDB file: it does not begin as one does");
 }
 
 /// A file with offsets to its grids, as io::File writes it, so that readers may load them one by one; but to a stream,
@@ -79,8 +79,8 @@ class HeadArchive final : public openvdb::io::Archive {
   }
 };
 
-/// Runs @a use with a stream of the file and turns what goes wrong into our errors. io::File would go on with sizes
-/// that a file cut short does not hold, and ask for gigabytes; a stream that throws at its end cannot.
+/// Runs @a use with a stream of the file and turns its failures into our errors. On a truncated file, io::File would go
+/// on with sizes that the file does not hold and allocate gigabytes; a stream that throws at its end cannot.
 template <class Use>
 auto withVdb(const std::filesystem::path& path, const Use& use) {
   openvdb::initialize();
@@ -91,13 +91,13 @@ auto withVdb(const std::filesystem::path& path, const Use& use) {
     stream.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
     return use(stream);
   } catch (const std::ios_base::failure&) {
-    throw DataError(name + "it is cut short");
+    throw DataError(name + "it is truncated");
   } catch (const openvdb::Exception& error) {
     throw DataError(name + inOneLine(error.what()));
   } catch (const std::bad_alloc&) {
-    throw DataError(name + "a size in it does not fit memory");
+    throw DataError(name + "a size in it exceeds the memory");
   } catch (const std::length_error&) {
-    throw DataError(name + "a size in it is absurd");
+    throw DataError(name + "a size in it is impossible");
   }
 }
 

@@ -41,12 +41,12 @@ constexpr const char* kCentreKey = "centre";
 constexpr const char* kScaleKey = "scale";
 constexpr const char* kBoxKey = "box";
 
-/// What the tree of nlohmann::json would not tell: where a text breaks off, and that a key stands twice.
+/// What nlohmann::json's tree cannot tell: where a text breaks off, and that a key occurs twice.
 class Syntax : public nlohmann::json_sax<Json> {
  public:
   /// @throw DataError  @a text is not one JSON value
   static void check(std::string_view text, const std::string& name) {
-    // The parser takes a zero byte for the end of its input.
+    // The parser takes a zero byte as the end of its input.
     const std::size_t zero = text.find('\0');
     if (zero != std::string_view::npos) {
       throw DataError(name + ": line " + lineOf(text, zero) + " holds a zero byte; this is not a JSON file");
@@ -81,7 +81,7 @@ class Syntax : public nlohmann::json_sax<Json> {
     if (object.keys.insert(key).second) return true;
     std::string place;
     for (const Object& outer : mObjects) place += (place.empty() ? "" : ".") + outer.current;
-    mMessage = place + " stands twice in one object";
+    mMessage = place + " occurs twice in one object";
     return false;
   }
   bool parse_error(std::size_t position, const std::string&, const nlohmann::detail::exception& error) override {
@@ -99,7 +99,7 @@ class Syntax : public nlohmann::json_sax<Json> {
     return std::to_string(1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(position), '\n'));
   }
 
-  /// An object whose end is still to come.
+  /// An object whose end has not been reached.
   struct Object {
     std::set<std::string> keys;
     std::string current;
@@ -124,7 +124,7 @@ class Node {
       const auto isKey = [&key = key](const char* known) { return key == known; };
       if (std::none_of(required.begin(), required.end(), isKey) &&
           std::none_of(optional.begin(), optional.end(), isKey)) {
-        fail("has the unknown key \"" + inOneLine(key) + "\"; it must not be there");
+        fail("has the unknown key \"" + inOneLine(key) + "\"; remove it");
       }
     }
     for (const char* key : required) {
@@ -174,7 +174,7 @@ class Node {
     if (!mValue.is_object()) fail("is " + found() + "; it must be an object");
   }
 
-  /// The value in words; of arrays and objects the kind alone, as they may be large and deep.
+  /// The value in words; for arrays and objects only the kind, as they may be large and deep.
   std::string found() const {
     if (mValue.is_structured()) return mValue.is_array() ? "an array" : "an object";
     return inOneLine(mValue.dump(-1, ' ', false, Json::error_handler_t::replace));
@@ -209,12 +209,12 @@ FittedTo targetFrom(const Node& node) {
   if (!(scale > 0)) node.at(kScaleKey).fail("is " + shortestNumber(scale) + "; it must be above 0");
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!(b[axis] < b[axis + 3])) node.at(kBoxKey).fail("has no extent; the smaller corner must come first");
-    if (!std::isfinite(b[axis + 3] - b[axis])) node.at(kBoxKey).fail("is larger than any number");
+    if (!std::isfinite(b[axis + 3] - b[axis])) node.at(kBoxKey).fail("is too large: its extent is not a finite number");
   }
   return {{{c[0], c[1], c[2]}, scale}, {{b[0], b[1], b[2]}, {b[3], b[4], b[5]}}};
 }
 
-/// @throw std::invalid_argument  targetFrom() would refuse it
+/// @throw std::invalid_argument  targetFrom() would reject it
 void requireReadable(const FittedTo& target) {
   const openvdb::Vec3d &low = target.box.min(), &high = target.box.max();
   bool readable = target.space.centre.isFinite() && target.space.scale > 0 && std::isfinite(target.space.scale);
@@ -322,9 +322,7 @@ std::string rationalToJson(const julia::Rational& rational, std::string_view not
 }
 
 RationalFile readRationalFile(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  const std::string extension = lowerExtension(path);
   if (extension == ".json") return rationalFileFromJson(readWholeFile(path), path.string());
   if (extension == ".p4d" || extension == ".poly4d") {
     RationalFile file;

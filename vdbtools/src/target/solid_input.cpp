@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "target/solid_input.h"
 
+#include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/recipe/recipe.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <vector>
 
 namespace vdbtools {
@@ -43,14 +45,30 @@ MeshSdf makeSdfAbout(const Vec3d& middle, Mesh mesh, const MeshToSdfOptions& opt
   return sdf;
 }
 
+namespace {
+
+/// @throw DataError  @a text is not a box with an extent
+BBoxd boxFromMetadata(const std::string& text, const std::filesystem::path& path) {
+  try {
+    const std::vector<double> b = parseNumbers(kTargetBox, text, 6);
+    const BBoxd box(Vec3d(b[0], b[1], b[2]), Vec3d(b[3], b[4], b[5]));
+    if (b[0] <= b[3] && b[1] <= b[4] && b[2] <= b[5] && longestSide(box) > 0) return box;
+  } catch (const std::invalid_argument&) {
+    // It is the file that is wrong, not what was asked for.
+  }
+  throw DataError("the metadata " + std::string(kTargetBox) + " of '" + path.string() + "' is '" + inOneLine(text) +
+                  "'; it must be six finite numbers with commas between them, the smaller corner first");
+}
+
+}  // namespace
+
 Target readVdbTarget(const std::filesystem::path& path, const std::string& grid) {
   const VdbFile file = readVdb(path);
   const FloatGrid::Ptr phi = chooseFloatGrid(file, grid, path);
   // An SDF of ours knows the box of its mesh; half a voxel more exactly than its nodes do.
   std::optional<BBoxd> box;
   if (const auto found = file.metadata.find(kTargetBox); found != file.metadata.end() && phi->getName() == "phi") {
-    const std::vector<double> b = parseNumbers(kTargetBox, found->second, 6);
-    box.emplace(Vec3d(b[0], b[1], b[2]), Vec3d(b[3], b[4], b[5]));
+    box = boxFromMetadata(found->second, path);
   }
   return makeTarget(phi, box);
 }
