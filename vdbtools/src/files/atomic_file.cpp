@@ -30,8 +30,8 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kBufferSize = std::size_t{1} << 20;
 constexpr int kMostLinks = 40;  ///< as Linux follows
-constexpr int kAttempts = 100;  ///< at a name that nobody has; one is enough but for accidents
-/// Of the target's name, in the temporary's: with what is added it fits wherever the target's own does, nearly.
+constexpr int kAttempts = 100;  ///< at finding an unused name; the first nearly always succeeds
+/// Bytes of the target's name that go into the temporary's, so that the latter is not too long where the former fits.
 constexpr std::size_t kLongestStem = 100;
 
 std::string textOf(int error) { return std::generic_category().message(error); }
@@ -42,7 +42,7 @@ std::string nameOf(const fs::path& path) { return inOneLine(path.native()); }
   throw CreateError("cannot create " + nameOf(path) + ": " + reason);
 }
 
-/// Some file systems and all pipes and terminals have no notion of fsync.
+/// Some file systems, and all pipes and terminals, do not support fsync.
 bool isUnsupportedSync(int error) {
   return error == EINVAL || error == ENOSYS || error == ENOTSUP || error == EOPNOTSUPP;
 }
@@ -64,8 +64,8 @@ int openRetrying(Call call) {
   }
 }
 
-/// Writes through a descriptor, and remembers the first error: after it nothing is written, so that no hole can pass
-/// for a whole file.
+/// Writes through a descriptor and remembers the first error. Nothing is written after it, so that a file with a hole
+/// cannot pass as whole.
 class DescriptorBuffer : public std::streambuf {
  public:
   DescriptorBuffer() : mBuffer(kBufferSize) {}
@@ -193,7 +193,7 @@ class DescriptorBuffer : public std::streambuf {
   int mError = 0;
 };
 
-/// The temporaries of this process, each with its target.
+/// The temporary files of this process, each with its target.
 struct Registry {
   std::mutex mutex;
   std::map<fs::path, fs::path> targets;
@@ -261,7 +261,7 @@ Place placeOf(const fs::path& path) {
   return place;
 }
 
-/// A name that tells a person whose leftover it is, should the process be killed.
+/// A name that shows whose leftover it is, should the process be killed.
 fs::path temporaryName(const fs::path& target, std::uint32_t random) {
   char suffix[16];
   std::snprintf(suffix, sizeof suffix, ".%08x.tmp", static_cast<unsigned int>(random));
@@ -282,7 +282,7 @@ int createTemporary(const Place& place, const fs::path& path, fs::path& temporar
     temporary = temporaryName(place.target, random());
     const auto [entry, isNew] = live.targets.try_emplace(temporary, place.target);
     if (!isNew) continue;
-    // Nobody else shall read what is to replace a private file; a new file is as the umask wants it.
+    // Nobody else may read what replaces a private file; a new file gets the permissions that the umask gives it.
     const mode_t mode = place.exists ? S_IRUSR | S_IWUSR : 0666;
     const int descriptor =
         openRetrying([&] { return ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode); });
@@ -330,7 +330,7 @@ int replace(const fs::path& temporary, const fs::path& target, bool canUndo, Und
 void undoReplace(const fs::path& temporary, const fs::path& target, Undo undo) noexcept {
   if (undo == Undo::Nothing) return;
   const unsigned int flags = undo == Undo::Exchange ? RENAME_EXCHANGE : 0;
-  // There is nothing left to do where this fails; the exception under way tells of the first failure.
+  // Nothing is left to do if this fails; the exception under way reports the first failure.
   [[maybe_unused]] const int result = ::renameat2(AT_FDCWD, target.c_str(), AT_FDCWD, temporary.c_str(), flags);
 }
 
@@ -340,7 +340,7 @@ void syncFolder(const fs::path& folder) {
   if (descriptor < 0) return;  // a folder may be written, yet not read
   const int error = syncToDisk(descriptor);
   ::close(descriptor);
-  if (error != 0) throw IoError("cannot bring the folder " + nameOf(folder) + " to the disk: " + textOf(error));
+  if (error != 0) throw IoError("cannot flush the folder " + nameOf(folder) + " to the disk: " + textOf(error));
 }
 
 }  // namespace
@@ -360,7 +360,7 @@ struct AtomicFile::State {
     if (temporary.empty()) return;
     Registry& live = registry();
     const std::lock_guard lock(live.mutex);
-    // Unregistered is what was committed, or removed by removeTemporaries().
+    // It is no longer registered once it was committed, or removed by removeTemporaries().
     if (live.targets.erase(temporary) > 0) ::unlink(temporary.c_str());
   }
 
@@ -442,7 +442,7 @@ void commitAll(std::span<AtomicFile* const> files) {
     for (std::size_t i = 0; i < states.size(); ++i) {
       const AtomicFile::State& s = *states[i];
       if (!s.replaces) continue;
-      // A temporary that removeTemporaries() has removed is not there to be renamed: ENOENT.
+      // A temporary file that removeTemporaries() has removed cannot be renamed: ENOENT.
       const int error = replace(s.temporary, s.target, states.size() > 1, undos[i]);
       if (error == 0) continue;
       while (i-- > 0) undoReplace(states[i]->temporary, states[i]->target, undos[i]);

@@ -70,8 +70,8 @@ void readPieces(const std::filesystem::path& path, const std::function<void(std:
 
 std::string readWholeFile(const std::filesystem::path& path) {
   Input input(path);
-  // One byte more than the file is said to hold, so that its end is seen without growing; a file that has grown since,
-  // or never told its size, is still read to its end.
+  // One byte more than the file should hold, so that its end is seen without growing the buffer; a file that has grown
+  // since, or has no size, is still read to its end.
   std::string content(input.size() + 1, '\0');
   std::size_t filled = 0;
   while (const std::size_t count = input.read(content.data() + filled, content.size() - filled)) {

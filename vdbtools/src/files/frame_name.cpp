@@ -8,7 +8,7 @@ namespace vdbtools {
 namespace {
 
 constexpr int kDefaultWidth = 4;     ///< that of the usual $F4
-constexpr std::size_t kWidest = 16;  ///< more than any int has; beyond it the pattern is a slip
+constexpr std::size_t kWidest = 16;  ///< more than any int has; beyond it the pattern must be a mistake
 
 struct Pattern {
   std::size_t begin, size;
@@ -32,7 +32,7 @@ int requireWidth(std::size_t width, std::string_view pattern) {
 
 int widthOf(std::string_view digits, std::string_view pattern) {
   std::size_t width = 0;
-  // Held at "too wide", so that no number of digits overflows.
+  // Capped at "too wide", so that no number of digits overflows.
   for (const char digit : digits) width = std::min(10 * width + static_cast<std::size_t>(digit - '0'), kWidest + 1);
   return requireWidth(width, pattern);
 }
@@ -119,7 +119,7 @@ std::string expandFrame(std::string_view name, std::optional<int> frame) {
   }
   const std::string_view fileName = name.substr(fileNameBegin(name));
   if (fileName.empty() || fileName == "." || fileName == "..") {
-    throw std::invalid_argument("\"" + std::string(name) + "\" has no file name to put frame " +
+    throw std::invalid_argument("\"" + std::string(name) + "\" has no file name that could hold frame " +
                                 std::to_string(*frame) + " into");
   }
   const std::size_t extension = extensionBegin(name);

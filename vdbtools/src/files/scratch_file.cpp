@@ -25,7 +25,7 @@ std::string textOf(int error) { return std::generic_category().message(error); }
 int openNameless(const std::filesystem::path& folder) {
   const int descriptor = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
   if (descriptor >= 0) return descriptor;
-  // Not every file system has files that never had a name (overlayfs, NFS): there it loses its name at once.
+  // Not every file system has files without a name (overlayfs and NFS do not); there it loses its name at once.
   std::string name = (folder / ".juliavdb.XXXXXX").native();
   const int named = ::mkostemp(name.data(), O_CLOEXEC);
   if (named >= 0) ::unlink(name.c_str());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file scratch_file.h
-/// Bytes put aside on the disk, in a file without a name: it is gone with this object, and with the process however
-/// that ends.
+/// Bytes put aside on the disk in a file without a name, which disappears with this object, and with the process
+/// however that ends.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ class ScratchFile {
   /// Unbuffered. @throw IoError  a full disk, a lost mount
   void append(std::string_view bytes);
 
-  /// Writes all to @a stream, as far as that takes it, and gives its room on the disk back on the way.
+  /// Writes all bytes to @a stream, as far as that accepts them, and frees their space on the disk on the way.
   /// @throw IoError  reading broke off
   void moveTo(std::ostream& stream);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file mesh_conversion.h
-/// What meshToSdf() and repairedMeshToSdf() share: the conversion itself, and the look at its outcome.
+/// What meshToSdf() and repairedMeshToSdf() share: the conversion itself, and checks of its result.
 #pragma once
 
 #include "base/openvdb/mesh_to_volume.h"
@@ -19,19 +19,18 @@ namespace vdbtools {
 /// @throw DataError              a mesh without an area
 void checkOptions(const MeshReport& report, const MeshToSdfOptions& options);
 
-/// @return the points in index space, in double precision: in floats, a mesh far from the origin loses its shape
+/// @return the points in index space, in double precision: floats would distort a mesh far from the origin
 std::vector<openvdb::Vec3d> toIndexSpace(const std::vector<openvdb::Vec3d>& points, double voxelSize);
 
-/// meshToVolume in index space, scaled to world units afterwards: it has absolute tolerances, which would make the
-/// field of a small mesh in large units another than that of the same mesh in small units. Nothing is checked.
+/// meshToVolume in index space, scaled to world units afterwards: its tolerances are absolute, so the field of a small
+/// mesh in large units would differ from that of the same mesh in small units. Nothing is checked.
 /// @param points  index space
 /// @throw Interrupted
 openvdb::FloatGrid::Ptr convert(const std::vector<openvdb::Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,
                                 const MeshToSdfOptions& options, Monitor& monitor,
                                 DistanceField kind = DistanceField::Signed);
 
-/// Points spread over the surface, about @a count of them and each standing for the same area. The same ones every
-/// time.
+/// Points spread over the surface, about @a count of them, each standing for the same area; the same ones every time.
 struct SurfaceSample {
   openvdb::Vec3d position;
   std::uint32_t triangle = 0;
@@ -39,10 +38,10 @@ struct SurfaceSample {
 std::vector<SurfaceSample> sampleSurface(const std::vector<openvdb::Vec3d>& points,
                                          const std::vector<openvdb::Vec3I>& triangles, std::size_t count);
 
-/// The share of the surface that bounds nothing: no node below @a isovalue among the 4^3 about a sample. Next to a
-/// surface that does bound something there is one, as the block reaches a voxel and more to each side; within an
+/// The share of the surface that bounds nothing: none of the 4^3 nodes around a sample is below @a isovalue. A surface
+/// that does bound something has such a node next to it, as the block reaches a voxel and more to each side; within an
 /// overlap or at an inner wall, both sides are inside. A sheet that stands free in the outside has none: there the mesh
-/// leaks, or is thinner than a voxel.
+/// leaks or is thinner than a voxel.
 double lostShare(const openvdb::FloatGrid& grid, const std::vector<SurfaceSample>& samplesInIndexSpace,
                  float isovalue = 0);
 

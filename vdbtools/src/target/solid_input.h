@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file solid_input.h
-/// From a file to signed distances, as every command that takes a shape does it.
+/// From a file to signed distances, in the same way for every command that takes a shape.
 #pragma once
 
 #include "vdbtools/target/exponent_grid.h"
@@ -17,8 +17,8 @@ inline constexpr const char* kTargetBox = "julia_target_box";
 
 double longestSide(const openvdb::BBoxd& box);
 
-/// The report of a mesh that has an extent to measure voxels by.
-/// @throw DataError  it has none
+/// The report of a mesh.
+/// @throw DataError  the mesh has no extent to measure voxels by
 MeshReport reportOfSolid(const Mesh& mesh, const std::filesystem::path& path);
 
 MeshToSdfOptions sdfBand(double voxelSize, double exteriorWidth, double interiorWidth);
@@ -31,8 +31,8 @@ struct MeshSdf {
 /// By meshToSdf(), or repairedMeshToSdf() if @a repair.
 MeshSdf makeSdf(const Mesh& mesh, const MeshToSdfOptions& options, bool repair, double gap, Monitor& monitor);
 
-/// The same on a lattice about the target's own middle: wherever it lies, the nodes sample it alike, and the fractal is
-/// the same.
+/// The same on a lattice centred on the target: its nodes sample the shape in the same way wherever the shape lies, so
+/// the fractal is the same.
 MeshSdf makeSdfAbout(const openvdb::Vec3d& middle, Mesh mesh, const MeshToSdfOptions& options, bool repair, double gap,
                      Monitor& monitor);
 

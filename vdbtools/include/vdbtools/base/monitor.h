@@ -25,10 +25,10 @@ class Monitor {
   /// @a steps more of the current phase are done.
   virtual void advance(std::uint64_t steps) { (void)steps; }
 
-  /// True once the work shall stop.
+  /// True once the work is to stop.
   virtual bool cancelled() const { return false; }
 
-  /// @throw Interrupted once the work shall stop
+  /// @throw Interrupted  once the work is to stop
   void throwIfCancelled() const {
     if (cancelled()) throw Interrupted("interrupted; nothing was written");
   }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file file_bytes.h
-/// The bytes of input files, the kind that their names tell, and their names in messages. Sizes are in bytes.
+/// The room `files` handles files whatever they hold: read whole, hashed, written atomically, put aside while something
+/// else is written, named by frame. It uses the room `base` only.
+///
+/// Here: the bytes of input files, the format that a name stands for, and names in messages. Sizes are in bytes.
 ///
 /// Every function that opens a file
 /// @throw MissingInputError  there is no such file, it is a directory, or it may not be opened
@@ -21,14 +24,14 @@ void readPieces(const std::filesystem::path& path, const std::function<void(std:
 /// The whole content, held in memory.
 std::string readWholeFile(const std::filesystem::path& path);
 
-/// @a text with a question mark for every control character, and cut where it is longer than a message should be: what
-/// a file holds, or how it is called, does not break a message into lines.
+/// @a text with a question mark for every control character, cut where it is too long for a message: neither the
+/// content of a file nor its name can break a message into lines.
 std::string inOneLine(std::string_view text);
 
 /// @a text with the letters A to Z in lower case, whatever the locale.
 std::string lowerCase(std::string_view text);
 
-/// Which kind of file a name tells: its extension in lower case, with the dot; empty where it has none.
+/// The format that a name stands for: its extension in lower case, with the dot; empty if there is none.
 std::string lowerExtension(const std::filesystem::path& path);
 
 }  // namespace vdbtools

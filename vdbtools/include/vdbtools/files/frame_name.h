@@ -12,10 +12,11 @@ namespace vdbtools {
 /// The name of one frame's file. A pattern is one of
 ///   - `$F4`, padded with zeros to 4 digits, or `$F`, not padded. `$F` before a letter or `_` is another variable, and
 ///     left alone.
-///   - a run of `#`, one a digit; in the name itself only, since folders are often called so.
+///   - a run of `#`, one for each digit; only in the file's own name, since folders are often called so.
 ///   - `%04d`, padded with zeros to 4 digits, or `%d`, not padded.
-/// A number too long for its padding is written in full. Without a pattern a frame goes before the extension, with 4
-/// digits: `name.vdb` becomes `name.0001.vdb`. With neither pattern nor frame the name is returned as it is.
+/// A number too long for its padding is written in full. If the name has no pattern, the frame goes before the
+/// extension, with 4 digits: `name.vdb` becomes `name.0001.vdb`. With neither pattern nor frame the name stays as it
+/// is.
 /// @throw std::invalid_argument  a pattern without a frame, more than one pattern, a negative frame, padding with
 /// blanks
 ///                               (`%4d`) or beyond 16 digits, or a frame for a path without a file name

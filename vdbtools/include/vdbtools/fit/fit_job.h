@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file fit_job.h
 /// A rational map in the shape of a target, from end to end: [Kim15] as it is written, or the fast fit of
-/// DESIGN.md 2.6.
+/// docs/design.md 2.6.
 #pragma once
 
 #include "vdbtools/fit/fit_measure.h"

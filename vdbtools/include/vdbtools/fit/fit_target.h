@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file fit_target.h
-/// A shape as the fitting of [Kim15] sees it: signed distances on the cells of a cube and, ever coarser, around it, and
-/// a smooth surface to place roots on. Positions and distances are in fractal space (fractal_space.h) unless told
+/// The room `fit` finds a rational map for a shape and measures how well it fits ([Kim15]). It uses the rooms up to
+/// `surface`, and `picture` for the plot of a fit's report.
+///
+/// Here: a shape as fitting sees it, with signed distances on the cells of a cube and, ever coarser, around it, and a
+/// smooth surface to place roots on. Positions and distances are in fractal space (fractal_space.h) unless stated
 /// otherwise; phi < 0 inside.
 #pragma once
 
@@ -29,8 +32,8 @@ struct FitTargetOptions {
   bool repair = false;          ///< closes a mesh's holes, see repairedMeshToSdf()
   double gap = 0;               ///< of the repair, world units
   int resolution = 97;          ///< cells along the cube's side, 8 to 1000
-  /// Of the surface that roots are placed on, in cells, 0 to 4: details of this size vanish. Nowhere does the surface
-  /// move by more than half of it, so parts thicker than it stay.
+  /// How far the surface that roots are placed on is smoothed, in cells, 0 to 4: details of this size vanish. The
+  /// surface moves by no more than half of it anywhere, so parts thicker than it stay.
   double smooth = 1;
   int triangles = 5000;  ///< of that surface, at most, >= 100
 };
@@ -53,8 +56,8 @@ struct FitTarget {
   /// that knows them; beyond, they come from fast sweeping. The last is known all over the cube of twice the side.
   std::vector<openvdb::FloatGrid::ConstPtr> levels;
 
-  /// phi, trilinear in the finest level that knows it. Beyond the cube of twice the side, that of the nearest point of
-  /// it plus the distance from there.
+  /// phi, trilinear in the finest level that knows it. Beyond the cube of twice the side it is phi at the nearest point
+  /// of that cube plus the distance to it.
   double distance(const julia::Point& x) const;
   /// Of many points at once, faster. @pre one size
   void distances(std::span<const julia::Point> x, std::span<double> phi) const;
@@ -79,12 +82,12 @@ std::vector<julia::FitCell> adaptiveCells(const FitTarget& target, double bandWi
 /// @throw std::invalid_argument  resolution is not 1 to 1000
 std::vector<julia::FitCell> denseCells(const FitTarget& target, int resolution);
 
-/// Where phi = @a distance, from x along the gradient of phi, by Newton's method. Empty if it gets no nearer than a
-/// tenth of a cell: thin parts have no inner offset.
+/// The point where phi = @a distance, from x along the gradient of phi, by Newton's method. Empty if that comes no
+/// nearer than a tenth of a cell: thin parts have no inner offset.
 std::optional<julia::Point> movedTo(const FitTarget& target, julia::Point x, double distance);
 
 /// Points near blue noise on the surface of phi = @a distance (Gamma+ of [Kim15] 4.4): @a count points of
-/// julia::blueNoise() on the target's surface, moved there. Those that do not get there are left out.
+/// julia::blueNoise() on the target's surface, moved there. Points that cannot be moved there are left out.
 /// @throw std::invalid_argument  as julia::blueNoise()
 std::vector<julia::Point> offsetPoints(const FitTarget& target, std::size_t count, double distance, std::uint64_t seed);
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file vdb_file.h
-/// VDB files in and out. What is written is the same bytes for the same grids: OpenVDB stamps each file with a random
-/// identifier, which is replaced by one made from the content.
+/// The room `formats` reads and writes files of grids and maps: VDB, versors as JSON, and the binary formats of the
+/// programs released with the papers. It uses the rooms `base` and `files`.
+///
+/// Here: VDB files. The same grids give the same bytes: OpenVDB stamps each file with a random identifier, which is
+/// replaced by one that is made from the content.
 #pragma once
 
 #include "vdbtools/base/errors.h"
@@ -21,7 +24,7 @@ struct VdbWriteOptions {
   std::map<std::string, std::string> metadata;
 };
 
-/// The bytes of a file with @a grids, Blosc-compressed. The grids' metadata is added to.
+/// The bytes of a file with @a grids, Blosc-compressed. @a options.metadata is added to the grids' own.
 /// @throw std::invalid_argument  two grids of one name
 std::string encodeVdb(const std::vector<openvdb::GridBase::Ptr>& grids, const VdbWriteOptions& options);
 
@@ -37,9 +40,9 @@ VdbFile readVdb(const std::filesystem::path& path);
 /// The metadata alone, without reading the grids.
 std::map<std::string, std::string> readVdbMetadata(const std::filesystem::path& path);
 
-/// The FloatGrid called @a name, or the only one (the one called "surface" or "phi" among several) if the name is
-/// empty.
-/// @throw DataError  no such grid, of another type, or no single choice; the text lists what there is
+/// The FloatGrid called @a name. If the name is empty, the only FloatGrid, or among several the one called "surface" or
+/// "phi".
+/// @throw DataError  there is no such grid, it is of another type, or the choice is not clear; the text lists the grids
 openvdb::FloatGrid::Ptr chooseFloatGrid(const VdbFile& file, const std::string& name,
                                         const std::filesystem::path& path);
 

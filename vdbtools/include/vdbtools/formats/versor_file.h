@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file versor_file.h
-/// Quaternion rationals, and so versors, in files. Our own form is JSON, one root a line:
+/// Quaternion rationals, and so versors, in files. Our own form is JSON, with one root on each line:
 ///
 ///   {
 ///     "juliavdb": "rational",
@@ -17,13 +17,13 @@
 ///     "target": {"centre": [0, 0, 0], "scale": 1, "box": [-0.5, -0.5, -0.5, 0.5, 0.5, 0.5]}
 ///   }
 ///
-/// All keys but "note" and "target" are required and no others allowed. "target" is of a map that was fitted to a
-/// shape: the space that its roots are in, and the shape's box, both in world units. "position" is [A, B, C, D] in
-/// units of the map's space, and "logScale" the C of e^C. Numbers are read back as exactly the doubles that were
-/// written.
+/// All keys except "note" and "target" are required, and no others are allowed. "target" belongs to a map that was
+/// fitted to a shape: the space that its roots are in, and the shape's box, both in world units. "position" is [A, B,
+/// C, D] in units of the map's space, and "logScale" is the C of e^C. Numbers are read back as exactly the doubles that
+/// were written.
 ///
 /// The functions that read
-/// @throw DataError              the content is not such a file; the text names the place
+/// @throw DataError              the content is not such a file; the text says where
 /// @throw MissingInputError      there is no such file, it is a directory, or it may not be opened
 /// @throw IoError                reading broke off
 #pragma once
@@ -51,7 +51,7 @@ struct RationalFile {
   std::optional<FittedTo> target;
 };
 
-/// By extension, in any case: `.json` as above; `.p4d` and `.poly4d`, whose polynomial becomes the top; `.o3d`.
+/// By extension, in any case: `.json` as above; `.p4d` or `.poly4d`, whose polynomial becomes the top; or `.o3d`.
 /// @throw std::invalid_argument  any other extension
 julia::Rational readRational(const std::filesystem::path& path);
 RationalFile readRationalFile(const std::filesystem::path& path);

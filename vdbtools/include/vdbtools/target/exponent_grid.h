@@ -3,8 +3,8 @@
 /// The exponent E(x) = alpha(x) (phi(x) - beta(x)) of the shape modulus, baked once: all that the dynamics needs of the
 /// target. E < 0 inside, > 0 outside; phi and beta in units of fractal space.
 ///
-/// E matters in the open shell interval only (DESIGN.md 2.4). The grid holds its true value at every node that is read
-/// anywhere in a cell which touches that interval, and a constant beyond either end elsewhere.
+/// E matters in the open shell interval only (docs/design.md 2.4). The grid holds its true value at every node that is
+/// read anywhere in a cell which touches that interval, and a constant beyond either end elsewhere.
 #pragma once
 
 #include "vdbtools/base/fractal_space.h"

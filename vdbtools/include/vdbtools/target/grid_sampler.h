@@ -8,8 +8,8 @@
 
 namespace vdbtools {
 
-/// A copy of a grid's values as bricks, and where they lie. Bricks are aligned with the grid's leaves; those that hold
-/// one value only are shared.
+/// A copy of a grid's values as bricks, and where they lie. Bricks are aligned with the grid's leaves, and bricks of
+/// one value are shared.
 struct GridBricks {
   std::shared_ptr<const julia::Bricks> bricks;
   openvdb::Coord origin;     ///< index of the first brick's first own node
