@@ -5,6 +5,7 @@
 #pragma once
 
 #include "julia/ball.h"
+#include "julia/embedding.h"
 #include "julia/rational.h"
 
 #include "kernels/elementary.h"
@@ -51,13 +52,16 @@ Ball roundedTo(const Ball& ball) {
   return {centre, (1 + kSlack) * (ball.radius + kEpsilonOf<Real> * 2 * (size + ball.radius) + kVanishing<Real>)};
 }
 
-/// A ball for e^l u, u in the cone and l in the range: the smallest one about a point s of the axis. With the moduli
-/// from m to M and the angle t < pi/2 the farthest of these are at the angle t, so that s = min(M cos t, (m + M) / (2
-/// cos t)) is best. Where nothing is known of u it is the ball about 0.
-/// @param dropped  the imaginary unit, 1 to 3, without which Ball::hollow is to be told; 0 for none. If the axis is at
-///                 an angle v from it, what is left of u is sin v' long, v' from v - t to v + t.
+/// A ball that contains e^l u for u in the cone and l in the range: the smallest one about a point s of the axis. With
+/// the moduli from m to M and the angle t < pi/2, the farthest points are those at the angle t, so that s = min(M cos
+/// t, (m + M) / (2 cos t)) is best. Where nothing is known of u, it is the ball about 0.
+/// @param cone       the versors u
+/// @param l          the logarithms of the moduli
+/// @param embedding  if given, Ball::hollow is computed for points without the dropped component: if the axis is at an
+///                   angle v from that component's, what is left of u has the length sin v', with v' from v - t to v +
+///                   t
 template <class Real>
-Ball imageOf(const Cone& cone, const LogRange& l, int dropped) {
+Ball imageOf(const Cone& cone, const LogRange& l, const Embedding* embedding) {
   const double high = kernels::exponential(l.high) * (1 + kSlack);
   const double low = l.low > l.high - 40 ? kernels::exponential(l.low) * (1 - kSlack) : 0;
   // The evaluator's e^l, the length of its u and their product are a few units off, and what is too small becomes 0.
@@ -69,23 +73,22 @@ Ball imageOf(const Cone& cone, const LogRange& l, int dropped) {
   const double across = along * sine, behind = along * cosine;
   const double longest = std::max(std::abs(low - behind), std::abs(high - behind));
   Ball ball{cone.axis * along, std::sqrt(longest * longest + across * across) + high * kSlack + rounding};
-  if (dropped != 0) {
-    const Quaternion<double>& u = cone.axis;
-    const double gone = dropped == 1 ? u.b : dropped == 2 ? u.c : u.d;
-    const double left = std::sqrt(std::max(normSquared(u) - gone * gone, 0.));
+  if (embedding) {
+    const double gone = embedding->slicePart(cone.axis);
+    const double left = std::sqrt(std::max(normSquared(cone.axis) - gone * gone, 0.));
     ball.hollow = std::max(low * (left * cosine - std::abs(gone) * sine) - rounding, 0.);
   }
   return ball;
 }
 
-/// Images of balls under e^l times the versor of a rational.
+/// Images of balls under e^l times the versor of a rational. @param embedding  as in imageOf()
 template <class Real>
 void imagesOf(const RationalEvaluator<Real>& versor, std::span<const Ball> balls, std::span<const LogRange> l,
-              std::span<std::optional<Ball>> images, int dropped) {
+              std::span<std::optional<Ball>> images, const Embedding* embedding) {
   std::vector<Cone> cones(balls.size());
   versor.cones(balls, cones);
   for (std::size_t i = 0; i < balls.size(); ++i)
-    images[i] = l[i].high <= kMostLogModulus ? std::optional(imageOf<Real>(cones[i], l[i], dropped)) : std::nullopt;
+    images[i] = l[i].high <= kMostLogModulus ? std::optional(imageOf<Real>(cones[i], l[i], embedding)) : std::nullopt;
 }
 
 }  // namespace julia

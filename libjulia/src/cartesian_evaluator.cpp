@@ -13,7 +13,7 @@
 namespace julia {
 namespace {
 
-/// Of maps in Cartesian form.
+/// Evaluates maps in Cartesian form.
 template <class Real>
 class CartesianEvaluator final : public OrbitEvaluator<Real> {
   using Base = OrbitEvaluator<Real>;
@@ -46,11 +46,10 @@ class CartesianEvaluator final : public OrbitEvaluator<Real> {
  private:
   using Base::mOptions;
 
-  /// The balls that hold the iterates of those that have not escaped; where all of one have, that is the end.
+  /// Follows a ball that contains the iterates of all orbits that have not escaped, until every orbit has.
   Decision decisionOf(const Ball& start) const {
     if (this->hasEscaped(start)) return Decision::Outside;
-    // The evaluator compares logarithms, its own and that of the radius; nor are the lengths that it takes them of
-    // exact.
+    // The evaluator compares rounded logarithms of rounded lengths.
     const double escape = mOptions.escapeRadius, logs = 2 * std::abs(std::log(escape)) + 16;
     const double slack = Base::kNormSlack + 2 * kEpsilonOf<Real> * logs;
     const auto largest = [](const Ball& ball) { return norm(ball.centre) + ball.radius; };
@@ -63,7 +62,7 @@ class CartesianEvaluator final : public OrbitEvaluator<Real> {
       ball = *image;
       if ((norm(ball.centre) - ball.radius) * (1 - slack) >= escape) return Decision::Outside;
       inside = inside && !mayEscape(ball);
-      // It holds all that can go on, and so will its images.
+      // It contains every point that has not escaped, and so will its images.
       if (ball.radius > norm(ball.centre) + escape) return Decision::Undecided;
     }
     return inside ? Decision::Inside : Decision::Undecided;
@@ -79,6 +78,7 @@ class CartesianEvaluator final : public OrbitEvaluator<Real> {
   }
 
   void formIterates(Batch&) const override {}
+  MapDescription describeMap() const override { return mMap->describe(); }
 
   std::shared_ptr<const CartesianMap<Real>> mMap;
 };

@@ -12,15 +12,15 @@ static_assert(static_cast<int>(CrossPair::User) == kernels::kCrossPairs);
 
 template <class Real>
 CrossMap<Real>::CrossMap(const CrossOptions& options)
-    : mPair(options.pair), mScheme(options.scheme), mConstant(Embedding{}.quaternion<Real>(options.constant)) {
+    : mOptions(options), mConstant(Embedding{}.quaternion<Real>(options.constant)) {
   requireConstant(options.constant);
-  if (mPair == CrossPair::User) mUser = std::make_shared<const ExpressionPair>(options.f, options.g);
+  if (options.pair == CrossPair::User) mUser = std::make_shared<const ExpressionPair>(options.f, options.g);
 }
 
 template <class Real>
 void CrossMap<Real>::begin(const QuaternionBatch<Real>& start, QuaternionBatch<Real>& carried,
                            QuaternionBatch<Real>& next) const {
-  switch (mScheme) {
+  switch (mOptions.scheme) {
     case CrossScheme::FixedFactor:
       second(start, carried);
       multiply(start, Quaternion<Real>{}, next);
@@ -36,7 +36,7 @@ void CrossMap<Real>::begin(const QuaternionBatch<Real>& start, QuaternionBatch<R
 template <class Real>
 void CrossMap<Real>::step(const QuaternionBatch<Real>& p, const QuaternionBatch<Real>& carried,
                           QuaternionBatch<Real>& next) const {
-  switch (mScheme) {
+  switch (mOptions.scheme) {
     case CrossScheme::FixedFactor:
       next.resize(p.size());
       kernels::kernels<Real>().crossProduct(addend(Quaternion<Real>{}), view(p), view(carried), view(next), p.size());
@@ -53,18 +53,19 @@ void CrossMap<Real>::direction(const QuaternionBatch<Real>& start, QuaternionBat
 
 template <class Real>
 std::optional<Ball> CrossMap<Real>::imageOf(const Ball& ball, const Ball& start, int number) const {
-  if (mScheme == CrossScheme::FixedFactor && number > 1) {
-    const std::optional<Ball> g = crossSecondOf<Real>(mPair, start);
+  if (mOptions.scheme == CrossScheme::FixedFactor && number > 1) {
+    const std::optional<Ball> g = crossSecondOf<Real>(mOptions.pair, start);
     return g ? std::optional(crossProductOf<Real>(ball, *g)) : std::nullopt;
   }
-  const std::optional<Ball> product = crossProductOf<Real>(mPair, ball);
-  if (!product || mScheme == CrossScheme::FixedFactor) return product;
-  return sumOf<Real>(*product, mScheme == CrossScheme::Julia ? Ball{mConstant.template as<double>(), 0} : start);
+  const std::optional<Ball> product = crossProductOf<Real>(mOptions.pair, ball);
+  if (!product || mOptions.scheme == CrossScheme::FixedFactor) return product;
+  return sumOf<Real>(*product,
+                     mOptions.scheme == CrossScheme::Julia ? Ball{mConstant.template as<double>(), 0} : start);
 }
 
 template <class Real>
 bool CrossMap<Real>::isDefinedEverywhere() const {
-  return mPair != CrossPair::A && mPair != CrossPair::APrime && mPair != CrossPair::User;
+  return mOptions.pair != CrossPair::A && mOptions.pair != CrossPair::APrime && mOptions.pair != CrossPair::User;
 }
 
 template <class Real>
@@ -73,8 +74,8 @@ void CrossMap<Real>::multiply(const QuaternionBatch<Real>& p, const Constant& co
                               QuaternionBatch<Real>& next) const {
   const kernels::Kernels<Real>& table = kernels::kernels<Real>();
   next.resize(p.size());
-  if (!mUser) return table.cross[static_cast<int>(mPair)](addend(constant), view(p), view(next), p.size());
-  static thread_local QuaternionBatch<Real> f, g;
+  if (!mUser) return table.cross[static_cast<int>(mOptions.pair)](addend(constant), view(p), view(next), p.size());
+  QuaternionBatch<Real> f, g;
   mUser->evaluate(p, f, g);
   table.crossProduct(addend(constant), view(f), view(g), view(next), p.size());
 }
@@ -82,8 +83,8 @@ void CrossMap<Real>::multiply(const QuaternionBatch<Real>& p, const Constant& co
 template <class Real>
 void CrossMap<Real>::second(const QuaternionBatch<Real>& p, QuaternionBatch<Real>& g) const {
   g.resize(p.size());
-  if (!mUser) return kernels::kernels<Real>().crossSecond[static_cast<int>(mPair)](view(p), view(g), p.size());
-  static thread_local QuaternionBatch<Real> f;
+  if (!mUser) return kernels::kernels<Real>().crossSecond[static_cast<int>(mOptions.pair)](view(p), view(g), p.size());
+  QuaternionBatch<Real> f;
   mUser->evaluate(p, f, g);
 }
 

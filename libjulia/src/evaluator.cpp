@@ -15,7 +15,7 @@
 namespace julia {
 namespace {
 
-/// Of maps in log-polar form.
+/// Evaluates maps in log-polar form.
 template <class Real>
 class LogPolarEvaluator final : public OrbitEvaluator<Real> {
   using Base = OrbitEvaluator<Real>;
@@ -25,8 +25,8 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
   LogPolarEvaluator(std::shared_ptr<const Map<Real>> map, const Embedding& embedding, const OrbitOptions& options)
       : Base(embedding, options, map->surfaceLevel(Base::logEscapeOf(options))), mMap(std::move(map)) {}
 
-  /// The loop of evaluate() on ranges. A ball splits where an iterate may but need not end: those of its points that
-  /// end there forbid one answer, the others go on within what is left of the range.
+  /// The loop of evaluate() on ranges. A ball splits where an orbit may but need not end: the points whose orbits end
+  /// there rule out one answer, and the others go on within what is left of the range.
   void decide(std::span<const Point> centres, double radius, std::span<Decision> out) const override {
     std::fill(out.begin(), out.end(), Decision::Undecided);
     if (!signsFollowEnds() || !(radius >= 0)) return;
@@ -63,6 +63,8 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
   using Base::mLogTrap;
   using Base::mOptions;
 
+  MapDescription describeMap() const override { return mMap->describe(); }
+
   void takeStep(Batch& batch, int) const override { mMap->logModulus(batch.q, batch.l); }
 
   void formIterates(Batch& batch) const override {
@@ -71,12 +73,12 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
     kernels::kernels<Real>().scaleByExponential(batch.l.data(), view(batch.q), batch.q.size());
   }
 
-  /// A ball's number and which answers its points that have ended leave open.
+  /// The number of a ball, and the answers that its ended orbits leave open.
   struct Rest {
     std::uint32_t index = 0;
     bool inside = true, outside = true;
   };
-  /// The balls that hold the iterates of those that go on.
+  /// The balls that contain the iterates of the orbits that go on.
   struct BallBatch {
     std::vector<Ball> balls;
     std::vector<LogRange> l;
@@ -90,8 +92,8 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
     }
   };
 
-  /// What escapes is outside and what is trapped inside for all maps of the library, but a map may set its level as it
-  /// likes.
+  /// Whether orbits that escape are outside and those that are trapped inside. It is so for all maps of the library,
+  /// but a map may choose any level.
   bool signsFollowEnds() const { return mLevel <= mLogEscape && (mLogTrap < mLevel || !isTrapped(mLogTrap)); }
 
   static Decision decision(const Rest& rest, bool inside, bool outside) {
@@ -118,7 +120,7 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
     }
   }
 
-  /// Answers for the balls of which nothing goes on, and cuts the ranges of the others.
+  /// Answers for the balls of which no orbit goes on, and cuts the ranges of the others.
   void keep(BallBatch& batch, std::span<Decision> out, bool last) const {
     const double escape = static_cast<double>(mLogEscape), level = static_cast<double>(mLevel);
     const double trap = static_cast<double>(mLogTrap);
@@ -152,7 +154,7 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
   std::shared_ptr<const Map<Real>> mMap;
 };
 
-/// Two evaluators of one map, with a trap and without.
+/// Evaluates with a trap and without it, and trusts the latter where their signs differ.
 class ConfirmingEvaluator final : public FieldEvaluator {
  public:
   ConfirmingEvaluator(std::unique_ptr<FieldEvaluator> trapped, std::unique_ptr<FieldEvaluator> full)
@@ -169,6 +171,8 @@ class ConfirmingEvaluator final : public FieldEvaluator {
       if (!iterations.empty()) iterations[i] = steps[i];
     }
   }
+  std::size_t preferredBatch() const override { return mTrapped->preferredBatch(); }
+  FieldDescription describe() const override { return mTrapped->describe(); }
   void versors(std::span<const Point> points, std::span<Quaternion<double>> versors) const override {
     mFull->versors(points, versors);
   }

@@ -2,6 +2,7 @@
 #include "julia/expression_pair.h"
 
 #include "kernels/elementary.h"
+#include "object_pool.h"
 
 #include <muParser.h>
 
@@ -9,7 +10,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
@@ -188,7 +188,8 @@ class Expressions {
   std::array<bool, 6> mIsConstant{};
 };
 
-/// Tried at points of balls of a few sizes: additive recurrences with irrational steps, which fill a cube evenly.
+/// Tries the expressions at points in cubes of a few sizes, which additive recurrences with irrational steps fill
+/// evenly.
 void requireFinite(Expressions& expressions, const std::vector<Component>& components) {
   std::array<bool, 6> finite{};
   for (const double size : {0.5, 2., 10., 57.})
@@ -214,41 +215,18 @@ Real rounded(double x) {
 }  // namespace
 
 /// As many sets of expressions as there are threads at work.
-class ExpressionPair::Pool {
+class ExpressionPair::Pool : public ObjectPool<Expressions> {
  public:
-  explicit Pool(std::vector<Component> components) : mComponents(std::move(components)) {
-    auto expressions = std::make_unique<Expressions>(mComponents);
-    requireFinite(*expressions, mComponents);
-    mIdle.push_back(std::move(expressions));
+  explicit Pool(const std::vector<Component>& components)
+      : ObjectPool([components] { return std::make_unique<Expressions>(components); }) {
+    requireFinite(*borrow(), components);
   }
-
-  std::unique_ptr<Expressions> take() {
-    {
-      const std::lock_guard lock(mMutex);
-      if (!mIdle.empty()) {
-        std::unique_ptr<Expressions> expressions = std::move(mIdle.back());
-        mIdle.pop_back();
-        return expressions;
-      }
-    }
-    return std::make_unique<Expressions>(mComponents);
-  }
-
-  void giveBack(std::unique_ptr<Expressions> expressions) {
-    const std::lock_guard lock(mMutex);
-    mIdle.push_back(std::move(expressions));
-  }
-
- private:
-  std::vector<Component> mComponents;
-  std::mutex mMutex;
-  std::vector<std::unique_ptr<Expressions>> mIdle;
 };
 
 ExpressionPair::ExpressionPair(const std::string& f, const std::string& g) {
   std::vector<Component> components = split("f", f);
   for (Component& component : split("g", g)) components.push_back(std::move(component));
-  mPool = std::make_unique<Pool>(std::move(components));
+  mPool = std::make_unique<Pool>(components);
 }
 
 ExpressionPair::~ExpressionPair() = default;
@@ -258,13 +236,12 @@ void ExpressionPair::evaluate(const QuaternionBatch<Real>& p, QuaternionBatch<Re
                               QuaternionBatch<Real>& g) const {
   f.resize(p.size());
   g.resize(p.size());
-  std::unique_ptr<Expressions> expressions = mPool->take();
+  const Pool::Loan expressions = mPool->borrow();
   for (std::size_t i = 0; i < p.size(); ++i) {
     const std::array<double, 6>& v = expressions->at(p.a[i], p.b[i], p.c[i]);
     f.set(i, {rounded<Real>(v[0]), rounded<Real>(v[1]), rounded<Real>(v[2]), 0});
     g.set(i, {rounded<Real>(v[3]), rounded<Real>(v[4]), rounded<Real>(v[5]), 0});
   }
-  mPool->giveBack(std::move(expressions));
 }
 
 template void ExpressionPair::evaluate(const QuaternionBatch<float>&, QuaternionBatch<float>&,

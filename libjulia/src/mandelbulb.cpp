@@ -14,13 +14,13 @@ namespace julia {
 namespace {
 
 constexpr double kMostPower = 100;
-// Beyond this squarings drift, and angles are as good.
+// Beyond this, repeated squaring accumulates errors, and angles are as accurate.
 constexpr double kMostByProducts = 64;
 
 }  // namespace
 
 template <class Real>
-Mandelbulb<Real>::Mandelbulb(const MandelbulbOptions& options) : mPower(options.power), mAngle(options.angle) {
+Mandelbulb<Real>::Mandelbulb(const MandelbulbOptions& options) : mOptions(options) {
   if (!(std::abs(options.power) <= kMostPower))
     throw std::invalid_argument("the triplex power is " + std::to_string(options.power) +
                                 "; it must be between -100 and 100");
@@ -53,22 +53,23 @@ void Mandelbulb<Real>::direction(const QuaternionBatch<Real>& start, QuaternionB
 template <class Real>
 std::optional<Ball> Mandelbulb<Real>::imageOf(const Ball& ball, const Ball& start, int) const {
   if (wholePower() == 0) return std::nullopt;
-  const Ball power = triplexPowerOf<Real>(wholePower(), mAngle, ball);
+  const Ball power = triplexPowerOf<Real>(wholePower(), mOptions.angle, ball);
   return sumOf<Real>(power, mConstant ? Ball{mConstant->template as<double>(), 0} : start);
 }
 
 template <class Real>
 int Mandelbulb<Real>::wholePower() const {
-  const bool byProducts = mPower >= 2 && mPower <= kMostByProducts && mPower == std::floor(mPower);
-  return byProducts ? static_cast<int>(mPower) : 0;
+  const double power = mOptions.power;
+  const bool byProducts = power >= 2 && power <= kMostByProducts && power == std::floor(power);
+  return byProducts ? static_cast<int>(power) : 0;
 }
 
 template <class Real>
 template <class Constant>
 void Mandelbulb<Real>::power(const QuaternionBatch<Real>& p, const Constant& constant,
                              QuaternionBatch<Real>& next) const {
-  const kernels::TriplexPower<Real> triplex{static_cast<Real>(mPower), static_cast<std::uint32_t>(wholePower()),
-                                            mAngle == TriplexAngle::FromPole};
+  const kernels::TriplexPower<Real> triplex{static_cast<Real>(mOptions.power), static_cast<std::uint32_t>(wholePower()),
+                                            mOptions.angle == TriplexAngle::FromPole};
   next.resize(p.size());
   kernels::kernels<Real>().triplex(triplex, addend(constant), view(p), view(next), p.size());
 }
@@ -78,7 +79,7 @@ template class Mandelbulb<double>;
 
 double triplexBound(const MandelbulbOptions& options, int iterations, double escapeRadius) {
   if (!(options.power >= 2)) return escapeRadius;
-  // A point this far out, and all beyond it, for the bound grows with |p| while it is above 1.
+  // Whether points this far out escape, and with them all beyond, as the bound grows with |p| while it is above 1.
   const auto escapes = [&](double radius) {
     double shift = radius;
     if (options.constant) {

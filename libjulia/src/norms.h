@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file norms.h
-/// Logarithms of norms and versors of whole batches: the kernels', and the careful ones where squares leave the range.
+/// Logarithms of norms, and versors, of whole batches: by the kernels, or with care where squares leave the range.
 #pragma once
 
 #include "batch_view.h"

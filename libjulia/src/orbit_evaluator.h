@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file orbit_evaluator.h
-/// The orbit loop of all evaluators: works through a batch in steps of a map. What has ended leaves the batch, so that
-/// the kernels' lanes stay full. How a step is taken is the derived class's.
+/// The orbit loop of all evaluators, which takes a batch of points through the steps of a map. Orbits that have ended
+/// leave the batch, so that the kernels' lanes stay full. Derived classes define how a step is taken.
 #pragma once
 
 #include "julia/evaluator.h"
@@ -9,14 +9,17 @@
 #include "ball_arithmetic.h"
 #include "batch_view.h"
 #include "careful.h"
+#include "object_pool.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace julia {
@@ -34,14 +37,21 @@ class OrbitEvaluator : public FieldEvaluator {
     evaluatePieces(points, field, {}, nearest);
   }
 
+  /// Working memory for so many points stays in the second-level cache.
+  std::size_t preferredBatch() const final { return kPiece; }
+
+  FieldDescription describe() const final {
+    return {describeMap(), mEmbedding, mOptions, static_cast<double>(mLevel), std::is_same_v<Real, float>};
+  }
+
  protected:
-  /// The orbits that go on: their iterates, l of these, and which point each belongs to.
+  /// The orbits that go on: their iterates, the logarithms of the moduli, and the points to which they belong.
   struct Batch {
     QuaternionBatch<Real> q, next;
-    QuaternionBatch<Real> carried;  ///< what a map keeps for each orbit; empty if nothing
+    QuaternionBatch<Real> carried;  ///< what a map keeps for each orbit; empty if it keeps nothing
     std::vector<Real> l;
     std::vector<std::uint32_t> index;
-    std::vector<std::uint32_t> stays;  ///< places of those that go on, while ranks close
+    std::vector<std::uint32_t> stays;  ///< scratch of keep(): the places of the orbits that go on
 
     void resize(std::size_t n) {
       q.resize(n);
@@ -67,10 +77,11 @@ class OrbitEvaluator : public FieldEvaluator {
 
   static Real logEscapeOf(const OrbitOptions& options) { return static_cast<Real>(std::log(options.escapeRadius)); }
 
-  /// batch.l = l of the iterates that follow batch.q, after @a step steps.
+  /// Sets batch.l to l of the iterates that follow batch.q, after @a step steps.
   virtual void takeStep(Batch& batch, int step) const = 0;
-  /// batch.q = those iterates, of the orbits that go on.
+  /// Sets batch.q to those iterates, for the orbits that go on.
   virtual void formIterates(Batch& batch) const = 0;
+  virtual MapDescription describeMap() const = 0;
 
   QuaternionBatch<Real> embed(std::span<const Point> points) const {
     QuaternionBatch<Real> q;
@@ -79,10 +90,10 @@ class OrbitEvaluator : public FieldEvaluator {
     return q;
   }
 
-  /// Of the norms that evaluate() compares.
+  /// The relative error of the norms that evaluate() compares.
   static constexpr double kNormSlack = 8 * kEpsilonOf<Real>;
 
-  /// Holds what embed() makes of the points within @a radius of x.
+  /// A ball that contains what embed() makes of the points within @a radius of @a x.
   Ball embeddedBall(const Point& x, double radius) const {
     Embedding rounded = mEmbedding;
     rounded.slice = static_cast<double>(static_cast<Real>(mEmbedding.slice));
@@ -93,7 +104,7 @@ class OrbitEvaluator : public FieldEvaluator {
     return (norm(start.centre) - start.radius) * (1 - kNormSlack) >= std::sqrt(static_cast<double>(mEscapeSquared));
   }
 
-  /// An iterate of 0 has l = -inf too; without a trap it goes on, for not every map keeps it there.
+  /// Without a trap, an iterate of 0, whose l is -inf too, goes on: not every map keeps it there.
   bool isTrapped(Real l) const { return l <= mLogTrap && mLogTrap > -std::numeric_limits<Real>::infinity(); }
 
   Embedding mEmbedding;
@@ -105,21 +116,20 @@ class OrbitEvaluator : public FieldEvaluator {
  private:
   static constexpr std::size_t kPiece = 2048;
 
-  /// In pieces that stay in the second-level cache; the room for one is kept for the next.
   void evaluatePieces(std::span<const Point> points, std::span<double> field, std::span<int> iterations,
                       std::span<double> nearest) const {
-    static thread_local Batch batch;
+    const auto batch = mBatches.borrow();
     const auto piece = [](auto values, std::size_t first, std::size_t size) {
       return values.empty() ? values : values.subspan(first, size);
     };
     for (std::size_t first = 0; first < points.size(); first += kPiece) {
       const std::size_t size = std::min(kPiece, points.size() - first);
-      evaluatePiece(points.subspan(first, size), batch, field.subspan(first, size), piece(iterations, first, size),
+      evaluatePiece(points.subspan(first, size), *batch, field.subspan(first, size), piece(iterations, first, size),
                     piece(nearest, first, size));
     }
   }
 
-  /// @param nearest  takes the smallest l, if not empty
+  /// @param nearest  receives the smallest l of each orbit, if not empty
   void evaluatePiece(std::span<const Point> points, Batch& batch, std::span<double> field, std::span<int> iterations,
                      std::span<double> nearest) const {
     start(points, batch, field, iterations);
@@ -139,7 +149,7 @@ class OrbitEvaluator : public FieldEvaluator {
     }
   }
 
-  /// The points themselves, less those that have escaped before the first step.
+  /// Fills the batch with the points, except for those that have escaped before the first step.
   void start(std::span<const Point> points, Batch& batch, std::span<double> field, std::span<int> iterations) const {
     batch.carried.resize(0);
     batch.resize(points.size());
@@ -153,17 +163,12 @@ class OrbitEvaluator : public FieldEvaluator {
         batch, [escape = mLogEscape](Real l) { return l < escape; }, field, iterations, 0);
   }
 
-  /// @return whether one has escaped already
+  /// @return whether a point may have escaped already
   bool embed(std::span<const Point> points, Batch& batch) const {
     QuaternionBatch<Real>& q = batch.q;
-    const auto to = [&]() -> std::array<Real*, 4> {
-      switch (mEmbedding.dropped) {
-        case DropAxis::I: return {q.a.data(), q.c.data(), q.d.data(), q.b.data()};
-        case DropAxis::J: return {q.a.data(), q.b.data(), q.d.data(), q.c.data()};
-        case DropAxis::K: break;
-      }
-      return {q.a.data(), q.b.data(), q.c.data(), q.d.data()};
-    }();
+    const Quaternion<Real*> components{q.a.data(), q.b.data(), q.c.data(), q.d.data()};
+    const std::array<Real*, 3> to = mEmbedding.point(components);
+    Real* const toSlice = mEmbedding.slicePart(components);
     const Real slice = static_cast<Real>(mEmbedding.slice), near = mNearSquared;
     std::uint32_t* const index = batch.index.data();
     bool escaped = false;
@@ -173,15 +178,15 @@ class OrbitEvaluator : public FieldEvaluator {
       to[0][i] = x;
       to[1][i] = y;
       to[2][i] = z;
-      to[3][i] = slice;
+      toSlice[i] = slice;
       index[i] = static_cast<std::uint32_t>(i);
       escaped |= !(x * x + y * y + z * z + slice * slice < near);
     }
     return escaped;
   }
 
-  /// Writes the field of the orbits that end at this step and closes the ranks of the others. Without branches, which
-  /// would go either way: what goes on has its field written again later.
+  /// Writes the field of the orbits that end at this step and closes the ranks of the others. There are no branches,
+  /// which could not be predicted: orbits that go on have their field written again later.
   template <class GoesOn>
   void keep(Batch& batch, GoesOn goesOn, std::span<double> field, std::span<int> iterations, int step) const {
     const std::size_t size = batch.q.size();
@@ -199,14 +204,14 @@ class OrbitEvaluator : public FieldEvaluator {
       for (std::size_t i = 0; i < size; ++i) field[index[i]] = fieldOf(l[i]);
     if (!iterations.empty())
       for (std::size_t i = 0; i < size; ++i) iterations[index[i]] = step;
-    // Apart from the count, whose additions wait for each other.
-    std::array<std::uint8_t, kPiece> goes{};
-    for (std::size_t i = 0; i < size; ++i) goes[i] = goesOn(l[i]) ? 1 : 0;
+    // In a loop apart from the count, whose additions wait for each other.
+    std::array<std::uint8_t, kPiece> isKept{};
+    for (std::size_t i = 0; i < size; ++i) isKept[i] = goesOn(l[i]) ? 1 : 0;
     std::uint32_t* const stays = batch.stays.data();
     std::size_t kept = 0;
     for (std::size_t i = 0; i < size; ++i) {
       stays[kept] = static_cast<std::uint32_t>(i);
-      kept += goes[i];
+      kept += isKept[i];
     }
     if (kept < size) {
       const auto closeRanks = [&](auto* values) {
@@ -220,6 +225,8 @@ class OrbitEvaluator : public FieldEvaluator {
     }
     batch.resize(kept);
   }
+
+  mutable ObjectPool<Batch> mBatches{[] { return std::make_unique<Batch>(); }};
 };
 
 }  // namespace julia

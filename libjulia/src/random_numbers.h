@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file random_numbers.h
-/// Numbers that are the same with every standard library: the engine is fixed by the standard, its distributions are
-/// not.
+/// Random numbers that are the same with every standard library: the standard fixes the engine, but not its
+/// distributions.
 #pragma once
 
 #include <cstdint>

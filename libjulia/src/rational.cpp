@@ -166,6 +166,7 @@ RationalEvaluator<Real>::RationalEvaluator(const Rational& rational) {
   requireFinite(rational);
   auto factors = std::make_shared<Factors>();
   factors->logScale = static_cast<Real>(rational.logScale);
+  factors->rational = rational;
   double largest = 0;
   const auto append = [&](const Root& root, double power) {
     if (power == 0) return;
@@ -184,6 +185,11 @@ RationalEvaluator<Real>::RationalEvaluator(const Rational& rational) {
 template <class Real>
 std::size_t RationalEvaluator<Real>::rootCount() const {
   return mFactors->roots.size();
+}
+
+template <class Real>
+const Rational& RationalEvaluator<Real>::rational() const {
+  return mFactors->rational;
 }
 
 template <class Real>

@@ -70,8 +70,8 @@ double turningOver(const std::vector<RootFactor<Real>>& factors, const Ball& bal
 }
 
 /// How far rounding turns a versor. To first order it moves by eps (14 |p| + 16) for each factor and 5 eps for the last
-/// normalisation (tests/rounding_bounds.h adds them up). Twice that, as both the centre's and the points' are computed,
-/// and twice again for what lies beyond first order.
+/// normalisation (tests/support/rounding_bounds.h adds them up). Twice that, as both the centre's and the points' are
+/// computed, and twice again for what lies beyond first order.
 template <class Real>
 double versorRounding(const std::vector<RootFactor<Real>>& factors) {
   double sum = 5;
@@ -81,7 +81,7 @@ double versorRounding(const std::vector<RootFactor<Real>>& factors) {
 
 /// How rounding moves l, relative to the sum of |p ln|q - t|| and |C|: 2 eps for the logarithm and its argument, eps
 /// for the power and the product, eps/2 for each sum. To be added is kLogRounding eps for each |p|: the logarithm's
-/// error where it is about 0. (tests/rounding_bounds.h)
+/// error where it is about 0 (tests/support/rounding_bounds.h).
 template <class Real>
 double logRounding(std::size_t count) {
   return kEpsilonOf<Real> * (4 + static_cast<double>(count));
@@ -105,7 +105,7 @@ LogRange logModulusNearRoots(const std::vector<RootFactor<Real>>& factors, doubl
   return {low, high};
 }
 
-/// How far l may be above and below its value at the centre, and by how much rounding may move it.
+/// How far l may lie above and below its value at the centre, and how far rounding may move it.
 struct Spread {
   double up = 0, down = 0, rounding = 0;
 };

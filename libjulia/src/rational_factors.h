@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file rational_factors.h
-/// What a RationalEvaluator keeps of its rational.
+/// What a RationalEvaluator holds.
 #pragma once
 
 #include "julia/rational.h"
@@ -15,6 +15,7 @@ template <class Real>
 struct RationalEvaluator<Real>::Factors {
   std::vector<kernels::RootFactor<Real>> roots;  ///< in the order of multiplication
   Real logScale;
+  Rational rational;  ///< as it was given
 };
 
 }  // namespace julia

@@ -12,15 +12,12 @@ namespace julia {
 template <class Real>
 ShapeModulus<Real>::ShapeModulus(std::shared_ptr<const ScalarField<Real>> exponent, const Rational& versor,
                                  DropAxis dropped)
-    : mExponent(std::move(exponent)), mVersor(versor), mDropped(dropped) {}
+    : mExponent(std::move(exponent)), mVersor(versor), mEmbedding{.dropped = dropped} {}
 
 template <class Real>
 void ShapeModulus<Real>::logModulus(const QuaternionBatch<Real>& q, std::span<Real> l) const {
-  switch (mDropped) {
-    case DropAxis::I: return mExponent->sample(q.a, q.c, q.d, l);
-    case DropAxis::J: return mExponent->sample(q.a, q.b, q.d, l);
-    case DropAxis::K: return mExponent->sample(q.a, q.b, q.c, l);
-  }
+  const auto [x, y, z] = mEmbedding.point(Quaternion<std::span<const Real>>{q.a, q.b, q.c, q.d});
+  mExponent->sample(x, y, z, l);
 }
 
 template <class Real>
@@ -30,16 +27,11 @@ void ShapeModulus<Real>::versor(const QuaternionBatch<Real>& q, QuaternionBatch<
 
 template <class Real>
 void ShapeModulus<Real>::logModulusRanges(std::span<const Ball> balls, std::span<LogRange> l) const {
-  // What is left of a ball without one component is a ball of three dimensions.
+  // Without one component, a ball of four dimensions becomes one of three.
   std::vector<std::array<double, 3>> centres(balls.size());
   std::vector<double> radii(balls.size());
   for (std::size_t i = 0; i < balls.size(); ++i) {
-    const Quaternion<double>& q = balls[i].centre;
-    switch (mDropped) {
-      case DropAxis::I: centres[i] = {q.a, q.c, q.d}; break;
-      case DropAxis::J: centres[i] = {q.a, q.b, q.d}; break;
-      case DropAxis::K: centres[i] = {q.a, q.b, q.c}; break;
-    }
+    centres[i] = mEmbedding.point(balls[i].centre);
     radii[i] = balls[i].radius;
   }
   std::vector<ValueRange> ranges(balls.size());
@@ -53,8 +45,7 @@ void ShapeModulus<Real>::logModulusRanges(std::span<const Ball> balls, std::span
 template <class Real>
 void ShapeModulus<Real>::images(std::span<const Ball> balls, std::span<const LogRange> l,
                                 std::span<std::optional<Ball>> images) const {
-  const int dropped = mDropped == DropAxis::I ? 1 : mDropped == DropAxis::J ? 2 : 3;
-  imagesOf(mVersor, balls, l, images, dropped);
+  imagesOf(mVersor, balls, l, images, &mEmbedding);
 }
 
 template class ShapeModulus<float>;

@@ -9,7 +9,7 @@
 namespace julia {
 
 double RadialMaximum::logBound(double r) const {
-  // The smallest ball of the table that holds the ball of radius r.
+  // The smallest ball of the table that contains the ball of radius r.
   const double index = std::max(0.0, std::ceil(r / step) - 1);
   if (!(index < static_cast<double>(maximum.size()))) return std::numeric_limits<double>::infinity();
   return maximum[static_cast<std::size_t>(index)];
@@ -17,15 +17,15 @@ double RadialMaximum::logBound(double r) const {
 
 ShellInterval shellInterval(const RadialMaximum& radialMaximum, int maxIterations, double escapeRadius) {
   requireValid(OrbitOptions{.maxIterations = maxIterations, .escapeRadius = escapeRadius});
-  // Given ln of the first image's bound, whether it and the n - 2 that follow stay below 1.
+  // Whether the first image, given the logarithm of its bound, and the n - 2 images that follow stay below 1.
   const auto staysInside = [&](double l) {
     for (int i = 2; l < 0 && i < maxIterations; ++i) l = radialMaximum.logBound(std::exp(l));
     return l < 0;
   };
   ShellInterval interval;
   interval.upper = std::log(escapeRadius);
-  // With one step every l < 0 is inside. Otherwise staysInside() is a step function of r that only falls, so its last
-  // true step is the answer; the table's balls are the steps.
+  // With one step every l < 0 is inside. Otherwise staysInside() is a step function of r that changes from true to
+  // false once, at one of the table's balls; its last true step is the answer.
   if (maxIterations == 1) {
     interval.lower = 0;
     return interval;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file ball.h
-/// Balls of points, for what holds at every point of them: ball arithmetic (Rump 1999, Fast and parallel interval
-/// arithmetic; van der Hoeven 2009, Ball arithmetic) with the logarithm of the modulus kept as an interval beside it.
-/// It proves the sign of F over a whole block of a lattice, whose nodes then need no evaluation. Blocks near the
-/// surface stay undecided: the orbit spreads a ball at each step.
+/// Ball arithmetic, for statements that hold at every point of a ball (Rump 1999, Fast and parallel interval
+/// arithmetic; van der Hoeven 2009, Ball arithmetic), with the logarithm of the modulus kept as an interval. It proves
+/// the sign of F over a whole block of a lattice, whose nodes then need no evaluation. Blocks near the surface stay
+/// undecided, because each step of the orbit enlarges a ball.
 #pragma once
 
 #include "julia/quaternion.h"
@@ -16,12 +16,12 @@ namespace julia {
 struct Ball {
   Quaternion<double> centre;  ///< units of the map's space
   double radius = 0;
-  /// For a map that reads only a part of q, the shape modulus: in no point of the ball is that part shorter. An image
-  /// is a cap of a sphere, and the ball around it reaches much nearer to 0.
+  /// For the shape modulus, which reads E at a part of q only: a lower bound of that part's length over the points that
+  /// the ball stands for. An image is a cap of a sphere, and the ball around it reaches much nearer to 0.
   double hollow = 0;
 };
 
-/// Bounds of l = ln|f|; both ends may be taken.
+/// Bounds of l = ln|f|, including both ends.
 struct LogRange {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file cross_map.h
 /// The cross-product maps of R^3 of [ZB25] (Zimmermann & Bruckner 2025): two functions f and g of a point p, multiplied
-/// as f(p) x g(p), in three schemes, numbered as the paper's equations.
+/// as f(p) x g(p), in three schemes that are numbered like the paper's equations.
 ///
-/// With p = (x, y, z), r = |p|, phi its angle about the z axis and theta that above the xy plane (Eq. 1), the pairs are
+/// With p = (x, y, z), r = |p|, phi the angle about the z axis and theta the angle above the xy plane (Eq. 1), the
+/// pairs are
 ///
 ///   A   f = r^2 (-sin 2phi, cos 2phi, 0)   g = (-sin 2theta / cos 2phi, 0, cos 2theta)
 ///   A'  f of A                             g = (+sin 2theta / cos 2phi, 0, cos 2theta)
@@ -12,13 +13,13 @@
 ///   D   f of A                             g = (0, 0, 1)
 ///   E   f = (x^2 y, y^2, z^2)              g = (1, cos z, 1)
 ///
-/// The sines and cosines of 2phi and 2theta come from the components. x = y = 0 means phi = 0, and p = 0 means theta =
-/// 0 also. Where cos 2phi = 0, which is |x| = |y| > 0, A and A' are not defined: the orbit has escaped there (F =
-/// 1e30).
+/// The sines and cosines of 2phi and 2theta are computed from the components. x = y = 0 means phi = 0, and p = 0 means
+/// theta = 0 as well. Where cos 2phi = 0, that is where |x| = |y| > 0, A and A' are not defined: the orbit has escaped
+/// there (F = 1e30).
 ///
-/// The paper's i, default 10, is OrbitOptions::maxIterations: how many cross products are made at most, f(c) x g(c) of
-/// scheme (3) among them. Its r, default 2, is the escape radius: each iterate is tested after its step, and one with
-/// |p| >= r has escaped, as have points that far out before any step.
+/// The paper's i, default 10, is OrbitOptions::maxIterations: the largest number of cross products, including f(c) x
+/// g(c) of scheme (3). Its r, default 2, is the escape radius: each iterate is tested after its step and has escaped if
+/// |p| >= r; points that far out have escaped before any step.
 #pragma once
 
 #include "julia/cartesian_map.h"
@@ -33,7 +34,7 @@ class ExpressionPair;
 
 enum class CrossPair { A, APrime, B, C, D, E, User };
 
-/// With c the point where the orbit starts.
+/// c is the point where the orbit starts.
 enum class CrossScheme {
   FixedFactor,  ///< (3): p_0 = f(c) x g(c), p_{k+1} = p_k x g(c)
   Mandelbrot,   ///< (4): p_0 = c, p_{k+1} = f(p_k) x g(p_k) + c
@@ -43,11 +44,11 @@ enum class CrossScheme {
 struct CrossOptions {
   CrossPair pair = CrossPair::A;
   CrossScheme scheme = CrossScheme::Mandelbrot;
-  Point constant{};  ///< of scheme (5); the other two do not look at it
-  std::string f, g;  ///< of the pair User, see expression_pair.h; the others do not look at them
+  Point constant{};  ///< of scheme (5); ignored by the other two
+  std::string f, g;  ///< of the pair User, see expression_pair.h; ignored by the others
 };
 
-/// Its direction(), by which [ZB25] colours, is f x g at the point.
+/// Its direction(), by which [ZB25] colours, is f x g at the point. describe() returns the CrossOptions.
 template <class Real>
 class CrossMap final : public CartesianMap<Real> {
  public:
@@ -60,20 +61,20 @@ class CrossMap final : public CartesianMap<Real> {
   void step(const QuaternionBatch<Real>& p, const QuaternionBatch<Real>& carried,
             QuaternionBatch<Real>& next) const override;
   void direction(const QuaternionBatch<Real>& start, QuaternionBatch<Real>& direction) const override;
-  /// None for the pair User, and for A and A' after the first step of scheme (3).
+  MapDescription describe() const override { return mOptions; }
+  /// Empty for the pair User, and for A and A' after the first step of scheme (3).
   std::optional<Ball> imageOf(const Ball& ball, const Ball& start, int number) const override;
   bool isDefinedEverywhere() const override;
 
  private:
-  /// next = f(p) x g(p) + one constant for all, or one for each orbit.
+  /// next = f(p) x g(p) + constant, where the constant is one for all orbits or one for each.
   template <class Constant>
   void multiply(const QuaternionBatch<Real>& p, const Constant& constant, QuaternionBatch<Real>& next) const;
   void second(const QuaternionBatch<Real>& p, QuaternionBatch<Real>& g) const;
 
-  CrossPair mPair;
-  CrossScheme mScheme;
+  CrossOptions mOptions;
   Quaternion<Real> mConstant;
-  std::shared_ptr<const ExpressionPair> mUser;  ///< of the pair User only
+  std::shared_ptr<const ExpressionPair> mUser;  ///< for the pair User only
 };
 
 extern template class CrossMap<float>;

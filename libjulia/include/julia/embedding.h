@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file embedding.h
-/// How R^3 lies in the quaternions: x = (X, Y, Z) enters as [X Y Z S], S the slice; the component that holds S is the
-/// dropped axis, k unless told otherwise. [SK23] 3.1: a field over R^3 is extruded along that axis.
+/// How R^3 lies in the quaternions: the point (X, Y, Z) enters as [X Y Z S], where S is the slice. The component that
+/// holds S is the dropped axis, k by default: a field over R^3 is extruded along it ([SK23] 3.1).
 #pragma once
 
 #include "julia/quaternion.h"
@@ -12,7 +12,7 @@ namespace julia {
 
 using Point = std::array<double, 3>;
 
-/// For a map's constant. @throw std::invalid_argument unless its components lie between -1e9 and 1e9
+/// Checks a map's constant. @throw std::invalid_argument unless its components lie between -1e9 and 1e9
 void requireConstant(const Point& constant);
 
 enum class DropAxis { I, J, K };
@@ -31,6 +31,28 @@ struct Embedding {
       case DropAxis::K: break;
     }
     return {X, Y, Z, S};
+  }
+
+  /// The components of q that are not dropped, in order: the inverse of quaternion().
+  template <class T>
+  constexpr std::array<T, 3> point(const Quaternion<T>& q) const {
+    switch (dropped) {
+      case DropAxis::I: return {q.a, q.c, q.d};
+      case DropAxis::J: return {q.a, q.b, q.d};
+      case DropAxis::K: break;
+    }
+    return {q.a, q.b, q.c};
+  }
+
+  /// The component of q that is dropped.
+  template <class T>
+  constexpr T slicePart(const Quaternion<T>& q) const {
+    switch (dropped) {
+      case DropAxis::I: return q.b;
+      case DropAxis::J: return q.c;
+      case DropAxis::K: break;
+    }
+    return q.d;
   }
 };
 

@@ -10,40 +10,59 @@
 #include "julia/orbit.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <memory>
 #include <span>
 
 namespace julia {
 
-/// Evaluates F. Const and free of state, so one evaluator serves many threads; a point's value does not depend on the
-/// batch it came in.
+/// F as plain values, from which another back end could be built.
+struct FieldDescription {
+  MapDescription map;     ///< empty if the map has no description
+  Embedding embedding;    ///< of the points
+  OrbitOptions orbit;     ///< a trap decides orbits early, but changes no sign of F if it is sound
+  double level = 0;       ///< F = l_last - level
+  bool inFloats = false;  ///< computed in 32 bits, from numbers of the map that are rounded to 32 bits
+};
+
+/// Evaluates F. Evaluation is const, so one evaluator serves many threads; a point's value does not depend on the batch
+/// in which it came.
 class FieldEvaluator {
  public:
   virtual ~FieldEvaluator() = default;
 
-  /// field[i] = F(points[i]), finite; iterations[i] = the number of steps taken, if iterations is not empty.
+  /// Sets field[i] to F(points[i]), which is finite, and iterations[i] to the number of steps taken, if @a iterations
+  /// is not empty.
   virtual void evaluate(std::span<const Point> points, std::span<double> field, std::span<int> iterations) const = 0;
+
+  /// How many points evaluate() should get at a time. Fewer leave vector lanes or a device idle; more gain nothing.
+  virtual std::size_t preferredBatch() const { return 2048; }
+
+  /// What is evaluated; its map is empty if the evaluator cannot describe it.
+  virtual FieldDescription describe() const { return {}; }
 
   /// 4, or 3 for a map of R^3.
   virtual int dimension() const { return 4; }
 
-  /// versors[i] = f/|f| at points[i], of the map's first step; of a Cartesian map, what its direction() says.
+  /// Sets versors[i] to f/|f| at points[i], where f is the map's first step or, for a Cartesian map, its direction().
   virtual void versors(std::span<const Point> points, std::span<Quaternion<double>> versors) const = 0;
 
-  /// nearest[i] = ln of the smallest modulus among the iterates of points[i], its own apart: an orbit trap about 0.
+  /// An orbit trap about 0: sets nearest[i] to the logarithm of the smallest modulus among the iterates of points[i],
+  /// not counting the point itself.
   virtual void orbitTraps(std::span<const Point> points, std::span<double> nearest) const {
     evaluate(points, nearest, {});
   }
 
-  /// out[i] = what is known of F's sign, as evaluate() computes it, at all points within @a radius of centres[i].
-  /// Undecided says nothing; the other answers are proofs.
+  /// Sets out[i] to what is known of the sign of F, as evaluate() computes it, at all points within @a radius of
+  /// centres[i]. Undecided says nothing; the other answers are proofs.
   virtual void decide(std::span<const Point> centres, double radius, std::span<Decision> out) const {
     (void)centres, (void)radius;
     std::fill(out.begin(), out.end(), Decision::Undecided);
   }
 };
 
-/// The one back end: batches through the vector kernels, in Real (float or double).
+/// The only back end so far: batches through the vector kernels, in the type Real (float or double).
+/// @throw std::invalid_argument if the options are out of their domain
 template <class Real>
 std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const Map<Real>> map, const Embedding& embedding,
                                                    const OrbitOptions& options);
@@ -53,8 +72,9 @@ extern template std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_p
 extern template std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const Map<double>>, const Embedding&,
                                                                    const OrbitOptions&);
 
-/// The same for a Cartesian map; what it can prove is what imageOf() knows. @throw std::invalid_argument if the
-/// embedding has a slice or another dropped axis than k and the map is one of three dimensions.
+/// The same for a Cartesian map; what it can prove depends on the map's imageOf().
+/// @throw std::invalid_argument if the options are out of their domain, or if the map is one of R^3 and the embedding
+///                              has a slice or a dropped axis other than k
 template <class Real>
 std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const CartesianMap<Real>> map,
                                                    const Embedding& embedding, const OrbitOptions& options);

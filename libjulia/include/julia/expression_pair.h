@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file expression_pair.h
-/// A pair of functions for the cross-product maps of [ZB25] (cross_map.h) that the user writes down: three components
+/// A pair of functions for the cross-product maps of [ZB25] (cross_map.h), given by the user as text: three components
 /// each, separated by commas, such as f = "x*x, y*y, z*z" and g = "cos(x), cos(y), cos(z)".
 ///
-/// Variables: x y z, r = |p|, cos2phi sin2phi cos2theta sin2theta as cross_map.h says. Constants: pi, e. Functions: sin
-/// cos tan asin acos atan atan2 sinh cosh tanh exp ln log (natural, too) log2 log10 sqrt abs sign min max, and the
-/// operators of muParser, powers as ^ and choices as a ? b : c among them; nothing can be assigned to.
+/// The variables are x y z, r = |p|, and cos2phi sin2phi cos2theta sin2theta as defined in cross_map.h. The constants
+/// are pi and e. The functions are sin cos tan asin acos atan atan2 sinh cosh tanh exp ln log (also the natural
+/// logarithm) log2 log10 sqrt abs sign min max. The operators are those of muParser, including the power a ^ b and the
+/// choice a ? b : c, but without assignments.
 ///
-/// Expressions are computed in double for either precision. Where a value is not finite, by a division by 0 say, the
-/// pair is not defined and the orbit has escaped. sin and cos are those of the built-in pairs; the other functions are
-/// the C library's, which may differ in the last bit between processors.
+/// Expressions are computed in double for either precision. Where a value is not finite, for example after a division
+/// by 0, the pair is not defined and the orbit has escaped. sin and cos are those of the built-in pairs; the other
+/// functions are the C library's, which may differ in the last bit between processors.
 #pragma once
 
 #include "julia/quaternion_batch.h"
@@ -22,12 +23,13 @@ namespace julia {
 /// May be evaluated in many threads at once.
 class ExpressionPair {
  public:
-  /// @throw std::invalid_argument with the text and the place, if there are not three components, if one does not parse
-  /// or has an unknown name, or if one is finite at none of the points where it is tried (up to |p| = 100).
+  /// @throw std::invalid_argument with the text and the position, if there are not three components, if one does not
+  ///        parse or contains an unknown name, or if one is finite at none of the points where it is tried (up to |p| =
+  ///        100)
   ExpressionPair(const std::string& f, const std::string& g);
   ~ExpressionPair();
 
-  /// f and g of the points [x y z 0]; their fourth components are 0. Both are resized.
+  /// Sets f and g to the values at the points [x y z 0]; their fourth components are 0. Both are resized.
   template <class Real>
   void evaluate(const QuaternionBatch<Real>& p, QuaternionBatch<Real>& f, QuaternionBatch<Real>& g) const;
 

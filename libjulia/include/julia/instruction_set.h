@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file instruction_set.h
-/// Which vector units the kernels use. The choice changes no bit of any result; it is there for tests and measurements.
+/// The vector units that the kernels use. The choice changes no bit of any result; it serves tests and measurements.
 #pragma once
 
 #include <span>
@@ -10,16 +10,17 @@ namespace julia {
 
 enum class InstructionSet { Portable, Avx2, Avx512 };
 
-/// Those that this processor can run, the slowest first.
+/// The instruction sets that this processor supports, the slowest first.
 std::span<const InstructionSet> availableInstructionSets();
 
-/// The one in use: the last of those available, unless another was set.
+/// The instruction set in use: the last of those available, unless another was set.
 InstructionSet instructionSet();
 
-/// For evaluations that begin after this. @throw std::invalid_argument if the processor lacks it
+/// Selects the instruction set for evaluations that begin afterwards.
+/// @throw std::invalid_argument if the processor does not support it
 void setInstructionSet(InstructionSet set);
 
-/// "portable", "avx2", "avx512".
+/// "portable", "avx2" or "avx512".
 std::string_view nameOf(InstructionSet set);
 
 }  // namespace julia

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file log_polar.h
 /// Quaternions in log-polar form: q = e^l u with l = ln|q| and the versor u = q/|q|.
-/// The norm is multiplicative, so a product adds the l and multiplies the u, a real power p multiplies l by p and turns
-/// u by p times its angle, an inverse negates l and conjugates u. Nothing overflows, whatever the number of factors and
-/// their powers (DESIGN.md 2.1); that is what [Kim15] needed 80 bits for and [KD20] a guard. Zero is l = -inf with the
+/// The norm is multiplicative: a product adds the l and multiplies the u, a real power p multiplies l by p and turns u
+/// by p times its angle, and an inverse negates l and conjugates u. Nothing overflows, whatever the number of factors
+/// and their powers (docs/design.md 2.1), whereas [Kim15] needed 80 bits and [KD20] a guard. Zero is l = -inf with the
 /// versor 1; infinity is l = +inf.
 #pragma once
 
@@ -21,7 +21,7 @@ struct LogPolar {
   Quaternion<Real> u = Quaternion<Real>::one();
 };
 
-/// ln|q|, also where |q|^2 leaves the range of Real; -inf for q = 0.
+/// ln|q|, even where |q|^2 leaves the range of Real; -inf for q = 0.
 template <class Real>
 Real logNorm(const Quaternion<Real>& q) {
   using std::log;
@@ -77,8 +77,8 @@ Quaternion<Real> versorPower(const Quaternion<Real>& u, std::int64_t n) {
   return result;
 }
 
-/// u^p for a real p: u = cos t + n sin t becomes cos pt + n sin pt with t in [0, pi]. A negative real has no n of its
-/// own; it takes i.
+/// u^p for a real p: u = cos t + n sin t becomes cos pt + n sin pt, with t in [0, pi]. For a negative real, whose n is
+/// arbitrary, n = i.
 template <class Real>
 Quaternion<Real> versorPower(const Quaternion<Real>& u, Real p) {
   using std::atan2;

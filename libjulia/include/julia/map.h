@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file map.h
-/// The seam between a map and whoever iterates it: a batch of quaternions in, log-polar values out. The two halves are
-/// asked for apart, because the last iterate needs no versor.
+/// The seam between a map and whoever iterates it: a batch of quaternions in, log-polar values out. Modulus and versor
+/// are separate calls, because the last iterate needs no versor.
 #pragma once
 
 #include "julia/ball.h"
+#include "julia/map_description.h"
 #include "julia/quaternion_batch.h"
 
 #include <algorithm>
@@ -25,23 +26,26 @@ class Map {
   /// u[i] = f(q[i]) / |f(q[i])|, and 1 where f(q[i]) = 0. @a u is resized.
   virtual void versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const = 0;
 
-  /// The l on which the surface lies, given ln(escape): 0 for maps with super-attracting 0 and infinity, ln(escape) for
-  /// those whose bounded orbits go anywhere (DESIGN.md 2.3).
+  /// The l on which the surface lies, given ln(escape): 0 for maps with a super-attracting 0 and infinity, ln(escape)
+  /// for maps whose bounded orbits may go anywhere (docs/design.md 2.3).
   virtual Real surfaceLevel(Real logEscape) const = 0;
 
-  /// l[i] holds l as logModulus() computes it, rounding included, at each q of ball i. All spans have one size. A map
-  /// that knows nothing leaves this and the next as they are.
+  /// The map as a plain value; empty if it has no description.
+  virtual MapDescription describe() const { return {}; }
+
+  /// l[i] bounds what logModulus() computes, rounding included, at every q of ball i. All spans have the same size. A
+  /// map that can prove nothing inherits this function and the next.
   virtual void logModulusRanges(std::span<const Ball>, std::span<LogRange> l) const {
     std::fill(l.begin(), l.end(), LogRange{});
   }
 
-  /// images[i] holds e^l u, as logModulus() and versor() compute them, for each q of ball i whose l lies in the range;
-  /// empty if nothing is known.
+  /// images[i] contains e^l u, as logModulus() and versor() compute them, for every q of ball i whose l lies in the
+  /// range; it is empty if nothing is known.
   virtual void images(std::span<const Ball>, std::span<const LogRange>, std::span<std::optional<Ball>> images) const {
     std::fill(images.begin(), images.end(), std::nullopt);
   }
 
-  /// The same of one ball.
+  /// The same for one ball.
   LogRange logModulusRange(const Ball& ball) const {
     LogRange l;
     logModulusRanges({&ball, 1}, {&l, 1});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file orbit.h
-/// The orbit of a point and the field that it defines (DESIGN.md 2.3):
+/// The orbit of a point and the field that it defines (docs/design.md 2.3):
 ///
 ///   q_0 = [x S];  while l < ln(escape) and i < n: q_{i+1} = f(q_i);   F(x) = l_last - level.
 ///

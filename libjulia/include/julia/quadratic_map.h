@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file quadratic_map.h
-/// q^2 + c: the quaternion Julia sets of Norton 1982 and [HSK89], c fixed; and their Mandelbrot set, c = q_0. A point
-/// of R^3 is squared as the quaternion [x y z S], S the slice: the sets in three dimensions are sections of those in
-/// four.
+/// q^2 + c: the quaternion Julia sets of [Nor82] and [HSK89], where c is fixed, and their Mandelbrot set, where c =
+/// q_0. A point of R^3 is squared as the quaternion [x y z S], where S is the slice: the sets in three dimensions are
+/// sections of those in four.
 #pragma once
 
 #include "julia/cartesian_map.h"
@@ -10,15 +10,21 @@
 
 namespace julia {
 
-/// c fixed.
+/// What describe() returns.
+struct QuadraticDescription {
+  std::optional<Quaternion<double>> constant;  ///< c; if empty, the point where the orbit starts (Mandelbrot)
+};
+
+/// The Julia sets: c is fixed.
 template <class Real>
 class QuadraticMap final : public Map<Real> {
  public:
-  explicit QuadraticMap(const Quaternion<double>& c) : mC(c.as<Real>()) {}
+  explicit QuadraticMap(const Quaternion<double>& c) : mConstant(c), mC(c.as<Real>()) {}
 
   void logModulus(const QuaternionBatch<Real>& q, std::span<Real> l) const override;
   void versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const override;
   Real surfaceLevel(Real logEscape) const override { return logEscape; }
+  MapDescription describe() const override { return QuadraticDescription{mConstant}; }
   void logModulusRanges(std::span<const Ball> balls, std::span<LogRange> l) const override;
   void images(std::span<const Ball> balls, std::span<const LogRange> l,
               std::span<std::optional<Ball>> images) const override;
@@ -28,13 +34,14 @@ class QuadraticMap final : public Map<Real> {
   LogRange rangeOver(const Ball& ball) const;
   std::optional<Ball> imageOf(const Ball& ball, const LogRange& l) const;
 
-  Quaternion<Real> mC;
+  Quaternion<double> mConstant;
+  Quaternion<Real> mC;  ///< the constant, rounded
 };
 
 extern template class QuadraticMap<float>;
 extern template class QuadraticMap<double>;
 
-/// c = q_0, slice included: which c keep the orbit of 0 bounded.
+/// The Mandelbrot set: c = q_0, including the slice. It consists of the c that keep the orbit of 0 bounded.
 template <class Real>
 class QuadraticMandelbrot final : public CartesianMap<Real> {
  public:
@@ -44,13 +51,14 @@ class QuadraticMandelbrot final : public CartesianMap<Real> {
   void step(const QuaternionBatch<Real>& q, const QuaternionBatch<Real>& carried,
             QuaternionBatch<Real>& next) const override;
   std::optional<Ball> imageOf(const Ball& ball, const Ball& start, int number) const override;
+  MapDescription describe() const override { return QuadraticDescription{}; }
 };
 
 extern template class QuadraticMandelbrot<float>;
 extern template class QuadraticMandelbrot<double>;
 
-/// For c fixed: a radius outside of which every point has escaped after @a iterations: |q^2 + c| >= |q|^2 - |c|, run
-/// backwards from the escape radius.
+/// A radius outside of which every point has escaped after @a iterations steps with a fixed c: |q^2 + c| >= |q|^2 -
+/// |c|, applied backwards from the escape radius.
 double quadraticBound(const Quaternion<double>& c, int iterations, double escapeRadius);
 
 }  // namespace julia

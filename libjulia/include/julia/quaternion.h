@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file quaternion.h
-/// q = [A B C D] = A + B i + C j + D k. Products are ordered: in a * b, a stands on the left.
+/// Quaternions q = [A B C D] = A + B i + C j + D k. Products are not commutative: in a * b, a stands on the left.
 #pragma once
 
 namespace julia {

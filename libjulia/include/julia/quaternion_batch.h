@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file quaternion_batch.h
-/// Many quaternions, one array a component, as the vector units like them.
+/// Many quaternions, with one array for each component, which suits vector units.
 #pragma once
 
 #include "julia/quaternion.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file random_roots.h
-/// Random polynomials for the versor ([SK23] 3.3.2): roots strewn in or near the target, with random powers. The same
-/// seed gives the same roots everywhere; nothing is taken from a clock.
+/// Random polynomials for the versor ([SK23] 3.3.2): roots scattered in or near the target, with random powers. The
+/// same seed gives the same roots everywhere; no clock is read.
 #pragma once
 
 #include "julia/embedding.h"
@@ -15,7 +15,7 @@ namespace julia {
 enum class RootPlacement {
   Box,      ///< evenly in the target's bounding box
   Inside,   ///< evenly inside the target
-  Surface,  ///< evenly within a distance of the target's surface
+  Surface,  ///< evenly within a given distance of the target's surface
   Cluster,  ///< normally distributed about a point
 };
 
@@ -26,16 +26,18 @@ struct RandomRootsOptions {
   bool integerPowers = false;
   RootPlacement placement = RootPlacement::Box;
   Point boxMin{-0.5, -0.5, -0.5}, boxMax{0.5, 0.5, 0.5};  ///< units of the map's space
-  double surfaceDistance = 0.05;                          ///< Surface: at most this far, units of the map's space
+  double surfaceDistance = 0.05;                          ///< Surface: the largest distance, units of the map's space
   Point clusterCentre{0, 0, 0};                           ///< Cluster
   double clusterRadius = 0.1;                             ///< Cluster: the standard deviation
   Embedding embedding;                                    ///< roots lie in the slice
-  /// The target's signed distance in the map's space; Inside and Surface need it.
+  /// The target's signed distance in the map's space; needed by Inside and Surface.
   std::function<double(const Point&)> distance;
 };
 
-/// @throw std::invalid_argument  a number out of its domain, a placement without its distance, or a target so thin
-///                               that no point was found in it
+/// A polynomial of options.count roots.
+/// @throw std::invalid_argument  a number out of its domain, a placement that lacks the distance it needs, or a target
+/// so
+///                               thin that no point was found in it
 Polynomial randomPolynomial(const RandomRootsOptions& options);
 
 }  // namespace julia

@@ -4,8 +4,9 @@
 ///
 ///   f(q) = e^C prod_i (q - t_i)^(tau T_i)  [prod_i (q - b_i)^(beta B_i)]^-1
 ///
-/// products ordered left to right; tau and beta are Polynomial::powerScale. A polynomial is a rational without bottom
-/// roots. As a versor only its direction f/|f| is used ([SK23] Eq. 2), so there C has no effect.
+/// with products ordered left to right; tau and beta are Polynomial::powerScale. A polynomial is a rational without
+/// bottom roots. Where a rational serves as a versor, only its direction f/|f| is used ([SK23] Eq. 2), and C has no
+/// effect.
 #pragma once
 
 #include "julia/ball.h"
@@ -41,57 +42,61 @@ struct Rational {
   friend bool operator==(const Rational&, const Rational&) = default;
 };
 
-/// Sum of powerScale times power.
+/// The sum of the powers, each times powerScale.
 double summedPowers(const Polynomial& polynomial);
 
-/// Every root moved by @a offset.
+/// The rational with every root moved by @a offset.
 Rational translated(Rational rational, const Quaternion<double>& offset);
 
-/// Every root's position times @a factor (about the origin). @throw std::invalid_argument unless it is finite and not 0
+/// The rational with the position of every root multiplied by @a factor.
+/// @throw std::invalid_argument unless the factor is finite and not 0
 Rational scaled(Rational rational, double factor);
 
-/// The ordered product: tops after tops, bottoms after bottoms, the C added. Power scales that differ are multiplied
-/// into the powers.
+/// The ordered product: the top roots of @a left, then those of @a right, likewise the bottom roots, and the sum of
+/// both C. Power scales that differ are multiplied into the powers.
 Rational product(const Rational& left, const Rational& right);
 
 /// @throw std::invalid_argument naming the first number that is not finite
 void requireFinite(const Rational& rational);
 
-/// Where the versors over a ball may point: within an angle of an axis.
+/// The directions in which the versors over a ball may point: those within an angle of an axis.
 struct Cone {
   Quaternion<double> axis = Quaternion<double>::one();
   double quadrants = 2;  ///< the angle in quarter turns; 1 or more where nothing is known
 };
 
-/// A rational ready to be evaluated in @a Real. Where q hits roots exactly, their powers decide: a positive net power
-/// gives l = -inf, a negative one +inf, and 0 (coincident top and bottom roots) cancels; the versor of a root that is
-/// hit is 1. Evaluation is const and may run in many threads at once.
+/// A rational ready to be evaluated in the type Real. Where q hits roots exactly, the sum of their powers decides: a
+/// positive sum gives l = -inf, a negative one +inf, and with a sum of 0 (coincident top and bottom roots) they cancel.
+/// The versor of a root that is hit is 1. Evaluation is const and may run in many threads at once.
 template <class Real>
 class RationalEvaluator {
  public:
-  /// @throw as requireFinite()
+  /// @throw std::invalid_argument  as requireFinite()
   explicit RationalEvaluator(const Rational& rational);
 
-  /// Of many points at once, by the vector kernels. A point's result does not depend on the others.
-  /// @pre l.size() == q.size(); @a u is resized
+  /// Evaluate many points at once, with the vector kernels. A point's result does not depend on the others.
+  /// @pre l.size() == q.size(); u is resized
   void logModulus(const QuaternionBatch<Real>& q, std::span<Real> l) const;
   void versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const;
 
-  /// Of one point, slowly, and with care where squares would underflow.
+  /// Evaluate one point, slowly, and with care where squares would underflow.
   Real logModulus(const Quaternion<Real>& q) const;
   Quaternion<Real> versor(const Quaternion<Real>& q) const;
   LogPolar<Real> operator()(const Quaternion<Real>& q) const { return {logModulus(q), versor(q)}; }
 
-  /// Bounds over balls of what logModulus() and versor() compute, rounding included. All spans have one size.
+  /// Bounds over balls for what logModulus() and versor() compute, rounding included. All spans have the same size.
   void logModulusRanges(std::span<const Ball> balls, std::span<LogRange> l) const;
   void cones(std::span<const Ball> balls, std::span<Cone> cones) const;
 
+  /// Roots of top and bottom whose power is not 0.
   std::size_t rootCount() const;
+  /// The rational from which this was made.
+  const Rational& rational() const;
 
  private:
   struct Factors;
   std::shared_ptr<const Factors> mFactors;
-  /// Powers that do not fit floats are done in doubles.
+  /// For powers that are too large for floats.
   std::shared_ptr<const RationalEvaluator<double>> mWide;
 };
 

@@ -8,6 +8,7 @@
 
 namespace julia {
 
+/// describe() returns the Rational.
 template <class Real>
 class RationalMap final : public Map<Real> {
  public:
@@ -16,6 +17,7 @@ class RationalMap final : public Map<Real> {
   void logModulus(const QuaternionBatch<Real>& q, std::span<Real> l) const override;
   void versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const override;
   Real surfaceLevel(Real) const override { return 0; }
+  MapDescription describe() const override { return mRational.rational(); }
   void logModulusRanges(std::span<const Ball> balls, std::span<LogRange> l) const override;
   void images(std::span<const Ball> balls, std::span<const LogRange> l,
               std::span<std::optional<Ball>> images) const override;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file reference_triplex.h
-/// The slow evaluator of reference.h for the maps of R^3 in cross_map.h and mandelbulb.h: with the angles of [ZB25] Eq.
-/// 1 and trigonometry, as the paper writes them. T is as in reference.h, with asin and atan2 too.
+/// The slow evaluator of reference.h for the maps of R^3 in cross_map.h and mandelbulb.h, with the angles of [ZB25] Eq.
+/// 1 and trigonometry, as in the paper. T is as in reference.h and also has asin and atan2.
 #pragma once
 
 #include "julia/cross_map.h"
@@ -40,7 +40,7 @@ Spherical<T> spherical(const Vector<T>& p) {
   return {r, x == T(0) && y == T(0) ? T(0) : T(atan2(y, x)), T(asin(sine))};
 }
 
-/// p^n for r > 0, or n > 0. With the angle from the pole, that of [0 0 1] is 0.
+/// p^n for r > 0 or n > 0. The angle from the pole is 0 for [0 0 1].
 template <class T>
 Vector<T> triplexPower(const Vector<T>& p, const T& n, TriplexAngle angle) {
   using std::acos;
@@ -63,7 +63,7 @@ Vector<T> cross(const Vector<T>& u, const Vector<T>& v) {
   return {T(u[1] * v[2] - u[2] * v[1]), T(u[2] * v[0] - u[0] * v[2]), T(u[0] * v[1] - u[1] * v[0])};
 }
 
-/// Nothing where it is not defined.
+/// A function of R^3; it returns nothing where it is not defined.
 template <class T>
 using VectorFunction = std::function<std::optional<Vector<T>>(const Vector<T>&)>;
 
@@ -111,7 +111,7 @@ FunctionPair<T> functionPair(CrossPair pair) {
   throw std::invalid_argument("the pair User has no functions of its own");
 }
 
-/// One orbit's step: p and whether it is the first one in, the next iterate out.
+/// One orbit's step: takes p and whether this is the first step, and returns the next iterate.
 template <class T>
 using VectorStep = std::function<std::optional<Vector<T>>(const Vector<T>& p, bool first)>;
 

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file scalar_field.h
-/// The seam for the exponent E: a scalar on R^3, read at a batch of points.
+/// The seam for the exponent E of shape_modulus.h: a scalar on R^3, read at a batch of points.
 #pragma once
+
+#include "julia/bricks.h"
 
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <optional>
 #include <span>
 
 namespace julia {
@@ -24,22 +27,25 @@ class ScalarField {
   virtual void sample(std::span<const Real> x, std::span<const Real> y, std::span<const Real> z,
                       std::span<Real> out) const = 0;
 
-  /// out[i] holds what sample() gives, rounding included, at each point of ball i. A field that knows nothing leaves
-  /// this and lowestBeyond() as they are.
+  /// out[i] bounds what sample() gives, rounding included, at every point of ball i. A field that can prove nothing
+  /// inherits this function and lowestBeyond().
   virtual void ranges(std::span<const std::array<double, 3>> /*centres*/, std::span<const double> /*radii*/,
                       std::span<ValueRange> out) const {
     std::fill(out.begin(), out.end(), ValueRange{});
   }
 
-  /// The same of one ball.
+  /// The same for one ball.
   ValueRange range(const std::array<double, 3>& centre, double radius) const {
     ValueRange result;
     ranges({&centre, 1}, {&radius, 1}, {&result, 1});
     return result;
   }
 
-  /// Bounds from below what sample() gives wherever |x| >= distance.
+  /// A lower bound of what sample() gives wherever |x| >= distance.
   virtual double lowestBeyond(double /*distance*/) const { return -std::numeric_limits<double>::infinity(); }
+
+  /// The values themselves, if the field is read from bricks.
+  virtual std::optional<PlacedBricks> describe() const { return std::nullopt; }
 };
 
 }  // namespace julia

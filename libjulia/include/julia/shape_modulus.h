@@ -4,8 +4,8 @@
 ///
 ///   f(q) = e^E(q) p(q)/|p(q)|,   E = alpha (phi - beta)
 ///
-/// E < 0 inside the target's shell, > 0 outside; beta > 0 moves the shell outward (the paper's text and its released
-/// program; its Eq. 2 prints the other sign). E is read at the three components that are not dropped.
+/// E < 0 inside the target's shell and E > 0 outside. beta > 0 moves the shell outward, as in the paper's text and its
+/// released program; its Eq. 2 prints the other sign. E is read at the three components of q that are not dropped.
 #pragma once
 
 #include "julia/embedding.h"
@@ -14,8 +14,16 @@
 #include "julia/scalar_field.h"
 
 #include <memory>
+#include <optional>
 
 namespace julia {
+
+/// What ShapeModulus::describe() returns.
+struct ShapeModulusDescription {
+  std::optional<PlacedBricks> exponent;  ///< E; empty if the field that was given does not describe itself
+  Rational versor;                       ///< p; its logScale has no effect
+  DropAxis dropped = DropAxis::K;        ///< the component of q at which E is not read
+};
 
 template <class Real>
 class ShapeModulus final : public Map<Real> {
@@ -25,6 +33,9 @@ class ShapeModulus final : public Map<Real> {
   void logModulus(const QuaternionBatch<Real>& q, std::span<Real> l) const override;
   void versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const override;
   Real surfaceLevel(Real) const override { return 0; }
+  MapDescription describe() const override {
+    return ShapeModulusDescription{mExponent->describe(), mVersor.rational(), mEmbedding.dropped};
+  }
   void logModulusRanges(std::span<const Ball> balls, std::span<LogRange> l) const override;
   void images(std::span<const Ball> balls, std::span<const LogRange> l,
               std::span<std::optional<Ball>> images) const override;
@@ -32,7 +43,7 @@ class ShapeModulus final : public Map<Real> {
  private:
   std::shared_ptr<const ScalarField<Real>> mExponent;
   RationalEvaluator<Real> mVersor;
-  DropAxis mDropped;
+  Embedding mEmbedding;  ///< for its dropped axis
 };
 
 extern template class ShapeModulus<float>;

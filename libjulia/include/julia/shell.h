@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file shell.h
-/// Where F must be computed at all (DESIGN.md 2.4). For the shape modulus |q_{i+1}| = e^E(q_i), so with
+/// Where F must be computed at all (docs/design.md 2.4). For the shape modulus |q_{i+1}| = e^E(q_i). Hence, with
 ///
 ///   m(r) = max over |y| <= r of e^E(y)
 ///
-/// a point whose first iterate has l <= ln r_in is inside, where r_in is the largest r < 1 for which m applied n - 1
-/// times to r stays < 1; and one with l >= ln(escape) is outside. Only E in the open interval (ln r_in, ln escape) is
-/// undecided.
+/// a point whose first iterate has l <= ln r_in is inside, where r_in is the largest r < 1 that stays < 1 when m is
+/// applied to it n - 1 times; and a point with l >= ln(escape) is outside. Only points where E lies in the open
+/// interval (ln r_in, ln escape) are undecided.
 #pragma once
 
 #include <limits>
@@ -16,19 +16,20 @@
 namespace julia {
 
 struct ShellInterval {
-  double lower = -std::numeric_limits<double>::infinity();  ///< ln r_in; -inf when no ball about the origin is trapped
+  double lower = -std::numeric_limits<double>::infinity();  ///< ln r_in; -inf if no ball about the origin is trapped
   double upper = std::numeric_limits<double>::infinity();   ///< ln escape
 };
 
-/// An upper bound of E over balls about the origin, as a step function: maximum[k] bounds E over |y| <= (k + 1) step.
+/// Upper bounds of E over balls about the origin, as a step function: maximum[k] bounds E over |y| <= (k + 1) step.
 struct RadialMaximum {
   double step = 0;              ///< units of the map's space, > 0
   std::vector<double> maximum;  ///< non-decreasing; beyond its end E is unbounded
 
-  /// ln m(r); +inf past the end.
+  /// A bound of ln m(r); +inf past the end of the table.
   double logBound(double r) const;
 };
 
+/// The interval for orbits of at most @a maxIterations steps.
 /// @throw std::invalid_argument unless maxIterations >= 1 and escapeRadius > 1
 ShellInterval shellInterval(const RadialMaximum& radialMaximum, int maxIterations, double escapeRadius);
 

@@ -13,7 +13,6 @@ using Eigen::VectorXd;
 
 std::optional<VectorXd> minimiseBounded(const MatrixXd& H, const VectorXd& b, const std::vector<char>& bounded,
                                         std::vector<char>& passive) {
-  fixEigenBlocking();
   // Exchanges of all that violate their sign converge fast but may cycle; where their number does not fall this often,
   // single exchanges, which cannot cycle, take over until it does.
   constexpr int kPatience = 3;

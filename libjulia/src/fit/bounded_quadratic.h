@@ -3,7 +3,7 @@
 /// Convex quadratic programs whose only constraints are signs.
 #pragma once
 
-#include "fit/eigen_setup.h"
+#include <Eigen/Core>
 
 #include <optional>
 #include <vector>

@@ -21,11 +21,11 @@ constexpr auto kSide = static_cast<Index>(kTile);
 using Tile = Eigen::Matrix<double, kSide, kSide>;
 using TileVector = Eigen::Matrix<double, kSide, 1>;
 
-// Columns whose products are summed at once: so many of two rows of tiles stay in the second-level cache.
+// Columns whose products are summed at once: this many of two rows of tiles stay in the second-level cache.
 constexpr std::size_t kDepth = 256;
 
-/// Row by row of tiles, the columns of a row one after the other: what tileProduct() takes, at any depth. Below the
-/// end of the matrix it goes on as the unit matrix.
+/// The factor by rows of tiles, each row with its columns one after the other, as tileProduct() takes them at any
+/// depth. Beyond the end of the matrix it continues as the unit matrix.
 class Factor {
  public:
   explicit Factor(Index size) : mSide((size + kSide - 1) / kSide), mTiles(static_cast<std::size_t>(mSide * mSide)) {}
@@ -33,7 +33,7 @@ class Factor {
   Index side() const { return mSide; }
   Tile& tile(Index row, Index column) { return mTiles[static_cast<std::size_t>(row * mSide + column)]; }
 
-  /// The tile less the products of all columns to its left.
+  /// Subtracts the products of all columns to the left from a tile.
   void reduce(Index row, Index column) {
     alignas(64) Tile product;
     const std::size_t depth = static_cast<std::size_t>(column) * kTile;
@@ -52,7 +52,6 @@ class Factor {
 }  // namespace
 
 std::optional<VectorXd> solveCholesky(const Eigen::MatrixXd& A, const VectorXd& b) {
-  fixEigenBlocking();
   const Index size = b.size();
   Factor L(size);
   tbb::parallel_for(Index{0}, L.side(), [&](Index row) {

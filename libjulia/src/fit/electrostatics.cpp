@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "julia/fit/electrostatics.h"
 
-#include "fit/eigen_setup.h"
 #include "fit/gmres.h"
 #include "fit/panels.h"
 #include "julia/fit/cancelled.h"
@@ -20,7 +19,7 @@
 namespace julia {
 namespace {
 
-constexpr double kFarthest = 1e9;  // as requireValid() has it
+constexpr double kFarthest = 1e9;  // as in requireValid()
 
 using Eigen::Index;
 using Eigen::VectorXd;
@@ -65,7 +64,7 @@ class Influence {
 };
 
 VectorXd solveDirectly(const Influence& influence) {
-  // Columns, being contiguous, hold the rows of the system.
+  // The rows of the system are stored as columns, which are contiguous.
   Eigen::MatrixXd transposed(influence.size(), influence.size());
   influence.forRows([&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) influence.row(i, transposed.col(i).data());
@@ -126,15 +125,14 @@ void requireValid(const ElectrostaticsOptions& options) {
     throw std::invalid_argument("the tolerance of the charge is " + textOf(options.tolerance) +
                                 "; it must be from 1e-7 to below 1");
   if (options.maxIterations < 1)
-    throw std::invalid_argument("the charge may take " + std::to_string(options.maxIterations) +
-                                " iterations; it must be 1 at least");
+    throw std::invalid_argument("the most iterations of the charge are " + std::to_string(options.maxIterations) +
+                                "; they must be 1 or more");
 }
 
 }  // namespace
 
 SurfaceCharge solveExteriorDirichlet(const TriangleSurface& surface, const ElectrostaticsOptions& options) {
   requireValid(options);
-  fixEigenBlocking();
   const Panels panels(surface);
   if (panels.size() == 0)
     throw std::invalid_argument("a surface needs a triangle with area to be charged; none of its " +
@@ -149,19 +147,20 @@ SurfaceCharge solveExteriorDirichlet(const TriangleSurface& surface, const Elect
     charge.residual = influence.residual(density);
     solved = charge.residual <= options.tolerance;
   }
-  // Triangles that coincide make the system singular, but not one without solutions: the iteration finds one.
+  // Triangles that coincide make the system singular, but it still has solutions: the iteration finds one.
   if (!solved) {
     const ScaledInfluence scaled(influence, options.maxStoredBytes);
-    // Half the tolerance: the rest is for the rounding of the coefficients.
+    // Half the tolerance; the other half allows for the rounding of the coefficients.
     const GmresResult result =
         gmres(scaled, VectorXd::Ones(influence.size()), 0.5 * options.tolerance, options.maxIterations);
     density = scaled.density(result.x);
     charge.iterations = result.iterations;
     charge.residual = influence.residual(density);
     if (!(charge.residual <= options.tolerance))
-      throw std::invalid_argument("the charge of the surface still has a residual of " + textOf(charge.residual) +
-                                  " after " + std::to_string(charge.iterations) +
-                                  " iterations; give a mesh whose triangles are less thin, or allow more of either");
+      throw std::invalid_argument(
+          "the charge of the surface still has a residual of " + textOf(charge.residual) + " after " +
+          std::to_string(charge.iterations) +
+          " iterations; use a mesh with less thin triangles, a larger tolerance, or more iterations");
   }
 
   charge.density.resize(surface.triangles.size());
@@ -175,11 +174,11 @@ SurfaceCharge solveExteriorDirichlet(const TriangleSurface& surface, const Elect
 void potential(const TriangleSurface& surface, const SurfaceCharge& charge, std::span<const Point> x,
                std::span<double> p) {
   if (charge.density.size() != surface.triangles.size())
-    throw std::invalid_argument("a surface of " + std::to_string(surface.triangles.size()) +
-                                " triangles has the charge of " + std::to_string(charge.density.size()));
+    throw std::invalid_argument("the surface has " + std::to_string(surface.triangles.size()) +
+                                " triangles, but the charge is that of " + std::to_string(charge.density.size()));
   if (x.size() != p.size())
-    throw std::invalid_argument("the potential at " + std::to_string(x.size()) + " points has room for " +
-                                std::to_string(p.size()));
+    throw std::invalid_argument("the potential is wanted at " + std::to_string(x.size()) +
+                                " points, but there is room for " + std::to_string(p.size()));
   for (std::size_t i = 0; i < x.size(); ++i)
     for (const double coordinate : x[i])
       if (!(std::abs(coordinate) <= kFarthest))

@@ -13,7 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <tuple>
@@ -24,39 +24,47 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-// Cells that a root needs: enough of them that its power is not fitted to their places, and few enough for speed.
+// Cells for each root: enough that its power is not fitted to their places, and few enough for speed.
 constexpr std::size_t kCellsPerRoot = 160, kLeastCells = 20'000, kMostCells = 160'000;
 constexpr std::size_t kHeldOut = 10;  // one cell in so many
-// On the sum of the squared powers. It settles what the cells leave open; the shape does not depend on it.
+// The weight of the summed squares of the powers. It settles what the cells leave open, but does not change the shape.
 constexpr double kRidge = 1e-6;
-// Far away the map is |q|^degree, the summed powers of the top less those of the bottom. Where that is not above 1,
-// what lies outside comes back, and below 0 infinity is a root; nothing that the cells say forbids it. So a degree
-// below 2, that of q^2, costs as a spring does.
+// Far away the map is |q|^degree, where the degree is the sum of the top's powers less that of the bottom's. Unless it
+// is above 1, points far outside come back, and below 0 infinity is a root; the cells do not forbid that. A spring
+// therefore pulls at a degree below 2, that of q^2.
 constexpr double kLeastDegree = 2, kDegreeStiffness = 1;
-// The power of the root at the origin, likewise: 0 attracts from 1 on, and faster than in proportion above it.
+// The least power of the root at the origin, for the same reason: 0 attracts from 1 on, and faster than in proportion
+// above 1.
 constexpr double kLeastAtOrigin = 2;
-// Roots that a round adds: a share of those that there may be, and of those that there are.
+// Roots that a round adds: this share of the largest number allowed, or of those present.
 constexpr double kShareOfMost = 0.15, kShareOfPresent = 0.35;
 constexpr std::size_t kMostRounds = 60;
 constexpr int kPatience = 3;  // rounds without a better fit of the held-out cells
 constexpr double kLeastRise = 2e-4;
-// Logarithms that one round may take to compare candidates; beyond it each round looks at others of them.
+// Logarithms that one round may compute to compare candidates; beyond that the rounds take turns.
 constexpr double kMostScores = 2e9;
-// Multiply-adds that one Gram matrix may take; beyond it a part of the cells stands for all.
+// Multiply-adds that one Gram matrix may take; beyond that a part of the cells stands for all.
 constexpr double kMostWork = 4e10;
 constexpr std::size_t kLeastCellsPerColumn = 6;
-// How far Newton's method goes: steps at most, and the relative fall of the loss that counts as none.
+// How far Newton's method goes: the most steps, and the relative fall of the objective that counts as none.
 struct Effort {
   int steps;
   double settled;
 };
 constexpr Effort kRound{5, 1e-3}, kLast{12, 1e-4}, kSharpen{6, 1e-4};
-constexpr double kEnergySharpness[] = {1, 2, 4, 8};
 
 enum class Loss { Logistic, Energy };
 
-/// A loss of z = -side L, positive where a cell is on the wrong side, with its slope, and a curvature that is positive
-/// where the loss is concave too.
+/// What a pass of Newton's method lowers, apart from the penalty on powers.
+struct Objective {
+  Loss loss;
+  double sharpness;  ///< times L
+};
+constexpr Objective kLogistic{Loss::Logistic, 1};
+constexpr double kEnergySharpness[] = {1, 2, 4, 8};
+
+/// A loss of z = -side L, which is positive where a cell is on the wrong side; its slope; and a curvature, made
+/// positive where the loss is concave.
 struct LossAt {
   double value, slope, curvature;
 };
@@ -89,14 +97,45 @@ class Fitter {
   double constant(const VectorXd& x) const { return x[x.size() - 1]; }
   double degree(const VectorXd& x) const;
   double penalty(const VectorXd& x) const;
-  double loss(Loss kind, double sharpness, const std::vector<double>& l) const;
+  double loss(const Objective& objective, const std::vector<double>& l) const;
+  std::vector<FitRoot> firstRoots() const;
   void add(const std::vector<FitRoot>& roots);
   void dropUnused();
+
+  /// The cells with the slope and the curvature of the logistic loss by L, each times the cell's weight.
+  struct CellSlopes {
+    std::vector<float> x, y, z;
+    std::vector<double> slope, curvature;
+    double wholeCurvature = 0;
+  };
+  CellSlopes cellSlopes() const;
+  /// By how much a candidate would lower the loss: the square of the loss's slope by the power over its curvature, once
+  /// the constant has adapted.
+  struct Score {
+    double gain = 0;
+    std::size_t candidate = 0;
+    bool bottom = false;
+  };
+  Score scoreOf(std::size_t candidate, const CellSlopes& cells, double pull) const;
+  std::vector<Score> rankedCandidates() const;
   std::size_t addBest(std::size_t count);
-  void newton(Loss kind, double sharpness, const Effort& effort);
+
+  /// The objective about mX, without the spring of the degree.
+  struct QuadraticModel {
+    VectorXd gradient;
+    Eigen::MatrixXd hessian;
+  };
+  VectorXd signs() const;
+  std::size_t gramStride() const;
+  QuadraticModel quadraticModel(const Objective& objective, std::size_t stride) const;
+  std::optional<VectorXd> minimumOf(const QuadraticModel& model, double damping) const;
+  std::optional<double> stepTowards(const VectorXd& target, const Objective& objective);
+  void newton(const Objective& objective, const Effort& effort);
+
   double heldOutIou() const;
+  double psi() const;
   Rational rational() const;
-  void report(std::string_view stage, double energy, bool roundEnds);
+  void report(bool roundEnds);
 
   const FastFitOptions& mOptions;
   std::span<const RootCandidate> mCandidates;
@@ -108,12 +147,12 @@ class Fitter {
   VectorXd mX;             // powers, and last the constant
   std::vector<double> mL;  // of the fitted cells, at mX
   std::string_view mStage;
-  double mBestEnergy = 0;
+  double mEnergy = 0;  ///< the objective and the penalty, at mX
   int mSteps = 0;
   std::size_t mRound = 0;
 };
 
-/// Shuffled cells: every one in kHeldOut is held out, and of the rest there are at most @a most.
+/// Shuffles the cells into those to fit, @a most at most, and those held out, one in kHeldOut.
 std::pair<std::vector<FitCell>, std::vector<FitCell>> split(std::span<const FitCell> cells, std::uint64_t seed,
                                                             std::size_t most) {
   Random random(seed);
@@ -162,9 +201,10 @@ double Fitter::penalty(const VectorXd& x) const {
          kDegreeStiffness / 2 * missing * missing;
 }
 
-double Fitter::loss(Loss kind, double sharpness, const std::vector<double>& l) const {
+double Fitter::loss(const Objective& objective, const std::vector<double>& l) const {
   double sum = 0;
-  for (std::size_t i = 0; i < l.size(); ++i) sum += mWeight[i] * lossAt(kind, -sharpness * mSide[i] * l[i]).value;
+  for (std::size_t i = 0; i < l.size(); ++i)
+    sum += mWeight[i] * lossAt(objective.loss, -objective.sharpness * mSide[i] * l[i]).value;
   return sum;
 }
 
@@ -199,62 +239,69 @@ void Fitter::dropUnused() {
   mHeldLogs.keep(kept);
 }
 
-/// Adds the candidates by which the loss would fall most: the square of its slope by the power over the curvature, once
-/// the constant has adapted. Those of one round keep apart.
-std::size_t Fitter::addBest(std::size_t count) {
-  std::vector<float> x, y, z;
-  std::vector<double> slope, curvature;
-  double total = 0;
+Fitter::CellSlopes Fitter::cellSlopes() const {
+  CellSlopes cells;
   for (std::size_t i = 0; i < mCells.size(); ++i) {
     const LossAt at = lossAt(Loss::Logistic, -mSide[i] * mL[i]);
-    x.push_back(static_cast<float>(mCells[i].x[0]));
-    y.push_back(static_cast<float>(mCells[i].x[1]));
-    z.push_back(static_cast<float>(mCells[i].x[2]));
-    slope.push_back(-mSide[i] * mWeight[i] * at.slope);
-    curvature.push_back(mWeight[i] * at.curvature);
-    total += curvature.back();
+    cells.x.push_back(static_cast<float>(mCells[i].x[0]));
+    cells.y.push_back(static_cast<float>(mCells[i].x[1]));
+    cells.z.push_back(static_cast<float>(mCells[i].x[2]));
+    cells.slope.push_back(-mSide[i] * mWeight[i] * at.slope);
+    cells.curvature.push_back(mWeight[i] * at.curvature);
+    cells.wholeCurvature += cells.curvature.back();
   }
-  // A top root helps the spring of the degree, a bottom root strains it.
-  const double pull = kDegreeStiffness * std::max(0.0, kLeastDegree - degree(mX));
-  // Whole vectors: the kernels leave no rest.
-  const std::size_t size = (x.size() + LogMatrix::kBlock - 1) / LogMatrix::kBlock * LogMatrix::kBlock;
-  for (std::vector<float>* coordinate : {&x, &y, &z}) coordinate->resize(size);
-  slope.resize(size);
-  curvature.resize(size);
-  struct Score {
-    double gain = 0;
-    std::size_t candidate = 0;
-    bool bottom = false;
-  };
-  std::vector<Score> scores(mCandidates.size());
-  const double scoresToMake = static_cast<double>(mCandidates.size()) * static_cast<double>(size);
-  const auto inTurn = static_cast<std::size_t>(1 + std::floor(scoresToMake / kMostScores));
+  // Whole vectors, as the kernels leave no remainder.
+  const std::size_t size = (cells.x.size() + LogMatrix::kBlock - 1) / LogMatrix::kBlock * LogMatrix::kBlock;
+  for (std::vector<float>* coordinate : {&cells.x, &cells.y, &cells.z}) coordinate->resize(size);
+  cells.slope.resize(size);
+  cells.curvature.resize(size);
+  return cells;
+}
+
+/// @param pull  the slope of the degree's spring: a top root relaxes it, a bottom root strains it
+Fitter::Score Fitter::scoreOf(std::size_t candidate, const CellSlopes& cells, double pull) const {
   const kernels::Kernels<float>& kernel = kernels::kernels<float>();
-  // A candidate shall not be chosen for the one cell that it happens to lie in.
+  const std::size_t size = cells.x.size();
+  const Point& at = mCandidates[candidate].x;
+  const float root[3] = {static_cast<float>(at[0]), static_cast<float>(at[1]), static_cast<float>(at[2])};
+  // A candidate must not be chosen for the sake of the one cell in which it happens to lie.
   const float blur = static_cast<float>(4 * mOptions.cellSize * mOptions.cellSize);
+  std::vector<float> logs(size);
+  kernel.logDistances(root, blur, cells.x.data(), cells.y.data(), cells.z.data(), logs.data(), size);
+  double bySlope = 0, mean = 0, square = 0;
+  kernel.dotColumns(logs.data(), cells.slope.data(), 1, &bySlope, size);
+  bySlope -= pull;
+  kernel.dotColumns(logs.data(), cells.curvature.data(), 1, &mean, size);
+  mean /= cells.wholeCurvature;
+  for (std::size_t i = 0; i < size; ++i) square += cells.curvature[i] * ((logs[i] - mean) * (logs[i] - mean));
+  using Side = RootCandidate::Side;
+  const Side side = mCandidates[candidate].side;
+  Score score{0, candidate, side == Side::Either ? bySlope > 0 : side == Side::Bottom};
+  if ((score.bottom ? -bySlope : bySlope) < 0) score.gain = bySlope * bySlope / (square + 1e-300);
+  return score;
+}
+
+/// All candidates, the best first. Those that are used, or not in turn, have no gain.
+std::vector<Fitter::Score> Fitter::rankedCandidates() const {
+  const CellSlopes cells = cellSlopes();
+  const double pull = kDegreeStiffness * std::max(0.0, kLeastDegree - degree(mX));
+  const double scoresToMake = static_cast<double>(mCandidates.size()) * static_cast<double>(cells.x.size());
+  const auto inTurn = static_cast<std::size_t>(1 + std::floor(scoresToMake / kMostScores));
+  std::vector<Score> scores(mCandidates.size());
   tbb::parallel_for(std::size_t{0}, mCandidates.size(), [&](std::size_t k) {
-    scores[k].candidate = k;
-    if (mUsed[k] || (k + mRound) % inTurn != 0) return;
-    const Point& at = mCandidates[k].x;
-    const float root[3] = {static_cast<float>(at[0]), static_cast<float>(at[1]), static_cast<float>(at[2])};
-    std::vector<float> logs(size);
-    kernel.logDistances(root, blur, x.data(), y.data(), z.data(), logs.data(), size);
-    double bySlope = 0, mean = 0, square = 0;
-    kernel.dotColumns(logs.data(), slope.data(), 1, &bySlope, size);
-    bySlope -= pull;
-    kernel.dotColumns(logs.data(), curvature.data(), 1, &mean, size);
-    mean /= total;
-    for (std::size_t i = 0; i < size; ++i) square += curvature[i] * ((logs[i] - mean) * (logs[i] - mean));
-    using Side = RootCandidate::Side;
-    const Side side = mCandidates[k].side;
-    scores[k].bottom = side == Side::Either ? bySlope > 0 : side == Side::Bottom;
-    if ((scores[k].bottom ? -bySlope : bySlope) < 0) scores[k].gain = bySlope * bySlope / (square + 1e-300);
+    const bool isScored = !mUsed[k] && (k + mRound) % inTurn == 0;
+    scores[k] = isScored ? scoreOf(k, cells, pull) : Score{0, k, false};
   });
   std::stable_sort(scores.begin(), scores.end(), [](const Score& a, const Score& b) { return a.gain > b.gain; });
+  return scores;
+}
+
+/// Adds the candidates by which the loss would fall most. Those that are added together keep apart.
+std::size_t Fitter::addBest(std::size_t count) {
   constexpr double kSpacing = 0.6;  // of a root in a unit square
   const double apart = kSpacing / std::sqrt(static_cast<double>(mRoots.size() + count));
   std::vector<FitRoot> chosen;
-  for (const Score& score : scores) {
+  for (const Score& score : rankedCandidates()) {
     if (chosen.size() == count || !(score.gain > 0)) break;
     const Point& at = mCandidates[score.candidate].x;
     const bool near = std::any_of(chosen.begin(), chosen.end(), [&](const FitRoot& other) {
@@ -270,87 +317,113 @@ std::size_t Fitter::addBest(std::size_t count) {
   return chosen.size();
 }
 
-void Fitter::newton(Loss kind, double sharpness, const Effort& effort) {
-  const Index n = mX.size();
-  const auto roots = static_cast<std::size_t>(n - 1);
-  VectorXd signs = VectorXd::Ones(n), least = VectorXd::Zero(n);
-  std::vector<char> bounded(static_cast<std::size_t>(n), 1);
-  bounded.back() = 0;
-  for (std::size_t j = 0; j < roots; ++j) {
-    signs[static_cast<Index>(j)] = sign(j);
-    least[static_cast<Index>(j)] = mRoots[j].least;
-  }
-  const double columns = static_cast<double>(n), cells = static_cast<double>(mCells.size());
-  const double affordable = std::max(2 * kMostWork / (columns * columns), kLeastCellsPerColumn * columns);
-  const auto stride = static_cast<std::size_t>(std::max(1.0, std::floor(cells / affordable)));
+/// 1 for top roots and the constant, -1 for bottom roots.
+VectorXd Fitter::signs() const {
+  VectorXd signs = VectorXd::Ones(mX.size());
+  for (std::size_t j = 0; j < mRoots.size(); ++j) signs[static_cast<Index>(j)] = sign(j);
+  return signs;
+}
 
+/// Gram matrices sum every so many-th block of cells.
+std::size_t Fitter::gramStride() const {
+  const double columns = static_cast<double>(mX.size()), cells = static_cast<double>(mCells.size());
+  const double affordable = std::max(2 * kMostWork / (columns * columns), kLeastCellsPerColumn * columns);
+  return static_cast<std::size_t>(std::max(1.0, std::floor(cells / affordable)));
+}
+
+Fitter::QuadraticModel Fitter::quadraticModel(const Objective& objective, std::size_t stride) const {
+  const Index n = mX.size();
+  const double sharpness = objective.sharpness;
+  std::vector<double> curvature(mCells.size());
+  const LogMatrix::Pass pass = mLogs.pass(
+      weights(mX), constant(mX),
+      [&](std::size_t begin, std::span<const double> l, std::span<double> factors) {
+        for (std::size_t i = 0; i < l.size(); ++i) {
+          const std::size_t k = begin + i;
+          const LossAt at = lossAt(objective.loss, -sharpness * mSide[k] * l[i]);
+          factors[i] = -sharpness * mSide[k] * mWeight[k] * at.slope;
+          curvature[k] = sharpness * sharpness * mWeight[k] * at.curvature;
+        }
+        return 0.0;
+      },
+      true);
+  const VectorXd signs = this->signs();
+  QuadraticModel model;
+  model.gradient = Eigen::Map<const VectorXd>(pass.products.data(), n).cwiseProduct(signs);
+  model.gradient.head(n - 1) += kRidge * mX.head(n - 1) + VectorXd::Constant(n - 1, mOptions.powerPenalty);
+  model.hessian = signs.asDiagonal() * mLogs.gram(curvature, stride) * signs.asDiagonal();
+  model.hessian.diagonal().head(n - 1).array() += kRidge;
+  return model;
+}
+
+/// The model's minimum where every power is at least what its root needs; nothing where rounding leaves the model
+/// without one. The spring of the degree is M/2 (degree - least - s)^2 at its best s >= 0, which is one more variable.
+std::optional<VectorXd> Fitter::minimumOf(const QuadraticModel& model, double damping) const {
+  const Index n = mX.size();
+  VectorXd spring(n + 1), least = VectorXd::Zero(n);
+  spring << signs().head(n - 1), 0, -1;
+  for (std::size_t j = 0; j < mRoots.size(); ++j) least[static_cast<Index>(j)] = mRoots[j].least;
+  std::vector<char> bounded(static_cast<std::size_t>(n) + 1, 1);
+  bounded[mRoots.size()] = 0;  // the constant
+
+  Eigen::MatrixXd damped = kDegreeStiffness * spring * spring.transpose();
+  damped.topLeftCorner(n, n) += model.hessian;
+  damped.diagonal().head(n).array() += damping * (model.hessian.trace() / static_cast<double>(n));
+  const double excess = degree(mX) - kLeastDegree, slack = std::max(0.0, excess);
+  VectorXd origin(n + 1), slope = (kDegreeStiffness * (excess - slack)) * spring;
+  origin << mX - least, slack;
+  slope.head(n) += model.gradient;
+  std::vector<char> passive(bounded.size());
+  for (Index i = 0; i <= n; ++i) passive[static_cast<std::size_t>(i)] = origin[i] > 0;
+  const auto minimum = minimiseBounded(damped, damped * origin - slope, bounded, passive);
+  if (!minimum) return std::nullopt;
+  return VectorXd(minimum->head(n) + least);
+}
+
+/// Moves mX to @a target, or less far along the line to it, so that the objective falls: every point there is feasible.
+/// @return the share of the way that was taken; nothing if the objective does not fall
+std::optional<double> Fitter::stepTowards(const VectorXd& target, const Objective& objective) {
+  const VectorXd direction = target - mX;
+  std::vector<double> difference(mCells.size()), moved(mCells.size());
+  mLogs.logModuli(weights(direction), constant(direction), difference);
+  double length = 1;
+  for (int cut = 0; cut < 8; ++cut, length *= 0.4) {
+    for (std::size_t i = 0; i < mL.size(); ++i) moved[i] = mL[i] + length * difference[i];
+    const VectorXd x = length == 1 ? target : VectorXd(mX + length * direction);
+    const double value = loss(objective, moved) + penalty(x);
+    if (!(value < mEnergy)) continue;
+    mEnergy = value;
+    mX = x;
+    std::swap(mL, moved);
+    return length;
+  }
+  return std::nullopt;
+}
+
+/// Newton's method, from mX on. A step is damped as Levenberg and Marquardt do.
+void Fitter::newton(const Objective& objective, const Effort& effort) {
+  constexpr double kLeastDamping = 1e-9;
+  constexpr int kMostAttempts = 4;
+  const std::size_t stride = gramStride();
   mLogs.logModuli(weights(mX), constant(mX), mL);
-  double current = loss(kind, sharpness, mL) + penalty(mX), damping = 1e-9;
-  mBestEnergy = current;
-  std::vector<double> curvature(mCells.size()), difference(mCells.size()), moved(mCells.size());
+  mEnergy = loss(objective, mL) + penalty(mX);
+  double damping = kLeastDamping;
   int small = 0;
   for (int step = 0; step < effort.steps && small < 2; ++step) {
     if (mOptions.cancelled && mOptions.cancelled()) throw Cancelled();
-    const LogMatrix::Pass pass = mLogs.pass(
-        weights(mX), constant(mX),
-        [&](std::size_t begin, std::span<const double> l, std::span<double> factors) {
-          for (std::size_t i = 0; i < l.size(); ++i) {
-            const std::size_t k = begin + i;
-            const LossAt at = lossAt(kind, -sharpness * mSide[k] * l[i]);
-            factors[i] = -sharpness * mSide[k] * mWeight[k] * at.slope;
-            curvature[k] = sharpness * sharpness * mWeight[k] * at.curvature;
-          }
-          return 0.0;
-        },
-        true);
-    VectorXd gradient = Eigen::Map<const VectorXd>(pass.products.data(), n).cwiseProduct(signs);
-    gradient.head(n - 1) += kRidge * mX.head(n - 1) + VectorXd::Constant(n - 1, mOptions.powerPenalty);
-    Eigen::MatrixXd H = signs.asDiagonal() * mLogs.gram(curvature, stride) * signs.asDiagonal();
-    H.diagonal().head(n - 1).array() += kRidge;
-    const double scale = H.trace() / static_cast<double>(n);
-    // The spring of the degree: it is M/2 (degree - least - s)^2 at its best s >= 0, one more variable.
-    VectorXd spring(n + 1);
-    spring << signs.head(n - 1), 0, -1;
-    const double excess = degree(mX) - kLeastDegree, slack = std::max(0.0, excess);
-    bounded.resize(static_cast<std::size_t>(n) + 1, 1);
-
-    // The quadratic model's minimum within the bounds, and then along the line to it: every point there is feasible.
+    const QuadraticModel model = quadraticModel(objective, stride);
+    const double before = mEnergy;
     bool lower = false;
-    for (int attempt = 0; attempt < 4 && !lower; ++attempt) {
-      Eigen::MatrixXd damped = kDegreeStiffness * spring * spring.transpose();
-      damped.topLeftCorner(n, n) += H;
-      damped.diagonal().head(n).array() += damping * scale;
-      VectorXd origin(n + 1), slope = (kDegreeStiffness * (excess - slack)) * spring;
-      origin << mX - least, slack;
-      slope.head(n) += gradient;
-      std::vector<char> passive(bounded.size());
-      for (Index i = 0; i <= n; ++i) passive[static_cast<std::size_t>(i)] = origin[i] > 0;
-      const auto minimum = minimiseBounded(damped, damped * origin - slope, bounded, passive);
-      if (!minimum) {  // rounding in H
-        damping *= 100;
-        continue;
-      }
-      const VectorXd target = minimum->head(n) + least;
-      const VectorXd direction = target - mX;
-      mLogs.logModuli(weights(direction), constant(direction), difference);
-      double length = 1;
-      for (int cut = 0; cut < 8; ++cut, length *= 0.4) {
-        for (std::size_t i = 0; i < mL.size(); ++i) moved[i] = mL[i] + length * difference[i];
-        const VectorXd x = length == 1 ? target : VectorXd(mX + length * direction);
-        const double value = loss(kind, sharpness, moved) + penalty(x);
-        if (!(value < current)) continue;
-        small = current - value < effort.settled * std::abs(value) ? small + 1 : 0;
-        current = value;
-        mX = x;
-        std::swap(mL, moved);
-        lower = true;
-        break;
-      }
-      damping = !lower ? damping * 100 : length == 1 ? std::max(damping / 5, 1e-9) : damping * 2;
+    for (int attempt = 0; attempt < kMostAttempts && !lower; ++attempt) {
+      const std::optional<VectorXd> target = minimumOf(model, damping);
+      const std::optional<double> taken = target ? stepTowards(*target, objective) : std::nullopt;
+      lower = taken.has_value();
+      damping = !lower ? damping * 100 : *taken == 1 ? std::max(damping / 5, kLeastDamping) : damping * 2;
     }
     if (!lower) break;
+    small = before - mEnergy < effort.settled * std::abs(mEnergy) ? small + 1 : 0;
     ++mSteps;
-    report(mStage, current, false);
+    report(false);
   }
 }
 
@@ -375,20 +448,22 @@ Rational Fitter::rational() const {
   return result;
 }
 
-void Fitter::report(std::string_view stage, double energy, bool roundEnds) {
-  mBestEnergy = energy;
-  if (!mOptions.onStep) return;
+double Fitter::psi() const {
   double psi = 0;
   for (std::size_t i = 0; i < mL.size(); ++i) psi -= mWeight[i] * mSide[i] * std::tanh(mL[i]);
-  const Rational now = rational();
-  mOptions.onStep({stage, mSteps, mRoots.size(), energy, psi, heldOutIou(), &now, roundEnds});
+  return psi;
 }
 
-FastFit Fitter::run() {
-  mStage = "roots";
+void Fitter::report(bool roundEnds) {
+  if (!mOptions.onStep) return;
+  const Rational now = rational();
+  mOptions.onStep({mStage, mSteps, mRoots.size(), mEnergy, psi(), heldOutIou(), &now, roundEnds});
+}
+
+/// The root at the origin and those that the options ask for, each on the side of the cell nearest to it.
+std::vector<FitRoot> Fitter::firstRoots() const {
   std::vector<FitRoot> first{{Point{0, 0, 0}, false, kLeastAtOrigin}};
   for (const Point& x : mOptions.start) {
-    // The side is left to the cell nearest to it.
     const auto nearest = std::min_element(mCells.begin(), mCells.end(), [&](const FitCell& a, const FitCell& b) {
       const auto square = [&](const FitCell& cell) {
         return (cell.x[0] - x[0]) * (cell.x[0] - x[0]) + (cell.x[1] - x[1]) * (cell.x[1] - x[1]) +
@@ -398,14 +473,19 @@ FastFit Fitter::run() {
     });
     if (first.size() < mOptions.maxRoots) first.push_back({x, nearest->phi > 0, 0});
   }
-  add(first);
-  newton(Loss::Logistic, 1, kRound);
+  return first;
+}
+
+FastFit Fitter::run() {
+  mStage = "roots";
+  add(firstRoots());
+  newton(kLogistic, kRound);
   double best = 0;
   int worse = 0;
   for (; mRound < kMostRounds && worse < kPatience; ++mRound) {
     dropUnused();
     const double iou = heldOutIou();
-    report(mStage, mBestEnergy, true);
+    report(true);
     worse = iou > best + kLeastRise ? 0 : worse + 1;
     best = std::max(best, iou);
     if (best >= mOptions.targetIou || mRoots.size() >= mOptions.maxRoots) break;
@@ -413,30 +493,28 @@ FastFit Fitter::run() {
         1 + static_cast<std::size_t>(std::max(kShareOfMost * static_cast<double>(mOptions.maxRoots),
                                               kShareOfPresent * static_cast<double>(mRoots.size())));
     if (addBest(std::min(wanted, mOptions.maxRoots - mRoots.size())) == 0) break;
-    newton(Loss::Logistic, 1, kRound);
+    newton(kLogistic, kRound);
   }
-  newton(Loss::Logistic, 1, kLast);
+  newton(kLogistic, kLast);
   mStage = "energy";
   for (const double sharpness : kEnergySharpness) {
-    newton(Loss::Energy, sharpness, kSharpen);
+    newton({Loss::Energy, sharpness}, kSharpen);
     dropUnused();
-    report(mStage, mBestEnergy, true);
+    report(true);
   }
-  FastFit fit{rational(), heldOutIou(), 0, mSteps};
-  for (std::size_t i = 0; i < mL.size(); ++i) fit.psi -= mWeight[i] * mSide[i] * std::tanh(mL[i]);
-  return fit;
+  return {rational(), heldOutIou(), psi(), mSteps};
 }
 
 }  // namespace
 
 FastFit fastFit(std::span<const FitCell> cells, std::span<const RootCandidate> candidates,
                 const FastFitOptions& options) {
-  if (options.maxRoots < 1) throw std::invalid_argument("a fit needs at least one root; it may have 0");
+  if (options.maxRoots < 1) throw std::invalid_argument("maxRoots is 0; it must be at least 1");
   if (!(options.targetIou > 0 && options.targetIou <= 1))
     throw std::invalid_argument("the fit's target is an IoU of " + textOf(options.targetIou) +
                                 "; it must be above 0 and at most 1");
   if (!(options.cellSize > 0) || !std::isfinite(options.cellSize))
-    throw std::invalid_argument("the fit's cells are " + textOf(options.cellSize) + " wide; they must be wider than 0");
+    throw std::invalid_argument("the size of the fit's cells is " + textOf(options.cellSize) + "; it must be above 0");
   if (!(options.powerPenalty >= 0) || !std::isfinite(options.powerPenalty))
     throw std::invalid_argument("the penalty on powers is " + textOf(options.powerPenalty) + "; it must be 0 or more");
   const auto requireFinitePlace = [](const Point& x, const char* what) {

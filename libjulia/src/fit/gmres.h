@@ -3,8 +3,6 @@
 /// The generalised minimal residual method [Saad & Schultz, SIAM J. Sci. Stat. Comput. 7(3), 1986], without restarts.
 #pragma once
 
-#include "fit/eigen_setup.h"
-
 #include <Eigen/Core>
 
 #include <cmath>

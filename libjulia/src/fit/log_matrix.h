@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file log_matrix.h
-/// The constant matrix of the fit (DESIGN.md 2.6): ln|x - r| of every cell x, in the slice 0, and root r. With the
+/// The constant matrix of the fit (docs/design.md 2.6): ln|x - r| of every cell x, in the slice 0, and root r. With the
 /// roots fixed the log-modulus of a rational is linear in the powers, so an energy and its gradient are one pass over
 /// it.
 #pragma once
 
-#include "fit/eigen_setup.h"
+#include <Eigen/Core>
 
 #include "julia/embedding.h"
 #include "julia/quaternion.h"

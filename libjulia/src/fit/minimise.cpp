@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "julia/fit/minimise.h"
 
-#include "fit/eigen_setup.h"
 #include "number_text.h"
 
 #include "julia/fit/cancelled.h"
 
 #include <LBFGSB.h>
+#include <Eigen/Core>
 
 #include <algorithm>
 #include <cmath>
@@ -63,61 +63,79 @@ struct Variables {
   }
 };
 
-}  // namespace
-
-double minimise(const ShapeEnergy& energy, Rational& rational, FitVariables kind, const MinimiseOptions& options) {
-  fixEigenBlocking();
-  requireFinite(rational);
-  if (options.maxIterations < 0)
-    throw std::invalid_argument("the optimiser may make " + std::to_string(options.maxIterations) +
-                                " iterations; it must be 0 or more");
-  if (!(options.tolerance >= 0) || !std::isfinite(options.tolerance))
-    throw std::invalid_argument("the optimiser's tolerance is " + textOf(options.tolerance) + "; it must be 0 or more");
-  Variables variables{kind, {}};
-  // Powers are hundreds where tau and beta are about 1: a unit of each variable is about its own size.
-  variables.units.resize(variables.count(rational));
-  const auto unit = [](const Polynomial& polynomial) {
+/// Powers may be hundreds where tau and beta are about 1: the unit of a variable is about its own size.
+VectorXd unitsOf(const Rational& rational, FitVariables kind) {
+  const auto meanPower = [](const Polynomial& polynomial) {
     double sum = 0;
     for (const Root& root : polynomial.roots) sum += std::abs(root.power);
     return sum > 0 ? sum / static_cast<double>(polynomial.roots.size()) : 1.0;
   };
-  variables.units.setOnes();
+  VectorXd units = VectorXd::Ones(Variables{kind, {}}.count(rational));
   if (kind == FitVariables::Full) {
     const auto tops = static_cast<Eigen::Index>(rational.top.roots.size());
-    variables.units.segment(3, tops).setConstant(unit(rational.top));
-    variables.units.tail(variables.units.size() - 3 - tops).setConstant(unit(rational.bottom));
+    units.segment(3, tops).setConstant(meanPower(rational.top));
+    units.tail(units.size() - 3 - tops).setConstant(meanPower(rational.bottom));
   }
-  variables.units[0] = std::max(1.0, std::abs(rational.logScale) / 10);
+  units[0] = std::max(1.0, std::abs(rational.logScale) / 10);
+  return units;
+}
 
-  VectorXd low = VectorXd::Zero(variables.units.size());
-  low[0] = -std::numeric_limits<double>::infinity();
-  const VectorXd high = VectorXd::Constant(low.size(), std::numeric_limits<double>::infinity());
-  VectorXd best = variables.of(rational).cwiseMax(low);
-  double lowest = std::numeric_limits<double>::infinity();
-  RationalGradient gradient;
-  Rational at = rational;
-  int steps = -1;  // the first evaluation is none
-  std::exception_ptr failure;
-  const auto evaluate = [&](const VectorXd& x, VectorXd& g) {
+/// The energy of the optimiser's variables. Remembers the best of them, and what went wrong.
+class Objective {
+ public:
+  Objective(const ShapeEnergy& energy, const Rational& rational, FitVariables kind, const MinimiseOptions& options)
+      : mEnergy(energy),
+        mOptions(options),
+        mVariables{kind, unitsOf(rational, kind)},
+        mLow(VectorXd::Zero(mVariables.units.size())),
+        mAt(rational) {
+    mLow[0] = -std::numeric_limits<double>::infinity();
+    mBest = mVariables.of(rational).cwiseMax(mLow);
+  }
+
+  /// As LBFGSpp calls it. @param g  the gradient at x
+  double operator()(const VectorXd& x, VectorXd& g) {
     try {
-      if (options.cancelled && options.cancelled()) throw Cancelled();
-      // Rounding may take a step a little beyond a bound.
-      const VectorXd within = x.cwiseMax(low);
-      variables.assign(within, at);
-      const double value = energy.evaluate(at, &gradient);
-      g = variables.gradient(gradient, at);
-      if (value < lowest) {
-        lowest = value;
-        best = within;
-        if (++steps > 0 && options.onStep) options.onStep(value, at);
+      if (mOptions.cancelled && mOptions.cancelled()) throw Cancelled();
+      // Rounding may take a step slightly beyond a bound.
+      const VectorXd within = x.cwiseMax(mLow);
+      mVariables.assign(within, mAt);
+      const double value = mEnergy.evaluate(mAt, &mGradient);
+      g = mVariables.gradient(mGradient, mAt);
+      if (value < mLowest) {
+        mLowest = value;
+        mBest = within;
+        if (++mSteps > 0 && mOptions.onStep) mOptions.onStep(value, mAt);
       }
       return value;
     } catch (...) {
-      failure = std::current_exception();
+      mFailure = std::current_exception();
       throw;
     }
-  };
+  }
 
+  const VectorXd& low() const { return mLow; }
+  const VectorXd& best() const { return mBest; }
+  double lowest() const { return mLowest; }
+  int steps() const { return mSteps; }
+  void assignBest(Rational& rational) const { mVariables.assign(mBest, rational); }
+  void rethrowFailure() const {
+    if (mFailure) std::rethrow_exception(mFailure);
+  }
+
+ private:
+  const ShapeEnergy& mEnergy;
+  const MinimiseOptions& mOptions;
+  Variables mVariables;
+  VectorXd mLow, mBest;
+  double mLowest = std::numeric_limits<double>::infinity();
+  int mSteps = -1;  ///< the first evaluation does not count
+  Rational mAt;
+  RationalGradient mGradient;
+  std::exception_ptr mFailure;
+};
+
+LBFGSpp::LBFGSBParam<double> parametersOf(const MinimiseOptions& options) {
   LBFGSpp::LBFGSBParam<double> parameters;
   parameters.m = 20;
   parameters.epsilon = 1e-10;
@@ -125,30 +143,49 @@ double minimise(const ShapeEnergy& energy, Rational& rational, FitVariables kind
   parameters.past = 10;
   parameters.delta = options.tolerance;
   parameters.max_linesearch = 20;
+  return parameters;
+}
+
+void requireValid(const MinimiseOptions& options) {
+  if (options.maxIterations < 0)
+    throw std::invalid_argument("the optimiser's iterations are " + std::to_string(options.maxIterations) +
+                                "; they must be 0 or more");
+  if (!(options.tolerance >= 0) || !std::isfinite(options.tolerance))
+    throw std::invalid_argument("the optimiser's tolerance is " + textOf(options.tolerance) + "; it must be 0 or more");
+}
+
+}  // namespace
+
+double minimise(const ShapeEnergy& energy, Rational& rational, FitVariables kind, const MinimiseOptions& options) {
+  requireFinite(rational);
+  requireValid(options);
+  Objective objective(energy, rational, kind, options);
+  LBFGSpp::LBFGSBParam<double> parameters = parametersOf(options);
+  const VectorXd high = VectorXd::Constant(objective.low().size(), std::numeric_limits<double>::infinity());
   bool settled = false;
   if (options.maxIterations == 0) {
     VectorXd g;
-    evaluate(best, g);
+    objective(objective.best(), g);
     settled = true;
   }
   while (!settled) {
-    const double before = lowest;
-    parameters.max_iterations = std::max(1, options.maxIterations - std::max(0, steps));
+    const double before = objective.lowest();
+    parameters.max_iterations = std::max(1, options.maxIterations - std::max(0, objective.steps()));
     LBFGSpp::LBFGSBSolver<double> solver(parameters);
-    VectorXd x = best;
+    VectorXd x = objective.best();
     double value = 0;
     try {
-      solver.minimize(evaluate, x, value, low, high);
+      solver.minimize(objective, x, value, objective.low(), high);
       settled = true;
     } catch (const std::exception&) {
-      if (failure) std::rethrow_exception(failure);
-      // LBFGSpp says so where a line search ends badly. What it remembers of the curvature may be at fault: another
-      // start from the best so far, without memory, goes on as long as that helps.
-      settled = !(before - lowest > options.tolerance) || steps >= options.maxIterations;
+      objective.rethrowFailure();
+      // LBFGSpp throws where a line search fails. What it remembers of the curvature may be at fault: another start
+      // from the best point so far, without memory, goes on as long as that helps.
+      settled = !(before - objective.lowest() > options.tolerance) || objective.steps() >= options.maxIterations;
     }
   }
-  variables.assign(best, rational);
-  return lowest;
+  objective.assignBest(rational);
+  return objective.lowest();
 }
 
 }  // namespace julia

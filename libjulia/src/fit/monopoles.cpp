@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "julia/fit/monopoles.h"
 
-#include "fit/eigen_setup.h"
 #include "julia/fit/cancelled.h"
 #include "number_text.h"
 
@@ -19,13 +18,13 @@
 namespace julia {
 namespace {
 
-// As requireFinite(const Rational&) has it.
+// As in requireFinite(const Rational&).
 constexpr double kLargestNumber = 1e9;
 constexpr std::size_t kMostMonopoles = 1'000'000;
-// Candidates drawn at once: enough that a pool lasts, and quick to draw.
+// Candidates drawn at once: enough to last a while, but quick to draw.
 constexpr std::size_t kPool = 10'000;
-// A column of which less than this part is new adds nothing but rounding errors, large weights and larger ones against
-// them.
+// A column of which less than this part is new would add only rounding errors, and large weights that cancel each
+// other.
 constexpr double kDependent = 1e-8;
 
 using Eigen::Index;
@@ -50,8 +49,8 @@ void requireValid(std::span<const Point> samples, std::span<const double> potent
   requireCount(options.maxCount, kMostMonopoles, "the largest number of monopoles");
   requireCount(options.candidatesPerStep, kMostMonopoles, "the number of candidates for a monopole");
   if (samples.empty() || samples.size() != potentials.size())
-    throw std::invalid_argument("monopoles are fitted to " + std::to_string(potentials.size()) + " potentials at " +
-                                std::to_string(samples.size()) + " samples; give as many of both, and at least one");
+    throw std::invalid_argument("there are " + std::to_string(potentials.size()) + " potentials for " +
+                                std::to_string(samples.size()) + " samples; give one for each, and at least one");
   for (std::size_t i = 0; i < samples.size(); ++i) {
     for (const double coordinate : samples[i]) requireNumber(coordinate, "a coordinate", i);
     requireNumber(potentials[i], "the potential", i);
@@ -61,7 +60,7 @@ void requireValid(std::span<const Point> samples, std::span<const double> potent
                                 " samples; there is nothing to fit monopoles to");
 }
 
-/// Slices of progressive blue noises, one after another.
+/// Slices of progressive blue noise, one after another.
 class Candidates {
  public:
   Candidates(const TriangleSurface& surface, const MonopoleOptions& options)
@@ -116,12 +115,12 @@ class LeastSquares {
 
   const VectorXd& residual() const { return mResidual; }
 
-  /// @return false, and nothing is changed, where the column depends on those before it or is not finite
+  /// @return false, changing nothing, if the column depends on those before it or is not finite
   bool add(VectorXd column) {
     const double whole = column.norm();
     if (!std::isfinite(whole)) return false;
     VectorXd coefficients = VectorXd::Zero(static_cast<Index>(mQ.size()) + 1);
-    // Gram and Schmidt's method loses orthogonality to rounding; once more restores it [Giraud et al., Numer. Math.
+    // The Gram-Schmidt method loses orthogonality by rounding; a second pass restores it [Giraud et al., Numer. Math.
     // 101, 2005].
     for (int pass = 0; pass < 2; ++pass) coefficients.head(coefficients.size() - 1) += removeFrom(column);
     const double rest = column.norm();
@@ -146,7 +145,7 @@ class LeastSquares {
   }
 
  private:
-  /// Takes the parts along Q out of a column. @return their sizes
+  /// Removes the components along Q from a column. @return their sizes
   VectorXd removeFrom(VectorXd& column) const {
     VectorXd parts(static_cast<Index>(mQ.size()));
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mQ.size(), 8), [&](const auto& range) {
@@ -165,13 +164,13 @@ class LeastSquares {
   std::vector<double> mShares;
 };
 
-/// The candidates' indices, those with the largest |c . r| first; equal ones in their order.
+/// The candidates' indices by falling |c . r|; equal ones keep their order.
 std::vector<std::size_t> ranked(std::span<const Point> candidates, const Columns& columns, const VectorXd& residual) {
   std::vector<double> projections(candidates.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, candidates.size(), 4), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       const double projection = std::abs(columns.at(candidates[i]).dot(residual));
-      // On a sample itself a monopole is infinite.
+      // The potential of a monopole on a sample is infinite.
       projections[i] = std::isfinite(projection) ? projection : 0;
     }
   });
@@ -187,7 +186,6 @@ std::vector<std::size_t> ranked(std::span<const Point> candidates, const Columns
 MonopoleFit fitMonopoles(const TriangleSurface& surface, std::span<const Point> samples,
                          std::span<const double> potentials, const MonopoleOptions& options) {
   requireValid(samples, potentials, options);
-  fixEigenBlocking();
   const Columns columns(samples);
   const VectorXd p = Eigen::Map<const VectorXd>(potentials.data(), static_cast<Index>(potentials.size()));
   const double whole = p.norm();
@@ -203,7 +201,7 @@ MonopoleFit fitMonopoles(const TriangleSurface& surface, std::span<const Point> 
     const auto chosen =
         std::find_if(order.begin(), order.end(), [&](std::size_t i) { return squares.add(columns.at(slice[i])); });
     if (chosen == order.end()) {
-      // A whole pool in vain: the columns so far span all that the surface offers.
+      // A whole pool has brought nothing: the columns so far span all that the surface offers.
       if (++fruitless == candidates.slicesInPool()) break;
       continue;
     }

@@ -17,9 +17,9 @@
 namespace julia {
 namespace {
 
-constexpr double kFarthest = 1e9;  // as requireFinite(const Rational&) has it
+constexpr double kFarthest = 1e9;  // as in requireFinite(const Rational&)
 constexpr std::size_t kMostPoints = 100'000'000;
-// Candidates for each point that is kept: with more the distances hardly grow.
+// Candidates for each point that is kept; with more, the distances hardly grow.
 constexpr std::size_t kOversampling = 5;
 // Along an axis, so that indices fit 64 bits.
 constexpr double kMostCells = 0x1p60;
@@ -31,7 +31,7 @@ double areaOf(const TriangleSurface& surface, const std::array<std::uint32_t, 3>
   return 0.5 * length(cross(surface.points[triangle[1]] - a, surface.points[triangle[2]] - a));
 }
 
-/// One point in each of @a count equal parts of the area, triangle after triangle.
+/// One point in each of @a count equal parts of the area, in the order of the triangles.
 std::vector<Point> stratifiedSamples(const TriangleSurface& surface, double wholeArea, std::size_t count,
                                      std::uint64_t seed) {
   Random random(seed);
@@ -42,7 +42,7 @@ std::vector<Point> stratifiedSamples(const TriangleSurface& surface, double whol
   for (std::size_t i = 0; i < count; ++i) {
     const double place = (static_cast<double>(i) + random.unit()) / static_cast<double>(count) * wholeArea;
     while (place >= end && t + 1 < surface.triangles.size()) end += areaOf(surface, surface.triangles[++t]);
-    // The root makes the density even: the part of a triangle below u of its height has the area u^2.
+    // The square root makes the density even: the tip of a triangle up to u times its height has u^2 of its area.
     const double u = std::sqrt(random.unit()), v = random.unit();
     const auto& [a, b, c] = surface.triangles[t];
     samples.push_back((1 - u) * surface.points[a] + (u * (1 - v)) * surface.points[b] + (u * v) * surface.points[c]);
@@ -50,7 +50,7 @@ std::vector<Point> stratifiedSamples(const TriangleSurface& surface, double whol
   return samples;
 }
 
-/// Finds the neighbours of points within a radius: points sorted by the cell of a grid that they are in.
+/// Finds the neighbours of points within a radius, with the points sorted by their cells in a grid.
 class HashGrid {
  public:
   HashGrid(std::span<const Point> samples, std::span<const Index> members, double radius)
@@ -84,7 +84,7 @@ class HashGrid {
   }
 
  private:
-  /// z, y, x: cells beside each other in x follow each other.
+  /// The order is z, y, x, so that neighbours along x follow each other.
   using Cell = std::array<std::int64_t, 3>;
   using Entry = std::pair<Cell, Index>;
 
@@ -131,7 +131,7 @@ std::vector<Index> eliminate(std::span<const Point> samples, std::vector<Index>&
   while (removed.size() + count < members.size()) {
     const auto [weight, i] = queue.top();
     queue.pop();
-    // Weights only fall, so one that is out of date stands too far ahead, never too far behind.
+    // Weights never grow, so an outdated entry can only be too near the top of the queue.
     if (weight != weights[i]) {
       queue.emplace(weights[i], i);
       continue;
@@ -179,7 +179,7 @@ std::vector<Point> blueNoise(const TriangleSurface& surface, std::size_t count, 
   for (std::size_t i = 0; i < members.size(); ++i) members[i] = static_cast<Index>(i);
   eliminate(samples, members, count, wholeArea);
 
-  // What is removed last belongs to the longer prefixes only; the radius grows as the prefixes shrink.
+  // Points that are removed first come last. Each round halves what is left, with the larger radius of fewer points.
   std::vector<Point> points(count);
   while (members.size() > 1) {
     std::size_t place = members.size();

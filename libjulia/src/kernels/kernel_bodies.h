@@ -59,6 +59,80 @@ JULIA_INLINE void powerByProducts(std::uint32_t integer, const Row<Real>& a, con
   JULIA_FOR_POINTS factor.imaginary[i] *= scale[i];
 }
 
+/// The factor of a real power, by the angle of q - t. @param angle, inverse  working memory
+template <class Real>
+JULIA_INLINE void factorByAngle(const RootFactor<Real>& root, const Row<Real> (&q)[4], Row<Real>& angle,
+                                Row<Real>& inverse, Row<Real>& smallest, Factor<Real>& factor, std::size_t padded) {
+  const Real ta = root.root[0], tb = root.root[1], tc = root.root[2], td = root.root[3], power = root.power;
+  JULIA_FOR_POINTS {
+    const Real da = q[0][i] - ta, db = q[1][i] - tb, dc = q[2][i] - tc, dd = q[3][i] - td;
+    const Real square = db * db + dc * dc + dd * dd;
+    smallest[i] = square < smallest[i] ? square : smallest[i];
+    angle[i] = power * angleInQuadrants(da, squareRoot(square), inverse[i]);
+  }
+  JULIA_FOR_POINTS {
+    Real sine, cosine;
+    sineCosine(angle[i], sine, cosine);
+    factor.real[i] = cosine;
+    factor.imaginary[i] = sine * inverse[i];
+  }
+}
+
+/// 1 / sqrt(x) of a squared norm, or a guess at it.
+template <bool kGuess, class Real>
+JULIA_INLINE Real inverseRoot(Real x) {
+  if constexpr (kGuess)
+    return guessedInverseRoot(x);
+  else
+    return 1 / squareRoot(x);
+}
+
+/// q - t scaled to a length of 1, or about 1: its real part, the square of its imaginary part, and the scale.
+template <bool kGuess, class Real>
+JULIA_INLINE void scaledDifference(const RootFactor<Real>& root, const Row<Real> (&q)[4], Row<Real>& a, Row<Real>& s,
+                                   Row<Real>& scale, Row<Real>& smallest, std::size_t padded) {
+  const Real ta = root.root[0], tb = root.root[1], tc = root.root[2], td = root.root[3];
+  JULIA_FOR_POINTS {
+    const Real da = q[0][i] - ta, db = q[1][i] - tb, dc = q[2][i] - tc, dd = q[3][i] - td;
+    const Real square = db * db + dc * dc + dd * dd;
+    const Real norm = da * da + square;
+    smallest[i] = norm < smallest[i] ? norm : smallest[i];
+    const Real by = inverseRoot<kGuess>(norm);
+    scale[i] = by;
+    a[i] = da * by;
+    s[i] = square * (by * by);
+  }
+}
+
+/// u times the factor of a root.
+template <class Real>
+JULIA_INLINE void multiplyBy(const Factor<Real>& factor, const RootFactor<Real>& root, const Row<Real> (&q)[4],
+                             Row<Real> (&u)[4], std::size_t padded) {
+  const Real tb = root.root[1], tc = root.root[2], td = root.root[3];
+  JULIA_FOR_POINTS {
+    const Real fa = factor.real[i], by = factor.imaginary[i];
+    const Real fb = (q[1][i] - tb) * by, fc = (q[2][i] - tc) * by, fd = (q[3][i] - td) * by;
+    const Real ua = u[0][i], ub = u[1][i], uc = u[2][i], ud = u[3][i];
+    u[0][i] = ua * fa - ub * fb - uc * fc - ud * fd;
+    u[1][i] = ua * fb + ub * fa + uc * fd - ud * fc;
+    u[2][i] = ua * fc - ub * fd + uc * fa + ud * fb;
+    u[3][i] = ua * fd + ub * fc - uc * fb + ud * fa;
+  }
+}
+
+/// u scaled to a length of 1, or about 1.
+template <bool kGuess, class Real>
+JULIA_INLINE void normaliseRows(Row<Real> (&u)[4], std::size_t padded) {
+  JULIA_FOR_POINTS {
+    const Real ua = u[0][i], ub = u[1][i], uc = u[2][i], ud = u[3][i];
+    const Real by = inverseRoot<kGuess>(ua * ua + ub * ub + uc * uc + ud * ud);
+    u[0][i] = ua * by;
+    u[1][i] = ub * by;
+    u[2][i] = uc * by;
+    u[3][i] = ud * by;
+  }
+}
+
 template <class Real>
 bool versor(const RootFactor<Real>* roots, std::size_t rootCount, ConstBatch<Real> points, Batch<Real> out, Real* least,
             std::size_t size) {
@@ -76,74 +150,20 @@ bool versor(const RootFactor<Real>* roots, std::size_t rootCount, ConstBatch<Rea
     }
     for (std::size_t r = 0; r < rootCount; ++r) {
       const RootFactor<Real>& root = roots[r];
-      const Real ta = root.root[0], tb = root.root[1], tc = root.root[2], td = root.root[3];
       if (root.method == PowerMethod::Angle) {
-        const Real power = root.power;
-        JULIA_FOR_POINTS {
-          const Real da = q[0][i] - ta, db = q[1][i] - tb, dc = q[2][i] - tc, dd = q[3][i] - td;
-          const Real square = db * db + dc * dc + dd * dd;
-          smallest[i] = square < smallest[i] ? square : smallest[i];
-          a[i] = power * angleInQuadrants(da, squareRoot(square), scale[i]);
-        }
-        JULIA_FOR_POINTS {
-          Real sine, cosine;
-          sineCosine(a[i], sine, cosine);
-          factor.real[i] = cosine;
-          factor.imaginary[i] = sine * scale[i];
-        }
+        factorByAngle(root, q, a, scale, smallest, factor, padded);
       } else {
-        if (root.method == PowerMethod::Products) {
-          JULIA_FOR_POINTS {
-            const Real da = q[0][i] - ta, db = q[1][i] - tb, dc = q[2][i] - tc, dd = q[3][i] - td;
-            const Real square = db * db + dc * dc + dd * dd;
-            const Real norm = da * da + square;
-            smallest[i] = norm < smallest[i] ? norm : smallest[i];
-            const Real by = guessedInverseRoot(norm);
-            scale[i] = by;
-            a[i] = da * by;
-            s[i] = square * (by * by);
-          }
-        } else {
-          JULIA_FOR_POINTS {
-            const Real da = q[0][i] - ta, db = q[1][i] - tb, dc = q[2][i] - tc, dd = q[3][i] - td;
-            const Real square = db * db + dc * dc + dd * dd;
-            const Real norm = da * da + square;
-            smallest[i] = norm < smallest[i] ? norm : smallest[i];
-            const Real by = 1 / squareRoot(norm);
-            scale[i] = by;
-            a[i] = da * by;
-            s[i] = square * (by * by);
-          }
-        }
+        if (root.method == PowerMethod::Products)
+          scaledDifference<true>(root, q, a, s, scale, smallest, padded);
+        else
+          scaledDifference<false>(root, q, a, s, scale, smallest, padded);
         powerByProducts(root.integer, a, s, scale, factor, padded);
         if (root.power < 0) JULIA_FOR_POINTS factor.imaginary[i] = -factor.imaginary[i];
       }
-      JULIA_FOR_POINTS {
-        const Real fa = factor.real[i], by = factor.imaginary[i];
-        const Real fb = (q[1][i] - tb) * by, fc = (q[2][i] - tc) * by, fd = (q[3][i] - td) * by;
-        const Real ua = u[0][i], ub = u[1][i], uc = u[2][i], ud = u[3][i];
-        u[0][i] = ua * fa - ub * fb - uc * fc - ud * fd;
-        u[1][i] = ua * fb + ub * fa + uc * fd - ud * fc;
-        u[2][i] = ua * fc - ub * fd + uc * fa + ud * fb;
-        u[3][i] = ua * fd + ub * fc - uc * fb + ud * fa;
-      }
-      if (root.renormaliseAfterward) JULIA_FOR_POINTS {
-          const Real ua = u[0][i], ub = u[1][i], uc = u[2][i], ud = u[3][i];
-          const Real by = guessedInverseRoot(ua * ua + ub * ub + uc * uc + ud * ud);
-          u[0][i] = ua * by;
-          u[1][i] = ub * by;
-          u[2][i] = uc * by;
-          u[3][i] = ud * by;
-        }
+      multiplyBy(factor, root, q, u, padded);
+      if (root.renormaliseAfterward) normaliseRows<true>(u, padded);
     }
-    JULIA_FOR_POINTS {
-      const Real ua = u[0][i], ub = u[1][i], uc = u[2][i], ud = u[3][i];
-      const Real by = 1 / squareRoot(ua * ua + ub * ub + uc * uc + ud * ud);
-      u[0][i] = ua * by;
-      u[1][i] = ub * by;
-      u[2][i] = uc * by;
-      u[3][i] = ud * by;
-    }
+    normaliseRows<false>(u, padded);
     for (int k = 0; k < 4; ++k) store(u[k], out.component[k], range);
     store(smallest, least, range);
     unusual |= anyUnusual(q, smallest, padded);

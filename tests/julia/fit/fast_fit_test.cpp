@@ -408,15 +408,15 @@ TEST(FastFit, refusesNonsense) {
   refused([](Target& t, auto&) { t.cells[9].volume = -3; }, "-3");
   refused([](Target& t, auto&) { t.candidates[9].x[0] = std::numeric_limits<double>::infinity(); }, "inf");
   refused([](auto&, FastFitOptions& o) { o.start = {{0, kNan, 0}}; }, "nan");
-  refused([](auto&, FastFitOptions& o) { o.maxRoots = 0; }, "have 0");
+  refused([](auto&, FastFitOptions& o) { o.maxRoots = 0; }, "maxRoots is 0");
   for (const double bad : {0., -1., 2., kNan})
     refused([&](auto&, FastFitOptions& o) { o.targetIou = bad; }, bad == 2   ? "2"
                                                                   : bad == 0 ? "0"
                                                                   : bad < 0  ? "-1"
                                                                              : "nan");
-  refused([](auto&, FastFitOptions& o) { o.cellSize = 0; }, "0 wide");
-  refused([](auto&, FastFitOptions& o) { o.cellSize = -1e-9; }, "-1e-09 wide");
-  refused([](auto&, FastFitOptions& o) { o.cellSize = kNan; }, "nan wide");
+  refused([](auto&, FastFitOptions& o) { o.cellSize = 0; }, "cells is 0");
+  refused([](auto&, FastFitOptions& o) { o.cellSize = -1e-9; }, "cells is -1e-09");
+  refused([](auto&, FastFitOptions& o) { o.cellSize = kNan; }, "cells is nan");
   refused([](auto&, FastFitOptions& o) { o.powerPenalty = -1e-9; }, "-1e-09");
   refused([](auto&, FastFitOptions& o) { o.powerPenalty = kNan; }, "nan");
 }

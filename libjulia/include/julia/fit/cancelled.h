@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file cancelled.h
-/// What work throws that was asked to stop by the function its options hold.
+/// The exception by which work ends when the function `cancelled` in its options returns true.
 #pragma once
 
 #include <stdexcept>

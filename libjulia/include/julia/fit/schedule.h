@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file schedule.h
-/// Optimisation schedules as [Kim15] 4.5 writes them: "25(VFRF) 50(VFRF) 97(VF)", passes on grids of 25^3, 50^3 and
-/// 97^3 cells, in that order.
+/// Optimisation schedules in the notation of [Kim15] 4.5: "25(VFRF) 50(VFRF) 97(VF)" stands for passes on grids of
+/// 25^3, 50^3 and 97^3 cells, in that order.
 #pragma once
 
 #include <string>
@@ -12,21 +12,21 @@ namespace julia {
 
 enum class FitPassKind {
   VariableCoarsened,  ///< V: C, tau and beta only
-  Full,               ///< F: the powers too
-  Reweighted,         ///< R: as F, with W balanced between what is captured well and what is not
+  Full,               ///< F: the powers as well
+  Reweighted,         ///< R: like F, with W balanced between the regions that are captured well and poorly
 };
 
 struct FitPass {
-  int resolution = 0;  ///< cells along the cube's edge, 4 to 1000
+  int resolution = 0;  ///< cells along the cube's edge, from 4 to 1000
   FitPassKind kind = FitPassKind::Full;
 
   friend bool operator==(const FitPass&, const FitPass&) = default;
 };
 
-/// @throw std::invalid_argument  what is wrong and at which character
+/// The passes that a text stands for. @throw std::invalid_argument  saying what is wrong and at which character
 std::vector<FitPass> parseSchedule(std::string_view text);
 
-/// As parseSchedule() reads it: passes of one resolution together.
+/// The text that parseSchedule() reads, with passes of the same resolution together.
 std::string toString(const std::vector<FitPass>& schedule);
 
 }  // namespace julia

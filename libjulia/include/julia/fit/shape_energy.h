@@ -4,9 +4,9 @@
 ///
 ///   psi = (1 / eta) sum over cells of -tanh(alpha L) W,   eta = sum |W|,   L = ln|R(x)|,
 ///
-/// -1 for a perfect match, +1 for the opposite, never outside. W carries the sign of phi. By the log-polar form
-/// L = C + tau sum T_i ln|x - t_i| - beta sum B_i ln|x - b_i| is linear in the powers, so the gradient needs none of
-/// the ordered products of [Kim15] Appendix A (docs/fitting.md has the proof that it is the same).
+/// which is -1 for a perfect match, +1 for the opposite, and never outside that interval. W has the sign of phi. In
+/// log-polar form L = C + tau sum T_i ln|x - t_i| - beta sum B_i ln|x - b_i| is linear in the powers, so the gradient
+/// does not need the ordered products of [Kim15] Appendix A (docs/fitting.md proves that it is the same).
 #pragma once
 
 #include "julia/embedding.h"
@@ -23,53 +23,59 @@ namespace julia {
 struct FitCell {
   Point x;           ///< units of the map's space, in the slice 0
   float phi = 0;     ///< signed distance to the target there, the same units, negative inside
-  float volume = 1;  ///< of what the cell stands for, in the smallest cells
+  float volume = 1;  ///< the volume that the cell represents, in units of the smallest cell
 };
 
 std::vector<Point> pointsOf(std::span<const FitCell> cells);
 
-/// Cells; nearer to the surface a cell is cut by it, and 1 / phi says nothing.
+/// In cells. Nearer to the surface a cell is cut by it, and 1 / phi is meaningless.
 inline constexpr double kLeastDistance = 0.5;
 
 enum class CellWeights {
-  InverseDistance,  ///< W = volume / phi, |phi| taken as at least kLeastDistance: [Kim15] Eq. 6
-  Layers,           ///< W = volume / layers of cells from the surface, each side summing to one half: the 2015 program
+  InverseDistance,  ///< W = volume / phi, with |phi| at least kLeastDistance: [Kim15] Eq. 6
+  Layers,  ///< W = volume / layers of cells from the surface, where each side sums to one half: the program of [Kim15]
 };
 
-/// W of every cell, signed as phi. @param cellSize  edge of the smallest cell, units of the map's space
+/// W of every cell, with the sign of phi.
+/// @param cells     where the energy is summed
+/// @param kind      the definition of W
+/// @param cellSize  edge of the smallest cell, units of the map's space
 std::vector<double> cellWeights(std::span<const FitCell> cells, CellWeights kind, double cellSize);
 
 struct RationalGradient {
-  double logScale = 0, topScale = 0, bottomScale = 0;  ///< by C, tau, beta
-  std::vector<double> top, bottom;                     ///< by the T_i, the B_i
+  double logScale = 0, topScale = 0, bottomScale = 0;  ///< derivatives by C, tau and beta
+  std::vector<double> top, bottom;                     ///< derivatives by the T_i and the B_i
 };
 
 struct ShapeEnergyOptions {
   double alpha = 1;         ///< sharpness of the step, > 0
-  double powerPenalty = 0;  ///< times the summed powers is added to psi ([KD20] asks for small sums), >= 0
-  std::size_t memoryLimit = std::size_t{2} << 30;  ///< bytes for logs; beyond it they are made anew each time
+  double powerPenalty = 0;  ///< this times the summed powers is added to psi ([KD20] asks for small sums), >= 0
+  std::size_t memoryLimit = std::size_t{2} << 30;  ///< bytes for logarithms; beyond it they are computed each time
 };
 
 class ShapeEnergy {
  public:
+  /// @param cells    where the energy is summed, units of the map's space
   /// @param weights  W of every cell
-  /// @param roots    where the roots are; its powers do not matter
-  /// @throw std::invalid_argument  no cells, sizes that differ, numbers that are not finite, weights that are all 0,
+  /// @param roots    gives the positions of the roots; its powers do not matter
+  /// @param options  see ShapeEnergyOptions
+  /// @throw std::invalid_argument  no cells, different sizes, numbers that are not finite, weights that are all 0, or
   ///                               options out of their domain
   ShapeEnergy(std::span<const Point> cells, std::vector<double> weights, const Rational& roots,
               const ShapeEnergyOptions& options);
   ~ShapeEnergy();
 
-  /// psi and the penalty. @param rational  powers and scales; its roots are where the constructor's are
+  /// The sum of psi and the penalty.
+  /// @param rational  powers and scales; its roots must be those given to the constructor
   /// @param gradient  filled if not null
-  /// @throw std::invalid_argument  not as many roots
+  /// @throw std::invalid_argument  another number of roots
   double evaluate(const Rational& rational, RationalGradient* gradient) const;
 
   /// L of every cell.
   void logModuli(const Rational& rational, std::span<double> l) const;
 
   const std::vector<double>& weights() const;
-  /// Other W, for a reweighted pass. @throw as the constructor
+  /// Replaces W, for a reweighted pass. @throw std::invalid_argument  as the constructor
   void setWeights(std::vector<double> weights);
   const ShapeEnergyOptions& options() const;
 
@@ -78,11 +84,14 @@ class ShapeEnergy {
   std::unique_ptr<Parts> mParts;
 };
 
-/// [Kim15] 4.5: W scaled in two regions of the target's inside, the well-captured one, inside the fractal too, and the
-/// poorly-captured rest, so that the sums of |tanh(alpha L) W| over both are equal and their sum stays. Cells outside
-/// keep theirs, and so do all if either region is empty.
-/// @param fractalInside  whether a cell is inside the fractal
-/// @pre all spans have one size
+/// [Kim15] 4.5: W scaled in the two regions of the target's inside, which are the well-captured one (inside the fractal
+/// too) and the poorly-captured rest, so that the sums of |tanh(alpha L) W| over both are equal and their total is
+/// unchanged. Cells outside the target keep their weights, and so do all cells if either region is empty.
+/// @param weights        W of every cell
+/// @param l              L of every cell
+/// @param alpha          the energy's sharpness
+/// @param fractalInside  whether each cell is inside the fractal
+/// @pre all spans have the same size
 std::vector<double> reweighted(std::span<const double> weights, std::span<const double> l, double alpha,
                                std::span<const char> fractalInside);
 
