@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: Apache-2.0
+# The target `docs` makes HTML of the public headers. A warning is an error.
+find_package(Doxygen QUIET)
+if(DOXYGEN_FOUND)
+  set(DOXYGEN_QUIET YES)
+  set(DOXYGEN_GENERATE_LATEX NO)
+  set(DOXYGEN_HAVE_DOT NO)
+  # The first sentence of a comment is its summary.
+  set(DOXYGEN_JAVADOC_AUTOBRIEF YES)
+  # What a name says by itself, a parameter's included, has no comment.
+  set(DOXYGEN_EXTRACT_ALL YES)
+  set(DOXYGEN_WARN_IF_INCOMPLETE_DOC NO)
+  set(DOXYGEN_BUILTIN_STL_SUPPORT YES)
+  set(DOXYGEN_WARN_AS_ERROR FAIL_ON_WARNINGS)
+  set(DOXYGEN_STRIP_FROM_PATH libjulia/include vdbtools/include)
+  set(DOXYGEN_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/docs)
+  doxygen_add_docs(docs libjulia/include vdbtools/include)
+endif()
