@@ -151,8 +151,8 @@ std::vector<double> evaluate(const Field& field, std::span<const Point> points, 
   return result;
 }
 
-/// Nodes of the lattice i side/N: of the part of a shape modulus' shell (DESIGN.md 2.4) that holds its surface, or of a
-/// rational's box.
+/// Nodes of the lattice i side/N: of the part of a shape modulus' shell (docs/design.md 2.4) that holds its surface, or
+/// of a rational's box.
 std::vector<Point> randomNodes(const Scene& scene, std::size_t count, double voxels, std::uint64_t seed) {
   // ln r_in of the bumpy ball is -1.07; whatever leaves the unit ball in the first step escapes in the second.
   constexpr double kLeastE = -1.1, kLargestE = 0.1;

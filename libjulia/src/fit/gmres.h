@@ -1,64 +1,87 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file gmres.h
-/// The generalised minimal residual method [Saad & Schultz, SIAM J. Sci. Stat. Comput. 7(3), 1986], without restarts.
+/// Eigen's generalised minimal residual method [Saad & Schultz, SIAM J. Sci. Stat. Comput. 7(3), 1986], without
+/// restarts, for a matrix that is given as a function.
 #pragma once
 
 #include <Eigen/Core>
+#include <unsupported/Eigen/IterativeSolvers>
 
-#include <cmath>
-#include <vector>
+#include <algorithm>
 
 namespace julia {
+
+template <class Apply>
+class LinearOperator;
+
+}  // namespace julia
+
+// What Eigen requires of a matrix that is a function.
+namespace Eigen::internal {
+
+template <class Apply>
+struct traits<julia::LinearOperator<Apply>> : traits<SparseMatrix<double>> {};
+
+template <class Apply, class Rhs>
+struct generic_product_impl<julia::LinearOperator<Apply>, Rhs, SparseShape, DenseShape, GemvProduct>
+    : generic_product_impl_base<julia::LinearOperator<Apply>, Rhs,
+                                generic_product_impl<julia::LinearOperator<Apply>, Rhs>> {
+  template <class Dest>
+  static void scaleAndAddTo(Dest& to, const julia::LinearOperator<Apply>& matrix, const Rhs& x, const double& scale) {
+    VectorXd product(x.size());
+    matrix.apply(x, product);
+    to += scale * product;
+  }
+};
+
+}  // namespace Eigen::internal
+
+namespace julia {
+
+/// A square matrix A, given by apply(v, Av).
+template <class Apply>
+class LinearOperator : public Eigen::EigenBase<LinearOperator<Apply>> {
+ public:
+  using Scalar = double;
+  using RealScalar = double;
+  using StorageIndex = int;
+  enum { ColsAtCompileTime = Eigen::Dynamic, MaxColsAtCompileTime = Eigen::Dynamic, IsRowMajor = false };
+
+  LinearOperator(const Apply& apply, Eigen::Index size) : apply(apply), mSize(size) {}
+  Eigen::Index rows() const { return mSize; }
+  Eigen::Index cols() const { return mSize; }
+  template <class Rhs>
+  Eigen::Product<LinearOperator, Rhs, Eigen::AliasFreeProduct> operator*(const Eigen::MatrixBase<Rhs>& x) const {
+    return {*this, x.derived()};
+  }
+
+  const Apply& apply;
+
+ private:
+  Eigen::Index mSize;
+};
 
 struct GmresResult {
   Eigen::VectorXd x;
   int iterations = 0;
 };
 
-/// Solves A x = b until |A x - b| <= tolerance |b| by its own estimate, or for @a maxIterations; one vector is kept for
-/// each. @param apply  apply(v, Av) for vectors of b's size
+/// Solves A x = b until |A x - b| <= tolerance |b| by the method's own estimate, or for @a maxIterations; it keeps a
+/// vector for each iteration.
+/// @param apply          apply(v, Av) for vectors of b's size
+/// @param b              the right-hand side
+/// @param tolerance      of the relative residual
+/// @param maxIterations  1 or more
 template <class Apply>
 GmresResult gmres(const Apply& apply, const Eigen::VectorXd& b, double tolerance, int maxIterations) {
-  const double bNorm = b.norm();
-  std::vector<Eigen::VectorXd> basis{b / bNorm};
-  // The Hessenberg matrix, made triangular by rotations as it grows, a column an iteration.
-  std::vector<Eigen::VectorXd> columns;
-  std::vector<double> cosines, sines, rest{bNorm};
-  while (static_cast<int>(columns.size()) < maxIterations && std::abs(rest.back()) > tolerance * bNorm) {
-    const std::size_t k = columns.size();
-    Eigen::VectorXd v(b.size());
-    apply(basis[k], v);
-    Eigen::VectorXd h(static_cast<Eigen::Index>(k) + 1);
-    for (std::size_t i = 0; i <= k; ++i) {
-      h[static_cast<Eigen::Index>(i)] = basis[i].dot(v);
-      v -= h[static_cast<Eigen::Index>(i)] * basis[i];
-    }
-    const double below = v.norm();
-    for (std::size_t i = 0; i < k; ++i) {
-      const auto at = static_cast<Eigen::Index>(i);
-      const double upper = h[at], lower = h[at + 1];
-      h[at] = cosines[i] * upper + sines[i] * lower;
-      h[at + 1] = cosines[i] * lower - sines[i] * upper;
-    }
-    const double last = h[static_cast<Eigen::Index>(k)], length = std::sqrt(last * last + below * below);
-    if (!(length > 0)) break;
-    cosines.push_back(last / length);
-    sines.push_back(below / length);
-    h[static_cast<Eigen::Index>(k)] = length;
-    columns.push_back(std::move(h));
-    rest.push_back(-sines[k] * rest[k]);
-    rest[k] *= cosines[k];
-    if (!(below > 0)) break;
-    basis.push_back(v / below);
-  }
-
-  GmresResult result{Eigen::VectorXd::Zero(b.size()), static_cast<int>(columns.size())};
-  for (std::size_t i = columns.size(); i-- > 0;) {
-    const auto at = static_cast<Eigen::Index>(i);
-    const double y = rest[i] / columns[i][at];
-    for (std::size_t j = 0; j < i; ++j) rest[j] -= y * columns[i][static_cast<Eigen::Index>(j)];
-    result.x += y * basis[i];
-  }
+  const LinearOperator<Apply> matrix(apply, b.size());
+  Eigen::GMRES<LinearOperator<Apply>, Eigen::IdentityPreconditioner> solver(matrix);
+  solver.set_restart(std::min<Eigen::Index>(maxIterations, b.size()));
+  solver.setMaxIterations(maxIterations);
+  solver.setTolerance(tolerance);
+  GmresResult result;
+  result.x = solver.solve(b);
+  result.iterations = static_cast<int>(solver.iterations());
   return result;
 }
 

@@ -27,12 +27,13 @@ float stored(double field) {
 }  // namespace
 
 struct BlockEvaluator::Scratch {
-  /// Nodes of a few blocks are evaluated together, as the kernels work best on long batches.
-  static constexpr std::size_t kNodes = 4 * Leaf::SIZE;
-  std::vector<julia::Point> points = std::vector<julia::Point>(kNodes);
-  std::vector<Index> offsets = std::vector<Index>(kNodes);
-  std::vector<double> values = std::vector<double>(kNodes);
-  std::vector<int> steps = std::vector<int>(kNodes);
+  /// @param nodes  how many are evaluated together, the nodes of a block at least
+  explicit Scratch(std::size_t nodes) : points(nodes), offsets(nodes), values(nodes), steps(nodes) {}
+
+  std::vector<julia::Point> points;
+  std::vector<Index> offsets;
+  std::vector<double> values;
+  std::vector<int> steps;
   std::size_t count = 0;  ///< of the nodes that wait
   struct Waiting {
     EvaluatedBlock* block;
@@ -47,7 +48,8 @@ struct BlockEvaluator::Scratch {
 
 std::vector<EvaluatedBlock> BlockEvaluator::evaluate(std::span<const Coord> origins, Monitor& monitor) {
   std::vector<EvaluatedBlock> blocks(origins.size());
-  tbb::enumerable_thread_specific<Scratch> scratch;
+  tbb::enumerable_thread_specific<Scratch> scratch(
+      std::max<std::size_t>(mSource.evaluator.preferredBatch(), Leaf::SIZE));
   constexpr std::size_t kTogether = 32;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, origins.size(), kTogether), [&](const auto& range) {
     for (std::size_t first = range.begin(); first < range.end(); first += kTogether) {
@@ -64,7 +66,7 @@ void BlockEvaluator::evaluatePart(std::span<const Coord> origins, std::span<Eval
   constexpr std::size_t kParts = 8;
   scratch.undecided.clear();
   scratch.which.clear();
-  if (mOptions.prove) {
+  if (mOptions.proofs != Proofs::None) {
     decideCubes(origins, kBlock, mOptions.voxelSize, mOptions.domain, mSource, scratch.decisions);
     for (std::size_t i = 0; i < origins.size(); ++i) {
       blocks[i].decision = scratch.decisions[i];
@@ -72,22 +74,21 @@ void BlockEvaluator::evaluatePart(std::span<const Coord> origins, std::span<Eval
       scratch.undecided.push_back(origins[i]);
       scratch.which.push_back(i);
     }
-    scratch.corners.clear();
-    for (const Coord& origin : scratch.undecided)
-      for (unsigned k = 0; k < kParts; ++k) {
-        const auto at = [&](unsigned bit) { return k >> bit & 1 ? kBlock / 2 : 0; };
-        scratch.corners.push_back(origin.offsetBy(at(2), at(1), at(0)));
-      }
-    decideCubes(scratch.corners, kBlock / 2, mOptions.voxelSize, mOptions.domain, mSource, scratch.decisions);
   } else {
     for (std::size_t i = 0; i < origins.size(); ++i) scratch.which.push_back(i);
     scratch.undecided.assign(origins.begin(), origins.end());
-    scratch.decisions.assign(kParts * origins.size(), julia::Decision::Undecided);
+  }
+  if (mOptions.proofs == Proofs::Eighths) {
+    scratch.corners.clear();
+    for (const Coord& origin : scratch.undecided) addEighths(origin, scratch.corners);
+    decideCubes(scratch.corners, kBlock / 2, mOptions.voxelSize, mOptions.domain, mSource, scratch.decisions);
+  } else {
+    scratch.decisions.assign(kParts * scratch.undecided.size(), julia::Decision::Undecided);
   }
   for (std::size_t i = 0; i < scratch.undecided.size(); ++i) {
     begin(scratch.undecided[i], std::span<const julia::Decision>(scratch.decisions).subspan(kParts * i, kParts),
           blocks[scratch.which[i]], scratch);
-    if (scratch.count + Leaf::SIZE > Scratch::kNodes) evaluateWaiting(scratch);
+    if (scratch.count + Leaf::SIZE > scratch.points.size()) evaluateWaiting(scratch);
   }
   evaluateWaiting(scratch);
 }

@@ -3,6 +3,8 @@
 /// F at the nodes of whole blocks. Nodes are not evaluated in a block, or a part of one, whose sign is proved.
 #pragma once
 
+#include "field/undecided_blocks.h"
+
 #include "vdbtools/base/grids.h"
 #include "vdbtools/field/fractal_field.h"
 
@@ -38,7 +40,8 @@ class BlockEvaluator {
     double voxelSize = 0;       ///< world units
     openvdb::CoordBBox domain;  ///< nodes beyond hold kFieldOutside
     bool keepIterations = false;
-    bool prove = false;  ///< skip nodes where the sign of F is proved, there and at the nodes next to them
+    /// Nodes are skipped where the sign of F is proved, there and at the nodes next to them.
+    Proofs proofs = Proofs::None;
   };
 
   BlockEvaluator(const FieldSource& source, const Options& options) : mSource(source), mOptions(options) {}

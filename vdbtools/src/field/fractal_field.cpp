@@ -241,10 +241,11 @@ FractalField evaluateField(const FieldPlan& plan, const FieldSource& source, con
   FractalField result = emptyField(plan, options.keepIterations);
   const BlockSet blocks = options.everyNode ? *plan.blocks : undecidedBlocks(plan, source, monitor);
   BlockLayers layers(blocks);
-  BlockEvaluator evaluator(source, {.voxelSize = plan.voxelSize,
-                                    .domain = plan.domain,
-                                    .keepIterations = options.keepIterations,
-                                    .prove = !options.everyNode});
+  BlockEvaluator evaluator(source,
+                           {.voxelSize = plan.voxelSize,
+                            .domain = plan.domain,
+                            .keepIterations = options.keepIterations,
+                            .proofs = options.everyNode ? Proofs::None : worthwhileProofs(blocks, plan, source)});
   monitor.begin("field", layers.blockCount());
   while (const auto origins = layers.next()) {
     for (EvaluatedBlock& block : evaluator.evaluate(*origins, monitor)) {

@@ -3,7 +3,9 @@
 
 #include "base/in_parallel.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
@@ -48,6 +50,40 @@ void decideCubes(std::span<const Coord> corners, int side, double voxelSize, con
   for (std::size_t i = 0; i < corners.size(); ++i)
     if (!domain.isInside(CoordBBox(corners[i].offsetBy(-1), corners[i].offsetBy(side))))
       decisions[i] = julia::Decision::Undecided;
+}
+
+void addEighths(const Coord& origin, std::vector<Coord>& corners) {
+  for (unsigned k = 0; k < 8; ++k) {
+    const auto at = [&](unsigned bit) { return k >> bit & 1 ? kBlock / 2 : 0; };
+    corners.push_back(origin.offsetBy(at(2), at(1), at(0)));
+  }
+}
+
+Proofs worthwhileProofs(const BlockSet& blocks, const FieldPlan& plan, const FieldSource& source) {
+  constexpr std::uint64_t kSample = 256;
+  // A ball takes the time of some 12 points (docs/performance.md). A level must bring a little more than it takes, as
+  // blocks with gaps are slower to evaluate.
+  constexpr double kPointsPerBall = 16, kPointsOfBlock = kBlock * kBlock * kBlock;
+  const std::uint64_t stride = std::max<std::uint64_t>(1, blocks.activeVoxelCount() / kSample);
+  std::vector<Coord> origins, corners;
+  std::uint64_t number = 0;
+  for (auto leaf = blocks.cbeginLeaf(); leaf; ++leaf)
+    for (auto block = leaf->cbeginValueOn(); block; ++block)
+      if (number++ % stride == 0) origins.push_back(block.getCoord() << kBlockLog2);
+  std::vector<julia::Decision> decisions;
+  const auto decided = [&](const std::vector<Coord>& cubes, int side) {
+    decideCubes(cubes, side, plan.voxelSize, plan.domain, source, decisions);
+    return static_cast<double>(cubes.size()) -
+           static_cast<double>(std::count(decisions.begin(), decisions.end(), julia::Decision::Undecided));
+  };
+  const double all = static_cast<double>(origins.size()), decidedBlocks = decided(origins, kBlock);
+  for (std::size_t i = 0; i < origins.size(); ++i)
+    if (decisions[i] == julia::Decision::Undecided) addEighths(origins[i], corners);
+  const double fromBlocks = decidedBlocks * kPointsOfBlock - all * kPointsPerBall;
+  const double eighths = static_cast<double>(corners.size());
+  const double fromEighths = decided(corners, kBlock / 2) * (kPointsOfBlock / 8) - eighths * kPointsPerBall;
+  if (fromEighths > 0 && fromBlocks + fromEighths > 0) return Proofs::Eighths;
+  return fromBlocks > 0 ? Proofs::Blocks : Proofs::None;
 }
 
 BlockSet undecidedBlocks(const FieldPlan& plan, const FieldSource& source, Monitor& monitor) {

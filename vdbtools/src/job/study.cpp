@@ -23,17 +23,16 @@ using julia::Point;
 constexpr const char* kNoOptions[] = {"map", "versor", "rational",    "c",     "tolerance", "largest",   "min-size",
                                       "cap", "follow", "seed-stride", "grids", "half",      "exhaustive"};
 
-constexpr std::size_t kChunk = 2048;        ///< points that a thread takes at once
 constexpr std::size_t kVersorsAtOnce = 64;  ///< between two meetings of the threads
 
-std::size_t chunksOf(std::size_t count) { return (count + kChunk - 1) / kChunk; }
+std::size_t chunksOf(std::size_t count, std::size_t size) { return (count + size - 1) / size; }
 
-/// Runs body(i, begin, end) over the chunks of 0 to @a count, in threads.
+/// Runs body(i, begin, end) over the chunks of 0 to @a count, each of @a size, in threads.
 template <class Body>
-void inChunks(std::size_t count, const Monitor& monitor, const Body& body) {
-  inParallel(chunksOf(count), 1, monitor, [&](std::size_t first, std::size_t last) {
+void inChunks(std::size_t count, std::size_t size, const Monitor& monitor, const Body& body) {
+  inParallel(chunksOf(count, size), 1, monitor, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i != last && !monitor.cancelled(); ++i)
-      body(i, i * kChunk, std::min(count, (i + 1) * kChunk));
+      body(i, i * size, std::min(count, (i + 1) * size));
   });
 }
 
@@ -47,9 +46,10 @@ std::vector<int> countInside(std::size_t count, const PointAt& pointAt, const Sc
 
   // |q_1| is e^E and knows nothing of the versor: what one step decides, it decides for all of them.
   const std::unique_ptr<FieldEvaluator> first = seeds.evaluator(firstSeed);
-  std::vector<std::vector<std::size_t>> openOfChunk(chunksOf(count));
+  const std::size_t batch = first->preferredBatch();
+  std::vector<std::vector<std::size_t>> openOfChunk(chunksOf(count, batch));
   monitor.begin("first versor", count);
-  inChunks(count, monitor, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+  inChunks(count, batch, monitor, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
     std::vector<Point> points;
     for (std::size_t i = begin; i != end; ++i) points.push_back(pointAt(i));
     std::vector<double> field(points.size());
@@ -71,7 +71,7 @@ std::vector<int> countInside(std::size_t count, const PointAt& pointAt, const Sc
     std::vector<std::unique_ptr<FieldEvaluator>> evaluators;
     for (std::size_t k = done; k < std::min(others, done + kVersorsAtOnce); ++k)
       evaluators.push_back(seeds.evaluator(firstSeed + 1 + k));
-    inChunks(open.size(), monitor, [&](std::size_t, std::size_t begin, std::size_t end) {
+    inChunks(open.size(), batch, monitor, [&](std::size_t, std::size_t begin, std::size_t end) {
       std::vector<Point> points;
       for (std::size_t i = begin; i != end; ++i) points.push_back(pointAt(open[i]));
       std::vector<double> field(points.size());

@@ -24,9 +24,8 @@ using openvdb::BBoxd;
 using openvdb::Vec3d;
 
 constexpr int kTile = 32;  ///< pixels along a side of what one thread marches together
-/// Points of a batch, for the vector kernels, and the most samples that one ray gives to it: what comes after its hit
-/// is in vain.
-constexpr std::size_t kBatch = 2048, kMostAhead = 32;
+/// The most samples that one ray gives to a batch of points: those after its hit are in vain.
+constexpr std::size_t kMostAhead = 32;
 constexpr int kBisections = 12;  ///< to a 4096th of a step
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -292,7 +291,7 @@ class Exposure {
     std::vector<std::size_t> ends;
     std::uint64_t evaluations = 0;
     while (!rays.empty() && !mMonitor.cancelled()) {
-      const std::size_t ahead = std::clamp(kBatch / rays.size(), std::size_t(1), kMostAhead);
+      const std::size_t ahead = std::clamp(mEvaluator.preferredBatch() / rays.size(), std::size_t(1), kMostAhead);
       points.clear();
       samples.clear();
       ends.clear();

@@ -120,15 +120,6 @@ std::vector<Neighbourhood> neighbourhoods(const julia::FieldEvaluator& evaluator
   return result;
 }
 
-Vec3d inSpace(const julia::Quaternion<double>& u, julia::DropAxis dropped) {
-  switch (dropped) {
-    case julia::DropAxis::I: return {u.a, u.c, u.d};
-    case julia::DropAxis::J: return {u.a, u.b, u.d};
-    case julia::DropAxis::K: break;
-  }
-  return {u.a, u.b, u.c};
-}
-
 std::vector<Vec3d> colours(const julia::FieldEvaluator& evaluator, const FieldRenderOptions& options,
                            std::span<const FieldHit> hits, const std::vector<Neighbourhood>& around) {
   std::vector<Vec3d> result(hits.size(), kClay);
@@ -151,8 +142,9 @@ std::vector<Vec3d> colours(const julia::FieldEvaluator& evaluator, const FieldRe
       evaluator.versors(points, versors);
       for (std::size_t i = 0; i < hits.size(); ++i) {
         const julia::Quaternion<double>& u = versors[i];
-        result[i] = directionColour(options.colour == FieldColour::Versor ? Vec3d(u.b, u.c, u.d)
-                                                                          : inSpace(u, options.dropAxis));
+        const julia::Point inSpace = julia::Embedding{.dropped = options.dropAxis}.point(u);
+        result[i] =
+            directionColour(options.colour == FieldColour::Versor ? Vec3d(u.b, u.c, u.d) : Vec3d(inSpace.data()));
       }
       break;
     }

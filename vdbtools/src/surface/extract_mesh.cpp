@@ -96,7 +96,8 @@ MeshCounts streamMesh(const FieldPlan& plan, const FieldSource& source, const Ex
       source, {.extract = options, .domain = plan.domain, .voxelSize = plan.voxelSize, .normals = true}, sink, monitor);
   const BlockSet blocks = undecidedBlocks(plan, source, monitor);
   BlockLayers layers(blocks);
-  BlockEvaluator evaluator(source, {.voxelSize = plan.voxelSize, .domain = plan.domain, .prove = true});
+  BlockEvaluator evaluator(
+      source, {.voxelSize = plan.voxelSize, .domain = plan.domain, .proofs = worthwhileProofs(blocks, plan, source)});
   // Every block is evaluated first and searched later.
   monitor.begin("surface", 2 * layers.blockCount());
   while (const auto origins = layers.next()) {

@@ -5,6 +5,7 @@
 #include "field/block_layers.h"
 #include "surface/marching_cubes_table.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <limits>
@@ -200,8 +201,10 @@ void SurfaceExtractor::countVertices(Layer& layer) {
 
 /// Searches the edges of a layer for its vertices, and forgets the edges.
 void SurfaceExtractor::placeVertices(Layer& layer) const {
-  // Enough leaves for long batches, on which the kernels work best.
-  inParallel(layer.leaves.size(), 32, mMonitor, [&](std::size_t begin, std::size_t end) {
+  // A leaf that the surface crosses from side to side has this many edges or more.
+  constexpr std::size_t kEdgesOfLeaf = kBlock * kBlock;
+  const std::size_t together = std::max<std::size_t>(1, mSource.evaluator.preferredBatch() / kEdgesOfLeaf);
+  inParallel(layer.leaves.size(), together, mMonitor, [&](std::size_t begin, std::size_t end) {
     std::vector<LatticeEdge> edges;
     std::size_t first = 0;
     for (std::size_t i = begin; i < end; ++i) {
