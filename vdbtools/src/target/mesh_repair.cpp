@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// A ball of the gap's width rolls over the outside of the mesh. What it cannot reach is closed (the morphological
-/// closing of the mesh); where its envelope bridges a hole, the envelope is made a part of the mesh, a lid. meshToSdf's
+/// closing of the mesh); where its envelope bridges a hole, the envelope becomes part of the mesh, a lid. meshToSdf's
 /// own conversion then makes the field, so that it is the mesh's true distance field wherever the mesh was whole. The
-/// ball also bridges grooves that it is too wide for. Such an envelope touches no open edge, is no lid, and is left
-/// out, unless the mesh leaks without it.
+/// ball also bridges grooves that are too narrow for it. Such an envelope touches no open edge, so it is not a lid, and
+/// it is left out unless the mesh leaks without it.
+#include "base/disjoint_sets.h"
 #include "target/mesh_conversion.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/target/mesh_to_sdf.h"
@@ -17,7 +18,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
 
 namespace vdbtools {
@@ -32,8 +32,8 @@ using openvdb::Vec3I;
 using openvdb::Vec3s;
 using openvdb::Vec4I;
 
-/// A wide gap is searched on a coarser lattice of this many nodes across it; on the grid's own, the bands would take
-/// all time and memory. Where the lids that come of it do not fit their rims closely enough, the lattice is refined.
+/// A wide gap is closed on a coarser lattice with this many nodes across it; on the grid's own lattice the bands would
+/// take too much time and memory. If the resulting lids do not fit their rims closely enough, the lattice is refined.
 constexpr double kNodesAcrossGap = 4;
 constexpr double kMostLatticeNodes = 2e8;
 
@@ -188,30 +188,25 @@ Lids findLids(Surface envelope, const Surface& mesh, const std::vector<bool>& op
     if (parts[t[0]] || parts[t[1]] || parts[t[2]]) ring[t[0]] = ring[t[1]] = ring[t[2]] = 1;
   }
   Lids lids;
-  std::vector<std::uint32_t> parent(envelope.points.size());
-  std::iota(parent.begin(), parent.end(), 0U);
-  const auto root = [&parent](std::uint32_t p) {
-    while (parent[p] != p) p = parent[p] = parent[parent[p]];
-    return p;
-  };
+  DisjointSets<std::uint32_t> pieces(envelope.points.size());
   for (const Vec3I& t : envelope.triangles) {
     if (!ring[t[0]] && !ring[t[1]] && !ring[t[2]]) continue;
     lids.surface.triangles.push_back(t);
-    parent[root(t[0])] = root(t[1]);
-    parent[root(t[1])] = root(t[2]);
+    pieces.join(t[0], t[1]);
+    pieces.join(t[1], t[2]);
   }
   std::vector<char> pieceAtEdge(envelope.points.size(), 0);
   for (const Vec3I& t : lids.surface.triangles) {
     for (int c = 0; c < 3; ++c) {
-      if (ring[t[c]] && atEdge[t[c]]) pieceAtEdge[root(t[c])] = 1;
+      if (ring[t[c]] && atEdge[t[c]]) pieceAtEdge[pieces.find(t[c])] = 1;
     }
   }
-  for (const Vec3I& t : lids.surface.triangles) lids.atEdge.push_back(pieceAtEdge[root(t[0])] != 0);
+  for (const Vec3I& t : lids.surface.triangles) lids.atEdge.push_back(pieceAtEdge[pieces.find(t[0])] != 0);
   lids.surface.points = std::move(envelope.points);
   return lids;
 }
 
-/// What one width of gap comes to.
+/// The result of one width of gap.
 struct Closing {
   Lattice lattice;
   double radius = 0;     ///< of the ball, lattice units
