@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # For quickstart and run-tests: what Debian 12 must have, and how to build. Sourced from the project's root.
 
-# openimageio-tools: CMake's description of the library names its programs and wants them there.
+# fonts-dejavu-core: the text in plots. openimageio-tools: CMake's description of the library names its programs and wants them there.
 BUILD_PACKAGES=(g++ cmake ninja-build libopenvdb-dev libtbb-dev libeigen3-dev liblbfgspp-dev libmuparser-dev
-  libopenmesh-dev libopenimageio-dev openimageio-tools libssl-dev nlohmann-json3-dev libboost-dev libboost-iostreams-dev
+  libopenmesh-dev libopenimageio-dev openimageio-tools libcairo2-dev fonts-dejavu-core pkg-config libssl-dev nlohmann-json3-dev libboost-dev libboost-iostreams-dev
   libboost-program-options-dev libblosc-dev zlib1g-dev)
 QUICKSTART_PACKAGES=(glmark2-data)
 TEST_PACKAGES=(libgtest-dev libbenchmark-dev libopenvdb-tools python3 python3-openvdb clang-format git ca-certificates)

@@ -40,7 +40,7 @@ int runFit(const Arguments& arguments) {
   CommandLine line(kUsageText, vdbtools::fitOptionSpecs());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.json"), "the map to write: .json or .o3d")(
       "report", po::value<std::string>()->value_name("F.csv"), "every accepted step: energies, IoU, distances, powers")(
-      "plot", po::value<std::string>()->value_name("F.png"), "the same as a picture: .png or .exr");
+      "plot", po::value<std::string>()->value_name("F.png"), "the same as a picture: .png, .svg or .exr");
   if (!line.parse(arguments)) return kDone;
   const vdbtools::FitOptions options = vdbtools::parseFitOptions(line.recipe());
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.json");
@@ -48,7 +48,8 @@ int runFit(const Arguments& arguments) {
   std::ostream& file = outputs.add("output", line.text("output"), ".json .o3d").stream();
   std::ostream* const report =
       line.has("report") ? &outputs.add("report", line.text("report"), ".csv").stream() : nullptr;
-  std::ostream* const plot = line.has("plot") ? &outputs.add("plot", line.text("plot"), ".png .exr").stream() : nullptr;
+  std::ostream* const plot =
+      line.has("plot") ? &outputs.add("plot", line.text("plot"), ".png .svg .exr").stream() : nullptr;
 
   const vdbtools::FitResult fit = vdbtools::runFit(options, report != nullptr, line.progress());
   if (formatOf(line.text("output"), ".json") == ".o3d")
@@ -57,7 +58,7 @@ int runFit(const Arguments& arguments) {
     file << vdbtools::rationalToJson(fit.rational, noteOf(line.recipe()),
                                      vdbtools::FittedTo{fit.target.space, fit.target.box});
   if (report) *report << vdbtools::fitReportCsv(fit.rows);
-  if (plot) *plot << vdbtools::encodeImage(vdbtools::fitReportPlot(fit.rows), formatOf(line.text("plot"), ".png"));
+  if (plot) *plot << vdbtools::encodePlot(vdbtools::fitReportPlot(fit.rows), formatOf(line.text("plot"), ".png"));
   line.progress().throwIfCancelled();
   outputs.commit();
   const vdbtools::FitMeasure& measure = fit.measure;

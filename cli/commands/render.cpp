@@ -95,48 +95,39 @@ void requireFits(const CommandLine& line, bool field) {
     if (name != "input" && name != "grid") throw std::invalid_argument("--" + name + " goes with --field only");
 }
 
-int renderLevelSet(const CommandLine& line) {
-  const std::string input = line.text("input");
-  if (input.empty()) throw std::invalid_argument("no VDB was given");
-  vdbtools::PreviewOptions options;
-  parseSize(line.text("size"), options);
-  const auto number = [&](const char* name, double& value) {
-    if (line.has(name)) value = vdbtools::parseNumber(name, line.text(name));
+/// Angles, field of view and zoom, for either way of rendering.
+vdbtools::ViewAngles parseAngles(const CommandLine& line) {
+  vdbtools::ViewAngles angles;
+  const auto number = [&](const char* name, double& value, double low, double high, const char* domain) {
+    if (!line.has(name)) return;
+    value = vdbtools::parseNumber(name, line.text(name));
+    if (!(value >= low && value <= high))
+      throw std::invalid_argument(std::string("--") + name + " is '" + line.text(name) + "'; it must be " + domain);
   };
-  number("azimuth", options.azimuth);
-  number("elevation", options.elevation);
-  number("fov", options.fieldOfView);
-  number("zoom", options.zoom);
-  parseSamples(line, options);
-  if (line.has("roots")) options.balls = ballsOf(line.text("roots"));
-  if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
-  Outputs outputs;
-  std::ostream& file = outputs.add("output", line.text("output"), ".png .exr").stream();
-  const auto grid = vdbtools::chooseFloatGrid(vdbtools::readVdb(input), line.text("grid"), input);
-  const vdbtools::Image image = vdbtools::renderPreview(*grid, options, line.progress());
-  file << vdbtools::encodeImage(image, formatOf(line.text("output"), ".png"));
-  outputs.commit();
-  std::cerr << "wrote " << outputs.names() << ": " << image.width << " x " << image.height << '\n';
-  return kDone;
+  number("azimuth", angles.azimuth, -1e6, 1e6, "-1e6 to 1e6 degrees");
+  number("elevation", angles.elevation, -90, 90, "-90 to 90 degrees");
+  number("fov", angles.fieldOfView, 1, 150, "1 to 150 degrees");
+  number("zoom", angles.zoom, 1e-3, 1e3, "0.001 to 1000");
+  return angles;
 }
 
-/// Where the eye is: given, or at an angle around what is framed.
+/// Where the eye is: at a given place, or at angles around the object that is framed.
 struct View {
   std::optional<openvdb::Vec3d> eye, lookAt;
-  openvdb::Vec3d up{0, 1, 0};
-  double azimuth = vdbtools::PreviewOptions().azimuth, elevation = vdbtools::PreviewOptions().elevation;
-  double fieldOfView = vdbtools::PreviewOptions().fieldOfView, zoom = 1;
+  std::optional<openvdb::Vec3d> up;
+  vdbtools::ViewAngles angles;
+
+  /// What a turntable turns about.
+  openvdb::Vec3d axis() const { return up.value_or(vdbtools::Camera().up); }
 
   vdbtools::Camera camera(const vdbtools::Scene& scene, const openvdb::BBoxd& region, double aspect) const {
     vdbtools::Camera camera;
-    camera.fieldOfView = fieldOfView;
-    if (!eye || !lookAt)
-      camera = vdbtools::cameraAround(vdbtools::frameSet(scene.source(), region), azimuth, elevation, fieldOfView, zoom,
-                                      aspect);
+    camera.fieldOfView = angles.fieldOfView;
+    if (!eye || !lookAt) camera = vdbtools::cameraAround(vdbtools::frameSet(scene.source(), region), angles, aspect);
     const openvdb::Vec3d arm = camera.eye - camera.lookAt;
     if (lookAt) camera.lookAt = *lookAt;
     camera.eye = eye ? *eye : camera.lookAt + arm;
-    camera.up = up;
+    if (up) camera.up = *up;
     if ((camera.eye - camera.lookAt).length() == 0)
       throw std::invalid_argument("--eye and --look-at are the same point; move one of them");
     return camera;
@@ -150,24 +141,34 @@ View parseView(const CommandLine& line) {
     const std::vector<double> v = vdbtools::parseNumbers(name, line.text(name), 3);
     return openvdb::Vec3d(v[0], v[1], v[2]);
   };
-  const auto number = [&](const char* name, double& value, double low, double high, const char* domain) {
-    if (!line.has(name)) return;
-    value = vdbtools::parseNumber(name, line.text(name));
-    if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("--") + name + " is '" + line.text(name) + "'; it must be " + domain);
-  };
   view.eye = vector("eye");
   view.lookAt = vector("look-at");
-  if (const auto up = vector("up")) view.up = *up;
-  if (view.up.length() == 0) throw std::invalid_argument("--up is '0,0,0'; it must be a direction");
+  view.up = vector("up");
+  if (view.up && view.up->length() == 0) throw std::invalid_argument("--up is '0,0,0'; it must be a direction");
   for (const char* name : {"azimuth", "elevation", "zoom"})
     if (view.eye && line.has(name))
       throw std::invalid_argument(std::string("--eye and --") + name + " both place the eye; give one of them");
-  number("azimuth", view.azimuth, -1e6, 1e6, "-1e6 to 1e6 degrees");
-  number("elevation", view.elevation, -90, 90, "-90 to 90 degrees");
-  number("fov", view.fieldOfView, 1, 150, "1 to 150 degrees");
-  number("zoom", view.zoom, 1e-3, 20, "0.001 to 20");
+  view.angles = parseAngles(line);
   return view;
+}
+
+int renderLevelSet(const CommandLine& line) {
+  const std::string input = line.text("input");
+  if (input.empty()) throw std::invalid_argument("no VDB was given");
+  vdbtools::PreviewOptions options;
+  parseSize(line.text("size"), options);
+  options.view = parseAngles(line);
+  parseSamples(line, options);
+  if (line.has("roots")) options.balls = ballsOf(line.text("roots"));
+  if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
+  Outputs outputs;
+  std::ostream& file = outputs.add("output", line.text("output"), ".png .exr").stream();
+  const auto grid = vdbtools::chooseFloatGrid(vdbtools::readVdb(input), line.text("grid"), input);
+  const vdbtools::Image image = vdbtools::renderPreview(*grid, options, line.progress());
+  file << vdbtools::encodeImage(image, formatOf(line.text("output"), ".png"));
+  outputs.commit();
+  std::cerr << "wrote " << outputs.names() << ": " << image.width << " x " << image.height << '\n';
+  return kDone;
 }
 
 vdbtools::FieldColour parseColour(const std::string& text) {
@@ -268,7 +269,7 @@ int renderMap(const CommandLine& line) {
       outputs = std::make_unique<Outputs>(frameNumber(frame));
       file = &claim(*outputs);
     }
-    options.camera = vdbtools::turned(camera, 360.0 * (frame - 1) / count);
+    options.camera = vdbtools::turned(camera, view.axis(), 360.0 * (frame - 1) / count);
     FrameMonitor monitor(line.progress(),
                          frames ? ", frame " + std::to_string(frame) + " of " + std::to_string(count) : std::string());
     const auto start = std::chrono::steady_clock::now();

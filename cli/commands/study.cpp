@@ -46,7 +46,7 @@ int parseVersors(const std::string& text) {
 int runStudy(const Arguments& arguments) {
   CommandLine line(kUsageText, vdbtools::studyOptionSpecs());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.png"), "the average to write: .png or .exr")(
-      "curve", po::value<std::string>()->value_name("F.png"), "the distance over circles to write: .png or .exr")(
+      "curve", po::value<std::string>()->value_name("F.png"), "the distance over circles to write: .png, .svg or .exr")(
       "csv", po::value<std::string>()->value_name("F.csv"), "the circles as numbers to write")(
       "versors", po::value<std::string>()->default_value("1000")->value_name("N"), "how many random versors");
   addPlaneOptions(line, "through the dynamics' origin");
@@ -60,7 +60,7 @@ int runStudy(const Arguments& arguments) {
   Outputs outputs;
   std::ostream& file = outputs.add("output", line.text("output"), ".png .exr").stream();
   std::ostream* const curve =
-      line.has("curve") ? &outputs.add("curve", line.text("curve"), ".png .exr").stream() : nullptr;
+      line.has("curve") ? &outputs.add("curve", line.text("curve"), ".png .svg .exr").stream() : nullptr;
   std::ostream* const csv = line.has("csv") ? &outputs.add("csv", line.text("csv"), ".csv").stream() : nullptr;
 
   const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(sceneRecipe(line, input->second));
@@ -68,7 +68,7 @@ int runStudy(const Arguments& arguments) {
   const vdbtools::SlicePlane plane = placement.plane(frameOf(scene), scene.space.centre);
   const vdbtools::Study result = vdbtools::runStudy(scene, plane, study, line.progress());
   file << vdbtools::encodeImage(vdbtools::studyImage(plane, result), formatOf(line.text("output"), ".png"));
-  if (curve) *curve << vdbtools::encodeImage(vdbtools::studyPlot(result), formatOf(line.text("curve"), ".png"));
+  if (curve) *curve << vdbtools::encodePlot(vdbtools::studyPlot(result), formatOf(line.text("curve"), ".png"));
   if (csv) *csv << vdbtools::studyCsv(result);
   line.progress().throwIfCancelled();
   outputs.commit();

@@ -113,6 +113,8 @@ class Fit(FitTest):
         self.ok("fit", "sdf.vdb", "-o", "v.json", *LOW, *ROOTS, "--plot", "v.exr")
         self.assert_box(self.map_of("v.json")["target"]["box"], self.map_of()["target"]["box"], 0.02 * FACTOR)
         self.assertEqual(self.bytes("v.exr")[:4], bytes([0x76, 0x2F, 0x31, 0x01]))
+        self.ok("fit", "sdf.vdb", "-o", "v.json", *LOW, *ROOTS, "--plot", "v.svg")
+        self.assertIn(b"<svg ", self.bytes("v.svg")[:100])
 
     def test_same_bytes(self):
         def same(*options):

@@ -71,10 +71,11 @@ class Average(StudyTest):
         sets = ["portable"] + [name for name, flag in (("avx2", "avx2"), ("avx512", "avx512vl")) if flag in flags]
         results = set()
         for options in [("--threads", 1), ("--threads", 2), ()] + [("--instructions", name) for name in sets]:
-            self.ok("study", "t.obj", *LOW, "--alpha", 60, "--versors", 66, "-o", "x.png", "--curve", "c.png", "--csv", "x.csv",
+            self.ok("study", "t.obj", *LOW, "--alpha", 60, "--versors", 66, "-o", "x.png", "--curve", "c.svg", "--csv", "x.csv",
                     *options)
-            results.add((self.bytes("x.png"), self.bytes("c.png"), self.bytes("x.csv")))
+            results.add((self.bytes("x.png"), self.bytes("c.svg"), self.bytes("x.csv")))
         self.assertEqual(len(results), 1)
+        self.assertIn(b"<svg ", self.bytes("c.svg")[:100])
 
     def test_other_targets(self):
         """A VDB with distances, and a fractal, which brings its recipe."""
@@ -125,7 +126,7 @@ class Curve(StudyTest):
         self.ok("study", "s.obj", *LOW, "--versors", 1, "-o", "x.png", "--curve", "flat.png")
         self.ok("study", "s.obj", *LOW, "--versors", 1, "-o", "x.png", "--curve", "ramp.png", "--alpha", "x:20:40")
         colours = lambda name: {pixel for row in self.picture(name) for pixel in row}
-        # A ramp has no range of its own; the curve is the same.
+        # The ramp has no single range to shade; the curve is the same.
         self.assertGreater(len(colours("flat.png") - colours("ramp.png")), 0)
 
 

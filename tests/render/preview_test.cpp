@@ -61,8 +61,8 @@ PreviewOptions small(int width, int height, int samples = 1) {
   options.width = width;
   options.height = height;
   options.samples = samples;
-  options.azimuth = 0;
-  options.elevation = 0;
+  options.view.azimuth = 0;
+  options.view.elevation = 0;
   return options;
 }
 
@@ -90,7 +90,7 @@ TEST(Preview, SphereFillsTheFrameByItsSilhouette) {
   for (const double fieldOfView : {10.0, 30.0, 90.0}) {
     for (const auto& [width, height] : std::vector<std::pair<int, int>>{{120, 120}, {200, 120}, {120, 200}}) {
       PreviewOptions options = small(width, height);
-      options.fieldOfView = fieldOfView;
+      options.view.fieldOfView = fieldOfView;
       const Image image = render(*grid, options);
       // The camera's distance is that of a ball that holds the sphere and reaches at most two voxels beyond it.
       const double perPixel = std::tan(fieldOfView * std::numbers::pi / 360) / (0.5 * height);
@@ -111,9 +111,9 @@ TEST(Preview, ZoomMagnifies) {
   const auto grid = sphere(1, 1.0 / 30);
   PreviewOptions options = small(160, 160);
   const double whole = area(render(*grid, options));
-  options.zoom = 0.5;
+  options.view.zoom = 0.5;
   EXPECT_NEAR(area(render(*grid, options)) / whole, 0.25, 0.01);
-  options.zoom = 3;
+  options.view.zoom = 3;
   EXPECT_EQ(area(render(*grid, options)), 160 * 160);
 }
 
@@ -133,8 +133,8 @@ TEST(Preview, CameraStandsWhereTheAnglesSay) {
                         Case{{0, 0, 1}, 90, 0, -1, 0}, Case{{0, 0, 1}, -90, 0, 1, 0}, Case{{0, 0, 1}, 0, 90, 0, 1},
                         Case{{0, 0, 1}, 0, -90, 0, -1}, Case{{0, 1, 0}, 77, 0, 0, -1}}) {
     PreviewOptions options = small(80, 80);
-    options.azimuth = c.azimuth;
-    options.elevation = c.elevation;
+    options.view.azimuth = c.azimuth;
+    options.view.elevation = c.elevation;
     const Image image = render(*ballWithSatellite(c.satellite), options);
     // The frame's centre is that of both balls, so the large one weighs down the other side.
     double x = 0, y = 0;
@@ -159,10 +159,10 @@ TEST(Preview, MirroredAzimuthMirrorsTheSilhouette) {
     return std::min({p.length() - 0.5, ears, (p - Vec3d(0, -0.2, 0.7)).length() - 0.3});
   });
   PreviewOptions options = small(120, 120);
-  options.elevation = 20;
-  options.azimuth = 35;
+  options.view.elevation = 20;
+  options.view.azimuth = 35;
   const Image left = render(*grid, options);
-  options.azimuth = -35;
+  options.view.azimuth = -35;
   const Image right = render(*grid, options);
   int different = 0, unlike = 0;
   for (int y = 0; y < 120; ++y) {
@@ -247,7 +247,7 @@ TEST(Preview, ASimilarityOfTheWorldChangesNothing) {
   turned->setTransform(transform);
   const Vec3d direction = transform->indexToWorld(Vec3d(1, 0, 0)).unit();
   PreviewOptions fromThere = options;
-  fromThere.azimuth = direction[2] < 0 ? 90 : -90;  // where that direction is to the right again
+  fromThere.view.azimuth = direction[2] < 0 ? 90 : -90;  // where that direction is to the right again
   EXPECT_LT((mean(render(*turned, fromThere)) - mean(expected)).length(), 1e-4);
 }
 
@@ -318,12 +318,19 @@ TEST(Preview, StopsSoonWhenCancelled) {
 TEST(Preview, RefusesOptionsOutOfTheirDomain) {
   const auto grid = sphere(1, 0.1);
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  const std::vector<std::function<void(PreviewOptions&)>> faults = {
-      [](auto& o) { o.width = 0; },       [](auto& o) { o.height = -5; },       [](auto& o) { o.width = 1 << 20; },
-      [](auto& o) { o.azimuth = kNaN; },  [](auto& o) { o.elevation = 91; },    [](auto& o) { o.elevation = kNaN; },
-      [](auto& o) { o.fieldOfView = 0; }, [](auto& o) { o.fieldOfView = 180; }, [](auto& o) { o.samples = 0; },
-      [](auto& o) { o.samples = 5; },     [](auto& o) { o.zoom = 0; },          [](auto& o) { o.zoom = -1; },
-      [](auto& o) { o.zoom = 1.0 / 0.0; }};
+  const std::vector<std::function<void(PreviewOptions&)>> faults = {[](auto& o) { o.width = 0; },
+                                                                    [](auto& o) { o.height = -5; },
+                                                                    [](auto& o) { o.width = 1 << 20; },
+                                                                    [](auto& o) { o.view.azimuth = kNaN; },
+                                                                    [](auto& o) { o.view.elevation = 91; },
+                                                                    [](auto& o) { o.view.elevation = kNaN; },
+                                                                    [](auto& o) { o.view.fieldOfView = 0; },
+                                                                    [](auto& o) { o.view.fieldOfView = 180; },
+                                                                    [](auto& o) { o.samples = 0; },
+                                                                    [](auto& o) { o.samples = 5; },
+                                                                    [](auto& o) { o.view.zoom = 0; },
+                                                                    [](auto& o) { o.view.zoom = -1; },
+                                                                    [](auto& o) { o.view.zoom = 1.0 / 0.0; }};
   for (std::size_t i = 0; i < faults.size(); ++i) {
     PreviewOptions options = small(8, 8);
     faults[i](options);

@@ -8,7 +8,6 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/formats/peer_formats.h"
-#include "vdbtools/picture/plot.h"
 
 #include "julia/fit/cancelled.h"
 #include "julia/fit/electrostatics.h"
@@ -476,9 +475,9 @@ std::string fitReportCsv(std::span<const FitRow> rows) {
   return text.str();
 }
 
-Image fitReportPlot(std::span<const FitRow> rows) {
-  PlotSeries absolute{"psi on all weights", {}, {0.8f, 0.1f, 0.05f}},
-      working{"working energy", {}, {0.05f, 0.2f, 0.7f}}, rest{"1 - IoU", {}, {0.1f, 0.45f, 0.1f}};
+Plot fitReportPlot(std::span<const FitRow> rows) {
+  PlotSeries absolute{"(psi + 1) / 2 on all weights", {}, kVermilion}, working{"(working energy + 1) / 2", {}, kBlue},
+      rest{"1 \u2212 IoU", {}, kGreen};
   for (const FitRow& row : rows) {
     absolute.points.emplace_back(row.step, (row.psi + 1) / 2);
     // The loss of the stage "roots" is another quantity than psi.
@@ -486,8 +485,11 @@ Image fitReportPlot(std::span<const FitRow> rows) {
                                 row.stage == "roots" ? std::numeric_limits<double>::quiet_NaN() : (row.energy + 1) / 2);
     rest.points.emplace_back(row.step, 1 - row.iou);
   }
-  const PlotSeries series[] = {absolute, working, rest};
-  return plotLines(series, {.title = "Error of the fit", .xLabel = "step", .yLabel = "(psi + 1) / 2", .logY = true});
+  return {.series = {absolute, working, rest},
+          .title = "Error of the fit",
+          .xLabel = "step",
+          .yLabel = "error",
+          .logY = true};
 }
 
 std::string fitToO3d(const FitResult& fit, Monitor& monitor) {

@@ -3,7 +3,6 @@
 
 #include "base/in_parallel.h"
 #include "job/study_circles.h"
-#include "vdbtools/picture/plot.h"
 
 #include <openvdb/tools/Interpolation.h>
 
@@ -159,19 +158,21 @@ std::string studyCsv(const Study& study) {
   return text.str();
 }
 
-Image studyPlot(const Study& study) {
-  PlotSeries mean{"mean", {}, {0.02F, 0.02F, 0.02F}}, least{"least, greatest", {}, {0.25F, 0.45F, 0.8F}};
+Plot studyPlot(const Study& study) {
+  constexpr Colour kBlack{0.02F, 0.02F, 0.02F}, kSand{0.85F, 0.7F, 0.45F};
+  PlotSeries mean{"mean", {}, kBlack}, least{"least, greatest", {}, kBlue};
   PlotSeries greatest{"", {}, least.colour};
   for (const StudyCircle& circle : study.circles) {
     mean.points.emplace_back(circle.radius, circle.mean);
     least.points.emplace_back(circle.radius, circle.least);
     greatest.points.emplace_back(circle.radius, circle.greatest);
   }
-  const PlotSeries series[] = {least, greatest, mean};
-  PlotOptions options{.title = "Distance over circles", .xLabel = "radius", .yLabel = "phi"};
-  if (study.undecided)
-    options.band = PlotBand{"undecided", study.undecided->first, study.undecided->second, {0.85F, 0.7F, 0.45F}};
-  return plotLines(series, options);
+  Plot plot{.series = {least, greatest, mean},
+            .title = "Distance over circles about the origin",
+            .xLabel = "radius of the circle",
+            .yLabel = "distance phi"};
+  if (study.undecided) plot.band = PlotBand{"undecided", study.undecided->first, study.undecided->second, kSand};
+  return plot;
 }
 
 }  // namespace vdbtools

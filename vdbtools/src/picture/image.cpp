@@ -2,6 +2,7 @@
 #include "vdbtools/picture/image.h"
 
 #include "picture/image_encoder.h"
+#include "picture/srgb.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
@@ -20,7 +21,7 @@
 namespace vdbtools {
 namespace {
 
-constexpr float kLargestHalf = 65504;  ///< beyond it a half float is infinite
+constexpr float kLargestHalf = 65504;  ///< the largest finite half float
 
 enum class Kind { Png, Exr };
 
@@ -28,17 +29,10 @@ Kind kindOf(const std::string& extension) {
   const std::string name = lowerCase(extension.substr(extension.starts_with('.') ? 1 : 0));
   if (name == "png") return Kind::Png;
   if (name == "exr") return Kind::Exr;
-  throw std::invalid_argument("no picture is written as \"" + extension + "\"; use png or exr");
+  throw std::invalid_argument("images cannot be written as \"" + extension + "\"; use png or exr");
 }
 
 float finiteOrZero(float value) { return std::isfinite(value) ? value : 0.0F; }
-
-/// The transfer function of IEC 61966-2-1, as an 8-bit code.
-std::uint8_t srgbCode(float linear) {
-  const float v = std::clamp(finiteOrZero(linear), 0.0F, 1.0F);
-  const float encoded = v <= 0.0031308F ? 12.92F * v : 1.055F * std::pow(v, 1 / 2.4F) - 0.055F;
-  return static_cast<std::uint8_t>(std::lround(255 * encoded));
-}
 
 template <typename Value, typename Convert>
 std::vector<Value> converted(const Image& image, Convert convert) {
@@ -51,15 +45,15 @@ std::vector<Value> converted(const Image& image, Convert convert) {
 }
 
 #ifdef JULIAVDB_IMAGE_MODULE
-/// Loads the module that lies beside this library. @throw IoError
+/// Loads the module from the folder of this library. @throw IoError
 ImageEncoder* loadEncoder() {
   Dl_info here{};
   if (dladdr(reinterpret_cast<const void*>(&loadEncoder), &here) == 0 || !here.dli_fname)
-    throw IoError("pictures cannot be encoded: the folder of the libraries is not known");
+    throw IoError("images cannot be encoded: the folder of this library is not known");
   const std::filesystem::path path = std::filesystem::path(here.dli_fname).parent_path() / JULIAVDB_IMAGE_MODULE;
   void* const module = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   void* const function = module ? dlsym(module, "juliavdbEncodeImage") : nullptr;
-  if (!function) throw IoError(std::string("pictures cannot be encoded: ") + dlerror());
+  if (!function) throw IoError(std::string("images cannot be encoded: ") + dlerror());
   return reinterpret_cast<ImageEncoder*>(function);
 }
 #else
@@ -78,8 +72,10 @@ float inHalfRange(float value) { return std::clamp(finiteOrZero(value), -kLarges
 void requirePixels(const Image& image) {
   if (image.width < 1 || image.height < 1 ||
       image.pixels.size() != static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height)) {
-    throw std::invalid_argument("a picture of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
-                                " with " + std::to_string(image.pixels.size()) + " pixels cannot be written");
+    throw std::invalid_argument(
+        "an image of " + std::to_string(image.width) + " x " + std::to_string(image.height) + " with " +
+        std::to_string(image.pixels.size()) +
+        " pixels cannot be written; it needs at least 1 x 1, and as many pixels as its size says");
   }
 }
 

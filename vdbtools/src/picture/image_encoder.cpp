@@ -23,10 +23,10 @@ bool encode(const char* format, const OIIO::ImageSpec& spec, OIIO::TypeDesc type
   std::vector<unsigned char> bytes;
   OIIO::Filesystem::IOVecOutput sink(bytes);
   output->set_ioproxy(&sink);
-  // The name only tells the format; the bytes go to the sink.
+  // The name tells the format only; the bytes go to the sink.
   const bool written = output->open(std::string("picture.") + format, spec) && output->write_image(type, values);
   if (!output->close() || !written) {
-    result = std::string("cannot encode the picture: ") + output->geterror();
+    result = std::string("cannot encode the image: ") + output->geterror();
     return false;
   }
   result.assign(bytes.begin(), bytes.end());
@@ -56,11 +56,11 @@ bool juliavdbEncodeImage(const vdbtools::Picture& picture, std::string& result) 
     }
     spec.attribute("oiio:ColorSpace", "Linear");
     spec.attribute("compression", "zip");
-    // OpenImageIO writes the time of day where no date is given; the same picture shall give the same bytes.
+    // Without a date OpenImageIO writes the time of day, and the same image would give other bytes every time.
     spec.attribute("DateTime", kNoDate);
     return encode("exr", spec, OIIO::TypeDesc::FLOAT, picture.linear, result);
   } catch (const std::exception& error) {
-    result = std::string("cannot encode the picture: ") + error.what();
+    result = std::string("cannot encode the image: ") + error.what();
     return false;
   }
 }

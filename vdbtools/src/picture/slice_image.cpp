@@ -13,8 +13,6 @@
 namespace vdbtools {
 namespace {
 
-using Colour = std::array<float, 3>;
-
 /// A colour of Oklab (B. Ottosson, "A perceptual color space for image processing", 2020), where equal distances look
 /// about equal.
 struct Oklab {
@@ -99,7 +97,7 @@ SlicePlane::SlicePlane(Axis axis, double position, const openvdb::BBoxd& box, in
   }
 
   const double pixel = longest / longestSide;
-  // The shorter side is covered whole, but a rounding error shall not cost a row.
+  // The shorter side is covered completely, but a rounding error must not add a row.
   constexpr double kRounding = 1e-9;
   const auto pixels = [&](double extent) {
     return std::clamp(static_cast<int>(std::ceil(extent / pixel - kRounding * longestSide)), 1, longestSide);

@@ -5,6 +5,7 @@
 #include "render/field_shading.h"
 #include "render/occupancy.h"
 #include "render/ray_steps.h"
+#include "render/view.h"
 
 #include "vdbtools/files/file_bytes.h"
 
@@ -30,8 +31,6 @@ constexpr int kBisections = 12;  ///< to a 4096th of a step
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-double radians(double degrees) { return degrees * (std::numbers::pi / 180); }
-
 Vec3d inFractalSpace(const FractalSpace& space, const Vec3d& world) {
   const julia::Point x = space.toFractal(world);
   return {x[0], x[1], x[2]};
@@ -39,66 +38,30 @@ Vec3d inFractalSpace(const FractalSpace& space, const Vec3d& world) {
 
 julia::Point pointOf(const Vec3d& x) { return {x[0], x[1], x[2]}; }
 
-/// The camera's directions, of length 1: those of the world and of fractal space.
-struct Frame {
-  Vec3d right, up, forward;
-  double tangent;  ///< of half the vertical field of view
-};
-
-Frame frameOf(const Camera& camera) {
-  constexpr double kParallel = 1e-6;  // sine of the angle between the view and up
-  Frame frame;
-  frame.forward = (camera.lookAt - camera.eye).unit();
-  Vec3d up = camera.up.unit();
-  if (frame.forward.cross(up).length() < kParallel) up = std::abs(up[2]) < 0.5 ? Vec3d(0, 0, -1) : Vec3d(0, 1, 0);
-  frame.right = frame.forward.cross(up).unit();
-  frame.up = frame.right.cross(frame.forward);
-  frame.tangent = std::tan(0.5 * radians(camera.fieldOfView));
-  return frame;
-}
-
-[[noreturn]] void refuse(const char* name, double value, const char* domain) {
-  throw std::invalid_argument(std::string("field render: ") + name + " must be " + domain + ", not " +
-                              std::to_string(value));
-}
-
-void require(bool good, const char* name, double value, const char* domain) {
-  if (!good) refuse(name, value, domain);
-}
-
-/// Along the region's longest side, for pictures of this many rays: finding out costs as much as it saves when cells
-/// are some eight rays wide.
+/// Cells along the region's longest side, for pictures of this many rays. Cells of some eight rays' width are about the
+/// finest that save more than they cost.
 int occupancyCells(const FieldRenderOptions& options) {
   constexpr unsigned kRays = 8, kFewest = 64, kMost = 256;
   const auto across = std::max(options.width, options.height) * std::sqrt(options.samples);
   return static_cast<int>(std::clamp(std::bit_ceil(static_cast<unsigned>(across) / kRays), kFewest, kMost));
 }
 
-void check(const FieldRenderOptions& o) {
-  constexpr int kLargestSide = 32768;
+void requireOptions(const FieldRenderOptions& o) {
   constexpr double kShortestStep = 1e-9;
-  require(o.width >= 1 && o.width <= kLargestSide, "width", o.width, "1 to 32768 pixels");
-  require(o.height >= 1 && o.height <= kLargestSide, "height", o.height, "1 to 32768 pixels");
-  require(o.samples == 1 || o.samples == 4 || o.samples == 9 || o.samples == 16, "samples", o.samples, "1, 4, 9 or 16");
-  const double fov = o.camera.fieldOfView;
-  require(fov >= 1 && fov <= 150, "fieldOfView", fov, "1 to 150 degrees");
-  const double distance = (o.camera.lookAt - o.camera.eye).length();
-  require(distance > 0 && std::isfinite(distance), "the distance from the eye to the look-at point", distance,
-          "above 0");
-  require(o.camera.up.length() > 0 && std::isfinite(o.camera.up.length()), "the length of up", o.camera.up.length(),
-          "above 0");
+  PixelSamples(o.width, o.height, o.samples);
+  frameOf(o.camera);
   if (o.clarity.alpha) {
     const double alpha = *o.clarity.alpha;
-    require(alpha >= 0 && std::isfinite(alpha), "alpha", alpha, "at least 0");
+    requireOption(alpha >= 0 && std::isfinite(alpha), "alpha", alpha, "at least 0");
   }
-  require(o.clarity.delta >= 0 && o.clarity.delta <= 2, "delta", o.clarity.delta, "0, 1 or 2");
-  require(o.clarity.epsilon >= kShortestStep && std::isfinite(o.clarity.epsilon), "epsilon", o.clarity.epsilon,
-          "at least 1e-9");
-  require(o.maxIterations >= 1, "maxIterations", o.maxIterations, "at least 1");
-  require(o.escapeRadius > 1, "escapeRadius", o.escapeRadius, "above 1");
+  requireOption(o.clarity.delta >= 0 && o.clarity.delta <= 2, "delta", o.clarity.delta, "0, 1 or 2");
+  requireOption(o.clarity.epsilon >= kShortestStep && std::isfinite(o.clarity.epsilon), "epsilon", o.clarity.epsilon,
+                "at least 1e-9");
+  requireOption(o.maxIterations >= 1, "maxIterations", o.maxIterations, "at least 1");
+  requireOption(o.escapeRadius > 1, "escapeRadius", o.escapeRadius, "above 1");
 }
 
-/// 0 within.
+/// 0 inside the box.
 double distanceTo(const BBoxd& box, const Vec3d& x) {
   Vec3d off;
   for (int axis = 0; axis < 3; ++axis)
@@ -166,14 +129,15 @@ class Exposure {
         mFrame(frameOf(options.camera)),
         mSteps(options.clarity, 2 * mFrame.tangent / options.height,
                (options.camera.lookAt - options.camera.eye).length() / mScale),
-        mGrid(static_cast<int>(std::lround(std::sqrt(options.samples)))),
+        mSamples(options.width, options.height, options.samples),
         mOccupancy(occupancy) {
     // The key comes over the left shoulder, the other light from the eye.
     mLights.key = (-0.60 * mFrame.right + 0.65 * mFrame.up - 0.47 * mFrame.forward).unit();
     mLights.head = -mFrame.forward;
     const double farthest = (mRegion.getCenter() - mEye).length() + mRegion.extents().length();
     if (!mSteps.servesUpTo(farthest))
-      throw std::invalid_argument("epsilon is too small for an eye this far away; make it larger, or come nearer");
+      throw std::invalid_argument(
+          "render: epsilon is too small for an eye this far from the region; make it larger, or move the eye nearer");
     // Before the region, so that every place in it is above the sequence's first.
     constexpr double kBefore = 1 - 1e-9;
     mSteps.lay(kBefore * distanceTo(mRegion, mEye), farthest, monitor);
@@ -231,12 +195,11 @@ class Exposure {
   std::vector<Ray> raysOf(const Tile& tile) const {
     std::vector<Ray> rays;
     rays.reserve(static_cast<std::size_t>(tile.width * tile.height * mOptions.samples));
-    const double aspect = static_cast<double>(mOptions.width) / mOptions.height;
+    const double aspect = mSamples.aspect();
     for (int y = 0; y < tile.height; ++y) {
       for (int x = 0; x < tile.width; ++x) {
         for (int s = 0; s < mOptions.samples; ++s) {
-          const double u = 2 * (tile.left + x + (s % mGrid + 0.5) / mGrid) / mOptions.width - 1;
-          const double v = 1 - 2 * (tile.top + y + (s / mGrid + 0.5) / mGrid) / mOptions.height;
+          const auto [u, v] = mSamples.at(tile.left + x, tile.top + y, s);
           Ray ray;
           ray.direction = (mFrame.forward + mFrame.tangent * (u * aspect * mFrame.right + v * mFrame.up)).unit();
           ray.pixel = static_cast<std::uint32_t>(y * tile.width + x);
@@ -371,20 +334,16 @@ class Exposure {
         Vec3d colour = pixel.sum / mOptions.samples;
         if (mOptions.background && coverage < 1)
           colour += (1 - coverage) *
-                    fieldBackground(2 * (column + 0.5) / mOptions.width - 1, 1 - 2 * (row + 0.5) / mOptions.height);
-        image.beauty.pixels[at] = rgb(colour);
+                    background(2 * (column + 0.5) / mOptions.width - 1, 1 - 2 * (row + 0.5) / mOptions.height);
+        image.beauty.pixels[at] = toColour(colour);
         image.coverage[at] = static_cast<float>(coverage);
         if (pixel.hits == 0) continue;
-        image.normal.pixels[at] = rgb(shaded[pixel.meeting].normal);
+        image.normal.pixels[at] = toColour(shaded[pixel.meeting].normal);
         image.depth[at] =
             static_cast<float>(pixel.nearest * mFrame.forward.dot(meetings[pixel.meeting].ray.direction) * mScale);
         image.id[at] = 1;
       }
     }
-  }
-
-  static std::array<float, 3> rgb(const Vec3d& v) {
-    return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
   }
 
   const julia::FieldEvaluator& mEvaluator;
@@ -393,9 +352,9 @@ class Exposure {
   double mScale;  ///< world units a unit of fractal space
   Vec3d mEye;     ///< fractal space
   BBoxd mRegion;  ///< fractal space
-  Frame mFrame;
+  CameraFrame mFrame;
   RaySteps mSteps;
-  int mGrid;  ///< samples along a pixel's side
+  PixelSamples mSamples;
   FieldLights mLights;
   const Occupancy* mOccupancy;
   std::atomic<std::uint64_t> mEvaluations{0};
@@ -403,17 +362,46 @@ class Exposure {
 
 }  // namespace
 
+FramedBall frameSet(const FieldSource& source, const BBoxd& region) {
+  constexpr int kFrameCells = 64;  // of the lattice, along the longest side of the region
+  const Vec3d sides = region.extents();
+  const double longest = std::max({sides[0], sides[1], sides[2]});
+  const double cell = longest / kFrameCells;
+  std::vector<julia::Point> points;
+  std::vector<Vec3d> places;
+  std::array<int, 3> count{};
+  for (int axis = 0; axis < 3; ++axis)
+    count[static_cast<std::size_t>(axis)] = std::max(1, static_cast<int>(std::ceil(sides[axis] / cell)));
+  for (int i = 0; i < count[0]; ++i)
+    for (int j = 0; j < count[1]; ++j)
+      for (int k = 0; k < count[2]; ++k) {
+        places.push_back(region.min() + cell * Vec3d(i + 0.5, j + 0.5, k + 0.5));
+        points.push_back(source.space.toFractal(places.back()));
+      }
+  std::vector<double> field(points.size());
+  source.evaluator.evaluate(points, field, {});
+  BBoxd box;
+  for (std::size_t i = 0; i < places.size(); ++i)
+    if (field[i] < 0) box.expand(places[i]);
+  if (box.empty()) return {region.getCenter(), 0.5 * region.extents().length()};
+  FramedBall ball{box.getCenter(), 0};
+  for (std::size_t i = 0; i < places.size(); ++i)
+    if (field[i] < 0) ball.radius = std::max(ball.radius, (places[i] - ball.centre).length());
+  ball.radius += cell;
+  return ball;
+}
+
 FieldRenderer::FieldRenderer(const FieldSource& source, const BBoxd& region)
     : mSource(source), mRegion(inFractalSpace(source.space, region.min()), inFractalSpace(source.space, region.max())) {
   for (int axis = 0; axis < 3; ++axis)
-    require(region.max()[axis] > region.min()[axis] && std::isfinite(region.extents()[axis]), "a side of the region",
-            region.extents()[axis], "above 0");
+    requireOption(region.max()[axis] > region.min()[axis] && std::isfinite(region.extents()[axis]),
+                  "a side of the region", region.extents()[axis], "above 0");
 }
 
 FieldRenderer::~FieldRenderer() = default;
 
 FieldImage FieldRenderer::render(const FieldRenderOptions& options, Monitor& monitor) {
-  check(options);
+  requireOptions(options);
   monitor.throwIfCancelled();
   if (options.skip && !mOccupancy)
     mOccupancy = std::make_unique<const Occupancy>(mSource.evaluator, mRegion, occupancyCells(options), monitor);

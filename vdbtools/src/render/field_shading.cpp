@@ -2,6 +2,7 @@
 #include "render/field_shading.h"
 
 #include "picture/srgb.h"
+#include "render/view.h"
 
 #include <algorithm>
 #include <array>
@@ -15,13 +16,12 @@ using openvdb::Vec3d;
 // Phong's model, in linear RGB.
 constexpr double kAmbient = 0.10, kKey = 1.00, kHead = 0.14;
 constexpr double kShine = 0.22, kSharpness = 36;
-const Vec3d kClay(0.55, 0.32, 0.21);
 
-/// What shows of a colour whose entries reach from 0 to 1 ([ZB25]): fully saturated ones hide the shape.
+/// The saturation of the colours of directions: less than that of [ZB25], where full saturation hides the shape.
 constexpr double kSaturation = 0.85;
 
-/// Differences along 13 axes, of a cube's faces, edges and corners. Where F goes from one bound to the other within a
-/// step, as it does on rough sets, three axes know 26 normals only, and a smooth face breaks into facets.
+/// Differences along 13 axes: through the faces, edges and corners of a cube. Where F goes from one bound to the other
+/// within a step, as it does on rough sets, three axes give only 26 different normals and smooth faces become facets.
 constexpr int kAxes = 13, kNeighbours = 2 * kAxes;
 
 const std::array<Vec3d, kAxes>& axes() {
@@ -37,14 +37,14 @@ const std::array<Vec3d, kAxes>& axes() {
 
 Vec3d linearColour(const Vec3d& v) { return {linearFromSrgb(v[0]), linearFromSrgb(v[1]), linearFromSrgb(v[2])}; }
 
-/// Entries of [-1, 1] as the screen's RGB.
+/// The components of a direction, from -1 to 1, as sRGB.
 Vec3d directionColour(const Vec3d& direction) {
   Vec3d rgb;
   for (int i = 0; i < 3; ++i) rgb[i] = std::clamp(0.5 + 0.5 * kSaturation * direction[i], 0.0, 1.0);
   return linearColour(rgb);
 }
 
-/// From dark blue over green to yellow, evenly in lightness: five colours of viridis.
+/// From dark blue through green to yellow, even in lightness: five colours of viridis.
 Vec3d ramp(double v) {
   static const std::array<Vec3d, 5> kStops = {Vec3d(0.267, 0.005, 0.329), Vec3d(0.230, 0.322, 0.546),
                                               Vec3d(0.128, 0.567, 0.551), Vec3d(0.369, 0.789, 0.383),
@@ -55,9 +55,10 @@ Vec3d ramp(double v) {
   return linearColour((1 - part) * kStops[i] + part * kStops[i + 1]);
 }
 
-/// A field that grows from the surface outwards like a distance: F is a sawtooth there, starting anew where orbits
-/// escape a step earlier, and each step less doubles the distance of a map that squares. Linear in F across the surface
-/// and bounded inside, where F of long orbits is noise. [ZB25] lets escaped orbits run on instead, up to infinity.
+/// A field that grows outwards from the surface like a distance. F itself is a sawtooth there: it falls back wherever
+/// orbits escape one step earlier, and for a map that squares, each such step doubles the distance. This field is
+/// linear in F across the surface and bounded inside, where F of long orbits is noise. [ZB25] instead lets escaped
+/// orbits continue to infinity.
 class Potential {
  public:
   Potential(double escapeRadius, int iterations) : mTooth(std::log(escapeRadius)), mIterations(iterations) {}
@@ -173,11 +174,6 @@ void shadeHits(const julia::FieldEvaluator& evaluator, const FieldRenderOptions&
     add(lights.head, kHead);
     shaded[i] = {normal, diffuse * albedo[i] + Vec3d(kShine * shine)};
   }
-}
-
-Vec3d fieldBackground(double u, double v) {
-  constexpr double kTop = 0.86, kBottom = 0.64, kVignette = 0.10;
-  return Vec3d(std::lerp(kBottom, kTop, 0.5 * (v + 1)) - kVignette * 0.5 * (u * u + v * v));
 }
 
 }  // namespace vdbtools

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file field_shading.h
-/// What a ray that met the set sees there: normals from the field, colours from the map, Phong's model.
+/// Shades the points where rays meet the set: normals from the field, colours from the map, Phong's model.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -18,8 +18,8 @@ namespace vdbtools {
 struct FieldHit {
   openvdb::Vec3d inside;                 ///< just behind the surface
   openvdb::Vec3d view;                   ///< the ray's direction, of length 1
-  double step = 0;                       ///< of the ray there
-  std::optional<openvdb::Vec3d> normal;  ///< where it is known: at a face that cuts the set
+  double step = 0;                       ///< the length of the ray's step there
+  std::optional<openvdb::Vec3d> normal;  ///< known at the faces of the region, which cut the set
 };
 
 struct ShadedHit {
@@ -35,8 +35,5 @@ struct FieldLights {
 /// @param shaded  as long as @a hits
 void shadeHits(const julia::FieldEvaluator& evaluator, const FieldRenderOptions& options, const FieldLights& lights,
                std::span<const FieldHit> hits, std::span<ShadedHit> shaded);
-
-/// Behind the set; u, v from -1 to 1, v up. The colours of renderPreview().
-openvdb::Vec3d fieldBackground(double u, double v);
 
 }  // namespace vdbtools

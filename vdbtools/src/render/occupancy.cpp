@@ -17,7 +17,7 @@ using openvdb::Vec3d;
 
 namespace {
 
-/// Balls reach a little beyond their cubes: a sample at a cube's face may be counted to either side.
+/// Balls reach a little beyond their cubes, because a sample at a face may count as a part of either cube.
 constexpr double kReach = 1 + 1e-3;
 constexpr int kLargestCube = 32;  ///< cells: where the subdivision begins
 constexpr std::size_t kGrain = 512;
@@ -34,7 +34,7 @@ Occupancy::Occupancy(const julia::FieldEvaluator& evaluator, const openvdb::BBox
   Coord count;
   for (int axis = 0; axis < 3; ++axis)
     count[axis] = std::max(1, static_cast<int>(std::ceil(box.extents()[axis] / mCell)));
-  // One more on each side for what rounding puts beyond a face.
+  // One more on each side, for samples that rounding puts beyond a face.
   const CoordBBox domain(Coord(-1), count);
   std::vector<Coord> corners;
   const auto low = [](int i) { return i & ~(kLargestCube - 1); };

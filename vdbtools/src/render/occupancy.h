@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file occupancy.h
-/// Which cubes of a region are proved to lie outside of the set, for rays to pass them by.
+/// The cubes of a region that are proved to lie outside the set, so that rays can skip them.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -13,7 +13,7 @@ namespace vdbtools {
 /// All in fractal space.
 class Occupancy {
  public:
-  /// @param box  cubes are @a cells to its longest side
+  /// @param cells  cubes along the longest side of the box
   Occupancy(const julia::FieldEvaluator& evaluator, const openvdb::BBoxd& box, int cells, Monitor& monitor);
 
   /// For one thread.
@@ -22,7 +22,7 @@ class Occupancy {
     explicit Walker(const Occupancy& occupancy)
         : mOrigin(occupancy.mOrigin), mCell(occupancy.mCell), mPerCell(1 / occupancy.mCell), mCells(occupancy.mCells) {}
 
-    /// The part of the ray around @a t, from there on, over which the answer is one: whether the set may be there.
+    /// The stretch of a ray from @a t onwards over which the answer stays the same: whether the set may be there.
     struct Span {
       bool occupied;
       double end;  ///< > t

@@ -13,8 +13,9 @@
 
 namespace vdbtools {
 
-/// Where rays are sampled: one sequence of distances from the eye for all of them, t_{k+1} = t_k + the step at t_k. So
-/// what is skipped need not be gone through: some of its members are kept, and the search goes on from these.
+/// The distances from the eye at which rays are sampled: one sequence for all rays, t_{k+1} = t_k + length(t_k). Some
+/// of its members are stored, so that a ray that skips a stretch finds its next sample without all the steps in
+/// between.
 class RaySteps {
  public:
   RaySteps(const Clarity& clarity, double pixel, double distance)
@@ -27,10 +28,10 @@ class RaySteps {
     return std::max(mAlpha * power, mEpsilon);
   }
 
-  /// Whether no step up to the distance @a t is lost in rounding.
+  /// Whether every step up to the distance @a t is long enough to survive rounding.
   bool servesUpTo(double t) const {
     constexpr double kLeast = 1e-14;  // of the distance
-    // Of the second power a step is the smallest part of the distance where it grows beyond epsilon.
+    // With delta 2 a step is the smallest part of the distance at the point where it grows beyond epsilon.
     const double least = mDelta == 2 && mAlpha > 0 ? std::min(t, std::sqrt(mEpsilon / mAlpha)) : t;
     return length(least) >= kLeast * least;
   }

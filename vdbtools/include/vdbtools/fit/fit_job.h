@@ -6,7 +6,7 @@
 
 #include "vdbtools/fit/fit_measure.h"
 #include "vdbtools/fit/fit_target.h"
-#include "vdbtools/picture/image.h"
+#include "vdbtools/picture/plot.h"
 #include "vdbtools/recipe/recipe.h"
 
 #include "julia/fit/schedule.h"
@@ -74,7 +74,7 @@ FitResult runFit(const FitOptions& options, bool wantDistances, Monitor& monitor
 std::string fitReportCsv(std::span<const FitRow> rows);
 
 /// psi by step as [Kim15] Fig. 11 draws it: from [-1, 1] brought to [0, 1], logarithmic.
-Image fitReportPlot(std::span<const FitRow> rows);
+Plot fitReportPlot(std::span<const FitRow> rows);
 
 /// The fit as an `.o3d`, with the fields that belong to it on the cells of the target's cube.
 /// @throw std::invalid_argument  e^C does not fit a double

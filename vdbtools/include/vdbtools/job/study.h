@@ -7,6 +7,7 @@
 
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/picture/image.h"
+#include "vdbtools/picture/plot.h"
 #include "vdbtools/picture/slice_image.h"
 
 #include <optional>
@@ -60,6 +61,6 @@ Image studyImage(const SlicePlane& plane, const Study& study);
 std::string studyCsv(const Study& study);
 
 /// phi over the radius, with the undecided range shaded.
-Image studyPlot(const Study& study);
+Plot studyPlot(const Study& study);
 
 }  // namespace vdbtools

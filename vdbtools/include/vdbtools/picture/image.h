@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file image.h
-/// A plain RGB picture in memory and its way into a file through OpenImageIO.
+/// The room `picture`: images in memory, their files (image.h), drawings with text (canvas.h), plots (plot.h) and the
+/// colouring of slices (slice_image.h). It knows neither meshes nor fractals: it may use the rooms base and files, and
+/// of OpenVDB only vectors and boxes.
+///
+/// This header: an RGB image, and its encoding through OpenImageIO.
 #pragma once
 
 #include <array>
@@ -11,33 +15,37 @@
 
 namespace vdbtools {
 
-/// Linear RGB, row by row from the top left.
+/// Linear RGB, with the primaries of sRGB. 0 is black, 1 is the white of the screen.
+using Colour = std::array<float, 3>;
+
+/// Row by row from the top left.
 struct Image {
   int width = 0;   ///< pixels
   int height = 0;  ///< pixels
-  std::vector<std::array<float, 3>> pixels;
+  std::vector<Colour> pixels;
 
   Image() = default;
   Image(int w, int h) : width(w), height(h), pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h)) {}
-  std::array<float, 3>& at(int x, int y) { return pixels[static_cast<std::size_t>(y) * width + x]; }
-  const std::array<float, 3>& at(int x, int y) const { return pixels[static_cast<std::size_t>(y) * width + x]; }
+  Colour& at(int x, int y) { return pixels[static_cast<std::size_t>(y) * width + x]; }
+  const Colour& at(int x, int y) const { return pixels[static_cast<std::size_t>(y) * width + x]; }
 };
 
-/// The picture as the bytes of a file. @a extension, with or without its dot, says which kind: png (8 bits, sRGB) or
-/// exr (half float, linear). Values out of range are clamped, those that are not finite become 0. The same picture
-/// gives the same bytes: the date that OpenEXR insists on is always 1970.
-/// @throw std::invalid_argument  another extension, or an empty picture
-/// @throw IoError                OpenImageIO cannot do it
+/// Encodes the image as the bytes of a file. @a extension, with or without its dot, names the format: png (8 bits,
+/// sRGB) or exr (half floats, linear). Values out of range are clamped; values that are not finite become 0. The same
+/// image gives the same bytes: the date that OpenEXR insists on is always 1970.
+/// @throw std::invalid_argument  another extension, or an empty image
+/// @throw IoError                OpenImageIO cannot encode it
 std::string encodeImage(const Image& image, const std::string& extension);
 
-/// A channel beyond RGB, a value a pixel in the image's order.
+/// A channel beyond RGB.
 struct Channel {
-  std::string name;  ///< as compositors know it: A, Z, N.x
-  std::vector<float> values;
+  std::string name;           ///< as compositors know it: A, Z, N.x
+  std::vector<float> values;  ///< one for each pixel, in the order of the image
 };
 
-/// The same as an EXR with further channels, in 32 bits each.
-/// @throw std::invalid_argument  an empty picture, or a channel of another size; IoError
+/// Encodes the image as an EXR with further channels, which are kept as 32-bit floats.
+/// @throw std::invalid_argument  an empty image, or a channel of another size
+/// @throw IoError                OpenImageIO cannot encode it
 std::string encodeExr(const Image& image, std::span<const Channel> channels);
 
 }  // namespace vdbtools

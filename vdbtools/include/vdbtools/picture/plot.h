@@ -1,43 +1,50 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file plot.h
-/// Curves in a picture: axes with round numbers, a legend, and lettering of its own.
+/// Plots of curves, with round numbers on the axes and a legend. Text is UTF-8, in the font that canvas.h describes.
 #pragma once
 
 #include "vdbtools/picture/image.h"
 
-#include <array>
 #include <optional>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace vdbtools {
 
+// Colours that readers with colour blindness can tell apart (M. Okabe and K. Ito, "Color Universal Design", 2008).
+inline constexpr Colour kVermilion{0.665F, 0.112F, 0}, kBlue{0, 0.168F, 0.445F}, kGreen{0, 0.342F, 0.171F};
+
 struct PlotSeries {
-  std::string name;                               ///< in the legend, which an empty one stays out of
+  std::string name;                               ///< in the legend; without a name the series is not listed there
   std::vector<std::pair<double, double>> points;  ///< in order; a point that cannot be drawn leaves a gap
-  std::array<float, 3> colour{};                  ///< linear RGB
+  Colour colour{};
 };
 
-/// A range of y, behind the curves. The axes do not widen for it, and so its ends may be infinite.
+/// A range of y that is shaded behind the curves. The axes are not widened for it, and its ends may be infinite.
 struct PlotBand {
   std::string name;  ///< in the legend
   double low = 0, high = 0;
-  std::array<float, 3> colour{};  ///< linear RGB
+  Colour colour{};
 };
 
-struct PlotOptions {
-  std::string title, xLabel, yLabel;  ///< ASCII; what the lettering lacks is drawn as a box
-  bool logY = false;                  ///< decades; values of 0 and below leave gaps
-  int width = 900, height = 600;      ///< pixels, >= 200 and >= 150, <= 4096
-  std::optional<PlotBand> band;       ///< of a linear y
+/// The axes hold every point that can be drawn: both numbers must be finite (below 1e307), and y positive if its axis
+/// is logarithmic.
+struct Plot {
+  std::vector<PlotSeries> series;
+  std::string title, xLabel, yLabel;
+  bool logY = false;             ///< decades on the y axis
+  std::optional<PlotBand> band;  ///< only with a linear y axis
+  int width = 900;               ///< pixels, 200 to 4096
+  int height = 600;              ///< pixels, 150 to 4096
 };
 
-/// The axes hold every point of every series that can be drawn: whose numbers are finite (below 1e307) and, for a
-/// logarithm, positive.
-/// @throw std::invalid_argument  no series, a picture too small or large, no point that can be drawn,
-///                               or a band beside logY
-Image plotLines(std::span<const PlotSeries> series, const PlotOptions& options);
+/// @throw std::invalid_argument  no point that can be drawn, a size out of its range, or a band with a logarithmic axis
+Image plotImage(const Plot& plot);
+
+/// The plot as the bytes of a file. @param extension  png, exr or svg, with or without a dot
+/// @throw std::invalid_argument  as plotImage(), and another extension
+/// @throw IoError                the libraries cannot draw or encode it
+std::string encodePlot(const Plot& plot, const std::string& extension);
 
 }  // namespace vdbtools

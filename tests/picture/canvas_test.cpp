@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/picture/canvas.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <regex>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace vdbtools;
+
+constexpr Colour kWhite{1, 1, 1}, kBlack{}, kRed{1, 0, 0};
+
+/// The smallest box around what is not white, in whole pixels: left, top, right and bottom, the last two exclusive.
+struct Ink {
+  int left = 1 << 20, top = 1 << 20, right = 0, bottom = 0;
+  double darkness = 0;  ///< summed, in pixels of black
+
+  int width() const { return std::max(0, right - left); }
+  int height() const { return std::max(0, bottom - top); }
+};
+
+Ink inkOf(const Image& image) {
+  Ink ink;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      if (image.at(x, y) == kWhite) continue;
+      ink.left = std::min(ink.left, x);
+      ink.top = std::min(ink.top, y);
+      ink.right = std::max(ink.right, x + 1);
+      ink.bottom = std::max(ink.bottom, y + 1);
+      ink.darkness += 1 - image.at(x, y)[1];
+    }
+  return ink;
+}
+
+Canvas pixels(int width = 200, int height = 100) { return {CanvasKind::Pixels, width, height}; }
+
+Ink inkOfText(const std::string& text, const CanvasPoint& at, const TextStyle& style) {
+  Canvas canvas = pixels(400, 400);
+  canvas.text(text, at, style);
+  return inkOf(canvas.pixels());
+}
+
+TEST(Canvas, FillsExactlyThePixelsOfABox) {
+  Canvas canvas = pixels();
+  canvas.fill({10, 20, 30, 5}, kRed);
+  const Image image = canvas.pixels();
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      EXPECT_EQ(image.at(x, y), x >= 10 && x < 40 && y >= 20 && y < 25 ? kRed : kWhite) << x << ' ' << y;
+}
+
+TEST(Canvas, OpacityMixesInSrgb) {
+  Canvas canvas = pixels();
+  canvas.fill({0, 0, 200, 100}, kBlack, 0.5);
+  // Half of sRGB's 255 is the linear 0.2140 for 127.5.
+  EXPECT_NEAR(canvas.pixels().at(50, 50)[1], 0.214F, 0.004F);
+}
+
+TEST(Canvas, PolygonsCoverTheirArea) {
+  Canvas canvas = pixels();
+  const CanvasPoint triangle[] = {{10, 10}, {110, 10}, {10, 90}};
+  canvas.fill(triangle, kBlack);
+  const Image image = canvas.pixels();
+  // Coverage is what sRGB mixes.
+  double area = 0;
+  for (const Colour& pixel : image.pixels)
+    area += 1 - (pixel[1] <= 0.0031308F ? 12.92F * pixel[1] : 1.055F * std::pow(pixel[1], 1 / 2.4F) - 0.055F);
+  EXPECT_NEAR(area, 4000, 20);
+  EXPECT_EQ(image.at(20, 20), kBlack);
+  EXPECT_EQ(image.at(100, 80), kWhite);
+}
+
+TEST(Canvas, LinesLieWhereTheirPointsSay) {
+  Canvas canvas = pixels();
+  const CanvasPoint points[] = {{20, 30.5}, {120, 30.5}};
+  canvas.line(points, {kBlack, 1});
+  Ink ink = inkOf(canvas.pixels());
+  EXPECT_EQ(ink.top, 30);
+  EXPECT_EQ(ink.bottom, 31);
+  EXPECT_NEAR(ink.left, 20, 1);
+  EXPECT_NEAR(ink.right, 120, 1);
+
+  Canvas dot = pixels();
+  const CanvasPoint one[] = {{50, 60}};
+  dot.line(one, {kBlack, 6});
+  ink = inkOf(dot.pixels());
+  EXPECT_NEAR(ink.width(), 6, 1);
+  EXPECT_NEAR(ink.height(), 6, 1);
+  EXPECT_NEAR(0.5 * (ink.left + ink.right), 50, 0.5);
+  EXPECT_NEAR(0.5 * (ink.top + ink.bottom), 60, 0.5);
+  dot.line({}, {kBlack, 6});  // nothing
+  EXPECT_EQ(inkOf(dot.pixels()).darkness, ink.darkness);
+}
+
+TEST(Canvas, TextStandsOnItsBaseline) {
+  const TextStyle style{.size = 40};
+  const Ink capital = inkOfText("H", {100, 200}, style), hanging = inkOfText("Hp", {100, 200}, style);
+  EXPECT_EQ(capital.bottom, 200);
+  EXPECT_NEAR(capital.height(), kCapHeight * 40, 2.5);
+  EXPECT_GE(capital.left, 100);
+  EXPECT_LT(capital.right, 140);
+  EXPECT_GT(hanging.bottom, 205);
+  EXPECT_GT(hanging.right, capital.right);
+  EXPECT_EQ(inkOfText("", {100, 200}, style).darkness, 0);
+  EXPECT_GT(inkOfText("H", {100, 200}, {.size = 40, .bold = true}).darkness, 1.2 * capital.darkness);
+}
+
+TEST(Canvas, TextIsAlignedByItsWidth) {
+  const std::string text = "Hamburg 123";
+  TextStyle style{.size = 20};
+  const double width = pixels().textWidth(text, style);
+  const Ink left = inkOfText(text, {200, 100}, style);
+  EXPECT_NEAR(left.width(), width, 5);
+  style.align = TextAlign::Centre;
+  EXPECT_NEAR(inkOfText(text, {200, 100}, style).left, left.left - width / 2, 1.5);
+  style.align = TextAlign::Right;
+  EXPECT_NEAR(inkOfText(text, {200, 100}, style).left, left.left - width, 1.5);
+  EXPECT_NEAR(pixels().textWidth(text, {.size = 40}), 2 * width, 2);
+
+  // Upwards: the same ink, turned.
+  style.align = TextAlign::Left;
+  style.upwards = true;
+  const Ink upwards = inkOfText(text, {200, 300}, style);
+  EXPECT_NEAR(upwards.height(), left.width(), 2);
+  EXPECT_NEAR(upwards.width(), left.height(), 2);
+  EXPECT_LE(upwards.bottom, 300);
+  EXPECT_LE(upwards.left, 200);
+  EXPECT_GT(upwards.right, 200);  // what hangs below the baseline
+}
+
+TEST(Canvas, TextIsUtf8) {
+  // Characters of ASCII and beyond are single characters of different shapes.
+  const TextStyle style{.size = 40};
+  const Ink phi = inkOfText("\u03c6", {100, 200}, style), minus = inkOfText("\u2212", {100, 200}, style);
+  EXPECT_GT(phi.height(), 2 * minus.height());
+  EXPECT_LT(phi.width(), 40);
+  EXPECT_GT(minus.darkness, 0);
+}
+
+TEST(Canvas, ImagesKeepTheirCodes) {
+  Image image(16, 16);
+  for (int i = 0; i < 256; ++i) {
+    const float v = static_cast<float>(i) / 255;
+    image.pixels[static_cast<std::size_t>(i)] = {v, v * v, 1 - v};
+  }
+  Canvas canvas = pixels(40, 30);
+  canvas.image(image, 7, 9);
+  const Image drawn = canvas.pixels();
+  Image part(16, 16);
+  for (int y = 0; y < 16; ++y)
+    for (int x = 0; x < 16; ++x) part.at(x, y) = drawn.at(x + 7, y + 9);
+  EXPECT_EQ(encodeImage(part, "png"), encodeImage(image, "png"));
+  EXPECT_EQ(drawn.at(6, 9), kWhite);
+  EXPECT_EQ(drawn.at(23, 9), kWhite);
+}
+
+/// A drawing with everything in it.
+std::string drawing(CanvasKind kind, const std::string& extension) {
+  Canvas canvas(kind, 120, 80, {0.5F, 0.6F, 0.7F});
+  const CanvasPoint points[] = {{12.5, 10}, {100, 60.25}};
+  canvas.line(points, {kRed, 2});
+  canvas.fill(points, kRed, 0.5);
+  canvas.text("Text \u2212 1", {60, 40}, {.align = TextAlign::Centre});
+  canvas.image(Image(8, 8), 3, 4);
+  return canvas.encode(extension);
+}
+
+TEST(Canvas, TheSameDrawingHasTheSameBytes) {
+  EXPECT_EQ(drawing(CanvasKind::Svg, "svg"), drawing(CanvasKind::Svg, ".SVG"));
+  EXPECT_EQ(drawing(CanvasKind::Pixels, "png"), drawing(CanvasKind::Pixels, ".PNG"));
+  EXPECT_EQ(drawing(CanvasKind::Pixels, "exr"), drawing(CanvasKind::Pixels, "exr"));
+}
+
+TEST(Canvas, SvgHoldsThePathsAndAGlyphForEachLetter) {
+  const std::string svg = drawing(CanvasKind::Svg, "svg");
+  EXPECT_TRUE(svg.starts_with("<?xml"));
+  EXPECT_NE(svg.find("width=\"120px\" height=\"80px\" viewBox=\"0 0 120 80\""), std::string::npos);
+  EXPECT_NE(svg.find("M 12.5 10 L 100 60.25"), std::string::npos);
+  // Text: the uses of glyphs stand on the baseline, within its width about the middle.
+  const std::regex use("<use xlink:href=\"#glyph[^\"]*\" x=\"([^\"]*)\" y=\"([^\"]*)\"");
+  const double half = pixels().textWidth("Text \u2212 1", {}) / 2;
+  int glyphs = 0;
+  for (auto at = std::sregex_iterator(svg.begin(), svg.end(), use); at != std::sregex_iterator(); ++at, ++glyphs) {
+    EXPECT_NEAR(std::stod((*at)[1]), 60, half + 0.1);
+    EXPECT_NEAR(std::stod((*at)[2]), 40, 0.01);
+  }
+  EXPECT_EQ(glyphs, 8);
+  // Every name that is used is defined once.
+  const std::regex reference("href=\"#([^\"]*)\"");
+  for (auto at = std::sregex_iterator(svg.begin(), svg.end(), reference); at != std::sregex_iterator(); ++at) {
+    const std::string definition = "id=\"" + (*at)[1].str() + "\"";
+    const std::size_t found = svg.find(definition);
+    ASSERT_NE(found, std::string::npos) << definition;
+    EXPECT_EQ(svg.find(definition, found + 1), std::string::npos) << definition;
+  }
+}
+
+TEST(Canvas, RefusesWhatItCannotDraw) {
+  EXPECT_THROW(Canvas(CanvasKind::Pixels, 0, 10), std::invalid_argument);
+  EXPECT_THROW(Canvas(CanvasKind::Svg, 10, -1), std::invalid_argument);
+  EXPECT_THROW(Canvas(CanvasKind::Pixels, 40000, 10), std::invalid_argument);
+  EXPECT_THROW(pixels().encode("svg"), std::invalid_argument);
+  EXPECT_THROW(pixels().encode("jpg"), std::invalid_argument);
+  EXPECT_THROW(Canvas(CanvasKind::Svg, 10, 10).encode("png"), std::invalid_argument);
+  EXPECT_THROW(Canvas(CanvasKind::Svg, 10, 10).pixels(), std::logic_error);
+}
+
+}  // namespace

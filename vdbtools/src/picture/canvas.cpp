@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/picture/canvas.h"
+
+#include "picture/srgb.h"
+
+#include "vdbtools/base/errors.h"
+#include "vdbtools/files/file_bytes.h"
+
+#include <cairo-svg.h>
+#include <cairo.h>
+
+#include <cctype>
+#include <map>
+#include <numbers>
+#include <stdexcept>
+#include <utility>
+
+namespace vdbtools {
+namespace {
+
+struct Destroy {
+  void operator()(cairo_t* context) const { cairo_destroy(context); }
+  void operator()(cairo_surface_t* surface) const { cairo_surface_destroy(surface); }
+  void operator()(cairo_font_options_t* options) const { cairo_font_options_destroy(options); }
+};
+template <class Object>
+using Owned = std::unique_ptr<Object, Destroy>;
+
+void require(cairo_status_t status) {
+  if (status != CAIRO_STATUS_SUCCESS)
+    throw IoError(std::string("Cairo cannot draw: ") + cairo_status_to_string(status));
+}
+
+cairo_status_t append(void* text, const unsigned char* data, unsigned int length) {
+  static_cast<std::string*>(text)->append(reinterpret_cast<const char*>(data), length);
+  return CAIRO_STATUS_SUCCESS;
+}
+
+/// The pixels of a row of an RGB24 surface.
+std::uint32_t* rowOf(cairo_surface_t* surface, int y) {
+  return reinterpret_cast<std::uint32_t*>(cairo_image_surface_get_data(surface) +
+                                          static_cast<std::ptrdiff_t>(y) * cairo_image_surface_get_stride(surface));
+}
+
+/// Cairo names the parts of an SVG by numbers that go on through the whole process ("surface9", "image13"). Here they
+/// count from 1 in every file, so that the same drawing has the same bytes.
+std::string renumbered(const std::string& svg) {
+  constexpr std::string_view kMarks[] = {"id=\"", "\"#", "(#"};
+  std::map<std::string, std::string, std::less<>> names;
+  std::string result;
+  result.reserve(svg.size());
+  for (std::size_t at = 0; at < svg.size();) {
+    std::size_t mark = 0;
+    for (const std::string_view candidate : kMarks)
+      if (svg.compare(at, candidate.size(), candidate) == 0) mark = candidate.size();
+    if (mark == 0) {
+      result += svg[at++];
+      continue;
+    }
+    result.append(svg, at, mark);
+    at += mark;
+    std::size_t digits = at;
+    while (digits < svg.size() && std::isalpha(static_cast<unsigned char>(svg[digits]))) ++digits;
+    std::size_t end = digits;
+    while (end < svg.size() && std::isdigit(static_cast<unsigned char>(svg[end]))) ++end;
+    // Names in two parts, such as glyph0-1, are numbered in each file anew.
+    const bool whole = digits > at && end > digits && end < svg.size() && (svg[end] == '"' || svg[end] == ')');
+    if (!whole) continue;
+    const std::string letters = svg.substr(at, digits - at);
+    const auto [name, isNew] = names.try_emplace(svg.substr(at, end - at));
+    if (isNew) name->second = letters + std::to_string(names.size());
+    result += name->second;
+    at = end;
+  }
+  return result;
+}
+
+}  // namespace
+
+struct Canvas::State {
+  CanvasKind kind;
+  int width, height;
+  std::string svg;  ///< before the surface, which appends to it
+  Owned<cairo_surface_t> surface;
+  Owned<cairo_t> context;
+
+  void setColour(const Colour& colour, double opacity = 1) const {
+    const auto channel = [&](std::size_t i) { return srgbCode(colour[i]) / 255.0; };
+    cairo_set_source_rgba(context.get(), channel(0), channel(1), channel(2), opacity);
+  }
+  void setFont(const TextStyle& style) const {
+    cairo_select_font_face(context.get(), "sans", CAIRO_FONT_SLANT_NORMAL,
+                           style.bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_set_font_size(context.get(), style.size);
+  }
+  void addPath(std::span<const CanvasPoint> points) const {
+    for (const CanvasPoint& point : points) cairo_line_to(context.get(), point.x, point.y);
+  }
+};
+
+Canvas::Canvas(CanvasKind kind, int width, int height, const Colour& background) {
+  constexpr int kLargestSide = 32767;  // of Cairo
+  if (width < 1 || height < 1 || width > kLargestSide || height > kLargestSide)
+    throw std::invalid_argument("a canvas of " + std::to_string(width) + " x " + std::to_string(height) +
+                                " pixels cannot be made; each side must be 1 to " + std::to_string(kLargestSide));
+  mState = std::make_unique<State>(State{kind, width, height, {}, {}, {}});
+  if (kind == CanvasKind::Svg) {
+    mState->surface.reset(cairo_svg_surface_create_for_stream(append, &mState->svg, width, height));
+    cairo_svg_surface_set_document_unit(mState->surface.get(), CAIRO_SVG_UNIT_PX);
+  } else {
+    mState->surface.reset(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height));
+  }
+  require(cairo_surface_status(mState->surface.get()));
+  mState->context.reset(cairo_create(mState->surface.get()));
+  cairo_t* const context = mState->context.get();
+  require(cairo_status(context));
+  // All that fontconfig could choose differently from one machine to the next.
+  const Owned<cairo_font_options_t> font(cairo_font_options_create());
+  cairo_font_options_set_antialias(font.get(), CAIRO_ANTIALIAS_GRAY);
+  cairo_font_options_set_hint_style(font.get(), CAIRO_HINT_STYLE_SLIGHT);
+  cairo_font_options_set_hint_metrics(font.get(), CAIRO_HINT_METRICS_OFF);
+  cairo_set_font_options(context, font.get());
+  cairo_set_line_cap(context, CAIRO_LINE_CAP_ROUND);
+  cairo_set_line_join(context, CAIRO_LINE_JOIN_ROUND);
+  cairo_set_fill_rule(context, CAIRO_FILL_RULE_EVEN_ODD);
+  fill({0, 0, static_cast<double>(width), static_cast<double>(height)}, background);
+}
+
+Canvas::~Canvas() = default;
+Canvas::Canvas(Canvas&&) noexcept = default;
+Canvas& Canvas::operator=(Canvas&&) noexcept = default;
+
+int Canvas::width() const { return mState->width; }
+int Canvas::height() const { return mState->height; }
+
+void Canvas::fill(const CanvasBox& box, const Colour& colour, double opacity) {
+  mState->setColour(colour, opacity);
+  cairo_rectangle(mState->context.get(), box.left, box.top, box.width, box.height);
+  cairo_fill(mState->context.get());
+}
+
+void Canvas::fill(std::span<const CanvasPoint> polygon, const Colour& colour, double opacity) {
+  mState->setColour(colour, opacity);
+  mState->addPath(polygon);
+  cairo_fill(mState->context.get());
+}
+
+void Canvas::line(std::span<const CanvasPoint> points, const LineStyle& style) {
+  if (points.empty()) return;
+  mState->setColour(style.colour);
+  cairo_set_line_width(mState->context.get(), style.width);
+  mState->addPath(points);
+  if (points.size() == 1) mState->addPath(points);
+  cairo_stroke(mState->context.get());
+}
+
+void Canvas::text(std::string_view utf8, const CanvasPoint& at, const TextStyle& style) {
+  cairo_t* const context = mState->context.get();
+  const double length = textWidth(utf8, style);
+  const double back = style.align == TextAlign::Left ? 0 : style.align == TextAlign::Right ? length : length / 2;
+  mState->setColour(style.colour);
+  cairo_save(context);
+  cairo_translate(context, at.x, at.y);
+  if (style.upwards) cairo_rotate(context, -std::numbers::pi / 2);
+  cairo_move_to(context, -back, 0);
+  cairo_show_text(context, std::string(utf8).c_str());
+  cairo_restore(context);
+  cairo_new_path(context);
+}
+
+double Canvas::textWidth(std::string_view utf8, const TextStyle& style) const {
+  mState->setFont(style);
+  cairo_text_extents_t extents;
+  cairo_text_extents(mState->context.get(), std::string(utf8).c_str(), &extents);
+  return extents.x_advance;
+}
+
+void Canvas::image(const Image& image, int left, int top) {
+  const Owned<cairo_surface_t> source(cairo_image_surface_create(CAIRO_FORMAT_RGB24, image.width, image.height));
+  require(cairo_surface_status(source.get()));
+  cairo_surface_flush(source.get());
+  for (int y = 0; y < image.height; ++y) {
+    std::uint32_t* const row = rowOf(source.get(), y);
+    for (int x = 0; x < image.width; ++x) {
+      const Colour& pixel = image.at(x, y);
+      row[x] = static_cast<std::uint32_t>(srgbCode(pixel[0])) << 16 |
+               static_cast<std::uint32_t>(srgbCode(pixel[1])) << 8 | srgbCode(pixel[2]);
+    }
+  }
+  cairo_surface_mark_dirty(source.get());
+  cairo_t* const context = mState->context.get();
+  cairo_set_source_surface(context, source.get(), left, top);
+  cairo_pattern_set_filter(cairo_get_source(context), CAIRO_FILTER_NEAREST);
+  cairo_rectangle(context, left, top, image.width, image.height);
+  cairo_fill(context);
+}
+
+Image Canvas::pixels() const {
+  if (mState->kind != CanvasKind::Pixels) throw std::logic_error("a canvas of SVG has no pixels");
+  require(cairo_status(mState->context.get()));
+  cairo_surface_t* const surface = mState->surface.get();
+  cairo_surface_flush(surface);
+  std::array<float, 256> linear;
+  for (std::size_t code = 0; code < linear.size(); ++code)
+    linear[code] = linearFromSrgb(static_cast<float>(code) / 255);
+  Image image(mState->width, mState->height);
+  for (int y = 0; y < image.height; ++y) {
+    const std::uint32_t* const row = rowOf(surface, y);
+    for (int x = 0; x < image.width; ++x)
+      image.at(x, y) = {linear[row[x] >> 16 & 0xff], linear[row[x] >> 8 & 0xff], linear[row[x] & 0xff]};
+  }
+  return image;
+}
+
+std::string Canvas::encode(const std::string& extension) {
+  if (canvasKindOf(extension) != mState->kind)
+    throw std::invalid_argument("this canvas cannot be written as \"" + extension + "\"; it is of the other kind");
+  if (mState->kind == CanvasKind::Pixels) return encodeImage(pixels(), extension);
+  cairo_surface_finish(mState->surface.get());
+  require(cairo_surface_status(mState->surface.get()));
+  return renumbered(mState->svg);
+}
+
+CanvasKind canvasKindOf(const std::string& extension) {
+  const std::string name = lowerCase(extension);
+  return name == "svg" || name == ".svg" ? CanvasKind::Svg : CanvasKind::Pixels;
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file view.h
+/// What the two renderers share beside the camera: its frame, the rays of a pixel, clay and background.
+#pragma once
+
+#include "vdbtools/picture/image.h"
+#include "vdbtools/render/camera.h"
+
+#include <array>
+#include <cmath>
+
+namespace vdbtools {
+
+/// The directions of a camera, of length 1, in world space.
+struct CameraFrame {
+  openvdb::Vec3d right, up, forward;
+  double tangent = 0;  ///< of half the vertical field of view
+};
+
+/// @throw std::invalid_argument  angles out of their ranges
+void requireAngles(const ViewAngles& angles);
+
+/// @throw std::invalid_argument  the eye is at the look-at point, or something is not finite or out of its range
+CameraFrame frameOf(const Camera& camera);
+
+/// The rays of a picture: a lattice of n x n in each pixel.
+class PixelSamples {
+ public:
+  /// @throw std::invalid_argument  a side that is not 1 to 32768, samples that are not 1, 4, 9 or 16
+  PixelSamples(int width, int height, int samples);
+
+  double aspect() const { return static_cast<double>(mWidth) / mHeight; }
+
+  /// Where sample @a s of a pixel lies in the picture: u to the right and v up, from -1 to 1.
+  std::array<double, 2> at(int x, int y, int s) const {
+    return {2 * (x + (s % mGrid + 0.5) / mGrid) / mWidth - 1, 1 - 2 * (y + (s / mGrid + 0.5) / mGrid) / mHeight};
+  }
+
+ private:
+  int mWidth, mHeight;
+  int mGrid;  ///< samples along the side of a pixel
+};
+
+/// The albedo of surfaces that have no colour of their own.
+inline const openvdb::Vec3d kClay(0.55, 0.32, 0.21);
+
+/// The neutral background at (u, v): lighter at the top, darker towards the corners.
+inline openvdb::Vec3d background(double u, double v) {
+  constexpr double kTop = 0.86, kBottom = 0.64, kVignette = 0.10;
+  return openvdb::Vec3d(std::lerp(kBottom, kTop, 0.5 * (v + 1)) - kVignette * 0.5 * (u * u + v * v));
+}
+
+inline Colour toColour(const openvdb::Vec3d& rgb) {
+  return {static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2])};
+}
+
+/// Throws the std::invalid_argument "render: NAME must be DOMAIN, not VALUE" unless @a good.
+void requireOption(bool good, const char* name, double value, const char* domain);
+
+}  // namespace vdbtools
