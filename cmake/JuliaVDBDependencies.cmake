@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-# What the libraries need; used by the build and, installed, by those who link to them.
+# What the libraries need. The build uses this file, and so does the installed package for those who link to it.
 include(CMakeFindDependencyMacro)
 
-# OpenVDB comes with a find module of its own, in a folder that CMake does not search by itself.
+# OpenVDB has its own find module, in a folder that CMake does not search by default.
 list(APPEND CMAKE_MODULE_PATH "/usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/OpenVDB" "/usr/lib/cmake/OpenVDB")
-# Its headers mention options that it warns about being deprecated at every configure.
+# Without this, its find module warns about deprecated options each time CMake runs.
 set(OPENVDB_ENABLE_DEPRECATED_WARNINGS OFF)
 find_dependency(Threads)
 find_dependency(TBB)
@@ -18,7 +18,8 @@ find_dependency(nlohmann_json)
 find_dependency(muparser)
 find_dependency(Boost COMPONENTS program_options)
 
-# Debian's OpenImageIO names include folders of packages that it does not depend on, which CMake refuses.
+# Debian's OpenImageIO names include folders of packages that it does not depend on. CMake rejects folders that do not
+# exist, so they are dropped here.
 foreach(target OpenImageIO::OpenImageIO OpenImageIO::OpenImageIO_Util)
   if(TARGET ${target})
     get_target_property(directories ${target} INTERFACE_INCLUDE_DIRECTORIES)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# find_package(JuliaVDB) gives juliavdb::julia and juliavdb::vdbtools.
+# find_package(JuliaVDB) provides juliavdb::julia and juliavdb::vdbtools.
 include(CMakePackageConfigHelpers)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/JuliaVDB)

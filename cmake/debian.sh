@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-# For quickstart and run-tests: what Debian 12 must have, and how to build. Sourced from the project's root.
+# For quickstart and run-tests: the packages that Debian 12 needs, and how to build. To be sourced in the project's root.
 
-# fonts-dejavu-core: the text in plots. openimageio-tools: CMake's description of the library names its programs and wants them there.
+# fonts-dejavu-core provides the text in plots. openimageio-tools is needed because the library's CMake files insist on
+# its programs being installed.
 BUILD_PACKAGES=(g++ cmake ninja-build libopenvdb-dev libtbb-dev libeigen3-dev liblbfgspp-dev libmuparser-dev
-  libopenmesh-dev libopenimageio-dev openimageio-tools libcairo2-dev fonts-dejavu-core pkg-config libssl-dev nlohmann-json3-dev libboost-dev libboost-iostreams-dev
-  libboost-program-options-dev libblosc-dev zlib1g-dev)
+  libopenmesh-dev libopenimageio-dev openimageio-tools libcairo2-dev fonts-dejavu-core pkg-config libssl-dev
+  nlohmann-json3-dev libboost-dev libboost-iostreams-dev libboost-program-options-dev libblosc-dev zlib1g-dev)
 QUICKSTART_PACKAGES=(glmark2-data)
 TEST_PACKAGES=(libgtest-dev libbenchmark-dev libopenvdb-tools python3 python3-openvdb clang-format git ca-certificates)
 
-# Installs those of the packages that are not there yet.
+# Installs those of the given packages that are missing.
 install_packages() {
   local missing=() package
   for package in "$@"; do
@@ -22,7 +23,7 @@ install_packages() {
   "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 }
 
-# Builds build/release with the CMake options given.
+# Builds build/release with the given CMake options.
 build_release() {
   echo "== building"
   mkdir -p build
