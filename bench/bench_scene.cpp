@@ -3,6 +3,7 @@
 
 #include "vdbtools/base/grids.h"
 #include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/job/sdf_job.h"
 #include "vdbtools/mesh/mesh_writer.h"
 
 #include "julia/instruction_set.h"
@@ -151,7 +152,7 @@ vdbtools::FractalOptions jobOptions(Input input, std::int64_t voxels) {
                                 {"versor-powers", "2:11"},
                                 {"versor-integer", "true"},
                                 {"iterations", "3"}};
-  return vdbtools::parseFractalOptions(vdbtools::completeRecipe(recipe, vdbtools::fractalOptionSpecs()));
+  return vdbtools::parseFractalOptions(vdbtools::completeRecipe(recipe, vdbtools::fractalOptionTable()));
 }
 
 const Job& jobAt(std::int64_t voxels) {

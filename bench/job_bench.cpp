@@ -64,8 +64,8 @@ void phases(benchmark::State& state) {
     const vdbtools::FractalField field = evaluateField(plan, scene.source(), {}, monitor);
     phase("field");
     NoSink sink;
-    extractMesh(field, scene.source(), {.tolerance = scene.options.tolerance, .border = vdbtools::Border::Cap}, sink,
-                monitor);
+    extractMesh(field, scene.source(), {.tolerance = scene.options.surface.tolerance, .border = vdbtools::Border::Cap},
+                sink, monitor);
     phase("surface");
   }
 }

@@ -30,15 +30,17 @@ class Reference {
   explicit Reference(const vdbtools::Scene& scene)
       : mScene(scene),
         mValues(scene.exponent->grid->getConstAccessor()),
-        mMap(reference::shapeModulus<double>([this](const Quaternion& q) { return exponent(q); }, scene.rational)) {}
+        mMap(reference::shapeModulus<double>([this](const Quaternion& q) { return exponent(q); },
+                                             *scene.map->roots())) {}
   Reference(const Reference&) = delete;
   Reference& operator=(const Reference&) = delete;
 
   /// @param index  of the lattice
   bool isInside(const openvdb::Vec3d& index) const {
     const julia::Point x = mScene.space.toFractal(index * mScene.voxelSize);
-    const vdbtools::FractalOptions& options = mScene.options;
-    return reference::orbit<double>(mMap, {x[0], x[1], x[2], options.slice}, options.iterations, options.escape)
+    const julia::OrbitOptions& orbit = mScene.orbit;
+    const double slice = mScene.options.map->embedding().slice;
+    return reference::orbit<double>(mMap, {x[0], x[1], x[2], slice}, orbit.maxIterations, orbit.escapeRadius)
                .logModulus < 0;
   }
 

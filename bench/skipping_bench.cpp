@@ -46,7 +46,7 @@ void field(benchmark::State& state) {
   if (way == kEveryNode) return;
   field.reset();
   field = evaluateField(*plan, scene.source(), {.keepIterations = true, .everyNode = way != kProofs}, monitor);
-  const Work work = workOf(*field, scene.rational.top.roots.size());
+  const Work work = workOf(*field, scene.map->roots()->top.roots.size());
   state.counters["reads"] = work.reads;
   state.counters["roots"] = work.roots;
 }

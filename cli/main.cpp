@@ -27,6 +27,7 @@ constexpr Command kCommands[] = {
     {"study", runStudy, "what a target does whatever its versor: average membership, distance over circles"},
     {"render", runRender, "shaded picture of a level set"},
     {"info", runInfo, "what is in a mesh, a VDB or a versor file"},
+    {"maps", runMaps, "which maps there are, and their options"},
 };
 
 void printHelp(std::ostream& stream) {

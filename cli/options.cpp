@@ -4,11 +4,12 @@
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/job/fractal_options.h"
+#include "vdbtools/job/recorded_recipe.h"
 
 #include "julia/instruction_set.h"
 
 #include <cctype>
-#include <charconv>
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
@@ -25,11 +26,8 @@ constexpr unsigned kLineLength = 110;
 constexpr int kMostThreads = 4096;
 
 std::optional<int> parseThreads(const std::string& text) {
-  int threads = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), threads);
-  if (error != std::errc{} || end != text.data() + text.size() || threads < 1 || threads > kMostThreads)
-    return std::nullopt;
-  return threads;
+  const std::optional<int> threads = vdbtools::wholeFromText<int>(text);
+  return threads && *threads >= 1 && *threads <= kMostThreads ? threads : std::nullopt;
 }
 
 /// A negative number that stands alone, as in 'versor translate F.json -0.1,0,0', is a word and no short option; so is
@@ -54,38 +52,27 @@ bool isRecipeFile(const std::string& file) {
 
 }  // namespace
 
-vdbtools::Recipe overridden(vdbtools::Recipe base, const vdbtools::Recipe& given) {
-  for (const auto& [name, value] : given) {
-    for (const std::string& other : vdbtools::displacedOptions(base, name, value)) base.erase(other);
-    if (name == "input") base.erase("source-sha256");
-    if (name == "versor" || name == "rational") base.erase("versor-sha256");
-  }
-  for (const auto& [name, value] : given) base[name] = value;
-  return base;
-}
-
-CommandLine::CommandLine(const Usage& usage, std::span<const vdbtools::OptionSpec> recipeSpecs)
+CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions)
     : mUsage(usage),
-      mSpecs(recipeSpecs),
+      mTable(std::move(recipeOptions)),
       mOwn("Options", kLineLength),
       mFromRecipe("What to make", kLineLength),
       mCommon("Common options", kLineLength) {
-  for (const vdbtools::OptionSpec& spec : mSpecs) {
+  const std::vector<vdbtools::OptionListing> options = mTable.listing();
+  for (const vdbtools::OptionListing& option : options) {
     auto* value = po::value<std::string>();
-    if (spec.argument)
-      value->value_name(spec.argument);
-    else
+    if (option.argument.empty())
       value->implicit_value("true")->zero_tokens();
-    std::string help = spec.help;
-    if (spec.defaultValue && *spec.defaultValue) help += std::string(" (default ") + spec.defaultValue + ")";
-    if (std::string_view(spec.name) == "input") {
+    else
+      value->value_name(option.argument);
+    if (option.name == "input") {
       mHidden.add_options()("input", value);
       mPositional.add("input", 1);
     } else {
-      mFromRecipe.add_options()(spec.name, value, help.c_str());
+      mFromRecipe.add_options()(option.name.c_str(), value, option.help.c_str());
     }
   }
-  if (!mSpecs.empty())
+  if (!options.empty())
     mCommon.add_options()(
         "config", po::value<std::string>()->value_name("FILE"),
         "take options from a file: NAME = VALUE lines, or a VDB, PLY or OBJ made by this program; the "
@@ -130,10 +117,10 @@ bool CommandLine::parse(const Arguments& arguments) {
   }
   applyThreads();
   applyInstructions();
-  for (const vdbtools::OptionSpec& spec : mSpecs)
-    if (has(spec.name)) mGiven[spec.name] = mValues[spec.name].as<std::string>();
+  for (const std::string& name : mTable.names())
+    if (has(name)) mGiven[name] = mValues[name].as<std::string>();
   if (has("config")) readConfig(text("config"));
-  mRecipe = vdbtools::completeRecipe(mGiven, mSpecs);
+  mRecipe = vdbtools::completeRecipe(mGiven, mTable);
   mProgress = std::make_unique<Progress>(parseProgressStyle(has("progress") ? text("progress") : "bar"));
   return true;
 }
@@ -149,7 +136,9 @@ std::vector<std::string> CommandLine::texts(const std::string& name) const {
 void CommandLine::readConfig(const std::string& file) {
   vdbtools::Recipe base;
   if (isRecipeFile(file)) {
-    auto [recipe, command] = vdbtools::readRecipe(file);
+    auto [command, recipe] = vdbtools::readRecordedRecipe(file);
+    if (command.empty())
+      throw vdbtools::DataError("'" + file + "' holds no recipe of juliavdb; only a VDB, PLY or OBJ that it made does");
     if (command != mUsage.command)
       throw std::invalid_argument("'" + file + "' was made by 'juliavdb " + command + "', not by 'juliavdb " +
                                   mUsage.command + "'");
@@ -168,7 +157,7 @@ void CommandLine::readConfig(const std::string& file) {
       throw std::invalid_argument("'" + file + "': " + error.what());
     }
   }
-  mGiven = overridden(std::move(base), mGiven);
+  mGiven = vdbtools::overridden(std::move(base), mGiven, mTable);
 }
 
 void CommandLine::applyThreads() {
@@ -205,11 +194,12 @@ void CommandLine::printHelp() const {
 
 vdbtools::Recipe sceneRecipe(const CommandLine& line, const std::string& input) {
   if (!vdbtools::isVdbPath(input)) return line.recipe();
-  auto [recipe, command] = vdbtools::recipeFromMetadata(vdbtools::readVdbMetadata(input));
+  auto [command, recipe] = vdbtools::readRecordedRecipe(input);
   if (command != "fractal") return line.recipe();
   vdbtools::Recipe given = line.givenRecipe();
   given.erase("input");
-  return vdbtools::completeRecipe(overridden(std::move(recipe), given), vdbtools::fractalOptionSpecs());
+  const vdbtools::OptionTable table = vdbtools::fractalOptionTable();
+  return vdbtools::completeRecipe(vdbtools::overridden(std::move(recipe), given, table), table);
 }
 
 }  // namespace cli

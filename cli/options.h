@@ -6,6 +6,7 @@
 #include "commands/commands.h"
 #include "progress.h"
 
+#include "vdbtools/recipe/option_value.h"
 #include "vdbtools/recipe/recipe.h"
 
 #include <boost/program_options.hpp>
@@ -15,7 +16,6 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -31,8 +31,8 @@ struct Usage {
 
 class CommandLine {
  public:
-  /// @param recipeSpecs  options that make up a recipe; "input" among them is positional
-  CommandLine(const Usage& usage, std::span<const vdbtools::OptionSpec> recipeSpecs);
+  /// @param recipeOptions  options that make up a recipe; "input" among them is positional
+  CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions);
 
   /// The command's other options, those that do not affect the result.
   boost::program_options::options_description_easy_init addOptions() { return mOwn.add_options(); }
@@ -48,6 +48,21 @@ class CommandLine {
   std::string text(const std::string& name) const;
   std::vector<std::string> texts(const std::string& name) const;
 
+  // Values of options that are no part of a recipe, by the rules of those that are.
+  double number(const std::string& name) const { return vdbtools::parseNumber(name, text(name)); }
+  template <class Integer = int>
+  Integer integer(const std::string& name, Integer low, Integer high) const {
+    return vdbtools::parseInteger<Integer>(name, text(name), low, high);
+  }
+  template <class Value>
+  Value choice(const std::string& name, std::initializer_list<std::pair<const char*, Value>> choices) const {
+    return vdbtools::parseChoice<Value>(name, text(name), choices);
+  }
+  /// @param wanted  what follows "it must be"
+  [[noreturn]] void refuse(const std::string& name, const std::string& wanted) const {
+    vdbtools::refuse(name, text(name), wanted);
+  }
+
   /// The recipe: the command line's words over those of --config over the defaults.
   const vdbtools::Recipe& recipe() const { return mRecipe; }
   /// Only what was given on the command line or by --config.
@@ -61,7 +76,7 @@ class CommandLine {
   void printHelp() const;
 
   Usage mUsage;
-  std::span<const vdbtools::OptionSpec> mSpecs;
+  vdbtools::OptionTable mTable;
   boost::program_options::options_description mOwn{"Options"}, mFromRecipe{"What to make"}, mCommon{"Common options"},
       mHidden;
   boost::program_options::positional_options_description mPositional;
@@ -70,9 +85,6 @@ class CommandLine {
   std::unique_ptr<tbb::global_control> mThreads;
   std::unique_ptr<Progress> mProgress;
 };
-
-/// Merges the words of @a given over @a base: an option displaces its alternative, and another file its old hash.
-vdbtools::Recipe overridden(vdbtools::Recipe base, const vdbtools::Recipe& given);
 
 /// The recipe for a command that shows a scene: of a fractal that this program made its own stands in for the options
 /// that were not given.

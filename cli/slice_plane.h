@@ -5,7 +5,7 @@
 
 #include "options.h"
 
-#include "vdbtools/job/fractal_job.h"
+#include "vdbtools/job/scene.h"
 #include "vdbtools/picture/slice_image.h"
 
 #include <optional>

@@ -32,7 +32,7 @@ int main() {
   const julia::Rational versor{.top = julia::randomPolynomial({.seed = 3, .count = 8})};
   const auto map =
       std::make_shared<julia::ShapeModulus<double>>(makeExponentField<double>(exponent), versor, julia::DropAxis::K);
-  const auto evaluator = julia::makeFieldEvaluator<double>(map, {}, {.logTrap = exponent.shell.lower});
+  const auto evaluator = julia::makeFieldEvaluator<double>(map, {}, exponent.orbit);
 
   const FieldSource source{*evaluator, space};
   const FractalField field = fractalField(source, exponent, {.voxelSize = 0.2}, monitor);

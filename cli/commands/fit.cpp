@@ -37,7 +37,7 @@ std::string noteOf(const vdbtools::Recipe& recipe) {
 }  // namespace
 
 int runFit(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::fitOptionSpecs());
+  CommandLine line(kUsageText, vdbtools::fitOptionTable());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.json"), "the map to write: .json or .o3d")(
       "report", po::value<std::string>()->value_name("F.csv"), "every accepted step: energies, IoU, distances, powers")(
       "plot", po::value<std::string>()->value_name("F.png"), "the same as a picture: .png, .svg or .exr");

@@ -46,7 +46,7 @@ std::string followText(const vdbtools::FollowReport& report) {
 }  // namespace
 
 int runFractal(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::fractalOptionSpecs());
+  CommandLine line(kUsageText, vdbtools::fractalOptionTable());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), "the VDB to write")(
       "mesh", po::value<std::string>()->value_name("F.ply"), "the mesh to write: .ply, .obj or .stl")(
       "frame", po::value<std::string>()->value_name("N"), "frame number for names such as name.####.vdb");
@@ -61,8 +61,7 @@ int runFractal(const Arguments& arguments) {
   Progress& progress = line.progress();
   const vdbtools::Scene scene = vdbtools::makeScene(options, progress);
   const vdbtools::FieldPlan plan = vdbtools::planScene(scene);
-  std::map<std::string, std::string> metadata = vdbtools::recipeToMetadata(line.recipe(), "fractal");
-  metadata.insert(scene.facts.begin(), scene.facts.end());
+  const std::map<std::string, std::string> metadata = vdbtools::sceneMetadata(scene, line.recipe());
   std::optional<MeshFile> meshFile;
   if (mesh)
     meshFile.emplace(
@@ -76,7 +75,7 @@ int runFractal(const Arguments& arguments) {
   if (vdb) {
     if (!result.check.failure.empty())
       throw std::logic_error("the level set fails OpenVDB's check: " + result.check.failure);
-    vdb->stream() << vdbtools::encodeVdb(result.grids, {.half = options.half, .metadata = metadata});
+    vdb->stream() << vdbtools::encodeVdb(result.grids, {.half = options.output.half, .metadata = metadata});
   }
   if (meshFile) meshFile->finish();
   progress.throwIfCancelled();

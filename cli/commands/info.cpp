@@ -7,6 +7,7 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/versor_file.h"
+#include "vdbtools/job/recorded_recipe.h"
 #include "vdbtools/mesh/mesh.h"
 #include "vdbtools/mesh/mesh_writer.h"
 #include "vdbtools/surface/level_set.h"
@@ -33,7 +34,7 @@ constexpr Usage kUsageText = {"info", "FILE... [--json]",
 Json vector(const openvdb::Vec3d& v) { return {v[0], v[1], v[2]}; }
 
 Json recipeOf(const std::map<std::string, std::string>& metadata) {
-  const auto [recipe, command] = vdbtools::recipeFromMetadata(metadata);
+  const auto [command, recipe] = vdbtools::recordedRecipe(metadata);
   if (command.empty()) return nullptr;
   Json result{{"command", command}};
   for (const auto& [name, value] : recipe) result[name] = value;
@@ -152,7 +153,7 @@ void print(const Json& info, int indent) {
 }  // namespace
 
 int runInfo(const Arguments& arguments) {
-  CommandLine line(kUsageText, {});
+  CommandLine line(kUsageText, vdbtools::OptionTable());
   line.addPositional("input", -1, "the files");
   line.addOptions()("json", "print JSON, one object a line");
   if (!line.parse(arguments)) return kDone;

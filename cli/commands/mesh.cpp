@@ -8,6 +8,7 @@
 
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_job.h"
+#include "vdbtools/job/recorded_recipe.h"
 #include "vdbtools/mesh/mesh_writer.h"
 #include "vdbtools/surface/grid_mesh.h"
 
@@ -32,8 +33,7 @@ vdbtools::MeshCounts fromRecipe(const vdbtools::Recipe& recipe, vdbtools::Atomic
   const vdbtools::FieldPlan plan = vdbtools::planScene(scene);
   options.voxelSize = scene.voxelSize;
   options.box = vdbtools::meshBox(plan);
-  options.comments = vdbtools::recipeToMetadata(recipe, "fractal");
-  options.comments.insert(scene.facts.begin(), scene.facts.end());
+  options.comments = vdbtools::sceneMetadata(scene, recipe);
   MeshFile mesh(file, options);
   const vdbtools::FractalResult result = vdbtools::runFractal(scene, plan, false, &mesh, progress);
   mesh.finish();
@@ -54,7 +54,7 @@ vdbtools::MeshCounts fromGrid(const std::string& input, const std::string& grid,
 }  // namespace
 
 int runMesh(const Arguments& arguments) {
-  CommandLine line(kUsageText, {});
+  CommandLine line(kUsageText, vdbtools::OptionTable());
   line.addPositional("input", 1, "the VDB");
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.ply"), "the mesh to write: .ply, .obj or .stl")(
       "from-grid", "mesh the voxels, also of a fractal")("grid", po::value<std::string>()->value_name("NAME"),
@@ -66,12 +66,13 @@ int runMesh(const Arguments& arguments) {
   Outputs outputs;
   vdbtools::AtomicFile& file = outputs.add("output", line.text("output"), ".ply .obj .stl");
 
-  const auto [recipe, command] = vdbtools::recipeFromMetadata(vdbtools::readVdbMetadata(input));
-  const bool exact = command == "fractal" && !line.has("from-grid") && !line.has("grid");
+  vdbtools::RecordedRecipe recorded;
+  if (!line.has("from-grid") && !line.has("grid")) recorded = vdbtools::readRecordedRecipe(input);
   const vdbtools::MeshWriteOptions options{.format =
                                                vdbtools::meshFormat("mesh" + formatOf(line.text("output"), ".ply"))};
-  const vdbtools::MeshCounts counts = exact ? fromRecipe(recipe, file, options, line.progress())
-                                            : fromGrid(input, line.text("grid"), file, options, line.progress());
+  const vdbtools::MeshCounts counts = recorded.command == "fractal"
+                                          ? fromRecipe(recorded.recipe, file, options, line.progress())
+                                          : fromGrid(input, line.text("grid"), file, options, line.progress());
   line.progress().throwIfCancelled();
   outputs.commit();
   std::cerr << "wrote " << outputs.names() << ": " << counts.triangles << " triangles\n";

@@ -77,10 +77,7 @@ std::vector<vdbtools::PreviewBall> ballsOf(const std::string& name) {
 template <class Options>
 void parseSamples(const CommandLine& line, Options& options) {
   if (!line.has("samples")) return;
-  const double samples = vdbtools::parseNumber("samples", line.text("samples"));
-  if (samples != 1 && samples != 4 && samples != 9 && samples != 16)
-    throw std::invalid_argument("--samples is '" + line.text("samples") + "'; it must be 1, 4, 9 or 16");
-  options.samples = static_cast<int>(samples);
+  options.samples = line.choice<int>("samples", {{"1", 1}, {"4", 4}, {"9", 9}, {"16", 16}});
 }
 
 void requireFits(const CommandLine& line, bool field) {
@@ -100,9 +97,8 @@ vdbtools::ViewAngles parseAngles(const CommandLine& line) {
   vdbtools::ViewAngles angles;
   const auto number = [&](const char* name, double& value, double low, double high, const char* domain) {
     if (!line.has(name)) return;
-    value = vdbtools::parseNumber(name, line.text(name));
-    if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("--") + name + " is '" + line.text(name) + "'; it must be " + domain);
+    value = line.number(name);
+    if (!(value >= low && value <= high)) line.refuse(name, domain);
   };
   number("azimuth", angles.azimuth, -1e6, 1e6, "-1e6 to 1e6 degrees");
   number("elevation", angles.elevation, -90, 90, "-90 to 90 degrees");
@@ -138,8 +134,7 @@ View parseView(const CommandLine& line) {
   View view;
   const auto vector = [&](const char* name) -> std::optional<openvdb::Vec3d> {
     if (!line.has(name)) return std::nullopt;
-    const std::vector<double> v = vdbtools::parseNumbers(name, line.text(name), 3);
-    return openvdb::Vec3d(v[0], v[1], v[2]);
+    return vdbtools::parseVector(name, line.text(name));
   };
   view.eye = vector("eye");
   view.lookAt = vector("look-at");
@@ -171,40 +166,29 @@ int renderLevelSet(const CommandLine& line) {
   return kDone;
 }
 
-vdbtools::FieldColour parseColour(const std::string& text) {
+vdbtools::FieldColour parseColour(const CommandLine& line) {
   using vdbtools::FieldColour;
-  constexpr std::pair<const char*, FieldColour> kColours[] = {{"direction", FieldColour::Direction},
-                                                              {"versor", FieldColour::Versor},
-                                                              {"iterations", FieldColour::Iterations},
-                                                              {"trap", FieldColour::Trap},
-                                                              {"clay", FieldColour::Clay}};
-  for (const auto& [name, colour] : kColours)
-    if (text == name) return colour;
-  throw std::invalid_argument("--colour is '" + text +
-                              "'; it must be one of direction, versor, iterations, trap, clay");
+  return line.choice<FieldColour>("colour", {{"direction", FieldColour::Direction},
+                                             {"versor", FieldColour::Versor},
+                                             {"iterations", FieldColour::Iterations},
+                                             {"trap", FieldColour::Trap},
+                                             {"clay", FieldColour::Clay}});
 }
 
 vdbtools::FieldRenderOptions parseFieldOptions(const CommandLine& line) {
   vdbtools::FieldRenderOptions options;
   parseSize(line.text("size"), options);
   parseSamples(line, options);
-  if (line.has("colour")) options.colour = parseColour(line.text("colour"));
-  const auto refuse = [&](const char* name, const char* domain) {
-    throw std::invalid_argument(std::string("--") + name + " is '" + line.text(name) + "'; it must be " + domain);
-  };
+  if (line.has("colour")) options.colour = parseColour(line);
   if (line.has("epsilon")) {
-    options.clarity.epsilon = vdbtools::parseNumber("epsilon", line.text("epsilon"));
-    if (!(options.clarity.epsilon >= 1e-9)) refuse("epsilon", "at least 1e-9");
+    options.clarity.epsilon = line.number("epsilon");
+    if (!(options.clarity.epsilon >= 1e-9)) line.refuse("epsilon", "at least 1e-9");
   }
   if (line.has("alpha-clarity")) {
-    options.clarity.alpha = vdbtools::parseNumber("alpha-clarity", line.text("alpha-clarity"));
-    if (!(*options.clarity.alpha >= 0)) refuse("alpha-clarity", "at least 0");
+    options.clarity.alpha = line.number("alpha-clarity");
+    if (!(*options.clarity.alpha >= 0)) line.refuse("alpha-clarity", "at least 0");
   }
-  if (line.has("delta")) {
-    const double delta = vdbtools::parseNumber("delta", line.text("delta"));
-    if (delta != 0 && delta != 1 && delta != 2) refuse("delta", "0, 1 or 2");
-    options.clarity.delta = static_cast<int>(delta);
-  }
+  if (line.has("delta")) options.clarity.delta = line.choice<int>("delta", {{"0", 0}, {"1", 1}, {"2", 2}});
   options.skip = !line.has("no-skip");
   return options;
 }
@@ -212,11 +196,7 @@ vdbtools::FieldRenderOptions parseFieldOptions(const CommandLine& line) {
 /// The number of a turntable's frames; none for a single picture.
 std::optional<int> parseFrames(const CommandLine& line) {
   constexpr int kMost = 100000;
-  if (!line.has("frames")) return std::nullopt;
-  const double frames = vdbtools::parseNumber("frames", line.text("frames"));
-  if (!(frames >= 1 && frames <= kMost && frames == static_cast<int>(frames)))
-    throw std::invalid_argument("--frames is '" + line.text("frames") + "'; it must be a whole number, 1 to 100000");
-  return static_cast<int>(frames);
+  return line.has("frames") ? std::optional(line.integer("frames", 1, kMost)) : std::nullopt;
 }
 
 /// Renders one frame under a name of its own: "render, frame 3 of 24".
@@ -236,7 +216,7 @@ class FrameMonitor final : public vdbtools::Monitor {
 
 /// Where the rays go: the box that was asked for, or all of the set.
 openvdb::BBoxd regionOf(const vdbtools::Scene& scene) {
-  if (scene.options.box) return *scene.options.box;
+  if (scene.options.lattice.box) return *scene.options.lattice.box;
   return scene.exponent ? vdbtools::meshBox(vdbtools::planScene(scene)) : scene.region;
 }
 
@@ -258,9 +238,8 @@ int renderMap(const CommandLine& line) {
   const vdbtools::Scene scene = vdbtools::makeScene(fractal, line.progress());
   const openvdb::BBoxd region = regionOf(scene);
   const vdbtools::Camera camera = view.camera(scene, region, static_cast<double>(options.width) / options.height);
-  options.dropAxis = fractal.dropAxis;
-  options.maxIterations = fractal.iterations;
-  options.escapeRadius = fractal.escape;
+  options.orbit = scene.orbit;
+  options.dropAxis = fractal.map->embedding().dropped;
   options.background = vdbtools::lowerCase(format) != ".exr";
   vdbtools::FieldRenderer renderer(scene.source(), region);
   const int count = frames.value_or(1);
@@ -287,7 +266,7 @@ int renderMap(const CommandLine& line) {
 }  // namespace
 
 int runRender(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::fractalOptionSpecs());
+  CommandLine line(kUsageText, vdbtools::fractalOptionTable());
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
   line.addOptions()("output,o", text("F.png"), "the picture to write: .png or .exr")(
       "size", po::value<std::string>()->default_value("800x800")->value_name("WxH"), "pixels")(

@@ -6,7 +6,7 @@
 #include "output.h"
 
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/job/fractal_job.h"
+#include "vdbtools/job/sdf_job.h"
 
 #include <iostream>
 
@@ -25,7 +25,7 @@ constexpr Usage kUsageText = {
 }  // namespace
 
 int runSdf(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::sdfOptionSpecs());
+  CommandLine line(kUsageText, vdbtools::sdfOptionTable());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), "the VDB to write")(
       "frame", po::value<std::string>()->value_name("N"), "frame number for names such as name.####.vdb");
   if (!line.parse(arguments)) return kDone;

@@ -45,19 +45,15 @@ constexpr Usage kUsageText = {
 
 enum class SliceField { Phi, Exponent, Field, Membership, Iterations, Versor, Grid };
 
-SliceField parseField(const std::string& text) {
-  constexpr std::pair<const char*, SliceField> kFields[] = {{"phi", SliceField::Phi},
-                                                            {"e", SliceField::Exponent},
-                                                            {"f", SliceField::Field},
-                                                            {"logmodulus", SliceField::Field},
-                                                            {"membership", SliceField::Membership},
-                                                            {"iterations", SliceField::Iterations},
-                                                            {"versor", SliceField::Versor},
-                                                            {"grid", SliceField::Grid}};
-  for (const auto& [name, field] : kFields)
-    if (text == name) return field;
-  throw std::invalid_argument("--field is '" + text +
-                              "'; it must be one of phi, e, f, logmodulus, membership, iterations, versor, grid");
+SliceField parseField(const CommandLine& line) {
+  return line.choice<SliceField>("field", {{"phi", SliceField::Phi},
+                                           {"e", SliceField::Exponent},
+                                           {"f", SliceField::Field},
+                                           {"logmodulus", SliceField::Field},
+                                           {"membership", SliceField::Membership},
+                                           {"iterations", SliceField::Iterations},
+                                           {"versor", SliceField::Versor},
+                                           {"grid", SliceField::Grid}});
 }
 
 /// A row of pixels at a time, in threads.
@@ -139,7 +135,7 @@ vdbtools::Image sliceOfScene(const Scene& scene, SliceField field, const PlanePl
       return vdbtools::signedSlice(plane, sampleGrid(plane, *scene.exponent->grid, progress), range);
     case SliceField::Field: return vdbtools::signedSlice(plane, sampleField(plane, scene, progress).field, range);
     case SliceField::Iterations:
-      return vdbtools::countSlice(plane, sampleField(plane, scene, progress).iterations, scene.options.iterations);
+      return vdbtools::countSlice(plane, sampleField(plane, scene, progress).iterations, scene.orbit.maxIterations);
     case SliceField::Versor: return vdbtools::versorSlice(plane, sampleVersor(plane, scene, progress));
     case SliceField::Membership:
     case SliceField::Grid: break;
@@ -161,18 +157,17 @@ vdbtools::Image sliceOfGrid(const std::string& input, const std::string& name, c
 }  // namespace
 
 int runSlice(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::fractalOptionSpecs());
+  CommandLine line(kUsageText, vdbtools::fractalOptionTable());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.png"), "the picture to write: .png or .exr")(
       "field", po::value<std::string>()->default_value("membership")->value_name("NAME"), "what to show");
   addPlaneOptions(line, "its middle");
   line.addOptions()("range", po::value<std::string>()->value_name("R"),
                     "phi, e, f, grid: the value of full colour (default: found)");
   if (!line.parse(arguments)) return kDone;
-  const SliceField field = parseField(line.text("field"));
+  const SliceField field = parseField(line);
   const PlanePlacement placement = parsePlacement(line);
-  const double range = line.has("range") ? vdbtools::parseNumber("range", line.text("range")) : 0;
-  if (line.has("range") && !(range > 0))
-    throw std::invalid_argument("--range is '" + line.text("range") + "'; it must be above 0");
+  const double range = line.has("range") ? line.number("range") : 0;
+  if (line.has("range") && !(range > 0)) line.refuse("range", "above 0");
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
   Outputs outputs;
   std::ostream& file = outputs.add("output", line.text("output"), ".png .exr").stream();

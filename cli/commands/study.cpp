@@ -8,7 +8,6 @@
 
 #include "vdbtools/job/study.h"
 
-#include <charconv>
 #include <iostream>
 
 namespace po = boost::program_options;
@@ -32,26 +31,17 @@ constexpr Usage kUsageText = {
     "  juliavdb study bunny.obj -o rough.png --alpha 10 --versors 100 --size 400\n"
     "  juliavdb study bunny.vdb -o side.png --axis x --versor-seed 5000\n"};
 
-int parseVersors(const std::string& text) {
-  int versors = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), versors);
-  if (error != std::errc{} || end != text.data() + text.size() || versors < 1 || versors > vdbtools::kMostVersors)
-    throw std::invalid_argument("--versors is '" + text + "'; it must be a whole number from 1 to " +
-                                std::to_string(vdbtools::kMostVersors));
-  return versors;
-}
-
 }  // namespace
 
 int runStudy(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::studyOptionSpecs());
+  CommandLine line(kUsageText, vdbtools::studyOptionTable());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.png"), "the average to write: .png or .exr")(
       "curve", po::value<std::string>()->value_name("F.png"), "the distance over circles to write: .png, .svg or .exr")(
       "csv", po::value<std::string>()->value_name("F.csv"), "the circles as numbers to write")(
       "versors", po::value<std::string>()->default_value("1000")->value_name("N"), "how many random versors");
   addPlaneOptions(line, "through the dynamics' origin");
   if (!line.parse(arguments)) return kDone;
-  const vdbtools::StudyOptions study{.versors = parseVersors(line.text("versors")),
+  const vdbtools::StudyOptions study{.versors = line.integer("versors", 1, vdbtools::kMostVersors),
                                      .circles = line.has("curve") || line.has("csv")};
   const PlanePlacement placement = parsePlacement(line);
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
@@ -73,7 +63,7 @@ int runStudy(const Arguments& arguments) {
   line.progress().throwIfCancelled();
   outputs.commit();
   std::cerr << "wrote " << outputs.names() << ": " << plane.width() << " x " << plane.height() << ", " << result.versors
-            << " versors from seed " << options.randomRoots.seed << " on";
+            << " versors from seed " << vdbtools::VersorSeeds(scene).first() << " on";
   if (result.undecided)
     std::cerr << ", open where phi is between " << result.undecided->first << " and " << result.undecided->second;
   if (!result.originInside) std::cerr << ", the dynamics' origin lies outside the target";

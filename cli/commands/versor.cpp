@@ -7,6 +7,7 @@
 
 #include "vdbtools/formats/peer_formats.h"
 #include "vdbtools/formats/versor_file.h"
+#include "vdbtools/maps/map_options.h"
 
 #include "julia/random_roots.h"
 
@@ -65,27 +66,33 @@ void inspect(const std::string& name, const julia::Polynomial& polynomial) {
               << "]  power " << root.power << '\n';
 }
 
-julia::Rational newVersor(const CommandLine& line, std::string& note) {
+/// What 'new' makes, and the command that makes it again, less its output.
+vdbtools::RationalFile newVersor(const CommandLine& line) {
+  constexpr const char* kPrefix = "versor-";
   // The same options as those of 'fractal', under the same rules, without their prefix.
+  const vdbtools::OptionTable table(vdbtools::randomRootsOptions());
   vdbtools::Recipe recipe;
-  for (const char* name : {"seed", "roots", "powers", "integer", "placement", "centre", "radius"})
-    if (line.has(name)) recipe[std::string("versor-") + name] = line.values()[name].empty() ? "true" : line.text(name);
-  if (line.has("integer")) recipe["versor-integer"] = "true";
-  julia::RandomRootsOptions options = vdbtools::parseFractalOptions(recipe).randomRoots;
-  if (line.has("box")) {
-    const std::vector<double> b = vdbtools::parseNumbers("box", line.text("box"), 6);
-    options.boxMin = {b[0], b[1], b[2]};
-    options.boxMax = {b[3], b[4], b[5]};
+  for (const std::string& option : table.names()) {
+    const std::string name = option.substr(std::string_view(kPrefix).size());
+    if (line.has(name)) recipe[option] = line.values()[name].empty() ? "true" : line.text(name);
   }
-  note = "juliavdb versor new";
-  for (const auto& [name, value] : recipe) note += " --" + name.substr(std::string("versor-").size()) + " " + value;
-  return {0, julia::randomPolynomial(options), {}};
+  std::string note = "juliavdb versor new";
+  for (const auto& [option, value] : recipe)
+    note += " --" + option.substr(std::string_view(kPrefix).size()) + (value == "true" ? "" : " " + value);
+  julia::RandomRootsOptions options = vdbtools::parseRandomRoots(vdbtools::RecipeReader(recipe, table));
+  if (line.has("box")) {
+    const openvdb::BBoxd box = vdbtools::parseBox("box", line.text("box"));
+    options.boxMin = {box.min()[0], box.min()[1], box.min()[2]};
+    options.boxMax = {box.max()[0], box.max()[1], box.max()[2]};
+    note += " --box " + line.text("box");
+  }
+  return {{0, julia::randomPolynomial(options), {}}, note, {}};
 }
 
 }  // namespace
 
 int runVersor(const Arguments& arguments) {
-  CommandLine line(kUsageText, {});
+  CommandLine line(kUsageText, vdbtools::OptionTable());
   line.addPositional("words", -1, "what to do, and with what");
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.json"), "the file to write")(
       "seed", po::value<std::string>()->value_name("S"), "new: another number, another texture (default 1)")(
@@ -106,9 +113,8 @@ int runVersor(const Arguments& arguments) {
   };
   if (action == "new") {
     expect(0, "no file but -o");
-    std::string note;
-    const julia::Rational rational = newVersor(line, note);
-    write(line, rational, note);
+    const vdbtools::RationalFile made = newVersor(line);
+    write(line, made.rational, made.note);
   } else if (action == "inspect") {
     expect(1, "one file");
     const vdbtools::RationalFile file = vdbtools::readRationalFile(words[1]);

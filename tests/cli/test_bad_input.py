@@ -70,6 +70,16 @@ class Meshes(harness.CliTest):
         cases.append(("fractal", "bad_nan.obj", "-o", "x.vdb", *LOW))
         self.all_refused(BAD_DATA, cases, mentions="bad_")
 
+    def test_absurd_coordinates(self):
+        """Of which no resolution makes voxels that a grid can have: the mesh is to blame."""
+        points, faces = harness.sphere(1)
+        for scale in (1e36, 1e-9):
+            mesh = [tuple(scale * x for x in p) for p in points], faces
+            name = self.write(f"scaled_{scale}.stl", harness.stl(mesh))
+            self.both_refuse(BAD_DATA, name, mentions="voxel size comes to")
+            # A voxel size of one's own is another matter.
+            self.refused(USAGE, "sdf", name, "-o", "x.vdb", "--voxel-size", 1e-9, mentions="voxel size")
+
     def test_no_triangles(self):
         points, _ = harness.sphere(1)
         for extension, encode in self.ENCODERS.items():
@@ -178,6 +188,22 @@ class Vdbs(harness.CliTest):
             self.write(f"cut_{size}_of_{end}.vdb", data[:size])
         self.all_refused(BAD_DATA, [("mesh", name, "-o", "x.ply") for name in self.listing() if "cut" in name],
                          mentions="cut_")
+
+    def test_broken_metadata(self):
+        self.write("s.obj", harness.obj(harness.sphere(2)))
+        self.ok("fractal", "s.obj", "-o", "good.vdb", *LOW)
+        for name, value in (("julia_alpha", "soup"), ("julia_map", "moebius"), ("julia_resolution", "-1")):
+            grids, metadata = pyopenvdb.readAll(str(self.path("good.vdb")))
+            pyopenvdb.write(str(self.path("broken.vdb")), grids=grids, metadata={**metadata, name: value})
+            for command in (("fractal", "--config", "broken.vdb", "-o", "x.vdb"), ("mesh", "broken.vdb", "-o", "x.ply"),
+                            ("slice", "broken.vdb", "-o", "x.png"), ("study", "broken.vdb", "-o", "x.png"),
+                            ("render", "--field", "broken.vdb", "-o", "x.png")):
+                with self.subTest(command=command, name=name):
+                    self.refused(BAD_DATA, *command, mentions=["broken.vdb", value])
+        self.ok("sdf", "s.obj", "-o", "good.vdb", "--resolution", 24)
+        grids, metadata = pyopenvdb.readAll(str(self.path("good.vdb")))
+        pyopenvdb.write(str(self.path("broken.vdb")), grids=grids, metadata={**metadata, "julia_target_box": "1,2"})
+        self.refused(BAD_DATA, "fractal", "broken.vdb", "-o", "x.vdb", mentions=["broken.vdb", "julia_target_box"])
 
     def test_alpha_grids(self):
         self.write("s.obj", harness.obj(harness.sphere(2)))
@@ -403,7 +429,7 @@ class Options(harness.CliTest):
         self.all_refused(USAGE, lines)
 
     def test_sdf_values(self):
-        cases = {"resolution": ["0", "-5", "1e9", "nan"], "voxel-size": ["0", "1e-300"], "band": ["0", "nan", "1e9"],
+        cases = {"resolution": ["0", "-5", "1e9", "nan"], "voxel-size": ["0", "1e-300"], "band": ["0", "1", "nan", "1e9"],
                  "repair-gap": ["-1"], "alpha": ["40"]}
         self.all_refused(USAGE, [("sdf", "s.obj", "-o", "x.vdb", f"--{option}={value}")
                                  for option, values in cases.items() for value in values])
@@ -429,7 +455,7 @@ class Options(harness.CliTest):
     def test_nothing_to_work_on(self):
         self.refused(USAGE, "fractal", "-o", "x.vdb", mentions="target")
         self.refused(USAGE, "sdf", "-o", "x.vdb", mentions="mesh")
-        self.refused(USAGE, "fractal", "--map", "rational", "-o", "x.vdb", mentions="--box")
+        self.refused(USAGE, "fractal", "--map", "rational", "-o", "x.vdb", mentions="give a box")
         self.refused(USAGE, "fractal", "s.obj", mentions="-o")
 
     def test_box_far_away(self):

@@ -13,7 +13,7 @@ import unittest
 import harness
 from harness import DONE, USAGE
 
-COMMANDS = ["sdf", "fractal", "mesh", "versor", "slice", "study", "render", "info"]
+COMMANDS = ["sdf", "fractal", "mesh", "versor", "slice", "study", "render", "info", "maps"]
 
 
 class Help(harness.CliTest):
@@ -47,7 +47,8 @@ class Help(harness.CliTest):
         self.refused(USAGE, "", mentions="''")
         for command in COMMANDS:
             with self.subTest(command=command):
-                self.refused(USAGE, command, mentions="juliavdb" if command != "info" else "no file")
+                if command != "maps":
+                    self.refused(USAGE, command, mentions="juliavdb" if command != "info" else "no file")
                 self.refused(USAGE, command, "--frobnicate", mentions="frobnicate")
                 self.refused(USAGE, command, "--thr", "2", mentions="thr")  # no guessing of abbreviations
                 self.refused(USAGE, command, "--threads", mentions="threads")

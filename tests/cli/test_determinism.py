@@ -3,6 +3,8 @@
 
 import pathlib
 
+import pyopenvdb
+
 import harness
 from harness import BAD_DATA
 
@@ -144,6 +146,22 @@ class Recipes(harness.CliTest):
         self.ok("fractal", "s.obj", *LOW, "--versor", "v.json", "-o", "v.vdb")
         self.write("v.json", harness.rational_json(harness.ROOTS[:2]))
         self.refused(BAD_DATA, "fractal", "--config", "v.vdb", "-o", "x.vdb", mentions=["v.json", "SHA-256"])
+
+    def test_another_control_grid_is_refused(self):
+        for option, value in (("alpha", 40.0), ("beta", 0.01)):
+            with self.subTest(option=option):
+                grid = pyopenvdb.FloatGrid(value)
+                grid.name = "paint"
+                pyopenvdb.write(str(self.path("paint.vdb")), grids=grid)
+                self.ok("fractal", "s.obj", *LOW, f"--{option}", "paint.vdb:paint", "-o", "c.vdb")
+                self.ok("fractal", "--config", "c.vdb", "-o", "x.vdb")
+                self.assertTrue(self.bytes("c.vdb") == self.bytes("x.vdb"))
+                grid.background = 2 * value
+                pyopenvdb.write(str(self.path("paint.vdb")), grids=grid)
+                self.refused(BAD_DATA, "fractal", "--config", "c.vdb", "-o", "y.vdb", mentions=["paint.vdb", "SHA-256"])
+                # Named on the command line, it is what is wanted.
+                self.ok("fractal", "--config", "c.vdb", f"--{option}", "paint.vdb:paint", "-o", "y.vdb")
+                self.path("y.vdb").unlink()
 
     def test_sdf_recipe(self):
         self.ok("sdf", "s.obj", "-o", "a.vdb", "--resolution", 30, "--band", 4)

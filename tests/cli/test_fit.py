@@ -303,8 +303,8 @@ class Refusals(FitTest):
         self.refused(USAGE, *FRACTAL, "random", "-o", "x.vdb", "--box", "-1,-1,-1,1,1,1", mentions="random")
         # A map that was fitted to nothing has no place.
         self.write("v.json", harness.rational_json(harness.ROOTS))
-        self.refused(USAGE, *FRACTAL, "v.json", "-o", "x.vdb", mentions="--box")
-        self.refused(USAGE, *FRACTAL, "shape.json", "-o", "x.vdb", "--space", "world", mentions="--box")
+        self.refused(USAGE, *FRACTAL, "v.json", "-o", "x.vdb", mentions="give a box")
+        self.refused(USAGE, *FRACTAL, "shape.json", "-o", "x.vdb", "--space", "world", mentions="give a box")
 
     def test_broken_maps(self):
         text = self.bytes("shape.json").decode()

@@ -142,7 +142,7 @@ class Refusals(StudyTest):
         for name, value in bad[:10]:
             self.refused(USAGE, "study", "s.obj", "-o", "x.png", f"{name}={value}", mentions=[name, f"'{value}'"])
         self.refused(USAGE, "study", "s.obj", *LOW, "-o", "x.png", "--versor-seed", 2**64 - 3, "--versors", 4,
-                     mentions="--versor-seed")
+                     mentions="seeds do not fit")
         self.refused(USAGE, "study", "-o", "x.png", mentions="no target")
         self.refused(USAGE, "study", "s.obj", mentions="-o")
 

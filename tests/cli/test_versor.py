@@ -61,6 +61,17 @@ class Versor(harness.CliTest):
         self.ok("versor", "translate", "w.json", "0,0,0,-4", "-o", "x.json")
         self.assertEqual(self.roots("x.json"), [(1, 2, 3, 0, 5)])
 
+    def test_the_note_makes_it_again(self):
+        for options in (("--seed", 3), ("--seed", 4, "--roots", 12, "--powers", "2:9", "--integer"),
+                        ("--box", "-2,-1,0,1,3,2", "--integer"), ("--placement", "cluster", "--centre", "-1,0,0.5",
+                                                                  "--radius", 0.2)):
+            with self.subTest(options=options):
+                self.ok("versor", "new", *options, "-o", "one.json")
+                note = json.loads(self.bytes("one.json"))["note"].split()
+                self.assertEqual(note[0], "juliavdb")
+                self.ok(*note[1:], "-o", "two.json")
+                self.assertEqual(self.bytes("one.json"), self.bytes("two.json"))
+
     def test_add_keeps_the_order(self):
         self.ok("versor", "add", "v.json", "w.json", "-o", "x.json")
         self.assertEqual(self.roots("x.json"), harness.ROOTS + [(1, 2, 3, 4, 5)])

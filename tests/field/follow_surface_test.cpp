@@ -28,12 +28,12 @@ using openvdb::Vec3d;
 struct Fractal {
   explicit Fractal(double alpha, unsigned seed = 3) {
     constexpr double kVoxel = 1.0 / 40;
-    const ExponentGridOptions options{alpha, 0.0, 3, 20};
+    const ExponentGridOptions options{alpha, 0.0, {3, 20}};
     const auto phi = test_fields::bandGrid(test_fields::lumpy, kVoxel, exteriorReach(options) + 8 * kVoxel);
     exponent = exponentGrid(makeTarget(phi, std::nullopt), FractalSpace{Vec3d(0), 1}, options, monitor);
     const auto map = std::make_shared<julia::ShapeModulus<float>>(
         makeExponentField<float>(exponent), test_fields::randomVersor(seed, 8, 9, true), julia::DropAxis::K);
-    evaluator = julia::makeFieldEvaluator<float>(map, {}, {.logTrap = exponent.shell.lower});
+    evaluator = julia::makeFieldEvaluator<float>(map, {}, exponent.orbit);
   }
   FieldSource source() const { return {*evaluator, exponent.space}; }
 

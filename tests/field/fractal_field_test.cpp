@@ -82,14 +82,13 @@ struct Made {
 
 Made make(const Case& c, const julia::Rational& versor, bool trap = true) {
   Monitor monitor;
-  ExponentGridOptions options{c.alphaControl, c.betaControl, c.iterations, 20};
+  ExponentGridOptions options{c.alphaControl, c.betaControl, {c.iterations, 20}};
   // A band as a level set has it; the rest is for extendBand(), but with the true distance, which the test knows.
   const auto phi = test_fields::bandGrid(test_fields::lumpy, kPhiVoxel, exteriorReach(options) + 6 * kPhiVoxel);
   const Target target = makeTarget(phi, std::nullopt);
   Made made;
   made.exponent = exponentGrid(target, FractalSpace{c.origin, 1}, options, monitor);
-  julia::OrbitOptions orbit{.maxIterations = c.iterations, .escapeRadius = 20};
-  orbit.logTrap = made.exponent.shell.lower;
+  julia::OrbitOptions orbit = made.exponent.orbit;
   orbit.confirmTrap = !trap;
   made.evaluator = julia::makeFieldEvaluator<double>(
       std::make_shared<julia::ShapeModulus<double>>(makeExponentField<double>(made.exponent), versor, c.dropped),

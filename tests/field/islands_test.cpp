@@ -503,7 +503,7 @@ TEST(Islands, LargeOnesGoWithAllTheirTiles) {
 }
 
 TEST(Islands, OfAFractalLeaveAMeshAndALevelSet) {
-  ExponentGridOptions options{.alpha = Control(6.0), .beta = Control(0.0), .maxIterations = 3, .escapeRadius = 20};
+  ExponentGridOptions options{.alpha = Control(6.0), .beta = Control(0.0)};
   constexpr double kPhiVoxel = 1.0 / 40;
   const auto phi = test_fields::bandGrid(test_fields::lumpy, kPhiVoxel, exteriorReach(options) + 6 * kPhiVoxel);
   const ExponentGrid exponent =
@@ -511,7 +511,7 @@ TEST(Islands, OfAFractalLeaveAMeshAndALevelSet) {
   const auto evaluator = julia::makeFieldEvaluator<double>(
       std::make_shared<julia::ShapeModulus<double>>(makeExponentField<double>(exponent),
                                                     test_fields::randomVersor(17, 8, 9, true), julia::DropAxis::K),
-      {0, julia::DropAxis::K}, {.maxIterations = 3, .escapeRadius = 20, .logTrap = exponent.shell.lower});
+      {0, julia::DropAxis::K}, exponent.orbit);
   const FieldSource source{*evaluator, exponent.space};
   FractalField field = fractalField(source, exponent, {.voxelSize = 1.0 / 80}, monitor);
   std::set<Corner> before;

@@ -199,7 +199,7 @@ TEST(FitTarget, SpaceIsTheFractals) {
   const auto path = folder.write("angle.obj", objOf(angle));
   Monitor monitor;
   const Scene scene =
-      makeScene(parseFractalOptions(completeRecipe({{"input", path.string()}}, fractalOptionSpecs())), monitor);
+      makeScene(parseFractalOptions(completeRecipe({{"input", path.string()}}, fractalOptionTable())), monitor);
   const FitTarget target = makeFitTarget({.input = path, .resolution = 40}, monitor);
   EXPECT_EQ(target.space.centre, scene.space.centre);
   EXPECT_EQ(target.space.scale, scene.space.scale);

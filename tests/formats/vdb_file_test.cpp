@@ -2,7 +2,9 @@
 #include "support/test_fields.h"
 
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/recipe/recipe.h"
+#include "vdbtools/job/fractal_options.h"
+#include "vdbtools/job/recorded_recipe.h"
+#include "vdbtools/job/sdf_job.h"
 
 #include <gtest/gtest.h>
 
@@ -121,15 +123,15 @@ TEST_F(VdbFileTest, AGridIsChosenByNameOrRefusedWithTheList) {
 
 TEST(Recipe, SurvivesMetadata) {
   const Recipe recipe = completeRecipe({{"input", "a b.obj"}, {"alpha", "x:10:300:smooth"}, {"versor-integer", "true"}},
-                                       fractalOptionSpecs());
+                                       fractalOptionTable());
   EXPECT_EQ(recipe.at("beta"), "0");
   const auto metadata = recipeToMetadata(recipe, "fractal");
   for (const auto& [name, value] : metadata)
     for (const char c : name) EXPECT_TRUE(std::isalnum(static_cast<unsigned char>(c)) || c == '_') << name;
-  const auto [back, command] = recipeFromMetadata(metadata);
+  const auto [command, back] = recordedRecipe(metadata);
   EXPECT_EQ(back, recipe);
   EXPECT_EQ(command, "fractal");
-  EXPECT_EQ(recipeFromMetadata({{"name", "x"}}).second, "");
+  EXPECT_EQ(recordedRecipe({{"name", "x"}}).command, "");
 }
 
 TEST(Recipe, TwoWaysToSayTheSameAreRefusedTogether) {
@@ -138,8 +140,8 @@ TEST(Recipe, TwoWaysToSayTheSameAreRefusedTogether) {
 }
 
 TEST(Recipe, TheDefaultsAreValid) {
-  EXPECT_NO_THROW(parseFractalOptions(completeRecipe({{"input", "a.obj"}}, fractalOptionSpecs())));
-  EXPECT_NO_THROW(parseSdfOptions(completeRecipe({{"input", "a.obj"}}, sdfOptionSpecs())));
+  EXPECT_NO_THROW(parseFractalOptions(completeRecipe({{"input", "a.obj"}}, fractalOptionTable())));
+  EXPECT_NO_THROW(parseSdfOptions(completeRecipe({{"input", "a.obj"}}, sdfOptionTable())));
 }
 
 TEST(Recipe, EveryValueIsChecked) {

@@ -8,6 +8,7 @@
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/versor_file.h"
 #include "vdbtools/job/fractal_job.h"
+#include "vdbtools/job/recorded_recipe.h"
 #include "vdbtools/mesh/mesh_writer.h"
 
 #include <gtest/gtest.h>
@@ -50,7 +51,7 @@ class FractalJob : public testing::Test {
     return write(name, stream.str());
   }
   Scene scene(const Recipe& recipe) {
-    return makeScene(parseFractalOptions(completeRecipe(recipe, fractalOptionSpecs())), mMonitor);
+    return makeScene(parseFractalOptions(completeRecipe(recipe, fractalOptionTable())), mMonitor);
   }
   Mesh mesh(const Recipe& recipe) { return fractalMesh(scene(recipe), mMonitor); }
 
@@ -250,17 +251,15 @@ TEST_F(FractalJob, TheRecipeMakesTheSameBytes) {
                       {"sdf-resolution", "40"},
                       {"grids", "surface,density,logmodulus,iterations,versor"}};
   const auto bytes = [&](const Recipe& what) {
-    const Recipe complete = completeRecipe(what, fractalOptionSpecs());
+    const Recipe complete = completeRecipe(what, fractalOptionTable());
     const Scene scene = makeScene(parseFractalOptions(complete), mMonitor);
-    VdbWriteOptions options;
-    options.metadata = recipeToMetadata(complete, "fractal");
-    options.metadata.insert(scene.facts.begin(), scene.facts.end());
+    const VdbWriteOptions options{.metadata = sceneMetadata(scene, complete)};
     return encodeVdb(runFractal(scene, planScene(scene), true, nullptr, mMonitor).grids, options);
   };
   const std::string first = bytes(recipe);
-  const auto [again, command] = readRecipe(write("out.vdb", first));
+  const auto [command, again] = readRecordedRecipe(write("out.vdb", first));
   EXPECT_EQ(command, "fractal");
-  Recipe expected = completeRecipe(recipe, fractalOptionSpecs());
+  Recipe expected = completeRecipe(recipe, fractalOptionTable());
   Recipe options = again;
   options.erase("source-sha256");
   EXPECT_EQ(options, expected);

@@ -4,6 +4,7 @@
 
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_job.h"
+#include "vdbtools/job/recorded_recipe.h"
 
 #include <gtest/gtest.h>
 
@@ -25,7 +26,7 @@ class MapJob : public testing::Test {
 
   static Recipe completed(Recipe recipe) {
     recipe.emplace("resolution", "24");
-    return completeRecipe(std::move(recipe), fractalOptionSpecs());
+    return completeRecipe(std::move(recipe), fractalOptionTable());
   }
   Scene scene(const Recipe& recipe) { return makeScene(parseFractalOptions(completed(recipe)), mMonitor); }
   Mesh mesh(const Recipe& recipe) { return fractalMesh(scene(recipe), mMonitor); }
@@ -62,7 +63,7 @@ TEST_F(MapJob, TheRegionHoldsTheSet) {
   for (const Recipe& recipe : kRecipes) {
     SCOPED_TRACE(text(recipe));
     const Scene scene = this->scene(recipe);
-    const double radius = scene.options.escape, step = radius / 21.3;
+    const double radius = scene.orbit.escapeRadius, step = radius / 21.3;
     std::vector<julia::Point> beyond;
     for (double x = -radius; x <= radius; x += step)
       for (double y = -radius; y <= radius; y += step)
@@ -152,9 +153,7 @@ TEST_F(MapJob, TheRecipeSaysWhatWasTaken) {
 TEST_F(MapJob, TheRecipeMakesTheSameBytes) {
   const auto bytes = [&](const Recipe& recipe) {
     const Scene scene = makeScene(parseFractalOptions(recipe), mMonitor);
-    VdbWriteOptions options;
-    options.metadata = recipeToMetadata(recipe, "fractal");
-    options.metadata.insert(scene.facts.begin(), scene.facts.end());
+    const VdbWriteOptions options{.metadata = sceneMetadata(scene, recipe)};
     return std::pair(encodeVdb(runFractal(scene, planScene(scene), true, nullptr, mMonitor).grids, options),
                      options.metadata);
   };
@@ -162,7 +161,7 @@ TEST_F(MapJob, TheRecipeMakesTheSameBytes) {
     SCOPED_TRACE(text(recipe));
     recipe["grids"] = "surface,logmodulus,iterations,versor";
     const auto [first, metadata] = bytes(completed(recipe));
-    const auto [again, command] = recipeFromMetadata(metadata);
+    const auto [command, again] = recordedRecipe(metadata);
     EXPECT_EQ(again, completed(recipe));
     EXPECT_TRUE(bytes(again).first == first) << "the recipe made another file";
   }
@@ -205,7 +204,9 @@ TEST_F(MapJob, WhatBelongsToAnotherMapIsRefused) {
 
 TEST_F(MapJob, AnotherMapDisplacesWhatBelongedToTheFirst) {
   const Recipe base = completed({{"map", "cross"}, {"scheme", "5"}, {"f", "x,y,z"}, {"g", "z,x,y"}});
-  const auto displaced = [&](const char* option, const char* value) { return displacedOptions(base, option, value); };
+  const auto displaced = [&](const char* option, const char* value) {
+    return displacedOptions(base, option, value, fractalOptionTable());
+  };
   const auto holds = [](const std::vector<std::string>& options, const char* option) {
     return std::find(options.begin(), options.end(), option) != options.end();
   };
@@ -258,7 +259,7 @@ TEST_F(MapJob, APairWithUndefinedPointsIsInOnePiece) {
   // The shift is recorded, and below the tolerance.
   const Vec3d shift = scene.space.centre;
   EXPECT_GT(shift[0], 0);
-  EXPECT_LT(shift.length(), scene.options.tolerance * scene.voxelSize);
+  EXPECT_LT(shift.length(), scene.options.surface.tolerance * scene.voxelSize);
   EXPECT_NE(scene.facts.at("julia_space_centre"), "0,0,0");
   // The same with the planes' limits, as the triplex square has them. A cut would cost 6 %; needles come and go with
   // the nodes that they meet.

@@ -45,7 +45,7 @@ class StudyTest : public testing::Test {
   /// @param recipe  besides a low resolution
   Scene scene(Recipe recipe) {
     recipe.emplace("sdf-resolution", "40");
-    return makeScene(parseFractalOptions(completeRecipe(recipe, fractalOptionSpecs())), mMonitor);
+    return makeScene(parseFractalOptions(completeRecipe(recipe, fractalOptionTable())), mMonitor);
   }
 
   static SlicePlane planeOf(const Scene& scene, int size, double above = 0) {
@@ -92,7 +92,7 @@ TEST_F(StudyTest, CountsTheSetsThatTheJobMakes) {
     EXPECT_EQ(alone, membership(first, plane)) << "recipe " << n;
     std::vector<int> sum = alone;
     for (std::uint64_t k = 1; k < 3; ++k) {
-      recipe["versor-seed"] = std::to_string(first.options.randomRoots.seed + k);
+      recipe["versor-seed"] = std::to_string(VersorSeeds(first).first() + k);
       const std::vector<int> other = membership(scene(recipe), plane);
       EXPECT_NE(other, alone) << "recipe " << n;
       for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += other[i];
@@ -111,7 +111,7 @@ TEST_F(StudyTest, EachVersorHasItsOwnArithmetic) {
   for (int k = 0; k < 8; ++k) {
     recipe["versor-seed"] = std::to_string(1 + k);
     const Scene one = scene(recipe);
-    inFloats += one.inFloats ? 1 : 0;
+    inFloats += one.arithmetic == Arithmetic::Float ? 1 : 0;
     const std::vector<int> inside = membership(one, plane);
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += inside[i];
   }
@@ -271,10 +271,7 @@ TEST_F(StudyTest, StopsWhenToldTo) {
 }
 
 TEST(StudyOptions, AreThoseOfTheFractal) {
-  const auto has = [](const std::string& name) {
-    const auto specs = studyOptionSpecs();
-    return std::any_of(specs.begin(), specs.end(), [&](const OptionSpec& spec) { return spec.name == name; });
-  };
+  const auto has = [](const std::string& name) { return studyOptionTable().knows(name); };
   for (const char* name : {"input", "alpha", "beta", "versor-seed", "iterations", "escape", "box", "precision", "grid"})
     EXPECT_TRUE(has(name)) << name;
   for (const char* name : {"map", "versor", "scheme", "power", "radius", "mandelbrot", "grids", "follow", "tolerance"})

@@ -54,7 +54,7 @@ FieldRenderOptions small(const Quadratic& set, int width, int height, int sample
   options.width = width;
   options.height = height;
   options.samples = samples;
-  options.maxIterations = kIterations;
+  options.orbit.maxIterations = kIterations;
   options.camera = {.eye = set.space.toWorld({0, 0, 6}), .lookAt = set.space.centre};
   return options;
 }
@@ -269,8 +269,8 @@ TEST(FieldRender, RefusesOptionsOutOfTheirDomain) {
                                                                         [](auto& o) { o.clarity.alpha = -1; },
                                                                         [](auto& o) { o.clarity.delta = 3; },
                                                                         [](auto& o) { o.clarity.delta = -1; },
-                                                                        [](auto& o) { o.maxIterations = 0; },
-                                                                        [](auto& o) { o.escapeRadius = 1; }};
+                                                                        [](auto& o) { o.orbit.maxIterations = 0; },
+                                                                        [](auto& o) { o.orbit.escapeRadius = 1; }};
   for (std::size_t i = 0; i < faults.size(); ++i) {
     FieldRenderOptions options = small(set, 8, 8);
     faults[i](options);
@@ -325,7 +325,7 @@ class FieldRenderScene : public testing::Test {
     return path;
   }
   Scene scene(Recipe recipe) {
-    return makeScene(parseFractalOptions(completeRecipe(std::move(recipe), fractalOptionSpecs())), mMonitor);
+    return makeScene(parseFractalOptions(completeRecipe(std::move(recipe), fractalOptionTable())), mMonitor);
   }
   static BBoxd regionOf(const Scene& scene) { return scene.exponent ? meshBox(planScene(scene)) : scene.region; }
   std::string target() const {
@@ -371,8 +371,7 @@ FieldRenderOptions optionsFor(const Scene& scene, const BBoxd& region, int side)
   FieldRenderOptions options;
   options.width = options.height = side;
   options.samples = 1;
-  options.maxIterations = scene.options.iterations;
-  options.escapeRadius = scene.options.escape;
+  options.orbit = scene.orbit;
   options.camera = cameraAround(frameSet(scene.source(), region), {.azimuth = 30, .elevation = 20}, 1);
   return options;
 }

@@ -101,7 +101,7 @@ TEST(ExponentGrid, IsAlphaTimesPhiLessBetaWhereItMatters) {
   const auto phi = test_fields::bandGrid(ball, kVoxel, 0.4);
   const Target target = makeTarget(phi, {});
   Monitor monitor;
-  ExponentGridOptions options{40.0, 0.02, 3, 20};
+  ExponentGridOptions options{40.0, 0.02, {3, 20}};
   const ExponentGrid exponent = exponentGrid(target, FractalSpace{Vec3d(0), 2}, options, monitor);
   const double upper = std::log(20.0);
   EXPECT_DOUBLE_EQ(exponent.shell.upper, upper);
@@ -144,7 +144,7 @@ TEST(ExponentGrid, AnInsideThatIsKnownInPartServesWhereItIsDeepEnough) {
   // The same distances, once over the whole inside and once to a depth: where that is said to be enough, E and its trap
   // are the same wherever an orbit goes on.
   Monitor monitor;
-  const ExponentGridOptions options{20.0, 0.0, 3, 20};
+  const ExponentGridOptions options{20.0, 0.0, {3, 20}};
   const auto exponentOf = [&](double depth) {
     return exponentGrid(makeTarget(test_fields::bandGrid(ball, 1.0 / 64, 0.3, depth), {}), {}, options, monitor);
   };
@@ -179,7 +179,7 @@ TEST(ExponentGrid, TheTrappedBallIsThatOfTheRadialMaximum) {
   const double alpha = 20, radius = 0.5;
   const auto phi = test_fields::bandGrid(ball, 1.0 / 128, 0.3);
   Monitor monitor;
-  const ExponentGrid exponent = exponentGrid(makeTarget(phi, {}), {}, {alpha, 0.0, 3, 20}, monitor);
+  const ExponentGrid exponent = exponentGrid(makeTarget(phi, {}), {}, {alpha, 0.0, {3, 20}}, monitor);
   const double exact = std::log(radius + std::log(radius) / alpha);
   EXPECT_LE(exponent.shell.lower, exact + 1e-9) << "not a bound";
   // The bound gives away two cell diagonals of 1/128 at most, in each of two applications.
@@ -190,45 +190,9 @@ TEST(ExponentGrid, RefusesAnAlphaThatIsNotPositive) {
   const Target target = makeTarget(test_fields::bandGrid(ball, kVoxel, 0.4), {});
   Monitor monitor;
   for (const double alpha : {0.0, -3.0})
-    EXPECT_THROW(exponentGrid(target, {}, {alpha, 0.0, 3, 20}, monitor), std::invalid_argument) << alpha;
+    EXPECT_THROW(exponentGrid(target, {}, {alpha, 0.0, {3, 20}}, monitor), std::invalid_argument) << alpha;
   const Ramp ramp{.axis = 0, .from = -1, .to = 10};
-  EXPECT_THROW(exponentGrid(target, {}, {Control(ramp, target.box), 0.0, 3, 20}, monitor), std::invalid_argument);
-}
-
-TEST(Control, ReadsNumbersRampsAndGrids) {
-  const BBoxd box(Vec3d(-1, 0, 0), Vec3d(3, 1, 1));
-  EXPECT_EQ(std::get<double>(parseControl("-2.5")), -2.5);
-  const Ramp ramp = std::get<Ramp>(parseControl("x:10@0.25:300@0.75:smooth"));
-  const auto at = Control(ramp, box).reader();
-  EXPECT_EQ(at(Vec3d(-7, 0, 0)), 10);
-  EXPECT_EQ(at(Vec3d(0, 0, 0)), 10);
-  EXPECT_DOUBLE_EQ(at(Vec3d(1, 5, 5)), 155);
-  EXPECT_EQ(at(Vec3d(2, 0, 0)), 300);
-  // Smooth: no slope at the ends; and monotonic.
-  EXPECT_LT(at(Vec3d(0.01, 0, 0)) - 10, 290 * 3 * 0.005 * 0.005 * 1.01);
-  for (double x = 0; x < 2; x += 0.1) EXPECT_LT(at(Vec3d(x, 0, 0)), at(Vec3d(x + 0.1, 0, 0)));
-  const auto linear = Control(std::get<Ramp>(parseControl("z:0:1")), box).reader();
-  EXPECT_DOUBLE_EQ(linear(Vec3d(9, 9, 0.3)), 0.3);
-  EXPECT_EQ(Control(ramp, box).range(), std::pair(10.0, 300.0));
-
-  auto grid = openvdb::FloatGrid::create(5);
-  grid->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
-  grid->tree().setValue(Coord(0), 7);
-  const Control fromGrid{openvdb::FloatGrid::ConstPtr(grid)};
-  EXPECT_EQ(fromGrid.reader()(Vec3d(0)), 7);
-  EXPECT_DOUBLE_EQ(fromGrid.reader()(Vec3d(0.25, 0, 0)), 6);
-  EXPECT_EQ(fromGrid.reader()(Vec3d(100)), 5);
-  EXPECT_EQ(fromGrid.range(), std::pair(5.0, 7.0));
-}
-
-TEST(Control, RefusesBrokenText) {
-  for (const char* text :
-       {"nan", "inf", "-inf", "1e999", "x:1:nan", "x:1@2@3:4", "x:a:4", "x:1:2:rough", "x:1:2:smooth:3"})
-    EXPECT_THROW(parseControl(text), std::invalid_argument) << text;
-  for (const char* text : {"file.vdb", "", "w:1:2", "1 2"})
-    EXPECT_TRUE(std::holds_alternative<std::monostate>(parseControl(text))) << text;
-  EXPECT_THROW(Control(Ramp{.axis = 0, .from = 1, .to = 2, .startAt = 0.5, .endAt = 0.5}, BBoxd(Vec3d(0), Vec3d(1))),
-               std::invalid_argument);
+  EXPECT_THROW(exponentGrid(target, {}, {Control(ramp, target.box), 0.0, {3, 20}}, monitor), std::invalid_argument);
 }
 
 }  // namespace

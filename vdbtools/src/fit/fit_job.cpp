@@ -4,10 +4,10 @@
 #include "base/in_parallel.h"
 #include "base/openvdb/fast_sweeping.h"
 #include "fit/log_moduli.h"
-#include "recipe/recipe_reader.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/formats/peer_formats.h"
+#include "vdbtools/recipe/recipe_reader.h"
 
 #include "julia/fit/cancelled.h"
 #include "julia/fit/electrostatics.h"
@@ -29,31 +29,6 @@ using julia::FitCell;
 using julia::Point;
 using julia::Rational;
 using openvdb::FloatGrid;
-
-constexpr OptionSpec kFitSpecs[] = {
-    {"input", "MESH|SDF.vdb", nullptr, "the target: a mesh, or a VDB that holds its signed distance"},
-    {"grid", "NAME", "", "which grid of a VDB input"},
-    {"repair", nullptr, nullptr, "close holes and gaps of an open mesh or a triangle soup"},
-    {"repair-gap", "W", "0", "close gaps up to this width, in the mesh's units; 0 finds the smallest that serves"},
-    {"roots", "N", "331", "roots at most, on both sides together"},
-    {"target-iou", "X", "1", "stop adding roots when cells that are not fitted reach this share; 1 adds them all"},
-    {"resolution", "N", "97", "cells along the edge of the cube about the target in which the fit is made and judged"},
-    {"schedule", "S", "",
-     "fit as [Kim15] does, by passes such as \"25(VFRF) 50(VFRF) 97(VF)\": V variable-coarsened, F full, R reweighted"},
-    {"start", "blue-noise|monopoles", "blue-noise", "fast fit: where the first roots come from"},
-    {"epsilon", "E", "0.04", "monopoles: how well they match the electrostatic potential, as a relative residual"},
-    {"weights", "distance|layers", "distance",
-     "W: 1 over the distance, or over the layer of cells as in 2015's program"},
-    {"power-penalty", "P", nullptr,
-     "times the summed powers is added to the energy; small sums make rougher sets. Default 0, and 1e-5 with "
-     "--schedule, "
-     "where psi would fall as powers grow without end"},
-    {"alpha", "A", "0",
-     "scales all powers until the shell is as thin as fractal's --alpha makes it; n = 1 keeps its shape. 0: as found"},
-    {"smooth", "W", "1", "smoothing of the surface that roots are placed on, in cells"},
-    {"triangles", "N", "5000", "triangles of that surface, at most"},
-    {"seed", "S", "1", "of the places of roots, and of the cells that are held out"},
-};
 
 // Where the potential is matched: so far outside the surface (fractal space), at so many points.
 constexpr double kOffset = 0.004;
@@ -390,10 +365,67 @@ double surfaceSlope(const Rational& rational, const std::vector<FitCell>& cells,
 
 }  // namespace
 
-std::span<const OptionSpec> fitOptionSpecs() { return kFitSpecs; }
+OptionTable fitOptionTable() {
+  return OptionTable({
+      {.name = "input",
+       .argument = "MESH|SDF.vdb",
+       .help = "the target: a mesh, or a VDB that holds its signed distance"},
+      {.name = "grid", .argument = "NAME", .defaultValue = "", .help = "which grid of a VDB input"},
+      {.name = "repair", .help = "close holes and gaps of an open mesh or a triangle soup"},
+      {.name = "repair-gap",
+       .argument = "W",
+       .defaultValue = "0",
+       .help = "close gaps up to this width, in the mesh's units; 0 finds the smallest that serves"},
+      {.name = "roots", .argument = "N", .defaultValue = "331", .help = "roots at most, on both sides together"},
+      {.name = "target-iou",
+       .argument = "X",
+       .defaultValue = "1",
+       .help = "stop adding roots when cells that are not fitted reach this share; 1 adds them all"},
+      {.name = "resolution",
+       .argument = "N",
+       .defaultValue = "97",
+       .help = "cells along the edge of the cube about the target in which the fit is made and judged"},
+      {.name = "schedule",
+       .argument = "S",
+       .defaultValue = "",
+       .help = "fit as [Kim15] does, by passes such as \"25(VFRF) 50(VFRF) 97(VF)\": V variable-coarsened, F full, R "
+               "reweighted"},
+      {.name = "start",
+       .argument = "blue-noise|monopoles",
+       .defaultValue = "blue-noise",
+       .help = "fast fit: where the first roots come from"},
+      {.name = "epsilon",
+       .argument = "E",
+       .defaultValue = "0.04",
+       .help = "monopoles: how well they match the electrostatic potential, as a relative residual"},
+      {.name = "weights",
+       .argument = "distance|layers",
+       .defaultValue = "distance",
+       .help = "W: 1 over the distance, or over the layer of cells as in 2015's program"},
+      {.name = "power-penalty",
+       .argument = "P",
+       .help = "times the summed powers is added to the energy; small sums make rougher sets. Default 0, and 1e-5 with "
+               "--schedule, where psi would fall as powers grow without end"},
+      {.name = "alpha",
+       .argument = "A",
+       .defaultValue = "0",
+       .help = "scales all powers until the shell is as thin as fractal's --alpha makes it; n = 1 keeps its shape. 0: "
+               "as found"},
+      {.name = "smooth",
+       .argument = "W",
+       .defaultValue = "1",
+       .help = "smoothing of the surface that roots are placed on, in cells"},
+      {.name = "triangles", .argument = "N", .defaultValue = "5000", .help = "triangles of that surface, at most"},
+      {.name = "seed",
+       .argument = "S",
+       .defaultValue = "1",
+       .help = "of the places of roots, and of the cells that are held out"},
+  });
+}
 
 FitOptions parseFitOptions(const Recipe& recipe) {
-  const RecipeReader reader(recipe, fitOptionSpecs());
+  const OptionTable table = fitOptionTable();
+  const RecipeReader reader(recipe, table);
   FitOptions options;
   if (reader.text("input").empty()) throw std::invalid_argument("no target was given: a mesh, or a VDB");
   options.target.input = reader.text("input");
@@ -445,8 +477,8 @@ FitResult runFit(const FitOptions& options, bool wantDistances, Monitor& monitor
     if (result.measure.iou == 0)
       throw DataError("the fit came to a map that has nothing of the target inside; " +
                       std::string(options.schedule.empty()
-                                      ? "allow more --roots"
-                                      : "try --weights layers, or the fast fit, without --schedule"));
+                                      ? "allow more roots"
+                                      : "weigh the cells by layers, or use the fast fit, without a schedule"));
     result.rows = std::move(report.rows());
     result.target = std::move(target);
     return result;

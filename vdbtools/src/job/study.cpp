@@ -39,8 +39,8 @@ void inChunks(std::size_t count, std::size_t size, const Monitor& monitor, const
 template <class PointAt>
 std::vector<int> countInside(std::size_t count, const PointAt& pointAt, const Scene& scene, int versors,
                              Monitor& monitor) {
-  VersorSeeds seeds(scene);
-  const std::uint64_t firstSeed = scene.options.randomRoots.seed;
+  const VersorSeeds seeds(scene);
+  const std::uint64_t firstSeed = seeds.first();
   std::vector<int> inside(count);
 
   // |q_1| is e^E and knows nothing of the versor: what one step decides, it decides for all of them.
@@ -87,27 +87,24 @@ std::vector<int> countInside(std::size_t count, const PointAt& pointAt, const Sc
 
 /// Where E lies in the open shell interval, as a range of phi.
 std::optional<std::pair<double, double>> undecidedRange(const Scene& scene) {
-  if (scene.options.iterations == 1) return std::nullopt;  // E's sign is all there is
-  const auto alpha = parseControl(scene.options.alpha), beta = parseControl(scene.options.beta);
-  const double *a = std::get_if<double>(&alpha), *b = std::get_if<double>(&beta);
-  if (!a || !b) return std::nullopt;
+  if (!scene.exponent || scene.orbit.maxIterations == 1) return std::nullopt;  // E's sign is all there is
+  const std::optional<double> alpha = scene.exponentOf->alpha.constant(), beta = scene.exponentOf->beta.constant();
+  if (!alpha || !beta) return std::nullopt;
   const julia::ShellInterval& shell = scene.exponent->shell;
-  return std::pair{scene.space.scale * (shell.lower / *a + *b), scene.space.scale * (shell.upper / *a + *b)};
+  return std::pair{scene.space.scale * (shell.lower / *alpha + *beta),
+                   scene.space.scale * (shell.upper / *alpha + *beta)};
 }
 
 }  // namespace
 
-std::span<const OptionSpec> studyOptionSpecs() {
-  static const std::vector<OptionSpec> specs = [] {
-    std::vector<OptionSpec> result;
-    for (const OptionSpec& spec : fractalOptionSpecs()) {
-      const bool drops = std::any_of(std::begin(kNoOptions), std::end(kNoOptions),
-                                     [&](const char* name) { return std::string_view(name) == spec.name; });
-      if (!drops && (spec.maps & mapBit(MapKind::ShapeModulus))) result.push_back(spec);
-    }
-    return result;
-  }();
-  return specs;
+OptionTable studyOptionTable() {
+  // The specs, of which the study has a part, belong to the whole table.
+  const OptionTable fractal = fractalOptionTable();
+  std::vector<OptionSpec> options;
+  for (const OptionSpec* spec : fractal.optionsOf({}))
+    if (std::find(std::begin(kNoOptions), std::end(kNoOptions), spec->name) == std::end(kNoOptions))
+      options.push_back(*spec);
+  return OptionTable(std::move(options));
 }
 
 Study runStudy(const Scene& scene, const SlicePlane& plane, const StudyOptions& options, Monitor& monitor) {
@@ -115,10 +112,10 @@ Study runStudy(const Scene& scene, const SlicePlane& plane, const StudyOptions& 
     throw std::invalid_argument("the number of versors is " + std::to_string(options.versors) + "; it must be 1 to " +
                                 std::to_string(kMostVersors));
   const auto others = static_cast<std::uint64_t>(options.versors - 1);
-  if (scene.options.randomRoots.seed > std::numeric_limits<std::uint64_t>::max() - others)
-    throw std::invalid_argument("--versor-seed is '" + std::to_string(scene.options.randomRoots.seed) + "'; " +
-                                std::to_string(options.versors) + " seeds do not fit above it");
-  VersorSeeds{scene};  // its checks, before the work
+  const std::uint64_t first = VersorSeeds(scene).first();
+  if (first > std::numeric_limits<std::uint64_t>::max() - others)
+    throw std::invalid_argument("the first seed is " + std::to_string(first) + "; " + std::to_string(options.versors) +
+                                " seeds do not fit above it");
   Study study;
   study.versors = options.versors;
   study.undecided = undecidedRange(scene);

@@ -57,8 +57,7 @@ void requireOptions(const FieldRenderOptions& o) {
   requireOption(o.clarity.delta >= 0 && o.clarity.delta <= 2, "delta", o.clarity.delta, "0, 1 or 2");
   requireOption(o.clarity.epsilon >= kShortestStep && std::isfinite(o.clarity.epsilon), "epsilon", o.clarity.epsilon,
                 "at least 1e-9");
-  requireOption(o.maxIterations >= 1, "maxIterations", o.maxIterations, "at least 1");
-  requireOption(o.escapeRadius > 1, "escapeRadius", o.escapeRadius, "above 1");
+  julia::requireValid(o.orbit);
 }
 
 /// 0 inside the box.

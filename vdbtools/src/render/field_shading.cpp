@@ -129,7 +129,8 @@ std::vector<Vec3d> colours(const julia::FieldEvaluator& evaluator, const FieldRe
   switch (options.colour) {
     case FieldColour::Clay: break;
     case FieldColour::Iterations:
-      for (std::size_t i = 0; i < hits.size(); ++i) result[i] = ramp(around[i].iterations / options.maxIterations);
+      for (std::size_t i = 0; i < hits.size(); ++i)
+        result[i] = ramp(around[i].iterations / options.orbit.maxIterations);
       break;
     case FieldColour::Trap: {
       std::vector<double> nearest(hits.size());
@@ -157,7 +158,7 @@ std::vector<Vec3d> colours(const julia::FieldEvaluator& evaluator, const FieldRe
 
 void shadeHits(const julia::FieldEvaluator& evaluator, const FieldRenderOptions& options, const FieldLights& lights,
                std::span<const FieldHit> hits, std::span<ShadedHit> shaded) {
-  const std::vector<Neighbourhood> around = neighbourhoods(evaluator, options.escapeRadius, hits);
+  const std::vector<Neighbourhood> around = neighbourhoods(evaluator, options.orbit.escapeRadius, hits);
   const std::vector<Vec3d> albedo = colours(evaluator, options, hits, around);
   for (std::size_t i = 0; i < hits.size(); ++i) {
     Vec3d normal = hits[i].normal.value_or(around[i].gradient);

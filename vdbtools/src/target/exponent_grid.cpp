@@ -303,11 +303,16 @@ class Baker {
       for (openvdb::Index i = 0; i < Leaf::SIZE; ++i)
         values[i] = static_cast<float>(*alpha * (values[i] / mSpace.scale - *beta));
     } else {
-      const auto alphaAt = mOptions.alpha.reader(), betaAt = mOptions.beta.reader();
-      for (auto value = leaf->beginValueOn(); value; ++value) {
-        const Vec3d world = mTransform.indexToWorld(value.getCoord());
-        value.setValue(static_cast<float>(alphaAt(world) * (*value / mSpace.scale - betaAt(world))));
-      }
+      std::vector<Vec3d> points;
+      points.reserve(leaf->onVoxelCount());
+      for (auto value = leaf->cbeginValueOn(); value; ++value)
+        points.push_back(mTransform.indexToWorld(value.getCoord()));
+      std::vector<double> alphas(points.size()), betas(points.size());
+      mOptions.alpha.sample(points, alphas);
+      mOptions.beta.sample(points, betas);
+      std::size_t i = 0;
+      for (auto value = leaf->beginValueOn(); value; ++value, ++i)
+        value.setValue(static_cast<float>(alphas[i] * (*value / mSpace.scale - betas[i])));
     }
     for (auto value = leaf->beginValueOff(); value; ++value)
       value.setValue(phi.getValue(value.pos()) < 0 ? -1.0f : 1.0f);
@@ -372,7 +377,7 @@ double exteriorReach(const ExponentGridOptions& options) {
   const double least = options.alpha.range().first;
   if (!(least > 0))
     throw std::invalid_argument("alpha is " + std::to_string(least) + " somewhere; it must be above 0 everywhere");
-  return std::max(0.0, std::log(options.escapeRadius) / least + options.beta.range().second);
+  return std::max(0.0, std::log(options.orbit.escapeRadius) / least + options.beta.range().second);
 }
 
 double interiorReach(const ExponentGridOptions& options, double depth) {
@@ -402,10 +407,12 @@ ExponentGrid exponentGrid(const Target& target, const FractalSpace& space, const
   if (originInBox) {
     const Coord node = Coord::round(origin);
     const bool outside = !target.phi->tree().isValueOn(node) && !(target.phi->tree().getValue(node) < 0);
-    const double logEscape = std::log(options.escapeRadius);
+    const double logEscape = std::log(options.orbit.escapeRadius);
     maximum = baker.radialMaximum(outside ? logEscape + 1 : solid);
   }
-  result.shell = julia::shellInterval(maximum, options.maxIterations, options.escapeRadius);
+  result.shell = julia::shellInterval(maximum, options.orbit.maxIterations, options.orbit.escapeRadius);
+  result.orbit = options.orbit;
+  result.orbit.logTrap = result.shell.lower;
   // Of the nodes that are read with a solid one, one lies next to it; all must be trapped.
   result.tooShallow = solid + difference > result.shell.lower + largestStep;
   result.grid = baker.narrowed(result.shell, difference);

@@ -3,7 +3,7 @@
 
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/recipe/recipe.h"
+#include "vdbtools/recipe/option_value.h"
 
 #include <algorithm>
 #include <stdexcept>
@@ -14,6 +14,11 @@ namespace vdbtools {
 using openvdb::BBoxd;
 using openvdb::FloatGrid;
 using openvdb::Vec3d;
+
+std::string boxText(const BBoxd& box) {
+  const Vec3d &a = box.min(), &b = box.max();
+  return numbersText({a[0], a[1], a[2], b[0], b[1], b[2]});
+}
 
 double longestSide(const BBoxd& box) {
   const Vec3d extents = box.extents();

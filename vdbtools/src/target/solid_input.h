@@ -15,6 +15,8 @@ namespace vdbtools {
 /// Metadata of a file: the shape's box, six numbers, world units.
 inline constexpr const char* kTargetBox = "julia_target_box";
 
+std::string boxText(const openvdb::BBoxd& box);
+
 double longestSide(const openvdb::BBoxd& box);
 
 /// The report of a mesh.

@@ -19,7 +19,7 @@
 namespace vdbtools {
 
 /// The options of `juliavdb fit` that affect its result.
-std::span<const OptionSpec> fitOptionSpecs();
+OptionTable fitOptionTable();
 
 enum class FitStart {
   BlueNoise,  ///< roots on both sides of the surface, evenly

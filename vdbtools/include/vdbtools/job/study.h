@@ -11,7 +11,6 @@
 #include "vdbtools/picture/slice_image.h"
 
 #include <optional>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,7 +19,7 @@ namespace vdbtools {
 
 /// The options of `juliavdb study` that affect its result: those of `juliavdb fractal` that describe the sets of a
 /// target and random versors.
-std::span<const OptionSpec> studyOptionSpecs();
+OptionTable studyOptionTable();
 
 inline constexpr int kMostVersors = 1'000'000;
 

@@ -25,6 +25,7 @@
 #include "vdbtools/render/camera.h"
 
 #include "julia/embedding.h"
+#include "julia/orbit.h"
 
 #include <array>
 #include <cstdint>
@@ -61,9 +62,8 @@ struct FieldRenderOptions {
   int samples = 4;                ///< rays per pixel: 1, 4, 9 or 16
   Clarity clarity;
   FieldColour colour = FieldColour::Direction;
+  julia::OrbitOptions orbit{};                    ///< the evaluator's
   julia::DropAxis dropAxis = julia::DropAxis::K;  ///< the evaluator's
-  int maxIterations = 3;                          ///< the evaluator's
-  double escapeRadius = 20;                       ///< the evaluator's
   /// Whether the beauty has the neutral background. Otherwise it is premultiplied by the coverage, on black.
   bool background = true;
   bool skip = true;  ///< changes the speed only

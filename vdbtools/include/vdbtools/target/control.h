@@ -1,18 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file control.h
-/// A setting that may vary over space, as alpha and beta do ([SK23] 3.2, Fig. 7): a number, a ramp along an axis, or a
-/// FloatGrid.
+/// Settings that may vary over space, as alpha and beta do ([SK23] 3.2, Fig. 7).
+///
+/// A *source* is what a recipe says: a number, a ramp over the target's box, a grid in a file. It is made where the
+/// option is read, and knows its text and its files. *Bound* to a target it is a control: a function of the world's
+/// positions with bounds over boxes. A new kind of source is one class behind ControlSource, one behind ControlField,
+/// and one line in parseControl().
 #pragma once
 
 #include "vdbtools/base/grids.h"
+#include "vdbtools/files/named_file.h"
+#include "vdbtools/recipe/recipe_reader.h"
 
-#include <functional>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
-#include <variant>
+#include <vector>
 
 namespace vdbtools {
+
+/// Values over world space. Const, and free of state that one thread could leave to another.
+class ControlField {
+ public:
+  virtual ~ControlField() = default;
+
+  /// values[i] = the value at points[i], world units; finite. Both spans have one size.
+  virtual void sample(std::span<const openvdb::Vec3d> points, std::span<double> values) const = 0;
+
+  /// Bounds of the values anywhere.
+  virtual std::pair<double, double> range() const = 0;
+  /// Bounds of the values in a box, world units; not wider than those anywhere.
+  virtual std::pair<double, double> range(const openvdb::BBoxd& /*box*/) const { return range(); }
+
+  /// The value, if it is the same everywhere.
+  virtual std::optional<double> constant() const { return std::nullopt; }
+};
 
 /// From one value to another along an axis of the target's box; constant before and after.
 struct Ramp {
@@ -22,34 +46,50 @@ struct Ramp {
   bool smooth = false;            ///< cubic 3t^2 - 2t^3 instead of linear: no crease at either end
 };
 
+/// A control as a value.
 class Control {
  public:
-  Control(double value = 0) : mSource(value) {}
+  Control(double value = 0);
   /// @throw std::invalid_argument  values not finite, or startAt >= endAt
   Control(const Ramp& ramp, const openvdb::BBoxd& targetBox);
   /// Read trilinearly, in the grid's own world space. @throw DataError if a value is not finite
   explicit Control(openvdb::FloatGrid::ConstPtr grid);
+  /// @pre not nullptr
+  explicit Control(std::shared_ptr<const ControlField> field) : mField(std::move(field)) {}
 
-  /// A function of the world position. Each thread takes its own: it may carry a cache.
-  std::function<double(const openvdb::Vec3d&)> reader() const;
-
-  /// The value, if it is the same everywhere.
-  std::optional<double> constant() const;
-
-  /// Bounds of the values anywhere.
-  std::pair<double, double> range() const;
+  void sample(std::span<const openvdb::Vec3d> points, std::span<double> values) const {
+    mField->sample(points, values);
+  }
+  double at(const openvdb::Vec3d& point) const;
+  std::pair<double, double> range() const { return mField->range(); }
+  std::pair<double, double> range(const openvdb::BBoxd& box) const { return mField->range(box); }
+  std::optional<double> constant() const { return mField->constant(); }
 
  private:
-  struct PlacedRamp {
-    Ramp ramp;
-    double start, end;  ///< world coordinates
-  };
-  std::variant<double, PlacedRamp, openvdb::FloatGrid::ConstPtr> mSource;
+  std::shared_ptr<const ControlField> mField;
 };
 
-/// Parses the text form: a number ("40"), or a ramp "AXIS:FROM[@POS]:TO[@POS][:smooth]" such as "x:10:300:smooth" or
-/// "y:10@0.2:300@0.8". Anything else is not for this function (a file name, say): nothing.
-/// @throw std::invalid_argument  a ramp or number that is broken or not finite, naming where
-std::variant<std::monostate, double, Ramp> parseControl(const std::string& text);
+/// What of the target a source may refer to.
+struct ControlContext {
+  openvdb::BBoxd targetBox;  ///< world units
+};
+
+/// A control as a recipe gives it, before there is a target. Immutable.
+class ControlSource {
+ public:
+  virtual ~ControlSource() = default;
+
+  /// Its text in a recipe: parseControl() makes the same source of it.
+  virtual std::string text() const = 0;
+  /// The files that its values depend on.
+  virtual std::vector<NamedFile> files() const { return {}; }
+  /// @throw DataError, MissingInputError, IoError  of what it reads
+  virtual Control bind(const ControlContext& context) const = 0;
+};
+
+/// The source that an option of a recipe describes: a number ("40"); a ramp "AXIS:FROM[@POS]:TO[@POS][:smooth]" such as
+/// "x:10:300:smooth" or "y:10@0.2:300@0.8"; or a grid, "FILE.vdb" or "FILE.vdb:GRID".
+/// @throw std::invalid_argument  naming the option, the value and what is wrong with it
+std::shared_ptr<const ControlSource> parseControl(const RecipeReader& reader, const std::string& option);
 
 }  // namespace vdbtools

@@ -12,6 +12,7 @@
 #include "vdbtools/target/control.h"
 
 #include "julia/brick_field.h"
+#include "julia/orbit.h"
 #include "julia/scalar_field.h"
 #include "julia/shell.h"
 
@@ -27,6 +28,7 @@ struct Target {
   /// The nodes of a dense field, index space. Beyond them phi is the nearest face's value. A narrow band has none: it
   /// is the tiles' and the background's there.
   std::optional<openvdb::CoordBBox> denseBox;
+  std::optional<double> repairMoved{};  ///< how far a repair may have moved the surface, world units
 };
 
 /// Takes phi as it is: dense (every node of its active box is active) or narrow band. Active tiles are made voxels.
@@ -42,8 +44,7 @@ void extendBand(Target& target, double exteriorWidth, double interiorWidth, Moni
 struct ExponentGridOptions {
   Control alpha{40.0};  ///< thinness of the shell, > 0 everywhere
   Control beta{0.0};    ///< offset of the shell, units of fractal space
-  int maxIterations = 3;
-  double escapeRadius = 20;
+  julia::OrbitOptions orbit{};
   julia::Interpolation interpolation = julia::Interpolation::Trilinear;
 };
 
@@ -51,6 +52,8 @@ struct ExponentGrid {
   openvdb::FloatGrid::Ptr grid;  ///< E on phi's nodes; E's sign in every tile and in the background
   FractalSpace space;
   julia::ShellInterval shell;
+  /// The orbit that it was made for, with the trap that the shell proves: what an evaluator of E is to be given.
+  julia::OrbitOptions orbit;
   std::optional<openvdb::CoordBBox> denseBox;  ///< see Target
   /// The target's distances end before E is as low as the shell's lower end: they must be extended further inward.
   bool tooShallow = false;

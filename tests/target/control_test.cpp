@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// Controls: every kind read from text and bound to a box, against its definition; their bounds hold everywhere.
+#include "support/test_meshes.h"
+
+#include "vdbtools/base/errors.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/target/control.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+#include <vector>
+
+namespace {
+
+using namespace vdbtools;
+using openvdb::BBoxd;
+using openvdb::Coord;
+using openvdb::Vec3d;
+
+const OptionTable kTable({{.name = "alpha", .argument = "A", .defaultValue = "40", .hash = "alpha-sha256"}});
+const ControlContext kContext{BBoxd(Vec3d(-1, 0, 0), Vec3d(3, 1, 1))};
+
+std::shared_ptr<const ControlSource> source(const std::string& text) {
+  return parseControl(RecipeReader({{"alpha", text}}, kTable), "alpha");
+}
+
+openvdb::FloatGrid::Ptr oneSeven() {
+  const auto grid = openvdb::FloatGrid::create(5);
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+  grid->tree().setValue(Coord(0), 7);
+  grid->setName("paint");
+  return grid;
+}
+
+TEST(Control, ReadsNumbers) {
+  const Control number = source("-2.5")->bind(kContext);
+  EXPECT_EQ(number.at(Vec3d(9, 9, 9)), -2.5);
+  EXPECT_EQ(number.constant(), -2.5);
+  EXPECT_EQ(number.range(), std::pair(-2.5, -2.5));
+}
+
+TEST(Control, ReadsRamps) {
+  const Control ramp = source("x:10@0.25:300@0.75:smooth")->bind(kContext);
+  const auto at = [&](double x) { return ramp.at(Vec3d(x, 5, 5)); };
+  EXPECT_EQ(at(-7), 10);
+  EXPECT_EQ(at(0), 10);
+  EXPECT_DOUBLE_EQ(at(1), 155);
+  EXPECT_EQ(at(2), 300);
+  // Smooth: no slope at the ends; and monotonic.
+  EXPECT_LT(at(0.01) - 10, 290 * 3 * 0.005 * 0.005 * 1.01);
+  for (double x = 0; x < 2; x += 0.1) EXPECT_LT(at(x), at(x + 0.1));
+  EXPECT_DOUBLE_EQ(source("z:0:1")->bind(kContext).at(Vec3d(9, 9, 0.3)), 0.3);
+  EXPECT_EQ(ramp.range(), std::pair(10.0, 300.0));
+  EXPECT_FALSE(ramp.constant());
+}
+
+TEST(Control, ReadsGridsOfFilesAndNamesTheFiles) {
+  openvdb::initialize();
+  const test_meshes::TemporaryFolder folder;
+  const std::string path = folder.write("paint.vdb", encodeVdb({oneSeven()}, {})).string();
+  for (const std::string& text : {path, path + ":paint"}) {
+    const auto grid = source(text);
+    ASSERT_EQ(grid->files().size(), 1u);
+    EXPECT_EQ(grid->files()[0].path, path);
+    EXPECT_EQ(grid->files()[0].recordedAs, "alpha-sha256");
+    EXPECT_EQ(grid->text(), text);
+    const Control control = grid->bind(kContext);
+    EXPECT_EQ(control.at(Vec3d(0)), 7);
+    EXPECT_DOUBLE_EQ(control.at(Vec3d(0.25, 0, 0)), 6);
+    EXPECT_EQ(control.at(Vec3d(100)), 5);
+    EXPECT_EQ(control.range(), std::pair(5.0, 7.0));
+  }
+  EXPECT_THROW(source(path + ":other")->bind(kContext), DataError);
+}
+
+TEST(Control, BoundsHoldInEveryBox) {
+  openvdb::initialize();
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(-2, 2), size(0, 1);
+  const std::vector<Control> controls{Control(3.0), source("y:5:-2:smooth")->bind(kContext),
+                                      source("x:1@0.4:2@0.6")->bind(kContext),
+                                      Control(openvdb::FloatGrid::ConstPtr(oneSeven()))};
+  for (std::size_t k = 0; k < controls.size(); ++k)
+    for (int i = 0; i < 200; ++i) {
+      const Vec3d low(place(random), place(random), place(random));
+      const BBoxd box(low, low + Vec3d(size(random), size(random), size(random)));
+      const auto [least, most] = controls[k].range(box);
+      EXPECT_GE(least, controls[k].range().first);
+      EXPECT_LE(most, controls[k].range().second);
+      for (int j = 0; j < 20; ++j) {
+        const Vec3d t(size(random), size(random), size(random));
+        const double value = controls[k].at(box.min() + t * box.extents());
+        ASSERT_GE(value, least) << "control " << k << ", box " << box;
+        ASSERT_LE(value, most) << "control " << k << ", box " << box;
+      }
+    }
+}
+
+TEST(Control, ItsTextMakesItAgain) {
+  for (const char* text : {"40", "x:10:300:smooth", "z:1@0.25:2@0.5", "paint.vdb:alpha"})
+    EXPECT_EQ(source(text)->text(), text);
+}
+
+// The option is named where it is read, and nowhere later.
+TEST(Control, RefusesBrokenTextByTheOptionsName) {
+  for (const char* text : {"nan", "inf", "-inf", "1e999", "x:1:nan", "x:1@2@3:4", "x:a:4", "x:1:2:rough",
+                           "x:1:2:smooth:3", "x:1@0.8:2@0.2", "", "w:1:2", "1 2", "x:1", "x:1:"})
+    try {
+      source(text);
+      ADD_FAILURE() << "'" << text << "' was taken";
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find("--alpha is '" + std::string(text) + "'"), std::string::npos)
+          << error.what();
+    }
+  EXPECT_THROW(Control(Ramp{.axis = 0, .from = 1, .to = 2, .startAt = 0.5, .endAt = 0.5}, kContext.targetBox),
+               std::invalid_argument);
+  const auto grid = oneSeven();
+  grid->tree().setValue(Coord(1), std::numeric_limits<float>::infinity());
+  EXPECT_THROW(Control(openvdb::FloatGrid::ConstPtr(grid)), DataError);
+}
+
+}  // namespace

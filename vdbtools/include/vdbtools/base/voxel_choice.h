@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file voxel_choice.h
+/// How fine a lattice is to be: the size of a voxel, or the number of voxels along the longest side of a shape.
+#pragma once
+
+#include <optional>
+
+namespace vdbtools {
+
+struct VoxelChoice {
+  std::optional<double> voxelSize{};   ///< world units
+  std::optional<double> resolution{};  ///< voxels along the longest side; exactly one of the two is there
+
+  /// The voxel size for a shape, world units.
+  /// @throw std::invalid_argument  the size is outside of what OpenVDB's transforms can hold
+  /// @throw DataError              likewise, at a resolution that serves any shape of an ordinary size
+  double sizeFor(double longestSide) const;
+};
+
+}  // namespace vdbtools

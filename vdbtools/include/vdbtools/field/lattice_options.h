@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file lattice_options.h
+/// Which nodes of which lattice are evaluated, as a recipe says it.
+#pragma once
+
+#include "vdbtools/base/grids.h"
+#include "vdbtools/base/voxel_choice.h"
+#include "vdbtools/field/follow_surface.h"
+#include "vdbtools/recipe/recipe_reader.h"
+
+#include <optional>
+#include <vector>
+
+namespace vdbtools {
+
+struct LatticeOptions {
+  VoxelChoice voxels;                   ///< of the result
+  std::optional<openvdb::BBoxd> box;    ///< only this region, world units
+  bool exhaustive = false;              ///< evaluates every node, also where the result is known
+  std::optional<FollowOptions> follow;  ///< if the surface is to be followed
+};
+
+std::vector<OptionSpec> latticeOptionSpecs();
+/// @throw std::invalid_argument
+LatticeOptions parseLatticeOptions(const RecipeReader& reader);
+
+}  // namespace vdbtools

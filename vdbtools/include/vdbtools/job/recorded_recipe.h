@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file recorded_recipe.h
+/// The recipes in files that the program made.
+#pragma once
+
+#include "vdbtools/maps/map_registry.h"
+#include "vdbtools/recipe/recipe.h"
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+namespace vdbtools {
+
+struct RecordedRecipe {
+  std::string command;  ///< "fractal" or "sdf"; empty: the file holds no recipe
+  Recipe recipe;
+};
+
+/// What metadata say, as it stands there.
+RecordedRecipe recordedRecipe(const std::map<std::string, std::string>& metadata,
+                              const MapRegistry& maps = builtInMaps());
+
+/// The same of a VDB, PLY or OBJ, checked: its options can be used.
+/// @throw DataError  an entry is broken; MissingInputError, IoError
+RecordedRecipe readRecordedRecipe(const std::filesystem::path& path, const MapRegistry& maps = builtInMaps());
+
+}  // namespace vdbtools

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file scene.h
+/// What the main job evaluates, made ready step by step: target -> space -> exponent -> map -> lattice -> evaluator.
+/// The room of the jobs: it puts the others together, and may use all of them.
+#pragma once
+
+#include "vdbtools/base/grids.h"
+#include "vdbtools/field/fractal_field.h"
+#include "vdbtools/job/fractal_options.h"
+#include "vdbtools/maps/map_descriptor.h"
+#include "vdbtools/target/exponent_grid.h"
+
+#include "julia/evaluator.h"
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace vdbtools {
+
+/// Facts that were found out on the way, by the names of metadata: hashes, the space, the shell, the versor's roots.
+using Facts = std::map<std::string, std::string>;
+
+/// Everything that stands before the first node is evaluated.
+struct Scene {
+  FractalOptions options;
+  std::optional<Target> target;                   ///< none if no input was given
+  std::optional<ExponentGridOptions> exponentOf;  ///< what the exponent was made with: alpha, beta, the orbit
+  std::optional<ExponentGrid> exponent;           ///< of a map with a shell
+  std::shared_ptr<const MapInstance> map;
+  openvdb::BBoxd region;                       ///< of a map without a shell, world units
+  double voxelSize = 0;                        ///< of the result, world units
+  julia::OrbitOptions orbit;                   ///< the evaluator's
+  Arithmetic arithmetic = Arithmetic::Double;  ///< as options.precision has it or as it was chosen
+  std::unique_ptr<julia::FieldEvaluator> evaluator;
+  FractalSpace space;  ///< the evaluator's
+  Facts facts;
+
+  FieldSource source() const { return {*evaluator, space}; }
+};
+
+/// @throw what reading, repairing and the options' checks throw
+Scene makeScene(const FractalOptions& options, Monitor& monitor);
+
+/// A scene's evaluators with other random versors: what its target gives is made once and shared.
+class VersorSeeds {
+ public:
+  /// @param scene  must outlive this
+  /// @throw std::invalid_argument  the scene's map has no random roots over a target
+  explicit VersorSeeds(const Scene& scene);
+
+  std::uint64_t first() const;  ///< the scene's own
+
+  /// The evaluator that makeScene() would make for this seed: the same bits.
+  /// @throw as julia::randomPolynomial()
+  std::unique_ptr<julia::FieldEvaluator> evaluator(std::uint64_t seed) const;
+
+ private:
+  const Scene& mScene;
+};
+
+/// What of the scene is evaluated: the options' box or the whole set.
+FieldPlan planScene(const Scene& scene);
+
+/// The metadata of what a scene makes: its recipe, the facts, the program's version.
+std::map<std::string, std::string> sceneMetadata(const Scene& scene, const Recipe& recipe);
+
+}  // namespace vdbtools

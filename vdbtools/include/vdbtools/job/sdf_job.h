@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file sdf_job.h
+/// Mesh -> signed distance field, as `juliavdb sdf` does it.
+#pragma once
+
+#include "vdbtools/base/grids.h"
+#include "vdbtools/base/monitor.h"
+#include "vdbtools/base/voxel_choice.h"
+#include "vdbtools/mesh/mesh.h"
+#include "vdbtools/recipe/recipe.h"
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+namespace vdbtools {
+
+struct SdfOptions {
+  std::filesystem::path input;
+  VoxelChoice voxels;
+  bool repair = false;
+  double gap = 0;   ///< world units; 0: found
+  double band = 3;  ///< voxels on each side, above 1
+  bool half = false;
+};
+
+OptionTable sdfOptionTable();
+/// @throw std::invalid_argument naming the option and the value
+SdfOptions parseSdfOptions(const Recipe& recipe);
+
+struct SdfResult {
+  openvdb::FloatGrid::Ptr grid;
+  MeshReport report;
+  std::optional<double> moved, closedGap;  ///< of a repair, world units
+  std::map<std::string, std::string> facts;
+};
+
+/// @throw what reading and repairing the mesh throw
+SdfResult runSdf(const SdfOptions& options, Monitor& monitor);
+
+}  // namespace vdbtools

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file map_options.h
+/// The options that several maps share: the orbit, the slice through the quaternions, and roots. A map lists those that
+/// it takes among its own.
+#pragma once
+
+#include "vdbtools/base/grids.h"
+#include "vdbtools/maps/map_descriptor.h"
+
+#include "julia/random_roots.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdbtools {
+
+/// --iterations. @param usual  its default
+OptionSpec iterationsOption(const std::string& usual);
+
+/// --escape, for maps of quaternions: the radius beyond which an orbit has escaped.
+OptionSpec escapeOption();
+/// --radius, for maps of R^3: the same, and that of the ball in which the set is looked for.
+OptionSpec radiusOption();
+/// @param escape  "escape" or "radius", whichever the map has
+julia::OrbitOptions parseOrbit(const RecipeReader& reader, const std::string& escape);
+
+/// --mandelbrot: whether the constant is the point itself. The alternative to --c. @param usual  "true", or none
+OptionSpec mandelbrotOption(std::optional<std::string> usual);
+bool parseMandelbrot(const RecipeReader& reader);
+
+/// --slice and --drop-axis.
+std::vector<OptionSpec> embeddingOptions();
+julia::Embedding parseEmbedding(const RecipeReader& reader);
+/// That of a map of R^3, which takes no other: @throw std::invalid_argument
+julia::Embedding parseSpatialEmbedding(const RecipeReader& reader);
+
+/// Roots as a recipe describes them: random ones or a file's, scaled and moved.
+struct RootsSettings {
+  std::optional<NamedFile> file;     ///< none: random
+  julia::RandomRootsOptions random;  ///< but for what the target says
+  double scale = 1;
+  openvdb::Vec3d translate{0, 0, 0};  ///< units of fractal space
+};
+
+/// --versor, --versor-seed and so on.
+std::vector<OptionSpec> rootsOptions();
+/// Those of random roots alone: --versor-seed to --versor-radius.
+std::vector<OptionSpec> randomRootsOptions();
+julia::RandomRootsOptions parseRandomRoots(const RecipeReader& reader);
+/// @param fileOption  the option that names the file: "versor", where "random" is no file, or "rational"
+RootsSettings parseRoots(const RecipeReader& reader, const std::string& fileOption);
+
+/// Of a `.json`, `.p4d`, `.poly4d` or `.o3d`; or of a VDB that holds the versor that it was made with.
+std::optional<RationalFile> readRoots(const RootsSettings& settings);
+
+/// How deep distances must be known to strew them, as a share of the target's longest side.
+double interiorReachOf(const RootsSettings& settings);
+
+/// Roots in a scene.
+struct PlacedRoots {
+  julia::Rational drawn;           ///< as drawn or read: what is recorded
+  std::optional<FittedTo> fitted;  ///< of a file's that a fit made
+  julia::Rational placed;          ///< scaled and moved: what is evaluated
+
+  std::map<std::string, std::string> facts() const;
+};
+
+/// @throw std::invalid_argument  as julia::randomPolynomial(), julia::scaled()
+PlacedRoots placeRoots(const RootsSettings& settings, const julia::Embedding& embedding, const MapContext& context);
+
+/// As docs/precision.md has measured it: few steps, and powers whose sum is not large.
+bool floatsServe(const julia::OrbitOptions& orbit, const julia::Rational& roots);
+
+}  // namespace vdbtools

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file option_table.h
+/// The options of a command as values: names, defaults, meanings, and what they do to each other. The command line, the
+/// recipes and the documentation all read the same table.
+///
+/// A command may have a *selector*, an option whose value chooses among variants with options of their own: --map and
+/// the maps. The table knows the options of all variants; a recipe uses those of one.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdbtools {
+
+/// Option name (without dashes in front) -> value. A flag that is set has the value "true".
+using Recipe = std::map<std::string, std::string>;
+
+struct OptionSpec {
+  std::string name;
+  std::string argument{};                     ///< what the help calls the value; empty: a flag
+  std::optional<std::string> defaultValue{};  ///< none: no default, or one that defaultFor finds
+  std::string help{};
+
+  /// The default where it depends on what else a recipe says, and what the help says of it.
+  std::function<std::optional<std::string>(const Recipe&)> defaultFor{};
+  std::string defaultNote{};
+
+  /// Another option that says the same in another way. A recipe has at most one of the two, and giving one displaces
+  /// the other.
+  std::string alternative{};
+  std::vector<std::string> displaces{};  ///< options that lose their meaning where this one is given
+  std::vector<std::string> qualifies{};  ///< options that lose their meaning where this one's value changes
+
+  std::string hash{};  ///< of an option that names a file: the recipe's entry for the file's SHA-256
+
+  // Of a variant's options.
+  bool followsSelector = false;  ///< a change of the selector sets it back to its default
+  /// Is recorded with every variant, also with those that do not read it: it survives a change of the selector.
+  bool kept = false;
+  /// Throws std::invalid_argument unless the value, given to a variant that does not read it, is well formed.
+  std::function<void(const std::string& value)> check{};
+};
+
+struct OptionVariant {
+  std::string name;
+  std::vector<OptionSpec> options{};
+  std::vector<std::string> excludes{};  ///< common options that it cannot use
+};
+
+/// An option as the help and the documentation list it: what all variants say of it.
+struct OptionListing {
+  std::string name;
+  std::string argument;  ///< empty: a flag
+  std::string help;      ///< with its defaults, and the variants that have it where these are not all
+};
+
+class OptionTable {
+ public:
+  OptionTable() = default;
+  explicit OptionTable(std::vector<OptionSpec> options) : mCommon(std::move(options)) {}
+  /// @param selector  one of @a options, with the name of the usual variant as its default
+  /// @throw std::invalid_argument  no such option, no such variant, or two of one name
+  OptionTable(std::vector<OptionSpec> options, std::string selector, std::vector<OptionVariant> variants);
+
+  /// The options that a recipe is read by, and those that are kept for other variants.
+  std::vector<const OptionSpec*> optionsOf(const Recipe& recipe) const;
+  /// One of these; nullptr if a recipe of this variant has no such option.
+  const OptionSpec* find(const std::string& name, const Recipe& recipe) const;
+  /// Whether any variant has it.
+  bool knows(const std::string& name) const;
+
+  /// Every option once, in the order of the table, the variants' behind the selector.
+  std::vector<OptionListing> listing() const;
+  std::vector<std::string> names() const;
+  /// The entries for the SHA-256 of files.
+  std::vector<std::string> hashNames() const;
+
+  const std::string& selector() const { return mSelector; }  ///< empty: none
+  /// The variant's name in a recipe, as it stands there or by default; it may not exist.
+  std::string selected(const Recipe& recipe) const;
+  /// "a, b, c".
+  std::string variantList() const;
+
+  /// @throw std::invalid_argument  the recipe holds an option that is unknown or does not go with its variant
+  void requireFits(const Recipe& recipe) const;
+
+ private:
+  const OptionVariant* variant(const std::string& name) const;
+  const OptionVariant* variantOf(const Recipe& recipe) const;
+
+  std::vector<OptionSpec> mCommon;
+  std::string mSelector;
+  std::vector<OptionVariant> mVariants;
+};
+
+/// @a recipe with every option that has a default and is not given: what is recorded keeps its meaning when a later
+/// version has other defaults.
+Recipe completeRecipe(Recipe recipe, const OptionTable& table);
+
+/// The entries of @a base that lose their meaning when @a option gets another value.
+std::vector<std::string> displacedOptions(const Recipe& base, const std::string& option, const std::string& value,
+                                          const OptionTable& table);
+
+/// @a base with the entries of @a given over it: an option displaces its alternative, and another file its old hash.
+Recipe overridden(Recipe base, const Recipe& given, const OptionTable& table);
+
+}  // namespace vdbtools

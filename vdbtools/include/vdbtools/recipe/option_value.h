@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file option_value.h
+/// The text of an option's value into what it means. Each function
+/// @throw std::invalid_argument  naming the option, its value and what is expected
+#pragma once
+
+#include "vdbtools/base/number_text.h"
+
+#include <openvdb/Types.h>
+#include <openvdb/math/BBox.h>
+
+#include <initializer_list>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace vdbtools {
+
+/// @param wanted  what follows "it must be"
+[[noreturn]] void refuse(const std::string& option, const std::string& text, const std::string& wanted);
+
+/// The parts between separators; one empty part for an empty text.
+std::vector<std::string> split(const std::string& text, char separator);
+
+/// The values of a list such as "0,1.5,-2": @a count finite numbers.
+std::vector<double> parseNumbers(const std::string& option, const std::string& text, std::size_t count);
+double parseNumber(const std::string& option, const std::string& text);
+openvdb::Vec3d parseVector(const std::string& option, const std::string& text);
+
+/// "x0,y0,z0,x1,y1,z1", the smaller corner first.
+openvdb::BBoxd parseBox(const std::string& option, const std::string& text);
+
+template <class Integer>
+Integer parseInteger(const std::string& option, const std::string& text, Integer low, Integer high) {
+  const std::optional<Integer> value = wholeFromText<Integer>(text);
+  if (!value || *value < low || *value > high)
+    refuse(option, text, "a whole number from " + std::to_string(low) + " to " + std::to_string(high));
+  return *value;
+}
+
+/// One of several words.
+template <class Value>
+Value parseChoice(const std::string& option, const std::string& text,
+                  std::initializer_list<std::pair<const char*, Value>> choices) {
+  std::string list;
+  for (const auto& [word, value] : choices) {
+    if (text == word) return value;
+    list += (list.empty() ? "" : ", ") + std::string(word);
+  }
+  refuse(option, text, "one of " + list);
+}
+
+/// The shortest text that reads back as the same doubles, with commas between them.
+std::string numbersText(std::span<const double> values);
+std::string numbersText(std::initializer_list<double> values);
+
+}  // namespace vdbtools

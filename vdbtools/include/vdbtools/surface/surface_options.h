@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file surface_options.h
+/// Which surface is made of a field, as a recipe says it.
+#pragma once
+
+#include "vdbtools/field/islands.h"
+#include "vdbtools/recipe/recipe_reader.h"
+
+#include <vector>
+
+namespace vdbtools {
+
+struct SurfaceOptions {
+  double tolerance = 1e-3;  ///< how near a vertex lies to the true surface, voxels
+  IslandOptions islands;
+  bool cap = false;  ///< closes the mesh where the box cuts the set
+};
+
+std::vector<OptionSpec> surfaceOptionSpecs();
+/// @throw std::invalid_argument
+SurfaceOptions parseSurfaceOptions(const RecipeReader& reader);
+
+}  // namespace vdbtools

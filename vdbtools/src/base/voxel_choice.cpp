@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/base/voxel_choice.h"
+
+#include "vdbtools/base/errors.h"
+
+#include <sstream>
+#include <stdexcept>
+
+namespace vdbtools {
+
+double VoxelChoice::sizeFor(double longestSide) const {
+  // OpenVDB takes transforms from about 1.5e-5 on; below that, a voxel's volume is 0 to it.
+  constexpr double kSmallest = 2e-5, kLargest = 1e30;
+  // A shape that none of these resolutions serves is to blame itself.
+  constexpr double kOrdinaryLow = 1, kOrdinaryHigh = 1000;
+  const double size = voxelSize ? *voxelSize : longestSide / resolution.value();
+  if (size >= kSmallest && size <= kLargest) return size;
+  std::ostringstream text;
+  text << "the voxel size comes to " << size << "; it must be 2e-5 to 1e30: ";
+  if (!voxelSize && *resolution >= kOrdinaryLow && *resolution <= kOrdinaryHigh) {
+    text << "the longest side is " << longestSide << "; give the shape in other units";
+    throw DataError(text.str());
+  }
+  text << "choose another resolution or voxel size, or give the shape in other units";
+  throw std::invalid_argument(text.str());
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/field/lattice_options.h"
+
+#include <stdexcept>
+
+namespace vdbtools {
+
+std::vector<OptionSpec> latticeOptionSpecs() {
+  return {
+      {.name = "resolution",
+       .argument = "N",
+       .defaultValue = "200",
+       .help = "voxels of the result along the longest side of the target, or of the region without one",
+       .alternative = "voxel-size"},
+      {.name = "voxel-size",
+       .argument = "H",
+       .help = "the size of a voxel of the result, in the target's units",
+       .alternative = "resolution"},
+      {.name = "box", .argument = "X0,Y0,Z0,X1,Y1,Z1", .help = "only this region, in the target's units"},
+      {.name = "exhaustive", .help = "evaluate every node, also where the result is known; for checking"},
+      {.name = "follow",
+       .help = "follow the surface from seeds instead of going through the whole shell: for huge runs. What is found "
+               "is exact, islands that no seed meets are missed; says how much that is likely to be"},
+      {.name = "seed-stride",
+       .argument = "N",
+       .defaultValue = "8",
+       .help = "follow: voxels between seeds, a power of 2 up to 64; fewer find more"},
+  };
+}
+
+LatticeOptions parseLatticeOptions(const RecipeReader& reader) {
+  LatticeOptions options;
+  options.voxels = reader.voxels("resolution", "voxel-size");
+  if (reader.has("box")) options.box = parseBox("box", reader.text("box"));
+  options.exhaustive = reader.flag("exhaustive");
+  const int stride = reader.integer("seed-stride", 1, 64);
+  if (!isSeedStride(stride)) reader.refuse("seed-stride", "a power of 2, at most 64");
+  if (reader.flag("follow")) {
+    if (options.exhaustive)
+      throw std::invalid_argument("--follow and --exhaustive contradict each other; give one of them");
+    options.follow = FollowOptions{.seedStride = stride};
+  }
+  return options;
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/files/named_file.h"
+
+#include "vdbtools/base/errors.h"
+#include "vdbtools/files/file_hash.h"
+
+namespace vdbtools {
+
+std::map<std::string, std::string> verifiedHashes(std::span<const NamedFile> files) {
+  std::map<std::string, std::string> found;
+  for (const NamedFile& file : files) {
+    std::string& hashes = found[file.recordedAs];
+    hashes += (hashes.empty() ? "" : ",") + sha256OfFile(file.path);
+  }
+  for (const NamedFile& file : files) {
+    const std::string& hash = found.at(file.recordedAs);
+    if (!file.expectedHash.empty() && file.expectedHash != hash)
+      throw DataError("'" + file.path.string() + "' is not the file that the recipe was made with: its SHA-256 is " +
+                      hash + " and was " + file.expectedHash + "; to use it all the same, give the options anew");
+  }
+  return found;
+}
+
+}  // namespace vdbtools

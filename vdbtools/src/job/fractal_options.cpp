@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/job/fractal_options.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace vdbtools {
+namespace {
+
+std::vector<std::string> parseGrids(const RecipeReader& reader) {
+  constexpr const char* kKnown[] = {"surface", "density", "logmodulus", "iterations", "versor"};
+  std::vector<std::string> grids;
+  for (const std::string& grid : split(reader.text("grids"), ',')) {
+    if (std::find(std::begin(kKnown), std::end(kKnown), grid) == std::end(kKnown))
+      reader.refuse("grids", "a list of surface, density, logmodulus, iterations, versor");
+    if (std::find(grids.begin(), grids.end(), grid) != grids.end()) reader.refuse("grids", "a list without repetition");
+    grids.push_back(grid);
+  }
+  return grids;
+}
+
+std::vector<OptionSpec> outputOptionSpecs() {
+  return {{.name = "precision",
+           .argument = "auto|float|double",
+           .defaultValue = "auto",
+           .help = "the arithmetic of the iteration; auto takes float where it is as good as double"},
+          {.name = "grids",
+           .argument = "LIST",
+           .defaultValue = "surface",
+           .help = "what the VDB holds: surface, density, logmodulus, iterations, versor"},
+          {.name = "half", .help = "write 16-bit floats"}};
+}
+
+}  // namespace
+
+OptionTable fractalOptionTable(const MapRegistry& maps) {
+  std::vector<OptionSpec> options;
+  const auto add = [&](std::vector<OptionSpec> some) {
+    for (OptionSpec& option : some) options.push_back(std::move(option));
+  };
+  add(targetOptionSpecs());
+  add({maps.option()});
+  add(spaceOptionSpecs());
+  add(latticeOptionSpecs());
+  add(surfaceOptionSpecs());
+  add(outputOptionSpecs());
+  return OptionTable(std::move(options), "map", maps.variants());
+}
+
+FractalOptions parseFractalOptions(const Recipe& recipe, const MapRegistry& maps) {
+  const OptionTable table = fractalOptionTable(maps);
+  const RecipeReader reader(recipe, table);
+  FractalOptions options;
+  options.target = parseTargetOptions(reader);
+  options.space = parseSpaceOptions(reader);
+  options.map = maps.find(reader.text("map"))->parse(reader);
+  options.lattice = parseLatticeOptions(reader);
+  options.surface = parseSurfaceOptions(reader);
+  options.output = {.grids = parseGrids(reader), .half = reader.flag("half")};
+  options.precision = reader.choice<Precision>(
+      "precision", {{"auto", Precision::Auto}, {"float", Precision::Float}, {"double", Precision::Double}});
+  return options;
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/job/recorded_recipe.h"
+
+#include "vdbtools/base/errors.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/job/fractal_options.h"
+#include "vdbtools/job/sdf_job.h"
+#include "vdbtools/mesh/mesh_writer.h"
+
+#include <stdexcept>
+
+namespace vdbtools {
+
+RecordedRecipe recordedRecipe(const std::map<std::string, std::string>& metadata, const MapRegistry& maps) {
+  const std::string command = commandOfMetadata(metadata);
+  if (command.empty()) return {};
+  return {command, recipeFromMetadata(metadata, command == "sdf" ? sdfOptionTable() : fractalOptionTable(maps))};
+}
+
+RecordedRecipe readRecordedRecipe(const std::filesystem::path& path, const MapRegistry& maps) {
+  RecordedRecipe recorded = recordedRecipe(isVdbPath(path) ? readVdbMetadata(path) : readMeshComments(path), maps);
+  try {
+    if (recorded.command == "fractal") parseFractalOptions(recorded.recipe, maps);
+    if (recorded.command == "sdf") parseSdfOptions(recorded.recipe);
+  } catch (const std::invalid_argument& error) {
+    throw DataError("the recipe in '" + path.string() + "' is broken: " + error.what());
+  }
+  return recorded;
+}
+
+}  // namespace vdbtools

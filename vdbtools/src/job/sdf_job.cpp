@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/job/sdf_job.h"
+
+#include "target/solid_input.h"
+#include "vdbtools/files/file_hash.h"
+#include "vdbtools/recipe/recipe_reader.h"
+
+#include <stdexcept>
+
+namespace vdbtools {
+
+OptionTable sdfOptionTable() {
+  return OptionTable({
+      {.name = "input", .argument = "MESH", .help = "the mesh: .obj, .ply, .stl or .off", .hash = "source-sha256"},
+      {.name = "resolution",
+       .argument = "N",
+       .defaultValue = "200",
+       .help = "voxels along the mesh's longest side",
+       .alternative = "voxel-size"},
+      {.name = "voxel-size",
+       .argument = "H",
+       .help = "the size of a voxel, in the mesh's units",
+       .alternative = "resolution"},
+      {.name = "band", .argument = "N", .defaultValue = "3", .help = "half width of the narrow band, voxels"},
+      {.name = "repair", .help = "close holes and gaps of an open mesh or a triangle soup"},
+      {.name = "repair-gap",
+       .argument = "W",
+       .defaultValue = "0",
+       .help = "close gaps up to this width, in the mesh's units; 0 finds the smallest that serves"},
+      {.name = "half", .help = "write 16-bit floats"},
+  });
+}
+
+SdfOptions parseSdfOptions(const Recipe& recipe) {
+  const OptionTable table = sdfOptionTable();
+  const RecipeReader reader(recipe, table);
+  SdfOptions options;
+  options.input = reader.text("input");
+  if (options.input.empty()) throw std::invalid_argument("no mesh was given");
+  options.voxels = reader.voxels("resolution", "voxel-size");
+  options.repair = reader.flag("repair");
+  options.gap = reader.notNegative("repair-gap");
+  options.band = reader.number("band");
+  if (!(options.band > 1 && options.band <= 1e6)) reader.refuse("band", "above 1 and at most 1e6");
+  options.half = reader.flag("half");
+  return options;
+}
+
+SdfResult runSdf(const SdfOptions& options, Monitor& monitor) {
+  openvdb::initialize();
+  const Mesh mesh = readMesh(options.input);
+  SdfResult result;
+  result.report = reportOfSolid(mesh, options.input);
+  const double voxel = options.voxels.sizeFor(longestSide(result.report.box));
+  MeshSdf sdf = makeSdf(mesh, sdfBand(voxel, options.band, options.band), options.repair, options.gap, monitor);
+  result.grid = sdf.grid;
+  result.grid->setName("phi");
+  result.moved = sdf.moved;
+  result.closedGap = sdf.closedGap;
+  result.facts["julia_source_sha256"] = sha256OfFile(options.input);
+  result.facts[kTargetBox] = boxText(result.report.box);
+  if (sdf.moved) result.facts["julia_repair_moved"] = numbersText({*sdf.moved});
+  return result;
+}
+
+}  // namespace vdbtools

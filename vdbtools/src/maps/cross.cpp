@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+// The cross-product maps of R^3 of [ZB25].
+#include "maps/built_in_maps.h"
+#include "vdbtools/maps/map_options.h"
+
+#include "julia/cross_map.h"
+#include "julia/mandelbulb.h"
+
+#include <stdexcept>
+
+namespace vdbtools {
+namespace {
+
+using julia::CrossPair, julia::CrossScheme;
+
+class CrossInstance final : public MapInstance {
+ public:
+  CrossInstance(const julia::CrossOptions& options, const julia::Embedding& embedding)
+      : mOptions(options), mEmbedding(embedding) {}
+
+  std::unique_ptr<julia::FieldEvaluator> evaluator(Arithmetic arithmetic,
+                                                   const julia::OrbitOptions& orbit) const override {
+    return makeEvaluator(arithmetic, mEmbedding, orbit,
+                         [this]<class Real>() -> std::shared_ptr<const julia::CartesianMap<Real>> {
+                           return std::make_shared<julia::CrossMap<Real>>(mOptions);
+                         });
+  }
+
+ private:
+  julia::CrossOptions mOptions;
+  julia::Embedding mEmbedding;
+};
+
+class CrossSettings final : public MapSettings {
+ public:
+  CrossSettings(const julia::OrbitOptions& orbit, const julia::Embedding& embedding, const julia::CrossOptions& options)
+      : MapSettings(orbit, embedding), mOptions(options) {}
+
+  std::optional<double> radius() const override {
+    // |f x g| = |p|^2 for these pairs.
+    const CrossPair pair = mOptions.pair;
+    const bool squares = pair == CrossPair::A || pair == CrossPair::APrime || pair == CrossPair::D;
+    if (!squares || mOptions.scheme == CrossScheme::FixedFactor) return orbit().escapeRadius;
+    julia::MandelbulbOptions square{.power = 2};
+    if (mOptions.scheme == CrossScheme::Julia) square.constant = mOptions.constant;
+    return julia::triplexBound(square, orbit().maxIterations, orbit().escapeRadius);
+  }
+
+  /// By irrational numbers, so that no node of the lattice lies on the planes of symmetry. A and A' are not defined on
+  /// one, which counts as outside (cross_map.h), and others hold sheets of the set: neither has volume, and a ray meets
+  /// either by chance only, but whole planes of nodes would show a cut or a disc.
+  openvdb::Vec3d latticeShift() const override { return {0.6180339887498949, 0.4142135623730951, 0.2360679774997897}; }
+
+  std::shared_ptr<const MapInstance> instance(const MapContext&) const override {
+    return std::make_shared<CrossInstance>(mOptions, embedding());
+  }
+
+ private:
+  julia::CrossOptions mOptions;
+};
+
+julia::CrossOptions parseCross(const RecipeReader& reader) {
+  julia::CrossOptions options;
+  options.scheme = reader.choice<CrossScheme>(
+      "scheme", {{"3", CrossScheme::FixedFactor}, {"4", CrossScheme::Mandelbrot}, {"5", CrossScheme::Julia}});
+  options.pair = reader.choice<CrossPair>("pair", {{"A", CrossPair::A},
+                                                   {"A'", CrossPair::APrime},
+                                                   {"B", CrossPair::B},
+                                                   {"C", CrossPair::C},
+                                                   {"D", CrossPair::D},
+                                                   {"E", CrossPair::E},
+                                                   {"user", CrossPair::User}});
+  for (const char* function : {"f", "g"}) {
+    if (options.pair == CrossPair::User && !reader.has(function))
+      throw std::invalid_argument(std::string("--pair user needs --") + function +
+                                  ", three expressions with commas between them, such as \"x*x, y*y, z*z\"");
+    if (options.pair != CrossPair::User && reader.has(function))
+      throw std::invalid_argument(std::string("--") + function + " is for --pair user, and the pair is " +
+                                  reader.text("pair") + "; give one of the two");
+  }
+  options.f = reader.text("f");
+  options.g = reader.text("g");
+  if (options.scheme == CrossScheme::Julia) {
+    const openvdb::Vec3d c = reader.vector("c");
+    options.constant = {c[0], c[1], c[2]};
+  } else if (reader.has("c")) {
+    throw std::invalid_argument("--c is for --scheme 5; in scheme " + reader.text("scheme") +
+                                " the constant is the point");
+  }
+  return options;
+}
+
+class CrossDescriptor final : public MapDescriptor {
+ public:
+  std::string name() const override { return "cross"; }
+  std::string summary() const override { return "f(p) x g(p) + c on R^3, the cross-product maps of [ZB25]"; }
+  std::string proofs() const override {
+    return "Blocks are proved by ball arithmetic, but for a user's own pair, and for A and A' in scheme 3 after its "
+           "first step.";
+  }
+  TargetUse targetUse() const override { return TargetUse::None; }
+  int dimension() const override { return 3; }
+
+  std::vector<OptionSpec> options() const override {
+    std::vector<OptionSpec> options{
+        {.name = "scheme",
+         .argument = "3|4|5",
+         .defaultValue = "4",
+         .help = "the equation of Zimmermann and Bruckner 2025; 3: p x g(c), 4: f(p) x g(p) + c, 5: the same with c "
+                 "fixed",
+         .qualifies = {"c"}},
+        {.name = "pair",
+         .argument = "A|A'|B|C|D|E|user",
+         .help = "f and g, the paper's or your own",
+         .defaultFor = [](const Recipe& recipe) { return recipe.contains("f") || recipe.contains("g") ? "user" : "A"; },
+         .defaultNote = "A; user with --f",
+         .displaces = {"f", "g"}},
+        {.name = "f",
+         .argument = "X,Y,Z",
+         .help = "the first function of your own pair, such as \"x*x, y*y, z*z\"",
+         .displaces = {"pair"}},
+        {.name = "g",
+         .argument = "X,Y,Z",
+         .help = "the second one, such as \"cos(x), cos(y), cos(z)\"",
+         .displaces = {"pair"}},
+        {.name = "c",
+         .argument = "X,Y,Z",
+         .help = "the constant of scheme 5, three numbers",
+         .defaultFor = [](const Recipe& recipe) -> std::optional<std::string> {
+           const auto scheme = recipe.find("scheme");
+           if (scheme == recipe.end() || scheme->second != "5") return std::nullopt;
+           return "-1,0,0";
+         },
+         .defaultNote = "-1,0,0",
+         .followsSelector = true},
+        iterationsOption("10"),
+        radiusOption(),
+    };
+    for (OptionSpec& option : embeddingOptions()) options.push_back(std::move(option));
+    return options;
+  }
+
+  std::shared_ptr<const MapSettings> parse(const RecipeReader& reader) const override {
+    return std::make_shared<CrossSettings>(parseOrbit(reader, "radius"), parseSpatialEmbedding(reader),
+                                           parseCross(reader));
+  }
+};
+
+}  // namespace
+
+MapRegistry::Descriptor crossMap() { return std::make_shared<CrossDescriptor>(); }
+
+}  // namespace vdbtools

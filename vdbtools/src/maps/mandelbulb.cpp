@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// Powers of triplex numbers: Mandelbulbs and their Julia sets.
+#include "maps/built_in_maps.h"
+#include "vdbtools/maps/map_options.h"
+
+#include "julia/mandelbulb.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vdbtools {
+namespace {
+
+class MandelbulbInstance final : public MapInstance {
+ public:
+  MandelbulbInstance(const julia::MandelbulbOptions& options, const julia::Embedding& embedding)
+      : mOptions(options), mEmbedding(embedding) {}
+
+  std::unique_ptr<julia::FieldEvaluator> evaluator(Arithmetic arithmetic,
+                                                   const julia::OrbitOptions& orbit) const override {
+    return makeEvaluator(arithmetic, mEmbedding, orbit,
+                         [this]<class Real>() -> std::shared_ptr<const julia::CartesianMap<Real>> {
+                           return std::make_shared<julia::Mandelbulb<Real>>(mOptions);
+                         });
+  }
+
+ private:
+  julia::MandelbulbOptions mOptions;
+  julia::Embedding mEmbedding;
+};
+
+class MandelbulbSettings final : public MapSettings {
+ public:
+  MandelbulbSettings(const julia::OrbitOptions& orbit, const julia::Embedding& embedding,
+                     const julia::MandelbulbOptions& options)
+      : MapSettings(orbit, embedding), mOptions(options) {}
+
+  std::optional<double> radius() const override {
+    return julia::triplexBound(mOptions, orbit().maxIterations, orbit().escapeRadius);
+  }
+  std::shared_ptr<const MapInstance> instance(const MapContext&) const override {
+    return std::make_shared<MandelbulbInstance>(mOptions, embedding());
+  }
+
+ private:
+  julia::MandelbulbOptions mOptions;
+};
+
+/// Three numbers, and a fourth if it is 0: a quaternion that lies in space.
+julia::Point parseConstant(const std::string& text) {
+  const bool padded = std::count(text.begin(), text.end(), ',') == 3 && parseNumbers("c", text, 4)[3] == 0;
+  const openvdb::Vec3d c = parseVector("c", padded ? text.substr(0, text.rfind(',')) : text);
+  return {c[0], c[1], c[2]};
+}
+
+class MandelbulbDescriptor final : public MapDescriptor {
+ public:
+  std::string name() const override { return "mandelbulb"; }
+  std::string summary() const override {
+    return "p^n + c on R^3, powers of triplex numbers: Mandelbulbs, and Julia sets";
+  }
+  std::string proofs() const override { return "Blocks are proved by ball arithmetic for whole powers from 2 to 64."; }
+  TargetUse targetUse() const override { return TargetUse::None; }
+  int dimension() const override { return 3; }
+
+  std::vector<OptionSpec> options() const override {
+    std::vector<OptionSpec> options{
+        {.name = "power",
+         .argument = "P",
+         .defaultValue = "8",
+         .help = "the power of triplex numbers, any real number from -100 to 100"},
+        {.name = "theta",
+         .argument = "plane|pole",
+         .defaultValue = "plane",
+         .help = "where the second angle is 0, as in [ZB25], or as in the well-known set of power 8"},
+        {.name = "c",
+         .argument = "X,Y,Z",
+         .help = "the constant of a Julia set, three numbers",
+         .alternative = "mandelbrot",
+         .followsSelector = true},
+        mandelbrotOption("true"),
+        iterationsOption("10"),
+        radiusOption(),
+    };
+    for (OptionSpec& option : embeddingOptions()) options.push_back(std::move(option));
+    return options;
+  }
+
+  std::shared_ptr<const MapSettings> parse(const RecipeReader& reader) const override {
+    using julia::TriplexAngle;
+    const bool mandelbrot = parseMandelbrot(reader);
+    julia::MandelbulbOptions options;
+    options.power = reader.number("power");
+    if (!(std::abs(options.power) <= 100)) reader.refuse("power", "between -100 and 100");
+    options.angle =
+        reader.choice<TriplexAngle>("theta", {{"plane", TriplexAngle::AbovePlane}, {"pole", TriplexAngle::FromPole}});
+    if (!mandelbrot) options.constant = reader.has("c") ? parseConstant(reader.text("c")) : julia::Point{};
+    return std::make_shared<MandelbulbSettings>(parseOrbit(reader, "radius"), parseSpatialEmbedding(reader), options);
+  }
+};
+
+}  // namespace
+
+MapRegistry::Descriptor mandelbulbMap() { return std::make_shared<MandelbulbDescriptor>(); }
+
+}  // namespace vdbtools

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/maps/map_options.h"
+
+#include "target/solid_input.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/formats/vdb_file.h"
+
+#include <openvdb/tools/Interpolation.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace vdbtools {
+namespace {
+
+using openvdb::FloatGrid;
+using openvdb::Vec3d;
+
+constexpr const char* kVersorJson = "julia_versor_json";
+constexpr const char* kRandom = "random";
+
+OptionSpec kept(OptionSpec spec) {
+  spec.kept = true;
+  return spec;
+}
+
+/// The random roots over a target, or in the usual box without one.
+julia::Rational randomRoots(julia::RandomRootsOptions random, const MapContext& context) {
+  if (context.target) {
+    // The roots lie in the target's space; moving the dynamics' origin does not strew them anew.
+    const FractalSpace space = context.unmovedSpace;
+    random.boxMin = space.toFractal(context.target->box.min());
+    random.boxMax = space.toFractal(context.target->box.max());
+    random.surfaceDistance *= longestSide(context.target->box) / space.scale;
+    const FloatGrid::ConstPtr phi = context.target->phi;
+    random.distance = [phi, space](const julia::Point& x) {
+      return openvdb::tools::BoxSampler::sample(phi->tree(), phi->worldToIndex(space.toWorld(x))) / space.scale;
+    };
+  }
+  return {0, julia::randomPolynomial(random), {}};
+}
+
+julia::Rational moved(julia::Rational rational, const RootsSettings& settings, const julia::Embedding& embedding) {
+  if (settings.scale != 1) rational = scaled(std::move(rational), settings.scale);
+  const Vec3d& by = settings.translate;
+  const julia::Embedding unsliced{0, embedding.dropped};
+  return translated(std::move(rational), unsliced.quaternion<double>({by[0], by[1], by[2]}));
+}
+
+}  // namespace
+
+OptionSpec iterationsOption(const std::string& usual) {
+  return {.name = "iterations",
+          .argument = "N",
+          .defaultValue = usual,
+          .help = "steps of the map",
+          .followsSelector = true};
+}
+
+OptionSpec escapeOption() {
+  return {.name = "escape",
+          .argument = "R",
+          .defaultValue = "20",
+          .help = "radius beyond which an orbit has escaped",
+          .alternative = "radius"};
+}
+
+OptionSpec radiusOption() {
+  return {.name = "radius",
+          .argument = "R",
+          .defaultValue = "2",
+          .help = "radius beyond which an orbit has escaped, and of the ball in which the set is looked for",
+          .alternative = "escape"};
+}
+
+julia::OrbitOptions parseOrbit(const RecipeReader& reader, const std::string& escape) {
+  julia::OrbitOptions orbit;
+  orbit.maxIterations = reader.integer("iterations", 1, julia::kMaxIterations);
+  orbit.escapeRadius = reader.number(escape);
+  if (!(orbit.escapeRadius > 1 && orbit.escapeRadius <= julia::kMaxEscapeRadius))
+    reader.refuse(escape, "above 1 and at most 1e9");
+  return orbit;
+}
+
+OptionSpec mandelbrotOption(std::optional<std::string> usual) {
+  return {.name = "mandelbrot",
+          .defaultValue = std::move(usual),
+          .help = "the constant is the point itself",
+          .alternative = "c"};
+}
+
+bool parseMandelbrot(const RecipeReader& reader) {
+  const bool mandelbrot = reader.flag("mandelbrot");
+  if (mandelbrot && reader.has("c"))
+    throw std::invalid_argument(
+        "--c and --mandelbrot contradict each other: with --mandelbrot the constant is the point; give one of them");
+  return mandelbrot;
+}
+
+std::vector<OptionSpec> embeddingOptions() {
+  return {kept({.name = "slice",
+                .argument = "S",
+                .defaultValue = "0",
+                .help = "the fourth coordinate of the slice through the quaternions"}),
+          kept({.name = "drop-axis",
+                .argument = "i|j|k",
+                .defaultValue = "k",
+                .help = "the quaternion axis along which the target is extruded"})};
+}
+
+julia::Embedding parseEmbedding(const RecipeReader& reader) {
+  using julia::DropAxis;
+  return {reader.number("slice"),
+          reader.choice<DropAxis>("drop-axis", {{"i", DropAxis::I}, {"j", DropAxis::J}, {"k", DropAxis::K}})};
+}
+
+julia::Embedding parseSpatialEmbedding(const RecipeReader& reader) {
+  // Recipes hold the two options for every map, at their defaults.
+  const julia::Embedding embedding = parseEmbedding(reader);
+  if (embedding.slice != 0 || embedding.dropped != julia::DropAxis::K)
+    throw std::invalid_argument("--map " + reader.text("map") +
+                                " has three dimensions; leave --slice and --drop-axis out");
+  return embedding;
+}
+
+std::vector<OptionSpec> randomRootsOptions() {
+  std::vector<OptionSpec> options{
+      {.name = "versor-seed", .argument = "S", .defaultValue = "1", .help = "another number, another texture"},
+      {.name = "versor-roots", .argument = "N", .defaultValue = "10", .help = "how many roots"},
+      {.name = "versor-powers", .argument = "MIN:MAX", .defaultValue = "2:11", .help = "their powers: higher is finer"},
+      {.name = "versor-integer", .help = "whole powers only"},
+      {.name = "versor-placement",
+       .argument = "box|inside|surface|cluster",
+       .defaultValue = "box",
+       .help = "where the roots are strewn"},
+      {.name = "versor-distance",
+       .argument = "D",
+       .defaultValue = "0.05",
+       .help = "surface: at most this far from it, as a share of the longest side"},
+      {.name = "versor-centre",
+       .argument = "X,Y,Z",
+       .defaultValue = "0,0,0",
+       .help = "cluster: its middle, in fractal space"},
+      {.name = "versor-radius",
+       .argument = "R",
+       .defaultValue = "0.1",
+       .help = "cluster: its radius, in fractal space"}};
+  for (OptionSpec& option : options) option.kept = true;
+  return options;
+}
+
+std::vector<OptionSpec> rootsOptions() {
+  std::vector<OptionSpec> options{kept({.name = "versor",
+                                        .argument = "random|FILE",
+                                        .defaultValue = kRandom,
+                                        .help = "the texture: random roots, or .json, .p4d, .poly4d, .o3d",
+                                        .alternative = "rational",
+                                        .hash = "versor-sha256"})};
+  for (OptionSpec& option : randomRootsOptions()) options.push_back(std::move(option));
+  options.push_back(kept(
+      {.name = "versor-scale", .argument = "F", .defaultValue = "1", .help = "scales the roots about the origin"}));
+  options.push_back(kept({.name = "versor-translate",
+                          .argument = "X,Y,Z",
+                          .defaultValue = "0,0,0",
+                          .help = "moves the roots alone, also a rational map's, in fractal space"}));
+  return options;
+}
+
+julia::RandomRootsOptions parseRandomRoots(const RecipeReader& reader) {
+  julia::RandomRootsOptions options;
+  options.seed = reader.integer<std::uint64_t>("versor-seed", 0, std::numeric_limits<std::uint64_t>::max());
+  options.count = reader.integer("versor-roots", 1, 1'000'000);
+  const std::vector<std::string> ends = split(reader.text("versor-powers"), ':');
+  if (ends.size() > 2) reader.refuse("versor-powers", "MIN:MAX");
+  options.minPower = parseNumber("versor-powers", ends.front());
+  options.maxPower = parseNumber("versor-powers", ends.back());
+  if (options.minPower > options.maxPower) reader.refuse("versor-powers", "MIN:MAX with the smaller first");
+  options.integerPowers = reader.flag("versor-integer");
+  using julia::RootPlacement;
+  options.placement = reader.choice<RootPlacement>("versor-placement", {{"box", RootPlacement::Box},
+                                                                        {"inside", RootPlacement::Inside},
+                                                                        {"surface", RootPlacement::Surface},
+                                                                        {"cluster", RootPlacement::Cluster}});
+  options.surfaceDistance = reader.positive("versor-distance");
+  const Vec3d centre = reader.vector("versor-centre");
+  options.clusterCentre = {centre[0], centre[1], centre[2]};
+  options.clusterRadius = reader.positive("versor-radius");
+  return options;
+}
+
+RootsSettings parseRoots(const RecipeReader& reader, const std::string& fileOption) {
+  RootsSettings settings;
+  const std::string name = reader.text(fileOption);
+  if (!name.empty() && name != kRandom) settings.file = reader.file(fileOption);
+  settings.random = parseRandomRoots(reader);
+  settings.random.embedding = parseEmbedding(reader);
+  settings.scale = reader.number("versor-scale");
+  if (settings.scale == 0) reader.refuse("versor-scale", "other than 0");
+  settings.translate = reader.vector("versor-translate");
+  return settings;
+}
+
+std::optional<RationalFile> readRoots(const RootsSettings& settings) {
+  if (!settings.file) return std::nullopt;
+  const std::filesystem::path& path = settings.file->path;
+  if (!isVdbPath(path)) return readRationalFile(path);
+  const auto metadata = readVdbMetadata(path);
+  const auto json = metadata.find(kVersorJson);
+  if (json == metadata.end())
+    throw DataError("'" + path.string() + "' holds no versor; only a VDB that 'juliavdb fractal' made does");
+  return rationalFileFromJson(json->second, path.string());
+}
+
+double interiorReachOf(const RootsSettings& settings) {
+  const bool onSurface = !settings.file && settings.random.placement == julia::RootPlacement::Surface;
+  return onSurface ? settings.random.surfaceDistance : 0;
+}
+
+std::map<std::string, std::string> PlacedRoots::facts() const {
+  return {{kVersorJson, rationalToJson(drawn, {}, fitted)}};
+}
+
+PlacedRoots placeRoots(const RootsSettings& settings, const julia::Embedding& embedding, const MapContext& context) {
+  PlacedRoots roots;
+  const std::optional<RationalFile>& file = context.files.roots;
+  roots.drawn = file ? file->rational : randomRoots(settings.random, context);
+  if (file) roots.fitted = file->target;
+  roots.placed = moved(roots.drawn, settings, embedding);
+  return roots;
+}
+
+bool floatsServe(const julia::OrbitOptions& orbit, const julia::Rational& roots) {
+  constexpr double kMostSummedPowers = 250;
+  constexpr int kMostIterations = 5;
+  if (orbit.maxIterations > kMostIterations) return false;
+  double powers = 0;
+  for (const julia::Polynomial* polynomial : {&roots.top, &roots.bottom})
+    for (const julia::Root& root : polynomial->roots) powers += std::abs(root.power * polynomial->powerScale);
+  return powers <= kMostSummedPowers;
+}
+
+}  // namespace vdbtools

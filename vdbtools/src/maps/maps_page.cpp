@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/maps/map_registry.h"
+
+#include <sstream>
+
+namespace vdbtools {
+namespace {
+
+std::string escaped(std::string text) {
+  for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, 1, '\\');
+  return text;
+}
+
+std::string targetText(TargetUse use) {
+  switch (use) {
+    case TargetUse::Needed: return "needs a target";
+    case TargetUse::Optional: return "may have a target, around which it is then evaluated";
+    case TargetUse::None: break;
+  }
+  return "has no target";
+}
+
+std::string defaultText(const OptionSpec& spec) {
+  if (spec.defaultFor) return spec.defaultNote;
+  if (spec.argument.empty()) return spec.defaultValue == "true" ? "on" : "";
+  return spec.defaultValue.value_or("");
+}
+
+}  // namespace
+
+std::string mapsPage(const MapRegistry& maps) {
+  std::ostringstream page;
+  page
+      << "# The maps and their options\n\n"
+         "What `--map` may be, and what each map adds to the options of `juliavdb fractal`. `juliavdb maps --markdown` "
+         "writes\nthis page, and a test compares the two. The papers are in [references.md](references.md).\n";
+  for (const MapRegistry::Descriptor& map : maps.maps()) {
+    page << "\n## `--map " << map->name() << "`\n\n"
+         << map->summary() << ".\n\nIt " << targetText(map->targetUse()) << ", works on "
+         << (map->dimension() == 3 ? "points of R^3" : "quaternions")
+         << (map->hasRoots() ? ", and has the texture of its roots" : "") << ". " << map->proofs() << "\n\n"
+         << "| option | default | meaning |\n|---|---|---|\n";
+    for (const OptionSpec& spec : map->options())
+      page << "| `--" << spec.name << (spec.argument.empty() ? "" : " " + escaped(spec.argument)) << "` | "
+           << (defaultText(spec).empty() ? "" : "`" + defaultText(spec) + "`") << " | " << escaped(spec.help) << " |\n";
+  }
+  return page.str();
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/recipe/option_table.h"
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+
+namespace vdbtools {
+namespace {
+
+const OptionSpec* findIn(const std::vector<OptionSpec>& options, const std::string& name) {
+  const auto found = std::find_if(options.begin(), options.end(), [&](const auto& spec) { return spec.name == name; });
+  return found == options.end() ? nullptr : &*found;
+}
+
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+std::string defaultText(const OptionSpec& spec) {
+  return spec.defaultFor ? spec.defaultNote : spec.defaultValue.value_or("");
+}
+
+/// The variants that say the same of an option.
+struct Saying {
+  std::string text;
+  std::vector<std::string> variants;
+};
+
+void say(std::vector<Saying>& sayings, const std::string& text, const std::string& variant) {
+  for (Saying& saying : sayings)
+    if (saying.text == text) return saying.variants.push_back(variant);
+  sayings.push_back({text, {variant}});
+}
+
+/// Everything that is said, with the variants' names in front where not all say it.
+/// @param usual  a variant that needs no naming
+std::string merged(const std::vector<Saying>& sayings, const std::string& usual, const char* separator) {
+  std::string text;
+  for (const Saying& saying : sayings) {
+    if (saying.text.empty()) continue;
+    if (!text.empty()) text += separator;
+    if (!contains(saying.variants, usual)) text += joined(saying.variants) + ": ";
+    text += saying.text;
+  }
+  return text;
+}
+
+std::string withDefault(const std::string& help, const std::string& text) {
+  return text.empty() ? help : help + " (default " + text + ")";
+}
+
+std::optional<std::string> defaultOf(const OptionSpec& spec, const Recipe& recipe) {
+  if (recipe.contains(spec.alternative)) return std::nullopt;
+  return spec.defaultFor ? spec.defaultFor(recipe) : spec.defaultValue;
+}
+
+}  // namespace
+
+OptionTable::OptionTable(std::vector<OptionSpec> options, std::string selector, std::vector<OptionVariant> variants)
+    : mCommon(std::move(options)), mSelector(std::move(selector)), mVariants(std::move(variants)) {
+  const OptionSpec* spec = findIn(mCommon, mSelector);
+  if (!spec || !variant(spec->defaultValue.value_or("")))
+    throw std::invalid_argument("the option '" + mSelector + "' selects nothing by default");
+  std::set<std::string> names;
+  for (const OptionVariant& each : mVariants)
+    if (!names.insert(each.name).second)
+      throw std::invalid_argument("two variants of '" + mSelector + "' are called '" + each.name + "'");
+}
+
+const OptionVariant* OptionTable::variant(const std::string& name) const {
+  const auto found =
+      std::find_if(mVariants.begin(), mVariants.end(), [&](const auto& each) { return each.name == name; });
+  return found == mVariants.end() ? nullptr : &*found;
+}
+
+std::string OptionTable::selected(const Recipe& recipe) const {
+  if (mSelector.empty()) return {};
+  const auto given = recipe.find(mSelector);
+  return given != recipe.end() ? given->second : findIn(mCommon, mSelector)->defaultValue.value();
+}
+
+const OptionVariant* OptionTable::variantOf(const Recipe& recipe) const { return variant(selected(recipe)); }
+
+std::string OptionTable::variantList() const {
+  std::vector<std::string> names;
+  for (const OptionVariant& each : mVariants) names.push_back(each.name);
+  return joined(names);
+}
+
+const OptionSpec* OptionTable::find(const std::string& name, const Recipe& recipe) const {
+  const OptionVariant* chosen = variantOf(recipe);
+  if (chosen) {
+    if (const OptionSpec* own = findIn(chosen->options, name)) return own;
+    if (contains(chosen->excludes, name)) return nullptr;
+  }
+  if (const OptionSpec* common = findIn(mCommon, name)) return common;
+  for (const OptionVariant& each : mVariants)
+    if (const OptionSpec* spec = findIn(each.options, name); spec && spec->kept) return spec;
+  return nullptr;
+}
+
+bool OptionTable::knows(const std::string& name) const { return contains(names(), name); }
+
+std::vector<std::string> OptionTable::names() const {
+  std::vector<std::string> names;
+  const auto add = [&](const OptionSpec& spec) {
+    if (!contains(names, spec.name)) names.push_back(spec.name);
+  };
+  for (const OptionSpec& spec : mCommon) {
+    add(spec);
+    if (spec.name != mSelector) continue;
+    for (const OptionVariant& each : mVariants)
+      for (const OptionSpec& own : each.options) add(own);
+  }
+  return names;
+}
+
+std::vector<const OptionSpec*> OptionTable::optionsOf(const Recipe& recipe) const {
+  std::vector<const OptionSpec*> options;
+  for (const std::string& name : names())
+    if (const OptionSpec* spec = find(name, recipe)) options.push_back(spec);
+  return options;
+}
+
+std::vector<OptionListing> OptionTable::listing() const {
+  std::vector<OptionListing> result;
+  for (const std::string& name : names()) {
+    if (const OptionSpec* common = findIn(mCommon, name)) {
+      result.push_back({name, common->argument, withDefault(common->help, defaultText(*common))});
+      continue;
+    }
+    const std::string usual = findIn(mCommon, mSelector)->defaultValue.value();
+    std::vector<Saying> helps, defaults, both;
+    OptionListing listing{name, {}, {}};
+    for (const OptionVariant& each : mVariants)
+      if (const OptionSpec* spec = findIn(each.options, name)) {
+        listing.argument = std::max(listing.argument, spec->argument,
+                                    [](const auto& a, const auto& b) { return a.size() < b.size(); });
+        say(helps, spec->help, each.name);
+        say(defaults, defaultText(*spec), each.name);
+        say(both, withDefault(spec->help, defaultText(*spec)), each.name);
+      }
+    // One help with several defaults is said once.
+    if (helps.size() == 1 && defaults.size() > 1)
+      listing.help = merged(helps, usual, "") + " (default " + merged(defaults, usual, "; ") + ")";
+    else
+      listing.help = merged(both, usual, "; ");
+    result.push_back(std::move(listing));
+  }
+  return result;
+}
+
+std::vector<std::string> OptionTable::hashNames() const {
+  std::vector<std::string> hashes;
+  const auto add = [&](const std::vector<OptionSpec>& options) {
+    for (const OptionSpec& spec : options)
+      if (!spec.hash.empty() && !contains(hashes, spec.hash)) hashes.push_back(spec.hash);
+  };
+  add(mCommon);
+  for (const OptionVariant& each : mVariants) add(each.options);
+  return hashes;
+}
+
+void OptionTable::requireFits(const Recipe& recipe) const {
+  const std::string name = selected(recipe);
+  if (!mSelector.empty() && !variant(name))
+    throw std::invalid_argument("--" + mSelector + " is '" + name + "'; it must be one of " + variantList());
+  const std::vector<std::string> hashes = hashNames();
+  for (const auto& [option, value] : recipe) {
+    if (contains(hashes, option)) continue;
+    if (const OptionSpec* spec = find(option, recipe)) {
+      const OptionVariant* chosen = variantOf(recipe);
+      if (spec->check && chosen && !findIn(chosen->options, option)) spec->check(value);
+      continue;
+    }
+    if (!knows(option)) throw std::invalid_argument("--" + option + " is not an option here; see --help");
+    const std::string chosen = "--" + mSelector + " " + name;
+    if (option == "input") throw std::invalid_argument(chosen + " has no target; leave '" + value + "' out");
+    std::string instead;
+    for (const OptionVariant& each : mVariants)
+      if (const OptionSpec* other = findIn(each.options, option); other && find(other->alternative, recipe))
+        instead = ", or give --" + other->alternative;
+    throw std::invalid_argument("--" + option + " does not apply to " + chosen + "; leave it out" + instead);
+  }
+}
+
+Recipe completeRecipe(Recipe recipe, const OptionTable& table) {
+  for (const OptionSpec* spec : table.optionsOf(recipe)) {
+    if (recipe.contains(spec->name)) continue;
+    if (const std::optional<std::string> value = defaultOf(*spec, recipe)) recipe.emplace(spec->name, *value);
+  }
+  return recipe;
+}
+
+std::vector<std::string> displacedOptions(const Recipe& base, const std::string& option, const std::string& value,
+                                          const OptionTable& table) {
+  const auto before = base.find(option);
+  if (before != base.end() && before->second == value) return {};
+  Recipe after = base;
+  after[option] = value;
+  std::vector<std::string> displaced;
+  if (const OptionSpec* spec = table.find(option, after)) {
+    if (!spec->alternative.empty()) displaced.push_back(spec->alternative);
+    displaced.insert(displaced.end(), spec->displaces.begin(), spec->displaces.end());
+    if (before != base.end()) displaced.insert(displaced.end(), spec->qualifies.begin(), spec->qualifies.end());
+  }
+  if (option == table.selector() && before != base.end())
+    for (const std::string& name : table.names()) {
+      const OptionSpec* spec = table.find(name, after);
+      if (!spec || spec->followsSelector) displaced.push_back(name);
+    }
+  return displaced;
+}
+
+Recipe overridden(Recipe base, const Recipe& given, const OptionTable& table) {
+  const Recipe before = base;
+  const auto drop = [&](const std::string& name) {
+    if (const OptionSpec* spec = table.find(name, before); spec && !spec->hash.empty()) base.erase(spec->hash);
+    base.erase(name);
+  };
+  // The selector first: what the others mean is known then.
+  if (const auto selector = given.find(table.selector()); selector != given.end()) {
+    for (const std::string& other : displacedOptions(before, selector->first, selector->second, table)) drop(other);
+    base[selector->first] = selector->second;
+  }
+  const Recipe chosen = base;
+  for (const auto& [name, value] : given) {
+    if (name == table.selector()) continue;
+    for (const std::string& other : displacedOptions(chosen, name, value, table)) drop(other);
+    if (const OptionSpec* spec = table.find(name, chosen); spec && !spec->hash.empty()) base.erase(spec->hash);
+  }
+  for (const auto& [name, value] : given) base[name] = value;
+  return base;
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file control_kinds.h
+/// The kinds of sources that parseControl() knows, one file each. A parser takes an option's text if that has the
+/// form of its kind, and else returns nullptr.
+#pragma once
+
+#include "vdbtools/target/control.h"
+
+namespace vdbtools {
+
+using ControlSourcePtr = std::shared_ptr<const ControlSource>;
+
+/// @throw std::invalid_argument  a number that is not finite
+ControlSourcePtr parseNumberControl(const RecipeReader& reader, const std::string& option);
+/// @throw std::invalid_argument  a broken ramp
+ControlSourcePtr parseRampControl(const RecipeReader& reader, const std::string& option);
+ControlSourcePtr parseGridControl(const RecipeReader& reader, const std::string& option);
+
+}  // namespace vdbtools

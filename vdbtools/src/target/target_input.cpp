@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/target/target_input.h"
+
+#include "target/solid_input.h"
+#include "vdbtools/formats/vdb_file.h"
+
+#include <limits>
+
+namespace vdbtools {
+namespace {
+
+using openvdb::BBoxd;
+
+constexpr double kWholeInside = std::numeric_limits<double>::infinity();
+
+class MeshInput final : public TargetInput {
+ public:
+  explicit MeshInput(const TargetOptions& options)
+      : mMesh(readMesh(options.input.path)),
+        mReport(reportOfSolid(mMesh, options.input.path)),
+        mVoxel(options.sdfVoxels.sizeFor(longestSide(mReport.box))),
+        mRepair(options.repair),
+        mGap(options.gap) {}
+
+  const BBoxd& box() const override { return mReport.box; }
+  double usualDepth() const override { return 5.5; }
+
+  Target make(const BandWidths& widths, Monitor& monitor) const override {
+    const MeshToSdfOptions band =
+        sdfBand(mVoxel, widths.exterior / mVoxel + kExponentMargin, widths.interior / mVoxel + kExponentMargin);
+    const MeshSdf sdf = makeSdfAbout(mReport.box.getCenter(), mMesh, band, mRepair, mGap, monitor);
+    Target target = makeTarget(sdf.grid, mReport.box);
+    target.repairMoved = sdf.moved;
+    return target;
+  }
+  Target deepened(const Target&, const BandWidths& widths, Monitor& monitor) const override {
+    return make({widths.exterior, kWholeInside}, monitor);
+  }
+
+ private:
+  Mesh mMesh;
+  MeshReport mReport;
+  double mVoxel;
+  bool mRepair;
+  double mGap;
+};
+
+class VdbInput final : public TargetInput {
+ public:
+  explicit VdbInput(const TargetOptions& options) : mTarget(readVdbTarget(options.input.path, options.grid)) {}
+
+  const BBoxd& box() const override { return mTarget.box; }
+  double usualDepth() const override { return 2.5; }
+
+  Target make(const BandWidths& widths, Monitor& monitor) const override { return extended(mTarget, widths, monitor); }
+  Target deepened(const Target& target, const BandWidths& widths, Monitor& monitor) const override {
+    return extended(target, {widths.exterior, kWholeInside}, monitor);
+  }
+
+ private:
+  static Target extended(Target target, const BandWidths& widths, Monitor& monitor) {
+    extendBand(target, widths.exterior, widths.interior, monitor);
+    return target;
+  }
+
+  Target mTarget;
+};
+
+}  // namespace
+
+std::vector<OptionSpec> targetOptionSpecs() {
+  return {
+      {.name = "input",
+       .argument = "MESH|SDF.vdb",
+       .help = "the target: a mesh, or a VDB that holds its signed distance",
+       .hash = "source-sha256"},
+      {.name = "grid", .argument = "NAME", .defaultValue = "", .help = "which grid of a VDB input"},
+      {.name = "sdf-resolution",
+       .argument = "N",
+       .defaultValue = "200",
+       .help = "voxels of the target's distance field along its longest side; the fractal is a function of it",
+       .alternative = "sdf-voxel-size"},
+      {.name = "sdf-voxel-size",
+       .argument = "H",
+       .help = "the same as a size, in the target's units",
+       .alternative = "sdf-resolution"},
+      {.name = "repair", .help = "close holes and gaps of an open mesh or a triangle soup"},
+      {.name = "repair-gap",
+       .argument = "W",
+       .defaultValue = "0",
+       .help = "close gaps up to this width, in the mesh's units; 0 finds the smallest that serves"},
+  };
+}
+
+std::optional<TargetOptions> parseTargetOptions(const RecipeReader& reader) {
+  TargetOptions options{.input = reader.file("input"),
+                        .grid = reader.text("grid"),
+                        .sdfVoxels = reader.voxels("sdf-resolution", "sdf-voxel-size"),
+                        .repair = reader.flag("repair"),
+                        .gap = reader.notNegative("repair-gap")};
+  if (options.input.path.empty()) return std::nullopt;
+  return options;
+}
+
+std::unique_ptr<const TargetInput> openTarget(const TargetOptions& options) {
+  if (isVdbPath(options.input.path)) return std::make_unique<VdbInput>(options);
+  return std::make_unique<MeshInput>(options);
+}
+
+}  // namespace vdbtools
