@@ -24,7 +24,10 @@ const MapDescriptor* MapRegistry::find(const std::string& name) const {
 
 OptionSpec MapRegistry::option() const {
   std::string names;
-  for (const Descriptor& map : mMaps) names += (names.empty() ? "" : "|") + map->name();
+  for (const Descriptor& map : mMaps) {
+    if (!names.empty()) names += '|';
+    names += map->name();
+  }
   return {.name = "map",
           .argument = names,
           .defaultValue = mMaps.empty() ? std::string() : mMaps.front()->name(),

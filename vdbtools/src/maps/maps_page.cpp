@@ -40,9 +40,13 @@ std::string mapsPage(const MapRegistry& maps) {
          << (map->dimension() == 3 ? "points of R^3" : "quaternions")
          << (map->hasRoots() ? ", and has the texture of its roots" : "") << ". " << map->proofs() << "\n\n"
          << "| option | default | meaning |\n|---|---|---|\n";
-    for (const OptionSpec& spec : map->options())
-      page << "| `--" << spec.name << (spec.argument.empty() ? "" : " " + escaped(spec.argument)) << "` | "
-           << (defaultText(spec).empty() ? "" : "`" + defaultText(spec) + "`") << " | " << escaped(spec.help) << " |\n";
+    for (const OptionSpec& spec : map->options()) {
+      page << "| `--" << spec.name;
+      if (!spec.argument.empty()) page << ' ' << escaped(spec.argument);
+      page << "` | ";
+      if (const std::string usual = defaultText(spec); !usual.empty()) page << '`' << usual << '`';
+      page << " | " << escaped(spec.help) << " |\n";
+    }
   }
   return page.str();
 }
