@@ -5,6 +5,7 @@
 #include "options.h"
 #include "output.h"
 
+#include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/peer_formats.h"
 #include "vdbtools/formats/versor_file.h"
 #include "vdbtools/maps/map_options.h"
