@@ -4,6 +4,7 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/recipe/recipe_reader.h"
 #include "vdbtools/target/control.h"
 
 #include <gtest/gtest.h>
@@ -86,7 +87,7 @@ TEST(Control, BoundsHoldInEveryBox) {
     for (int i = 0; i < 200; ++i) {
       const Vec3d low(place(random), place(random), place(random));
       const BBoxd box(low, low + Vec3d(size(random), size(random), size(random)));
-      const auto [least, most] = controls[k].range(box);
+      const auto [least, most] = controls[k].rangeIn(box);
       EXPECT_GE(least, controls[k].range().first);
       EXPECT_LE(most, controls[k].range().second);
       for (int j = 0; j < 20; ++j) {

@@ -78,7 +78,7 @@ class MandelbulbDescriptor final : public MapDescriptor {
          .help = "the constant of a Julia set, three numbers",
          .alternative = "mandelbrot",
          .followsSelector = true},
-        mandelbrotOption("true"),
+        mandelbrotOption(true),
         iterationsOption("10"),
         radiusOption(),
     };

@@ -84,11 +84,13 @@ julia::OrbitOptions parseOrbit(const RecipeReader& reader, const std::string& es
   return orbit;
 }
 
-OptionSpec mandelbrotOption(std::optional<std::string> usual) {
-  return {.name = "mandelbrot",
-          .defaultValue = std::move(usual),
-          .help = "the constant is the point itself",
-          .alternative = "c"};
+OptionSpec mandelbrotOption(bool usual) {
+  OptionSpec option{.name = "mandelbrot", .help = "the constant is the point itself", .alternative = "c"};
+  if (usual) {
+    option.defaultValue = "true";
+    option.defaultNote = "on without --c";
+  }
+  return option;
 }
 
 bool parseMandelbrot(const RecipeReader& reader) {

@@ -21,9 +21,7 @@ std::string targetText(TargetUse use) {
 }
 
 std::string defaultText(const OptionSpec& spec) {
-  if (spec.defaultFor) return spec.defaultNote;
-  if (spec.argument.empty()) return spec.defaultValue == "true" ? "on" : "";
-  return spec.defaultValue.value_or("");
+  return spec.defaultNote.empty() ? spec.defaultValue.value_or("") : spec.defaultNote;
 }
 
 }  // namespace
@@ -44,7 +42,8 @@ std::string mapsPage(const MapRegistry& maps) {
       page << "| `--" << spec.name;
       if (!spec.argument.empty()) page << ' ' << escaped(spec.argument);
       page << "` | ";
-      if (const std::string usual = defaultText(spec); !usual.empty()) page << '`' << usual << '`';
+      const char* quote = spec.defaultNote.empty() ? "`" : "";
+      if (const std::string usual = defaultText(spec); !usual.empty()) page << quote << usual << quote;
       page << " | " << escaped(spec.help) << " |\n";
     }
   }

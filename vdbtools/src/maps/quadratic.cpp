@@ -98,7 +98,7 @@ class QuadraticDescriptor final : public MapDescriptor {
          .followsSelector = true,
          .kept = true,
          .check = [](const std::string& text) { parseConstant(text); }},
-        mandelbrotOption(std::nullopt),
+        mandelbrotOption(false),
         iterations,
         escapeOption(),
     };

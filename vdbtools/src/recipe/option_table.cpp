@@ -24,7 +24,7 @@ std::string joined(const std::vector<std::string>& words) {
 }
 
 std::string defaultText(const OptionSpec& spec) {
-  return spec.defaultFor ? spec.defaultNote : spec.defaultValue.value_or("");
+  return spec.defaultNote.empty() ? spec.defaultValue.value_or("") : spec.defaultNote;
 }
 
 /// The variants that say the same of an option.

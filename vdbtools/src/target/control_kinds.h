@@ -4,6 +4,7 @@
 /// form of its kind, and else returns nullptr.
 #pragma once
 
+#include "vdbtools/recipe/recipe_reader.h"
 #include "vdbtools/target/control.h"
 
 namespace vdbtools {

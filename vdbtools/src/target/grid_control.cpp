@@ -32,7 +32,7 @@ class GridField final : public ControlField {
   std::pair<double, double> range() const override {
     return rangeOf([](const openvdb::CoordBBox&) { return true; });
   }
-  std::pair<double, double> range(const openvdb::BBoxd& box) const override {
+  std::pair<double, double> rangeIn(const openvdb::BBoxd& box) const override {
     const openvdb::BBoxd at = mGrid->transform().worldToIndex(box);
     const openvdb::CoordBBox nodes(openvdb::Coord::floor(at.min()), openvdb::Coord::ceil(at.max()));
     return rangeOf([&](const openvdb::CoordBBox& some) { return some.hasOverlap(nodes); });

@@ -26,7 +26,7 @@ class RampField final : public ControlField {
     for (std::size_t i = 0; i < points.size(); ++i) values[i] = at(points[i][mRamp.axis]);
   }
   std::pair<double, double> range() const override { return std::minmax({mRamp.from, mRamp.to}); }
-  std::pair<double, double> range(const openvdb::BBoxd& box) const override {
+  std::pair<double, double> rangeIn(const openvdb::BBoxd& box) const override {
     return std::minmax({at(box.min()[mRamp.axis]), at(box.max()[mRamp.axis])});  // it is monotonic
   }
 

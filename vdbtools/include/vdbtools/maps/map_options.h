@@ -25,8 +25,9 @@ OptionSpec radiusOption();
 /// @param escape  "escape" or "radius", whichever the map has
 julia::OrbitOptions parseOrbit(const RecipeReader& reader, const std::string& escape);
 
-/// --mandelbrot: whether the constant is the point itself. The alternative to --c. @param usual  "true", or none
-OptionSpec mandelbrotOption(std::optional<std::string> usual);
+/// --mandelbrot: whether the constant is the point itself. The alternative to --c. @param usual  whether it is so
+/// without --c
+OptionSpec mandelbrotOption(bool usual);
 bool parseMandelbrot(const RecipeReader& reader);
 
 /// --slice and --drop-axis.

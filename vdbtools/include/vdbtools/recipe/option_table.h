@@ -24,9 +24,9 @@ struct OptionSpec {
   std::optional<std::string> defaultValue{};  ///< none: no default, or one that defaultFor finds
   std::string help{};
 
-  /// The default where it depends on what else a recipe says, and what the help says of it.
+  /// The default where it depends on what else a recipe says.
   std::function<std::optional<std::string>(const Recipe&)> defaultFor{};
-  std::string defaultNote{};
+  std::string defaultNote{};  ///< what the help says of the default, where that is not its value
 
   /// Another option that says the same in another way. A recipe has at most one of the two, and giving one displaces
   /// the other.

@@ -10,7 +10,6 @@
 
 #include "vdbtools/base/grids.h"
 #include "vdbtools/files/named_file.h"
-#include "vdbtools/recipe/recipe_reader.h"
 
 #include <memory>
 #include <optional>
@@ -20,6 +19,8 @@
 #include <vector>
 
 namespace vdbtools {
+
+class RecipeReader;
 
 /// Values over world space. Const, and free of state that one thread could leave to another.
 class ControlField {
@@ -32,7 +33,7 @@ class ControlField {
   /// Bounds of the values anywhere.
   virtual std::pair<double, double> range() const = 0;
   /// Bounds of the values in a box, world units; not wider than those anywhere.
-  virtual std::pair<double, double> range(const openvdb::BBoxd& /*box*/) const { return range(); }
+  virtual std::pair<double, double> rangeIn(const openvdb::BBoxd& /*box*/) const { return range(); }
 
   /// The value, if it is the same everywhere.
   virtual std::optional<double> constant() const { return std::nullopt; }
@@ -62,7 +63,7 @@ class Control {
   }
   double at(const openvdb::Vec3d& point) const;
   std::pair<double, double> range() const { return mField->range(); }
-  std::pair<double, double> range(const openvdb::BBoxd& box) const { return mField->range(box); }
+  std::pair<double, double> rangeIn(const openvdb::BBoxd& box) const { return mField->rangeIn(box); }
   std::optional<double> constant() const { return mField->constant(); }
 
  private:
