@@ -208,6 +208,21 @@ TEST_F(StudyTest, AnOriginOutside) {
   EXPECT_FALSE(studyPlot(result).band.has_value());
 }
 
+TEST_F(StudyTest, ThePlotShowsTheCirclesAndWhatIsUndecided) {
+  const Scene made = scene({{"input", sphere()}, {"alpha", "20"}});
+  const Study result = study(made, planeOf(made, 16), 2, true);
+  const Plot plot = studyPlot(result);
+  ASSERT_EQ(plot.series.size(), 3u);
+  for (std::size_t i = 0; i < result.circles.size(); ++i) {
+    const StudyCircle& circle = result.circles[i];
+    const double values[] = {circle.least, circle.greatest, circle.mean};
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(plot.series[k].points[i], std::pair(circle.radius, values[k]));
+  }
+  ASSERT_TRUE(plot.band && result.undecided);
+  EXPECT_EQ(std::pair(plot.band->low, plot.band->high), *result.undecided);
+  EXPECT_NO_THROW(plotImage(plot));
+}
+
 TEST_F(StudyTest, ThreadsDoNotMatter) {
   const Scene made = scene({{"input", lumpy()}, {"alpha", "10"}});
   const SlicePlane plane = planeOf(made, 100);

@@ -6,12 +6,14 @@
 #include "vdbtools/formats/versor_file.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/render/preview.h"
 
 #include "julia/quadratic_map.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
+#include <openvdb/tools/LevelSetSphere.h>
 #include <tbb/global_control.h>
 #include <unistd.h>
 
@@ -221,6 +223,33 @@ TEST(FieldRender, TheFrameHoldsTheSet) {
       }
     EXPECT_GT(covered, 0.5 * 80 * 80 * std::min(1.0, aspect) * std::min(1.0, aspect));
   }
+}
+
+/// A picture of the same thing from the same place, whichever of the two renderers makes it.
+TEST(FieldRender, PreviewsHaveTheSameCameraAndBackground) {
+  const Quadratic set;
+  const float radius = 2.5F * static_cast<float>(kBall), voxel = 0.05F;
+  const auto sphere =
+      openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(radius, openvdb::Vec3f(set.space.centre), voxel, 3.0F);
+  const ViewAngles view{.azimuth = 40, .elevation = -90, .fieldOfView = 50, .zoom = 0.6};
+  constexpr int kWidth = 90, kHeight = 60;
+  Monitor monitor;
+  const Image preview =
+      renderPreview(*sphere, {.width = kWidth, .height = kHeight, .samples = 1, .view = view}, monitor);
+  FieldRenderOptions options = small(set, kWidth, kHeight);
+  // Previews frame the cells of the surface, up to two voxels more than the sphere.
+  options.camera = cameraAround({set.space.centre, radius + voxel}, view, 1.0 * kWidth / kHeight);
+  const FieldImage field = render(set, options);
+  int differently = 0, outside = 0;
+  for (std::size_t i = 0; i < field.id.size(); ++i) {
+    const bool seen = preview.pixels[i][0] != preview.pixels[i][2];  // the background is neutral
+    differently += seen != (field.id[i] != 0);
+    if (seen || field.id[i] != 0) continue;
+    EXPECT_EQ(preview.pixels[i], field.beauty.pixels[i]);
+    ++outside;
+  }
+  EXPECT_LT(differently, 60);  // at the edge
+  EXPECT_GT(outside, kWidth * kHeight / 2);
 }
 
 TEST(FieldRender, AnExrHasItsChannels) {

@@ -78,10 +78,12 @@ int area(const Image& image) {
   return static_cast<int>(std::count_if(image.pixels.begin(), image.pixels.end(), isClay));
 }
 
-Vec3d mean(const Image& image) {
-  Vec3d sum(0);
-  for (const auto& c : image.pixels) sum += Vec3d(c[0], c[1], c[2]);
-  return sum / double(image.pixels.size());
+/// The mean difference of the pixels' channels.
+double difference(const Image& a, const Image& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) sum += std::abs(a.pixels[i][c] - b.pixels[i][c]);
+  return sum / (3.0 * static_cast<double>(a.pixels.size()));
 }
 
 TEST(Preview, SphereFillsTheFrameByItsSilhouette) {
@@ -239,7 +241,7 @@ TEST(Preview, ASimilarityOfTheWorldChangesNothing) {
   transform->postScale(250.0);
   transform->postTranslate(Vec3d(1e4, -2e4, 3e4));
   moved->setTransform(transform);
-  EXPECT_LT((mean(render(*moved, options)) - mean(expected)).length(), 1e-4);
+  EXPECT_LT(difference(render(*moved, options), expected), 1e-4);
 
   auto turned = grid->deepCopy();
   transform = grid->transform().copy();
@@ -248,7 +250,9 @@ TEST(Preview, ASimilarityOfTheWorldChangesNothing) {
   const Vec3d direction = transform->indexToWorld(Vec3d(1, 0, 0)).unit();
   PreviewOptions fromThere = options;
   fromThere.view.azimuth = direction[2] < 0 ? 90 : -90;  // where that direction is to the right again
-  EXPECT_LT((mean(render(*turned, fromThere)) - mean(expected)).length(), 1e-4);
+  // The noise of the shading is laid out in the grid's axes.
+  EXPECT_LT(difference(render(*turned, fromThere), expected), 5e-3);
+  EXPECT_GT(difference(render(*turned, options), expected), 5e-2);
 }
 
 TEST(Preview, SamePictureForAnyNumberOfThreads) {
@@ -275,6 +279,40 @@ TEST(Preview, SamplesSmoothTheEdge) {
   }
   // One pixel is a picture too.
   EXPECT_EQ(area(render(*grid, small(1, 1))), 1);
+}
+
+TEST(Preview, BallsAreMarksThatShowThrough) {
+  const auto grid = sphere(1, 1.0 / 30, Vec3f(5, 0, 0));
+  PreviewOptions options = small(101, 101);
+  const Image bare = render(*grid, options);
+  const auto with = [&](const Vec3d& centre, double radius) {
+    options.balls = {{centre, radius, {0, 0, 1}}};
+    return render(*grid, options);
+  };
+  const auto isBlue = [](const auto& c) { return c[2] > c[0]; };
+  // Before the surface: a disc of its size, and nothing else changes.
+  const Image before = with(Vec3d(5, 0, 2), 0.2);
+  const double eye = 1 / std::sin(std::numbers::pi / 12);  // from the centre of a sphere that touches the frame
+  const double expected = 0.2 / (eye - 2) * 101 / (2 * std::tan(std::numbers::pi / 12));
+  int blue = 0;
+  for (int y = 0; y < 101; ++y)
+    for (int x = 0; x < 101; ++x) {
+      const double off = std::hypot(x - 50, y - 50);
+      if (off < expected - 2) {
+        EXPECT_TRUE(isBlue(before.at(x, y))) << x << ' ' << y;
+      }
+      if (off > expected + 2) {
+        EXPECT_EQ(before.at(x, y), bare.at(x, y)) << x << ' ' << y;
+      }
+      blue += isBlue(before.at(x, y));
+    }
+  EXPECT_NEAR(blue, std::numbers::pi * expected * expected, 0.15 * std::numbers::pi * expected * expected);
+  // Not far behind the surface it shines through, mixed with the clay; far behind, or at the other side, it is hidden.
+  const auto through = with(Vec3d(5, 0, 0.7), 0.1).at(50, 50);
+  EXPECT_LT(through[0], 0.7F * bare.at(50, 50)[0]);
+  EXPECT_GT(through[0], 0.3F * bare.at(50, 50)[0]);
+  EXPECT_EQ(with(Vec3d(5, 0, -0.5), 0.1).pixels, bare.pixels);
+  EXPECT_THROW(with(Vec3d(5, 0, 0), 0), std::invalid_argument);
 }
 
 TEST(Preview, ReportsProgress) {

@@ -18,11 +18,11 @@ namespace {
 using julia::FieldEvaluator;
 using julia::Point;
 
-// Of the job `fractal` and its outputs, or of other maps; what is left means the same as there.
+// Options of the job `fractal` that concern its outputs or other maps. The others mean the same as there.
 constexpr const char* kNoOptions[] = {"map", "versor", "rational",    "c",     "tolerance", "largest",   "min-size",
                                       "cap", "follow", "seed-stride", "grids", "half",      "exhaustive"};
 
-constexpr std::size_t kVersorsAtOnce = 64;  ///< between two meetings of the threads
+constexpr std::size_t kVersorsAtOnce = 64;  ///< evaluated before the threads meet again
 
 std::size_t chunksOf(std::size_t count, std::size_t size) { return (count + size - 1) / size; }
 
@@ -35,7 +35,7 @@ void inChunks(std::size_t count, std::size_t size, const Monitor& monitor, const
   });
 }
 
-/// How many of the sets of seeds @a firstSeed and on hold each of the points pointAt(0) to pointAt(count - 1).
+/// Counts for each of the points pointAt(0) to pointAt(count - 1) how many sets hold it.
 template <class PointAt>
 std::vector<int> countInside(std::size_t count, const PointAt& pointAt, const Scene& scene, int versors,
                              Monitor& monitor) {
@@ -43,7 +43,7 @@ std::vector<int> countInside(std::size_t count, const PointAt& pointAt, const Sc
   const std::uint64_t firstSeed = seeds.first();
   std::vector<int> inside(count);
 
-  // |q_1| is e^E and knows nothing of the versor: what one step decides, it decides for all of them.
+  // |q_1| is e^E, which does not depend on the versor: what the first step decides is decided for all versors.
   const std::unique_ptr<FieldEvaluator> first = seeds.evaluator(firstSeed);
   const std::size_t batch = first->preferredBatch();
   std::vector<std::vector<std::size_t>> openOfChunk(chunksOf(count, batch));
@@ -87,7 +87,7 @@ std::vector<int> countInside(std::size_t count, const PointAt& pointAt, const Sc
 
 /// Where E lies in the open shell interval, as a range of phi.
 std::optional<std::pair<double, double>> undecidedRange(const Scene& scene) {
-  if (!scene.exponent || scene.orbit.maxIterations == 1) return std::nullopt;  // E's sign is all there is
+  if (!scene.exponent || scene.orbit.maxIterations == 1) return std::nullopt;  // the sign of E decides everything
   const std::optional<double> alpha = scene.exponentOf->alpha.constant(), beta = scene.exponentOf->beta.constant();
   if (!alpha || !beta) return std::nullopt;
   const julia::ShellInterval& shell = scene.exponent->shell;

@@ -16,7 +16,7 @@ using openvdb::Vec3d;
 constexpr std::size_t kRadii = 257;        ///< from 0 on
 constexpr std::size_t kDirections = 1024;  ///< points of a sphere
 
-/// Points of the unit circle, evenly: by halving angles, for sines differ between C libraries.
+/// Evenly spaced points of the unit circle, by halving angles, because sines differ between C libraries.
 std::vector<std::array<double, 2>> unitCircle() {
   std::vector<std::array<double, 2>> points{{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
   while (points.size() < StudyCircles::kAngles) {
@@ -32,7 +32,7 @@ std::vector<std::array<double, 2>> unitCircle() {
   return points;
 }
 
-/// Points of the unit sphere, of about equal shares: a spiral that turns by the golden angle.
+/// Points of the unit sphere with about equal areas: a spiral that turns by the golden angle.
 std::vector<Vec3d> unitSphere() {
   constexpr double kCosine = -0.73736887807831990, kSine = 0.67549029426152364;  // of pi (3 - sqrt 5)
   std::vector<Vec3d> points;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file study_circles.h
-/// Circles in a plane about the foot of the dynamics' origin, and a target's distance over them.
+/// Circles in a plane about the foot of the origin of the dynamics, and the distance of a target on them.
 #pragma once
 
 #include "vdbtools/job/study.h"
@@ -18,7 +18,7 @@ class StudyCircles {
 
   openvdb::Vec3d position(std::size_t circle, std::size_t angle) const;
 
-  /// All of each circle but its membership. @throw DataError, Interrupted
+  /// Everything about each circle except its membership. @throw DataError, Interrupted
   std::vector<StudyCircle> measure(const Scene& scene, Monitor& monitor) const;
 
  private:

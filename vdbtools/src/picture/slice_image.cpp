@@ -56,8 +56,8 @@ void requireSize(const SlicePlane& plane, std::size_t size) {
   }
 }
 
-/// The 95th percentile of the magnitudes, so that a few huge values do not wash out the rest; the largest one if that
-/// is 0, and 1 for a field that is 0 everywhere.
+/// The 95th percentile of the magnitudes, so that a few huge values do not wash out the rest. If that is 0, the largest
+/// magnitude; if that is 0 too, 1.
 float automaticRange(std::span<const float> values) {
   constexpr double kPercentile = 0.95;
   std::vector<float> magnitudes;
@@ -144,7 +144,7 @@ Image membershipSlice(const SlicePlane& plane, std::span<const float> values) {
 Image countSlice(const SlicePlane& plane, std::span<const int> counts, int most) {
   requireSize(plane, counts.size());
   if (most < 1)
-    throw std::invalid_argument("the most of a slice's counts is " + std::to_string(most) + "; it must be 1 or more");
+    throw std::invalid_argument("the largest count of a slice is " + std::to_string(most) + "; it must be 1 or more");
   Image image(plane.width(), plane.height());
   std::transform(counts.begin(), counts.end(), image.pixels.begin(), [&](int count) {
     const float share = static_cast<float>(count) / static_cast<float>(most);

@@ -24,10 +24,10 @@ namespace {
 using openvdb::BBoxd;
 using openvdb::Vec3d;
 
-constexpr int kTile = 32;  ///< pixels along a side of what one thread marches together
-/// The most samples that one ray gives to a batch of points: those after its hit are in vain.
+constexpr int kTile = 32;  ///< pixels along the side of a tile, whose rays one thread marches together
+/// The most samples of one ray in a batch of points: the samples after its hit are wasted.
 constexpr std::size_t kMostAhead = 32;
-constexpr int kBisections = 12;  ///< to a 4096th of a step
+constexpr int kBisections = 12;  ///< they find the surface to 1/4096 of a step
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -71,16 +71,16 @@ double distanceTo(const BBoxd& box, const Vec3d& x) {
 struct Ray {
   Vec3d direction;
   std::uint32_t pixel = 0;  ///< in the tile
-  double t = 0, end = 0;    ///< the next sample; where the region ends
-  double before = 0;        ///< the sample before that
-  bool entering = true;     ///< there was none
-  int entryAxis = -1;       ///< of the region's face where it enters; -1: it begins inside
+  double t = 0, end = 0;    ///< distances of the next sample and of the end of the region
+  double before = 0;        ///< distance of the sample before the next one
+  bool entering = true;     ///< whether there was no sample before
+  int entryAxis = -1;       ///< normal to the face through which the ray enters the region; -1 if it starts inside
   Occupancy::Walker::Span known{true, 0};
 };
 
 struct Sample {
-  double before, t;  ///< distances of the sample before it, and its own
-  bool first;        ///< of its ray
+  double before, t;  ///< distances of the sample before this one and of this one
+  bool first;        ///< whether it is the first of its ray
 };
 
 /// Where a ray met the set.
@@ -90,7 +90,7 @@ struct Meeting {
   bool atEntry;
 };
 
-/// Clips to the region. @return whether anything is left
+/// Clips the ray to the region. @return whether anything is left
 bool enter(Ray& ray, const Vec3d& eye, const BBoxd& region) {
   double from = 0, to = kInfinity;
   for (int axis = 0; axis < 3; ++axis) {
@@ -130,14 +130,14 @@ class Exposure {
                (options.camera.lookAt - options.camera.eye).length() / mScale),
         mSamples(options.width, options.height, options.samples),
         mOccupancy(occupancy) {
-    // The key comes over the left shoulder, the other light from the eye.
+    // The key light comes over the left shoulder, the head light from the eye.
     mLights.key = (-0.60 * mFrame.right + 0.65 * mFrame.up - 0.47 * mFrame.forward).unit();
     mLights.head = -mFrame.forward;
     const double farthest = (mRegion.getCenter() - mEye).length() + mRegion.extents().length();
     if (!mSteps.servesUpTo(farthest))
       throw std::invalid_argument(
           "render: epsilon is too small for an eye this far from the region; make it larger, or move the eye nearer");
-    // Before the region, so that every place in it is above the sequence's first.
+    // The sequence starts a little before the region, so that every place in the region is beyond its first member.
     constexpr double kBefore = 1 - 1e-9;
     mSteps.lay(kBefore * distanceTo(mRegion, mEye), farthest, monitor);
   }
@@ -209,7 +209,7 @@ class Exposure {
     return rays;
   }
 
-  /// Passes over the samples that are known to be outside. @return whether there is one to evaluate
+  /// Skips the samples that are known to be outside. @return whether there is one to evaluate
   bool toNextSample(Ray& ray, std::optional<Occupancy::Walker>& walker) const {
     if (!walker) return ray.t <= ray.end;
     while (ray.t <= ray.end) {
@@ -230,7 +230,7 @@ class Exposure {
   /// @param place  above ray.t
   void pass(Ray& ray, double place) const {
     const RaySteps::Reached reached = mSteps.reach(place);
-    // Where the ray enters is a sample of its own.
+    // The point where the ray enters is a sample too.
     ray.before = std::max(reached.before, ray.t);
     ray.t = reached.t;
     ray.entering = false;
@@ -242,7 +242,8 @@ class Exposure {
     ray.t = mSteps.next(ray.t);
   }
 
-  /// All rays go forward together, so that the evaluator gets many points at a time; each ray's samples are its own.
+  /// Marches all rays together, so that the evaluator gets many points at a time. The samples of a ray do not depend on
+  /// the other rays.
   std::vector<Meeting> march(std::vector<Ray> rays) {
     std::vector<Meeting> meetings;
     std::optional<Occupancy::Walker> walker;
@@ -306,7 +307,7 @@ class Exposure {
       std::size_t meeting = 0;
     };
     std::vector<Pixel> pixels(static_cast<std::size_t>(tile.width * tile.height));
-    // The order of a pixel's meetings depends on when their rays ended, and so do the roundings of a sum.
+    // The order of the meetings depends on when their rays ended, and the rounding of a sum depends on the order.
     std::vector<std::size_t> order(meetings.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
     std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
