@@ -21,3 +21,16 @@ if(JULIAVDB_SANITIZE)
   add_compile_options(-fsanitize=${JULIAVDB_SANITIZE} -fno-omit-frame-pointer -g)
   add_link_options(-fsanitize=${JULIAVDB_SANITIZE})
 endif()
+
+# g++ compiles the classes of OpenVDB's math/Maps.h again in every source that includes a grid, 2 s each: their first
+# virtual functions are inline. `#pragma interface` leaves them to OpenVDB's own library. It counts for the file that it
+# stands in, and #line says that this is Maps.h; if the path should differ, nothing but the time is lost.
+function(juliavdb_precompile target)
+  set(headers ${ARGN})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    set(maps ${PROJECT_BINARY_DIR}/openvdb_maps.h)
+    file(CONFIGURE OUTPUT ${maps} CONTENT "#line 1 \"${OpenVDB_INCLUDE_DIR}/openvdb/math/Maps.h\"\n#pragma interface\n")
+    list(PREPEND headers ${maps})
+  endif()
+  target_precompile_headers(${target} PRIVATE ${headers})
+endfunction()

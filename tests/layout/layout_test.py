@@ -112,11 +112,28 @@ def complaints(root):
     return found
 
 
+def introductions(root):
+    """For each room of vdbtools that is on disk, the public headers whose first comment introduces it."""
+    public = os.path.join(root, "vdbtools/include/vdbtools")
+    found = {room: [] for room in sorted(os.listdir(public))}
+    for room, headers in found.items():
+        for name in sorted(os.listdir(os.path.join(public, room))):
+            with open(os.path.join(public, room, name), encoding="utf-8") as file:
+                if f"/// The room `{room}`" in file.read().partition("#pragma once")[0]:
+                    headers.append(name)
+    return found
+
+
 class TheTree(unittest.TestCase):
     root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 
     def test_nothing_includes_what_lies_above_it(self):
         self.assertEqual(complaints(self.root), [])
+
+    def test_one_header_introduces_each_room(self):
+        for room, headers in introductions(self.root).items():
+            with self.subTest(room=room):
+                self.assertEqual(len(headers), 1, f"{headers} begin with 'The room `{room}`'")
 
     def test_the_files_are_found(self):
         found = list(sources(self.root))
