@@ -18,15 +18,15 @@ namespace cli {
 namespace {
 
 constexpr Command kCommands[] = {
-    {"sdf", runSdf, "mesh -> signed distance field (VDB)"},
-    {"fractal", runFractal, "mesh or signed distance field -> fractal (VDB, mesh)"},
-    {"fit", runFit, "mesh -> rational map whose Julia set has its shape"},
-    {"mesh", runMesh, "VDB -> mesh"},
-    {"versor", runVersor, "make, look at and change versors, the fractal's texture"},
-    {"slice", runSlice, "picture of a field on a plane"},
-    {"study", runStudy, "what a target does whatever its versor: average membership, distance over circles"},
-    {"render", runRender, "shaded picture of a level set"},
-    {"info", runInfo, "what is in a mesh, a VDB or a versor file"},
+    {"sdf", runSdf, "make a signed distance field (VDB) from a mesh"},
+    {"fractal", runFractal, "make a fractal (VDB, mesh) from a mesh or a signed distance field"},
+    {"fit", runFit, "find a rational map whose Julia set has the shape of a mesh"},
+    {"mesh", runMesh, "make a mesh from a VDB"},
+    {"versor", runVersor, "make, inspect and change versors, the texture of a fractal"},
+    {"slice", runSlice, "make a picture of a field on a plane"},
+    {"study", runStudy, "show what a target decides whatever its versor: average membership, distance over circles"},
+    {"render", runRender, "make a shaded picture of a level set, or of a map's set"},
+    {"info", runInfo, "show what is in a mesh, a VDB or a versor file"},
     {"maps", runMaps, "which maps there are, and their options"},
 };
 
@@ -36,7 +36,8 @@ void printHelp(std::ostream& stream) {
   for (const Command& command : commands())
     stream << "  " << command.name << std::string(10 - std::string_view(command.name).size(), ' ') << command.summary
            << '\n';
-  stream << "\n'juliavdb COMMAND --help' tells more. --version prints the version.\n";
+  stream << "\n"
+            "'juliavdb COMMAND --help' describes a command. 'juliavdb --version' prints the version.\n";
 }
 
 int run(const Arguments& arguments) {
@@ -111,7 +112,7 @@ int main(int argc, char** argv) {
     if (!takeLastWord()) std::this_thread::sleep_for(std::chrono::seconds(10));
     return fail(kInterrupted, error.what());
   } catch (const std::bad_alloc&) {
-    return fail(kInternal, "memory ran out; use larger voxels, a lower --sdf-resolution or a --box");
+    return fail(kInternal, "out of memory; use larger voxels, a lower --sdf-resolution, or a --box");
   } catch (const std::exception& error) {
     return fail(kInternal, std::string("internal error: ") + error.what());
   }

@@ -73,16 +73,15 @@ CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions
     }
   }
   if (!options.empty())
-    mCommon.add_options()(
-        "config", po::value<std::string>()->value_name("FILE"),
-        "take options from a file: NAME = VALUE lines, or a VDB, PLY or OBJ made by this program; the "
-        "command line goes first");
+    mCommon.add_options()("config", po::value<std::string>()->value_name("FILE"),
+                          "read options from a file: lines NAME = VALUE, or a VDB, PLY or OBJ that this program made; "
+                          "options on the command line take precedence");
   mCommon.add_options()("threads", po::value<std::string>()->value_name("N"),
-                        "threads to use (default: SLURM_CPUS_PER_TASK, then all that this process may use)")(
+                        "the number of threads (default: SLURM_CPUS_PER_TASK, or else all that this process may use)")(
       "instructions", po::value<std::string>()->value_name("auto|portable|avx2|avx512"),
-      "vector units to use; they change the speed and no bit of the result (default auto, the widest)")(
+      "the vector instructions to use; they change the speed and no bit of the result (default auto, the widest)")(
       "progress", po::value<std::string>()->value_name("bar|json|none"),
-      "progress on stderr, for work of more than two seconds (default bar)")("help,h", "show this help");
+      "how to show progress on stderr, for work of more than two seconds (default bar)")("help,h", "show this help");
 }
 
 void CommandLine::addPositional(const char* name, int count, const char* help) {
@@ -106,8 +105,8 @@ bool CommandLine::parse(const Arguments& arguments) {
               mValues);
     po::notify(mValues);
   } catch (const po::too_many_positional_options_error&) {
-    throw std::invalid_argument("there is one word too many; 'juliavdb " + std::string(mUsage.command) +
-                                " --help' tells what is expected");
+    throw std::invalid_argument("there is one argument too many; 'juliavdb " + std::string(mUsage.command) +
+                                " --help' says what is expected");
   } catch (const po::error& error) {
     throw std::invalid_argument(std::string(error.what()) + "; see 'juliavdb " + mUsage.command + " --help'");
   }
@@ -152,7 +151,7 @@ void CommandLine::readConfig(const std::string& file) {
     try {
       for (const auto& option : po::parse_config_file(stream, known).options)
         if (!base.emplace(option.string_key, option.value.empty() ? "true" : option.value.front()).second)
-          throw std::invalid_argument("'" + file + "' gives '" + option.string_key + "' twice; keep one of them");
+          throw std::invalid_argument("'" + file + "' sets '" + option.string_key + "' twice; keep only one of them");
     } catch (const po::error& error) {
       throw std::invalid_argument("'" + file + "': " + error.what());
     }

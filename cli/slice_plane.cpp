@@ -9,8 +9,8 @@ namespace cli {
 void addPlaneOptions(CommandLine& line, const std::string& usual) {
   const std::string position = "where the plane cuts the axis, in the target's units (default: " + usual + ")";
   line.addOptions()("axis", po::value<std::string>()->default_value("z")->value_name("x|y|z"),
-                    "the axis across the plane")("position", po::value<std::string>()->value_name("P"),
-                                                 position.c_str())(
+                    "the axis that is perpendicular to the plane")(
+      "position", po::value<std::string>()->value_name("P"), position.c_str())(
       "size", po::value<std::string>()->default_value("800")->value_name("N"), "pixels along the longer side");
 }
 

@@ -18,10 +18,11 @@ namespace {
 
 constexpr Usage kUsageText = {
     "fit", "MESH|SDF.vdb -o shape.json [--roots N | --target-iou X] [--schedule S] [options]",
-    "Finds a rational quaternion map whose Julia set has a target's shape: 'juliavdb fractal --map rational "
+    "Finds a rational quaternion map whose Julia set has the shape of a target. 'juliavdb fractal --map rational "
     "--rational\n"
-    "shape.json' makes it, at any number of iterations, and the map serves as a versor too. The fast fit is the\n"
-    "default; --schedule runs Kim's (2015) own method: electrostatics, monopoles, and the passes that it lists.",
+    "shape.json' makes the set, for any number of iterations; the map can also be used as a versor. The fast fit is "
+    "the\n"
+    "default. --schedule runs the method of Kim (2015): electrostatics, monopoles, and the passes that it lists.",
     "  juliavdb fit bunny.obj -o shape.json --roots 331 --report fit.csv --plot fit.png\n"
     "  juliavdb fit bunny.obj -o paper.json --schedule '25(VFRF) 50(V)' --epsilon 0.04\n"
     "  juliavdb fractal --map rational --rational shape.json -o bunny.vdb --mesh bunny.ply --resolution 300\n"};
@@ -39,7 +40,8 @@ std::string noteOf(const vdbtools::Recipe& recipe) {
 int runFit(const Arguments& arguments) {
   CommandLine line(kUsageText, vdbtools::fitOptionTable());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.json"), "the map to write: .json or .o3d")(
-      "report", po::value<std::string>()->value_name("F.csv"), "every accepted step: energies, IoU, distances, powers")(
+      "report", po::value<std::string>()->value_name("F.csv"),
+      "a table of every accepted step: energies, IoU, distances, powers")(
       "plot", po::value<std::string>()->value_name("F.png"), "the same as a picture: .png, .svg or .exr");
   if (!line.parse(arguments)) return kDone;
   const vdbtools::FitOptions options = vdbtools::parseFitOptions(line.recipe());

@@ -21,9 +21,9 @@ constexpr Usage kUsageText = {
     "fractal",
     "MESH|SDF.vdb -o F.vdb [--mesh F.ply] [--alpha A] [--beta B] [--resolution N | --voxel-size H] [options]",
     "Turns a target into a fractal of the same shape: a level set for Houdini or Blender, and the mesh of its true\n"
-    "surface. With a VDB as input its distances are used as they are. The maps quadratic, cross and mandelbulb make "
-    "sets\n"
-    "of their own, without a target: what lies in the ball from which no orbit has escaped, or in a --box.",
+    "surface. The distances of a VDB input are used as they are. The maps quadratic, cross and mandelbulb make sets "
+    "of\n"
+    "their own, without a target, within the ball from which no orbit has escaped, or within a --box.",
     "  juliavdb fractal bunny.obj -o bunny.vdb --mesh bunny.ply --alpha 40 --resolution 150\n"
     "  juliavdb fractal bunny.obj -o deep.vdb --alpha 10 --beta 0.02 --versor-seed 7 --resolution 100\n"
     "  juliavdb fractal bunny.obj -o ramp.vdb --alpha x:10:300:smooth --resolution 100\n"
@@ -49,7 +49,7 @@ int runFractal(const Arguments& arguments) {
   CommandLine line(kUsageText, vdbtools::fractalOptionTable());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), "the VDB to write")(
       "mesh", po::value<std::string>()->value_name("F.ply"), "the mesh to write: .ply, .obj or .stl")(
-      "frame", po::value<std::string>()->value_name("N"), "frame number for names such as name.####.vdb");
+      "frame", po::value<std::string>()->value_name("N"), "the frame number, for names such as name.####.vdb");
   if (!line.parse(arguments)) return kDone;
   const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(line.recipe());
   const bool wantVdb = line.has("output"), wantMesh = line.has("mesh");
@@ -87,7 +87,7 @@ int runFractal(const Arguments& arguments) {
       std::cerr << ", " << grid->activeVoxelCount() << " in the band, |grad| within 0.5 of 1 in "
                 << 100 * result.check.gradientFraction << " % of them";
   if (const auto moved = scene.facts.find("julia_repair_moved"); moved != scene.facts.end())
-    std::cerr << ", the target repaired and its surface moved by at most " << moved->second;
+    std::cerr << ", the target was repaired and its surface moved by at most " << moved->second;
   if (result.islands) std::cerr << ", " << result.islands->kept << " of " << result.islands->islands << " islands kept";
   if (result.follow) std::cerr << ", " << followText(*result.follow);
   std::cerr << ", " << result.evaluatedNodes << " nodes evaluated";

@@ -25,9 +25,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr Usage kUsageText = {"info", "FILE... [--json]",
-                              "Says what is in a mesh (.obj, .ply, .stl, .off), a VDB, with the recipe it was made by, "
-                              "or a versor (.json, .p4d,\n"
-                              ".poly4d, .o3d).",
+                              "Shows what is in a mesh (.obj, .ply, .stl, .off), in a VDB, with the recipe it was made "
+                              "by, or in a versor (.json,\n"
+                              ".p4d, .poly4d, .o3d).",
                               "  juliavdb info bunny.obj\n"
                               "  juliavdb info bunny.vdb --json\n"};
 
@@ -154,8 +154,8 @@ void print(const Json& info, int indent) {
 
 int runInfo(const Arguments& arguments) {
   CommandLine line(kUsageText, vdbtools::OptionTable());
-  line.addPositional("input", -1, "the files");
-  line.addOptions()("json", "print JSON, one object a line");
+  line.addPositional("input", -1, "the files to look at");
+  line.addOptions()("json", "print JSON, one object per line");
   if (!line.parse(arguments)) return kDone;
   const std::vector<std::string> files = line.texts("input");
   if (files.empty()) throw std::invalid_argument("no file was given");

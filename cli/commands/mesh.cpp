@@ -20,9 +20,10 @@ namespace cli {
 namespace {
 
 constexpr Usage kUsageText = {"mesh", "F.vdb -o F.ply [--from-grid] [options]",
-                              "Makes a mesh of a VDB. Of a fractal that this program made, the vertices lie on the "
-                              "true surface, which the recipe in\n"
-                              "the file gives; --from-grid takes the voxels instead, as does any other level set.",
+                              "Makes a mesh from a VDB. If the VDB is a fractal that this program made, the vertices "
+                              "lie on the true surface, which\n"
+                              "is computed again from the recipe in the file. With --from-grid, and for any other "
+                              "level set, the voxels are used.",
                               "  juliavdb mesh bunny.vdb -o bunny.ply\n"
                               "  juliavdb mesh bunny_sdf.vdb -o bunny.stl\n"
                               "  juliavdb mesh bunny.vdb -o blocky.obj --from-grid\n"};
@@ -57,8 +58,8 @@ int runMesh(const Arguments& arguments) {
   CommandLine line(kUsageText, vdbtools::OptionTable());
   line.addPositional("input", 1, "the VDB");
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.ply"), "the mesh to write: .ply, .obj or .stl")(
-      "from-grid", "mesh the voxels, also of a fractal")("grid", po::value<std::string>()->value_name("NAME"),
-                                                         "which grid; with --from-grid");
+      "from-grid", "use the voxels, even of a fractal")("grid", po::value<std::string>()->value_name("NAME"),
+                                                        "which grid to use, with --from-grid");
   if (!line.parse(arguments)) return kDone;
   const std::string input = line.text("input");
   if (input.empty()) throw std::invalid_argument("no VDB was given");

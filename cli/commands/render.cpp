@@ -26,12 +26,13 @@ constexpr Usage kUsageText = {
     "render",
     "F.vdb -o F.png [--size WxH] [--azimuth DEG] [--elevation DEG] [options]\n"
     "       juliavdb render --field [MESH|SDF.vdb|FRACTAL.vdb] -o F.png [options]",
-    "Makes a shaded picture of a level set, framed by itself; or, with --field, of the set of a map, by rays through "
-    "the\n"
-    "map and through no grid: finer than any voxels. Its map is that of a fractal that this program made, or given by\n"
-    "the options of 'fractal', with a target or without. An EXR then holds R G B premultiplied without a background, "
-    "A,\n"
-    "the normal N.x N.y N.z, the depth Z along the view axis (1e10: nothing) and id.",
+    "Makes a shaded picture of a level set, framed automatically. With --field it sends rays through a map itself "
+    "instead\n"
+    "of through a grid, which shows the set finer than any voxels. The map is that of a fractal that this program "
+    "made, or\n"
+    "is given by the options of 'fractal', with or without a target. An EXR then holds R, G, B (premultiplied, without "
+    "a\n"
+    "background), A, the normal N.x, N.y, N.z, the depth Z along the view axis (1e10 where there is nothing), and id.",
     "  juliavdb render bunny.vdb -o bunny.png\n"
     "  juliavdb render bunny.vdb -o back.exr --size 1280x720 --azimuth 200 --zoom 1.5\n"
     "  juliavdb render --field bunny.vdb -o field.png --size 400x400\n"
@@ -60,7 +61,8 @@ std::vector<vdbtools::PreviewBall> ballsOf(const std::string& name) {
   constexpr double kRadius = 0.008;  // of the target's longest side
   const vdbtools::RationalFile file = vdbtools::readRationalFile(name);
   if (!file.target)
-    throw std::invalid_argument("'" + name + "' does not say where its roots are in the world; 'juliavdb fit' does");
+    throw std::invalid_argument("'" + name +
+                                "' does not say where its roots lie in the world; a file made by 'juliavdb fit' does");
   const vdbtools::FractalSpace& space = file.target->space;
   std::vector<vdbtools::PreviewBall> balls;
   const auto add = [&](const julia::Polynomial& polynomial, const std::array<float, 3>& colour) {
@@ -83,13 +85,13 @@ void parseSamples(const CommandLine& line, Options& options) {
 void requireFits(const CommandLine& line, bool field) {
   if (field) {
     for (const char* name : kLevelSetOnly)
-      if (line.has(name)) throw std::invalid_argument(std::string("--") + name + " does not go with --field");
+      if (line.has(name)) throw std::invalid_argument(std::string("--") + name + " cannot be used with --field");
     return;
   }
   for (const char* name : kFieldOnly)
-    if (line.has(name)) throw std::invalid_argument(std::string("--") + name + " goes with --field only");
+    if (line.has(name)) throw std::invalid_argument(std::string("--") + name + " can be used with --field only");
   for (const auto& [name, value] : line.givenRecipe())
-    if (name != "input" && name != "grid") throw std::invalid_argument("--" + name + " goes with --field only");
+    if (name != "input" && name != "grid") throw std::invalid_argument("--" + name + " can be used with --field only");
 }
 
 /// Angles, field of view and zoom, for either way of rendering.
@@ -142,7 +144,8 @@ View parseView(const CommandLine& line) {
   if (view.up && view.up->length() == 0) throw std::invalid_argument("--up is '0,0,0'; it must be a direction");
   for (const char* name : {"azimuth", "elevation", "zoom"})
     if (view.eye && line.has(name))
-      throw std::invalid_argument(std::string("--eye and --") + name + " both place the eye; give one of them");
+      throw std::invalid_argument(std::string("--eye and --") + name +
+                                  " both set the position of the eye; give only one of them");
   view.angles = parseAngles(line);
   return view;
 }
@@ -270,23 +273,27 @@ int runRender(const Arguments& arguments) {
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
   line.addOptions()("output,o", text("F.png"), "the picture to write: .png or .exr")(
       "size", po::value<std::string>()->default_value("800x800")->value_name("WxH"), "pixels")(
-      "azimuth", text("DEG"), "angle about the vertical, from the front (default -30)")(
-      "elevation", text("DEG"), "angle above the horizon (default 15)")("fov", text("DEG"),
-                                                                        "vertical field of view (default 30)")(
-      "samples", text("N"), "rays a pixel: 1, 4, 9 or 16 (default 4)")("zoom", text("F"), "above 1 comes closer")(
-      "roots", text("F.json"), "show the roots of a map that 'juliavdb fit' made: the top's blue, the bottom's red")(
-      "field", po::bool_switch(), "show the map's set itself, not the level set of a VDB. The others here go with it:")(
-      "eye", text("X,Y,Z"), "where the eye is, in the target's units, instead of azimuth, elevation and zoom")(
-      "look-at", text("X,Y,Z"), "what is in the picture's middle (default: the set's)")("up", text("X,Y,Z"),
-                                                                                        "what is up (default 0,1,0)")(
-      "colour", text("NAME"), "direction of the first step as RGB (default), versor, iterations, trap, clay")(
-      "epsilon", text("E"), "the shortest step of a ray, in fractal space (default 5e-5)")(
+      "azimuth", text("DEG"), "angle about the vertical axis, 0 being the front (default -30)")(
+      "elevation", text("DEG"), "angle above the horizon (default 15)")(
+      "fov", text("DEG"), "vertical field of view (default 30)")("samples", text("N"),
+                                                                 "rays per pixel: 1, 4, 9 or 16 (default 4)")(
+      "zoom", text("F"), "magnification: above 1 comes closer (default 1)")(
+      "roots", text("F.json"),
+      "show the roots of a map that 'juliavdb fit' made: top roots in blue, bottom roots in red")(
+      "field", po::bool_switch(),
+      "show the set of the map itself and not the level set of a VDB. The following options go with it:")(
+      "eye", text("X,Y,Z"), "the position of the eye, in the target's units, instead of azimuth, elevation and zoom")(
+      "look-at", text("X,Y,Z"), "the point in the middle of the picture (default: the middle of the set)")(
+      "up", text("X,Y,Z"), "the direction that is up in the picture (default 0,1,0)")(
+      "colour", text("NAME"),
+      "what to colour by: direction (of the first step, as RGB; the default), versor, iterations, trap, or clay for "
+      "none")("epsilon", text("E"), "the shortest step of a ray, in fractal space (default 5e-5)")(
       "alpha-clarity", text("A"),
-      "steps are A d^D at the distance d from the eye (default: as long as a pixel is wide)")(
-      "delta", text("D"), "0, 1 or 2 (default 1)")("frames", text("N"),
-                                                   "a turntable of N pictures, called as in name.####.png")(
+      "the length of a ray's steps is A d^D at the distance d from the eye (default: as long as a pixel is wide)")(
+      "delta", text("D"), "the exponent D: 0, 1 or 2 (default 1)")(
+      "frames", text("N"), "make a turntable of N pictures, with names such as name.####.png")(
       "no-skip", po::value<std::string>()->implicit_value("true")->zero_tokens(),
-      "evaluate every sample, also where the map is proved to be empty; for checking");
+      "evaluate every sample, even where the map is proved to be empty; for checking");
   if (!line.parse(arguments)) return kDone;
   const bool field = line.values()["field"].as<bool>();
   requireFits(line, field);

@@ -27,7 +27,7 @@ constexpr Usage kUsageText = {
 int runSdf(const Arguments& arguments) {
   CommandLine line(kUsageText, vdbtools::sdfOptionTable());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), "the VDB to write")(
-      "frame", po::value<std::string>()->value_name("N"), "frame number for names such as name.####.vdb");
+      "frame", po::value<std::string>()->value_name("N"), "the frame number, for names such as name.####.vdb");
   if (!line.parse(arguments)) return kDone;
   const vdbtools::SdfOptions options = vdbtools::parseSdfOptions(line.recipe());
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.vdb");

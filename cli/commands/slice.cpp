@@ -29,14 +29,15 @@ constexpr Usage kUsageText = {
     "slice",
     "MESH|SDF.vdb|FRACTAL.vdb -o F.png [--field phi|e|f|membership|iterations|versor|grid] [--axis x|y|z] "
     "[options]",
-    "Makes a picture of a field on a plane. Of a fractal that this program made the options come from its recipe; of a "
-    "mesh\n"
-    "or a signed distance they are those of 'fractal'.\n\n"
+    "Makes a picture of a field on a plane. For a fractal that this program made, the options come from its recipe; "
+    "for a\n"
+    "mesh or a signed distance, they are those of 'fractal'.\n"
+    "\n"
     "  phi         the target's signed distance: blue inside, red outside, the surface dark\n"
-    "  e           the exponent of the shape modulus, likewise\n"
-    "  f           the log-modulus after the last step, likewise; also called logmodulus\n"
+    "  e           the exponent of the shape modulus, in the same colours\n"
+    "  f           the log-modulus after the last step, in the same colours; also called logmodulus\n"
     "  membership  the fractal itself: black inside\n"
-    "  iterations  how many steps the orbit took: white none, black all of them\n"
+    "  iterations  how many steps the orbit took, from white (none) to black (all of them)\n"
     "  versor      the direction of the map as RGB\n"
     "  grid        the voxels of a VDB as they are",
     "  juliavdb slice bunny.vdb -o membership.png --field membership\n"
@@ -159,10 +160,10 @@ vdbtools::Image sliceOfGrid(const std::string& input, const std::string& name, c
 int runSlice(const Arguments& arguments) {
   CommandLine line(kUsageText, vdbtools::fractalOptionTable());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.png"), "the picture to write: .png or .exr")(
-      "field", po::value<std::string>()->default_value("membership")->value_name("NAME"), "what to show");
+      "field", po::value<std::string>()->default_value("membership")->value_name("NAME"), "the field to show");
   addPlaneOptions(line, "its middle");
   line.addOptions()("range", po::value<std::string>()->value_name("R"),
-                    "phi, e, f, grid: the value of full colour (default: found)");
+                    "phi, e, f, grid: the value that is shown in full colour (default: chosen from the data)");
   if (!line.parse(arguments)) return kDone;
   const SliceField field = parseField(line);
   const PlanePlacement placement = parsePlacement(line);

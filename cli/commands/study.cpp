@@ -18,15 +18,16 @@ namespace {
 constexpr Usage kUsageText = {
     "study", "MESH|SDF.vdb|FRACTAL.vdb -o F.png [--curve F.png] [--csv F.csv] [--versors N] [--axis x|y|z] [options]",
     "Shows on a plane what a target decides by itself and what is left to the versor: the average of the sets of many\n"
-    "random versors, black where all of them are inside and white where none is (Schor and Kim 2023, Fig. 8). The "
-    "k-th\n"
-    "versor, from 0 on, is that of --versor-seed S + k: 'juliavdb slice' shows it alone.\n\n"
-    "  --curve  the target's distance phi over circles about the dynamics' origin: mean, least and greatest by "
-    "radius.\n"
+    "random versors. It is black where all sets contain the pixel and white where none does (Schor and Kim 2023, Fig. "
+    "8).\n"
+    "Versors are counted from 0; versor k has the seed S + k if S is --versor-seed, and 'juliavdb slice' shows it "
+    "alone.\n"
+    "\n"
+    "  --curve  the target's distance phi on circles about the dynamics' origin: mean, least and greatest, by radius.\n"
     "           Where phi lies in the shaded range, the versor decides\n"
-    "  --csv    the same as numbers, in the target's units: radius, mean, least and greatest phi on the circle, mean "
+    "  --csv    the same as numbers, in the target's units: radius; mean, least and greatest phi on the circle; mean "
     "phi\n"
-    "           on the sphere of that radius, and the mean membership of the circle, 0 to 1",
+    "           on the sphere of that radius; and the mean membership of the circle, from 0 to 1",
     "  juliavdb study bunny.obj -o study.png --curve curve.png --csv study.csv --versors 200\n"
     "  juliavdb study bunny.obj -o rough.png --alpha 10 --versors 100 --size 400\n"
     "  juliavdb study bunny.vdb -o side.png --axis x --versor-seed 5000\n"};
@@ -37,8 +38,8 @@ int runStudy(const Arguments& arguments) {
   CommandLine line(kUsageText, vdbtools::studyOptionTable());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.png"), "the average to write: .png or .exr")(
       "curve", po::value<std::string>()->value_name("F.png"), "the distance over circles to write: .png, .svg or .exr")(
-      "csv", po::value<std::string>()->value_name("F.csv"), "the circles as numbers to write")(
-      "versors", po::value<std::string>()->default_value("1000")->value_name("N"), "how many random versors");
+      "csv", po::value<std::string>()->value_name("F.csv"), "the numbers of the circles to write")(
+      "versors", po::value<std::string>()->default_value("1000")->value_name("N"), "the number of random versors");
   addPlaneOptions(line, "through the dynamics' origin");
   if (!line.parse(arguments)) return kDone;
   const vdbtools::StudyOptions study{.versors = line.integer("versors", 1, vdbtools::kMostVersors),

@@ -23,16 +23,17 @@ namespace cli {
 namespace {
 
 constexpr Usage kUsageText = {"versor", "new|inspect|add|scale|translate [FILES] [-o F.json] [options]",
-                              "Makes, shows and changes versors, the texture of a fractal: quaternion polynomials and "
-                              "rationals given by their roots\n"
-                              "and powers, in fractal space, where the target's longest side is 1. Reads .json, .p4d, "
-                              ".poly4d and .o3d; writes .json\n"
-                              "and, of a polynomial, .p4d.\n\n"
-                              "  new -o F                    random roots in a box or about a point\n"
-                              "  inspect F                   what is in a file\n"
-                              "  add A B -o F                the ordered product of two\n"
-                              "  scale A FACTOR -o F         the roots scaled about the origin\n"
-                              "  translate A X,Y,Z[,S] -o F  the roots moved",
+                              "Makes, shows and changes versors, the texture of a fractal. A versor is a quaternion "
+                              "polynomial or rational, given by\n"
+                              "its roots and powers in fractal space, where the target's longest side is 1. Reads "
+                              ".json, .p4d, .poly4d and .o3d;\n"
+                              "writes .json and, for polynomials, .p4d.\n"
+                              "\n"
+                              "  new -o F                    make random roots in a box or about a point\n"
+                              "  inspect F                   show what is in a file\n"
+                              "  add A B -o F                make the ordered product of two versors\n"
+                              "  scale A FACTOR -o F         scale the roots about the origin\n"
+                              "  translate A X,Y,Z[,S] -o F  move the roots",
                               "  juliavdb versor new -o swirl.json --seed 3 --roots 12 --powers 2:9 --integer\n"
                               "  juliavdb versor inspect swirl.json\n"
                               "  juliavdb versor scale swirl.json 0.5 -o fine.json\n"
@@ -94,17 +95,17 @@ vdbtools::RationalFile newVersor(const CommandLine& line) {
 
 int runVersor(const Arguments& arguments) {
   CommandLine line(kUsageText, vdbtools::OptionTable());
-  line.addPositional("words", -1, "what to do, and with what");
+  line.addPositional("words", -1, "what to do, and with which files");
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.json"), "the file to write")(
-      "seed", po::value<std::string>()->value_name("S"), "new: another number, another texture (default 1)")(
-      "roots", po::value<std::string>()->value_name("N"), "new: how many (default 10)")(
-      "powers", po::value<std::string>()->value_name("MIN:MAX"), "new: their powers (default 2:11)")(
+      "seed", po::value<std::string>()->value_name("S"), "new: the seed; every number is another texture (default 1)")(
+      "roots", po::value<std::string>()->value_name("N"), "new: the number of roots (default 10)")(
+      "powers", po::value<std::string>()->value_name("MIN:MAX"), "new: the range of their powers (default 2:11)")(
       "integer", "new: whole powers only")("placement", po::value<std::string>()->value_name("box|cluster"),
-                                           "new: where (default box)")(
+                                           "new: where to place them (default box)")(
       "box", po::value<std::string>()->value_name("X0,Y0,Z0,X1,Y1,Z1"),
       "new: the box (default: the unit cube about 0)")("centre", po::value<std::string>()->value_name("X,Y,Z"),
-                                                       "new: the cluster's middle (default 0,0,0)")(
-      "radius", po::value<std::string>()->value_name("R"), "new: the cluster's radius (default 0.1)");
+                                                       "new: the centre of the cluster (default 0,0,0)")(
+      "radius", po::value<std::string>()->value_name("R"), "new: the radius of the cluster (default 0.1)");
   if (!line.parse(arguments)) return kDone;
   const std::vector<std::string> words = line.texts("words");
   const std::string action = words.empty() ? "" : words.front();
@@ -138,7 +139,7 @@ int runVersor(const Arguments& arguments) {
     const vdbtools::RationalFile file = vdbtools::readRationalFile(words[1]);
     write(line, julia::translated(file.rational, {by[0], by[1], by[2], four ? by[3] : 0}), "", file.target);
   } else {
-    throw std::invalid_argument((action.empty() ? std::string("nothing to do") : "'" + action + "' is unknown") +
+    throw std::invalid_argument((action.empty() ? std::string("no action was given") : "'" + action + "' is unknown") +
                                 "; use new, inspect, add, scale or translate");
   }
   return kDone;

@@ -89,7 +89,7 @@ void refuseAssignment(const Component& component) {
     if (i + 1 < text.size() && text[i + 1] == '=')
       ++i;
     else if (i == 0 || std::string("<>!").find(text[i - 1]) == std::string::npos)
-      refuseAt(component, i, "=", "nothing can be assigned to; a comparison is ==");
+      refuseAt(component, i, "=", "variables cannot be assigned to; a comparison is written ==");
   }
 }
 

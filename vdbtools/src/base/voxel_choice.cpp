@@ -16,7 +16,7 @@ double VoxelChoice::sizeFor(double longestSide) const {
   const double size = voxelSize ? *voxelSize : longestSide / resolution.value();
   if (size >= kSmallest && size <= kLargest) return size;
   std::ostringstream text;
-  text << "the voxel size comes to " << size << "; it must be 2e-5 to 1e30: ";
+  text << "the voxel size would be " << size << "; it must be 2e-5 to 1e30: ";
   if (!voxelSize && *resolution >= kOrdinaryLow && *resolution <= kOrdinaryHigh) {
     text << "the longest side is " << longestSide << "; give the shape in other units";
     throw DataError(text.str());

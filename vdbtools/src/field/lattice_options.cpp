@@ -10,21 +10,21 @@ std::vector<OptionSpec> latticeOptionSpecs() {
       {.name = "resolution",
        .argument = "N",
        .defaultValue = "200",
-       .help = "voxels of the result along the longest side of the target, or of the region without one",
+       .help = "voxels of the result along the longest side of the target, or of the region if there is no target",
        .alternative = "voxel-size"},
       {.name = "voxel-size",
        .argument = "H",
        .help = "the size of a voxel of the result, in the target's units",
        .alternative = "resolution"},
-      {.name = "box", .argument = "X0,Y0,Z0,X1,Y1,Z1", .help = "only this region, in the target's units"},
-      {.name = "exhaustive", .help = "evaluate every node, also where the result is known; for checking"},
+      {.name = "box", .argument = "X0,Y0,Z0,X1,Y1,Z1", .help = "make only this region, in the target's units"},
+      {.name = "exhaustive", .help = "evaluate every node, even where the result is known; for checking"},
       {.name = "follow",
-       .help = "follow the surface from seeds instead of going through the whole shell: for huge runs. What is found "
-               "is exact, islands that no seed meets are missed; says how much that is likely to be"},
+       .help = "follow the surface from seeds instead of visiting the whole shell, for very large runs. What is found "
+               "is exact; islands that no seed meets are missed, and an estimate of how much that is gets printed"},
       {.name = "seed-stride",
        .argument = "N",
        .defaultValue = "8",
-       .help = "follow: voxels between seeds, a power of 2 up to 64; fewer find more"},
+       .help = "with --follow: voxels between seeds, a power of 2 up to 64; smaller distances find more"},
   };
 }
 
@@ -37,7 +37,7 @@ LatticeOptions parseLatticeOptions(const RecipeReader& reader) {
   if (!isSeedStride(stride)) reader.refuse("seed-stride", "a power of 2, at most 64");
   if (reader.flag("follow")) {
     if (options.exhaustive)
-      throw std::invalid_argument("--follow and --exhaustive contradict each other; give one of them");
+      throw std::invalid_argument("--follow and --exhaustive contradict each other; give only one of them");
     options.follow = FollowOptions{.seedStride = stride};
   }
   return options;

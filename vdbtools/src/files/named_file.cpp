@@ -15,8 +15,8 @@ std::map<std::string, std::string> verifiedHashes(std::span<const NamedFile> fil
   for (const NamedFile& file : files) {
     const std::string& hash = found.at(file.recordedAs);
     if (!file.expectedHash.empty() && file.expectedHash != hash)
-      throw DataError("'" + file.path.string() + "' is not the file that the recipe was made with: its SHA-256 is " +
-                      hash + " and was " + file.expectedHash + "; to use it all the same, give the options anew");
+      throw DataError("'" + file.path.string() + "' has changed since the recipe was made: its SHA-256 is " + hash +
+                      " and was " + file.expectedHash + "; to use it all the same, give the options anew");
   }
   return found;
 }

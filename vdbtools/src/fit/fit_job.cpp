@@ -370,56 +370,62 @@ OptionTable fitOptionTable() {
       {.name = "input",
        .argument = "MESH|SDF.vdb",
        .help = "the target: a mesh, or a VDB that holds its signed distance"},
-      {.name = "grid", .argument = "NAME", .defaultValue = "", .help = "which grid of a VDB input"},
+      {.name = "grid", .argument = "NAME", .defaultValue = "", .help = "which grid of the input VDB to use"},
       {.name = "repair", .help = "close holes and gaps of an open mesh or a triangle soup"},
       {.name = "repair-gap",
        .argument = "W",
        .defaultValue = "0",
-       .help = "close gaps up to this width, in the mesh's units; 0 finds the smallest that serves"},
-      {.name = "roots", .argument = "N", .defaultValue = "331", .help = "roots at most, on both sides together"},
+       .help = "close gaps up to this width, in the mesh's units; 0 uses the smallest width that closes the mesh"},
+      {.name = "roots",
+       .argument = "N",
+       .defaultValue = "331",
+       .help = "the largest number of roots, top and bottom together"},
       {.name = "target-iou",
        .argument = "X",
        .defaultValue = "1",
-       .help = "stop adding roots when cells that are not fitted reach this share; 1 adds them all"},
+       .help = "stop adding roots when the IoU of the held-out cells reaches this; 1 adds all of them"},
       {.name = "resolution",
        .argument = "N",
        .defaultValue = "97",
-       .help = "cells along the edge of the cube about the target in which the fit is made and judged"},
+       .help = "cells along the edge of the cube about the target in which the map is fitted and judged"},
       {.name = "schedule",
        .argument = "S",
        .defaultValue = "",
-       .help = "fit as [Kim15] does, by passes such as \"25(VFRF) 50(VFRF) 97(VF)\": V variable-coarsened, F full, R "
-               "reweighted"},
+       .help = "fit as Kim (2015) does, with passes such as \"25(VFRF) 50(VFRF) 97(VF)\": V is variable-coarsened, F "
+               "full, R reweighted"},
       {.name = "start",
        .argument = "blue-noise|monopoles",
        .defaultValue = "blue-noise",
-       .help = "fast fit: where the first roots come from"},
+       .help = "fast fit: where the first roots are placed"},
       {.name = "epsilon",
        .argument = "E",
        .defaultValue = "0.04",
-       .help = "monopoles: how well they match the electrostatic potential, as a relative residual"},
+       .help = "monopoles: the relative residual up to which they have to match the electrostatic potential"},
       {.name = "weights",
        .argument = "distance|layers",
        .defaultValue = "distance",
-       .help = "W: 1 over the distance, or over the layer of cells as in 2015's program"},
+       .help = "the weight of a cell: 1 / distance, or 1 / layer of cells as in the program of 2015"},
       {.name = "power-penalty",
        .argument = "P",
-       .help = "times the summed powers is added to the energy; small sums make rougher sets. Default 0, and 1e-5 with "
-               "--schedule, where psi would fall as powers grow without end"},
+       .help = "this times the summed powers is added to the energy; small sums make rougher sets. Default 0, and 1e-5 "
+               "with --schedule, where powers would otherwise grow without end"},
       {.name = "alpha",
        .argument = "A",
        .defaultValue = "0",
-       .help = "scales all powers until the shell is as thin as fractal's --alpha makes it; n = 1 keeps its shape. 0: "
-               "as found"},
+       .help = "scale all powers so that the shell is as thin as --alpha of 'fractal' makes it; the shape at one "
+               "iteration stays. 0 leaves the powers as they were found"},
       {.name = "smooth",
        .argument = "W",
        .defaultValue = "1",
-       .help = "smoothing of the surface that roots are placed on, in cells"},
-      {.name = "triangles", .argument = "N", .defaultValue = "5000", .help = "triangles of that surface, at most"},
+       .help = "how much the surface that roots are placed on is smoothed, in cells"},
+      {.name = "triangles",
+       .argument = "N",
+       .defaultValue = "5000",
+       .help = "the largest number of triangles of that surface"},
       {.name = "seed",
        .argument = "S",
        .defaultValue = "1",
-       .help = "of the places of roots, and of the cells that are held out"},
+       .help = "the seed for the places of roots and for the cells that are held out"},
   });
 }
 
@@ -475,7 +481,7 @@ FitResult runFit(const FitOptions& options, bool wantDistances, Monitor& monitor
     result.measure = measureFit(target, result.rational, kAlphaOfPsi, monitor);
     // Where the outside has most of the weight, all of space outside is a minimum of its own.
     if (result.measure.iou == 0)
-      throw DataError("the fit came to a map that has nothing of the target inside; " +
+      throw DataError("the fit ended in a map that holds nothing of the target; " +
                       std::string(options.schedule.empty()
                                       ? "allow more roots"
                                       : "weigh the cells by layers, or use the fast fit, without a schedule"));

@@ -26,7 +26,7 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
   };
   const auto requireSurface = [&](std::uint64_t triangles) {
     if (triangles == 0)
-      throw DataError(std::string("the fractal is empty here: F changes sign nowhere in the region; try ") +
+      throw DataError(std::string("the fractal is empty here: the field changes sign nowhere in the region; try ") +
                           (scene.exponent ? "a larger beta, or a larger box" : "other constants, or another box"),
                       scene.exponent ? Remedy::LargerBeta : Remedy::None);
   };

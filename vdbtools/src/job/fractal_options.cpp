@@ -13,7 +13,8 @@ std::vector<std::string> parseGrids(const RecipeReader& reader) {
   for (const std::string& grid : split(reader.text("grids"), ',')) {
     if (std::find(std::begin(kKnown), std::end(kKnown), grid) == std::end(kKnown))
       reader.refuse("grids", "a list of surface, density, logmodulus, iterations, versor");
-    if (std::find(grids.begin(), grids.end(), grid) != grids.end()) reader.refuse("grids", "a list without repetition");
+    if (std::find(grids.begin(), grids.end(), grid) != grids.end())
+      reader.refuse("grids", "a list in which no name occurs twice");
     grids.push_back(grid);
   }
   return grids;
@@ -23,11 +24,11 @@ std::vector<OptionSpec> outputOptionSpecs() {
   return {{.name = "precision",
            .argument = "auto|float|double",
            .defaultValue = "auto",
-           .help = "the arithmetic of the iteration; auto takes float where it is as good as double"},
+           .help = "the arithmetic of the iteration; auto uses float where it is as good as double"},
           {.name = "grids",
            .argument = "LIST",
            .defaultValue = "surface",
-           .help = "what the VDB holds: surface, density, logmodulus, iterations, versor"},
+           .help = "the grids of the VDB, a list of surface, density, logmodulus, iterations, versor"},
           {.name = "half", .help = "write 16-bit floats"}};
 }
 

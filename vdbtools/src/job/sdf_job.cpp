@@ -21,12 +21,12 @@ OptionTable sdfOptionTable() {
        .argument = "H",
        .help = "the size of a voxel, in the mesh's units",
        .alternative = "resolution"},
-      {.name = "band", .argument = "N", .defaultValue = "3", .help = "half width of the narrow band, voxels"},
+      {.name = "band", .argument = "N", .defaultValue = "3", .help = "half width of the narrow band, in voxels"},
       {.name = "repair", .help = "close holes and gaps of an open mesh or a triangle soup"},
       {.name = "repair-gap",
        .argument = "W",
        .defaultValue = "0",
-       .help = "close gaps up to this width, in the mesh's units; 0 finds the smallest that serves"},
+       .help = "close gaps up to this width, in the mesh's units; 0 uses the smallest width that closes the mesh"},
       {.name = "half", .help = "write 16-bit floats"},
   });
 }

@@ -75,7 +75,7 @@ julia::CrossOptions parseCross(const RecipeReader& reader) {
       throw std::invalid_argument(std::string("--pair user needs --") + function +
                                   ", three expressions with commas between them, such as \"x*x, y*y, z*z\"");
     if (options.pair != CrossPair::User && reader.has(function))
-      throw std::invalid_argument(std::string("--") + function + " is for --pair user, and the pair is " +
+      throw std::invalid_argument(std::string("--") + function + " applies to --pair user only, and the pair is " +
                                   reader.text("pair") + "; give one of the two");
   }
   options.f = reader.text("f");
@@ -84,8 +84,8 @@ julia::CrossOptions parseCross(const RecipeReader& reader) {
     const openvdb::Vec3d c = reader.vector("c");
     options.constant = {c[0], c[1], c[2]};
   } else if (reader.has("c")) {
-    throw std::invalid_argument("--c is for --scheme 5; in scheme " + reader.text("scheme") +
-                                " the constant is the point");
+    throw std::invalid_argument("--c applies to --scheme 5 only; in scheme " + reader.text("scheme") +
+                                " the constant is the point itself");
   }
   return options;
 }
@@ -106,14 +106,14 @@ class CrossDescriptor final : public MapDescriptor {
         {.name = "scheme",
          .argument = "3|4|5",
          .defaultValue = "4",
-         .help = "the equation of Zimmermann and Bruckner 2025; 3: p x g(c), 4: f(p) x g(p) + c, 5: the same with c "
-                 "fixed",
+         .help = "the equation of Zimmermann and Bruckner (2025): 3 is p x g(c), 4 is f(p) x g(p) + c, and 5 is the "
+                 "same with a fixed c",
          .qualifies = {"c"}},
         {.name = "pair",
          .argument = "A|A'|B|C|D|E|user",
-         .help = "f and g, the paper's or your own",
+         .help = "the functions f and g, from the paper or your own",
          .defaultFor = [](const Recipe& recipe) { return recipe.contains("f") || recipe.contains("g") ? "user" : "A"; },
-         .defaultNote = "A; user with --f",
+         .defaultNote = "A, or user if --f is given",
          .displaces = {"f", "g"}},
         {.name = "f",
          .argument = "X,Y,Z",
@@ -121,7 +121,7 @@ class CrossDescriptor final : public MapDescriptor {
          .displaces = {"pair"}},
         {.name = "g",
          .argument = "X,Y,Z",
-         .help = "the second one, such as \"cos(x), cos(y), cos(z)\"",
+         .help = "the second function of your own pair, such as \"cos(x), cos(y), cos(z)\"",
          .displaces = {"pair"}},
         {.name = "c",
          .argument = "X,Y,Z",

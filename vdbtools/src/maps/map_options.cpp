@@ -55,7 +55,7 @@ OptionSpec iterationsOption(const std::string& usual) {
   return {.name = "iterations",
           .argument = "N",
           .defaultValue = usual,
-          .help = "steps of the map",
+          .help = "how often the map is applied at most",
           .followsSelector = true};
 }
 
@@ -63,7 +63,7 @@ OptionSpec escapeOption() {
   return {.name = "escape",
           .argument = "R",
           .defaultValue = "20",
-          .help = "radius beyond which an orbit has escaped",
+          .help = "the radius beyond which an orbit has escaped",
           .alternative = "radius"};
 }
 
@@ -71,7 +71,7 @@ OptionSpec radiusOption() {
   return {.name = "radius",
           .argument = "R",
           .defaultValue = "2",
-          .help = "radius beyond which an orbit has escaped, and of the ball in which the set is looked for",
+          .help = "the radius beyond which an orbit has escaped, and of the ball in which the set is searched",
           .alternative = "escape"};
 }
 
@@ -85,7 +85,7 @@ julia::OrbitOptions parseOrbit(const RecipeReader& reader, const std::string& es
 }
 
 OptionSpec mandelbrotOption(bool usual) {
-  OptionSpec option{.name = "mandelbrot", .help = "the constant is the point itself", .alternative = "c"};
+  OptionSpec option{.name = "mandelbrot", .help = "take the point itself as the constant", .alternative = "c"};
   if (usual) {
     option.defaultValue = "true";
     option.defaultNote = "on without --c";
@@ -97,7 +97,8 @@ bool parseMandelbrot(const RecipeReader& reader) {
   const bool mandelbrot = reader.flag("mandelbrot");
   if (mandelbrot && reader.has("c"))
     throw std::invalid_argument(
-        "--c and --mandelbrot contradict each other: with --mandelbrot the constant is the point; give one of them");
+        "--c and --mandelbrot contradict each other, because --mandelbrot takes the point itself as the constant; give "
+        "only one of them");
   return mandelbrot;
 }
 
@@ -123,32 +124,38 @@ julia::Embedding parseSpatialEmbedding(const RecipeReader& reader) {
   const julia::Embedding embedding = parseEmbedding(reader);
   if (embedding.slice != 0 || embedding.dropped != julia::DropAxis::K)
     throw std::invalid_argument("--map " + reader.text("map") +
-                                " has three dimensions; leave --slice and --drop-axis out");
+                                " has three dimensions, so --slice and --drop-axis do not apply; leave them out");
   return embedding;
 }
 
 std::vector<OptionSpec> randomRootsOptions() {
   std::vector<OptionSpec> options{
-      {.name = "versor-seed", .argument = "S", .defaultValue = "1", .help = "another number, another texture"},
-      {.name = "versor-roots", .argument = "N", .defaultValue = "10", .help = "how many roots"},
-      {.name = "versor-powers", .argument = "MIN:MAX", .defaultValue = "2:11", .help = "their powers: higher is finer"},
-      {.name = "versor-integer", .help = "whole powers only"},
+      {.name = "versor-seed",
+       .argument = "S",
+       .defaultValue = "1",
+       .help = "the seed of the random texture: every number is another texture"},
+      {.name = "versor-roots", .argument = "N", .defaultValue = "10", .help = "the number of roots"},
+      {.name = "versor-powers",
+       .argument = "MIN:MAX",
+       .defaultValue = "2:11",
+       .help = "the range of their powers: higher powers make finer detail"},
+      {.name = "versor-integer", .help = "use whole powers only"},
       {.name = "versor-placement",
        .argument = "box|inside|surface|cluster",
        .defaultValue = "box",
-       .help = "where the roots are strewn"},
+       .help = "where the roots are placed"},
       {.name = "versor-distance",
        .argument = "D",
        .defaultValue = "0.05",
-       .help = "surface: at most this far from it, as a share of the longest side"},
+       .help = "for --versor-placement surface: the largest distance of roots from it, as a share of the longest side"},
       {.name = "versor-centre",
        .argument = "X,Y,Z",
        .defaultValue = "0,0,0",
-       .help = "cluster: its middle, in fractal space"},
+       .help = "for --versor-placement cluster: its centre, in fractal space"},
       {.name = "versor-radius",
        .argument = "R",
        .defaultValue = "0.1",
-       .help = "cluster: its radius, in fractal space"}};
+       .help = "for --versor-placement cluster: its radius, in fractal space"}};
   for (OptionSpec& option : options) option.kept = true;
   return options;
 }
@@ -157,16 +164,16 @@ std::vector<OptionSpec> rootsOptions() {
   std::vector<OptionSpec> options{kept({.name = "versor",
                                         .argument = "random|FILE",
                                         .defaultValue = kRandom,
-                                        .help = "the texture: random roots, or .json, .p4d, .poly4d, .o3d",
+                                        .help = "the texture: random roots, or a .json, .p4d, .poly4d or .o3d file",
                                         .alternative = "rational",
                                         .hash = "versor-sha256"})};
   for (OptionSpec& option : randomRootsOptions()) options.push_back(std::move(option));
-  options.push_back(kept(
-      {.name = "versor-scale", .argument = "F", .defaultValue = "1", .help = "scales the roots about the origin"}));
+  options.push_back(
+      kept({.name = "versor-scale", .argument = "F", .defaultValue = "1", .help = "scale the roots about the origin"}));
   options.push_back(kept({.name = "versor-translate",
                           .argument = "X,Y,Z",
                           .defaultValue = "0,0,0",
-                          .help = "moves the roots alone, also a rational map's, in fractal space"}));
+                          .help = "move the roots alone, also those of a rational map, in fractal space"}));
   return options;
 }
 

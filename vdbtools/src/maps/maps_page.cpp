@@ -14,7 +14,7 @@ std::string escaped(std::string text) {
 std::string targetText(TargetUse use) {
   switch (use) {
     case TargetUse::Needed: return "needs a target";
-    case TargetUse::Optional: return "may have a target, around which it is then evaluated";
+    case TargetUse::Optional: return "may have a target, in which case it is evaluated around it";
     case TargetUse::None: break;
   }
   return "has no target";
@@ -36,7 +36,7 @@ std::string mapsPage(const MapRegistry& maps) {
     page << "\n## `--map " << map->name() << "`\n\n"
          << map->summary() << ".\n\nIt " << targetText(map->targetUse()) << ", works on "
          << (map->dimension() == 3 ? "points of R^3" : "quaternions")
-         << (map->hasRoots() ? ", and has the texture of its roots" : "") << ". " << map->proofs() << "\n\n"
+         << (map->hasRoots() ? ", and takes its texture from roots" : "") << ". " << map->proofs() << "\n\n"
          << "| option | default | meaning |\n|---|---|---|\n";
     for (const OptionSpec& spec : map->options()) {
       page << "| `--" << spec.name;

@@ -88,7 +88,7 @@ class QuadraticDescriptor final : public MapDescriptor {
       const auto mandelbrot = recipe.find("mandelbrot");
       return mandelbrot != recipe.end() && mandelbrot->second != "false" ? "10" : "3";
     };
-    iterations.defaultNote = "3, with --mandelbrot 10";
+    iterations.defaultNote = "3, or 10 with --mandelbrot";
     std::vector<OptionSpec> options{
         {.name = "c",
          .argument = "A,B,C[,D]",

@@ -83,18 +83,19 @@ class RationalDescriptor final : public MapDescriptor {
 
   std::vector<OptionSpec> options() const override {
     std::vector<OptionSpec> options = rootsOptions();
-    options.insert(options.begin() + 1,
-                   {.name = "rational",
-                    .argument = "FILE",
-                    .defaultValue = "",
-                    .help = "the rational map: .json of 'juliavdb fit', or .o3d",
-                    .alternative = "versor",
-                    .hash = "versor-sha256",
-                    .kept = true,
-                    .check = [](const std::string& file) {
-                      if (!file.empty())
-                        throw std::invalid_argument("--rational gives the map's roots; it goes with --map rational");
-                    }});
+    options.insert(
+        options.begin() + 1,
+        {.name = "rational",
+         .argument = "FILE",
+         .defaultValue = "",
+         .help = "the rational map: a .json made by 'juliavdb fit', or an .o3d",
+         .alternative = "versor",
+         .hash = "versor-sha256",
+         .kept = true,
+         .check = [](const std::string& file) {
+           if (!file.empty())
+             throw std::invalid_argument("--rational gives the roots of a rational map; use it with --map rational");
+         }});
     options.push_back(iterationsOption("3"));
     options.push_back(escapeOption());
     for (OptionSpec& option : embeddingOptions()) options.push_back(std::move(option));
@@ -104,7 +105,7 @@ class RationalDescriptor final : public MapDescriptor {
   std::shared_ptr<const MapSettings> parse(const RecipeReader& reader) const override {
     const std::string rational = reader.text("rational");
     if (!rational.empty() && reader.has("versor") && reader.text("versor") != "random")
-      throw std::invalid_argument("--rational and --versor both give the map's roots; give one of them");
+      throw std::invalid_argument("--rational and --versor both give the roots of the map; give only one of them");
     if (rational == "random") reader.refuse("rational", "a file; --versor random draws roots");
     return std::make_shared<RationalSettings>(parseOrbit(reader, "escape"), parseEmbedding(reader),
                                               parseRoots(reader, rational.empty() ? "versor" : "rational"));

@@ -128,14 +128,15 @@ class ShapeModulusDescriptor final : public MapDescriptor {
         {.name = "alpha",
          .argument = "A",
          .defaultValue = "40",
-         .help = "thinness of the shell of detail: 6 eats deep, 40 decorates, 300 is nearly smooth. A number, a ramp "
-                 "such as x:10:300:smooth, or FILE.vdb[:GRID]",
+         .help = "how thin the shell of detail is: 6 eats deep into the shape, 40 decorates it, 300 is nearly smooth. "
+                 "A number, a ramp such as x:10:300:smooth, or FILE.vdb[:GRID]",
          .hash = "alpha-sha256",
          .kept = true},
         {.name = "beta",
          .argument = "B",
          .defaultValue = "0",
-         .help = "offset of the shell, as a share of the target's longest side; positive is outward. As alpha",
+         .help = "offset of the shell, as a share of the target's longest side; positive values move it outward. Given "
+                 "like alpha",
          .hash = "beta-sha256",
          .kept = true},
     };
@@ -146,8 +147,7 @@ class ShapeModulusDescriptor final : public MapDescriptor {
     options.push_back({.name = "sampling",
                        .argument = "trilinear|quadratic",
                        .defaultValue = "trilinear",
-                       .help = "how the target's distances are read between their nodes; quadratic has no creases in "
-                               "deep zooms",
+                       .help = "how the target's distances are interpolated; quadratic shows no creases in deep zooms",
                        .kept = true});
     return options;
   }

@@ -18,7 +18,7 @@ struct Counts {
 
 Counts readHeader(const std::filesystem::path& path, LineScanner& lines) {
   auto line = lines.nextMeaningful();
-  if (!line) throw DataError(path.string() + ": there is nothing in it but comments; export the mesh again");
+  if (!line) throw DataError(path.string() + ": it holds nothing but comments; export the mesh again");
   WordScanner header(*line);
   const std::string_view keyword = header.next();
   if (!keyword.ends_with("OFF") || keyword.find_first_not_of("STCNOF") != std::string_view::npos) {

@@ -180,7 +180,7 @@ void OptionTable::requireFits(const Recipe& recipe) const {
       if (spec->check && chosen && !findIn(chosen->options, option)) spec->check(value);
       continue;
     }
-    if (!knows(option)) throw std::invalid_argument("--" + option + " is not an option here; see --help");
+    if (!knows(option)) throw std::invalid_argument("--" + option + " is not an option of this command; see --help");
     const std::string chosen = "--" + mSelector + " " + name;
     if (option == "input") throw std::invalid_argument(chosen + " has no target; leave '" + value + "' out");
     std::string instead;

@@ -10,16 +10,17 @@ std::vector<OptionSpec> surfaceOptionSpecs() {
       {.name = "tolerance",
        .argument = "T",
        .defaultValue = "0.001",
-       .help = "how near a vertex lies to the true surface, voxels"},
+       .help = "how close vertices lie to the true surface, in voxels"},
       {.name = "largest",
        .argument = "N",
        .defaultValue = "0",
-       .help = "keep only the N largest islands, by volume; 0 keeps all. A box's islands are what it holds"},
+       .help = "keep only the N largest islands, by volume; 0 keeps all. With --box an island is the part of it inside "
+               "the box"},
       {.name = "min-size",
        .argument = "W",
        .defaultValue = "0",
        .help = "drop islands whose longest side is below this, in the target's units"},
-      {.name = "cap", .help = "close the mesh where the box cuts the set; the VDB always is"},
+      {.name = "cap", .help = "close the mesh where the box cuts the set; the VDB is always closed"},
   };
 }
 

@@ -107,7 +107,7 @@ GridBricks makeBricks(const openvdb::FloatGrid& grid, const CoordBBox& nodes, ju
   }
   if (!(places < 0x7fffffff))
     throw std::invalid_argument("a grid of " + std::to_string(places) +
-                                " leaves is more than the sampler counts; use larger voxels");
+                                " leaves is more than the sampler can count; use larger voxels");
   const auto originOf = [&](std::size_t place) {
     const int z = static_cast<int>(place % bricks->count[2]);
     const int y = static_cast<int>(place / bricks->count[2] % bricks->count[1]);

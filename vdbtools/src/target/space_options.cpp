@@ -20,11 +20,12 @@ std::vector<OptionSpec> spaceOptionSpecs() {
       {.name = "origin",
        .argument = "X,Y,Z",
        .defaultValue = "0,0,0",
-       .help = "moves the dynamics' origin, in fractal space: erodes the set"},
+       .help = "move the origin of the dynamics, in fractal space, which erodes the set"},
       {.name = "space",
        .argument = "fit|world",
        .defaultValue = "fit",
-       .help = "fit: the target's longest side is 1 and its centre 0; world: coordinates as they are"},
+       .help = "fit: the target is scaled to a longest side of 1 and centred at 0; world: coordinates are used as they "
+               "are"},
   };
 }
 

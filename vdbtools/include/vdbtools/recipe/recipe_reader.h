@@ -76,7 +76,8 @@ class RecipeReader {
 
   VoxelChoice voxels(const std::string& resolution, const std::string& voxelSize) const {
     if (has(resolution) && has(voxelSize))
-      throw std::invalid_argument("--" + resolution + " and --" + voxelSize + " say the same; give one of them");
+      throw std::invalid_argument("--" + resolution + " and --" + voxelSize +
+                                  " set the same thing; give only one of them");
     if (has(voxelSize)) return {.voxelSize = positive(voxelSize)};
     return {.resolution = positive(resolution)};
   }
