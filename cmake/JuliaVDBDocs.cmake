@@ -15,4 +15,8 @@ if(DOXYGEN_FOUND)
   set(DOXYGEN_STRIP_FROM_PATH libjulia/include vdbtools/include)
   set(DOXYGEN_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/docs)
   doxygen_add_docs(docs libjulia/include vdbtools/include)
+  if(JULIAVDB_TESTS)
+    add_test(NAME docs COMMAND Doxygen::doxygen ${CMAKE_CURRENT_BINARY_DIR}/Doxyfile.docs
+             WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+  endif()
 endif()

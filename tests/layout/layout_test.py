@@ -119,7 +119,7 @@ def introductions(root):
     for room, headers in found.items():
         for name in sorted(os.listdir(os.path.join(public, room))):
             with open(os.path.join(public, room, name), encoding="utf-8") as file:
-                if f"/// The room `{room}`" in file.read().partition("#pragma once")[0]:
+                if f"The room `{room}`" in file.read().partition("#pragma once")[0]:
                     headers.append(name)
     return found
 
@@ -133,7 +133,7 @@ class TheTree(unittest.TestCase):
     def test_one_header_introduces_each_room(self):
         for room, headers in introductions(self.root).items():
             with self.subTest(room=room):
-                self.assertEqual(len(headers), 1, f"{headers} begin with 'The room `{room}`'")
+                self.assertEqual(len(headers), 1, f"{headers} say 'The room `{room}`' at their top")
 
     def test_the_files_are_found(self):
         found = list(sources(self.root))

@@ -47,7 +47,7 @@ class LinearOperator : public Eigen::EigenBase<LinearOperator<Apply>> {
   using StorageIndex = int;
   enum { ColsAtCompileTime = Eigen::Dynamic, MaxColsAtCompileTime = Eigen::Dynamic, IsRowMajor = false };
 
-  LinearOperator(const Apply& apply, Eigen::Index size) : apply(apply), mSize(size) {}
+  LinearOperator(const Apply& applied, Eigen::Index size) : apply(applied), mSize(size) {}
   Eigen::Index rows() const { return mSize; }
   Eigen::Index cols() const { return mSize; }
   template <class Rhs>

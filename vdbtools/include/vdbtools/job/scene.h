@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file scene.h
 /// What the main job evaluates, made ready step by step: target -> space -> exponent -> map -> lattice -> evaluator.
-/// The room of the jobs: it puts the others together, and may use all of them.
+/// The room `job` puts the others together, and may use all of them.
 #pragma once
 
 #include "vdbtools/base/grids.h"

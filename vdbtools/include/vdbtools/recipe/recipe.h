@@ -3,9 +3,9 @@
 /// What a run was asked to do, as text: option names and values, in the words of the command line. A recipe goes into
 /// the metadata of what it made and comes back from there, so that a file says how to make it again.
 ///
-/// This room turns text into values: option_table.h says which options a command has, recipe_reader.h reads a recipe by
-/// such a table, option_value.h reads single values. It may use base, files, mesh and formats. Which options there are
-/// is up to the rooms that own them.
+/// The room `recipe` turns text into values: option_table.h says which options a command has, recipe_reader.h reads a
+/// recipe by such a table, option_value.h reads single values. It may use base, files, mesh and formats. Which options
+/// there are is up to the rooms that own them.
 #pragma once
 
 #include "vdbtools/recipe/option_table.h"
