@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file map_descriptor.h
-/// The maps that the program iterates. This room knows, of each map, everything that is peculiar to it, one file a map;
-/// the jobs know none of them by name. It may use all rooms but job.
+/// The room `maps` holds the maps that the program iterates: everything that is peculiar to one map stands in the one
+/// file of that map, and the jobs know none of them by name. It may use all rooms but job.
 ///
 /// A map goes through three stages, each of them a class to derive from:
 ///
