@@ -14,7 +14,7 @@ std::string escaped(std::string text) {
 std::string targetText(TargetUse use) {
   switch (use) {
     case TargetUse::Needed: return "needs a target";
-    case TargetUse::Optional: return "may have a target, in which case it is evaluated around it";
+    case TargetUse::Optional: return "may have a target, around which it is then evaluated";
     case TargetUse::None: break;
   }
   return "has no target";
@@ -34,9 +34,9 @@ std::string mapsPage(const MapRegistry& maps) {
          "writes\nthis page, and a test compares the two. The papers are in [references.md](references.md).\n";
   for (const MapRegistry::Descriptor& map : maps.maps()) {
     page << "\n## `--map " << map->name() << "`\n\n"
-         << map->summary() << ".\n\nIt " << targetText(map->targetUse()) << ", works on "
+         << map->summary() << ".\n\nIt " << targetText(map->targetUse()) << ". It works on "
          << (map->dimension() == 3 ? "points of R^3" : "quaternions")
-         << (map->hasRoots() ? ", and takes its texture from roots" : "") << ". " << map->proofs() << "\n\n"
+         << (map->hasRoots() ? ", with the texture of its roots" : "") << ". " << map->proofs() << "\n\n"
          << "| option | default | meaning |\n|---|---|---|\n";
     for (const OptionSpec& spec : map->options()) {
       page << "| `--" << spec.name;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file scene.h
-/// What the main job evaluates, made ready step by step: target -> space -> exponent -> map -> lattice -> evaluator.
-/// The room `job` puts the others together, and may use all of them.
+/// The room `job` puts the other rooms together into the work of one command, and may use all of them.
+///
+/// Here: what the main job evaluates, made ready step by step: target -> space -> exponent -> map -> lattice ->
+/// evaluator.
 #pragma once
 
 #include "vdbtools/base/grids.h"

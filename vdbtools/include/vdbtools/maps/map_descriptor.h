@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file map_descriptor.h
-/// The maps that the program iterates. The room `maps` knows, of each map, everything that is peculiar to it, one file
-/// a map; the jobs know none of them by name. It may use all rooms but `job`.
+/// The room `maps` holds the maps that the program iterates: everything that is peculiar to one map stands in the one
+/// file of that map, and the jobs know none of them by name. It may use all rooms but job.
 ///
 /// A map goes through three stages, each of them a class to derive from:
 ///
@@ -143,7 +143,7 @@ class MapDescriptor {
   virtual std::shared_ptr<const MapSettings> parse(const RecipeReader& reader) const = 0;
 };
 
-/// Makes the evaluator of a map that both arithmetics have. @param makeMap  called as `makeMap.operator()<Real>()`
+/// Makes the evaluator of a map that both arithmetics have. @param makeMap  called as makeMap.operator()<Real>()
 template <class MakeMap>
 std::unique_ptr<julia::FieldEvaluator> makeEvaluator(Arithmetic arithmetic, const julia::Embedding& embedding,
                                                      const julia::OrbitOptions& orbit, const MakeMap& makeMap) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file recipe.h
-/// What a run was asked to do, as text: option names and values, in the words of the command line. A recipe goes into
-/// the metadata of what it made and comes back from there, so that a file says how to make it again.
-///
 /// The room `recipe` turns text into values: option_table.h says which options a command has, recipe_reader.h reads a
-/// recipe by such a table, option_value.h reads single values. It may use base, files, mesh and formats. Which options
-/// there are is up to the rooms that own them.
+/// recipe by such a table, and option_value.h reads single values. Which options there are is up to the rooms that own
+/// them. It may use base, files, mesh and formats.
+///
+/// Here: a recipe is what a run was asked to do, as text: option names and values, in the words of the command line. It
+/// goes into the metadata of what was made and comes back from there, so that a file says how to make it again.
 #pragma once
 
 #include "vdbtools/recipe/option_table.h"
