@@ -27,7 +27,7 @@ constexpr Command kCommands[] = {
     {"study", runStudy, "show what a target decides whatever its versor: average membership, distance over circles"},
     {"render", runRender, "make a shaded picture of a level set, or of a map's set"},
     {"info", runInfo, "show what is in a mesh, a VDB or a versor file"},
-    {"maps", runMaps, "which maps there are, and their options"},
+    {"maps", runMaps, "list the maps and their options"},
 };
 
 void printHelp(std::ostream& stream) {

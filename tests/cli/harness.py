@@ -52,6 +52,17 @@ def restore_interrupt():
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
+COMMANDS = ("sdf", "fractal", "fit", "mesh", "versor", "slice", "study", "render", "info", "maps")
+
+
+def quiet(arguments):
+    """The arguments without progress on stderr, which appears only where a machine is slow."""
+    words = [str(argument) for argument in arguments]
+    if not words or words[0] not in COMMANDS or any(word.startswith("--progress") for word in words):
+        return arguments
+    return (words[0], "--progress", "none", *arguments[1:])
+
+
 class CliTest(unittest.TestCase):
     """A test in a folder of its own, which it leaves behind nowhere."""
 
@@ -103,7 +114,7 @@ class CliTest(unittest.TestCase):
     def refused(self, code, *arguments, env=None, mentions=(), **options):
         """Runs to a failure with one line of explanation, which leaves no file behind. @return that line"""
         before = self.listing()
-        run = self.run_program(*arguments, env=env, **options)
+        run = self.run_program(*quiet(arguments), env=env, **options)
         words = " ".join(map(str, arguments))
         text = self.check_refusal(run, code, words)
         for mention in [mentions] if isinstance(mentions, str) else mentions:
@@ -115,7 +126,7 @@ class CliTest(unittest.TestCase):
         """Many refusals at once: to load the program takes longer than to refuse."""
         before = self.listing()
         with concurrent.futures.ThreadPoolExecutor(max(2, os.cpu_count() or 1)) as pool:
-            runs = list(pool.map(lambda case: self.run_program(*case), cases))
+            runs = list(pool.map(lambda case: self.run_program(*quiet(case)), cases))
         for case, run in zip(cases, runs):
             words = " ".join(map(str, case))
             with self.subTest(words=words):

@@ -18,20 +18,24 @@ Recipe defaultsOf(const MapDescriptor& map) {
 }
 
 TEST(Maps, TakeTheirOwnDefaults) {
-  for (const auto& map : builtInMaps().maps()) {
+  for (const MapRegistry maps = builtInMaps(); const auto& map : maps.maps()) {
     SCOPED_TRACE(map->name());
     const FractalOptions options = parseFractalOptions(defaultsOf(*map));
     ASSERT_TRUE(options.map);
     EXPECT_EQ(options.map->shell() != nullptr, map->targetUse() == TargetUse::Needed);
-    if (map->targetUse() == TargetUse::None) EXPECT_TRUE(options.map->radius()) << "where is its set to be looked for?";
-    if (map->dimension() == 3) EXPECT_EQ(options.map->embedding().slice, 0);
+    if (map->targetUse() == TargetUse::None) {
+      EXPECT_TRUE(options.map->radius()) << "where is its set to be looked for?";
+    }
+    if (map->dimension() == 3) {
+      EXPECT_EQ(options.map->embedding().slice, 0);
+    }
     EXPECT_EQ(options.target.has_value(), map->targetUse() == TargetUse::Needed);
   }
 }
 
 TEST(Maps, SayWhatTheyAreInOneLine) {
   std::set<std::string> names;
-  for (const auto& map : builtInMaps().maps()) {
+  for (const MapRegistry maps = builtInMaps(); const auto& map : maps.maps()) {
     EXPECT_TRUE(names.insert(map->name()).second);
     EXPECT_FALSE(map->summary().empty());
     EXPECT_EQ(map->summary().find('\n'), std::string::npos);
@@ -48,7 +52,7 @@ TEST(Maps, SayWhatTheyAreInOneLine) {
 // An option that several maps have has one meaning: its text goes from one map to the next.
 TEST(Maps, SharedOptionsAreTheSame) {
   std::map<std::string, OptionSpec> first;
-  for (const auto& map : builtInMaps().maps())
+  for (const MapRegistry maps = builtInMaps(); const auto& map : maps.maps())
     for (const OptionSpec& option : map->options()) {
       const auto [known, isNew] = first.emplace(option.name, option);
       if (isNew || option.followsSelector || option.alternative == "c") continue;
