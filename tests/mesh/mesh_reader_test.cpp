@@ -331,7 +331,7 @@ TEST(ReadMesh, RepeatedCornersOfObjAreDropped) {
 TEST(ReadMesh, ErrorsOfTextNameTheLine) {
   EXPECT_REFUSED("a.obj", "v 0 0 0\n# two\nv 0 \\\nx 0\n", "line 4: 'x'");
   EXPECT_REFUSED("a.obj", "v 0 0 0\nf 1 1 9\nv 1 1 1\n", "line 2: a face refers to point 9");
-  EXPECT_REFUSED("a.off", "OFF\n3 1\n\n0 0 0\n1 0\n", "line 5: ''");
+  EXPECT_REFUSED("a.off", "OFF\n3 1\n\n0 0 0\n1 0\n0 1 0\n3 0 1 2\n", "line 5: ''");
   EXPECT_REFUSED("a.stl", "solid\nouter loop\nvertex 0 0 0\nvertex 0 y 0\n", "line 4: 'y'");
   EXPECT_REFUSED("a.stl", "solid\nouter loop\nvertex 0 0 0\nouter loop\n", "line 4: a triangle begins within another");
   EXPECT_REFUSED("a.ply", "ply\nformat ascii 1.0\nelement vertex many\n", "line 3: 'many'");

@@ -70,7 +70,7 @@ TEST(OptionTable, RefusesWhatDoesNotApplyAndSaysWhy) {
   EXPECT_TRUE(holds(refusal({{"shape", "box"}, {"radius", "3"}}), "--radius does not apply to --shape box"));
   EXPECT_TRUE(holds(refusal({{"shape", "box"}, {"input", "a.obj"}}), "'a.obj'"));
   EXPECT_TRUE(holds(refusal({{"shape", "cone"}}), "ball, box"));
-  EXPECT_TRUE(holds(refusal({{"colour", "red"}}), "--colour is not an option here"));
+  EXPECT_TRUE(holds(refusal({{"colour", "red"}}), "--colour is not an option of this command"));
 }
 
 TEST(OptionTable, OverridingDisplacesWhatLostItsMeaning) {

@@ -292,8 +292,12 @@ TEST(Preview, BallsAreMarksThatShowThrough) {
   const auto isBlue = [](const auto& c) { return c[2] > c[0]; };
   // Before the surface: a disc of its size, and nothing else changes.
   const Image before = with(Vec3d(5, 0, 2), 0.2);
-  const double eye = 1 / std::sin(std::numbers::pi / 12);  // from the centre of a sphere that touches the frame
-  const double expected = 0.2 / (eye - 2) * 101 / (2 * std::tan(std::numbers::pi / 12));
+  // A ball of radius r at the distance d from the eye is seen as a disc of r / sqrt(d^2 - r^2) focal lengths: the unit
+  // sphere's disc says where the eye is.
+  const double focal = 101 / (2 * std::tan(std::numbers::pi / 12));
+  const double sphereDisc = std::sqrt(area(bare) / std::numbers::pi);
+  const double eye = std::hypot(focal / sphereDisc, 1);
+  const double expected = focal * 0.2 / std::sqrt((eye - 2) * (eye - 2) - 0.2 * 0.2);
   int blue = 0;
   for (int y = 0; y < 101; ++y)
     for (int x = 0; x < 101; ++x) {
