@@ -83,9 +83,10 @@ vdbtools::RationalFile newVersor(const CommandLine& line) {
     note += " --" + option.substr(std::string_view(kPrefix).size()) + (value == "true" ? "" : " " + value);
   julia::RandomRootsOptions options = vdbtools::parseRandomRoots(vdbtools::RecipeReader(recipe, table));
   if (line.has("box")) {
-    const openvdb::BBoxd box = vdbtools::parseBox("box", line.text("box"));
-    options.boxMin = {box.min()[0], box.min()[1], box.min()[2]};
-    options.boxMax = {box.max()[0], box.max()[1], box.max()[2]};
+    // Not parseBox(): roots may be placed on a plane or a line.
+    const std::vector<double> b = vdbtools::parseNumbers("box", line.text("box"), 6);
+    options.boxMin = {b[0], b[1], b[2]};
+    options.boxMax = {b[3], b[4], b[5]};
     note += " --box " + line.text("box");
   }
   return {{0, julia::randomPolynomial(options), {}}, note, {}};

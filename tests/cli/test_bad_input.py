@@ -76,7 +76,7 @@ class Meshes(harness.CliTest):
         for scale in (1e36, 1e-9):
             mesh = [tuple(scale * x for x in p) for p in points], faces
             name = self.write(f"scaled_{scale}.stl", harness.stl(mesh))
-            self.both_refuse(BAD_DATA, name, mentions="voxel size comes to")
+            self.both_refuse(BAD_DATA, name, mentions="voxel size would be")
             # A voxel size of one's own is another matter.
             self.refused(USAGE, "sdf", name, "-o", "x.vdb", "--voxel-size", 1e-9, mentions="voxel size")
 

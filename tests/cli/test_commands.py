@@ -97,7 +97,7 @@ class Examples(harness.CliTest):
                 with self.subTest(line=line):
                     run = self.run_program(command, *self.cheaper(command, words[2:]))
                     self.assertEqual(run.returncode, DONE, run.stderr.decode())
-                    wants_data = command == "info" or words[2] == "inspect"
+                    wants_data = command in ("info", "maps") or words[2] == "inspect"
                     self.assertEqual(run.stdout != b"", wants_data)
                     for option, name in zip(words, words[1:]):
                         if option in ("-o", "--mesh"):

@@ -24,7 +24,7 @@ class OwnMap(harness.CliTest):
         self.assertEqual(harness.open_edges(mesh), [])
         self.assertGreater(harness.volume_of(mesh), 0)
         self.assertEqual(self.info("own_map.vdb")["grids"][0]["level set check"], "passes")
-        metadata = pyopenvdb.readMetadata(str(self.path("own_map.vdb")), "surface")
+        metadata = pyopenvdb.readMetadata(str(self.path("own_map.vdb")))
         self.assertEqual((metadata["julia_map"], metadata["julia_exponent"]), ("power", "4"))
 
     def test_no_other_file_knows_of_it(self):

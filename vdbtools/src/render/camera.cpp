@@ -65,8 +65,8 @@ Camera turned(const Camera& camera, const Vec3d& axis, double degrees) {
 }
 
 CameraFrame frameOf(const Camera& camera) {
-  requireOption(camera.fieldOfView > 0 && camera.fieldOfView <= kWidest, "the camera's fieldOfView", camera.fieldOfView,
-                "above 0 and at most 150 degrees");
+  requireOption(camera.fieldOfView > 0 && camera.fieldOfView < 180, "the camera's fieldOfView", camera.fieldOfView,
+                "above 0 and below 180 degrees");
   const double distance = (camera.lookAt - camera.eye).length();
   requireOption(distance > 0 && std::isfinite(distance), "the distance from the eye to the look-at point", distance,
                 "above 0");

@@ -16,7 +16,7 @@ struct Camera {
   /// The direction that is up in the picture. If the view goes along it, (0, 0, -1) takes its place, or (0, 1, 0) if
   /// the view goes along z.
   openvdb::Vec3d up{0, 1, 0};
-  double fieldOfView = 30;  ///< degrees, vertical; above 0, at most 150
+  double fieldOfView = 30;  ///< degrees, vertical; above 0 and below 180
 };
 
 /// Where a camera stands that looks at something, and how much of it fills the picture.
