@@ -76,7 +76,9 @@ vdbtools::RationalFile newVersor(const CommandLine& line) {
   vdbtools::Recipe recipe;
   for (const std::string& option : table.names()) {
     const std::string name = option.substr(std::string_view(kPrefix).size());
-    if (line.has(name)) recipe[option] = line.values()[name].empty() ? "true" : line.text(name);
+    if (!line.has(name)) continue;
+    const std::string value = line.text(name);
+    recipe[option] = value.empty() ? "true" : value;  // a flag has no text
   }
   std::string note = "juliavdb versor new";
   for (const auto& [option, value] : recipe)
