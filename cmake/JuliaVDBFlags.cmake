@@ -8,11 +8,14 @@ add_library(juliavdb_flags INTERFACE)
 target_compile_options(juliavdb_flags INTERFACE -ffp-contract=off $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>)
 
 add_library(juliavdb_warnings INTERFACE)
-# Missing initialisers are fine, because members of options structs have defaults. -Wrestrict is off because g++ 12 reports
-# overlaps in std::string that do not exist (GCC bug 105651).
+# Missing initialisers are fine, because members of options structs have defaults. The other warnings are off because g++
+# 12 reports overlaps and overflows in `"text" + std::string` that do not exist (GCC bug 105651).
+set(gcc12_string_bug $<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>)
 target_compile_options(juliavdb_warnings INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wno-missing-field-initializers
-  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
+  $<${gcc12_string_bug}:-Wno-array-bounds> $<${gcc12_string_bug}:-Wno-stringop-overflow>
+  $<${gcc12_string_bug}:-Wno-stringop-overread>)
 if(JULIAVDB_WERROR)
   target_compile_options(juliavdb_warnings INTERFACE -Werror)
 endif()
