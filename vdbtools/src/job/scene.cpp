@@ -40,7 +40,7 @@ Facts hashesOf(const FractalOptions& options) {
 std::optional<ExponentGridOptions> bindControls(const FractalOptions& options, const BBoxd& box) {
   const ShellSettings* shell = options.map->shell();
   if (!shell) return std::nullopt;
-  const ControlContext context{box};
+  const ControlContext context{.targetBox = box};
   return ExponentGridOptions{.alpha = shell->alpha->bind(context),
                              .beta = shell->beta->bind(context),
                              .orbit = orbitOf(options),

@@ -8,9 +8,12 @@
 /// and one line in parseControl().
 #pragma once
 
+#include "vdbtools/base/fractal_space.h"
 #include "vdbtools/base/grids.h"
 #include "vdbtools/files/named_file.h"
+#include "vdbtools/mesh/mesh.h"
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -72,7 +75,13 @@ class Control {
 
 /// What of the target a source may refer to.
 struct ControlContext {
-  openvdb::BBoxd targetBox;  ///< world units
+  openvdb::BBoxd targetBox;            ///< world units
+  std::shared_ptr<const Mesh> mesh{};  ///< the target as it was read, world units; nullptr: it was a VDB
+  // For sources that need the target alone.
+  FractalSpace space{};                ///< where expressions have their coordinates
+  openvdb::FloatGrid::ConstPtr phi{};  ///< the target's distances, world units
+  /// The local thickness, world units; found when it is first asked for.
+  std::function<openvdb::FloatGrid::ConstPtr()> tau{};
 };
 
 /// A control as a recipe gives it, before there is a target. Immutable.
@@ -84,6 +93,8 @@ class ControlSource {
   virtual std::string text() const = 0;
   /// The files that its values depend on.
   virtual std::vector<NamedFile> files() const { return {}; }
+  /// Whether bind() needs more of the context than the box and the mesh, which are known before distances are made.
+  virtual bool needsTarget() const { return false; }
   /// @throw DataError, MissingInputError, IoError  of what it reads
   virtual Control bind(const ControlContext& context) const = 0;
 };
