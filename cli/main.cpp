@@ -74,7 +74,7 @@ std::string optionFor(vdbtools::Remedy remedy) {
     case Remedy::None: break;
     case Remedy::RepairMesh: return "; see --repair";
     case Remedy::SmallerIslands: return "; see --min-size";
-    case Remedy::LargerBeta: return "; see --beta";
+    case Remedy::LargerBeta: return "; see --detail, --outward and --beta";
     case Remedy::AnotherFieldBox: return "; see --box, and 'juliavdb info' for the target's";
   }
   return "";

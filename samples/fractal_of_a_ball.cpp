@@ -21,7 +21,7 @@ int main() {
   // The target: a ball of radius 5, in voxels of 0.2, with a narrow band of 3.
   const auto phi = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(5, openvdb::Vec3f(0), 0.2f);
   Target target = makeTarget(phi, std::nullopt);
-  const FractalSpace space = fitFractalSpace(*target.phi, target.box, openvdb::Vec3d(0));
+  const FractalSpace space = fitFractalSpace(*target.phi, target.box);
 
   // Its exponent, in a band as wide as the shell needs.
   const ExponentGridOptions shell{.alpha = 30.0, .beta = 0.0};

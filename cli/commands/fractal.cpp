@@ -18,20 +18,59 @@ namespace cli {
 namespace {
 
 constexpr Usage kUsageText = {
-    "fractal",
-    "MESH|SDF.vdb -o F.vdb [--mesh F.ply] [--alpha A] [--beta B] [--resolution N | --voxel-size H] [options]",
+    "fractal", "MESH|SDF.vdb -o F.vdb [--mesh F.ply] [--detail D] [--resolution N | --voxel-size H] [options]",
     "Turns a target into a fractal of the same shape: a level set for Houdini or Blender, and the mesh of its true\n"
     "surface. The distances of a VDB input are used as they are. The maps quadratic, cross and mandelbulb make sets "
     "of\n"
     "their own, without a target, within the ball from which no orbit has escaped, or within a --box.",
-    "  juliavdb fractal bunny.obj -o bunny.vdb --mesh bunny.ply --alpha 40 --resolution 150\n"
-    "  juliavdb fractal bunny.obj -o deep.vdb --alpha 10 --beta 0.02 --versor-seed 7 --resolution 100\n"
-    "  juliavdb fractal bunny.obj -o ramp.vdb --alpha x:10:300:smooth --resolution 100\n"
+    "  juliavdb fractal bunny.obj -o bunny.vdb --mesh bunny.ply --resolution 150\n"
+    "  juliavdb fractal bunny.obj -o deep.vdb --detail 0.6 --versor-seed 7 --resolution 100\n"
+    "  juliavdb fractal bunny.obj -o ramp.vdb --detail x:0.05:0.6:smooth --resolution 100\n"
+    "  juliavdb fractal bunny.obj -o papers.vdb --alpha 40 --beta 0.02 --origin centre --resolution 100\n"
     "  juliavdb fractal --config bunny.vdb -o again.vdb\n"
     "  juliavdb fractal --map quadratic --c=-0.2,0.6,0.2,0.2 --iterations 8 -o julia.vdb --resolution 80\n"
     "  juliavdb fractal --map mandelbulb --power 8 -o bulb.vdb --resolution 150\n"
     "  juliavdb fractal --map cross --scheme 5 --pair A --c 0.39,0.2,0 -o tunnels.vdb --resolution 150\n"
     "  juliavdb fractal --map cross --f \"x*x, y*y, z*z\" --g \"cos(x), cos(y), cos(z)\" --radius 5 -o own.vdb\n"};
+
+/// Three significant digits.
+std::string shortText(double value) {
+  std::ostringstream text;
+  text.precision(3);
+  text << value;
+  return text.str();
+}
+
+/// "a" or "a to b".
+std::string rangeText(const std::pair<double, double>& range) {
+  const std::string low = shortText(range.first), high = shortText(range.second);
+  return low == high ? low : low + " to " + high;
+}
+
+/// What was chosen for the target: "origin at ..., detail 0.25: alpha 19 to 319".
+std::string choiceText(const vdbtools::Scene& scene) {
+  const openvdb::Vec3d at = scene.placed.unmoved.centre;
+  std::string text = "origin at " + shortText(at[0]) + "," + shortText(at[1]) + "," + shortText(at[2]) + ": ";
+  if (scene.exponentOf->detail) text += "detail " + rangeText(scene.exponentOf->detail->detail.range()) + " is ";
+  return text + "alpha " + rangeText(scene.exponent->alphaRange) + ", beta " + rangeText(scene.exponent->betaRange);
+}
+
+/// What is left of the target: a sentence, and whether that is little.
+void tellWhatIsLeft(const vdbtools::Scene& scene, const vdbtools::SolidMeasure& solid) {
+  const double share = 100 * solid.volume / *scene.targetVolume, largest = 100 * solid.shareOfLargest(1);
+  const std::size_t islands = solid.islands.size();
+  std::cerr << "the set holds " << shortText(share) << " % of the target's volume in "
+            << (islands == 1
+                    ? std::string("1 island")
+                    : std::to_string(islands) + " islands, the largest of which has " + shortText(largest) + " % of it")
+            << '\n';
+  constexpr double kLittle = 50;  // percent
+  if (share >= kLittle && !solid.islands.empty()) return;
+  std::cerr << "juliavdb: warning: less than half of the target's volume is left; try "
+            << (scene.exponentOf->detail ? "a smaller --detail, a larger --outward"
+                                         : "--detail instead of --alpha, a larger --alpha or --beta")
+            << ", or --origin auto\n";
+}
 
 /// What was left out, in a sentence.
 std::string followText(const vdbtools::FollowReport& report) {
@@ -93,6 +132,10 @@ int runFractal(const Arguments& arguments) {
   std::cerr << ", " << result.evaluatedNodes << " nodes evaluated";
   if (wantMesh) std::cerr << ", " << result.mesh.triangles << " triangles";
   std::cerr << '\n';
+  if (scene.exponent) {
+    std::cerr << choiceText(scene) << '\n';
+    if (result.solid) tellWhatIsLeft(scene, *result.solid);
+  }
   return kDone;
 }
 

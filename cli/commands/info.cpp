@@ -10,7 +10,9 @@
 #include "vdbtools/job/recorded_recipe.h"
 #include "vdbtools/mesh/mesh.h"
 #include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh/solid_meter.h"
 #include "vdbtools/surface/level_set.h"
+#include "vdbtools/target/target_survey.h"
 
 #include <nlohmann/json.hpp>
 
@@ -41,8 +43,25 @@ Json recipeOf(const std::map<std::string, std::string>& metadata) {
   return result;
 }
 
+/// What a closed mesh is as a target: its parts, its deepest point, its thickness.
+void addSolidInfo(const vdbtools::Mesh& mesh, const vdbtools::MeshReport& report, Json& info) {
+  const vdbtools::SolidMeasure solid = vdbtools::measureSolid(mesh);
+  constexpr std::size_t kMostShares = 8;
+  Json shares = Json::array();
+  for (std::size_t i = 0; i < std::min(kMostShares, solid.islands.size()); ++i)
+    shares.push_back(solid.islands[i] / solid.volume);
+  info["parts"] = solid.islands.size();
+  info["largest parts, of the volume"] = shares;
+  const std::optional<vdbtools::SolidShape> shape = vdbtools::shapeOfSolid(mesh, report);
+  if (!shape) return;
+  info["depth"] = shape->deepest.radius;
+  info["deepest point"] = vector(shape->deepest.centre);
+  info["local thickness"] = Json{shape->leastThickness, shape->greatestThickness};
+}
+
 Json meshInfo(const std::string& path) {
-  const vdbtools::MeshReport report = vdbtools::reportMesh(vdbtools::readMesh(path));
+  const vdbtools::Mesh mesh = vdbtools::readMesh(path);
+  const vdbtools::MeshReport report = vdbtools::reportMesh(mesh);
   Json info{{"kind", "mesh"},
             {"points", report.points},
             {"triangles", report.triangles},
@@ -56,6 +75,7 @@ Json meshInfo(const std::string& path) {
             {"box max", vector(report.box.max())},
             {"area", report.area},
             {"volume", report.volume}};
+  if (report.closed()) addSolidInfo(mesh, report, info);
   if (Json recipe = recipeOf(vdbtools::readMeshComments(path)); !recipe.is_null()) info["recipe"] = recipe;
   return info;
 }
@@ -92,8 +112,9 @@ Json vdbInfo(const std::string& path) {
   for (const auto& [name, value] : file.metadata)
     if (!info.contains("recipe") || !name.starts_with("julia_")) rest[name] = value;
   // Facts that the program found out are no options, and worth seeing; the roots themselves are for 'versor inspect'.
-  for (const char* fact : {"julia_version", "julia_target_box", "julia_space_centre", "julia_space_scale",
-                           "julia_shell", "julia_repair_moved"})
+  for (const char* fact :
+       {"julia_version", "julia_target_box", "julia_space_centre", "julia_space_scale", "julia_shell",
+        "julia_repair_moved", "julia_origin_at", "julia_thickness", "julia_alpha_range", "julia_beta_range"})
     if (const auto found = file.metadata.find(fact); found != file.metadata.end()) rest[fact] = found->second;
   if (!rest.empty()) info["metadata"] = rest;
   return info;

@@ -68,7 +68,7 @@ Solid readSolid(const FitTargetOptions& options, Monitor& monitor) {
   solid.mesh = meshOfLevelSet(*target.phi, monitor);
   solid.box = target.box;
   if (!centreIsInside(*target.phi, target.box)) extendBand(target, 0, std::numeric_limits<double>::infinity(), monitor);
-  solid.space = fitFractalSpace(*target.phi, target.box, Vec3d(0));
+  solid.space = fitFractalSpace(*target.phi, target.box);
   return solid;
 }
 
@@ -77,15 +77,15 @@ FractalSpace spaceOf(const Solid& solid, const FitTargetOptions& options, const 
   if (solid.space) return *solid.space;
   const Vec3d middle = solid.box.getCenter();
   const double phi = openvdb::tools::BoxSampler::sample(finest.getConstAccessor(), finest.worldToIndex(middle));
-  if (phi < -finest.voxelSize()[0]) return fitFractalSpace(finest, solid.box, Vec3d(0));
+  if (phi < -finest.voxelSize()[0]) return fitFractalSpace(finest, solid.box);
   // Too near the surface to tell: the lattice of `juliavdb fractal` decides, and if it says outside, its deepest node.
   const double voxel = longestSide(solid.box) / kDefaultSdfVoxels;
   const auto gridTo = [&](double depth) {
     return makeSdfAbout(middle, solid.mesh, sdfBand(voxel, kFitBand, depth), options.repair, options.gap, monitor).grid;
   };
   const FloatGrid::Ptr shallow = gridTo(kFitBand);
-  if (centreIsInside(*shallow, solid.box)) return fitFractalSpace(*shallow, solid.box, Vec3d(0));
-  return fitFractalSpace(*gridTo(std::numeric_limits<double>::infinity()), solid.box, Vec3d(0));
+  if (centreIsInside(*shallow, solid.box)) return fitFractalSpace(*shallow, solid.box);
+  return fitFractalSpace(*gridTo(std::numeric_limits<double>::infinity()), solid.box);
 }
 
 /// Where the cube's middle lies in the finest level's index space: with an odd number of cells one is in the middle,

@@ -17,6 +17,19 @@ BBoxd meshBox(const FieldPlan& plan) {
   return {nodes.min().asVec3d() * plan.voxelSize, nodes.max().asVec3d() * plan.voxelSize};
 }
 
+namespace {
+
+/// What to try where the set is empty.
+std::string wayOut(const Scene& scene) {
+  if (scene.options.lattice.box)
+    return scene.exponent ? "another box, or less detail" : "another box, or other constants";
+  if (!scene.exponent) return "other constants, or another box";
+  return scene.exponentOf->detail ? "less detail, a larger outward reach, or smaller voxels"
+                                  : "a larger beta, a larger alpha, or smaller voxels";
+}
+
+}  // namespace
+
 FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGrids, MeshSink* sink, Monitor& monitor) {
   const SurfaceOptions& surfaceOptions = scene.options.surface;
   const std::optional<FollowOptions>& follow = scene.options.lattice.follow;
@@ -26,8 +39,7 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
   };
   const auto requireSurface = [&](std::uint64_t triangles) {
     if (triangles == 0)
-      throw DataError(std::string("the fractal is empty here: the field changes sign nowhere in the region; try ") +
-                          (scene.exponent ? "a larger beta, or a larger box" : "other constants, or another box"),
+      throw DataError("the fractal is empty here: the field changes sign nowhere in the region; try " + wayOut(scene),
                       scene.exponent ? Remedy::LargerBeta : Remedy::None);
   };
   const bool capMesh = surfaceOptions.cap || !plan.bounded;
@@ -36,7 +48,9 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
   FractalResult result;
   if (!wantGrids && !dropsIslands && !follow) {
     if (!sink) return result;
-    result.mesh = streamMesh(plan, scene.source(), asked, *sink, monitor);
+    SolidMeter meter(sink);
+    result.mesh = streamMesh(plan, scene.source(), asked, meter, monitor);
+    if (capMesh || !scene.options.lattice.box) result.solid = meter.measure();
     result.evaluatedNodes = result.mesh.evaluatedNodes;
     requireSurface(result.mesh.triangles);
     return result;
@@ -53,6 +67,7 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
     CappedMesh capped = extractCappedMesh(field, scene.source(), surfaceOptions.tolerance, monitor);
     requireSurface(capped.mesh.triangles.size());
     surface = levelSet(field, capped.mesh, monitor);
+    result.solid = measureSolid(capped.mesh);
     result.check = checkSurface(*surface);
     if (sink) {
       Mesh mesh = capMesh ? std::move(capped.mesh) : withoutCaps(std::move(capped));
@@ -63,7 +78,11 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
       result.mesh = {mesh.points.size(), mesh.triangles.size()};
     }
   }
-  if (sink && result.mesh.triangles == 0) result.mesh = extractMesh(field, scene.source(), asked, *sink, monitor);
+  if (sink && result.mesh.triangles == 0) {
+    SolidMeter meter(sink);
+    result.mesh = extractMesh(field, scene.source(), asked, meter, monitor);
+    if (capMesh || !scene.options.lattice.box) result.solid = meter.measure();
+  }
   if (sink) requireSurface(result.mesh.triangles);
   for (const std::string& name : names) {
     if (!wantGrids) break;

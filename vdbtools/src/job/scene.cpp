@@ -3,15 +3,18 @@
 
 #include "target/solid_input.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/target/target_survey.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace vdbtools {
 namespace {
 
 using openvdb::BBoxd;
+using openvdb::FloatGrid;
 using openvdb::Vec3d;
 
 /// The orbit as far as the options give it: the exponent adds its trap.
@@ -19,13 +22,6 @@ julia::OrbitOptions orbitOf(const FractalOptions& options) {
   julia::OrbitOptions orbit = options.map->orbit();
   orbit.confirmTrap = options.lattice.exhaustive;
   return orbit;
-}
-
-std::unique_ptr<const TargetInput> openInput(const FractalOptions& options) {
-  if (options.target) return openTarget(*options.target);
-  if (options.map->shell())
-    throw std::invalid_argument("the map needs a target: give a mesh, or a VDB with its signed distance");
-  return nullptr;
 }
 
 Facts hashesOf(const FractalOptions& options) {
@@ -36,45 +32,122 @@ Facts hashesOf(const FractalOptions& options) {
   return facts;
 }
 
-/// alpha and beta over the target; none for a map without a shell.
-std::optional<ExponentGridOptions> bindControls(const FractalOptions& options, const BBoxd& box) {
-  const ShellSettings* shell = options.map->shell();
-  if (!shell) return std::nullopt;
-  const ControlContext context{.targetBox = box};
-  return ExponentGridOptions{.alpha = shell->alpha->bind(context),
-                             .beta = shell->beta->bind(context),
-                             .orbit = orbitOf(options),
-                             .interpolation = shell->interpolation};
-}
+/// What one target gives to all scenes over it, each part made when it is first asked for.
+class SharedTarget {
+ public:
+  explicit SharedTarget(const TargetOptions& options) : mOptions(options), mInput(openTarget(options)) {}
 
-/// How far from the surface distances are made at first. A map without a shell gets those of the usual one.
-BandWidths widthsOf(const FractalOptions& options, const TargetInput& input,
-                    const std::optional<ExponentGridOptions>& controls) {
-  const ExponentGridOptions shell = controls.value_or(ExponentGridOptions{.orbit = orbitOf(options)});
-  const double scale = spaceScale(options.space, input.box());
-  return {.exterior = exteriorReach(shell) * scale,
-          .interior = std::max(interiorReach(shell, input.usualDepth()) * scale,
-                               options.map->interiorReach() * longestSide(input.box()))};
-}
+  const TargetOptions& options() const { return mOptions; }
+  const TargetInput& input() const { return *mInput; }
 
-/// The target, as deep as its space needs it.
-Target targetOf(const FractalOptions& options, const TargetInput& input, const BandWidths& widths, Monitor& monitor) {
-  Target target = input.make(widths, monitor);
-  return needsDeepestPoint(options.space, target) ? input.deepened(target, widths, monitor) : target;
-}
+  TargetSurvey& survey(Monitor& monitor) {
+    if (!mSurvey) mSurvey.emplace(mInput->coarseDistances(monitor));
+    return *mSurvey;
+  }
+  bool isSurveyed() const { return mSurvey.has_value(); }
 
-struct Shell {
-  Target target;  ///< as deep as the exponent needs it
-  ExponentGrid exponent;
+  /// The fine distances, at least as far from the surface as asked for.
+  const Target& target(const BandWidths& widths, Monitor& monitor) {
+    const bool wide = widths.exterior <= mWidths.exterior, deep = widths.interior <= mWidths.interior;
+    if (mTarget && wide && deep) return *mTarget;
+    mWidths = {std::max(widths.exterior, mWidths.exterior), std::max(widths.interior, mWidths.interior)};
+    mTarget = std::isfinite(mWidths.interior) || !mTarget ? mInput->make(mWidths, monitor)
+                                                          : mInput->deepened(*mTarget, mWidths, monitor);
+    return *mTarget;
+  }
+
+ private:
+  TargetOptions mOptions;
+  std::unique_ptr<const TargetInput> mInput;
+  std::optional<TargetSurvey> mSurvey;
+  std::optional<Target> mTarget;
+  BandWidths mWidths;
 };
 
-Shell makeShell(const Target& target, const TargetInput& input, const BandWidths& widths, const FractalSpace& space,
-                const ExponentGridOptions& controls, Monitor& monitor) {
-  ExponentGrid exponent = exponentGrid(target, space, controls, monitor);
-  if (!exponent.tooShallow) return {target, std::move(exponent)};
-  Target deep = input.deepened(target, widths, monitor);
-  exponent = exponentGrid(deep, space, controls, monitor);
-  return {std::move(deep), std::move(exponent)};
+/// A target as far as its space and its exponent ask for it.
+struct PlacedTarget {
+  PlacedSpace placed;
+  Target target;
+  std::optional<ExponentGridOptions> exponentOf;
+  std::optional<ExponentGrid> exponent;
+};
+
+/// Where the origin is, as --origin takes it.
+std::string originText(const SpaceOptions& options, const FractalSpace& space, const BBoxd& box) {
+  const Vec3d from = options.kind == SpaceKind::World ? space.centre : (space.centre - box.getCenter()) / space.scale;
+  return numbersText({from[0], from[1], from[2]});
+}
+
+/// The controls of a shell over the target.
+ExponentGridOptions bindControls(const FractalOptions& options, const ShellSettings& shell, SharedTarget& shared,
+                                 const PlacedSpace& placed, Monitor& monitor) {
+  ControlContext context{.targetBox = shared.input().box(), .mesh = shared.input().mesh()};
+  const std::vector<std::shared_ptr<const ControlSource>> controls = shell.controls();
+  if (std::any_of(controls.begin(), controls.end(), [](const auto& control) { return control->needsTarget(); })) {
+    context.space = placed.unmoved;
+    context.phi = shared.survey(monitor).phi();
+    context.tau = [&] { return FloatGrid::ConstPtr(shared.survey(monitor).thickness(monitor).tau); };
+  }
+  ExponentGridOptions exponent{
+      .mask = shell.mask->bind(context), .orbit = orbitOf(options), .interpolation = shell.interpolation};
+  if (!shell.detail) {
+    exponent.alpha = shell.alpha->bind(context);
+    exponent.beta = shell.beta->bind(context);
+    return exponent;
+  }
+  const LocalThickness& thickness = shared.survey(monitor).thickness(monitor);
+  exponent.detail = DetailOptions{.detail = shell.detail->bind(context),
+                                  .outward = shell.outward->bind(context),
+                                  .thickness = thicknessControl(thickness),
+                                  .greatestThickness = thickness.greatest,
+                                  .origin = placed.unmoved.centre};
+  return exponent;
+}
+
+/// How far from the surface distances are made at first.
+BandWidths widthsOf(const FractalOptions& options, const TargetInput& input, const ExponentGridOptions& shell) {
+  const double others = options.map->interiorReach() * longestSide(input.box());
+  if (shell.detail) {
+    const DetailReach reach = detailReach(shell);
+    return {.exterior = reach.outside, .interior = std::max(reach.inside, others)};
+  }
+  const double scale = spaceScale(options.space, input.box());
+  return {.exterior = exteriorReach(shell) * scale,
+          .interior = std::max(interiorReach(shell, input.usualDepth()) * scale, others)};
+}
+
+constexpr double kWholeInside = std::numeric_limits<double>::infinity();
+
+PlacedTarget placeShell(const FractalOptions& options, const ShellSettings& shell, SharedTarget& shared,
+                        Monitor& monitor) {
+  const TargetInput& input = shared.input();
+  PlacedTarget result;
+  const FloatGrid* phi = needsInscribedBall(options.space) ? shared.survey(monitor).phi().get() : nullptr;
+  result.placed = placeSpace(options.space, input.box(), phi);
+  result.exponentOf = bindControls(options, shell, shared, result.placed, monitor);
+  BandWidths widths = widthsOf(options, input, *result.exponentOf);
+  const auto make = [&] {
+    result.target = shared.target(widths, monitor);
+    result.exponent = exponentGrid(result.target, result.placed.space, *result.exponentOf, monitor);
+  };
+  make();
+  if (result.exponent->tooShallow) {
+    widths.interior = kWholeInside;
+    make();
+  }
+  return result;
+}
+
+/// For a map without a shell, which gets the distances of the usual one.
+PlacedTarget placeTarget(const FractalOptions& options, SharedTarget& shared, Monitor& monitor) {
+  BandWidths widths = widthsOf(options, shared.input(), ExponentGridOptions{.orbit = orbitOf(options)});
+  PlacedTarget result{.target = shared.target(widths, monitor)};
+  if (needsDeepestPoint(options.space, result.target)) {
+    widths.interior = kWholeInside;
+    result.target = shared.target(widths, monitor);
+  }
+  result.placed = placeSpace(options.space, result.target);
+  return result;
 }
 
 struct Lattice {
@@ -146,6 +219,13 @@ Facts spaceFacts(const FractalSpace& space) {
           {"julia_space_scale", numbersText({space.scale})}};
 }
 
+Facts shellFacts(const ExponentGrid& exponent) {
+  const auto text = [](const std::pair<double, double>& range) { return numbersText({range.first, range.second}); };
+  return {{"julia_shell", numbersText({exponent.shell.lower, exponent.shell.upper})},
+          {"julia_alpha_range", text(exponent.alphaRange)},
+          {"julia_beta_range", text(exponent.betaRange)}};
+}
+
 Facts targetFacts(const Target& target) {
   Facts facts{{kTargetBox, boxText(target.box)}};
   if (target.repairMoved) facts["julia_repair_moved"] = numbersText({*target.repairMoved});
@@ -154,32 +234,50 @@ Facts targetFacts(const Target& target) {
 
 }  // namespace
 
-Scene makeScene(const FractalOptions& options, Monitor& monitor) {
+struct SceneMaker::Shared {
+  std::unique_ptr<SharedTarget> target;
+};
+
+SceneMaker::SceneMaker() : mShared(std::make_unique<Shared>()) {}
+SceneMaker::~SceneMaker() = default;
+
+Scene makeScene(const FractalOptions& options, Monitor& monitor) { return SceneMaker().make(options, monitor); }
+
+Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
   openvdb::initialize();
   Scene scene;
   scene.options = options;
   scene.orbit = orbitOf(options);
   const MapFiles files = options.map->readFiles();
-  const std::unique_ptr<const TargetInput> input = openInput(options);
   const std::optional<FittedTo> fitted = files.roots ? files.roots->target : std::nullopt;
+  const ShellSettings* const shell = options.map->shell();
+  if (shell && !options.target)
+    throw std::invalid_argument("the map needs a target: give a mesh, or a VDB with its signed distance");
 
   PlacedSpace placed;
   std::optional<BBoxd> shape;
-  if (input) {
-    shape = input->box();
-    scene.exponentOf = bindControls(options, *shape);
+  if (options.target) {
+    if (!mShared->target || !sameTarget(mShared->target->options(), *options.target))
+      mShared->target = std::make_unique<SharedTarget>(*options.target);
+    SharedTarget& shared = *mShared->target;
+    shape = shared.input().box();
     scene.facts.merge(hashesOf(options));
-    const BandWidths widths = widthsOf(options, *input, scene.exponentOf);
-    scene.target = targetOf(options, *input, widths, monitor);
-    placed = placeSpace(options.space, *scene.target);
-    if (scene.exponentOf) {
-      Shell shell = makeShell(*scene.target, *input, widths, placed.space, *scene.exponentOf, monitor);
-      scene.target = std::move(shell.target);
-      scene.exponent = std::move(shell.exponent);
+    PlacedTarget target = shell ? placeShell(options, *shell, shared, monitor) : placeTarget(options, shared, monitor);
+    scene.target = std::move(target.target);
+    scene.exponentOf = std::move(target.exponentOf);
+    scene.exponent = std::move(target.exponent);
+    placed = target.placed;
+    if (scene.exponent) {
       scene.orbit = scene.exponent->orbit;
-      const julia::ShellInterval& interval = scene.exponent->shell;
-      scene.facts["julia_shell"] = numbersText({interval.lower, interval.upper});
+      scene.facts.merge(shellFacts(*scene.exponent));
+      scene.facts["julia_origin_at"] = originText(options.space, placed.unmoved, *shape);
     }
+    if (shared.isSurveyed()) {
+      TargetSurvey& survey = shared.survey(monitor);
+      const LocalThickness& thickness = survey.thickness(monitor);
+      scene.facts["julia_thickness"] = numbersText({thickness.least, thickness.greatest});
+    }
+    scene.targetVolume = insideVolume(*scene.target->phi);
     scene.facts.merge(targetFacts(*scene.target));
   } else {
     scene.facts.merge(hashesOf(options));
@@ -201,6 +299,7 @@ Scene makeScene(const FractalOptions& options, Monitor& monitor) {
   scene.arithmetic = chooseArithmetic(scene, *scene.map, placed.space);
   scene.facts["julia_arithmetic"] = scene.arithmetic == Arithmetic::Float ? "float" : "double";
   scene.evaluator = scene.map->evaluator(scene.arithmetic, scene.orbit);
+  scene.placed = placed;
   scene.space = placed.space;
   scene.space.centre += options.map->latticeShift() * options.surface.tolerance * scene.voxelSize;
   scene.facts.merge(spaceFacts(scene.space));

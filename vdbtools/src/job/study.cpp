@@ -88,8 +88,9 @@ std::vector<int> countInside(std::size_t count, const PointAt& pointAt, const Sc
 /// Where E lies in the open shell interval, as a range of phi.
 std::optional<std::pair<double, double>> undecidedRange(const Scene& scene) {
   if (!scene.exponent || scene.orbit.maxIterations == 1) return std::nullopt;  // the sign of E decides everything
-  const std::optional<double> alpha = scene.exponentOf->alpha.constant(), beta = scene.exponentOf->beta.constant();
-  if (!alpha || !beta) return std::nullopt;
+  const ExponentGridOptions& of = *scene.exponentOf;
+  const std::optional<double> alpha = of.alpha.constant(), beta = of.beta.constant();
+  if (of.detail || !alpha || !beta || of.mask.constant() != 1.0) return std::nullopt;
   const julia::ShellInterval& shell = scene.exponent->shell;
   return std::pair{scene.space.scale * (shell.lower / *alpha + *beta),
                    scene.space.scale * (shell.upper / *alpha + *beta)};

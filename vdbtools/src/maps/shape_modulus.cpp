@@ -93,7 +93,7 @@ class ShapeModulusSettings final : public MapSettings {
   std::vector<NamedFile> files() const override {
     std::vector<NamedFile> files;
     if (mRoots.file) files.push_back(*mRoots.file);
-    for (const ControlSource* control : {mShell.alpha.get(), mShell.beta.get()})
+    for (const auto& control : mShell.controls())
       for (NamedFile& file : control->files()) files.push_back(std::move(file));
     return files;
   }
@@ -124,43 +124,17 @@ class ShapeModulusDescriptor final : public MapDescriptor {
   bool hasRoots() const override { return true; }
 
   std::vector<OptionSpec> options() const override {
-    std::vector<OptionSpec> options{
-        {.name = "alpha",
-         .argument = "A",
-         .defaultValue = "40",
-         .help = "how thin the shell of detail is: 6 eats deep into the shape, 40 decorates it, 300 is nearly smooth. "
-                 "A number, a ramp such as x:10:300:smooth, or FILE.vdb[:GRID]",
-         .hash = "alpha-sha256",
-         .kept = true},
-        {.name = "beta",
-         .argument = "B",
-         .defaultValue = "0",
-         .help = "offset of the shell, as a share of the target's longest side; positive values move it outward. Given "
-                 "like alpha",
-         .hash = "beta-sha256",
-         .kept = true},
-    };
+    std::vector<OptionSpec> options = shellOptions();
     for (OptionSpec& option : rootsOptions()) options.push_back(std::move(option));
     options.push_back(iterationsOption("3"));
-    options.push_back(escapeOption());
+    options.push_back(shellEscapeOption());
     for (OptionSpec& option : embeddingOptions()) options.push_back(std::move(option));
-    options.push_back({.name = "sampling",
-                       .argument = "trilinear|quadratic",
-                       .defaultValue = "trilinear",
-                       .help = "how the target's distances are interpolated; quadratic shows no creases in deep zooms",
-                       .kept = true});
     return options;
   }
 
   std::shared_ptr<const MapSettings> parse(const RecipeReader& reader) const override {
-    using julia::Interpolation;
-    ShellSettings shell{
-        .alpha = parseControl(reader, "alpha"),
-        .beta = parseControl(reader, "beta"),
-        .interpolation = reader.choice<Interpolation>(
-            "sampling", {{"trilinear", Interpolation::Trilinear}, {"quadratic", Interpolation::Quadratic}})};
     return std::make_shared<ShapeModulusSettings>(parseOrbit(reader, "escape"), parseEmbedding(reader),
-                                                  std::move(shell), parseRoots(reader, "versor"));
+                                                  parseShell(reader), parseRoots(reader, "versor"));
   }
 };
 

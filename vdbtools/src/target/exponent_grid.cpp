@@ -4,8 +4,11 @@
 #include "base/in_parallel.h"
 #include "base/openvdb/fast_sweeping.h"
 #include "target/cell_corners.h"
+#include "target/exponent_law.h"
 #include "vdbtools/target/fit_space.h"
 #include "vdbtools/target/grid_sampler.h"
+
+#include "julia/detail.h"
 
 #include <openvdb/tools/Morphology.h>
 #include <openvdb/tools/SignedFloodFill.h>
@@ -18,6 +21,7 @@
 #include <limits>
 #include <memory>
 #include <stdexcept>
+#include <tuple>
 #include <vector>
 
 namespace vdbtools {
@@ -133,6 +137,25 @@ float solidBeginsAt(const FloatGrid& grid, Monitor& monitor) {
   return *std::max_element(begins.begin(), begins.end());
 }
 
+/// A bound of how much active face neighbours differ.
+double largestStep(const FloatTree& tree, Monitor& monitor) {
+  const std::vector<const Leaf*> leaves = leavesOf(tree);
+  tbb::enumerable_thread_specific<float> largest(0.0f);
+  forEach(leaves.size(), monitor, [&](std::size_t i) {
+    float& most = largest.local();
+    const Accessor accessor(tree);
+    const CellCorners corners(*leaves[i], accessor);
+    if (isDenseThere(*leaves[i], accessor))
+      most = std::max(most, largestStepOf(corners));
+    else
+      forEachPair(corners, [&](float a, bool aOn, float b, bool bOn) {
+        if (aOn && bOn) most = std::max(most, std::abs(b - a));
+      });
+  });
+  constexpr double kRounding = 1 + 1e-6;
+  return kRounding * *std::max_element(largest.begin(), largest.end());
+}
+
 /// The leaves that hold nodes of the band, of the inside where @a inside asks for it, and as many @a layers of voxels
 /// around as are asked for: a little more rather than less.
 openvdb::MaskGrid::Ptr sweepingMask(const FloatGrid& phi, bool inside, int layers) {
@@ -170,7 +193,11 @@ int stepsInReach(julia::Interpolation interpolation) {
 class Baker {
  public:
   Baker(const Target& target, const FractalSpace& space, const ExponentGridOptions& options, Monitor& monitor)
-      : mSpace(space), mOptions(options), mMonitor(monitor), mTransform(target.phi->transform()) {
+      : mSpace(space),
+        mOptions(options),
+        mLaw(options, space.scale, target.phi->voxelSize()[0]),
+        mMonitor(monitor),
+        mTransform(target.phi->transform()) {
     const std::vector<const Leaf*> leaves = leavesOf(target.phi->tree());
     mLeaves.resize(leaves.size());
     monitor.begin("exponent", 2 * leaves.size());
@@ -183,36 +210,20 @@ class Baker {
     for (Leaf* leaf : mLeaves) mTree.addLeaf(leaf);
   }
 
-  /// A bound of how much E differs between face neighbours.
-  double largestStep() const {
-    tbb::enumerable_thread_specific<float> largest(0.0f);
-    forEach(mLeaves.size(), mMonitor, [&](std::size_t i) {
-      float& most = largest.local();
-      const Accessor accessor(mTree);
-      const CellCorners corners(*mLeaves[i], accessor);
-      if (isDenseThere(*mLeaves[i], accessor))
-        most = std::max(most, largestStepOf(corners));
-      else
-        forEachPair(corners, [&](float a, bool aOn, float b, bool bOn) {
-          if (aOn && bOn) most = std::max(most, std::abs(b - a));
-        });
-    });
-    constexpr double kRounding = 1 + 1e-6;
-    return kRounding * *std::max_element(largest.begin(), largest.end());
+  double largestStep() const { return vdbtools::largestStep(mTree, mMonitor); }
+  const ExponentLaw& law() const { return mLaw; }
+
+  /// Half a cell's diagonal, units of fractal space.
+  double radialStep() const { return mTransform.voxelSize().length() / mSpace.scale / 2; }
+  /// A node at distance d is read at points that come as near as d less a cell's diagonal, or one and a half for the
+  /// quadratic B-spline.
+  double radialReach() const {
+    return radialStep() * (mOptions.interpolation == julia::Interpolation::Quadratic ? 3 : 2);
   }
 
-  /// An upper bound of E where phi is solid, -inf if it is so nowhere.
-  double solidBound(const Target& target) const {
-    const double phi = solidBeginsAt(*target.phi, mMonitor) / mSpace.scale - mOptions.beta.range().first;
-    const auto [least, most] = mOptions.alpha.range();
-    return phi < 0 ? least * phi : most * phi;
-  }
-
-  /// m(r) of shell.h, from the nodes: one at distance d is read at points that come as near as d less a cell's
-  /// diagonal, or one and a half for the quadratic B-spline.
-  julia::RadialMaximum radialMaximum(double atOrigin) const {
-    const double step = mTransform.voxelSize().length() / mSpace.scale / 2;  // half a cell's diagonal
-    const double reach = step * (mOptions.interpolation == julia::Interpolation::Quadratic ? 3 : 2);
+  /// m(r) of shell.h about @a origin, world units, from the nodes.
+  julia::RadialMaximum radialMaximum(const Vec3d& origin, double atOrigin) const {
+    const double step = radialStep(), reach = radialReach();
     const std::size_t count = static_cast<std::size_t>(std::ceil(1 / step));
     const std::vector<double> nothing(count, -std::numeric_limits<double>::infinity());
     tbb::enumerable_thread_specific<std::vector<double>> parts(nothing);
@@ -223,7 +234,7 @@ class Baker {
       const float* values = leaf.buffer().data();
       for (openvdb::Index row = 0; row < Leaf::SIZE; row += Leaf::DIM) {
         double ball[Leaf::DIM];
-        const Vec3d base = (at.x[row / Leaf::DIM / Leaf::DIM] + at.y[row / Leaf::DIM % Leaf::DIM] - mSpace.centre);
+        const Vec3d base = (at.x[row / Leaf::DIM / Leaf::DIM] + at.y[row / Leaf::DIM % Leaf::DIM] - origin);
         for (unsigned z = 0; z < Leaf::DIM; ++z) {
           const double x = (base[0] + at.z[z][0]) / mSpace.scale, y = (base[1] + at.z[z][1]) / mSpace.scale,
                        w = (base[2] + at.z[z][2]) / mSpace.scale;
@@ -245,6 +256,14 @@ class Baker {
     double running = atOrigin;
     for (double& maximum : result.maximum) running = maximum = std::max(running, maximum);
     return result;
+  }
+
+  /// value -> level + scale value, from the place in the shell of detail to E.
+  void stretch(double level, double scale) {
+    forEach(mLeaves.size(), mMonitor, [&](std::size_t i) {
+      for (auto value = mLeaves[i]->beginValueOn(); value; ++value)
+        value.setValue(static_cast<float>(level + scale * static_cast<double>(*value)));
+    });
   }
 
   /// The grid, what is farther outside the interval than any cell that touches it replaced by a constant.
@@ -294,25 +313,24 @@ class Baker {
     Vec3d x[Leaf::DIM], y[Leaf::DIM], z[Leaf::DIM];
   };
 
-  /// E = alpha (phi - beta). Inactive nodes keep a value of phi's sign.
+  /// What the law makes of phi. Inactive nodes keep a value of phi's sign.
   Leaf* bake(const Leaf& phi) const {
     auto leaf = std::make_unique<Leaf>(phi);
     float* values = leaf->buffer().data();
-    const std::optional<double> alpha = mOptions.alpha.constant(), beta = mOptions.beta.constant();
-    if (alpha && beta) {
-      for (openvdb::Index i = 0; i < Leaf::SIZE; ++i)
-        values[i] = static_cast<float>(*alpha * (values[i] / mSpace.scale - *beta));
+    if (mLaw.isUniform()) {
+      for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) values[i] = mLaw.uniform(values[i]);
     } else {
       std::vector<Vec3d> points;
+      std::vector<float> active;
       points.reserve(leaf->onVoxelCount());
-      for (auto value = leaf->cbeginValueOn(); value; ++value)
+      active.reserve(leaf->onVoxelCount());
+      for (auto value = leaf->cbeginValueOn(); value; ++value) {
         points.push_back(mTransform.indexToWorld(value.getCoord()));
-      std::vector<double> alphas(points.size()), betas(points.size());
-      mOptions.alpha.sample(points, alphas);
-      mOptions.beta.sample(points, betas);
+        active.push_back(*value);
+      }
+      mLaw.apply(points, active);
       std::size_t i = 0;
-      for (auto value = leaf->beginValueOn(); value; ++value, ++i)
-        value.setValue(static_cast<float>(alphas[i] * (*value / mSpace.scale - betas[i])));
+      for (auto value = leaf->beginValueOn(); value; ++value, ++i) value.setValue(active[i]);
     }
     for (auto value = leaf->beginValueOff(); value; ++value)
       value.setValue(phi.getValue(value.pos()) < 0 ? -1.0f : 1.0f);
@@ -321,6 +339,7 @@ class Baker {
 
   FractalSpace mSpace;
   const ExponentGridOptions& mOptions;
+  ExponentLaw mLaw;
   Monitor& mMonitor;
   const openvdb::math::Transform& mTransform;
   FloatTree mTree{1.0f};
@@ -384,37 +403,72 @@ double interiorReach(const ExponentGridOptions& options, double depth) {
   return std::max(0.0, depth / options.alpha.range().first - options.beta.range().first);
 }
 
+DetailReach detailReach(const ExponentGridOptions& options) {
+  const double tau = options.detail->greatestThickness * options.mask.range().second;
+  return {tau * options.detail->outward.range().second, tau * options.detail->detail.range().second};
+}
+
+namespace {
+
+/// Where a point of the world is in the field.
+enum class Place { Inside, Known, Outside, PastTheFaces };
+
+Place placeOf(const Target& target, const Vec3d& point) {
+  const Vec3d at = target.phi->worldToIndex(point);
+  // Past the faces of a dense field the nearest face's value holds; that is no farther from the origin than the point
+  // itself only where the box holds the origin.
+  if (target.denseBox &&
+      !openvdb::BBoxd(target.denseBox->min().asVec3d(), target.denseBox->max().asVec3d()).isInside(at))
+    return Place::PastTheFaces;
+  const Coord node = Coord::round(at);
+  if (target.phi->tree().isValueOn(node)) return Place::Known;
+  return target.phi->tree().getValue(node) < 0 ? Place::Inside : Place::Outside;
+}
+
+/// m(r) about a point. @param solid, outside  bounds of E where the distances end, inside and outside
+julia::RadialMaximum radialMaximumAbout(const Vec3d& origin, const Target& target, const Baker& baker, double solid,
+                                        double outside) {
+  const Place place = placeOf(target, origin);
+  if (place == Place::PastTheFaces) return {.step = 1, .maximum = {}};
+  return baker.radialMaximum(origin, place == Place::Outside ? outside : solid);
+}
+
+}  // namespace
+
 ExponentGrid exponentGrid(const Target& target, const FractalSpace& space, const ExponentGridOptions& options,
                           Monitor& monitor) {
-  exteriorReach(options);  // its checks
   ExponentGrid result;
   result.space = space;
   result.interpolation = options.interpolation;
   result.denseBox = target.denseBox;
   Baker baker(target, space, options, monitor);
+  const ExponentLaw& law = baker.law();
+  const double logEscape = std::log(options.orbit.escapeRadius);
+  constexpr double kNowhere = -std::numeric_limits<double>::infinity();
+  // Where the distances end inside, E is at least as low as at their end.
+  const double solidPhi = target.denseBox ? kNowhere : solidBeginsAt(*target.phi, monitor);
+  double solid = solidPhi == kNowhere ? kNowhere : law.greatestInside(solidPhi);
+  if (options.detail) {
+    result.scale = julia::wantedScale(radialMaximumAbout(options.detail->origin, target, baker, solid, logEscape),
+                                      options.orbit.maxIterations, options.orbit.escapeRadius);
+    baker.stretch(logEscape, *result.scale);
+    solid = logEscape + *result.scale * solid;
+  }
   const double largestStep = baker.largestStep();
   const double difference = largestStep * stepsInReach(options.interpolation);
-  // Where the distances end inside, E is at least as low as at their end.
-  const double solid = target.denseBox ? -std::numeric_limits<double>::infinity() : baker.solidBound(target);
-  const Vec3d origin = target.phi->worldToIndex(space.centre);
-  const bool originInBox =
-      !target.denseBox ||
-      openvdb::BBoxd(target.denseBox->min().asVec3d(), target.denseBox->max().asVec3d()).isInside(origin);
-  julia::RadialMaximum maximum;
-  maximum.step = 1;
-  // Past the faces of a dense field the nearest face's value holds; that is no farther from the origin than the point
-  // itself only where the box holds the origin.
-  if (originInBox) {
-    const Coord node = Coord::round(origin);
-    const bool outside = !target.phi->tree().isValueOn(node) && !(target.phi->tree().getValue(node) < 0);
-    const double logEscape = std::log(options.orbit.escapeRadius);
-    maximum = baker.radialMaximum(outside ? logEscape + 1 : solid);
-  }
+  const julia::RadialMaximum maximum = radialMaximumAbout(space.centre, target, baker, solid, logEscape + 1);
   result.shell = julia::shellInterval(maximum, options.orbit.maxIterations, options.orbit.escapeRadius);
   result.orbit = options.orbit;
   result.orbit.logTrap = result.shell.lower;
   // Of the nodes that are read with a solid one, one lies next to it; all must be trapped.
-  result.tooShallow = solid + difference > result.shell.lower + largestStep;
+  if (options.detail && solidPhi != kNowhere) {
+    // What is steep elsewhere does not matter here.
+    const double near = (stepsInReach(options.interpolation) - 1) * vdbtools::largestStep(target.phi->tree(), monitor);
+    result.tooShallow = logEscape + *result.scale * law.greatestInside(solidPhi + near) > result.shell.lower;
+  } else {
+    result.tooShallow = solid + difference > result.shell.lower + largestStep;
+  }
+  std::tie(result.alphaRange, result.betaRange) = law.ranges(result.scale);
   result.grid = baker.narrowed(result.shell, difference);
   return result;
 }

@@ -56,7 +56,7 @@ bool centreIsInside(const openvdb::FloatGrid& phi, const openvdb::BBoxd& box) {
   return openvdb::tools::BoxSampler::sample(phi.getConstAccessor(), phi.worldToIndex(box.getCenter())) < 0;
 }
 
-FractalSpace fitFractalSpace(const openvdb::FloatGrid& phi, const openvdb::BBoxd& box, const openvdb::Vec3d& origin) {
+FractalSpace fitFractalSpace(const openvdb::FloatGrid& phi, const openvdb::BBoxd& box) {
   FractalSpace space;
   space.scale = box.extents()[static_cast<int>(openvdb::math::MaxIndex(box.extents()))];
   if (!(space.scale > 0 && std::isfinite(space.scale)))
@@ -73,7 +73,6 @@ FractalSpace fitFractalSpace(const openvdb::FloatGrid& phi, const openvdb::BBoxd
     if (deepest == 0) throw DataError("the signed distance field is nowhere negative: it has no inside");
     space.centre = phi.indexToWorld(deepestNode);
   }
-  space.centre += origin * space.scale;
   return space;
 }
 

@@ -3,14 +3,29 @@
 
 #include "target/solid_input.h"
 #include "vdbtools/target/fit_space.h"
+#include "vdbtools/target/inscribed_ball.h"
+
+#include <stdexcept>
 
 namespace vdbtools {
 namespace {
 
-PlacedSpace placed(const FractalSpace& space, const SpaceOptions& options) {
-  PlacedSpace result{space, space};
-  result.unmoved.centre -= options.origin * space.scale;
-  return result;
+using openvdb::BBoxd;
+using openvdb::Vec3d;
+
+PlacedSpace shifted(const FractalSpace& unmoved, const SpaceOptions& options) {
+  PlacedSpace placed{unmoved, unmoved};
+  placed.space.centre += options.shift * unmoved.scale;
+  return placed;
+}
+
+/// The middle of a shape's box in fractal space, before an origin is chosen.
+FractalSpace aboutTheMiddle(const SpaceOptions& options, const BBoxd& box) {
+  FractalSpace space;
+  if (options.kind == SpaceKind::World) return space;
+  space.scale = longestSide(box);
+  space.centre = box.getCenter();
+  return space;
 }
 
 }  // namespace
@@ -18,40 +33,88 @@ PlacedSpace placed(const FractalSpace& space, const SpaceOptions& options) {
 std::vector<OptionSpec> spaceOptionSpecs() {
   return {
       {.name = "origin",
+       .argument = "auto|centre|X,Y,Z",
+       .defaultValue = "auto",
+       .help = "where in the target the origin of the dynamics lies. auto: at the centre of the largest ball inside it "
+               "(other maps than shape-modulus: as centre); centre: in the middle of its box; or an offset from there "
+               "in fractal space"},
+      {.name = "origin-near",
+       .argument = "X,Y,Z",
+       .help = "for --origin auto: among balls of nearly the same size choose the nearest to this point, given like an "
+               "origin (default: the middle of the box)"},
+      {.name = "origin-shift",
        .argument = "X,Y,Z",
        .defaultValue = "0,0,0",
-       .help = "move the origin of the dynamics, in fractal space, which erodes the set"},
+       .help = "move the dynamics from its origin, in fractal space, which erodes the set"},
       {.name = "space",
        .argument = "fit|world",
        .defaultValue = "fit",
-       .help = "fit: the target is scaled to a longest side of 1 and centred at 0; world: coordinates are used as they "
+       .help = "fit: the target is scaled to a longest side of 1 about the origin; world: coordinates are used as they "
                "are"},
   };
 }
 
 SpaceOptions parseSpaceOptions(const RecipeReader& reader) {
-  return {.kind = reader.choice<SpaceKind>("space", {{"fit", SpaceKind::Fit}, {"world", SpaceKind::World}}),
-          .origin = reader.vector("origin")};
+  SpaceOptions options{
+      .kind = reader.choice<SpaceKind>("space", {{"fit", SpaceKind::Fit}, {"world", SpaceKind::World}}),
+      .shift = reader.vector("origin-shift")};
+  const std::string origin = reader.text("origin");
+  if (origin == "centre") {
+    options.origin = OriginKind::Centre;
+  } else if (origin != "auto") {
+    options.origin = OriginKind::Given;
+    try {
+      options.at = reader.vector("origin");
+    } catch (const std::invalid_argument&) {
+      reader.refuse("origin", "auto, centre, or three finite numbers with commas between them");
+    }
+  }
+  if (reader.has("origin-near")) {
+    if (options.origin != OriginKind::Auto)
+      throw std::invalid_argument("--origin-near is for --origin auto, but --origin is '" + origin +
+                                  "'; give only one of them");
+    options.near = reader.vector("origin-near");
+  }
+  return options;
 }
 
-double spaceScale(const SpaceOptions& options, const openvdb::BBoxd& box) {
+double spaceScale(const SpaceOptions& options, const BBoxd& box) {
   return options.kind == SpaceKind::World ? 1 : longestSide(box);
 }
 
+bool needsInscribedBall(const SpaceOptions& options) {
+  return options.kind == SpaceKind::Fit && options.origin == OriginKind::Auto;
+}
+
+PlacedSpace placeSpace(const SpaceOptions& options, const BBoxd& box, const openvdb::FloatGrid* phi) {
+  FractalSpace space = aboutTheMiddle(options, box);
+  if (needsInscribedBall(options)) {
+    const Vec3d preferred = space.centre + options.near.value_or(Vec3d(0)) * space.scale;
+    space.centre = largestInscribedBall(*phi, preferred).centre;
+  } else {
+    space.centre += options.at * space.scale;
+  }
+  return shifted(space, options);
+}
+
 bool needsDeepestPoint(const SpaceOptions& options, const Target& target) {
-  return options.kind == SpaceKind::Fit && !centreIsInside(*target.phi, target.box);
+  return options.kind == SpaceKind::Fit && options.origin == OriginKind::Auto &&
+         !centreIsInside(*target.phi, target.box);
 }
 
 PlacedSpace placeSpace(const SpaceOptions& options, const Target& target) {
-  if (options.kind == SpaceKind::World) return placeSpace(options, nullptr);
-  return placed(fitFractalSpace(*target.phi, target.box, options.origin), options);
+  if (options.kind == SpaceKind::Fit && options.origin == OriginKind::Auto)
+    return shifted(fitFractalSpace(*target.phi, target.box), options);
+  FractalSpace space = aboutTheMiddle(options, target.box);
+  space.centre += options.at * space.scale;
+  return shifted(space, options);
 }
 
 PlacedSpace placeSpace(const SpaceOptions& options, const FractalSpace* fitted) {
   FractalSpace space;
   if (fitted && options.kind == SpaceKind::Fit) space = *fitted;
-  space.centre += options.origin * space.scale;
-  return placed(space, options);
+  space.centre += options.at * space.scale;
+  return shifted(space, options);
 }
 
 }  // namespace vdbtools

@@ -4,6 +4,9 @@
 #include "target/solid_input.h"
 #include "vdbtools/formats/vdb_file.h"
 
+#include <openvdb/tools/Interpolation.h>
+
+#include <algorithm>
 #include <limits>
 
 namespace vdbtools {
@@ -11,13 +14,20 @@ namespace {
 
 using openvdb::BBoxd;
 
+using openvdb::FloatGrid;
+using openvdb::Vec3d;
+
 constexpr double kWholeInside = std::numeric_limits<double>::infinity();
+constexpr double kSurveyMargin = 4;  ///< voxels of the survey known outside
+
+/// @param voxel  of the target's distances, world units
+double surveyVoxel(double voxel, const BBoxd& box) { return std::max(2 * voxel, longestSide(box) / kMostSurveyVoxels); }
 
 class MeshInput final : public TargetInput {
  public:
   explicit MeshInput(const TargetOptions& options)
-      : mMesh(readMesh(options.input.path)),
-        mReport(reportOfSolid(mMesh, options.input.path)),
+      : mMesh(std::make_shared<const Mesh>(readMesh(options.input.path))),
+        mReport(reportOfSolid(*mMesh, options.input.path)),
         mVoxel(options.sdfVoxels.sizeFor(longestSide(mReport.box))),
         mRepair(options.repair),
         mGap(options.gap) {}
@@ -28,7 +38,7 @@ class MeshInput final : public TargetInput {
   Target make(const BandWidths& widths, Monitor& monitor) const override {
     const MeshToSdfOptions band =
         sdfBand(mVoxel, widths.exterior / mVoxel + kExponentMargin, widths.interior / mVoxel + kExponentMargin);
-    const MeshSdf sdf = makeSdfAbout(mReport.box.getCenter(), mMesh, band, mRepair, mGap, monitor);
+    const MeshSdf sdf = makeSdfAbout(mReport.box.getCenter(), *mMesh, band, mRepair, mGap, monitor);
     Target target = makeTarget(sdf.grid, mReport.box);
     target.repairMoved = sdf.moved;
     return target;
@@ -37,8 +47,17 @@ class MeshInput final : public TargetInput {
     return make({widths.exterior, kWholeInside}, monitor);
   }
 
+  FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const override {
+    const double voxel = surveyVoxel(mVoxel, mReport.box);
+    return makeSdfAbout(mReport.box.getCenter(), *mMesh, sdfBand(voxel, kSurveyMargin, kWholeInside), mRepair, mGap,
+                        monitor)
+        .grid;
+  }
+
+  std::shared_ptr<const Mesh> mesh() const override { return mMesh; }
+
  private:
-  Mesh mMesh;
+  std::shared_ptr<const Mesh> mMesh;
   MeshReport mReport;
   double mVoxel;
   bool mRepair;
@@ -57,6 +76,29 @@ class VdbInput final : public TargetInput {
     return extended(target, {widths.exterior, kWholeInside}, monitor);
   }
 
+  FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const override {
+    const Vec3d size = mTarget.phi->voxelSize();
+    const double finest = std::min({size[0], size[1], size[2]}), voxel = surveyVoxel(finest, mTarget.box);
+    const Target deep = extended(mTarget, {kSurveyMargin * voxel, kWholeInside}, monitor);
+    const FloatGrid::Ptr coarse = FloatGrid::create(static_cast<float>(kSurveyMargin * voxel));
+    coarse->setTransform(openvdb::math::Transform::createLinearTransform(voxel));
+    const openvdb::BBoxd at = coarse->transform().worldToIndex(mTarget.box);
+    openvdb::CoordBBox nodes(openvdb::Coord::floor(at.min()), openvdb::Coord::ceil(at.max()));
+    nodes.expand(static_cast<int>(kSurveyMargin));
+    coarse->denseFill(nodes, 0.0f, true);
+    coarse->tree().voxelizeActiveTiles();
+    const auto accessor = deep.phi->getConstAccessor();
+    for (auto value = coarse->beginValueOn(); value; ++value) {
+      Vec3d point = deep.phi->worldToIndex(coarse->indexToWorld(value.getCoord()));
+      // Past the faces of a dense field the nearest face's value holds.
+      if (deep.denseBox)
+        for (int axis = 0; axis < 3; ++axis)
+          point[axis] = std::clamp<double>(point[axis], deep.denseBox->min()[axis], deep.denseBox->max()[axis]);
+      value.setValue(openvdb::tools::BoxSampler::sample(accessor, point));
+    }
+    return coarse;
+  }
+
  private:
   static Target extended(Target target, const BandWidths& widths, Monitor& monitor) {
     extendBand(target, widths.exterior, widths.interior, monitor);
@@ -67,6 +109,11 @@ class VdbInput final : public TargetInput {
 };
 
 }  // namespace
+
+bool sameTarget(const TargetOptions& a, const TargetOptions& b) {
+  return a.input.path == b.input.path && a.grid == b.grid && a.sdfVoxels.voxelSize == b.sdfVoxels.voxelSize &&
+         a.sdfVoxels.resolution == b.sdfVoxels.resolution && a.repair == b.repair && a.gap == b.gap;
+}
 
 std::vector<OptionSpec> targetOptionSpecs() {
   return {

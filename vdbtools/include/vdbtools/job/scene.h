@@ -28,7 +28,7 @@ using Facts = std::map<std::string, std::string>;
 struct Scene {
   FractalOptions options;
   std::optional<Target> target;                   ///< none if no input was given
-  std::optional<ExponentGridOptions> exponentOf;  ///< what the exponent was made with: alpha, beta, the orbit
+  std::optional<ExponentGridOptions> exponentOf;  ///< what the exponent was made with: its controls, the orbit
   std::optional<ExponentGrid> exponent;           ///< of a map with a shell
   std::shared_ptr<const MapInstance> map;
   openvdb::BBoxd region;                       ///< of a map without a shell, world units
@@ -36,13 +36,29 @@ struct Scene {
   julia::OrbitOptions orbit;                   ///< the evaluator's
   Arithmetic arithmetic = Arithmetic::Double;  ///< as options.precision has it or as it was chosen
   std::unique_ptr<julia::FieldEvaluator> evaluator;
-  FractalSpace space;  ///< the evaluator's
+  FractalSpace space;                  ///< the evaluator's
+  PlacedSpace placed;                  ///< where the options place it, before the lattice's shift
+  std::optional<double> targetVolume;  ///< of a target, world units cubed
   Facts facts;
 
   FieldSource source() const { return {*evaluator, space}; }
 };
 
-/// @throw what reading, repairing and the options' checks throw
+/// Makes scenes one after another; what they share of a target is made once.
+class SceneMaker {
+ public:
+  SceneMaker();
+  ~SceneMaker();
+
+  /// @throw what reading, repairing and the options' checks throw
+  Scene make(const FractalOptions& options, Monitor& monitor);
+
+ private:
+  struct Shared;
+  std::unique_ptr<Shared> mShared;
+};
+
+/// One scene.
 Scene makeScene(const FractalOptions& options, Monitor& monitor);
 
 /// A scene's evaluators with other random versors: what its target gives is made once and shared.

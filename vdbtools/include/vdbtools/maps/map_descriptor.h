@@ -78,10 +78,17 @@ class MapInstance {
   virtual std::map<std::string, std::string> facts() const { return {}; }
 };
 
-/// alpha and beta of a map whose values come from a target's exponent E = alpha (phi - beta).
+/// The shell of a map whose values come from a target's exponent E: either alpha and beta, E = alpha (phi - beta), or
+/// detail and outward, the shares of the local thickness that it is to reach to (exponent_grid.h). The others of the
+/// four are nullptr.
 struct ShellSettings {
   std::shared_ptr<const ControlSource> alpha, beta;
+  std::shared_ptr<const ControlSource> detail, outward;
+  std::shared_ptr<const ControlSource> mask;  ///< always there
   julia::Interpolation interpolation = julia::Interpolation::Trilinear;
+
+  /// Those of the five that are there.
+  std::vector<std::shared_ptr<const ControlSource>> controls() const;
 };
 
 /// A map as a recipe describes it. Immutable.

@@ -36,6 +36,13 @@ julia::Embedding parseEmbedding(const RecipeReader& reader);
 /// That of a map of R^3, which takes no other: @throw std::invalid_argument
 julia::Embedding parseSpatialEmbedding(const RecipeReader& reader);
 
+/// --detail, --outward, --alpha, --beta, --mask and --sampling: the shell of a map over a target.
+std::vector<OptionSpec> shellOptions();
+/// --escape of such a map: smaller for a shell of detail, where it is the outer end of the shell.
+OptionSpec shellEscapeOption();
+/// @throw std::invalid_argument  naming the option
+ShellSettings parseShell(const RecipeReader& reader);
+
 /// Roots as a recipe describes them: random ones or a file's, scaled and moved.
 struct RootsSettings {
   std::optional<NamedFile> file;     ///< none: random

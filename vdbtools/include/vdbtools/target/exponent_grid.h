@@ -18,6 +18,7 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 
 namespace vdbtools {
 
@@ -41,9 +42,22 @@ Target makeTarget(openvdb::FloatGrid::Ptr phi, std::optional<openvdb::BBoxd> box
 /// stay as they are. A dense target stays as it is.
 void extendBand(Target& target, double exteriorWidth, double interiorWidth, Monitor& monitor);
 
+/// A shell that follows the shape (julia/detail.h): every point with phi <= -D tau is in the set, and every point with
+/// phi >= O tau is outside, where tau is the local thickness.
+struct DetailOptions {
+  Control detail{0.25};          ///< D, from 0 to 1
+  Control outward{0.1};          ///< O, from 0 to 1
+  Control thickness{1.0};        ///< tau, world units, > 0 (local_thickness.h)
+  double greatestThickness = 1;  ///< of tau anywhere
+  /// For which origin the promise holds, world units. With another one the set erodes.
+  openvdb::Vec3d origin{0, 0, 0};
+};
+
 struct ExponentGridOptions {
-  Control alpha{40.0};  ///< thinness of the shell, > 0 everywhere
-  Control beta{0.0};    ///< offset of the shell, units of fractal space
+  std::optional<DetailOptions> detail{};  ///< instead of alpha and beta
+  Control alpha{40.0};                    ///< thinness of the shell, > 0 everywhere
+  Control beta{0.0};                      ///< offset of the shell, units of fractal space
+  Control mask{1.0};  ///< width of the shell as a share of what it is without, from 0, the plain target, to 1
   julia::OrbitOptions orbit{};
   julia::Interpolation interpolation = julia::Interpolation::Trilinear;
 };
@@ -57,21 +71,32 @@ struct ExponentGrid {
   std::optional<openvdb::CoordBBox> denseBox;  ///< see Target
   /// The target's distances end before E is as low as the shell's lower end: they must be extended further inward.
   bool tooShallow = false;
+  std::optional<double> scale;  ///< K of julia/detail.h, where ExponentGridOptions::detail is
+  /// alpha and beta over the target: as they were given, or as they would have to be for this E.
+  std::pair<double, double> alphaRange, betaRange;
   julia::Interpolation interpolation = julia::Interpolation::Trilinear;
 };
 
 /// Nodes of phi that are needed beyond the reach below, voxels: those that are read about a point there.
 inline constexpr double kExponentMargin = 7;
 
-/// How far outside the surface E may stay below ln(escape): the band that phi needs there, units of fractal space.
+/// How far outside the surface E may stay below ln(escape): the band that phi needs there, units of fractal space. Of
+/// alpha and beta.
 double exteriorReach(const ExponentGridOptions& options);
 
-/// How deep inside E may stay above -@a depth, the same units.
+/// How deep inside E may stay above -@a depth, the same units. Of alpha and beta.
 double interiorReach(const ExponentGridOptions& options, double depth);
+
+/// The same of a shell of detail: how far it reaches to either side, world units.
+struct DetailReach {
+  double outside = 0, inside = 0;
+};
+DetailReach detailReach(const ExponentGridOptions& options);
 
 /// @pre extendBand() with space.scale times exteriorReach() and the whole inside, or a band as wide. A band that is
 ///      shallower inside serves where the result is not tooShallow.
-/// @throw std::invalid_argument  alpha not positive, or not finite
+/// @throw std::invalid_argument  alpha not positive, or not finite; a share that is not from 0 to 1; a detail for an
+///                               origin that does not lie inside the target
 ExponentGrid exponentGrid(const Target& target, const FractalSpace& space, const ExponentGridOptions& options,
                           Monitor& monitor);
 

@@ -16,8 +16,8 @@ openvdb::BBoxd insideBox(const openvdb::FloatGrid& phi);
 bool centreIsInside(const openvdb::FloatGrid& phi, const openvdb::BBoxd& box);
 
 /// The space of a target: its centre is the box's if phi < 0 there, else the deepest node (the first in the order of
-/// the tree). The origin is then moved by @a origin, in units of the space.
+/// the tree). What is fitted to a target has this space.
 /// @throw DataError if phi is nowhere negative; std::invalid_argument if the box has no extent
-FractalSpace fitFractalSpace(const openvdb::FloatGrid& phi, const openvdb::BBoxd& box, const openvdb::Vec3d& origin);
+FractalSpace fitFractalSpace(const openvdb::FloatGrid& phi, const openvdb::BBoxd& box);
 
 }  // namespace vdbtools

@@ -7,6 +7,7 @@
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/base/voxel_choice.h"
 #include "vdbtools/files/named_file.h"
+#include "vdbtools/mesh/mesh.h"
 #include "vdbtools/recipe/recipe_reader.h"
 #include "vdbtools/target/exponent_grid.h"
 
@@ -25,6 +26,9 @@ struct TargetOptions {
   double gap = 0;  ///< as RepairOptions
 };
 
+/// Whether both make the same distances of the same file.
+bool sameTarget(const TargetOptions& a, const TargetOptions& b);
+
 std::vector<OptionSpec> targetOptionSpecs();
 /// None if the recipe names no input. @throw std::invalid_argument
 std::optional<TargetOptions> parseTargetOptions(const RecipeReader& reader);
@@ -34,6 +38,8 @@ struct BandWidths {
   double exterior = 0;
   double interior = 0;
 };
+
+inline constexpr double kMostSurveyVoxels = 128;
 
 /// A target that was opened: its box is known, its distances are yet to be made.
 class TargetInput {
@@ -52,6 +58,14 @@ class TargetInput {
   /// What make() gave for @a widths with the distances known over the whole inside. That takes long, and is seldom
   /// needed.
   virtual Target deepened(const Target& target, const BandWidths& widths, Monitor& monitor) const = 0;
+
+  /// Distances over the whole inside and a few voxels outside, on a lattice of half the resolution and no more than
+  /// kMostSurveyVoxels along the longest side.
+  /// @throw DataError, Interrupted
+  virtual openvdb::FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const = 0;
+
+  /// The mesh as it was read; nullptr: the target is a VDB.
+  virtual std::shared_ptr<const Mesh> mesh() const { return nullptr; }
 };
 
 /// @throw MissingInputError, DataError, IoError  as reading the file

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file inscribed_ball.h
+/// The largest ball inside a shape. Its centre is the default origin of the dynamics: [SK23] assumes throughout that
+/// the origin lies inside the target, and the deeper it lies, the larger is the ball that traps orbits
+/// (docs/design.md 2.4).
+#pragma once
+
+#include "vdbtools/base/grids.h"
+
+namespace vdbtools {
+
+struct InscribedBall {
+  openvdb::Vec3d centre{0, 0, 0};  ///< world units
+  double radius = 0;               ///< distance from the centre to the surface, world units
+};
+
+/// Of two balls, the one that lies farther from the preferred point must be larger by at least this share of the
+/// difference of the two distances. The choice therefore moves continuously along parts of constant thickness, and
+/// among nearly equal balls it falls on the nearest.
+inline constexpr double kInscribedBallPull = 0.03;
+
+/// The ball whose radius less kInscribedBallPull times the distance from its centre to @a preferred is greatest.
+/// Of several parts of a shape it is that of the deepest. The result does not depend on where the lattice lies, up to
+/// a small fraction of a voxel.
+/// @param phi        world units, negative inside; the distances must be known over the whole inside
+/// @param preferred  world units, usually the middle of the shape's box
+/// @throw DataError  phi is nowhere negative
+InscribedBall largestInscribedBall(const openvdb::FloatGrid& phi, const openvdb::Vec3d& preferred);
+
+}  // namespace vdbtools

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/maps/map_options.h"
+
+#include <stdexcept>
+
+namespace vdbtools {
+namespace {
+
+constexpr const char* kDetail = "0.25";
+constexpr const char* kOutward = "0.1";
+constexpr const char* kAlpha = "40";
+constexpr const char* kBeta = "0";
+constexpr const char* kEscapeOfDetail = "2";
+
+bool isNumeric(const Recipe& recipe) { return recipe.contains("alpha") || recipe.contains("beta"); }
+
+/// @param ifNumeric  the default where alpha or beta is given, else only where neither is
+std::function<std::optional<std::string>(const Recipe&)> defaultWhere(bool ifNumeric, const char* value) {
+  return [ifNumeric, value](const Recipe& recipe) {
+    return isNumeric(recipe) == ifNumeric ? std::optional<std::string>(value) : std::nullopt;
+  };
+}
+
+/// A control that is a share. @throw std::invalid_argument  a number that is none
+std::shared_ptr<const ControlSource> parseShare(const RecipeReader& reader, const std::string& option) {
+  if (const std::optional<double> value = numberFromText(reader.text(option)); value && !(*value >= 0 && *value <= 1))
+    reader.refuse(option, "from 0 to 1, or a ramp, a grid, a painted attribute");
+  return parseControl(reader, option);
+}
+
+}  // namespace
+
+std::vector<std::shared_ptr<const ControlSource>> ShellSettings::controls() const {
+  std::vector<std::shared_ptr<const ControlSource>> controls;
+  for (const auto& control : {alpha, beta, detail, outward, mask})
+    if (control) controls.push_back(control);
+  return controls;
+}
+
+std::vector<OptionSpec> shellOptions() {
+  return {
+      {.name = "detail",
+       .argument = "D",
+       .help = "how deep detail eats into the shape, as a share of its local thickness: 0.1 decorates it, 0.25 covers "
+               "it, 0.8 leaves a thin core. From 0 to 1; a number, a ramp such as x:0.1:0.6:smooth, FILE.vdb[:GRID], "
+               "or a painted control (docs/controls.md)",
+       .defaultFor = defaultWhere(false, kDetail),
+       .defaultNote = kDetail,
+       .alternative = "alpha",
+       .displaces = {"beta"},
+       .hash = "detail-sha256",
+       .kept = true},
+      {.name = "outward",
+       .argument = "O",
+       .help = "how far detail reaches out of the shape, as a share of the same. Given like detail",
+       .defaultFor = defaultWhere(false, kOutward),
+       .defaultNote = kOutward,
+       .displaces = {"alpha", "beta"},
+       .hash = "outward-sha256",
+       .kept = true},
+      {.name = "mask",
+       .argument = "M",
+       .defaultValue = "1",
+       .help = "where it is 0 the result is the plain target, where it is 1 the fractal. Given like detail",
+       .hash = "mask-sha256",
+       .kept = true},
+      {.name = "alpha",
+       .argument = "A",
+       .help = "instead of detail, the papers' number for how thin the shell of detail is: 6 eats deep into the shape, "
+               "40 decorates it, 300 is nearly smooth. Above 0; given like detail",
+       .defaultFor = defaultWhere(true, kAlpha),
+       .defaultNote = std::string(kAlpha) + " where beta is given",
+       .alternative = "detail",
+       .displaces = {"outward"},
+       .hash = "alpha-sha256",
+       .kept = true},
+      {.name = "beta",
+       .argument = "B",
+       .help = "instead of outward, the offset of that shell, as a share of the target's longest side; positive values "
+               "move it outward. Given like detail",
+       .defaultFor = defaultWhere(true, kBeta),
+       .defaultNote = std::string(kBeta) + " where alpha is given",
+       .displaces = {"detail", "outward"},
+       .hash = "beta-sha256",
+       .kept = true},
+      {.name = "sampling",
+       .argument = "trilinear|quadratic",
+       .defaultValue = "trilinear",
+       .help = "how the target's distances are interpolated; quadratic shows no creases in deep zooms",
+       .kept = true}};
+}
+
+OptionSpec shellEscapeOption() {
+  OptionSpec option = escapeOption();
+  const std::string usual = option.defaultValue.value();
+  option.defaultFor = [usual](const Recipe& recipe) -> std::optional<std::string> {
+    return isNumeric(recipe) ? usual : kEscapeOfDetail;
+  };
+  option.defaultNote = usual + ", or " + kEscapeOfDetail + " with detail";
+  return option;
+}
+
+ShellSettings parseShell(const RecipeReader& reader) {
+  using julia::Interpolation;
+  for (const char* share : {"detail", "outward"})
+    for (const char* number : {"alpha", "beta"})
+      if (reader.has(share) && reader.has(number))
+        throw std::invalid_argument("--" + std::string(share) + " is '" + reader.text(share) + "' and --" + number +
+                                    " is '" + reader.text(number) +
+                                    "', but the one takes the place of the other; give --detail and --outward, or "
+                                    "--alpha and --beta");
+  const bool numeric = reader.has("alpha");
+  ShellSettings shell{
+      .mask = parseShare(reader, "mask"),
+      .interpolation = reader.choice<Interpolation>(
+          "sampling", {{"trilinear", Interpolation::Trilinear}, {"quadratic", Interpolation::Quadratic}})};
+  if (numeric) {
+    shell.alpha = parseControl(reader, "alpha");
+    shell.beta = parseControl(reader, "beta");
+  } else {
+    shell.detail = parseShare(reader, "detail");
+    shell.outward = parseShare(reader, "outward");
+  }
+  return shell;
+}
+
+}  // namespace vdbtools

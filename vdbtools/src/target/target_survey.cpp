@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/target/target_survey.h"
+
+#include "target/solid_input.h"
+#include "vdbtools/base/errors.h"
+
+#include <openvdb/tools/Interpolation.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace vdbtools {
+namespace {
+
+using openvdb::FloatGrid;
+using openvdb::Vec3d;
+
+class ThicknessField final : public ControlField {
+ public:
+  explicit ThicknessField(const LocalThickness& thickness)
+      : mTau(thickness.tau), mRange(thickness.leastAnywhere, thickness.greatest) {
+    const openvdb::CoordBBox nodes = mTau->evalActiveVoxelBoundingBox();
+    mLow = nodes.min().asVec3d();
+    mHigh = nodes.max().asVec3d();
+  }
+
+  void sample(std::span<const Vec3d> points, std::span<double> values) const override {
+    const FloatGrid::ConstAccessor accessor = mTau->getConstAccessor();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      Vec3d at = mTau->worldToIndex(points[i]);
+      for (int axis = 0; axis < 3; ++axis) at[axis] = std::clamp(at[axis], mLow[axis], mHigh[axis]);
+      // Interpolation may leave the range by a rounding.
+      values[i] = std::clamp<double>(openvdb::tools::BoxSampler::sample(accessor, at), mRange.first, mRange.second);
+    }
+  }
+  std::pair<double, double> range() const override { return mRange; }
+
+ private:
+  FloatGrid::ConstPtr mTau;
+  std::pair<double, double> mRange;
+  Vec3d mLow, mHigh;  ///< index space
+};
+
+}  // namespace
+
+const LocalThickness& TargetSurvey::thickness(Monitor& monitor) {
+  if (!mThickness) mThickness = localThickness(*mPhi, monitor);
+  return *mThickness;
+}
+
+Control thicknessControl(const LocalThickness& thickness) {
+  return Control(std::make_shared<ThicknessField>(thickness));
+}
+
+std::optional<SolidShape> shapeOfSolid(const Mesh& mesh, const MeshReport& report) {
+  constexpr double kResolution = 100, kMargin = 4;  // voxels; half of the usual --sdf-resolution
+  if (!(longestSide(report.box) > 0)) return std::nullopt;
+  const Vec3d middle = report.box.getCenter();
+  Monitor monitor;
+  try {
+    const MeshToSdfOptions band =
+        sdfBand(longestSide(report.box) / kResolution, kMargin, std::numeric_limits<double>::infinity());
+    const FloatGrid::Ptr phi = makeSdfAbout(middle, mesh, band, false, 0, monitor).grid;
+    const LocalThickness thickness = localThickness(*phi, monitor);
+    return SolidShape{largestInscribedBall(*phi, middle), thickness.least, thickness.greatest};
+  } catch (const DataError&) {
+    return std::nullopt;
+  }
+}
+
+double insideVolume(const FloatGrid& phi) {
+  const double voxel = phi.voxelSize()[0];
+  double nodes = 0;
+  for (auto value = phi.cbeginValueAll(); value; ++value) {
+    // The share of a node's cell that lies inside of a plane at this distance.
+    const double share = std::clamp(0.5 - *value / voxel, 0.0, 1.0);
+    if (share > 0) nodes += share * static_cast<double>(value.getVoxelCount());
+  }
+  return nodes * phi.voxelSize().product();
+}
+
+}  // namespace vdbtools
