@@ -89,7 +89,7 @@ ExponentGridOptions bindControls(const FractalOptions& options, const ShellSetti
     context.tau = [&] { return FloatGrid::ConstPtr(shared.survey(monitor).thickness(monitor).tau); };
   }
   ExponentGridOptions exponent{
-      .mask = shell.mask->bind(context), .orbit = orbitOf(options), .interpolation = shell.interpolation};
+      .orbit = orbitOf(options), .interpolation = shell.interpolation, .mask = shell.mask->bind(context)};
   if (!shell.detail) {
     exponent.alpha = shell.alpha->bind(context);
     exponent.beta = shell.beta->bind(context);

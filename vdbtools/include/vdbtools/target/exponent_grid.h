@@ -54,12 +54,12 @@ struct DetailOptions {
 };
 
 struct ExponentGridOptions {
-  std::optional<DetailOptions> detail{};  ///< instead of alpha and beta
-  Control alpha{40.0};                    ///< thinness of the shell, > 0 everywhere
-  Control beta{0.0};                      ///< offset of the shell, units of fractal space
-  Control mask{1.0};  ///< width of the shell as a share of what it is without, from 0, the plain target, to 1
+  Control alpha{40.0};  ///< thinness of the shell, > 0 everywhere
+  Control beta{0.0};    ///< offset of the shell, units of fractal space
   julia::OrbitOptions orbit{};
   julia::Interpolation interpolation = julia::Interpolation::Trilinear;
+  Control mask{1.0};  ///< width of the shell as a share of what it is without, from 0, the plain target, to 1
+  std::optional<DetailOptions> detail{};  ///< instead of alpha and beta
 };
 
 struct ExponentGrid {

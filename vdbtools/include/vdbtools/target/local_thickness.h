@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file local_thickness.h
 /// The local thickness tau of a shape: at a point inside, the radius of the largest ball that fits in the shape and
-/// holds the point (Hildebrand and Ruegsegger, A new method for the model-independent assessment of thickness in
-/// three-dimensional images, 1997). A leg has its own thickness, and the body has its own.
+/// holds the point [HR97]. A leg has its own thickness, and the body has its own.
 ///
 /// What is returned is extended outside the shape, and nowhere steeper than kThicknessSlope, so that what is derived
 /// from it varies gently: near a thin part, a thick one counts as thinner.

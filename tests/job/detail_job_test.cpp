@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+// What --detail, --outward, --mask and --origin promise, from a mesh to the sign of the field.
+#include "support/test_fields.h"
+#include "support/test_meshes.h"
+
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/job/fractal_job.h"
+#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh/solid_meter.h"
+#include "vdbtools/recipe/option_value.h"
+#include "vdbtools/surface/grid_mesh.h"
+#include "vdbtools/target/target_survey.h"
+
+#include <gtest/gtest.h>
+
+#include <openvdb/tools/Interpolation.h>
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+namespace {
+
+using namespace vdbtools;
+using namespace test_meshes;
+using openvdb::Coord;
+using openvdb::Vec3d;
+
+class DetailJob : public testing::Test {
+ protected:
+  DetailJob() { openvdb::initialize(); }
+
+  std::string write(const std::string& name, const Mesh& mesh) const {
+    std::ostringstream stream;
+    writeMesh(stream, mesh, {.format = MeshFormat::Obj});
+    const std::string path = mFolder.path() / name;
+    std::ofstream(path, std::ios::binary) << stream.str();
+    return path;
+  }
+  std::string writeField(const std::string& name, const test_fields::Distance& distance) const {
+    const std::string path = mFolder.path() / name;
+    std::ofstream(path, std::ios::binary)
+        << encodeVdb({test_fields::bandGrid(distance, 0.02, 0.06, 0.06)}, {.half = false, .metadata = {}});
+    return path;
+  }
+  Scene scene(Recipe recipe) {
+    recipe.emplace("sdf-resolution", "64");
+    recipe.emplace("resolution", "64");
+    return makeScene(parseFractalOptions(recipe), mMonitor);
+  }
+  static double fieldAt(const Scene& scene, const Vec3d& world) {
+    const julia::Point point = scene.space.toFractal(world);
+    double field = 0;
+    scene.evaluator->evaluate({&point, 1}, {&field, 1}, {});
+    return field;
+  }
+
+  /// Points of a dense grid that break the promise, and those that it speaks of on either side.
+  struct Count {
+    int broken = 0, inside = 0, outside = 0;
+  };
+  static Count countBroken(const Scene& scene, double step) {
+    Count count;
+    const DetailOptions& detail = *scene.exponentOf->detail;
+    const openvdb::FloatGrid& phi = *scene.target->phi;
+    const Vec3d low = scene.target->box.min(), extent = scene.target->box.extents();
+    const double longest = scene.placed.space.scale;
+    step *= longest;
+    const Vec3d margin(0.1 * longest);
+    for (double x = low[0] - margin[0]; x < low[0] + extent[0] + margin[0]; x += step)
+      for (double y = low[1] - margin[1]; y < low[1] + extent[1] + margin[1]; y += step)
+        for (double z = low[2] - margin[2]; z < low[2] + extent[2] + margin[2]; z += step) {
+          const Vec3d point(x, y, z);
+          const double distance = openvdb::tools::BoxSampler::sample(phi.tree(), phi.worldToIndex(point));
+          const double tau = detail.thickness.at(point);
+          if (distance <= -detail.detail.at(point) * tau) {
+            ++count.inside;
+            count.broken += !(fieldAt(scene, point) < 0);
+          } else if (distance > detail.outward.at(point) * tau) {
+            ++count.outside;
+            count.broken += !(fieldAt(scene, point) > 0);
+          }
+        }
+    return count;
+  }
+
+  TemporaryFolder mFolder;
+  Monitor mMonitor;
+};
+
+TEST_F(DetailJob, KeepsItsPromiseOverADenseGrid) {
+  const std::string lumpy = writeField("lumpy.vdb", test_fields::lumpy);
+  std::vector<Recipe> recipes;
+  for (const char* detail : {"0.1", "0.5", "0.9"}) {
+    recipes.push_back({{"input", lumpy}, {"detail", detail}});
+    recipes.push_back({{"input", lumpy}, {"detail", detail}, {"outward", "0"}, {"versor-integer", "true"}});
+    if (hasBunny()) recipes.push_back({{"input", bunnyPath().string()}, {"detail", detail}, {"repair", "true"}});
+  }
+  recipes.push_back({{"input", lumpy}, {"detail", "x:0.1:0.9:smooth"}, {"outward", "y:0:0.3"}});
+  recipes.push_back({{"input", lumpy}, {"detail", "0.5"}, {"mask", "x:0:1"}});
+  recipes.push_back({{"input", lumpy}, {"detail", "0.5"}, {"iterations", "6"}, {"sampling", "quadratic"}});
+  for (const Recipe& recipe : recipes) {
+    const Count count = countBroken(scene(recipe), 0.019);
+    EXPECT_EQ(count.broken, 0) << recipe.at("input") << ' ' << recipe.at("detail");
+    EXPECT_GT(count.inside, 500) << recipe.at("input") << ' ' << recipe.at("detail");
+    EXPECT_GT(count.outside, 500) << recipe.at("input") << ' ' << recipe.at("detail");
+  }
+}
+
+TEST_F(DetailJob, TheShellOfABallIsAsDeepAsAskedFor) {
+  constexpr double kRadius = 3;
+  const std::string ball = write("ball.obj", makeSphere(kRadius, 5, Vec3d(20, -5, 1)));
+  for (const double detail : {0.2, 0.5}) {
+    const Scene made = scene({{"input", ball}, {"detail", std::to_string(detail)}, {"versor-seed", "3"}});
+    const Mesh mesh = fractalMesh(made, mMonitor);
+    double deepest = 0, highest = -kRadius;
+    for (const Vec3d& point : mesh.points) {
+      const double depth = kRadius - (point - Vec3d(20, -5, 1)).length();
+      deepest = std::max(deepest, depth);
+      highest = std::max(highest, -depth);
+    }
+    const double voxel = made.voxelSize;
+    EXPECT_LE(deepest, detail * kRadius + voxel) << detail;
+    EXPECT_LE(highest, 0.1 * kRadius + voxel) << detail;
+    // The shell is filled: detail reaches most of the way down and up.
+    EXPECT_GT(deepest, 0.7 * detail * kRadius) << detail;
+    EXPECT_GT(highest, 0.3 * 0.1 * kRadius) << detail;
+  }
+}
+
+TEST_F(DetailJob, AThinHandleStaysOnePiece) {
+  // A dumbbell whose handle has a seventh of its ends' radius.
+  const auto dumbbell = [](const Vec3d& x) {
+    const double along = std::clamp(x[0], -0.4, 0.4);
+    const double handle = (x - Vec3d(along, 0, 0)).length() - 0.03;
+    return std::min({handle, (x - Vec3d(-0.35, 0, 0)).length() - 0.2, (x - Vec3d(0.35, 0, 0)).length() - 0.2});
+  };
+  const std::string path = mFolder.path() / "dumbbell.vdb";
+  std::ofstream(path, std::ios::binary) << encodeVdb({test_fields::bandGrid(dumbbell, 0.005, 0.02, 0.02)},
+                                                     {.half = false, .metadata = {}});
+  for (const char* seed : {"1", "2"}) {
+    const Scene made =
+        scene({{"input", path}, {"detail", "0.8"}, {"resolution", "250"}, {"versor", "random"}, {"versor-seed", seed}});
+    const SolidMeasure solid = measureSolid(fractalMesh(made, mMonitor));
+    ASSERT_FALSE(solid.islands.empty());
+    EXPECT_GT(solid.shareOfLargest(1), 0.97) << seed;
+  }
+}
+
+TEST_F(DetailJob, SizeAndPlaceDoNotMatter) {
+  const Mesh shape = merged(makeSphere(1, 4), makeSphere(0.4, 4, Vec3d(1.1, 0.3, 0)));
+  const Scene here = scene({{"input", write("here.obj", shape)}, {"repair", "true"}});
+  const Scene there =
+      scene({{"input", write("there.obj", transformed(shape, 16, Vec3d(-300, 40, 8)))}, {"repair", "true"}});
+  EXPECT_NEAR((there.placed.space.centre - (here.placed.space.centre * 16 + Vec3d(-300, 40, 8))).length() / 16, 0,
+              2e-3);
+  EXPECT_NEAR(there.exponent->alphaRange.first / here.exponent->alphaRange.first, 1, 0.01);
+  EXPECT_NEAR(there.exponent->alphaRange.second / here.exponent->alphaRange.second, 1, 0.02);
+  const double volume = measureSolid(fractalMesh(here, mMonitor)).volume,
+               scaled = measureSolid(fractalMesh(there, mMonitor)).volume;
+  EXPECT_NEAR(scaled / (volume * 16 * 16 * 16), 1, 0.01);
+}
+
+TEST_F(DetailJob, TheRecordedOriginMakesTheSameAgain) {
+  const std::string lumpy = writeField("lumpy.vdb", test_fields::lumpy);
+  const Scene chosen = scene({{"input", lumpy}});
+  const std::string at = chosen.facts.at("julia_origin_at");
+  const Scene given = scene({{"input", lumpy}, {"origin", at}});
+  EXPECT_NEAR((given.placed.space.centre - chosen.placed.space.centre).length(), 0, 1e-12);
+  EXPECT_EQ(given.facts.at("julia_shell"), chosen.facts.at("julia_shell"));
+  // The middle of the box is the origin of the numbers.
+  const Scene middle = scene({{"input", lumpy}, {"origin", "centre"}});
+  EXPECT_EQ(middle.facts.at("julia_origin_at"), "0,0,0");
+}
+
+TEST_F(DetailJob, ShiftingTheOriginErodes) {
+  const std::string ball = write("ball.obj", makeSphere(1, 5));
+  double last = std::numeric_limits<double>::infinity();
+  for (const char* shift : {"0,0,0", "0.2,0,0", "0.35,0,0"}) {
+    const Scene made = scene({{"input", ball}, {"alpha", "20"}, {"origin-shift", shift}});
+    const double volume = measureSolid(fractalMesh(made, mMonitor)).volume;
+    EXPECT_LT(volume, last) << shift;
+    last = volume;
+  }
+}
+
+TEST_F(DetailJob, AMaskOfZeroGivesThePlainTargetThere) {
+  const std::string lumpy = writeField("lumpy.vdb", test_fields::lumpy);
+  for (const Recipe& of : std::vector<Recipe>{{{"detail", "0.6"}}, {{"alpha", "15"}}}) {
+    Recipe recipe = of;
+    recipe["input"] = lumpy;
+    recipe["mask"] = "0";
+    const Scene plain = scene(recipe);
+    const Mesh mesh = fractalMesh(plain, mMonitor);
+    for (const Vec3d& point : mesh.points) ASSERT_LT(std::abs(test_fields::lumpy(point)), 0.02) << point;
+    // Half of it, with a sharp border: the other half is as rough as without a mask.
+    recipe["mask"] = "x:0@0.499:1@0.501";
+    double smooth = 0, rough = 0;
+    for (const Vec3d& point : fractalMesh(scene(recipe), mMonitor).points) {
+      double& most = point[0] < -0.05 ? smooth : rough;
+      most = std::max(most, std::abs(test_fields::lumpy(point)));
+    }
+    EXPECT_LT(smooth, 0.02);
+    EXPECT_GT(rough, 0.04);
+  }
+}
+
+TEST_F(DetailJob, OneMakerMakesWhatManyMake) {
+  const std::string lumpy = writeField("lumpy.vdb", test_fields::lumpy);
+  SceneMaker maker;
+  for (const char* detail : {"0.5", "0.1", "0.3"}) {
+    Recipe recipe{{"input", lumpy}, {"detail", detail}, {"sdf-resolution", "64"}, {"resolution", "48"}};
+    const FractalOptions options = parseFractalOptions(recipe);
+    const Mesh shared = fractalMesh(maker.make(options, mMonitor), mMonitor);
+    const Mesh alone = fractalMesh(makeScene(options, mMonitor), mMonitor);
+    ASSERT_EQ(shared.points.size(), alone.points.size()) << detail;
+    EXPECT_TRUE(shared.points == alone.points) << detail;
+  }
+}
+
+TEST_F(DetailJob, RefusesWhatItCannotDo) {
+  const std::string ball = write("ball.obj", makeSphere(1, 3));
+  for (const Recipe& recipe : std::vector<Recipe>{{{"detail", "1.5"}},
+                                                  {{"detail", "-0.1"}},
+                                                  {{"outward", "2"}},
+                                                  {{"mask", "-1"}},
+                                                  {{"detail", "x:0.1:3"}},
+                                                  {{"detail", "0.2"}, {"alpha", "40"}},
+                                                  {{"outward", "0.2"}, {"beta", "0"}},
+                                                  {{"detail", "0.2"}, {"beta", "0"}},
+                                                  {{"origin", "0.9,0,0"}},
+                                                  {{"origin", "middle"}},
+                                                  {{"origin", "centre"}, {"origin-near", "0,0,0"}}}) {
+    Recipe given = recipe;
+    given["input"] = ball;
+    EXPECT_THROW(scene(given), std::invalid_argument) << recipe.begin()->first << ' ' << recipe.begin()->second;
+  }
+}
+
+}  // namespace
