@@ -129,8 +129,8 @@ class Resuming(SheetTest):
         self.assertEqual(len(self.cells()), 3)
 
     def test_an_interruption_keeps_what_is_finished(self):
-        words = ["sheet", "s.obj", "--sdf-resolution", 20, "--size", "300x300", "--samples", 4, "--vary",
-                 "versor-seed=1:40:1", "--versor-roots", 60, "--alpha", 12, "-o", "x.png"]
+        words = ["sheet", "s.obj", "--sdf-resolution", 20, "--size", "200x200", "--samples", 4, "--vary",
+                 "versor-seed=1:40:1", "-o", "x.png"]
         process = subprocess.Popen([harness.program(), *map(str, words), "--progress", "none"], cwd=self.folder,
                                    env=harness.environment(), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE, preexec_fn=harness.restore_interrupt)
