@@ -33,8 +33,8 @@ constexpr Usage kUsageText = {
     "Finished cells are kept in the folder F.cells. The next run makes only those that are not there, also after an\n"
     "interruption or for a sheet with more values. Remove the folder when you no longer need it.",
     "  juliavdb sheet bunny.obj -o alpha.png --vary alpha=10,20,40,80\n"
-    "  juliavdb sheet bunny.obj -o both.png --vary alpha=20:60:20 --vary versor-seed=1:4:1 --size 160x160\n"
-    "  juliavdb sheet --config both.json#3 -o next.png --vary \"versor-translate=0,0,0;0.1,0,0;0.2,0,0\"\n",
+    "  juliavdb sheet bunny.obj -o seeds.png --vary alpha=20:60:20 --vary versor-seed=1:4:1 --size 160x160\n"
+    "  juliavdb sheet --config seeds.json#3 -o next.png --vary \"versor-translate=0,0,0;0.1,0,0;0.2,0,0\"\n",
     "fractal"};
 
 /// The JSON is written over without a question only where a sheet of this program is lost.

@@ -14,7 +14,7 @@ constexpr Colour kInk{0.015F, 0.015F, 0.015F}, kError{0.33F, 0.02F, 0.015F};
 constexpr const char* kEllipsis = "\u2026";
 
 double fontFor(const ContactSheetOptions& options) {
-  constexpr double kPart = 19, kLeast = 9, kMost = 26;  // of the cell's width; pixels
+  constexpr double kPart = 19, kLeast = 9, kMost = 18;  // of the cell's width; pixels
   return std::clamp(options.cellWidth / kPart, kLeast, kMost);
 }
 
