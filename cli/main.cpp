@@ -23,6 +23,7 @@ constexpr Command kCommands[] = {
     {"fit", runFit, "find a rational map whose Julia set has the shape of a mesh"},
     {"mesh", runMesh, "make a mesh from a VDB"},
     {"versor", runVersor, "make, inspect and change versors, the texture of a fractal"},
+    {"sheet", runSheet, "make a contact sheet: a picture for each value of one or two options"},
     {"slice", runSlice, "make a picture of a field on a plane"},
     {"study", runStudy, "show what a target decides whatever its versor: average membership, distance over circles"},
     {"render", runRender, "make a shaded picture of a level set, or of a map's set"},

@@ -6,6 +6,7 @@
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_options.h"
 #include "vdbtools/job/recorded_recipe.h"
+#include "vdbtools/job/sheet_file.h"
 
 #include "julia/instruction_set.h"
 
@@ -47,7 +48,16 @@ std::vector<po::option> takeNegativeNumber(std::vector<std::string>& words) {
 
 bool isRecipeFile(const std::string& file) {
   const std::string extension = vdbtools::lowerExtension(file);
-  return extension == ".vdb" || extension == ".ply" || extension == ".obj";
+  return extension == ".vdb" || extension == ".ply" || extension == ".obj" || vdbtools::isSheetCell(file);
+}
+
+po::value_semantic* valueOf(const vdbtools::OptionListing& option) {
+  auto* value = po::value<std::string>();
+  if (option.argument.empty())
+    value->implicit_value("true")->zero_tokens();
+  else
+    value->value_name(option.argument);
+  return value;
 }
 
 }  // namespace
@@ -60,28 +70,35 @@ CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions
       mCommon("Common options", kLineLength) {
   const std::vector<vdbtools::OptionListing> options = mTable.listing();
   for (const vdbtools::OptionListing& option : options) {
-    auto* value = po::value<std::string>();
-    if (option.argument.empty())
-      value->implicit_value("true")->zero_tokens();
-    else
-      value->value_name(option.argument);
     if (option.name == "input") {
-      mHidden.add_options()("input", value);
+      mHidden.add_options()("input", valueOf(option));
       mPositional.add("input", 1);
     } else {
-      mFromRecipe.add_options()(option.name.c_str(), value, option.help.c_str());
+      mFromRecipe.add_options()(option.name.c_str(), valueOf(option), option.help.c_str());
     }
   }
   if (!options.empty())
     mCommon.add_options()("config", po::value<std::string>()->value_name("FILE"),
-                          "read options from a file: lines NAME = VALUE, or a VDB, PLY or OBJ that this program made; "
-                          "options on the command line take precedence");
+                          "read options from a file: lines NAME = VALUE, a VDB, PLY or OBJ that this program made, or "
+                          "cell N of a contact sheet as in sheet.json#7; options on the command line take precedence");
   mCommon.add_options()("threads", po::value<std::string>()->value_name("N"),
                         "the number of threads (default: SLURM_CPUS_PER_TASK, or else all that this process may use)")(
       "instructions", po::value<std::string>()->value_name("auto|portable|avx2|avx512"),
       "the vector instructions to use; they change the speed and no bit of the result (default auto, the widest)")(
       "progress", po::value<std::string>()->value_name("bar|json|none"),
       "how to show progress on stderr, for work of more than two seconds (default bar)")("help,h", "show this help");
+}
+
+void CommandLine::addOptions(const std::vector<vdbtools::OptionSpec>& options) {
+  for (const vdbtools::OptionListing& option : vdbtools::OptionTable(options).listing())
+    mOwn.add_options()(option.name.c_str(), valueOf(option), option.help.c_str());
+}
+
+vdbtools::Recipe CommandLine::given(const vdbtools::OptionTable& table) const {
+  vdbtools::Recipe recipe;
+  for (const std::string& name : table.names())
+    if (has(name)) recipe[name] = text(name);
+  return recipe;
 }
 
 void CommandLine::addPositional(const char* name, int count, const char* help) {
@@ -116,8 +133,7 @@ bool CommandLine::parse(const Arguments& arguments) {
   }
   applyThreads();
   applyInstructions();
-  for (const std::string& name : mTable.names())
-    if (has(name)) mGiven[name] = mValues[name].as<std::string>();
+  mGiven = given();
   if (has("config")) readConfig(text("config"));
   mRecipe = vdbtools::completeRecipe(mGiven, mTable);
   mProgress = std::make_unique<Progress>(parseProgressStyle(has("progress") ? text("progress") : "bar"));
@@ -138,7 +154,7 @@ void CommandLine::readConfig(const std::string& file) {
     auto [command, recipe] = vdbtools::readRecordedRecipe(file);
     if (command.empty())
       throw vdbtools::DataError("'" + file + "' holds no recipe of juliavdb; only a VDB, PLY or OBJ that it made does");
-    if (command != mUsage.command)
+    if (command != (mUsage.recipesOf ? mUsage.recipesOf : mUsage.command))
       throw std::invalid_argument("'" + file + "' was made by 'juliavdb " + command + "', not by 'juliavdb " +
                                   mUsage.command + "'");
     base = std::move(recipe);
@@ -191,14 +207,17 @@ void CommandLine::printHelp() const {
   std::cout << mCommon << "\nExamples:\n" << mUsage.examples;
 }
 
-vdbtools::Recipe sceneRecipe(const CommandLine& line, const std::string& input) {
-  if (!vdbtools::isVdbPath(input)) return line.recipe();
+vdbtools::Recipe givenSceneRecipe(const CommandLine& line, const std::string& input) {
+  if (!vdbtools::isVdbPath(input)) return line.givenRecipe();
   auto [command, recipe] = vdbtools::readRecordedRecipe(input);
-  if (command != "fractal") return line.recipe();
+  if (command != "fractal") return line.givenRecipe();
   vdbtools::Recipe given = line.givenRecipe();
   given.erase("input");
-  const vdbtools::OptionTable table = vdbtools::fractalOptionTable();
-  return vdbtools::completeRecipe(vdbtools::overridden(std::move(recipe), given, table), table);
+  return vdbtools::overridden(std::move(recipe), given, vdbtools::fractalOptionTable());
+}
+
+vdbtools::Recipe sceneRecipe(const CommandLine& line, const std::string& input) {
+  return vdbtools::completeRecipe(givenSceneRecipe(line, input), vdbtools::fractalOptionTable());
 }
 
 }  // namespace cli

@@ -27,6 +27,8 @@ struct Usage {
   const char* synopsis;  ///< what follows "juliavdb fractal"
   const char* description;
   const char* examples;  ///< lines that work as they stand, given the files they name
+  /// The command whose recipes --config takes from files that were made; its own if it is not given.
+  const char* recipesOf = nullptr;
 };
 
 class CommandLine {
@@ -36,6 +38,8 @@ class CommandLine {
 
   /// The command's other options, those that do not affect the result.
   boost::program_options::options_description_easy_init addOptions() { return mOwn.add_options(); }
+  /// The same, declared in a table.
+  void addOptions(const std::vector<vdbtools::OptionSpec>& options);
   /// A positional argument that is no part of a recipe; @a count -1 takes all that follow.
   void addPositional(const char* name, int count, const char* help);
 
@@ -67,6 +71,9 @@ class CommandLine {
   const vdbtools::Recipe& recipe() const { return mRecipe; }
   /// Only what was given on the command line or by --config.
   const vdbtools::Recipe& givenRecipe() const { return mGiven; }
+  /// What was given on the command line, of the recipe or of another table.
+  vdbtools::Recipe given(const vdbtools::OptionTable& table) const;
+  vdbtools::Recipe given() const { return given(mTable); }
   Progress& progress() const { return *mProgress; }
 
  private:
@@ -86,8 +93,10 @@ class CommandLine {
   std::unique_ptr<Progress> mProgress;
 };
 
-/// The recipe for a command that shows a scene: of a fractal that this program made its own stands in for the options
-/// that were not given.
+/// The recipe for a command that shows a scene, as far as it is given: of a fractal that this program made its own
+/// recipe stands in for the options that were not given, its input among them.
+vdbtools::Recipe givenSceneRecipe(const CommandLine& line, const std::string& input);
+/// The same, completed.
 vdbtools::Recipe sceneRecipe(const CommandLine& line, const std::string& input);
 
 }  // namespace cli

@@ -16,6 +16,7 @@ int runFractal(const Arguments& arguments);
 int runMesh(const Arguments& arguments);
 int runFit(const Arguments& arguments);
 int runVersor(const Arguments& arguments);
+int runSheet(const Arguments& arguments);
 int runSlice(const Arguments& arguments);
 int runStudy(const Arguments& arguments);
 int runRender(const Arguments& arguments);

@@ -5,14 +5,14 @@
 #include "options.h"
 #include "output.h"
 
+#include "vdbtools/base/numbered_monitor.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/versor_file.h"
-#include "vdbtools/job/fractal_job.h"
-#include "vdbtools/render/field_render.h"
+#include "vdbtools/job/scene_picture.h"
 #include "vdbtools/render/preview.h"
+#include "vdbtools/render/view_options.h"
 
-#include <charconv>
 #include <chrono>
 #include <iostream>
 #include <memory>
@@ -39,23 +39,10 @@ constexpr Usage kUsageText = {
     "  juliavdb render --field --map cross --pair A -o triplex.png --size 400x400\n"
     "  juliavdb render --field --map quadratic --c=-0.2,0.6,0.2,0.2 --iterations 8 -o julia.exr --size 400x400\n"
     "  juliavdb render --field --map quadratic --c=-1,0.2,0,0 --iterations 8 -o turn.####.png --frames 2 --size "
-    "200x200\n"};
+    "200x200\n",
+    "fractal"};
 
-/// Options that one way of rendering has and the other has not.
-constexpr const char* kFieldOnly[] = {"eye",   "look-at", "up",     "epsilon", "alpha-clarity",
-                                      "delta", "colour",  "frames", "no-skip"};
-constexpr const char* kLevelSetOnly[] = {"roots"};
-
-template <class Options>
-void parseSize(const std::string& text, Options& options) {
-  const char* end = text.data() + text.size();
-  const auto [x, error] = std::from_chars(text.data(), end, options.width);
-  const bool good = error == std::errc{} && x != end && *x == 'x';
-  const auto [rest, second] = good ? std::from_chars(x + 1, end, options.height) : std::from_chars_result{x, error};
-  if (!good || second != std::errc{} || rest != end || options.width < 1 || options.height < 1 ||
-      options.width > 32768 || options.height > 32768)
-    throw std::invalid_argument("--size is '" + text + "'; it must be WIDTHxHEIGHT, each 1 to 32768");
-}
+constexpr const char *kSize = "800x800", *kColour = "direction";
 
 std::vector<vdbtools::PreviewBall> ballsOf(const std::string& name) {
   constexpr double kRadius = 0.008;  // of the target's longest side
@@ -76,87 +63,26 @@ std::vector<vdbtools::PreviewBall> ballsOf(const std::string& name) {
   return balls;
 }
 
-template <class Options>
-void parseSamples(const CommandLine& line, Options& options) {
-  if (!line.has("samples")) return;
-  options.samples = line.choice<int>("samples", {{"1", 1}, {"4", 4}, {"9", 9}, {"16", 16}});
-}
-
+/// Refuses the options that only the other way of rendering has.
 void requireFits(const CommandLine& line, bool field) {
   if (field) {
-    for (const char* name : kLevelSetOnly)
-      if (line.has(name)) throw std::invalid_argument(std::string("--") + name + " cannot be used with --field");
+    if (line.has("roots")) throw std::invalid_argument("--roots cannot be used with --field");
     return;
   }
-  for (const char* name : kFieldOnly)
-    if (line.has(name)) throw std::invalid_argument(std::string("--") + name + " can be used with --field only");
-  for (const auto& [name, value] : line.givenRecipe())
+  vdbtools::Recipe given = line.given(vdbtools::OptionTable(vdbtools::fieldViewOptionSpecs(kColour)));
+  if (line.has("frames")) given["frames"] = line.text("frames");
+  given.insert(line.givenRecipe().begin(), line.givenRecipe().end());
+  for (const auto& [name, value] : given)
     if (name != "input" && name != "grid") throw std::invalid_argument("--" + name + " can be used with --field only");
-}
-
-/// Angles, field of view and zoom, for either way of rendering.
-vdbtools::ViewAngles parseAngles(const CommandLine& line) {
-  vdbtools::ViewAngles angles;
-  const auto number = [&](const char* name, double& value, double low, double high, const char* domain) {
-    if (!line.has(name)) return;
-    value = line.number(name);
-    if (!(value >= low && value <= high)) line.refuse(name, domain);
-  };
-  number("azimuth", angles.azimuth, -1e6, 1e6, "-1e6 to 1e6 degrees");
-  number("elevation", angles.elevation, -90, 90, "-90 to 90 degrees");
-  number("fov", angles.fieldOfView, 1, 150, "1 to 150 degrees");
-  number("zoom", angles.zoom, 1e-3, 1e3, "0.001 to 1000");
-  return angles;
-}
-
-/// Where the eye is: at a given place, or at angles around the object that is framed.
-struct View {
-  std::optional<openvdb::Vec3d> eye, lookAt;
-  std::optional<openvdb::Vec3d> up;
-  vdbtools::ViewAngles angles;
-
-  /// What a turntable turns about.
-  openvdb::Vec3d axis() const { return up.value_or(vdbtools::Camera().up); }
-
-  vdbtools::Camera camera(const vdbtools::Scene& scene, const openvdb::BBoxd& region, double aspect) const {
-    vdbtools::Camera camera;
-    camera.fieldOfView = angles.fieldOfView;
-    if (!eye || !lookAt) camera = vdbtools::cameraAround(vdbtools::frameSet(scene.source(), region), angles, aspect);
-    const openvdb::Vec3d arm = camera.eye - camera.lookAt;
-    if (lookAt) camera.lookAt = *lookAt;
-    camera.eye = eye ? *eye : camera.lookAt + arm;
-    if (up) camera.up = *up;
-    if ((camera.eye - camera.lookAt).length() == 0)
-      throw std::invalid_argument("--eye and --look-at are the same point; move one of them");
-    return camera;
-  }
-};
-
-View parseView(const CommandLine& line) {
-  View view;
-  const auto vector = [&](const char* name) -> std::optional<openvdb::Vec3d> {
-    if (!line.has(name)) return std::nullopt;
-    return vdbtools::parseVector(name, line.text(name));
-  };
-  view.eye = vector("eye");
-  view.lookAt = vector("look-at");
-  view.up = vector("up");
-  if (view.up && view.up->length() == 0) throw std::invalid_argument("--up is '0,0,0'; it must be a direction");
-  for (const char* name : {"azimuth", "elevation", "zoom"})
-    if (view.eye && line.has(name))
-      throw std::invalid_argument(std::string("--eye and --") + name +
-                                  " both set the position of the eye; give only one of them");
-  view.angles = parseAngles(line);
-  return view;
 }
 
 int renderLevelSet(const CommandLine& line) {
   const std::string input = line.text("input");
   if (input.empty()) throw std::invalid_argument("no VDB was given");
-  vdbtools::PreviewOptions options;
-  parseSize(line.text("size"), options);
-  options.view = parseAngles(line);
-  parseSamples(line, options);
+  const vdbtools::OptionTable table(vdbtools::viewOptionSpecs(kSize));
+  const vdbtools::ViewOptions view = vdbtools::parseViewOptions(vdbtools::RecipeReader(line.given(table), table));
+  vdbtools::PreviewOptions options{
+      .width = view.width, .height = view.height, .samples = view.samples, .view = view.angles};
   if (line.has("roots")) options.balls = ballsOf(line.text("roots"));
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
   Outputs outputs;
@@ -169,63 +95,15 @@ int renderLevelSet(const CommandLine& line) {
   return kDone;
 }
 
-vdbtools::FieldColour parseColour(const CommandLine& line) {
-  using vdbtools::FieldColour;
-  return line.choice<FieldColour>("colour", {{"direction", FieldColour::Direction},
-                                             {"versor", FieldColour::Versor},
-                                             {"iterations", FieldColour::Iterations},
-                                             {"trap", FieldColour::Trap},
-                                             {"clay", FieldColour::Clay}});
-}
-
-vdbtools::FieldRenderOptions parseFieldOptions(const CommandLine& line) {
-  vdbtools::FieldRenderOptions options;
-  parseSize(line.text("size"), options);
-  parseSamples(line, options);
-  if (line.has("colour")) options.colour = parseColour(line);
-  if (line.has("epsilon")) {
-    options.clarity.epsilon = line.number("epsilon");
-    if (!(options.clarity.epsilon >= 1e-9)) line.refuse("epsilon", "at least 1e-9");
-  }
-  if (line.has("alpha-clarity")) {
-    options.clarity.alpha = line.number("alpha-clarity");
-    if (!(*options.clarity.alpha >= 0)) line.refuse("alpha-clarity", "at least 0");
-  }
-  if (line.has("delta")) options.clarity.delta = line.choice<int>("delta", {{"0", 0}, {"1", 1}, {"2", 2}});
-  options.skip = !line.has("no-skip");
-  return options;
-}
-
 /// The number of a turntable's frames; none for a single picture.
 std::optional<int> parseFrames(const CommandLine& line) {
   constexpr int kMost = 100000;
   return line.has("frames") ? std::optional(line.integer("frames", 1, kMost)) : std::nullopt;
 }
 
-/// Renders one frame under a name of its own: "render, frame 3 of 24".
-class FrameMonitor final : public vdbtools::Monitor {
- public:
-  FrameMonitor(Progress& progress, std::string suffix) : mProgress(progress), mSuffix(std::move(suffix)) {}
-  void begin(std::string_view phase, std::uint64_t total) override {
-    mProgress.begin(std::string(phase) + mSuffix, total);
-  }
-  void advance(std::uint64_t steps) override { mProgress.advance(steps); }
-  bool cancelled() const override { return mProgress.cancelled(); }
-
- private:
-  Progress& mProgress;
-  std::string mSuffix;
-};
-
-/// Where the rays go: the box that was asked for, or all of the set.
-openvdb::BBoxd regionOf(const vdbtools::Scene& scene) {
-  if (scene.options.lattice.box) return *scene.options.lattice.box;
-  return scene.exponent ? vdbtools::meshBox(vdbtools::planScene(scene)) : scene.region;
-}
-
 int renderMap(const CommandLine& line) {
-  const View view = parseView(line);
-  vdbtools::FieldRenderOptions options = parseFieldOptions(line);
+  const vdbtools::OptionTable table(vdbtools::fieldPictureOptionSpecs(kSize, kColour));
+  const vdbtools::FieldPicture picture = vdbtools::parseFieldPicture(line.given(table), table);
   const std::optional<int> frames = parseFrames(line);
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
   const vdbtools::FractalOptions fractal = vdbtools::parseFractalOptions(sceneRecipe(line, line.text("input")));
@@ -239,10 +117,9 @@ int renderMap(const CommandLine& line) {
   std::ostream* file = &claim(*outputs);
 
   const vdbtools::Scene scene = vdbtools::makeScene(fractal, line.progress());
-  const openvdb::BBoxd region = regionOf(scene);
-  const vdbtools::Camera camera = view.camera(scene, region, static_cast<double>(options.width) / options.height);
-  options.orbit = scene.orbit;
-  options.dropAxis = fractal.map->embedding().dropped;
+  const openvdb::BBoxd region = vdbtools::pictureRegion(scene);
+  vdbtools::FieldRenderOptions options = vdbtools::pictureOptions(scene, region, picture);
+  const vdbtools::Camera camera = options.camera;
   options.background = vdbtools::lowerCase(format) != ".exr";
   vdbtools::FieldRenderer renderer(scene.source(), region);
   const int count = frames.value_or(1);
@@ -251,9 +128,11 @@ int renderMap(const CommandLine& line) {
       outputs = std::make_unique<Outputs>(frameNumber(frame));
       file = &claim(*outputs);
     }
-    options.camera = vdbtools::turned(camera, view.axis(), 360.0 * (frame - 1) / count);
-    FrameMonitor monitor(line.progress(),
-                         frames ? ", frame " + std::to_string(frame) + " of " + std::to_string(count) : std::string());
+    options.camera = vdbtools::turned(camera, picture.view.axis(), 360.0 * (frame - 1) / count);
+    std::optional<vdbtools::NumberedMonitor> numbered;
+    if (frames)
+      numbered.emplace(line.progress(), "frame", static_cast<std::size_t>(frame), static_cast<std::size_t>(count));
+    vdbtools::Monitor& monitor = numbered ? static_cast<vdbtools::Monitor&>(*numbered) : line.progress();
     const auto start = std::chrono::steady_clock::now();
     const vdbtools::FieldImage image = renderer.render(options, monitor);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
@@ -271,29 +150,14 @@ int renderMap(const CommandLine& line) {
 int runRender(const Arguments& arguments) {
   CommandLine line(kUsageText, vdbtools::fractalOptionTable());
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
-  line.addOptions()("output,o", text("F.png"), "the picture to write: .png or .exr")(
-      "size", po::value<std::string>()->default_value("800x800")->value_name("WxH"), "pixels")(
-      "azimuth", text("DEG"), "angle about the vertical axis, 0 being the front (default -30)")(
-      "elevation", text("DEG"), "angle above the horizon (default 15)")(
-      "fov", text("DEG"), "vertical field of view (default 30)")("samples", text("N"),
-                                                                 "rays per pixel: 1, 4, 9 or 16 (default 4)")(
-      "zoom", text("F"), "magnification: above 1 comes closer (default 1)")(
-      "roots", text("F.json"),
-      "show the roots of a map that 'juliavdb fit' made: top roots in blue, bottom roots in red")(
+  line.addOptions()("output,o", text("F.png"), "the picture to write: .png or .exr");
+  line.addOptions(vdbtools::viewOptionSpecs(kSize));
+  line.addOptions()("roots", text("F.json"),
+                    "show the roots of a map that 'juliavdb fit' made: top roots in blue, bottom roots in red")(
       "field", po::bool_switch(),
       "show the set of the map itself and not the level set of a VDB. The following options go with it:")(
-      "eye", text("X,Y,Z"), "the position of the eye, in the target's units, instead of azimuth, elevation and zoom")(
-      "look-at", text("X,Y,Z"), "the point in the middle of the picture (default: the middle of the set)")(
-      "up", text("X,Y,Z"), "the direction that is up in the picture (default 0,1,0)")(
-      "colour", text("NAME"),
-      "what to colour by: direction (of the first step, as RGB; the default), versor, iterations, trap, or clay for "
-      "none")("epsilon", text("E"), "the shortest step of a ray, in fractal space (default 5e-5)")(
-      "alpha-clarity", text("A"),
-      "the length of a ray's steps is A d^D at the distance d from the eye (default: as long as a pixel is wide)")(
-      "delta", text("D"), "the exponent D: 0, 1 or 2 (default 1)")(
-      "frames", text("N"), "make a turntable of N pictures, with names such as name.####.png")(
-      "no-skip", po::value<std::string>()->implicit_value("true")->zero_tokens(),
-      "evaluate every sample, even where the map is proved to be empty; for checking");
+      "frames", text("N"), "make a turntable of N pictures, with names such as name.####.png");
+  line.addOptions(vdbtools::fieldViewOptionSpecs(kColour));
   if (!line.parse(arguments)) return kDone;
   const bool field = line.values()["field"].as<bool>();
   requireFits(line, field);

@@ -52,7 +52,7 @@ def restore_interrupt():
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
-COMMANDS = ("sdf", "fractal", "fit", "mesh", "versor", "slice", "study", "render", "info", "maps")
+COMMANDS = ("sdf", "fractal", "fit", "mesh", "versor", "sheet", "slice", "study", "render", "info", "maps")
 
 
 def quiet(arguments):

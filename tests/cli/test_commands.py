@@ -13,7 +13,7 @@ import unittest
 import harness
 from harness import DONE, USAGE
 
-COMMANDS = ["sdf", "fractal", "mesh", "versor", "slice", "study", "render", "info", "maps"]
+COMMANDS = ["sdf", "fractal", "mesh", "versor", "sheet", "slice", "study", "render", "info", "maps"]
 
 
 class Help(harness.CliTest):
@@ -54,7 +54,7 @@ class Help(harness.CliTest):
                 self.refused(USAGE, command, "--threads", mentions="threads")
 
     def test_one_word_too_many(self):
-        for command in ("sdf", "fractal", "mesh", "slice", "study", "render"):
+        for command in ("sdf", "fractal", "mesh", "sheet", "slice", "study", "render"):
             self.refused(USAGE, command, "one.vdb", "two.vdb", "-o", "x.vdb", mentions="too many")
 
 
@@ -75,13 +75,13 @@ class Examples(harness.CliTest):
 
         if command == "fractal":
             replace("--resolution", "32")
-        if command in ("fractal", "slice", "study") and "--config" not in words and not words[0].endswith(".vdb"):
+        if command in ("fractal", "sheet", "slice", "study") and "--config" not in words and not words[0].endswith(".vdb"):
             replace("--sdf-resolution", "32")
         if command in ("slice", "study"):
             replace("--size", "40")
         if command == "study":
             replace("--versors", "3")
-        if command == "render":
+        if command in ("render", "sheet"):
             replace("--size", "40x30")
         return words
 

@@ -49,7 +49,7 @@ class Readme(unittest.TestCase):
 
     def test_every_option_it_names_exists(self):
         text = ""
-        for command in ("sdf", "fractal", "fit", "mesh", "versor", "slice", "study", "render", "info"):
+        for command in ("sdf", "fractal", "fit", "mesh", "versor", "sheet", "slice", "study", "render", "info"):
             text += subprocess.run([PROGRAM, command, "--help"], capture_output=True, text=True, check=True).stdout
         known = set(re.findall(r"--[a-z][a-z0-9-]*", text)) | {"--help"}
         for option in set(re.findall(r"--[a-z][a-z0-9-]*", README)):

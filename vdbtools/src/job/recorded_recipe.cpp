@@ -5,6 +5,7 @@
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_options.h"
 #include "vdbtools/job/sdf_job.h"
+#include "vdbtools/job/sheet_file.h"
 #include "vdbtools/mesh/mesh_writer.h"
 
 #include <stdexcept>
@@ -18,7 +19,10 @@ RecordedRecipe recordedRecipe(const std::map<std::string, std::string>& metadata
 }
 
 RecordedRecipe readRecordedRecipe(const std::filesystem::path& path, const MapRegistry& maps) {
-  RecordedRecipe recorded = recordedRecipe(isVdbPath(path) ? readVdbMetadata(path) : readMeshComments(path), maps);
+  RecordedRecipe recorded =
+      isSheetCell(path.string())
+          ? RecordedRecipe{"fractal", readSheetCell(path.string())}
+          : recordedRecipe(isVdbPath(path) ? readVdbMetadata(path) : readMeshComments(path), maps);
   try {
     if (recorded.command == "fractal") parseFractalOptions(recorded.recipe, maps);
     if (recorded.command == "sdf") parseSdfOptions(recorded.recipe);

@@ -25,10 +25,8 @@ julia::OrbitOptions orbitOf(const FractalOptions& options) {
 }
 
 Facts hashesOf(const FractalOptions& options) {
-  std::vector<NamedFile> files = options.map->files();
-  if (options.target) files.push_back(options.target->input);
   Facts facts;
-  for (const auto& [name, hash] : verifiedHashes(files)) facts[metadataName(name)] = hash;
+  for (const auto& [name, hash] : verifiedHashes(filesOf(options))) facts[metadataName(name)] = hash;
   return facts;
 }
 
@@ -233,6 +231,12 @@ Facts targetFacts(const Target& target) {
 }
 
 }  // namespace
+
+std::vector<NamedFile> filesOf(const FractalOptions& options) {
+  std::vector<NamedFile> files = options.map->files();
+  if (options.target) files.push_back(options.target->input);
+  return files;
+}
 
 struct SceneMaker::Shared {
   std::unique_ptr<SharedTarget> target;

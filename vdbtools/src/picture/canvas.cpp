@@ -9,6 +9,7 @@
 #include <cairo-svg.h>
 #include <cairo.h>
 
+#include <algorithm>
 #include <cctype>
 #include <map>
 #include <numbers>
@@ -33,6 +34,15 @@ void require(cairo_status_t status) {
 
 cairo_status_t append(void* text, const unsigned char* data, unsigned int length) {
   static_cast<std::string*>(text)->append(reinterpret_cast<const char*>(data), length);
+  return CAIRO_STATUS_SUCCESS;
+}
+
+/// Reads on in the string_view that @a rest points to.
+cairo_status_t take(void* rest, unsigned char* data, unsigned int length) {
+  auto& bytes = *static_cast<std::string_view*>(rest);
+  if (bytes.size() < length) return CAIRO_STATUS_READ_ERROR;
+  std::copy_n(bytes.begin(), length, data);
+  bytes.remove_prefix(length);
   return CAIRO_STATUS_SUCCESS;
 }
 
@@ -92,6 +102,12 @@ struct Canvas::State {
     cairo_select_font_face(context.get(), "sans", CAIRO_FONT_SLANT_NORMAL,
                            style.bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
     cairo_set_font_size(context.get(), style.size);
+  }
+  void paint(cairo_surface_t* image, const CanvasBox& box) const {
+    cairo_set_source_surface(context.get(), image, box.left, box.top);
+    cairo_pattern_set_filter(cairo_get_source(context.get()), CAIRO_FILTER_NEAREST);
+    cairo_rectangle(context.get(), box.left, box.top, box.width, box.height);
+    cairo_fill(context.get());
   }
   void addPath(std::span<const CanvasPoint> points) const {
     for (const CanvasPoint& point : points) cairo_line_to(context.get(), point.x, point.y);
@@ -188,11 +204,18 @@ void Canvas::image(const Image& image, int left, int top) {
     }
   }
   cairo_surface_mark_dirty(source.get());
-  cairo_t* const context = mState->context.get();
-  cairo_set_source_surface(context, source.get(), left, top);
-  cairo_pattern_set_filter(cairo_get_source(context), CAIRO_FILTER_NEAREST);
-  cairo_rectangle(context, left, top, image.width, image.height);
-  cairo_fill(context);
+  mState->paint(source.get(), {static_cast<double>(left), static_cast<double>(top), static_cast<double>(image.width),
+                               static_cast<double>(image.height)});
+}
+
+bool Canvas::png(std::string_view bytes, const CanvasBox& box) {
+  const Owned<cairo_surface_t> source(cairo_image_surface_create_from_png_stream(take, &bytes));
+  if (cairo_surface_status(source.get()) != CAIRO_STATUS_SUCCESS ||
+      cairo_image_surface_get_width(source.get()) != box.width ||
+      cairo_image_surface_get_height(source.get()) != box.height)
+    return false;
+  mState->paint(source.get(), box);
+  return true;
 }
 
 Image Canvas::pixels() const {

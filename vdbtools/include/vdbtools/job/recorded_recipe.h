@@ -21,8 +21,10 @@ struct RecordedRecipe {
 RecordedRecipe recordedRecipe(const std::map<std::string, std::string>& metadata,
                               const MapRegistry& maps = builtInMaps());
 
-/// The same of a VDB, PLY or OBJ, checked: its options can be used.
+/// The same of a VDB, PLY or OBJ, or of a cell of a contact sheet ("sheet.json#7", see sheet_file.h), checked: its
+/// options can be used.
 /// @throw DataError  an entry is broken; MissingInputError, IoError
+/// @throw std::invalid_argument  there is no such cell
 RecordedRecipe readRecordedRecipe(const std::filesystem::path& path, const MapRegistry& maps = builtInMaps());
 
 }  // namespace vdbtools

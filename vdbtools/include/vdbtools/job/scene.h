@@ -18,6 +18,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace vdbtools {
 
@@ -60,6 +61,9 @@ class SceneMaker {
 
 /// One scene.
 Scene makeScene(const FractalOptions& options, Monitor& monitor);
+
+/// The files that the options name: those whose hashes are recorded.
+std::vector<NamedFile> filesOf(const FractalOptions& options);
 
 /// A scene's evaluators with other random versors: what its target gives is made once and shared.
 class VersorSeeds {

@@ -76,6 +76,11 @@ class Canvas {
   /// Puts an image there, pixel for pixel, with its 8-bit sRGB codes.
   void image(const Image& image, int left, int top);
 
+  /// Puts the image of a PNG there, pixel for pixel, with its codes.
+  /// @param box  its place and size, whole pixels
+  /// @return false, and nothing is drawn, if the bytes are no PNG of this size
+  bool png(std::string_view bytes, const CanvasBox& box);
+
   /// What was drawn so far, in the 256 levels of sRGB. @throw std::logic_error  the canvas is SVG
   Image pixels() const;
 

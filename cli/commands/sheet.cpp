@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands.h"
+
+#include "exit_code.h"
+#include "options.h"
+#include "output.h"
+
+#include "vdbtools/job/fractal_options.h"
+#include "vdbtools/job/sheet_job.h"
+
+#include <iostream>
+
+namespace po = boost::program_options;
+
+namespace cli {
+namespace {
+
+constexpr Usage kUsageText = {
+    "sheet", "MESH|SDF.vdb|FRACTAL.vdb -o F.png --vary NAME=VALUES [--vary NAME=VALUES] [options]",
+    "Makes a contact sheet: a small picture for each value of an option of 'fractal', or for each pair of values of "
+    "two\n"
+    "options. Of one option the cells fill row after row; of two, the first varies from row to row and the second "
+    "from\n"
+    "column to column. A cell whose options are refused, or which shows nothing, shows its error.\n"
+    "\n"
+    "  NAME=A,B,C       these values; with semicolons between them the values themselves may hold commas\n"
+    "  NAME=A:B:STEP    the values A, A + STEP and so on, up to B\n"
+    "\n"
+    "F.json beside the picture holds the recipe of each cell. Cells count from 1, row by row, and the number stands "
+    "in\n"
+    "the caption: 'juliavdb fractal --config F.json#7 -o out.vdb' makes the fractal of cell 7, and\n"
+    "'juliavdb render --field --config F.json#7 -o large.png' shows it at a larger size.\n"
+    "Finished cells are kept in the folder F.cells. The next run makes only those that are not there, also after an\n"
+    "interruption or for a sheet with more values. Remove the folder when you no longer need it.",
+    "  juliavdb sheet bunny.obj -o alpha.png --vary alpha=10,20,40,80\n"
+    "  juliavdb sheet bunny.obj -o seeds.png --vary alpha=20:60:20 --vary versor-seed=1:4:1 --size 160x160\n"
+    "  juliavdb sheet --config seeds.json#3 -o next.png --vary \"versor-translate=0,0,0;0.1,0,0;0.2,0,0\"\n",
+    "fractal"};
+
+/// The JSON is written over without a question only where a sheet of this program is lost.
+std::filesystem::path recipesBeside(const std::filesystem::path& picture) {
+  std::filesystem::path path = picture;
+  path.replace_extension(".json");
+  if (std::filesystem::exists(path) && !vdbtools::isSheetFile(path))
+    throw vdbtools::CreateError("'" + path.string() +
+                                "' exists and is no contact sheet; the recipes of the cells go there, so give the "
+                                "picture another name");
+  return path;
+}
+
+/// What stands on the command line or comes from --config or from the target's own recipe.
+vdbtools::SheetOptions parseSheet(const CommandLine& line) {
+  const vdbtools::OptionTable table = vdbtools::fractalOptionTable();
+  vdbtools::SheetOptions options;
+  for (const std::string& text : line.texts("vary"))
+    options.varied.push_back(vdbtools::parseVaried(text, table, vdbtools::kMostSheetCells));
+  if (line.has("columns")) options.columns = line.integer("columns", 1, static_cast<int>(vdbtools::kMostSheetCells));
+  options.base = givenSceneRecipe(line, line.text("input"));
+  options.given = line.given();
+  // A fractal's file as the target stands for its recipe, and the target is the one in there.
+  const auto target = options.base.find("input");
+  if (target == options.base.end() || target->second != line.text("input")) options.given.erase("input");
+  options.view = line.given(vdbtools::OptionTable(vdbtools::sheetViewOptionSpecs()));
+  return options;
+}
+
+}  // namespace
+
+int runSheet(const Arguments& arguments) {
+  CommandLine line(kUsageText, vdbtools::fractalOptionTable());
+  line.addOptions()("output,o", po::value<std::string>()->value_name("F.png"),
+                    "the picture to write; F.json goes with it")(
+      "vary", po::value<std::vector<std::string>>()->value_name("NAME=VALUES"),
+      "an option of 'fractal' and its values; once or twice")(
+      "columns", po::value<std::string>()->value_name("N"),
+      "how many cells stand in a row, where one option varies (default: about as many as there are rows)");
+  line.addOptions(vdbtools::sheetViewOptionSpecs());
+  if (!line.parse(arguments)) return kDone;
+  if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
+  const vdbtools::SheetOptions options = parseSheet(line);
+  const std::filesystem::path picture = line.text("output");
+  if (std::filesystem::exists(picture) && !std::filesystem::is_regular_file(picture) &&
+      !std::filesystem::is_directory(picture))
+    line.refuse("output", "a file, for the recipes go beside it");
+  Outputs outputs;
+  std::ostream& page = outputs.add("output", picture.string(), ".png").stream();
+  std::ostream& recipes = outputs.add("output", recipesBeside(picture).string(), ".json").stream();
+  std::filesystem::path folder = picture;
+  folder.replace_extension(".cells");
+
+  Progress& progress = line.progress();
+  try {
+    const vdbtools::SheetPage made = vdbtools::makeSheet(options, folder, progress);
+    page << made.picture;
+    recipes << vdbtools::encodeSheet(made.sheet);
+    progress.throwIfCancelled();
+    outputs.commit();
+    const std::vector<vdbtools::SheetCell>& cells = made.sheet.cells;
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      if (!cells[i].error.empty()) std::cerr << "warning: cell " << i + 1 << " failed: " << cells[i].error << '\n';
+    std::cerr << "wrote " << outputs.names() << ": " << made.sheet.rows << " x " << made.sheet.columns << " cells, "
+              << made.kept << " of " << cells.size() << " cells kept\n";
+  } catch (const vdbtools::Interrupted&) {
+    if (!std::filesystem::exists(folder)) throw;
+    throw vdbtools::Interrupted("interrupted; the finished cells are kept in '" + folder.string() +
+                                "', and the same command goes on from there");
+  }
+  return kDone;
+}
+
+}  // namespace cli

@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command sheet: its cells against the commands that make them one by one, what it keeps, its refusals."""
+
+import json
+import signal
+import subprocess
+import time
+
+import harness
+from harness import BAD_DATA, CANNOT_CREATE, INTERRUPTED, NO_INPUT, USAGE
+
+LOW = ("--sdf-resolution", 20, "--resolution", 20)
+SMALL = ("--size", "32x32", "--samples", 1)
+VARY = ("--vary", "alpha=20,60", "--vary", "versor-seed=1,2")
+
+
+class SheetTest(harness.CliTest):
+
+    def setUp(self):
+        super().setUp()
+        self.write("s.obj", harness.obj(harness.sphere(2)))
+
+    def cells(self, name="x.cells"):
+        return sorted(p.name for p in self.path(name).iterdir())
+
+    def places(self, name, count, size=(32, 32)):
+        """The pictures on the page: by their number, found by the margin's colour around them."""
+        rows = harness.read_png(self.bytes(name))
+        page = rows[0][0]
+        found, taken = [], set()
+        for y, row in enumerate(rows):
+            for x, pixel in enumerate(row):
+                if pixel == page or (x, y) in taken or len(found) == count:
+                    continue
+                box = [(x + i, y + j) for j in range(size[1]) for i in range(size[0])]
+                if not all(b < len(rows) and a < len(row) for a, b in box):
+                    continue
+                edge = [rows[y + j][x] for j in range(size[1])]
+                if page in edge:
+                    continue  # a letter
+                taken.update(box)
+                found.append([rows[y + j][x:x + size[0]] for j in range(size[1])])
+        return found
+
+
+class Cells(SheetTest):
+
+    def test_each_cell_is_what_render_and_fractal_make(self):
+        text = self.ok("sheet", "s.obj", *LOW, *SMALL, *VARY, "-o", "x.png")
+        self.assertIn("wrote x.png, x.json: 2 x 2 cells", text)
+        sheet = json.loads(self.bytes("x.json"))
+        self.assertEqual([cell["number"] for cell in sheet["cells"]], [1, 2, 3, 4])
+        pictures = self.places("x.png", 4)
+        self.assertEqual(len(pictures), 4)
+        for number, (alpha, seed) in enumerate(((20, 1), (20, 2), (60, 1), (60, 2)), 1):
+            with self.subTest(cell=number):
+                options = (*LOW, "--alpha", alpha, "--versor-seed", seed)
+                self.ok("render", "--field", "s.obj", *options, *SMALL, "--colour", "clay", "-o", "one.png")
+                self.assertEqual(pictures[number - 1], harness.read_png(self.bytes("one.png")))
+                self.ok("render", "--field", "--config", f"x.json#{number}", *SMALL, "--colour", "clay", "-o", "two.png")
+                self.assertEqual(self.bytes("one.png"), self.bytes("two.png"))
+        self.ok("fractal", "s.obj", *LOW, "--alpha", 60, "--versor-seed", 1, "-o", "written.vdb", "--mesh", "a.ply")
+        self.ok("fractal", "--config", "x.json#3", "-o", "cell.vdb", "--mesh", "b.ply")
+        self.assertEqual(self.bytes("written.vdb"), self.bytes("cell.vdb"))
+        self.assertEqual(self.bytes("a.ply"), self.bytes("b.ply"))
+
+    def test_the_recipe_of_a_fractal_and_of_a_cell_go_on(self):
+        self.ok("fractal", "s.obj", *LOW, "--alpha", 20, "-o", "f.vdb")
+        self.ok("sheet", "s.obj", *LOW, *SMALL, "--alpha", 20, "--vary", "versor-seed=1,2", "-o", "a.png")
+        self.ok("sheet", "f.vdb", *SMALL, "--vary", "versor-seed=1,2", "-o", "b.png")
+        self.ok("sheet", "--config", "a.json#1", *SMALL, "--vary", "versor-seed=1,2", "-o", "c.png")
+        self.assertEqual(self.bytes("a.png"), self.bytes("b.png"))
+        self.assertEqual(self.bytes("a.png"), self.bytes("c.png"))
+        self.ok("sheet", "--config", "a.json#1", *SMALL, "--vary", "alpha=20,30", "-o", "d.png")
+        self.assertEqual(json.loads(self.bytes("d.json"))["cells"][1]["recipe"]["alpha"], "30")
+
+    def test_files_as_values(self):
+        for name, roots in (("a.json", harness.ROOTS), ("b.json", harness.ROOTS[:2])):
+            self.write(name, harness.rational_json(roots))
+        self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "versor=a.json,b.json", "-o", "x.png")
+        cells = json.loads(self.bytes("x.json"))["cells"]
+        self.assertEqual([cell["recipe"]["versor"] for cell in cells], ["a.json", "b.json"])
+        self.assertEqual(len({cell["recipe"]["versor-sha256"] for cell in cells}), 2)
+        self.write("b.json", harness.rational_json(harness.ROOTS[1:]))
+        self.refused(BAD_DATA, "fractal", "--config", "x.json#2", "-o", "f.vdb", mentions="b.json")
+        said = self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "versor=a.json,b.json", "-o", "x.png")
+        self.assertIn("1 of 2 cells kept", said)
+
+    def test_targets_as_values(self):
+        self.write("t.obj", harness.obj(harness.torus()))
+        self.ok("sheet", *LOW, *SMALL, "--vary", "input=s.obj,t.obj", "--vary", "alpha=20,40", "-o", "x.png")
+        self.assertEqual([cell["recipe"]["input"] for cell in json.loads(self.bytes("x.json"))["cells"]],
+                         ["s.obj", "s.obj", "t.obj", "t.obj"])
+
+    def test_values_with_commas(self):
+        self.ok("sheet", "--map", "quadratic", "--iterations", 5, *SMALL, "--vary",
+                "c=-0.2,0.6,0.2,0.2;-1,0.2,0,0", "-o", "x.png")
+        self.assertEqual([cell["varied"] for cell in json.loads(self.bytes("x.json"))["cells"]],
+                         [{"c": "-0.2,0.6,0.2,0.2"}, {"c": "-1,0.2,0,0"}])
+
+    def test_same_bytes(self):
+        results = set()
+        for number, options in enumerate((("--threads", 1), ("--threads", 2), ("--instructions", "portable"))):
+            name = f"x{number}.png"
+            self.ok("sheet", "s.obj", *LOW, *SMALL, *VARY, *options, "-o", name)
+            results.add((self.bytes(name), self.bytes(f"x{number}.json")))
+        self.assertEqual(len(results), 1)
+
+    def test_a_failed_cell_shows_its_error(self):
+        said = self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "alpha=20,-3,word", "-o", "x.png")
+        self.assertRegex(said, r"(?m)^warning: cell 2 failed: .*-3")
+        self.assertRegex(said, r"(?m)^warning: cell 3 failed: .*'word'")
+        cells = json.loads(self.bytes("x.json"))["cells"]
+        self.assertNotIn("error", cells[0])
+        self.assertIn("word", cells[2]["error"])
+        self.assertEqual(len(self.cells()), 1)
+        self.refused(BAD_DATA, "fractal", "--config", "x.json#3", "-o", "f.vdb", mentions="word")
+
+
+class Resuming(SheetTest):
+
+    def test_only_new_cells_are_made(self):
+        self.assertIn("0 of 2 cells kept", self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "alpha=20,40", "-o", "x.png"))
+        page, recipes, cells = self.bytes("x.png"), self.bytes("x.json"), self.cells()
+        self.assertIn("2 of 2 cells kept", self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "alpha=20,40", "-o", "x.png"))
+        self.assertEqual((page, recipes, cells), (self.bytes("x.png"), self.bytes("x.json"), self.cells()))
+        said = self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "alpha=20:40:10", "-o", "x.png")
+        self.assertIn("2 of 3 cells kept", said)
+        self.assertEqual(len(self.cells()), 3)
+
+    def test_an_interruption_keeps_what_is_finished(self):
+        words = ["sheet", "s.obj", "--sdf-resolution", 20, "--size", "200x200", "--samples", 4, "--vary",
+                 "versor-seed=1:40:1", "-o", "x.png"]
+        process = subprocess.Popen([harness.program(), *map(str, words), "--progress", "none"], cwd=self.folder,
+                                   env=harness.environment(), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, preexec_fn=harness.restore_interrupt)
+        end = time.monotonic() + harness.TIMEOUT
+        while not list(self.folder.glob("x.cells/*.png")) and time.monotonic() < end:
+            time.sleep(0.02)
+        process.send_signal(signal.SIGINT)
+        stdout, stderr = process.communicate(timeout=harness.TIMEOUT)
+        self.assertEqual(process.returncode, INTERRUPTED, stderr.decode())
+        self.assertEqual(stdout, b"")
+        self.assertRegex(stderr.decode(), r"\Ajuliavdb: interrupted; [^\n]*\n\Z")
+        self.assertEqual([name for name in self.listing() if "/" not in name], ["s.obj", "x.cells"])
+        kept = self.cells()
+        self.assertTrue(0 < len(kept) < 40, kept)
+        for name in kept:
+            self.assertRegex(name, r"\A[0-9a-f]{32}\.png\Z")
+            harness.read_png(self.bytes("x.cells/" + name))
+        first = [*words]
+        first[first.index("versor-seed=1:40:1")] = "versor-seed=1,2"
+        self.assertRegex(self.ok(*first), r"[12] of 2 cells kept")
+
+
+class Refusals(SheetTest):
+
+    def test_usage(self):
+        base = ("sheet", "s.obj", *LOW, *SMALL)
+        cases = [(*base, *words, "-o", "x.png") for words in (
+            (), ("--vary", "alpha"), ("--vary", "alpha="), ("--vary", "=3"), ("--vary", "alhpa=1,2"), ("--vary", ""),
+            ("--vary", "alpha=1,,2"), ("--vary", "alpha=1:2:0"), ("--vary", "alpha=1:2:-1"), ("--vary", "alpha=1:1000:1"),
+            ("--vary", "alpha=1:21:1", "--vary", "versor-seed=1:20:1"), ("--vary", "alpha=20", "--vary", "alpha=30"),
+            ("--vary", "alpha=20", "--vary", "beta=0", "--vary", "versor-seed=1"), ("--vary", "alpha=20,30", "--alpha", 5),
+            ("--vary", "input=s.obj"), ("--vary", "alpha=20,30", "--columns", 0),
+            ("--vary", "alpha=20,30", "--vary", "versor-seed=1,2", "--columns", 2),
+            ("--vary", "alpha=20,30", "--colour", "pink"), ("--vary", "alpha=20,30", "--eye", "1,1,1", "--zoom", 2),
+            ("--vary", "alpha=-1,-2"), ("--vary", "sdf-voxel-size=0.1,0.2"), ("--vary", "map=one,two"))]
+        cases += [(*base, "--vary", "alpha=20,30"), (*base, "--vary", "alpha=20,30", "-o", "x.jpg"),
+                  (*base, "--vary", "alpha=20,30", "-o", "x.exr"), (*base, "--vary", "alpha=20,30", "-o", "/dev/null"),
+                  ("sheet", "--vary", "alpha=20,30", "-o", "x.png"),
+                  ("sheet", "s.obj", "--vary", "versor-seed=1:400:1", "--columns", 400, "-o", "x.png")]
+        self.all_refused(USAGE, cases)
+
+    def test_input_and_output(self):
+        vary = ("--vary", "alpha=20,30")
+        self.refused(NO_INPUT, "sheet", "missing.obj", *vary, "-o", "x.png", mentions="missing.obj")
+        self.write("broken.obj", "v 1 2\nf 1 2 3\n")
+        self.refused(BAD_DATA, "sheet", "broken.obj", *vary, "-o", "x.png", mentions="broken.obj")
+        self.refused(CANNOT_CREATE, "sheet", "s.obj", *vary, "-o", "nowhere/x.png", mentions="nowhere")
+        self.write("swirl.json", harness.rational_json(harness.ROOTS))
+        self.refused(CANNOT_CREATE, "sheet", "s.obj", *vary, "-o", "swirl.png", mentions="swirl.json")
+        self.write("x.cells", "in the way")
+        self.refused(CANNOT_CREATE, "sheet", "s.obj", *LOW, *vary, "-o", "x.png", mentions="x.cells")
+
+    def test_configurations(self):
+        self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "alpha=20,40", "-o", "x.png")
+        for name in ("x.json", "x.json#", "x.json#0", "x.json#3", "x.json#one"):
+            self.refused(USAGE, "fractal", "--config", name, "-o", "f.vdb", mentions="1 to 2")
+        self.refused(USAGE, "sdf", "--config", "x.json#1", "-o", "f.vdb", mentions="juliavdb fractal")
+        self.refused(NO_INPUT, "fractal", "--config", "y.json#1", "-o", "f.vdb", mentions="y.json")
+        self.write("y.json", "{}")
+        self.refused(BAD_DATA, "fractal", "--config", "y.json#1", "-o", "f.vdb", mentions="y.json")
+
+
+if __name__ == "__main__":
+    harness.main()

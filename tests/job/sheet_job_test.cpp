@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+// Contact sheets: which cells there are and where, what their recipes say, and which pictures are made again.
+#include "support/test_meshes.h"
+
+#include "vdbtools/files/file_hash.h"
+#include "vdbtools/job/fractal_options.h"
+#include "vdbtools/job/recorded_recipe.h"
+#include "vdbtools/job/sheet_job.h"
+#include "vdbtools/mesh/mesh_writer.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <set>
+#include <sstream>
+
+namespace {
+
+using namespace vdbtools;
+using test_meshes::TemporaryFolder;
+
+VariedOption varied(const std::string& text) { return parseVaried(text, fractalOptionTable(), kMostSheetCells); }
+
+SheetOptions seeds(int count) {
+  return {.varied = {varied("versor-seed=1:" + std::to_string(count) + ":1")}, .base = {{"input", "a.obj"}}};
+}
+
+TEST(SheetPlan, OneOptionFillsRowsWithFewEmptyPlaces) {
+  std::vector<int> counts{97, 100, 101, 399, 400};
+  for (int count = 1; count <= 30; ++count) counts.push_back(count);
+  for (const int count : counts) {
+    SCOPED_TRACE(count);
+    const Sheet sheet = planSheet(seeds(count));
+    ASSERT_EQ(sheet.cells.size(), static_cast<std::size_t>(count));
+    EXPECT_GE(sheet.rows * sheet.columns, count);
+    EXPECT_LT((sheet.rows - 1) * sheet.columns, count) << "a row is empty";
+    EXPECT_GE(sheet.columns, sheet.rows);
+    EXPECT_LE(sheet.columns, sheet.rows + 5) << "neither a column nor a ribbon";
+    for (std::size_t i = 0; i < sheet.cells.size(); ++i)
+      EXPECT_EQ(sheet.cells[i].varied, (Recipe{{"versor-seed", std::to_string(i + 1)}}));
+  }
+  SheetOptions asked = seeds(7);
+  asked.columns = 3;
+  EXPECT_EQ(planSheet(asked).rows, 3);
+  asked.columns = 20;
+  EXPECT_EQ(planSheet(asked).columns, 7);
+}
+
+TEST(SheetPlan, TwoOptionsAreRowsAndColumns) {
+  const SheetOptions options{.varied = {varied("alpha=10,20"), varied("versor-seed=1,2,3")}, .base = {{"input", "a"}}};
+  const Sheet sheet = planSheet(options);
+  EXPECT_EQ(sheet.rows, 2);
+  EXPECT_EQ(sheet.columns, 3);
+  ASSERT_EQ(sheet.cells.size(), 6U);
+  for (std::size_t i = 0; i < 6; ++i)
+    EXPECT_EQ(sheet.cells[i].varied,
+              (Recipe{{"alpha", i < 3 ? "10" : "20"}, {"versor-seed", std::to_string(i % 3 + 1)}}));
+}
+
+TEST(SheetPlan, RefusesWhatIsNoSheet) {
+  EXPECT_THROW(planSheet({}), std::invalid_argument);
+  EXPECT_THROW(planSheet({.varied = {varied("alpha=1"), varied("beta=1"), varied("versor-seed=1")}}),
+               std::invalid_argument);
+  EXPECT_THROW(planSheet({.varied = {varied("alpha=1"), varied("alpha=2")}}), std::invalid_argument);
+  EXPECT_THROW(planSheet({.varied = {varied("alpha=1,2")}, .given = {{"alpha", "3"}}}), std::invalid_argument);
+  EXPECT_THROW(planSheet({.varied = {varied("alpha=1:21:1"), varied("versor-seed=1:20:1")}}), std::invalid_argument);
+  EXPECT_NO_THROW(planSheet({.varied = {varied("alpha=1:20:1"), varied("versor-seed=1:20:1")}}));
+  EXPECT_THROW(planSheet({.varied = {varied("alpha=1"), varied("beta=1")}, .columns = 2}), std::invalid_argument);
+  EXPECT_THROW(planSheet({.varied = {varied("alpha=1")}, .view = {{"size", "0x0"}}}), std::invalid_argument);
+}
+
+TEST(SheetPlan, AVariedOptionDisplacesItsAlternativeInTheBaseOnly) {
+  const VariedOption option = varied("sdf-voxel-size=0.1,0.2");
+  const Recipe rest{{"sdf-resolution", "32"}};
+  for (const SheetCell& cell : planSheet({.varied = {option}, .base = rest}).cells) {
+    EXPECT_FALSE(cell.recipe.contains("sdf-resolution"));
+    EXPECT_EQ(cell.error, "");
+  }
+  // What stands beside --vary on the command line contradicts it, as two options there do.
+  for (const SheetCell& cell : planSheet({.varied = {option}, .base = rest, .given = rest}).cells)
+    EXPECT_NE(cell.error.find("--sdf-resolution"), std::string::npos) << cell.error;
+}
+
+class SheetJob : public testing::Test {
+ protected:
+  SheetJob() {
+    std::ostringstream stream;
+    writeMesh(stream, test_meshes::makeSphere(1, 2), {.format = MeshFormat::Obj});
+    mBall = mFolder.write("ball.obj", stream.str()).string();
+  }
+
+  SheetOptions options(const std::vector<std::string>& vary) const {
+    SheetOptions result{.base = {{"input", mBall}, {"sdf-resolution", "16"}, {"resolution", "16"}},
+                        .view = {{"size", "24x16"}, {"samples", "1"}}};
+    for (const std::string& text : vary) result.varied.push_back(varied(text));
+    return result;
+  }
+  SheetPage make(const SheetOptions& what, const std::string& folder = "cells") {
+    return makeSheet(what, mFolder.path() / folder, mMonitor);
+  }
+  std::set<std::string> finished(const std::string& folder = "cells") const {
+    std::set<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(mFolder.path() / folder))
+      names.insert(entry.path().filename().string());
+    return names;
+  }
+
+  TemporaryFolder mFolder;
+  Monitor mMonitor;
+  std::string mBall;
+};
+
+TEST_F(SheetJob, RecipesAreCompleteAndComeBack) {
+  const Sheet sheet = planSheet(options({"alpha=20,40"}));
+  const std::string file = mFolder.write("s.json", encodeSheet(sheet)).string();
+  EXPECT_TRUE(isSheetFile(file));
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Recipe& recipe = sheet.cells[i].recipe;
+    EXPECT_EQ(recipe.at("alpha"), i == 0 ? "20" : "40");
+    EXPECT_EQ(recipe.at("source-sha256"), sha256OfFile(mBall));
+    EXPECT_EQ(completeRecipe(recipe, fractalOptionTable()), recipe);
+    const RecordedRecipe back = readRecordedRecipe(file + "#" + std::to_string(i + 1));
+    EXPECT_EQ(back.command, "fractal");
+    EXPECT_EQ(back.recipe, recipe);
+  }
+  for (const char* none : {"", "#", "#0", "#3", "#-1", "#x", "#1.5"})
+    EXPECT_THROW(readRecordedRecipe(file + none), std::invalid_argument) << none;
+  mFolder.write("broken.json", R"({"juliavdb": "sheet", "version": 1, "cells": [{"number": 1}]})");
+  mFolder.write("versor.json", R"({"juliavdb": "rational", "version": 1})");
+  mFolder.write("text.json", "no JSON");
+  for (const char* bad : {"broken.json#1", "versor.json#1", "text.json#1"})
+    EXPECT_THROW(readRecordedRecipe(mFolder.path() / bad), DataError) << bad;
+  EXPECT_THROW(readRecordedRecipe(mFolder.path() / "missing.json#1"), MissingInputError);
+  EXPECT_FALSE(isSheetFile(mFolder.path() / "versor.json"));
+  EXPECT_FALSE(isSheetFile(mFolder.path() / "missing.json"));
+}
+
+TEST_F(SheetJob, OnlyNewCellsAreMade) {
+  const SheetPage first = make(options({"alpha=20,40"}));
+  EXPECT_EQ(first.kept, 0U);
+  EXPECT_EQ(finished().size(), 2U);
+  const SheetPage again = make(options({"alpha=20,40"}));
+  EXPECT_EQ(again.kept, 2U);
+  EXPECT_EQ(again.picture, first.picture);
+  const SheetPage more = make(options({"alpha=40,30,20"}));
+  EXPECT_EQ(more.kept, 2U);
+  EXPECT_EQ(finished().size(), 3U);
+  EXPECT_EQ(more.picture, make(options({"alpha=40,30,20"}), "elsewhere").picture) << "a kept cell looks otherwise";
+}
+
+TEST_F(SheetJob, WhatChangesACellMakesItAgain) {
+  const SheetOptions usual = options({"alpha=20,40"});
+  make(usual);
+  SheetOptions other = usual;
+  other.view["azimuth"] = "10";
+  EXPECT_EQ(make(other).kept, 0U);
+  other = usual;
+  other.base["versor-seed"] = "2";
+  EXPECT_EQ(make(other).kept, 0U);
+  EXPECT_EQ(make(usual).kept, 2U);
+  std::ostringstream stream;
+  writeMesh(stream, test_meshes::makeSphere(1.2, 2), {.format = MeshFormat::Obj});
+  mFolder.write("ball.obj", stream.str());
+  EXPECT_EQ(make(usual).kept, 0U) << "the mesh is another one";
+}
+
+TEST_F(SheetJob, ABrokenCellIsMadeAgain) {
+  const SheetPage first = make(options({"alpha=20,40"}));
+  for (const std::string& name : finished()) mFolder.write("cells/" + name, "no picture");
+  const SheetPage again = make(options({"alpha=20,40"}));
+  EXPECT_EQ(again.kept, 0U);
+  EXPECT_EQ(again.picture, first.picture);
+  EXPECT_EQ(make(options({"alpha=20,40"})).kept, 2U);
+}
+
+TEST_F(SheetJob, AFailedCellLeavesTheOthersAlone) {
+  const SheetPage page = make(options({"alpha=20,-1,word"}));
+  ASSERT_EQ(page.sheet.cells.size(), 3U);
+  EXPECT_EQ(page.sheet.cells[0].error, "");
+  EXPECT_NE(page.sheet.cells[1].error.find("-1"), std::string::npos);
+  EXPECT_NE(page.sheet.cells[2].error.find("word"), std::string::npos);
+  EXPECT_EQ(finished().size(), 1U);
+  EXPECT_NE(page.picture, make(options({"alpha=20"})).picture);
+}
+
+TEST_F(SheetJob, IfAllFailTheirErrorIsTheSheets) {
+  EXPECT_THROW(make(options({"alpha=-1,-2"})), std::invalid_argument);
+  SheetOptions missing = options({"alpha=20,40"});
+  missing.base["input"] = (mFolder.path() / "missing.obj").string();
+  EXPECT_THROW(make(missing), MissingInputError);
+  SheetOptions behind = options({"alpha=20,40"});
+  behind.view.insert({{"eye", "0,0,9"}, {"look-at", "0,0,19"}});
+  EXPECT_THROW(make(behind), DataError) << "a picture without anything in it is no picture of the set";
+  EXPECT_FALSE(std::filesystem::exists(mFolder.path() / "cells"));
+}
+
+TEST_F(SheetJob, TheFolderCanBeRefused) {
+  mFolder.write("cells", "in the way");
+  EXPECT_THROW(make(options({"alpha=20,40"})), CreateError);
+}
+
+TEST_F(SheetJob, AnInterruptionKeepsWhatIsFinished) {
+  /// Cancels once the third cell begins.
+  class Impatient final : public Monitor {
+   public:
+    void begin(std::string_view phase, std::uint64_t) override {
+      if (phase.find("cell 3 of 4") != std::string_view::npos) mCancelled = true;
+    }
+    bool cancelled() const override { return mCancelled; }
+
+   private:
+    std::atomic<bool> mCancelled{false};
+  } impatient;
+  const SheetOptions what = options({"alpha=20,30", "versor-seed=1,2"});
+  EXPECT_THROW(makeSheet(what, mFolder.path() / "cells", impatient), Interrupted);
+  EXPECT_EQ(finished().size(), 2U);
+  const SheetPage page = make(what);
+  EXPECT_EQ(page.kept, 2U);
+  EXPECT_EQ(page.picture, make(what, "elsewhere").picture);
+}
+
+}  // namespace

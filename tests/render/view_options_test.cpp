@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// The options of a picture: their defaults are those of the structs, and what contradicts is refused.
+#include "vdbtools/render/view_options.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+namespace {
+
+using namespace vdbtools;
+
+FieldPicture parsed(const Recipe& given) {
+  return parseFieldPicture(given, OptionTable(fieldPictureOptionSpecs("800x800", "direction")));
+}
+
+TEST(ViewOptions, DefaultsAreThoseOfTheStructs) {
+  const FieldPicture picture = parsed({});
+  const FieldRenderOptions usual;
+  EXPECT_EQ(picture.render.width, usual.width);
+  EXPECT_EQ(picture.render.height, usual.height);
+  EXPECT_EQ(picture.render.samples, usual.samples);
+  EXPECT_EQ(picture.render.colour, usual.colour);
+  EXPECT_EQ(picture.render.clarity.epsilon, usual.clarity.epsilon);
+  EXPECT_EQ(picture.render.clarity.alpha, usual.clarity.alpha);
+  EXPECT_EQ(picture.render.clarity.delta, usual.clarity.delta);
+  EXPECT_EQ(picture.render.skip, usual.skip);
+  const ViewAngles angles;
+  EXPECT_EQ(picture.view.angles.azimuth, angles.azimuth);
+  EXPECT_EQ(picture.view.angles.elevation, angles.elevation);
+  EXPECT_EQ(picture.view.angles.fieldOfView, angles.fieldOfView);
+  EXPECT_EQ(picture.view.angles.zoom, angles.zoom);
+  EXPECT_FALSE(picture.view.eye || picture.view.lookAt || picture.view.up);
+  EXPECT_EQ(picture.view.axis(), Camera().up);
+}
+
+TEST(ViewOptions, AreReadFromText) {
+  const FieldPicture picture =
+      parsed({{"size", "30x20"}, {"samples", "9"}, {"eye", "1,2,3"}, {"colour", "trap"}, {"no-skip", "true"}});
+  EXPECT_EQ(picture.render.width, 30);
+  EXPECT_EQ(picture.render.height, 20);
+  EXPECT_EQ(picture.render.samples, 9);
+  EXPECT_EQ(picture.view.eye, openvdb::Vec3d(1, 2, 3));
+  EXPECT_EQ(picture.render.colour, FieldColour::Trap);
+  EXPECT_FALSE(picture.render.skip);
+}
+
+TEST(ViewOptions, RefusesWhatCannotBe) {
+  for (const Recipe& given : std::initializer_list<Recipe>{{{"size", "30"}},
+                                                           {{"size", "30x20x10"}},
+                                                           {{"size", "0x20"}},
+                                                           {{"size", "20x"}},
+                                                           {{"size", "32769x1"}},
+                                                           {{"samples", "2"}},
+                                                           {{"elevation", "91"}},
+                                                           {{"zoom", "0"}},
+                                                           {{"up", "0,0,0"}},
+                                                           {{"eye", "1,1,1"}, {"zoom", "1"}},
+                                                           {{"delta", "3"}},
+                                                           {{"epsilon", "0"}},
+                                                           {{"alpha", "40"}}})
+    EXPECT_THROW(parsed(given), std::invalid_argument) << given.begin()->first << ' ' << given.begin()->second;
+}
+
+}  // namespace

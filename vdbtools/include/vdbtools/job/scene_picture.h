@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file scene_picture.h
+/// A scene before the camera: where its rays go, and what the renderer has to know of it.
+#pragma once
+
+#include "vdbtools/job/scene.h"
+#include "vdbtools/render/view_options.h"
+
+namespace vdbtools {
+
+/// Where the rays go, world units: the box that was asked for, or all of the set.
+openvdb::BBoxd pictureRegion(const Scene& scene);
+
+/// What the renderer needs: @a picture with the scene's camera, orbit and dropped axis.
+/// @param region  as pictureRegion() has it
+FieldRenderOptions pictureOptions(const Scene& scene, const openvdb::BBoxd& region, const FieldPicture& picture);
+
+}  // namespace vdbtools

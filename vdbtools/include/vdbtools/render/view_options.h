@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file view_options.h
+/// What a picture is taken with, as options and as values: its size, the camera, and how a map's set is sampled and
+/// coloured. These options are no part of a fractal's recipe: they change a picture of a set and not the set.
+#pragma once
+
+#include "vdbtools/recipe/option_table.h"
+#include "vdbtools/recipe/recipe_reader.h"
+#include "vdbtools/render/field_render.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdbtools {
+
+/// Of every shaded picture.
+struct ViewOptions {
+  int width = 800, height = 800;  ///< pixels
+  int samples = 4;                ///< rays per pixel: 1, 4, 9 or 16
+  ViewAngles angles;
+};
+
+/// --size, --azimuth, --elevation, --fov, --samples and --zoom. @param size  the default, such as "800x800"
+std::vector<OptionSpec> viewOptionSpecs(const std::string& size);
+/// @throw std::invalid_argument naming the option and the value
+ViewOptions parseViewOptions(const RecipeReader& reader);
+
+/// Where the eye is: at a given place, or at angles around the set.
+struct FieldView {
+  std::optional<openvdb::Vec3d> eye, lookAt, up;  ///< world units
+  ViewAngles angles;
+
+  /// What a turntable turns about.
+  openvdb::Vec3d axis() const { return up.value_or(Camera().up); }
+
+  /// @param region  of the set, world units
+  /// @param aspect  width over height
+  /// @throw std::invalid_argument  the eye is where it looks at
+  Camera camera(const FieldSource& source, const openvdb::BBoxd& region, double aspect) const;
+};
+
+/// A picture of a map's set, before there is a set: the camera, the orbit and the dropped axis are yet to be filled in.
+struct FieldPicture {
+  FieldView view;
+  FieldRenderOptions render;
+};
+
+/// What a picture of a map's set has beside the options of every picture: --eye, --colour and so on.
+/// @param colour  the default of --colour
+std::vector<OptionSpec> fieldViewOptionSpecs(const std::string& colour);
+/// All options of a picture of a map's set.
+std::vector<OptionSpec> fieldPictureOptionSpecs(const std::string& size, const std::string& colour);
+/// @param given  not completed: what is given decides what may stand beside it
+/// @param table  of fieldPictureOptionSpecs()
+/// @throw std::invalid_argument naming the option and the value
+FieldPicture parseFieldPicture(const Recipe& given, const OptionTable& table);
+
+}  // namespace vdbtools

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/job/scene_picture.h"
+
+#include "vdbtools/job/fractal_job.h"
+
+namespace vdbtools {
+
+openvdb::BBoxd pictureRegion(const Scene& scene) {
+  if (scene.options.lattice.box) return *scene.options.lattice.box;
+  return scene.exponent ? meshBox(planScene(scene)) : scene.region;
+}
+
+FieldRenderOptions pictureOptions(const Scene& scene, const openvdb::BBoxd& region, const FieldPicture& picture) {
+  FieldRenderOptions options = picture.render;
+  options.camera = picture.view.camera(scene.source(), region,
+                                       static_cast<double>(options.width) / static_cast<double>(options.height));
+  options.orbit = scene.orbit;
+  options.dropAxis = scene.options.map->embedding().dropped;
+  return options;
+}
+
+}  // namespace vdbtools

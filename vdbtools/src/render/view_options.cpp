@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/render/view_options.h"
+
+#include <stdexcept>
+
+namespace vdbtools {
+namespace {
+
+constexpr int kLargestSide = 32768;  // pixels
+
+void parseSize(const RecipeReader& reader, ViewOptions& options) {
+  const std::vector<std::string> sides = split(reader.text("size"), 'x');
+  const auto side = [&](std::size_t i) {
+    const std::optional<int> pixels = sides.size() == 2 ? wholeFromText<int>(sides[i]) : std::nullopt;
+    if (!pixels || *pixels < 1 || *pixels > kLargestSide) reader.refuse("size", "WIDTHxHEIGHT, each 1 to 32768");
+    return *pixels;
+  };
+  options.width = side(0);
+  options.height = side(1);
+}
+
+/// @param domain  what follows "it must be"
+double numberWithin(const RecipeReader& reader, const char* name, double low, double high, const char* domain) {
+  const double value = reader.number(name);
+  if (!(value >= low && value <= high)) reader.refuse(name, domain);
+  return value;
+}
+
+FieldView parseView(const RecipeReader& reader, const ViewAngles& angles) {
+  const auto vector = [&](const char* name) {
+    return reader.has(name) ? std::optional(reader.vector(name)) : std::nullopt;
+  };
+  FieldView view{.eye = vector("eye"), .lookAt = vector("look-at"), .up = vector("up"), .angles = angles};
+  if (view.up && view.up->length() == 0) reader.refuse("up", "a direction");
+  return view;
+}
+
+}  // namespace
+
+std::vector<OptionSpec> viewOptionSpecs(const std::string& size) {
+  return {{.name = "size", .argument = "WxH", .defaultValue = size, .help = "pixels"},
+          {.name = "azimuth",
+           .argument = "DEG",
+           .defaultValue = "-30",
+           .help = "angle about the vertical axis, 0 being the front"},
+          {.name = "elevation", .argument = "DEG", .defaultValue = "15", .help = "angle above the horizon"},
+          {.name = "fov", .argument = "DEG", .defaultValue = "30", .help = "vertical field of view"},
+          {.name = "samples", .argument = "N", .defaultValue = "4", .help = "rays per pixel: 1, 4, 9 or 16"},
+          {.name = "zoom", .argument = "F", .defaultValue = "1", .help = "magnification: above 1 comes closer"}};
+}
+
+ViewOptions parseViewOptions(const RecipeReader& reader) {
+  ViewOptions options;
+  parseSize(reader, options);
+  options.samples = reader.choice<int>("samples", {{"1", 1}, {"4", 4}, {"9", 9}, {"16", 16}});
+  options.angles = {.azimuth = numberWithin(reader, "azimuth", -1e6, 1e6, "-1e6 to 1e6 degrees"),
+                    .elevation = numberWithin(reader, "elevation", -90, 90, "-90 to 90 degrees"),
+                    .fieldOfView = numberWithin(reader, "fov", 1, 150, "1 to 150 degrees"),
+                    .zoom = numberWithin(reader, "zoom", 1e-3, 1e3, "0.001 to 1000")};
+  return options;
+}
+
+Camera FieldView::camera(const FieldSource& source, const openvdb::BBoxd& region, double aspect) const {
+  Camera camera;
+  camera.fieldOfView = angles.fieldOfView;
+  if (!eye || !lookAt) camera = cameraAround(frameSet(source, region), angles, aspect);
+  const openvdb::Vec3d arm = camera.eye - camera.lookAt;
+  if (lookAt) camera.lookAt = *lookAt;
+  camera.eye = eye ? *eye : camera.lookAt + arm;
+  if (up) camera.up = *up;
+  if ((camera.eye - camera.lookAt).length() == 0)
+    throw std::invalid_argument("--eye and --look-at are the same point; move one of them");
+  return camera;
+}
+
+std::vector<OptionSpec> fieldViewOptionSpecs(const std::string& colour) {
+  return {
+      {.name = "eye",
+       .argument = "X,Y,Z",
+       .help = "the position of the eye, in the target's units, instead of azimuth, elevation and zoom"},
+      {.name = "look-at",
+       .argument = "X,Y,Z",
+       .help = "the point in the middle of the picture",
+       .defaultNote = "the middle of the set"},
+      {.name = "up", .argument = "X,Y,Z", .help = "the direction that is up in the picture", .defaultNote = "0,1,0"},
+      {.name = "colour",
+       .argument = "NAME",
+       .defaultValue = colour,
+       .help = "what to colour by: direction (of the first step, as RGB), versor, iterations, trap, or clay for none"},
+      {.name = "epsilon",
+       .argument = "E",
+       .defaultValue = "5e-5",
+       .help = "the shortest step of a ray, in fractal space"},
+      {.name = "alpha-clarity",
+       .argument = "A",
+       .help = "the length of a ray's steps is A d^D at the distance d from the eye",
+       .defaultNote = "as long as a pixel is wide"},
+      {.name = "delta", .argument = "D", .defaultValue = "1", .help = "the exponent D: 0, 1 or 2"},
+      {.name = "no-skip", .help = "evaluate every sample, even where the map is proved to be empty; for checking"}};
+}
+
+std::vector<OptionSpec> fieldPictureOptionSpecs(const std::string& size, const std::string& colour) {
+  std::vector<OptionSpec> options = viewOptionSpecs(size);
+  for (OptionSpec& option : fieldViewOptionSpecs(colour)) options.push_back(std::move(option));
+  return options;
+}
+
+FieldPicture parseFieldPicture(const Recipe& given, const OptionTable& table) {
+  const RecipeReader reader(given, table);
+  const ViewOptions common = parseViewOptions(reader);
+  FieldPicture picture{.view = parseView(reader, common.angles)};
+  for (const char* name : {"azimuth", "elevation", "zoom"})
+    if (picture.view.eye && given.contains(name))
+      throw std::invalid_argument(std::string("--eye and --") + name +
+                                  " both set the position of the eye; give only one of them");
+  FieldRenderOptions& render = picture.render;
+  render.width = common.width;
+  render.height = common.height;
+  render.samples = common.samples;
+  render.colour = reader.choice<FieldColour>("colour", {{"direction", FieldColour::Direction},
+                                                        {"versor", FieldColour::Versor},
+                                                        {"iterations", FieldColour::Iterations},
+                                                        {"trap", FieldColour::Trap},
+                                                        {"clay", FieldColour::Clay}});
+  render.clarity.epsilon = reader.number("epsilon");
+  if (!(render.clarity.epsilon >= 1e-9)) reader.refuse("epsilon", "at least 1e-9");
+  if (reader.has("alpha-clarity")) {
+    render.clarity.alpha = reader.number("alpha-clarity");
+    if (!(*render.clarity.alpha >= 0)) reader.refuse("alpha-clarity", "at least 0");
+  }
+  render.clarity.delta = reader.choice<int>("delta", {{"0", 0}, {"1", 1}, {"2", 2}});
+  render.skip = !reader.flag("no-skip");
+  return picture;
+}
+
+}  // namespace vdbtools
