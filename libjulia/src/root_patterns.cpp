@@ -53,7 +53,7 @@ Point unit(const Point& axis) {
   return {axis[0] / length, axis[1] / length, axis[2] / length};
 }
 
-/// Two unit vectors that make a right-handed frame with a third.
+/// Two unit vectors that make a right-handed frame with a third. The first lies towards a coordinate axis.
 struct Frame {
   Point u, v;
 };
@@ -65,7 +65,7 @@ Frame frameOf(const Point& axis) {
     if (std::abs(axis[i]) < std::abs(axis[least])) least = i;
   Point other{0, 0, 0};
   other[least] = 1;
-  const Point u = unit(cross(other, axis));
+  const Point u = unit(plus(other, axis, -dot(other, axis)));
   return {u, cross(axis, u)};
 }
 
@@ -219,11 +219,9 @@ void appendRings(std::vector<Root>& roots, const Point& point, const Point& axis
     roots.push_back({t, static_cast<double>(power) * repeats});
     return;
   }
-  // The inverse of (q - t)^P n* is n (q - t)^-P.
   for (int i = 0; i < repeats; ++i) {
-    if (power < 0) roots.push_back(constantFactor(n));
     roots.push_back({t, static_cast<double>(power)});
-    if (power > 0) roots.push_back(constantFactor(conjugate(n)));
+    roots.push_back(constantFactor(conjugate(n)));
   }
 }
 

@@ -176,15 +176,14 @@ TEST(RootPatterns, ringsAreRingsAboutTheirAxis) {
       }
 }
 
+// (q - t)^-1 points as the conjugate of q - t does, so a system of rings with P = -1 undoes one about the real axis.
 TEST(RootPatterns, inverseRingsUndoRings) {
-  for (const Point& axis : kAxes)
-    for (const int power : {1, 3}) {
-      julia::Rational rational;
-      julia::appendRings(rational.top.roots, {0.1, 0, 0}, axis, power, 4, {});
-      julia::appendRings(rational.top.roots, {0.1, 0, 0}, axis, -power, 4, {});
-      const Quaternion<double> u = julia::RationalEvaluator<double>(rational).versor({0.2, 0.3, -0.1, 0});
-      EXPECT_NEAR(u.a, 1, 1e-4);
-    }
+  for (const int power : {1, 3}) {
+    julia::Rational rational;
+    julia::appendRings(rational.top.roots, {0.1, 0, 0}, {1, 0, 0}, power, 4, {});
+    julia::appendRings(rational.top.roots, {0.1, 0, 0}, {2, 0, 0}, -power, 4, {});
+    EXPECT_NEAR(julia::RationalEvaluator<double>(rational).versor(Quaternion<double>{0.2, 0.3, -0.1, 0}).a, 1, 1e-14);
+  }
 }
 
 TEST(RootPatterns, constantsHaveTheModulusOne) {

@@ -68,7 +68,7 @@ Root constantFactor(const Quaternion<double>& c);
 /// Appends ((q - t)^P n*) @a repeats times, for a point t and an axis n. With P = 1 these are the rings of the file's
 /// head. A higher P lets the rings run into thorns and tongues, for (q - t)^P has rings of its own about the real axis.
 /// An axis along the real axis takes one root, any other takes two roots for each repetition.
-/// @param power    P, 1 to 1000; below 0, the inverse of the factors for -P is appended
+/// @param power    P, 1 to 1000 or -1 to -1000
 /// @param repeats  1 to 1000
 /// @throw std::invalid_argument
 void appendRings(std::vector<Root>& roots, const Point& point, const Point& axis, int power, int repeats,

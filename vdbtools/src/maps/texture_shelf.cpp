@@ -39,7 +39,7 @@ std::vector<Texture> allTextures() {
        {{.family = Fan, .count = 18, .axis = kY, .towards = kZ, .angle = 0.2}}},
       {"quills", "Long sharp spines in rows.", {{.repeats = 10, .axis = kY}, {.repeats = 10, .axis = kZ}}},
       {"fins",
-       "Deep fins in a fan, where two systems of level bands undo each other.",
+       "A fan of thin blades over a calm body, where two systems of level bands undo each other.",
        {{.repeats = 10, .axis = kY, .shift = 0.1}, {.power = -1, .repeats = 10, .axis = kY, .shift = -0.1}}},
       {"thorns", "Few long thorns on a smooth skin.", {{.power = 3, .repeats = 5, .axis = kZ}}},
       {"flames", "Swirling sheets that end in tongues.", {{.power = 2, .repeats = 9, .axis = kY}}},
@@ -58,13 +58,13 @@ std::vector<Texture> allTextures() {
        {{.family = Surface, .count = 36, .power = 3}}},
       {"burrs",
        "Rough lumps with hooked tips, from roots on a lattice.",
-       {{.family = Lattice, .power = 2, .spacing = 0.28}}},
+       {{.family = Lattice, .power = 2, .spacing = 0.26}}},
       {"drips",
        "Wax that has run down and set, from a circle of roots with sevenfold symmetry.",
-       {{.family = Helix, .count = 7, .power = 2, .axis = kY, .radius = 0.25}}},
-      {"folds",
-       "Large folds of cloth, from a circle of roots with sevenfold symmetry.",
        {{.family = Helix, .count = 7, .power = 5, .along = kZ, .radius = 0.3}}},
+      {"folds",
+       "Large creased folds of cloth, from a level circle of roots with sevenfold symmetry.",
+       {{.family = Helix, .count = 7, .power = 2, .axis = kY, .along = Point{0, -1, 0}, .radius = 0.25}}},
   };
 }
 
