@@ -20,12 +20,12 @@ constexpr double kSurfaceReach = 0.02;
 // Found by looking at many. Rings about X take one root however many they are, those about other axes two roots a ring.
 std::vector<Texture> allTextures() {
   return {
-      {"woven",
-       "Rows of small studs, where fine bands about X cross others about Y, like basketwork.",
-       {{.count = 5, .power = 8, .length = 1}, {.count = 20, .axis = kY, .length = 0.8}}},
       {"scales",
        "Small overlapping plates, where two systems of slanting bands cross.",
        {{.count = 11, .axis = {0.5, 0.8, 0.3}, .length = 0.8}, {.count = 11, .axis = {0.5, -0.8, 0.3}, .length = 0.8}}},
+      {"woven",
+       "Rows of small studs, where fine bands about X cross others about Y, like basketwork.",
+       {{.count = 5, .power = 8, .length = 1}, {.count = 20, .axis = kY, .length = 0.8}}},
       {"rings", "Broad smooth rings about X, as in [SK23] Fig. 9.", {{.count = 5, .power = 6, .length = 1}}},
       {"ledges", "Thin level shelves, one above the other.", {{.count = 20, .axis = kY, .length = 0.8}}},
       {"shells",
