@@ -6,7 +6,9 @@
 #include "output.h"
 #include "slice_plane.h"
 
+#include "vdbtools/job/fractal_options.h"
 #include "vdbtools/job/study.h"
+#include "vdbtools/maps/texture_shelf.h"
 
 #include <iostream>
 
@@ -54,7 +56,11 @@ int runStudy(const Arguments& arguments) {
       line.has("curve") ? &outputs.add("curve", line.text("curve"), ".png .svg .exr").stream() : nullptr;
   std::ostream* const csv = line.has("csv") ? &outputs.add("csv", line.text("csv"), ".csv").stream() : nullptr;
 
-  const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(sceneRecipe(line, input->second));
+  vdbtools::Recipe recipe = sceneRecipe(line, input->second);
+  // A study is of random versors, also that of a fractal with a texture.
+  if (const auto versor = recipe.find("versor"); versor != recipe.end() && vdbtools::findTexture(versor->second))
+    recipe = vdbtools::overridden(recipe, {{"versor", "random"}}, vdbtools::fractalOptionTable());
+  const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(recipe);
   const vdbtools::Scene scene = vdbtools::makeScene(options, line.progress());
   const vdbtools::SlicePlane plane = placement.plane(frameOf(scene), scene.space.centre);
   const vdbtools::Study result = vdbtools::runStudy(scene, plane, study, line.progress());

@@ -9,12 +9,17 @@
 #include "vdbtools/formats/peer_formats.h"
 #include "vdbtools/formats/versor_file.h"
 #include "vdbtools/maps/map_options.h"
+#include "vdbtools/maps/texture_shelf.h"
 
 #include "julia/random_roots.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <iostream>
+#include <limits>
 #include <optional>
 
 namespace po = boost::program_options;
@@ -22,19 +27,23 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-constexpr Usage kUsageText = {"versor", "new|inspect|add|scale|translate [FILES] [-o F.json] [options]",
+constexpr Usage kUsageText = {"versor", "list|new|inspect|add|scale|translate [FILES] [-o F.json] [options]",
                               "Makes, shows and changes versors, the texture of a fractal. A versor is a quaternion "
                               "polynomial or rational, given by\n"
                               "its roots and powers in fractal space, where the target's longest side is 1. Reads "
                               ".json, .p4d, .poly4d and .o3d;\n"
                               "writes .json and, for polynomials, .p4d.\n"
                               "\n"
-                              "  new -o F                    make random roots in a box or about a point\n"
+                              "  list                        show the textures that have a name\n"
+                              "  new -o F                    make random roots in a box or about a point, or those of "
+                              "a texture\n"
                               "  inspect F                   show what is in a file\n"
                               "  add A B -o F                make the ordered product of two versors\n"
                               "  scale A FACTOR -o F         scale the roots about the origin\n"
                               "  translate A X,Y,Z[,S] -o F  move the roots",
+                              "  juliavdb versor list\n"
                               "  juliavdb versor new -o swirl.json --seed 3 --roots 12 --powers 2:9 --integer\n"
+                              "  juliavdb versor new -o scales.json --texture scales\n"
                               "  juliavdb versor inspect swirl.json\n"
                               "  juliavdb versor scale swirl.json 0.5 -o fine.json\n"
                               "  juliavdb versor translate swirl.json 0.1,0,0 -o moved.json\n"
@@ -68,8 +77,56 @@ void inspect(const std::string& name, const julia::Polynomial& polynomial) {
               << "]  power " << root.power << '\n';
 }
 
+std::size_t rootCount(const vdbtools::Texture& texture) {
+  const vdbtools::TextureSite ball{
+      .distance = [](const julia::Point& x) { return std::hypot(x[0], x[1], x[2]) - 0.5; }};
+  return vdbtools::placeTexture(texture, ball, 1, {}).top.roots.size();
+}
+
+void list(bool asJson) {
+  if (asJson) {
+    nlohmann::ordered_json textures = nlohmann::ordered_json::array();
+    for (const vdbtools::Texture& texture : vdbtools::textureShelf())
+      textures.push_back({{"name", texture.name},
+                          {"description", texture.description},
+                          {"roots", rootCount(texture)},
+                          {"seed", texture.varies()},
+                          {"default", &texture == &vdbtools::defaultTexture()}});
+    std::cout << textures.dump(2) << '\n';
+    return;
+  }
+  std::size_t width = 0;
+  for (const vdbtools::Texture& texture : vdbtools::textureShelf()) width = std::max(width, texture.name.size());
+  for (const vdbtools::Texture& texture : vdbtools::textureShelf())
+    std::cout << std::left << std::setw(static_cast<int>(width) + 2) << texture.name << texture.description
+              << (&texture == &vdbtools::defaultTexture() ? " The default." : "") << '\n';
+}
+
+/// The texture as it is placed in a box, with the dynamics' origin at 0.
+vdbtools::RationalFile newTexture(const CommandLine& line) {
+  const std::string name = line.text("texture");
+  for (const char* option : {"roots", "powers", "integer", "placement", "box", "centre", "radius"})
+    if (line.has(option))
+      throw std::invalid_argument("--" + std::string(option) + " belongs to random roots, and --texture " + name +
+                                  " has its own; leave one of them out");
+  const vdbtools::Texture* texture = vdbtools::findTexture(name);
+  if (!texture) throw std::invalid_argument("there is no texture '" + name + "'; 'juliavdb versor list' shows them");
+  if (vdbtools::surfaceReach(*texture) > 0)
+    throw std::invalid_argument("the roots of the texture '" + name +
+                                "' lie on its target's surface, and a file has none; give it to 'fractal' by --versor");
+  std::string note = "juliavdb versor new --texture " + name;
+  std::uint64_t seed = 1;
+  if (line.has("seed")) {
+    seed =
+        vdbtools::parseInteger<std::uint64_t>("seed", line.text("seed"), 0, std::numeric_limits<std::uint64_t>::max());
+    note += " --seed " + line.text("seed");
+  }
+  return {vdbtools::placeTexture(*texture, {}, seed, {}), note, {}};
+}
+
 /// What 'new' makes, and the command that makes it again, less its output.
 vdbtools::RationalFile newVersor(const CommandLine& line) {
+  if (line.has("texture")) return newTexture(line);
   constexpr const char* kPrefix = "versor-";
   // The same options as those of 'fractal', under the same rules, without their prefix.
   const vdbtools::OptionTable table(vdbtools::randomRootsOptions());
@@ -108,7 +165,10 @@ int runVersor(const Arguments& arguments) {
       "box", po::value<std::string>()->value_name("X0,Y0,Z0,X1,Y1,Z1"),
       "new: the box (default: the unit cube about 0)")("centre", po::value<std::string>()->value_name("X,Y,Z"),
                                                        "new: the centre of the cluster (default 0,0,0)")(
-      "radius", po::value<std::string>()->value_name("R"), "new: the radius of the cluster (default 0.1)");
+      "radius", po::value<std::string>()->value_name("R"), "new: the radius of the cluster (default 0.1)")(
+      "texture", po::value<std::string>()->value_name("NAME"),
+      "new: a texture of 'versor list', over a cube about 0, instead of random roots")(
+      "json", "list: write names, descriptions and numbers of roots as JSON");
   if (!line.parse(arguments)) return kDone;
   const std::vector<std::string> words = line.texts("words");
   const std::string action = words.empty() ? "" : words.front();
@@ -116,7 +176,10 @@ int runVersor(const Arguments& arguments) {
     if (words.size() != count + 1)
       throw std::invalid_argument("'versor " + action + "' takes " + what + "; see 'juliavdb versor --help'");
   };
-  if (action == "new") {
+  if (action == "list") {
+    expect(0, "no file");
+    list(line.has("json"));
+  } else if (action == "new") {
     expect(0, "no file but -o");
     const vdbtools::RationalFile made = newVersor(line);
     write(line, made.rational, made.note);
@@ -143,7 +206,7 @@ int runVersor(const Arguments& arguments) {
     write(line, julia::translated(file.rational, {by[0], by[1], by[2], four ? by[3] : 0}), "", file.target);
   } else {
     throw std::invalid_argument((action.empty() ? std::string("no action was given") : "'" + action + "' is unknown") +
-                                "; use new, inspect, add, scale or translate");
+                                "; use list, new, inspect, add, scale or translate");
   }
   return kDone;
 }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command versor: new, inspect, add, scale, translate, and the versors in fractals."""
+"""The command versor: list, new, inspect, add, scale, translate, and the versors in fractals."""
 
 import json
 import struct
@@ -62,7 +62,8 @@ class Versor(harness.CliTest):
         self.assertEqual(self.roots("x.json"), [(1, 2, 3, 0, 5)])
 
     def test_the_note_makes_it_again(self):
-        for options in (("--seed", 3), ("--seed", 4, "--roots", 12, "--powers", "2:9", "--integer"),
+        for options in (("--seed", 3), ("--texture", "scales"), ("--texture", "bark", "--seed", 7),
+                        ("--seed", 4, "--roots", 12, "--powers", "2:9", "--integer"),
                         ("--box", "-2,-1,0,1,3,2", "--integer"), ("--placement", "cluster", "--centre", "-1,0,0.5",
                                                                   "--radius", 0.2)):
             with self.subTest(options=options):
@@ -71,6 +72,33 @@ class Versor(harness.CliTest):
                 self.assertEqual(note[0], "juliavdb")
                 self.ok(*note[1:], "-o", "two.json")
                 self.assertEqual(self.bytes("one.json"), self.bytes("two.json"))
+
+    def test_textures(self):
+        """A texture is what its file holds, and its seed is that of the fractal's option."""
+        self.write("s.obj", harness.obj(harness.sphere(2)))
+        low = ("--resolution", 24, "--sdf-resolution", 24)
+        shelf = json.loads(self.ok("versor", "list", "--json", data=True))
+        self.assertEqual(sum(texture["default"] for texture in shelf), 1)
+        default, = [texture["name"] for texture in shelf if texture["default"]]
+        self.ok("fractal", "s.obj", *low, "--mesh", "default.ply")
+        default_points = harness.read_ply(self.bytes("default.ply")).points
+        for name, seed in ((default, 1), ("scales", 1), ("bark", 5)):
+            self.ok("versor", "new", "--texture", name, "--seed", seed, "-o", "t.json")
+            self.assertEqual(len(self.roots("t.json")), {t["name"]: t["roots"] for t in shelf}[name])
+            meshes = []
+            for versor in (("--versor", "t.json"), ("--versor", name, "--versor-seed", seed)):
+                self.ok("fractal", "s.obj", *versor, *low, "--mesh", "m.ply")
+                meshes.append(harness.read_ply(self.bytes("m.ply")).points)
+            self.assertTrue(meshes[0] == meshes[1], name)
+            self.assertEqual(meshes[0] == default_points, name == default)
+        for refused in (("versor", "new", "--texture", "feather", "-o", "x.json"),
+                        ("versor", "new", "--texture", "coral", "-o", "x.json"),
+                        ("versor", "new", "--texture", "scales", "--roots", 4, "-o", "x.json"),
+                        ("versor", "list", "more"),
+                        ("fractal", "s.obj", *low, "-o", "x.vdb", "--versor", "feather"),
+                        ("fractal", "s.obj", *low, "-o", "x.vdb", "--versor", "scales", "--versor-powers", "2:3")):
+            with self.subTest(refused=refused):
+                self.refused(USAGE, *refused)
 
     def test_add_keeps_the_order(self):
         self.ok("versor", "add", "v.json", "w.json", "-o", "x.json")

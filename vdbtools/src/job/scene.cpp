@@ -48,7 +48,10 @@ class SharedTarget {
   const Target& target(const BandWidths& widths, Monitor& monitor) {
     const bool wide = widths.exterior <= mWidths.exterior, deep = widths.interior <= mWidths.interior;
     if (mTarget && wide && deep) return *mTarget;
-    mWidths = {std::max(widths.exterior, mWidths.exterior), std::max(widths.interior, mWidths.interior)};
+    // Whoever asks again will ask for more once more: what is made again is made much wider.
+    constexpr double kMore = 4;
+    if (!wide) mWidths.exterior = std::max(widths.exterior, kMore * mWidths.exterior);
+    if (!deep) mWidths.interior = std::max(widths.interior, kMore * mWidths.interior);
     mTarget = std::isfinite(mWidths.interior) || !mTarget ? mInput->make(mWidths, monitor)
                                                           : mInput->deepened(*mTarget, mWidths, monitor);
     return *mTarget;

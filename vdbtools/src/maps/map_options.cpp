@@ -26,20 +26,58 @@ OptionSpec kept(OptionSpec spec) {
   return spec;
 }
 
-/// The random roots over a target, or in the usual box without one.
+/// The options that say something of random roots alone, and nothing of a texture or a file.
+constexpr const char* kRandomOnly[] = {"versor-roots",    "versor-powers", "versor-integer", "versor-placement",
+                                       "versor-distance", "versor-centre", "versor-radius"};
+
+bool isRandomOnly(const std::string& option) {
+  return std::find(std::begin(kRandomOnly), std::end(kRandomOnly), option) != std::end(kRandomOnly);
+}
+
+/// Where roots are placed: in the target's box, or in the usual one without a target. They lie in the target's space,
+/// and moving the dynamics' origin does not place them anew.
+TextureSite siteOf(const MapContext& context) {
+  if (!context.target) return {};
+  const FractalSpace space = context.unmovedSpace;
+  const FloatGrid::ConstPtr phi = context.target->phi;
+  return {.boxMin = space.toFractal(context.target->box.min()),
+          .boxMax = space.toFractal(context.target->box.max()),
+          .longestSide = longestSide(context.target->box) / space.scale,
+          .distance = [phi, space](const julia::Point& x) {
+            return openvdb::tools::BoxSampler::sample(phi->tree(), phi->worldToIndex(space.toWorld(x))) / space.scale;
+          }};
+}
+
 julia::Rational randomRoots(julia::RandomRootsOptions random, const MapContext& context) {
   if (context.target) {
-    // The roots lie in the target's space; moving the dynamics' origin does not strew them anew.
-    const FractalSpace space = context.unmovedSpace;
-    random.boxMin = space.toFractal(context.target->box.min());
-    random.boxMax = space.toFractal(context.target->box.max());
-    random.surfaceDistance *= longestSide(context.target->box) / space.scale;
-    const FloatGrid::ConstPtr phi = context.target->phi;
-    random.distance = [phi, space](const julia::Point& x) {
-      return openvdb::tools::BoxSampler::sample(phi->tree(), phi->worldToIndex(space.toWorld(x))) / space.scale;
-    };
+    const TextureSite site = siteOf(context);
+    random.boxMin = site.boxMin;
+    random.boxMax = site.boxMax;
+    random.surfaceDistance *= site.longestSide;
+    random.distance = site.distance;
   }
   return {0, julia::randomPolynomial(random), {}};
+}
+
+/// The usual versor. Whoever says something of random roots, their seed included, means those; and a rational map,
+/// whose shape is that of its roots, has them too.
+std::string usualVersor(const Recipe& recipe) {
+  const auto map = recipe.find("map");
+  const bool isRational = map != recipe.end() && map->second == "rational";
+  const bool saysRandom = std::any_of(recipe.begin(), recipe.end(), [](const auto& entry) {
+    return isRandomOnly(entry.first) || entry.first == "versor-seed";
+  });
+  return isRational || saysRandom ? kRandom : defaultTexture().name;
+}
+
+std::uint64_t parseSeed(const RecipeReader& reader) {
+  return reader.integer<std::uint64_t>("versor-seed", 0, std::numeric_limits<std::uint64_t>::max());
+}
+
+std::string knownVersors() {
+  std::string names;
+  for (const Texture& texture : textureShelf()) names += texture.name + ", ";
+  return names + "random, or a file: .json, .p4d, .poly4d or .o3d";
 }
 
 julia::Rational moved(julia::Rational rational, const RootsSettings& settings, const julia::Embedding& embedding) {
@@ -133,7 +171,8 @@ std::vector<OptionSpec> randomRootsOptions() {
       {.name = "versor-seed",
        .argument = "S",
        .defaultValue = "1",
-       .help = "the seed of the random texture: every number is another texture"},
+       .help = "the seed of random roots: every number is another texture; it also varies a texture that has something "
+               "random"},
       {.name = "versor-roots", .argument = "N", .defaultValue = "10", .help = "the number of roots"},
       {.name = "versor-powers",
        .argument = "MIN:MAX",
@@ -161,13 +200,27 @@ std::vector<OptionSpec> randomRootsOptions() {
 }
 
 std::vector<OptionSpec> rootsOptions() {
-  std::vector<OptionSpec> options{kept({.name = "versor",
-                                        .argument = "random|FILE",
-                                        .defaultValue = kRandom,
-                                        .help = "the texture: random roots, or a .json, .p4d, .poly4d or .o3d file",
-                                        .alternative = "rational",
-                                        .hash = "versor-sha256"})};
-  for (OptionSpec& option : randomRootsOptions()) options.push_back(std::move(option));
+  std::vector<OptionSpec> options{
+      kept({.name = "versor",
+            .argument = "NAME|random|FILE",
+            .help = "the texture: one of those that 'juliavdb versor list' shows, random roots, or a .json, .p4d, "
+                    ".poly4d or .o3d file",
+            .defaultFor = [](const Recipe& recipe) { return usualVersor(recipe); },
+            .defaultNote = defaultTexture().name + "; random with any option of random roots",
+            .alternative = "rational",
+            .displaces = {std::begin(kRandomOnly), std::end(kRandomOnly)},
+            .hash = "versor-sha256"})};
+  for (OptionSpec& option : randomRootsOptions()) {
+    if (isRandomOnly(option.name)) {
+      option.displaces = {"versor"};
+      // Not recorded with a texture, where they mean nothing.
+      option.defaultFor = [usual = option.defaultValue](const Recipe& recipe) {
+        const auto versor = recipe.find("versor");
+        return versor != recipe.end() && findTexture(versor->second) ? std::nullopt : usual;
+      };
+    }
+    options.push_back(std::move(option));
+  }
   options.push_back(
       kept({.name = "versor-scale", .argument = "F", .defaultValue = "1", .help = "scale the roots about the origin"}));
   options.push_back(kept({.name = "versor-translate",
@@ -179,7 +232,7 @@ std::vector<OptionSpec> rootsOptions() {
 
 julia::RandomRootsOptions parseRandomRoots(const RecipeReader& reader) {
   julia::RandomRootsOptions options;
-  options.seed = reader.integer<std::uint64_t>("versor-seed", 0, std::numeric_limits<std::uint64_t>::max());
+  options.seed = parseSeed(reader);
   options.count = reader.integer("versor-roots", 1, 1'000'000);
   const std::vector<std::string> ends = split(reader.text("versor-powers"), ':');
   if (ends.size() > 2) reader.refuse("versor-powers", "MIN:MAX");
@@ -202,8 +255,19 @@ julia::RandomRootsOptions parseRandomRoots(const RecipeReader& reader) {
 RootsSettings parseRoots(const RecipeReader& reader, const std::string& fileOption) {
   RootsSettings settings;
   const std::string name = reader.text(fileOption);
-  if (!name.empty() && name != kRandom) settings.file = reader.file(fileOption);
-  settings.random = parseRandomRoots(reader);
+  if (fileOption == "versor") settings.texture = findTexture(name);
+  if (settings.texture) {
+    for (const char* option : kRandomOnly)
+      if (reader.has(option))
+        throw std::invalid_argument("--" + std::string(option) + " belongs to random roots, and --versor " + name +
+                                    " has its own; leave one of them out");
+    settings.random.seed = parseSeed(reader);
+  } else {
+    if (!name.empty() && name != kRandom) settings.file = reader.file(fileOption);
+    if (settings.file && fileOption == "versor" && settings.file->path.extension().empty())
+      reader.refuse(fileOption, "one of " + knownVersors());
+    settings.random = parseRandomRoots(reader);
+  }
   settings.random.embedding = parseEmbedding(reader);
   settings.scale = reader.number("versor-scale");
   if (settings.scale == 0) reader.refuse("versor-scale", "other than 0");
@@ -223,6 +287,7 @@ std::optional<RationalFile> readRoots(const RootsSettings& settings) {
 }
 
 double interiorReachOf(const RootsSettings& settings) {
+  if (settings.texture) return surfaceReach(*settings.texture);
   const bool onSurface = !settings.file && settings.random.placement == julia::RootPlacement::Surface;
   return onSurface ? settings.random.surfaceDistance : 0;
 }
@@ -231,11 +296,22 @@ std::map<std::string, std::string> PlacedRoots::facts() const {
   return {{kVersorJson, rationalToJson(drawn, {}, fitted)}};
 }
 
+std::optional<std::uint64_t> seedOf(const RootsSettings& settings) {
+  const bool varies = settings.texture ? settings.texture->varies() : !settings.file;
+  return varies ? std::optional(settings.random.seed) : std::nullopt;
+}
+
 PlacedRoots placeRoots(const RootsSettings& settings, const julia::Embedding& embedding, const MapContext& context) {
   PlacedRoots roots;
   const std::optional<RationalFile>& file = context.files.roots;
-  roots.drawn = file ? file->rational : randomRoots(settings.random, context);
-  if (file) roots.fitted = file->target;
+  if (file) {
+    roots.drawn = file->rational;
+    roots.fitted = file->target;
+  } else if (settings.texture) {
+    roots.drawn = placeTexture(*settings.texture, siteOf(context), settings.random.seed, embedding);
+  } else {
+    roots.drawn = randomRoots(settings.random, context);
+  }
   roots.placed = moved(roots.drawn, settings, embedding);
   return roots;
 }

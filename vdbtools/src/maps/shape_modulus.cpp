@@ -62,11 +62,9 @@ class ShapeModulusInstance final : public MapInstance {
   const julia::Rational* roots() const override { return &mRoots.placed; }
   std::map<std::string, std::string> facts() const override { return mRoots.facts(); }
 
-  std::optional<std::uint64_t> seed() const override {
-    return mSettings.file ? std::nullopt : std::optional(mSettings.random.seed);
-  }
+  std::optional<std::uint64_t> seed() const override { return seedOf(mSettings); }
   std::shared_ptr<const MapInstance> reseeded(std::uint64_t seed) const override {
-    if (mSettings.file) return MapInstance::reseeded(seed);
+    if (!seedOf(mSettings)) return MapInstance::reseeded(seed);
     auto other = std::make_shared<ShapeModulusInstance>(*this);
     other->mSettings.random.seed = seed;
     other->mRoots = placeRoots(other->mSettings, mEmbedding,

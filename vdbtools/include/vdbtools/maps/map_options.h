@@ -6,9 +6,11 @@
 
 #include "vdbtools/base/grids.h"
 #include "vdbtools/maps/map_descriptor.h"
+#include "vdbtools/maps/texture_shelf.h"
 
 #include "julia/random_roots.h"
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,10 +45,12 @@ OptionSpec shellEscapeOption();
 /// @throw std::invalid_argument  naming the option
 ShellSettings parseShell(const RecipeReader& reader);
 
-/// Roots as a recipe describes them: random ones or a file's, scaled and moved.
+/// Roots as a recipe describes them: those of a file, of a texture of the shelf, or random ones; scaled and moved.
 struct RootsSettings {
-  std::optional<NamedFile> file;     ///< none: random
-  julia::RandomRootsOptions random;  ///< but for what the target says
+  std::optional<NamedFile> file;
+  const Texture* texture = nullptr;  ///< of textureShelf()
+  /// Where there is neither of the two; but for what the target says. The seed varies a texture too.
+  julia::RandomRootsOptions random;
   double scale = 1;
   openvdb::Vec3d translate{0, 0, 0};  ///< units of fractal space
 };
@@ -56,7 +60,9 @@ std::vector<OptionSpec> rootsOptions();
 /// Those of random roots alone: --versor-seed to --versor-radius.
 std::vector<OptionSpec> randomRootsOptions();
 julia::RandomRootsOptions parseRandomRoots(const RecipeReader& reader);
-/// @param fileOption  the option that names the file: "versor", where "random" is no file, or "rational"
+/// @param fileOption  the option that names the roots: "versor", which may also be "random" or a texture's name, or
+///                    "rational", always a file
+/// @throw std::invalid_argument  also for a name that no texture has
 RootsSettings parseRoots(const RecipeReader& reader, const std::string& fileOption);
 
 /// Of a `.json`, `.p4d`, `.poly4d` or `.o3d`; or of a VDB that holds the versor that it was made with.
@@ -74,7 +80,10 @@ struct PlacedRoots {
   std::map<std::string, std::string> facts() const;
 };
 
-/// @throw std::invalid_argument  as julia::randomPolynomial(), julia::scaled()
+/// The seed of roots that have something random in them; none for others.
+std::optional<std::uint64_t> seedOf(const RootsSettings& settings);
+
+/// @throw std::invalid_argument  as julia::randomPolynomial(), placeTexture(), julia::scaled()
 PlacedRoots placeRoots(const RootsSettings& settings, const julia::Embedding& embedding, const MapContext& context);
 
 /// As docs/precision.md has measured it: few steps, and powers whose sum is not large.

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+// The shelf of textures: what each promises of its roots, and how recipes choose among textures, random roots and
+// files.
+#include "support/mesh_laws.h"
+#include "support/test_meshes.h"
+
+#include "vdbtools/job/fractal_job.h"
+#include "vdbtools/job/fractal_options.h"
+#include "vdbtools/maps/texture_shelf.h"
+#include "vdbtools/mesh/mesh_writer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <sstream>
+
+namespace {
+
+using namespace vdbtools;
+using julia::Point;
+using julia::Root;
+
+double ball(const Point& x) { return std::hypot(x[0], x[1], x[2]) - 0.4; }
+
+TextureSite site(double size) {
+  return {.boxMin = {-0.5 * size, -0.25 * size, -0.25 * size},
+          .boxMax = {0.5 * size, 0.5 * size, 0.25 * size},
+          .longestSide = size,
+          .distance = [size](const Point& x) {
+            return size * ball({x[0] / size, x[1] / size, x[2] / size});
+          }};
+}
+
+bool isConstant(const Root& root) {
+  const auto& t = root.position;
+  return std::hypot(std::hypot(t.a, t.b), std::hypot(t.c, t.d)) > 1e5;
+}
+
+TEST(TextureShelf, saysWhatItHolds) {
+  std::set<std::string> names;
+  for (const Texture& texture : textureShelf()) {
+    SCOPED_TRACE(texture.name);
+    EXPECT_TRUE(names.insert(texture.name).second);
+    EXPECT_TRUE(std::all_of(texture.name.begin(), texture.name.end(), [](char c) { return c >= 'a' && c <= 'z'; }));
+    EXPECT_NE(texture.name, "random");
+    EXPECT_GT(texture.description.size(), 10U);
+    EXPECT_EQ(texture.description.back(), '.');
+    EXPECT_EQ(findTexture(texture.name), &texture);
+  }
+  EXPECT_GE(names.size(), 12U);
+  EXPECT_TRUE(names.contains(defaultTexture().name));
+  EXPECT_EQ(findTexture("no-such-texture"), nullptr);
+}
+
+TEST(TextureShelf, hasWholePowersThatFloatsServe) {
+  for (const Texture& texture : textureShelf()) {
+    SCOPED_TRACE(texture.name);
+    const julia::Rational rational = placeTexture(texture, site(1), 1, {});
+    EXPECT_TRUE(rational.bottom.roots.empty());
+    EXPECT_LE(rational.top.roots.size(), 60U);
+    double powers = 0;
+    for (const Root& root : rational.top.roots) {
+      EXPECT_EQ(root.power, std::floor(root.power));
+      powers += std::abs(root.power);
+    }
+    EXPECT_LE(powers, 250);  // docs/precision.md
+  }
+}
+
+TEST(TextureShelf, growsWithItsTarget) {
+  for (const Texture& texture : textureShelf()) {
+    SCOPED_TRACE(texture.name);
+    const std::vector<Root> one = placeTexture(texture, site(1), 3, {}).top.roots;
+    const std::vector<Root> two = placeTexture(texture, site(4), 3, {}).top.roots;
+    ASSERT_EQ(one.size(), two.size());
+    for (std::size_t i = 0; i < one.size(); ++i) {
+      EXPECT_EQ(two[i].power, one[i].power);
+      EXPECT_EQ(two[i].position, isConstant(one[i]) ? one[i].position : one[i].position * 4.0);
+    }
+  }
+}
+
+TEST(TextureShelf, seedsVaryWhatSaysSo) {
+  bool someVary = false;
+  for (const Texture& texture : textureShelf()) {
+    SCOPED_TRACE(texture.name);
+    const julia::Rational one = placeTexture(texture, site(1), 1, {});
+    EXPECT_EQ(one, placeTexture(texture, site(1), 1, {}));
+    EXPECT_EQ(one != placeTexture(texture, site(1), 2, {}), texture.varies());
+    someVary |= texture.varies();
+  }
+  EXPECT_TRUE(someVary);
+}
+
+TEST(TextureShelf, liesInTheSlice) {
+  for (const Texture& texture : textureShelf())
+    for (const julia::DropAxis dropped : {julia::DropAxis::I, julia::DropAxis::K}) {
+      const julia::Embedding embedding{0.125, dropped};
+      for (const Root& root : placeTexture(texture, site(1), 1, embedding).top.roots) {
+        if (isConstant(root)) continue;
+        EXPECT_EQ(embedding.slicePart(root.position), 0.125) << texture.name;
+      }
+    }
+}
+
+class TextureJob : public testing::Test {
+ protected:
+  TextureJob() { openvdb::initialize(); }
+
+  std::string write(const std::string& name, const Mesh& mesh) const {
+    std::ostringstream obj;
+    writeMesh(obj, mesh, {.format = MeshFormat::Obj});
+    return mFolder.write(name, obj.str());
+  }
+  Scene scene(const Recipe& recipe) {
+    return makeScene(parseFractalOptions(completeRecipe(recipe, fractalOptionTable())), mMonitor);
+  }
+
+  test_meshes::TemporaryFolder mFolder;
+  Monitor mMonitor;
+};
+
+TEST_F(TextureJob, EachMakesAClosedMeshOfABall) {
+  const std::string input = write("ball.obj", test_meshes::makeSphere(2, 4, {1, 2, 3}));
+  for (const Texture& texture : textureShelf()) {
+    SCOPED_TRACE(texture.name);
+    const Recipe recipe{{"input", input},     {"versor", texture.name}, {"alpha", "20"},
+                        {"resolution", "24"}, {"sdf-resolution", "24"}, {"origin", "0.05,0.02,0"}};
+    const Mesh mesh = fractalMesh(scene(recipe), mMonitor);
+    EXPECT_GT(mesh.triangles.size(), 500U);
+    EXPECT_EQ(mesh_laws::notClosedManifold(mesh), "");
+  }
+}
+
+TEST_F(TextureJob, RootsOnTheSurfaceAreThereToAVoxel) {
+  const std::string input = write("ball.obj", test_meshes::makeSphere(2, 5, {1, 2, 3}));
+  for (const Texture& texture : textureShelf()) {
+    if (surfaceReach(texture) == 0) continue;
+    const Scene there = scene({{"input", input}, {"versor", texture.name}, {"sdf-resolution", "48"}});
+    for (const Root& root : there.map->roots()->top.roots) {
+      if (isConstant(root)) continue;
+      const openvdb::Vec3d world = there.space.toWorld({root.position.a, root.position.b, root.position.c});
+      EXPECT_NEAR((world - openvdb::Vec3d(1, 2, 3)).length(), 2, 4.0 / 48);
+    }
+  }
+}
+
+TEST_F(TextureJob, TheTargetsPlaceDoesNotMatter) {
+  const std::string here = write("a.obj", test_meshes::makeSphere(2, 4));
+  const std::string there = write("b.obj", test_meshes::makeSphere(2, 4, {64, -32, 8}));
+  for (const Texture& texture : textureShelf()) {
+    SCOPED_TRACE(texture.name);
+    Recipe recipe{{"input", here}, {"versor", texture.name}, {"sdf-resolution", "24"}};
+    const julia::Rational one = *scene(recipe).map->roots();
+    recipe["input"] = there;
+    const julia::Rational two = *scene(recipe).map->roots();
+    ASSERT_EQ(one.top.roots.size(), two.top.roots.size());
+    for (std::size_t i = 0; i < one.top.roots.size(); ++i) {
+      const auto difference = one.top.roots[i].position - two.top.roots[i].position;
+      EXPECT_LT(std::hypot(difference.a, difference.b, difference.c), 1e-4) << i;
+    }
+  }
+}
+
+std::string versorOf(const Recipe& recipe) { return completeRecipe(recipe, fractalOptionTable()).at("versor"); }
+
+TEST(TextureOptions, whoSpeaksOfRandomRootsGetsThem) {
+  EXPECT_EQ(versorOf({{"input", "a.obj"}}), defaultTexture().name);
+  EXPECT_EQ(versorOf({{"input", "a.obj"}, {"versor", "coral"}, {"versor-seed", "4"}}), "coral");
+  EXPECT_EQ(versorOf({{"input", "a.obj"}, {"versor-scale", "2"}}), defaultTexture().name);
+  for (const char* option : {"versor-seed", "versor-roots", "versor-powers", "versor-integer", "versor-placement",
+                             "versor-distance", "versor-centre", "versor-radius"})
+    EXPECT_EQ(versorOf({{"input", "a.obj"}, {option, "3"}}), "random") << option;
+  EXPECT_EQ(versorOf({{"map", "rational"}, {"input", "a.obj"}}), "random");
+}
+
+TEST(TextureOptions, recordedRecipesOfTexturesHaveNoRandomRoots) {
+  const Recipe texture = completeRecipe({{"input", "a.obj"}}, fractalOptionTable());
+  EXPECT_FALSE(texture.contains("versor-roots"));
+  EXPECT_TRUE(texture.contains("versor-seed"));
+  EXPECT_NO_THROW(parseFractalOptions(texture));
+  const Recipe random = completeRecipe({{"input", "a.obj"}, {"versor", "random"}}, fractalOptionTable());
+  EXPECT_EQ(random.at("versor-roots"), "10");
+  EXPECT_EQ(random.at("versor-powers"), "2:11");
+
+  // One displaces the other where a recorded recipe is taken up again.
+  const OptionTable table = fractalOptionTable();
+  EXPECT_EQ(versorOf(overridden(texture, {{"versor-roots", "5"}}, table)), "random");
+  const Recipe back = completeRecipe(overridden(random, {{"versor", "scales"}}, table), table);
+  EXPECT_FALSE(back.contains("versor-roots"));
+  EXPECT_NO_THROW(parseFractalOptions(back));
+}
+
+std::string refusal(const Recipe& recipe) {
+  try {
+    parseFractalOptions(completeRecipe(recipe, fractalOptionTable()));
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(TextureOptions, badOnesAreRefused) {
+  const std::string unknown = refusal({{"input", "a.obj"}, {"versor", "feather"}});
+  EXPECT_NE(unknown.find("feather"), std::string::npos) << unknown;
+  for (const Texture& texture : textureShelf()) EXPECT_NE(unknown.find(texture.name), std::string::npos) << unknown;
+  const std::string both = refusal({{"input", "a.obj"}, {"versor", "scales"}, {"versor-powers", "2:3"}});
+  EXPECT_NE(both.find("--versor-powers"), std::string::npos) << both;
+  EXPECT_NE(both.find("scales"), std::string::npos) << both;
+  EXPECT_EQ(refusal({{"input", "a.obj"}, {"versor", "scales"}, {"versor-seed", "2"}}), "");
+  EXPECT_EQ(refusal({{"input", "a.obj"}, {"versor", "scales.json"}}), "");
+}
+
+}  // namespace
