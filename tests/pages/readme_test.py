@@ -44,12 +44,13 @@ class Readme(unittest.TestCase):
             self.assertEqual(len(commands), 3, done.stdout)
             for command in commands:
                 # At a resolution for tests.
-                done = run(re.sub(r"--resolution \d+", "--resolution 40 --sdf-resolution 60", command), folder)
+                small = re.sub(r"--resolution \d+", "--resolution 40 --sdf-resolution 60", command)
+                done = run(re.sub(r"--size \S+", "--size 40x40 --sdf-resolution 60", small), folder)
                 self.assertEqual(done.returncode, 0, f"{command}\n{done.stderr}")
 
     def test_every_option_it_names_exists(self):
         text = ""
-        for command in ("sdf", "fractal", "fit", "mesh", "versor", "sheet", "slice", "study", "render", "info"):
+        for command in ("sdf", "fractal", "fit", "mesh", "versor", "sheet", "slice", "study", "render", "sheet", "info"):
             text += subprocess.run([PROGRAM, command, "--help"], capture_output=True, text=True, check=True).stdout
         known = set(re.findall(r"--[a-z][a-z0-9-]*", text)) | {"--help"}
         for option in set(re.findall(r"--[a-z][a-z0-9-]*", README)):

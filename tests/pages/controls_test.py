@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The commands of docs/controls.md and docs/textures.md run as they stand, at a small size, and the blocks of a terminal
+look like what the program says."""
+import os
+import pathlib
+import re
+import subprocess
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+PROGRAM = pathlib.Path(os.environ["JULIAVDB"]).resolve()
+BUNNY = "/usr/share/glmark2/models/bunny.obj"
+# Enough to see that a command does what it should.
+SMALL = [(r"--size \d+x\d+", "--size 40x40 --samples 1"), (r"--resolution \d+", "--resolution 40"),
+         (r"\b(fractal|sheet|render --field) (\w+\.(?:obj|ply))", r"\1 \2 --sdf-resolution 48")]
+
+
+def small(block):
+    for pattern, replacement in SMALL:
+        block = re.sub(pattern, replacement, block)
+    return block
+
+
+def run(command, folder):
+    path = f"{PROGRAM.parent}:{os.environ['PATH']}"
+    return subprocess.run(["bash", "-euo", "pipefail", "-c", command], cwd=folder, capture_output=True, text=True,
+                          env={**os.environ, "PATH": path})
+
+
+class Pages(unittest.TestCase):
+    def test_every_command_runs(self):
+        for page in ("controls", "textures"):
+            text = (ROOT / f"docs/{page}.md").read_text()
+            blocks = re.findall(r"```sh\n(.*?)```", text, re.S)
+            self.assertGreater(len(blocks), 1, page)
+            with tempfile.TemporaryDirectory() as folder:
+                os.symlink(BUNNY, pathlib.Path(folder) / "bunny.obj")
+                for block in blocks:
+                    done = run(small(block).replace(f"cp {BUNNY} bunny.obj", ":"), folder)
+                    self.assertEqual(done.returncode, 0, f"{page}: {block}\n{done.stderr}")
+
+    def test_what_the_program_says_has_the_form_of_the_page(self):
+        text = (ROOT / "docs/controls.md").read_text()
+        shown, = re.findall(r"^```\n(origin at .*?)```", text, re.M | re.S)
+        with tempfile.TemporaryDirectory() as folder:
+            said = run(f"juliavdb fractal {BUNNY} -o b.vdb --resolution 40 --sdf-resolution 60", folder).stderr
+        number = r"-?\d[\d.e+-]*"
+        for line in shown.splitlines():
+            form = re.sub(rf"(?<![\w.]){number}", "N", line)
+            self.assertIn(form, [re.sub(rf"(?<![\w.]){number}", "N", other) for other in said.splitlines()])
+
+
+if __name__ == "__main__":
+    unittest.main()
