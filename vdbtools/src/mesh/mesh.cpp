@@ -124,7 +124,9 @@ Mesh weldMesh(const Mesh& mesh) {
   std::vector<std::uint32_t> table(std::bit_ceil(2 * mesh.points.size() + 2), kEmpty);
   std::vector<std::uint32_t> welded(mesh.points.size());
   const bool hasNormals = mesh.normals.size() == mesh.points.size();
+  const bool hasUvs = !mesh.cornerUvs.empty();
   Mesh result;
+  for (const VertexAttribute& attribute : mesh.attributes) result.attributes.push_back({attribute.name, {}});
   for (std::size_t p = 0; p < mesh.points.size(); ++p) {
     std::size_t slot = hashPosition(mesh.points[p]) & (table.size() - 1);
     while (table[slot] != kEmpty && !samePosition(result.points[table[slot]], mesh.points[p])) {
@@ -134,13 +136,18 @@ Mesh weldMesh(const Mesh& mesh) {
       table[slot] = static_cast<std::uint32_t>(result.points.size());
       result.points.push_back(mesh.points[p]);
       if (hasNormals) result.normals.push_back(mesh.normals[p]);
+      for (std::size_t a = 0; a < result.attributes.size(); ++a)
+        result.attributes[a].values.push_back(mesh.attributes[a].values[p]);
     }
     welded[p] = table[slot];
   }
   result.triangles.reserve(mesh.triangles.size());
-  for (const openvdb::Vec3I& t : mesh.triangles) {
+  for (std::size_t n = 0; n < mesh.triangles.size(); ++n) {
+    const openvdb::Vec3I& t = mesh.triangles[n];
     const openvdb::Vec3I triangle(welded[t[0]], welded[t[1]], welded[t[2]]);
-    if (!repeatsCorner(triangle)) result.triangles.push_back(triangle);
+    if (repeatsCorner(triangle)) continue;
+    result.triangles.push_back(triangle);
+    if (hasUvs) result.cornerUvs.insert(result.cornerUvs.end(), &mesh.cornerUvs[3 * n], &mesh.cornerUvs[3 * n] + 3);
   }
   return result;
 }

@@ -11,8 +11,11 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
+#include <numeric>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace vdbtools {
@@ -236,6 +239,53 @@ bool isIndexList(const Property& property) {
   return property.countType && (property.name == "vertex_indices" || property.name == "vertex_index");
 }
 
+/// The integer that stands for 1 in the channels of a colour; 1 for all other numbers.
+double oneOf(const Property& property) {
+  constexpr std::array<std::string_view, 4> kChannels{"red", "green", "blue", "alpha"};
+  if (std::find(kChannels.begin(), kChannels.end(), property.name) == kChannels.end()) return 1;
+  switch (property.type) {
+    case Scalar::kInt8: return std::numeric_limits<std::int8_t>::max();
+    case Scalar::kUint8: return std::numeric_limits<std::uint8_t>::max();
+    case Scalar::kInt16: return std::numeric_limits<std::int16_t>::max();
+    case Scalar::kUint16: return std::numeric_limits<std::uint16_t>::max();
+    case Scalar::kInt32: return std::numeric_limits<std::int32_t>::max();
+    case Scalar::kUint32: return std::numeric_limits<std::uint32_t>::max();
+    case Scalar::kFloat32:
+    case Scalar::kFloat64: break;
+  }
+  return 1;
+}
+
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+
+/// What becomes of a vertex's property: a coordinate, an attribute, or nothing.
+struct Slot {
+  int axis = -1;
+  std::optional<std::size_t> attribute{};
+  double one = 1;  ///< what an attribute is divided by
+};
+
+/// @param mesh  receives the attributes that it lacks
+std::vector<Slot> slotsOf(const Element& element, Mesh& mesh) {
+  std::vector<Slot> slots;
+  for (const Property& p : element.properties) {
+    Slot& slot = slots.emplace_back(Slot{.axis = axisOf(p), .one = oneOf(p)});
+    if (slot.axis >= 0 || p.countType || p.name == "nx" || p.name == "ny" || p.name == "nz") continue;
+    const auto found = std::find_if(mesh.attributes.begin(), mesh.attributes.end(),
+                                    [&p](const VertexAttribute& attribute) { return attribute.name == p.name; });
+    const std::size_t index = static_cast<std::size_t>(found - mesh.attributes.begin());
+    const bool isTaken = std::any_of(slots.begin(), slots.end(), [&](const Slot& s) { return s.attribute == index; });
+    if (isTaken) continue;  // the first of a name counts
+    if (found == mesh.attributes.end()) mesh.attributes.push_back({p.name, {}});
+    slot.attribute = index;
+  }
+  for (VertexAttribute& attribute : mesh.attributes) {
+    attribute.values.resize(mesh.points.size(), kNone);
+    attribute.values.reserve(mesh.points.size() + element.count);
+  }
+  return slots;
+}
+
 void readVertices(BodyReader& body, const Element& element, Mesh& mesh) {
   std::array<int, 3> found{};
   for (const Property& p : element.properties)
@@ -243,34 +293,81 @@ void readVertices(BodyReader& body, const Element& element, Mesh& mesh) {
   if (found != std::array{1, 1, 1}) {
     body.fail("vertices need the properties x, y and z, exactly once each; export the mesh again");
   }
-  mesh.points.reserve(element.count);  // leastBytes() was checked
+  mesh.points.reserve(mesh.points.size() + element.count);  // leastBytes() was checked
+  const std::vector<Slot> slots = slotsOf(element, mesh);
   for (std::uint64_t i = 0; i < element.count; ++i) {
     body.setIndex(i);
     openvdb::Vec3d point;
-    for (const Property& p : element.properties) {
-      const int axis = axisOf(p);
-      if (axis < 0) {
+    for (std::size_t k = 0; k < slots.size(); ++k) {
+      const Property& p = element.properties[k];
+      const Slot& slot = slots[k];
+      if (slot.attribute) {
+        mesh.attributes[*slot.attribute].values.push_back(static_cast<float>(body.next(p.type) / slot.one));
+        continue;
+      }
+      if (slot.axis < 0) {
         body.skip(p.type, p.countType ? body.nextLength(p) : 1);
         continue;
       }
-      point[axis] = body.next(p.type);
-      if (!std::isfinite(point[axis])) {
-        body.fail("the coordinate " + p.name + " is " + std::to_string(point[axis]) +
+      point[slot.axis] = body.next(p.type);
+      if (!std::isfinite(point[slot.axis])) {
+        body.fail("the coordinate " + p.name + " is " + std::to_string(point[slot.axis]) +
                   "; repair the mesh and export it again");
       }
     }
     mesh.points.push_back(point);
   }
+  for (VertexAttribute& attribute : mesh.attributes) attribute.values.resize(mesh.points.size(), kNone);
 }
 
-void readFaces(BodyReader& body, const Element& element, std::uint64_t points, Polygons& polygons) {
+/// Takes the texture coordinates of the vertices, if there are any, out of the attributes.
+std::vector<openvdb::Vec2s> takeVertexUvs(Mesh& mesh) {
+  constexpr std::pair<std::string_view, std::string_view> kNames[] = {
+      {"s", "t"}, {"u", "v"}, {"texture_u", "texture_v"}};
+  std::vector<openvdb::Vec2s> uvs;
+  for (const auto& [first, second] : kNames) {
+    const auto find = [&mesh](std::string_view name) {
+      return std::find_if(mesh.attributes.begin(), mesh.attributes.end(),
+                          [name](const VertexAttribute& attribute) { return attribute.name == name; });
+    };
+    const auto u = find(first), v = find(second);
+    if (u == mesh.attributes.end() || v == mesh.attributes.end()) continue;
+    for (std::size_t p = 0; p < mesh.points.size(); ++p) uvs.emplace_back(u->values[p], v->values[p]);
+    const std::string_view names[] = {first, second};
+    std::erase_if(mesh.attributes, [&names](const VertexAttribute& attribute) {
+      return attribute.name == names[0] || attribute.name == names[1];
+    });
+    break;
+  }
+  return uvs;
+}
+
+bool isUvList(const Property& property) { return property.countType && property.name == "texcoord"; }
+
+/// @param uvs  receives the texture coordinates of corners, in a list u v u v ... as MeshLab writes it
+void readFaceUvs(BodyReader& body, const Property& list, std::vector<openvdb::Vec2s>& uvs) {
+  const std::uint64_t length = body.nextLength(list);
+  if (length % 2 != 0) body.fail("its texture coordinates are " + std::to_string(length) + "; export the mesh again");
+  for (std::uint64_t i = 0; i < length; i += 2) {
+    const double u = body.next(list.type), v = body.next(list.type);
+    uvs.emplace_back(static_cast<float>(u), static_cast<float>(v));
+  }
+}
+
+void readFaces(BodyReader& body, const Element& element, std::uint64_t points, Polygons& polygons,
+               std::vector<openvdb::Vec2s>& uvs) {
   if (std::count_if(element.properties.begin(), element.properties.end(), isIndexList) != 1) {
     body.fail("faces need the list 'vertex_indices', exactly once; export the mesh again");
   }
-  std::vector<std::uint32_t> corners;
+  std::vector<std::uint32_t> corners, uvIndices;
   for (std::uint64_t i = 0; i < element.count; ++i) {
     body.setIndex(i);
+    const std::size_t firstUv = uvs.size();
     for (const Property& p : element.properties) {
+      if (isUvList(p)) {
+        readFaceUvs(body, p, uvs);
+        continue;
+      }
       if (!isIndexList(p)) {
         body.skip(p.type, p.countType ? body.nextLength(p) : 1);
         continue;
@@ -286,8 +383,18 @@ void readFaces(BodyReader& body, const Element& element, std::uint64_t points, P
         }
         corners.push_back(static_cast<std::uint32_t>(index));
       }
-      polygons.add(corners);
     }
+    if (uvs.size() == firstUv) {
+      polygons.add(corners);
+      continue;
+    }
+    if (uvs.size() - firstUv != corners.size()) {
+      body.fail("it has " + std::to_string(corners.size()) + " corners, and texture coordinates for " +
+                std::to_string(uvs.size() - firstUv) + "; export the mesh again");
+    }
+    uvIndices.resize(corners.size());
+    std::iota(uvIndices.begin(), uvIndices.end(), static_cast<std::uint32_t>(firstUv));
+    polygons.add(corners, uvIndices);
   }
 }
 
@@ -319,13 +426,14 @@ Mesh readPly(const std::filesystem::path& path, std::string_view contents) {
 
   Mesh mesh;
   Polygons polygons;
+  std::vector<openvdb::Vec2s> faceUvs;
   for (const Element& element : header.elements) {
     body.setElement(element);
     body.setIndex(0);
     if (element.name == "vertex") {
       readVertices(body, element, mesh);
     } else if (element.name == "face" && element.count > 0) {
-      readFaces(body, element, points, polygons);
+      readFaces(body, element, points, polygons, faceUvs);
     } else if (!element.properties.empty()) {
       for (std::uint64_t i = 0; i < element.count; ++i) {
         body.setIndex(i);
@@ -336,7 +444,13 @@ Mesh readPly(const std::filesystem::path& path, std::string_view contents) {
   if (polygons.empty() && hasStrips) {
     throw DataError(path.string() + ": triangle strips cannot be read; export the mesh with faces");
   }
-  polygons.triangulate(mesh);
+  const std::vector<openvdb::Vec2s> vertexUvs = takeVertexUvs(mesh);
+  polygons.triangulate(mesh, faceUvs);
+  if (faceUvs.empty() && !vertexUvs.empty()) {
+    mesh.cornerUvs.reserve(3 * mesh.triangles.size());
+    for (const openvdb::Vec3I& t : mesh.triangles)
+      for (int c = 0; c < 3; ++c) mesh.cornerUvs.push_back(vertexUvs[t[c]]);
+  }
   return mesh;
 }
 

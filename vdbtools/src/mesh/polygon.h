@@ -21,19 +21,31 @@ void triangulatePolygon(std::span<const std::uint32_t> corners, const std::vecto
 /// Polygons that are kept until all points are known: in some formats faces may stand before their points.
 class Polygons {
  public:
+  static constexpr std::uint32_t kNoUv = 0xffffffff;
+
   /// @param corners  indices of points, three or more
   void add(std::span<const std::uint32_t> corners) {
     mCorners.insert(mCorners.end(), corners.begin(), corners.end());
     mEnds.push_back(mCorners.size());
+    if (!mUvs.empty()) mUvs.resize(mCorners.size(), kNoUv);
+  }
+  /// @param uvs  the corners' indices of texture coordinates, or kNoUv; as many as corners
+  void add(std::span<const std::uint32_t> corners, std::span<const std::uint32_t> uvs) {
+    mUvs.resize(mCorners.size(), kNoUv);
+    mUvs.insert(mUvs.end(), uvs.begin(), uvs.end());
+    add(corners);
   }
   bool empty() const { return mEnds.empty(); }
 
   /// Appends the triangles of all to @a mesh. @pre every corner is one of its points
-  void triangulate(Mesh& mesh) const;
+  void triangulate(Mesh& mesh) const { triangulate(mesh, {}); }
+  /// The same with texture coordinates, if any corner has them. @pre every index of one is below uvs.size()
+  void triangulate(Mesh& mesh, std::span<const openvdb::Vec2s> uvs) const;
 
  private:
   std::vector<std::uint32_t> mCorners;
-  std::vector<std::size_t> mEnds;  ///< of each polygon in mCorners
+  std::vector<std::size_t> mEnds;     ///< of each polygon in mCorners
+  std::vector<std::uint32_t> mUvs{};  ///< of each corner, or empty
 };
 
 }  // namespace vdbtools

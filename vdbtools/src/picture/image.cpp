@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/picture/image.h"
 
+#include "files/image_module.h"
 #include "picture/image_encoder.h"
 #include "picture/srgb.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
-
-#ifdef JULIAVDB_IMAGE_MODULE
-#include <dlfcn.h>
-
-#include <filesystem>
-#endif
 
 #include <algorithm>
 #include <cmath>
@@ -44,24 +39,16 @@ std::vector<Value> converted(const Image& image, Convert convert) {
   return values;
 }
 
+ImageEncoder* findEncoder() {
 #ifdef JULIAVDB_IMAGE_MODULE
-/// Loads the module from the folder of this library. @throw IoError
-ImageEncoder* loadEncoder() {
-  Dl_info here{};
-  if (dladdr(reinterpret_cast<const void*>(&loadEncoder), &here) == 0 || !here.dli_fname)
-    throw IoError("images cannot be encoded: the folder of this library is not known");
-  const std::filesystem::path path = std::filesystem::path(here.dli_fname).parent_path() / JULIAVDB_IMAGE_MODULE;
-  void* const module = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-  void* const function = module ? dlsym(module, "juliavdbEncodeImage") : nullptr;
-  if (!function) throw IoError(std::string("images cannot be encoded: ") + dlerror());
-  return reinterpret_cast<ImageEncoder*>(function);
-}
+  return reinterpret_cast<ImageEncoder*>(imageFunction("juliavdbEncodeImage"));
 #else
-ImageEncoder* loadEncoder() { return juliavdbEncodeImage; }
+  return juliavdbEncodeImage;
 #endif
+}
 
 std::string write(const Picture& picture) {
-  static ImageEncoder* const encode = loadEncoder();
+  static ImageEncoder* const encode = findEncoder();
   std::string result;
   if (!encode(picture, result)) throw IoError(result);
   return result;

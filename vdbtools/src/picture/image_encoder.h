@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file image_encoder.h
-/// Encodes images through OpenImageIO. It brings some 200 libraries, which take longer to load than many jobs take to
-/// run. The code that needs them is therefore a module of its own, loaded with the first image. In static builds it is
-/// part of the library.
+/// Encodes images through OpenImageIO, in the module of files/image_module.h.
 #pragma once
 
 #include <cstdint>

@@ -12,11 +12,16 @@ double Control::at(const openvdb::Vec3d& point) const {
 }
 
 std::shared_ptr<const ControlSource> parseControl(const RecipeReader& reader, const std::string& option) {
+  // Grids come last: they take any text that ends like the name of a VDB.
   constexpr ControlSourcePtr (*kParsers[])(const RecipeReader&, const std::string&) = {
-      parseNumberControl, parseRampControl, parseGridControl};
+      parseNumberControl, parseRampControl,       parsePaintControl, parseTextureControl,
+      parseNearControl,   parseExpressionControl, parseGridControl};
   for (const auto& parser : kParsers)
     if (ControlSourcePtr source = parser(reader, option)) return source;
-  reader.refuse(option, "a number, a ramp such as x:10:300:smooth, or FILE.vdb[:GRID]");
+  reader.refuse(
+      option,
+      "a number, a ramp such as x:10:300:smooth, FILE.vdb[:GRID], paint:NAME:LOW:HIGH, texture:FILE:LOW:HIGH, "
+      "near:FILE:DISTANCE:NEAR:FAR, or expr:TEXT");
 }
 
 }  // namespace vdbtools

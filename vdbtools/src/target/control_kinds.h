@@ -16,5 +16,13 @@ ControlSourcePtr parseNumberControl(const RecipeReader& reader, const std::strin
 /// @throw std::invalid_argument  a broken ramp
 ControlSourcePtr parseRampControl(const RecipeReader& reader, const std::string& option);
 ControlSourcePtr parseGridControl(const RecipeReader& reader, const std::string& option);
+/// @throw std::invalid_argument  a broken paint:...
+ControlSourcePtr parsePaintControl(const RecipeReader& reader, const std::string& option);
+/// @throw std::invalid_argument  a broken texture:...
+ControlSourcePtr parseTextureControl(const RecipeReader& reader, const std::string& option);
+/// @throw std::invalid_argument  a broken near:...
+ControlSourcePtr parseNearControl(const RecipeReader& reader, const std::string& option);
+/// @throw std::invalid_argument  an expression that cannot be read
+ControlSourcePtr parseExpressionControl(const RecipeReader& reader, const std::string& option);
 
 }  // namespace vdbtools

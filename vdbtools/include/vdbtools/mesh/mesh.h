@@ -19,10 +19,21 @@
 
 namespace vdbtools {
 
+/// What a file says of each point besides its place: a channel of its colour, or any other number.
+struct VertexAttribute {
+  std::string name;
+  std::vector<float> values;  ///< one a point; perhaps not finite
+};
+
 struct Mesh {
   std::vector<openvdb::Vec3d> points;     ///< world units
   std::vector<openvdb::Vec3I> triangles;  ///< indices into points
-  std::vector<openvdb::Vec3s> normals;    ///< unit length, one a point, or empty
+  std::vector<openvdb::Vec3s> normals{};  ///< unit length, one a point, or empty
+
+  std::vector<VertexAttribute> attributes{};  ///< of different names
+  /// Texture coordinates: three for each triangle, one a corner, since the triangles at a point of a seam have
+  /// different ones there. Not a number at a corner that has none. Empty: the mesh has none.
+  std::vector<openvdb::Vec2s> cornerUvs{};
 };
 
 /// What is known about a mesh. Edges are identified by the indices of their points, so in a soup whose triangles share
@@ -46,9 +57,13 @@ struct MeshReport {
 MeshReport reportMesh(const Mesh& mesh);
 
 /// Reads OBJ, PLY, STL or OFF, by the file's extension in any case. Polygons are split into triangles: convex ones into
-/// fans, others by ear clipping. Normals, colours and texture coordinates are skipped; unused points are kept; STL is
-/// welded. Coordinates are read in double precision, except those of STL, which are floats. In OBJ, corners that a face
-/// repeats are dropped.
+/// fans, others by ear clipping. Normals are skipped; unused points are kept; STL is welded. Coordinates are read in
+/// double precision, except those of STL, which are floats. In OBJ, corners that a face repeats are dropped.
+///
+/// Attributes are, of PLY, all single numbers of the vertices but x, y, z, nx, ny, nz and texture coordinates; integers
+/// that are channels of a colour (red, green, blue, alpha) are scaled to 0..1. Of OBJ, red, green and blue where they
+/// follow the three coordinates (and 1 at points without, if others have them). Texture coordinates are those of OBJ's
+/// corners, and of PLY's vertices where they have s and t, u and v, or texture_u and texture_v.
 /// @throw MissingInputError  there is no such file, it is not an ordinary file, or it may not be opened
 /// @throw IoError            reading broke off
 /// @throw DataError          unknown format, empty, truncated, counts that do not fit the file, an index out of range,
@@ -57,7 +72,7 @@ Mesh readMesh(const std::filesystem::path& path);
 
 /// Merges points of equal position (bit for bit, except that 0 equals -0) and drops the triangles that then repeat a
 /// corner. A soup such as STL needs this before its edges mean anything. Points keep the order of their first
-/// occurrence.
+/// occurrence, and its normal and attributes; corners keep their texture coordinates.
 /// @throw DataError  an index out of range
 Mesh weldMesh(const Mesh& mesh);
 

@@ -99,8 +99,26 @@ class ControlSource {
   virtual Control bind(const ControlContext& context) const = 0;
 };
 
-/// The source that an option of a recipe describes: a number ("40"); a ramp "AXIS:FROM[@POS]:TO[@POS][:smooth]" such as
-/// "x:10:300:smooth" or "y:10@0.2:300@0.8"; or a grid, "FILE.vdb" or "FILE.vdb:GRID".
+/// The source that an option of a recipe describes:
+///   - a number: "40"
+///   - a ramp, "AXIS:FROM[@POS]:TO[@POS][:smooth]": "x:10:300:smooth" or "y:10@0.2:300@0.8"
+///   - a grid: "FILE.vdb" or "FILE.vdb:GRID"
+///   - a vertex attribute of the target's mesh or of another one: "paint:NAME[@FILE][:LOW:HIGH]". 0 becomes LOW and 1
+///     becomes HIGH, linearly; without them the values stay what they are.
+///   - a picture through the texture coordinates of the target's mesh: "texture:FILE[:CHANNEL]:LOW:HIGH". v = 0 is the
+///     picture's lowest row. CHANNEL is r, g, b, a or luminance.
+///   - the distance to another mesh: "near:FILE:DISTANCE:NEAR:FAR". NEAR on its surface, and inside if it is closed;
+///   FAR
+///     from DISTANCE on, a share of the target's longest side.
+///   - an expression: "expr:TEXT" over x y z (fractal space), nx ny nz (the direction away from the surface), phi and
+///   tau
+///     (shares of the target's longest side), curvature (the mean curvature of the surface nearby, of a ball of radius
+///     r 1 / r, with the longest side as unit), hx hy hz (0..1 along the sides of the target's box), height (= hy) and
+///     the attributes of the target's mesh. It has the functions of julia/expression.h.
+///
+/// The last four are found on a lattice of 100 nodes along the target's longest side, over its box and a tenth of that
+/// side beyond, and read trilinearly. What is known on a surface has at any point the value of the surface's nearest
+/// point. No path may have a ':' in it.
 /// @throw std::invalid_argument  naming the option, the value and what is wrong with it
 std::shared_ptr<const ControlSource> parseControl(const RecipeReader& reader, const std::string& option);
 

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file expression_parser.h
+/// What all formulas that users write have in common: their functions and constants, and why one cannot be read.
+/// muParser's objects are for one thread each.
+#pragma once
+
+#include <muParser.h>
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+namespace julia {
+
+/// The functions of expression_pair.h instead of muParser's own, and pi and e.
+void defineFunctions(mu::Parser& parser);
+
+/// Where a variable is assigned to, which muParser would do.
+std::optional<std::size_t> assignmentIn(const std::string& text);
+inline constexpr const char* kAssignment = "variables cannot be assigned to; a comparison is written ==";
+
+/// The place in @a text, from 0, that the error is about: muParser tells that of some tokens by their end.
+std::size_t placeOf(const mu::ParserError& error, const std::string& text);
+/// @param known  what follows "unknown name; "
+std::string meaningOf(const mu::ParserError& error, const std::string& known);
+
+}  // namespace julia

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file image_module.h
+/// The functions that need OpenImageIO. It brings some 200 libraries, which take longer to load than many jobs take to
+/// run. The code that needs them is therefore a module of its own, loaded with the first picture that is read or
+/// written. In static builds it is part of the library, and there is nothing to load.
+#pragma once
+
+namespace vdbtools {
+
+/// The address of one of the module's functions.
+/// @throw IoError  the module cannot be loaded
+void* imageFunction(const char* name);
+
+}  // namespace vdbtools

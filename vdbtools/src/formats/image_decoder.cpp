@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "formats/image_decoder.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <exception>
+#include <mutex>
+
+namespace {
+
+/// Keeps libpng from printing its errors and warnings, of which OpenImageIO 2.4 lets some through, for as long as it
+/// lives. The process has one stderr, so only one of these exists at a time.
+class QuietStderr {
+ public:
+  QuietStderr() : mLock(mutex()) {
+    std::fflush(stderr);
+    const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    if (nowhere < 0) return;
+    mKept = fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 0);
+    if (mKept >= 0) dup2(nowhere, STDERR_FILENO);
+    close(nowhere);
+  }
+  ~QuietStderr() {
+    if (mKept < 0) return;
+    std::fflush(stderr);
+    dup2(mKept, STDERR_FILENO);
+    close(mKept);
+  }
+  QuietStderr(const QuietStderr&) = delete;
+  QuietStderr& operator=(const QuietStderr&) = delete;
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex mutex;
+    return mutex;
+  }
+  std::scoped_lock<std::mutex> mLock;
+  int mKept = -1;
+};
+
+/// Values of a picture: 4 GB. A damaged header can announce anything.
+constexpr std::uint64_t kMostValues = std::uint64_t{1} << 30;
+
+}  // namespace
+
+bool juliavdbDecodeImage(const std::string& path, vdbtools::DecodedImage& image, std::string& reason) {
+  try {
+    const QuietStderr quiet;
+    OIIO::ImageSpec config;
+    config.attribute("oiio:UnassociatedAlpha", 1);  // colours as they are in the file, not multiplied by alpha
+    const auto input = OIIO::ImageInput::open(path, &config);
+    if (!input) {
+      reason = OIIO::geterror();
+      return false;
+    }
+    const OIIO::ImageSpec& spec = input->spec();
+    const std::uint64_t values =
+        static_cast<std::uint64_t>(spec.image_pixels()) * static_cast<std::uint64_t>(spec.nchannels);
+    if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1 || spec.deep ||
+        values > kMostValues) {
+      reason = "a picture of " + std::to_string(spec.width) + " x " + std::to_string(spec.height) + " pixels and " +
+               std::to_string(spec.nchannels) + " channels cannot be used";
+      return false;
+    }
+    image.width = spec.width;
+    image.height = spec.height;
+    image.channels = spec.nchannels;
+    image.alphaChannel = spec.alpha_channel;
+    image.values.resize(values);
+    if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.values.data())) {
+      reason = input->geterror();
+      return false;
+    }
+    return true;
+  } catch (const std::exception& error) {
+    reason = error.what();
+    return false;
+  }
+}
