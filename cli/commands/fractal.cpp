@@ -66,7 +66,7 @@ void tellWhatIsLeft(const vdbtools::Scene& scene, const vdbtools::SolidMeasure& 
             << '\n';
   constexpr double kLittle = 50;  // percent
   if (share >= kLittle && !solid.islands.empty()) return;
-  std::cerr << "juliavdb: warning: less than half of the target's volume is left; try "
+  std::cerr << "warning: less than half of the target's volume is left; try "
             << (scene.exponentOf->detail ? "a smaller --detail, a larger --outward"
                                          : "--detail instead of --alpha, a larger --alpha or --beta")
             << ", or --origin auto\n";
@@ -135,6 +135,8 @@ int runFractal(const Arguments& arguments) {
   if (scene.exponent) {
     std::cerr << choiceText(scene) << '\n';
     if (result.solid) tellWhatIsLeft(scene, *result.solid);
+    if (scene.exponentOf->mask.range().second == 0)
+      std::cerr << "note: the mask is 0 everywhere, so this is the plain target\n";
   }
   return kDone;
 }
