@@ -45,6 +45,7 @@ class StudyTest : public testing::Test {
   /// @param recipe  besides a low resolution
   Scene scene(Recipe recipe) {
     recipe.emplace("sdf-resolution", "40");
+    recipe.emplace("versor", "random");
     return makeScene(parseFractalOptions(completeRecipe(recipe, fractalOptionTable())), mMonitor);
   }
 
