@@ -159,25 +159,44 @@ void markThinParts(const Lattice& depth, Lattice& tau) {
       }
 }
 
-/// tau(x) <- the least of tau(y) + kThicknessSlope |x - y| over all nodes y, along steps to the 26 neighbours: two
-/// sweeps through the lattice.
-void limitSlope(Lattice& tau) {
+/// Calls body(here, neighbour, distance) for each node and its 26 neighbours, in two sweeps through the lattice: what
+/// is handed from neighbour to neighbour gets everywhere.
+template <class Body>
+void sweep(const Lattice& lattice, const Body& body) {
   static const std::vector<Line> lines = linesOfNeighbours();
-  const Coord size = tau.size;
+  const Coord size = lattice.size;
   for (const int direction : {-1, 1}) {
     const auto order = [&](int i, int n) { return direction < 0 ? i : n - 1 - i; };
     for (int i = 0; i < size[0]; ++i)
       for (int j = 0; j < size[1]; ++j)
         for (int k = 0; k < size[2]; ++k) {
           const int x = order(i, size[0]), y = order(j, size[1]), z = order(k, size[2]);
-          float& here = tau.values[tau.index(x, y, z)];
           for (const Line& line : lines) {
             const int a = x + direction * line.x, b = y + direction * line.y, c = z + direction * line.z;
-            if (!tau.holds(a, b, c)) continue;
-            here = std::min(here, tau.values[tau.index(a, b, c)] + static_cast<float>(kThicknessSlope) * line.length);
+            if (lattice.holds(a, b, c)) body(lattice.index(x, y, z), lattice.index(a, b, c), line.length);
           }
         }
   }
+}
+
+/// Nodes where tau is infinite get that of the nearest one where it is not.
+void extend(Lattice& tau) {
+  Lattice distance(tau.box, 0);
+  for (std::size_t i = 0; i < tau.values.size(); ++i)
+    if (!std::isfinite(tau.values[i])) distance.values[i] = std::numeric_limits<float>::infinity();
+  sweep(tau, [&](std::size_t here, std::size_t neighbour, float length) {
+    const float through = distance.values[neighbour] + length;
+    if (!(through < distance.values[here])) return;
+    distance.values[here] = through;
+    tau.values[here] = tau.values[neighbour];
+  });
+}
+
+/// tau(x) <- the least of tau(y) + kThicknessSlope |x - y| over all nodes y, along steps between neighbours.
+void limitSlope(Lattice& tau) {
+  sweep(tau, [&](std::size_t here, std::size_t neighbour, float length) {
+    tau.values[here] = std::min(tau.values[here], tau.values[neighbour] + static_cast<float>(kThicknessSlope) * length);
+  });
 }
 
 /// The mean over 3 nodes along each axis, which rounds the creases that the limit leaves.
@@ -226,6 +245,7 @@ LocalThickness localThickness(const FloatGrid& phi, Monitor& monitor) {
                         : std::numeric_limits<float>::infinity();
   }
   markThinParts(depth, tau);
+  extend(tau);
   limitSlope(tau);
   monitor.throwIfCancelled();
   smooth(tau, monitor);

@@ -12,9 +12,10 @@
 
 namespace vdbtools {
 
-/// World units of thickness by world units of length. Along the faces of a convex body tau grows with this slope from
-/// its edges by itself.
-inline constexpr double kThicknessSlope = 1;
+/// World units of thickness by world units of length. Where a handle of radius r meets a thick part, the depth on its
+/// axis grows like the hypotenuse of r and the distance into that part; with slopes up to sqrt(1 / D^2 - 1) a share D
+/// of tau leaves the core connected there. This one serves up to D = 0.89.
+inline constexpr double kThicknessSlope = 0.5;
 /// tau is nowhere below this many voxels of the lattice on which it was found.
 inline constexpr double kLeastThickness = 0.75;
 
