@@ -36,8 +36,8 @@ class Detail(harness.CliTest):
             self.assertLess(min(found), -0.5 * detail)
 
     def test_it_says_what_was_chosen_and_what_is_left(self):
-        mesh, said = self.fractal("s.obj", "--detail", 0.3)
-        self.assertRegex(said, r"origin at .*: detail 0\.3 is alpha [\d.]+( to [\d.]+)?, beta -?[\d.e-]+")
+        mesh, said = self.fractal("s.obj", "--detail", 0.2)
+        self.assertRegex(said, r"origin at .*: detail 0\.2 is alpha [\d.]+( to [\d.]+)?, beta -?[\d.e-]+")
         share, = re.findall(r"the set holds ([\d.]+) % of the target's volume in \d+ island", said)
         target = 4 / 3 * math.pi
         self.assertAlmostEqual(float(share), 100 * harness.volume_of(mesh) / target, delta=2)

@@ -33,7 +33,7 @@ class SameBytes(harness.CliTest):
     def test_fractals(self):
         self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))
         for options in (("t.obj",), ("t.obj", "--alpha", "x:10:100:smooth", "--beta", "y:0:0.02"),
-                        ("t.obj", "--slice", 0.2, "--origin", "-0.1,0,0.05", "--versor-seed", 5),
+                        ("t.obj", "--slice", 0.2, "--origin-shift", "-0.1,0,0.05", "--versor-seed", 5),
                         ("t.obj", "--versor-integer", "--drop-axis", "i", "--precision", "float"),
                         ("t.obj", "--versor-placement", "surface", "--versor-roots", 20, "--half"),
                         ("t.obj", "--map", "rational", "--versor", "v.o3d"),
@@ -45,7 +45,7 @@ class SameBytes(harness.CliTest):
         """What is skipped, because its fate is proven, would have come out the same."""
         self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))
         for options in ((), ("--alpha", 6), ("--alpha", 100, "--precision", "double"), ("--alpha", "x:10:100:smooth"),
-                        ("--beta", "y:-0.02:0.03", "--versor-integer"), ("--slice", 0.2, "--origin", "-0.1,0,0.05"),
+                        ("--beta", "y:-0.02:0.03", "--versor-integer"), ("--slice", 0.2, "--origin-shift", "-0.1,0,0.05"),
                         ("--drop-axis", "j", "--iterations", 5), ("--sampling", "quadratic"),
                         ("--box", "-0.2,-0.3,-0.2,0.8,0.9,0.7"), ("--map", "rational", "--versor", "v.o3d"),
                         ("--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "--iterations", 8)):

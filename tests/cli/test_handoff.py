@@ -29,7 +29,7 @@ class HandOff(harness.CliTest):
 
     def check_metadata(self, metadata):
         ours = {name: value for name, value in metadata.items() if name.startswith("julia_")}
-        self.assertIn("julia_alpha", ours)
+        self.assertIn("julia_detail", ours)
         for name, value in ours.items():
             self.assertRegex(name, r"\A[A-Za-z_][A-Za-z0-9_]*\Z")
             self.assertIsInstance(value, str, name)

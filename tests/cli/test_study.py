@@ -63,7 +63,7 @@ class Average(StudyTest):
         """The box's middle lies in the torus's hole; the dynamics take the deepest point, and so does the plane."""
         self.ok("study", "t.obj", *LOW, "--versors", 2, "-o", "x.png", "--csv", "x.csv", "--axis", "x")
         self.assertLess(self.circles()[0]["mean"], -0.25)
-        said = self.ok("study", "t.obj", *LOW, "--versors", 2, "-o", "y.png", "--origin", "0,0.6,0")
+        said = self.ok("study", "t.obj", *LOW, "--versors", 2, "-o", "y.png", "--origin-shift", "0,0.6,0")
         self.assertIn("origin lies outside", said)
 
     def test_same_bytes(self):

@@ -3,8 +3,8 @@
 /// The exponent E for a wanted depth of detail: the distance-radius relation of [SK23] Fig. 8, solved the other way
 /// round (docs/design.md 2.8).
 ///
-/// Let w(x) be 0 where detail shall end outside the target and -1 where it shall end inside, so that the shell of detail
-/// is -1 < w < 0; w increases outward. With a scale K > 0,
+/// Let w(x) be 0 where detail shall end outside the target and -1 where it shall end inside, so that the shell of
+/// detail is -1 < w < 0; w increases outward. With a scale K > 0,
 ///
 ///   E(x) = ln(escape) + K w(x)
 ///

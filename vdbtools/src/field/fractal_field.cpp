@@ -53,9 +53,10 @@ CoordBBox shellDomain(const ExponentGrid& exponent, const FractalFieldOptions& o
   CoordBBox cells = exponent.grid->evalActiveVoxelBoundingBox();
   if (exponent.denseBox) cells = *exponent.denseBox;
   if (cells.empty())
-    throw DataError("the fractal is empty: the exponent is decided everywhere in the target's band; try less detail or a "
-                    "larger beta",
-                    Remedy::LargerBeta);
+    throw DataError(
+        "the fractal is empty: the exponent is decided everywhere in the target's band; try less detail or a "
+        "larger beta",
+        Remedy::LargerBeta);
   const openvdb::BBoxd world =
       exponent.grid->transform().indexToWorld(openvdb::BBoxd(cells.min().asVec3d(), cells.max().asVec3d()));
   CoordBBox domain = latticeNodes(world, options.voxelSize, exponent.denseBox ? 0 : 1);

@@ -17,24 +17,29 @@ constexpr double kLeastShell = 0.25;
 // of E, too.
 constexpr double kEndOfShell = 0.02;
 
-void requireShare(const Control& control, const std::string& name) {
+// A control that is interpolated may leave its range by a rounding.
+constexpr double kRounding = 1e-5;
+
+double clamped(double share) { return std::clamp(share, 0.0, 1.0); }
+
+/// The range of a control that must be a share. @throw std::invalid_argument  it is not
+std::pair<double, double> shareRange(const Control& control, const std::string& name) {
   const auto [least, most] = control.range();
-  if (least < 0 || most > 1)
+  if (least < -kRounding || most > 1 + kRounding)
     throw std::invalid_argument(name + " is " + std::to_string(least < 0 ? least : most) +
                                 " somewhere; it must be from 0 to 1 everywhere");
+  return {clamped(least), clamped(most)};
 }
 
 }  // namespace
 
 ExponentLaw::ExponentLaw(const ExponentGridOptions& options, double scale, double voxel)
     : mOptions(options), mScale(scale), mLeastShell(kLeastShell * voxel) {
-  requireShare(options.mask, "the mask");
+  const double mask = shareRange(options.mask, "the mask").second;
   if (const std::optional<DetailOptions>& detail = options.detail) {
-    requireShare(detail->detail, "the detail");
-    requireShare(detail->outward, "the outward reach");
-    const double tau = detail->greatestThickness * options.mask.range().second;
-    mMostInward = std::max(tau * detail->detail.range().second, mLeastShell);
-    mMostShell = mMostInward + std::max(tau * detail->outward.range().second, mLeastShell);
+    const double tau = detail->greatestThickness * mask;
+    mMostInward = std::max(tau * shareRange(detail->detail, "the detail").second, mLeastShell);
+    mMostShell = mMostInward + std::max(tau * shareRange(detail->outward, "the outward reach").second, mLeastShell);
     return;
   }
   exteriorReach(options);  // its checks
@@ -50,6 +55,7 @@ void ExponentLaw::apply(std::span<const openvdb::Vec3d> points, std::span<float>
   mOptions.mask.sample(points, mask);
   (detail ? detail->detail : mOptions.alpha).sample(points, first);
   (detail ? detail->outward : mOptions.beta).sample(points, second);
+  for (double& m : mask) m = clamped(m);
   if (!detail) {
     for (std::size_t i = 0; i < n; ++i) {
       // With a mask of 0 the shell is as thin as its distances can show.
@@ -61,9 +67,9 @@ void ExponentLaw::apply(std::span<const openvdb::Vec3d> points, std::span<float>
   std::vector<double> tau(n);
   detail->thickness.sample(points, tau);
   for (std::size_t i = 0; i < n; ++i) {
-    const double sum = first[i] + second[i];
+    const double outward = clamped(second[i]), sum = clamped(first[i]) + outward;
     // Where neither reach is wanted, what is left of the shell lies on both sides.
-    const double outside = sum > 0 ? (second[i] / sum - kEndOfShell) / (1 - 2 * kEndOfShell) : 0.5;
+    const double outside = sum > 0 ? (outward / sum - kEndOfShell) / (1 - 2 * kEndOfShell) : 0.5;
     const double h = std::max(mask[i] * sum * (1 - 2 * kEndOfShell) * tau[i], mLeastShell);
     values[i] = static_cast<float>(values[i] / h - outside);
   }
@@ -75,7 +81,7 @@ double ExponentLaw::greatestInside(double phi) const {
     const double beyond = -phi - mMostInward;
     return beyond >= 0 ? -1 - beyond / mMostShell : -1 - beyond / mLeastShell;
   }
-  const auto [leastMask, mostMask] = mOptions.mask.range();
+  const auto [leastMask, mostMask] = shareRange(mOptions.mask, "the mask");
   const double beta = mOptions.beta.range().first, moved = phi / mScale - std::min(beta * leastMask, beta * mostMask);
   const auto [least, most] = mOptions.alpha.range();
   // The mask makes alpha larger, up to where the shell is thinnest.
@@ -87,10 +93,10 @@ std::pair<std::pair<double, double>, std::pair<double, double>> ExponentLaw::ran
   if (!scale) return {mOptions.alpha.range(), mOptions.beta.range()};
   // E = (scale / h) (phi - (O / (D + O) - ln(escape) / scale) h)
   const DetailOptions& detail = *mOptions.detail;
-  const auto [leastD, mostD] = detail.detail.range();
-  const auto [leastO, mostO] = detail.outward.range();
-  const double leastH =
-      std::max(mOptions.mask.range().first * (leastD + leastO) * detail.thickness.range().first, mLeastShell);
+  const auto [leastD, mostD] = shareRange(detail.detail, "the detail");
+  const auto [leastO, mostO] = shareRange(detail.outward, "the outward reach");
+  const double leastH = std::max(
+      shareRange(mOptions.mask, "the mask").first * (leastD + leastO) * detail.thickness.range().first, mLeastShell);
   const double leastShare = leastO + mostD > 0 ? leastO / (leastO + mostD) : 0,
                mostShare = mostO + leastD > 0 ? mostO / (mostO + leastD) : 1;
   const auto beta = [&](double share) {
