@@ -47,7 +47,7 @@ std::string rangeText(const std::pair<double, double>& range) {
   return low == high ? low : low + " to " + high;
 }
 
-/// What was chosen for the target: "origin at ..., detail 0.2: alpha 19 to 319".
+/// What was chosen for the target: "origin at ..., detail 0.25: alpha 19 to 319".
 std::string choiceText(const vdbtools::Scene& scene) {
   const openvdb::Vec3d at = scene.placed.unmoved.centre;
   std::string text = "origin at " + shortText(at[0]) + "," + shortText(at[1]) + "," + shortText(at[2]) + ": ";

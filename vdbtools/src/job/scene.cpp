@@ -96,8 +96,10 @@ ExponentGridOptions bindControls(const FractalOptions& options, const ShellSetti
     exponent.beta = shell.beta->bind(context);
     return exponent;
   }
-  const LocalThickness& thickness = shared.survey(monitor).thickness(monitor);
-  exponent.detail = DetailOptions{.detail = shell.detail->bind(context),
+  Control detail = shell.detail->bind(context);
+  const double slope = thicknessSlope(detail.range().second);
+  const LocalThickness& thickness = shared.survey(monitor).thickness(monitor, slope);
+  exponent.detail = DetailOptions{.detail = std::move(detail),
                                   .outward = shell.outward->bind(context),
                                   .thickness = thicknessControl(thickness),
                                   .greatestThickness = thickness.greatest,
@@ -281,7 +283,10 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
     }
     if (shared.isSurveyed()) {
       TargetSurvey& survey = shared.survey(monitor);
-      const LocalThickness& thickness = survey.thickness(monitor);
+      const double slope = scene.exponentOf && scene.exponentOf->detail
+                               ? thicknessSlope(scene.exponentOf->detail->detail.range().second)
+                               : kThicknessSlope;
+      const LocalThickness& thickness = survey.thickness(monitor, slope);
       scene.facts["julia_thickness"] = numbersText({thickness.least, thickness.greatest});
     }
     scene.targetVolume = insideVolume(*scene.target->phi);

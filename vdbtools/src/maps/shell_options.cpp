@@ -6,7 +6,7 @@
 namespace vdbtools {
 namespace {
 
-constexpr const char* kDetail = "0.2";
+constexpr const char* kDetail = "0.25";
 constexpr const char* kOutward = "0.1";
 constexpr const char* kAlpha = "40";
 constexpr const char* kBeta = "0";
@@ -41,7 +41,7 @@ std::vector<OptionSpec> shellOptions() {
   return {
       {.name = "detail",
        .argument = "D",
-       .help = "how deep detail eats into the shape, as a share of its local thickness: 0.1 decorates it, 0.2 covers "
+       .help = "how deep detail eats into the shape, as a share of its local thickness: 0.1 decorates it, 0.25 covers "
                "it, 0.8 leaves a thin core. From 0 to 1; a number, a ramp such as x:0.1:0.6:smooth, FILE.vdb[:GRID], "
                "or a painted control (docs/controls.md)",
        .defaultFor = defaultWhere(false, kDetail),

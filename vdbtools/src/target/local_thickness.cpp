@@ -192,10 +192,10 @@ void extend(Lattice& tau) {
   });
 }
 
-/// tau(x) <- the least of tau(y) + kThicknessSlope |x - y| over all nodes y, along steps between neighbours.
-void limitSlope(Lattice& tau) {
+/// tau(x) <- the least of tau(y) + slope |x - y| over all nodes y, along steps between neighbours.
+void limitSlope(Lattice& tau, float slope) {
   sweep(tau, [&](std::size_t here, std::size_t neighbour, float length) {
-    tau.values[here] = std::min(tau.values[here], tau.values[neighbour] + static_cast<float>(kThicknessSlope) * length);
+    tau.values[here] = std::min(tau.values[here], tau.values[neighbour] + slope * length);
   });
 }
 
@@ -222,7 +222,14 @@ void smooth(Lattice& tau, Monitor& monitor) {
 
 }  // namespace
 
-LocalThickness localThickness(const FloatGrid& phi, Monitor& monitor) {
+double thicknessSlope(double detail) {
+  // A fifth of what is just possible is left for the rounding of the lattice; gentler than this, tau would be the same
+  // nearly everywhere.
+  constexpr double kShare = 0.8, kLeast = 0.05;
+  return detail > 0 ? std::clamp(kShare * (1 / detail - 1), kLeast, kThicknessSlope) : kThicknessSlope;
+}
+
+LocalThickness localThickness(const FloatGrid& phi, Monitor& monitor, double slope) {
   const double voxel = phi.voxelSize()[0];
   CoordBBox nodes = insideNodes(phi);
   // Slopes are read two nodes beyond the inside, and what is read farther away is the nearest face's value.
@@ -246,7 +253,7 @@ LocalThickness localThickness(const FloatGrid& phi, Monitor& monitor) {
   }
   markThinParts(depth, tau);
   extend(tau);
-  limitSlope(tau);
+  limitSlope(tau, static_cast<float>(slope));
   monitor.throwIfCancelled();
   smooth(tau, monitor);
   float least = std::numeric_limits<float>::infinity(), greatest = 0, leastAnywhere = least;

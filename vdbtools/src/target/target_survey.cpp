@@ -44,9 +44,10 @@ class ThicknessField final : public ControlField {
 
 }  // namespace
 
-const LocalThickness& TargetSurvey::thickness(Monitor& monitor) {
-  if (!mThickness) mThickness = localThickness(*mPhi, monitor);
-  return *mThickness;
+const LocalThickness& TargetSurvey::thickness(Monitor& monitor, double slope) {
+  const auto found = mThickness.find(slope);
+  if (found != mThickness.end()) return found->second;
+  return mThickness.emplace(slope, localThickness(*mPhi, monitor, slope)).first->second;
 }
 
 Control thicknessControl(const LocalThickness& thickness) {

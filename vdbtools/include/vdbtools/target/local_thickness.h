@@ -3,7 +3,7 @@
 /// The local thickness tau of a shape: at a point inside, the radius of the largest ball that fits in the shape and
 /// holds the point [HR97]. A leg has its own thickness, and the body has its own.
 ///
-/// What is returned is extended outside the shape, and nowhere steeper than kThicknessSlope, so that what is derived
+/// What is returned is extended outside the shape, and nowhere steeper than a given slope, so that what is derived
 /// from it varies gently: near a thin part, a thick one counts as thinner.
 #pragma once
 
@@ -12,10 +12,15 @@
 
 namespace vdbtools {
 
-/// World units of thickness by world units of length. Where a handle of radius r meets a thick part, the depth on its
-/// axis grows like the hypotenuse of r and the distance into that part; with slopes up to sqrt(1 / D^2 - 1) a share D
-/// of tau leaves the core connected there. This one serves up to D = 0.89.
-inline constexpr double kThicknessSlope = 0.5;
+/// World units of thickness by world units of length: along the faces of a convex body tau grows from its edges about
+/// as fast by itself.
+inline constexpr double kThicknessSlope = 1;
+
+/// The slope for which a depth of detail of the share @a detail of tau leaves a thin part joined to a thick one. About
+/// the mouth of a handle of radius r, tau rises from r at a distance of r in front of it, and the depth only behind it;
+/// so D (1 + slope) must be below 1. Never above kThicknessSlope.
+double thicknessSlope(double detail);
+
 /// tau is nowhere below this many voxels of the lattice on which it was found.
 inline constexpr double kLeastThickness = 0.75;
 
@@ -27,8 +32,9 @@ struct LocalThickness {
 
 /// A part that is thinner than a voxel, so that it holds no node, counts as kLeastThickness voxels thick.
 /// @param phi  world units, negative inside; the distances must be known over the whole inside and two voxels beyond
+/// @param slope  world units of thickness by world units of length, > 0
 /// @throw DataError    phi is nowhere negative
 /// @throw Interrupted
-LocalThickness localThickness(const openvdb::FloatGrid& phi, Monitor& monitor);
+LocalThickness localThickness(const openvdb::FloatGrid& phi, Monitor& monitor, double slope = kThicknessSlope);
 
 }  // namespace vdbtools

@@ -11,6 +11,7 @@
 #include "vdbtools/target/inscribed_ball.h"
 #include "vdbtools/target/local_thickness.h"
 
+#include <map>
 #include <optional>
 
 namespace vdbtools {
@@ -22,13 +23,13 @@ class TargetSurvey {
 
   const openvdb::FloatGrid::ConstPtr& phi() const { return mPhi; }
 
-  /// The local thickness, found when it is first asked for.
+  /// The local thickness for a slope, found when it is first asked for.
   /// @throw DataError, Interrupted  as localThickness()
-  const LocalThickness& thickness(Monitor& monitor);
+  const LocalThickness& thickness(Monitor& monitor, double slope = kThicknessSlope);
 
  private:
   openvdb::FloatGrid::ConstPtr mPhi;
-  std::optional<LocalThickness> mThickness;
+  std::map<double, LocalThickness> mThickness;  ///< by the slope
 };
 
 /// The local thickness as a control: that of the nearest point of the grid's box beyond it.
