@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The target of a fit against shapes whose distances are known, and under changes that must not matter.
+#include "support/test_fields.h"
 #include "support/test_meshes.h"
 
 #include "vdbtools/fit/fit_target.h"
 #include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/formats/versor_file.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh/mesh_writer.h"
 #include "vdbtools/target/mesh_to_sdf.h"
@@ -198,8 +200,9 @@ TEST(FitTarget, SpaceIsTheFractals) {
   const TemporaryFolder folder;
   const auto path = folder.write("angle.obj", objOf(angle));
   Monitor monitor;
-  const Scene scene =
-      makeScene(parseFractalOptions(completeRecipe({{"input", path.string()}}, fractalOptionTable())), monitor);
+  const auto map = folder.write("map.json", rationalToJson(test_fields::randomVersor(1, 3, 4, true), "", {}));
+  const Scene scene = makeScene(
+      parseFractalOptions({{"input", path.string()}, {"map", "rational"}, {"rational", map.string()}}), monitor);
   const FitTarget target = makeFitTarget({.input = path, .resolution = 40}, monitor);
   EXPECT_EQ(target.space.centre, scene.space.centre);
   EXPECT_EQ(target.space.scale, scene.space.scale);

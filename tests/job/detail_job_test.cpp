@@ -151,6 +151,21 @@ TEST_F(DetailJob, AThinHandleStaysOnePiece) {
   }
 }
 
+TEST_F(DetailJob, MoreDetailIsNowhereLessDeep) {
+  const std::string lumpy = writeField("lumpy.vdb", test_fields::lumpy);
+  const Scene shallow = scene({{"input", lumpy}, {"detail", "0.2"}}),
+              deep = scene({{"input", lumpy}, {"detail", "0.5"}}),
+              deepest = scene({{"input", lumpy}, {"detail", "0.9"}});
+  const auto depthAt = [](const Scene& scene, const Vec3d& point) {
+    return scene.exponentOf->detail->detail.at(point) * scene.exponentOf->detail->thickness.at(point);
+  };
+  for (auto value = shallow.target->phi->cbeginValueOn(); value; ++value) {
+    const Vec3d point = shallow.target->phi->indexToWorld(value.getCoord());
+    ASSERT_LT(depthAt(shallow, point), depthAt(deep, point) + 1e-6) << point;
+    ASSERT_LT(depthAt(deep, point), depthAt(deepest, point) + 1e-6) << point;
+  }
+}
+
 TEST_F(DetailJob, SizeAndPlaceDoNotMatter) {
   const Mesh shape = merged(makeSphere(1, 4), makeSphere(0.4, 4, Vec3d(1.1, 0.3, 0)));
   const Scene here = scene({{"input", write("here.obj", shape)}, {"repair", "true"}});

@@ -135,7 +135,10 @@ TEST_F(MapJob, TheRecipeSaysWhatWasTaken) {
   EXPECT_EQ(taken({{"map", "cross"}, {"iterations", "3"}}, "iterations"), "3");
   EXPECT_EQ(taken(cross, "radius"), "2");
   EXPECT_EQ(taken(cross, "escape"), "none");
-  EXPECT_EQ(taken(shape, "escape"), "20");
+  EXPECT_EQ(taken(shape, "escape"), "2");
+  EXPECT_EQ(taken({{"alpha", "40"}}, "escape"), "20");
+  EXPECT_EQ(taken({{"beta", "0.1"}}, "alpha"), "40");
+  EXPECT_EQ(taken({{"beta", "0.1"}}, "detail"), "none");
   EXPECT_EQ(taken(shape, "radius"), "none");
   EXPECT_EQ(taken(shape, "pair"), "none");
   EXPECT_EQ(taken(cross, "scheme"), "4");

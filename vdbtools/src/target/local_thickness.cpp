@@ -223,10 +223,8 @@ void smooth(Lattice& tau, Monitor& monitor) {
 }  // namespace
 
 double thicknessSlope(double detail) {
-  // A fifth of what is just possible is left for the rounding of the lattice; gentler than this, tau would be the same
-  // nearly everywhere.
-  constexpr double kShare = 0.8, kLeast = 0.05;
-  return detail > 0 ? std::clamp(kShare * (1 / detail - 1), kLeast, kThicknessSlope) : kThicknessSlope;
+  constexpr double kDepthSlope = 0.16;
+  return std::min(kThicknessSlope, kDepthSlope / std::max(detail, kDepthSlope));
 }
 
 LocalThickness localThickness(const FloatGrid& phi, Monitor& monitor, double slope) {

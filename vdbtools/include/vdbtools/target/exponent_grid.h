@@ -45,7 +45,7 @@ void extendBand(Target& target, double exteriorWidth, double interiorWidth, Moni
 /// A shell that follows the shape (julia/detail.h): every point with phi <= -D tau is in the set, and every point with
 /// phi >= O tau is outside, where tau is the local thickness.
 struct DetailOptions {
-  Control detail{0.2};           ///< D, from 0 to 1
+  Control detail{0.25};          ///< D, from 0 to 1
   Control outward{0.1};          ///< O, from 0 to 1
   Control thickness{1.0};        ///< tau, world units, > 0 (local_thickness.h)
   double greatestThickness = 1;  ///< of tau anywhere

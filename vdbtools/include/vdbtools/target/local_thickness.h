@@ -16,9 +16,10 @@ namespace vdbtools {
 /// as fast by itself.
 inline constexpr double kThicknessSlope = 1;
 
-/// The slope for which a depth of detail of the share @a detail of tau leaves a thin part joined to a thick one. About
-/// the mouth of a handle of radius r, tau rises from r at a distance of r in front of it, and the depth only behind it;
-/// so D (1 + slope) must be below 1. Never above kThicknessSlope.
+/// The slope for a depth of detail of the share @a detail of tau: that for which the depth itself, detail times tau,
+/// has no slope above 0.16, and never above kThicknessSlope. More detail is then nowhere less deep. And up to a share
+/// of 0.8 a thin part stays joined to a thick one: at the mouth of a handle of radius r, tau begins to rise at a
+/// distance of r in front of it, but the depth of the shape only behind it; so detail (1 + slope) must be below 1.
 double thicknessSlope(double detail);
 
 /// tau is nowhere below this many voxels of the lattice on which it was found.
