@@ -43,8 +43,8 @@ Json recipeOf(const std::map<std::string, std::string>& metadata) {
   return result;
 }
 
-/// What a closed mesh is as a target: its parts, its deepest point, its thickness.
-void addSolidInfo(const vdbtools::Mesh& mesh, const vdbtools::MeshReport& report, Json& info) {
+/// What a closed mesh is as a target: its parts and, if @a wantShape, its deepest point and its thickness.
+void addSolidInfo(const vdbtools::Mesh& mesh, const vdbtools::MeshReport& report, bool wantShape, Json& info) {
   const vdbtools::SolidMeasure solid = vdbtools::measureSolid(mesh);
   constexpr std::size_t kMostShares = 8;
   Json shares = Json::array();
@@ -52,6 +52,7 @@ void addSolidInfo(const vdbtools::Mesh& mesh, const vdbtools::MeshReport& report
     shares.push_back(solid.islands[i] / solid.volume);
   info["parts"] = solid.islands.size();
   info["largest parts, of the volume"] = shares;
+  if (!wantShape) return;
   const std::optional<vdbtools::SolidShape> shape = vdbtools::shapeOfSolid(mesh, report);
   if (!shape) return;
   info["depth"] = shape->deepest.radius;
@@ -75,8 +76,10 @@ Json meshInfo(const std::string& path) {
             {"box max", vector(report.box.max())},
             {"area", report.area},
             {"volume", report.volume}};
-  if (report.closed()) addSolidInfo(mesh, report, info);
-  if (Json recipe = recipeOf(vdbtools::readMeshComments(path)); !recipe.is_null()) info["recipe"] = recipe;
+  const Json recipe = recipeOf(vdbtools::readMeshComments(path));
+  // What this program made is seldom a target again, and its thickness would take long to find.
+  if (report.closed()) addSolidInfo(mesh, report, recipe.is_null(), info);
+  if (!recipe.is_null()) info["recipe"] = recipe;
   return info;
 }
 
