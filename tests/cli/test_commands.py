@@ -97,7 +97,7 @@ class Examples(harness.CliTest):
                 with self.subTest(line=line):
                     run = self.run_program(command, *self.cheaper(command, words[2:]))
                     self.assertEqual(run.returncode, DONE, run.stderr.decode())
-                    wants_data = command in ("info", "maps") or words[2] == "inspect"
+                    wants_data = command in ("info", "maps") or words[2] in ("inspect", "list")
                     self.assertEqual(run.stdout != b"", wants_data)
                     for option, name in zip(words, words[1:]):
                         if option in ("-o", "--mesh"):
@@ -114,10 +114,10 @@ class Streams(harness.CliTest):
         self.assertEqual(run.returncode, DONE, run.stderr)
         self.assertEqual(run.stdout, self.bytes("s.vdb"))
 
-    def test_the_last_line_says_what_was_written(self):
+    def test_the_lines_say_what_was_written_chosen_and_left(self):
         self.write("s.obj", harness.obj(harness.sphere(2)))
         text = self.ok("fractal", "s.obj", "-o", "s.vdb", "--mesh", "s.ply", "--resolution", 24, "--sdf-resolution", 24)
-        self.assertRegex(text, r"\Awrote s\.vdb, s\.ply: [^\n]*triangles\n\Z")
+        self.assertRegex(text, r"\Awrote s\.vdb, s\.ply: [^\n]*triangles\norigin at [^\n]*\nthe set holds [^\n]*\n\Z")
         self.assertEqual(self.listing(), ["s.obj", "s.ply", "s.vdb"])
 
     def test_a_reader_that_is_gone(self):
