@@ -4,12 +4,12 @@ look like what the program says."""
 import os
 import pathlib
 import re
-import subprocess
 import tempfile
 import unittest
 
+from shell import run
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-PROGRAM = pathlib.Path(os.environ["JULIAVDB"]).resolve()
 BUNNY = "/usr/share/glmark2/models/bunny.obj"
 # Enough to see that a command does what it should.
 SMALL = [(r"--size \d+x\d+", "--size 40x40 --samples 1"), (r"--resolution \d+", "--resolution 40"),
@@ -20,12 +20,6 @@ def small(block):
     for pattern, replacement in SMALL:
         block = re.sub(pattern, replacement, block)
     return block
-
-
-def run(command, folder):
-    path = f"{PROGRAM.parent}:{os.environ['PATH']}"
-    return subprocess.run(["bash", "-euo", "pipefail", "-c", command], cwd=folder, capture_output=True, text=True,
-                          env={**os.environ, "PATH": path})
 
 
 class Pages(unittest.TestCase):

@@ -7,16 +7,11 @@ import subprocess
 import tempfile
 import unittest
 
+from shell import PROGRAM, run
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-PROGRAM = pathlib.Path(os.environ["JULIAVDB"]).resolve()
 README = (ROOT / "README.md").read_text()
 BLOCKS = re.findall(r"```sh\n(.*?)```", README, re.S)
-
-
-def run(command, folder):
-    path = f"{PROGRAM.parent}:{os.environ['PATH']}"
-    return subprocess.run(["bash", "-euo", "pipefail", "-c", command], cwd=folder, capture_output=True, text=True,
-                          env={**os.environ, "PATH": path})
 
 
 class Readme(unittest.TestCase):
