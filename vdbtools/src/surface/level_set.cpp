@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/surface/level_set.h"
 
+#include "target/distance_band.h"
 #include "target/mesh_conversion.h"
 
 #include <openvdb/tools/Diagnostics.h>
@@ -18,11 +19,10 @@ using openvdb::FloatTree;
 
 FloatGrid::Ptr levelSet(const FractalField& field, const Mesh& mesh, Monitor& monitor) {
   if (mesh.triangles.empty()) throw DataError("the fractal is empty here: there is no surface");
-  monitor.begin("level set", 0);
   const double voxel = field.field->voxelSize()[0];
-  FloatGrid::Ptr grid = convert(toIndexSpace(mesh.points, voxel), mesh.triangles,
-                                {.voxelSize = voxel, .exteriorBandWidth = kHalfWidth, .interiorBandWidth = kHalfWidth},
-                                monitor, DistanceField::Unsigned);
+  const std::vector<openvdb::Vec3d> points = toIndexSpace(mesh.points, voxel);
+  const FloatGrid::Ptr grid =
+      toWorld(unsignedDistances(TriangleTree(points, mesh.triangles), kHalfWidth, "level set", monitor), voxel);
   // F knows the sign at every node, also in closed bubbles, which a flood fill from outside would call inside.
   using LeafManager = openvdb::tree::LeafManager<FloatTree>;
   LeafManager leaves(grid->tree());

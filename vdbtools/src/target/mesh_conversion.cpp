@@ -1,19 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "target/mesh_conversion.h"
 
+#include "target/distance_band.h"
 #include "vdbtools/base/errors.h"
 
-#include <openvdb/math/Proximity.h>
 #include <openvdb/tree/LeafManager.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <stdexcept>
 
 namespace vdbtools {
@@ -28,7 +26,7 @@ constexpr double kLargestIndex = 1073741824.0;
 /// About 20 GB at the peak of the conversion.
 constexpr double kMostNodes = 2147483648.0;
 
-/// meshToVolume keeps about this many voxels on each side of the surface beyond the bands asked for.
+/// Voxels beyond the bands asked for.
 constexpr double kWorkingBand = 2;
 
 /// A finite stand-in for 'the whole inside': no point of the inside is farther from the surface than half the shortest
@@ -41,29 +39,6 @@ double finiteInteriorBand(const openvdb::BBoxd& indexBox, double interiorBandWid
 
 double nodesIn(const Vec3d& sides, double band) {
   return (sides[0] + 2 * band + 1) * (sides[1] + 2 * band + 1) * (sides[2] + 2 * band + 1);
-}
-
-/// The tree's largest node, in voxels: a shift by a multiple of it keeps every node a node.
-constexpr int kRootChild = 4096;
-static_assert(openvdb::FloatTree::RootNodeType::ChildNodeType::DIM == kRootChild);
-
-/// Moves all that is in @a grid by @a shift, a multiple of kRootChild along each axis.
-void shiftTree(FloatGrid& grid, const openvdb::Coord& shift) {
-  openvdb::FloatTree& from = grid.tree();
-  const auto to = std::make_shared<openvdb::FloatTree>(from.background());
-  openvdb::FloatTree::ValueAllIter tile = from.beginValueAll();
-  tile.setMaxDepth(openvdb::FloatTree::ValueAllIter::LEAF_DEPTH - 1);
-  for (; tile; ++tile) {
-    if (!tile.isValueOn() && *tile == from.background()) continue;
-    to->addTile(tile.getLevel(), tile.getCoord() + shift, *tile, tile.isValueOn());
-  }
-  std::vector<openvdb::FloatTree::LeafNodeType*> leaves;
-  from.stealNodes(leaves, from.background(), false);
-  for (openvdb::FloatTree::LeafNodeType* leaf : leaves) {
-    leaf->setOrigin(leaf->origin() + shift);
-    to->addLeaf(leaf);
-  }
-  grid.setTree(to);
 }
 
 /// Leaf values are scaled in parallel; tiles and the background are few.
@@ -143,78 +118,21 @@ std::vector<Vec3d> toIndexSpace(const std::vector<Vec3d>& points, double voxelSi
   return result;
 }
 
-namespace {
-
-/// meshToVolume finds the closest triangle of a node by handing it on from neighbour to neighbour, and may miss it:
-/// values are off by up to 0.7 voxels then, and depend on rounding. The triangles of all neighbours are tried here.
-/// Keeps signs.
-/// @param closest  the triangle that was found for each active node
-/// @param exterior, interior  the band's widths, which bound the values
-void refineDistances(FloatGrid& grid, float exterior, float interior, const openvdb::Int32Grid& closest,
-                     const std::vector<Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles, Monitor& monitor) {
-  openvdb::tree::LeafManager<openvdb::FloatTree> leaves(grid.tree());
-  leaves.foreach ([&](openvdb::FloatTree::LeafNodeType& leaf, std::size_t) {
-    if (monitor.cancelled()) return;
-    const openvdb::tree::ValueAccessor<const openvdb::Int32Tree> found(closest.tree());
-    std::array<int, 27> tried;
-    for (auto value = leaf.beginValueOn(); value; ++value) {
-      const openvdb::Coord node = value.getCoord();
-      const Vec3d position = node.asVec3d();
-      std::size_t count = 0;
-      double least = std::numeric_limits<double>::infinity();
-      for (int k = 0; k < 27; ++k) {
-        int triangle;
-        if (!found.probeValue(node.offsetBy(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1), triangle)) continue;
-        if (std::find(tried.begin(), tried.begin() + static_cast<std::ptrdiff_t>(count), triangle) !=
-            tried.begin() + static_cast<std::ptrdiff_t>(count))
-          continue;
-        tried[count++] = triangle;
-        const openvdb::Vec3I& t = triangles[static_cast<std::size_t>(triangle)];
-        Vec3d weights;
-        const Vec3d nearest =
-            openvdb::math::closestPointOnTriangleToPoint(points[t[0]], points[t[1]], points[t[2]], position, weights);
-        least = std::min(least, (nearest - position).lengthSqr());
-      }
-      if (count == 0) continue;
-      const float distance = std::copysign(static_cast<float>(std::sqrt(least)), *value);
-      value.setValue(std::clamp(distance, -interior, exterior));
-    }
-  });
-  monitor.throwIfCancelled();
-}
-
-}  // namespace
-
-FloatGrid::Ptr convert(const std::vector<Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,
-                       const MeshToSdfOptions& options, Monitor& monitor, DistanceField kind) {
-  openvdb::BBoxd box;
-  for (const openvdb::Vec3I& t : triangles) {
-    for (int c = 0; c < 3; ++c) box.expand(points[t[c]]);
-  }
-  // meshToVolume works in single precision in places: at 5e7 voxels from the origin it finds no inside at all. So it
-  // works near the origin, and the nodes are moved afterwards.
-  openvdb::Coord shift;
-  for (int axis = 0; axis < 3; ++axis) {
-    shift[axis] = kRootChild * static_cast<int>(std::lround(box.getCenter()[axis] / kRootChild));
-  }
-  const bool isFar = shift != openvdb::Coord(0);
-  std::vector<Vec3d> moved;
-  if (isFar) {
-    moved.reserve(points.size());
-    for (const Vec3d& p : points) moved.push_back(p - shift.asVec3d());
-  }
-  openvdb::Int32Grid closest;
-  const auto exterior = static_cast<float>(options.exteriorBandWidth);
-  const auto interior = static_cast<float>(finiteInteriorBand(box, options.interiorBandWidth));
-  const FloatGrid::Ptr grid =
-      meshToVolume(isFar ? moved : points, triangles, exterior, interior, kind, &closest, monitor);
-  refineDistances(*grid, exterior, interior, closest, isFar ? moved : points, triangles, monitor);
-  if (isFar) shiftTree(*grid, shift);
-  scaleValues(*grid, static_cast<float>(options.voxelSize));
-  grid->setTransform(openvdb::math::Transform::createLinearTransform(options.voxelSize));
+FloatGrid::Ptr toWorld(FloatGrid::Ptr grid, double voxelSize) {
+  scaleValues(*grid, static_cast<float>(voxelSize));
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(voxelSize));
   grid->setGridClass(openvdb::GRID_LEVEL_SET);
   grid->setName("phi");
   return grid;
+}
+
+FloatGrid::Ptr convert(const std::vector<Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,
+                       const MeshToSdfOptions& options, Monitor& monitor) {
+  const TriangleTree tree(points, triangles);
+  return toWorld(signedDistances(tree, static_cast<float>(options.exteriorBandWidth),
+                                 static_cast<float>(finiteInteriorBand(tree.box(), options.interiorBandWidth)),
+                                 "distance field", monitor),
+                 options.voxelSize);
 }
 
 std::vector<SurfaceSample> sampleSurface(const std::vector<Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,

@@ -3,7 +3,6 @@
 /// What meshToSdf() and repairedMeshToSdf() share: the conversion itself, and checks of its result.
 #pragma once
 
-#include "base/openvdb/mesh_to_volume.h"
 #include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/mesh/mesh.h"
@@ -22,13 +21,14 @@ void checkOptions(const MeshReport& report, const MeshToSdfOptions& options);
 /// @return the points in index space, in double precision: floats would distort a mesh far from the origin
 std::vector<openvdb::Vec3d> toIndexSpace(const std::vector<openvdb::Vec3d>& points, double voxelSize);
 
-/// meshToVolume in index space, scaled to world units afterwards: its tolerances are absolute, so the field of a small
-/// mesh in large units would differ from that of the same mesh in small units. Nothing is checked.
+/// The signed distances of a mesh, scaled to world units. Nothing is checked.
 /// @param points  index space
 /// @throw Interrupted
 openvdb::FloatGrid::Ptr convert(const std::vector<openvdb::Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,
-                                const MeshToSdfOptions& options, Monitor& monitor,
-                                DistanceField kind = DistanceField::Signed);
+                                const MeshToSdfOptions& options, Monitor& monitor);
+
+/// A level set of distances in voxels, in world units; named "phi". Changes the grid that it is given.
+openvdb::FloatGrid::Ptr toWorld(openvdb::FloatGrid::Ptr grid, double voxelSize);
 
 /// Points spread over the surface, about @a count of them, each standing for the same area; the same ones every time.
 struct SurfaceSample {

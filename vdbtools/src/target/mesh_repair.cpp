@@ -5,11 +5,11 @@
 /// ball also bridges grooves that are too narrow for it. Such an envelope touches no open edge, so it is not a lid, and
 /// it is left out unless the mesh leaks without it.
 #include "base/disjoint_sets.h"
+#include "target/distance_band.h"
 #include "target/mesh_conversion.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/target/mesh_to_sdf.h"
 
-#include <openvdb/math/Proximity.h>
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/LevelSetUtil.h>
 #include <openvdb/tools/SignedFloodFill.h>
@@ -18,7 +18,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace vdbtools {
 namespace {
@@ -26,7 +25,6 @@ namespace {
 using openvdb::BoolTree;
 using openvdb::FloatGrid;
 using openvdb::FloatTree;
-using openvdb::Int32Grid;
 using openvdb::Vec3d;
 using openvdb::Vec3I;
 using openvdb::Vec3s;
@@ -91,12 +89,6 @@ Surface extractSurface(const FloatGrid& grid, double isovalue) {
   return surface;
 }
 
-FloatGrid::Ptr distanceTo(const Surface& surface, double exteriorBand, double interiorBand, DistanceField kind,
-                          Int32Grid* closest, Monitor& monitor) {
-  return meshToVolume(surface.points, surface.triangles, static_cast<float>(exteriorBand),
-                      static_cast<float>(interiorBand), kind, closest, monitor);
-}
-
 /// The ball's centres: from the distance to the mesh, negative where the ball cannot be.
 /// @param distance  unsigned; is changed
 void floodFromOutside(FloatGrid& distance, double radius) {
@@ -115,29 +107,6 @@ void floodFromOutside(FloatGrid& distance, double radius) {
   distance.tree().root().setBackground(distance.background() - static_cast<float>(radius), true);
   openvdb::tools::signedFloodFill(distance.tree());
   distance.setGridClass(openvdb::GRID_LEVEL_SET);
-}
-
-/// The closest point of the mesh to @a p, if it is within the band.
-struct Closest {
-  Vec3d position;
-  std::size_t triangle = 0;
-  double distance = 0;
-};
-
-std::optional<Closest> closestPoint(const Surface& mesh, const Int32Grid::ConstAccessor& closest, const Vec3d& p) {
-  std::optional<Closest> best;
-  const openvdb::Coord base = openvdb::Coord::floor(p);
-  for (int n = 0; n < 8; ++n) {
-    openvdb::Int32 index = 0;
-    if (!closest.probeValue(base.offsetBy(n & 1, (n >> 1) & 1, n >> 2), index)) continue;
-    const Vec3I& t = mesh.triangles[static_cast<std::size_t>(index)];
-    Vec3d weights;
-    const Vec3d q = openvdb::math::closestPointOnTriangleToPoint(mesh.points[t[0]], mesh.points[t[1]],
-                                                                 mesh.points[t[2]], p, weights);
-    const double distance = (q - p).length();
-    if (!best || distance < best->distance) best = Closest{q, static_cast<std::size_t>(index), distance};
-  }
-  return best;
 }
 
 /// @return for each triangle, whether one of its edges is open
@@ -172,15 +141,14 @@ struct Lids {
   std::vector<bool> atEdge;  ///< for each triangle: its piece touches an open edge of the mesh
 };
 
-Lids findLids(Surface envelope, const Surface& mesh, const std::vector<bool>& open, const Int32Grid& closest) {
+Lids findLids(Surface envelope, const TriangleTree& mesh, const std::vector<bool>& open) {
   std::vector<char> parts(envelope.points.size(), 0);  // from the mesh
   std::vector<char> atEdge(envelope.points.size(), 0);
-  const Int32Grid::ConstAccessor accessor = closest.getConstAccessor();
   for (std::size_t p = 0; p < envelope.points.size(); ++p) {
-    const auto nearest = closestPoint(mesh, accessor, envelope.points[p]);
-    parts[p] = !nearest || nearest->distance > kTouching;
+    const auto nearest = mesh.nearest(envelope.points[p], kTouching);
+    parts[p] = !nearest;
     if (parts[p]) continue;
-    envelope.points[p] = nearest->position;
+    envelope.points[p] = nearest->point;
     atEdge[p] = open[nearest->triangle];
   }
   std::vector<char> ring(envelope.points.size(), 0);  // a corner of a triangle that parts
@@ -217,6 +185,7 @@ struct Closing {
 
 Closing closeGaps(const Mesh& mesh, const MeshReport& report, const std::vector<bool>& open, double spacing, double gap,
                   Monitor& monitor) {
+  const std::string phase = "closing gaps of " + shortNumber(gap);
   Closing closing;
   Lattice& lattice = closing.lattice;
   lattice.middle = report.box.getCenter();
@@ -230,15 +199,14 @@ Closing closeGaps(const Mesh& mesh, const MeshReport& report, const std::vector<
   for (const Vec3d& p : mesh.points) local.points.push_back(lattice.toLattice(p));
   local.triangles = mesh.triangles;
 
-  const Int32Grid::Ptr closest = Int32Grid::create(openvdb::Int32(openvdb::util::INVALID_IDX));
-  const FloatGrid::Ptr distance =
-      distanceTo(local, radius + kMargin, radius + kMargin, DistanceField::Unsigned, closest.get(), monitor);
+  const TriangleTree tree(local.points, local.triangles);
+  const FloatGrid::Ptr distance = unsignedDistances(tree, static_cast<float>(radius + kMargin), phase, monitor);
   floodFromOutside(*distance, radius);
   const Surface reached = extractSurface(*distance, 0);
   // Back by the same amount: the closed region begins where the distance from the ball's centres exceeds its radius.
-  closing.field =
-      distanceTo(reached, kMargin, radius + kMargin, DistanceField::SignedNotRenormalized, nullptr, monitor);
-  closing.lids = findLids(extractSurface(*closing.field, -radius), local, open, *closest);
+  closing.field = signedDistances(TriangleTree(reached.points, reached.triangles), kMargin,
+                                  static_cast<float>(radius + kMargin), phase, monitor);
+  closing.lids = findLids(extractSurface(*closing.field, -radius), tree, open);
   monitor.throwIfCancelled();
 
   closing.lost = lostShare(*closing.field, sampleSurface(local.points, local.triangles, kSamples),
@@ -305,7 +273,6 @@ RepairedSdf repairedMeshToSdf(const Mesh& mesh, const MeshToSdfOptions& options,
   const double widest = repair.gap > 0 ? repair.gap : std::max(longest / 4, 2 * h);
   double gap = repair.gap > 0 ? repair.gap : 2 * h;
   for (;;) {
-    monitor.begin("closing gaps of " + shortNumber(gap), 0);
     const bool wasGood = best.grid && bestLost <= kLostAtMost;
     double spacing = std::max(h, gap / kNodesAcrossGap);
     bool isClosed = false;

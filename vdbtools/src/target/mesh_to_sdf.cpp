@@ -71,7 +71,6 @@ void requireDistances(const openvdb::FloatGrid& grid, const Mesh& mesh, const st
 }  // namespace
 
 openvdb::FloatGrid::Ptr meshToSdf(const Mesh& mesh, const MeshToSdfOptions& options, Monitor& monitor) {
-  monitor.begin("distance field", 0);
   MeshReport report = reportMesh(mesh);
   checkOptions(report, options);
   const std::vector<openvdb::Vec3d> points = toIndexSpace(mesh.points, options.voxelSize);

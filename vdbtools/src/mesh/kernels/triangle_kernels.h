@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file triangle_kernels.h
+/// The loops of TriangleTree, compiled once for each instruction set; all give the same bits. Plain data only: code
+/// that other files share must not be compiled for a processor that may not be there.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace vdbtools::kernels {
+
+inline constexpr unsigned kPack = 8;         ///< triangles of a pack, children of a node
+inline constexpr unsigned kMostLevels = 11;  ///< 8^11 packs hold more triangles than 32 bits can count
+
+/// Eight triangles, those that are missing being copies of the first.
+struct TrianglePack {
+  float corner[3][3][kPack];  ///< by corner, then axis; about the origin
+  double origin[3];
+  std::uint32_t triangle[kPack];
+};
+
+/// The boxes of eight children, about the tree's centre; far away where there is no child.
+struct BoxNode {
+  float low[3][kPack];
+  float high[3][kPack];
+};
+
+/// A TriangleTree as plain data. Node i of level l has the nodes 8 i to 8 i + 7 of level l - 1 as children, or such
+/// packs where l is 0.
+struct TreeView {
+  const TrianglePack* packs;
+  const BoxNode* levels[kMostLevels];
+  unsigned levelCount;
+  double centre[3];
+  float boxSlack;  ///< by how much boxes, and positions among them, are off
+  const double* points;
+  const std::uint32_t* triangles;
+};
+
+/// A triangle by its place in the tree.
+struct Place {
+  std::uint32_t pack;
+  std::uint32_t lane;
+};
+
+/// Memory for the candidates of a block: for each of @a capacity packs what the constants say, and for one vector more.
+/// Aligned to 64 bytes.
+struct Scratch {
+  std::uint32_t capacity;
+  void* candidates[2];
+  void* found;
+  void* boxes;
+  std::uint32_t* list[2];  ///< eight numbers
+};
+inline constexpr std::size_t kCandidateBytes = 20 * 4 * kPack, kFoundBytes = 4 * 4 * kPack, kBoxBytes = 6 * 4;
+
+/// The nodes of a block, x slowest.
+inline constexpr unsigned kBlockNodes = 512;
+
+struct Kernels {
+  /// The triangle nearest to a position, up to the rounding of floats. @a squared says within what distance to look,
+  /// and takes the distance found, both squared. False: there is none so near.
+  bool (*nearest)(const TreeView&, const double position[3], float& squared, Place& place);
+
+  /// The packs that may hold the triangle nearest to some point of a cube.
+  /// @param half  half of the cube's side
+  /// @param best  a triangle near the middle, the nearer the better
+  /// @return their number; those beyond @a capacity are not written
+  std::uint32_t (*collect)(const TreeView&, const double middle[3], float half, Place best, std::uint32_t* packs,
+                           std::uint32_t capacity);
+
+  /// The nearest triangles of the 8^3 nodes about @a middle, and the distances.
+  /// @param packs  as collect() gave them for half a side of 3.5
+  /// @param far  nodes that are farther than this may be left as they are
+  void (*resolve)(const TreeView&, const double middle[3], const std::uint32_t* packs, std::uint32_t count, float far,
+                  const Scratch& scratch, float distance[kBlockNodes], std::uint32_t triangle[kBlockNodes]);
+};
+
+extern const Kernels kPortable, kAvx2, kAvx512;
+
+}  // namespace vdbtools::kernels
