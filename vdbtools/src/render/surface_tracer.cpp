@@ -140,6 +140,34 @@ struct Walk {
 
 }  // namespace
 
+namespace {
+
+/// For an octant and a cell of a brick: the brick's cells that a ray in that octant may meet from there.
+class CellsAhead {
+ public:
+  CellsAhead() {
+    constexpr int kDim = 1 << SurfaceLattice::kBrickShift, kCells = kDim * kDim * kDim;
+    const auto isAhead = [](int octant, int from, int to, int axis) {
+      const int shift = SurfaceLattice::kBrickShift * (2 - axis);
+      const int a = from >> shift & (kDim - 1), b = to >> shift & (kDim - 1);
+      return octant >> axis & 1 ? b <= a : b >= a;
+    };
+    for (int octant = 0; octant < 8; ++octant)
+      for (int from = 0; from < kCells; ++from)
+        for (int to = 0; to < kCells; ++to)
+          if (isAhead(octant, from, to, 0) && isAhead(octant, from, to, 1) && isAhead(octant, from, to, 2))
+            mMasks[static_cast<std::size_t>(octant)][static_cast<std::size_t>(from)] |= std::uint64_t(1) << to;
+  }
+  const std::array<std::uint64_t, 64>& towards(int octant) const { return mMasks[static_cast<std::size_t>(octant)]; }
+
+ private:
+  std::array<std::array<std::uint64_t, 64>, 8> mMasks{};
+};
+
+const CellsAhead kCellsAhead;
+
+}  // namespace
+
 openvdb::MaskTree surfaceCells(const openvdb::FloatTree& tree, const Monitor& monitor) {
   std::vector<const SurfaceCells::Leaf*> leaves;
   tree.getNodes(leaves);
@@ -269,6 +297,7 @@ bool SurfaceTracer::trace(const Vec3d& origin, const Vec3d& direction) {
   int octant = 0;
   for (int axis = 0; axis < 3; ++axis) octant |= (walk.step[axis] < 0) << axis;
   const std::uint8_t* const freeCubes = mLattice.freeCubes(octant).data();
+  const std::array<std::uint64_t, 64>& ahead = kCellsAhead.towards(octant);
 
   for (;;) {
     const Coord cube(walk.node[0] >> shift, walk.node[1] >> shift, walk.node[2] >> shift);
@@ -285,26 +314,27 @@ bool SurfaceTracer::trace(const Vec3d& origin, const Vec3d& direction) {
       continue;
     }
     const SurfaceLattice::Brick& brick = mLattice.brick(index, walk.node);
-    if (!brick.cells) {
-      const Coord low(walk.node[0] & -kDim, walk.node[1] & -kDim, walk.node[2] & -kDim);
+    const Coord local(walk.node[0] & (kDim - 1), walk.node[1] & (kDim - 1), walk.node[2] & (kDim - 1));
+    int bit = (local[0] << kShift | local[1]) << kShift | local[2];
+    const std::uint64_t cells = brick.cells & ahead[static_cast<std::size_t>(bit)];
+    if (!cells) {
+      const Coord low = walk.node - local;
       walk.leave(low, low.offsetBy(kDim));
       continue;
     }
     // The cells of the brick along the ray.
     double next[3], stride[3];
-    int bit = 0, bitStep[3], stepsLeft[3];
+    int bitStep[3], stepsLeft[3];
     for (int axis = 0; axis < 3; ++axis) {
       next[axis] = (walk.node[axis] + (walk.step[axis] > 0) - walk.origin[axis]) * walk.inverse[axis];
       stride[axis] = std::abs(walk.inverse[axis]);
-      const int local = walk.node[axis] & (kDim - 1), weight = 1 << kShift * (2 - axis);
-      bit += local * weight;
-      bitStep[axis] = walk.step[axis] * weight;
-      stepsLeft[axis] = walk.step[axis] > 0 ? kDim - 1 - local : local;
+      bitStep[axis] = walk.step[axis] * (1 << kShift * (2 - axis));
+      stepsLeft[axis] = walk.step[axis] > 0 ? kDim - 1 - local[axis] : local[axis];
     }
     for (;;) {
       const int axis = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2);
       const double exit = std::max(walk.time, next[axis]);
-      if ((brick.cells >> bit & 1) != 0 && hitsCell(brick, walk.node, walk.time, exit)) return true;
+      if ((cells >> bit & 1) != 0 && hitsCell(brick, walk.node, walk.time, exit)) return true;
       walk.time = exit;
       walk.node[axis] += walk.step[axis];
       if (stepsLeft[axis]-- == 0) break;
@@ -337,17 +367,14 @@ bool SurfaceTracer::hitsCell(const SurfaceLattice::Brick& brick, const Coord& no
 
   // Along a ray the field is a cubic; a dip between thirds is a graze that no picture shows.
   constexpr int kParts = 3;
-  double before = entry, vBefore = value(entry);
-  mHit = entry;
-  if (vBefore < 0) return true;
-  for (int part = 1; part <= kParts; ++part) {
-    const double t = entry + (exit - entry) * part / kParts;
-    const double v = value(t);
-    if (v < 0) {
-      if (mRefine) mHit = zeroBetween(before, vBefore, t, v, value);
-      return true;
-    }
-    before = t, vBefore = v;
+  double times[kParts + 1], values[kParts + 1];
+  for (int part = 0; part <= kParts; ++part) times[part] = entry + (exit - entry) * part / kParts;
+  for (int part = 0; part <= kParts; ++part) values[part] = value(times[part]);
+  for (int part = 0; part <= kParts; ++part) {
+    if (!(values[part] < 0)) continue;
+    if (mRefine)
+      mHit = part == 0 ? entry : zeroBetween(times[part - 1], values[part - 1], times[part], values[part], value);
+    return true;
   }
   return false;
 }
