@@ -42,7 +42,7 @@ ProgressStyle parseProgressStyle(const std::string& text) {
 
 Progress::Progress(ProgressStyle style, std::string_view command)
     : mStyle(style), mTerminal(isatty(STDERR_FILENO) != 0), mShare(phasesOf(command)) {
-  begin("reading", 0);
+  if (!phasesOf(command).empty()) begin("reading", 0);
   if (mStyle != ProgressStyle::None) mThread = std::thread([this] { watch(); });
 }
 
@@ -84,7 +84,7 @@ void Progress::watch() {
   std::unique_lock lock(mMutex);
   auto next = mStart + (json ? Clock::duration(kJsonPeriod) : Clock::duration(kQuiet));
   while (!mWake.wait_until(lock, next, [this] { return mStop; })) {
-    json ? showEvent() : show();
+    if (!mPhase.empty()) json ? showEvent() : show();
     next = Clock::now() + period;
   }
 }
