@@ -2,6 +2,7 @@
 #include "interruption.h"
 
 #include "exit_code.h"
+#include "report.h"
 
 #include "vdbtools/files/atomic_file.h"
 
@@ -41,7 +42,10 @@ void watchForInterruption() {
     constexpr std::string_view kText = "\njuliavdb: interrupted; nothing was written\n";
     const std::string_view text = kText.substr(isatty(STDERR_FILENO) != 0 ? 0 : 1);
     if (takeLastWord()) {
-      [[maybe_unused]] const auto written = write(STDERR_FILENO, text.data(), text.size());
+      if (report().json())
+        report().end(kInterrupted, "interrupted; nothing was written");
+      else [[maybe_unused]]
+        const auto written = write(STDERR_FILENO, text.data(), text.size());
     }
     _exit(kInterrupted);
   }).detach();

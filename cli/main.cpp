@@ -2,6 +2,7 @@
 #include "commands/commands.h"
 #include "exit_code.h"
 #include "interruption.h"
+#include "report.h"
 
 #include "vdbtools/base/errors.h"
 
@@ -64,8 +65,17 @@ int run(const Arguments& arguments) {
 int fail(int code, std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
-  std::cerr << "juliavdb: " << text << std::endl;
+  report().end(code, text);
   return code;
+}
+
+/// Whether the words ask for JSON, before the command's own reading of them, which may fail.
+bool wantsJson(const Arguments& arguments) {
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    if (arguments[i] == "--progress=json") return true;
+    if (arguments[i] == "--progress" && i + 1 < arguments.size() && arguments[i + 1] == "json") return true;
+  }
+  return false;
 }
 
 /// The option that does what would help.
@@ -84,7 +94,9 @@ std::string optionFor(vdbtools::Remedy remedy) {
 /// Data on stdout is an output like any other: it must have arrived.
 int finish(int code) {
   std::cout.flush();
-  return code == kDone && !std::cout ? fail(kInputOutput, "writing to the standard output failed") : code;
+  if (code == kDone && !std::cout) return fail(kInputOutput, "writing to the standard output failed");
+  report().end(code, "");
+  return code;
 }
 
 }  // namespace
@@ -96,8 +108,10 @@ std::span<const Command> commands() { return kCommands; }
 int main(int argc, char** argv) {
   using namespace cli;
   watchForInterruption();
+  const Arguments arguments(argv + 1, argv + argc);
+  report().start(arguments.empty() ? "" : arguments.front(), wantsJson(arguments));
   try {
-    return finish(run(Arguments(argv + 1, argv + argc)));
+    return finish(run(arguments));
   } catch (const std::invalid_argument& error) {
     return fail(kUsage, error.what());
   } catch (const vdbtools::DataError& error) {

@@ -86,7 +86,9 @@ CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions
       "instructions", po::value<std::string>()->value_name("auto|portable|avx2|avx512"),
       "the vector instructions to use; they change the speed and no bit of the result (default auto, the widest)")(
       "progress", po::value<std::string>()->value_name("bar|json|none"),
-      "how to show progress on stderr, for work of more than two seconds (default bar)")("help,h", "show this help");
+      "how to show progress on stderr: a bar with the time left for work of more than two seconds (the default), "
+      "nothing, or for other programs one JSON object a line and no other text (docs/progress.md)")("help,h",
+                                                                                                    "show this help");
 }
 
 void CommandLine::addOptions(const std::vector<vdbtools::OptionSpec>& options) {
@@ -136,7 +138,8 @@ bool CommandLine::parse(const Arguments& arguments) {
   mGiven = given();
   if (has("config")) readConfig(text("config"));
   mRecipe = vdbtools::completeRecipe(mGiven, mTable);
-  mProgress = std::make_unique<Progress>(parseProgressStyle(has("progress") ? text("progress") : "bar"));
+  mProgress =
+      std::make_unique<Progress>(parseProgressStyle(has("progress") ? text("progress") : "bar"), mUsage.command);
   return true;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "output.h"
 
+#include "report.h"
+
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/frame_name.h"
@@ -24,13 +26,16 @@ vdbtools::AtomicFile& Outputs::add(const std::string& option, const std::string&
   if (!known && !(std::filesystem::exists(path) && !std::filesystem::is_regular_file(path)))
     throw std::invalid_argument("--" + option + " is '" + name + "'; its extension must be one of " +
                                 std::string(extensions));
-  return mFiles.emplace_back(path);
+  vdbtools::AtomicFile& file = mFiles.emplace_back(path);
+  report().making(file.target(), mFiles.size() == 1);
+  return file;
 }
 
 void Outputs::commit() {
   std::vector<vdbtools::AtomicFile*> files;
   for (vdbtools::AtomicFile& file : mFiles) files.push_back(&file);
   vdbtools::commitAll(files);
+  for (const vdbtools::AtomicFile& file : mFiles) report().wrote(file.target());
 }
 
 std::string Outputs::names() const {

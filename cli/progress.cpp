@@ -2,6 +2,7 @@
 #include "progress.h"
 
 #include "interruption.h"
+#include "report.h"
 
 #include <nlohmann/json.hpp>
 
@@ -39,7 +40,9 @@ ProgressStyle parseProgressStyle(const std::string& text) {
   throw std::invalid_argument("--progress is '" + text + "'; it must be one of bar, json, none");
 }
 
-Progress::Progress(ProgressStyle style) : mStyle(style), mTerminal(isatty(STDERR_FILENO) != 0) {
+Progress::Progress(ProgressStyle style, std::string_view command)
+    : mStyle(style), mTerminal(isatty(STDERR_FILENO) != 0), mShare(phasesOf(command)) {
+  if (!phasesOf(command).empty()) begin("reading", 0);
   if (mStyle != ProgressStyle::None) mThread = std::thread([this] { watch(); });
 }
 
@@ -47,6 +50,7 @@ Progress::~Progress() {
   {
     const std::lock_guard lock(mMutex);
     mStop = true;
+    endPhase();
   }
   mWake.notify_all();
   if (mThread.joinable()) mThread.join();
@@ -56,46 +60,61 @@ Progress::~Progress() {
 void Progress::begin(std::string_view phase, std::uint64_t total) {
   throwIfCancelled();
   const std::lock_guard lock(mMutex);
+  endPhase();
   mPhase = phase;
   mTotal = total;
   mDone = 0;
   mPhaseStart = Clock::now();
+  mPhaseCpu = Report::cpuSeconds();
+  mShare.begin(phase);
 }
 
 bool Progress::cancelled() const { return interrupted(); }
 
+void Progress::endPhase() {
+  if (mPhase.empty()) return;
+  // A phase that is given up is over, but not done.
+  const double share = mShare.at(interrupted() ? fraction() : mStop ? 0 : 1);
+  report().phaseEnded(mPhase, seconds(Clock::now() - mPhaseStart), Report::cpuSeconds() - mPhaseCpu, share);
+}
+
 void Progress::watch() {
-  const auto period = mStyle == ProgressStyle::Json ? kJsonPeriod : mTerminal ? kTerminalPeriod : kLogPeriod;
+  const bool json = mStyle == ProgressStyle::Json;
+  const auto period = json ? kJsonPeriod : mTerminal ? kTerminalPeriod : kLogPeriod;
   std::unique_lock lock(mMutex);
-  auto next = mStart + kQuiet;
+  auto next = mStart + (json ? Clock::duration(kJsonPeriod) : Clock::duration(kQuiet));
   while (!mWake.wait_until(lock, next, [this] { return mStop; })) {
-    show();
+    if (!mPhase.empty()) json ? showEvent() : show();
     next = Clock::now() + period;
   }
 }
 
-void Progress::show() {
-  if (mPhase.empty()) return;
+double Progress::fraction() const {
+  return mTotal ? std::min(1.0, static_cast<double>(mDone) / static_cast<double>(mTotal)) : 0;
+}
+
+void Progress::showEvent() {
+  constexpr double kKnown = 0.01;  // a share from which the time left is told
   const auto now = Clock::now();
-  const double elapsed = seconds(now - mStart), inPhase = seconds(now - mPhaseStart);
-  const double fraction = mTotal ? std::min(1.0, static_cast<double>(mDone) / static_cast<double>(mTotal)) : 0;
-  const bool known = fraction > 0.01;
-  const double left = known ? inPhase * (1 - fraction) / fraction : 0;
-  if (mStyle == ProgressStyle::Json) {
-    nlohmann::json line{{"phase", mPhase}, {"elapsed", elapsed}};
-    if (mTotal) line["fraction"] = fraction;
-    if (known) line["left"] = left;
-    std::cerr << line.dump() << std::endl;
-    return;
-  }
+  const double part = fraction(), whole = mShare.at(part);
+  nlohmann::json event{{"phase", mPhase}};
+  if (mTotal) event["fraction"] = part;
+  if (part > kKnown) event["phaseLeft"] = seconds(now - mPhaseStart) * (1 - part) / part;
+  // While a phase does not know its length, the share stands still, and the time left would seem to grow.
+  if (mTotal && whole > kKnown) event["left"] = seconds(now - mStart) * (1 - whole) / whole;
+  report().progress(std::move(event), whole);
+}
+
+void Progress::show() {
+  const double part = fraction(), inPhase = seconds(Clock::now() - mPhaseStart);
   constexpr int kWidth = 24;
-  const int filled = static_cast<int>(fraction * kWidth);
+  const int filled = static_cast<int>(part * kWidth);
   std::string text = mPhase + " ";
   if (mTotal) {
     text += "[" + std::string(static_cast<std::size_t>(filled), '#') +
             std::string(static_cast<std::size_t>(kWidth - filled), '.') + "] " +
-            std::to_string(static_cast<int>(fraction * 100)) + " %";
-    if (known) text += ", " + duration(left) + " left";
+            std::to_string(static_cast<int>(part * 100)) + " %";
+    if (part > 0.01) text += ", " + duration(inPhase * (1 - part) / part) + " left";
   } else {
     text += "for " + duration(inPhase);
   }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file progress.h
-/// Progress on stderr: a bar with the time left, or JSON lines for other programs. Nothing for work under two seconds.
+/// Progress on stderr: a bar with the time left, for work of more than two seconds, or events of the report.
 #pragma once
+
+#include "overall_share.h"
 
 #include "vdbtools/base/monitor.h"
 
@@ -21,7 +23,8 @@ ProgressStyle parseProgressStyle(const std::string& text);
 
 class Progress final : public vdbtools::Monitor {
  public:
-  explicit Progress(ProgressStyle style);
+  /// @param command  says what phases there will be
+  Progress(ProgressStyle style, std::string_view command);
   ~Progress() override;
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -34,11 +37,16 @@ class Progress final : public vdbtools::Monitor {
   using Clock = std::chrono::steady_clock;
   void watch();
   void show();
+  void showEvent();
   void clearLine();
+  double fraction() const;
+  void endPhase();
 
   ProgressStyle mStyle;
   bool mTerminal;
   Clock::time_point mStart = Clock::now(), mPhaseStart = mStart;
+  double mPhaseCpu = 0;  ///< of the process when the phase began, seconds
+  OverallShare mShare;
   std::mutex mMutex;  // of everything below but mDone
   std::condition_variable mWake;
   bool mStop = false, mLineShown = false;

@@ -4,12 +4,13 @@
 #include "exit_code.h"
 #include "options.h"
 #include "output.h"
+#include "report.h"
 
 #include "vdbtools/fit/fit_job.h"
 #include "vdbtools/formats/versor_file.h"
 
 #include <filesystem>
-#include <iostream>
+#include <ostream>
 
 namespace po = boost::program_options;
 
@@ -48,30 +49,35 @@ int runFit(const Arguments& arguments) {
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.json");
   Outputs outputs;
   std::ostream& file = outputs.add("output", line.text("output"), ".json .o3d").stream();
-  std::ostream* const report =
+  std::ostream* const reportFile =
       line.has("report") ? &outputs.add("report", line.text("report"), ".csv").stream() : nullptr;
   std::ostream* const plot =
       line.has("plot") ? &outputs.add("plot", line.text("plot"), ".png .svg .exr").stream() : nullptr;
 
-  const vdbtools::FitResult fit = vdbtools::runFit(options, report != nullptr, line.progress());
+  const vdbtools::FitResult fit = vdbtools::runFit(options, reportFile != nullptr, line.progress());
+  line.progress().begin("writing", 0);
   if (formatOf(line.text("output"), ".json") == ".o3d")
     file << vdbtools::fitToO3d(fit, line.progress());
   else
     file << vdbtools::rationalToJson(fit.rational, noteOf(line.recipe()),
                                      vdbtools::FittedTo{fit.target.space, fit.target.box});
-  if (report) *report << vdbtools::fitReportCsv(fit.rows);
+  if (reportFile) *reportFile << vdbtools::fitReportCsv(fit.rows);
   if (plot) *plot << vdbtools::encodePlot(vdbtools::fitReportPlot(fit.rows), formatOf(line.text("plot"), ".png"));
   line.progress().throwIfCancelled();
   outputs.commit();
   const vdbtools::FitMeasure& measure = fit.measure;
-  std::cerr << "wrote " << outputs.names() << ": " << fit.rational.top.roots.size() << " top and "
-            << fit.rational.bottom.roots.size() << " bottom roots, IoU " << measure.iou << ", psi " << measure.psi
-            << ", mean distance " << measure.meanDistance << ", Hausdorff " << measure.hausdorff
-            << " of the longest side; powers sum to " << julia::summedPowers(fit.rational.top) << " and "
-            << julia::summedPowers(fit.rational.bottom) << "; as thin as --alpha " << fit.slope << "; "
-            << fit.rows.size() << " steps\n";
+  report().count("topRoots", static_cast<double>(fit.rational.top.roots.size()));
+  report().count("bottomRoots", static_cast<double>(fit.rational.bottom.roots.size()));
+  report().count("iou", measure.iou);
+  report().count("steps", static_cast<double>(fit.rows.size()));
+  report().text() << "wrote " << outputs.names() << ": " << fit.rational.top.roots.size() << " top and "
+                  << fit.rational.bottom.roots.size() << " bottom roots, IoU " << measure.iou << ", psi " << measure.psi
+                  << ", mean distance " << measure.meanDistance << ", Hausdorff " << measure.hausdorff
+                  << " of the longest side; powers sum to " << julia::summedPowers(fit.rational.top) << " and "
+                  << julia::summedPowers(fit.rational.bottom) << "; as thin as --alpha " << fit.slope << "; "
+                  << fit.rows.size() << " steps\n";
   if (fit.monopoles > 0)
-    std::cerr << "electrostatics: " << fit.monopoles << " monopoles, capacitance " << fit.capacitance << '\n';
+    report().text() << "electrostatics: " << fit.monopoles << " monopoles, capacitance " << fit.capacitance << '\n';
   return kDone;
 }
 

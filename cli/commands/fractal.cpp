@@ -5,11 +5,12 @@
 #include "mesh_file.h"
 #include "options.h"
 #include "output.h"
+#include "report.h"
 
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_job.h"
 
-#include <iostream>
+#include <ostream>
 #include <sstream>
 
 namespace po = boost::program_options;
@@ -59,17 +60,17 @@ std::string choiceText(const vdbtools::Scene& scene) {
 void tellWhatIsLeft(const vdbtools::Scene& scene, const vdbtools::SolidMeasure& solid) {
   const double share = 100 * solid.volume / *scene.targetVolume, largest = 100 * solid.shareOfLargest(1);
   const std::size_t islands = solid.islands.size();
-  std::cerr << "the set holds " << shortText(share) << " % of the target's volume in "
-            << (islands == 1
-                    ? std::string("1 island")
-                    : std::to_string(islands) + " islands, the largest of which has " + shortText(largest) + " % of it")
-            << '\n';
+  report().text() << "the set holds " << shortText(share) << " % of the target's volume in "
+                  << (islands == 1 ? std::string("1 island")
+                                   : std::to_string(islands) + " islands, the largest of which has " +
+                                         shortText(largest) + " % of it")
+                  << '\n';
   constexpr double kLittle = 50;  // percent
   if (share >= kLittle && !solid.islands.empty()) return;
-  std::cerr << "warning: less than half of the target's volume is left; try "
-            << (scene.exponentOf->detail ? "a smaller --detail, a larger --outward"
-                                         : "--detail instead of --alpha, a larger --alpha or --beta")
-            << ", or --origin auto\n";
+  report().text() << "warning: less than half of the target's volume is left; try "
+                  << (scene.exponentOf->detail ? "a smaller --detail, a larger --outward"
+                                               : "--detail instead of --alpha, a larger --alpha or --beta")
+                  << ", or --origin auto\n";
 }
 
 /// What was left out, in a sentence.
@@ -120,23 +121,30 @@ int runFractal(const Arguments& arguments) {
   progress.throwIfCancelled();
   outputs.commit();
 
-  std::cerr << "wrote " << outputs.names() << ": voxels of " << scene.voxelSize;
+  report().count("voxelSize", scene.voxelSize);
+  report().count("evaluatedNodes", static_cast<double>(result.evaluatedNodes));
+  if (wantMesh) report().count("triangles", static_cast<double>(result.mesh.triangles));
+  if (result.solid) report().count("islands", static_cast<double>(result.solid->islands.size()));
+  report().text() << "wrote " << outputs.names() << ": voxels of " << scene.voxelSize;
   for (const auto& grid : result.grids)
-    if (grid->getName() == "surface")
-      std::cerr << ", " << grid->activeVoxelCount() << " in the band, |grad| within 0.5 of 1 in "
-                << 100 * result.check.gradientFraction << " % of them";
+    if (grid->getName() == "surface") {
+      report().count("bandVoxels", static_cast<double>(grid->activeVoxelCount()));
+      report().text() << ", " << grid->activeVoxelCount() << " in the band, |grad| within 0.5 of 1 in "
+                      << 100 * result.check.gradientFraction << " % of them";
+    }
   if (const auto moved = scene.facts.find("julia_repair_moved"); moved != scene.facts.end())
-    std::cerr << ", the target was repaired and its surface moved by at most " << moved->second;
-  if (result.islands) std::cerr << ", " << result.islands->kept << " of " << result.islands->islands << " islands kept";
-  if (result.follow) std::cerr << ", " << followText(*result.follow);
-  std::cerr << ", " << result.evaluatedNodes << " nodes evaluated";
-  if (wantMesh) std::cerr << ", " << result.mesh.triangles << " triangles";
-  std::cerr << '\n';
+    report().text() << ", the target was repaired and its surface moved by at most " << moved->second;
+  if (result.islands)
+    report().text() << ", " << result.islands->kept << " of " << result.islands->islands << " islands kept";
+  if (result.follow) report().text() << ", " << followText(*result.follow);
+  report().text() << ", " << result.evaluatedNodes << " nodes evaluated";
+  if (wantMesh) report().text() << ", " << result.mesh.triangles << " triangles";
+  report().text() << '\n';
   if (scene.exponent) {
-    std::cerr << choiceText(scene) << '\n';
+    report().text() << choiceText(scene) << '\n';
     if (result.solid) tellWhatIsLeft(scene, *result.solid);
     if (scene.exponentOf->mask.range().second == 0)
-      std::cerr << "note: the mask is 0 everywhere, so this is the plain target\n";
+      report().text() << "note: the mask is 0 everywhere, so this is the plain target\n";
   }
   return kDone;
 }

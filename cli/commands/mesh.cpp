@@ -5,6 +5,7 @@
 #include "mesh_file.h"
 #include "options.h"
 #include "output.h"
+#include "report.h"
 
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_job.h"
@@ -12,7 +13,7 @@
 #include "vdbtools/mesh/mesh_writer.h"
 #include "vdbtools/surface/grid_mesh.h"
 
-#include <iostream>
+#include <ostream>
 
 namespace po = boost::program_options;
 
@@ -37,6 +38,7 @@ vdbtools::MeshCounts fromRecipe(const vdbtools::Recipe& recipe, vdbtools::Atomic
   options.comments = vdbtools::sceneMetadata(scene, recipe);
   MeshFile mesh(file, options);
   const vdbtools::FractalResult result = vdbtools::runFractal(scene, plan, false, &mesh, progress);
+  progress.begin("writing", 0);
   mesh.finish();
   return result.mesh;
 }
@@ -48,6 +50,7 @@ vdbtools::MeshCounts fromGrid(const std::string& input, const std::string& grid,
   vdbtools::Mesh mesh = vdbtools::meshOfLevelSet(*levelSet, progress);
   vdbtools::computeNormals(mesh);
   options.voxelSize = levelSet->voxelSize()[0];
+  progress.begin("writing", 0);
   vdbtools::writeMesh(file.stream(), mesh, options);
   return {mesh.points.size(), mesh.triangles.size()};
 }
@@ -76,7 +79,9 @@ int runMesh(const Arguments& arguments) {
                                           : fromGrid(input, line.text("grid"), file, options, line.progress());
   line.progress().throwIfCancelled();
   outputs.commit();
-  std::cerr << "wrote " << outputs.names() << ": " << counts.triangles << " triangles\n";
+  report().count("points", static_cast<double>(counts.points));
+  report().count("triangles", static_cast<double>(counts.triangles));
+  report().text() << "wrote " << outputs.names() << ": " << counts.triangles << " triangles\n";
   return kDone;
 }
 

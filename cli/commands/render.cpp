@@ -4,6 +4,7 @@
 #include "exit_code.h"
 #include "options.h"
 #include "output.h"
+#include "report.h"
 
 #include "vdbtools/base/numbered_monitor.h"
 #include "vdbtools/files/file_bytes.h"
@@ -14,8 +15,8 @@
 #include "vdbtools/render/view_options.h"
 
 #include <chrono>
-#include <iostream>
 #include <memory>
+#include <ostream>
 
 namespace po = boost::program_options;
 
@@ -89,9 +90,12 @@ int renderLevelSet(const CommandLine& line) {
   std::ostream& file = outputs.add("output", line.text("output"), ".png .exr").stream();
   const auto grid = vdbtools::chooseFloatGrid(vdbtools::readVdb(input), line.text("grid"), input);
   const vdbtools::Image image = vdbtools::renderPreview(*grid, options, line.progress());
+  line.progress().begin("writing", 0);
   file << vdbtools::encodeImage(image, formatOf(line.text("output"), ".png"));
   outputs.commit();
-  std::cerr << "wrote " << outputs.names() << ": " << image.width << " x " << image.height << '\n';
+  report().count("width", image.width);
+  report().count("height", image.height);
+  report().text() << "wrote " << outputs.names() << ": " << image.width << " x " << image.height << '\n';
   return kDone;
 }
 
@@ -136,11 +140,18 @@ int renderMap(const CommandLine& line) {
     const auto start = std::chrono::steady_clock::now();
     const vdbtools::FieldImage image = renderer.render(options, monitor);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    monitor.begin("writing", 0);
     *file << vdbtools::encodeFieldImage(image, format);
     outputs->commit();
-    std::cerr << "wrote " << outputs->names() << ": " << options.width << " x " << options.height << ", " << image.rays
-              << " rays, " << static_cast<std::uint64_t>(static_cast<double>(image.rays) / seconds.count())
-              << " a second, " << image.evaluations << " samples evaluated\n";
+    if (frame == count) {
+      report().count("width", options.width);
+      report().count("height", options.height);
+      report().count("frames", count);
+    }
+    report().text() << "wrote " << outputs->names() << ": " << options.width << " x " << options.height << ", "
+                    << image.rays << " rays, "
+                    << static_cast<std::uint64_t>(static_cast<double>(image.rays) / seconds.count()) << " a second, "
+                    << image.evaluations << " samples evaluated\n";
   }
   return kDone;
 }

@@ -4,11 +4,12 @@
 #include "exit_code.h"
 #include "options.h"
 #include "output.h"
+#include "report.h"
 
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/sdf_job.h"
 
-#include <iostream>
+#include <ostream>
 
 namespace po = boost::program_options;
 
@@ -37,14 +38,17 @@ int runSdf(const Arguments& arguments) {
   vdbtools::SdfResult result = vdbtools::runSdf(options, line.progress());
   vdbtools::VdbWriteOptions write{.half = options.half, .metadata = vdbtools::recipeToMetadata(line.recipe(), "sdf")};
   write.metadata.insert(result.facts.begin(), result.facts.end());
+  line.progress().begin("writing", 0);
   file << vdbtools::encodeVdb({result.grid}, write);
   line.progress().throwIfCancelled();
   outputs.commit();
-  std::cerr << "wrote " << outputs.names() << ": " << result.grid->activeVoxelCount() << " voxels of "
-            << result.grid->voxelSize()[0] << '\n';
+  report().count("voxels", static_cast<double>(result.grid->activeVoxelCount()));
+  report().count("voxelSize", result.grid->voxelSize()[0]);
+  report().text() << "wrote " << outputs.names() << ": " << result.grid->activeVoxelCount() << " voxels of "
+                  << result.grid->voxelSize()[0] << '\n';
   if (result.moved)
-    std::cerr << "repaired: gaps up to " << *result.closedGap << " closed, the surface moved by at most "
-              << *result.moved << '\n';
+    report().text() << "repaired: gaps up to " << *result.closedGap << " closed, the surface moved by at most "
+                    << *result.moved << '\n';
   return kDone;
 }
 

@@ -4,11 +4,13 @@
 #include "exit_code.h"
 #include "options.h"
 #include "output.h"
+#include "report.h"
 
 #include "vdbtools/job/fractal_options.h"
 #include "vdbtools/job/sheet_job.h"
 
-#include <iostream>
+#include <algorithm>
+#include <ostream>
 
 namespace po = boost::program_options;
 
@@ -91,15 +93,21 @@ int runSheet(const Arguments& arguments) {
   Progress& progress = line.progress();
   try {
     const vdbtools::SheetPage made = vdbtools::makeSheet(options, folder, progress);
+    progress.begin("writing", 0);
     page << made.picture;
     recipes << vdbtools::encodeSheet(made.sheet);
     progress.throwIfCancelled();
     outputs.commit();
     const std::vector<vdbtools::SheetCell>& cells = made.sheet.cells;
+    const auto failed = std::count_if(cells.begin(), cells.end(), [](const auto& cell) { return !cell.error.empty(); });
+    report().count("cells", static_cast<double>(cells.size()));
+    report().count("keptCells", static_cast<double>(made.kept));
+    report().count("failedCells", static_cast<double>(failed));
     for (std::size_t i = 0; i < cells.size(); ++i)
-      if (!cells[i].error.empty()) std::cerr << "warning: cell " << i + 1 << " failed: " << cells[i].error << '\n';
-    std::cerr << "wrote " << outputs.names() << ": " << made.sheet.rows << " x " << made.sheet.columns << " cells, "
-              << made.kept << " of " << cells.size() << " cells kept\n";
+      if (!cells[i].error.empty())
+        report().text() << "warning: cell " << i + 1 << " failed: " << cells[i].error << '\n';
+    report().text() << "wrote " << outputs.names() << ": " << made.sheet.rows << " x " << made.sheet.columns
+                    << " cells, " << made.kept << " of " << cells.size() << " cells kept\n";
   } catch (const vdbtools::Interrupted&) {
     if (!std::filesystem::exists(folder)) throw;
     throw vdbtools::Interrupted("interrupted; the finished cells are kept in '" + folder.string() +

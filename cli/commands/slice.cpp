@@ -4,6 +4,7 @@
 #include "exit_code.h"
 #include "options.h"
 #include "output.h"
+#include "report.h"
 #include "slice_plane.h"
 
 #include "vdbtools/formats/vdb_file.h"
@@ -15,7 +16,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <iostream>
+#include <ostream>
 
 namespace po = boost::program_options;
 
@@ -182,9 +183,12 @@ int runSlice(const Arguments& arguments) {
     const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(sceneRecipe(line, input));
     image = sliceOfScene(vdbtools::makeScene(options, line.progress()), field, placement, range, line.progress());
   }
+  line.progress().begin("writing", 0);
   file << vdbtools::encodeImage(image, formatOf(line.text("output"), ".png"));
   outputs.commit();
-  std::cerr << "wrote " << outputs.names() << ": " << image.width << " x " << image.height << '\n';
+  report().count("width", image.width);
+  report().count("height", image.height);
+  report().text() << "wrote " << outputs.names() << ": " << image.width << " x " << image.height << '\n';
   return kDone;
 }
 

@@ -4,13 +4,14 @@
 #include "exit_code.h"
 #include "options.h"
 #include "output.h"
+#include "report.h"
 #include "slice_plane.h"
 
 #include "vdbtools/job/fractal_options.h"
 #include "vdbtools/job/study.h"
 #include "vdbtools/maps/texture_shelf.h"
 
-#include <iostream>
+#include <ostream>
 
 namespace po = boost::program_options;
 
@@ -65,17 +66,21 @@ int runStudy(const Arguments& arguments) {
   const vdbtools::Scene scene = vdbtools::makeScene(options, line.progress());
   const vdbtools::SlicePlane plane = placement.plane(frameOf(scene), scene.space.centre);
   const vdbtools::Study result = vdbtools::runStudy(scene, plane, study, line.progress());
+  line.progress().begin("writing", 0);
   file << vdbtools::encodeImage(vdbtools::studyImage(plane, result), formatOf(line.text("output"), ".png"));
   if (curve) *curve << vdbtools::encodePlot(vdbtools::studyPlot(result), formatOf(line.text("curve"), ".png"));
   if (csv) *csv << vdbtools::studyCsv(result);
   line.progress().throwIfCancelled();
   outputs.commit();
-  std::cerr << "wrote " << outputs.names() << ": " << plane.width() << " x " << plane.height() << ", " << result.versors
-            << " versors from seed " << vdbtools::VersorSeeds(scene).first() << " on";
+  report().count("width", plane.width());
+  report().count("height", plane.height());
+  report().count("versors", static_cast<double>(result.versors));
+  report().text() << "wrote " << outputs.names() << ": " << plane.width() << " x " << plane.height() << ", "
+                  << result.versors << " versors from seed " << vdbtools::VersorSeeds(scene).first() << " on";
   if (result.undecided)
-    std::cerr << ", open where phi is between " << result.undecided->first << " and " << result.undecided->second;
-  if (!result.originInside) std::cerr << ", the dynamics' origin lies outside the target";
-  std::cerr << '\n';
+    report().text() << ", open where phi is between " << result.undecided->first << " and " << result.undecided->second;
+  if (!result.originInside) report().text() << ", the dynamics' origin lies outside the target";
+  report().text() << '\n';
   return kDone;
 }
 

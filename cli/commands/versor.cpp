@@ -4,6 +4,7 @@
 #include "exit_code.h"
 #include "options.h"
 #include "output.h"
+#include "report.h"
 
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/peer_formats.h"
@@ -65,8 +66,8 @@ void write(CommandLine& line, const julia::Rational& rational, const std::string
     file << vdbtools::rationalToJson(rational, note, target);
   }
   outputs.commit();
-  std::cerr << "wrote " << outputs.names() << ": " << rational.top.roots.size() << " top and "
-            << rational.bottom.roots.size() << " bottom roots\n";
+  report().text() << "wrote " << outputs.names() << ": " << rational.top.roots.size() << " top and "
+                  << rational.bottom.roots.size() << " bottom roots\n";
 }
 
 void inspect(const std::string& name, const julia::Polynomial& polynomial) {

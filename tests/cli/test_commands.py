@@ -212,23 +212,21 @@ class ProgressLines(harness.CliTest):
 
     def test_quick_jobs_are_quiet(self):
         self.write("s.obj", harness.obj(harness.cube()))
-        for style in ("bar", "json", "none"):
+        for style in ("bar", "none"):
             text = self.ok("sdf", "s.obj", "-o", "s.vdb", "--resolution", 16, "--progress", style)
             self.assertRegex(text, r"\Awrote [^\n]*\n\Z")
 
     def test_json(self):
-        *lines, last = self.lines_of_long_job("--progress", "json", seconds=4)
-        self.assertTrue(last.startswith("juliavdb: "), last)
-        self.assertGreater(len(lines), 1)
+        events = [json.loads(line) for line in self.lines_of_long_job("--progress", "json", seconds=4)]
+        self.assertGreater(sum(event["event"] == "progress" for event in events), 1)
         elapsed = 0
-        for line in lines:
-            entry = json.loads(line)
-            self.assertIsInstance(entry["phase"], str)
-            self.assertGreater(entry["elapsed"], elapsed)
-            elapsed = entry["elapsed"]
-            if "fraction" in entry:
-                self.assertTrue(0 <= entry["fraction"] <= 1)
-        self.assertGreater(json.loads(lines[0])["elapsed"], 1.9)
+        for event in events:
+            self.assertGreater(event["elapsed"], elapsed)
+            elapsed = event["elapsed"]
+            if event["event"] == "progress":
+                self.assertIsInstance(event["phase"], str)
+            if "fraction" in event:
+                self.assertTrue(0 <= event["fraction"] <= 1)
 
     def test_none(self):
         lines = self.lines_of_long_job("--progress", "none", seconds=3)

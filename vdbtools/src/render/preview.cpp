@@ -30,7 +30,6 @@ const Vec3d kKeyColour(1.22, 1.12, 0.97);
 const Vec3d kSkyColour(0.44, 0.50, 0.60);
 const Vec3d kFloorColour(0.10, 0.08, 0.07);
 const Vec3d kRimColour(0.62, 0.70, 0.85);
-constexpr double kRimSharpness = 4;
 constexpr double kKeyRadius = 0.07;  ///< of the key's disk at distance 1: soft shadow edges
 constexpr double kSheen = 0.10, kSheenSharpness = 18;
 /// The part of the sky's light that a blocked ray still brings: light bounced off the clay that it meets.
@@ -74,9 +73,23 @@ std::array<Vec3d, 2> tangents(const Vec3d& n) {
   return {Vec3d(1 + sign * n[0] * n[0] * a, sign * b, -sign * n[0]), Vec3d(b, sign + n[1] * n[1] * a, -n[1])};
 }
 
-double fraction(double v) { return v - std::floor(v); }
+/// @param v  at least 0
+double fraction(double v) { return v - static_cast<int>(v); }
 
-/// Low-discrepancy points, a sequence for each pixel: they depend on the pixel only, hence not on the threads.
+/// The cosine and the sine of an angle.
+struct Turn {
+  double cosine, sine;
+  static Turn by(double turns) {
+    const double angle = 2 * std::numbers::pi * turns;
+    return {std::cos(angle), std::sin(angle)};
+  }
+  Turn after(const Turn& other) const {
+    return {cosine * other.cosine - sine * other.sine, sine * other.cosine + cosine * other.sine};
+  }
+};
+
+/// Low-discrepancy points in a disk, a sequence for each pixel: they depend on the pixel only, hence not on the
+/// threads.
 class PixelSequence {
  public:
   PixelSequence(int x, int y) {
@@ -85,23 +98,37 @@ class PixelSequence {
     h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9ULL;
     h = (h ^ (h >> 27)) * 0x94d049bb133111ebULL;
     h ^= h >> 31;
-    mShift = {double(h >> 32) * 0x1p-32, double(h & 0xffffffffU) * 0x1p-32};
+    mShift = double(h >> 32) * 0x1p-32;
+    mTurn = Turn::by(double(h & 0xffffffffU) * 0x1p-32);
   }
-  /// Point @a i of the R2 sequence, shifted.
-  std::array<double, 2> operator()(int i) const {
-    return {fraction(mShift[0] + 0.7548776662 * i), fraction(mShift[1] + 0.5698402910 * i)};
+  struct Point {
+    double square;  ///< of the distance from the centre
+    Turn turn;
+  };
+  /// Point @a i of the R2 sequence, shifted. @param i  below kMost
+  Point operator()(int i) const {
+    static const std::array<Turn, kMost> turns = [] {
+      std::array<Turn, kMost> result;
+      for (std::size_t k = 0; k < result.size(); ++k) result[k] = Turn::by(kStep * static_cast<double>(k));
+      return result;
+    }();
+    return {fraction(mShift + 0.7548776662 * i), mTurn.after(turns[static_cast<std::size_t>(i)])};
   }
 
+  static constexpr int kMost = 64;
+
  private:
-  std::array<double, 2> mShift;
+  static constexpr double kStep = 0.5698402910;
+  double mShift;
+  Turn mTurn;
 };
 
 class Renderer {
  public:
   /// @param balls  in index space
-  Renderer(const SurfaceTracer& tracer, const Stage& stage, const PreviewOptions& options, const PixelSamples& samples,
-           const std::vector<PreviewBall>& balls)
-      : mTracer(tracer),
+  Renderer(const SurfaceLattice& lattice, const Stage& stage, const PreviewOptions& options,
+           const PixelSamples& samples, const std::vector<PreviewBall>& balls)
+      : mTracer(lattice),
         mStage(stage),
         mBalls(balls),
         mSamples(samples),
@@ -149,8 +176,8 @@ class Renderer {
 
   Vec3d environment(const Vec3d& direction) const {
     const double height = 0.5 * (1 + direction.dot(mStage.sky));
-    const double rim = std::pow(std::max(0.0, direction.dot(mStage.rim)), kRimSharpness);
-    return kFloorColour + height * (kSkyColour - kFloorColour) + rim * kRimColour;
+    const double rim = std::max(0.0, direction.dot(mStage.rim)), square = rim * rim;
+    return kFloorColour + height * (kSkyColour - kFloorColour) + square * square * kRimColour;
   }
 
   Vec3d shade(const Vec3d& position, const Vec3d& view, const PixelSequence& sequence, int sample) {
@@ -162,10 +189,10 @@ class Renderer {
     Vec3d gathered(0);
     for (int i = 0; i < mGatherRays; ++i) {
       // Chosen with the density of the cosine, so that each ray counts the same.
-      const auto [a, b] = sequence(sample * mGatherRays + i);
-      const double radius = std::sqrt(a), angle = 2 * std::numbers::pi * b;
-      const Vec3d direction = radius * std::cos(angle) * frame[0] + radius * std::sin(angle) * frame[1] +
-                              std::sqrt(std::max(0.0, 1 - a)) * normal;
+      const auto [square, turn] = sequence(sample * mGatherRays + i);
+      const double radius = std::sqrt(square);
+      const Vec3d direction = radius * turn.cosine * frame[0] + radius * turn.sine * frame[1] +
+                              std::sqrt(std::max(0.0, 1 - square)) * normal;
       const Vec3d light = environment(direction);
       gathered += mTracer.blocked(origin, direction) ? kBounce * light * kClay : light;
     }
@@ -173,9 +200,9 @@ class Renderer {
 
     const auto disk = tangents(mStage.key);
     for (int i = 0; i < mShadowRays; ++i) {
-      const auto [a, b] = sequence(sample * mShadowRays + i);
-      const double spread = kKeyRadius * std::sqrt(a), angle = 2 * std::numbers::pi * b;
-      const Vec3d key = (mStage.key + spread * (std::cos(angle) * disk[0] + std::sin(angle) * disk[1])).unit();
+      const auto [square, turn] = sequence(sample * mShadowRays + i);
+      const double spread = kKeyRadius * std::sqrt(square);
+      const Vec3d key = (mStage.key + spread * (turn.cosine * disk[0] + turn.sine * disk[1])).unit();
       const double facing = key.dot(normal);
       if (facing <= 0 || mTracer.blocked(origin, key)) continue;
       const double glint = std::max(0.0, (key - view).unit().dot(normal));
@@ -230,10 +257,13 @@ Image renderPreview(const openvdb::FloatGrid& levelSet, const PreviewOptions& op
   const FramedBall ball{levelSet.indexToWorld(bounds.centre), bounds.radius * levelSet.voxelSize()[0]};
   const Stage stage = makeStage(levelSet, cameraAround(ball, options.view, samples.aspect()), samples.aspect());
 
+  const SurfaceLattice lattice(levelSet.tree(), cells);
+  monitor.throwIfCancelled();
+
   Image image(options.width, options.height);
   monitor.begin("render", static_cast<std::uint64_t>(options.height));
   tbb::parallel_for(tbb::blocked_range<int>(0, options.height), [&](const tbb::blocked_range<int>& rows) {
-    Renderer renderer(SurfaceTracer(levelSet.tree(), cells, bounds.box), stage, options, samples, balls);
+    Renderer renderer(lattice, stage, options, samples, balls);
     for (int y = rows.begin(); y != rows.end(); ++y) {
       for (int x = 0; x < options.width; ++x) {
         if (x % kPixelsPerCheck == 0) monitor.throwIfCancelled();

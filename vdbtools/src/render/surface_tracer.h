@@ -7,9 +7,11 @@
 #include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
 
-#include <openvdb/math/Ray.h>
-
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <vector>
 
 namespace vdbtools {
 
@@ -25,11 +27,66 @@ struct SurfaceBounds {
 };
 SurfaceBounds boundsOf(const openvdb::MaskTree& cells);
 
+/// The surface cells in bricks of 4 x 4 x 4, and a lattice of cubes that says how far a ray may go before it can meet a
+/// brick. Nodes count from origin() here. For any number of threads.
+class SurfaceLattice {
+ public:
+  /// @param field  must outlive this
+  SurfaceLattice(const openvdb::FloatTree& field, const openvdb::MaskTree& cells);
+
+  static constexpr int kBrickShift = 2;
+
+  struct Brick {
+    std::uint64_t cells = 0;  ///< bit 16 x + 4 y + z
+    std::uint32_t leaf = 0;
+  };
+  /// The values of the field's leaf, 512 nodes, and of its neighbours towards higher z (bit 0), y (bit 1) and x (bit
+  /// 2); null where the field has no leaf.
+  using LeafValues = std::array<const float*, 8>;
+
+  const openvdb::FloatTree& field() const { return mField; }
+  const openvdb::Coord& origin() const { return mOrigin; }
+  /// The number of cubes along each axis.
+  const openvdb::Coord& size() const { return mSize; }
+  /// The binary logarithm of a cube's side.
+  int shift() const { return mShift; }
+
+  /// Valid for cubes of the lattice and their neighbours.
+  std::size_t indexOf(const openvdb::Coord& cube) const {
+    return static_cast<std::size_t>(((cube[0] + 1) * mStrides[0]) + ((cube[1] + 1) * mStrides[1]) + cube[2] + 1);
+  }
+  /// For each cube: how many cubes along each axis, from this one on towards an octant, are free of bricks; 0 where the
+  /// cube itself holds one. @param octant  bits 0, 1 and 2 are set for decreasing x, y and z
+  const std::vector<std::uint8_t>& freeCubes(int octant) const { return mFree[static_cast<std::size_t>(octant)]; }
+
+  /// @param cube  the index of a cube that holds a brick
+  const Brick& brick(std::size_t cube, const openvdb::Coord& node) const {
+    const int mask = (1 << mShift) - 1, bits = mShift - kBrickShift;
+    const int x = (node[0] & mask) >> kBrickShift, y = (node[1] & mask) >> kBrickShift,
+              z = (node[2] & mask) >> kBrickShift;
+    return mBricks[mFirstBrick[cube] + static_cast<std::size_t>(((x << bits | y) << bits) | z)];
+  }
+  const LeafValues& valuesOf(const Brick& brick) const { return mLeaves[brick.leaf]; }
+
+ private:
+  void addLeaf(const openvdb::MaskTree::LeafNodeType& leaf);
+  void measureFreeCubes(int octant);
+
+  const openvdb::FloatTree& mField;
+  openvdb::Coord mOrigin, mSize;
+  std::array<std::int64_t, 2> mStrides{};  ///< of x and y, with a layer of cubes around the lattice
+  int mShift = kBrickShift;
+  std::array<std::vector<std::uint8_t>, 8> mFree;
+  std::vector<std::uint32_t> mFirstBrick;  ///< in mBricks, of each cube that holds any
+  std::vector<Brick> mBricks;
+  std::vector<LeafValues> mLeaves;
+};
+
 /// Follows rays through the surface cells and solves for the zero of the trilinear field in each. For one thread.
 class SurfaceTracer {
  public:
-  SurfaceTracer(const openvdb::FloatTree& field, const openvdb::MaskTree& cells, const openvdb::BBoxd& box)
-      : mField(field), mCells(cells), mBox(box) {}
+  /// @param lattice  must outlive this
+  explicit SurfaceTracer(const SurfaceLattice& lattice) : mLattice(lattice), mField(lattice.field()) {}
 
   /// Where the ray first goes inside, as a multiple of its direction.
   std::optional<double> firstHit(const openvdb::Vec3d& origin, const openvdb::Vec3d& direction) {
@@ -46,30 +103,15 @@ class SurfaceTracer {
   /// trilinear field jump.
   openvdb::Vec3d normal(const openvdb::Vec3d& position) const;
 
-  // What openvdb::math::LevelSetHDDA asks of its tester.
-  using RayT = openvdb::math::Ray<double>;
-  const RayT& ray() const { return mRay; }
-  void setRange(double t0, double t1) { mRay.setTimes(t0, t1); }
-  template <typename NodeT>
-  bool hasNode(const openvdb::Coord& ijk) {
-    return mCells.probeConstNode<NodeT>(ijk) != nullptr;
-  }
-  void init(double t0) { mEntry = t0; }
-  bool operator()(const openvdb::Coord& cell, double exit) {
-    const double entry = mEntry;
-    mEntry = exit;
-    return mCells.isValueOn(cell) && hitsCell(cell, entry, exit);
-  }
-
  private:
   bool trace(const openvdb::Vec3d& origin, const openvdb::Vec3d& direction);
-  bool hitsCell(const openvdb::Coord& cell, double entry, double exit);
+  bool hitsCell(const SurfaceLattice::Brick& brick, const openvdb::Coord& cell, double entry, double exit);
 
+  const SurfaceLattice& mLattice;
   openvdb::FloatGrid::ConstAccessor mField;
-  openvdb::tree::ValueAccessor<const openvdb::MaskTree> mCells;
-  openvdb::BBoxd mBox;
-  RayT mRay;
-  double mEntry = 0, mHit = 0;
+
+  openvdb::Vec3d mOrigin, mDirection;  ///< of the ray, from the lattice's origin
+  double mHit = 0;
   bool mRefine = true;  ///< whether mHit is wanted
 };
 

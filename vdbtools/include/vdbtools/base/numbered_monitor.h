@@ -5,7 +5,10 @@
 
 #include "vdbtools/base/monitor.h"
 
+#include <charconv>
+#include <cstddef>
 #include <string>
+#include <string_view>
 
 namespace vdbtools {
 
@@ -27,5 +30,24 @@ class NumberedMonitor final : public Monitor {
   Monitor& mMonitor;
   std::string mSuffix;
 };
+
+/// What NumberedMonitor made of a phase's name; the number and the count are 0 for another name.
+struct NumberedPhase {
+  std::string_view phase;  ///< a part of the given name
+  std::size_t number = 0, count = 0;
+};
+inline NumberedPhase numberedPhase(std::string_view name) {
+  const std::size_t comma = name.rfind(", "), of = name.rfind(" of ");
+  if (comma == name.npos || of == name.npos || of < comma) return {name};
+  const std::size_t space = name.rfind(' ', of - 1);
+  const auto whole = [](std::string_view text) {
+    std::size_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc() && end == text.data() + text.size() ? value : 0;
+  };
+  const std::size_t number = whole(name.substr(space + 1, of - space - 1)), count = whole(name.substr(of + 4));
+  if (number == 0 || number > count) return {name};
+  return {name.substr(0, comma), number, count};
+}
 
 }  // namespace vdbtools

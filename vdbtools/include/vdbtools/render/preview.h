@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file preview.h
-/// A shaded picture of a level set, which the camera frames by itself: rays through OpenVDB's hierarchical DDA, a key
+/// A shaded picture of a level set, which the camera frames by itself: rays that skip the space without
+/// surface, a key
 /// light with soft shadows, and the light of the sky gathered by ambient rays. The surface is where the sign changes,
 /// so fields whose gradient is far from 1 show no holes. World Y is up.
 #pragma once

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overall_share.h"
+
+#include "vdbtools/base/numbered_monitor.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace cli {
+namespace {
+
+using Phases = std::vector<PhaseWeight>;
+
+// The weights are roughly hundredths of a run on the bunny with 200 to 400 voxels along its longest side.
+
+/// The phases that make a target and its exponent, and then others.
+Phases scenePhases(const Phases& others) {
+  Phases phases = {{"reading", 2},         {"closing gaps", 20},     {"distance field", 25},
+                   {"local thickness", 3}, {"widening the band", 5}, {"exponent", 5}};
+  phases.insert(phases.end(), others.begin(), others.end());
+  return phases;
+}
+
+const Phases kNone;
+const Phases kSdf = {{"reading", 2}, {"closing gaps", 40}, {"distance field", 50}, {"writing", 8}};
+const Phases kFractal = scenePhases({{"proofs", 5},
+                                     {"field", 15},
+                                     {"seeds", 1},
+                                     {"following the surface", 15},
+                                     {"islands", 3},
+                                     {"surface", 15},
+                                     {"level set", 15},
+                                     {"versor", 5},
+                                     {"writing", 5}});
+const Phases kSlice = scenePhases({{"slice", 20}, {"writing", 5}});
+const Phases kStudy = scenePhases({{"distances", 5}, {"first versor", 2}, {"versors", 60}, {"writing", 2}});
+const Phases kRender = scenePhases({{"render", 60}, {"writing", 2}});
+const Phases kFit = {{"reading", 1},   {"distance field", 5}, {"surface", 2}, {"distances", 5}, {"electrostatics", 10},
+                     {"monopoles", 5}, {"potential", 5},      {"fit", 60},    {"measure", 10},  {"writing", 1}};
+
+bool names(const PhaseWeight& entry, std::string_view phase) {
+  return phase.starts_with(entry.phase) && (phase.size() == entry.phase.size() || phase[entry.phase.size()] == ' ');
+}
+
+}  // namespace
+
+std::span<const PhaseWeight> phasesOf(std::string_view command) {
+  if (command == "sdf") return kSdf;
+  if (command == "fractal" || command == "mesh") return kFractal;
+  if (command == "slice") return kSlice;
+  if (command == "study") return kStudy;
+  if (command == "render" || command == "sheet") return kRender;
+  if (command == "fit") return kFit;
+  return kNone;
+}
+
+void OverallShare::begin(std::string_view phase) {
+  mDone += mWeight;
+  mWeight = 0;
+  const vdbtools::NumberedPhase numbered = vdbtools::numberedPhase(phase);
+  if (numbered.number != mNumber && numbered.number != 0) {
+    if (mNumber == 0) mBeforePieces = mShare;
+    mNumber = numbered.number;
+    mCount = numbered.count;
+    mDone = 0;
+    mNext = 0;
+  }
+  const auto at = std::find_if(mPhases.begin(), mPhases.end(),
+                               [&](const PhaseWeight& entry) { return names(entry, numbered.phase); });
+  if (at == mPhases.end()) return;
+  mWeight = at->weight;
+  mNext = static_cast<std::size_t>(at - mPhases.begin()) + 1;
+}
+
+double OverallShare::ofPiece(double fraction) const {
+  double left = mWeight;
+  for (std::size_t i = mNext; i < mPhases.size(); ++i) left += mPhases[i].weight;
+  return mDone + left > 0 ? (mDone + mWeight * fraction) / (mDone + left) : 0;
+}
+
+double OverallShare::at(double fraction) {
+  double share = ofPiece(fraction);
+  if (mNumber != 0)
+    share =
+        mBeforePieces + (1 - mBeforePieces) * (static_cast<double>(mNumber - 1) + share) / static_cast<double>(mCount);
+  mShare = std::clamp(share, mShare, 1.0);
+  return mShare;
+}
+
+}  // namespace cli
