@@ -3,16 +3,35 @@
 
 #include "ball_arithmetic.h"
 #include "batch_view.h"
+#include "node_cubes.h"
 #include "orbit_evaluator.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <mutex>
 #include <optional>
 #include <vector>
 
 namespace julia {
+
+void FieldEvaluator::evaluateBlocks(std::span<const NodeBlock> blocks) const {
+  constexpr std::size_t kSide = NodeBlock::kSide, kHalf = kSide / 2;
+  std::vector<Point> points;
+  std::vector<float*> to;
+  for (const NodeBlock& block : blocks)
+    for (std::size_t node = 0; node < NodeBlock::kSize; ++node) {
+      const std::size_t x = node / kSide / kSide, y = node / kSide % kSide, z = node % kSide;
+      if (!(block.wanted >> (x / kHalf * 4 + y / kHalf * 2 + z / kHalf) & 1)) continue;
+      points.push_back({block.at[0][x], block.at[1][y], block.at[2][z]});
+      to.push_back(&block.field[node]);
+    }
+  std::vector<double> field(points.size());
+  evaluate(points, field, {});
+  for (std::size_t i = 0; i < to.size(); ++i) *to[i] = storedField(field[i]);
+}
+
 namespace {
 
 /// Evaluates maps in log-polar form.
@@ -71,6 +90,101 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
     mMap->versor(batch.q, batch.next);
     std::swap(batch.q, batch.next);
     kernels::kernels<Real>().scaleByExponential(batch.l.data(), view(batch.q), batch.q.size());
+  }
+
+  /// Nodes are settled in cubes: the largest of which something is known, and what these leave in the next smaller
+  /// ones.
+  void settle(std::span<const NodeBlock> blocks, Batch& batch) const override {
+    const Outlook& outlook = this->outlook();
+    if (!(outlook.least < mLogEscape)) return;
+    // The lattice is the same for all blocks, but for rounding.
+    double diagonal = 0;
+    for (const auto& at : blocks[0].at) {
+      const double length = at.back() - at.front();
+      diagonal += length * length;
+    }
+    const double half = 0.5 * std::sqrt(diagonal) * (1 + 1e-3) / (NodeBlock::kSide - 1);
+    if (!(half <= outlook.radius)) return;
+    // As if all nodes were wanted.
+    const std::size_t size = blocks.size() * NodeBlock::kSize;
+    Real* values = batch.l.data();
+    std::vector<Real> all;
+    if (batch.l.size() != size) {
+      all.assign(size, std::numeric_limits<Real>::infinity());
+      for (std::size_t i = 0; i < batch.l.size(); ++i) all[batch.index[i]] = batch.l[i];
+      values = all.data();
+    }
+    Pairs pairs;
+    pairs.most.resize(blocks.size() * NodePairs::kCount);
+    pairs.bounds.assign(pairs.most.size(), std::numeric_limits<Real>::infinity());
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+      NodePairs::findMost(values + i * NodeBlock::kSize, mLogEscape, pairs.most.data() + i * NodePairs::kCount);
+    for (std::size_t side = NodeBlock::kSide; side > 1; side /= 2)
+      if (static_cast<double>(side - 1) * half <= outlook.radius)
+        boundCubes(blocks, side, static_cast<double>(side - 1) * half, pairs, batch.next);
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+      NodePairs::raise(values + i * NodeBlock::kSize, pairs.bounds.data() + i * NodePairs::kCount);
+    if (!all.empty())
+      for (std::size_t i = 0; i < batch.l.size(); ++i) batch.l[i] = all[batch.index[i]];
+  }
+
+  /// Of the cubes of two nodes a side, of all blocks.
+  struct Pairs {
+    std::vector<Real> most;    ///< the largest l that has not escaped
+    std::vector<Real> bounds;  ///< the least l that is settled, as far as it is known
+  };
+
+  /// Lowers the bounds by what is known of cubes of so many nodes a side. @param centres  working memory
+  void boundCubes(std::span<const NodeBlock> blocks, std::size_t side, double radius, Pairs& pairs,
+                  QuaternionBatch<Real>& centres) const {
+    // A bound is seldom nearer to the least that there is.
+    const Real least = mOutlook.least + Real(0.15);
+    const std::size_t across = NodeBlock::kSide / side, inside = side / 2;
+    const auto forEachPair = [&](std::size_t first, const auto& body) {
+      for (std::size_t x = 0; x < inside; ++x)
+        for (std::size_t y = 0; y < inside; ++y)
+          for (std::size_t z = 0; z < inside; ++z) body(first + (x * NodePairs::kAcross + y) * NodePairs::kAcross + z);
+    };
+    std::vector<std::size_t> asked;
+    asked.reserve(pairs.most.size());
+    centres.resize(pairs.most.size());
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+      for (std::size_t x = 0; x < across; ++x)
+        for (std::size_t y = 0; y < across; ++y)
+          for (std::size_t z = 0; z < across; ++z) {
+            const std::size_t first =
+                i * NodePairs::kCount + ((x * NodePairs::kAcross + y) * NodePairs::kAcross + z) * inside;
+            bool asks = false;
+            forEachPair(first,
+                        [&](std::size_t k) { asks |= (pairs.most[k] >= least) & (pairs.most[k] < pairs.bounds[k]); });
+            if (!asks) continue;
+            const auto middle = [&](std::size_t axis, std::size_t cube) {
+              const auto& at = blocks[i].at[axis];
+              return 0.5 * (at[cube * side] + at[cube * side + side - 1]);
+            };
+            const Point centre{middle(0, x), middle(1, y), middle(2, z)};
+            centres.set(asked.size(), this->mEmbedding.template quaternion<Real>(centre));
+            asked.push_back(first);
+          }
+    if (asked.empty()) return;
+    centres.resize(asked.size());
+    // The centres and the nodes, none of which has escaped, are rounded.
+    const double rounded = radius * (1 + kSlack) + 4 * kEpsilonOf<Real> * (mOptions.escapeRadius + radius);
+    std::vector<Real> found(asked.size());
+    mMap->settling(centres, static_cast<Real>(rounded * (1 + kEpsilonOf<Real>)), mOutlook, found);
+    for (std::size_t i = 0; i < asked.size(); ++i)
+      forEachPair(asked[i], [&](std::size_t k) { pairs.bounds[k] = std::min(pairs.bounds[k], found[i]); });
+  }
+
+  using Outlook = typename Map<Real>::Outlook;
+  using NodePairs = NodeCubes<Real, 2>;
+  /// What the second step settles, and so the first.
+  const Outlook& outlook() const {
+    std::call_once(mOutlookMade, [this] {
+      if (!signsFollowEnds() || mOptions.maxIterations < 2) return;
+      mOutlook = mMap->outlook(static_cast<double>(mOptions.maxIterations == 2 ? mLevel : mLogEscape));
+    });
+    return mOutlook;
   }
 
   /// The number of a ball, and the answers that its ended orbits leave open.
@@ -152,6 +266,8 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
   }
 
   std::shared_ptr<const Map<Real>> mMap;
+  mutable std::once_flag mOutlookMade;
+  mutable Outlook mOutlook;
 };
 
 /// Evaluates with a trap and without it, and trusts the latter where their signs differ.

@@ -37,6 +37,13 @@ class OrbitEvaluator : public FieldEvaluator {
     evaluatePieces(points, field, {}, nearest);
   }
 
+  void evaluateBlocks(std::span<const NodeBlock> blocks) const final {
+    constexpr std::size_t kTogether = kPiece / NodeBlock::kSize;
+    const auto batch = mBatches.borrow();
+    for (std::size_t first = 0; first < blocks.size(); first += kTogether)
+      evaluateBlockPiece(blocks.subspan(first, std::min(kTogether, blocks.size() - first)), *batch);
+  }
+
   /// Working memory for so many points stays in the second-level cache.
   std::size_t preferredBatch() const final { return kPiece; }
 
@@ -51,14 +58,12 @@ class OrbitEvaluator : public FieldEvaluator {
     QuaternionBatch<Real> carried;  ///< what a map keeps for each orbit; empty if it keeps nothing
     std::vector<Real> l;
     std::vector<std::uint32_t> index;
-    std::vector<std::uint32_t> stays;  ///< scratch of keep(): the places of the orbits that go on
 
     void resize(std::size_t n) {
       q.resize(n);
       if (carried.size() != 0) carried.resize(n);
       l.resize(n);
       index.resize(n);
-      stays.resize(n);
     }
   };
 
@@ -82,6 +87,9 @@ class OrbitEvaluator : public FieldEvaluator {
   /// Sets batch.q to those iterates, for the orbits that go on.
   virtual void formIterates(Batch& batch) const = 0;
   virtual MapDescription describeMap() const = 0;
+  /// After the first step: sets batch.l to +inf where the node is outside, whatever the iterate that follows.
+  /// @pre batch.index holds the numbers of the nodes, counted through the blocks
+  virtual void settle(std::span<const NodeBlock> /*blocks*/, Batch& /*batch*/) const {}
 
   QuaternionBatch<Real> embed(std::span<const Point> points) const {
     QuaternionBatch<Real> q;
@@ -140,13 +148,94 @@ class OrbitEvaluator : public FieldEvaluator {
           double& smallest = nearest[batch.index[i]];
           smallest = std::max(-kFieldLimit, std::min(smallest, static_cast<double>(batch.l[i])));
         }
-      const Real none = -std::numeric_limits<Real>::infinity();
-      const bool traps = isTrapped(mLogTrap);
-      const Real escape = step == mOptions.maxIterations ? none : mLogEscape, trap = mLogTrap;
-      keep(
-          batch, [=](Real l) { return (l < escape) & (!traps | (l > trap)); }, field, iterations, step);
+      keep(batch, step == mOptions.maxIterations, isTrapped(mLogTrap), field, iterations, step);
       if (batch.q.size() != 0) formIterates(batch);
     }
+  }
+
+  void evaluateBlockPiece(std::span<const NodeBlock> blocks, Batch& batch) const {
+    batch.carried.resize(0);
+    batch.resize(blocks.size() * NodeBlock::kSize);
+    if (!placeNodes(blocks, batch)) return FieldEvaluator::evaluateBlocks(blocks);
+    alignas(64) std::array<float, kPiece> field;
+    const auto fieldOf = [level = mLevel](Real l) {
+      constexpr Real kLimit = static_cast<Real>(kFieldLimit);
+      const Real value = l - level, above = value > -kLimit ? value : -kLimit;
+      const Real within = above < kLimit ? above : kLimit;
+      if constexpr (std::is_same_v<Real, float>)
+        return within;
+      else
+        return storedField(within);
+    };
+    for (int step = 1; batch.q.size() != 0; ++step) {
+      takeStep(batch, step);
+      if (step == 1) settle(blocks, batch);
+      const std::size_t size = batch.l.size();
+      if (size == blocks.size() * NodeBlock::kSize)
+        for (std::size_t i = 0; i < size; ++i) field[i] = fieldOf(batch.l[i]);
+      else
+        for (std::size_t i = 0; i < size; ++i) field[batch.index[i]] = fieldOf(batch.l[i]);
+      closeRanks(batch, step == mOptions.maxIterations, isTrapped(mLogTrap));
+      if (batch.q.size() != 0) formIterates(batch);
+    }
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      const float* const from = field.data() + i * NodeBlock::kSize;
+      float* const to = blocks[i].field.data();
+      forEachRun(blocks[i], [&](std::size_t node, std::size_t length) { std::copy_n(from + node, length, to + node); });
+    }
+  }
+
+  /// Calls body(number of the first node, length) for the runs of nodes along z that are wanted.
+  template <class Body>
+  static void forEachRun(const NodeBlock& block, const Body& body) {
+    constexpr std::size_t kSide = NodeBlock::kSide, kHalf = kSide / 2;
+    if (block.wanted == 0xff) {
+      for (std::size_t node = 0; node < NodeBlock::kSize; node += kSide) body(node, kSide);
+      return;
+    }
+    for (std::size_t node = 0; node < NodeBlock::kSize; node += kHalf)
+      if (block.wanted >> (node >> 8 << 2 | (node >> 5 & 1) << 1 | (node >> 2 & 1)) & 1) body(node, kHalf);
+  }
+
+  /// Fills the batch with the nodes that are wanted. @return whether none of them may have escaped already
+  bool placeNodes(std::span<const NodeBlock> blocks, Batch& batch) const {
+    constexpr std::size_t kSide = NodeBlock::kSide;
+    QuaternionBatch<Real>& q = batch.q;
+    const Quaternion<Real*> components{q.a.data(), q.b.data(), q.c.data(), q.d.data()};
+    const std::array<Real*, 3> to = mEmbedding.point(components);
+    const Real slice = static_cast<Real>(mEmbedding.slice);
+    std::uint32_t* const index = batch.index.data();
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      Real at[3][kSide];
+      Real most = slice * slice;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        Real square = 0;
+        for (std::size_t k = 0; k < kSide; ++k) {
+          at[axis][k] = static_cast<Real>(blocks[i].at[axis][k]);
+          square = std::max(square, at[axis][k] * at[axis][k]);
+        }
+        most += square;
+      }
+      if (!(most < mNearSquared)) return false;
+      const auto block = static_cast<std::uint32_t>(i * NodeBlock::kSize);
+      forEachRun(blocks[i], [&](std::size_t node, std::size_t length) {
+        const Real x = at[0][node / kSide / kSide], y = at[1][node / kSide % kSide];
+        const Real* const z = at[2] + node % kSide;
+        const std::uint32_t number = block + static_cast<std::uint32_t>(node);
+        for (std::size_t k = 0; k < length; ++k) {
+          to[0][count + k] = x;
+          to[1][count + k] = y;
+          to[2][count + k] = z[k];
+          index[count + k] = number + static_cast<std::uint32_t>(k);
+        }
+        count += length;
+      });
+    }
+    batch.resize(count);
+    Real* const toSlice = mEmbedding.slicePart(components);
+    std::fill_n(toSlice, count, slice);
+    return true;
   }
 
   /// Fills the batch with the points, except for those that have escaped before the first step.
@@ -159,8 +248,7 @@ class OrbitEvaluator : public FieldEvaluator {
       batch.l[i] = normSquared(batch.q.get(i)) < mEscapeSquared
                        ? -std::numeric_limits<Real>::infinity()
                        : std::max(careful::logNorm(batch.q.get(i)), mLogEscape);
-    keep(
-        batch, [escape = mLogEscape](Real l) { return l < escape; }, field, iterations, 0);
+    keep(batch, false, false, field, iterations, 0);
   }
 
   /// @return whether a point may have escaped already
@@ -187,11 +275,11 @@ class OrbitEvaluator : public FieldEvaluator {
 
   /// Writes the field of the orbits that end at this step and closes the ranks of the others. There are no branches,
   /// which could not be predicted: orbits that go on have their field written again later.
-  template <class GoesOn>
-  void keep(Batch& batch, GoesOn goesOn, std::span<double> field, std::span<int> iterations, int step) const {
+  /// @param last  no orbit goes on  @param traps  those in the trap do not
+  void keep(Batch& batch, bool last, bool traps, std::span<double> field, std::span<int> iterations, int step) const {
     const std::size_t size = batch.q.size();
     const Real* const l = batch.l.data();
-    std::uint32_t* const index = batch.index.data();
+    const std::uint32_t* const index = batch.index.data();
     const Real level = mLevel;
     const auto fieldOf = [level](Real at) {
       const double value = static_cast<double>(at - level);
@@ -204,26 +292,19 @@ class OrbitEvaluator : public FieldEvaluator {
       for (std::size_t i = 0; i < size; ++i) field[index[i]] = fieldOf(l[i]);
     if (!iterations.empty())
       for (std::size_t i = 0; i < size; ++i) iterations[index[i]] = step;
-    // In a loop apart from the count, whose additions wait for each other.
-    std::array<std::uint8_t, kPiece> isKept{};
-    for (std::size_t i = 0; i < size; ++i) isKept[i] = goesOn(l[i]) ? 1 : 0;
-    std::uint32_t* const stays = batch.stays.data();
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < size; ++i) {
-      stays[kept] = static_cast<std::uint32_t>(i);
-      kept += isKept[i];
-    }
-    if (kept < size) {
-      const auto closeRanks = [&](auto* values) {
-        for (std::size_t k = 0; k < kept; ++k) values[k] = values[stays[k]];
-      };
-      for (QuaternionBatch<Real>* quaternions : {&batch.q, &batch.carried})
-        for (std::vector<Real>* part : {&quaternions->a, &quaternions->b, &quaternions->c, &quaternions->d})
-          if (!part->empty()) closeRanks(part->data());
-      closeRanks(batch.l.data());
-      closeRanks(index);
-    }
-    batch.resize(kept);
+    closeRanks(batch, last, traps);
+  }
+
+  /// Takes the orbits that have ended out of the batch.
+  void closeRanks(Batch& batch, bool last, bool traps) const {
+    if (last) return batch.resize(0);
+    std::array<Real*, 8> rows;
+    std::size_t count = 0;
+    for (QuaternionBatch<Real>* quaternions : {&batch.q, &batch.carried})
+      for (std::vector<Real>* part : {&quaternions->a, &quaternions->b, &quaternions->c, &quaternions->d})
+        if (!part->empty()) rows[count++] = part->data();
+    batch.resize(kernels::kernels<Real>().closeRanks(mLogEscape, traps, mLogTrap, batch.l.data(), batch.index.data(),
+                                                     rows.data(), count, batch.q.size()));
   }
 
   mutable ObjectPool<Batch> mBatches{[] { return std::make_unique<Batch>(); }};

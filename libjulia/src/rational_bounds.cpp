@@ -2,6 +2,7 @@
 // Bounds of a rational over balls. Every factor q - t keeps, over a ball of radius r whose centre is d > r away from t,
 // its modulus between d - r and d + r and its direction within w = asin(r/d).
 #include "ball_arithmetic.h"
+#include "batch_view.h"
 #include "rational_factors.h"
 
 #include <cstdint>
@@ -198,6 +199,31 @@ void RationalEvaluator<Real>::cones(std::span<const Ball> balls, std::span<Cone>
   for (std::size_t i = 0; i < known.size(); ++i) cones[known[i]].axis = axes.get(i).template as<double>();
 }
 
+template <class Real>
+void RationalEvaluator<Real>::logLeastParts(const QuaternionBatch<Real>& centres, Real radius, unsigned dropped,
+                                            std::span<Real> l) const {
+  const auto& factors = mFactors->roots;
+  const double rounding = versorRounding(factors);
+  if (mWide || !(rounding < 0.1)) return std::fill(l.begin(), l.end(), -std::numeric_limits<Real>::infinity());
+  QuaternionBatch<Real> axes;
+  versor(centres, axes);
+  kernels::kernels<Real>().logLeastPart(factors.data(), factors.size(), radius, static_cast<Real>(rounding), dropped,
+                                        view(centres), view(axes), l.data(), l.size());
+}
+
+template <class Real>
+double RationalEvaluator<Real>::powers() const {
+  double sum = 0;
+  for (const RootFactor<Real>& factor : mFactors->roots) sum += std::abs(static_cast<double>(factor.power));
+  return sum;
+}
+
+template void RationalEvaluator<float>::logLeastParts(const QuaternionBatch<float>&, float, unsigned,
+                                                      std::span<float>) const;
+template void RationalEvaluator<double>::logLeastParts(const QuaternionBatch<double>&, double, unsigned,
+                                                       std::span<double>) const;
+template double RationalEvaluator<float>::powers() const;
+template double RationalEvaluator<double>::powers() const;
 template void RationalEvaluator<float>::logModulusRanges(std::span<const Ball>, std::span<LogRange>) const;
 template void RationalEvaluator<double>::logModulusRanges(std::span<const Ball>, std::span<LogRange>) const;
 template void RationalEvaluator<float>::cones(std::span<const Ball>, std::span<Cone>) const;

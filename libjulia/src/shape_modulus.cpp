@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <vector>
 
 namespace julia {
@@ -46,6 +48,33 @@ template <class Real>
 void ShapeModulus<Real>::images(std::span<const Ball> balls, std::span<const LogRange> l,
                                 std::span<std::optional<Ball>> images) const {
   imagesOf(mVersor, balls, l, images, &mEmbedding);
+}
+
+template <class Real>
+typename Map<Real>::Outlook ShapeModulus<Real>::outlook(double wanted) const {
+  // Where E is at least as much as wanted from there on.
+  constexpr double kNearest = 0x1p-10, kFarthest = 0x1p20;
+  double far = kNearest;
+  while (far < kFarthest && !(mExponent->lowestBeyond(far) >= wanted)) far *= 2;
+  if (!(far < kFarthest)) return {};
+  double near = far / 2;
+  for (int i = 0; i < 20; ++i) {
+    const double middle = (near + far) / 2;
+    (mExponent->lowestBeyond(middle) >= wanted ? far : near) = middle;
+  }
+  // Roots are about one unit away, where balls of this radius turn versors by half a radian.
+  constexpr double kTurning = 0.5;
+  return {static_cast<Real>(std::log(far)) + 8 * std::numeric_limits<Real>::epsilon(), kTurning / mVersor.powers()};
+}
+
+template <class Real>
+void ShapeModulus<Real>::settling(const QuaternionBatch<Real>& centres, Real radius,
+                                  const typename Map<Real>::Outlook& outlook, std::span<Real> bounds) const {
+  const Quaternion<unsigned> numbers{0, 1, 2, 3};
+  mVersor.logLeastParts(centres, radius, mEmbedding.slicePart(numbers), bounds);
+  // |e^l v| is at least as far from the origin as asked for.
+  constexpr Real kRounding = 32 * std::numeric_limits<Real>::epsilon();
+  for (Real& bound : bounds) bound = (outlook.least - bound) + kRounding * (1 + std::abs(outlook.least - bound));
 }
 
 template class ShapeModulus<float>;

@@ -337,6 +337,56 @@ TYPED_TEST(BallLaws, stepOfAShapeModulusHoldsEveryPoint) {
   EXPECT_GT(hollows, 5000);
 }
 
+/// Wherever l is at least the bound, the l of the next step is at least what was wanted.
+TYPED_TEST(BallLaws, boundsOfTheShapeModulusHoldAtEveryPoint) {
+  using Real = TypeParam;
+  Random random(911);
+  const auto field = bricksOf<Real>([&](double x, double y, double z) { return 10 * lumpy(x, y, z); },
+                                    Interpolation::Trilinear, 0.6, 1. / 64);
+  int known = 0, total = 0;
+  for (int round = 0; round < 400; ++round) {
+    const Rational versor = randomRational(random, round % 2);
+    const DropAxis dropped = std::array{DropAxis::I, DropAxis::J, DropAxis::K}[static_cast<std::size_t>(round) % 3];
+    const julia::ShapeModulus<Real> map(field, versor, dropped);
+    const double wanted = random.between(-1, 1.5);
+    const auto outlook = map.outlook(wanted);
+    ASSERT_LT(outlook.least, 1) << wanted;
+    const auto radius = static_cast<Real>(logUniform(random, 1e-6, 0.05));
+    julia::QuaternionBatch<Real> centres;
+    centres.resize(60);
+    for (std::size_t i = 0; i < centres.size(); ++i)
+      centres.set(i, riskyPoint(random, versor, static_cast<double>(radius)).template as<Real>());
+    std::vector<Real> bounds(centres.size());
+    map.settling(centres, radius, outlook, bounds);
+    for (std::size_t i = 0; i < bounds.size(); ++i) {
+      ++total;
+      EXPECT_GE(bounds[i], outlook.least);
+      if (!(bounds[i] < 5)) continue;
+      ++known;
+      const Ball ball{centres.get(i).template as<double>(), static_cast<double>(radius) * (1 - 4 * this->eps)};
+      julia::QuaternionBatch<Real> points, next;
+      points.resize(16);
+      for (std::size_t k = 0; k < points.size(); ++k) {
+        // A point whose rounding leaves the ball says nothing.
+        Quaternion<Real> q;
+        do q = pointOf(random, ball, static_cast<int>(k)).template as<Real>();
+        while (std::sqrt(normSquared(q.template as<double>() - ball.centre)) > static_cast<double>(radius));
+        points.set(k, q);
+      }
+      map.versor(points, next);
+      for (std::size_t k = 0; k < next.size(); ++k)
+        next.set(k, next.get(k) * std::exp(bounds[i] * (k % 2 ? 1 : Real(1.1))));
+      std::vector<Real> l(next.size());
+      map.logModulus(next, l);
+      for (std::size_t k = 0; k < l.size(); ++k)
+        ASSERT_GE(static_cast<double>(l[k]), wanted)
+            << text(ball.centre) << " radius " << radius << " bound " << bounds[i] << law_tests::text(versor);
+    }
+  }
+  this->RecordProperty("known", known);
+  EXPECT_GT(known, total / 5);
+}
+
 TYPED_TEST(BallLaws, stepOfAQuadraticHoldsEveryPoint) {
   using Real = TypeParam;
   Random random(903);
@@ -510,6 +560,66 @@ TYPED_TEST(BallLaws, decisionsOfTheShapeModulusHold) {
       EXPECT_GT(sum.inside, 100) << alpha;
       EXPECT_GT(sum.outside, 1000) << alpha;
     }
+}
+
+/// A block says F at its nodes, or no more than that F >= 0, and leaves alone what is not asked for.
+TYPED_TEST(BallLaws, blocksHaveTheSignsOfTheirNodes) {
+  using Real = TypeParam;
+  using julia::NodeBlock;
+  Random random(912);
+  int settled = 0, nodes = 0;
+  for (int round = 0; round < 60; ++round) {
+    const double alpha = std::array{6., 40., 300.}[static_cast<std::size_t>(round) % 3];
+    const auto field =
+        bricksOf<Real>([&](double x, double y, double z) { return std::min(alpha * lumpy(x, y, z), 5.); },
+                       Interpolation::Trilinear, 0.6, 1. / 32);
+    const Rational versor = randomRational(random, round % 4 == 0 ? 3 : 0);
+    OrbitOptions options = randomOptions(random);
+    if (round % 10 == 0) options.escapeRadius = 1.01;
+    const Embedding embedding = randomEmbedding(random);
+    const auto evaluator = julia::makeFieldEvaluator<Real>(
+        std::make_shared<julia::ShapeModulus<Real>>(field, versor, embedding.dropped), embedding, options);
+    const double spacing = logUniform(random, 1e-4, 0.02);
+    constexpr float kUntouched = -77;
+    std::vector<float> values(7 * NodeBlock::kSize, kUntouched);
+    std::vector<NodeBlock> blocks;
+    for (std::size_t i = 0; i < 7; ++i) {
+      NodeBlock block{.field =
+                          std::span<float, NodeBlock::kSize>(values.data() + i * NodeBlock::kSize, NodeBlock::kSize)};
+      for (auto& at : block.at) {
+        const double first = random.between(-0.6, 0.6);
+        for (std::size_t k = 0; k < NodeBlock::kSide; ++k) at[k] = first + spacing * static_cast<double>(k);
+      }
+      if (i % 3 == 1) block.wanted = static_cast<std::uint8_t>(random.integer(0, 255));
+      blocks.push_back(block);
+    }
+    evaluator->evaluateBlocks(blocks);
+    std::vector<Point> points;
+    for (const NodeBlock& block : blocks)
+      for (std::size_t k = 0; k < NodeBlock::kSize; ++k)
+        points.push_back({block.at[0][k / 64], block.at[1][k / 8 % 8], block.at[2][k % 8]});
+    std::vector<double> expected(points.size());
+    evaluator->evaluate(points, expected, {});
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const std::size_t k = i % NodeBlock::kSize;
+      const bool wanted = blocks[i / NodeBlock::kSize].wanted >> (k / 256 * 4 + k / 32 % 2 * 2 + k / 4 % 2) & 1;
+      const std::string where = text(points[i]) + " round " + std::to_string(round) + " spacing " +
+                                std::to_string(spacing) + law_tests::text(versor);
+      if (!wanted) {
+        ASSERT_EQ(values[i], kUntouched) << where;
+        continue;
+      }
+      ++nodes;
+      if (values[i] == static_cast<float>(julia::kFieldLimit)) {
+        ++settled;
+        ASSERT_GE(expected[i], 0) << where;
+      } else {
+        ASSERT_EQ(values[i], julia::storedField(expected[i])) << where;
+      }
+    }
+  }
+  this->RecordProperty("settled", settled);
+  EXPECT_GT(settled, nodes / 50);
 }
 
 TYPED_TEST(BallLaws, decisionsOfRationalsHold) {

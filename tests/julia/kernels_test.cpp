@@ -316,6 +316,44 @@ TYPED_TEST(Kernels, columnsAreSummedAndMultiplied) {
     }
 }
 
+TYPED_TEST(Kernels, ranksAreClosedInOrder) {
+  using Real = TypeParam;
+  const KeepInstructionSet keep;
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> value(-2, 2);
+  for (const InstructionSet set : julia::availableInstructionSets()) {
+    julia::setInstructionSet(set);
+    for (const std::size_t size : {0u, 1u, 15u, 16u, 17u, 255u, 256u, 257u, 1000u, 2048u})
+      for (const bool traps : {false, true}) {
+        std::vector<Real> l(size), first(size), second(size);
+        std::vector<std::uint32_t> index(size);
+        for (std::size_t i = 0; i < size; ++i) {
+          l[i] = i % 7 == 0 ? -std::numeric_limits<Real>::infinity() : static_cast<Real>(value(random));
+          first[i] = static_cast<Real>(i);
+          second[i] = static_cast<Real>(2 * i);
+          index[i] = static_cast<std::uint32_t>(3 * i);
+        }
+        std::vector<Real> expected;
+        std::vector<std::uint32_t> places;
+        for (std::size_t i = 0; i < size; ++i)
+          if (l[i] < Real(1) && (!traps || l[i] > Real(-1))) {
+            expected.push_back(l[i]);
+            places.push_back(static_cast<std::uint32_t>(i));
+          }
+        Real* const rows[2] = {first.data(), second.data()};
+        const std::size_t kept =
+            julia::kernels::kernels<Real>().closeRanks(Real(1), traps, Real(-1), l.data(), index.data(), rows, 2, size);
+        ASSERT_EQ(kept, expected.size()) << size;
+        for (std::size_t k = 0; k < kept; ++k) {
+          EXPECT_EQ(l[k], expected[k]);
+          EXPECT_EQ(first[k], static_cast<Real>(places[k]));
+          EXPECT_EQ(second[k], static_cast<Real>(2 * places[k]));
+          EXPECT_EQ(index[k], 3 * places[k]);
+        }
+      }
+  }
+}
+
 TYPED_TEST(Kernels, tilesAreMultiplied) {
   using Real = TypeParam;
   constexpr std::size_t kTile = julia::kernels::kTile;

@@ -10,7 +10,10 @@
 #include "julia/orbit.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 
@@ -24,6 +27,22 @@ struct FieldDescription {
   double level = 0;       ///< F = l_last - level
   bool inFloats = false;  ///< computed in 32 bits, from numbers of the map that are rounded to 32 bits
 };
+
+/// 8^3 nodes of a lattice along the axes of space: node (x, y, z), whose number is (8 x + y) 8 + z, lies at (at[0][x],
+/// at[1][y], at[2][z]).
+struct NodeBlock {
+  static constexpr std::size_t kSide = 8, kSize = kSide * kSide * kSide;
+
+  std::array<std::array<double, kSide>, 3> at{};
+  std::uint8_t wanted = 0xff;     ///< bit x/4 4 + y/4 2 + z/4: whether an eighth of the block is evaluated
+  std::span<float, kSize> field;  ///< receives the results; what is not wanted stays as it was
+};
+
+/// F as it is stored in 32 bits: rounded, without losing the sign.
+inline float storedField(double field) {
+  const float value = static_cast<float>(field);
+  return value == 0 && field < 0 ? -std::numeric_limits<float>::min() : value;
+}
 
 /// Evaluates F. Evaluation is const, so one evaluator serves many threads; a point's value does not depend on the batch
 /// in which it came.
@@ -59,6 +78,10 @@ class FieldEvaluator {
     (void)centres, (void)radius;
     std::fill(out.begin(), out.end(), Decision::Undecided);
   }
+
+  /// The sign of F at the nodes of blocks: field receives F or, where it is known that F >= 0 without following the
+  /// orbit to its end, kFieldLimit. What is known of a node depends on its block alone.
+  virtual void evaluateBlocks(std::span<const NodeBlock> blocks) const;
 };
 
 /// The only back end so far: batches through the vector kernels, in the type Real (float or double).

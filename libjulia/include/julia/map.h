@@ -9,6 +9,7 @@
 #include "julia/quaternion_batch.h"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -43,6 +44,22 @@ class Map {
   /// range; it is empty if nothing is known.
   virtual void images(std::span<const Ball>, std::span<const LogRange>, std::span<std::optional<Ball>> images) const {
     std::fill(images.begin(), images.end(), std::nullopt);
+  }
+
+  /// Where a first step settles that the next one escapes, without taking it: see outlook().
+  struct Outlook {
+    Real least = std::numeric_limits<Real>::infinity();  ///< no smaller l settles anything
+    double radius = 0;                                   ///< balls larger than this are not worth asking about
+  };
+  /// What to expect of settling(). A map that can settle nothing inherits both functions.
+  /// @param wanted  the l that the next step must reach
+  virtual Outlook outlook(double /*wanted*/) const { return {}; }
+
+  /// bounds[i] is such that wherever l >= bounds[i] at a q within @a radius of centre i, the l of the next step, as
+  /// logModulus() computes it, is at least outlook's @a wanted; +inf if nothing is known.
+  virtual void settling(const QuaternionBatch<Real>& /*centres*/, Real /*radius*/, const Outlook& /*outlook*/,
+                        std::span<Real> bounds) const {
+    std::fill(bounds.begin(), bounds.end(), std::numeric_limits<Real>::infinity());
   }
 
   /// The same for one ball.

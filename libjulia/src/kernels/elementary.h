@@ -26,6 +26,7 @@ struct Ieee<float> {
   using Int = std::int32_t;
   using Unsigned = std::uint32_t;
   static constexpr int kMantissaBits = 23;
+  static constexpr float kEpsilon = 0x1p-23f;
   static constexpr Unsigned kMagnitude = 0x7fffffff;  ///< all but the sign
   static constexpr float kRounder = 0x1.8p23f;        ///< x + this - this = x to the nearest integer, |x| < 2^22
   static constexpr Unsigned kExponent = 0x7f800000;   ///< its bits
@@ -61,6 +62,7 @@ struct Ieee<double> {
   using Int = std::int64_t;
   using Unsigned = std::uint64_t;
   static constexpr int kMantissaBits = 52;
+  static constexpr double kEpsilon = 0x1p-52;
   static constexpr Unsigned kMagnitude = 0x7fffffffffffffff;
   static constexpr double kRounder = 0x1.8p52;
   static constexpr Unsigned kExponent = 0x7ff0000000000000;

@@ -10,6 +10,10 @@
 #include "elementary.h"
 #include "kernels.h"
 
+#if defined(__AVX512F__)
+#include <immintrin.h>
+#endif
+
 namespace julia::kernels {
 namespace {
 
@@ -200,6 +204,131 @@ bool logModulus(const RootFactor<Real>* roots, std::size_t rootCount, Real const
     unusual |= anyUnusual(q, smallest, padded);
   }
   return unusual;
+}
+
+/// By how much at most a factor turns over a ball of radius r about q: rational_bounds.cpp has the formulas. Here they
+/// are in Real, with a slack of its roundings.
+/// @param a, imaginarySquared, distance  the real part, the squared imaginary part and the length of q - t
+/// @param sine  r / distance
+template <class Real>
+JULIA_INLINE Real turningOf(const RootFactor<Real>& root, Real a, Real imaginarySquared, Real distance, Real sine) {
+  constexpr Real kRounding = 32 * Ieee<Real>::kEpsilon, kMost = Ieee<Real>::kHuge, kHalfPi = Real(1.5707963267948966);
+  const Real p = magnitude(root.power);
+  if (root.method != PowerMethod::Angle) return p;
+  const Real cosine = 1 - sine * sine, along = magnitude(a) * sine, other = along + distance * (1 / p + kRounding);
+  const Real left = squareRoot(imaginarySquared) * cosine - along - distance * kRounding;
+  const Real byDistance = left > 0 ? distance / left : kMost;
+  const Real byPower = byDistance < p * kHalfPi ? byDistance : p * kHalfPi;
+  const Real either = a > distance * sine * (1 + kRounding) ? byPower : byDistance;
+  const Real larger = either > p ? either : p;
+  return imaginarySquared * (cosine * cosine) >= other * other ? p : larger;
+}
+
+template <class Real>
+void logLeastPart(const RootFactor<Real>* roots, std::size_t rootCount, Real radius, Real rounding, unsigned dropped,
+                  ConstBatch<Real> points, ConstBatch<Real> versors, Real* l, std::size_t size) {
+  constexpr Real kRounding = 64 * Ieee<Real>::kEpsilon, kUnknown = -__builtin_inff();
+  constexpr Real kLeast = Real(1e-3);  // less than this is as good as nothing
+  // The sum's own roundings, and those of its terms.
+  const Real slack = 1 + (kRounding + static_cast<Real>(rootCount) * Ieee<Real>::kEpsilon);
+  alignas(64) Row<Real> q[4], u[4], sum, result;
+  for (std::size_t begin = 0; begin < size; begin += kBlock) {
+    const Range range = blockAt(begin, size);
+    const std::size_t padded = range.padded;
+    for (int k = 0; k < 4; ++k) load(points.component[k], q[k], range);
+    for (int k = 0; k < 4; ++k) load(versors.component[k], u[k], range);
+    JULIA_FOR_POINTS sum[i] = rounding;
+    for (std::size_t r = 0; r < rootCount; ++r) {
+      const RootFactor<Real> root = roots[r];
+      const auto add = [&](const auto& turning) __attribute__((always_inline)){
+          JULIA_FOR_POINTS{const Real da = q[0][i] - root.root[0], db = q[1][i] - root.root[1],
+                           dc = q[2][i] - root.root[2], dd = q[3][i] - root.root[3];
+      const Real imaginary = db * db + dc * dc + dd * dd, square = da * da + imaginary;
+      const Real distance = squareRoot(square), sine = radius / distance;
+      // The arc's bound; beyond a sine of 1 the ball holds the root.
+      const Real arc = sine * (1 + (sine <= Real(0.5) ? Real(0.1888) : Real(0.5708)) * (sine * sine));
+      sum[i] += sine < Real(0.99) ? turning(da, imaginary, distance, sine) * arc : 4;
+    }
+  };
+  if (root.method == PowerMethod::Angle)
+    add([&](Real a, Real imaginary, Real distance, Real sine)
+            __attribute__((always_inline)) { return turningOf(root, a, imaginary, distance, sine); });
+  else
+    add([p = magnitude(root.power)](Real, Real, Real, Real) __attribute__((always_inline)) { return p; });
+}
+// By the angle between the versors and the axis of the component.
+JULIA_FOR_POINTS {
+  const Real quadrants = sum[i] * (slack * Real(0.63661977236758134));
+  const bool known = quadrants < 1;
+  Real sine, cosine;
+  sineCosine(known ? quadrants : Real(0), sine, cosine);
+  const Real ua = u[0][i] * u[0][i], ub = u[1][i] * u[1][i], uc = u[2][i] * u[2][i], ud = u[3][i] * u[3][i];
+  const Real squares =
+      (dropped == 0 ? 0 : ua) + (dropped == 1 ? 0 : ub) + (dropped == 2 ? 0 : uc) + (dropped == 3 ? 0 : ud);
+  const Real gone = squareRoot(dropped == 0 ? ua : dropped == 1 ? ub : dropped == 2 ? uc : ud);
+  const Real part = squareRoot(squares) * cosine - gone * sine - kRounding;
+  const Real logPart = logarithm(part > kLeast ? part : kLeast) - kRounding;
+  result[i] = known && part > kLeast ? logPart : kUnknown;
+}
+store(result, l, range);
+}  // namespace
+}  // namespace julia::kernels
+
+#if defined(__AVX512F__)
+JULIA_INLINE void compress(float* to, __mmask16 kept, const float* from) {
+  _mm512_storeu_ps(to, _mm512_maskz_compress_ps(kept, _mm512_loadu_ps(from)));
+}
+JULIA_INLINE void compress(double* to, __mmask16 kept, const double* from) {
+  const auto low = static_cast<__mmask8>(kept), high = static_cast<__mmask8>(kept >> 8);
+  const __m512d second = _mm512_loadu_pd(from + 8);
+  _mm512_storeu_pd(to, _mm512_maskz_compress_pd(low, _mm512_loadu_pd(from)));
+  _mm512_storeu_pd(to + __builtin_popcount(low), _mm512_maskz_compress_pd(high, second));
+}
+JULIA_INLINE void compress(std::uint32_t* to, __mmask16 kept, const std::uint32_t* from) {
+  _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(kept, _mm512_loadu_si512(from)));
+}
+#endif
+
+template <class Real>
+std::size_t closeRanks(Real escape, bool traps, Real trap, Real* l, std::uint32_t* index, Real* const* rows,
+                       std::size_t rowCount, std::size_t size) {
+  // Entries at once. Whether one is kept is found in a loop apart from the count, whose additions wait for each other,
+  // and nothing branches on it, which could not be predicted.
+  constexpr std::size_t kTogether = 256;
+  const bool all = !traps;
+  std::size_t kept = 0;
+  for (std::size_t begin = 0; begin < size; begin += kTogether) {
+    const std::size_t count = size - begin < kTogether ? size - begin : kTogether;
+    Real* const values = l + begin;
+    alignas(64) std::uint8_t isKept[kTogether];
+    for (std::size_t i = 0; i < count; ++i) isKept[i] = (values[i] < escape) & (all | (values[i] > trap)) ? 1 : 0;
+    std::size_t done = 0;
+#if defined(__AVX512F__)
+    // A vector is read whole before it is stored, at its own place or before it.
+    for (; done + 16 <= count; done += 16) {
+      const __m128i flags = _mm_load_si128(reinterpret_cast<const __m128i*>(isKept + done));
+      const __mmask16 mask = _mm_test_epi8_mask(flags, flags);
+      for (std::size_t row = 0; row < rowCount; ++row) compress(rows[row] + kept, mask, rows[row] + begin + done);
+      compress(index + kept, mask, index + begin + done);
+      compress(l + kept, mask, values + done);
+      kept += static_cast<std::size_t>(__builtin_popcount(mask));
+    }
+#endif
+    std::uint32_t stays[kTogether];
+    std::size_t found = 0;
+    for (std::size_t i = done; i < count; ++i) {
+      stays[found] = static_cast<std::uint32_t>(i);
+      found += isKept[i];
+    }
+    const auto close = [&](auto* from) __attribute__((always_inline)) {
+      for (std::size_t k = 0; k < found; ++k) from[kept + k] = from[begin + stays[k]];
+    };
+    for (std::size_t row = 0; row < rowCount; ++row) close(rows[row]);
+    close(index);
+    close(l);
+    kept += found;
+  }
+  return kept;
 }
 
 template <class Real>
@@ -477,6 +606,8 @@ template <class Real>
 constexpr Kernels<Real> kTable = {
     .versor = versor<Real>,
     .logModulus = logModulus<Real>,
+    .logLeastPart = logLeastPart<Real>,
+    .closeRanks = closeRanks<Real>,
     .scaleByExponential = scaleByExponential<Real>,
     .logNorm = logNorm<Real>,
     .normalise = normalise<Real>,

@@ -80,6 +80,15 @@ struct Kernels {
   /// l = constant + sum of p ln|q - t|; least as above, of |q - t|^2, and so is what is returned.
   bool (*logModulus)(const RootFactor<Real>* roots, std::size_t rootCount, Real constant, ConstBatch<Real> q, Real* l,
                      Real* least, std::size_t size);
+  /// A lower bound l of ln|v| over the balls of one radius about q: v is what is left of the versors there without the
+  /// component number @a dropped; -inf where nothing is known. @param u  the versors at q  @param rounding  radians by
+  /// which rounding may turn a versor
+  void (*logLeastPart)(const RootFactor<Real>* roots, std::size_t rootCount, Real radius, Real rounding,
+                       unsigned dropped, ConstBatch<Real> q, ConstBatch<Real> u, Real* l, std::size_t size);
+  /// Closes the ranks of the entries with l < escape and, if @a traps, l > trap: of l, of index and of the rows, in
+  /// place and in their order. @return how many there are
+  std::size_t (*closeRanks)(Real escape, bool traps, Real trap, Real* l, std::uint32_t* index, Real* const* rows,
+                            std::size_t rowCount, std::size_t size);
   /// q = e^l q, in place.
   void (*scaleByExponential)(const Real* l, Batch<Real> q, std::size_t size);
   /// l = ln|q|, where |q|^2 is a normal number. @return whether there may be one that is not

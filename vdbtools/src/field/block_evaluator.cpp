@@ -9,20 +9,15 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
+#include <bit>
 
 namespace vdbtools {
 namespace {
 
+using julia::NodeBlock;
 using openvdb::Coord;
 using openvdb::Index;
 using Leaf = EvaluatedBlock::Leaf;
-
-/// Rounded to 32 bits without losing the sign.
-float stored(double field) {
-  const float value = static_cast<float>(field);
-  return value == 0 && field < 0 ? -std::numeric_limits<float>::min() : value;
-}
 
 }  // namespace
 
@@ -40,6 +35,7 @@ struct BlockEvaluator::Scratch {
     std::size_t end;  ///< of its nodes among those that wait
   };
   std::vector<Waiting> waiting;
+  std::vector<NodeBlock> blocks;  ///< that wait, other than these nodes
 
   std::vector<julia::Decision> decisions;
   std::vector<Coord> undecided, corners;
@@ -88,7 +84,7 @@ void BlockEvaluator::evaluatePart(std::span<const Coord> origins, std::span<Eval
   for (std::size_t i = 0; i < scratch.undecided.size(); ++i) {
     begin(scratch.undecided[i], std::span<const julia::Decision>(scratch.decisions).subspan(kParts * i, kParts),
           blocks[scratch.which[i]], scratch);
-    if (scratch.count + Leaf::SIZE > scratch.points.size()) evaluateWaiting(scratch);
+    if (scratch.count + (scratch.blocks.size() + 1) * Leaf::SIZE > scratch.points.size()) evaluateWaiting(scratch);
   }
   evaluateWaiting(scratch);
 }
@@ -101,6 +97,31 @@ void BlockEvaluator::begin(const Coord& origin, std::span<const julia::Decision>
   std::array<julia::Point, kBlock> at;
   for (int k = 0; k < kBlock; ++k)
     at[static_cast<std::size_t>(k)] = mSource.space.toFractal(origin.offsetBy(k).asVec3d() * mOptions.voxelSize);
+  if (mOptions.keepIterations || mOptions.everyValue || !mOptions.domain.isInside(block.field->getNodeBoundingBox()))
+    return queueNodes(parts, at, block, scratch);
+  float* const values = block.field->buffer().data();
+  NodeBlock nodes{.field = std::span<float, NodeBlock::kSize>(values, NodeBlock::kSize)};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (std::size_t k = 0; k < NodeBlock::kSide; ++k) nodes.at[axis][k] = at[k][axis];
+  Leaf::NodeMaskType active(true);
+  for (unsigned part = 0; part < 8; ++part) {
+    if (parts[part] == julia::Decision::Undecided) continue;
+    nodes.wanted &= static_cast<std::uint8_t>(~(1u << part));
+    constexpr unsigned kHalf = kBlock / 2;
+    for (unsigned row = 0; row < kHalf * kHalf; ++row) {
+      const unsigned x = (part >> 2) * kHalf + row / kHalf, y = (part >> 1 & 1) * kHalf + row % kHalf;
+      const Index first = (x * kBlock + y) * kBlock + (part & 1) * kHalf;
+      if (parts[part] == julia::Decision::Inside) std::fill_n(values + first, kHalf, -kFieldOutside);
+      for (unsigned k = 0; k < kHalf; ++k) active.setOff(first + k);
+    }
+  }
+  block.field->setValueMask(active);
+  scratch.blocks.push_back(nodes);
+}
+
+/// Queues the nodes of a block one by one.
+void BlockEvaluator::queueNodes(std::span<const julia::Decision> parts, std::span<const julia::Point> at,
+                                EvaluatedBlock& block, Scratch& scratch) const {
   const bool within = mOptions.domain.isInside(block.field->getNodeBoundingBox());
   constexpr Index kHalf = kBlock / 2;
   float* const values = block.field->buffer().data();
@@ -120,7 +141,7 @@ void BlockEvaluator::begin(const Coord& origin, std::span<const julia::Decision>
   }
   block.field->setValueMask(active);
   if (mOptions.keepIterations) {
-    block.iterations = std::make_unique<Leaf>(origin, 0.0f, false);
+    block.iterations = std::make_unique<Leaf>(block.field->origin(), 0.0f, false);
     block.iterations->setValueMask(active);
   }
   scratch.count = count;
@@ -129,20 +150,26 @@ void BlockEvaluator::begin(const Coord& origin, std::span<const julia::Decision>
 
 void BlockEvaluator::evaluateWaiting(Scratch& scratch) {
   const std::size_t count = scratch.count;
+  std::uint64_t evaluated = count;
   const auto steps = std::span(scratch.steps).first(mOptions.keepIterations ? count : 0);
-  mSource.evaluator.evaluate(std::span(scratch.points).first(count), std::span(scratch.values).first(count), steps);
+  if (count > 0)
+    mSource.evaluator.evaluate(std::span(scratch.points).first(count), std::span(scratch.values).first(count), steps);
   std::size_t k = 0;
   for (const auto& [block, end] : scratch.waiting) {
     float* const values = block->field->buffer().data();
     float* const iterations = block->iterations ? block->iterations->buffer().data() : nullptr;
     for (; k < end; ++k) {
-      values[scratch.offsets[k]] = stored(scratch.values[k]);
+      values[scratch.offsets[k]] = julia::storedField(scratch.values[k]);
       if (iterations) iterations[scratch.offsets[k]] = static_cast<float>(steps[k]);
     }
   }
-  mEvaluated += count;
+  if (!scratch.blocks.empty()) mSource.evaluator.evaluateBlocks(scratch.blocks);
+  for (const NodeBlock& nodes : scratch.blocks)
+    evaluated += static_cast<unsigned>(std::popcount(nodes.wanted)) * NodeBlock::kSize / 8;
+  mEvaluated += evaluated;
   scratch.count = 0;
   scratch.waiting.clear();
+  scratch.blocks.clear();
 }
 
 }  // namespace vdbtools

@@ -21,7 +21,8 @@ inline constexpr float kFieldOutside = 1;
 
 struct EvaluatedBlock {
   using Leaf = openvdb::FloatTree::LeafNodeType;
-  /// Active nodes were evaluated. Empty: F has one sign at all nodes of the block and at those next to it.
+  /// Active nodes were evaluated; at some of them julia::kFieldLimit says no more than that F >= 0, unless
+  /// Options::everyValue. Empty: F has one sign at all nodes of the block and at those next to it.
   std::unique_ptr<Leaf> field;
   std::unique_ptr<Leaf> iterations;  ///< if asked for
   /// That one sign, where the field is empty.
@@ -40,6 +41,7 @@ class BlockEvaluator {
     double voxelSize = 0;       ///< world units
     openvdb::CoordBBox domain;  ///< nodes beyond hold kFieldOutside
     bool keepIterations = false;
+    bool everyValue = false;  ///< F itself is wanted at every node, and not its sign alone
     /// Nodes are skipped where the sign of F is proved, there and at the nodes next to them.
     Proofs proofs = Proofs::None;
   };
@@ -57,6 +59,8 @@ class BlockEvaluator {
   void evaluatePart(std::span<const openvdb::Coord> origins, std::span<EvaluatedBlock> blocks, Scratch& scratch);
   void begin(const openvdb::Coord& origin, std::span<const julia::Decision> parts, EvaluatedBlock& block,
              Scratch& scratch) const;
+  void queueNodes(std::span<const julia::Decision> parts, std::span<const julia::Point> at, EvaluatedBlock& block,
+                  Scratch& scratch) const;
   void evaluateWaiting(Scratch& scratch);
 
   FieldSource mSource;

@@ -98,6 +98,7 @@ class Follower {
         mEvaluator(source, {.voxelSize = plan.voxelSize,
                             .domain = plan.domain,
                             .keepIterations = field.keepIterations,
+                            .everyValue = field.everyNode,
                             .proofs = field.everyNode ? Proofs::None : Proofs::Eighths}) {
     // Each block next to them has one sign, which its own seed gives.
     openvdb::tools::dilateActiveValues(mKnown, 1, openvdb::tools::NN_FACE_EDGE_VERTEX, openvdb::tools::EXPAND_TILES);

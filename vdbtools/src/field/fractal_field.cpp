@@ -247,6 +247,7 @@ FractalField evaluateField(const FieldPlan& plan, const FieldSource& source, con
                            {.voxelSize = plan.voxelSize,
                             .domain = plan.domain,
                             .keepIterations = options.keepIterations,
+                            .everyValue = options.everyNode,
                             .proofs = options.everyNode ? Proofs::None : worthwhileProofs(blocks, plan, source)});
   monitor.begin("field", layers.blockCount());
   while (const auto origins = layers.next()) {

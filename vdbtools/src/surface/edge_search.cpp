@@ -3,16 +3,28 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace vdbtools {
 namespace {
 
-/// A bracket of a change of sign, in voxels from the edge's beginning, and F at its ends.
-struct Bracket {
-  std::size_t edge;
-  julia::Point point;  ///< where F was asked for last; two of its coordinates stay
-  double low = 0, high = 1;
-  double atLow, atHigh;
+/// Brackets of changes of sign, in voxels from the edges' beginnings, and F at their ends.
+struct Brackets {
+  std::vector<std::uint32_t> edge;
+  std::vector<double> low, high, atLow, atHigh;
+
+  std::size_t size() const { return edge.size(); }
+  void resize(std::size_t size) {
+    edge.resize(size);
+    for (std::vector<double>* part : {&low, &high, &atLow, &atHigh}) part->resize(size);
+  }
+  void push(std::size_t of, double from, double to) {
+    edge.push_back(static_cast<std::uint32_t>(of));
+    low.push_back(0);
+    high.push_back(1);
+    atLow.push_back(from);
+    atHigh.push_back(to);
+  }
 };
 
 /// F guides the search, but it cannot be trusted: it spans many orders of magnitude and jumps where an orbit escapes
@@ -21,17 +33,55 @@ double damped(double field) { return field / (1 + std::abs(field)); }
 
 /// Where to evaluate next: the step of the ITP method (Oliveira and Takahashi, ACM TOMS 47(1), 2020), which
 /// interpolates but never lets the bracket become wider than @a most.
-double nextPoint(const Bracket& bracket, double most) {
+double nextPoint(double low, double high, double atLow, double atHigh, double most) {
   constexpr double kTruncation = 0.1;
-  const double size = bracket.high - bracket.low, middle = bracket.low + size / 2;
-  const double interpolated =
-      (bracket.high * bracket.atLow - bracket.low * bracket.atHigh) / (bracket.atLow - bracket.atHigh);
+  const double size = high - low, middle = low + size / 2;
+  const double interpolated = (high * atLow - low * atHigh) / (atLow - atHigh);
   // A little towards the middle, so that the change is likely to lie on the short side.
   const double towards = middle >= interpolated ? 1 : -1;
   const double truncation = kTruncation * size * size;
   const double truncated = truncation <= std::abs(middle - interpolated) ? interpolated + towards * truncation : middle;
   const double reach = std::max(0.0, most - size / 2);
   return std::abs(truncated - middle) <= reach ? truncated : middle - towards * reach;
+}
+
+/// F at the ends of which the sign alone is known, as it would have been stored.
+void evaluateEnds(const std::vector<LatticeEdge>& edges, double voxelSize, const FieldSource& source,
+                  Brackets& brackets) {
+  constexpr float kUnknown = static_cast<float>(julia::kFieldLimit);
+  std::vector<julia::Point> points;
+  std::vector<double*> ends;
+  for (std::size_t i = 0; i < brackets.size(); ++i) {
+    const LatticeEdge& edge = edges[brackets.edge[i]];
+    if (edge.from < kUnknown && edge.to < kUnknown) continue;
+    const bool atEnd = edge.to >= kUnknown;
+    openvdb::Coord node = edge.begin;
+    node[edge.axis] += atEnd ? 1 : 0;
+    points.push_back(source.space.toFractal(node.asVec3d() * voxelSize));
+    ends.push_back(atEnd ? &brackets.atHigh[i] : &brackets.atLow[i]);
+  }
+  if (points.empty()) return;
+  std::vector<double> field(points.size());
+  source.evaluator.evaluate(points, field, {});
+  for (std::size_t i = 0; i < ends.size(); ++i) *ends[i] = damped(static_cast<double>(julia::storedField(field[i])));
+}
+
+/// Takes the brackets out that are narrow enough. There are no branches, which could not be predicted: the middle of
+/// a bracket that stays is written again later.
+void closeRanks(Brackets& brackets, double width, std::vector<double>& found) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < brackets.size(); ++i) {
+    const std::uint32_t edge = brackets.edge[i];
+    const double low = brackets.low[i], high = brackets.high[i], size = high - low;
+    found[edge] = low + size / 2;
+    brackets.edge[kept] = edge;
+    brackets.low[kept] = low;
+    brackets.high[kept] = high;
+    brackets.atLow[kept] = brackets.atLow[i];
+    brackets.atHigh[kept] = brackets.atHigh[i];
+    kept += size > width ? 1 : 0;
+  }
+  brackets.resize(kept);
 }
 
 }  // namespace
@@ -49,42 +99,41 @@ std::vector<openvdb::Vec3d> searchEdges(const std::vector<LatticeEdge>& edges, d
   while (std::ldexp(width, left - 1) < 1) ++left;
 
   std::vector<double> found(edges.size(), 0.5);
-  std::vector<Bracket> brackets;
-  brackets.reserve(edges.size());
-  for (std::size_t i = 0; i < edges.size(); ++i)
-    if (!edges[i].cut)
-      brackets.push_back({.edge = i,
-                          .point = source.space.toFractal(worldAt(edges[i], 0)),
-                          .atLow = damped(edges[i].from),
-                          .atHigh = damped(edges[i].to)});
-  std::vector<julia::Point> points;
+  std::vector<julia::Point> begins(edges.size()), points;
   std::vector<double> next, field;
+  Brackets brackets;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    begins[i] = source.space.toFractal(worldAt(edges[i], 0));
+    if (!edges[i].cut)
+      brackets.push(i, damped(static_cast<double>(edges[i].from)), damped(static_cast<double>(edges[i].to)));
+  }
+  evaluateEnds(edges, voxelSize, source, brackets);
   for (;; --left) {
-    // Brackets that are narrow enough leave the batch.
-    std::erase_if(brackets, [&](const Bracket& bracket) {
-      if (bracket.high - bracket.low > width) return false;
-      found[bracket.edge] = bracket.low + (bracket.high - bracket.low) / 2;
-      return true;
-    });
-    if (brackets.empty()) break;
-    points.clear();
-    next.clear();
+    closeRanks(brackets, width, found);
+    const std::size_t size = brackets.size();
+    if (size == 0) break;
+    next.resize(size);
+    points.resize(size);
+    field.resize(size);
     // As wide as a bracket may be for the search to end within the evaluations that are left.
     const double most = std::ldexp(width, left - 1);
-    for (Bracket& bracket : brackets) {
-      next.push_back(nextPoint(bracket, most));
-      const LatticeEdge& edge = edges[bracket.edge];
-      bracket.point[static_cast<std::size_t>(edge.axis)] =
-          source.space.toFractal((edge.begin[edge.axis] + next.back()) * voxelSize, edge.axis);
-      points.push_back(bracket.point);
+    for (std::size_t i = 0; i < size; ++i)
+      next[i] = nextPoint(brackets.low[i], brackets.high[i], brackets.atLow[i], brackets.atHigh[i], most);
+    for (std::size_t i = 0; i < size; ++i) {
+      const LatticeEdge& edge = edges[brackets.edge[i]];
+      points[i] = begins[brackets.edge[i]];
+      points[i][static_cast<std::size_t>(edge.axis)] =
+          source.space.toFractal((edge.begin[edge.axis] + next[i]) * voxelSize, edge.axis);
     }
-    field.resize(points.size());
     source.evaluator.evaluate(points, field, {});
-    for (std::size_t i = 0; i < brackets.size(); ++i) {
-      Bracket& bracket = brackets[i];
-      const bool likeLow = (field[i] < 0) == (edges[bracket.edge].from < 0);
-      (likeLow ? bracket.low : bracket.high) = next[i];
-      (likeLow ? bracket.atLow : bracket.atHigh) = damped(field[i]);
+    for (std::size_t i = 0; i < size; ++i) {
+      // The sign at the low end stays that of the edge's beginning.
+      const bool likeLow = (field[i] < 0) == (brackets.atLow[i] < 0);
+      const double at = damped(field[i]), where = next[i];
+      brackets.low[i] = likeLow ? where : brackets.low[i];
+      brackets.high[i] = likeLow ? brackets.high[i] : where;
+      brackets.atLow[i] = likeLow ? at : brackets.atLow[i];
+      brackets.atHigh[i] = likeLow ? brackets.atHigh[i] : at;
     }
   }
   std::vector<openvdb::Vec3d> positions;

@@ -12,7 +12,7 @@ namespace vdbtools {
 struct LatticeEdge {
   openvdb::Coord begin;
   int axis;        ///< the edge runs from begin one voxel along this axis
-  float from, to;  ///< F at its two ends: one below 0, the other not
+  float from, to;  ///< F at its two ends: one below 0, the other not, or julia::kFieldLimit where only that is known
   bool cut;        ///< it leaves the domain: there is no F to search, and the middle is taken
 };
 

@@ -11,6 +11,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace vdbtools {
 
@@ -24,6 +25,9 @@ namespace {
 constexpr std::uint16_t kNoVertex = 0xffff;
 
 constexpr unsigned kSide = LeafSigns::kSide;
+
+// Of a leaf that the surface crosses: memory for so many is taken at once.
+constexpr std::size_t kUsualEdges = 64;
 
 Coord cornerOf(const Coord& node, unsigned corner) {
   return node.offsetBy(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
@@ -42,12 +46,15 @@ struct SurfaceExtractor::LeafVertices {
 
 struct SurfaceExtractor::Layer {
   enum class Stage { Added, HasVertices, HasTriangles };
+  enum class Sides : std::uint8_t { Inside, Outside, Both };
+  static constexpr std::uint32_t kNone = 0xffffffff;
 
   int x = 0;  // of the blocks' first nodes
   std::vector<const Leaf*> leaves;
   std::vector<InsideBits> inside;  // of each leaf
+  std::vector<Sides> sides;        // of each leaf's nodes
   std::shared_ptr<void> owner;
-  std::unordered_map<std::uint64_t, std::uint32_t> index;  // which leaf, by its place
+  std::vector<std::array<std::uint32_t, 8>> around;  // of each leaf: the numbers of its neighbours, or kNone
   Stage stage = Stage::Added;
   std::vector<std::unique_ptr<LeafVertices>> vertices;  // of each leaf; none: no edge crosses
   std::vector<Vec3d> positions;                         // world units
@@ -55,13 +62,22 @@ struct SurfaceExtractor::Layer {
   std::uint64_t first = 0;                              // of all vertices
   std::vector<std::vector<openvdb::Vec3I>> triangles;   // of each leaf
 
-  static std::uint64_t placeOf(int y, int z) {
-    return std::uint64_t{static_cast<std::uint32_t>(y)} << 32 | static_cast<std::uint32_t>(z);
-  }
-  /// Which leaf is at (y, z); none: the number of leaves.
-  std::size_t find(int y, int z) const {
-    const auto found = index.find(placeOf(y, z));
-    return found == index.end() ? leaves.size() : found->second;
+  /// Finds the neighbours of all leaves, as LeafSigns counts them.
+  void findNeighbours(const Layer* next) {
+    around.resize(leaves.size());
+    for (unsigned k = 0; k < 8; ++k) {
+      const Layer* const of = k & 1 ? next : this;
+      const int dy = k & 2 ? kBlock : 0, dz = k & 4 ? kBlock : 0;
+      // Both run through the leaves in one order.
+      std::size_t other = 0;
+      for (std::size_t i = 0; i < leaves.size(); ++i) {
+        const std::pair wanted(leaves[i]->origin()[1] + dy, leaves[i]->origin()[2] + dz);
+        const auto place = [&] { return std::pair(of->leaves[other]->origin()[1], of->leaves[other]->origin()[2]); };
+        while (of && other < of->leaves.size() && place() < wanted) ++other;
+        const bool found = of && other < of->leaves.size() && place() == wanted;
+        around[i][k] = found ? static_cast<std::uint32_t>(other) : kNone;
+      }
+    }
   }
 };
 
@@ -79,12 +95,17 @@ void SurfaceExtractor::add(std::vector<const Leaf*> leaves, std::shared_ptr<void
   if (leaves.empty()) return;
   auto layer = std::make_unique<Layer>();
   layer->x = leaves.front()->origin()[0];
-  layer->index.reserve(leaves.size());
-  for (std::size_t i = 0; i < leaves.size(); ++i)
-    layer->index.emplace(Layer::placeOf(leaves[i]->origin()[1], leaves[i]->origin()[2]), static_cast<std::uint32_t>(i));
   layer->inside.resize(leaves.size());
+  layer->sides.resize(leaves.size());
   inParallel(leaves.size(), 64, mMonitor, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) layer->inside[i] = insideBits(*leaves[i]);
+    for (std::size_t i = begin; i < end; ++i) {
+      const InsideBits bits = insideBits(*leaves[i]);
+      layer->inside[i] = bits;
+      const bool same = std::all_of(bits.begin(), bits.end(), [&](std::uint64_t word) { return word == bits[0]; });
+      layer->sides[i] = same && bits[0] == 0                   ? Layer::Sides::Outside
+                        : same && bits[0] == ~std::uint64_t{0} ? Layer::Sides::Inside
+                                                               : Layer::Sides::Both;
+    }
   });
   layer->leaves = std::move(leaves);
   layer->owner = std::move(owner);
@@ -120,15 +141,23 @@ void SurfaceExtractor::advance(std::size_t known) {
   }
 }
 
-SurfaceExtractor::Neighbours SurfaceExtractor::neighbours(const Leaf& leaf, const Layer& layer,
-                                                          const Layer* next) const {
+/// Whether the nodes of a leaf and of its neighbours lie on one side, so that nothing begins in it.
+bool SurfaceExtractor::isOneSided(std::size_t leaf, const Layer& layer, const Layer* next) {
+  const Layer::Sides own = layer.sides[leaf];
+  if (own == Layer::Sides::Both) return false;
+  for (unsigned k = 1; k < 8; ++k) {
+    const std::uint32_t found = layer.around[leaf][k];
+    if (found != Layer::kNone && (k & 1 ? next : &layer)->sides[found] != own) return false;
+  }
+  return true;
+}
+
+SurfaceExtractor::Neighbours SurfaceExtractor::neighbours(std::size_t leaf, const Layer& layer, const Layer* next) {
   Neighbours result;
   for (unsigned k = 0; k < 8; ++k) {
-    const Layer* of = k & 1 ? next : &layer;
-    if (!of) continue;
-    const std::size_t found =
-        of->find(leaf.origin()[1] + (k & 2 ? kBlock : 0), leaf.origin()[2] + (k & 4 ? kBlock : 0));
-    if (found == of->leaves.size()) continue;
+    const std::uint32_t found = layer.around[leaf][k];
+    if (found == Layer::kNone) continue;
+    const Layer* const of = k & 1 ? next : &layer;
     result.layers[k] = of;
     result.numbers[k] = found;
     result.leaves[k] = of->leaves[found];
@@ -140,9 +169,10 @@ SurfaceExtractor::Neighbours SurfaceExtractor::neighbours(const Leaf& leaf, cons
 /// The vertices on the crossing edges that begin in a layer.
 void SurfaceExtractor::findVertices(Layer& layer, const Layer* next) {
   layer.vertices.resize(layer.leaves.size());
+  layer.findNeighbours(next);
   inParallel(layer.leaves.size(), 16, mMonitor, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      layer.vertices[i] = crossingEdges(*layer.leaves[i], neighbours(*layer.leaves[i], layer, next));
+      if (!isOneSided(i, layer, next)) layer.vertices[i] = crossingEdges(*layer.leaves[i], neighbours(i, layer, next));
   });
   countVertices(layer);
   placeVertices(layer);
@@ -171,7 +201,10 @@ std::unique_ptr<SurfaceExtractor::LeafVertices> SurfaceExtractor::crossingEdges(
           const bool cut = !mOptions.domain.isInside(node) || !mOptions.domain.isInside(ahead);
           if (cut && mOptions.extract.border == Border::Open) continue;
           const Leaf* of = at[axis] + 1 < kSide ? &leaf : around.leaves[std::size_t{1} << axis];
-          if (!vertices) vertices = std::make_unique<LeafVertices>();
+          if (!vertices) {
+            vertices = std::make_unique<LeafVertices>();
+            vertices->edges.reserve(kUsualEdges);
+          }
           vertices->onEdge[3 * offset + axis] = static_cast<std::uint16_t>(vertices->edges.size());
           vertices->edges.push_back({node, static_cast<int>(axis), leaf.getValue(offset), of->getValue(ahead), cut});
         }
@@ -222,7 +255,7 @@ void SurfaceExtractor::placeVertices(Layer& layer) const {
 void SurfaceExtractor::walk(std::size_t leafIndex, Layer& layer, const Layer* next) const {
   const Leaf& leaf = *layer.leaves[leafIndex];
   const Coord origin = leaf.origin();
-  const Neighbours around = neighbours(leaf, layer, next);
+  const Neighbours around = neighbours(leafIndex, layer, next);
   std::array<const LeafVertices*, 8> vertices{};
   std::array<std::uint64_t, 8> firsts{};
   bool any = false;
@@ -251,6 +284,7 @@ void SurfaceExtractor::walk(std::size_t leafIndex, Layer& layer, const Layer* ne
   const LeafSigns signs(around.inside);
   const bool nearBorder = !mOptions.domain.isInside(CoordBBox(origin, origin.offsetBy(kBlock)));
   std::vector<openvdb::Vec3I>& triangles = layer.triangles[leafIndex];
+  triangles.reserve(2 * kUsualEdges);
   for (unsigned x = 0; x < kSide; ++x)
     for (unsigned y = 0; y < kSide; ++y)
       for (unsigned rest = signs.mixedCells(x, y); rest != 0; rest &= rest - 1) {
@@ -267,7 +301,8 @@ void SurfaceExtractor::walk(std::size_t leafIndex, Layer& layer, const Layer* ne
 void SurfaceExtractor::findTriangles(Layer& layer, Layer* next) {
   layer.triangles.resize(layer.leaves.size());
   inParallel(layer.leaves.size(), 16, mMonitor, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) walk(i, layer, next);
+    for (std::size_t i = begin; i < end; ++i)
+      if (!isOneSided(i, layer, next)) walk(i, layer, next);
   });
   if (mOptions.normals) addNormals(layer, next);
   layer.stage = Layer::Stage::HasTriangles;

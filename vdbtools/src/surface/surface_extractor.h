@@ -15,7 +15,6 @@
 #include <deque>
 #include <memory>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 namespace vdbtools {
@@ -61,7 +60,8 @@ class SurfaceExtractor {
     std::array<const Leaf*, 8> leaves{};
     LeafSigns::Neighbours inside{};
   };
-  Neighbours neighbours(const Leaf& leaf, const Layer& layer, const Layer* next) const;
+  static bool isOneSided(std::size_t leaf, const Layer& layer, const Layer* next);
+  static Neighbours neighbours(std::size_t leaf, const Layer& layer, const Layer* next);
   void findVertices(Layer& layer, const Layer* next);
   std::unique_ptr<LeafVertices> crossingEdges(const Leaf& leaf, const Neighbours& around) const;
   void countVertices(Layer& layer);

@@ -47,7 +47,8 @@ class CellCorners {
   /// The values along z, 0 to 8; x and y likewise.
   const float* row(unsigned x, unsigned y) const { return mValue[x][y]; }
 
-  bool isActive(unsigned x, unsigned y, unsigned z) const { return mActive[x][y] >> z & 1; }
+  /// Bit z: whether that node of the row is active.
+  unsigned active(unsigned x, unsigned y) const { return mActive[x][y]; }
 
  private:
   float mValue[kSide + 1][kSide + 1][kSide + 1];

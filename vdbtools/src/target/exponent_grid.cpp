@@ -17,11 +17,13 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <stdexcept>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace vdbtools {
@@ -68,35 +70,69 @@ std::vector<const Leaf*> leavesOf(const FloatTree& tree) {
   return leaves;
 }
 
-/// The largest |difference| between a leaf's nodes and their face neighbours behind.
+// Bit z of a row along z, in a form that compilers vectorise.
+constexpr unsigned kBit[Leaf::DIM] = {1, 2, 4, 8, 16, 32, 64, 128};
+
+/// The largest |difference| between a leaf's nodes and their face neighbours behind, where both are active.
 float largestStepOf(const CellCorners& corners) {
   constexpr unsigned kSide = CellCorners::kSide;
   float most[kSide] = {};
   for (unsigned x = 0; x < kSide; ++x)
     for (unsigned y = 0; y < kSide; ++y) {
-      const float *here = corners.row(x, y), *nextX = corners.row(x + 1, y), *nextY = corners.row(x, y + 1);
-      for (unsigned z = 0; z < kSide; ++z) {
-        const float a = std::abs(nextX[z] - here[z]), b = std::abs(nextY[z] - here[z]),
-                    c = std::abs(here[z + 1] - here[z]);
-        const float ab = a > b ? a : b, abc = ab > c ? ab : c;
-        most[z] = abc > most[z] ? abc : most[z];
-      }
+      const float* const here = corners.row(x, y);
+      const unsigned on = corners.active(x, y);
+      const auto include = [&](const float* other, unsigned otherOn) {
+        const unsigned both = on & otherOn;
+        for (unsigned z = 0; z < kSide; ++z) {
+          const float step = both & kBit[z] ? std::abs(other[z] - here[z]) : 0;
+          most[z] = step > most[z] ? step : most[z];
+        }
+      };
+      include(corners.row(x + 1, y), corners.active(x + 1, y));
+      include(corners.row(x, y + 1), corners.active(x, y + 1));
+      include(here + 1, on >> 1);
     }
   return *std::max_element(most, most + kSide);
 }
 
-/// Calls body(value, whether active, value and activity of the other) for a leaf's nodes and their face neighbours
-/// behind.
-template <class Body>
-void forEachPair(const CellCorners& corners, const Body& body) {
+/// The largest value of an active node of the leaf, or beside its active nodes, that has an inactive negative face
+/// neighbour; -inf: there is none.
+float solidBeginsIn(const CellCorners& corners) {
   constexpr unsigned kSide = CellCorners::kSide;
+  float most = -std::numeric_limits<float>::infinity();
   for (unsigned x = 0; x < kSide; ++x)
-    for (unsigned y = 0; y < kSide; ++y)
-      for (unsigned z = 0; z < kSide; ++z)
-        for (unsigned axis = 0; axis < 3; ++axis) {
-          const unsigned i = x + (axis == 0), j = y + (axis == 1), k = z + (axis == 2);
-          body(corners.row(x, y)[z], corners.isActive(x, y, z), corners.row(i, j)[k], corners.isActive(i, j, k));
+    for (unsigned y = 0; y < kSide; ++y) {
+      const float* const here = corners.row(x, y);
+      const unsigned on = corners.active(x, y);
+      const auto include = [&](const float* other, unsigned otherOn) {
+        for (unsigned differ = (on ^ otherOn) & 0xff; differ != 0; differ &= differ - 1) {
+          const auto z = static_cast<unsigned>(std::countr_zero(differ));
+          const bool isOn = on >> z & 1;
+          const float active = isOn ? here[z] : other[z], inactive = isOn ? other[z] : here[z];
+          if (inactive < 0) most = std::max(most, active);
         }
+      };
+      include(corners.row(x + 1, y), corners.active(x + 1, y));
+      include(corners.row(x, y + 1), corners.active(x, y + 1));
+      include(here + 1, on >> 1);
+    }
+  return most;
+}
+
+/// The largest value of an active node; -inf if there is none.
+float greatestOf(const Leaf& leaf) {
+  constexpr float kNone = -std::numeric_limits<float>::infinity();
+  float most[Leaf::DIM];
+  std::fill_n(most, Leaf::DIM, kNone);
+  for (openvdb::Index row = 0; row < Leaf::DIM * Leaf::DIM; ++row) {
+    const float* const values = leaf.buffer().data() + row * Leaf::DIM;
+    const unsigned on = activeInRow(leaf, row);
+    for (unsigned z = 0; z < Leaf::DIM; ++z) {
+      const float value = on & kBit[z] ? values[z] : kNone;
+      most[z] = value > most[z] ? value : most[z];
+    }
+  }
+  return *std::max_element(most, most + Leaf::DIM);
 }
 
 /// Whether the leaf and its three neighbours behind it hold active nodes only.
@@ -129,10 +165,7 @@ float solidBeginsAt(const FloatGrid& grid, Monitor& monitor) {
         if (value.getCoord()[axis] == leaves[i]->origin()[axis]) most = std::max(most, *value);
     }
     if (isDenseThere(*leaves[i], accessor)) return;
-    forEachPair(CellCorners(*leaves[i], accessor), [&](float a, bool aOn, float b, bool bOn) {
-      if (aOn && !bOn && b < 0) most = std::max(most, a);
-      if (bOn && !aOn && a < 0) most = std::max(most, b);
-    });
+    most = std::max(most, solidBeginsIn(CellCorners(*leaves[i], accessor)));
   });
   return *std::max_element(begins.begin(), begins.end());
 }
@@ -143,14 +176,7 @@ double largestStep(const FloatTree& tree, Monitor& monitor) {
   tbb::enumerable_thread_specific<float> largest(0.0f);
   forEach(leaves.size(), monitor, [&](std::size_t i) {
     float& most = largest.local();
-    const Accessor accessor(tree);
-    const CellCorners corners(*leaves[i], accessor);
-    if (isDenseThere(*leaves[i], accessor))
-      most = std::max(most, largestStepOf(corners));
-    else
-      forEachPair(corners, [&](float a, bool aOn, float b, bool bOn) {
-        if (aOn && bOn) most = std::max(most, std::abs(b - a));
-      });
+    most = std::max(most, largestStepOf(CellCorners(*leaves[i], Accessor(tree))));
   });
   constexpr double kRounding = 1 + 1e-6;
   return kRounding * *std::max_element(largest.begin(), largest.end());
@@ -213,6 +239,16 @@ class Baker {
   double largestStep() const { return vdbtools::largestStep(mTree, mMonitor); }
   const ExponentLaw& law() const { return mLaw; }
 
+  /// How far the nodes of a leaf are from its middle at most, world units.
+  double leafRadius() const {
+    constexpr double kHalf = 0.5 * (Leaf::DIM - 1);
+    const Vec3d zero = mTransform.indexToWorld(Vec3d(0));
+    double most = 0;
+    for (const double y : {-kHalf, kHalf})
+      for (const double z : {-kHalf, kHalf})
+        most = std::max(most, (mTransform.indexToWorld(Vec3d(kHalf, y, z)) - zero).length());
+    return most;
+  }
   /// Half a cell's diagonal, units of fractal space.
   double radialStep() const { return mTransform.voxelSize().length() / mSpace.scale / 2; }
   /// A node at distance d is read at points that come as near as d less a cell's diagonal, or one and a half for the
@@ -223,13 +259,30 @@ class Baker {
 
   /// m(r) of shell.h about @a origin, world units, from the nodes.
   julia::RadialMaximum radialMaximum(const Vec3d& origin, double atOrigin) const {
+    constexpr double kNone = -std::numeric_limits<double>::infinity();
     const double step = radialStep(), reach = radialReach();
     const std::size_t count = static_cast<std::size_t>(std::ceil(1 / step));
-    const std::vector<double> nothing(count, -std::numeric_limits<double>::infinity());
+    // The ball that a distance from the origin, units of fractal space, belongs to. A hair of slack against rounding at
+    // a ball's edge.
+    const auto ballAt = [=](double distance) { return (distance - reach) / step - 1e-9; };
+    // Nearest leaves first: the others seldom hold more than what is nearer than they are.
+    const double radius = leafRadius();
+    std::vector<std::pair<double, std::size_t>> order(mLeaves.size());
+    for (std::size_t i = 0; i < mLeaves.size(); ++i) {
+      const Vec3d middle = mTransform.indexToWorld(mLeaves[i]->origin().asVec3d() + Vec3d(0.5 * (Leaf::DIM - 1)));
+      const double nearest = ballAt(((middle - origin).length() - radius) / mSpace.scale * (1 - 1e-6)) - 1;
+      order[i] = {std::max(0.0, nearest), i};
+    }
+    std::sort(order.begin(), order.end());
+    const std::vector<double> nothing(count, kNone);
     tbb::enumerable_thread_specific<std::vector<double>> parts(nothing);
     forEach(mLeaves.size(), mMonitor, [&](std::size_t i) {
+      const auto& [first, number] = order[i];
+      if (!(first < static_cast<double>(count))) return;
       std::vector<double>& maximum = parts.local();
-      const Leaf& leaf = *mLeaves[i];
+      const auto known = maximum.begin() + static_cast<std::ptrdiff_t>(first);
+      const Leaf& leaf = *mLeaves[number];
+      if (static_cast<double>(greatestOf(leaf)) <= *std::max_element(maximum.begin(), known + 1)) return;
       const Axes at(leaf.origin(), mTransform);
       const float* values = leaf.buffer().data();
       for (openvdb::Index row = 0; row < Leaf::SIZE; row += Leaf::DIM) {
@@ -238,9 +291,7 @@ class Baker {
         for (unsigned z = 0; z < Leaf::DIM; ++z) {
           const double x = (base[0] + at.z[z][0]) / mSpace.scale, y = (base[1] + at.z[z][1]) / mSpace.scale,
                        w = (base[2] + at.z[z][2]) / mSpace.scale;
-          const double nearest = std::sqrt(x * x + y * y + w * w) - reach;
-          // A hair of slack against rounding at a ball's edge.
-          ball[z] = nearest / step - 1e-9;
+          ball[z] = ballAt(std::sqrt(x * x + y * y + w * w));
         }
         const unsigned on = activeInRow(leaf, row / Leaf::DIM);
         for (unsigned z = 0; z < Leaf::DIM; ++z) {

@@ -72,12 +72,20 @@ std::optional<SolidShape> shapeOfSolid(const Mesh& mesh, const MeshReport& repor
 
 double insideVolume(const FloatGrid& phi) {
   const double voxel = phi.voxelSize()[0];
+  // The share of a node's cell that lies inside of a plane at this distance.
+  const auto share = [voxel](double value) { return std::clamp(0.5 - value / voxel, 0.0, 1.0); };
   double nodes = 0;
-  for (auto value = phi.cbeginValueAll(); value; ++value) {
-    // The share of a node's cell that lies inside of a plane at this distance.
-    const double share = std::clamp(0.5 - *value / voxel, 0.0, 1.0);
-    if (share > 0) nodes += share * static_cast<double>(value.getVoxelCount());
+  for (auto leaf = phi.tree().cbeginLeaf(); leaf; ++leaf) {
+    // Sums apart, which do not wait for each other.
+    double sums[FloatGrid::TreeType::LeafNodeType::DIM] = {};
+    const float* const values = leaf->buffer().data();
+    for (std::size_t i = 0; i < FloatGrid::TreeType::LeafNodeType::SIZE; i += std::size(sums))
+      for (std::size_t k = 0; k < std::size(sums); ++k) sums[k] += share(static_cast<double>(values[i + k]));
+    for (const double sum : sums) nodes += sum;
   }
+  auto tile = phi.cbeginValueAll();
+  tile.setMaxDepth(FloatGrid::ValueAllCIter::LEAF_DEPTH - 1);
+  for (; tile; ++tile) nodes += share(static_cast<double>(*tile)) * static_cast<double>(tile.getVoxelCount());
   return nodes * phi.voxelSize().product();
 }
 

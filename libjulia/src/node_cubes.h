@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file node_cubes.h
+/// The nodes of a block (evaluator.h) as cubes of kSide nodes a side, which are numbered as nodes are.
+#pragma once
+
+#include "julia/evaluator.h"
+
+#include <array>
+#include <cstddef>
+#include <limits>
+
+namespace julia {
+
+template <class Real, std::size_t kSide>
+struct NodeCubes {
+  static constexpr std::size_t kAcross = NodeBlock::kSide / kSide, kCount = kAcross * kAcross * kAcross;
+
+  /// most[cube] = the largest of the values below @a limit, or -inf.
+  static void findMost(const Real* values, Real limit, Real* most) {
+    constexpr Real kNone = -std::numeric_limits<Real>::infinity();
+    forEachColumn([&](std::size_t cube, std::size_t first) {
+      std::array<Real, NodeBlock::kSide> column;
+      column.fill(kNone);
+      forEachRow(first, [&](std::size_t node) {
+        for (std::size_t z = 0; z < NodeBlock::kSide; ++z) {
+          const Real value = values[node + z] < limit ? values[node + z] : kNone;
+          column[z] = value > column[z] ? value : column[z];
+        }
+      });
+      for (std::size_t c = 0; c < kAcross; ++c) {
+        most[cube + c] = column[c * kSide];
+        for (std::size_t k = 1; k < kSide; ++k)
+          most[cube + c] = column[c * kSide + k] > most[cube + c] ? column[c * kSide + k] : most[cube + c];
+      }
+    });
+  }
+
+  /// Values of at least their cube's bound become +inf.
+  static void raise(Real* values, const Real* bounds) {
+    constexpr Real kRaised = std::numeric_limits<Real>::infinity();
+    forEachColumn([&](std::size_t cube, std::size_t first) {
+      std::array<Real, NodeBlock::kSide> column;
+      for (std::size_t z = 0; z < NodeBlock::kSide; ++z) column[z] = bounds[cube + z / kSide];
+      forEachRow(first, [&](std::size_t node) {
+        for (std::size_t z = 0; z < NodeBlock::kSide; ++z)
+          values[node + z] = values[node + z] >= column[z] ? kRaised : values[node + z];
+      });
+    });
+  }
+
+ private:
+  /// Calls body(number of the first cube, first node) for the columns of cubes along z.
+  template <class Body>
+  static void forEachColumn(const Body& body) {
+    for (std::size_t x = 0; x < kAcross; ++x)
+      for (std::size_t y = 0; y < kAcross; ++y)
+        body((x * kAcross + y) * kAcross, (x * NodeBlock::kSide + y) * kSide * NodeBlock::kSide);
+  }
+  /// Calls body(first node) for the rows of a column.
+  template <class Body>
+  static void forEachRow(std::size_t first, const Body& body) {
+    for (std::size_t x = 0; x < kSide; ++x)
+      for (std::size_t y = 0; y < kSide; ++y) body(first + (x * NodeBlock::kSide + y) * NodeBlock::kSide);
+  }
+};
+
+}  // namespace julia
