@@ -3,6 +3,8 @@
 /// Convex quadratic programs whose only constraints are signs.
 #pragma once
 
+#include "fit/cholesky.h"
+
 #include <Eigen/Core>
 
 #include <optional>
@@ -10,13 +12,42 @@
 
 namespace julia {
 
-/// The x that minimises x^T H x / 2 - b^T x with x_i >= 0 where @a bounded, by block principal pivoting [Portugal,
-/// Júdice & Vicente, A comparison of block pivoting and interior-point algorithms for linear least squares problems
-/// with nonnegative variables, Math. Comp. 63, 1994].
-/// @param H        symmetric
-/// @param passive  in: a guess of which variables are not at their bound; out: which are not
-/// @return nothing where H is not positive definite in floating point
-std::optional<Eigen::VectorXd> minimiseBounded(const Eigen::MatrixXd& H, const Eigen::VectorXd& b,
-                                               const std::vector<char>& bounded, std::vector<char>& passive);
+/// Minimises x^T H x / 2 - b^T x with x_i >= 0 where bounded, by block principal pivoting [Portugal, Júdice & Vicente,
+/// A comparison of block pivoting and interior-point algorithms for linear least squares problems with nonnegative
+/// variables, Math. Comp. 63, 1994].
+///
+/// H is factored for one set of free variables. For other sets that differ little, here or in later programs with the
+/// same H, the factor is bordered: a variable that is added or held at 0 is one more row and column of a small dense
+/// system, the Schur complement.
+class BoundedQuadratic {
+ public:
+  /// @param H  symmetric
+  explicit BoundedQuadratic(Eigen::MatrixXd H) : mH(std::move(H)) {}
+
+  const Eigen::MatrixXd& matrix() const { return mH; }
+
+  /// @param passive  in: a guess of which variables are not at their bound; out: which are not
+  /// @return nothing where H is not positive definite in floating point
+  std::optional<Eigen::VectorXd> minimise(const Eigen::VectorXd& b, const std::vector<char>& bounded,
+                                          std::vector<char>& passive);
+
+ private:
+  struct Solution {
+    Eigen::VectorXd x, slope;
+  };
+  bool factor(const std::vector<char>& free);
+  void appendColumns(const std::vector<Eigen::Index>& changed);
+  std::optional<Solution> solve(const std::vector<char>& free, const Eigen::VectorXd& b);
+  std::optional<Solution> solveBordered(const std::vector<Eigen::Index>& changed, const std::vector<char>& free,
+                                        const Eigen::VectorXd& b);
+
+  Eigen::MatrixXd mH;
+  std::optional<Cholesky> mFactor;
+  std::vector<char> mIsFactored;
+  std::vector<Eigen::Index> mFactored;
+  /// For variables whose state has differed from that in the factor: what the factor makes of their columns.
+  Eigen::MatrixXd mColumns;
+  std::vector<Eigen::Index> mColumnOf;  ///< of a variable, in mColumns; -1 for none
+};
 
 }  // namespace julia

@@ -4,14 +4,51 @@
 /// here only narrow vectors, because wide ones would sum in another order on another machine.
 #pragma once
 
+#include "kernels/kernels.h"
+
 #include <Eigen/Core>
 
+#include <cstddef>
 #include <optional>
+#include <vector>
 
 namespace julia {
 
-/// Solves A x = b. @a A is symmetric; only its lower triangle is read.
-/// @return x, or nothing if A is not positive definite in floating point
-std::optional<Eigen::VectorXd> solveCholesky(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
+/// The lower triangular L of A = L L^T.
+class Cholesky {
+ public:
+  /// @param A  symmetric; only its lower triangle is read
+  /// @return nothing if A is not positive definite in floating point
+  static std::optional<Cholesky> of(const Eigen::MatrixXd& A);
+
+  Eigen::Index size() const { return mSize; }
+  /// A^-1 b.
+  Eigen::VectorXd solve(const Eigen::VectorXd& b) const { return backward(forward(b)); }
+  /// L^-1 b.
+  Eigen::VectorXd forward(const Eigen::VectorXd& b) const;
+  /// L^-T b.
+  Eigen::VectorXd backward(const Eigen::VectorXd& b) const;
+  /// L^-1 B, columns in parallel.
+  Eigen::MatrixXd forwardAll(const Eigen::MatrixXd& B) const;
+
+ private:
+  static constexpr auto kSide = static_cast<Eigen::Index>(kernels::kTile);
+  using Tile = Eigen::Matrix<double, kSide, kSide>;
+  using TileVector = Eigen::Matrix<double, kSide, 1>;
+
+  explicit Cholesky(Eigen::Index size);
+  /// Rows of tiles one after the other, each with its columns up to the diagonal, as tileProduct() takes them at any
+  /// depth. Beyond the end of the matrix the factor continues as the unit matrix.
+  Tile& tile(Eigen::Index row, Eigen::Index column) {
+    return mTiles[static_cast<std::size_t>(row * (row + 1) / 2 + column)];
+  }
+  const Tile& tile(Eigen::Index row, Eigen::Index column) const {
+    return mTiles[static_cast<std::size_t>(row * (row + 1) / 2 + column)];
+  }
+  void reduce(const Tile* row, Eigen::Index column, Tile& reduced) const;
+
+  Eigen::Index mSize, mSide;
+  std::vector<Tile> mTiles;
+};
 
 }  // namespace julia

@@ -2,14 +2,13 @@
 #include "julia/fit/fast_fit.h"
 
 #include "fit/bounded_quadratic.h"
+#include "fit/candidate_scores.h"
+#include "fit/cell_sample.h"
 #include "fit/log_matrix.h"
-#include "kernels/kernels.h"
 #include "number_text.h"
 #include "random_numbers.h"
 
 #include "julia/fit/cancelled.h"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -41,11 +40,17 @@ constexpr double kShareOfMost = 0.15, kShareOfPresent = 0.35;
 constexpr std::size_t kMostRounds = 60;
 constexpr int kPatience = 3;  // rounds without a better fit of the held-out cells
 constexpr double kLeastRise = 2e-4;
-// Logarithms that one round may compute to compare candidates; beyond that the rounds take turns.
+// Logarithms that one round may compute to compare candidates for the first time; beyond that the rounds take turns.
 constexpr double kMostScores = 2e9;
-// Multiply-adds that one Gram matrix may take; beyond that a part of the cells stands for all.
-constexpr double kMostWork = 4e10;
-constexpr std::size_t kLeastCellsPerColumn = 6;
+// Cells that stand for all where candidates are compared for the first time. Of the best, so many for each root that is
+// wanted are compared again by all cells.
+constexpr std::size_t kScoredCells = 16384, kScoredAgain = 8;
+// Cells that stand for all in a Gram matrix: so many times those that count, and so many for each column at least and
+// at most. With too few, a step leads elsewhere than to the minimum, and rounds end with roots that do not help.
+constexpr double kGramShare = 3, kLeastGramCellsPerColumn = 6, kMostGramCellsPerColumn = 32;
+constexpr std::size_t kLeastGramCells = 4096;
+// A Gram matrix serves until the cells' curvatures have changed by this share of their sum.
+constexpr double kStale = 0.1;
 // How far Newton's method goes: the most steps, and the relative fall of the objective that counts as none.
 struct Effort {
   int steps;
@@ -102,33 +107,16 @@ class Fitter {
   void add(const std::vector<FitRoot>& roots);
   void dropUnused();
 
-  /// The cells with the slope and the curvature of the logistic loss by L, each times the cell's weight.
-  struct CellSlopes {
-    std::vector<float> x, y, z;
-    std::vector<double> slope, curvature;
-    double wholeCurvature = 0;
-  };
-  CellSlopes cellSlopes() const;
-  /// By how much a candidate would lower the loss: the square of the loss's slope by the power over its curvature, once
-  /// the constant has adapted.
-  struct Score {
-    double gain = 0;
-    std::size_t candidate = 0;
-    bool bottom = false;
-  };
-  Score scoreOf(std::size_t candidate, const CellSlopes& cells, double pull) const;
-  std::vector<Score> rankedCandidates() const;
+  CellSlopes cellSlopes(std::size_t most) const;
+  std::vector<CandidateScore> rankedCandidates(std::size_t count) const;
   std::size_t addBest(std::size_t count);
 
-  /// The objective about mX, without the spring of the degree.
-  struct QuadraticModel {
-    VectorXd gradient;
-    Eigen::MatrixXd hessian;
-  };
   VectorXd signs() const;
-  std::size_t gramStride() const;
-  QuadraticModel quadraticModel(const Objective& objective, std::size_t stride) const;
-  std::optional<VectorXd> minimumOf(const QuadraticModel& model, double damping) const;
+  std::vector<double> slopes(const Objective& objective, VectorXd& gradient) const;
+  bool isStale(const std::vector<double>& curvature) const;
+  void remakeGram(const std::vector<double>& curvature);
+  BoundedQuadratic& program(double damping);
+  std::optional<VectorXd> minimumOf(const VectorXd& gradient, double damping);
   std::optional<double> stepTowards(const VectorXd& target, const Objective& objective);
   void newton(const Objective& objective, const Effort& effort);
 
@@ -146,6 +134,14 @@ class Fitter {
   std::vector<FitRoot> mRoots;
   VectorXd mX;             // powers, and last the constant
   std::vector<double> mL;  // of the fitted cells, at mX
+  /// The Gram matrix of the objective's second derivatives by the weights of the roots and the constant, made at an
+  /// earlier place: the curvatures there, and the cells that stand for all.
+  Eigen::MatrixXd mGram;
+  std::vector<double> mGramCurvature;
+  CellSample mGramCells;
+  /// The quadratic program that has been made of it, and its damping.
+  std::optional<BoundedQuadratic> mProgram;
+  double mDamping = 0;
   std::string_view mStage;
   double mEnergy = 0;  ///< the objective and the penalty, at mX
   int mSteps = 0;
@@ -214,6 +210,7 @@ void Fitter::add(const std::vector<FitRoot>& roots) {
     positions.push_back(Embedding{}.quaternion<double>(root.x));
     mRoots.push_back(root);
   }
+  mProgram.reset();
   mLogs.append(positions);
   mHeldLogs.append(positions);
   VectorXd x = VectorXd::Zero(static_cast<Index>(mRoots.size()) + 1);
@@ -227,6 +224,13 @@ void Fitter::dropUnused() {
   std::vector<std::size_t> kept;
   for (std::size_t j = 0; j < mRoots.size(); ++j)
     if (mX[static_cast<Index>(j)] > 0) kept.push_back(j);
+  if (kept.size() == mRoots.size()) return;
+  if (mGram.size() > 0) {
+    std::vector<std::size_t> columns = kept;
+    columns.push_back(mRoots.size());
+    mGram = Eigen::MatrixXd(mGram(columns, columns));
+  }
+  mProgram.reset();
   VectorXd x(static_cast<Index>(kept.size()) + 1);
   for (std::size_t k = 0; k < kept.size(); ++k) {
     x[static_cast<Index>(k)] = mX[static_cast<Index>(kept[k])];
@@ -239,60 +243,32 @@ void Fitter::dropUnused() {
   mHeldLogs.keep(kept);
 }
 
-Fitter::CellSlopes Fitter::cellSlopes() const {
-  CellSlopes cells;
+/// The slope and the curvature of the logistic loss, of @a most cells that stand for all, or of all.
+CellSlopes Fitter::cellSlopes(std::size_t most) const {
+  std::vector<double> slope(mCells.size()), curvature(mCells.size());
   for (std::size_t i = 0; i < mCells.size(); ++i) {
     const LossAt at = lossAt(Loss::Logistic, -mSide[i] * mL[i]);
-    cells.x.push_back(static_cast<float>(mCells[i].x[0]));
-    cells.y.push_back(static_cast<float>(mCells[i].x[1]));
-    cells.z.push_back(static_cast<float>(mCells[i].x[2]));
-    cells.slope.push_back(-mSide[i] * mWeight[i] * at.slope);
-    cells.curvature.push_back(mWeight[i] * at.curvature);
-    cells.wholeCurvature += cells.curvature.back();
+    slope[i] = -mSide[i] * mWeight[i] * at.slope;
+    curvature[i] = mWeight[i] * at.curvature;
   }
-  // Whole vectors, as the kernels leave no remainder.
-  const std::size_t size = (cells.x.size() + LogMatrix::kBlock - 1) / LogMatrix::kBlock * LogMatrix::kBlock;
-  for (std::vector<float>* coordinate : {&cells.x, &cells.y, &cells.z}) coordinate->resize(size);
-  cells.slope.resize(size);
-  cells.curvature.resize(size);
-  return cells;
-}
-
-/// @param pull  the slope of the degree's spring: a top root relaxes it, a bottom root strains it
-Fitter::Score Fitter::scoreOf(std::size_t candidate, const CellSlopes& cells, double pull) const {
-  const kernels::Kernels<float>& kernel = kernels::kernels<float>();
-  const std::size_t size = cells.x.size();
-  const Point& at = mCandidates[candidate].x;
-  const float root[3] = {static_cast<float>(at[0]), static_cast<float>(at[1]), static_cast<float>(at[2])};
-  // A candidate must not be chosen for the sake of the one cell in which it happens to lie.
-  const float blur = static_cast<float>(4 * mOptions.cellSize * mOptions.cellSize);
-  std::vector<float> logs(size);
-  kernel.logDistances(root, blur, cells.x.data(), cells.y.data(), cells.z.data(), logs.data(), size);
-  double bySlope = 0, mean = 0, square = 0;
-  kernel.dotColumns(logs.data(), cells.slope.data(), 1, &bySlope, size);
-  bySlope -= pull;
-  kernel.dotColumns(logs.data(), cells.curvature.data(), 1, &mean, size);
-  mean /= cells.wholeCurvature;
-  for (std::size_t i = 0; i < size; ++i) square += cells.curvature[i] * ((logs[i] - mean) * (logs[i] - mean));
-  using Side = RootCandidate::Side;
-  const Side side = mCandidates[candidate].side;
-  Score score{0, candidate, side == Side::Either ? bySlope > 0 : side == Side::Bottom};
-  if ((score.bottom ? -bySlope : bySlope) < 0) score.gain = bySlope * bySlope / (square + 1e-300);
-  return score;
+  return sampledSlopes(mCells, slope, curvature, most);
 }
 
 /// All candidates, the best first. Those that are used, or not in turn, have no gain.
-std::vector<Fitter::Score> Fitter::rankedCandidates() const {
-  const CellSlopes cells = cellSlopes();
+/// @param count  how many are wanted: the best are compared more carefully
+std::vector<CandidateScore> Fitter::rankedCandidates(std::size_t count) const {
   const double pull = kDegreeStiffness * std::max(0.0, kLeastDegree - degree(mX));
-  const double scoresToMake = static_cast<double>(mCandidates.size()) * static_cast<double>(cells.x.size());
+  // A candidate must not be chosen for the sake of the one cell in which it happens to lie.
+  const double blur = 4 * mOptions.cellSize * mOptions.cellSize;
+  const CellSlopes some = cellSlopes(kScoredCells);
+  const double scoresToMake = static_cast<double>(mCandidates.size()) * static_cast<double>(some.x.size());
   const auto inTurn = static_cast<std::size_t>(1 + std::floor(scoresToMake / kMostScores));
-  std::vector<Score> scores(mCandidates.size());
-  tbb::parallel_for(std::size_t{0}, mCandidates.size(), [&](std::size_t k) {
-    const bool isScored = !mUsed[k] && (k + mRound) % inTurn == 0;
-    scores[k] = isScored ? scoreOf(k, cells, pull) : Score{0, k, false};
-  });
-  std::stable_sort(scores.begin(), scores.end(), [](const Score& a, const Score& b) { return a.gain > b.gain; });
+  std::vector<CandidateScore> scores(mCandidates.size());
+  for (std::size_t k = 0; k < scores.size(); ++k)
+    scores[k] = {!mUsed[k] && (k + mRound) % inTurn == 0 ? 1.0 : 0.0, k, false};
+  rankCandidates(scores, mCandidates, some, blur, pull);
+  const std::span best = std::span(scores).first(std::min(scores.size(), kScoredAgain * count));
+  rankCandidates(best, mCandidates, cellSlopes(mCells.size()), blur, pull);
   return scores;
 }
 
@@ -301,8 +277,9 @@ std::size_t Fitter::addBest(std::size_t count) {
   constexpr double kSpacing = 0.6;  // of a root in a unit square
   const double apart = kSpacing / std::sqrt(static_cast<double>(mRoots.size() + count));
   std::vector<FitRoot> chosen;
-  for (const Score& score : rankedCandidates()) {
-    if (chosen.size() == count || !(score.gain > 0)) break;
+  for (const CandidateScore& score : rankedCandidates(count)) {
+    if (chosen.size() == count) break;
+    if (!(score.gain > 0)) continue;
     const Point& at = mCandidates[score.candidate].x;
     const bool near = std::any_of(chosen.begin(), chosen.end(), [&](const FitRoot& other) {
       double square = 0;
@@ -324,14 +301,9 @@ VectorXd Fitter::signs() const {
   return signs;
 }
 
-/// Gram matrices sum every so many-th block of cells.
-std::size_t Fitter::gramStride() const {
-  const double columns = static_cast<double>(mX.size()), cells = static_cast<double>(mCells.size());
-  const double affordable = std::max(2 * kMostWork / (columns * columns), kLeastCellsPerColumn * columns);
-  return static_cast<std::size_t>(std::max(1.0, std::floor(cells / affordable)));
-}
-
-Fitter::QuadraticModel Fitter::quadraticModel(const Objective& objective, std::size_t stride) const {
+/// The gradient of the objective and the penalties at mX, less that of the degree's spring. @return the curvature of
+/// the objective by L, cell by cell
+std::vector<double> Fitter::slopes(const Objective& objective, VectorXd& gradient) const {
   const Index n = mX.size();
   const double sharpness = objective.sharpness;
   std::vector<double> curvature(mCells.size());
@@ -347,35 +319,76 @@ Fitter::QuadraticModel Fitter::quadraticModel(const Objective& objective, std::s
         return 0.0;
       },
       true);
-  const VectorXd signs = this->signs();
-  QuadraticModel model;
-  model.gradient = Eigen::Map<const VectorXd>(pass.products.data(), n).cwiseProduct(signs);
-  model.gradient.head(n - 1) += kRidge * mX.head(n - 1) + VectorXd::Constant(n - 1, mOptions.powerPenalty);
-  model.hessian = signs.asDiagonal() * mLogs.gram(curvature, stride) * signs.asDiagonal();
-  model.hessian.diagonal().head(n - 1).array() += kRidge;
-  return model;
+  gradient = Eigen::Map<const VectorXd>(pass.products.data(), n).cwiseProduct(signs());
+  gradient.head(n - 1) += kRidge * mX.head(n - 1) + VectorXd::Constant(n - 1, mOptions.powerPenalty);
+  return curvature;
 }
 
-/// The model's minimum where every power is at least what its root needs; nothing where rounding leaves the model
-/// without one. The spring of the degree is M/2 (degree - least - s)^2 at its best s >= 0, which is one more variable.
-std::optional<VectorXd> Fitter::minimumOf(const QuadraticModel& model, double damping) const {
+/// Whether the Gram matrix is that of curvatures too far from these.
+bool Fitter::isStale(const std::vector<double>& curvature) const {
+  if (mGram.size() == 0) return true;
+  double sum = 0, change = 0;
+  for (std::size_t i = 0; i < curvature.size(); ++i) {
+    sum += curvature[i];
+    change += std::abs(curvature[i] - mGramCurvature[i]);
+  }
+  return change > kStale * sum;
+}
+
+void Fitter::remakeGram(const std::vector<double>& curvature) {
+  // The cells that count: where so many have equal curvatures and the others none, the ratio of the sums is the same.
+  double sum = 0, squares = 0;
+  for (const double value : curvature) {
+    sum += value;
+    squares += value * value;
+  }
+  const double columns = static_cast<double>(mX.size()), effective = sum * sum / squares;
+  const double wanted =
+      std::clamp(kGramShare * effective, kLeastGramCellsPerColumn * columns, kMostGramCellsPerColumn * columns);
+  mGramCurvature = curvature;
+  mGramCells = sampleCells(curvature, std::max(kLeastGramCells, static_cast<std::size_t>(wanted)));
+  mGram.resize(0, 0);
+  mProgram.reset();
+}
+
+/// The program of minimumOf(). Its variables are the powers less what their roots need at least, the constant, and the
+/// slack of the spring.
+BoundedQuadratic& Fitter::program(double damping) {
+  if (mProgram && mDamping == damping) return *mProgram;
   const Index n = mX.size();
-  VectorXd spring(n + 1), least = VectorXd::Zero(n);
-  spring << signs().head(n - 1), 0, -1;
+  if (mGram.rows() != n) mLogs.extendGram(mGramCells, mGram);
+  const VectorXd signs = this->signs();
+  VectorXd spring(n + 1);
+  spring << signs.head(n - 1), 0, -1;
+  Eigen::MatrixXd hessian = kDegreeStiffness * spring * spring.transpose();
+  hessian.topLeftCorner(n, n) += signs.asDiagonal() * mGram * signs.asDiagonal();
+  hessian.diagonal().head(n - 1).array() += kRidge;
+  hessian.diagonal().head(n).array() += damping * (mGram.trace() / static_cast<double>(n) + kRidge);
+  mDamping = damping;
+  return mProgram.emplace(std::move(hessian));
+}
+
+/// The minimum of the quadratic model about mX where every power is at least what its root needs; nothing where
+/// rounding leaves the model without one. The spring of the degree is M/2 (degree - least - s)^2 at its best s >= 0,
+/// which is one more variable.
+std::optional<VectorXd> Fitter::minimumOf(const VectorXd& gradient, double damping) {
+  const Index n = mX.size();
+  BoundedQuadratic& program = this->program(damping);
+  VectorXd least = VectorXd::Zero(n);
   for (std::size_t j = 0; j < mRoots.size(); ++j) least[static_cast<Index>(j)] = mRoots[j].least;
   std::vector<char> bounded(static_cast<std::size_t>(n) + 1, 1);
   bounded[mRoots.size()] = 0;  // the constant
 
-  Eigen::MatrixXd damped = kDegreeStiffness * spring * spring.transpose();
-  damped.topLeftCorner(n, n) += model.hessian;
-  damped.diagonal().head(n).array() += damping * (model.hessian.trace() / static_cast<double>(n));
   const double excess = degree(mX) - kLeastDegree, slack = std::max(0.0, excess);
-  VectorXd origin(n + 1), slope = (kDegreeStiffness * (excess - slack)) * spring;
+  VectorXd origin(n + 1), slope(n + 1);
+  slope << signs().head(n - 1), 0, -1;
+  slope *= kDegreeStiffness * (excess - slack);
   origin << mX - least, slack;
-  slope.head(n) += model.gradient;
+  slope.head(n) += gradient;
+  // Powers that are not at their least, and those that the objective asks for.
   std::vector<char> passive(bounded.size());
-  for (Index i = 0; i <= n; ++i) passive[static_cast<std::size_t>(i)] = origin[i] > 0;
-  const auto minimum = minimiseBounded(damped, damped * origin - slope, bounded, passive);
+  for (Index i = 0; i <= n; ++i) passive[static_cast<std::size_t>(i)] = origin[i] > 0 || slope[i] < 0;
+  const auto minimum = program.minimise(program.matrix() * origin - slope, bounded, passive);
   if (!minimum) return std::nullopt;
   return VectorXd(minimum->head(n) + least);
 }
@@ -400,25 +413,37 @@ std::optional<double> Fitter::stepTowards(const VectorXd& target, const Objectiv
   return std::nullopt;
 }
 
-/// Newton's method, from mX on. A step is damped as Levenberg and Marquardt do.
+/// Newton's method, from mX on. A step is damped as Levenberg and Marquardt do. Second derivatives of an earlier step
+/// serve until they have changed, or no step by them lowers the objective.
 void Fitter::newton(const Objective& objective, const Effort& effort) {
   constexpr double kLeastDamping = 1e-9;
   constexpr int kMostAttempts = 4;
-  const std::size_t stride = gramStride();
   mLogs.logModuli(weights(mX), constant(mX), mL);
   mEnergy = loss(objective, mL) + penalty(mX);
   double damping = kLeastDamping;
+  bool cutShort = false;
   int small = 0;
   for (int step = 0; step < effort.steps && small < 2; ++step) {
     if (mOptions.cancelled && mOptions.cancelled()) throw Cancelled();
-    const QuadraticModel model = quadraticModel(objective, stride);
+    VectorXd gradient;
+    const std::vector<double> curvature = slopes(objective, gradient);
+    bool fresh = cutShort || isStale(curvature);
+    if (fresh) remakeGram(curvature);
     const double before = mEnergy;
     bool lower = false;
     for (int attempt = 0; attempt < kMostAttempts && !lower; ++attempt) {
-      const std::optional<VectorXd> target = minimumOf(model, damping);
+      const std::optional<VectorXd> target = minimumOf(gradient, damping);
       const std::optional<double> taken = target ? stepTowards(*target, objective) : std::nullopt;
       lower = taken.has_value();
-      damping = !lower ? damping * 100 : *taken == 1 ? std::max(damping / 5, kLeastDamping) : damping * 2;
+      cutShort = lower && *taken < 1;
+      if (!lower && !fresh) {
+        remakeGram(curvature);
+        fresh = true;
+      } else if (!lower) {
+        damping *= 100;
+      } else {
+        damping = *taken == 1 ? std::max(damping / 5, kLeastDamping) : damping;
+      }
     }
     if (!lower) break;
     small = before - mEnergy < effort.settled * std::abs(mEnergy) ? small + 1 : 0;

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace julia {
 
@@ -31,13 +32,17 @@ LogMatrix::LogMatrix(std::span<const Point> cells, std::size_t memoryLimit)
   mBlocks.resize(blockCount());
 }
 
+/// Of a block of cells.
+void LogMatrix::logs(std::size_t root, const float* x, const float* y, const float* z, float* out) const {
+  const Quaternion<float> r = mRoots[root].as<float>();
+  const float place[3] = {r.a, r.b, r.c};
+  kernels::kernels<float>().logDistances(place, r.d * r.d, x, y, z, out, kBlock);
+}
+
 void LogMatrix::fill(std::size_t block, std::size_t firstRoot, float* columns) const {
   const std::size_t at = block * kBlock;
-  for (std::size_t j = firstRoot; j < mRoots.size(); ++j, columns += kBlock) {
-    const Quaternion<float> r = mRoots[j].as<float>();
-    const float root[3] = {r.a, r.b, r.c};
-    kernels::kernels<float>().logDistances(root, r.d * r.d, &mX[at], &mY[at], &mZ[at], columns, kBlock);
-  }
+  for (std::size_t j = firstRoot; j < mRoots.size(); ++j, columns += kBlock)
+    logs(j, &mX[at], &mY[at], &mZ[at], columns);
 }
 
 const float* LogMatrix::columns(std::size_t block, std::vector<float>& scratch) const {
@@ -123,54 +128,73 @@ void LogMatrix::logModuli(std::span<const double> weights, double constant, std:
       false);
 }
 
-Eigen::MatrixXd LogMatrix::gram(std::span<const double> d, std::size_t stride) const {
-  using Index = Eigen::Index;
+/// A block of the sample's cells from @a first on, as tileProduct() takes it: a tile for each kTile columns, of which
+/// the last is that of the ones, times the roots of the weights.
+void LogMatrix::fillTiles(const CellSample& sample, std::size_t first, float* tiles) const {
   using kernels::kTile;
-  const std::size_t roots = mRoots.size(), blocks = blockCount();
-  const std::size_t counted = (blocks + stride - 1) / stride;
-  const double share = static_cast<double>(blocks) / static_cast<double>(std::max<std::size_t>(counted, 1));
-  const std::size_t side = (roots + kTile) / kTile;  // of the column of ones too
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(static_cast<Index>(roots) + 1, static_cast<Index>(roots) + 1);
-  // A panel of blocks at a time, in tiles: the columns as they are, and multiplied by d.
+  constexpr std::size_t kRun = 16;  // cells whose part of a tile stays in the first-level cache
+  static_assert(kBlock % kRun == 0);
+  alignas(64) std::array<float, kBlock> x{}, y{}, z{}, roots{};
+  for (std::size_t i = 0; i < std::min(kBlock, sample.cells.size() - first); ++i) {
+    const std::size_t cell = sample.cells[first + i];
+    x[i] = mX[cell];
+    y[i] = mY[cell];
+    z[i] = mZ[cell];
+    roots[i] = static_cast<float>(std::sqrt(sample.weights[first + i]));
+  }
+  std::vector<float> columns(kTile * kBlock);
+  for (std::size_t j = 0; j <= mRoots.size(); j += kTile, tiles += kTile * kBlock) {
+    for (std::size_t k = 0; k < kTile; ++k) {
+      float* const column = &columns[k * kBlock];
+      if (j + k < mRoots.size())
+        logs(j + k, x.data(), y.data(), z.data(), column);
+      else
+        std::fill_n(column, kBlock, j + k == mRoots.size() ? 1.0f : 0.0f);
+    }
+    for (std::size_t run = 0; run < kBlock; run += kRun)
+      for (std::size_t k = 0; k < kTile; ++k)
+        for (std::size_t i = run; i < run + kRun; ++i) tiles[i * kTile + k] = columns[k * kBlock + i] * roots[i];
+  }
+}
+
+void LogMatrix::extendGram(const CellSample& sample, Eigen::MatrixXd& gram) const {
+  using Eigen::Index;
+  using kernels::kTile;
+  const std::size_t size = mRoots.size() + 1, side = (size + kTile - 1) / kTile;
+  // What is known is kept, less the row and the column of the ones, which move to the end.
+  const auto known = static_cast<std::size_t>(std::max<Index>(gram.rows(), 1)) - 1;
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(static_cast<Index>(size), static_cast<Index>(size));
+  // Several blocks of cells at a time.
+  const std::size_t blocks = (sample.cells.size() + kBlock - 1) / kBlock, firstRow = known / kTile;
   constexpr std::size_t kTileSize = kBlock * kTile;
-  std::vector<float> plain(kBlocksPerPart * side * kTileSize), scaled(plain.size());
-  for (std::size_t first = 0; first < blocks; first += stride * kBlocksPerPart) {
-    const std::size_t inPanel = std::min(kBlocksPerPart, (blocks - first + stride - 1) / stride);
-    tbb::parallel_for(std::size_t{0}, inPanel, [&](std::size_t k) {
-      std::vector<float> scratch;
-      const std::size_t block = first + k * stride, begin = block * kBlock;
-      const float* const logs = columns(block, scratch);
-      std::array<float, kBlock> factors{};
-      for (std::size_t i = begin; i < std::min(begin + kBlock, mCellCount); ++i)
-        factors[i - begin] = static_cast<float>(d[i] * share);
-      for (std::size_t j = 0; j <= roots; ++j) {
-        const std::size_t at = (k * side + j / kTile) * kTileSize + j % kTile;
-        for (std::size_t i = 0; i < kBlock; ++i) {
-          const float value = j < roots ? logs[j * kBlock + i] : 1;
-          plain[at + i * kTile] = value;
-          scaled[at + i * kTile] = value * factors[i];
-        }
-      }
-    });
-    tbb::parallel_for(std::size_t{0}, side * (side + 1) / 2, [&](std::size_t pair) {
-      std::size_t row = 0;
+  std::vector<float> tiles(std::min(kBlocksPerPart, blocks) * side * kTileSize);
+  for (std::size_t first = 0; first < blocks; first += kBlocksPerPart) {
+    const std::size_t inPanel = std::min(kBlocksPerPart, blocks - first);
+    tbb::parallel_for(std::size_t{0}, inPanel,
+                      [&](std::size_t k) { fillTiles(sample, (first + k) * kBlock, &tiles[k * side * kTileSize]); });
+    const std::size_t before = firstRow * (firstRow + 1) / 2;
+    tbb::parallel_for(before, side * (side + 1) / 2, [&](std::size_t pair) {
+      std::size_t row = firstRow;
       while ((row + 1) * (row + 2) / 2 <= pair) ++row;
       const std::size_t column = pair - row * (row + 1) / 2;
-      const std::size_t height = std::min(kTile, roots + 1 - row * kTile);
-      const std::size_t width = std::min(kTile, roots + 1 - column * kTile);
+      const std::size_t height = std::min(kTile, size - row * kTile), width = std::min(kTile, size - column * kTile);
       alignas(64) std::array<float, kTile * kTile> product;
       for (std::size_t k = 0; k < inPanel; ++k) {
-        kernels::kernels<float>().tileProduct(&plain[(k * side + column) * kTileSize],
-                                              &scaled[(k * side + row) * kTileSize], kBlock, product.data());
+        kernels::kernels<float>().tileProduct(&tiles[(k * side + column) * kTileSize],
+                                              &tiles[(k * side + row) * kTileSize], kBlock, product.data());
         for (std::size_t j = 0; j < width; ++j) {
-          double* const to = &gram(static_cast<Index>(row * kTile), static_cast<Index>(column * kTile + j));
+          double* const to = &sum(static_cast<Index>(row * kTile), static_cast<Index>(column * kTile + j));
           for (std::size_t i = 0; i < height; ++i) to[i] += product[j * kTile + i];
         }
       }
     });
   }
-  gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
-  return gram;
+  if (known > 0) {
+    const auto n = static_cast<Index>(known);
+    sum.topLeftCorner(n, n) = gram.topLeftCorner(n, n);
+  }
+  sum.triangularView<Eigen::StrictlyUpper>() = sum.transpose();
+  gram = std::move(sum);
 }
 
 }  // namespace julia

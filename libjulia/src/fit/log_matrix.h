@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "fit/cell_sample.h"
 #include "julia/embedding.h"
 #include "julia/quaternion.h"
 
@@ -47,13 +48,17 @@ class LogMatrix {
 
   void logModuli(std::span<const double> weights, double constant, std::span<double> l) const;
 
-  /// [A 1]^T diag(d) [A 1], d >= 0, lower triangle and upper. Only every @a stride-th block counts, its share scaled
-  /// up.
-  Eigen::MatrixXd gram(std::span<const double> d, std::size_t stride) const;
+  /// [A 1]^T diag(w) [A 1] of the weighted cells, lower triangle and upper.
+  /// @param gram  in: that of the first roots and the same cells, or empty; out: that of all roots. Only what is
+  /// missing
+  ///              is summed.
+  void extendGram(const CellSample& sample, Eigen::MatrixXd& gram) const;
 
  private:
   std::size_t blockCount() const { return mX.size() / kBlock; }
+  void logs(std::size_t root, const float* x, const float* y, const float* z, float* out) const;
   void fill(std::size_t block, std::size_t firstRoot, float* columns) const;
+  void fillTiles(const CellSample& sample, std::size_t first, float* tiles) const;
   const float* columns(std::size_t block, std::vector<float>& scratch) const;
   void decideStorage();
 

@@ -529,45 +529,6 @@ void addColumns(const Real* columns, const double* weights, std::size_t columnCo
   }
 }
 
-/// The sum over lanes in a fixed order, which no vector width changes.
-template <std::size_t N>
-JULIA_INLINE double sumOf(const double (&lanes)[N]) {
-  double sum = 0;
-  for (std::size_t lane = 0; lane < N; ++lane) sum += lanes[lane];
-  return sum;
-}
-
-template <class Real>
-void dotColumns(const Real* columns, const double* factors, std::size_t columnCount, double* products,
-                std::size_t size) {
-  constexpr std::size_t kLanes = 8;
-  size = size / kWidest * kWidest;
-  std::size_t j = 0;
-  for (; j + kColumns <= columnCount; j += kColumns) {
-    const Real *a = columns + j * size, *b = a + size, *c = b + size, *d = c + size;
-    double sa[kLanes] = {}, sb[kLanes] = {}, sc[kLanes] = {}, sd[kLanes] = {};
-    for (std::size_t i = 0; i < size; i += kLanes)
-      for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        const double factor = factors[i + lane];
-        sa[lane] += a[i + lane] * factor;
-        sb[lane] += b[i + lane] * factor;
-        sc[lane] += c[i + lane] * factor;
-        sd[lane] += d[i + lane] * factor;
-      }
-    products[j] = sumOf(sa);
-    products[j + 1] = sumOf(sb);
-    products[j + 2] = sumOf(sc);
-    products[j + 3] = sumOf(sd);
-  }
-  for (; j < columnCount; ++j) {
-    const Real* a = columns + j * size;
-    double sum[kLanes] = {};
-    for (std::size_t i = 0; i < size; i += kLanes)
-      for (std::size_t lane = 0; lane < kLanes; ++lane) sum[lane] += a[i + lane] * factors[i + lane];
-    products[j] = sumOf(sum);
-  }
-}
-
 // Of a register of the instruction set.
 #if defined(__AVX512F__)
 constexpr std::size_t kRegister = 64, kRegisters = 32;
@@ -576,6 +537,40 @@ constexpr std::size_t kRegister = 32, kRegisters = 16;
 #else
 constexpr std::size_t kRegister = 16, kRegisters = 16;
 #endif
+
+/// The products of kCount columns, whose sums stay in registers: eight for each, which no vector width changes.
+template <std::size_t kCount, class Real>
+JULIA_INLINE void dotSome(const Real* columns, const double* factors, double* products, std::size_t size) {
+  constexpr std::size_t kLanes = 8, kWidth = kRegister / sizeof(double), kParts = kLanes / kWidth;
+  typedef double Vector __attribute__((vector_size(kRegister)));
+  typedef double LoadedFactors __attribute__((vector_size(kRegister), aligned(alignof(double)), may_alias));
+  typedef Real LoadedReals __attribute__((vector_size(kWidth * sizeof(Real)), aligned(alignof(Real)), may_alias));
+  Vector sums[kCount][kParts] = {};
+  for (std::size_t i = 0; i < size; i += kLanes)
+#pragma GCC unroll 4
+    for (std::size_t part = 0; part < kParts; ++part) {
+      const std::size_t at = i + part * kWidth;
+      const Vector factor = *reinterpret_cast<const LoadedFactors*>(factors + at);
+#pragma GCC unroll 4
+      for (std::size_t j = 0; j < kCount; ++j)
+        sums[j][part] +=
+            __builtin_convertvector(*reinterpret_cast<const LoadedReals*>(columns + j * size + at), Vector) * factor;
+    }
+  for (std::size_t j = 0; j < kCount; ++j) {
+    double sum = 0;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) sum += sums[j][lane / kWidth][lane % kWidth];
+    products[j] = sum;
+  }
+}
+
+template <class Real>
+void dotColumns(const Real* columns, const double* factors, std::size_t columnCount, double* products,
+                std::size_t size) {
+  size = size / kWidest * kWidest;
+  std::size_t j = 0;
+  for (; j + kColumns <= columnCount; j += kColumns) dotSome<kColumns>(columns + j * size, factors, products + j, size);
+  for (; j < columnCount; ++j) dotSome<1>(columns + j * size, factors, products + j, size);
+}
 
 /// The part of a tile's product whose sums stay in registers, half of which they fill.
 template <class Real>

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 namespace {
@@ -17,8 +18,13 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using julia::minimiseBounded;
+using julia::BoundedQuadratic;
 using law_tests::Random;
+
+std::optional<VectorXd> minimiseBounded(const MatrixXd& H, const VectorXd& b, const std::vector<char>& bounded,
+                                        std::vector<char>& passive) {
+  return BoundedQuadratic(H).minimise(b, bounded, passive);
+}
 
 struct Program {
   MatrixXd H;
@@ -138,6 +144,26 @@ TEST(BoundedQuadratic, theGuessDoesNotMatter) {
     EXPECT_EQ(passive, expectedPassive) << round;
     EXPECT_LT((x - expected).cwiseAbs().maxCoeff(), 1e-10) << round;
   }
+}
+
+// Programs of one matrix, whose free variables differ a little from one to the next: the factor of the first serves.
+TEST(BoundedQuadratic, anEarlierProgramChangesNothing) {
+  Random random(6);
+  for (const Index n : {5, 60, 200})
+    for (const double drift : {0., 0.02, 0.1, 2.}) {
+      Program program = randomProgram(random, n, n, 0.1);
+      BoundedQuadratic quadratic(program.H);
+      std::vector<char> passive = randomGuess(random, n);
+      for (int round = 0; round < 6; ++round) {
+        const VectorXd x = quadratic.minimise(program.b, program.bounded, passive).value();
+        expectOptimal(program, x, passive, 1e-9);
+        std::vector<char> fresh = randomGuess(random, n);
+        const VectorXd expected = minimiseBounded(program.H, program.b, program.bounded, fresh).value();
+        EXPECT_EQ(passive, fresh) << round << " of " << n << ", " << drift;
+        EXPECT_LT((x - expected).cwiseAbs().maxCoeff(), 1e-8) << round << " of " << n << ", " << drift;
+        for (double& value : program.b) value += drift * random.between(-1, 1);
+      }
+    }
 }
 
 TEST(BoundedQuadratic, withoutBoundsItIsALinearSystem) {

@@ -7,16 +7,24 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <optional>
+
 namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using julia::solveCholesky;
+using julia::Cholesky;
 using law_tests::Random;
 
 // Within a tile, whole tiles, and sizes that end within one.
 constexpr Index kSizes[] = {1, 2, 63, 64, 65, 128, 300, 385};
+
+std::optional<VectorXd> solveCholesky(const MatrixXd& A, const VectorXd& b) {
+  const std::optional<Cholesky> factor = Cholesky::of(A);
+  if (!factor) return std::nullopt;
+  return factor->solve(b);
+}
 
 VectorXd randomVector(Random& random, Index n) {
   return VectorXd::NullaryExpr(n, [&](Index) { return random.between(-1, 1); });
@@ -59,6 +67,23 @@ TEST(Cholesky, threadsChangeNothing) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     EXPECT_EQ(solveCholesky(A, b).value(), expected) << threads;
   }
+}
+
+// L^-1 of the columns of the unit matrix is the inverse factor: L^-T L^-1 A = 1.
+TEST(Cholesky, solvesManyColumnsAtOnce) {
+  Random random(5);
+  for (const Index n : kSizes)
+    for (const Index columns : {1, 64, 70}) {
+      const Cholesky factor = Cholesky::of(randomMatrix(random, n, 1)).value();
+      const MatrixXd B = MatrixXd::NullaryExpr(n, columns, [&](Index, Index) { return random.between(-1, 1); });
+      const MatrixXd X = factor.forwardAll(B);
+      ASSERT_EQ(X.rows(), n);
+      ASSERT_EQ(X.cols(), columns);
+      for (Index j = 0; j < columns; ++j) {
+        const VectorXd expected = factor.forward(B.col(j));
+        EXPECT_LE((X.col(j) - expected).norm(), 1e-12 * double(n) * (1 + expected.norm())) << j << " of " << n;
+      }
+    }
 }
 
 TEST(Cholesky, nothingWhereTheMatrixIsNotPositive) {

@@ -119,7 +119,8 @@ TEST(LogMatrix, gramIsTheSumOfItsProducts) {
     Random random(8);
     std::vector<double> d(count);
     for (double& value : d) value = random.integer(0, 4) == 0 ? 0 : random.unit() * random.unit();
-    const Eigen::MatrixXd gram = matrix.gram(d, 1);
+    Eigen::MatrixXd gram;
+    matrix.extendGram(julia::sampleCells(d, count), gram);
     ASSERT_EQ(gram.rows(), static_cast<Eigen::Index>(rootCount + 1));
     ASSERT_EQ(gram.cols(), gram.rows());
     EXPECT_EQ(gram, Eigen::MatrixXd(gram.transpose()));
@@ -138,20 +139,22 @@ TEST(LogMatrix, gramIsTheSumOfItsProducts) {
   }
 }
 
-// With d = 1, the last entry counts cells: a part of the blocks stands for all of them.
-TEST(LogMatrix, gramOfAPartIsScaledUp) {
-  const std::size_t count = 40 * LogMatrix::kBlock;
-  const std::vector<Point> cells = randomCells(9, count);
-  LogMatrix matrix(cells, kUnlimited);
-  matrix.append(randomRoots(10, 5));
-  const std::vector<double> d(count, 1.0);
-  const Eigen::MatrixXd all = matrix.gram(d, 1);
-  for (const std::size_t stride : {2, 3, 7, 40, 41}) {
-    const Eigen::MatrixXd part = matrix.gram(d, stride);
-    EXPECT_NEAR(part(5, 5), static_cast<double>(count), 1e-3 * static_cast<double>(count)) << stride;
-    // Its blocks are samples: 256 cells of one stride-th part know a mean of such logs to a tenth.
-    EXPECT_LT((part - all).norm(), 0.2 * all.norm()) << stride;
-    EXPECT_NE(part, all) << stride;
+// Roots that come later add rows and columns; what was there stays as it was, the constant last.
+TEST(LogMatrix, extendedGramIsAsFresh) {
+  const std::vector<Point> cells = randomCells(9, 3000);
+  const auto roots = randomRoots(10, 200);
+  const std::vector<double> d(cells.size(), 0.7);
+  const julia::CellSample sample = julia::sampleCells(d, 1500);
+  for (const std::size_t before : {1, 63, 64, 130, 199, 200}) {
+    LogMatrix fresh(cells, kUnlimited), grown(cells, kUnlimited);
+    fresh.append(roots);
+    grown.append(std::span(roots).first(before));
+    Eigen::MatrixXd expected, gram;
+    fresh.extendGram(sample, expected);
+    grown.extendGram(sample, gram);
+    grown.append(std::span(roots).subspan(before));
+    grown.extendGram(sample, gram);
+    EXPECT_EQ(gram, expected) << before;
   }
 }
 
@@ -170,7 +173,8 @@ std::vector<std::uint64_t> everything(const LogMatrix& matrix) {
       true);
   all.push_back(pass.sum);
   all.insert(all.end(), pass.products.begin(), pass.products.end());
-  const Eigen::MatrixXd gram = matrix.gram(d, 2);
+  Eigen::MatrixXd gram;
+  matrix.extendGram(julia::sampleCells(d, matrix.cellCount() / 2), gram);
   all.insert(all.end(), gram.data(), gram.data() + gram.size());
   std::vector<std::uint64_t> bits;
   for (const double value : all) bits.push_back(std::bit_cast<std::uint64_t>(value));
