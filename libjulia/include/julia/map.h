@@ -53,7 +53,10 @@ class Map {
   };
   /// What to expect of settling(). A map that can settle nothing inherits both functions.
   /// @param wanted  the l that the next step must reach
-  virtual Outlook outlook(double /*wanted*/) const { return {}; }
+  virtual Outlook outlook(double wanted) const {
+    (void)wanted;
+    return {};
+  }
 
   /// bounds[i] is such that wherever l >= bounds[i] at a q within @a radius of centre i, the l of the next step, as
   /// logModulus() computes it, is at least outlook's @a wanted; +inf if nothing is known.

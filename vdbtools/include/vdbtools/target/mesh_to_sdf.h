@@ -3,11 +3,11 @@
 /// The room `target` turns a shape into what the dynamics needs of it: signed distances, the space that the maps are
 /// iterated in, and the exponent grid. It uses the rooms up to `recipe`.
 ///
-/// Here: from a mesh to its narrow-band signed distance field, by openvdb::tools::meshToVolume.
+/// Here: from a mesh to its signed distance field, the distance to the nearest of all triangles (docs/design.md 2.9).
 /// phi < 0 inside, > 0 outside, in world units. Index space is world space over the voxel size: node (i, j, k) lies at
 /// (i, j, k) h, whatever the mesh's position.
 ///
-/// meshToVolume gives no sign when a mesh leaks: a hole wider than about two voxels yields a field without an inside,
+/// There is no sign when a mesh leaks: a hole wider than about two voxels yields a field without an inside,
 /// and a mesh that passes at one resolution may fail at a finer one. meshToSdf() checks its result and throws.
 #pragma once
 

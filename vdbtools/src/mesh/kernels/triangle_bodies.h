@@ -14,171 +14,10 @@
 /// would do, so the width of the vectors changes nothing.
 #pragma once
 
-#include "mesh/kernels/triangle_kernels.h"
-
-#include <cmath>
+#include "mesh/kernels/triangle_lanes.h"
 
 namespace vdbtools::kernels {
 namespace {
-
-constexpr unsigned kWide = JULIA_FLOATS;
-constexpr float kHuge = 1e30F;
-constexpr float kFarAway = 1e15F;
-
-typedef float Floats __attribute__((vector_size(4 * kWide)));
-typedef std::int32_t Numbers __attribute__((vector_size(4 * kWide)));
-
-/// Of the nodes of a cube of 2^3, and of the children of a node.
-constexpr unsigned kNodesWide = kWide < 8 ? kWide : 8;
-typedef float NodeFloats __attribute__((vector_size(4 * kNodesWide)));
-typedef std::int32_t NodeNumbers __attribute__((vector_size(4 * kNodesWide)));
-constexpr unsigned kDoublesWide = kWide / 2;
-typedef double Doubles __attribute__((vector_size(8 * kDoublesWide)));
-
-template <class V, class T>
-inline V load(const T* from) {
-  V value;
-  __builtin_memcpy(&value, from, sizeof(V));
-  return value;
-}
-
-template <class V, class T>
-inline void store(const V& value, T* to) {
-  __builtin_memcpy(to, &value, sizeof(V));
-}
-
-template <class V>
-inline V lesser(V a, V b) {
-  return a < b ? a : b;
-}
-
-template <class V>
-inline V greater(V a, V b) {
-  return a > b ? a : b;
-}
-
-template <class V>
-inline V squareRoot(V x) {
-  V result;
-  for (unsigned k = 0; k < sizeof(V) / sizeof(x[0]); ++k) result[k] = std::sqrt(x[k]);
-  return result;
-}
-
-/// A triangle in its own frame: corner a, unit vectors u, v in its plane and n across it; the other corners are b u and
-/// c u + d v, where d is not negative.
-template <class V>
-struct Triangle {
-  V ax, ay, az, ux, uy, uz, vx, vy, vz, nx, ny, nz;
-  V b, c, d;
-  V perC, perD;  ///< 1 / (c^2 + d^2) and 1 / ((c - b)^2 + d^2); 0 where there is none
-};
-
-template <class V>
-inline V dot(V ax, V ay, V az, V bx, V by, V bz) {
-  return ax * bx + ay * by + az * bz;
-}
-
-template <class V>
-inline V reciprocal(V x) {
-  const V zero = {};
-  return x > zero ? 1 / x : zero;
-}
-
-/// @param p, q  the edges from the corner a
-template <class V>
-inline Triangle<V> frameOf(V ax, V ay, V az, V px, V py, V pz, V qx, V qy, V qz) {
-  const V zero = {}, one = zero + 1;
-  Triangle<V> t;
-  t.ax = ax, t.ay = ay, t.az = az;
-  // The longer edge gives u, the other one's rest v.
-  const V pp = dot(px, py, pz, px, py, pz), qq = dot(qx, qy, qz, qx, qy, qz);
-  const auto swaps = qq > pp;
-  const V lx = swaps ? qx : px, ly = swaps ? qy : py, lz = swaps ? qz : pz;
-  const V sx = swaps ? px : qx, sy = swaps ? py : qy, sz = swaps ? pz : qz;
-  t.b = squareRoot(swaps ? qq : pp);
-  const V perB = reciprocal(t.b);
-  const auto isPoint = !(t.b > zero);
-  t.ux = isPoint ? one : lx * perB, t.uy = ly * perB, t.uz = lz * perB;
-  t.c = dot(sx, sy, sz, t.ux, t.uy, t.uz);
-  const V rx = sx - t.c * t.ux, ry = sy - t.c * t.uy, rz = sz - t.c * t.uz;
-  t.d = squareRoot(dot(rx, ry, rz, rx, ry, rz));
-  // Where the corners are in a row, v is any vector across u.
-  const V perD = reciprocal(t.d);
-  const auto isRow = !(t.d > 1e-6F * t.b);
-  const V bx = t.ux < zero ? -t.ux : t.ux, by = t.uy < zero ? -t.uy : t.uy, bz = t.uz < zero ? -t.uz : t.uz;
-  const auto isX = (bx <= by) & (bx <= bz);
-  const auto isY = by <= bz;
-  t.d = isRow ? zero : t.d;
-  t.vx = isRow ? (isX ? one : zero) : rx * perD;
-  t.vy = isRow ? (isX ? zero : isY ? one : zero) : ry * perD;
-  t.vz = isRow ? (isX ? zero : isY ? zero : one) : rz * perD;
-  // Once more, as rounding leaves some of u in the rest of a sliver.
-  const V along = dot(t.vx, t.vy, t.vz, t.ux, t.uy, t.uz);
-  t.vx -= along * t.ux, t.vy -= along * t.uy, t.vz -= along * t.uz;
-  const V scale = 1 / squareRoot(dot(t.vx, t.vy, t.vz, t.vx, t.vy, t.vz));
-  t.vx *= scale, t.vy *= scale, t.vz *= scale;
-  t.nx = t.uy * t.vz - t.uz * t.vy;
-  t.ny = t.uz * t.vx - t.ux * t.vz;
-  t.nz = t.ux * t.vy - t.uy * t.vx;
-  const V e = t.c - t.b;
-  t.perC = reciprocal(t.c * t.c + t.d * t.d);
-  t.perD = reciprocal(e * e + t.d * t.d);
-  return t;
-}
-
-/// The way from the nearest point of a triangle to a position, in the triangle's frame.
-template <class V>
-struct Away {
-  V x, y, z;
-  V squared;
-};
-
-/// @param T  V, or the number that V has several of
-template <class V, class T>
-inline Away<V> awayFrom(const Triangle<T>& t, V px, V py, V pz) {
-  const V zero = {}, one = zero + 1;
-  const V rx = px - t.ax, ry = py - t.ay, rz = pz - t.az;
-  const V x = rx * t.ux + ry * t.uy + rz * t.uz;
-  const V y = rx * t.vx + ry * t.vy + rz * t.vz;
-  const V z = rx * t.nx + ry * t.ny + rz * t.nz;
-  const auto clamp01 = [&](V s) { return lesser(greater(s, zero), one); };
-  // The edge from a to b u.
-  V ex = x - lesser(greater(x, zero), zero + t.b), ey = y;
-  V least = ex * ex + ey * ey;
-  const auto meet = [&](V dx, V dy) {
-    const V squared = dx * dx + dy * dy;
-    const auto nearer = squared < least;
-    least = nearer ? squared : least;
-    ex = nearer ? dx : ex;
-    ey = nearer ? dy : ey;
-  };
-  // From a to c u + d v.
-  const V s = clamp01((x * t.c + y * t.d) * t.perC);
-  meet(x - s * t.c, y - s * t.d);
-  // From b u to c u + d v.
-  const V w = x - t.b;
-  const T e = t.c - t.b;
-  const V r = clamp01((w * e + y * t.d) * t.perD);
-  meet(w - r * e, y - r * t.d);
-  const auto inside = (y >= zero) & (t.c * y <= t.d * x) & (e * y >= t.d * w) & (zero + t.d > zero);
-  ex = inside ? zero : ex;
-  ey = inside ? zero : ey;
-  least = inside ? zero : least;
-  return {ex, ey, z, least + z * z};
-}
-
-/// The triangles of a pack about a position, from lane @a first on.
-template <class V>
-inline Triangle<V> trianglesOf(const TrianglePack& pack, unsigned first, const double position[3]) {
-  V at[3][3];
-  for (int axis = 0; axis < 3; ++axis)
-    for (int c = 0; c < 3; ++c) at[c][axis] = load<V>(pack.corner[c][axis] + first);
-  float shift[3];
-  for (int axis = 0; axis < 3; ++axis) shift[axis] = static_cast<float>(pack.origin[axis] - position[axis]);
-  return frameOf<V>(at[0][0] + shift[0], at[0][1] + shift[1], at[0][2] + shift[2], at[1][0] - at[0][0],
-                    at[1][1] - at[0][1], at[1][2] - at[0][2], at[2][0] - at[0][0], at[2][1] - at[0][1],
-                    at[2][2] - at[0][2]);
-}
 
 inline void toCentre(const TreeView& tree, const double position[3], float (&p)[3]) {
   for (int axis = 0; axis < 3; ++axis) p[axis] = static_cast<float>(position[axis] - tree.centre[axis]);
@@ -284,6 +123,15 @@ inline V excess(V x, V y, V z, V squared, float half, V slack, const CornerBound
   const V distance = squareRoot(squared);
   const V scale = half / (distance + 1e-20F);
   return leastExcess<V>(distance * 0.999998F - slack, x * scale, y * scale, z * scale, bounds);
+}
+
+/// By how much something is farther than @a far all over a cube, from excess()'s arguments.
+template <class V>
+inline V excessOver(float far, V x, V y, V z, V squared, float half, V slack) {
+  const V distance = squareRoot(squared);
+  const V scale = half / (distance + 1e-20F);
+  const auto absolute = [](V v) { return greater(v, -v); };
+  return distance * 0.999998F - slack - scale * (absolute(x) + absolute(y) + absolute(z)) - far;
 }
 
 /// The nearest triangle of a cube's middle, as others are compared with it.
@@ -459,28 +307,33 @@ inline std::uint32_t prepareBoxes(const TreeView& tree, const double middle[3], 
   return vectors;
 }
 
-template <class V>
-inline bool any(V mask) {
-  std::int64_t parts[sizeof(V) / 8];
-  __builtin_memcpy(parts, &mask, sizeof(V));
-  std::int64_t all = 0;
-  for (const std::int64_t part : parts) all |= part;
-  return all != 0;
+/// A bit for each lane up to 0.
+inline unsigned lanesUpTo0(Floats over) {
+#if defined(__AVX512F__)
+  return _mm512_cmp_ps_mask(over, _mm512_setzero_ps(), _CMP_LE_OQ);
+#elif defined(__AVX2__)
+  return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(over, _mm256_setzero_ps(), _CMP_LE_OQ)));
+#elif defined(__SSE2__)
+  return static_cast<unsigned>(_mm_movemask_ps(_mm_cmple_ps(over, _mm_setzero_ps())));
+#else
+  unsigned bits = 0;
+  for (unsigned k = 0; k < kWide; ++k) bits |= (over[k] <= 0.0F ? 1U : 0U) << k;
+  return bits;
+#endif
 }
 
 /// Writes the numbers of the lanes up to 0, and returns how many numbers there are now.
 inline std::uint32_t append(Floats over, std::uint32_t first, std::uint32_t* list, std::uint32_t count) {
-  if (!any(over <= 0.0F)) return count;
-  for (unsigned k = 0; k < kWide; ++k) {
-    list[count] = first + k;
-    count += over[k] <= 0.0F;
-  }
+  for (unsigned bits = lanesUpTo0(over); bits != 0; bits &= bits - 1)
+    list[count++] = first + static_cast<unsigned>(__builtin_ctz(bits));
   return count;
 }
 
-/// The vectors of candidates that may hold the triangle nearest to some point of the cube about @a about.
+/// The vectors of candidates that may hold the triangle nearest to some point of the cube about @a about, no farther
+/// than
+/// @a far from it.
 inline std::uint32_t chooseVectors(const PackBoxes* boxes, std::uint32_t count, const float about[3], float half,
-                                   const CornerBounds& bounds, std::uint32_t* list, std::uint32_t* packs) {
+                                   const CornerBounds& bounds, float far, std::uint32_t* list, std::uint32_t* packs) {
   const Floats zero = {};
   std::uint32_t chosen = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -488,7 +341,9 @@ inline std::uint32_t chooseVectors(const PackBoxes* boxes, std::uint32_t count, 
     for (int axis = 0; axis < 3; ++axis)
       d[axis] = greater(about[axis] - boxes[i].high[axis], zero) - greater(boxes[i].low[axis] - about[axis], zero);
     const Floats squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    chosen = append(excess(d[0], d[1], d[2], squared, half, zero, bounds), i * kWide, packs, chosen);
+    const Floats over = greater(excess(d[0], d[1], d[2], squared, half, zero, bounds),
+                                excessOver(far, d[0], d[1], d[2], squared, half, zero));
+    chosen = append(over, i * kWide, packs, chosen);
   }
   // A pack is several vectors, or a vector several packs.
   std::uint32_t vectors = 0;
@@ -650,8 +505,8 @@ inline void finish(const TreeView& tree, const double middle[3], const float abo
 /// Fewer candidates are not worth choosing among for a smaller cube.
 constexpr std::uint32_t kFew = 6;
 
-/// Half the diagonal of a cube of 4^3 nodes, and a little more.
-constexpr float kHalfDiagonal4 = 2.599F;
+/// Half the diagonals of cubes of 4^3 and 2^3 nodes, and a little more.
+constexpr float kHalfDiagonal4 = 2.599F, kHalfDiagonal2 = 0.867F;
 
 void resolve(const TreeView& tree, const double middle[3], const std::uint32_t* packs, std::uint32_t count, float far,
              const Scratch& scratch, float distance[kBlockNodes], std::uint32_t triangle[kBlockNodes]) {
@@ -670,7 +525,9 @@ void resolve(const TreeView& tree, const double middle[3], const std::uint32_t* 
     const CornerBounds bounds =
         cornerBounds(triangleOf(one), about4, 1.5F, one[kWide * kSlackAt] + 2 * tree.boxSlack + 1e-5F);
     std::uint32_t* const list = scratch.list[0];
-    const std::uint32_t near = chooseVectors(boxes, boxVectors, about4, 1.5F, bounds, scratch.list[1], list);
+    const std::uint32_t near = chooseVectors(boxes, boxVectors, about4, 1.5F, bounds,
+                                             far * 1.00001F + 2 * tree.boxSlack, scratch.list[1], list);
+    if (near == 0) continue;
     const std::uint32_t of4 = choose(all, total, scratch.list[1], near, about4, 1.5F, scratch, list, least);
     if (least > far + kHalfDiagonal4) continue;
     take(all, list, of4, some);
@@ -681,6 +538,7 @@ void resolve(const TreeView& tree, const double middle[3], const std::uint32_t* 
       std::uint32_t of2 = of4;
       if (of4 > kFew) {
         of2 = choose(some, of4, nullptr, (of4 + kWide - 1) / kWide, about2, 0.5F, scratch, list, least);
+        if (least > far + kHalfDiagonal2) continue;
       } else {
         for (std::uint32_t n = 0; n < of4; ++n) list[n] = n;
       }
