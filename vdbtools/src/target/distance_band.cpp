@@ -105,15 +105,18 @@ class Band {
   std::vector<Coord> findCubes() const {
     const Coord low = Coord::floor(mTree.box().min() - Vec3d(mWidth)),
                 high = Coord::ceil(mTree.box().max() + Vec3d(mWidth));
-    int side = kCube;
-    const auto cubesAlong = [&](int axis) { return (high[axis] - low[axis]) / side + 2; };
+    // 64 bits, as the box may be as large as coordinates allow.
+    std::int64_t side = kCube;
+    const auto cubesAlong = [&](int axis) { return (std::int64_t{high[axis]} - low[axis]) / side + 2; };
     while (std::max({cubesAlong(0), cubesAlong(1), cubesAlong(2)}) > 4) side *= 2;
     std::vector<Coord> cubes;
     BlockDistances distances(mTree);
-    const Coord first(low[0] & ~(side - 1), low[1] & ~(side - 1), low[2] & ~(side - 1));
-    for (int x = first[0]; x <= high[0]; x += side)
-      for (int y = first[1]; y <= high[1]; y += side)
-        for (int z = first[2]; z <= high[2]; z += side) findCubes(Coord(x, y, z), side, distances, cubes);
+    const auto first = [&](int axis) { return std::int64_t{low[axis]} & ~(side - 1); };
+    for (std::int64_t x = first(0); x <= high[0]; x += side)
+      for (std::int64_t y = first(1); y <= high[1]; y += side)
+        for (std::int64_t z = first(2); z <= high[2]; z += side)
+          findCubes(Coord(static_cast<int>(x), static_cast<int>(y), static_cast<int>(z)), static_cast<int>(side),
+                    distances, cubes);
     return cubes;
   }
 

@@ -22,8 +22,8 @@ openvdb::FloatGrid::Ptr unsignedDistances(const TriangleTree& tree, float width,
 /// outside does not reach from node to node without coming within half a voxel's diagonal of a triangle; a node that
 /// near to one is outside if it lies on the same side as a neighbour that the flood reached.
 ///
-/// Triangles with no outside next to them bound nothing: inner walls, and the parts of overlapping solids that lie in
-/// each other. Distances are those to the other triangles.
+/// Triangles with no outside within three voxels bound nothing: inner walls, and the parts of overlapping solids that
+/// lie in each other. Distances are those to the other triangles.
 /// @param exterior, interior  widths of the band
 /// @return not pruned, flood filled; the background is @a exterior
 /// @throw Interrupted

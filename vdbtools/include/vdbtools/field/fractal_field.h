@@ -35,7 +35,7 @@ struct FieldPlan {
 
 struct FractalField {
   /// F. Active nodes were evaluated; all others hold a constant of the right sign, outside of the domain a positive
-  /// one.
+  /// one. Unless every value was asked for, a node is julia::kFieldLimit where no more than F >= 0 is known.
   openvdb::FloatGrid::Ptr field;
   /// The steps that each evaluated node took; empty unless asked for.
   openvdb::FloatGrid::Ptr iterations;
