@@ -315,6 +315,23 @@ std::vector<Vec3I> boundingTriangles(const TriangleTree& tree, const Sides& side
   return kept;
 }
 
+/// Fills a leaf with the distances up to the band's widths, negative inside.
+/// @param isOutside  of a node of the leaf, by its number
+/// @return whether any node belongs to the band
+template <class IsOutside>
+bool fillLeaf(const BlockDistances& block, float exterior, float interior, const IsOutside& isOutside, Leaf& leaf) {
+  float* const values = leaf.buffer().data();
+  openvdb::util::NodeMask<Leaf::LOG2DIM> active;
+  for (Index i = 0; i < Leaf::SIZE; ++i) {
+    const float d = block.distances()[i];
+    const bool outside = isOutside(i);
+    values[i] = outside ? std::min(d, exterior) : -std::min(d, interior);
+    if (d < (outside ? exterior : interior)) active.setOn(i);
+  }
+  leaf.setValueMask(active);
+  return !active.isOff();
+}
+
 FloatGrid::Ptr signedBand(const TriangleTree& tree, const FloatTree& sign, float exterior, float interior,
                           std::string_view phase, Monitor& monitor) {
   const auto isOutside = [&](const Coord& node) { return sign.getValue(node) > 0; };
@@ -327,17 +344,8 @@ FloatGrid::Ptr signedBand(const TriangleTree& tree, const FloatTree& sign, float
       [&](const BlockDistances& block, Leaf& leaf) {
         const Leaf* const signs = sign.probeConstLeaf(leaf.origin());
         const bool allOutside = !signs && isOutside(leaf.origin());
-        float* const values = leaf.buffer().data();
-        openvdb::util::NodeMask<Leaf::LOG2DIM> active;
-        for (Index i = 0; i < Leaf::SIZE; ++i) {
-          const float d = block.distances()[i];
-          const bool outside = signs ? signs->getValue(i) > 0 : allOutside;
-          const float width = outside ? exterior : interior;
-          values[i] = outside ? std::min(d, exterior) : -std::min(d, interior);
-          if (d < width) active.setOn(i);
-        }
-        leaf.setValueMask(active);
-        return !active.isOff();
+        return fillLeaf(
+            block, exterior, interior, [&](Index i) { return signs ? signs->getValue(i) > 0 : allOutside; }, leaf);
       });
   const FloatGrid::Ptr grid = gridOf(band.make(phase, monitor), exterior);
   openvdb::tools::signedFloodFillWithValues(grid->tree(), exterior, -interior);
@@ -350,15 +358,8 @@ FloatGrid::Ptr unsignedDistances(const TriangleTree& tree, float width, std::str
   Band band(
       tree, width, [&](const Coord&, int, float least) { return least < width; },
       [&](const BlockDistances& block, Leaf& leaf) {
-        float* const values = leaf.buffer().data();
-        openvdb::util::NodeMask<Leaf::LOG2DIM> active;
-        for (Index i = 0; i < Leaf::SIZE; ++i) {
-          const float d = block.distances()[i];
-          values[i] = std::min(d, width);
-          if (d < width) active.setOn(i);
-        }
-        leaf.setValueMask(active);
-        return !active.isOff();
+        return fillLeaf(
+            block, width, width, [](Index) { return true; }, leaf);
       });
   return gridOf(band.make(phase, monitor), width);
 }

@@ -111,18 +111,16 @@ inline CornerBounds cornerBounds(const Triangle<float>& triangle, const float ab
 /// @param x, y, z  the way from its nearest point to the cube's middle
 /// @param slack  by how much its distance may be too large
 template <class V>
-inline V leastExcess(V base, V x, V y, V z, const CornerBounds& bounds) {
+inline V excess(V x, V y, V z, V squared, float half, V slack, const CornerBounds& bounds) {
+  const V distance = squareRoot(squared);
+  const V scale = half / (distance + 1e-20F);
+  x *= scale, y *= scale, z *= scale;
+  const V base = distance * 0.999998F - slack;
   const V ll = base - x - y, lh = base - x + y, hl = base + x - y, hh = base + x + y;
   return lesser(lesser(lesser(ll - z - bounds.at[0], ll + z - bounds.at[1]),
                        lesser(lh - z - bounds.at[2], lh + z - bounds.at[3])),
                 lesser(lesser(hl - z - bounds.at[4], hl + z - bounds.at[5]),
                        lesser(hh - z - bounds.at[6], hh + z - bounds.at[7])));
-}
-template <class V>
-inline V excess(V x, V y, V z, V squared, float half, V slack, const CornerBounds& bounds) {
-  const V distance = squareRoot(squared);
-  const V scale = half / (distance + 1e-20F);
-  return leastExcess<V>(distance * 0.999998F - slack, x * scale, y * scale, z * scale, bounds);
 }
 
 /// By how much something is farther than @a far all over a cube, from excess()'s arguments.
