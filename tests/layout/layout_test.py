@@ -28,6 +28,7 @@ ORDER = [
     "vdbtools/fit",
     "vdbtools/maps",
     "vdbtools/job",
+    "vdbtools/farm",
     "cli",
 ]
 
