@@ -29,6 +29,7 @@ constexpr Command kCommands[] = {
     {"study", runStudy, "show what a target decides whatever its versor: average membership, distance over circles"},
     {"render", runRender, "make a shaded picture of a level set, or of a map's set"},
     {"info", runInfo, "show what is in a mesh, a VDB or a versor file"},
+    {"plan", runPlan, "plan the tasks of a farm: tiles of a fractal, frames, or cells of a contact sheet"},
     {"maps", runMaps, "list the maps and their options"},
 };
 

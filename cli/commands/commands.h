@@ -21,6 +21,7 @@ int runSlice(const Arguments& arguments);
 int runStudy(const Arguments& arguments);
 int runRender(const Arguments& arguments);
 int runInfo(const Arguments& arguments);
+int runPlan(const Arguments& arguments);
 int runMaps(const Arguments& arguments);
 
 struct Command {
