@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/files/atomic_file.h"
 
+#include "files/temporaries.h"
+
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
 
@@ -31,8 +33,6 @@ namespace fs = std::filesystem;
 constexpr std::size_t kBufferSize = std::size_t{1} << 20;
 constexpr int kMostLinks = 40;  ///< as Linux follows
 constexpr int kAttempts = 100;  ///< at finding an unused name; the first nearly always succeeds
-/// Bytes of the target's name that go into the temporary's, so that the latter is not too long where the former fits.
-constexpr std::size_t kLongestStem = 100;
 
 std::string textOf(int error) { return std::generic_category().message(error); }
 
@@ -193,18 +193,6 @@ class DescriptorBuffer : public std::streambuf {
   int mError = 0;
 };
 
-/// The temporary files of this process, each with its target.
-struct Registry {
-  std::mutex mutex;
-  std::map<fs::path, fs::path> targets;
-};
-
-/// Never destroyed, as files may be committed and removed while the process ends.
-Registry& registry() {
-  static Registry& instance = *new Registry;
-  return instance;
-}
-
 /// What @a path leads to through symbolic links, which need not exist.
 fs::path followLinks(const fs::path& path) {
   fs::path target = path;
@@ -261,13 +249,6 @@ Place placeOf(const fs::path& path) {
   return place;
 }
 
-/// A name that shows whose leftover it is, should the process be killed.
-fs::path temporaryName(const fs::path& target, std::uint32_t random) {
-  char suffix[16];
-  std::snprintf(suffix, sizeof suffix, ".%08x.tmp", static_cast<unsigned int>(random));
-  return target.parent_path() / ("." + target.filename().native().substr(0, kLongestStem) + suffix);
-}
-
 /// Creates and registers the temporary file of @a place.
 /// @param path  as it was given, for messages
 /// @return its descriptor
@@ -286,8 +267,9 @@ int createTemporary(const Place& place, const fs::path& path, fs::path& temporar
     const mode_t mode = place.exists ? S_IRUSR | S_IWUSR : 0666;
     const int descriptor =
         openRetrying([&] { return ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode); });
-    if (descriptor >= 0) return descriptor;
-    const int error = errno;
+    if (descriptor >= 0 && lockOwn(descriptor, temporary)) return descriptor;
+    const int error = descriptor >= 0 ? EEXIST : errno;
+    if (descriptor >= 0) ::close(descriptor);
     live.targets.erase(entry);
     if (error != EEXIST)
       cannotCreate(path, "no file can be made in " + nameOf(temporary.parent_path()) + ": " + textOf(error));
@@ -352,11 +334,17 @@ struct AtomicFile::State {
   bool replaces = true;
   bool finished = false;
   bool committed = false;
+  int lockHolder = -1;  ///< of the temporary file; the buffer's descriptor is closed before the file is in its place
 
   State() = default;
   State(const State&) = delete;
   State& operator=(const State&) = delete;
   ~State() {
+    removeTemporary();
+    if (lockHolder >= 0) ::close(lockHolder);
+  }
+
+  void removeTemporary() const {
     if (temporary.empty()) return;
     Registry& live = registry();
     const std::lock_guard lock(live.mutex);
@@ -383,6 +371,8 @@ AtomicFile::AtomicFile(const fs::path& target) : mState(std::make_unique<State>(
   }
   const int descriptor = createTemporary(place, target, mState->temporary);
   mState->buffer.attach(descriptor, true);
+  mState->lockHolder = ::fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
+  if (mState->lockHolder < 0) cannotCreate(target, textOf(errno));
   if (place.exists) keepOwnerAndMode(descriptor, place.status);
 }
 
@@ -457,13 +447,6 @@ void commitAll(std::span<AtomicFile* const> files) {
     }
   }
   for (const fs::path& folder : folders) syncFolder(folder);
-}
-
-void removeTemporaries() noexcept {
-  Registry& live = registry();
-  const std::lock_guard lock(live.mutex);
-  for (const auto& [temporary, target] : live.targets) ::unlink(temporary.c_str());
-  live.targets.clear();
 }
 
 }  // namespace vdbtools

@@ -12,8 +12,11 @@
 /// existing file keep the old content. Devices, pipes and the like cannot be replaced: they are opened and written
 /// directly, what was written cannot be taken back, and they have no position. Writing to a pipe without a reader
 /// raises SIGPIPE.
+///
+/// A process that is killed leaves its temporary files behind; sweepTemporaries() removes them.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <ostream>
@@ -71,5 +74,11 @@ void commitAll(std::span<AtomicFile* const> files);
 /// Unlinks every temporary file of this process, for the moment before it ends without running destructors. Committing
 /// a file later throws IoError. May be called from any thread, but not from a signal handler.
 void removeTemporaries() noexcept;
+
+/// Removes from @a folder the temporary files of processes that were killed. The owner of a temporary file holds a lock
+/// on it (flock), which ends with the process. On file systems whose locks do not reach other machines, only files that
+/// nobody has written for a day are removed. What cannot be read or removed stays.
+/// @return how many were removed
+std::size_t sweepTemporaries(const std::filesystem::path& folder);
 
 }  // namespace vdbtools

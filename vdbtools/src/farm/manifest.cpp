@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/farm/manifest.h"
+
+#include "vdbtools/base/errors.h"
+#include "vdbtools/files/file_bytes.h"
+#include "vdbtools/files/file_hash.h"
+#include "vdbtools/job/fractal_options.h"
+
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+namespace vdbtools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kFile = "plan";
+constexpr int kFormat = 1;
+
+constexpr const char* kFileKey = "juliavdb";
+constexpr const char* kFormatKey = "version";
+constexpr const char* kProgramKey = "program";
+constexpr const char* kHashKey = "hash";
+
+constexpr std::array<std::pair<PlanKind, const char*>, 3> kKinds = {
+    {{PlanKind::Tiles, "tiles"}, {PlanKind::Frames, "frames"}, {PlanKind::Sheet, "sheet"}}};
+
+const char* nameOf(PlanKind kind) {
+  for (const auto& [other, name] : kKinds)
+    if (kind == other) return name;
+  throw std::logic_error("a kind of plan has no name");
+}
+
+Json jsonOf(const std::map<std::string, std::string>& entries) {
+  Json json = Json::object();
+  for (const auto& [name, value] : entries) json[name] = value;
+  return json;
+}
+
+Json jsonOf(const openvdb::CoordBBox& box) {
+  const auto corner = [](const openvdb::Coord& c) { return Json::array({c.x(), c.y(), c.z()}); };
+  return Json::array({corner(box.min()), corner(box.max())});
+}
+
+Json jsonOf(const TileLattice& lattice) {
+  return {{"domain", jsonOf(lattice.domain)}, {"bounded", lattice.bounded}, {"voxelSize", lattice.voxelSize}};
+}
+
+Json jsonOf(const PlannedTask& task) {
+  Json json = Json::object();
+  if (!task.recipe.empty()) json["recipe"] = jsonOf(task.recipe);
+  if (task.box) json["box"] = jsonOf(*task.box);
+  json["writes"] = task.writes;
+  return json;
+}
+
+/// All of a plan but its hash.
+Json jsonOf(const Manifest& manifest) {
+  Json json{{kFileKey, kFile},
+            {kFormatKey, kFormat},
+            {kProgramKey, JULIAVDB_VERSION},
+            {"kind", nameOf(manifest.kind)},
+            {"makes", manifest.makes},
+            {"recipe", jsonOf(manifest.recipe)}};
+  if (!manifest.facts.empty()) json["facts"] = jsonOf(manifest.facts);
+  if (manifest.lattice) json["lattice"] = jsonOf(*manifest.lattice);
+  json["inputs"] = Json::array();
+  for (const PlannedInput& input : manifest.inputs)
+    json["inputs"].push_back({{"path", input.path}, {"sha256", input.sha256}});
+  json["tasks"] = Json::array();
+  for (const PlannedTask& task : manifest.tasks) json["tasks"].push_back(jsonOf(task));
+  return json;
+}
+
+std::map<std::string, std::string> entriesFrom(const Json& json) {
+  std::map<std::string, std::string> entries;
+  for (const auto& [name, value] : json.items()) entries[name] = value.get<std::string>();
+  return entries;
+}
+
+openvdb::CoordBBox boxFrom(const Json& json) {
+  const auto corner = [](const Json& c) {
+    return openvdb::Coord(c.at(0).get<int>(), c.at(1).get<int>(), c.at(2).get<int>());
+  };
+  return {corner(json.at(0)), corner(json.at(1))};
+}
+
+PlanKind kindFrom(const std::string& text) {
+  for (const auto& [kind, name] : kKinds)
+    if (text == name) return kind;
+  throw DataError("it is of the unknown kind " + inOneLine(text));
+}
+
+Manifest manifestFrom(const Json& json) {
+  Manifest manifest;
+  manifest.version = json.at(kProgramKey).get<std::string>();
+  manifest.kind = kindFrom(json.at("kind").get<std::string>());
+  manifest.makes = json.at("makes").get<std::vector<std::string>>();
+  manifest.recipe = entriesFrom(json.at("recipe"));
+  if (json.contains("facts")) manifest.facts = entriesFrom(json.at("facts"));
+  if (json.contains("lattice")) {
+    const Json& lattice = json.at("lattice");
+    manifest.lattice = {boxFrom(lattice.at("domain")), lattice.at("bounded").get<bool>(),
+                        lattice.at("voxelSize").get<double>()};
+  }
+  for (const Json& input : json.at("inputs"))
+    manifest.inputs.push_back({input.at("path").get<std::string>(), input.at("sha256").get<std::string>()});
+  for (const Json& entry : json.at("tasks")) {
+    PlannedTask task;
+    if (entry.contains("recipe")) task.recipe = entriesFrom(entry.at("recipe"));
+    if (entry.contains("box")) task.box = boxFrom(entry.at("box"));
+    task.writes = entry.at("writes").get<std::vector<std::string>>();
+    manifest.tasks.push_back(std::move(task));
+  }
+  return manifest;
+}
+
+/// One line for each entry, and for each element of those entries that are long lists.
+std::string laidOut(const Json& json) {
+  std::string text = "{";
+  bool first = true;
+  for (const auto& [key, value] : json.items()) {
+    text += std::string(first ? "" : ",") + "\n \"" + key + "\": ";
+    first = false;
+    const bool list = key == "inputs" || key == "tasks";
+    if (!list && key != "recipe" && key != "facts") {
+      text += value.dump();
+      continue;
+    }
+    text += list ? '[' : '{';
+    bool inner = false;
+    for (const auto& [name, element] : value.items()) {
+      text += std::string(inner ? "," : "") + "\n  ";
+      if (!list) text += Json(name).dump() + ": ";
+      text += element.dump();
+      inner = true;
+    }
+    text += list ? "\n ]" : "\n }";
+  }
+  return text + "\n}\n";
+}
+
+const PlannedTask& taskOf(const Manifest& manifest, std::uint64_t index) {
+  if (index >= 1 && index <= manifest.tasks.size()) return manifest.tasks[index - 1];
+  throw std::out_of_range("there is no task " + std::to_string(index) + "; the plan has the tasks 1 to " +
+                          std::to_string(manifest.tasks.size()));
+}
+
+}  // namespace
+
+std::string encodeManifest(const Manifest& manifest) {
+  try {
+    const Json content = jsonOf(manifest);
+    const std::string hash = sha256Hex(content.dump());
+    Json json = Json::object();
+    for (const auto& [key, value] : content.items()) {
+      json[key] = value;
+      if (key == kProgramKey) json[kHashKey] = hash;
+    }
+    return laidOut(json);
+  } catch (const Json::type_error&) {
+    // A name with other characters put in their place would be that of another file.
+    throw DataError("a name or a value of the plan is not UTF-8, as a manifest must be; rename the file");
+  }
+}
+
+Manifest readManifest(const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / kManifestName;
+  const std::string name = "'" + inOneLine(path.native()) + "'";
+  if (!std::filesystem::exists(path))
+    throw MissingInputError("there is no " + name + "; '" + inOneLine(folder.native()) +
+                            "' is not the folder of a plan");
+  const std::string broken = name + " is a broken plan";
+  Json json = Json::parse(readWholeFile(path), nullptr, false);
+  if (!json.is_object()) throw DataError(broken + ": it is not valid JSON; plan again");
+  try {
+    if (json.value(kFileKey, Json()) != kFile) throw DataError(name + " is no plan of juliavdb");
+    const std::string program = json.at(kProgramKey).get<std::string>();
+    if (program != JULIAVDB_VERSION || json.at(kFormatKey) != kFormat)
+      throw DataError(name + " was written by version " + inOneLine(program) + " of juliavdb, and this is version " +
+                      JULIAVDB_VERSION + "; use that version for its tasks, or plan again");
+    const std::string hash = json.at(kHashKey).get<std::string>();
+    json.erase(kHashKey);
+    if (sha256Hex(json.dump()) != hash)
+      throw DataError(name + " was changed after it was written, so that finished tasks might not belong to it; " +
+                      "restore it, or plan again");
+    return manifestFrom(json);
+  } catch (const nlohmann::json::exception&) {
+    throw DataError(broken + ": an entry is missing or of the wrong kind; plan again");
+  }
+}
+
+std::string taskHash(const Manifest& manifest, std::uint64_t index) {
+  const PlannedTask& task = taskOf(manifest, index);
+  Json json{{kProgramKey, manifest.version.empty() ? JULIAVDB_VERSION : manifest.version},
+            {"kind", nameOf(manifest.kind)},
+            {"makes", manifest.makes},
+            {"recipe", jsonOf(manifest.recipe)},
+            {"inputs", Json::array()},
+            {"task", jsonOf(task)}};
+  if (manifest.lattice) json["lattice"] = jsonOf(*manifest.lattice);
+  // A file that is moved is the same file.
+  for (const PlannedInput& input : manifest.inputs) json["inputs"].push_back(input.sha256);
+  return sha256Hex(json.dump());
+}
+
+Recipe taskRecipe(const Manifest& manifest, std::uint64_t index) {
+  const PlannedTask& task = taskOf(manifest, index);
+  const OptionTable table = fractalOptionTable();
+  return completeRecipe(overridden(manifest.recipe, task.recipe, table), table);
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/files/mark_file.h"
+
+#include "files/temporaries.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+namespace vdbtools {
+namespace {
+
+MarkState stateOf(Owner owner) {
+  return owner == Owner::Alive ? MarkState::Alive : owner == Owner::Dead ? MarkState::Dead : MarkState::Unknown;
+}
+
+}  // namespace
+
+MarkFile::MarkFile(const std::filesystem::path& path, const std::string& content)
+    : mFile(path), mPath(std::filesystem::absolute(path)) {
+  mFile.stream() << content;
+  Registry& live = registry();
+  {
+    const std::lock_guard lock(live.mutex);
+    live.targets.try_emplace(mPath);
+  }
+  try {
+    mFile.commit();
+  } catch (...) {
+    const std::lock_guard lock(live.mutex);
+    live.targets.erase(mPath);
+    throw;
+  }
+}
+
+MarkFile::~MarkFile() {
+  Registry& live = registry();
+  const std::lock_guard lock(live.mutex);
+  if (live.targets.erase(mPath) > 0) ::unlink(mPath.c_str());
+}
+
+void MarkFile::touch() const noexcept {
+  [[maybe_unused]] const int result = ::utimensat(AT_FDCWD, mPath.c_str(), nullptr, 0);
+}
+
+MarkState stateOfMark(const std::filesystem::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) return errno == ENOENT ? MarkState::None : MarkState::Unknown;
+  // Shared, so that two who ask at the same time do not take each other for the writer.
+  const MarkState state = stateOf(ownerOf(descriptor, LOCK_SH));
+  ::close(descriptor);
+  return state;
+}
+
+void removeDeadMark(const std::filesystem::path& path) {
+  const int descriptor = ::open(path.c_str(), O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) return;
+  // A new mark takes its place by a rename, so that the name may lead to another file by now.
+  struct stat open {
+  }, named{};
+  if (ownerOf(descriptor, LOCK_EX) == Owner::Dead && ::fstat(descriptor, &open) == 0 &&
+      ::lstat(path.c_str(), &named) == 0 && open.st_dev == named.st_dev && open.st_ino == named.st_ino)
+    ::unlink(path.c_str());
+  ::close(descriptor);
+}
+
+}  // namespace vdbtools

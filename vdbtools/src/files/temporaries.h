@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file temporaries.h
+/// The temporary files of this process, and the locks by which other processes see whose owner lives.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <mutex>
+
+namespace vdbtools {
+
+/// What this process has to remove before it ends.
+struct Registry {
+  std::mutex mutex;
+  std::map<std::filesystem::path, std::filesystem::path> targets;  ///< each with its target; empty for a MarkFile
+};
+
+/// Never destroyed, as files may be committed and removed while the process ends.
+Registry& registry();
+
+/// A name that shows whose leftover it is, should the process be killed.
+std::filesystem::path temporaryName(const std::filesystem::path& target, std::uint32_t random);
+
+/// Locks a file that this process has just created, for as long as its descriptor or a duplicate of it is open. Where
+/// the file system has no locks, nothing happens.
+/// @return false if another process has removed it in between, taking it for a leftover
+bool lockOwn(int descriptor, const std::filesystem::path& path);
+
+enum class Owner {
+  Alive,    ///< somebody holds the lock
+  Dead,     ///< nobody on any machine does
+  Unknown,  ///< nobody on this machine does, and the file system does not tell of others
+};
+
+/// Tries to lock an open file without waiting. @param lock  LOCK_EX or LOCK_SH
+Owner ownerOf(int descriptor, int lock);
+
+}  // namespace vdbtools
