@@ -32,6 +32,7 @@ constexpr Command kCommands[] = {
     {"status", runStatus, "show which tasks of a plan are done, and which are missing"},
     {"submit", runSubmit, "give the missing tasks of a plan to Slurm or GNU parallel"},
     {"info", runInfo, "show what is in a mesh, a VDB or a versor file"},
+    {"plan", runPlan, "plan the tasks of a farm: tiles of a fractal, frames, or cells of a contact sheet"},
     {"maps", runMaps, "list the maps and their options"},
 };
 

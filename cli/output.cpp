@@ -44,11 +44,6 @@ std::string Outputs::names() const {
   return names;
 }
 
-std::filesystem::path scratchFolder(const vdbtools::AtomicFile& file) {
-  const std::filesystem::path temporary = file.temporaryPath();
-  return temporary.empty() ? std::filesystem::temp_directory_path() : temporary.parent_path();
-}
-
 std::string formatOf(const std::string& name, const char* usual) {
   const std::string extension = vdbtools::lowerExtension(name);
   return extension.empty() ? usual : extension;

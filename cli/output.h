@@ -36,9 +36,6 @@ class Outputs {
   std::list<vdbtools::AtomicFile> mFiles;
 };
 
-/// Where what waits to be put into @a file may be kept: beside it, or for a device where temporaries go.
-std::filesystem::path scratchFolder(const vdbtools::AtomicFile& file);
-
 /// The extension that says what is written to @a name; @a usual for a device, which has none.
 std::string formatOf(const std::string& name, const char* usual);
 

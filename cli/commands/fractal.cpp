@@ -2,13 +2,11 @@
 #include "commands.h"
 
 #include "exit_code.h"
-#include "mesh_file.h"
 #include "options.h"
 #include "output.h"
 #include "report.h"
 
-#include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/job/fractal_job.h"
+#include "vdbtools/job/fractal_files.h"
 
 #include <ostream>
 #include <sstream>
@@ -100,25 +98,9 @@ int runFractal(const Arguments& arguments) {
 
   Progress& progress = line.progress();
   const vdbtools::Scene scene = vdbtools::makeScene(options, progress);
-  const vdbtools::FieldPlan plan = vdbtools::planScene(scene);
-  const std::map<std::string, std::string> metadata = vdbtools::sceneMetadata(scene, line.recipe());
-  std::optional<MeshFile> meshFile;
-  if (mesh)
-    meshFile.emplace(
-        *mesh, vdbtools::MeshWriteOptions{.format = vdbtools::meshFormat("mesh" + formatOf(line.text("mesh"), ".ply")),
-                                          .voxelSize = scene.voxelSize,
-                                          .box = vdbtools::meshBox(plan),
-                                          .comments = metadata});
-  const vdbtools::FractalResult result =
-      vdbtools::runFractal(scene, plan, wantVdb, meshFile ? &*meshFile : nullptr, progress);
-  progress.begin("writing", 0);
-  if (vdb) {
-    if (!result.check.failure.empty())
-      throw std::logic_error("the level set fails OpenVDB's check: " + result.check.failure);
-    vdb->stream() << vdbtools::encodeVdb(result.grids, {.half = options.output.half, .metadata = metadata});
-  }
-  if (meshFile) meshFile->finish();
-  progress.throwIfCancelled();
+  vdbtools::FractalFiles files{.vdb = vdb};
+  if (mesh) files.meshes = {{mesh, vdbtools::meshFormat("mesh" + formatOf(line.text("mesh"), ".ply"))}};
+  const vdbtools::FractalResult result = vdbtools::writeFractal(scene, line.recipe(), files, progress);
   outputs.commit();
 
   report().count("voxelSize", scene.voxelSize);

@@ -2,13 +2,12 @@
 #include "commands.h"
 
 #include "exit_code.h"
-#include "mesh_file.h"
 #include "options.h"
 #include "output.h"
 #include "report.h"
 
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/job/fractal_job.h"
+#include "vdbtools/job/fractal_files.h"
 #include "vdbtools/job/recorded_recipe.h"
 #include "vdbtools/mesh/mesh_writer.h"
 #include "vdbtools/surface/grid_mesh.h"
@@ -29,18 +28,10 @@ constexpr Usage kUsageText = {"mesh", "F.vdb -o F.ply [--from-grid] [options]",
                               "  juliavdb mesh bunny_sdf.vdb -o bunny.stl\n"
                               "  juliavdb mesh bunny.vdb -o blocky.obj --from-grid\n"};
 
-vdbtools::MeshCounts fromRecipe(const vdbtools::Recipe& recipe, vdbtools::AtomicFile& file,
-                                vdbtools::MeshWriteOptions options, Progress& progress) {
+vdbtools::MeshCounts fromRecipe(const vdbtools::Recipe& recipe, vdbtools::AtomicFile& file, vdbtools::MeshFormat format,
+                                Progress& progress) {
   const vdbtools::Scene scene = vdbtools::makeScene(vdbtools::parseFractalOptions(recipe), progress);
-  const vdbtools::FieldPlan plan = vdbtools::planScene(scene);
-  options.voxelSize = scene.voxelSize;
-  options.box = vdbtools::meshBox(plan);
-  options.comments = vdbtools::sceneMetadata(scene, recipe);
-  MeshFile mesh(file, options);
-  const vdbtools::FractalResult result = vdbtools::runFractal(scene, plan, false, &mesh, progress);
-  progress.begin("writing", 0);
-  mesh.finish();
-  return result.mesh;
+  return vdbtools::writeFractal(scene, recipe, {.meshes = {{&file, format}}}, progress).mesh;
 }
 
 vdbtools::MeshCounts fromGrid(const std::string& input, const std::string& grid, vdbtools::AtomicFile& file,
@@ -75,7 +66,7 @@ int runMesh(const Arguments& arguments) {
   const vdbtools::MeshWriteOptions options{.format =
                                                vdbtools::meshFormat("mesh" + formatOf(line.text("output"), ".ply"))};
   const vdbtools::MeshCounts counts = recorded.command == "fractal"
-                                          ? fromRecipe(recorded.recipe, file, options, line.progress())
+                                          ? fromRecipe(recorded.recipe, file, options.format, line.progress())
                                           : fromGrid(input, line.text("grid"), file, options, line.progress());
   line.progress().throwIfCancelled();
   outputs.commit();

@@ -127,4 +127,16 @@ std::string expandFrame(std::string_view name, std::optional<int> frame) {
          std::string(name.substr(extension));
 }
 
+bool hasFramePattern(std::string_view name) { return findPattern(name).has_value(); }
+
+std::string stemWithoutFrame(std::string_view name) {
+  std::string whole(name);
+  if (const std::optional<Pattern> pattern = findPattern(name)) whole.erase(pattern->begin, pattern->size);
+  const std::size_t begin = fileNameBegin(whole);
+  const std::string stem = whole.substr(begin, extensionBegin(whole) - begin);
+  constexpr const char* kLeft = "._- ";
+  const std::size_t first = stem.find_first_not_of(kLeft);
+  return first == std::string::npos ? "" : stem.substr(first, stem.find_last_not_of(kLeft) + 1 - first);
+}
+
 }  // namespace vdbtools

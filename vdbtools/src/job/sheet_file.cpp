@@ -64,23 +64,31 @@ bool isSheetFile(const std::filesystem::path& path) {
 
 bool isSheetCell(const std::string& name) { return lowerExtension(partsOf(name).first) == ".json"; }
 
-Recipe readSheetCell(const std::string& name) {
-  const auto [file, number] = partsOf(name);
-  const Json json = parsed(file);
-  if (json.is_null()) throw DataError("'" + file + "' is no contact sheet of juliavdb");
+std::vector<SheetCell> readSheetCells(const std::filesystem::path& path) {
+  const Json json = parsed(path);
+  if (json.is_null()) throw DataError("'" + path.string() + "' is no contact sheet of juliavdb");
   try {
     if (json.at("version") != kVersion)
-      throw DataError("'" + file + "' is a contact sheet of another version of juliavdb; make the sheet again");
-    const Json& cells = json.at("cells");
-    const std::string which = "'" + file + "' has the cells 1 to " + std::to_string(cells.size());
-    if (number.empty()) throw std::invalid_argument(which + "; name one of them, as in " + file + "#1");
-    const std::optional<std::size_t> cell = wholeFromText<std::size_t>(number);
-    if (!cell || *cell < 1 || *cell > cells.size())
-      throw std::invalid_argument(which + "; there is no cell '" + number + "'");
-    return recipeOf(cells.at(*cell - 1).at("recipe"));
+      throw DataError("'" + path.string() +
+                      "' is a contact sheet of another version of juliavdb; make the sheet again");
+    std::vector<SheetCell> cells;
+    for (const Json& cell : json.at("cells"))
+      cells.push_back({recipeOf(cell.at("varied")), recipeOf(cell.at("recipe")), cell.value("error", "")});
+    return cells;
   } catch (const nlohmann::json::exception&) {
-    throw DataError("'" + file + "' is a broken contact sheet; make the sheet again");
+    throw DataError("'" + path.string() + "' is a broken contact sheet; make the sheet again");
   }
+}
+
+Recipe readSheetCell(const std::string& name) {
+  const auto [file, number] = partsOf(name);
+  const std::vector<SheetCell> cells = readSheetCells(file);
+  const std::string which = "'" + file + "' has the cells 1 to " + std::to_string(cells.size());
+  if (number.empty()) throw std::invalid_argument(which + "; name one of them, as in " + file + "#1");
+  const std::optional<std::size_t> cell = wholeFromText<std::size_t>(number);
+  if (!cell || *cell < 1 || *cell > cells.size())
+    throw std::invalid_argument(which + "; there is no cell '" + number + "'");
+  return cells[*cell - 1].recipe;
 }
 
 }  // namespace vdbtools

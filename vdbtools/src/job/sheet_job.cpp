@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/job/sheet_job.h"
 
+#include "job/file_hashes.h"
+
 #include "vdbtools/base/numbered_monitor.h"
 #include "vdbtools/files/atomic_file.h"
 #include "vdbtools/files/file_bytes.h"
@@ -49,29 +51,6 @@ void guarded(PlannedCell& planned, const Work& work) {
     fail(error);
   }
 }
-
-/// The hashes of the files that options name, each found once.
-class FileHashes {
- public:
-  Facts of(const FractalOptions& options) {
-    std::string key;
-    const std::vector<NamedFile> files = filesOf(options);
-    for (const NamedFile& file : files)
-      key += file.recordedAs + '\n' + file.path.string() + '\n' + file.expectedHash + '\n';
-    const auto [known, isNew] = mKnown.try_emplace(key);
-    if (!isNew) return known->second;
-    try {
-      for (const auto& [name, hash] : verifiedHashes(files)) known->second[name] = hash;
-    } catch (...) {
-      mKnown.erase(known);
-      throw;
-    }
-    return known->second;
-  }
-
- private:
-  std::map<std::string, Facts> mKnown;
-};
 
 /// As many columns as rows or a few more, so that few places stay empty; a few cells stand in one row.
 int columnsFor(int cells) {

@@ -22,4 +22,11 @@ namespace vdbtools {
 ///                               (`%4d`) or beyond 16 digits, or a frame for a path without a file name
 std::string expandFrame(std::string_view name, std::optional<int> frame);
 
+/// Whether the name has such a pattern. @throw std::invalid_argument  as expandFrame() of its pattern
+bool hasFramePattern(std::string_view name);
+
+/// The file name without folders, extension and pattern, and without the dots, dashes, blanks and underscores that this
+/// leaves at its ends: "run" of "shots/run.####.obj". May be empty. @throw std::invalid_argument  as expandFrame()
+std::string stemWithoutFrame(std::string_view name);
+
 }  // namespace vdbtools

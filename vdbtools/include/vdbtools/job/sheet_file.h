@@ -34,6 +34,10 @@ bool isSheetFile(const std::filesystem::path& path);
 /// Whether a name is one that readSheetCell() takes: "sheet.json#7", or "sheet.json", which lacks the cell.
 bool isSheetCell(const std::string& name);
 
+/// Every cell of a contact sheet, row by row.
+/// @throw DataError  the file is no contact sheet, or broken; MissingInputError, IoError
+std::vector<SheetCell> readSheetCells(const std::filesystem::path& path);
+
 /// @param name  such as "sheet.json#7"
 /// @throw std::invalid_argument  no number, or none of a cell
 /// @throw DataError              the file is no contact sheet, or broken

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file plan.h
+/// The parts of the command `plan`. Each takes the words after its name.
+#pragma once
+
+#include "commands.h"
+
+#include "vdbtools/farm/manifest.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace cli {
+
+class CommandLine;
+
+int planTiles(const Arguments& arguments);
+int planFrames(const Arguments& arguments);
+int planSheet(const Arguments& arguments);
+
+/// The options of plans whose tasks are whole fractals: -o, --make and --name.
+void addVariantOptions(CommandLine& line);
+/// The value of -o. @throw std::invalid_argument, vdbtools::CreateError  none, or no place for a plan
+std::filesystem::path newPlanFolder(const CommandLine& line);
+/// The value of --make.
+std::vector<std::string> parseMakes(const CommandLine& line);
+
+/// Writes the plan and says so. @return the exit code
+int finishPlan(const std::filesystem::path& folder, const vdbtools::Manifest& manifest);
+
+}  // namespace cli

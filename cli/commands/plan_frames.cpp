@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plan.h"
+
+#include "exit_code.h"
+#include "options.h"
+
+#include "vdbtools/farm/frame_plan.h"
+#include "vdbtools/job/fractal_options.h"
+
+#include <stdexcept>
+#include <tuple>
+
+namespace po = boost::program_options;
+
+namespace cli {
+namespace {
+
+constexpr Usage kUsageText = {
+    "plan frames",
+    "MESH|SDF.vdb --frames A-B -o DIR [--key NAME@FRAME=VALUE ...] [--ease smooth] [--make LIST] [options]",
+    "Plans a fractal for each frame. The keys of an option say what it is at some frames; between them its numbers\n"
+    "change gradually, and before the first key and after the last they stay. Of a list such as --origin-shift 0,0,1\n"
+    "or a ramp such as --detail x:0.05:0.6:smooth each number is blended by itself.\n"
+    "\n"
+    "  --ease linear    a + (b - a) t between the values a and b, at the share t of the way (the default)\n"
+    "  --ease smooth    a + (b - a) (3 t^2 - 2 t^3), which starts and ends at rest\n"
+    "  --ease step      a, up to the frame of b; for options that are no numbers\n"
+    "\n"
+    "The name of a target, a versor or another file may hold a place for the frame, as in in.####.obj, in.$F4.obj or\n"
+    "in.%04d.obj. All files must exist; the plan holds their hashes, and a task whose file has changed fails.",
+    "  juliavdb plan frames bunny.obj --frames 1-48 -o grow --key alpha@1=20 --key alpha@48=120 --resolution 100\n"
+    "  juliavdb plan frames bunny.obj --frames 1-24 -o turn --key versor-translate@1=0,0,0 \\\n"
+    "      --key versor-translate@24=0.2,0,0 --ease smooth --make vdb,ply --resolution 100\n",
+    "fractal"};
+
+}  // namespace
+
+int planFrames(const Arguments& arguments) {
+  const vdbtools::OptionTable table = vdbtools::fractalOptionTable();
+  CommandLine line(kUsageText, table);
+  addVariantOptions(line);
+  const auto texts = [](const char* name) { return po::value<std::vector<std::string>>()->value_name(name); };
+  line.addOptions()("frames", po::value<std::string>()->value_name("A-B"), "the frames, from A to B")(
+      "key", texts("NAME@FRAME=VALUE"), "what an option of 'fractal' is at a frame; any number of times")(
+      "ease", texts("[NAME=]linear|smooth|step"),
+      "how the numbers change between keys: of all options, or of the option NAME; any number of times");
+  if (!line.parse(arguments)) return kDone;
+  if (!line.has("frames")) throw std::invalid_argument("no frames were given; use --frames A-B, such as --frames 1-48");
+  vdbtools::FramePlanOptions options{.base = line.givenRecipe(),
+                                     .keys = vdbtools::parseKeys(line.texts("key"), line.texts("ease"), table),
+                                     .name = line.text("name"),
+                                     .makes = parseMakes(line)};
+  std::tie(options.first, options.last) = vdbtools::parseFrames(line.text("frames"));
+  for (const vdbtools::KeyedOption& keyed : options.keys)
+    if (line.given().contains(keyed.name))
+      throw std::invalid_argument("--" + keyed.name + " is given and has keys; give only one of them");
+  const std::filesystem::path folder = newPlanFolder(line);
+  return finishPlan(folder, vdbtools::planFrames(options));
+}
+
+}  // namespace cli

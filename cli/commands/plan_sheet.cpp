@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plan.h"
+
+#include "exit_code.h"
+#include "options.h"
+
+#include "vdbtools/farm/sheet_plan.h"
+#include "vdbtools/job/fractal_options.h"
+
+#include <stdexcept>
+
+namespace cli {
+namespace {
+
+constexpr Usage kUsageText = {
+    "plan sheet", "SHEET.json[#CELLS] -o DIR [--make LIST] [options]",
+    "Plans the fractals of cells of a contact sheet, which 'juliavdb sheet' has made. CELLS is a list such as\n"
+    "3,7,10-12; without it every cell without an error is planned. Options stand over those of all cells, such as a\n"
+    "higher --resolution.",
+    "  juliavdb plan sheet seeds.json#3,5-7 -o chosen --resolution 200 --make vdb,ply\n"
+    "  juliavdb plan sheet seeds.json -o all\n"};
+
+}  // namespace
+
+int planSheet(const Arguments& arguments) {
+  CommandLine line(kUsageText, vdbtools::fractalOptionTable());
+  addVariantOptions(line);
+  if (!line.parse(arguments)) return kDone;
+  if (line.has("config"))
+    throw std::invalid_argument("--config is given, but each cell has a recipe of its own; leave it out");
+  vdbtools::SheetPlanOptions options{
+      .cells = line.text("input"), .given = line.given(), .name = line.text("name"), .makes = parseMakes(line)};
+  if (options.cells.empty()) throw std::invalid_argument("no contact sheet was given, such as sheet.json#3,7");
+  options.given.erase("input");
+  const std::filesystem::path folder = newPlanFolder(line);
+  return finishPlan(folder, vdbtools::planSheetCells(options));
+}
+
+}  // namespace cli

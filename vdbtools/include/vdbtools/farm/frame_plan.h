@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file frame_plan.h
+/// Plans of frames: a fractal for each frame, with options that change from frame to frame by keys, and inputs that
+/// are a file for each frame.
+///
+/// Between two keys, at the share t of the way from one frame to the other, a number is
+///
+///     a + (b - a) t                    linear
+///     a + (b - a) (3 t^2 - 2 t^3)      smooth: its slope is 0 at every key, and it stays between a and b
+///     a                                step
+///
+/// Before the first key and after the last it is constant. At a key the value is the key's text itself. Several numbers
+/// with separators between them, as in "0,1,-2" or "x:0.05:0.6:smooth", are blended one by one; what stands beside them
+/// must be the same in both keys.
+#pragma once
+
+#include "vdbtools/farm/manifest.h"
+#include "vdbtools/recipe/option_table.h"
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace vdbtools {
+
+enum class Ease { Linear, Smooth, Step };
+
+/// The values of an option at some frames.
+struct KeyedOption {
+  std::string name;
+  std::map<int, std::string> keys;  ///< by frame, at least one
+  Ease ease = Ease::Linear;
+};
+
+inline constexpr int kMostFrames = 100'000;
+
+/// "1-48" or "7": the first frame and the last.
+/// @throw std::invalid_argument  not that, backwards, or more than kMostFrames
+std::pair<int, int> parseFrames(const std::string& text);
+
+/// @param keys   such as "alpha@48=120"
+/// @param eases  "linear", "smooth" or "step" for all options, or for one as in "alpha=smooth", which counts more
+/// @return in the order of their names
+/// @throw std::invalid_argument  an option that is unknown, two values at one frame, two keys that cannot be blended
+std::vector<KeyedOption> parseKeys(const std::vector<std::string>& keys, const std::vector<std::string>& eases,
+                                   const OptionTable& table);
+
+/// The option's value at a frame. @throw std::invalid_argument  the keys about the frame cannot be blended
+std::string valueAt(const KeyedOption& option, int frame);
+
+struct FramePlanOptions {
+  Recipe base;  ///< of `juliavdb fractal`. Names of files may have a frame pattern (vdbtools/files/frame_name.h)
+  std::vector<KeyedOption> keys;
+  int first = 1, last = 1;
+  std::string name;                       ///< of the files; empty: after the target, or else the map
+  std::vector<std::string> makes{"vdb"};  ///< of "vdb", "ply", "obj", "stl"
+};
+
+/// A task for each frame, whose files are out/NAME.0007.vdb and the like. Every frame's recipe is checked, and all
+/// files that it names are read and hashed.
+/// @throw std::invalid_argument  an option is refused, with the frame; or nothing changes from frame to frame
+/// @throw MissingInputError      a frame's file is missing
+/// @throw DataError, IoError
+Manifest planFrames(const FramePlanOptions& options);
+
+}  // namespace vdbtools

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file plan_folder.h
+/// The folder of a new plan.
+#pragma once
+
+#include "vdbtools/farm/manifest.h"
+
+#include <filesystem>
+
+namespace vdbtools {
+
+/// Makes sure that a plan can be put there: the folder does not exist, or is empty. It is made by writePlan().
+/// @throw CreateError
+void requireNewPlanFolder(const std::filesystem::path& folder);
+
+/// Makes the folder if there is none and writes the manifest, the last file of a plan. If that fails, a folder that
+/// was made for it is removed again.
+/// @throw CreateError, IoError
+void writePlan(const std::filesystem::path& folder, const Manifest& manifest);
+
+}  // namespace vdbtools

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file fractal_files.h
+/// A fractal into files, as `juliavdb fractal` writes them.
+#pragma once
+
+#include "vdbtools/files/atomic_file.h"
+#include "vdbtools/job/fractal_job.h"
+#include "vdbtools/mesh/mesh_writer.h"
+
+#include <vector>
+
+namespace vdbtools {
+
+struct FractalMeshFile {
+  AtomicFile* file = nullptr;
+  MeshFormat format = MeshFormat::Ply;
+};
+
+/// The files outlive the call. At least one is wanted.
+struct FractalFiles {
+  AtomicFile* vdb = nullptr;  ///< takes the grids; none: they are not made
+  std::vector<FractalMeshFile> meshes{};
+};
+
+/// Makes the grids and the mesh of a scene and writes them, with their metadata. The files are left to be committed.
+/// @param recipe  what the metadata say of how the scene was made
+/// @throw std::invalid_argument  no file, or an STL of more triangles than it can count
+/// @throw DataError              there is no surface
+/// @throw IoError, Interrupted
+FractalResult writeFractal(const Scene& scene, const Recipe& recipe, const FractalFiles& files, Monitor& monitor);
+
+}  // namespace vdbtools

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/farm/frame_plan.h"
+
+#include "vdbtools/base/number_text.h"
+#include "vdbtools/recipe/option_value.h"
+
+#include <cmath>
+#include <iterator>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+namespace vdbtools {
+namespace {
+
+/// A value in parts that separators part.
+struct Parts {
+  std::vector<std::string> texts{1};
+  std::string separators;
+};
+
+Parts partsOf(const std::string& value) {
+  Parts parts;
+  for (const char c : value) {
+    if (c == ',' || c == ':' || c == '@' || c == ';') {
+      parts.separators += c;
+      parts.texts.emplace_back();
+    } else {
+      parts.texts.back() += c;
+    }
+  }
+  return parts;
+}
+
+/// A number between two, as the shortest text that reads back as the same double; of one text that text.
+std::optional<std::string> blended(const std::string& from, const std::string& to, double share) {
+  if (from == to) return from;
+  const std::optional<double> a = numberFromText(from), b = numberFromText(to);
+  if (!a || !b || !std::isfinite(*a) || !std::isfinite(*b)) return std::nullopt;
+  return numbersText({std::lerp(*a, *b, share)});
+}
+
+using Key = std::pair<const int, std::string>;
+
+std::string blended(const std::string& option, const Key& from, const Key& to, double share) {
+  const Parts a = partsOf(from.second), b = partsOf(to.second);
+  std::string result;
+  for (std::size_t i = 0; a.separators == b.separators && i < a.texts.size(); ++i) {
+    const std::optional<std::string> part = blended(a.texts[i], b.texts[i], share);
+    if (!part) break;
+    result += *part;
+    if (i == a.separators.size()) return result;
+    result += a.separators[i];
+  }
+  throw std::invalid_argument("--" + option + " is '" + from.second + "' at frame " + std::to_string(from.first) +
+                              " and '" + to.second + "' at frame " + std::to_string(to.first) +
+                              "; only numbers can be blended, so give both keys the same form, or use --ease " +
+                              option + "=step");
+}
+
+double shareAt(Ease ease, double t) {
+  if (ease == Ease::Step) return 0;
+  return ease == Ease::Smooth ? t * t * (3 - 2 * t) : t;
+}
+
+Ease parseEase(const std::string& text) {
+  return parseChoice<Ease>("ease", text, {{"linear", Ease::Linear}, {"smooth", Ease::Smooth}, {"step", Ease::Step}});
+}
+
+}  // namespace
+
+std::pair<int, int> parseFrames(const std::string& text) {
+  const std::size_t dash = text.find('-');
+  const std::optional<int> first = wholeFromText<int>(text.substr(0, dash));
+  const std::optional<int> last = dash == std::string::npos ? first : wholeFromText<int>(text.substr(dash + 1));
+  if (!first || !last || *first < 0 || *last < *first)
+    refuse("frames", text, "a frame or a range of frames from 0 on, such as 1-48, the smaller number first");
+  if (*last - *first >= kMostFrames)
+    refuse("frames", text, "a range of at most " + std::to_string(kMostFrames) + " frames");
+  return {*first, *last};
+}
+
+std::vector<KeyedOption> parseKeys(const std::vector<std::string>& keys, const std::vector<std::string>& eases,
+                                   const OptionTable& table) {
+  std::map<std::string, KeyedOption> options;
+  for (const std::string& text : keys) {
+    const std::size_t at = text.find('@'), equals = text.find('=', at);
+    if (at == 0 || at == std::string::npos || equals == std::string::npos)
+      refuse("key", text, "NAME@FRAME=VALUE, such as alpha@48=120");
+    const std::string name = text.substr(0, at);
+    if (!table.knows(name))
+      refuse("key", text, "for an option of a fractal; there is none with the name '" + name + "'");
+    const std::optional<int> frame = wholeFromText<int>(text.substr(at + 1, equals - at - 1));
+    if (!frame || *frame < 0) refuse("key", text, "NAME@FRAME=VALUE with a whole number of at least 0 for the frame");
+    KeyedOption& option = options[name];
+    option.name = name;
+    if (!option.keys.emplace(*frame, text.substr(equals + 1)).second)
+      refuse("key", text, "the only key of '" + name + "' at frame " + std::to_string(*frame));
+  }
+  std::optional<Ease> ofAll;
+  std::map<std::string, Ease> ofOne;
+  for (const std::string& text : eases) {
+    const std::size_t equals = text.find('=');
+    const bool isNew = equals == std::string::npos
+                           ? !std::exchange(ofAll, parseEase(text))
+                           : ofOne.emplace(text.substr(0, equals), parseEase(text.substr(equals + 1))).second;
+    if (!isNew) refuse("ease", text, "given once for an option, and once for all others");
+  }
+  for (const auto& [name, ease] : ofOne)
+    if (!options.contains(name)) refuse("ease", name, "for an option that has keys");
+  std::vector<KeyedOption> result;
+  for (auto& [name, option] : options) {
+    const auto own = ofOne.find(name);
+    option.ease = own != ofOne.end() ? own->second : ofAll.value_or(Ease::Linear);
+    for (auto key = option.keys.begin(); option.ease != Ease::Step && std::next(key) != option.keys.end(); ++key)
+      blended(name, *key, *std::next(key), 0.5);
+    result.push_back(std::move(option));
+  }
+  return result;
+}
+
+std::string valueAt(const KeyedOption& option, int frame) {
+  const auto next = option.keys.upper_bound(frame);
+  if (next == option.keys.begin()) return next->second;
+  const auto last = std::prev(next);
+  if (next == option.keys.end() || last->first == frame || option.ease == Ease::Step) return last->second;
+  const double t = (static_cast<double>(frame) - last->first) / (static_cast<double>(next->first) - last->first);
+  return blended(option.name, *last, *next, shareAt(option.ease, t));
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/farm/frame_plan.h"
+
+#include "farm/variant_plan.h"
+
+#include "vdbtools/files/frame_name.h"
+#include "vdbtools/job/fractal_options.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace vdbtools {
+namespace {
+
+/// The options of a recipe that name files of which each frame has its own.
+std::vector<std::string> animatedFiles(const Recipe& recipe, const OptionTable& table) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : recipe)
+    if (const OptionSpec* option = table.find(name, recipe); option && !option->hash.empty() && hasFramePattern(value))
+      names.push_back(name);
+  return names;
+}
+
+Recipe recipeAt(const FramePlanOptions& options, int frame, const OptionTable& table) {
+  Recipe values;
+  for (const KeyedOption& option : options.keys) values[option.name] = valueAt(option, frame);
+  Recipe recipe = overridden(options.base, values, table);
+  for (const std::string& name : animatedFiles(recipe, table))
+    recipe = overridden(recipe, {{name, expandFrame(recipe.at(name), frame)}}, table);
+  return recipe;
+}
+
+std::string nameFor(const FramePlanOptions& options, const OptionTable& table) {
+  if (!options.name.empty()) return options.name;
+  const auto input = options.base.find("input");
+  const std::string name = input != options.base.end() ? stemWithoutFrame(input->second) : table.selected(options.base);
+  return name.empty() ? "frame" : name;
+}
+
+}  // namespace
+
+Manifest planFrames(const FramePlanOptions& options) {
+  const OptionTable table = fractalOptionTable();
+  const auto hasPattern = [](const auto& key) { return hasFramePattern(key.second); };
+  const bool changes = !options.keys.empty() || !animatedFiles(options.base, table).empty();
+  if (!changes)
+    throw std::invalid_argument(
+        "nothing changes from frame to frame; give keys such as --key alpha@1=40 --key alpha@48=120, or a target with "
+        "a file for each frame such as in.####.obj");
+  for (const KeyedOption& option : options.keys)
+    if (std::any_of(option.keys.begin(), option.keys.end(), hasPattern))
+      throw std::invalid_argument("a key of --" + option.name +
+                                  " is the name of a file for each frame; give the option itself, without keys");
+  std::vector<Variant> variants;
+  for (int frame = options.first; frame <= options.last; ++frame) {
+    const std::string called = "frame " + std::to_string(frame);
+    variants.push_back({frame, called, recipeAt(options, frame, table)});
+  }
+  return planVariants(PlanKind::Frames, variants, {nameFor(options, table), options.makes});
+}
+
+}  // namespace vdbtools

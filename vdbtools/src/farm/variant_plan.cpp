@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "farm/variant_plan.h"
+
+#include "job/file_hashes.h"
+
+#include "vdbtools/files/frame_name.h"
+#include "vdbtools/job/fractal_options.h"
+#include "vdbtools/job/scene.h"
+#include "vdbtools/recipe/option_value.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace vdbtools {
+namespace {
+
+/// The fact of a plan that folderOfNames() gives.
+constexpr const char* kFolder = "folder";
+
+constexpr const char* kOut = "out/";
+
+void requireNames(const VariantNames& names) {
+  if (names.name.empty() || names.name.find('/') != std::string::npos || hasFramePattern(names.name))
+    refuse("name", names.name, "a part of a file name, without a folder and without a place for the frame");
+  constexpr const char* kKnown[] = {"vdb", "ply", "obj", "stl"};
+  std::vector<std::string> seen;
+  for (const std::string& extension : names.makes) {
+    if (std::find(std::begin(kKnown), std::end(kKnown), extension) == std::end(kKnown))
+      refuse("make", extension, "a list of vdb, ply, obj, stl");
+    if (std::find(seen.begin(), seen.end(), extension) != seen.end())
+      refuse("make", extension, "a list in which nothing occurs twice");
+    seen.push_back(extension);
+  }
+  if (seen.empty()) refuse("make", "", "a list of vdb, ply, obj, stl");
+}
+
+/// Complete, checked, and with the hashes of its files.
+Recipe checkedRecipe(const Variant& variant, const OptionTable& table, FileHashes& hashes,
+                     const std::filesystem::path& folder) {
+  try {
+    Recipe recipe = completeRecipe(variant.recipe, table);
+    const Facts& found = hashes.of(parseFractalOptions(recipe));
+    for (const auto& [name, hash] : found) recipe[name] = hash;
+    withAbsoluteNames(recipe, folder);
+    return recipe;
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(variant.called + ": " + error.what());
+  }
+}
+
+bool isIn(const Recipe& recipe, const Recipe::value_type& entry) {
+  const auto found = recipe.find(entry.first);
+  return found != recipe.end() && found->second == entry.second;
+}
+
+/// @a value with each name of @a files that it is, or that stands in it between colons, made absolute.
+std::string valueWithAbsoluteNames(const std::string& value, const std::vector<NamedFile>& files,
+                                   const std::filesystem::path& folder) {
+  const auto isName = [&](const std::string& text) {
+    return std::any_of(files.begin(), files.end(), [&](const NamedFile& file) { return file.path.string() == text; });
+  };
+  if (isName(value)) return (folder / value).string();
+  std::string result;
+  for (const std::string& part : split(value, ':')) result += ':' + (isName(part) ? (folder / part).string() : part);
+  return result.substr(1);
+}
+
+/// Moves the entries that all tasks have from them to the plan. What a task's own entries would displace there, such as
+/// the hash of a file that has another name in each task, stays with the tasks.
+void shareEntries(Manifest& manifest) {
+  std::vector<Recipe> whole;
+  for (const PlannedTask& task : manifest.tasks) whole.push_back(task.recipe);
+  Recipe& shared = manifest.recipe;
+  shared = whole.at(0);
+  for (const Recipe& recipe : whole) std::erase_if(shared, [&](const auto& entry) { return !isIn(recipe, entry); });
+  for (bool isStable = false; !isStable;) {
+    isStable = true;
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+      Recipe& own = manifest.tasks[i].recipe = whole[i];
+      std::erase_if(own, [&](const auto& entry) { return isIn(shared, entry); });
+    }
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+      const Recipe together = taskRecipe(manifest, i + 1);
+      for (const auto& entry : whole[i])
+        if (!isIn(together, entry) && shared.erase(entry.first) > 0) isStable = false;
+    }
+  }
+}
+
+}  // namespace
+
+Manifest planVariants(PlanKind kind, const std::vector<Variant>& variants, const VariantNames& names) {
+  requireNames(names);
+  const OptionTable table = fractalOptionTable();
+  const std::filesystem::path folder = std::filesystem::current_path();
+  Manifest manifest{.kind = kind, .makes = names.makes, .facts = {{kFolder, folder.string()}}};
+  FileHashes hashes;
+  for (const Variant& variant : variants) {
+    PlannedTask& task = manifest.tasks.emplace_back();
+    task.recipe = checkedRecipe(variant, table, hashes, folder);
+    for (const std::string& extension : names.makes)
+      task.writes.push_back(kOut + expandFrame(names.name + "." + extension, variant.number));
+  }
+  shareEntries(manifest);
+  return manifest;
+}
+
+std::filesystem::path folderOfNames(const Manifest& manifest) { return manifest.facts.at(kFolder); }
+
+Recipe withAbsoluteNames(const Recipe& recipe, const std::filesystem::path& folder) {
+  const auto isRelative = [](const NamedFile& file) { return file.path.is_relative(); };
+  std::vector<NamedFile> files = filesOf(parseFractalOptions(recipe));
+  std::erase_if(files, [&](const NamedFile& file) { return !isRelative(file); });
+  if (files.empty()) return recipe;
+  const OptionTable table = fractalOptionTable();
+  Recipe result = recipe;
+  for (auto& [name, value] : result)
+    if (const OptionSpec* option = table.find(name, recipe); option && !option->hash.empty())
+      value = valueWithAbsoluteNames(value, files, folder);
+  for (const NamedFile& file : filesOf(parseFractalOptions(result)))
+    if (isRelative(file))
+      throw std::invalid_argument("the name of '" + file.path.string() +
+                                  "' cannot be made independent of the working folder; give an absolute one");
+  return result;
+}
+
+}  // namespace vdbtools
