@@ -28,11 +28,12 @@ constexpr Command kCommands[] = {
     {"slice", runSlice, "make a picture of a field on a plane"},
     {"study", runStudy, "show what a target decides whatever its versor: average membership, distance over circles"},
     {"render", runRender, "make a shaded picture of a level set, or of a map's set"},
+    {"plan", runPlan, "plan the tasks of a farm: tiles of a fractal, frames, or cells of a contact sheet"},
     {"task", runTask, "make one of the tasks that a large job was cut into"},
     {"status", runStatus, "show which tasks of a plan are done, and which are missing"},
     {"submit", runSubmit, "give the missing tasks of a plan to Slurm or GNU parallel"},
+    {"merge", runMerge, "put the tiles of a plan together into one VDB and one mesh"},
     {"info", runInfo, "show what is in a mesh, a VDB or a versor file"},
-    {"plan", runPlan, "plan the tasks of a farm: tiles of a fractal, frames, or cells of a contact sheet"},
     {"maps", runMaps, "list the maps and their options"},
 };
 
