@@ -2,6 +2,7 @@
 #include "commands/commands.h"
 #include "commands/plan.h"
 #include "exit_code.h"
+#include "failure.h"
 #include "interruption.h"
 #include "report.h"
 
@@ -11,7 +12,6 @@
 #include <chrono>
 #include <exception>
 #include <iostream>
-#include <new>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -29,6 +29,9 @@ const Command kCommands[] = {
     {"slice", runSlice, "make a picture of a field on a plane"},
     {"study", runStudy, "show what a target decides whatever its versor: average membership, distance over circles"},
     {"render", runRender, "make a shaded picture of a level set, or of a map's set"},
+    {"task", runTask, "make one of the tasks that a large job was cut into"},
+    {"status", runStatus, "show which tasks of a plan are done, and which are missing"},
+    {"submit", runSubmit, "give the missing tasks of a plan to Slurm or GNU parallel"},
     {"info", runInfo, "show what is in a mesh, a VDB or a versor file"},
     {"plan", runPlan, "plan the tasks of a farm: tiles of a fractal, frames, or cells of a contact sheet", planKinds()},
     {"maps", runMaps, "list the maps and their options"},
@@ -82,19 +85,6 @@ bool wantsJson(const Arguments& arguments) {
   return false;
 }
 
-/// The option that does what would help.
-std::string optionFor(vdbtools::Remedy remedy) {
-  using vdbtools::Remedy;
-  switch (remedy) {
-    case Remedy::None: break;
-    case Remedy::RepairMesh: return "; see --repair";
-    case Remedy::SmallerIslands: return "; see --min-size";
-    case Remedy::LargerBeta: return "; see --detail, --outward and --beta";
-    case Remedy::AnotherFieldBox: return "; see --box, and 'juliavdb info' for the target's";
-  }
-  return "";
-}
-
 /// Data on stdout is an output like any other: it must have arrived.
 int finish(int code) {
   std::cout.flush();
@@ -116,23 +106,12 @@ int main(int argc, char** argv) {
   report().start(arguments.empty() ? "" : arguments.front(), wantsJson(arguments));
   try {
     return finish(run(arguments));
-  } catch (const std::invalid_argument& error) {
-    return fail(kUsage, error.what());
-  } catch (const vdbtools::DataError& error) {
-    return fail(kBadData, error.what() + optionFor(error.remedy()));
-  } catch (const vdbtools::MissingInputError& error) {
-    return fail(kNoInput, error.what());
-  } catch (const vdbtools::CreateError& error) {
-    return fail(kCannotCreate, error.what());
-  } catch (const vdbtools::IoError& error) {
-    return fail(kInputOutput, error.what());
   } catch (const vdbtools::Interrupted& error) {
     // The watcher may be ending the process at this very moment, and has said why.
     if (!takeLastWord()) std::this_thread::sleep_for(std::chrono::seconds(10));
     return fail(kInterrupted, error.what());
-  } catch (const std::bad_alloc&) {
-    return fail(kInternal, "out of memory; use larger voxels, a lower --sdf-resolution, or a --box");
-  } catch (const std::exception& error) {
-    return fail(kInternal, std::string("internal error: ") + error.what());
+  } catch (...) {
+    const Failure failure = currentFailure();
+    return fail(failure.code, failure.text);
   }
 }

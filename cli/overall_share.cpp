@@ -31,7 +31,8 @@ const Phases kFractal = scenePhases({{"proofs", 5},
                                      {"surface", 15},
                                      {"level set", 15},
                                      {"versor", 5},
-                                     {"writing", 5}});
+                                     {"writing", 5},
+                                     {"checking", 1}});
 const Phases kSlice = scenePhases({{"slice", 20}, {"writing", 5}});
 const Phases kStudy = scenePhases({{"distances", 5}, {"first versor", 2}, {"versors", 60}, {"writing", 2}});
 const Phases kRender = scenePhases({{"render", 60}, {"writing", 2}});
@@ -47,7 +48,7 @@ bool names(const PhaseWeight& entry, std::string_view phase) {
 
 std::span<const PhaseWeight> phasesOf(std::string_view command) {
   if (command == "sdf") return kSdf;
-  if (command == "fractal" || command == "mesh") return kFractal;
+  if (command == "fractal" || command == "mesh" || command == "task") return kFractal;
   if (command == "slice") return kSlice;
   if (command == "study") return kStudy;
   if (command == "render" || command == "sheet") return kRender;

@@ -52,7 +52,7 @@ Manifest tiles() {
   manifest.recipe = {{"input", "a \"b\"\\\n\u00e4.obj"}, {"alpha", "40"}, {"mask", ""}};
   manifest.makes = {"vdb", "ply"};
   manifest.facts = {{"julia_origin_at", "0.1,0,0"}};
-  manifest.lattice = TileLattice{{{kLow, -2, 0}, {kHigh, 5, 6}}, true, 0.1 + 0.2};
+  manifest.lattice = TileLattice{{{kLow, -2, 0}, {kHigh, 5, 6}}, true, 1.0 / 3};
   manifest.inputs = {{"prepared.vdb", std::string(64, 'a')}, {"/models/b.obj", std::string(64, 'b')}};
   manifest.tasks.resize(3);
   for (int k = 0; k < 3; ++k) {

@@ -4,15 +4,19 @@
 #include "support/small_disk.h"
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/files/io_failure.h"
+#include "vdbtools/files/mark_file.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -24,6 +28,7 @@
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace vdbtools {
@@ -460,6 +465,107 @@ TEST_F(AtomicFileTest, MayBeCleanedUpFromAnotherThread) {
   }
   for (const std::string& name : names()) EXPECT_EQ(name, "out");
   AtomicFile(mFolder / "out").commit();
+}
+
+/// Starts a process that creates a temporary file for @a target and waits, until it is killed.
+class Owner {
+ public:
+  explicit Owner(const fs::path& target) {
+    int ends[2];
+    if (::pipe(ends) != 0) throw std::runtime_error("no pipe");
+    mProcess = ::fork();
+    if (mProcess == 0) {
+      AtomicFile file(target);
+      file.stream() << "half";
+      [[maybe_unused]] const ssize_t written = ::write(ends[1], "x", 1);
+      ::pause();
+      ::_exit(0);
+    }
+    ::close(ends[1]);
+    char byte = 0;
+    if (::read(ends[0], &byte, 1) != 1) throw std::runtime_error("the process did not come so far");
+    ::close(ends[0]);
+  }
+  void kill() const {
+    ::kill(mProcess, SIGKILL);
+    ::waitpid(mProcess, nullptr, 0);
+  }
+
+ private:
+  pid_t mProcess;
+};
+
+TEST_F(AtomicFileTest, SweepsWhatKilledProcessesLeft) {
+  put(mFolder / ".x.0123456.tmp", "a name that is none of ours");
+  put(mFolder / "x.01234567.tmp", "nor this");
+  put(mFolder / ".x.0123456G.tmp", "nor this");
+  const auto count = [&] { return std::distance(fs::directory_iterator(mFolder), {}); };
+  const Owner owner(mFolder / "x.vdb"), other(mFolder / "y.vdb");
+  AtomicFile own(mFolder / "z.vdb");
+  own.stream() << "whole";
+  own.finish();  // its bytes are on the disk, but it is not in its place
+  EXPECT_EQ(count(), 6);
+  EXPECT_EQ(sweepTemporaries(mFolder), 0u) << "all owners live";
+  owner.kill();
+  EXPECT_EQ(sweepTemporaries(mFolder), 1u);
+  EXPECT_EQ(count(), 5);
+  other.kill();
+  EXPECT_EQ(sweepTemporaries(mFolder), 1u);
+  EXPECT_EQ(sweepTemporaries(mFolder), 0u);
+  own.commit();
+  EXPECT_EQ(contentOf(mFolder / "z.vdb"), "whole");
+  EXPECT_EQ(count(), 4);
+  EXPECT_EQ(sweepTemporaries(mFolder / "nowhere"), 0u);
+}
+
+TEST_F(AtomicFileTest, IsNeverSweptAwayWhileItIsWritten) {
+  std::atomic<bool> stop{false};
+  std::vector<std::jthread> sweepers;
+  for (int k = 0; k < 3; ++k)
+    sweepers.emplace_back([&] {
+      while (!stop) sweepTemporaries(mFolder);
+    });
+  for (int k = 0; k < 300; ++k) {
+    AtomicFile file(mFolder / "x.vdb");
+    file.stream() << k;
+    file.commit();
+    ASSERT_EQ(contentOf(mFolder / "x.vdb"), std::to_string(k));
+  }
+  stop = true;
+}
+
+TEST_F(AtomicFileTest, AMarkTellsWhetherItsWriterLives) {
+  const fs::path mark = mFolder / "running";
+  EXPECT_EQ(stateOfMark(mark), MarkState::None);
+  {
+    const MarkFile file(mark, "here");
+    EXPECT_EQ(contentOf(mark), "here");
+    EXPECT_EQ(stateOfMark(mark), MarkState::Alive);
+    removeDeadMark(mark);
+    EXPECT_EQ(stateOfMark(mark), MarkState::Alive);
+  }
+  EXPECT_EQ(stateOfMark(mark), MarkState::None);
+  put(mark, "that of a process that was killed");
+  EXPECT_EQ(stateOfMark(mark), MarkState::Dead);
+  removeDeadMark(mark);
+  EXPECT_EQ(stateOfMark(mark), MarkState::None);
+  const MarkFile file(mark, "here");
+  removeTemporaries();
+  EXPECT_EQ(stateOfMark(mark), MarkState::None);
+}
+
+TEST(IoFailure, SomeErrorsPass) {
+  EXPECT_THROW(throwIoError("reading x failed", ESTALE), UnreachableError);
+  EXPECT_THROW(throwIoError("reading x failed", ETIMEDOUT), UnreachableError);
+  for (const int error : {EIO, ENOSPC, EDQUOT, EROFS}) {
+    try {
+      throwIoError("writing x failed", error);
+    } catch (const UnreachableError&) {
+      ADD_FAILURE() << std::strerror(error) << " does not pass by itself";
+    } catch (const IoError& failure) {
+      EXPECT_EQ(std::string(failure.what()).find("writing x failed: "), 0u);
+    }
+  }
 }
 
 }  // namespace

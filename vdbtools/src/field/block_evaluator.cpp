@@ -97,7 +97,7 @@ void BlockEvaluator::begin(const Coord& origin, std::span<const julia::Decision>
   std::array<julia::Point, kBlock> at;
   for (int k = 0; k < kBlock; ++k)
     at[static_cast<std::size_t>(k)] = mSource.space.toFractal(origin.offsetBy(k).asVec3d() * mOptions.voxelSize);
-  if (mOptions.keepIterations || mOptions.everyValue || !mOptions.domain.isInside(block.field->getNodeBoundingBox()))
+  if (mOptions.keepIterations || mOptions.everyValue || !mOptions.window.isInside(block.field->getNodeBoundingBox()))
     return queueNodes(parts, at, block, scratch);
   float* const values = block.field->buffer().data();
   NodeBlock nodes{.field = std::span<float, NodeBlock::kSize>(values, NodeBlock::kSize)};
@@ -122,7 +122,7 @@ void BlockEvaluator::begin(const Coord& origin, std::span<const julia::Decision>
 /// Queues the nodes of a block one by one.
 void BlockEvaluator::queueNodes(std::span<const julia::Decision> parts, std::span<const julia::Point> at,
                                 EvaluatedBlock& block, Scratch& scratch) const {
-  const bool within = mOptions.domain.isInside(block.field->getNodeBoundingBox());
+  const bool within = mOptions.window.isInside(block.field->getNodeBoundingBox());
   constexpr Index kHalf = kBlock / 2;
   float* const values = block.field->buffer().data();
   Leaf::NodeMaskType active;
@@ -133,7 +133,7 @@ void BlockEvaluator::queueNodes(std::span<const julia::Decision> parts, std::spa
     if (decision == julia::Decision::Inside) std::fill_n(values + first, kHalf, -kFieldOutside);
     if (decision != julia::Decision::Undecided) continue;
     for (Index k = 0; k < kHalf; ++k) {
-      if (!within && !mOptions.domain.isInside(block.field->offsetToGlobalCoord(first + k))) continue;
+      if (!within && !mOptions.window.isInside(block.field->offsetToGlobalCoord(first + k))) continue;
       active.setOn(first + k);
       scratch.offsets[count] = first + k;
       scratch.points[count++] = {at[x][0], at[y][1], at[z + k][2]};

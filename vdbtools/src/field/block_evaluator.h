@@ -40,6 +40,7 @@ class BlockEvaluator {
   struct Options {
     double voxelSize = 0;       ///< world units
     openvdb::CoordBBox domain;  ///< nodes beyond hold kFieldOutside
+    openvdb::CoordBBox window;  ///< the nodes of the domain that are evaluated; others hold kFieldOutside, too
     bool keepIterations = false;
     bool everyValue = false;  ///< F itself is wanted at every node, and not its sign alone
     /// Nodes are skipped where the sign of F is proved, there and at the nodes next to them.

@@ -13,7 +13,8 @@ void addBlocks(BlockSet& blocks, const CoordBBox& nodes) {
   blocks.denseFill({nodes.min() >> kBlockLog2, nodes.max() >> kBlockLog2}, true);
 }
 
-void addBorderBlocks(BlockSet& blocks, const CoordBBox& domain) {
+void addBorderBlocks(BlockSet& blocks, const CoordBBox& domain, CoordBBox window) {
+  window.expand(1);
   for (int axis = 0; axis < 3; ++axis) {
     for (const bool far : {false, true}) {
       CoordBBox slab = domain;
@@ -23,7 +24,9 @@ void addBorderBlocks(BlockSet& blocks, const CoordBBox& domain) {
         low[axis] = high[axis] - 1;
       else
         high[axis] = low[axis] + 1;
-      addBlocks(blocks, {low, high});
+      CoordBBox face(low, high);
+      face.intersect(window);
+      addBlocks(blocks, face);
     }
   }
 }

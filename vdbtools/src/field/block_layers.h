@@ -20,8 +20,8 @@ inline constexpr int kBlock = 1 << kBlockLog2;
 /// Adds the blocks that hold any of these nodes.
 void addBlocks(BlockSet& blocks, const openvdb::CoordBBox& nodes);
 
-/// Adds the blocks on a domain's border and just outside of it.
-void addBorderBlocks(BlockSet& blocks, const openvdb::CoordBBox& domain);
+/// Adds the blocks on a domain's border and just outside of it, as far as nodes of @a window or next to it lie there.
+void addBorderBlocks(BlockSet& blocks, const openvdb::CoordBBox& domain, openvdb::CoordBBox window);
 
 /// Goes through a set layer by layer in x.
 class BlockLayers {

@@ -97,6 +97,7 @@ class Follower {
         mKnown(mBlocks),
         mEvaluator(source, {.voxelSize = plan.voxelSize,
                             .domain = plan.domain,
+                            .window = plan.window,
                             .keepIterations = field.keepIterations,
                             .everyValue = field.everyNode,
                             .proofs = field.everyNode ? Proofs::None : Proofs::Eighths}) {

@@ -15,6 +15,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <iterator>
+#include <memory>
 #include <stdexcept>
 #include <vector>
 
@@ -123,9 +125,12 @@ class LatticeView {
   Vec3d mColumns[3];
 };
 
-/// Blocks that hold a corner of any lattice cell which touches an undecided cell of E: F changes its sign in such cells
-/// only, for E is continuous.
-void addShellBlocks(BlockSet& blocks, const ExponentGrid& exponent, const CoordBBox& domain, double voxelSize) {
+/// Calls body(local, nodes) for the boxes of nodes, clipped by @a within, that hold a corner of any lattice cell which
+/// touches an undecided cell of E: F changes its sign in such cells only, for E is continuous.
+/// @tparam Local  what each thread has of its own, and what is returned for each
+template <class Local, class Body>
+std::vector<Local> forEachUndecidedBox(const ExponentGrid& exponent, const CoordBBox& within, double voxelSize,
+                                       const Body& body) {
   // A margin for the rounding of interpolation.
   constexpr double kRounding = 1e-5;
   const auto lower = static_cast<float>(exponent.shell.lower - kRounding * (1 + std::abs(exponent.shell.lower)));
@@ -133,13 +138,15 @@ void addShellBlocks(BlockSet& blocks, const ExponentGrid& exponent, const CoordB
   const LatticeView lattice(exponent.grid->transform(), voxelSize);
   std::vector<const Leaf*> leaves;
   exponent.grid->tree().getNodes(leaves);
-  tbb::enumerable_thread_specific<BlockSet> parts;
+  tbb::enumerable_thread_specific<Local> parts;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), 16), [&](const auto& range) {
     const openvdb::tree::ValueAccessor<const FloatTree> values(exponent.grid->tree());
-    BlockSet& part = parts.local();
-    openvdb::tree::ValueAccessor<BlockSet> marked(part);
-    CoordBBox last;
+    Local& part = parts.local();
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      CoordBBox all = lattice.cornersAround(leaves[i]->origin().asVec3d() + Vec3d(0.5 * CellCorners::kSide),
+                                            Vec3d(0.5 * CellCorners::kSide));
+      all.intersect(within);
+      if (all.empty()) continue;
       const CellCorners corners(*leaves[i], values);
       for (unsigned row = 0; row < CellCorners::kSide * CellCorners::kSide; ++row) {
         const unsigned x = row / CellCorners::kSide, y = row % CellCorners::kSide;
@@ -151,34 +158,52 @@ void addShellBlocks(BlockSet& blocks, const ExponentGrid& exponent, const CoordB
           const Coord begin = leaves[i]->origin().offsetBy(static_cast<int>(x), static_cast<int>(y), first);
           const Vec3d half(0.5, 0.5, 0.5 * length);
           CoordBBox nodes = lattice.cornersAround(begin.asVec3d() + half, half);
-          nodes.intersect(domain);
-          if (nodes.empty()) continue;
-          const CoordBBox touched(nodes.min() >> kBlockLog2, nodes.max() >> kBlockLog2);
-          if (touched == last) continue;
-          last = touched;
-          if (touched.volume() > 512)
-            part.denseFill(touched, true);
-          else
-            for (auto block = touched.begin(); block; ++block) marked.setValueOn(*block);
+          nodes.intersect(within);
+          if (!nodes.empty()) body(part, nodes);
         }
       }
     }
   });
-  for (const BlockSet& part : parts) blocks.topologyUnion(part);
+  return {std::make_move_iterator(parts.begin()), std::make_move_iterator(parts.end())};
+}
+
+/// The blocks of one thread, and those that it marked last.
+struct MarkedBlocks {
+  std::unique_ptr<BlockSet> blocks = std::make_unique<BlockSet>();
+  std::unique_ptr<openvdb::tree::ValueAccessor<BlockSet>> access =
+      std::make_unique<openvdb::tree::ValueAccessor<BlockSet>>(*blocks);
+  CoordBBox last{};
+};
+
+/// The blocks with nodes where F may change its sign.
+void addShellBlocks(BlockSet& blocks, const ExponentGrid& exponent, const CoordBBox& window, double voxelSize) {
+  const std::vector<MarkedBlocks> parts =
+      forEachUndecidedBox<MarkedBlocks>(exponent, window, voxelSize, [](MarkedBlocks& part, const CoordBBox& nodes) {
+        const CoordBBox touched(nodes.min() >> kBlockLog2, nodes.max() >> kBlockLog2);
+        if (touched == part.last) return;
+        part.last = touched;
+        if (touched.volume() > 512)
+          part.blocks->denseFill(touched, true);
+        else
+          for (auto block = touched.begin(); block; ++block) part.access->setValueOn(*block);
+      });
+  for (const MarkedBlocks& part : parts) blocks.topologyUnion(*part.blocks);
 }
 
 /// A plan without blocks.
-FieldPlan emptyPlan(const CoordBBox& domain, bool bounded, double voxelSize) {
-  return {domain, bounded, voxelSize, std::make_shared<BlockSet>()};
+FieldPlan emptyPlan(const CoordBBox& domain, bool bounded, const FractalFieldOptions& options) {
+  CoordBBox window = options.window.value_or(domain);
+  window.intersect(domain);
+  return {domain, bounded, options.voxelSize, window, std::make_shared<BlockSet>()};
 }
 FieldPlan emptyShellPlan(const ExponentGrid& exponent, const FractalFieldOptions& options) {
   requireValid(options);
-  return emptyPlan(shellDomain(exponent, options), options.box || exponent.denseBox, options.voxelSize);
+  return emptyPlan(shellDomain(exponent, options), options.box || exponent.denseBox, options);
 }
 
 void addEveryBlock(FieldPlan& plan) {
-  addBlocks(*plan.blocks, plan.domain);
-  addBorderBlocks(*plan.blocks, plan.domain);
+  addBlocks(*plan.blocks, plan.window);
+  addBorderBlocks(*plan.blocks, plan.domain, plan.window);
 }
 
 }  // namespace
@@ -196,8 +221,8 @@ std::vector<openvdb::Vec3s> FieldSource::versorVectors(std::span<const julia::Po
 
 FieldPlan planShell(const ExponentGrid& exponent, const FractalFieldOptions& options) {
   FieldPlan plan = emptyShellPlan(exponent, options);
-  addShellBlocks(*plan.blocks, exponent, plan.domain, options.voxelSize);
-  if (plan.bounded) addBorderBlocks(*plan.blocks, plan.domain);
+  addShellBlocks(*plan.blocks, exponent, plan.window, options.voxelSize);
+  if (plan.bounded) addBorderBlocks(*plan.blocks, plan.domain, plan.window);
   return plan;
 }
 
@@ -210,11 +235,21 @@ FieldPlan planExhaustive(const ExponentGrid& exponent, const FractalFieldOptions
 FieldPlan planBox(const FractalFieldOptions& options) {
   requireValid(options);
   if (!options.box) throw std::invalid_argument("a field without a shell needs a box to be evaluated in");
-  FieldPlan plan = emptyPlan(latticeNodes(*options.box, options.voxelSize, 0), true, options.voxelSize);
+  FieldPlan plan = emptyPlan(latticeNodes(*options.box, options.voxelSize, 0), true, options);
   if (plan.domain.empty())
     throw std::invalid_argument("the box holds no node of the lattice; make it larger, or the voxels smaller");
   addEveryBlock(plan);
   return plan;
+}
+
+std::vector<CoordBBox> undecidedBoxes(const ExponentGrid* exponent, const FieldPlan& plan) {
+  if (!exponent) return {plan.window};
+  using Boxes = std::vector<CoordBBox>;
+  Boxes all;
+  for (const Boxes& part : forEachUndecidedBox<Boxes>(
+           *exponent, plan.window, plan.voxelSize, [](Boxes&boxes, const CoordBBox&nodes) { boxes.push_back(nodes); }))
+    all.insert(all.end(), part.begin(), part.end());
+  return all;
 }
 
 FractalField emptyField(const FieldPlan& plan, bool keepIterations) {
@@ -227,6 +262,7 @@ FractalField emptyField(const FieldPlan& plan, bool keepIterations) {
   FractalField result;
   result.domain = plan.domain;
   result.bounded = plan.bounded;
+  result.window = plan.window;
   result.field = makeGrid(kFieldOutside, "logmodulus");
   if (keepIterations) result.iterations = makeGrid(0, "iterations");
   return result;
@@ -246,6 +282,7 @@ FractalField evaluateField(const FieldPlan& plan, const FieldSource& source, con
   BlockEvaluator evaluator(source,
                            {.voxelSize = plan.voxelSize,
                             .domain = plan.domain,
+                            .window = plan.window,
                             .keepIterations = options.keepIterations,
                             .everyValue = options.everyNode,
                             .proofs = options.everyNode ? Proofs::None : worthwhileProofs(blocks, plan, source)});

@@ -5,6 +5,7 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
+#include "vdbtools/files/io_failure.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -322,7 +323,7 @@ void syncFolder(const fs::path& folder) {
   if (descriptor < 0) return;  // a folder may be written, yet not read
   const int error = syncToDisk(descriptor);
   ::close(descriptor);
-  if (error != 0) throw IoError("cannot flush the folder " + nameOf(folder) + " to the disk: " + textOf(error));
+  if (error != 0) throwIoError("cannot flush the folder " + nameOf(folder) + " to the disk", error);
 }
 
 }  // namespace
@@ -353,7 +354,7 @@ struct AtomicFile::State {
   }
 
   void requireWritten() const {
-    if (buffer.error() != 0) throw IoError("writing " + nameOf(given) + " failed: " + textOf(buffer.error()));
+    if (buffer.error() != 0) throwIoError("writing " + nameOf(given) + " failed", buffer.error());
     if (stream.fail()) throw IoError("writing " + nameOf(given) + " failed: its stream was left in a failed state");
   }
 };
@@ -436,7 +437,7 @@ void commitAll(std::span<AtomicFile* const> files) {
       const int error = replace(s.temporary, s.target, states.size() > 1, undos[i]);
       if (error == 0) continue;
       while (i-- > 0) undoReplace(states[i]->temporary, states[i]->target, undos[i]);
-      throw IoError("cannot put " + nameOf(s.given) + " in its place: " + textOf(error));
+      throwIoError("cannot put " + nameOf(s.given) + " in its place", error);
     }
     for (std::size_t i = 0; i < states.size(); ++i) {
       AtomicFile::State& s = *states[i];

@@ -2,6 +2,7 @@
 #include "vdbtools/files/file_bytes.h"
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/files/io_failure.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -50,7 +51,7 @@ class Input {
     for (;;) {
       const ssize_t count = ::read(mDescriptor, to, size);
       if (count >= 0) return static_cast<std::size_t>(count);
-      if (errno != EINTR) throw IoError("reading " + mName + " broke off: " + textOf(errno));
+      if (errno != EINTR) throwIoError("reading " + mName + " broke off", errno);
     }
   }
 

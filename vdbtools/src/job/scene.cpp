@@ -334,8 +334,9 @@ std::unique_ptr<julia::FieldEvaluator> VersorSeeds::evaluator(std::uint64_t seed
   return map->evaluator(chooseArithmetic(mScene, *map, mScene.space), mScene.orbit);
 }
 
-FieldPlan planScene(const Scene& scene) {
-  FractalFieldOptions field{.voxelSize = scene.voxelSize, .box = scene.options.lattice.box};
+FieldPlan planScene(const Scene& scene, const std::optional<openvdb::CoordBBox>& window) {
+  FractalFieldOptions field{
+      .voxelSize = scene.voxelSize, .box = scene.options.lattice.box, .window = window};
   if (scene.exponent)
     return scene.options.lattice.exhaustive ? planExhaustive(*scene.exponent, field)
                                             : planShell(*scene.exponent, field);

@@ -152,6 +152,11 @@ void MeshPart::finish() {
   if (mAside) mAside->moveTo(mStream);
 }
 
+bool needsDoublePositions(const MeshWriteOptions& options) {
+  if (options.format != MeshFormat::Ply) return true;
+  return MeshEncoder(options).hasDoubles();
+}
+
 MeshEncoder::MeshEncoder(const MeshWriteOptions& options) : mOptions(options) {
   if (!(options.voxelSize > 0)) return;
   if (!options.box)

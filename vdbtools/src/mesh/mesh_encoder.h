@@ -61,6 +61,7 @@ class MeshEncoder {
 
   MeshFormat format() const { return mOptions.format; }
   bool hasNormals() const { return mNormals; }
+  bool hasDoubles() const { return mDoubles; }
   /// To be called before header() and encodePoints().
   void setNormals(bool normals) { mNormals = normals; }
 

@@ -103,13 +103,14 @@ kernels::BoxNode nodeOf(const std::vector<Box>& boxes, std::size_t first) {
 
 }  // namespace
 
-TriangleTree::TriangleTree(const std::vector<Vec3d>& givenPoints, const std::vector<Vec3I>& triangles)
+TriangleTree::TriangleTree(const std::vector<Vec3d>& givenPoints, const std::vector<Vec3I>& triangles,
+                           std::optional<Vec3d> about)
     : mPoints(givenPoints), mTriangles(triangles) {
   for (const Vec3I& t : triangles)
     for (int c = 0; c < 3; ++c) mBox.expand(mPoints[t[c]]);
   // Near the origin, doubles are finer.
   for (int axis = 0; axis < 3; ++axis)
-    mOrigin[axis] = kOriginStep * static_cast<int>(std::lround(mBox.getCenter()[axis] / kOriginStep));
+    mOrigin[axis] = kOriginStep * static_cast<int>(std::lround(about.value_or(mBox.getCenter())[axis] / kOriginStep));
   if (mOrigin != Coord(0)) {
     mMoved.resize(mPoints.size());
     forAll(mMoved.size(), 4096, [&](std::size_t i) { mMoved[i] = mPoints[i] - mOrigin.asVec3d(); });

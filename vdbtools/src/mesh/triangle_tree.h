@@ -18,8 +18,13 @@ namespace vdbtools {
 class TriangleTree {
  public:
   /// Both are kept by reference. Triangles need not be connected, and may be points or lines.
-  /// @pre there is a triangle, and all coordinates are finite
-  TriangleTree(const std::vector<openvdb::Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles);
+  /// @param about  where doubles are to be finest: a node near the mesh, rounded to multiples of kOriginStep; by
+  /// default
+  ///               the middle of the mesh. With the same one, BlockDistances gives a node the same distance, to the
+  ///               bit, whatever other triangles there are besides its nearest.
+  /// @pre there is a triangle, all coordinates are finite, and there are fewer than 2^31 triangles
+  TriangleTree(const std::vector<openvdb::Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,
+               std::optional<openvdb::Vec3d> about = {});
   TriangleTree(const TriangleTree&) = delete;
   TriangleTree& operator=(const TriangleTree&) = delete;
 

@@ -27,13 +27,14 @@ std::vector<const Leaf*> sortedLeaves(const openvdb::FloatTree& tree) {
 }
 
 MeshCounts extract(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
-                   bool normals, std::vector<bool>* cut, MeshSink& sink, Monitor& monitor) {
+                   bool normals, MeshPlaces* places, MeshSink& sink, Monitor& monitor) {
   SurfaceExtractor extractor(source,
                              {.extract = options,
                               .domain = field.domain,
+                              .window = field.window,
                               .voxelSize = field.field->voxelSize()[0],
                               .normals = normals,
-                              .cut = cut},
+                              .places = places},
                              sink, monitor);
   const std::vector<const Leaf*> leaves = sortedLeaves(field.field->tree());
   monitor.begin("surface", leaves.size());
@@ -65,7 +66,18 @@ MeshCounts extractMesh(const FractalField& field, const FieldSource& source, con
 CappedMesh extractCappedMesh(const FractalField& field, const FieldSource& source, double tolerance, Monitor& monitor) {
   CappedMesh result;
   MeshCollector collector(result.mesh);
-  extract(field, source, {.tolerance = tolerance, .border = Border::Cap}, false, &result.onCap, collector, monitor);
+  MeshPlaces places;
+  extract(field, source, {.tolerance = tolerance, .border = Border::Cap}, false, &places, collector, monitor);
+  result.onCap.reserve(places.points.size());
+  for (const EdgePlace& edge : places.points) result.onCap.push_back(edge.cut);
+  return result;
+}
+
+PlacedMesh extractPlacedMesh(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
+                             Monitor& monitor) {
+  PlacedMesh result;
+  MeshCollector collector(result.mesh);
+  extract(field, source, options, true, &result.places, collector, monitor);
   return result;
 }
 
@@ -93,11 +105,15 @@ Mesh withoutCaps(CappedMesh capped) {
 MeshCounts streamMesh(const FieldPlan& plan, const FieldSource& source, const ExtractMeshOptions& options,
                       MeshSink& sink, Monitor& monitor) {
   SurfaceExtractor extractor(
-      source, {.extract = options, .domain = plan.domain, .voxelSize = plan.voxelSize, .normals = true}, sink, monitor);
+      source,
+      {.extract = options, .domain = plan.domain, .window = plan.window, .voxelSize = plan.voxelSize, .normals = true},
+      sink, monitor);
   const BlockSet blocks = undecidedBlocks(plan, source, monitor);
   BlockLayers layers(blocks);
-  BlockEvaluator evaluator(
-      source, {.voxelSize = plan.voxelSize, .domain = plan.domain, .proofs = worthwhileProofs(blocks, plan, source)});
+  BlockEvaluator evaluator(source, {.voxelSize = plan.voxelSize,
+                                    .domain = plan.domain,
+                                    .window = plan.window,
+                                    .proofs = worthwhileProofs(blocks, plan, source)});
   // Every block is evaluated first and searched later.
   monitor.begin("surface", 2 * layers.blockCount());
   while (const auto origins = layers.next()) {

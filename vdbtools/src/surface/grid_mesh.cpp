@@ -55,6 +55,7 @@ Mesh meshOfLevelSet(const openvdb::FloatGrid& levelSet, Monitor& monitor) {
   }
   field.domain = field.field->evalActiveVoxelBoundingBox();
   field.domain.expand(2);
+  field.window = field.domain;
   const GridEvaluator evaluator(*field.field);
   Mesh mesh =
       extractMesh(field, FieldSource{evaluator, FractalSpace{}}, ExtractMeshOptions{.tolerance = 1e-6}, monitor);

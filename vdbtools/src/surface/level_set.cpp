@@ -17,12 +17,71 @@ namespace vdbtools {
 using openvdb::FloatGrid;
 using openvdb::FloatTree;
 
-FloatGrid::Ptr levelSet(const FractalField& field, const Mesh& mesh, Monitor& monitor) {
-  if (mesh.triangles.empty()) throw DataError("the fractal is empty here: there is no surface");
+namespace {
+
+/// The distances to the mesh of a field, or of a window of it: the same bits for both, as long as the window holds the
+/// nearest triangle.
+FloatGrid::Ptr distancesOf(const FractalField& field, const Mesh& mesh, Monitor& monitor) {
   const double voxel = field.field->voxelSize()[0];
   const std::vector<openvdb::Vec3d> points = toIndexSpace(mesh.points, voxel);
-  const FloatGrid::Ptr grid =
-      toWorld(unsignedDistances(TriangleTree(points, mesh.triangles), kHalfWidth, "level set", monitor), voxel);
+  const TriangleTree tree(points, mesh.triangles, field.domain.getCenter());
+  return toWorld(unsignedDistances(tree, kHalfWidth, "level set", monitor), voxel);
+}
+
+}  // namespace
+
+FloatGrid::Ptr levelSetPart(const FractalField& field, const FieldSource& source, const Mesh& mesh,
+                            const openvdb::CoordBBox& nodes, Monitor& monitor) {
+  if (mesh.triangles.empty()) {
+    FloatGrid::Ptr none = FloatGrid::create(static_cast<float>(kHalfWidth * field.field->voxelSize()[0]));
+    none->setTransform(field.field->transform().copy());
+    return none;
+  }
+  FloatGrid::Ptr grid = distancesOf(field, mesh, monitor);
+  using LeafManager = openvdb::tree::LeafManager<FloatTree>;
+  LeafManager leaves(grid->tree());
+  tbb::parallel_for(leaves.leafRange(), [&](const LeafManager::LeafRange& range) {
+    openvdb::tree::ValueAccessor<const FloatTree> known(field.field->tree());
+    std::vector<openvdb::Index> offsets;
+    std::vector<julia::Point> points;
+    std::vector<double> values;
+    for (auto leaf = range.begin(); leaf; ++leaf) {
+      const FloatTree::LeafNodeType* const signs = known.probeConstLeaf(leaf->origin());
+      offsets.clear();
+      points.clear();
+      for (auto value = leaf->beginValueOn(); value; ++value) {
+        const openvdb::Coord node = value.getCoord();
+        if (!nodes.isInside(node)) {
+          value.setValueOff();
+        } else if (signs) {
+          if (signs->getValue(value.pos()) < 0) value.setValue(-*value);
+        } else if (field.domain.isInside(node)) {
+          // The sign is known to be that of the neighbours, which may lie beyond the window.
+          offsets.push_back(value.pos());
+          points.push_back(source.space.toFractal(node.asVec3d() * field.field->voxelSize()[0]));
+        }
+      }
+      values.resize(points.size());
+      if (!points.empty()) source.evaluator.evaluate(points, values, {});
+      for (std::size_t i = 0; i < offsets.size(); ++i)
+        if (julia::storedField(values[i]) < 0) leaf->setValueOnly(offsets[i], -leaf->getValue(offsets[i]));
+    }
+  });
+  // Leaves without an active node.
+  openvdb::tools::pruneInactive(grid->tree());
+  return grid;
+}
+
+void finishLevelSet(FloatGrid& grid) {
+  openvdb::tools::signedFloodFill(grid.tree());
+  openvdb::tools::pruneLevelSet(grid.tree());
+  grid.setName("surface");
+  grid.setGridClass(openvdb::GRID_LEVEL_SET);
+}
+
+FloatGrid::Ptr levelSet(const FractalField& field, const Mesh& mesh, Monitor& monitor) {
+  if (mesh.triangles.empty()) throw DataError("the fractal is empty here: there is no surface");
+  const FloatGrid::Ptr grid = distancesOf(field, mesh, monitor);
   // F knows the sign at every node, also in closed bubbles, which a flood fill from outside would call inside.
   using LeafManager = openvdb::tree::LeafManager<FloatTree>;
   LeafManager leaves(grid->tree());
@@ -32,10 +91,7 @@ FloatGrid::Ptr levelSet(const FractalField& field, const Mesh& mesh, Monitor& mo
       for (auto value = leaf->beginValueOn(); value; ++value)
         if (sign.getValue(value.getCoord()) < 0) value.setValue(-*value);
   });
-  openvdb::tools::signedFloodFill(grid->tree());
-  openvdb::tools::pruneLevelSet(grid->tree());
-  grid->setName("surface");
-  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  finishLevelSet(*grid);
   return grid;
 }
 

@@ -61,6 +61,7 @@ struct SurfaceExtractor::Layer {
   std::vector<Vec3d> normals;                           // sums of the triangles', weighted by area
   std::uint64_t first = 0;                              // of all vertices
   std::vector<std::vector<openvdb::Vec3I>> triangles;   // of each leaf
+  std::vector<std::vector<Coord>> cells;                // of each leaf, of each triangle; if they are wanted
 
   /// Finds the neighbours of all leaves, as LeafSigns counts them.
   void findNeighbours(const Layer* next) {
@@ -83,6 +84,12 @@ struct SurfaceExtractor::Layer {
 
 SurfaceExtractor::SurfaceExtractor(const FieldSource& source, const Options& options, MeshSink& sink, Monitor& monitor)
     : mSource(source), mOptions(options), mSink(sink), mMonitor(monitor) {
+  mNodes = options.window;
+  for (int axis = 0; axis < 3; ++axis) {
+    // The window ends there with the domain, and a cap lies beyond.
+    if (mNodes.min()[axis] <= options.domain.min()[axis]) --mNodes.min()[axis];
+    if (mNodes.max()[axis] >= options.domain.max()[axis]) ++mNodes.max()[axis];
+  }
   const double tolerance = options.extract.tolerance;
   if (!(tolerance >= 0x1p-40 && tolerance <= 0.5))
     throw std::invalid_argument("the tolerance of edge searches is " + std::to_string(tolerance) +
@@ -198,6 +205,7 @@ std::unique_ptr<SurfaceExtractor::LeafVertices> SurfaceExtractor::crossingEdges(
           if (!(crossings[axis] >> z & 1)) continue;
           Coord ahead = node;
           ++ahead[static_cast<int>(axis)];
+          if (!mNodes.isInside(node) || !mNodes.isInside(ahead)) continue;
           const bool cut = !mOptions.domain.isInside(node) || !mOptions.domain.isInside(ahead);
           if (cut && mOptions.extract.border == Border::Open) continue;
           const Leaf* of = at[axis] + 1 < kSide ? &leaf : around.leaves[std::size_t{1} << axis];
@@ -220,14 +228,16 @@ void SurfaceExtractor::countVertices(Layer& layer) {
     if (part) {
       part->first = count;
       count += part->edges.size();
-      if (mOptions.cut)
-        for (const LatticeEdge& edge : part->edges) mOptions.cut->push_back(edge.cut);
+      if (mOptions.places)
+        for (const LatticeEdge& edge : part->edges)
+          mOptions.places->points.push_back({edge.begin, static_cast<std::uint8_t>(edge.axis), edge.cut});
     }
   layer.first = mPoints;
   mPoints += count;
   if (mPoints > std::numeric_limits<Index>::max())
     throw DataError("the mesh has more than " + std::to_string(std::numeric_limits<Index>::max()) +
-                    " vertices, the most that 32-bit indices can count; use larger voxels, or several boxes");
+                    " vertices, the most that 32-bit indices can count; use larger voxels, or cut the lattice into "
+                    "tiles that are meshed one by one");
   layer.positions.resize(count);
   if (mOptions.normals) layer.normals.assign(count, Vec3d(0));
 }
@@ -282,7 +292,8 @@ void SurfaceExtractor::walk(std::size_t leafIndex, Layer& layer, const Layer* ne
     return static_cast<Index>(firsts[neighbour] + local);
   };
   const LeafSigns signs(around.inside);
-  const bool nearBorder = !mOptions.domain.isInside(CoordBBox(origin, origin.offsetBy(kBlock)));
+  const CoordBBox reached(origin, origin.offsetBy(kBlock));
+  const bool nearBorder = !mOptions.domain.isInside(reached), nearEnd = !mNodes.isInside(reached);
   std::vector<openvdb::Vec3I>& triangles = layer.triangles[leafIndex];
   triangles.reserve(2 * kUsualEdges);
   for (unsigned x = 0; x < kSide; ++x)
@@ -293,13 +304,17 @@ void SurfaceExtractor::walk(std::size_t leafIndex, Layer& layer, const Layer* ne
         if (nearBorder && mOptions.extract.border == Border::Open &&
             !mOptions.domain.isInside(CoordBBox(node, node.offsetBy(1))))
           continue;
-        for (const CellTriangle& triangle : cellTriangles(signs.cell(x, y, z)))
+        if (nearEnd && !mNodes.isInside(CoordBBox(node, node.offsetBy(1)))) continue;
+        for (const CellTriangle& triangle : cellTriangles(signs.cell(x, y, z))) {
+          if (mOptions.places) layer.cells[leafIndex].push_back(node);
           triangles.emplace_back(vertex(node, triangle[0]), vertex(node, triangle[1]), vertex(node, triangle[2]));
+        }
       }
 }
 
 void SurfaceExtractor::findTriangles(Layer& layer, Layer* next) {
   layer.triangles.resize(layer.leaves.size());
+  if (mOptions.places) layer.cells.resize(layer.leaves.size());
   inParallel(layer.leaves.size(), 16, mMonitor, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       if (!isOneSided(i, layer, next)) walk(i, layer, next);
@@ -340,6 +355,9 @@ void SurfaceExtractor::emitTriangles(Layer& layer) {
     mSink.addTriangles(part, layer.first);
     mTriangles += part.size();
   }
+  if (!mOptions.places) return;
+  for (const auto& part : layer.cells)
+    mOptions.places->triangles.insert(mOptions.places->triangles.end(), part.begin(), part.end());
 }
 
 }  // namespace vdbtools

@@ -28,10 +28,10 @@ class SurfaceExtractor {
   struct Options {
     ExtractMeshOptions extract;
     openvdb::CoordBBox domain;
-    double voxelSize = 0;  ///< world units
+    openvdb::CoordBBox window;  ///< as FieldPlan::window
+    double voxelSize = 0;       ///< world units
     bool normals = false;
-    /// Takes whether each vertex lies on an edge that leaves the domain, in their order; unless it is null.
-    std::vector<bool>* cut = nullptr;
+    MeshPlaces* places = nullptr;  ///< takes those of all points and triangles, in their order; unless it is null
   };
 
   SurfaceExtractor(const FieldSource& source, const Options& options, MeshSink& sink, Monitor& monitor);
@@ -75,6 +75,7 @@ class SurfaceExtractor {
 
   FieldSource mSource;
   Options mOptions;
+  openvdb::CoordBBox mNodes;  ///< that edges and cells may use: those of the window, and those beyond the domain
   MeshSink& mSink;
   Monitor& mMonitor;
   std::deque<std::unique_ptr<Layer>> mLayers;

@@ -28,6 +28,9 @@ struct FieldPlan {
   /// Whether the domain may cut the set: a box was asked for, or phi ends there.
   bool bounded = false;
   double voxelSize = 0;  ///< h, world units
+  /// The nodes that are evaluated: those of the domain, or a part of them. Cells that reach beyond the part are left
+  /// out of the mesh. Within it, everything is as it would be for the whole domain, to the bit.
+  openvdb::CoordBBox window;
   /// One voxel (i, j, k) for the block whose first node is 8 (i, j, k). F does not change sign within blocks that are
   /// not in here, nor between those and their neighbours.
   openvdb::MaskTree::Ptr blocks;
@@ -41,6 +44,7 @@ struct FractalField {
   openvdb::FloatGrid::Ptr iterations;
   openvdb::CoordBBox domain;  ///< as the plan's
   bool bounded = false;       ///< as the plan's
+  openvdb::CoordBBox window;  ///< as the plan's; nodes beyond have no value, unless they lie beyond the domain, too
   std::uint64_t evaluatedNodes = 0;
 };
 
@@ -58,6 +62,8 @@ struct FractalFieldOptions {
   double voxelSize = 0;               ///< h, world units, > 0
   std::optional<openvdb::BBoxd> box;  ///< region of interest, world units
   bool keepIterations = false;        ///< as in EvaluateFieldOptions
+  /// Only these nodes of the domain, which stays what it is without them.
+  std::optional<openvdb::CoordBBox> window{};
 };
 
 /// For a map that has a shell: only where the exponent leaves F undecided.
@@ -70,6 +76,10 @@ FieldPlan planExhaustive(const ExponentGrid& exponent, const FractalFieldOptions
 
 /// Every node of options.box, which must be given: for maps without a shell.
 FieldPlan planBox(const FractalFieldOptions& options);
+
+/// Boxes of nodes, clipped by the plan's window, outside of which F changes no sign: around the runs of undecided
+/// cells of @a exponent, or without one the whole window. In no particular order, and they overlap.
+std::vector<openvdb::CoordBBox> undecidedBoxes(const ExponentGrid* exponent, const FieldPlan& plan);
 
 struct EvaluateFieldOptions {
   bool keepIterations = false;

@@ -82,8 +82,8 @@ class VersorSeeds {
   const Scene& mScene;
 };
 
-/// What of the scene is evaluated: the options' box or the whole set.
-FieldPlan planScene(const Scene& scene);
+/// What of the scene is evaluated: the options' box or the whole set; of this, with a @a window, only these nodes.
+FieldPlan planScene(const Scene& scene, const std::optional<openvdb::CoordBBox>& window = {});
 
 /// The metadata of what a scene makes: its recipe, the facts, the program's version.
 std::map<std::string, std::string> sceneMetadata(const Scene& scene, const Recipe& recipe);

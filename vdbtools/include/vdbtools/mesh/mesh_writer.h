@@ -32,6 +32,10 @@ struct MeshWriteOptions {
   std::map<std::string, std::string> comments;
 };
 
+/// Whether a file of these options holds positions as doubles, or numbers that are computed from doubles.
+/// @throw std::invalid_argument  a voxel size without a box
+bool needsDoublePositions(const MeshWriteOptions& options);
+
 /// Normals are written if the mesh has them (STL has normals of its own, of the faces). Errors of the stream are left
 /// to its owner.
 /// @throw std::invalid_argument  an STL of more triangles than it can count

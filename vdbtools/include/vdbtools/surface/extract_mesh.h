@@ -35,6 +35,24 @@ struct CappedMesh {
   std::vector<bool> onCap;  ///< whether each point lies on an edge that leaves the domain, so on a cap
 };
 
+/// The lattice edge that a point lies on.
+struct EdgePlace {
+  openvdb::Coord node;    ///< where it begins
+  std::uint8_t axis = 0;  ///< along which it runs
+  bool cut = false;       ///< whether it leaves the domain, so that the point lies on a cap
+};
+
+/// Where the points and the triangles of a mesh come from.
+struct MeshPlaces {
+  std::vector<EdgePlace> points;
+  std::vector<openvdb::Coord> triangles;  ///< the first nodes of their cells
+};
+
+struct PlacedMesh {
+  Mesh mesh;
+  MeshPlaces places;
+};
+
 struct MeshCounts {
   std::uint64_t points = 0, triangles = 0;
   std::uint64_t evaluatedNodes = 0;  ///< of the lattice; 0 if the field was evaluated before
@@ -52,6 +70,11 @@ CappedMesh extractCappedMesh(const FractalField& field, const FieldSource& sourc
 
 /// The same mesh, to the bit, as extractMesh() makes with Border::Open.
 Mesh withoutCaps(CappedMesh capped);
+
+/// The mesh of a field's window, with normals. Of those that lie at least two nodes from where the window cuts the
+/// domain, the places, positions, normals and the order are those of the whole.
+PlacedMesh extractPlacedMesh(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
+                             Monitor& monitor);
 
 /// The mesh in pieces, with normals as computeNormals() makes them.
 MeshCounts extractMesh(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,

@@ -15,6 +15,18 @@ namespace vdbtools {
 /// exactly 3 fails it by rounding.
 inline constexpr double kHalfWidth = 3.01;
 
+/// The part of a level set that lies over some nodes: their distances to @a mesh, with the sign of F. The nodes within
+/// the band are active; the others have no value yet. finishLevelSet() makes a level set of one or several parts.
+/// @param field   of a window that reaches five nodes beyond @a nodes, unless the domain ends there
+/// @param source  of F, for nodes where the field has no leaf
+/// @param mesh    of the same field with Border::Cap
+/// @param nodes   those beyond the domain may be among them
+openvdb::FloatGrid::Ptr levelSetPart(const FractalField& field, const FieldSource& source, const Mesh& mesh,
+                                     const openvdb::CoordBBox& nodes, Monitor& monitor);
+
+/// Fills the nodes beyond the band with its width, inside or outside, prunes the tree, and names the grid "surface".
+void finishLevelSet(openvdb::FloatGrid& grid);
+
 /// The level set of the fractal: the distance to @a mesh, with the sign that F has at the node. Class, uniform scale,
 /// no active tile, flood filled; named "surface".
 /// @param mesh  of the same field with Border::Cap

@@ -225,11 +225,11 @@ std::uint32_t collect(const TreeView& tree, const double middle[3], float half, 
   return count;
 }
 
-/// Candidates side by side. Their place is 8 pack + lane.
+/// Candidates side by side, and their numbers in the mesh.
 struct CandidatePack {
   Triangle<Floats> triangle;
   Floats slack;
-  Numbers place;
+  Numbers number;
 };
 constexpr unsigned kArrays = sizeof(CandidatePack) / sizeof(Floats);
 static_assert(kArrays * 4 * kPack <= kCandidateBytes);
@@ -245,12 +245,31 @@ inline Triangle<float> triangleOf(const float* candidate) {
   return t;
 }
 constexpr unsigned kSlackAt = sizeof(Triangle<float>) / sizeof(float);
-constexpr unsigned kPlaceAt = kSlackAt + 1;
+constexpr unsigned kNumberAt = kSlackAt + 1;
 
-inline std::uint32_t placeOf(const float* candidate) {
-  std::uint32_t place;
-  __builtin_memcpy(&place, candidate + kWide * kPlaceAt, sizeof(place));
-  return place;
+inline std::int32_t numberOf(const float* candidate) {
+  std::int32_t number;
+  __builtin_memcpy(&number, candidate + kWide * kNumberAt, sizeof(number));
+  return number;
+}
+
+/// Some triangles about a position. Their floats depend on the triangle and the position alone, and on nothing else of
+/// the mesh: so a node gets the same distance from a part of the mesh that holds its nearest triangle.
+inline Triangle<NodeFloats> trianglesAt(const TreeView& tree, const std::uint32_t* numbers, const double position[3]) {
+  float at[3][3][kNodesWide];
+  for (unsigned k = 0; k < kNodesWide; ++k) {
+    const std::uint32_t* const corner = tree.triangles + 3 * std::size_t{numbers[k]};
+    const double* const a = tree.points + 3 * std::size_t{corner[0]};
+    const double* const b = tree.points + 3 * std::size_t{corner[1]};
+    const double* const c = tree.points + 3 * std::size_t{corner[2]};
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      at[0][axis][k] = static_cast<float>(a[axis] - position[axis]);
+      at[1][axis][k] = static_cast<float>(b[axis] - a[axis]);
+      at[2][axis][k] = static_cast<float>(c[axis] - a[axis]);
+    }
+  }
+  const auto v = [&](unsigned of, unsigned axis) { return load<NodeFloats>(at[of][axis]); };
+  return frameOf<NodeFloats>(v(0, 0), v(0, 1), v(0, 2), v(1, 0), v(1, 1), v(1, 2), v(2, 0), v(2, 1), v(2, 2));
 }
 
 /// The candidates of packs, about a middle. @return their number
@@ -258,16 +277,15 @@ inline std::uint32_t prepare(const TreeView& tree, const double middle[3], const
                              std::uint32_t count, CandidatePack* to) {
   for (std::uint32_t i = 0; i < count; ++i) {
     for (unsigned first = 0; first < kPack; first += kNodesWide) {
-      const Triangle<NodeFloats> t = trianglesOf<NodeFloats>(tree.packs[packs[i]], first, middle);
+      const std::uint32_t* const numbers = tree.packs[packs[i]].triangle + first;
+      const Triangle<NodeFloats> t = trianglesAt(tree, numbers, middle);
       const NodeFloats slack = slackOf(t);
-      NodeNumbers place;
-      for (unsigned k = 0; k < kNodesWide; ++k) place[k] = static_cast<std::int32_t>(packs[i] * kPack + first + k);
       const std::uint32_t at = i * kPack + first;
       float* const lanes = reinterpret_cast<float*>(to + at / kWide) + at % kWide;
       const auto* from = reinterpret_cast<const NodeFloats*>(&t);
       for (unsigned l = 0; l < kSlackAt; ++l) store(from[l], lanes + kWide * l);
       store(slack, lanes + kWide * kSlackAt);
-      store(place, lanes + kWide * kPlaceAt);
+      __builtin_memcpy(lanes + kWide * kNumberAt, numbers, kNodesWide * sizeof(*numbers));
     }
   }
   return count * kPack;
@@ -442,9 +460,9 @@ inline void take(const CandidatePack* from, const std::uint32_t* list, std::uint
   fill(to, count);
 }
 
-/// The nearest of the listed candidates at the nodes of a cube of 2^3: their places.
+/// The nearest of the listed candidates at the nodes of a cube of 2^3; of equally near ones, that of the least number.
 inline void decide(const CandidatePack* from, const std::uint32_t* list, std::uint32_t count, const float about[3],
-                   std::uint32_t (&places)[8]) {
+                   std::uint32_t (&numbers)[8]) {
   for (unsigned k = 0; k < 8; k += kNodesWide) {
     const NodeFloats px = corners(0, k, 0.5F, about[0]), py = corners(1, k, 0.5F, about[1]),
                      pz = corners(2, k, 0.5F, about[2]);
@@ -454,11 +472,12 @@ inline void decide(const CandidatePack* from, const std::uint32_t* list, std::ui
     for (std::uint32_t n = 0; n < count; ++n) {
       const float* const one = candidate(from, list[n]);
       const NodeFloats squared = awayFrom<NodeFloats>(triangleOf(one), px, py, pz).squared;
-      const auto nearer = squared < least;
+      const NodeNumbers number = NodeNumbers{} + numberOf(one);
+      const auto nearer = (squared < least) | ((squared == least) & (number < who));
       least = nearer ? squared : least;
-      who = nearer ? NodeNumbers{} + static_cast<std::int32_t>(placeOf(one)) : who;
+      who = nearer ? number : who;
     }
-    store(who, places + k);
+    store(who, numbers + k);
   }
 }
 
@@ -469,12 +488,10 @@ constexpr double kHalfCorner[3][8] = {{-0.5, -0.5, -0.5, -0.5, 0.5, 0.5, 0.5, 0.
 
 /// The distances of the chosen triangles.
 /// @param corner  the number of the cube's first node
-inline void finish(const TreeView& tree, const double middle[3], const float about[3], const std::uint32_t (&places)[8],
+inline void finish(const TreeView& tree, const double middle[3], const float about[3], const std::uint32_t (&chosen)[8],
                    unsigned corner, float* distance, std::uint32_t* triangle) {
   double at[3][3][8];
-  std::uint32_t chosen[8];
   for (unsigned k = 0; k < 8; ++k) {
-    chosen[k] = tree.packs[places[k] / kPack].triangle[places[k] % kPack];
     const std::uint32_t* const points = tree.triangles + 3 * std::size_t{chosen[k]};
     for (unsigned c = 0; c < 3; ++c)
       for (unsigned axis = 0; axis < 3; ++axis) at[c][axis][k] = tree.points[3 * std::size_t{points[c]} + axis];
@@ -540,9 +557,9 @@ void resolve(const TreeView& tree, const double middle[3], const std::uint32_t* 
       } else {
         for (std::uint32_t n = 0; n < of4; ++n) list[n] = n;
       }
-      std::uint32_t places[8];
-      decide(some, list, of2, about2, places);
-      finish(tree, middle, about2, places, at2[0] * 64 + at2[1] * 8 + at2[2], distance, triangle);
+      std::uint32_t numbers[8];
+      decide(some, list, of2, about2, numbers);
+      finish(tree, middle, about2, numbers, at2[0] * 64 + at2[1] * 8 + at2[2], distance, triangle);
     }
   }
 }

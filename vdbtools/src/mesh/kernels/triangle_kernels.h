@@ -32,9 +32,9 @@ struct TreeView {
   const BoxNode* levels[kMostLevels];
   unsigned levelCount;
   double centre[3];
-  float boxSlack;  ///< by how much boxes, and positions among them, are off
-  const double* points;
-  const std::uint32_t* triangles;
+  float boxSlack;                  ///< by how much boxes, and positions among them, are off
+  const double* points;            ///< about the origin, three coordinates each
+  const std::uint32_t* triangles;  ///< three points each
 };
 
 /// A triangle by its place in the tree.

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands.h"
+
+#include "exit_code.h"
+#include "options.h"
+#include "report.h"
+
+#include "vdbtools/farm/task.h"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <iostream>
+
+namespace po = boost::program_options;
+
+namespace cli {
+namespace {
+
+constexpr Usage kUsageText = {
+    "status", "DIR [--missing [--lines]] [options]",
+    "Shows how many tasks of the plan in the folder DIR are done, are being made, have failed, or are missing, and "
+    "what\n"
+    "they took. What is to come is told from the tasks that are done, as if the others were like them.\n"
+    "\n"
+    "With --missing, nothing is printed but the numbers of the tasks that are neither done nor being made, in the\n"
+    "notation of Slurm's arrays, such as 3,7,10-12; failed tasks are among them.",
+    "  juliavdb status farm\n"
+    "  juliavdb status farm --missing\n"};
+
+using vdbtools::TaskState;
+
+/// What all tasks of one state have in common.
+struct Sums {
+  std::uint64_t tasks = 0, bytes = 0, peakBytes = 0;
+  double triangles = 0, cpuSeconds = 0, wallSeconds = 0;
+};
+
+std::string rounded(double value, const char* unit) {
+  std::array<char, 48> text{};
+  std::snprintf(text.data(), text.size(), value < 10 ? "%.1f %s" : "%.0f %s", value, unit);
+  return text.data();
+}
+
+std::string duration(double seconds) {
+  constexpr double kMinute = 60, kHour = 3600, kDay = 86400;
+  if (seconds < 2 * kMinute) return rounded(seconds, "s");
+  if (seconds < 2 * kHour) return rounded(seconds / kMinute, "min");
+  if (seconds < 3 * kDay) return rounded(seconds / kHour, "h");
+  return rounded(seconds / kDay, "days");
+}
+
+std::string size(double bytes) {
+  constexpr double kStep = 1024;
+  for (const char* unit : {"KiB", "MiB", "GiB"}) {
+    bytes /= kStep;
+    if (bytes < kStep) return rounded(bytes, unit);
+  }
+  return rounded(bytes / kStep, "TiB");
+}
+
+std::string count(double value) {
+  constexpr double kMany = 1e7;
+  std::array<char, 32> text{};
+  if (value < kMany)
+    std::snprintf(text.data(), text.size(), "%.0f", value);
+  else
+    std::snprintf(text.data(), text.size(), "%.3g million", value / 1e6);
+  return text.data();
+}
+
+void printLists(const std::vector<std::uint64_t>& missing, bool lines) {
+  if (!lines) {
+    if (!missing.empty()) std::cout << vdbtools::taskList(missing) << '\n';
+    return;
+  }
+  for (const std::uint64_t index : missing) std::cout << index << '\n';
+}
+
+}  // namespace
+
+int runStatus(const Arguments& arguments) {
+  CommandLine line(kUsageText, {});
+  line.addPositional("folder", 1, "the folder of the plan");
+  line.addOptions()("missing", po::bool_switch(), "print the numbers of the tasks that have to be made")(
+      "lines", po::bool_switch(), "with --missing: one number a line, as GNU parallel reads them")(
+      "verify", po::bool_switch(),
+      "read every file and compare its SHA-256; otherwise a file of the recorded size and "
+      "time counts as unchanged");
+  if (!line.parse(arguments)) return kDone;
+  if (!line.has("folder")) throw std::invalid_argument("no plan was given; name its folder");
+  const bool onlyMissing = line.values()["missing"].as<bool>(), lines = line.values()["lines"].as<bool>();
+  if (lines && !onlyMissing) throw std::invalid_argument("--lines goes with --missing only");
+  const auto check = line.values()["verify"].as<bool>() ? vdbtools::FileCheck::Content : vdbtools::FileCheck::Quick;
+
+  const std::filesystem::path folder = line.text("folder");
+  const vdbtools::Manifest manifest = vdbtools::readManifest(folder);
+  Sums done;
+  std::uint64_t running = 0, failed = 0;
+  std::vector<std::uint64_t> missing;
+  std::string failures;
+  for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index) {
+    line.progress().throwIfCancelled();
+    const vdbtools::TaskStatus status = vdbtools::taskStatus(folder, manifest, index, check);
+    switch (status.state) {
+      case TaskState::Done: {
+        ++done.tasks;
+        const auto triangles = status.record->counts.find("triangles");
+        if (triangles != status.record->counts.end()) done.triangles += triangles->second;
+        done.cpuSeconds += status.record->cpuSeconds;
+        done.wallSeconds += status.record->wallSeconds;
+        done.peakBytes = std::max(done.peakBytes, status.record->peakBytes);
+        for (const vdbtools::TaskFile& file : status.record->files) done.bytes += file.bytes;
+        break;
+      }
+      case TaskState::Running: ++running; break;
+      case TaskState::Failed:
+        ++failed;
+        failures += "task " + std::to_string(index) + " failed: " + status.error + '\n';
+        missing.push_back(index);
+        break;
+      case TaskState::Missing: missing.push_back(index); break;
+    }
+  }
+  if (onlyMissing) {
+    printLists(missing, lines);
+    return kDone;
+  }
+
+  std::cout << manifest.tasks.size() << " tasks: " << done.tasks << " done, " << running << " running, " << failed
+            << " failed, " << missing.size() - failed << " missing\n"
+            << failures;
+  if (!missing.empty()) std::cout << "to be made: " << vdbtools::taskList(missing) << '\n';
+  if (done.tasks == 0) return kDone;
+  const double left = static_cast<double>(manifest.tasks.size() - done.tasks);
+  const double part = left / static_cast<double>(done.tasks);
+  const auto both = [&](const char* what, const auto& format, double soFar) {
+    std::cout << what << ": " << format(soFar);
+    if (left > 0) std::cout << " so far, about " << format(soFar * part) << " to go";
+    std::cout << '\n';
+  };
+  both("triangles", count, done.triangles);
+  both("CPU time", duration, done.cpuSeconds);
+  both("time of tasks", duration, done.wallSeconds);
+  both("files", size, static_cast<double>(done.bytes));
+  std::cout << "memory of a task: at most " << size(static_cast<double>(done.peakBytes)) << '\n';
+  return kDone;
+}
+
+}  // namespace cli

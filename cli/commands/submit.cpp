@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands.h"
+
+#include "exit_code.h"
+#include "options.h"
+#include "report.h"
+
+#include "vdbtools/base/errors.h"
+#include "vdbtools/base/number_text.h"
+#include "vdbtools/farm/task.h"
+#include "vdbtools/files/atomic_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <iostream>
+#include <memory>
+#include <system_error>
+#include <thread>
+
+#include <unistd.h>
+
+namespace po = boost::program_options;
+
+namespace cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr Usage kUsageText = {
+    "submit", "DIR --engine slurm|parallel [-o F.vdb] [--mesh F.ply] [options] [-- ENGINE ARGS]",
+    "Gives the missing tasks of the plan in the folder DIR to Slurm, as the jobs of an array, or to GNU parallel on "
+    "this\n"
+    "machine. With -o or --mesh, 'juliavdb merge' follows once they are all done; under Slurm as a job that depends "
+    "on\n"
+    "them. The words behind -- go to sbatch or to parallel, as in '-- --partition=long --mem=8G'.\n"
+    "\n"
+    "This is done by a short script, DIR/logs/submit.sh; --dry-run prints it instead. After a failure, or if tasks "
+    "were\n"
+    "killed, give the same command again: only tasks that are neither done nor being made are submitted.\n"
+    "--threads N is the number of processors of each task, and not of this command.",
+    "  juliavdb submit farm --engine parallel --jobs 2 -o bunny.vdb --mesh bunny.ply\n"
+    "  juliavdb submit farm --engine slurm --dry-run -- --partition=long --time=02:00:00\n"};
+
+enum class Engine { Slurm, Parallel };
+
+/// Slurm's own default of MaxArraySize; indices stay below it.
+constexpr std::uint64_t kUsualArraySize = 1001;
+constexpr int kUsualJobs = 100;  ///< of a Slurm array at a time: so many readers a shared disk should bear
+constexpr int kMostJobs = 1'000'000;
+
+/// A word as a shell reads it.
+std::string quoted(const std::string& word) {
+  constexpr std::string_view kPlain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-+=./:,@%";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
+std::string quoted(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += " " + quoted(word);
+  return text;
+}
+
+/// How this program is started on any machine that has it in the same place.
+std::string ownPath() {
+  std::error_code error;
+  const fs::path path = fs::read_symlink("/proc/self/exe", error);
+  if (error) throw vdbtools::MissingInputError("the path of this program is not known: " + error.message());
+  return path.string();
+}
+
+bool isInPath(const std::string& program) {
+  const char* path = std::getenv("PATH");
+  std::string_view rest = path ? path : "";
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find(':'), rest.size());
+    const fs::path candidate = fs::path(rest.substr(0, end)) / program;
+    if (end > 0 && ::access(candidate.c_str(), X_OK) == 0) return true;
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  return false;
+}
+
+/// As the cluster is configured; Slurm's default where that cannot be asked.
+std::uint64_t mostArraySize() {
+  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(::popen("scontrol show config 2>/dev/null", "re"), ::pclose);
+  std::array<char, 512> text{};
+  std::uint64_t size = kUsualArraySize;
+  while (pipe && std::fgets(text.data(), static_cast<int>(text.size()), pipe.get()))
+    if (unsigned long long value = 0; std::sscanf(text.data(), "MaxArraySize = %llu", &value) == 1 && value > 1)
+      size = value;
+  return size;
+}
+
+struct Submission {
+  fs::path folder;  ///< absolute
+  std::uint64_t tasks = 0;
+  std::vector<std::uint64_t> missing;
+  int jobs = 0, threads = 1;
+  std::vector<std::string> merge;  ///< the words behind "juliavdb merge ."; empty for none
+  std::vector<std::string> engineArguments;
+};
+
+std::string slurmScript(const Submission& s) {
+  const std::string program = quoted(ownPath());
+  const std::string name = quoted("--job-name=" + s.folder.filename().string());
+  const std::string common = name + " --open-mode=append" + quoted(s.engineArguments);
+  std::string script =
+      "#!/bin/sh\n"
+      "# Submits the missing tasks of a plan to Slurm" +
+      std::string(s.merge.empty() ? "" : ", and the merge of all tasks once they are done") + ".\nset -eu\ncd " +
+      quoted(s.folder.string()) + "\n";
+  if (!s.missing.empty()) {
+    // Indices of an array stay below its largest size; beyond that each job makes several tasks.
+    const std::uint64_t most = mostArraySize() - 1;
+    const std::uint64_t each = (s.tasks + most - 1) / most;
+    std::vector<std::uint64_t> array;
+    for (const std::uint64_t index : s.missing)
+      if (const std::uint64_t job = (index - 1) / each + 1; array.empty() || array.back() != job) array.push_back(job);
+    const std::string which = each == 1 ? "--index \"$SLURM_ARRAY_TASK_ID\""
+                                        : "--range \"$((SLURM_ARRAY_TASK_ID * " + std::to_string(each) + " - " +
+                                              std::to_string(each - 1) + "))-$((SLURM_ARRAY_TASK_ID * " +
+                                              std::to_string(each) + "))\"";
+    script += "tasks=$(sbatch --parsable --array=" + vdbtools::taskList(array) + "%" + std::to_string(s.jobs) +
+              " --requeue --signal=B:TERM@60 \\\n    --cpus-per-task=" + std::to_string(s.threads) +
+              " --output=logs/%A_%a.log " + common +
+              " \\\n    --wrap=" + quoted("exec " + program + " task . " + which) +
+              ")\necho \"tasks: job ${tasks%%;*}\"\n";
+  }
+  if (!s.merge.empty())
+    script += "merge=$(sbatch --parsable " +
+              std::string(
+                  s.missing.empty() ? "" : "--dependency=\"afterok:${tasks%%;*}\" --kill-on-invalid-dep=yes \\\n    ") +
+              "--cpus-per-task=" + std::to_string(s.threads) + " --output=logs/%j.log " + common +
+              " \\\n    --wrap=" + quoted("exec " + program + " merge ." + quoted(s.merge)) +
+              ")\necho \"merge: job ${merge%%;*}\"\n";
+  return script;
+}
+
+std::string parallelScript(const Submission& s) {
+  const std::string program = quoted(ownPath());
+  std::string script =
+      "#!/bin/sh\n"
+      "# Makes the missing tasks of a plan by GNU parallel" +
+      std::string(s.merge.empty() ? "" : ", and merges all tasks once they are done") + ".\nset -eu\ncd " +
+      quoted(s.folder.string()) + "\n" + program + " status . --missing --lines |\n" +
+      "  parallel --no-run-if-empty --jobs " + std::to_string(s.jobs) +
+      " --joblog +logs/joblog --termseq TERM,2000,KILL,25" + quoted(s.engineArguments) + " --quote \\\n    " + program +
+      " task . --threads " + std::to_string(s.threads) + " --index {}\n";
+  if (!s.merge.empty()) script += program + " merge ." + quoted(s.merge) + "\n";
+  return script;
+}
+
+/// The words for 'juliavdb merge', with the names that they have from everywhere.
+std::vector<std::string> mergeWords(const CommandLine& line) {
+  std::vector<std::string> words;
+  for (const auto& [option, word] : {std::pair("output", "-o"), std::pair("mesh", "--mesh")})
+    if (line.has(option)) {
+      words.emplace_back(word);
+      words.push_back(fs::absolute(line.text(option)).lexically_normal().string());
+    }
+  return words;
+}
+
+/// Never returns. What is running so far ends here, and the script starts with the usual handling of signals.
+[[noreturn]] void becomeScript(const fs::path& script) {
+  std::cout.flush();
+  for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_DFL);
+  sigset_t none;
+  sigemptyset(&none);
+  pthread_sigmask(SIG_SETMASK, &none, nullptr);
+  ::execl("/bin/sh", "sh", script.c_str(), static_cast<char*>(nullptr));
+  throw vdbtools::IoError(std::string("cannot start /bin/sh: ") + std::strerror(errno));
+}
+
+}  // namespace
+
+int runSubmit(const Arguments& arguments) {
+  CommandLine line(kUsageText, {});
+  line.addPositional("folder", 1, "the folder of the plan");
+  line.addOptions()("engine", po::value<std::string>()->value_name("slurm|parallel"), "what runs the tasks")(
+      "dry-run", po::bool_switch(), "print the script, and do nothing")(
+      "jobs", po::value<std::string>()->value_name("N"),
+      "how many tasks may run at a time (default: 100 for slurm; for parallel the processors that this process may "
+      "use, divided by --threads)")("output,o", po::value<std::string>()->value_name("F.vdb"),
+                                    "merge the tasks into this VDB")(
+      "mesh", po::value<std::string>()->value_name("F.ply"), "merge the tasks into this mesh");
+  const auto dashes = std::find(arguments.begin(), arguments.end(), "--");
+  if (!line.parse(Arguments(arguments.begin(), dashes))) return kDone;
+  if (!line.has("folder")) throw std::invalid_argument("no plan was given; name its folder");
+  if (!line.has("engine")) throw std::invalid_argument("no engine was given; use --engine slurm or --engine parallel");
+  const auto engine = line.choice<Engine>("engine", {{"slurm", Engine::Slurm}, {"parallel", Engine::Parallel}});
+
+  const vdbtools::Manifest manifest = vdbtools::readManifest(line.text("folder"));
+  Submission submission;
+  submission.folder = fs::canonical(line.text("folder"));
+  submission.tasks = manifest.tasks.size();
+  submission.merge = mergeWords(line);
+  if (!submission.merge.empty() && manifest.kind != vdbtools::PlanKind::Tiles)
+    throw std::invalid_argument("only a plan of tiles is merged; leave out -o and --mesh");
+  if (dashes != arguments.end()) submission.engineArguments.assign(dashes + 1, arguments.end());
+  if (line.has("threads")) submission.threads = line.integer("threads", 1, kMostJobs);
+  const int processors = static_cast<int>(std::thread::hardware_concurrency());
+  submission.jobs = line.has("jobs")          ? line.integer("jobs", 1, kMostJobs)
+                    : engine == Engine::Slurm ? kUsualJobs
+                                              : std::max(1, processors / submission.threads);
+  for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index) {
+    const auto state = vdbtools::taskStatus(submission.folder, manifest, index, vdbtools::FileCheck::Quick).state;
+    if (state == vdbtools::TaskState::Missing || state == vdbtools::TaskState::Failed)
+      submission.missing.push_back(index);
+  }
+
+  const std::string script = engine == Engine::Slurm ? slurmScript(submission) : parallelScript(submission);
+  if (line.values()["dry-run"].as<bool>()) {
+    std::cout << script;
+    return kDone;
+  }
+  if (submission.missing.empty() && submission.merge.empty()) {
+    report().text() << "there is nothing to submit: every task is done, or is being made\n";
+    return kDone;
+  }
+  const std::string program = engine == Engine::Slurm ? "sbatch" : "parallel";
+  if (!isInPath(program))
+    throw vdbtools::MissingInputError("there is no program '" + program + "' in PATH; install it (Debian: " +
+                                      (engine == Engine::Slurm ? "slurm-client" : "parallel") +
+                                      "), or choose another --engine");
+  const fs::path logs = submission.folder / "logs";
+  std::error_code error;
+  fs::create_directories(logs, error);
+  if (error) throw vdbtools::CreateError("cannot create '" + logs.string() + "': " + error.message());
+  {
+    vdbtools::AtomicFile file(logs / "submit.sh");
+    file.stream() << script;
+    file.commit();
+  }
+  becomeScript(logs / "submit.sh");
+}
+
+}  // namespace cli

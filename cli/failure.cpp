@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "failure.h"
+
+#include "exit_code.h"
+
+#include "vdbtools/base/errors.h"
+#include "vdbtools/files/io_failure.h"
+
+#include <algorithm>
+#include <new>
+
+namespace cli {
+namespace {
+
+/// The option that does what would help.
+std::string optionFor(vdbtools::Remedy remedy) {
+  using vdbtools::Remedy;
+  switch (remedy) {
+    case Remedy::None: break;
+    case Remedy::RepairMesh: return "; see --repair";
+    case Remedy::SmallerIslands: return "; see --min-size";
+    case Remedy::LargerBeta: return "; see --detail, --outward and --beta";
+    case Remedy::AnotherFieldBox: return "; see --box, and 'juliavdb info' for the target's";
+  }
+  return "";
+}
+
+Failure failureOf() {
+  try {
+    throw;
+  } catch (const FailedWith& error) {
+    return {error.code(), error.what()};
+  } catch (const std::invalid_argument& error) {
+    return {kUsage, error.what()};
+  } catch (const vdbtools::DataError& error) {
+    return {kBadData, error.what() + optionFor(error.remedy())};
+  } catch (const vdbtools::MissingInputError& error) {
+    return {kNoInput, error.what()};
+  } catch (const vdbtools::CreateError& error) {
+    return {kCannotCreate, error.what()};
+  } catch (const vdbtools::UnreachableError& error) {
+    return {kInterrupted, error.what()};
+  } catch (const vdbtools::IoError& error) {
+    return {kInputOutput, error.what()};
+  } catch (const vdbtools::Interrupted& error) {
+    return {kInterrupted, error.what()};
+  } catch (const std::bad_alloc&) {
+    return {kInternal, "out of memory; use larger voxels, a lower --sdf-resolution, or a --box"};
+  } catch (const std::exception& error) {
+    return {kInternal, std::string("internal error: ") + error.what()};
+  }
+}
+
+}  // namespace
+
+Failure currentFailure() {
+  Failure failure = failureOf();
+  std::replace_if(
+      failure.text.begin(), failure.text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  return failure;
+}
+
+}  // namespace cli

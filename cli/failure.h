@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file failure.h
+/// What an exception means for the user: an exit code and one line.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace cli {
+
+struct Failure {
+  int code;
+  std::string text;
+};
+
+/// Of the exception that is being handled; call it in a catch block.
+Failure currentFailure();
+
+/// A failure whose exit code is known already.
+class FailedWith : public std::runtime_error {
+ public:
+  explicit FailedWith(const Failure& failure) : std::runtime_error(failure.text), mCode(failure.code) {}
+  int code() const { return mCode; }
+
+ private:
+  int mCode;
+};
+
+}  // namespace cli

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/farm/task.h"
+
+#include "farm/task_files.h"
+#include "farm/tile_task.h"
+#include "farm/variant_task.h"
+
+#include "vdbtools/base/errors.h"
+#include "vdbtools/files/atomic_file.h"
+#include "vdbtools/files/file_bytes.h"
+#include "vdbtools/files/file_hash.h"
+#include "vdbtools/files/mark_file.h"
+
+#include <tbb/global_control.h>
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <ctime>
+#include <mutex>
+#include <set>
+#include <stdexcept>
+#include <stop_token>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+namespace vdbtools {
+namespace {
+
+namespace fs = std::filesystem;
+
+using Clock = std::chrono::steady_clock;
+
+/// The mark of a running task, with a thread that gives signs of life.
+class RunningMark {
+ public:
+  RunningMark(const fs::path& path, const std::string& content) : mFile(path, content) {
+    mThread = std::jthread([this](const std::stop_token& stop) {
+      std::mutex mutex;
+      std::condition_variable_any wake;
+      std::unique_lock lock(mutex);
+      while (!wake.wait_for(lock, stop, kSignOfLife, [&stop] { return stop.stop_requested(); })) mFile.touch();
+    });
+  }
+
+ private:
+  MarkFile mFile;
+  std::jthread mThread;  ///< after the file, so that it ends first
+};
+
+double cpuSeconds() {
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+std::uint64_t peakBytes() {
+  constexpr std::uint64_t kUnit = 1024;  // of ru_maxrss, on Linux
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * kUnit;
+}
+
+/// The folders that a plan's tasks write to.
+std::set<fs::path> foldersOf(const fs::path& folder, const Manifest& manifest) {
+  std::set<fs::path> folders = {folder, tasksFolder(folder)};
+  for (const PlannedTask& task : manifest.tasks)
+    for (const std::string& name : task.writes) folders.insert((folder / name).parent_path());
+  return folders;
+}
+
+void createFolder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw CreateError("cannot create the folder " + inOneLine(folder.native()) + ": " + error.message());
+}
+
+TaskFile fileRecord(const fs::path& folder, const std::string& name) {
+  const fs::path path = folder / name;
+  std::optional<TaskFile> file = presentFile(path);
+  if (!file) throw std::logic_error("a task was made, but not its file " + inOneLine(path.native()));
+  file->name = name;
+  file->sha256 = sha256OfFile(path);
+  return *std::move(file);
+}
+
+}  // namespace
+
+TaskCounts makeTask(const fs::path& folder, const Manifest& manifest, std::uint64_t index, Monitor& monitor) {
+  switch (manifest.kind) {
+    case PlanKind::Tiles: return makeTile(folder, manifest, index, monitor);
+    case PlanKind::Frames:
+    case PlanKind::Sheet: return makeVariant(folder, manifest, index, monitor);
+  }
+  throw std::logic_error("a kind of plan has no maker of its tasks");
+}
+
+void requireInputs(const fs::path& folder, const Manifest& manifest) {
+  for (const PlannedInput& input : manifest.inputs) {
+    const fs::path path = folder / input.path;
+    const std::string found = sha256OfFile(path);
+    if (found != input.sha256)
+      throw DataError("'" + inOneLine(path.native()) +
+                      "' is not the file that the plan was made with: its SHA-256 is " + found + " and was " +
+                      input.sha256 + "; restore it, or plan again");
+  }
+}
+
+void sweepPlan(const fs::path& folder, const Manifest& manifest) {
+  for (const fs::path& place : foldersOf(folder, manifest)) sweepTemporaries(place);
+  std::error_code error;
+  const fs::directory_iterator end;
+  for (fs::directory_iterator entry(tasksFolder(folder), error); !error && entry != end; entry.increment(error))
+    if (entry->path().native().ends_with(kRunningSuffix)) removeDeadMark(entry->path());
+}
+
+TaskRunner::TaskRunner(fs::path folder, TaskMaker maker)
+    : mFolder(std::move(folder)), mMaker(std::move(maker)), mManifest(readManifest(mFolder)) {}
+
+bool TaskRunner::run(std::uint64_t index, Monitor& monitor) {
+  TaskRecord record;
+  record.hash = taskHash(mManifest, index);
+  if (finishedTask(mFolder, mManifest, index, FileCheck::Content)) return false;
+  createFolder(tasksFolder(mFolder));
+  sweepPlan(mFolder, mManifest);
+  for (const std::string& name : mManifest.tasks[index - 1].writes) createFolder((mFolder / name).parent_path());
+
+  const RunningMark mark(runningPath(mFolder, index), encodeRunning(index));
+  std::error_code ignored;
+  fs::remove(failedPath(mFolder, index), ignored);
+  if (!mInputsChecked) {
+    monitor.begin("checking", 0);
+    requireInputs(mFolder, mManifest);
+    mInputsChecked = true;
+  }
+
+  const Clock::time_point start = Clock::now();
+  const double cpuStart = cpuSeconds();
+  record.counts = mMaker(mFolder, mManifest, index, monitor).counts;
+  monitor.begin("checking", 0);
+  for (const std::string& name : mManifest.tasks[index - 1].writes) record.files.push_back(fileRecord(mFolder, name));
+  record.wallSeconds = std::chrono::duration<double>(Clock::now() - start).count();
+  record.cpuSeconds = cpuSeconds() - cpuStart;
+  record.peakBytes = peakBytes();
+  record.host = hostName();
+  record.threads = static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+  AtomicFile sideCar(sideCarPath(mFolder, index));
+  sideCar.stream() << encodeRecord(index, record);
+  sideCar.commit();
+  return true;
+}
+
+void TaskRunner::recordFailure(std::uint64_t index, int exitCode, const std::string& error) const noexcept {
+  try {
+    // Another process may have made it meanwhile.
+    if (finishedTask(mFolder, mManifest, index, FileCheck::Quick)) return;
+    createFolder(tasksFolder(mFolder));
+    AtomicFile file(failedPath(mFolder, index));
+    file.stream() << encodeFailure(index, taskHash(mManifest, index), exitCode, error);
+    file.commit();
+  } catch (const std::exception&) {
+    // The failure itself is reported; without this note the task counts as missing.
+  }
+}
+
+}  // namespace vdbtools

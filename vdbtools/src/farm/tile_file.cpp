@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "farm/tile_file.h"
+
+#include "vdbtools/base/errors.h"
+#include "vdbtools/files/file_bytes.h"
+
+#include <bit>
+#include <cstring>
+#include <string>
+#include <string_view>
+
+namespace vdbtools {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "tiles are written as numbers lie in memory");
+static_assert(sizeof(openvdb::Vec3d) == 24 && sizeof(openvdb::Vec3s) == 12 && sizeof(TileLayer::Block) == 16 &&
+              sizeof(TileLayer::Triangle) == 8);
+
+constexpr std::string_view kMagic = "JVDBTILE";
+constexpr std::uint32_t kVersion = 1;
+
+struct Header {
+  char magic[8];
+  std::uint32_t version, coordinate;
+  std::uint64_t points, guests, triangles, layers;
+};
+static_assert(sizeof(Header) == 48);
+
+struct LayerHead {
+  std::int32_t x;
+  std::uint32_t blocks;
+};
+
+template <class Value>
+void put(std::ostream& stream, const Value* values, std::size_t count) {
+  stream.write(reinterpret_cast<const char*>(values), static_cast<std::streamsize>(count * sizeof(Value)));
+}
+
+template <class Real>
+std::vector<openvdb::math::Vec3<Real>> converted(const std::vector<openvdb::Vec3d>& positions) {
+  return {positions.begin(), positions.end()};
+}
+
+}  // namespace
+
+TileCounts writeTile(std::ostream& stream, const std::vector<TileLayer>& layers, bool doubles) {
+  TileCounts counts{.layers = layers.size()};
+  for (const TileLayer& layer : layers) {
+    for (const std::uint16_t edge : layer.edges) ++(edge & kGuest ? counts.guests : counts.points);
+    counts.triangles += layer.triangles.size();
+  }
+  Header header{.magic = {},
+                .version = kVersion,
+                .coordinate = doubles ? 8u : 4u,
+                .points = counts.points,
+                .guests = counts.guests,
+                .triangles = counts.triangles,
+                .layers = counts.layers};
+  std::memcpy(header.magic, kMagic.data(), kMagic.size());
+  put(stream, &header, 1);
+  for (const TileLayer& layer : layers) {
+    const LayerHead head{layer.x, static_cast<std::uint32_t>(layer.blocks.size())};
+    put(stream, &head, 1);
+    put(stream, layer.blocks.data(), layer.blocks.size());
+    put(stream, layer.edges.data(), layer.edges.size());
+    if (doubles) {
+      put(stream, layer.positions.data(), layer.positions.size());
+    } else {
+      const std::vector<openvdb::Vec3s> floats = converted<float>(layer.positions);
+      put(stream, floats.data(), floats.size());
+    }
+    put(stream, layer.normals.data(), layer.normals.size());
+    put(stream, layer.triangles.data(), layer.triangles.size());
+  }
+  return counts;
+}
+
+TileReader::TileReader(const std::filesystem::path& path) : mPath(path), mStream(path, std::ios::binary) {
+  std::error_code error;
+  mLeft = std::filesystem::file_size(path, error);
+  if (!mStream || error) throw MissingInputError("cannot open the tile '" + inOneLine(path.string()) + "'");
+  Header header{};
+  read(&header, sizeof header);
+  if (std::string_view(header.magic, kMagic.size()) != kMagic || header.version != kVersion ||
+      (header.coordinate != 4 && header.coordinate != 8))
+    refuse("it is not a tile of this version");
+  mDoubles = header.coordinate == 8;
+  mCounts = {header.points, header.guests, header.triangles, header.layers};
+  readX();
+  mPosition = mStream.tellg();
+  mStream.close();
+}
+
+void TileReader::refuse(const char* why) const {
+  throw DataError("the tile '" + inOneLine(mPath.string()) + "' cannot be used: " + why);
+}
+
+void TileReader::read(void* to, std::size_t bytes) {
+  if (bytes > mLeft) refuse("it is truncated");
+  mLeft -= bytes;
+  mStream.read(static_cast<char*>(to), static_cast<std::streamsize>(bytes));
+  if (!mStream) throw IoError("reading '" + inOneLine(mPath.string()) + "' broke off");
+}
+
+void TileReader::readX() {
+  mNextX.reset();
+  if (mRead == mCounts.layers) return;
+  std::int32_t x = 0;
+  read(&x, sizeof x);
+  mNextX = x;
+}
+
+TileLayer TileReader::next() {
+  TileLayer layer{.x = mNextX.value()};
+  if (!mStream.is_open()) {
+    mStream.open(mPath, std::ios::binary);
+    if (!mStream.seekg(mPosition)) throw MissingInputError("cannot open the tile '" + inOneLine(mPath.string()) + "'");
+  }
+  std::uint32_t blocks = 0;
+  read(&blocks, sizeof blocks);
+  // Counts are held against what is left of the file before memory is taken for them.
+  const auto take = [&](auto& values, std::uint64_t count) {
+    using Value = typename std::remove_reference_t<decltype(values)>::value_type;
+    if (count > mLeft / sizeof(Value)) refuse("it is truncated");
+    values.resize(count);
+    read(values.data(), count * sizeof(Value));
+  };
+  take(layer.blocks, blocks);
+  std::uint64_t points = 0, triangles = 0;
+  for (const TileLayer::Block& block : layer.blocks) {
+    points += block.points;
+    triangles += block.triangles;
+  }
+  take(layer.edges, points);
+  if (mDoubles) {
+    take(layer.positions, points);
+  } else {
+    std::vector<openvdb::Vec3s> floats;
+    take(floats, points);
+    layer.positions.assign(floats.begin(), floats.end());
+  }
+  take(layer.normals, points);
+  take(layer.triangles, triangles);
+  ++mRead;
+  readX();
+  if (!mNextX) mStream.close();
+  return layer;
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/farm/tile_plan.h"
+
+#include "farm/tile_task.h"
+
+#include "vdbtools/base/errors.h"
+#include "vdbtools/files/atomic_file.h"
+#include "vdbtools/files/file_hash.h"
+#include "vdbtools/job/prepared_scene.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+namespace vdbtools {
+namespace {
+
+using openvdb::Coord;
+using openvdb::CoordBBox;
+
+constexpr int kBlock = openvdb::FloatTree::LeafNodeType::DIM;
+
+double volumeOf(const CoordBBox& box) {
+  const Coord sides = box.dim();
+  return double(sides[0]) * sides[1] * sides[2];
+}
+
+/// What of the boxes lies within another one.
+std::vector<CoordBBox> clipped(std::span<const CoordBBox> boxes, const CoordBBox& within) {
+  std::vector<CoordBBox> result;
+  for (CoordBBox box : boxes) {
+    box.intersect(within);
+    if (!box.empty()) result.push_back(box);
+  }
+  return result;
+}
+
+/// Which of the intervals of @a side nodes a node is in.
+int intervalOf(int node, int side) { return node >= 0 ? node / side : -((-node + side - 1) / side); }
+int blockOf(int node) { return intervalOf(node, kBlock); }
+
+/// Where to cut along an axis so that about @a share of the work comes before: the first node behind, a multiple of 8;
+/// nothing where all work lies in one block.
+std::optional<int> whereToCut(const std::vector<CoordBBox>& work, const CoordBBox& around, int axis, double share) {
+  const int first = blockOf(around.min()[axis]), last = blockOf(around.max()[axis]);
+  if (first == last) return std::nullopt;
+  // Of each block along the axis: by how much the work a node changes there.
+  std::vector<double> begins(static_cast<std::size_t>(last - first) + 2, 0.0);
+  double all = 0;
+  for (const CoordBBox& box : work) {
+    // Spread evenly over the blocks that it touches.
+    const int low = blockOf(box.min()[axis]), high = blockOf(box.max()[axis]);
+    const double each = volumeOf(box) / (high - low + 1);
+    begins[static_cast<std::size_t>(low - first)] += each;
+    begins[static_cast<std::size_t>(high - first) + 1] -= each;
+    all += volumeOf(box);
+  }
+  int best = first + 1;
+  double before = 0, rate = 0, bestMiss = INFINITY;
+  for (int block = first; block < last; ++block) {
+    rate += begins[static_cast<std::size_t>(block - first)];
+    before += rate;
+    if (const double miss = std::abs(before - share * all); miss < bestMiss) {
+      bestMiss = miss;
+      best = block + 1;
+    }
+  }
+  return best * kBlock;
+}
+
+void cut(const CoordBBox& box, std::vector<CoordBBox> work, int count, std::vector<TileBox>& tiles) {
+  if (work.empty()) return;
+  CoordBBox around;
+  for (const CoordBBox& one : work) around.expand(one);
+  const std::array<int, 3> byLength = [&] {
+    std::array<int, 3> axes = {0, 1, 2};
+    std::stable_sort(axes.begin(), axes.end(), [&](int a, int b) { return around.dim()[a] > around.dim()[b]; });
+    return axes;
+  }();
+  const int firstCount = count / 2;
+  for (const int axis : byLength) {
+    if (count == 1) break;
+    const std::optional<int> at = whereToCut(work, around, axis, double(firstCount) / count);
+    if (!at) continue;
+    CoordBBox low = box, high = box;
+    low.max()[axis] = *at - 1;
+    high.min()[axis] = *at;
+    std::vector<CoordBBox> lowWork = clipped(work, low);
+    work = clipped(work, high);
+    cut(low, std::move(lowWork), firstCount, tiles);
+    cut(high, std::move(work), count - firstCount, tiles);
+    return;
+  }
+  TileBox tile{box};
+  for (const CoordBBox& one : work) tile.work += volumeOf(one);
+  tiles.push_back(tile);
+}
+
+void requireCuttable(const FractalOptions& options) {
+  if (options.lattice.follow)
+    throw std::invalid_argument(
+        "a fractal that is made by following its surface cannot be cut into tiles, as the way leads through all of "
+        "them; leave out the option to follow it");
+  if (options.surface.islands.largest > 0 || options.surface.islands.minSize > 0)
+    throw std::invalid_argument(
+        "islands reach over tiles, so they cannot be dropped tile by tile; leave out the options that drop them, or "
+        "make the fractal in one run");
+}
+
+/// Boxes of nodes that the tiles have to cover.
+std::vector<CoordBBox> workOf(const Scene& scene, const FieldPlan& whole) {
+  const bool everywhere = !scene.exponent || scene.options.lattice.exhaustive;
+  std::vector<CoordBBox> work = undecidedBoxes(everywhere ? nullptr : &*scene.exponent, whole);
+  if (everywhere || !whole.bounded) return work;
+  // Where the box cuts the set there are caps.
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool far : {false, true}) {
+      CoordBBox face = whole.domain;
+      (far ? face.min() : face.max())[axis] = (far ? face.max() : face.min())[axis];
+      work.push_back(face);
+    }
+  return work;
+}
+
+}  // namespace
+
+std::vector<TileBox> cutEvenly(const CoordBBox& domain, std::span<const CoordBBox> work, int count) {
+  std::vector<TileBox> tiles;
+  cut(domain, clipped(work, domain), count, tiles);
+  return tiles;
+}
+
+std::vector<TileBox> cutIntoCubes(const CoordBBox& domain, std::span<const CoordBBox> work, int side, int margin) {
+  std::map<Coord, double> cubes;
+  for (CoordBBox box : work) {
+    box.intersect(domain);
+    if (box.empty()) continue;
+    CoordBBox wide = box;
+    wide.expand(margin);
+    wide.intersect(domain);
+    Coord low, high;
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis] = intervalOf(wide.min()[axis], side);
+      high[axis] = intervalOf(wide.max()[axis], side);
+    }
+    for (auto cube = CoordBBox(low, high).begin(); cube; ++cube) {
+      CoordBBox in = CoordBBox::createCube(Coord((*cube)[0] * side, (*cube)[1] * side, (*cube)[2] * side), side);
+      in.intersect(box);
+      cubes[*cube] += in.empty() ? 0 : volumeOf(in);
+    }
+  }
+  std::vector<TileBox> tiles;
+  for (const auto& [cube, nodes] : cubes) {
+    TileBox tile{CoordBBox::createCube(Coord(cube[0] * side, cube[1] * side, cube[2] * side), side), nodes};
+    tile.nodes.intersect(domain);
+    tiles.push_back(tile);
+  }
+  return tiles;
+}
+
+TilePlan planTiles(const FractalOptions& options, const Recipe& recipe, const TilePlanOptions& tiles,
+                   const std::filesystem::path& folder, Monitor& monitor) {
+  requireCuttable(options);
+  if (tiles.tiles.has_value() == tiles.tileNodes.has_value())
+    throw std::invalid_argument("give either the number of tiles or the nodes along the side of one, and not both");
+  if (tiles.tiles && (*tiles.tiles < 1 || *tiles.tiles > kMostTiles))
+    throw std::invalid_argument("the number of tiles is " + std::to_string(*tiles.tiles) + "; it must be from 1 to " +
+                                std::to_string(kMostTiles));
+  if (tiles.tileNodes && *tiles.tileNodes < 2)
+    throw std::invalid_argument("a tile has " + std::to_string(*tiles.tileNodes) +
+                                " nodes along its side; it must have 2 or more");
+  const Scene scene = makeScene(options, monitor);
+  // A window without nodes: the blocks of the whole would be too many for a large lattice.
+  FieldPlan whole = planScene(scene, CoordBBox());
+  whole.window = whole.domain;
+  std::vector<CoordBBox> work = workOf(scene, whole);
+  if (work.empty()) throw DataError("the fractal is empty: no cell of the lattice is undecided", Remedy::LargerBeta);
+
+  TilePlan plan;
+  // A tile without a triangle may have a part of the level set.
+  const std::vector<TileBox> boxes = tiles.tiles ? cutEvenly(whole.domain, work, *tiles.tiles)
+                                                 : cutIntoCubes(whole.domain, work, *tiles.tileNodes, kTileHalo);
+  if (boxes.size() > kMostTiles)
+    throw std::invalid_argument("there would be " + std::to_string(boxes.size()) + " tiles, and " +
+                                std::to_string(kMostTiles) + " is the most; make them larger");
+
+  Manifest& manifest = plan.manifest;
+  manifest.kind = PlanKind::Tiles;
+  manifest.recipe = recipe;
+  manifest.makes = tiles.makes;
+  manifest.facts = sceneMetadata(scene, recipe);
+  manifest.lattice = TileLattice{whole.domain, whole.bounded, whole.voxelSize};
+  const bool wantsGrids = std::find(tiles.makes.begin(), tiles.makes.end(), "vdb") != tiles.makes.end();
+  const bool wantsMesh = tiles.makes.size() > (wantsGrids ? 1 : 0);
+  for (const TileBox& box : boxes) {
+    PlannedTask task{.box = box.nodes};
+    plan.work.push_back(box.work);
+    if (wantsMesh) task.writes.push_back(tileMeshName(manifest.tasks.size() + 1));
+    if (wantsGrids) task.writes.push_back(tileGridsName(manifest.tasks.size() + 1));
+    manifest.tasks.push_back(std::move(task));
+  }
+  const std::string bytes = encodePreparedScene(scene);
+  AtomicFile file(folder / kPreparedName);
+  file.stream().write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.commit();
+  manifest.inputs.push_back({kPreparedName, sha256Hex(bytes)});
+  return plan;
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "farm/tile_task.h"
+
+#include "vdbtools/base/errors.h"
+#include "vdbtools/files/atomic_file.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/job/fractal_job.h"
+#include "vdbtools/job/prepared_scene.h"
+#include "vdbtools/mesh/mesh_writer.h"
+
+#include <openvdb/tree/ValueAccessor.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <list>
+
+namespace vdbtools {
+namespace {
+
+using openvdb::Coord;
+using openvdb::CoordBBox;
+using openvdb::FloatGrid;
+using Leaf = openvdb::FloatTree::LeafNodeType;
+
+constexpr int kBlock = Leaf::DIM;
+
+std::string numbered(std::uint64_t index, const char* extension) {
+  char name[48];
+  std::snprintf(name, sizeof name, "tiles/%04llu%s", static_cast<unsigned long long>(index), extension);
+  return name;
+}
+
+Coord blockOf(const Coord& node) { return node & ~(kBlock - 1); }
+
+/// The mesh without its caps, and the places of what is left.
+PlacedMesh withoutCaps(PlacedMesh placed) {
+  CappedMesh capped{.mesh = std::move(placed.mesh)};
+  PlacedMesh result;
+  for (const EdgePlace& edge : placed.places.points) {
+    capped.onCap.push_back(edge.cut);
+    if (!edge.cut) result.places.points.push_back(edge);
+  }
+  for (std::size_t i = 0; i < capped.mesh.triangles.size(); ++i) {
+    const openvdb::Vec3I& t = capped.mesh.triangles[i];
+    if (!capped.onCap[t[0]] && !capped.onCap[t[1]] && !capped.onCap[t[2]])
+      result.places.triangles.push_back(placed.places.triangles[i]);
+  }
+  capped.mesh.normals.clear();
+  result.mesh = withoutCaps(std::move(capped));
+  computeNormals(result.mesh);
+  return result;
+}
+
+/// What a tile owns of the mesh of its window, by layers and blocks, and the points that its triangles use besides.
+class LayerMaker {
+ public:
+  LayerMaker(const PlacedMesh& placed, const CoordBBox& own) : mPlaced(placed), mOwn(own) {}
+
+  std::vector<TileLayer> make() {
+    const std::vector<EdgePlace>& edges = mPlaced.places.points;
+    const std::vector<Coord>& cells = mPlaced.places.triangles;
+    std::vector<char> used(edges.size(), 0);
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      if (mOwn.isInside(cells[i]))
+        for (int k = 0; k < 3; ++k) used[mPlaced.mesh.triangles[i][k]] = 1;
+    // Both come by blocks; a layer's blocks are those of either.
+    std::size_t point = 0, triangle = 0;
+    while (point < edges.size() || triangle < cells.size()) {
+      const bool pointFirst =
+          point < edges.size() && (triangle == cells.size() || blockOf(edges[point].node) <= blockOf(cells[triangle]));
+      const Coord block = blockOf(pointFirst ? edges[point].node : cells[triangle]);
+      TileLayer::Block record{block[1], block[2]};
+      for (; point < edges.size() && blockOf(edges[point].node) == block; ++point)
+        if (const bool own = mOwn.isInside(edges[point].node); own || used[point]) {
+          addPoint(block, point, own);
+          ++record.points;
+        }
+      for (; triangle < cells.size() && blockOf(cells[triangle]) == block; ++triangle)
+        if (mOwn.isInside(cells[triangle])) {
+          addTriangle(block, triangle);
+          ++record.triangles;
+        }
+      if (record.points > 0 || record.triangles > 0) mLayers.back().blocks.push_back(record);
+    }
+    return std::move(mLayers);
+  }
+
+ private:
+  TileLayer& layerOf(const Coord& block) {
+    if (mLayers.empty() || mLayers.back().x != block[0]) mLayers.push_back({.x = block[0]});
+    return mLayers.back();
+  }
+
+  static std::uint16_t edgeOf(const EdgePlace& edge) {
+    return static_cast<std::uint16_t>(3 * Leaf::coordToOffset(edge.node) + edge.axis);
+  }
+
+  void addPoint(const Coord& block, std::size_t point, bool own) {
+    TileLayer& layer = layerOf(block);
+    const std::uint16_t edge = edgeOf(mPlaced.places.points[point]);
+    layer.edges.push_back(own ? edge : static_cast<std::uint16_t>(edge | kGuest));
+    layer.positions.push_back(mPlaced.mesh.points[point]);
+    layer.normals.push_back(mPlaced.mesh.normals[point]);
+  }
+
+  void addTriangle(const Coord& block, std::size_t triangle) {
+    TileLayer::Triangle record{static_cast<std::uint16_t>(Leaf::coordToOffset(mPlaced.places.triangles[triangle]))};
+    for (int k = 0; k < 3; ++k) {
+      const EdgePlace& edge = mPlaced.places.points[mPlaced.mesh.triangles[triangle][k]];
+      const Coord ahead = blockOf(edge.node) - block;
+      const unsigned neighbour = (ahead[0] ? 1u : 0) | (ahead[1] ? 2u : 0) | (ahead[2] ? 4u : 0);
+      record[static_cast<std::size_t>(k + 1)] = static_cast<std::uint16_t>(edgeOf(edge) | neighbour << kEdgeBits);
+    }
+    layerOf(block).triangles.push_back(record);
+  }
+
+  const PlacedMesh& mPlaced;
+  CoordBBox mOwn;
+  std::vector<TileLayer> mLayers;
+};
+
+/// The evaluated nodes of a grid within a box; its leaves stay, even those without an evaluated node.
+FloatGrid::Ptr partOf(const FloatGrid& whole, const CoordBBox& own) {
+  FloatGrid::Ptr part = FloatGrid::create(whole.background());
+  part->setTransform(whole.transform().copy());
+  part->setName(whole.getName());
+  for (auto leaf = whole.tree().cbeginLeaf(); leaf; ++leaf) {
+    if (!own.hasOverlap(leaf->getNodeBoundingBox())) continue;
+    Leaf* const copy = part->tree().touchLeaf(leaf->origin());
+    for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) {
+      if (!own.isInside(leaf->offsetToGlobalCoord(i))) continue;
+      if (leaf->isValueOn(i))
+        copy->setValueOn(i, leaf->getValue(i));
+      else
+        copy->setValueOff(i, leaf->getValue(i));
+    }
+  }
+  return part;
+}
+
+}  // namespace
+
+std::string tileMeshName(std::uint64_t index) { return numbered(index, ".tile"); }
+std::string tileGridsName(std::uint64_t index) { return numbered(index, ".vdb"); }
+
+CoordBBox ownNodes(const CoordBBox& box, const CoordBBox& domain) {
+  CoordBBox own = box;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (box.min()[axis] == domain.min()[axis]) own.min()[axis] -= 2 * kBlock;
+    if (box.max()[axis] == domain.max()[axis]) own.max()[axis] += 2 * kBlock;
+  }
+  return own;
+}
+
+Tile makeTile(const Scene& scene, const CoordBBox& box, bool wantsMesh, bool wantsGrids, Monitor& monitor) {
+  const std::vector<std::string>& names = scene.options.output.grids;
+  const auto wants = [&](const char* name) {
+    return wantsGrids && std::find(names.begin(), names.end(), name) != names.end();
+  };
+  CoordBBox window = box;
+  window.expand(kTileHalo);
+  const FieldPlan plan = planScene(scene, window);
+  const CoordBBox own = ownNodes(box, plan.domain);
+  const FractalField field =
+      evaluateField(plan, scene.source(),
+                    {.keepIterations = wants("iterations"), .everyNode = wants("iterations") || wants("logmodulus")},
+                    monitor);
+  Tile tile{.evaluatedNodes = field.evaluatedNodes};
+  const bool wantsSurface = wants("surface") || wants("density") || wants("versor");
+  const bool capMesh = scene.options.surface.cap || !plan.bounded;
+  PlacedMesh placed = extractPlacedMesh(
+      field, scene.source(),
+      {.tolerance = scene.options.surface.tolerance, .border = capMesh || wantsSurface ? Border::Cap : Border::Open},
+      monitor);
+  if (wantsSurface) {
+    const FloatGrid::Ptr surface = levelSetPart(field, scene.source(), placed.mesh, own, monitor);
+    surface->setName("surface");
+    tile.grids.push_back(surface);
+  }
+  if (wants("logmodulus")) tile.grids.push_back(partOf(*field.field, own));
+  if (wants("iterations")) tile.grids.push_back(partOf(*field.iterations, own));
+  if (!wantsMesh) return tile;
+  if (wantsSurface && !capMesh) placed = withoutCaps(std::move(placed));
+  tile.layers = LayerMaker(placed, own).make();
+  return tile;
+}
+
+bool tilesNeedDoubles(const Manifest& manifest) {
+  const TileLattice& lattice = manifest.lattice.value();
+  const openvdb::BBoxd box = meshBox({.domain = lattice.domain, .voxelSize = lattice.voxelSize});
+  return std::any_of(manifest.makes.begin(), manifest.makes.end(), [&](const std::string& format) {
+    return format != "vdb" && needsDoublePositions(
+                                  {.format = meshFormat("mesh." + format), .voxelSize = lattice.voxelSize, .box = box});
+  });
+}
+
+TaskCounts makeTile(const std::filesystem::path& folder, const Manifest& manifest, std::uint64_t index,
+                    Monitor& monitor) {
+  const auto makes = [&](const char* what) {
+    return std::find(manifest.makes.begin(), manifest.makes.end(), what) != manifest.makes.end();
+  };
+  const bool wantsGrids = makes("vdb"), wantsMesh = makes("ply") || makes("obj") || makes("stl");
+  const PlannedTask& task = manifest.tasks.at(index - 1);
+  std::list<AtomicFile> files;
+  AtomicFile* const mesh = wantsMesh ? &files.emplace_back(folder / tileMeshName(index)) : nullptr;
+  AtomicFile* const grids = wantsGrids ? &files.emplace_back(folder / tileGridsName(index)) : nullptr;
+  const Scene scene = readPreparedScene(parseFractalOptions(manifest.recipe), folder / kPreparedName);
+  const Tile tile = makeTile(scene, task.box.value(), wantsMesh, wantsGrids, monitor);
+  monitor.begin("writing", 0);
+  TaskCounts counts;
+  counts.counts["evaluatedNodes"] = static_cast<double>(tile.evaluatedNodes);
+  if (mesh) {
+    const TileCounts written = writeTile(mesh->stream(), tile.layers, tilesNeedDoubles(manifest));
+    counts.counts["points"] = static_cast<double>(written.points);
+    counts.counts["triangles"] = static_cast<double>(written.triangles);
+  }
+  // Not the half floats of the result: what is merged must have all its digits.
+  if (grids) grids->stream() << encodeVdb(tile.grids, {});
+  std::vector<AtomicFile*> all;
+  for (AtomicFile& file : files) all.push_back(&file);
+  monitor.throwIfCancelled();
+  commitAll(all);
+  return counts;
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file tile_task.h
+/// The task of a tile: its mesh (tile_file.h) and its part of the grids.
+#pragma once
+
+#include "farm/tile_file.h"
+
+#include "vdbtools/farm/task.h"
+#include "vdbtools/job/scene.h"
+
+#include <vector>
+
+namespace vdbtools {
+
+/// The names of a plan's files, relative to its folder.
+inline constexpr const char* kPreparedName = "prepared.vdb";
+std::string tileMeshName(std::uint64_t index);
+std::string tileGridsName(std::uint64_t index);
+
+/// How far a tile's level set and its normals depend on nodes of other tiles.
+inline constexpr int kTileHalo = 5;
+
+/// The nodes that are a tile's own when it comes to points, triangles and grids: where the domain ends with its box,
+/// those beyond as well, as caps and bands lie there.
+openvdb::CoordBBox ownNodes(const openvdb::CoordBBox& box, const openvdb::CoordBBox& domain);
+
+struct Tile {
+  std::vector<TileLayer> layers;                 ///< of the mesh, if it is wanted
+  std::vector<openvdb::GridBase::Ptr> grids;     ///< the parts of those that are wanted and are made of parts
+  std::uint64_t evaluatedNodes = 0;
+};
+
+/// @param box  the nodes that the tile owns
+Tile makeTile(const Scene& scene, const openvdb::CoordBBox& box, bool wantsMesh, bool wantsGrids, Monitor& monitor);
+
+TaskCounts makeTile(const std::filesystem::path& folder, const Manifest& manifest, std::uint64_t index,
+                    Monitor& monitor);
+
+/// Whether the mesh of a plan has to keep doubles until it is merged.
+bool tilesNeedDoubles(const Manifest& manifest);
+
+}  // namespace vdbtools

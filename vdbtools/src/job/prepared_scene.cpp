@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/job/prepared_scene.h"
+
+#include "vdbtools/base/errors.h"
+#include "vdbtools/base/number_text.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/recipe/option_value.h"
+
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <optional>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+namespace vdbtools {
+namespace {
+
+using nlohmann::json;
+using openvdb::BBoxd;
+using openvdb::CoordBBox;
+using openvdb::FloatGrid;
+using openvdb::Vec3d;
+
+constexpr const char* kEntry = "julia_prepared";
+
+// As text, which unlike a number of JSON may be infinite.
+json number(double value) { return numbersText({value}); }
+double numberOf(const json& value) {
+  const std::optional<double> result = numberFromText(value.get<std::string>());
+  if (!result) throw DataError("'" + value.get<std::string>() + "' is not a number");
+  return *result;
+}
+
+json vector(const Vec3d& v) { return {number(v[0]), number(v[1]), number(v[2])}; }
+Vec3d vectorOf(const json& v) { return {numberOf(v.at(0)), numberOf(v.at(1)), numberOf(v.at(2))}; }
+
+json space(const FractalSpace& s) { return {{"centre", vector(s.centre)}, {"scale", number(s.scale)}}; }
+FractalSpace spaceOf(const json& s) { return {vectorOf(s.at("centre")), numberOf(s.at("scale"))}; }
+
+json box(const BBoxd& b) { return {vector(b.min()), vector(b.max())}; }
+BBoxd boxOf(const json& b) { return {vectorOf(b.at(0)), vectorOf(b.at(1))}; }
+
+json nodes(const std::optional<CoordBBox>& b) {
+  if (!b) return nullptr;
+  return {b->min()[0], b->min()[1], b->min()[2], b->max()[0], b->max()[1], b->max()[2]};
+}
+std::optional<CoordBBox> nodesOf(const json& b) {
+  if (b.is_null()) return std::nullopt;
+  const auto c = b.get<std::array<int, 6>>();
+  return CoordBBox(c[0], c[1], c[2], c[3], c[4], c[5]);
+}
+
+json orbit(const julia::OrbitOptions& o) {
+  return {{"iterations", o.maxIterations},
+          {"escape", number(o.escapeRadius)},
+          {"trap", number(o.logTrap)},
+          {"confirm_trap", o.confirmTrap}};
+}
+julia::OrbitOptions orbitOf(const json& o) {
+  return {.maxIterations = o.at("iterations").get<int>(),
+          .escapeRadius = numberOf(o.at("escape")),
+          .logTrap = numberOf(o.at("trap")),
+          .confirmTrap = o.at("confirm_trap").get<bool>()};
+}
+
+json range(const std::pair<double, double>& r) { return {number(r.first), number(r.second)}; }
+std::pair<double, double> rangeOf(const json& r) { return {numberOf(r.at(0)), numberOf(r.at(1))}; }
+
+json exponentNumbers(const ExponentGrid& e) {
+  return {{"space", space(e.space)},
+          {"shell", range({e.shell.lower, e.shell.upper})},
+          {"orbit", orbit(e.orbit)},
+          {"dense_box", nodes(e.denseBox)},
+          {"scale", e.scale ? number(*e.scale) : json()},
+          {"alpha", range(e.alphaRange)},
+          {"beta", range(e.betaRange)},
+          {"interpolation", static_cast<int>(e.interpolation)}};
+}
+
+ExponentGrid exponentOf(const json& e, FloatGrid::Ptr grid) {
+  ExponentGrid result{.grid = std::move(grid), .space = spaceOf(e.at("space"))};
+  std::tie(result.shell.lower, result.shell.upper) = rangeOf(e.at("shell"));
+  result.orbit = orbitOf(e.at("orbit"));
+  result.denseBox = nodesOf(e.at("dense_box"));
+  if (!e.at("scale").is_null()) result.scale = numberOf(e.at("scale"));
+  result.alphaRange = rangeOf(e.at("alpha"));
+  result.betaRange = rangeOf(e.at("beta"));
+  result.interpolation = static_cast<julia::Interpolation>(e.at("interpolation").get<int>());
+  return result;
+}
+
+/// A copy that may be given another name; the values are shared.
+FloatGrid::Ptr named(const FloatGrid::Ptr& grid, const char* name) {
+  FloatGrid::Ptr copy = grid->copy();
+  copy->setName(name);
+  return copy;
+}
+
+FloatGrid::Ptr gridOf(const VdbFile& file, const char* name, const std::filesystem::path& path) {
+  FloatGrid::Ptr grid = chooseFloatGrid(file, name, path);
+  grid->removeMeta(kEntry);
+  return grid;
+}
+
+}  // namespace
+
+std::string encodePreparedScene(const Scene& scene) {
+  json entry = {{"region", box(scene.region)},
+                {"voxel_size", number(scene.voxelSize)},
+                {"orbit", orbit(scene.orbit)},
+                {"doubles", scene.arithmetic == Arithmetic::Double},
+                {"space", space(scene.space)},
+                {"placed", space(scene.placed.space)},
+                {"unmoved", space(scene.placed.unmoved)},
+                {"facts", scene.facts},
+                {"target_volume", scene.targetVolume ? number(*scene.targetVolume) : json()}};
+  std::vector<openvdb::GridBase::Ptr> grids;
+  if (scene.target) {
+    entry["target"] = {{"box", box(scene.target->box)}, {"dense_box", nodes(scene.target->denseBox)}};
+    grids.push_back(named(scene.target->phi, "phi"));
+  }
+  if (scene.exponent) {
+    entry["exponent"] = exponentNumbers(*scene.exponent);
+    grids.push_back(named(scene.exponent->grid, "exponent"));
+  }
+  // A VDB has a grid.
+  if (grids.empty()) grids.push_back(named(FloatGrid::create(), "none"));
+  return encodeVdb(grids, {.half = false, .metadata = {{kEntry, entry.dump()}}});
+}
+
+Scene readPreparedScene(const FractalOptions& options, const std::filesystem::path& path) {
+  const VdbFile file = readVdb(path);
+  const auto found = file.metadata.find(kEntry);
+  if (found == file.metadata.end()) throw DataError("'" + path.string() + "' holds no prepared scene");
+  Scene scene;
+  try {
+    const json entry = json::parse(found->second);
+    scene.options = options;
+    scene.region = boxOf(entry.at("region"));
+    scene.voxelSize = numberOf(entry.at("voxel_size"));
+    scene.orbit = orbitOf(entry.at("orbit"));
+    scene.arithmetic = entry.at("doubles").get<bool>() ? Arithmetic::Double : Arithmetic::Float;
+    scene.space = spaceOf(entry.at("space"));
+    scene.placed = {spaceOf(entry.at("placed")), spaceOf(entry.at("unmoved"))};
+    scene.facts = entry.at("facts").get<Facts>();
+    if (!entry.at("target_volume").is_null()) scene.targetVolume = numberOf(entry.at("target_volume"));
+    if (entry.contains("target"))
+      scene.target = Target{.phi = gridOf(file, "phi", path),
+                            .box = boxOf(entry["target"].at("box")),
+                            .denseBox = nodesOf(entry["target"].at("dense_box"))};
+    if (entry.contains("exponent")) scene.exponent = exponentOf(entry["exponent"], gridOf(file, "exponent", path));
+  } catch (const json::exception& error) {
+    throw DataError("'" + path.string() + "' holds a prepared scene that cannot be read: " + error.what());
+  }
+  const MapFiles files = options.map->readFiles();
+  scene.map = options.map->instance({.files = files,
+                                     .target = scene.target ? &*scene.target : nullptr,
+                                     .space = scene.placed.space,
+                                     .unmovedSpace = scene.placed.unmoved,
+                                     .exponent = scene.exponent ? &*scene.exponent : nullptr});
+  scene.evaluator = scene.map->evaluator(scene.arithmetic, scene.orbit);
+  return scene;
+}
+
+}  // namespace vdbtools
