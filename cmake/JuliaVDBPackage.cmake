@@ -13,13 +13,13 @@ set(CPACK_PACKAGE_NAME juliavdb)
 set(CPACK_PACKAGE_VENDOR JuliaVDB)
 set(CPACK_PACKAGE_CONTACT "${JULIAVDB_MAINTAINER}")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "fractals in the shape of a mesh, as OpenVDB level sets")
-set(CPACK_PACKAGE_DESCRIPTION "JuliaVDB turns a mesh into a fractal of the same shape: a level set for Houdini or Blender, a mesh,
-or pictures. The program runs without a display and cuts large jobs into tasks
-for Slurm or GNU parallel.")
+set(CPACK_PACKAGE_DESCRIPTION
+"JuliaVDB turns a mesh into a fractal of the same shape: a level set for
+Houdini or Blender, a mesh, or pictures. The program runs without a display,
+and cuts large jobs into tasks for Slurm or GNU parallel.")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_THREADS 0)
-set(CPACK_PACKAGE_CHECKSUM "")
 
 # One component alone goes into the package.
 set(CPACK_COMPONENTS_ALL Runtime)

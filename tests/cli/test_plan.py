@@ -85,7 +85,7 @@ class Frames(PlanTest):
             (*frames, "--frames", "1-3", "--key", "alfa@1=20"),
             (*frames, "--frames", "1-3", "--key", "alpha=20"),
             (*frames, "--frames", "1-3", "--key", "alpha@1=forty"),
-            (*frames, "--frames", "1-3", "--key", "alpha@1=-5"),
+            (*frames, "--frames", "1-3", "--key", "iterations@1=0"),
             (*frames, "--frames", "1-3", *KEYS, "--key", "alpha@3=10"),
             (*frames, "--frames", "1-3", *KEYS, "--alpha", 20),
             (*frames, "--frames", "1-3", *KEYS, "--ease", "fast"),
