@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "commands/commands.h"
+#include "commands/plan.h"
 #include "exit_code.h"
 #include "failure.h"
 #include "interruption.h"
@@ -18,7 +19,7 @@
 namespace cli {
 namespace {
 
-constexpr Command kCommands[] = {
+const Command kCommands[] = {
     {"sdf", runSdf, "make a signed distance field (VDB) from a mesh"},
     {"fractal", runFractal, "make a fractal (VDB, mesh) from a mesh or a signed distance field"},
     {"fit", runFit, "find a rational map whose Julia set has the shape of a mesh"},
@@ -28,20 +29,22 @@ constexpr Command kCommands[] = {
     {"slice", runSlice, "make a picture of a field on a plane"},
     {"study", runStudy, "show what a target decides whatever its versor: average membership, distance over circles"},
     {"render", runRender, "make a shaded picture of a level set, or of a map's set"},
-    {"plan", runPlan, "plan the tasks of a farm: tiles of a fractal, frames, or cells of a contact sheet"},
+    {"plan", runPlan, "plan the tasks of a farm: tiles of a fractal, frames, or cells of a contact sheet", planKinds()},
     {"task", runTask, "make one of the tasks that a large job was cut into"},
     {"status", runStatus, "show which tasks of a plan are done, and which are missing"},
     {"submit", runSubmit, "give the missing tasks of a plan to Slurm or GNU parallel"},
     {"merge", runMerge, "put the tiles of a plan together into one VDB and one mesh"},
     {"info", runInfo, "show what is in a mesh, a VDB or a versor file"},
     {"maps", runMaps, "list the maps and their options"},
+    {"man", runMan, "write the manual pages"},
+    {"completion", runCompletion, "write the completion of command lines for bash"},
 };
 
 void printHelp(std::ostream& stream) {
   stream << "Usage: juliavdb COMMAND [options]\n\n"
             "Turns a mesh into a fractal of the same shape.\n\nCommands:\n";
   for (const Command& command : commands())
-    stream << "  " << command.name << std::string(10 - std::string_view(command.name).size(), ' ') << command.summary
+    stream << "  " << command.name << std::string(12 - std::string_view(command.name).size(), ' ') << command.summary
            << '\n';
   stream << "\n"
             "'juliavdb COMMAND --help' describes a command. 'juliavdb --version' prints the version.\n";

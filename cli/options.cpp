@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "options.h"
 
+#include "describe.h"
+
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
@@ -69,6 +71,8 @@ CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions
       mFromRecipe("What to make", kLineLength),
       mCommon("Common options", kLineLength) {
   const std::vector<vdbtools::OptionListing> options = mTable.listing();
+  // For 'juliavdb man' and 'juliavdb completion'.
+  mHidden.add_options()("describe", po::value<std::string>());
   for (const vdbtools::OptionListing& option : options) {
     if (option.name == "input") {
       mHidden.add_options()("input", valueOf(option));
@@ -131,6 +135,10 @@ bool CommandLine::parse(const Arguments& arguments) {
   }
   if (has("help")) {
     printHelp();
+    return false;
+  }
+  if (has("describe")) {
+    describe(text("describe"));
     return false;
   }
   applyThreads();
@@ -208,6 +216,19 @@ void CommandLine::printHelp() const {
   if (!mOwn.options().empty()) std::cout << mOwn << '\n';
   if (!mFromRecipe.options().empty()) std::cout << mFromRecipe << '\n';
   std::cout << mCommon << "\nExamples:\n" << mUsage.examples;
+}
+
+void CommandLine::describe(const std::string& how) const {
+  std::vector<OptionGroup> groups;
+  for (const auto& [heading, options] :
+       {std::pair("Options", &mOwn), {"What to make", &mFromRecipe}, {"Common options", &mCommon}})
+    if (!options->options().empty()) groups.push_back({heading, options});
+  if (how == "man")
+    writeManualPage(std::cout, mUsage, groups);
+  else if (how == "completion")
+    writeCompletionTable(std::cout, mUsage, groups);
+  else
+    throw std::invalid_argument("--describe is '" + how + "'; it must be man or completion");
 }
 
 vdbtools::Recipe givenSceneRecipe(const CommandLine& line, const std::string& input) {

@@ -29,6 +29,8 @@ struct Usage {
   const char* examples;  ///< lines that work as they stand, given the files they name
   /// The command whose recipes --config takes from files that were made; its own if it is not given.
   const char* recipesOf = nullptr;
+  /// Words of which one follows the command, as in "list new inspect"; nullptr: anything may.
+  const char* words = nullptr;
 };
 
 class CommandLine {
@@ -81,6 +83,7 @@ class CommandLine {
   void applyThreads();
   void applyInstructions() const;
   void printHelp() const;
+  void describe(const std::string& how) const;
 
   Usage mUsage;
   vdbtools::OptionTable mTable;

@@ -8,12 +8,14 @@ configure_package_config_file(cmake/JuliaVDBConfig.cmake.in ${PROJECT_BINARY_DIR
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/JuliaVDBConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/JuliaVDBConfig.cmake ${PROJECT_BINARY_DIR}/JuliaVDBConfigVersion.cmake
               ${PROJECT_SOURCE_DIR}/cmake/JuliaVDBDependencies.cmake
-        DESTINATION ${package_dir})
+        DESTINATION ${package_dir} COMPONENT Development)
 install(TARGETS julia vdbtools juliavdb_cli juliavdb_flags juliavdb_warnings EXPORT JuliaVDBTargets
-        RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
-        LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+        RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT Runtime
+        ARCHIVE DESTINATION ${JULIAVDB_LIBDIR} COMPONENT Development
+        LIBRARY DESTINATION ${JULIAVDB_LIBDIR} COMPONENT Runtime)
 if(TARGET vdbtools_images)
-  install(TARGETS vdbtools_images LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(TARGETS vdbtools_images LIBRARY DESTINATION ${JULIAVDB_LIBDIR} COMPONENT Runtime)
 endif()
-install(EXPORT JuliaVDBTargets NAMESPACE juliavdb:: DESTINATION ${package_dir})
-install(DIRECTORY libjulia/include/julia vdbtools/include/vdbtools DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(EXPORT JuliaVDBTargets NAMESPACE juliavdb:: DESTINATION ${package_dir} COMPONENT Development)
+install(DIRECTORY libjulia/include/julia vdbtools/include/vdbtools DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+        COMPONENT Development)

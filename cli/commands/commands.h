@@ -27,11 +27,14 @@ int runSubmit(const Arguments& arguments);
 int runInfo(const Arguments& arguments);
 int runPlan(const Arguments& arguments);
 int runMaps(const Arguments& arguments);
+int runMan(const Arguments& arguments);
+int runCompletion(const Arguments& arguments);
 
 struct Command {
   const char* name;
   int (*run)(const Arguments&);
   const char* summary;
+  std::span<const Command> parts{};  ///< commands that follow its name, as in 'plan frames'
 };
 
 std::span<const Command> commands();

@@ -7,7 +7,6 @@
 
 #include "vdbtools/farm/plan_folder.h"
 
-#include <iostream>
 #include <stdexcept>
 
 namespace po = boost::program_options;
@@ -21,15 +20,22 @@ constexpr Command kPlans[] = {
     {"sheet", planSheet, "the fractals of cells of a contact sheet"},
 };
 
-void printHelp(std::ostream& stream) {
-  stream << "Usage: juliavdb plan tiles|frames|sheet ... -o DIR [options]\n\n"
-            "Cuts a large job into tasks that any number of machines can do in any order: DIR/manifest.json says what\n"
-            "each task makes. 'juliavdb task' does a task, and 'juliavdb submit' hands all of them to Slurm or to GNU\n"
-            "parallel.\n\nPlans:\n";
-  for (const Command& plan : kPlans)
-    stream << "  " << plan.name << std::string(10 - std::string_view(plan.name).size(), ' ') << plan.summary << '\n';
-  stream << "\n'juliavdb plan tiles --help' and so on describe them.\n";
-}
+constexpr Usage kUsageText = {
+    "plan",
+    "tiles|frames|sheet ... -o DIR [options]",
+    "Cuts a large job into tasks that any number of machines can do in any order: DIR/manifest.json says what each\n"
+    "task makes. 'juliavdb task' does a task, and 'juliavdb submit' hands all of them to Slurm or to GNU parallel.\n"
+    "\n"
+    "  tiles     one fractal, cut into tiles that are merged\n"
+    "  frames    a fractal for each frame, with options and inputs that change\n"
+    "  sheet     the fractals of cells of a contact sheet\n"
+    "\n"
+    "'juliavdb plan tiles --help' and so on describe them.",
+    "  juliavdb plan tiles bunny.obj -o tiles --tiles 16 --resolution 400\n"
+    "  juliavdb plan frames bunny.obj -o grow --frames 1-48 --key alpha@1=20 --key alpha@48=120\n"
+    "  juliavdb plan sheet seeds.json#3,5-7 -o chosen --resolution 200\n",
+    "fractal",
+    "tiles frames sheet"};
 
 }  // namespace
 
@@ -59,17 +65,19 @@ int finishPlan(const std::filesystem::path& folder, const vdbtools::Manifest& ma
   return kDone;
 }
 
+std::span<const Command> planKinds() { return kPlans; }
+
 int runPlan(const Arguments& arguments) {
-  if (arguments.empty())
-    throw std::invalid_argument("no kind of plan was given; use 'juliavdb plan tiles', 'plan frames' or 'plan sheet'");
-  const std::string& kind = arguments.front();
-  if (kind == "--help" || kind == "-h") {
-    printHelp(std::cout);
-    return kDone;
-  }
   for (const Command& plan : kPlans)
-    if (kind == plan.name) return plan.run(Arguments(arguments.begin() + 1, arguments.end()));
-  throw std::invalid_argument("'" + kind + "' is no kind of plan; use tiles, frames or sheet");
+    if (!arguments.empty() && arguments.front() == plan.name)
+      return plan.run(Arguments(arguments.begin() + 1, arguments.end()));
+  CommandLine line(kUsageText, vdbtools::OptionTable());
+  line.addPositional("words", -1, "what to plan");
+  if (!line.parse(arguments)) return kDone;
+  const std::vector<std::string> words = line.texts("words");
+  throw std::invalid_argument(
+      (words.empty() ? "no kind of plan was given" : "'" + words.front() + "' is no kind of plan") +
+      std::string("; use 'juliavdb plan tiles', 'plan frames' or 'plan sheet'"));
 }
 
 }  // namespace cli

@@ -8,12 +8,16 @@
 #include "vdbtools/farm/manifest.h"
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
 namespace cli {
 
 class CommandLine;
+
+/// What may follow 'plan'.
+std::span<const Command> planKinds();
 
 int planTiles(const Arguments& arguments);
 int planFrames(const Arguments& arguments);

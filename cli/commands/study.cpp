@@ -6,11 +6,13 @@
 #include "output.h"
 #include "report.h"
 #include "slice_plane.h"
+#include "study_dimension.h"
 
 #include "vdbtools/job/fractal_options.h"
 #include "vdbtools/job/study.h"
 #include "vdbtools/maps/texture_shelf.h"
 
+#include <algorithm>
 #include <ostream>
 
 namespace po = boost::program_options;
@@ -39,11 +41,18 @@ constexpr Usage kUsageText = {
 }  // namespace
 
 int runStudy(const Arguments& arguments) {
+  const bool dimension = std::any_of(arguments.begin(), arguments.end(), [](const std::string& word) {
+    return word == "--dimension" || word.starts_with("--dimension=");
+  });
+  if (dimension) return studyDimension(arguments);
   CommandLine line(kUsageText, vdbtools::studyOptionTable());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.png"), "the average to write: .png or .exr")(
       "curve", po::value<std::string>()->value_name("F.png"), "the distance over circles to write: .png, .svg or .exr")(
       "csv", po::value<std::string>()->value_name("F.csv"), "the numbers of the circles to write")(
-      "versors", po::value<std::string>()->default_value("1000")->value_name("N"), "the number of random versors");
+      "versors", po::value<std::string>()->default_value("1000")->value_name("N"), "the number of random versors")(
+      "dimension", po::value<std::string>()->value_name("N,N,N"),
+      "instead, measure how the mesh of a fractal grows with its resolution, and the fractal dimension of its surface; "
+      "see 'juliavdb study --dimension N --help'");
   addPlaneOptions(line, "through the dynamics' origin");
   if (!line.parse(arguments)) return kDone;
   const vdbtools::StudyOptions study{.versors = line.integer("versors", 1, vdbtools::kMostVersors),

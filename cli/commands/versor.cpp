@@ -28,7 +28,8 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-constexpr Usage kUsageText = {"versor", "list|new|inspect|add|scale|translate [FILES] [-o F.json] [options]",
+constexpr Usage kUsageText = {"versor",
+                              "list|new|inspect|add|scale|translate [FILES] [-o F.json] [options]",
                               "Makes, shows and changes versors, the texture of a fractal. A versor is a quaternion "
                               "polynomial or rational, given by\n"
                               "its roots and powers in fractal space, where the target's longest side is 1. Reads "
@@ -48,7 +49,9 @@ constexpr Usage kUsageText = {"versor", "list|new|inspect|add|scale|translate [F
                               "  juliavdb versor inspect swirl.json\n"
                               "  juliavdb versor scale swirl.json 0.5 -o fine.json\n"
                               "  juliavdb versor translate swirl.json 0.1,0,0 -o moved.json\n"
-                              "  juliavdb versor add fine.json moved.json -o both.json\n"};
+                              "  juliavdb versor add fine.json moved.json -o both.json\n",
+                              nullptr,
+                              "list new inspect add scale translate"};
 
 void write(CommandLine& line, const julia::Rational& rational, const std::string& note,
            const std::optional<vdbtools::FittedTo>& target = {}) {

@@ -3,9 +3,11 @@
 
 import csv
 import io
+import json
 import math
 import os
 import pathlib
+import re
 
 import harness
 from harness import BAD_DATA, CANNOT_CREATE, NO_INPUT, USAGE
@@ -172,6 +174,46 @@ class Refusals(StudyTest):
         # Of several outputs none is left when one cannot be made.
         if os.path.exists("/dev/full"):
             self.refused(harness.IO_ERROR, "study", "s.obj", *LOW, "--versors", 2, "-o", "x.png", "--csv", "/dev/full")
+
+
+class Dimension(StudyTest):
+    """How meshes grow with their resolution."""
+
+    SMALL = ("--sdf-resolution", 32, "--progress", "none")
+
+    def test_a_smooth_surface_has_two(self):
+        for name in ("s.obj", "t.obj"):
+            text = self.ok("study", name, *self.SMALL, "--mask", 0, "--dimension", "24,48,96", data=True)
+            dimension = float(re.search(r"^dimension ([0-9.]+), standard error", text, re.MULTILINE).group(1))
+            self.assertAlmostEqual(dimension, 2, delta=0.03)
+
+    def test_the_rows_are_what_fractal_makes(self):
+        rough = (*ROUGH, "--iterations", 5, "--versor", "random")
+        numbers = json.loads(self.ok("study", "t.obj", *self.SMALL, *rough, "--dimension", "20,30,45", "--json", data=True))
+        self.assertEqual([row["resolution"] for row in numbers["rows"]], [20, 30, 45])
+        for row in numbers["rows"]:
+            self.ok("fractal", "t.obj", *self.SMALL, *rough, "--resolution", row["resolution"], "--mesh", "x.ply")
+            header = self.bytes("x.ply").split(b"end_header")[0].decode()
+            self.assertIn(f"element face {row['triangles']}\n", header)
+            self.assertIn(f"element vertex {row['points']}\n", header)
+        # By the normal equations of least squares: residuals are orthogonal to 1 and to x.
+        x = [math.log(row["resolution"]) for row in numbers["rows"]]
+        left = [math.log(row["triangles"] / numbers["factor"]) - numbers["dimension"] * a
+                for row, a in zip(numbers["rows"], x)]
+        self.assertAlmostEqual(sum(left), 0)
+        self.assertAlmostEqual(sum(a * b for a, b in zip(x, left)), 0)
+        self.assertLess(numbers["interval"][0], numbers["dimension"])
+        self.assertLess(numbers["dimension"], numbers["interval"][1])
+
+    def test_refusals(self):
+        study = ("study", "s.obj", *self.SMALL)
+        self.all_refused(USAGE, [
+            *[(*study, "--dimension", text) for text in ("", "20", "20,40", "20,20,40", "40,30,20", "4,8,16", "a,b,c", "20,30,")],
+            (*study, "--dimension", "20,30,40", "--resolution", 20),
+            (*study, "--dimension", "20,30,40", "-o", "x.png"),
+            ("study", "--dimension", "20,30,40"),
+        ])
+        self.refused(BAD_DATA, *study, "--dimension", "20,30,40", "--detail", 0.5, "--box", "50,50,50,51,51,51")
 
 
 if __name__ == "__main__":

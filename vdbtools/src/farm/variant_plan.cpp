@@ -39,8 +39,10 @@ Recipe checkedRecipe(const Variant& variant, const OptionTable& table, FileHashe
                      const std::filesystem::path& folder) {
   try {
     Recipe recipe = completeRecipe(variant.recipe, table);
-    const Facts& found = hashes.of(parseFractalOptions(recipe));
-    for (const auto& [name, hash] : found) recipe[name] = hash;
+    const FractalOptions options = parseFractalOptions(recipe);
+    if (options.map->shell() && !options.target)
+      throw std::invalid_argument("the map needs a target: give a mesh, or a VDB with its signed distance");
+    for (const auto& [name, hash] : hashes.of(options)) recipe[name] = hash;
     withAbsoluteNames(recipe, folder);
     return recipe;
   } catch (const std::invalid_argument& error) {

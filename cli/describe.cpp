@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "describe.h"
+
+#include "options.h"
+
+#include "vdbtools/maps/texture_shelf.h"
+#include "vdbtools/recipe/option_value.h"
+
+#include <algorithm>
+#include <cctype>
+#include <ostream>
+#include <sstream>
+
+namespace po = boost::program_options;
+
+namespace cli {
+namespace {
+
+/// An option as both readers want it.
+struct Option {
+  std::string name;      ///< without dashes
+  char letter = 0;       ///< of its short form; 0: none
+  std::string argument;  ///< empty: a flag
+  std::string fallback;  ///< the default, where the library knows it; empty: none
+  std::string help;
+};
+
+Option optionOf(const po::option_description& description) {
+  Option option{.name = description.long_name(), .help = description.description()};
+  // "-o [ --output ]" has a short form.
+  if (const std::string names = description.format_name(); names.size() > 1 && names[0] == '-' && names[1] != '-')
+    option.letter = names[1];
+  if (description.semantic()->max_tokens() == 0) return option;
+  option.argument = description.format_parameter();
+  if (const std::size_t at = option.argument.find(" (="); at != std::string::npos) {
+    option.fallback = option.argument.substr(at + 3, option.argument.size() - at - 4);
+    option.argument.resize(at);
+  }
+  return option;
+}
+
+std::vector<Option> optionsOf(const OptionGroup& group) {
+  std::vector<Option> options;
+  for (const auto& description : group.options->options()) options.push_back(optionOf(*description));
+  return options;
+}
+
+bool contains(const std::string& text, const char* part) { return text.find(part) != std::string::npos; }
+
+/// Whether a part of what the help calls a value, as in "auto|centre|X,Y,Z", is a word to be typed as it stands.
+bool isWord(const std::string& part) {
+  if (part.empty() || contains(part, ",") || contains(part, ".")) return false;
+  return part.size() <= 2 || std::any_of(part.begin(), part.end(), [](char c) { return std::islower(c) != 0; });
+}
+
+std::string kindOf(const Option& option) {
+  if (option.argument.empty()) return "flag";
+  if (contains(option.argument, "DIR")) return "folder";
+  const bool file = contains(option.argument, "FILE") || contains(option.argument, "F.") ||
+                    contains(option.argument, "MESH") || contains(option.argument, ".vdb");
+  return file ? "file" : "value";
+}
+
+/// The values that may follow an option, quoted for the shell.
+std::string wordsOf(const Option& option) {
+  const std::vector<std::string> parts = vdbtools::split(option.argument, '|');
+  std::vector<std::string> words;
+  for (std::string part : parts) {
+    if (const std::size_t bracket = part.find(']'); part.starts_with('[') && bracket != std::string::npos)
+      part.erase(0, bracket + 1);
+    if (parts.size() > 1 && isWord(part)) words.push_back(part);
+  }
+  if (contains(option.argument, "NAME") && (option.name == "versor" || option.name == "texture"))
+    for (const vdbtools::Texture& texture : vdbtools::textureShelf()) words.push_back(texture.name);
+  std::string text;
+  for (const std::string& word : words) {
+    text += ' ';
+    for (const char c : word) text += c == '\'' ? "\\'" : std::string(1, c);
+  }
+  return text;
+}
+
+/// "makes a mesh from a VDB": the first sentence, without its end.
+std::string summaryOf(const std::string& description) {
+  std::string text = description;
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  const auto end = std::min({text.find(". "), text.find(": "), text.find("; "), text.size()});
+  text.resize(end);
+  if (text.ends_with('.')) text.pop_back();
+  text[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
+/// Paragraphs, and tables whose lines are indented: "  NAME   meaning", with more of the meaning below it.
+void writeDescription(std::ostream& stream, const std::string& description) {
+  std::istringstream lines(description);
+  bool table = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.empty()) {
+      stream << ".PP\n";
+      table = false;
+      continue;
+    }
+    const std::size_t begin = line.find_first_not_of(' ');
+    const std::size_t gap = line.find("  ", begin);
+    if (begin == 2 && gap != std::string::npos) {
+      stream << ".TP\n.B " << manualText(line.substr(begin, gap - begin)) << '\n'
+             << manualText(line.substr(line.find_first_not_of(' ', gap))) << '\n';
+      table = true;
+      continue;
+    }
+    if (begin == 0 && table) {
+      stream << ".PP\n";
+      table = false;
+    }
+    stream << manualText(line.substr(begin)) << '\n';
+  }
+}
+
+void writeOption(std::ostream& stream, const Option& option) {
+  stream << ".TP\n\\fB";
+  if (option.letter != 0) stream << "\\-" << option.letter << "\\fR, \\fB";
+  stream << manualText("--" + option.name) << "\\fR";
+  if (!option.argument.empty()) stream << " \\fI" << manualText(option.argument) << "\\fR";
+  stream << '\n' << manualText(option.help);
+  if (!option.fallback.empty()) stream << manualText(" (default " + option.fallback + ")");
+  stream << '\n';
+}
+
+}  // namespace
+
+std::string manualText(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    const bool lineStart = result.empty() || result.back() == '\n';
+    if (lineStart && (c == '.' || c == '\'')) result += "\\&";
+    if (c == '\\')
+      result += "\\e";
+    else if (c == '-')
+      result += "\\-";
+    else if (c == '\'')
+      result += "\\(aq";
+    else if (c == '^')
+      result += "\\(ha";
+    else if (c == '~')
+      result += "\\(ti";
+    else
+      result += c;
+  }
+  return result;
+}
+
+void writeManualPage(std::ostream& stream, const Usage& usage, const std::vector<OptionGroup>& groups) {
+  std::string page = std::string("juliavdb-") + usage.command;
+  std::replace(page.begin(), page.end(), ' ', '-');
+  std::string title = page;
+  std::transform(title.begin(), title.end(), title.begin(), [](unsigned char c) { return std::toupper(c); });
+  stream << ".TH " << manualText(title) << " 1 \"\" \"juliavdb " JULIAVDB_VERSION "\" \"JuliaVDB\"\n.nh\n.ad l\n"
+         << ".SH NAME\n"
+         << manualText(page) << " \\- " << manualText(summaryOf(usage.description)) << "\n.SH SYNOPSIS\n.B juliavdb "
+         << manualText(usage.command) << "\n"
+         << manualText(usage.synopsis) << "\n.SH DESCRIPTION\n";
+  writeDescription(stream, usage.description);
+  stream << ".SH OPTIONS\n";
+  for (const OptionGroup& group : groups) {
+    stream << ".SS " << manualText(group.heading) << '\n';
+    for (const Option& option : optionsOf(group)) writeOption(stream, option);
+  }
+  stream << ".SH EXAMPLES\n.nf\n";
+  std::istringstream examples(usage.examples);
+  for (std::string line; std::getline(examples, line);)
+    stream << manualText(line.substr(std::min<std::size_t>(2, line.size()))) << '\n';
+  stream << ".fi\n.SH SEE ALSO\n.BR juliavdb (1)\n";
+}
+
+void writeCompletionTable(std::ostream& stream, const Usage& usage, const std::vector<OptionGroup>& groups) {
+  if (usage.words) stream << "words " << usage.words << '\n';
+  for (const OptionGroup& group : groups)
+    for (const Option& option : optionsOf(group)) {
+      const std::string what = ' ' + kindOf(option) + wordsOf(option) + '\n';
+      stream << "--" << option.name << what;
+      if (option.letter != 0) stream << '-' << option.letter << what;
+    }
+}
+
+}  // namespace cli

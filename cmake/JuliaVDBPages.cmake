@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: Apache-2.0
+# Manual pages and the completion for bash: the program writes them from what its help says.
+set(pages ${PROJECT_BINARY_DIR}/pages)
+add_custom_command(
+  OUTPUT ${pages}/juliavdb.bash
+  COMMAND ${CMAKE_COMMAND} -E rm -rf ${pages}
+  COMMAND juliavdb_cli man -o ${pages}/man1 --progress none
+  COMMAND juliavdb_cli completion > ${pages}/juliavdb.bash
+  DEPENDS juliavdb_cli
+  COMMENT "Writing manual pages and the completion for bash"
+  VERBATIM)
+add_custom_target(juliavdb_pages ALL DEPENDS ${pages}/juliavdb.bash)
+
+install(DIRECTORY ${pages}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT Runtime)
+install(FILES ${pages}/juliavdb.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME juliavdb
+        COMPONENT Runtime)

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The manual pages and the completion: that they are well formed, and that they say what --help says."""
+
+import re
+import shutil
+import subprocess
+import unittest
+
+import harness
+from harness import USAGE
+
+SHELL = r"""
+source ./juliavdb.bash
+while IFS= read -r line; do
+  IFS=' ' read -r -a COMP_WORDS <<<"$line"
+  [[ $line == *' ' ]] && COMP_WORDS+=("")
+  COMP_CWORD=$((${#COMP_WORDS[@]} - 1))
+  _juliavdb
+  echo "${COMPREPLY[*]}"
+done
+"""
+
+
+class Pages(harness.CliTest):
+
+    def setUp(self):
+        super().setUp()
+        self.ok("man", "-o", "man1")
+
+    def commands(self):
+        text = self.ok("--help", data=True)
+        return re.findall(r"^  (\w+) ", text.split("Commands:")[1], re.MULTILINE)
+
+    def test_every_command_has_a_page_with_all_its_options(self):
+        names = [p.stem for p in self.path("man1").iterdir()]
+        self.assertIn("juliavdb", names)
+        for command in self.commands():
+            self.assertIn(f"juliavdb-{command}", names)
+        for name in names:
+            if name == "juliavdb":
+                continue
+            with self.subTest(page=name):
+                words = name.split("-")[1:]
+                page = self.bytes(f"man1/{name}.1").decode()
+                self.assertEqual(self.ok("man", *words, data=True), page)
+                told = self.ok(*words, "--help", data=True)
+                options = set(re.findall(r"^  (?:-\w \[ )?--([a-z0-9-]+)", told, re.MULTILINE))
+                shown = set(re.findall(r"^(?:\\fB\\-\w\\fR, )?\\fB\\-\\-([a-z0-9\\-]+)\\fR", page, re.MULTILINE))
+                self.assertEqual({option.replace("\\", "") for option in shown}, options)
+
+    @unittest.skipUnless(shutil.which("groff"), "there is no groff")
+    def test_the_pages_are_well_formed(self):
+        for page in sorted(self.path("man1").iterdir()):
+            with self.subTest(page=page.name):
+                run = subprocess.run(["groff", "-man", "-ww", "-Tascii", str(page)], capture_output=True, timeout=60)
+                self.assertEqual((run.returncode, run.stderr), (0, b""))
+                text = re.sub(rb"\x1b\[\d*m|.\x08", b"", run.stdout).decode()
+                self.assertIn(page.stem + " - ", text)
+                self.assertIn("SEE ALSO" if page.stem != "juliavdb" else "EXIT STATUS", text)
+
+    def test_a_page_of_nothing_is_refused(self):
+        self.refused(USAGE, "man", "nothing", mentions="nothing")
+        self.refused(USAGE, "man", "fractal", "-o", "x")
+        self.refused(USAGE, "fractal", "--describe", "poem", mentions="poem")
+
+
+class Completion(harness.CliTest):
+
+    def complete(self, *lines):
+        self.write("juliavdb.bash", self.ok("completion", data=True))
+        run = subprocess.run(["bash", "--norc", "-c", SHELL], input="\n".join(lines) + "\n", cwd=self.folder, text=True,
+                             capture_output=True, timeout=60)
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
+        return [line.split() for line in run.stdout.split("\n")[:-1]]
+
+    def test_words(self):
+        cases = {
+            "juliavdb fra": ["fractal"],
+            "juliavdb --v": ["--version"],
+            "juliavdb fractal --det": ["--detail"],
+            "juliavdb fractal b.obj --alpha 40 --versor-se": ["--versor-seed"],
+            "juliavdb fractal --map q": ["quadratic"],
+            "juliavdb fractal --map = ma": ["mandelbulb"],
+            "juliavdb fractal --sampling ": ["trilinear", "quadratic"],
+            "juliavdb fractal --sampling =": ["trilinear", "quadratic"],
+            "juliavdb fractal --pair ": ["A", "A'", "B", "C", "D", "E", "user"],
+            "juliavdb fractal --versor sca": ["scales"],
+            "juliavdb fractal --detail ": [],
+            "juliavdb fractal --half --map c": ["cross"],
+            "juliavdb plan ": ["tiles", "frames", "sheet"],
+            "juliavdb plan frames --ke": ["--key"],
+            "juliavdb plan sheet --ke": [],
+            "juliavdb versor ins": ["inspect"],
+            "juliavdb versor new --placement ": ["box", "cluster"],
+            "juliavdb nothing --det": [],
+        }
+        for line, found in zip(cases, self.complete(*cases)):
+            with self.subTest(line=line):
+                self.assertEqual(found, cases[line])
+        text = self.ok("--help", data=True)
+        commands = re.findall(r"^  (\w+) ", text.split("Commands:")[1], re.MULTILINE)
+        self.assertEqual(self.complete("juliavdb "), [commands])
+
+    def test_every_option_is_completed(self):
+        told = self.ok("fractal", "--help", data=True)
+        options = re.findall(r"^  (?:-\w \[ )?(--[a-z0-9-]+)", told, re.MULTILINE)
+        self.assertGreater(len(options), 40)
+        self.assertEqual(set(self.complete("juliavdb fractal --")[0]), set(options))
+
+
+if __name__ == "__main__":
+    harness.main()

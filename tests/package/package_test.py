@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The Debian package: made from the build as it stands, looked at, unpacked, and its program run from there.
+
+JULIAVDB_BUILD is the build folder, JULIAVDB_CPACK the program cpack, JULIAVDB_VERSION the project's version.
+"""
+
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "cli"))
+import harness  # noqa: E402
+
+PROGRAM = "usr/bin/juliavdb"
+LIBRARIES = "usr/lib/juliavdb"
+
+
+def run(*words, **options):
+    return subprocess.run([str(word) for word in words], capture_output=True, text=True, timeout=600, **options)
+
+
+class Package(unittest.TestCase):
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="juliavdb_package_"))
+        cls.addClassCleanup(shutil.rmtree, cls.folder, ignore_errors=True)
+        made = run(os.environ["JULIAVDB_CPACK"], "--config",
+                   pathlib.Path(os.environ["JULIAVDB_BUILD"]) / "CPackConfig.cmake", "-B", cls.folder / "made",
+                   cwd=cls.folder)
+        assert made.returncode == 0, made.stdout + made.stderr
+        cls.files = sorted((cls.folder / "made").glob("*.deb"))
+        cls.root = cls.folder / "root"
+        for file in cls.files:
+            run("dpkg-deb", "--extract", file, cls.root)
+
+    def program(self, *words):
+        """Runs the unpacked program without the libraries of the build."""
+        env = {name: value for name, value in os.environ.items() if name != "LD_LIBRARY_PATH"}
+        return run(self.root / PROGRAM, *words, cwd=self.folder, env=env)
+
+    def test_one_package_of_this_version(self):
+        version = os.environ["JULIAVDB_VERSION"]
+        machine = run("dpkg", "--print-architecture").stdout.strip()
+        self.assertEqual([file.name for file in self.files], [f"juliavdb_{version}_{machine}.deb"])
+        fields = run("dpkg-deb", "--field", self.files[0]).stdout
+        self.assertIn(f"\nVersion: {version}\n", "\n" + fields)
+        self.assertRegex(fields, r"(?m)^Package: juliavdb$")
+        self.assertRegex(fields, r"(?m)^Maintainer: .+ <.+@.+>$")
+        self.assertRegex(fields, r"(?m)^Section: graphics$")
+        depends = run("dpkg-deb", "--field", self.files[0], "Depends").stdout
+        for library in ("libc6 (>=", "libstdc++6 (>=", "libopenvdb10.0", "libtbb12", "fonts-dejavu-core"):
+            self.assertIn(library, depends)
+        self.assertNotIn("juliavdb", depends, "its own libraries are no dependency")
+        self.assertNotIn("-dev", depends)
+
+    def test_what_is_in_it(self):
+        listed = run("dpkg-deb", "--contents", self.files[0]).stdout
+        for name in (PROGRAM, f"{LIBRARIES}/libjulia.so", f"{LIBRARIES}/libvdbtools.so",
+                     "usr/share/doc/juliavdb/copyright", "usr/share/doc/juliavdb/CHANGELOG.md",
+                     "usr/share/man/man1/juliavdb.1", "usr/share/man/man1/juliavdb-fractal.1",
+                     "usr/share/bash-completion/completions/juliavdb"):
+            self.assertIn(f" ./{name}\n", listed)
+        self.assertIn("Apache-2.0", (self.root / "usr/share/doc/juliavdb/copyright").read_text())
+        for unwanted in ("usr/include", "cmake", "usr/local", "test"):
+            self.assertNotIn(f"/{unwanted}", listed)
+        for line in listed.splitlines():
+            self.assertRegex(line, r"^[-d]\S+ root/root ", "everything belongs to root")
+            self.assertNotRegex(line, r"^.....w..w. ", "not everybody may write")
+
+    def test_every_library_is_found(self):
+        files = [self.root / PROGRAM, *(self.root / LIBRARIES).iterdir()]
+        self.assertGreaterEqual(len(files), 3)
+        for file in files:
+            with self.subTest(file=file.name):
+                found = run("ldd", file, env={"PATH": os.environ["PATH"]}).stdout
+                self.assertNotIn("not found", found)
+                for line in found.splitlines():
+                    if "libjulia" in line or "libvdbtools" in line:
+                        self.assertIn(str(self.root / LIBRARIES), line.replace("bin/../", ""))
+                runpath = run("readelf", "-d", file).stdout
+                self.assertNotIn(os.environ["JULIAVDB_BUILD"], runpath)
+
+    def test_its_dependencies_can_be_installed(self):
+        if not shutil.which("apt-get"):
+            self.skipTest("there is no apt-get")
+        simulated = run("apt-get", "install", "--simulate", "--no-install-recommends", self.files[0])
+        self.assertEqual(simulated.returncode, 0, simulated.stdout + simulated.stderr)
+        self.assertIn("Inst juliavdb ", simulated.stdout)
+
+    def test_the_unpacked_program_works(self):
+        said = self.program("--version")
+        self.assertEqual(said.stdout, f"juliavdb {os.environ['JULIAVDB_VERSION']}\n", said.stderr)
+        (self.folder / "s.obj").write_text(harness.obj(harness.sphere(2)))
+        made = self.program("fractal", "s.obj", "-o", "f.vdb", "--sdf-resolution", 20, "--resolution", 20)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        # Pictures need the module that is loaded when the first is written.
+        picture = self.program("render", "f.vdb", "-o", "f.exr", "--size", "16x16")
+        self.assertEqual(picture.returncode, 0, picture.stderr)
+        self.assertTrue((self.folder / "f.exr").stat().st_size > 0)
+
+
+if __name__ == "__main__":
+    unittest.main()
