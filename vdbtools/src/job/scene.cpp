@@ -335,8 +335,7 @@ std::unique_ptr<julia::FieldEvaluator> VersorSeeds::evaluator(std::uint64_t seed
 }
 
 FieldPlan planScene(const Scene& scene, const std::optional<openvdb::CoordBBox>& window) {
-  FractalFieldOptions field{
-      .voxelSize = scene.voxelSize, .box = scene.options.lattice.box, .window = window};
+  FractalFieldOptions field{.voxelSize = scene.voxelSize, .box = scene.options.lattice.box, .window = window};
   if (scene.exponent)
     return scene.options.lattice.exhaustive ? planExhaustive(*scene.exponent, field)
                                             : planShell(*scene.exponent, field);

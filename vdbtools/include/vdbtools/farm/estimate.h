@@ -34,7 +34,7 @@ struct PlanEstimate {
 std::vector<std::uint64_t> sampleTasks(std::uint64_t tasks, std::uint64_t count, std::uint64_t seed);
 
 /// The total of a quantity over all tasks, from its values in a random sample without replacement. The regression
-/// estimator of survey sampling is used (W. G. Cochran, Sampling Techniques, 1977, chapter 7): the values are fitted by
+/// estimator of survey sampling is used ([Coc77] chapter 7): the values are fitted by
 /// a line over the work, which is known for all tasks, and what scatters about it gives the interval by Student's t.
 /// Where the works are all equal, or there are fewer than 4 tasks in the sample, this is the mean.
 /// @param work    of all tasks

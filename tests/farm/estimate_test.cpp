@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a sample of tasks says of all of them.
+#include "vdbtools/farm/estimate.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <set>
+#include <stdexcept>
+
+namespace {
+
+using namespace vdbtools;
+
+using Pairs = std::vector<std::pair<double, double>>;
+
+struct Population {
+  std::vector<double> work, value;
+  double total = 0;
+
+  Population(std::mt19937& random, std::size_t tasks, double scatter) {
+    for (std::size_t i = 0; i < tasks; ++i) {
+      const auto unit = [&] { return static_cast<double>(random()) / 0x1p32; };
+      work.push_back(50 + 100 * unit());
+      value.push_back(30 + 2 * work.back() + scatter * (unit() + unit() + unit() - 1.5));
+      total += value.back();
+    }
+  }
+  Pairs sample(std::uint64_t count, std::uint64_t seed) const {
+    Pairs pairs;
+    for (const std::uint64_t index : sampleTasks(work.size(), count, seed))
+      pairs.emplace_back(work[index - 1], value[index - 1]);
+    return pairs;
+  }
+};
+
+TEST(Estimate, SamplesAreDifferentTasksAndEachIsAsLikely) {
+  std::vector<int> hits(20, 0);
+  constexpr int kRounds = 4000, kCount = 5;
+  for (int seed = 0; seed < kRounds; ++seed) {
+    const auto sample = sampleTasks(hits.size(), kCount, static_cast<std::uint64_t>(seed));
+    EXPECT_EQ(std::set<std::uint64_t>(sample.begin(), sample.end()).size(), std::size_t{kCount});
+    EXPECT_TRUE(std::is_sorted(sample.begin(), sample.end()));
+    for (const std::uint64_t index : sample) ++hits.at(index - 1);
+  }
+  // Five standard deviations of a binomial distribution.
+  const double mean = kRounds * kCount / 20.0, deviation = std::sqrt(mean * 0.75);
+  for (const int count : hits) EXPECT_NEAR(count, mean, 5 * deviation);
+  EXPECT_EQ(sampleTasks(3, 10, 1).size(), 3U);
+}
+
+TEST(Estimate, AllTasksTellTheTotalAndALineIsFollowedExactly) {
+  std::mt19937 random(1);
+  const Population scattered(random, 40, 100);
+  const Estimated all = estimateTotal(scattered.work, scattered.sample(40, 1));
+  EXPECT_NEAR(all.value, scattered.total, 1e-9 * scattered.total);
+  EXPECT_NEAR(all.low, all.high, 1e-9 * scattered.total);
+  const Population line(random, 40, 0);
+  const Estimated few = estimateTotal(line.work, line.sample(5, 3));
+  EXPECT_NEAR(few.value, line.total, 1e-9 * line.total);
+  EXPECT_NEAR(few.high - few.low, 0, 1e-6 * line.total);
+}
+
+TEST(Estimate, TheIntervalHoldsTheTotalNineteenTimesInTwenty) {
+  std::mt19937 random(2);
+  int held = 0;
+  constexpr int kRounds = 1000;
+  for (int round = 0; round < kRounds; ++round) {
+    const Population population(random, 60, 150);
+    const Estimated estimated =
+        estimateTotal(population.work, population.sample(10, static_cast<std::uint64_t>(round)));
+    held += estimated.low <= population.total && population.total <= estimated.high;
+  }
+  // 950 are expected, with a standard deviation of 7; the scatter is not quite normal.
+  EXPECT_GT(held, 910);
+  EXPECT_LT(held, 990);
+}
+
+TEST(Estimate, EqualWorksGiveTheMean) {
+  const std::vector<double> work(10, 5.0);
+  const Estimated estimated = estimateTotal(work, Pairs{{5, 1}, {5, 3}, {5, 2}, {5, 4}, {5, 5}});
+  EXPECT_DOUBLE_EQ(estimated.value, 30);
+  EXPECT_LT(estimated.low, 30);
+  EXPECT_GE(estimated.low, 15) << "less than the sample itself";
+}
+
+TEST(Estimate, OneTaskTellsNothingOfOthers) {
+  const std::vector<double> work(10, 5.0);
+  EXPECT_THROW(estimateTotal(work, Pairs{{5, 1}}), std::invalid_argument);
+  EXPECT_DOUBLE_EQ(estimateTotal(std::vector<double>{5}, Pairs{{5, 7}}).value, 7);
+}
+
+}  // namespace

@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tiles: however a lattice is cut, what is merged has the bytes of one run.
+#include "farm/tile_file.h"
+#include "support/mesh_laws.h"
+#include "support/test_meshes.h"
+
+#include "vdbtools/base/errors.h"
+#include "vdbtools/farm/merge.h"
+#include "vdbtools/farm/plan_folder.h"
+#include "vdbtools/farm/task.h"
+#include "vdbtools/farm/tile_plan.h"
+#include "vdbtools/files/file_bytes.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/job/fractal_files.h"
+#include "vdbtools/job/prepared_scene.h"
+#include "vdbtools/mesh/mesh_writer.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <map>
+#include <random>
+#include <set>
+#include <sstream>
+
+namespace {
+
+using namespace vdbtools;
+namespace fs = std::filesystem;
+using openvdb::Coord;
+using openvdb::CoordBBox;
+using openvdb::Vec3d;
+using test_meshes::TemporaryFolder;
+
+class Tiles : public testing::Test {
+ protected:
+  Tiles() {
+    // Two lobes off the centre, one thin: nothing is symmetric, and no face of the lattice's blocks is special.
+    const Mesh body = test_meshes::transformed(test_meshes::makeSphere(1, 3), 1, Vec3d(0.31, -0.17, 0.23));
+    Mesh arm = test_meshes::makeBox(Vec3d(0.9, -0.4, 0.1), Vec3d(2.1, -0.1, 0.35));
+    std::ostringstream stream;
+    writeMesh(stream, test_meshes::merged(body, arm), {.format = MeshFormat::Obj});
+    mShape = mFolder.write("shape.obj", stream.str()).string();
+  }
+
+  Recipe shape(const Recipe& others) const {
+    Recipe recipe = {{"input", mShape}, {"sdf-resolution", "40"}, {"resolution", "36"}};
+    for (const auto& [name, value] : others) recipe[name] = value;
+    return completed(recipe);
+  }
+  static Recipe completed(const Recipe& recipe) { return completeRecipe(recipe, fractalOptionTable()); }
+
+  /// Plans, makes every task, and gives the folder.
+  fs::path made(const Recipe& recipe, const TilePlanOptions& cut) {
+    const fs::path folder = mFolder.path() / ("plan" + std::to_string(++mPlans));
+    mPlan = planTiles(parseFractalOptions(recipe), recipe, cut, folder, mMonitor);
+    writePlan(folder, mPlan.manifest);
+    TaskRunner runner(folder);
+    // In no particular order.
+    std::vector<std::uint64_t> order(mPlan.manifest.tasks.size());
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i + 1;
+    std::shuffle(order.begin(), order.end(), std::mt19937(7));
+    for (const std::uint64_t index : order) EXPECT_TRUE(runner.run(index, mMonitor));
+    return folder;
+  }
+
+  std::string inFolder(const std::string& name) const { return (mFolder.path() / name).string(); }
+
+  /// One run's files, called one.vdb and one.EXTENSION.
+  void makeOneRun(const Recipe& recipe, const std::string& extension) {
+    AtomicFile vdb(inFolder("one.vdb")), mesh(inFolder("one." + extension));
+    const Scene scene = makeScene(parseFractalOptions(recipe), mMonitor);
+    writeFractal(scene, recipe, {.vdb = &vdb, .meshes = {{&mesh, meshFormat("a." + extension)}}}, mMonitor);
+    vdb.commit();
+    mesh.commit();
+  }
+
+  void expectOneRun(const Recipe& recipe, const std::vector<TilePlanOptions>& cuts,
+                    const std::string& extension = "ply") {
+    makeOneRun(recipe, extension);
+    for (TilePlanOptions cut : cuts) {
+      SCOPED_TRACE(cut.tiles ? "tiles " + std::to_string(*cut.tiles) : "nodes " + std::to_string(*cut.tileNodes));
+      cut.makes = {"vdb", extension};
+      const fs::path folder = made(recipe, cut);
+      mergePlan(folder, readManifest(folder), {.vdb = inFolder("all.vdb"), .mesh = inFolder("all." + extension)},
+                mMonitor);
+      EXPECT_TRUE(readWholeFile(inFolder("all.vdb")) == readWholeFile(inFolder("one.vdb")));
+      EXPECT_TRUE(readWholeFile(inFolder("all." + extension)) == readWholeFile(inFolder("one." + extension)));
+    }
+  }
+
+  TemporaryFolder mFolder;
+  Monitor mMonitor;
+  std::string mShape;
+  TilePlan mPlan;
+  int mPlans = 0;
+};
+
+TEST_F(Tiles, AShapeIsThatOfOneRun) {
+  // Cuts between blocks of 8 nodes, and through them.
+  expectOneRun(shape({{"alpha", "6"}}), {{.tiles = 2}, {.tileNodes = 11}});
+  expectOneRun(shape({{"alpha", "40"}, {"origin", "centre"}}), {{.tiles = 7}, {.tileNodes = 16}, {.tileNodes = 23}});
+  expectOneRun(shape({{"detail", "0.5"}}), {{.tiles = 64}, {.tileNodes = 13}});
+}
+
+TEST_F(Tiles, RandomCutsAreThoseOfOneRun) {
+  std::mt19937 random(20261122);
+  std::vector<TilePlanOptions> cuts;
+  for (int i = 0; i < 3; ++i) cuts.push_back({.tiles = 2 + static_cast<int>(random() % 63)});
+  for (int i = 0; i < 3; ++i) cuts.push_back({.tileNodes = 9 + static_cast<int>(random() % 40)});
+  expectOneRun(shape({{"detail", "0.3"}, {"resolution", "30"}}), cuts);
+}
+
+TEST_F(Tiles, ABoxIsThatOfOneRunWithItsCapsOrWithout) {
+  const Recipe box = {{"box", "-0.4,-0.9,-0.35,1.5,0.6,0.9"}, {"resolution", "30"}};
+  expectOneRun(shape(box), {{.tiles = 5}, {.tileNodes = 14}});
+  Recipe capped = box;
+  capped["cap"] = "true";
+  expectOneRun(shape(capped), {{.tiles = 5}, {.tileNodes = 14}});
+}
+
+TEST_F(Tiles, EveryGridIsThatOfOneRun) {
+  const Recipe grids = {{"grids", "iterations,versor,surface,density,logmodulus"}, {"resolution", "24"}};
+  expectOneRun(shape(grids), {{.tiles = 6}, {.tileNodes = 13}});
+  Recipe cut = grids;
+  cut["box"] = "-0.4,-0.9,-0.35,1.5,0.6,0.9";
+  cut["half"] = "true";
+  expectOneRun(shape(cut), {{.tileNodes = 13}});
+}
+
+TEST_F(Tiles, FormatsThatKeepDoublesAreThoseOfOneRun) {
+  expectOneRun(shape({{"resolution", "24"}}), {{.tileNodes = 13}}, "obj");
+  expectOneRun(shape({{"resolution", "24"}}), {{.tileNodes = 13}}, "stl");
+  // So far away that a PLY has doubles.
+  std::ostringstream stream;
+  writeMesh(stream, test_meshes::transformed(test_meshes::makeSphere(1, 3), 1, Vec3d(40000, -70000, 90000)),
+            {.format = MeshFormat::Obj});
+  const std::string far = mFolder.write("far.obj", stream.str()).string();
+  expectOneRun(completed({{"input", far}, {"sdf-resolution", "30"}, {"resolution", "24"}}),
+               {{.tiles = 5}, {.tileNodes = 13}});
+}
+
+TEST_F(Tiles, MapsWithoutAShellAreThoseOfOneRun) {
+  expectOneRun(completed({{"map", "cross"}, {"scheme", "5"}, {"pair", "A"}, {"c", "0.39,0.2,0"}, {"resolution", "24"}}),
+               {{.tiles = 4}, {.tileNodes = 11}});
+  expectOneRun(completed({{"map", "quadratic"}, {"c", "-0.2,0.6,0.2,0.2"}, {"resolution", "24"}}), {{.tileNodes = 17}});
+  expectOneRun(shape({{"map", "rational"}, {"versor-roots", "5"}, {"resolution", "24"}}),
+               {{.tiles = 3}, {.tileNodes = 19}});
+}
+
+// Every piece is a mesh by itself, and together they are the whole: the same triangles, whose neighbours they share
+// points with.
+TEST_F(Tiles, PiecesAddUpToTheWhole) {
+  const Recipe recipe = shape({{"resolution", "30"}});
+  makeOneRun(recipe, "ply");
+  const fs::path folder = made(recipe, {.tileNodes = 17, .makes = {"vdb", "ply"}});
+  const MergeResult result = writeTileFiles(folder, readManifest(folder), inFolder("pieces.json"), mMonitor);
+  const auto index = nlohmann::json::parse(readWholeFile(inFolder("pieces.json")));
+  Mesh together;
+  std::uint64_t triangles = 0, active = 0;
+  const auto whole = chooseFloatGrid(readVdb(inFolder("one.vdb")), "surface", "one.vdb");
+  for (const auto& tile : index.at("tiles"))
+    for (const auto& file : tile.at("files")) {
+      const std::string name = inFolder(file.at("name").get<std::string>());
+      EXPECT_EQ(fs::file_size(name), file.at("bytes").get<std::uint64_t>());
+      if (isVdbPath(name)) {
+        const auto part = chooseFloatGrid(readVdb(name), "surface", name);
+        active += part->activeVoxelCount();
+        for (auto value = part->cbeginValueOn(); value; ++value)
+          ASSERT_EQ(*value, whole->tree().getValue(value.getCoord()));
+        continue;
+      }
+      const Mesh piece = readMesh(name);
+      EXPECT_EQ(piece.triangles.size(), tile.at("triangles").get<std::uint64_t>());
+      EXPECT_EQ(piece.points.size(), tile.at("points").get<std::uint64_t>());
+      triangles += piece.triangles.size();
+      together = test_meshes::merged(together, piece);
+    }
+  const Mesh one = readMesh(inFolder("one.ply"));
+  EXPECT_EQ(triangles, one.triangles.size());
+  EXPECT_EQ(result.mesh.triangles, one.triangles.size());
+  EXPECT_EQ(active, whole->activeVoxelCount());
+  const Mesh welded = weldMesh(together);
+  EXPECT_EQ(welded.points.size(), weldMesh(one).points.size());
+  EXPECT_EQ(mesh_laws::notClosedManifold(welded), mesh_laws::notClosedManifold(weldMesh(one)));
+}
+
+TEST_F(Tiles, AMeshOfTooManyPointsIsCutIntoFiles) {
+  const Recipe recipe = shape({{"resolution", "90"}});
+  makeOneRun(recipe, "ply");
+  const Mesh one = readMesh(inFolder("one.ply"));
+  const fs::path folder = made(recipe, {.tiles = 3, .makes = {"ply"}});
+  const std::uint64_t most = one.points.size() / 2;
+  const MergeResult result =
+      mergePlan(folder, readManifest(folder), {.mesh = inFolder("cut.ply"), .mostPoints = most}, mMonitor);
+  ASSERT_GE(result.files.size(), 2U);
+  // The same triangles in the same order.
+  std::size_t at = 0;
+  for (const fs::path& file : result.files) {
+    const Mesh part = readMesh(file);
+    EXPECT_LE(part.points.size(), most);
+    for (const openvdb::Vec3I& triangle : part.triangles) {
+      ASSERT_LT(at, one.triangles.size());
+      for (int k = 0; k < 3; ++k) ASSERT_EQ(part.points[triangle[k]], one.points[one.triangles[at][k]]);
+      ++at;
+    }
+  }
+  EXPECT_EQ(at, one.triangles.size());
+  EXPECT_THROW(mergePlan(folder, readManifest(folder), {.mesh = inFolder("x.ply"), .mostPoints = 5}, mMonitor),
+               DataError);
+  EXPECT_FALSE(fs::exists(inFolder("x.ply"))) << "half a mesh stayed";
+  EXPECT_FALSE(fs::exists(inFolder("x.1.ply"))) << "half a mesh stayed";
+}
+
+TEST_F(Tiles, APreparedSceneEvaluatesTheSameBits) {
+  for (const Recipe& recipe : {shape({{"detail", "x:0.1:0.5"}}), shape({{"alpha", "30"}, {"sampling", "quadratic"}}),
+                               completed({{"map", "mandelbulb"}, {"resolution", "30"}})}) {
+    const FractalOptions options = parseFractalOptions(recipe);
+    const Scene scene = makeScene(options, mMonitor);
+    const Scene again = readPreparedScene(options, mFolder.write("prepared.vdb", encodePreparedScene(scene)));
+    EXPECT_EQ(again.facts, scene.facts);
+    std::mt19937 random(3);
+    std::vector<julia::Point> points(4000);
+    for (julia::Point& point : points)
+      for (double& x : point) x = static_cast<double>(random()) / 0x1p31 - 1;
+    std::vector<double> one(points.size()), other(points.size());
+    scene.evaluator->evaluate(points, one, {});
+    again.evaluator->evaluate(points, other, {});
+    EXPECT_EQ(one, other);
+    EXPECT_EQ(planScene(scene).domain, planScene(again).domain);
+    EXPECT_EQ(planScene(scene).blocks->activeVoxelCount(), planScene(again).blocks->activeVoxelCount());
+  }
+}
+
+TEST_F(Tiles, WhatCannotBeMergedIsRefused) {
+  const Recipe recipe = shape({{"resolution", "20"}});
+  const fs::path folder = made(recipe, {.tiles = 3, .makes = {"ply"}});
+  const Manifest manifest = readManifest(folder);
+  EXPECT_THROW(mergePlan(folder, manifest, {.vdb = inFolder("a.vdb")}, mMonitor), std::invalid_argument);
+  EXPECT_THROW(mergePlan(folder, manifest, {.mesh = inFolder("a.stl")}, mMonitor), std::invalid_argument);
+  const fs::path tile = folder / "tiles" / "0002.tile";
+  const std::string bytes = readWholeFile(tile);
+  std::string other = bytes;
+  other[other.size() / 2] = static_cast<char>(other[other.size() / 2] ^ 1);
+  mFolder.write("plan" + std::to_string(mPlans) + "/tiles/0002.tile", other);
+  try {
+    mergePlan(folder, manifest, {.mesh = inFolder("a.ply")}, mMonitor);
+    ADD_FAILURE() << "a tile that was changed has passed";
+  } catch (const DataError& error) {
+    EXPECT_NE(std::string(error.what()).find("task 2"), std::string::npos) << error.what();
+  }
+  EXPECT_FALSE(fs::exists(inFolder("a.ply")));
+}
+
+TEST_F(Tiles, BrokenTilesAreRefused) {
+  const fs::path folder = made(shape({{"resolution", "20"}}), {.tiles = 1, .makes = {"ply"}});
+  const std::string bytes = readWholeFile(folder / "tiles" / "0001.tile");
+  const auto read = [&](const std::string& content) {
+    TileReader tile(mFolder.write("broken.tile", content));
+    while (tile.nextX()) tile.next();
+  };
+  EXPECT_NO_THROW(read(bytes));
+  for (std::size_t size = 0; size < bytes.size(); size += 1 + bytes.size() / 97)
+    EXPECT_THROW(read(bytes.substr(0, size)), DataError) << size;
+  std::string magic = bytes;
+  magic[3] = '?';
+  EXPECT_THROW(read(magic), DataError);
+  // A count that no memory holds.
+  std::string huge = bytes;
+  for (std::size_t i = 52; i < 56; ++i) huge[i] = '\xff';
+  EXPECT_THROW(read(huge), DataError);
+  EXPECT_THROW(TileReader(inFolder("none.tile")), MissingInputError);
+}
+
+TEST_F(Tiles, PlansThatCannotBeAreRefused) {
+  const Recipe recipe = shape({});
+  const auto plan = [&](const Recipe& given, const TilePlanOptions& cut) {
+    return planTiles(parseFractalOptions(given), given, cut, mFolder.path() / "refused", mMonitor);
+  };
+  EXPECT_THROW(plan(recipe, {.makes = {"ply"}}), std::invalid_argument);
+  EXPECT_THROW(plan(recipe, {.tiles = 3, .tileNodes = 8, .makes = {"ply"}}), std::invalid_argument);
+  EXPECT_THROW(plan(recipe, {.tiles = 0, .makes = {"ply"}}), std::invalid_argument);
+  EXPECT_THROW(plan(shape({{"follow", "true"}}), {.tiles = 3, .makes = {"ply"}}), std::invalid_argument);
+  EXPECT_FALSE(fs::exists(mFolder.path() / "refused"));
+}
+
+std::vector<CoordBBox> randomWork(std::mt19937& random, const CoordBBox& domain, int count) {
+  std::vector<CoordBBox> work;
+  for (int i = 0; i < count; ++i) {
+    Coord low, high;
+    for (int axis = 0; axis < 3; ++axis) {
+      const int side = domain.dim()[axis];
+      low[axis] = domain.min()[axis] + static_cast<int>(random() % static_cast<unsigned>(side));
+      high[axis] = std::min(domain.max()[axis], low[axis] + static_cast<int>(random() % 20));
+    }
+    work.emplace_back(low, high);
+  }
+  return work;
+}
+
+double volumeOf(const CoordBBox& box) { return box.empty() ? 0 : double(box.volume()); }
+
+TEST(TileCuts, TilesDoNotOverlapAndHoldAllWork) {
+  std::mt19937 random(11);
+  const CoordBBox domain(Coord(-37, -100, 5), Coord(90, 61, 203));
+  for (int round = 0; round < 30; ++round) {
+    const std::vector<CoordBBox> work = randomWork(random, domain, 1 + static_cast<int>(random() % 60));
+    const int count = 1 + static_cast<int>(random() % 64), side = 3 + static_cast<int>(random() % 60);
+    const auto even = cutEvenly(domain, work, count);
+    EXPECT_LE(even.size(), static_cast<std::size_t>(count));
+    for (const auto& tiles : {even, cutIntoCubes(domain, work, side, 0)}) {
+      double all = 0, held = 0;
+      for (const CoordBBox& box : work) all += volumeOf(box);
+      for (const TileBox& tile : tiles) {
+        EXPECT_TRUE(domain.isInside(tile.nodes));
+        double own = 0;
+        for (CoordBBox box : work) {
+          box.intersect(tile.nodes);
+          own += volumeOf(box);
+        }
+        EXPECT_GT(own, 0);
+        EXPECT_NEAR(tile.work, own, 1e-6 * all);
+        held += own;
+        for (const TileBox& other : tiles)
+          if (&other != &tile) EXPECT_FALSE(other.nodes.hasOverlap(tile.nodes));
+      }
+      EXPECT_NEAR(held, all, 1e-6 * all);
+    }
+  }
+}
+
+TEST(TileCuts, EvenTilesShareTheWork) {
+  // As much as blocks allow: a plane of work, far thinner than the tiles.
+  const CoordBBox domain(Coord(0), Coord(511));
+  const std::vector<CoordBBox> work = {CoordBBox(Coord(0, 0, 200), Coord(511, 511, 203))};
+  const auto tiles = cutEvenly(domain, work, 24);
+  ASSERT_EQ(tiles.size(), 24U);
+  for (const TileBox& tile : tiles) EXPECT_NEAR(tile.work, 512.0 * 512 * 4 / 24, 0.15 * 512 * 512 * 4 / 24);
+}
+
+}  // namespace
