@@ -13,6 +13,7 @@ using Arguments = std::vector<std::string>;
 
 int runSdf(const Arguments& arguments);
 int runFractal(const Arguments& arguments);
+int runMerge(const Arguments& arguments);
 int runMesh(const Arguments& arguments);
 int runFit(const Arguments& arguments);
 int runVersor(const Arguments& arguments);

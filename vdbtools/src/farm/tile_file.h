@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file tile_file.h
-/// The mesh of a tile, DIR/tiles/0007.tile: by layers of blocks in x, as the mesh of the whole is written, so that tiles
-/// can be merged while they are read. Numbers are little-endian.
+/// The mesh of a tile, DIR/tiles/0007.tile: by layers of blocks in x, as the mesh of the whole is written, so that
+/// tiles can be merged while they are read. Numbers are little-endian.
 ///
 ///   "JVDBTILE", version (u32), bytes of a coordinate (u32, 4 or 8), counts of points, guests, triangles, layers (u64)
 ///   each layer:  x (i32), number of blocks (u32)
@@ -11,8 +11,8 @@
 ///     each triangle:  its cell, and the edges of its three corners (4 u16)
 ///
 /// An edge is 3 n + axis, where n is the node's offset in its block, and kGuest where another tile owns the point. A
-/// corner is the edge, and 2048 for each of 1 (x), 2 (y), 4 (z) by which its block is ahead. A cell is the offset of its
-/// first node.
+/// corner is the edge, and 2048 for each of 1 (x), 2 (y), 4 (z) by which its block is ahead. A cell is the offset of
+/// its first node.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -27,8 +27,8 @@
 
 namespace vdbtools {
 
-inline constexpr std::uint16_t kGuest = 0x8000;      ///< of a point
-inline constexpr unsigned kEdgeBits = 11;            ///< of a corner; the number of the block stands above them
+inline constexpr std::uint16_t kGuest = 0x8000;  ///< of a point
+inline constexpr unsigned kEdgeBits = 11;        ///< of a corner; the number of the block stands above them
 inline constexpr std::uint16_t kEdgeMask = (1u << kEdgeBits) - 1;
 
 /// What a tile has of one layer of blocks.
@@ -39,9 +39,9 @@ struct TileLayer {
   };
   using Triangle = std::array<std::uint16_t, 4>;  ///< the cell and the corners
 
-  std::int32_t x = 0;               ///< of the blocks' first nodes
-  std::vector<Block> blocks;        ///< by y, then z
-  std::vector<std::uint16_t> edges;  ///< of the points, ascending in each block but for kGuest
+  std::int32_t x = 0;                     ///< of the blocks' first nodes
+  std::vector<Block> blocks;              ///< by y, then z
+  std::vector<std::uint16_t> edges;       ///< of the points, ascending in each block but for kGuest
   std::vector<openvdb::Vec3d> positions;  ///< world units
   std::vector<openvdb::Vec3s> normals;
   std::vector<Triangle> triangles;  ///< in each block by cells, ascending

@@ -23,8 +23,8 @@ using Place = std::pair<std::int32_t, std::int32_t>;  // y and z of a block
 
 /// A block's share of the points of a layer, or of its triangles.
 struct Block {
-  std::uint64_t first = 0;            ///< of the layer's points
-  std::vector<std::uint16_t> edges;   ///< ascending
+  std::uint64_t first = 0;                     ///< of the layer's points
+  std::vector<std::uint16_t> edges;            ///< ascending
   std::vector<TileLayer::Triangle> triangles;  ///< by cells
 };
 
@@ -74,8 +74,7 @@ void addBlock(const Place& place, const std::vector<Part>& parts, bool keepGuest
   }
   block.edges.reserve(points.size());
   for (const Point& point : points) {
-    if (!block.edges.empty() && point.edge <= block.edges.back())
-      refuse(layer.x, place, "has a point twice");
+    if (!block.edges.empty() && point.edge <= block.edges.back()) refuse(layer.x, place, "has a point twice");
     block.edges.push_back(point.edge);
     layer.positions.push_back(point.from->positions[point.at]);
     layer.normals.push_back(point.from->normals[point.at]);

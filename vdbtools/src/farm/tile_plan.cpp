@@ -2,6 +2,7 @@
 #include "vdbtools/farm/tile_plan.h"
 
 #include "farm/tile_task.h"
+#include "farm/variant_plan.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/atomic_file.h"
@@ -189,7 +190,9 @@ TilePlan planTiles(const FractalOptions& options, const Recipe& recipe, const Ti
 
   Manifest& manifest = plan.manifest;
   manifest.kind = PlanKind::Tiles;
-  manifest.recipe = recipe;
+  // A task works in any folder, and can tell whether the map's files are those of the plan.
+  manifest.recipe = withAbsoluteNames(recipe, std::filesystem::current_path());
+  for (const auto& [name, hash] : verifiedHashes(filesOf(options))) manifest.recipe[name] = hash;
   manifest.makes = tiles.makes;
   manifest.facts = sceneMetadata(scene, recipe);
   manifest.lattice = TileLattice{whole.domain, whole.bounded, whole.voxelSize};
@@ -202,6 +205,9 @@ TilePlan planTiles(const FractalOptions& options, const Recipe& recipe, const Ti
     if (wantsGrids) task.writes.push_back(tileGridsName(manifest.tasks.size() + 1));
     manifest.tasks.push_back(std::move(task));
   }
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw CreateError("cannot make the folder '" + folder.string() + "': " + error.message());
   const std::string bytes = encodePreparedScene(scene);
   AtomicFile file(folder / kPreparedName);
   file.stream().write(bytes.data(), static_cast<std::streamsize>(bytes.size()));

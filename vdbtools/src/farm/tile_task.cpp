@@ -161,10 +161,9 @@ Tile makeTile(const Scene& scene, const CoordBBox& box, bool wantsMesh, bool wan
   window.expand(kTileHalo);
   const FieldPlan plan = planScene(scene, window);
   const CoordBBox own = ownNodes(box, plan.domain);
-  const FractalField field =
-      evaluateField(plan, scene.source(),
-                    {.keepIterations = wants("iterations"), .everyNode = wants("iterations") || wants("logmodulus")},
-                    monitor);
+  const FractalField field = evaluateField(
+      plan, scene.source(),
+      {.keepIterations = wants("iterations"), .everyNode = wants("iterations") || wants("logmodulus")}, monitor);
   Tile tile{.evaluatedNodes = field.evaluatedNodes};
   const bool wantsSurface = wants("surface") || wants("density") || wants("versor");
   const bool capMesh = scene.options.surface.cap || !plan.bounded;
@@ -189,8 +188,8 @@ bool tilesNeedDoubles(const Manifest& manifest) {
   const TileLattice& lattice = manifest.lattice.value();
   const openvdb::BBoxd box = meshBox({.domain = lattice.domain, .voxelSize = lattice.voxelSize});
   return std::any_of(manifest.makes.begin(), manifest.makes.end(), [&](const std::string& format) {
-    return format != "vdb" && needsDoublePositions(
-                                  {.format = meshFormat("mesh." + format), .voxelSize = lattice.voxelSize, .box = box});
+    return format != "vdb" &&
+           needsDoublePositions({.format = meshFormat("mesh." + format), .voxelSize = lattice.voxelSize, .box = box});
   });
 }
 
@@ -204,7 +203,12 @@ TaskCounts makeTile(const std::filesystem::path& folder, const Manifest& manifes
   std::list<AtomicFile> files;
   AtomicFile* const mesh = wantsMesh ? &files.emplace_back(folder / tileMeshName(index)) : nullptr;
   AtomicFile* const grids = wantsGrids ? &files.emplace_back(folder / tileGridsName(index)) : nullptr;
-  const Scene scene = readPreparedScene(parseFractalOptions(manifest.recipe), folder / kPreparedName);
+  const FractalOptions options = parseFractalOptions(manifest.recipe);
+  // Those of controls went into the exponent, and need not be at hand.
+  std::vector<NamedFile> present = options.map->files();
+  std::erase_if(present, [](const NamedFile& file) { return !std::filesystem::exists(file.path); });
+  verifiedHashes(present);
+  const Scene scene = readPreparedScene(options, folder / kPreparedName);
   const Tile tile = makeTile(scene, task.box.value(), wantsMesh, wantsGrids, monitor);
   monitor.begin("writing", 0);
   TaskCounts counts;

@@ -25,8 +25,8 @@ inline constexpr int kTileHalo = 5;
 openvdb::CoordBBox ownNodes(const openvdb::CoordBBox& box, const openvdb::CoordBBox& domain);
 
 struct Tile {
-  std::vector<TileLayer> layers;                 ///< of the mesh, if it is wanted
-  std::vector<openvdb::GridBase::Ptr> grids;     ///< the parts of those that are wanted and are made of parts
+  std::vector<TileLayer> layers;              ///< of the mesh, if it is wanted
+  std::vector<openvdb::GridBase::Ptr> grids;  ///< the parts of those that are wanted and are made of parts
   std::uint64_t evaluatedNodes = 0;
 };
 

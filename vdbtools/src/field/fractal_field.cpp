@@ -156,8 +156,8 @@ std::vector<Local> forEachUndecidedBox(const ExponentGrid& exponent, const Coord
           const int first = std::countr_zero(bits), length = std::countr_one(bits >> first);
           bits &= ~(((1u << length) - 1) << first);
           const Coord begin = leaves[i]->origin().offsetBy(static_cast<int>(x), static_cast<int>(y), first);
-          const Vec3d half(0.5, 0.5, 0.5 * length);
-          CoordBBox nodes = lattice.cornersAround(begin.asVec3d() + half, half);
+          const Vec3d reach(0.5, 0.5, 0.5 * length);
+          CoordBBox nodes = lattice.cornersAround(begin.asVec3d() + reach, reach);
           nodes.intersect(within);
           if (!nodes.empty()) body(part, nodes);
         }
@@ -221,7 +221,14 @@ std::vector<openvdb::Vec3s> FieldSource::versorVectors(std::span<const julia::Po
 
 FieldPlan planShell(const ExponentGrid& exponent, const FractalFieldOptions& options) {
   FieldPlan plan = emptyShellPlan(exponent, options);
-  addShellBlocks(*plan.blocks, exponent, plan.window, options.voxelSize);
+  // A block belongs to a window as it does to the whole, also where the window cuts it.
+  CoordBBox blocks = plan.window;
+  if (!blocks.empty()) {
+    blocks = {(blocks.min() >> kBlockLog2) << kBlockLog2,
+              ((blocks.max() >> kBlockLog2) << kBlockLog2).offsetBy(kBlock - 1)};
+    blocks.intersect(plan.domain);
+  }
+  addShellBlocks(*plan.blocks, exponent, blocks, options.voxelSize);
   if (plan.bounded) addBorderBlocks(*plan.blocks, plan.domain, plan.window);
   return plan;
 }

@@ -48,7 +48,8 @@ struct TilePlan {
 /// Makes the target and its exponent, cuts the lattice, and writes the prepared scene into @a folder.
 /// @param recipe  of @a options, complete
 /// @return the manifest, not written yet
-/// @throw std::invalid_argument  neither or both of tiles and tileNodes, or out of range; options that tiles cannot have
+/// @throw std::invalid_argument  neither or both of tiles and tileNodes, or out of range; options that tiles cannot
+/// have
 /// @throw what making the scene throws
 TilePlan planTiles(const FractalOptions& options, const Recipe& recipe, const TilePlanOptions& tiles,
                    const std::filesystem::path& folder, Monitor& monitor);

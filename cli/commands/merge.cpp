@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands.h"
+
+#include "exit_code.h"
+#include "options.h"
+#include "report.h"
+
+#include "vdbtools/farm/merge.h"
+#include "vdbtools/files/file_bytes.h"
+
+#include <stdexcept>
+
+namespace po = boost::program_options;
+
+namespace cli {
+namespace {
+
+constexpr Usage kUsageText = {
+    "merge", "DIR [-o F.vdb] [--mesh F.ply] [--index F.json]",
+    "Puts the tiles of a plan together, once all tasks are done: the same bytes as 'juliavdb fractal' would have\n"
+    "written. The mesh is written while the tiles are read, so it may be far larger than the memory; a VDB is held in\n"
+    "memory whole. A fractal that is too large for one file can stay in pieces: --index writes each tile as a mesh "
+    "and\n"
+    "a VDB of its own, F.0001.ply and F.0001.vdb and so on, and a JSON file that lists them.",
+    "  juliavdb merge farm -o bunny.vdb --mesh bunny.ply\n"
+    "  juliavdb merge farm --index pieces.json\n"};
+
+void requireExtension(const CommandLine& line, const char* option, std::string_view extensions) {
+  const std::string extension = vdbtools::lowerExtension(line.text(option));
+  if (extension.empty() || (' ' + std::string(extensions) + ' ').find(' ' + extension + ' ') == std::string::npos)
+    line.refuse(option, "a name that ends in one of " + std::string(extensions));
+}
+
+}  // namespace
+
+int runMerge(const Arguments& arguments) {
+  CommandLine line(kUsageText, {});
+  line.addPositional("folder", 1, "the folder of the plan");
+  const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
+  line.addOptions()("output,o", text("F.vdb"), "the VDB to write")("mesh", text("F.ply"),
+                                                                   "the mesh to write: .ply, .obj or .stl")(
+      "index", text("F.json"), "writes each tile as files of its own, and this list of them")(
+      "most-points", text("N")->default_value(std::to_string(vdbtools::kMostMeshPoints)),
+      "the most points that one mesh file is to have; a larger mesh is cut into F.1.ply, F.2.ply and so on");
+  if (!line.parse(arguments)) return kDone;
+  if (!line.has("folder")) throw std::invalid_argument("no plan was given; name its folder");
+  const std::filesystem::path folder = line.text("folder");
+  const bool asIndex = line.has("index"), whole = line.has("output") || line.has("mesh");
+  if (asIndex == whole)
+    throw std::invalid_argument(asIndex
+                                    ? "--index writes the tiles as files of their own; give it without -o and --mesh"
+                                    : "no output was given; use -o F.vdb, --mesh F.ply, both, or --index F.json");
+  vdbtools::MergeOptions options{.mostPoints =
+                                     line.integer<std::uint64_t>("most-points", 3, vdbtools::kMostMeshPoints)};
+  if (line.has("output")) {
+    requireExtension(line, "output", ".vdb");
+    options.vdb = line.text("output");
+  }
+  if (line.has("mesh")) {
+    requireExtension(line, "mesh", ".ply .obj .stl");
+    options.mesh = line.text("mesh");
+  }
+  if (asIndex) requireExtension(line, "index", ".json");
+  const vdbtools::Manifest manifest = vdbtools::readManifest(folder);
+  const vdbtools::MergeResult result =
+      asIndex ? vdbtools::writeTileFiles(folder, manifest, line.text("index"), line.progress())
+              : vdbtools::mergePlan(folder, manifest, options, line.progress());
+
+  for (const std::filesystem::path& file : result.files) report().wrote(file);
+  report().count("triangles", static_cast<double>(result.mesh.triangles));
+  report().count("bandVoxels", static_cast<double>(result.bandVoxels));
+  constexpr std::size_t kNamed = 4;
+  report().text() << "wrote ";
+  for (std::size_t i = 0; i < std::min(kNamed, result.files.size()); ++i)
+    report().text() << (i == 0 ? "" : ", ") << result.files[i].string();
+  if (result.files.size() > kNamed) report().text() << " and " << result.files.size() - kNamed << " more";
+  report().text() << " from " << manifest.tasks.size() << (manifest.tasks.size() == 1 ? " tile" : " tiles");
+  if (result.mesh.triangles > 0) report().text() << ", " << result.mesh.triangles << " triangles";
+  if (result.bandVoxels > 0) report().text() << ", " << result.bandVoxels << " voxels in the band";
+  report().text() << '\n';
+  const std::size_t meshes = result.files.size() - (options.vdb ? 1 : 0);
+  if (options.mesh && meshes > 1)
+    report().text() << "note: the mesh has more than " << options.mostPoints << " points and is in " << meshes
+                    << " files; neighbours share the points of the layer where it was cut\n";
+  return kDone;
+}
+
+}  // namespace cli
