@@ -33,6 +33,7 @@ const Phases kFractal = scenePhases({{"proofs", 5},
                                      {"versor", 5},
                                      {"writing", 5},
                                      {"checking", 1}});
+const Phases kPlan = scenePhases({{"sample", 100}});
 const Phases kMerge = {{"checking", 10}, {"merging", 60}, {"merging grids", 20}, {"versor", 5}, {"writing", 10}};
 const Phases kSlice = scenePhases({{"slice", 20}, {"writing", 5}});
 const Phases kStudy = scenePhases({{"distances", 5}, {"first versor", 2}, {"versors", 60}, {"writing", 2}});
@@ -49,7 +50,8 @@ bool names(const PhaseWeight& entry, std::string_view phase) {
 
 std::span<const PhaseWeight> phasesOf(std::string_view command) {
   if (command == "sdf") return kSdf;
-  if (command == "fractal" || command == "mesh" || command == "task" || command == "plan") return kFractal;
+  if (command == "fractal" || command == "mesh" || command == "task") return kFractal;
+  if (command == "plan") return kPlan;
   if (command == "merge") return kMerge;
   if (command == "slice") return kSlice;
   if (command == "study") return kStudy;

@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "plan.h"
 
+#include "child_process.h"
 #include "exit_code.h"
 #include "options.h"
 #include "report.h"
 
+#include "vdbtools/farm/estimate.h"
 #include "vdbtools/farm/plan_folder.h"
 #include "vdbtools/farm/tile_plan.h"
 #include "vdbtools/job/fractal_options.h"
 
+#include <cstdlib>
 #include <limits>
+#include <optional>
+#include <ostream>
 #include <stdexcept>
 
 namespace po = boost::program_options;
@@ -25,10 +30,72 @@ constexpr Usage kUsageText = {
     "once, here, and the tasks read them.\n"
     "\n"
     "--tiles cuts the lattice into tiles of about equal work. --tile-nodes cuts it into cubes and leaves out those in\n"
-    "which there is nothing to do.",
+    "which there is nothing to do.\n"
+    "\n"
+    "--estimate makes some tiles at random, which then are done, and tells from them what all of them will take, with\n"
+    "the 95 % interval of each number.",
     "  juliavdb plan tiles bunny.obj -o farm --tiles 16 --resolution 150\n"
-    "  juliavdb plan tiles bunny.obj -o cubes --tile-nodes 64 --make ply --resolution 150 --detail 0.4\n",
+    "  juliavdb plan tiles bunny.obj -o cubes --tile-nodes 64 --make ply --resolution 150 --detail 0.4\n"
+    "  juliavdb plan tiles bunny.obj -o large --tiles 500 --make ply --resolution 3200 --estimate\n",
     "fractal"};
+
+/// A number with its unit, three digits.
+std::string amount(double value, std::initializer_list<std::pair<double, const char*>> units) {
+  for (const auto& [size, name] : units)
+    if (value >= size || size == (units.end() - 1)->first) {
+      char text[48];
+      std::snprintf(text, sizeof text, "%.3g%s", value / size, name);
+      return text;
+    }
+  return "";
+}
+
+void tell(const char* what, const char* name, const vdbtools::Estimated& estimated,
+          std::initializer_list<std::pair<double, const char*>> units) {
+  report().count(name, estimated.value);
+  report().count(name + std::string("Low"), estimated.low);
+  report().count(name + std::string("High"), estimated.high);
+  report().text() << what << amount(estimated.value, units) << " (" << amount(estimated.low, units) << " to "
+                  << amount(estimated.high, units) << ")\n";
+}
+
+/// Makes some of the tasks, each as a process of its own, as a farm would.
+std::vector<vdbtools::SampledTask> makeSample(const CommandLine& line, const std::filesystem::path& folder,
+                                              const vdbtools::TilePlan& plan, std::uint64_t count) {
+  constexpr std::uint64_t kSeed = 1;
+  // With the hash that only the written one has.
+  const vdbtools::Manifest manifest = vdbtools::readManifest(folder);
+  const std::vector<std::uint64_t> indices = vdbtools::sampleTasks(manifest.tasks.size(), count, kSeed);
+  vdbtools::Monitor& monitor = line.progress();
+  monitor.begin("sample", indices.size());
+  std::vector<vdbtools::SampledTask> sample;
+  for (const std::uint64_t index : indices) {
+    std::vector<std::string> words = {"task", folder.string(), "--index", std::to_string(index), "--progress", "none"};
+    if (line.has("threads")) words.insert(words.end(), {"--threads", line.text("threads")});
+    const int code = runThisProgram(words, [&] { return monitor.cancelled(); });
+    monitor.throwIfCancelled();
+    const std::optional<vdbtools::TaskRecord> record =
+        vdbtools::finishedTask(folder, manifest, index, vdbtools::FileCheck::Quick);
+    if (!record)
+      throw vdbtools::DataError("task " + std::to_string(index) + " of the sample failed with exit code " +
+                                std::to_string(code) + ": " +
+                                vdbtools::taskStatus(folder, manifest, index, vdbtools::FileCheck::Quick).error);
+    sample.push_back({plan.work[index - 1], *record});
+    monitor.advance(1);
+  }
+  return sample;
+}
+
+void tellEstimate(const vdbtools::PlanEstimate& estimate) {
+  report().text() << "from " << estimate.sampled << " of " << estimate.tasks
+                  << " tiles, which are done now, with 95 % intervals:\n";
+  tell("  triangles         ", "estimatedTriangles", estimate.triangles,
+       {{1e9, " billion"}, {1e6, " million"}, {1e3, " thousand"}, {1, ""}});
+  tell("  CPU time          ", "estimatedCpuSeconds", estimate.cpuSeconds, {{3600, " h"}, {60, " min"}, {1, " s"}});
+  tell("  memory of a task  ", "estimatedPeakBytes", estimate.peakBytes, {{0x1p30, " GiB"}, {0x1p20, " MiB"}});
+  tell("  disk              ", "estimatedDiskBytes", estimate.diskBytes,
+       {{0x1p40, " TiB"}, {0x1p30, " GiB"}, {0x1p20, " MiB"}, {0x1p10, " KiB"}});
+}
 
 }  // namespace
 
@@ -38,7 +105,9 @@ int planTiles(const Arguments& arguments) {
   line.addOptions()("output,o", text("DIR"), "the folder of the plan, which is new or empty")(
       "tiles", text("N"), "how many tiles (default: 16)")("tile-nodes", text("K"),
                                                           "or the nodes along the side of a tile")(
-      "make", text("LIST")->default_value("vdb,ply"), "what is to be merged, a list of vdb, ply, obj, stl");
+      "make", text("LIST")->default_value("vdb,ply"), "what is to be merged, a list of vdb, ply, obj, stl")(
+      "estimate", po::bool_switch(), "makes a random sample of the tiles and tells what all of them will take")(
+      "sample", text("M")->default_value("12"), "how many tiles --estimate makes");
   if (!line.parse(arguments)) return kDone;
   const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(line.recipe());
   vdbtools::TilePlanOptions tiles{.makes = parseMakes(line)};
@@ -53,7 +122,11 @@ int planTiles(const Arguments& arguments) {
   if (tiles.tiles && plan.manifest.tasks.size() < static_cast<std::size_t>(*tiles.tiles))
     report().text() << "note: " << plan.manifest.tasks.size() << " tiles are all that the blocks of 8 x 8 x 8 nodes "
                     << "with something to do can be cut into\n";
-  return finishPlan(folder, plan.manifest);
+  const bool wantsEstimate = line.values()["estimate"].as<bool>();
+  const auto sampleSize = line.integer<std::uint64_t>("sample", 2, vdbtools::kMostTiles);
+  const int code = finishPlan(folder, plan.manifest);
+  if (wantsEstimate) tellEstimate(vdbtools::estimatePlan(plan.work, makeSample(line, folder, plan, sampleSize)));
+  return code;
 }
 
 }  // namespace cli

@@ -43,7 +43,7 @@ struct TaskRecord {
   std::vector<TaskFile> files;  ///< in the order of PlannedTask::writes
   std::map<std::string, double> counts;
   double wallSeconds = 0, cpuSeconds = 0;
-  std::uint64_t peakBytes = 0;  ///< of the whole process: with several tasks in one, the largest so far
+  std::uint64_t peakBytes = 0;  ///< of the whole process while it made the task
   std::string host;
   int threads = 0;
 };
