@@ -188,7 +188,7 @@ class Dimension(StudyTest):
             self.assertAlmostEqual(dimension, 2, delta=0.03)
 
     def test_the_rows_are_what_fractal_makes(self):
-        rough = (*ROUGH, "--iterations", 5, "--versor", "random")
+        rough = ("--alpha", 20, "--iterations", 5, "--versor", "random")
         numbers = json.loads(self.ok("study", "t.obj", *self.SMALL, *rough, "--dimension", "20,30,45", "--json", data=True))
         self.assertEqual([row["resolution"] for row in numbers["rows"]], [20, 30, 45])
         for row in numbers["rows"]:
