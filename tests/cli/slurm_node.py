@@ -34,13 +34,12 @@ TaskPlugin=task/none
 SelectType=select/cons_tres
 SelectTypeParameters=CR_CPU
 SchedulerType=sched/builtin
-SchedulerParameters=batch_sched_delay=0,sched_min_interval=0
+SchedulerParameters=batch_sched_delay=0
 MpiDefault=none
 JobAcctGatherType=jobacct_gather/none
 AccountingStorageType=accounting_storage/none
 ReturnToService=2
 KillWait=5
-SlurmctldParameters=enable_configless
 MaxArraySize={array_size}
 NodeName={host} NodeAddr=127.0.0.1 CPUs={processors} State=UNKNOWN
 PartitionName=test Nodes={host} Default=YES MaxTime=INFINITE State=UP
@@ -169,8 +168,9 @@ class Node:
             time.sleep(0.2)
 
     def stop(self):
+        """Calls after the first do nothing."""
         try:
-            if len(self.daemons) == 3:
+            if len(self.daemons) == 3 and self.daemons[1].poll() is None:
                 self.run("scancel", "--user=root", "--signal=KILL", "--full", check=False)
                 self.run("scancel", "--user=root", check=False)
         except (OSError, subprocess.SubprocessError):
@@ -182,7 +182,8 @@ class Node:
             except subprocess.TimeoutExpired:
                 daemon.kill()
                 daemon.wait()
-        # What the daemons had started is ours now.
+        self.daemons.clear()
+        # What they had started is ours now.
         for _ in range(5):
             for orphan in children() - self.before:
                 try:
