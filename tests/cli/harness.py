@@ -42,7 +42,7 @@ def main():
 
 
 def environment(extra=None):
-    env = {name: value for name, value in os.environ.items() if name != "SLURM_CPUS_PER_TASK"}
+    env = {name: value for name, value in os.environ.items() if not name.startswith(("SLURM_", "PARALLEL_SEQ"))}
     env.update(extra or {})
     return env
 
