@@ -13,7 +13,7 @@ enum ExitCode {
   kInternal = 70,      ///< a bug
   kCannotCreate = 73,  ///< the output's place cannot be written
   kInputOutput = 74,   ///< reading or writing broke off
-  kInterrupted = 75,   ///< stopped by a signal; try again
+  kInterrupted = 75,   ///< stopped by a signal, or the disk of another machine did not answer; try again
 };
 
 }  // namespace cli

@@ -7,7 +7,9 @@ BUILD_PACKAGES=(g++ cmake ninja-build libopenvdb-dev libtbb-dev libeigen3-dev li
   libopenmesh-dev libopenimageio-dev openimageio-tools libcairo2-dev fonts-dejavu-core pkg-config libssl-dev
   nlohmann-json3-dev libboost-dev libboost-iostreams-dev libboost-program-options-dev libblosc-dev zlib1g-dev)
 QUICKSTART_PACKAGES=(glmark2-data)
-TEST_PACKAGES=(dpkg-dev file groff-base libgtest-dev libbenchmark-dev libopenvdb-tools python3 python3-openvdb clang-format doxygen git ca-certificates)
+# slurm-wlm and parallel run the tests of farms: a true cluster, of one node.
+TEST_PACKAGES=(dpkg-dev file groff-base libgtest-dev libbenchmark-dev libopenvdb-tools python3 python3-openvdb clang-format doxygen git
+  ca-certificates slurm-wlm munge parallel)
 
 # Installs those of the given packages that are missing.
 install_packages() {

@@ -162,7 +162,8 @@ std::string parallelScript(const Submission& s) {
 /// The words for 'juliavdb merge', with the names that they have from everywhere.
 std::vector<std::string> mergeWords(const CommandLine& line) {
   std::vector<std::string> words;
-  for (const auto& [option, word] : {std::pair("output", "-o"), std::pair("mesh", "--mesh")})
+  for (const auto& [option, word] :
+       {std::pair("output", "-o"), std::pair("mesh", "--mesh"), std::pair("index", "--index")})
     if (line.has(option)) {
       words.emplace_back(word);
       words.push_back(fs::absolute(line.text(option)).lexically_normal().string());
@@ -192,7 +193,8 @@ int runSubmit(const Arguments& arguments) {
       "how many tasks may run at a time (default: 100 for slurm; for parallel the processors that this process may "
       "use, divided by --threads)")("output,o", po::value<std::string>()->value_name("F.vdb"),
                                     "merge the tasks into this VDB")(
-      "mesh", po::value<std::string>()->value_name("F.ply"), "merge the tasks into this mesh");
+      "mesh", po::value<std::string>()->value_name("F.ply"), "merge the tasks into this mesh")(
+      "index", po::value<std::string>()->value_name("F.json"), "or leave them in pieces, and list these here");
   const auto dashes = std::find(arguments.begin(), arguments.end(), "--");
   if (!line.parse(Arguments(arguments.begin(), dashes))) return kDone;
   if (!line.has("folder")) throw std::invalid_argument("no plan was given; name its folder");
@@ -205,7 +207,7 @@ int runSubmit(const Arguments& arguments) {
   submission.tasks = manifest.tasks.size();
   submission.merge = mergeWords(line);
   if (!submission.merge.empty() && manifest.kind != vdbtools::PlanKind::Tiles)
-    throw std::invalid_argument("only a plan of tiles is merged; leave out -o and --mesh");
+    throw std::invalid_argument("only a plan of tiles is merged; leave out -o, --mesh and --index");
   if (dashes != arguments.end()) submission.engineArguments.assign(dashes + 1, arguments.end());
   if (line.has("threads")) submission.threads = line.integer("threads", 1, kMostJobs);
   const int processors = static_cast<int>(std::thread::hardware_concurrency());

@@ -42,7 +42,7 @@ def main():
 
 
 def environment(extra=None):
-    env = {name: value for name, value in os.environ.items() if name != "SLURM_CPUS_PER_TASK"}
+    env = {name: value for name, value in os.environ.items() if not name.startswith(("SLURM_", "PARALLEL_SEQ"))}
     env.update(extra or {})
     return env
 
@@ -52,7 +52,8 @@ def restore_interrupt():
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
-COMMANDS = ("sdf", "fractal", "fit", "mesh", "versor", "sheet", "slice", "study", "render", "info", "maps")
+COMMANDS = ("sdf", "fractal", "fit", "mesh", "versor", "sheet", "slice", "study", "render", "info", "maps",
+            "task", "status", "merge", "submit")
 
 
 def quiet(arguments):

@@ -1,0 +1,304 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tasks of a plan on one machine: which one is made, what is recorded, and what a failure, a signal or a kill leaves."""
+
+import json
+import os
+import pathlib
+import random
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import time
+import unittest
+
+import farm
+import harness
+from farm import FARM, TILES
+from harness import BAD_DATA, CANNOT_CREATE, DONE, INTERRUPTED, IO_ERROR, NO_INPUT, USAGE
+
+
+class Tasks(farm.FarmTest):
+
+    def made(self):
+        return sorted(int(path.stem) for path in self.path(FARM).glob("tasks/*.json"))
+
+    def record(self, task):
+        return json.loads(self.bytes(f"{FARM}/tasks/{task:04}.json"))
+
+    def test_which_task_is_made(self):
+        self.plan()
+        self.ok("task", FARM, "--index", 2)
+        self.assertEqual(self.made(), [2])
+        self.ok("task", FARM, env={"SLURM_ARRAY_TASK_ID": "5", "PARALLEL_SEQ": "9"})
+        self.assertEqual(self.made(), [2, 5])
+        self.ok("task", FARM, env={"SLURM_ARRAY_TASK_ID": "7", "SLURM_ARRAY_TASK_STEP": "2"})
+        self.assertEqual(self.made(), [2, 5, 7, 8])
+        self.ok("task", FARM, env={"PARALLEL_SEQ": "9"})
+        self.ok("task", FARM, "--range", "10-11", env={"PARALLEL_SEQ": "16"})
+        self.assertEqual(self.made(), [2, 5, 7, 8, 9, 10, 11])
+        self.assertEqual(self.missing(), "1,3-4,6,12-16")
+        self.assertIn("nothing to do", self.ok("task", FARM, "--index", TILES + 1))
+        self.ok("task", FARM, "--range", f"{TILES}-{TILES + 3}")
+        self.assertEqual(self.missing(), "1,3-4,6,12-15")
+        for words in (("--index", 0), ("--index", "x"), ("--index", 1, "--range", "1-2"), ("--range", "3"),
+                      ("--range", "4-3"), ("--range", "0-3"), ()):
+            self.refused(USAGE, "task", FARM, *words)
+        self.refused(USAGE, "task", FARM, env={"SLURM_ARRAY_TASK_ID": "many"}, mentions="SLURM_ARRAY_TASK_ID")
+        self.refused(USAGE, "task", FARM, env={"PARALLEL_SEQ": "-1"}, mentions="PARALLEL_SEQ")
+
+    def test_a_task_that_is_done_is_left_alone(self):
+        self.plan(done=True)
+        before = {path: path.stat().st_mtime_ns for path in self.path(FARM).rglob("*")}
+        self.assertIn("already", self.ok("task", FARM, "--index", 3))
+        self.assertEqual({path: path.stat().st_mtime_ns for path in self.path(FARM).rglob("*")}, before)
+
+    def test_what_a_side_car_records(self):
+        self.plan()
+        self.ok("task", FARM, "--index", 1, env={"SLURM_CPUS_PER_TASK": "1"})
+        self.assertEqual(self.record(1)["threads"], 1)
+        self.ok("task", FARM, "--index", 2, "--threads", 3)
+        record = self.record(2)
+        self.assertEqual(record["threads"], 3)
+        self.assertEqual(record["host"], os.uname().nodename)
+        self.assertGreater(record["cpuSeconds"], 0)
+        self.assertGreater(record["peakBytes"], 1 << 20)
+        for file in record["files"]:
+            data = self.bytes(f"{FARM}/{file['name']}")
+            self.assertEqual(len(data), file["bytes"])
+
+    def test_a_damaged_result_is_a_failed_task(self):
+        self.plan(done=True)
+        name = self.record(4)["files"][0]["name"]
+        data = bytearray(self.bytes(f"{FARM}/{name}"))
+        data[len(data) // 2] ^= 1
+        self.write(f"{FARM}/{name}", bytes(data))
+        self.assertEqual(self.states(), (TILES - 1, 0, 1, 0))
+        self.assertEqual(self.missing(), "4")
+        self.assertIn("task 4 failed: " + name, self.ok("status", FARM, data=True))
+        self.ok("task", FARM, "--index", 4)
+        self.check_done()
+
+    def test_a_change_that_keeps_size_and_time_is_seen_by_verify(self):
+        self.plan(done=True)
+        path = self.path(FARM) / self.record(4)["files"][0]["name"]
+        times = path.stat()
+        data = bytearray(path.read_bytes())
+        data[-1] ^= 1
+        path.write_bytes(data)
+        os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
+        self.assertEqual(self.ok("status", FARM, "--missing", "--verify", data=True), "4\n")
+        self.assertIn("is done", self.ok("task", FARM, "--index", 4))
+        self.check_done()
+
+    def test_several_at_the_same_task_give_one_result(self):
+        self.plan()
+        processes = [self.start("task", FARM, "--range", f"1-{TILES}", "--threads", 1) for _ in range(4)]
+        for process in processes:
+            _, said = process.communicate(timeout=harness.TIMEOUT)
+            self.assertEqual(process.returncode, DONE, said)
+        self.check_done()
+
+    def test_status_tells_what_is_to_come(self):
+        self.plan()
+        self.assertEqual(self.states(), (0, 0, 0, TILES))
+        self.assertEqual(self.missing(), f"1-{TILES}")
+        self.assertEqual(self.ok("status", FARM, "--missing", "--lines", data=True).split(),
+                         [str(k) for k in range(1, TILES + 1)])
+        self.ok("task", FARM, "--range", f"1-{TILES // 2}")
+        text = self.ok("status", FARM, data=True)
+        so_far, to_go = map(int, re.search(r"triangles: (\d+) so far, about (\d+) to go", text).groups())
+        self.assertEqual(so_far, sum(self.record(k)["counts"]["triangles"] for k in range(1, TILES // 2 + 1)))
+        self.assertEqual(to_go, so_far)
+        self.assertIn(f"to be made: {TILES // 2 + 1}-{TILES}", text)
+
+
+class Failures(farm.FarmTest):
+    """One clear line, and no damage."""
+
+    def change(self, name, change):
+        path = self.path(FARM) / name
+        path.write_bytes(change(path.read_bytes()))
+
+    def test_no_plan(self):
+        self.path("empty").mkdir()
+        for command in (("task", "--index", 1), ("status",), ("submit", "--engine", "slurm")):
+            for folder in ("empty", "nowhere"):
+                self.refused(NO_INPUT, command[0], folder, *command[1:], mentions="manifest.json")
+            self.refused(USAGE, *command)
+
+    def test_a_manifest_edited_by_hand(self):
+        self.plan()
+        self.change("manifest.json", lambda text: text.replace(b'"alpha": "20"', b'"alpha": "21"'))
+        for command in (("task", FARM, "--index", 1), ("status", FARM), ("submit", FARM, "--engine", "slurm")):
+            self.refused(BAD_DATA, *command, mentions=("manifest.json", "changed"))
+
+    def test_a_manifest_of_another_version(self):
+        self.plan()
+        own = self.ok("--version", data=True).split()[1]
+        self.change("manifest.json", lambda text: text.replace(f'"{own}"'.encode(), b'"0.0.7"', 1))
+        self.refused(BAD_DATA, "task", FARM, "--index", 1, mentions=("0.0.7", own))
+
+    def test_another_input(self):
+        self.plan()
+        inputs = json.loads(self.bytes(f"{FARM}/manifest.json"))["inputs"]
+        name = next(entry["path"] for entry in inputs if not os.path.isabs(entry["path"]))
+        original = self.bytes(f"{FARM}/{name}")
+        self.change(name, lambda data: data[:-1] + bytes([data[-1] ^ 1]))
+        run = self.run_program("task", FARM, "--index", 1)
+        self.assertIn(name, self.check_refusal(run, BAD_DATA, "task"))
+        self.assertEqual(self.states(), (0, 0, 1, TILES - 1))
+        self.path(f"{FARM}/{name}").unlink()
+        self.check_refusal(self.run_program("task", FARM, "--index", 2), NO_INPUT, "task")
+        self.write(f"{FARM}/{name}", original)
+        self.ok("task", FARM, "--range", f"1-{TILES}")
+        self.check_done()
+
+    def test_a_full_disk(self):
+        self.plan()
+
+        def small_files():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
+
+        run = self.run_program("task", FARM, "--index", 1, preexec_fn=small_files)
+        self.check_refusal(run, IO_ERROR, "task")
+        self.assertEqual(self.states()[0], 0)
+        self.assertEqual([name for name in self.listing() if ".tmp" in name or "running" in name], [])
+        self.ok("task", FARM, "--range", f"1-{TILES}")
+        self.check_done()
+
+    def test_several_failures_are_one_line(self):
+        self.plan()
+
+        def small_files():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
+
+        run = self.run_program("task", FARM, "--range", f"1-{TILES}", preexec_fn=small_files)
+        self.assertEqual(run.returncode, IO_ERROR)
+        self.assertEqual(len([line for line in run.stderr.splitlines() if line.startswith(b"juliavdb: ")]), 1)
+
+    def test_a_read_only_folder(self):
+        self.plan()
+        folder = self.path(FARM)
+        mounted = os.geteuid() == 0 and subprocess.run(["mount", "--bind", folder, folder],
+                                                       stderr=subprocess.DEVNULL).returncode == 0
+        if mounted:
+            self.addCleanup(subprocess.run, ["umount", folder], check=True)
+            subprocess.run(["mount", "-o", "remount,ro,bind", folder], check=True)
+        elif os.geteuid() == 0:
+            self.skipTest("root may write whatever the permissions say, and nothing can be mounted here")
+        else:
+            folder.chmod(0o555)
+            self.addCleanup(folder.chmod, 0o755)
+        self.refused(CANNOT_CREATE, "task", FARM, "--index", 1)
+        self.refused(CANNOT_CREATE, "submit", FARM, "--engine", "parallel", mentions="logs")
+        self.assertEqual(self.states(), (0, 0, 0, TILES))
+
+
+class Signals(farm.FarmTest):
+
+    def test_a_stopped_task_is_missing(self):
+        self.ok("plan", "tiles", harness.BUNNY, "-o", "large", "--tiles", 2, "--resolution", 500, "--alpha", 30,
+                "--sdf-resolution", 60)
+        for by in (signal.SIGTERM, signal.SIGINT):
+            process = self.start("task", "large", "--index", 1, "--threads", 1)
+            mark = self.path("large/tasks/0001.running.json")
+            end = time.monotonic() + 30
+            while not mark.exists() and time.monotonic() < end:
+                time.sleep(0.01)
+            time.sleep(0.3)
+            self.assertIn("1 running", self.ok("status", "large", data=True))
+            self.assertEqual(self.ok("status", "large", "--missing", data=True), "2\n")
+            process.send_signal(by)
+            sent = time.monotonic()
+            _, said = process.communicate(timeout=harness.TIMEOUT)
+            self.assertEqual(process.returncode, INTERRUPTED, said)
+            self.assertLess(time.monotonic() - sent, 1.5)
+            self.assertEqual(self.ok("status", "large", "--missing", data=True), "1-2\n")
+            self.assertEqual(list(self.path("large").rglob("*.running.json")) + list(self.path("large").rglob(".*")), [])
+
+    def test_killed_a_hundred_times(self):
+        seed = random.randrange(1 << 32)
+        chance = random.Random(seed)
+        kills = rounds = 0
+        self.plan()
+        while kills < 100:
+            if self.missing() == "":
+                self.check_done()
+                rounds += 1
+                shutil.rmtree(self.path(FARM))
+                self.plan()
+            processes = [self.start("task", FARM, "--range", f"1-{TILES}", "--threads", 1) for _ in range(2)]
+            time.sleep(chance.uniform(0, 0.5))
+            for process in processes:
+                process.kill()
+                kills += process.wait() == -signal.SIGKILL
+            done, _, failed, _ = self.states()
+            self.assertEqual(failed, 0, f"seed {seed}, kill {kills}")
+        self.ok("task", FARM, "--range", f"1-{TILES}")
+        with self.subTest(seed=seed, rounds=rounds):
+            self.check_done()
+            self.ok("merge", FARM, "-o", "m.vdb", "--mesh", "m.ply")
+            self.check_merged()
+
+
+@unittest.skipUnless(shutil.which("parallel"), "GNU parallel is not installed")
+class Parallel(farm.FarmTest):
+
+    def submit(self, *words):
+        return self.start("submit", FARM, "--engine", "parallel", "--jobs", 2, "-o", "m.vdb", "--mesh", "m.ply", *words)
+
+    def test_from_a_plan_to_the_merged_result(self):
+        self.plan()
+        process = self.submit()
+        killed = self.kill_one()
+        process.communicate(timeout=harness.TIMEOUT)
+        self.assertNotEqual(process.returncode, DONE)
+        self.assertEqual(self.missing(), str(killed))
+        self.assertFalse(self.path("m.ply").exists())
+        process = self.submit()
+        _, said = process.communicate(timeout=harness.TIMEOUT)
+        self.assertEqual(process.returncode, DONE, said)
+        self.check_done()
+        self.check_merged()
+        log = self.path(f"{FARM}/logs/joblog").read_text().splitlines()
+        self.assertEqual(len(log), TILES + 1, "each task once, and the killed one twice")
+
+    def test_stopped_and_resumed(self):
+        self.plan()
+        process = self.submit()
+        self.kill_one()
+        for _ in range(2):  # the second makes parallel stop the tasks instead of waiting for them
+            process.send_signal(signal.SIGTERM)
+            time.sleep(0.2)
+        process.communicate(timeout=harness.TIMEOUT)
+        self.assertNotEqual(process.returncode, DONE)
+        self.assertEqual(self.states()[1:3], (0, 0))
+        process = self.submit()
+        process.communicate(timeout=harness.TIMEOUT)
+        self.assertEqual(process.returncode, DONE)
+        self.check_done()
+        self.check_merged()
+
+    def test_nothing_is_left_to_submit(self):
+        self.plan(done=True)
+        self.assertIn("nothing to submit", self.ok("submit", FARM, "--engine", "parallel"))
+        self.assertFalse(self.path(f"{FARM}/logs").exists())
+
+    def test_a_dry_run_changes_nothing(self):
+        self.plan()
+        before = self.listing()
+        script = self.ok("submit", FARM, "--engine", "parallel", "--dry-run", "--threads", 3, "--", "--nice", "5",
+                         data=True)
+        self.assertEqual(self.listing(), before)
+        self.assertIn("--nice 5", script)
+        self.assertIn("--threads 3", script)
+        subprocess.run(["sh", "-n"], input=script.encode(), check=True)
+        self.refused(USAGE, "submit", FARM, mentions="--engine")
+        self.refused(USAGE, "submit", FARM, "--engine", "pbs", mentions="pbs")
+        self.refused(NO_INPUT, "submit", FARM, "--engine", "parallel", env={"PATH": "/nowhere"}, mentions="parallel")
+
+
+if __name__ == "__main__":
+    harness.main()

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A plan on Slurm: a true cluster of one node, a task that is killed, one that is told to stop, and the merged result."""
+
+import unittest
+
+import farm
+import harness
+import slurm_node
+from farm import FARM, TILES
+
+
+@unittest.skipIf(slurm_node.why_not(), slurm_node.why_not())
+class Slurm(farm.FarmTest):
+
+    def node(self, **options):
+        try:
+            node = slurm_node.Node(**options)
+        except slurm_node.CannotStart as error:
+            self.skipTest(f"Slurm cannot be started here: {error}")
+        self.addCleanup(node.stop)
+        return node
+
+    def submit(self, node, *words):
+        run = self.run_program("submit", FARM, "--engine", "slurm", *words, env=node.environment)
+        self.assertEqual(run.returncode, harness.DONE, run.stderr.decode() + node.logs())
+        return run.stdout.decode()
+
+    def test_from_a_plan_to_the_merged_result(self):
+        self.plan()
+        merged = ("-o", "m.vdb", "--mesh", "m.ply")
+        with self.node() as node:
+            said = self.submit(node, *merged, "--", "--comment=a comment")
+            self.assertRegex(said, r"\Atasks: job \d+\nmerge: job \d+\n\Z")
+            killed = self.kill_one()
+            node.wait_until_idle()
+            self.assertEqual(self.missing(), str(killed))
+            self.assertFalse(self.path("m.ply").exists(), "the merge depends on every task")
+            self.submit(node, *merged)
+            node.wait_until_idle()
+        self.check_done()
+        self.check_merged()
+        logs = [path.read_text() for path in self.path(f"{FARM}/logs").glob("*.log")]
+        self.assertEqual(len([text for text in logs if "is done" in text]), TILES)
+
+    def test_a_job_that_is_told_to_stop_is_missing(self):
+        """Slurm's --signal=B:TERM@60 sends the signal to the batch shell alone, which has become the program."""
+        self.plan()
+        with self.node() as node:
+            job = self.submit(node, "--jobs", 1).split()[-1]
+            stopped = None
+            while stopped is None:
+                for task in self.processes():
+                    node.run("scancel", "--signal=TERM", "--batch", f"{job}_{task}", check=False)
+                    stopped = task
+            node.wait_until_idle()
+            log, = self.path(f"{FARM}/logs").glob(f"*_{stopped}.log")
+            # It may have been done just before the signal came.
+            self.assertIn(self.missing(), (str(stopped), ""))
+            if self.missing():
+                self.assertIn("interrupted", log.read_text())
+
+    def test_more_tasks_than_an_array_takes(self):
+        self.plan()
+        with self.node(array_size=6) as node:
+            self.ok("task", FARM, "--range", "1-4")
+            self.submit(node, "-o", "m.vdb", "--mesh", "m.ply")
+            self.assertLessEqual(len(node.jobs()), 4)
+            node.wait_until_idle()
+        self.check_done()
+        self.check_merged()
+        logs = [path.read_text() for path in self.path(f"{FARM}/logs").glob("*_*.log")]
+        self.assertEqual(len(logs), 3, "jobs of four tasks, the first of which were done")
+
+    def test_what_sbatch_refuses_is_a_failure(self):
+        self.plan()
+        with self.node() as node:
+            run = self.run_program("submit", FARM, "--engine", "slurm", "--", "--partition=none", env=node.environment)
+            self.assertNotEqual(run.returncode, harness.DONE)
+            self.assertIn(b"partition", run.stderr)
+        self.assertEqual(self.states(), (0, 0, 0, TILES))
+
+
+if __name__ == "__main__":
+    harness.main()
