@@ -117,13 +117,13 @@ int planTiles(const Arguments& arguments) {
     tiles.tileNodes = line.integer<int>("tile-nodes", 2, std::numeric_limits<int>::max() / 4);
   else
     tiles.tiles = line.has("tiles") ? line.integer<int>("tiles", 1, vdbtools::kMostTiles) : 16;
+  const bool wantsEstimate = line.values()["estimate"].as<bool>();
+  const auto sampleSize = line.integer<std::uint64_t>("sample", 2, vdbtools::kMostTiles);
   const std::filesystem::path folder = newPlanFolder(line);
   const vdbtools::TilePlan plan = vdbtools::planTiles(options, line.recipe(), tiles, folder, line.progress());
   if (tiles.tiles && plan.manifest.tasks.size() < static_cast<std::size_t>(*tiles.tiles))
     report().text() << "note: " << plan.manifest.tasks.size() << " tiles are all that the blocks of 8 x 8 x 8 nodes "
                     << "with something to do can be cut into\n";
-  const bool wantsEstimate = line.values()["estimate"].as<bool>();
-  const auto sampleSize = line.integer<std::uint64_t>("sample", 2, vdbtools::kMostTiles);
   const int code = finishPlan(folder, plan.manifest);
   if (wantsEstimate) tellEstimate(vdbtools::estimatePlan(plan.work, makeSample(line, folder, plan, sampleSize)));
   return code;

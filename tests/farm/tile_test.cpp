@@ -281,6 +281,8 @@ TEST_F(Tiles, PlansThatCannotBeAreRefused) {
   };
   EXPECT_THROW(plan(recipe, {.makes = {"ply"}}), std::invalid_argument);
   EXPECT_THROW(plan(recipe, {.tiles = 3, .tileNodes = 8, .makes = {"ply"}}), std::invalid_argument);
+  EXPECT_THROW(plan(recipe, {.tiles = 3}), std::invalid_argument);
+  EXPECT_THROW(plan(recipe, {.tiles = 3, .makes = {"ply", "foo"}}), std::invalid_argument);
   EXPECT_THROW(plan(recipe, {.tiles = 0, .makes = {"ply"}}), std::invalid_argument);
   EXPECT_THROW(plan(shape({{"follow", "true"}}), {.tiles = 3, .makes = {"ply"}}), std::invalid_argument);
   EXPECT_FALSE(fs::exists(mFolder.path() / "refused"));

@@ -164,6 +164,7 @@ std::vector<TileBox> cutIntoCubes(const CoordBBox& domain, std::span<const Coord
 
 TilePlan planTiles(const FractalOptions& options, const Recipe& recipe, const TilePlanOptions& tiles,
                    const std::filesystem::path& folder, Monitor& monitor) {
+  requireMakes(tiles.makes);
   requireCuttable(options);
   if (tiles.tiles.has_value() == tiles.tileNodes.has_value())
     throw std::invalid_argument("give either the number of tiles or the nodes along the side of one, and not both");

@@ -22,16 +22,7 @@ constexpr const char* kOut = "out/";
 void requireNames(const VariantNames& names) {
   if (names.name.empty() || names.name.find('/') != std::string::npos || hasFramePattern(names.name))
     refuse("name", names.name, "a part of a file name, without a folder and without a place for the frame");
-  constexpr const char* kKnown[] = {"vdb", "ply", "obj", "stl"};
-  std::vector<std::string> seen;
-  for (const std::string& extension : names.makes) {
-    if (std::find(std::begin(kKnown), std::end(kKnown), extension) == std::end(kKnown))
-      refuse("make", extension, "a list of vdb, ply, obj, stl");
-    if (std::find(seen.begin(), seen.end(), extension) != seen.end())
-      refuse("make", extension, "a list in which nothing occurs twice");
-    seen.push_back(extension);
-  }
-  if (seen.empty()) refuse("make", "", "a list of vdb, ply, obj, stl");
+  requireMakes(names.makes);
 }
 
 /// Complete, checked, and with the hashes of its files.
@@ -90,6 +81,19 @@ void shareEntries(Manifest& manifest) {
 }
 
 }  // namespace
+
+void requireMakes(const std::vector<std::string>& makes) {
+  constexpr const char* kKnown[] = {"vdb", "ply", "obj", "stl"};
+  std::vector<std::string> seen;
+  for (const std::string& extension : makes) {
+    if (std::find(std::begin(kKnown), std::end(kKnown), extension) == std::end(kKnown))
+      refuse("make", extension, "a list of vdb, ply, obj, stl");
+    if (std::find(seen.begin(), seen.end(), extension) != seen.end())
+      refuse("make", extension, "a list in which nothing occurs twice");
+    seen.push_back(extension);
+  }
+  if (seen.empty()) refuse("make", "", "a list of vdb, ply, obj, stl");
+}
 
 Manifest planVariants(PlanKind kind, const std::vector<Variant>& variants, const VariantNames& names) {
   requireNames(names);
