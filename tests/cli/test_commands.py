@@ -13,7 +13,8 @@ import unittest
 import harness
 from harness import DONE, USAGE
 
-COMMANDS = ["sdf", "fractal", "mesh", "versor", "sheet", "slice", "study", "render", "info", "maps"]
+COMMANDS = ["sdf", "fractal", "mesh", "versor", "sheet", "slice", "study", "render", "info", "maps", "task", "status",
+            "submit", "merge"]
 
 
 class Help(harness.CliTest):
@@ -88,6 +89,7 @@ class Examples(harness.CliTest):
     def test_the_lines_of_every_help_run_as_printed(self):
         self.write("bunny.obj", harness.obj(harness.sphere(3)))
         self.write("scan.ply", harness.ply(harness.with_hole(harness.sphere(3, 0.2), 0.9)))
+        self.ok("plan", "tiles", "bunny.obj", "-o", "farm", "--tiles", 16, "--resolution", 32, "--sdf-resolution", 32)
         for command in COMMANDS:
             examples = self.ok(command, "--help", data=True).split("\nExamples:\n")[1].splitlines()
             self.assertGreater(len(examples), 0)
@@ -97,7 +99,7 @@ class Examples(harness.CliTest):
                 with self.subTest(line=line):
                     run = self.run_program(command, *self.cheaper(command, words[2:]))
                     self.assertEqual(run.returncode, DONE, run.stderr.decode())
-                    wants_data = command in ("info", "maps") or words[2] in ("inspect", "list")
+                    wants_data = command in ("info", "maps", "status") or words[2] in ("inspect", "list") or "--dry-run" in words
                     self.assertEqual(run.stdout != b"", wants_data)
                     for option, name in zip(words, words[1:]):
                         if option in ("-o", "--mesh"):

@@ -134,9 +134,10 @@ TaskRunner::TaskRunner(fs::path folder, TaskMaker maker)
 bool TaskRunner::run(std::uint64_t index, Monitor& monitor) {
   TaskRecord record;
   record.hash = taskHash(mManifest, index);
+  // Also where nothing is to be made: of two processes at this task, one may have been killed.
+  sweepPlan(mFolder, mManifest);
   if (finishedTask(mFolder, mManifest, index, FileCheck::Content)) return false;
   createFolder(tasksFolder(mFolder));
-  sweepPlan(mFolder, mManifest);
   for (const std::string& name : mManifest.tasks[index - 1].writes) createFolder((mFolder / name).parent_path());
 
   const RunningMark mark(runningPath(mFolder, index), encodeRunning(index));
