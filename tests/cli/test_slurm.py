@@ -42,22 +42,19 @@ class Slurm(farm.FarmTest):
         logs = [path.read_text() for path in self.path(f"{FARM}/logs").glob("*.log")]
         self.assertEqual(len([text for text in logs if "is done" in text]), TILES)
 
-    def test_a_job_that_is_told_to_stop_is_missing(self):
-        """Slurm's --signal=B:TERM@60 sends the signal to the batch shell alone, which has become the program."""
-        self.plan()
+    def test_a_job_whose_time_is_over_is_missing(self):
+        """Slurm sends --signal=B:TERM@60 to the batch shell alone, which has become the program. It does so at its next look
+        at the time, every 30 seconds, for a job of a minute."""
+        self.ok("plan", "tiles", harness.BUNNY, "-o", FARM, "--tiles", 2, "--resolution", 1600, "--alpha", 12,
+                "--sdf-resolution", 60)
         with self.node() as node:
-            job = self.submit(node, "--jobs", 1).split()[-1]
-            stopped = None
-            while stopped is None:
-                for task in self.processes():
-                    node.run("scancel", "--signal=TERM", "--batch", f"{job}_{task}", check=False)
-                    stopped = task
-            node.wait_until_idle()
-            log, = self.path(f"{FARM}/logs").glob(f"*_{stopped}.log")
-            # It may have been done just before the signal came.
-            self.assertIn(self.missing(), (str(stopped), ""))
-            if self.missing():
-                self.assertIn("interrupted", log.read_text())
+            self.submit(node, "--", "--time=00:01:00")
+            node.wait_until_idle(120)
+            self.assertEqual(node.logs().count("WEXITSTATUS 75"), 2, node.logs())
+        self.assertEqual(self.missing(), "1-2")
+        for log in self.path(f"{FARM}/logs").glob("*.log"):
+            self.assertIn("juliavdb: interrupted", log.read_text())
+        self.assertEqual([name for name in self.listing() if "running" in name or "failed" in name or "/." in name], [])
 
     def test_more_tasks_than_an_array_takes(self):
         self.plan()
