@@ -55,16 +55,6 @@ MarkState stateOfMark(const std::filesystem::path& path) {
   return state;
 }
 
-void removeDeadMark(const std::filesystem::path& path) {
-  const int descriptor = ::open(path.c_str(), O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-  if (descriptor < 0) return;
-  // A new mark takes its place by a rename, so that the name may lead to another file by now.
-  struct stat open {
-  }, named{};
-  if (ownerOf(descriptor, LOCK_EX) == Owner::Dead && ::fstat(descriptor, &open) == 0 &&
-      ::lstat(path.c_str(), &named) == 0 && open.st_dev == named.st_dev && open.st_ino == named.st_ino)
-    ::unlink(path.c_str());
-  ::close(descriptor);
-}
+void removeDeadMark(const std::filesystem::path& path) { removeIfLeftover(path); }
 
 }  // namespace vdbtools

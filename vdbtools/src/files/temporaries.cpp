@@ -73,22 +73,6 @@ bool isTemporaryName(std::string_view name) {
          });
 }
 
-/// @return whether it was a leftover, and is gone
-bool removeIfLeftover(const fs::path& path) {
-  const int descriptor = ::open(path.c_str(), O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-  if (descriptor < 0) return false;
-  struct stat status {};
-  bool leftover = ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
-  if (leftover) {
-    const Owner owner = ownerOf(descriptor, LOCK_EX);
-    leftover = owner == Owner::Dead || (owner == Owner::Unknown && std::time(nullptr) - status.st_mtime > kOld);
-  }
-  // The lock is held until it is removed: a process that has just created it waits for the lock, and then sees this.
-  const bool removed = leftover && leadsTo(path, descriptor) && ::unlink(path.c_str()) == 0;
-  ::close(descriptor);
-  return removed;
-}
-
 }  // namespace
 
 Registry& registry() {
@@ -114,6 +98,21 @@ Owner ownerOf(int descriptor, int lock) {
   const auto type = static_cast<std::uint32_t>(status.f_type);
   const bool shared = std::find(kWithSharedLocks.begin(), kWithSharedLocks.end(), type) != kWithSharedLocks.end();
   return shared ? Owner::Dead : Owner::Unknown;
+}
+
+bool removeIfLeftover(const fs::path& path) {
+  const int descriptor = ::open(path.c_str(), O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) return false;
+  struct stat status {};
+  bool leftover = ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
+  if (leftover) {
+    const Owner owner = ownerOf(descriptor, LOCK_EX);
+    leftover = owner == Owner::Dead || (owner == Owner::Unknown && std::time(nullptr) - status.st_mtime > kOld);
+  }
+  // The lock is held until it is removed: a process that has just created it waits for the lock, and then sees this.
+  const bool removed = leftover && leadsTo(path, descriptor) && ::unlink(path.c_str()) == 0;
+  ::close(descriptor);
+  return removed;
 }
 
 std::size_t sweepTemporaries(const fs::path& folder) {

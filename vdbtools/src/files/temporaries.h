@@ -36,4 +36,9 @@ enum class Owner {
 /// Tries to lock an open file without waiting. @param lock  LOCK_EX or LOCK_SH
 Owner ownerOf(int descriptor, int lock);
 
+/// Removes a file whose owner is dead; where that cannot be known, one that nobody has written for a day. A file of
+/// another process that takes the name at the same moment stays.
+/// @return whether it is gone
+bool removeIfLeftover(const std::filesystem::path& path);
+
 }  // namespace vdbtools

@@ -37,7 +37,7 @@ enum class MarkState {
 
 MarkState stateOfMark(const std::filesystem::path& path);
 
-/// Removes a mark whose writer is gone, and no other.
+/// Removes a mark whose writer is gone; where that cannot be known, one without a sign of life for a day.
 void removeDeadMark(const std::filesystem::path& path);
 
 }  // namespace vdbtools
