@@ -107,7 +107,7 @@ int planTiles(const Arguments& arguments) {
                                                           "or the nodes along the side of a tile")(
       "make", text("LIST")->default_value("vdb,ply"), "what is to be merged, a list of vdb, ply, obj, stl")(
       "estimate", po::bool_switch(), "makes a random sample of the tiles and tells what all of them will take")(
-      "sample", text("M")->default_value("12"), "how many tiles --estimate makes");
+      "sample", text("M")->default_value("24"), "how many tiles --estimate makes");
   if (!line.parse(arguments)) return kDone;
   const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(line.recipe());
   vdbtools::TilePlanOptions tiles{.makes = parseMakes(line)};
@@ -119,6 +119,7 @@ int planTiles(const Arguments& arguments) {
     tiles.tiles = line.has("tiles") ? line.integer<int>("tiles", 1, vdbtools::kMostTiles) : 16;
   const bool wantsEstimate = line.values()["estimate"].as<bool>();
   const auto sampleSize = line.integer<std::uint64_t>("sample", 2, vdbtools::kMostTiles);
+  tiles.survey = wantsEstimate;
   const std::filesystem::path folder = newPlanFolder(line);
   const vdbtools::TilePlan plan = vdbtools::planTiles(options, line.recipe(), tiles, folder, line.progress());
   if (tiles.tiles && plan.manifest.tasks.size() < static_cast<std::size_t>(*tiles.tiles))

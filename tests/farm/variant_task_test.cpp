@@ -72,6 +72,30 @@ class Variants : public testing::Test {
   std::string mBall;
 };
 
+/// Remembers the phases of the work.
+class Phases final : public Monitor {
+ public:
+  void begin(std::string_view phase, std::uint64_t) override { names.emplace(phase); }
+  std::set<std::string> names;
+};
+
+// Distances are made once for all frames of a mesh, and again where what was kept is broken.
+TEST_F(Variants, FramesShareDistancesAndKeepTheirBytes) {
+  FramePlanOptions options = frames(mBall, {"versor-translate@1=0,0,0", "versor-translate@4=0.2,0,0"}, 1, 4);
+  const Manifest manifest = written(planFrames(options));
+  const fs::path folder = mFolder.path() / "plan";
+  for (std::uint64_t index = 1; index <= 4; ++index) {
+    if (index == 4)
+      for (const auto& entry : fs::directory_iterator(folder / "targets"))
+        if (isVdbPath(entry.path())) mFolder.write("plan/targets/" + entry.path().filename().string(), "broken");
+    Phases phases;
+    makeVariant(folder, manifest, index, phases);
+    EXPECT_EQ(phases.names.contains("distance field"), index == 1 || index == 4) << "frame " << index;
+    EXPECT_EQ(this->made("out/ball.000" + std::to_string(index) + ".vdb"),
+              vdbAndPly(taskRecipe(manifest, index)).first);
+  }
+}
+
 TEST_F(Variants, AFrameIsTheFractalWithItsValues) {
   FramePlanOptions options =
       frames(mBall, {"alpha@1=20", "alpha@3=60", "origin-shift@2=0,0,0", "origin-shift@3=0.1,0,0"}, 1, 3);

@@ -4,6 +4,7 @@
 #include <boost/math/distributions/students_t.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -22,35 +23,70 @@ double countOf(const TaskRecord& record, const char* name) {
   return found == record.counts.end() ? 0 : found->second;
 }
 
-/// A line through a sample, or its mean.
-struct Fit {
-  double meanWork = 0, meanValue = 0, slope = 0;
-  double spread = 0;    ///< of the work: the sum of squares about the mean
-  double variance = 0;  ///< of what the line leaves
-  double degrees = 0;   ///< of freedom; 0: no variance can be told
+using Vector = std::array<double, 2>;
 
-  explicit Fit(std::span<const std::pair<double, double>> sample) {
+Vector vectorOf(const TaskWork& work) { return {work.shell, work.surface}; }
+
+/// A linear function of the work through a sample, or its mean.
+class Fit {
+ public:
+  explicit Fit(std::span<const std::pair<TaskWork, double>> sample) {
     const auto count = static_cast<double>(sample.size());
     for (const auto& [work, value] : sample) {
-      meanWork += work / count;
-      meanValue += value / count;
+      for (std::size_t k = 0; k < 2; ++k) mMeanWork[k] += vectorOf(work)[k] / count;
+      mMeanValue += value / count;
     }
-    double both = 0;
+    double xx = 0, xy = 0, yy = 0;  // squares and product of the work about its mean
+    Vector both{};
     for (const auto& [work, value] : sample) {
-      spread += (work - meanWork) * (work - meanWork);
-      both += (work - meanWork) * (value - meanValue);
+      const Vector d = about(work);
+      xx += d[0] * d[0];
+      xy += d[0] * d[1];
+      yy += d[1] * d[1];
+      for (std::size_t k = 0; k < 2; ++k) both[k] += d[k] * (value - mMeanValue);
     }
-    constexpr std::size_t kLeastForLine = 4;
-    constexpr double kNoSpread = 1e-12;
-    const bool line = sample.size() >= kLeastForLine && spread > kNoSpread * meanWork * meanWork;
-    if (line) slope = both / spread;
-    degrees = count - (line ? 2 : 1);
-    if (degrees < 1) return;
-    for (const auto& [work, value] : sample) {
-      const double rest = value - meanValue - slope * (work - meanWork);
-      variance += rest * rest / degrees;
+    constexpr std::size_t kLeastForSlopes = 6;
+    constexpr double kNone = 1e-9;
+    const auto spreads = [&](double squares, std::size_t k) {
+      return sample.size() >= kLeastForSlopes && squares > kNone * count * mMeanWork[k] * mMeanWork[k];
+    };
+    const bool first = spreads(xx, 0), second = spreads(yy, 1);
+    const double determinant = xx * yy - xy * xy;
+    int slopes = 1;
+    if (first && second && determinant > kNone * xx * yy) {
+      mInverse = {{{yy / determinant, -xy / determinant}, {-xy / determinant, xx / determinant}}};
+      slopes = 2;
+    } else if (second) {
+      mInverse[1][1] = 1 / yy;
+    } else if (first) {
+      mInverse[0][0] = 1 / xx;
+    } else {
+      slopes = 0;
     }
+    for (std::size_t k = 0; k < 2; ++k) mSlope[k] = mInverse[k][0] * both[0] + mInverse[k][1] * both[1];
+    mDegrees = count - 1 - slopes;
+    if (mDegrees < 1) return;
+    for (const auto& [work, value] : sample) mVariance += std::pow(value - at(about(work)), 2) / mDegrees;
   }
+
+  Vector about(const TaskWork& work) const {
+    return {vectorOf(work)[0] - mMeanWork[0], vectorOf(work)[1] - mMeanWork[1]};
+  }
+  /// The value for work that is so far from the sample's mean.
+  double at(const Vector& d) const { return mMeanValue + mSlope[0] * d[0] + mSlope[1] * d[1]; }
+  /// By how much the sample's own mean, and its slopes at @a d, may be off: the variance of the mean over @a tasks.
+  double varianceOfMean(const Vector& d, double tasks, double sampled) const {
+    const double lever =
+        d[0] * (mInverse[0][0] * d[0] + mInverse[0][1] * d[1]) + d[1] * (mInverse[1][0] * d[0] + mInverse[1][1] * d[1]);
+    return mVariance * ((1 - sampled / tasks) / sampled + lever);
+  }
+  /// How many standard errors the interval reaches; infinite where the sample is too small to tell.
+  double reach() const { return mDegrees >= 1 ? studentsT(mDegrees) : std::numeric_limits<double>::infinity(); }
+
+ private:
+  Vector mMeanWork{}, mSlope{};
+  std::array<Vector, 2> mInverse{};
+  double mMeanValue = 0, mVariance = 0, mDegrees = 0;
 };
 
 }  // namespace
@@ -67,31 +103,34 @@ std::vector<std::uint64_t> sampleTasks(std::uint64_t tasks, std::uint64_t count,
   return all;
 }
 
-Estimated estimateTotal(std::span<const double> work, std::span<const std::pair<double, double>> sample) {
+Estimated estimateTotal(std::span<const TaskWork> work, std::span<const std::pair<TaskWork, double>> sample) {
   if (sample.empty() || (sample.size() < 2 && work.size() > 1))
     throw std::invalid_argument("a sample of " + std::to_string(sample.size()) + " of " + std::to_string(work.size()) +
                                 " tasks tells no interval; take two or more");
-  const auto tasks = static_cast<double>(work.size()), count = static_cast<double>(sample.size());
-  const double meanWork = std::accumulate(work.begin(), work.end(), 0.0) / tasks;
-  const Fit fit(sample);
-  const double value = tasks * (fit.meanValue + fit.slope * (meanWork - fit.meanWork));
-  const double rest = 1 - count / tasks;  // nothing is uncertain once all tasks are in the sample
-  double error = 0;
-  if (rest > 0) {
-    const double away = meanWork - fit.meanWork;
-    error = tasks * std::sqrt(fit.variance * (rest / count + (fit.slope != 0 ? away * away / fit.spread : 0)));
-    error *= fit.degrees >= 1 ? studentsT(fit.degrees) : std::numeric_limits<double>::infinity();
+  const auto tasks = static_cast<double>(work.size());
+  TaskWork mean;
+  for (const TaskWork& one : work) {
+    mean.shell += one.shell / tasks;
+    mean.surface += one.surface / tasks;
   }
+  const Fit fit(sample);
+  const Vector away = fit.about(mean);
+  const double value = tasks * fit.at(away);
+  // Nothing is uncertain once all tasks are in the sample.
+  const double error =
+      sample.size() < work.size()
+          ? tasks * fit.reach() * std::sqrt(fit.varianceOfMean(away, tasks, static_cast<double>(sample.size())))
+          : 0;
   // What the sample has is there.
   double least = 0;
   for (const auto& [unused, one] : sample) least += one;
   return {std::max(value, least), std::max(value - error, least), std::max(value + error, least)};
 }
 
-PlanEstimate estimatePlan(std::span<const double> work, std::span<const SampledTask> sample) {
+PlanEstimate estimatePlan(std::span<const TaskWork> work, std::span<const SampledTask> sample) {
   PlanEstimate estimate{.sampled = sample.size(), .tasks = work.size()};
   const auto values = [&](const auto& valueOf) {
-    std::vector<std::pair<double, double>> pairs;
+    std::vector<std::pair<TaskWork, double>> pairs;
     for (const SampledTask& task : sample) pairs.emplace_back(task.work, valueOf(task.record));
     return pairs;
   };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/farm/task.h"
 
+#include "farm/target_store.h"
 #include "farm/task_files.h"
 #include "farm/tile_task.h"
 #include "farm/variant_task.h"
@@ -77,7 +78,7 @@ std::uint64_t peakBytes() {
 
 /// The folders that a plan's tasks write to.
 std::set<fs::path> foldersOf(const fs::path& folder, const Manifest& manifest) {
-  std::set<fs::path> folders = {folder, tasksFolder(folder)};
+  std::set<fs::path> folders = {folder, tasksFolder(folder), folder / kTargetsName};
   for (const PlannedTask& task : manifest.tasks)
     for (const std::string& name : task.writes) folders.insert((folder / name).parent_path());
   return folders;

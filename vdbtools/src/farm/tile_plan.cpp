@@ -8,6 +8,7 @@
 #include "vdbtools/files/atomic_file.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/job/prepared_scene.h"
+#include "vdbtools/surface/extract_mesh.h"
 
 #include <algorithm>
 #include <array>
@@ -162,6 +163,37 @@ std::vector<TileBox> cutIntoCubes(const CoordBBox& domain, std::span<const Coord
   return tiles;
 }
 
+namespace {
+
+/// How much of the surface lies in each tile, as a lattice of at most kSurveyVoxels along the domain's longest side
+/// shows it: its points. The scene gets the voxel size of that lattice.
+void surveySurface(Scene& scene, const TileLattice& lattice, const std::vector<TileBox>& tiles, TilePlan& plan,
+                   Monitor& monitor) {
+  constexpr double kSurveyVoxels = 400;
+  const Coord sides = lattice.domain.dim();
+  const double ratio = std::max(1.0, std::max({sides[0], sides[1], sides[2]}) / kSurveyVoxels);
+  scene.voxelSize = lattice.voxelSize * ratio;
+  const auto coarse = [&](int node) { return static_cast<int>(std::floor(node / ratio)); };
+  openvdb::Int32Tree owners(-1);
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    CoordBBox box;
+    for (int axis = 0; axis < 3; ++axis) {
+      box.min()[axis] = coarse(tiles[i].nodes.min()[axis]);
+      box.max()[axis] = coarse(tiles[i].nodes.max()[axis]);
+    }
+    owners.fill(box, static_cast<std::int32_t>(i));
+  }
+  const FieldPlan whole = planScene(scene);
+  const FractalField field = evaluateField(whole, scene.source(), {}, monitor);
+  constexpr double kRough = 0.5;  // voxels: all that matters is which tile a point lies in
+  const Mesh mesh = extractMesh(field, scene.source(), {.tolerance = kRough, .border = Border::Cap}, monitor);
+  for (const openvdb::Vec3d& point : mesh.points)
+    if (const std::int32_t owner = owners.getValue(Coord::floor(point / scene.voxelSize)); owner >= 0)
+      ++plan.work[static_cast<std::size_t>(owner)].surface;
+}
+
+}  // namespace
+
 TilePlan planTiles(const FractalOptions& options, const Recipe& recipe, const TilePlanOptions& tiles,
                    const std::filesystem::path& folder, Monitor& monitor) {
   requireMakes(tiles.makes);
@@ -174,7 +206,7 @@ TilePlan planTiles(const FractalOptions& options, const Recipe& recipe, const Ti
   if (tiles.tileNodes && *tiles.tileNodes < 2)
     throw std::invalid_argument("a tile has " + std::to_string(*tiles.tileNodes) +
                                 " nodes along its side; it must have 2 or more");
-  const Scene scene = makeScene(options, monitor);
+  Scene scene = makeScene(options, monitor);
   // A window without nodes: the blocks of the whole would be too many for a large lattice.
   FieldPlan whole = planScene(scene, CoordBBox());
   whole.window = whole.domain;
@@ -201,7 +233,7 @@ TilePlan planTiles(const FractalOptions& options, const Recipe& recipe, const Ti
   const bool wantsMesh = tiles.makes.size() > (wantsGrids ? 1 : 0);
   for (const TileBox& box : boxes) {
     PlannedTask task{.box = box.nodes};
-    plan.work.push_back(box.work);
+    plan.work.push_back({.shell = box.work});
     if (wantsMesh) task.writes.push_back(tileMeshName(manifest.tasks.size() + 1));
     if (wantsGrids) task.writes.push_back(tileGridsName(manifest.tasks.size() + 1));
     manifest.tasks.push_back(std::move(task));
@@ -214,6 +246,7 @@ TilePlan planTiles(const FractalOptions& options, const Recipe& recipe, const Ti
   file.stream().write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   file.commit();
   manifest.inputs.push_back({kPreparedName, sha256Hex(bytes)});
+  if (tiles.survey) surveySurface(scene, *manifest.lattice, boxes, plan, monitor);
   return plan;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "farm/variant_task.h"
 
+#include "farm/target_store.h"
 #include "farm/variant_plan.h"
 
 #include "vdbtools/formats/vdb_file.h"
@@ -49,7 +50,8 @@ TaskCounts makeVariant(const std::filesystem::path& folder, const Manifest& mani
   const Recipe recipe = taskRecipe(manifest, index);
   const FractalOptions options = parseFractalOptions(withAbsoluteNames(recipe, folderOfNames(manifest)));
   TaskFiles files(folder, manifest.tasks.at(index - 1));
-  const FractalResult result = writeFractal(makeScene(options, monitor), recipe, files.wanted(), monitor);
+  const Scene scene = SceneMaker(targetsKeptIn(folder / kTargetsName)).make(options, monitor);
+  const FractalResult result = writeFractal(scene, recipe, files.wanted(), monitor);
   files.commit();
   TaskCounts counts{{{"evaluatedNodes", static_cast<double>(result.evaluatedNodes)}}};
   if (!files.wanted().meshes.empty()) {

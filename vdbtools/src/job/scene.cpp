@@ -33,7 +33,7 @@ Facts hashesOf(const FractalOptions& options) {
 /// What one target gives to all scenes over it, each part made when it is first asked for.
 class SharedTarget {
  public:
-  explicit SharedTarget(const TargetOptions& options) : mOptions(options), mInput(openTarget(options)) {}
+  SharedTarget(const TargetOptions& options, const TargetOpener& open) : mOptions(options), mInput(open(options)) {}
 
   const TargetOptions& options() const { return mOptions; }
   const TargetInput& input() const { return *mInput; }
@@ -244,10 +244,11 @@ std::vector<NamedFile> filesOf(const FractalOptions& options) {
 }
 
 struct SceneMaker::Shared {
+  TargetOpener open;
   std::unique_ptr<SharedTarget> target;
 };
 
-SceneMaker::SceneMaker() : mShared(std::make_unique<Shared>()) {}
+SceneMaker::SceneMaker(TargetOpener open) : mShared(std::make_unique<Shared>()) { mShared->open = std::move(open); }
 SceneMaker::~SceneMaker() = default;
 
 Scene makeScene(const FractalOptions& options, Monitor& monitor) { return SceneMaker().make(options, monitor); }
@@ -267,7 +268,7 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
   std::optional<BBoxd> shape;
   if (options.target) {
     if (!mShared->target || !sameTarget(mShared->target->options(), *options.target))
-      mShared->target = std::make_unique<SharedTarget>(*options.target);
+      mShared->target = std::make_unique<SharedTarget>(*options.target, mShared->open);
     SharedTarget& shared = *mShared->target;
     shape = shared.input().box();
     scene.facts.merge(hashesOf(options));

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace vdbtools {
@@ -16,9 +17,15 @@ struct Estimated {
   double low = 0, high = 0;  ///< the 95 % interval
 };
 
+/// What is known of a task before it is made: how much there is to do, in units that do not matter.
+struct TaskWork {
+  double shell = 0;    ///< undecided nodes
+  double surface = 0;  ///< surface, as a coarse lattice shows it
+};
+
 /// A task of the sample.
 struct SampledTask {
-  double work = 0;  ///< as TileBox::work
+  TaskWork work;
   TaskRecord record;
 };
 
@@ -34,15 +41,16 @@ struct PlanEstimate {
 std::vector<std::uint64_t> sampleTasks(std::uint64_t tasks, std::uint64_t count, std::uint64_t seed);
 
 /// The total of a quantity over all tasks, from its values in a random sample without replacement. The regression
-/// estimator of survey sampling is used ([Coc77] chapter 7): the values are fitted by
-/// a line over the work, which is known for all tasks, and what scatters about it gives the interval by Student's t.
-/// Where the works are all equal, or there are fewer than 4 tasks in the sample, this is the mean.
+/// estimator of survey sampling is used ([Coc77] chapter 7): the values are fitted by a linear function of the work,
+/// which is known for all tasks, and what scatters about it gives the interval by Student's t. In a sample of fewer
+/// than 6 tasks, or where the works are all equal, this is the mean.
 /// @param work    of all tasks
 /// @param sample  work and value of each task in the sample, two at least unless there is only one task
-Estimated estimateTotal(std::span<const double> work, std::span<const std::pair<double, double>> sample);
+/// @throw std::invalid_argument  fewer than two tasks in the sample of a plan that has more than one
+Estimated estimateTotal(std::span<const TaskWork> work, std::span<const std::pair<TaskWork, double>> sample);
 
 /// @param work  of all tasks
-/// @throw std::invalid_argument  fewer than two tasks in the sample of a plan that has more than one
-PlanEstimate estimatePlan(std::span<const double> work, std::span<const SampledTask> sample);
+/// @throw as estimateTotal()
+PlanEstimate estimatePlan(std::span<const TaskWork> work, std::span<const SampledTask> sample);
 
 }  // namespace vdbtools

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "vdbtools/base/monitor.h"
+#include "vdbtools/farm/estimate.h"
 #include "vdbtools/farm/manifest.h"
 #include "vdbtools/job/fractal_options.h"
 
@@ -24,6 +25,7 @@ struct TilePlanOptions {
   /// within a few nodes of them are left out.
   std::optional<int> tileNodes;
   std::vector<std::string> makes;  ///< as Manifest::makes
+  bool survey = false;             ///< whether to find out where the surface is, for an estimate
 };
 
 struct TileBox {
@@ -42,7 +44,7 @@ std::vector<TileBox> cutIntoCubes(const openvdb::CoordBBox& domain, std::span<co
 
 struct TilePlan {
   Manifest manifest;
-  std::vector<double> work;  ///< of each tile, as TileBox::work
+  std::vector<TaskWork> work;  ///< of each tile; without its surface unless TilePlanOptions::survey
 };
 
 /// Makes the target and its exponent, cuts the lattice, and writes the prepared scene into @a folder.

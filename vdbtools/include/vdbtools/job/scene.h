@@ -14,6 +14,7 @@
 
 #include "julia/evaluator.h"
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -45,10 +46,13 @@ struct Scene {
   FieldSource source() const { return {*evaluator, space}; }
 };
 
+/// Opens the target that options name.
+using TargetOpener = std::function<std::unique_ptr<const TargetInput>(const TargetOptions&)>;
+
 /// Makes scenes one after another; what they share of a target is made once.
 class SceneMaker {
  public:
-  SceneMaker();
+  explicit SceneMaker(TargetOpener open = openTarget);
   ~SceneMaker();
 
   /// @throw what reading, repairing and the options' checks throw
