@@ -86,7 +86,8 @@ CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions
                           "read options from a file: lines NAME = VALUE, a VDB, PLY or OBJ that this program made, or "
                           "cell N of a contact sheet as in sheet.json#7; options on the command line take precedence");
   mCommon.add_options()("threads", po::value<std::string>()->value_name("N"),
-                        "the number of threads (default: SLURM_CPUS_PER_TASK, or else all that this process may use)")(
+                        "the number of threads (default: SLURM_CPUS_PER_TASK or SLURM_CPUS_ON_NODE, or else all that "
+                        "this process may use)")(
       "instructions", po::value<std::string>()->value_name("auto|portable|avx2|avx512"),
       "the vector instructions to use; they change the speed and no bit of the result (default auto, the widest)")(
       "progress", po::value<std::string>()->value_name("bar|json|none"),
@@ -193,8 +194,10 @@ void CommandLine::applyThreads() {
     if (!threads)
       throw std::invalid_argument("--threads is '" + text("threads") + "'; it must be a whole number from 1 to " +
                                   std::to_string(kMostThreads));
-  } else if (const char* slurm = std::getenv("SLURM_CPUS_PER_TASK")) {
-    threads = parseThreads(slurm);
+  } else {
+    // The second is there for jobs that did not say how many processors each task is to have.
+    for (const char* name : {"SLURM_CPUS_PER_TASK", "SLURM_CPUS_ON_NODE"})
+      if (const char* value = std::getenv(name); value && !threads) threads = parseThreads(value);
   }
   // TBB counts the processors of the affinity mask by itself.
   if (threads)

@@ -62,6 +62,8 @@ class Tasks(farm.FarmTest):
         self.ok("task", FARM, "--index", 2, "--threads", 3)
         record = self.record(2)
         self.assertEqual(record["threads"], 3)
+        self.ok("task", FARM, "--index", 3, env={"SLURM_CPUS_ON_NODE": "1"})
+        self.assertEqual(self.record(3)["threads"], 1)
         self.assertEqual(record["host"], os.uname().nodename)
         self.assertGreater(record["cpuSeconds"], 0)
         self.assertGreater(record["peakBytes"], 1 << 20)
