@@ -46,7 +46,18 @@ constexpr std::pair<ExitCode, const char*> kExits[] = {
     {kInternal, "out of memory, or an error of the program"},
     {kCannotCreate, "an output cannot be created"},
     {kInputOutput, "reading or writing broke off"},
-    {kInterrupted, "stopped by a signal; nothing was written, and the same command may be tried again"},
+    {kInterrupted,
+     "stopped by a signal, or the disk of another machine did not answer; nothing was written, and the same command "
+     "may "
+     "be tried again"},
+};
+
+constexpr std::pair<const char*, const char*> kVariables[] = {
+    {"SLURM_CPUS_PER_TASK", "the number of threads, where --threads is not given"},
+    {"SLURM_CPUS_ON_NODE", "the same, in a job of Slurm without SLURM_CPUS_PER_TASK"},
+    {"SLURM_ARRAY_TASK_ID", "the number of the task that 'juliavdb task' makes, where none is given"},
+    {"SLURM_ARRAY_TASK_STEP", "how many tasks from there on it makes"},
+    {"PARALLEL_SEQ", "the number of the task, outside of Slurm"},
 };
 
 /// All commands and the parts of those that have some, by what is typed: "fractal", "plan", "plan frames".
@@ -92,8 +103,9 @@ std::string programPage() {
   page << ".SH OPTIONS\n.TP\n\\fB\\-h\\fR, \\fB\\-\\-help\\fR\nlist the commands; after a command, describe it\n.TP\n"
           "\\fB\\-\\-version\\fR\nprint the version\n.SH EXIT STATUS\n";
   for (const auto& [code, meaning] : kExits) page << ".TP\n.B " << code << '\n' << manualText(meaning) << '\n';
-  page << ".SH ENVIRONMENT\n.TP\n.B SLURM_CPUS_PER_TASK\n"
-       << manualText("the number of threads, where --threads is not given") << '\n';
+  page << ".SH ENVIRONMENT\n";
+  for (const auto& [variable, meaning] : kVariables)
+    page << ".TP\n.B " << variable << '\n' << manualText(meaning) << '\n';
   return page.str();
 }
 

@@ -77,6 +77,8 @@ int runMerge(const Arguments& arguments) {
   report().text() << " from " << manifest.tasks.size() << (manifest.tasks.size() == 1 ? " tile" : " tiles");
   if (result.mesh.triangles > 0) report().text() << ", " << result.mesh.triangles << " triangles";
   if (result.bandVoxels > 0) report().text() << ", " << result.bandVoxels << " voxels in the band";
+  if (result.islands)
+    report().text() << ", " << result.islands->kept << " of " << result.islands->islands << " islands kept";
   report().text() << '\n';
   const std::size_t meshes = result.files.size() - (options.vdb ? 1 : 0);
   if (options.mesh && meshes > 1)

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/farm/merge.h"
 
+#include "farm/tile_islands.h"
 #include "farm/tile_merge.h"
 #include "farm/tile_task.h"
 #include "field/block_evaluator.h"
+#include "surface/band_distances.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/farm/task.h"
@@ -20,8 +22,10 @@
 #include <algorithm>
 #include <functional>
 #include <list>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace vdbtools {
 namespace {
@@ -31,8 +35,17 @@ using openvdb::FloatGrid;
 using openvdb::FloatTree;
 using Leaf = FloatTree::LeafNodeType;
 
+constexpr int kBlock = Leaf::DIM;
+
 bool makes(const Manifest& manifest, const std::string& what) {
   return std::find(manifest.makes.begin(), manifest.makes.end(), what) != manifest.makes.end();
+}
+bool writes(const Manifest& manifest, std::uint64_t index, const std::string& name) {
+  const std::vector<std::string>& names = manifest.tasks.at(index - 1).writes;
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+bool dropsIslands(const Manifest& manifest) {
+  return !manifest.tasks.empty() && writes(manifest, 1, tileIslandsName(1));
 }
 bool makesMesh(const Manifest& manifest) {
   return makes(manifest, "ply") || makes(manifest, "obj") || makes(manifest, "stl");
@@ -93,23 +106,51 @@ class MeshFiles {
   std::list<MeshFile> mMeshes;
 };
 
-std::vector<TileReader> openTiles(const fs::path& folder, const Manifest& manifest) {
+/// The islands of a plan that drops some.
+struct PlanIslands {
+  IslandOptions options;
+  std::vector<TileIslandsReader> tiles;
+  JoinedIslands joined;
+  bool capMesh = false;  ///< whether the mesh that is written has caps
+
+  std::uint64_t meshPoints() const { return joined.points + (capMesh ? joined.capPoints : 0); }
+};
+
+std::optional<PlanIslands> joinIslands(const fs::path& folder, const Manifest& manifest, Monitor& monitor) {
+  if (!dropsIslands(manifest)) return std::nullopt;
+  const SurfaceOptions options = parseFractalOptions(manifest.recipe).surface;
+  PlanIslands islands{.options = options.islands, .capMesh = options.cap || !manifest.lattice.value().bounded};
+  for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index)
+    islands.tiles.emplace_back(folder / tileIslandsName(index));
+  islands.joined = joinIslands(islands.tiles, islands.options, manifest.lattice->voxelSize, monitor);
+  return islands;
+}
+
+TileReader openTile(const fs::path& folder, std::uint64_t index, const PlanIslands* islands, bool caps) {
+  TileReader tile(folder / tileMeshName(index));
+  if (islands) tile.setFilter({islands->joined.kept[index - 1], caps});
+  return tile;
+}
+
+std::vector<TileReader> openTiles(const fs::path& folder, const Manifest& manifest, const PlanIslands* islands,
+                                  bool caps) {
   std::vector<TileReader> tiles;
   tiles.reserve(manifest.tasks.size());
   for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index)
-    tiles.emplace_back(folder / tileMeshName(index));
+    tiles.push_back(openTile(folder, index, islands, caps));
   return tiles;
 }
 
 MeshCounts mergeMesh(const fs::path& folder, const Manifest& manifest, const MergeOptions& options,
-                     std::list<AtomicFile>& files, Monitor& monitor) {
+                     const PlanIslands* islands, std::list<AtomicFile>& files, Monitor& monitor) {
   const MeshFormat format = meshFormat(*options.mesh);
   if (!makes(manifest, lowerExtension(*options.mesh).substr(1)) && format != MeshFormat::Ply)
     throw std::invalid_argument("the plan was made for other files than '" + options.mesh->string() +
                                 "', whose numbers need all digits of the tiles; name the format when planning");
-  std::vector<TileReader> tiles = openTiles(folder, manifest);
+  std::vector<TileReader> tiles = openTiles(folder, manifest, islands, islands && islands->capMesh);
   std::uint64_t points = 0;
   for (const TileReader& tile : tiles) points += tile.counts().points;
+  if (islands) points = islands->meshPoints();
   MeshFiles meshes(*options.mesh, meshOptions(manifest, format), points > options.mostPoints, files);
   const std::function<MeshSink&()> next = [&]() -> MeshSink& { return meshes.next(); };
   const MeshCounts counts = mergeTiles(tiles, {.mostPoints = options.mostPoints}, next, monitor);
@@ -127,6 +168,51 @@ void addPart(FloatTree& whole, const FloatTree& part) {
     }
     for (auto value = leaf->cbeginValueOn(); value; ++value) there->setValueOn(value.pos(), *value);
   }
+}
+
+/// The mesh that is left of the islands, closed by caps.
+Mesh keptMesh(const fs::path& folder, const Manifest& manifest, const PlanIslands& islands, Monitor& monitor) {
+  std::vector<TileReader> tiles = openTiles(folder, manifest, &islands, true);
+  Mesh mesh;
+  MeshCollector collector(mesh);
+  bool begun = false;
+  const std::function<MeshSink&()> next = [&]() -> MeshSink& {
+    if (std::exchange(begun, true))
+      throw DataError("the mesh has more than " + std::to_string(kMostMeshPoints) +
+                      " points, too many for the distances to what is left of the islands; merge the mesh alone");
+    return collector;
+  };
+  mergeTiles(tiles, {.mostPoints = kMostMeshPoints}, next, monitor);
+  return mesh;
+}
+
+/// The distances to the mesh that is left; negative at the nodes of the islands that are kept.
+FloatGrid::Ptr keptSurface(const fs::path& folder, const Manifest& manifest, const PlanIslands& islands,
+                           Monitor& monitor) {
+  const Mesh mesh = keptMesh(folder, manifest, islands, monitor);
+  if (mesh.triangles.empty()) return nullptr;
+  const TileLattice& lattice = manifest.lattice.value();
+  FloatGrid::Ptr surface = bandDistances(mesh, lattice.voxelSize, lattice.domain, monitor);
+  openvdb::tree::ValueAccessor<FloatTree> leaves(surface->tree());
+  monitor.begin("signs", islands.tiles.size());
+  for (std::size_t tile = 0; tile < islands.tiles.size(); ++tile) {
+    islands.tiles[tile].forEachOwn([&](std::span<const InsideRun> runs) {
+      for (const InsideRun& run : runs) {
+        if (!islands.joined.kept[tile][run.part]) continue;
+        for (int z = run.first; z <= run.last; z = (z | (kBlock - 1)) + 1) {
+          Leaf* const leaf = leaves.probeLeaf({run.x, run.y, z});
+          if (!leaf) continue;
+          const int end = std::min(run.last, z | (kBlock - 1));
+          for (int k = z; k <= end; ++k)
+            if (const openvdb::Index at = Leaf::coordToOffset({run.x, run.y, k}); leaf->isValueOn(at))
+              leaf->setValueOnly(at, -leaf->getValue(at));
+        }
+      }
+    });
+    monitor.advance(1);
+    monitor.throwIfCancelled();
+  }
+  return surface;
 }
 
 /// The grids of a plan while their parts come in.
@@ -151,6 +237,7 @@ GridParts readGrids(const fs::path& folder, const Manifest& manifest, Monitor& m
                                       true)};
   monitor.begin("merging grids", manifest.tasks.size());
   for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index) {
+    if (!writes(manifest, index, tileGridsName(index))) continue;
     const VdbFile file = readVdb(folder / tileGridsName(index));
     if (const FloatGrid::Ptr part = partNamed(file, "surface"); part && !part->empty()) {
       if (!parts.surface) {
@@ -169,11 +256,13 @@ GridParts readGrids(const fs::path& folder, const Manifest& manifest, Monitor& m
 }
 
 std::vector<openvdb::GridBase::Ptr> mergeGrids(const fs::path& folder, const Manifest& manifest,
-                                               const FractalOptions& options, MergeResult& result, Monitor& monitor) {
+                                               const FractalOptions& options, const PlanIslands* islands,
+                                               MergeResult& result, Monitor& monitor) {
   GridParts parts = readGrids(folder, manifest, monitor);
   const std::vector<std::string>& names = options.output.grids;
   const auto wants = [&](const char* name) { return std::find(names.begin(), names.end(), name) != names.end(); };
   if (wants("surface") || wants("density") || wants("versor")) {
+    if (islands) parts.surface = keptSurface(folder, manifest, *islands, monitor);
     if (!parts.surface) throw DataError("the fractal is empty: no tile has a part of its level set");
     finishLevelSet(*parts.surface);
     result.check = checkSurface(*parts.surface);
@@ -182,6 +271,7 @@ std::vector<openvdb::GridBase::Ptr> mergeGrids(const fs::path& folder, const Man
     result.bandVoxels = parts.surface->activeVoxelCount();
   }
   if (wants("logmodulus")) fillTiles(parts.field);
+  if (wants("logmodulus") && islands) dropIslands(parts.field, islands->options, monitor);
   std::vector<openvdb::GridBase::Ptr> grids;
   for (const std::string& name : names) {
     if (name == "surface") grids.push_back(parts.surface);
@@ -205,7 +295,7 @@ void commit(std::list<AtomicFile>& files, MergeResult& result) {
 
 /// One tile's own files, and what the index says of them.
 nlohmann::json writeOneTile(const fs::path& folder, const Manifest& manifest, std::uint64_t index, const fs::path& stem,
-                            MergeResult& result, Monitor& monitor) {
+                            const PlanIslands* islands, MergeResult& result, Monitor& monitor) {
   using nlohmann::json;
   const TileLattice& lattice = manifest.lattice.value();
   const openvdb::CoordBBox box = manifest.tasks[index - 1].box.value();
@@ -220,18 +310,22 @@ nlohmann::json writeOneTile(const fs::path& folder, const Manifest& manifest, st
   std::list<AtomicFile> files;
   if (makesMesh(manifest)) {
     std::vector<TileReader> tile;
-    tile.emplace_back(folder / tileMeshName(index));
-    const TileCounts counts = tile.front().counts();
-    entry["points"] = counts.points + counts.guests;
-    entry["triangles"] = counts.triangles;
-    if (counts.triangles > 0) {
+    tile.push_back(openTile(folder, index, islands, islands && islands->capMesh));
+    MeshCounts counts;
+    {
       MeshFiles meshes(nameOf(".ply"), meshOptions(manifest, MeshFormat::Ply), false, files);
       const std::function<MeshSink&()> next = [&]() -> MeshSink& { return meshes.next(); };
-      mergeTiles(tile, {.keepGuests = true}, next, monitor);
+      counts = mergeTiles(tile, {.keepGuests = true}, next, monitor);
       meshes.finish();
-      result.mesh.points += counts.points + counts.guests;
-      result.mesh.triangles += counts.triangles;
     }
+    if (counts.triangles == 0) {
+      files.clear();
+      counts = {};
+    }
+    entry["points"] = counts.points;
+    entry["triangles"] = counts.triangles;
+    result.mesh.points += counts.points;
+    result.mesh.triangles += counts.triangles;
   }
   if (makes(manifest, "vdb")) {
     const VdbFile file = readVdb(folder / tileGridsName(index));
@@ -265,14 +359,17 @@ MergeResult mergePlan(const fs::path& folder, const Manifest& manifest, const Me
   AtomicFile* const vdb = options.vdb ? &files.emplace_back(*options.vdb) : nullptr;
   requireDone(folder, manifest, monitor);
   MergeResult result;
+  const std::optional<PlanIslands> joined = joinIslands(folder, manifest, monitor);
+  const PlanIslands* const islands = joined ? &*joined : nullptr;
+  if (islands) result.islands = islands->joined.report;
   if (options.mesh) {
-    result.mesh = mergeMesh(folder, manifest, options, files, monitor);
+    result.mesh = mergeMesh(folder, manifest, options, islands, files, monitor);
     if (result.mesh.triangles == 0)
       throw DataError("the fractal is empty: no tile has a triangle; plan again with less detail or smaller voxels");
   }
   if (vdb) {
     const FractalOptions recipe = parseFractalOptions(manifest.recipe);
-    const std::vector<openvdb::GridBase::Ptr> grids = mergeGrids(folder, manifest, recipe, result, monitor);
+    const std::vector<openvdb::GridBase::Ptr> grids = mergeGrids(folder, manifest, recipe, islands, result, monitor);
     monitor.begin("writing", 0);
     vdb->stream() << encodeVdb(grids, {.half = recipe.output.half, .metadata = manifest.facts});
   }
@@ -283,10 +380,16 @@ MergeResult mergePlan(const fs::path& folder, const Manifest& manifest, const Me
 
 MergeResult writeTileFiles(const fs::path& folder, const Manifest& manifest, const fs::path& index, Monitor& monitor) {
   requireTiles(manifest);
+  if (dropsIslands(manifest) && makes(manifest, "vdb"))
+    throw std::invalid_argument(
+        "islands are dropped, and the distances to what is left of them are not known tile by tile; merge into one "
+        "VDB, or plan again with meshes alone");
   sweepPlan(folder, manifest);
   AtomicFile file(index);
   requireDone(folder, manifest, monitor);
   MergeResult result;
+  const std::optional<PlanIslands> islands = joinIslands(folder, manifest, monitor);
+  if (islands) result.islands = islands->joined.report;
   const TileLattice& lattice = manifest.lattice.value();
   nlohmann::ordered_json root = {{"juliavdb", "tiles"},
                                  {"version", manifest.version},
@@ -295,7 +398,7 @@ MergeResult writeTileFiles(const fs::path& folder, const Manifest& manifest, con
   nlohmann::json tiles = nlohmann::json::array();
   const fs::path stem = index.parent_path() / index.stem();
   for (std::uint64_t i = 1; i <= manifest.tasks.size(); ++i) {
-    tiles.push_back(writeOneTile(folder, manifest, i, stem, result, monitor));
+    tiles.push_back(writeOneTile(folder, manifest, i, stem, islands ? &*islands : nullptr, result, monitor));
     monitor.throwIfCancelled();
   }
   if (result.files.empty()) throw DataError("the fractal is empty: no tile has a surface");

@@ -4,10 +4,12 @@
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace vdbtools {
 namespace {
@@ -21,7 +23,8 @@ constexpr std::uint32_t kVersion = 1;
 
 struct Header {
   char magic[8];
-  std::uint32_t version, coordinate;
+  std::uint32_t version;
+  std::uint16_t coordinate, parts;
   std::uint64_t points, guests, triangles, layers;
 };
 static_assert(sizeof(Header) == 48);
@@ -49,9 +52,12 @@ TileCounts writeTile(std::ostream& stream, const std::vector<TileLayer>& layers,
     for (const std::uint16_t edge : layer.edges) ++(edge & kGuest ? counts.guests : counts.points);
     counts.triangles += layer.triangles.size();
   }
+  const bool parts =
+      std::any_of(layers.begin(), layers.end(), [](const TileLayer& l) { return !l.pointParts.empty(); });
   Header header{.magic = {},
                 .version = kVersion,
-                .coordinate = doubles ? 8u : 4u,
+                .coordinate = static_cast<std::uint16_t>(doubles ? 8 : 4),
+                .parts = static_cast<std::uint16_t>(parts ? 1 : 0),
                 .points = counts.points,
                 .guests = counts.guests,
                 .triangles = counts.triangles,
@@ -71,8 +77,45 @@ TileCounts writeTile(std::ostream& stream, const std::vector<TileLayer>& layers,
     }
     put(stream, layer.normals.data(), layer.normals.size());
     put(stream, layer.triangles.data(), layer.triangles.size());
+    put(stream, layer.pointParts.data(), layer.pointParts.size());
+    put(stream, layer.triangleParts.data(), layer.triangleParts.size());
   }
   return counts;
+}
+
+bool applyFilter(const TileFilter& filter, TileLayer& layer) {
+  const auto known = [&](std::uint32_t part) { return part < filter.kept.size(); };
+  if (!std::all_of(layer.pointParts.begin(), layer.pointParts.end(), known) ||
+      !std::all_of(layer.triangleParts.begin(), layer.triangleParts.end(), known))
+    return false;
+  std::size_t point = 0, triangle = 0, points = 0, triangles = 0;  // read, and kept
+  for (TileLayer::Block& block : layer.blocks) {
+    const std::size_t pointsEnd = point + block.points, trianglesEnd = triangle + block.triangles;
+    const std::size_t pointsBefore = points, trianglesBefore = triangles;
+    for (; point < pointsEnd; ++point) {
+      const std::uint16_t edge = layer.edges[point];
+      if (!filter.kept[layer.pointParts[point]] || (edge & kOnCap && !filter.caps)) continue;
+      layer.edges[points] = static_cast<std::uint16_t>(edge & ~kOnCap);
+      layer.positions[points] = layer.positions[point];
+      layer.normals[points++] = layer.normals[point];
+    }
+    for (; triangle < trianglesEnd; ++triangle) {
+      TileLayer::Triangle record = layer.triangles[triangle];
+      if (!filter.kept[layer.triangleParts[triangle]] || (record[0] & kOnCap && !filter.caps)) continue;
+      record[0] = static_cast<std::uint16_t>(record[0] & ~kOnCap);
+      layer.triangles[triangles++] = record;
+    }
+    block.points = static_cast<std::uint32_t>(points - pointsBefore);
+    block.triangles = static_cast<std::uint32_t>(triangles - trianglesBefore);
+  }
+  std::erase_if(layer.blocks, [](const TileLayer::Block& block) { return block.points == 0 && block.triangles == 0; });
+  layer.edges.resize(points);
+  layer.positions.resize(points);
+  layer.normals.resize(points);
+  layer.triangles.resize(triangles);
+  layer.pointParts.clear();
+  layer.triangleParts.clear();
+  return true;
 }
 
 TileReader::TileReader(const std::filesystem::path& path) : mPath(path), mStream(path, std::ios::binary) {
@@ -82,13 +125,20 @@ TileReader::TileReader(const std::filesystem::path& path) : mPath(path), mStream
   Header header{};
   read(&header, sizeof header);
   if (std::string_view(header.magic, kMagic.size()) != kMagic || header.version != kVersion ||
-      (header.coordinate != 4 && header.coordinate != 8))
+      (header.coordinate != 4 && header.coordinate != 8) || header.parts > 1)
     refuse("it is not a tile of this version");
   mDoubles = header.coordinate == 8;
+  mHasParts = header.parts == 1;
   mCounts = {header.points, header.guests, header.triangles, header.layers};
   readX();
   mPosition = mStream.tellg();
   mStream.close();
+}
+
+void TileReader::setFilter(TileFilter filter) {
+  // A tile without a layer does not tell.
+  if (!mHasParts && mCounts.layers > 0) refuse("it has no parts of islands");
+  mFilter = std::move(filter);
 }
 
 void TileReader::refuse(const char* why) const {
@@ -141,6 +191,11 @@ TileLayer TileReader::next() {
   }
   take(layer.normals, points);
   take(layer.triangles, triangles);
+  if (mHasParts) {
+    take(layer.pointParts, points);
+    take(layer.triangleParts, triangles);
+  }
+  if (mFilter && !applyFilter(*mFilter, layer)) refuse("a point belongs to a part of an island that is not there");
   ++mRead;
   readX();
   if (!mNextX) mStream.close();

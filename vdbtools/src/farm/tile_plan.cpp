@@ -4,6 +4,7 @@
 #include "farm/tile_task.h"
 #include "farm/variant_plan.h"
 
+#include "julia/evaluator.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/atomic_file.h"
 #include "vdbtools/files/file_hash.h"
@@ -14,6 +15,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -106,10 +108,6 @@ void requireCuttable(const FractalOptions& options) {
     throw std::invalid_argument(
         "a fractal that is made by following its surface cannot be cut into tiles, as the way leads through all of "
         "them; leave out the option to follow it");
-  if (options.surface.islands.largest > 0 || options.surface.islands.minSize > 0)
-    throw std::invalid_argument(
-        "islands reach over tiles, so they cannot be dropped tile by tile; leave out the options that drop them, or "
-        "make the fractal in one run");
 }
 
 /// Boxes of nodes that the tiles have to cover.
@@ -125,6 +123,44 @@ std::vector<CoordBBox> workOf(const Scene& scene, const FieldPlan& whole) {
       work.push_back(face);
     }
   return work;
+}
+
+/// Adds those cubes without work that lie inside the set. F has one sign in each, and in all that are side by side.
+void addInsideCubes(const Scene& scene, const FieldPlan& whole, int side, std::vector<TileBox>& tiles) {
+  std::set<Coord> present;
+  for (const TileBox& tile : tiles)
+    present.insert(Coord(intervalOf(tile.nodes.min()[0], side), intervalOf(tile.nodes.min()[1], side),
+                         intervalOf(tile.nodes.min()[2], side)));
+  std::vector<CoordBBox> rows;  // of cubes, along z
+  std::vector<julia::Point> points;
+  Coord low, high;
+  for (int axis = 0; axis < 3; ++axis) {
+    low[axis] = intervalOf(whole.domain.min()[axis], side);
+    high[axis] = intervalOf(whole.domain.max()[axis], side);
+  }
+  for (auto cube = CoordBBox(low, high).begin(); cube; ++cube) {
+    if (present.contains(*cube)) continue;
+    if (!rows.empty() && rows.back().max() == (*cube).offsetBy(0, 0, -1)) {
+      rows.back().max() = *cube;
+      continue;
+    }
+    rows.emplace_back(*cube, *cube);
+    const Coord first =
+        Coord::maxComponent(whole.domain.min(), Coord((*cube)[0] * side, (*cube)[1] * side, (*cube)[2] * side));
+    points.push_back(scene.source().space.toFractal(first.asVec3d() * whole.voxelSize));
+  }
+  std::vector<double> values(points.size());
+  if (!points.empty()) scene.source().evaluator.evaluate(points, values, {});
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (julia::storedField(values[i]) >= 0) continue;
+    for (auto cube = rows[i].begin(); cube; ++cube) {
+      TileBox tile{CoordBBox::createCube(Coord((*cube)[0] * side, (*cube)[1] * side, (*cube)[2] * side), side), 0};
+      tile.nodes.intersect(whole.domain);
+      tiles.push_back(tile);
+    }
+  }
+  std::sort(tiles.begin(), tiles.end(),
+            [](const TileBox& a, const TileBox& b) { return a.nodes.min() < b.nodes.min(); });
 }
 
 }  // namespace
@@ -214,9 +250,12 @@ TilePlan planTiles(const FractalOptions& options, const Recipe& recipe, const Ti
   if (work.empty()) throw DataError("the fractal is empty: no cell of the lattice is undecided", Remedy::LargerBeta);
 
   TilePlan plan;
+  const TileFiles files = tileFiles(tiles.makes, options);
   // A tile without a triangle may have a part of the level set.
-  const std::vector<TileBox> boxes = tiles.tiles ? cutEvenly(whole.domain, work, *tiles.tiles)
-                                                 : cutIntoCubes(whole.domain, work, *tiles.tileNodes, kTileHalo);
+  std::vector<TileBox> boxes = tiles.tiles ? cutEvenly(whole.domain, work, *tiles.tiles)
+                                           : cutIntoCubes(whole.domain, work, *tiles.tileNodes, kTileHalo);
+  // Islands are joined through cubes that have nothing to do, and such cubes belong to their size.
+  if (files.islands && tiles.tileNodes) addInsideCubes(scene, whole, *tiles.tileNodes, boxes);
   if (boxes.size() > kMostTiles)
     throw std::invalid_argument("there would be " + std::to_string(boxes.size()) + " tiles, and " +
                                 std::to_string(kMostTiles) + " is the most; make them larger");
@@ -229,13 +268,12 @@ TilePlan planTiles(const FractalOptions& options, const Recipe& recipe, const Ti
   manifest.makes = tiles.makes;
   manifest.facts = sceneMetadata(scene, recipe);
   manifest.lattice = TileLattice{whole.domain, whole.bounded, whole.voxelSize};
-  const bool wantsGrids = std::find(tiles.makes.begin(), tiles.makes.end(), "vdb") != tiles.makes.end();
-  const bool wantsMesh = tiles.makes.size() > (wantsGrids ? 1 : 0);
   for (const TileBox& box : boxes) {
     PlannedTask task{.box = box.nodes};
     plan.work.push_back({.shell = box.work});
-    if (wantsMesh) task.writes.push_back(tileMeshName(manifest.tasks.size() + 1));
-    if (wantsGrids) task.writes.push_back(tileGridsName(manifest.tasks.size() + 1));
+    if (files.mesh) task.writes.push_back(tileMeshName(manifest.tasks.size() + 1));
+    if (files.grids) task.writes.push_back(tileGridsName(manifest.tasks.size() + 1));
+    if (files.islands) task.writes.push_back(tileIslandsName(manifest.tasks.size() + 1));
     manifest.tasks.push_back(std::move(task));
   }
   std::error_code error;

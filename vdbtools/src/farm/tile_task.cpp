@@ -51,10 +51,20 @@ PlacedMesh withoutCaps(PlacedMesh placed) {
   return result;
 }
 
+/// Gives the points that are not on caps the normals that they have without caps.
+void setOpenNormals(PlacedMesh& placed) {
+  const PlacedMesh open = withoutCaps(placed);
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < placed.places.points.size(); ++i)
+    if (!placed.places.points[i].cut) placed.mesh.normals[i] = open.mesh.normals[next++];
+}
+
 /// What a tile owns of the mesh of its window, by layers and blocks, and the points that its triangles use besides.
 class LayerMaker {
  public:
-  LayerMaker(const PlacedMesh& placed, const CoordBBox& own) : mPlaced(placed), mOwn(own) {}
+  /// @param islands  counts the points of its parts; or null
+  LayerMaker(const PlacedMesh& placed, const CoordBBox& own, TileIslands* islands)
+      : mPlaced(placed), mOwn(own), mIslands(islands) {}
 
   std::vector<TileLayer> make() {
     const std::vector<EdgePlace>& edges = mPlaced.places.points;
@@ -97,8 +107,16 @@ class LayerMaker {
 
   void addPoint(const Coord& block, std::size_t point, bool own) {
     TileLayer& layer = layerOf(block);
-    const std::uint16_t edge = edgeOf(mPlaced.places.points[point]);
-    layer.edges.push_back(own ? edge : static_cast<std::uint16_t>(edge | kGuest));
+    const EdgePlace& place = mPlaced.places.points[point];
+    std::uint16_t edge = edgeOf(place);
+    if (!own) edge |= kGuest;
+    if (mIslands) {
+      if (place.cut) edge |= kOnCap;
+      const std::uint32_t part = mIslands->partOf(place);
+      layer.pointParts.push_back(part);
+      if (own) mIslands->countPoint(part, place.cut);
+    }
+    layer.edges.push_back(edge);
     layer.positions.push_back(mPlaced.mesh.points[point]);
     layer.normals.push_back(mPlaced.mesh.normals[point]);
   }
@@ -110,12 +128,18 @@ class LayerMaker {
       const Coord ahead = blockOf(edge.node) - block;
       const unsigned neighbour = (ahead[0] ? 1u : 0) | (ahead[1] ? 2u : 0) | (ahead[2] ? 4u : 0);
       record[static_cast<std::size_t>(k + 1)] = static_cast<std::uint16_t>(edgeOf(edge) | neighbour << kEdgeBits);
+      if (mIslands && edge.cut) record[0] |= kOnCap;
     }
-    layerOf(block).triangles.push_back(record);
+    TileLayer& layer = layerOf(block);
+    layer.triangles.push_back(record);
+    // No triangle belongs to two islands.
+    if (mIslands)
+      layer.triangleParts.push_back(mIslands->partOf(mPlaced.places.points[mPlaced.mesh.triangles[triangle][0]]));
   }
 
   const PlacedMesh& mPlaced;
   CoordBBox mOwn;
+  TileIslands* mIslands;
   std::vector<TileLayer> mLayers;
 };
 
@@ -142,6 +166,21 @@ FloatGrid::Ptr partOf(const FloatGrid& whole, const CoordBBox& own) {
 
 std::string tileMeshName(std::uint64_t index) { return numbered(index, ".tile"); }
 std::string tileGridsName(std::uint64_t index) { return numbered(index, ".vdb"); }
+std::string tileIslandsName(std::uint64_t index) { return numbered(index, ".islands"); }
+
+TileFiles tileFiles(const std::vector<std::string>& makes, const FractalOptions& options) {
+  const auto has = [](const std::vector<std::string>& list, const char* what) {
+    return std::find(list.begin(), list.end(), what) != list.end();
+  };
+  const std::vector<std::string>& grids = options.output.grids;
+  TileFiles files{.mesh = has(makes, "ply") || has(makes, "obj") || has(makes, "stl"), .grids = has(makes, "vdb")};
+  files.islands = options.surface.islands.largest > 0 || options.surface.islands.minSize > 0;
+  if (!files.islands || !files.grids) return files;
+  files.cappedMesh = has(grids, "surface") || has(grids, "density") || has(grids, "versor");
+  files.mesh = files.mesh || files.cappedMesh;
+  files.grids = has(grids, "logmodulus") || has(grids, "iterations");
+  return files;
+}
 
 CoordBBox ownNodes(const CoordBBox& box, const CoordBBox& domain) {
   CoordBBox own = box;
@@ -165,22 +204,29 @@ Tile makeTile(const Scene& scene, const CoordBBox& box, bool wantsMesh, bool wan
       plan, scene.source(),
       {.keepIterations = wants("iterations"), .everyNode = wants("iterations") || wants("logmodulus")}, monitor);
   Tile tile{.evaluatedNodes = field.evaluatedNodes};
+  const bool dropsIslands = scene.options.surface.islands.largest > 0 || scene.options.surface.islands.minSize > 0;
+  if (dropsIslands) tile.islands.emplace(field, scene.source(), box, monitor);
   const bool wantsSurface = wants("surface") || wants("density") || wants("versor");
   const bool capMesh = scene.options.surface.cap || !plan.bounded;
   PlacedMesh placed = extractPlacedMesh(
       field, scene.source(),
       {.tolerance = scene.options.surface.tolerance, .border = capMesh || wantsSurface ? Border::Cap : Border::Open},
       monitor);
-  if (wantsSurface) {
+  if (wantsSurface && !dropsIslands) {
     const FloatGrid::Ptr surface = levelSetPart(field, scene.source(), placed.mesh, own, monitor);
     surface->setName("surface");
     tile.grids.push_back(surface);
   }
   if (wants("logmodulus")) tile.grids.push_back(partOf(*field.field, own));
   if (wants("iterations")) tile.grids.push_back(partOf(*field.iterations, own));
-  if (!wantsMesh) return tile;
-  if (wantsSurface && !capMesh) placed = withoutCaps(std::move(placed));
-  tile.layers = LayerMaker(placed, own).make();
+  if (!wantsMesh && !(wantsSurface && dropsIslands)) return tile;
+  if (wantsSurface && !capMesh) {
+    if (dropsIslands)
+      setOpenNormals(placed);
+    else
+      placed = withoutCaps(std::move(placed));
+  }
+  tile.layers = LayerMaker(placed, own, tile.islands ? &*tile.islands : nullptr).make();
   return tile;
 }
 
@@ -200,10 +246,12 @@ TaskCounts makeTile(const std::filesystem::path& folder, const Manifest& manifes
   };
   const bool wantsGrids = makes("vdb"), wantsMesh = makes("ply") || makes("obj") || makes("stl");
   const PlannedTask& task = manifest.tasks.at(index - 1);
-  std::list<AtomicFile> files;
-  AtomicFile* const mesh = wantsMesh ? &files.emplace_back(folder / tileMeshName(index)) : nullptr;
-  AtomicFile* const grids = wantsGrids ? &files.emplace_back(folder / tileGridsName(index)) : nullptr;
   const FractalOptions options = parseFractalOptions(manifest.recipe);
+  const TileFiles written = tileFiles(manifest.makes, options);
+  std::list<AtomicFile> files;
+  AtomicFile* const mesh = written.mesh ? &files.emplace_back(folder / tileMeshName(index)) : nullptr;
+  AtomicFile* const grids = written.grids ? &files.emplace_back(folder / tileGridsName(index)) : nullptr;
+  AtomicFile* const islands = written.islands ? &files.emplace_back(folder / tileIslandsName(index)) : nullptr;
   // Those of controls went into the exponent, and need not be at hand.
   std::vector<NamedFile> present = options.map->files();
   std::erase_if(present, [](const NamedFile& file) { return !std::filesystem::exists(file.path); });
@@ -214,12 +262,13 @@ TaskCounts makeTile(const std::filesystem::path& folder, const Manifest& manifes
   TaskCounts counts;
   counts.counts["evaluatedNodes"] = static_cast<double>(tile.evaluatedNodes);
   if (mesh) {
-    const TileCounts written = writeTile(mesh->stream(), tile.layers, tilesNeedDoubles(manifest));
-    counts.counts["points"] = static_cast<double>(written.points);
-    counts.counts["triangles"] = static_cast<double>(written.triangles);
+    const TileCounts of = writeTile(mesh->stream(), tile.layers, written.cappedMesh || tilesNeedDoubles(manifest));
+    counts.counts["points"] = static_cast<double>(of.points);
+    counts.counts["triangles"] = static_cast<double>(of.triangles);
   }
   // Not the half floats of the result: what is merged must have all its digits.
   if (grids) grids->stream() << encodeVdb(tile.grids, {});
+  if (islands) tile.islands->write(islands->stream());
   std::vector<AtomicFile*> all;
   for (AtomicFile& file : files) all.push_back(&file);
   monitor.throwIfCancelled();

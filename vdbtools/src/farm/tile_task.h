@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file tile_task.h
-/// The task of a tile: its mesh (tile_file.h) and its part of the grids.
+/// The task of a tile: its mesh (tile_file.h), its part of the grids, and its islands where some are to be dropped
+/// (tile_islands.h).
 #pragma once
 
 #include "farm/tile_file.h"
+#include "farm/tile_islands.h"
 
 #include "vdbtools/farm/task.h"
 #include "vdbtools/job/scene.h"
 
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace vdbtools {
@@ -16,6 +20,17 @@ namespace vdbtools {
 inline constexpr const char* kPreparedName = "prepared.vdb";
 std::string tileMeshName(std::uint64_t index);
 std::string tileGridsName(std::uint64_t index);
+std::string tileIslandsName(std::uint64_t index);
+
+/// Which files the tasks of a plan write. Where islands are dropped the distances of a level set are those to what is
+/// left of the mesh. They are computed when the tiles are merged, and the tiles hold the mesh for that.
+struct TileFiles {
+  bool mesh = false, grids = false, islands = false;
+  bool cappedMesh = false;  ///< the mesh is kept for a level set: in doubles, and closed by caps
+};
+
+/// @param makes  as Manifest::makes
+TileFiles tileFiles(const std::vector<std::string>& makes, const FractalOptions& options);
 
 /// How far a tile's level set and its normals depend on nodes of other tiles.
 inline constexpr int kTileHalo = 5;
@@ -27,6 +42,7 @@ openvdb::CoordBBox ownNodes(const openvdb::CoordBBox& box, const openvdb::CoordB
 struct Tile {
   std::vector<TileLayer> layers;              ///< of the mesh, if it is wanted
   std::vector<openvdb::GridBase::Ptr> grids;  ///< the parts of those that are wanted and are made of parts
+  std::optional<TileIslands> islands;         ///< if some are to be dropped
   std::uint64_t evaluatedNodes = 0;
 };
 

@@ -2,6 +2,7 @@
 #include "vdbtools/field/islands.h"
 
 #include "base/disjoint_sets.h"
+#include "field/island_choice.h"
 #include "target/mesh_conversion.h"
 
 #include <openvdb/tree/ValueAccessor.h>
@@ -31,25 +32,6 @@ using Leaf = Lower::ChildNodeType;
 using Accessor = openvdb::tree::ValueAccessor<const FloatTree, /*IsSafe=*/false>;
 
 constexpr std::size_t kNoPart = ~std::size_t(0);
-
-/// The nodes of an island that lie in one node of the tree; once all are joined, in its smallest one, the whole island.
-struct Part {
-  std::uint64_t nodes = 0;
-  CoordBBox box;
-  Coord first = Coord::max();  ///< in the order of (x, y, z)
-  bool kept = true;
-
-  void add(const Part& other) {
-    nodes += other.nodes;
-    box.expand(other.box);
-    first = std::min(first, other.first);
-  }
-  void addBox(const CoordBBox& other) {
-    nodes += other.volume();
-    box.expand(other);
-    first = std::min(first, other.min());
-  }
-};
 
 /// The values of one node of the tree, leaf or not, are a cube of cells: lattice nodes in a leaf, tiles elsewhere.
 template <class Node>
@@ -188,8 +170,8 @@ class IslandFinder {
       if (mSets.find(i) != i) mParts[mSets.find(i)].add(mParts[i]);
   }
 
-  std::vector<Part*> islands() {
-    std::vector<Part*> result;
+  std::vector<Island*> islands() {
+    std::vector<Island*> result;
     for (std::size_t i = 0; i < mParts.size(); ++i)
       if (mSets.find(i) == i) result.push_back(&mParts[i]);
     return result;
@@ -340,42 +322,9 @@ class IslandFinder {
   Level<Lower> mLowers;
   Level<Upper> mUppers;
   std::unordered_map<Coord, std::size_t> mRootTiles;  ///< by origin: those inside, each a part of its own
-  std::vector<Part> mParts;
+  std::vector<Island> mParts;  ///< the nodes in one node of the tree; in the first of those joined, all of the island
   DisjointSets<std::size_t> mSets;
 };
-
-/// Voxels.
-int sizeOf(const Part& island) {
-  const Coord sides = island.box.dim();
-  return std::max({sides[0], sides[1], sides[2]});
-}
-
-void dropSmall(std::vector<Part*>& islands, double minSize, double voxelSize) {
-  // An island of exactly that size stays, although the product of two decimal fractions may be rounded down.
-  constexpr double kRounding = 1e-9;
-  const double least = minSize / voxelSize * (1 - kRounding);
-  int largest = 0;
-  for (Part* island : islands) {
-    largest = std::max(largest, sizeOf(*island));
-    island->kept = sizeOf(*island) >= least;
-  }
-  if (largest < least)
-    throw DataError("no island is left: the largest of " + std::to_string(islands.size()) + " is " +
-                        shortNumber(largest * voxelSize) + " across, and the smallest that was to be kept is " +
-                        shortNumber(minSize) + "; keep smaller ones",
-                    Remedy::SmallerIslands);
-  std::erase_if(islands, [](const Part* island) { return !island->kept; });
-}
-
-void keepLargest(std::vector<Part*>& islands, std::uint64_t count) {
-  if (count >= islands.size()) return;
-  const auto end = islands.begin() + static_cast<std::ptrdiff_t>(count);
-  std::nth_element(islands.begin(), end, islands.end(), [](const Part* a, const Part* b) {
-    return a->nodes != b->nodes ? a->nodes > b->nodes : a->first < b->first;
-  });
-  std::for_each(end, islands.end(), [](Part* island) { island->kept = false; });
-  islands.erase(end, islands.end());
-}
 
 }  // namespace
 
@@ -384,17 +333,7 @@ IslandReport dropIslands(FractalField& field, const IslandOptions& options, Moni
     throw std::invalid_argument("the smallest size of islands is " + shortNumber(options.minSize) +
                                 "; it must be 0 or above, world units");
   IslandFinder finder(field.field->tree(), monitor);
-  const std::vector<Part*> all = finder.islands();
-  IslandReport report;
-  report.islands = all.size();
-  if (all.empty()) return report;
-
-  std::vector<Part*> kept = all;
-  dropSmall(kept, options.minSize, field.field->voxelSize()[0]);
-  if (options.largest) keepLargest(kept, options.largest);
-  report.kept = kept.size();
-  for (const Part* island : all)
-    if (!island->kept) report.droppedNodes += island->nodes;
+  const IslandReport report = chooseIslands(finder.islands(), options, field.field->voxelSize()[0]);
   if (report.droppedNodes) finder.drop();
   return report;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/surface/level_set.h"
 
+#include "surface/band_distances.h"
 #include "target/distance_band.h"
 #include "target/mesh_conversion.h"
 
@@ -17,18 +18,11 @@ namespace vdbtools {
 using openvdb::FloatGrid;
 using openvdb::FloatTree;
 
-namespace {
-
-/// The distances to the mesh of a field, or of a window of it: the same bits for both, as long as the window holds the
-/// nearest triangle.
-FloatGrid::Ptr distancesOf(const FractalField& field, const Mesh& mesh, Monitor& monitor) {
-  const double voxel = field.field->voxelSize()[0];
-  const std::vector<openvdb::Vec3d> points = toIndexSpace(mesh.points, voxel);
-  const TriangleTree tree(points, mesh.triangles, field.domain.getCenter());
-  return toWorld(unsignedDistances(tree, kHalfWidth, "level set", monitor), voxel);
+FloatGrid::Ptr bandDistances(const Mesh& mesh, double voxelSize, const openvdb::CoordBBox& domain, Monitor& monitor) {
+  const std::vector<openvdb::Vec3d> points = toIndexSpace(mesh.points, voxelSize);
+  const TriangleTree tree(points, mesh.triangles, domain.getCenter());
+  return toWorld(unsignedDistances(tree, kHalfWidth, "level set", monitor), voxelSize);
 }
-
-}  // namespace
 
 FloatGrid::Ptr levelSetPart(const FractalField& field, const FieldSource& source, const Mesh& mesh,
                             const openvdb::CoordBBox& nodes, Monitor& monitor) {
@@ -37,7 +31,7 @@ FloatGrid::Ptr levelSetPart(const FractalField& field, const FieldSource& source
     none->setTransform(field.field->transform().copy());
     return none;
   }
-  FloatGrid::Ptr grid = distancesOf(field, mesh, monitor);
+  FloatGrid::Ptr grid = bandDistances(mesh, field.field->voxelSize()[0], field.domain, monitor);
   using LeafManager = openvdb::tree::LeafManager<FloatTree>;
   LeafManager leaves(grid->tree());
   tbb::parallel_for(leaves.leafRange(), [&](const LeafManager::LeafRange& range) {
@@ -81,7 +75,7 @@ void finishLevelSet(FloatGrid& grid) {
 
 FloatGrid::Ptr levelSet(const FractalField& field, const Mesh& mesh, Monitor& monitor) {
   if (mesh.triangles.empty()) throw DataError("the fractal is empty here: there is no surface");
-  const FloatGrid::Ptr grid = distancesOf(field, mesh, monitor);
+  const FloatGrid::Ptr grid = bandDistances(mesh, field.field->voxelSize()[0], field.domain, monitor);
   // F knows the sign at every node, also in closed bubbles, which a flood fill from outside would call inside.
   using LeafManager = openvdb::tree::LeafManager<FloatTree>;
   LeafManager leaves(grid->tree());

@@ -5,6 +5,7 @@
 
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/farm/manifest.h"
+#include "vdbtools/field/islands.h"
 #include "vdbtools/surface/extract_mesh.h"
 #include "vdbtools/surface/level_set.h"
 
@@ -31,12 +32,15 @@ struct MergeResult {
   MeshCounts mesh;                           ///< of all mesh files together
   LevelSetCheck check;                       ///< of the grid "surface", if it was made
   std::uint64_t bandVoxels = 0;              ///< of the same
+  std::optional<IslandReport> islands;       ///< if any were to be dropped
 };
 
 /// Writes what one run of the plan's recipe would have written, byte for byte. The mesh is written while the tiles are
-/// read, and memory holds two layers of their blocks; the grids are held whole, as a VDB is written whole.
+/// read, and memory holds two layers of their blocks; the grids are held whole, as a VDB is written whole. Where
+/// islands are to be dropped they are joined over all tiles; memory then also holds the parts of islands in each tile,
+/// and for a level set the mesh that is left.
 /// @throw std::invalid_argument  the plan is not one of tiles, or its tasks do not make what is asked for
-/// @throw DataError              tasks are not done; there is no surface; a tile is broken
+/// @throw DataError              tasks are not done; there is no surface; no island is left; a tile is broken
 /// @throw CreateError, IoError, Interrupted
 MergeResult mergePlan(const std::filesystem::path& folder, const Manifest& manifest, const MergeOptions& options,
                       Monitor& monitor);
@@ -44,8 +48,10 @@ MergeResult mergePlan(const std::filesystem::path& folder, const Manifest& manif
 /// For a fractal that is too large for one file: each tile as a mesh and a VDB of its own, and an index of them,
 /// written last. Beside F.json there are F.0001.ply and F.0001.vdb; tiles without a triangle have no file. A mesh holds
 /// the triangles that its tile owns and all of their points; meshes side by side share the points at their border.
+/// Islands are dropped as by mergePlan().
 /// @param index  the JSON file
-/// @throw as mergePlan()
+/// @throw as mergePlan(); std::invalid_argument if islands are to be dropped and the plan makes grids, as the distances
+/// to what is left are not known tile by tile
 MergeResult writeTileFiles(const std::filesystem::path& folder, const Manifest& manifest,
                            const std::filesystem::path& index, Monitor& monitor);
 

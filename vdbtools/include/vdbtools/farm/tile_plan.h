@@ -22,7 +22,7 @@ struct TilePlanOptions {
   /// How many tiles of about equal work: the lattice is cut in two, and the parts again, between blocks of 8^3 nodes.
   std::optional<int> tiles;
   /// Or the nodes along the side of a cube: tiles begin at its multiples. Those without an undecided cell in them or
-  /// within a few nodes of them are left out.
+  /// within a few nodes of them are left out, except where islands are to be dropped and they lie inside the set.
   std::optional<int> tileNodes;
   std::vector<std::string> makes;  ///< as Manifest::makes
   bool survey = false;             ///< whether to find out where the surface is, for an estimate
