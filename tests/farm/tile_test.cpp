@@ -325,8 +325,7 @@ TEST(TileCuts, TilesDoNotOverlapAndHoldAllWork) {
         EXPECT_GT(own, 0);
         EXPECT_NEAR(tile.work, own, 1e-6 * all);
         held += own;
-        for (const TileBox& other : tiles)
-          if (&other != &tile) EXPECT_FALSE(other.nodes.hasOverlap(tile.nodes));
+        for (const TileBox& other : tiles) EXPECT_EQ(other.nodes.hasOverlap(tile.nodes), &other == &tile);
       }
       EXPECT_NEAR(held, all, 1e-6 * all);
     }

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <array>
 #include <stdexcept>
 #include <string_view>
@@ -151,6 +152,14 @@ const PlannedTask& taskOf(const Manifest& manifest, std::uint64_t index) {
 }
 
 }  // namespace
+
+bool makes(const Manifest& manifest, std::string_view format) {
+  return std::find(manifest.makes.begin(), manifest.makes.end(), format) != manifest.makes.end();
+}
+
+bool makesMesh(const Manifest& manifest) {
+  return makes(manifest, "ply") || makes(manifest, "obj") || makes(manifest, "stl");
+}
 
 std::string encodeManifest(const Manifest& manifest) {
   try {

@@ -37,18 +37,12 @@ using Leaf = FloatTree::LeafNodeType;
 
 constexpr int kBlock = Leaf::DIM;
 
-bool makes(const Manifest& manifest, const std::string& what) {
-  return std::find(manifest.makes.begin(), manifest.makes.end(), what) != manifest.makes.end();
-}
 bool writes(const Manifest& manifest, std::uint64_t index, const std::string& name) {
   const std::vector<std::string>& names = manifest.tasks.at(index - 1).writes;
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 bool dropsIslands(const Manifest& manifest) {
   return !manifest.tasks.empty() && writes(manifest, 1, tileIslandsName(1));
-}
-bool makesMesh(const Manifest& manifest) {
-  return makes(manifest, "ply") || makes(manifest, "obj") || makes(manifest, "stl");
 }
 
 void requireTiles(const Manifest& manifest) {

@@ -250,7 +250,9 @@ TilePlan planTiles(const FractalOptions& options, const Recipe& recipe, const Ti
   if (work.empty()) throw DataError("the fractal is empty: no cell of the lattice is undecided", Remedy::LargerBeta);
 
   TilePlan plan;
-  const TileFiles files = tileFiles(tiles.makes, options);
+  Manifest& manifest = plan.manifest;
+  manifest.makes = tiles.makes;
+  const TileFiles files = tileFiles(manifest, options);
   // A tile without a triangle may have a part of the level set.
   std::vector<TileBox> boxes = tiles.tiles ? cutEvenly(whole.domain, work, *tiles.tiles)
                                            : cutIntoCubes(whole.domain, work, *tiles.tileNodes, kTileHalo);
@@ -260,12 +262,10 @@ TilePlan planTiles(const FractalOptions& options, const Recipe& recipe, const Ti
     throw std::invalid_argument("there would be " + std::to_string(boxes.size()) + " tiles, and " +
                                 std::to_string(kMostTiles) + " is the most; make them larger");
 
-  Manifest& manifest = plan.manifest;
   manifest.kind = PlanKind::Tiles;
   // A task works in any folder, and can tell whether the map's files are those of the plan.
   manifest.recipe = withAbsoluteNames(recipe, std::filesystem::current_path());
   for (const auto& [name, hash] : verifiedHashes(filesOf(options))) manifest.recipe[name] = hash;
-  manifest.makes = tiles.makes;
   manifest.facts = sceneMetadata(scene, recipe);
   manifest.lattice = TileLattice{whole.domain, whole.bounded, whole.voxelSize};
   for (const TileBox& box : boxes) {

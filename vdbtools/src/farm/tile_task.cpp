@@ -168,17 +168,15 @@ std::string tileMeshName(std::uint64_t index) { return numbered(index, ".tile");
 std::string tileGridsName(std::uint64_t index) { return numbered(index, ".vdb"); }
 std::string tileIslandsName(std::uint64_t index) { return numbered(index, ".islands"); }
 
-TileFiles tileFiles(const std::vector<std::string>& makes, const FractalOptions& options) {
-  const auto has = [](const std::vector<std::string>& list, const char* what) {
-    return std::find(list.begin(), list.end(), what) != list.end();
-  };
+TileFiles tileFiles(const Manifest& manifest, const FractalOptions& options) {
   const std::vector<std::string>& grids = options.output.grids;
-  TileFiles files{.mesh = has(makes, "ply") || has(makes, "obj") || has(makes, "stl"), .grids = has(makes, "vdb")};
+  const auto has = [&](const char* name) { return std::find(grids.begin(), grids.end(), name) != grids.end(); };
+  TileFiles files{.mesh = makesMesh(manifest), .grids = makes(manifest, "vdb")};
   files.islands = options.surface.islands.largest > 0 || options.surface.islands.minSize > 0;
   if (!files.islands || !files.grids) return files;
-  files.cappedMesh = has(grids, "surface") || has(grids, "density") || has(grids, "versor");
+  files.cappedMesh = has("surface") || has("density") || has("versor");
   files.mesh = files.mesh || files.cappedMesh;
-  files.grids = has(grids, "logmodulus") || has(grids, "iterations");
+  files.grids = has("logmodulus") || has("iterations");
   return files;
 }
 
@@ -241,13 +239,10 @@ bool tilesNeedDoubles(const Manifest& manifest) {
 
 TaskCounts makeTile(const std::filesystem::path& folder, const Manifest& manifest, std::uint64_t index,
                     Monitor& monitor) {
-  const auto makes = [&](const char* what) {
-    return std::find(manifest.makes.begin(), manifest.makes.end(), what) != manifest.makes.end();
-  };
-  const bool wantsGrids = makes("vdb"), wantsMesh = makes("ply") || makes("obj") || makes("stl");
+  const bool wantsGrids = makes(manifest, "vdb"), wantsMesh = makesMesh(manifest);
   const PlannedTask& task = manifest.tasks.at(index - 1);
   const FractalOptions options = parseFractalOptions(manifest.recipe);
-  const TileFiles written = tileFiles(manifest.makes, options);
+  const TileFiles written = tileFiles(manifest, options);
   std::list<AtomicFile> files;
   AtomicFile* const mesh = written.mesh ? &files.emplace_back(folder / tileMeshName(index)) : nullptr;
   AtomicFile* const grids = written.grids ? &files.emplace_back(folder / tileGridsName(index)) : nullptr;

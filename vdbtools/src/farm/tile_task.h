@@ -29,8 +29,8 @@ struct TileFiles {
   bool cappedMesh = false;  ///< the mesh is kept for a level set: in doubles, and closed by caps
 };
 
-/// @param makes  as Manifest::makes
-TileFiles tileFiles(const std::vector<std::string>& makes, const FractalOptions& options);
+/// Of what the manifest makes. Its tasks need not be there yet.
+TileFiles tileFiles(const Manifest& manifest, const FractalOptions& options);
 
 /// How far a tile's level set and its normals depend on nodes of other tiles.
 inline constexpr int kTileHalo = 5;

@@ -15,6 +15,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdbtools {
@@ -54,6 +55,10 @@ struct Manifest {
   std::vector<PlannedTask> tasks;  ///< task k is tasks[k - 1]
   std::string version;             ///< of the program that planned; filled in by encodeManifest()
 };
+
+/// Whether @a format, such as "vdb", is wanted in the end, and whether a mesh of any format is.
+bool makes(const Manifest& manifest, std::string_view format);
+bool makesMesh(const Manifest& manifest);
 
 inline constexpr const char* kManifestName = "manifest.json";
 
