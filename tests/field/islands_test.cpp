@@ -439,7 +439,7 @@ TEST(Islands, TheMeshOfTheRestIsTheRestOfTheMesh) {
 /// Leaves where the surface is, tiles elsewhere.
 FractalField shellField(const test_fields::Distance& distance, const CoordBBox& domain) {
   FractalField field = fieldOf({});
-  field.domain = domain;
+  field.domain = field.window = domain;
   constexpr double kReach = 8.5;  // half a leaf's diagonal, and an edge
   for (int x = domain.min()[0] & ~7; x <= domain.max()[0]; x += 8)
     for (int y = domain.min()[1] & ~7; y <= domain.max()[1]; y += 8)
