@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "farm/target_store.h"
 
+#include "target/solid_input.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/atomic_file.h"
 #include "vdbtools/files/file_bytes.h"
@@ -9,7 +10,7 @@
 #include "vdbtools/recipe/option_value.h"
 
 #include <cmath>
-#include <functional>
+#include <limits>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -35,8 +36,8 @@ class KeptTarget final : public TargetInput {
   KeptTarget(std::unique_ptr<const TargetInput> input, const TargetOptions& options, fs::path folder)
       : mInput(std::move(input)),
         mFolder(std::move(folder)),
-        mKey(options.input.expectedHash + ' ' + numbersText({options.sdfVoxels.sizeFor(longestSideOf(*mInput))}) + ' ' +
-             (options.repair ? numbersText({options.gap}) : "")) {}
+        mKey(options.input.expectedHash + ' ' + numbersText({options.sdfVoxels.sizeFor(longestSide(mInput->box()))}) +
+             ' ' + (options.repair ? numbersText({options.gap}) : "")) {}
 
   const openvdb::BBoxd& box() const override { return mInput->box(); }
   double usualDepth() const override { return mInput->usualDepth(); }
@@ -63,11 +64,6 @@ class KeptTarget final : public TargetInput {
   }
 
  private:
-  static double longestSideOf(const TargetInput& input) {
-    const openvdb::Vec3d sides = input.box().extents();
-    return std::max({sides[0], sides[1], sides[2]});
-  }
-
   fs::path pathOf(const std::string& name) const {
     constexpr std::size_t kDigits = 16;
     return mFolder / (sha256Hex(mKey + ' ' + name).substr(0, kDigits) + ".vdb");

@@ -11,7 +11,6 @@
 #include <openvdb/tree/ValueAccessor.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <list>
 
 namespace vdbtools {
@@ -24,10 +23,10 @@ using Leaf = openvdb::FloatTree::LeafNodeType;
 
 constexpr int kBlock = Leaf::DIM;
 
-std::string numbered(std::uint64_t index, const char* extension) {
-  char name[48];
-  std::snprintf(name, sizeof name, "tiles/%04llu%s", static_cast<unsigned long long>(index), extension);
-  return name;
+std::string numbered(std::uint64_t index, const char* extension) { return "tiles/" + taskName(index) + extension; }
+
+bool dropsIslands(const FractalOptions& options) {
+  return options.surface.islands.largest > 0 || options.surface.islands.minSize > 0;
 }
 
 Coord blockOf(const Coord& node) { return node & ~(kBlock - 1); }
@@ -172,7 +171,7 @@ TileFiles tileFiles(const Manifest& manifest, const FractalOptions& options) {
   const std::vector<std::string>& grids = options.output.grids;
   const auto has = [&](const char* name) { return std::find(grids.begin(), grids.end(), name) != grids.end(); };
   TileFiles files{.mesh = makesMesh(manifest), .grids = makes(manifest, "vdb")};
-  files.islands = options.surface.islands.largest > 0 || options.surface.islands.minSize > 0;
+  files.islands = dropsIslands(options);
   if (!files.islands || !files.grids) return files;
   files.cappedMesh = has("surface") || has("density") || has("versor");
   files.mesh = files.mesh || files.cappedMesh;
@@ -202,24 +201,24 @@ Tile makeTile(const Scene& scene, const CoordBBox& box, bool wantsMesh, bool wan
       plan, scene.source(),
       {.keepIterations = wants("iterations"), .everyNode = wants("iterations") || wants("logmodulus")}, monitor);
   Tile tile{.evaluatedNodes = field.evaluatedNodes};
-  const bool dropsIslands = scene.options.surface.islands.largest > 0 || scene.options.surface.islands.minSize > 0;
-  if (dropsIslands) tile.islands.emplace(field, scene.source(), box, monitor);
+  const bool dropped = dropsIslands(scene.options);
+  if (dropped) tile.islands.emplace(field, scene.source(), box, monitor);
   const bool wantsSurface = wants("surface") || wants("density") || wants("versor");
   const bool capMesh = scene.options.surface.cap || !plan.bounded;
   PlacedMesh placed = extractPlacedMesh(
       field, scene.source(),
       {.tolerance = scene.options.surface.tolerance, .border = capMesh || wantsSurface ? Border::Cap : Border::Open},
       monitor);
-  if (wantsSurface && !dropsIslands) {
+  if (wantsSurface && !dropped) {
     const FloatGrid::Ptr surface = levelSetPart(field, scene.source(), placed.mesh, own, monitor);
     surface->setName("surface");
     tile.grids.push_back(surface);
   }
   if (wants("logmodulus")) tile.grids.push_back(partOf(*field.field, own));
   if (wants("iterations")) tile.grids.push_back(partOf(*field.iterations, own));
-  if (!wantsMesh && !(wantsSurface && dropsIslands)) return tile;
+  if (!wantsMesh && !(wantsSurface && dropped)) return tile;
   if (wantsSurface && !capMesh) {
-    if (dropsIslands)
+    if (dropped)
       setOpenNormals(placed);
     else
       placed = withoutCaps(std::move(placed));
