@@ -2,7 +2,7 @@
 """JuliaVDB in Blender: a panel that turns the selected mesh into a fractal of the same shape.
 
 The add-on starts the program `juliavdb` and reads its progress; it has no fractal code of its own. It is written for
-Blender 3.4 and later. README.md beside this folder describes what it does.
+Blender 3.4 and later; docs/blender.md describes what it does.
 
 program.py  the program as a child process, without Blender
 ply.py      reading and writing PLY, without Blender
