@@ -10,6 +10,7 @@ import pathlib
 import re
 import shlex
 import tempfile
+import textwrap
 import time
 
 import bpy
@@ -307,9 +308,13 @@ def _show_error(message):
     """As a report in the Info editor, and as a popup where there is a window."""
     with contextlib.suppress(RuntimeError):   # An error that an operator reports is an exception for its caller.
         bpy.ops.juliavdb.report(message=message)
-    if not bpy.app.background:
-        bpy.context.window_manager.popup_menu(lambda menu, _: menu.layout.label(text=message), title="JuliaVDB",
-                                              icon="ERROR")
+    if bpy.app.background:
+        return
+
+    def draw(menu, _):
+        for line in textwrap.wrap(message, 90):
+            menu.layout.label(text=line)
+    bpy.context.window_manager.popup_menu(draw, title="JuliaVDB", icon="ERROR")
 
 
 class Report(bpy.types.Operator):

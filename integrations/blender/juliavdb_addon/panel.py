@@ -7,8 +7,8 @@ import bpy
 
 from . import make, meshes, pictures, settings
 
-# About as many letters as fit into the sidebar.
-WIDTH = 38
+# About as many letters as fit into the sidebar as wide as it is at first.
+WIDTH = 26
 
 
 class Panel(bpy.types.Panel):
