@@ -24,12 +24,13 @@ def start_blender():
     if not blender:
         print("skipped: blender is not installed")
         return 0
-    # A folder of its own for caches and settings.
+    # A folder of its own for caches, settings and what is temporary: other tests run beside this one.
     with tempfile.TemporaryDirectory(prefix="juliavdb_blender_") as home:
         run = subprocess.run(
             [blender, "--background", "--factory-startup", "-noaudio", "--python-exit-code", "1", "--python", __file__,
              "--", *sys.argv[1:]],
-            env={**os.environ, "HOME": home, "XDG_CACHE_HOME": f"{home}/cache", "PYTHONDONTWRITEBYTECODE": "1"},
+            env={**os.environ, "HOME": home, "XDG_CACHE_HOME": f"{home}/cache", "TMPDIR": home,
+                 "PYTHONDONTWRITEBYTECODE": "1"},
             check=False)
     return run.returncode
 
