@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The preferences of the add-on, and the settings that each object keeps: they are the recipe of a fractal."""
+
+import shlex
+
+import bpy
+from bpy.props import (BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty)
+
+from . import pictures
+from .program import ProgramError
+
+# What a result takes over from the object that it was made of.
+RECIPE = ("detail", "outward", "versor", "seed", "resolution", "output", "paint", "paint_channel", "detail_black",
+          "up", "repair", "more")
+# Options that the add-on gives itself.
+OWN_OPTIONS = ("-o", "--output", "--mesh", "--progress", "--config", "--frame")
+
+
+class Preferences(bpy.types.AddonPreferences):
+    bl_idname = __package__
+
+    program: StringProperty(
+        name="Program", subtype="FILE_PATH", default="juliavdb",
+        description="The program juliavdb: a name that is searched in PATH, or a path")
+    folder: StringProperty(
+        name="Volumes", subtype="DIR_PATH", default="//juliavdb",
+        description="Where volumes are kept. A path that begins with // is beside the .blend file")
+
+    def draw(self, context):
+        self.layout.prop(self, "program")
+        self.layout.prop(self, "folder")
+
+
+def preferences(context):
+    return context.preferences.addons[__package__].preferences
+
+
+def program(context):
+    chosen = preferences(context).program
+    return bpy.path.abspath(chosen) if chosen.startswith("//") else chosen
+
+
+def _texture_items(_, context):
+    return pictures.items(program(context or bpy.context))
+
+
+# Only the name of the texture is kept in the file. The number of an item is its place in a list that may grow.
+def _texture_place(self):
+    return pictures.place(program(bpy.context), self.versor)
+
+
+def _choose_texture(self, place):
+    self.versor = pictures.name_at(program(bpy.context), place)
+
+
+class Settings(bpy.types.PropertyGroup):
+    detail: FloatProperty(
+        name="Detail", min=0, max=1, default=0.25, precision=2, step=5,
+        description="How deep detail eats into the shape, as a share of its local thickness: 0.1 decorates it, "
+                    "0.25 covers it, 0.8 leaves a thin core")
+    outward: FloatProperty(
+        name="Outward", min=0, max=1, default=0.1, precision=2, step=5,
+        description="How far detail reaches out of the shape, as a share of its local thickness")
+    versor: StringProperty(name="Texture", default="scales", description="The name of the texture")
+    texture: EnumProperty(
+        name="Texture", items=_texture_items, get=_texture_place, set=_choose_texture,
+        description="What the surface looks like")
+    seed: IntProperty(
+        name="Seed", min=0, default=1,
+        description="Every number is another variation, of textures that have something random")
+    resolution: IntProperty(
+        name="Resolution", min=8, soft_max=1000, max=20000, default=200,
+        description="Voxels along the longest side of the object")
+    output: EnumProperty(
+        name="Result", default="MESH",
+        items=[("MESH", "Mesh", "Bring in the surface as a mesh"),
+               ("VOLUME", "Volume", "Bring in a volume, an OpenVDB file with a fog and a level set")])
+    paint: EnumProperty(
+        name="Paint", default="NONE",
+        description="What the active colour attribute of the object decides",
+        items=[("NONE", "Nothing", "The colours are not used"),
+               ("DETAIL", "Detail", "White has the detail that is set above, black the one below"),
+               ("MASK", "Mask", "White becomes a fractal, black stays as it is")])
+    paint_channel: EnumProperty(
+        name="Channel", default="brightness", description="Which channel of the colour attribute to use",
+        items=[("brightness", "Brightness", "0.2126 red + 0.7152 green + 0.0722 blue, in linear light"),
+               ("red", "Red", ""), ("green", "Green", ""), ("blue", "Blue", ""), ("alpha", "Alpha", "")])
+    detail_black: FloatProperty(
+        name="Detail in black", min=0, max=1, default=0.05, precision=2, step=5,
+        description="The detail where the paint is black")
+    up: EnumProperty(
+        name="Up", default="Z", description="Which axis of the object the texture takes for upright",
+        items=[("Z", "Z", "The vertical axis of Blender"), ("Y", "Y", "The vertical axis of many other programs")])
+    repair: BoolProperty(
+        name="Repair", default=False, description="Close the holes and gaps of an open mesh before it is used")
+    more: StringProperty(
+        name="More", description="More options of 'juliavdb fractal', such as: --iterations 4 --largest 1")
+    hide_source: BoolProperty(
+        name="Hide Original", default=True, description="Hide the object itself, in the viewport and in renders")
+    # Of results only.
+    source: PointerProperty(type=bpy.types.Object, name="Made of")
+
+    def copy_recipe(self, other):
+        for name in RECIPE:
+            setattr(self, name, getattr(other, name))
+
+
+def words(settings):
+    """The options of `juliavdb fractal` for these settings, without files.
+
+    Raises ProgramError for options under More that cannot be given there.
+    """
+    result = ["--outward", number(settings.outward), "--versor", settings.versor,
+              "--resolution", str(settings.resolution)]
+    channel = f"paint:{settings.paint_channel}"
+    if settings.paint == "DETAIL":
+        result += ["--detail", f"{channel}:{number(settings.detail_black)}:{number(settings.detail)}"]
+    else:
+        result += ["--detail", number(settings.detail)]
+    if settings.paint == "MASK":
+        result += ["--mask", channel]
+    if pictures.has_seed(program(bpy.context), settings.versor):
+        result += ["--versor-seed", str(settings.seed)]
+    if settings.repair:
+        result.append("--repair")
+    try:
+        more = shlex.split(settings.more)
+    except ValueError as error:
+        raise ProgramError(f"More options: '{settings.more}': {error}") from error
+    for word in more:
+        if word.split("=")[0] in OWN_OPTIONS:
+            raise ProgramError(f"More options: {word} is given by the add-on itself")
+    return result + more
+
+
+def number(value):
+    """As it was typed: Blender keeps floats of 32 bits, and 0.1 would become 0.10000000149."""
+    return format(value, ".7g")
+
+
+def is_result(candidate):
+    return candidate is not None and candidate.juliavdb.source is not None
+
+
+def results_of(source):
+    """The objects that were made of this one, in the order of their names."""
+    return [candidate for candidate in bpy.data.objects if candidate.juliavdb.source == source]
+
+
+CLASSES = (Preferences, Settings)
+
+
+def register():
+    for each in CLASSES:
+        bpy.utils.register_class(each)
+    bpy.types.Object.juliavdb = PointerProperty(type=Settings)
+
+
+def unregister():
+    del bpy.types.Object.juliavdb
+    for each in reversed(CLASSES):
+        bpy.utils.unregister_class(each)

@@ -1,0 +1,449 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The add-on in Blender without a window: what comes out, where it lies, progress, cancelling, errors, recipes.
+
+Started by Python it starts itself again inside Blender: blender -b --factory-startup --python blender_test.py
+"""
+
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+ADDON = "juliavdb_addon"
+# Small, but with detail.
+RESOLUTION = 32
+
+
+def start_blender():
+    blender = shutil.which("blender")
+    if not blender:
+        print("skipped: blender is not installed")
+        return 0
+    # A folder of its own for caches, settings and what is temporary: other tests run beside this one.
+    with tempfile.TemporaryDirectory(prefix="juliavdb_blender_") as home:
+        run = subprocess.run(
+            [blender, "--background", "--factory-startup", "-noaudio", "--python-exit-code", "1", "--python", __file__,
+             "--", *sys.argv[1:]],
+            env={**os.environ, "HOME": home, "XDG_CACHE_HOME": f"{home}/cache", "TMPDIR": home,
+                 "PYTHONDONTWRITEBYTECODE": "1"},
+            check=False)
+    return run.returncode
+
+
+try:
+    import bpy
+except ImportError:
+    sys.exit(start_blender())
+
+import addon_utils   # noqa: E402
+import numpy         # noqa: E402
+from mathutils import Matrix, Vector   # noqa: E402
+
+PROGRAM = os.path.abspath(os.environ["JULIAVDB"])
+sys.path.insert(0, str(ROOT / "integrations/blender"))
+
+
+def corners(thing):
+    """The least and the greatest coordinates of an object in the world: of its vertices, or of its volume's box."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    evaluated = thing.evaluated_get(depsgraph)
+    if thing.type == "MESH":
+        points = [evaluated.matrix_world @ vertex.co for vertex in evaluated.data.vertices]
+    else:
+        points = [evaluated.matrix_world @ Vector(corner) for corner in evaluated.bound_box]
+    points = numpy.array(points)
+    return points.min(0), points.max(0)
+
+
+def surface_of(volume, grid, threshold):
+    """A mesh object of a grid of the volume, by Blender's own Volume to Mesh."""
+    mesh = bpy.data.objects.new("surface", bpy.data.meshes.new("surface"))
+    bpy.context.scene.collection.objects.link(mesh)
+    modifier = mesh.modifiers.new("Volume to Mesh", "VOLUME_TO_MESH")
+    modifier.object = volume
+    modifier.grid_name = grid
+    modifier.threshold = threshold
+    return mesh
+
+
+class Addon(unittest.TestCase):
+
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="juliavdb_test_"))
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        addon_utils.enable(ADDON, default_set=True)
+        self.addon = sys.modules[ADDON]
+        self.preferences().program = PROGRAM
+        self.preferences().folder = str(self.folder / "volumes")
+
+    def preferences(self):
+        return bpy.context.preferences.addons[ADDON].preferences
+
+    def source(self, **recipe):
+        """A lopsided torus, turned, scaled and moved, so that no two axes and no two signs are alike."""
+        bpy.ops.mesh.primitive_torus_add(major_segments=40, minor_segments=16, major_radius=1, minor_radius=0.4)
+        torus = bpy.context.object
+        for vertex in torus.data.vertices:
+            vertex.co.x = 1.5 * vertex.co.x + 0.3
+            vertex.co.z += 0.3 * vertex.co.y + 0.5
+        torus.matrix_world = (Matrix.Translation((3, -2, 1)) @ Matrix.Rotation(0.7, 4, "Y") @ Matrix.Scale(2, 4))
+        bpy.context.view_layer.update()
+        torus.juliavdb.resolution = RESOLUTION
+        torus.juliavdb.more = "--sdf-resolution 60"
+        for name, value in recipe.items():
+            setattr(torus.juliavdb, name, value)
+        return torus
+
+    def plain(self, **recipe):
+        """Its fractal is the torus itself."""
+        return self.source(more="--sdf-resolution 60 --mask 0", **recipe)
+
+    def make(self):
+        self.assertEqual(bpy.ops.juliavdb.make(), {"FINISHED"})
+        return bpy.context.object
+
+    def files(self):
+        return sorted(str(path.relative_to(self.folder)) for path in self.folder.rglob("*") if path.is_file())
+
+    def assert_same_box(self, first, second, tolerance):
+        for one, other in zip(first, second):
+            self.assertLess(numpy.abs(one - other).max(), tolerance, f"{first} and {second}")
+
+    def voxel(self, source):
+        """In the world."""
+        size = [max(v.co[axis] for v in source.data.vertices) - min(v.co[axis] for v in source.data.vertices)
+                for axis in range(3)]
+        return 2 * max(size) / RESOLUTION
+
+    def test_a_mesh_lies_where_its_source_lies(self):
+        for up in "ZY":
+            with self.subTest(up=up):
+                source = self.plain(up=up)
+                result = self.make()
+                self.assertEqual(result.type, "MESH")
+                self.assertEqual(result.parent, source)
+                self.assertEqual((result.matrix_basis, result.matrix_parent_inverse), (Matrix(), Matrix()))
+                self.assert_same_box(corners(source), corners(result), self.voxel(source))
+                self.assertEqual(self.files(), [])
+                # Every edge has two faces, and they look outward.
+                sides = numpy.zeros(len(result.data.edges), int)
+                for polygon in result.data.polygons:
+                    self.assertEqual(polygon.loop_total, 3)
+                for loop in result.data.loops:
+                    sides[loop.edge_index] += 1
+                self.assertTrue((sides == 2).all())
+                points = numpy.array([vertex.co for vertex in result.data.vertices])
+                a, b, c = (points[[polygon.vertices[i] for polygon in result.data.polygons]] for i in range(3))
+                self.assertGreater((a * numpy.cross(b, c)).sum(), 0)
+                self.assertFalse(result.data.validate())
+
+    def test_a_volume_lies_where_its_source_lies(self):
+        for up in "ZY":
+            with self.subTest(up=up):
+                source = self.plain(up=up, output="VOLUME")
+                box = corners(source)
+                result = self.make()
+                self.assertEqual(result.type, "VOLUME")
+                self.assertEqual(result.parent, source)
+                self.assertEqual(sorted(grid.name for grid in result.data.grids), ["density", "surface"])
+                self.assertEqual(result.data.grids[result.data.grids.active_index].name, "density")
+                # The fog begins at the surface.
+                for grid, threshold in (("surface", 0), ("density", 0.02)):
+                    surface = surface_of(result, grid, threshold)
+                    bpy.context.view_layer.update()
+                    depsgraph = bpy.context.evaluated_depsgraph_get()
+                    self.assertGreater(len(surface.evaluated_get(depsgraph).data.vertices), 100)
+                    self.assert_same_box(box, corners(surface), self.voxel(source))
+
+    def test_a_fractal_has_the_shape_of_its_source(self):
+        source = self.source(detail=0.3)
+        result = self.make()
+        longest = max(corners(source)[1] - corners(source)[0])
+        self.assert_same_box(corners(source), corners(result), 0.1 * longest)
+        self.assertGreater(len(result.data.polygons), len(source.data.polygons))
+
+    def test_the_original_is_hidden_on_request(self):
+        source = self.plain()
+        self.make()
+        self.assertTrue(source.hide_get() and source.hide_render)
+        other = self.plain(hide_source=False)
+        self.make()
+        self.assertFalse(other.hide_get() or other.hide_render)
+
+    def test_modifiers_count(self):
+        source = self.plain()
+        result = self.make()
+        before = corners(result)
+        modifier = source.modifiers.new("Array", "ARRAY")
+        modifier.relative_offset_displace = (0, 0, 1.5)
+        self.assertEqual(bpy.ops.juliavdb.update(), {"FINISHED"})
+        self.assertTrue(source.hide_get(), "it was hidden before")
+        self.assertGreater((corners(result)[1] - before[1]).max(), 1)
+
+    def test_update_follows_the_settings(self):
+        source = self.source()
+        result = self.make()
+        first = len(result.data.polygons)
+        meshes = len(bpy.data.meshes)
+        result.data.materials.append(bpy.data.materials.new("stone"))
+        result.location.x = 7
+        result.juliavdb.detail = 0.6
+        result.juliavdb.versor = "thorns"
+        bpy.ops.juliavdb.update()
+        self.assertNotEqual(len(result.data.polygons), first)
+        self.assertEqual(len(bpy.data.meshes), meshes, "the old mesh is gone")
+        self.assertEqual(result.data.materials[0].name, "stone")
+        self.assertEqual(result.location.x, 7)
+        self.assertIn("--versor thorns", result["juliavdb_command"])
+        self.assertEqual(source.juliavdb.versor, "scales", "a result has settings of its own")
+        # From the source, its settings hold.
+        source.hide_set(False)
+        bpy.context.view_layer.objects.active = source
+        bpy.ops.juliavdb.update()
+        self.assertEqual(result.juliavdb.versor, "scales")
+        self.assertEqual(len(result.data.polygons), first, "the same recipe gives the same mesh")
+
+    def test_update_turns_a_mesh_into_a_volume(self):
+        self.plain()
+        result = self.make()
+        name, parent = result.name, result.parent
+        result.juliavdb.output = "VOLUME"
+        bpy.ops.juliavdb.update()
+        result = bpy.context.object
+        self.assertEqual((result.name, result.parent, result.type), (name, parent, "VOLUME"))
+        first = result.data.filepath
+        result.juliavdb.detail = 0.4
+        bpy.ops.juliavdb.update()
+        self.assertNotEqual(result.data.filepath, first, "undo finds the file it had before")
+        self.assertTrue(pathlib.Path(bpy.path.abspath(first)).exists())
+
+    def paint(self, source, domain, kind):
+        attribute = source.data.color_attributes.new("Painted", kind, domain)
+        places = (range(len(source.data.vertices)) if domain == "POINT"
+                  else [loop.vertex_index for loop in source.data.loops])
+        for index, vertex in enumerate(places):
+            grey = 1.0 if source.data.vertices[vertex].co.x > 0.3 else 0.0
+            attribute.data[index].color = (grey, grey, grey, 1)
+        source.data.color_attributes.active_color = attribute
+
+    def test_paint_decides_where_the_detail_goes(self):
+        for domain, kind in (("POINT", "FLOAT_COLOR"), ("CORNER", "BYTE_COLOR")):
+            with self.subTest(domain=domain):
+                source = self.source(hide_source=False, detail=0.8, outward=0.5, resolution=2 * RESOLUTION)
+                self.paint(source, domain, kind)
+                source.juliavdb.paint = "MASK"
+                result = self.make()
+                self.assertIn("--mask paint:brightness", result["juliavdb_command"])
+
+                def distances(sign):
+                    """From the painted torus, for some vertices on one side of it, in voxels."""
+                    return [2 * (source.closest_point_on_mesh(vertex.co)[1] - vertex.co).length / self.voxel(source)
+                            for vertex in result.data.vertices[:][::8] if sign * (vertex.co.x - 0.3) > 0.3]
+                self.assertLess(max(distances(-1)), 1, "black stays as it is")
+                self.assertGreater(max(distances(1)), 2, "white does not")
+
+    def test_paint_scales_the_detail(self):
+        source = self.source(paint="DETAIL", detail=0.5, detail_black=0.02)
+        self.paint(source, "POINT", "FLOAT_COLOR")
+        self.assertIn("--detail paint:brightness:0.02:0.5", self.make()["juliavdb_command"])
+
+    def test_paint_without_colours_is_refused(self):
+        self.source(paint="MASK")
+        with self.assertRaisesRegex(RuntimeError, "has no colour attribute"):
+            bpy.ops.juliavdb.make()
+
+    def test_an_error_of_the_program_is_reported(self):
+        bpy.ops.mesh.primitive_grid_add()   # an open mesh
+        bpy.context.object.juliavdb.output = "VOLUME"
+        before = set(bpy.data.objects)
+        with self.assertRaisesRegex(RuntimeError, "--repair") as caught:
+            bpy.ops.juliavdb.make()
+        self.assertEqual(len(str(caught.exception).strip().splitlines()), 1)
+        self.assertEqual(set(bpy.data.objects), before)
+        self.assertFalse((self.folder / "volumes").exists())
+        # Also when nobody waits for it: the panel shows it.
+        bpy.ops.juliavdb.make(wait=False)
+        self.pump()
+        message, failed = self.addon.make.said
+        self.assertTrue(failed)
+        self.assertIn("--repair", message)
+
+    def test_wrong_options_are_reported(self):
+        self.source(more="--no-such-option 3")
+        with self.assertRaisesRegex(RuntimeError, "no-such-option"):
+            bpy.ops.juliavdb.make()
+        bpy.context.object.juliavdb.more = "--progress none"
+        with self.assertRaisesRegex(RuntimeError, "given by the add-on itself"):
+            bpy.ops.juliavdb.make()
+
+    def test_a_missing_program_is_reported(self):
+        self.source()
+        self.preferences().program = str(self.folder / "nowhere")
+        with self.assertRaisesRegex(RuntimeError, "preferences"):
+            bpy.ops.juliavdb.make()
+
+    def pump(self, seconds=300):
+        """What Blender's event loop does for the timer. Yields nothing, but returns the shares and phases seen."""
+        seen = []
+        end = time.monotonic() + seconds
+        make = self.addon.make
+        while make.running is not None:
+            self.assertLess(time.monotonic(), end, "the task does not end")
+            task = make.running
+            make.tick()
+            if make.running is not None:
+                seen.append((task.share, task.text))
+            time.sleep(0.02)
+        return seen
+
+    def test_progress_in_the_background(self):
+        source = self.source(more="--sdf-resolution 100")
+        self.assertEqual(bpy.ops.juliavdb.make(wait=False), {"FINISHED"})
+        self.assertTrue(bpy.app.timers.is_registered(self.addon.make.tick))
+        self.assertFalse(bpy.ops.juliavdb.make.poll(), "one task at a time")
+        source.juliavdb.detail = 0.9   # too late for this one
+        seen = self.pump()
+        shares = [share for share, _ in seen]
+        self.assertEqual(shares, sorted(shares))
+        self.assertGreater(len(set(shares)), 2)
+        self.assertTrue(any("distance field" in text for _, text in seen), seen)
+        result, = self.addon.settings.results_of(source)
+        self.assertAlmostEqual(result.juliavdb.detail, 0.25)
+        self.assertFalse(self.addon.make.said[1])
+
+    def test_cancel_leaves_nothing(self):
+        for output in ("VOLUME", "MESH"):
+            with self.subTest(output=output):
+                source = self.source(output=output, resolution=2000, more="--sdf-resolution 400")
+                before = set(bpy.data.objects)
+                begun = set(pathlib.Path(tempfile.gettempdir()).glob("juliavdb_*"))
+                bpy.ops.juliavdb.make(wait=False)
+                end = time.monotonic() + 60
+                while self.addon.make.running.share == 0 and time.monotonic() < end:
+                    self.addon.make.tick()
+                    time.sleep(0.02)
+                self.assertEqual(bpy.ops.juliavdb.cancel(), {"FINISHED"})
+                self.pump(60)
+                self.assertEqual(self.addon.make.said, ("Cancelled", False))
+                self.assertEqual(set(bpy.data.objects), before)
+                self.assertEqual(self.addon.settings.results_of(source), [])
+                self.assertFalse((self.folder / "volumes").exists())
+                self.assertEqual(set(pathlib.Path(tempfile.gettempdir()).glob("juliavdb_*")), begun)
+
+    def test_another_file_stops_the_program(self):
+        self.source(resolution=2000, more="--sdf-resolution 400")
+        bpy.ops.juliavdb.make(wait=False)
+        process = self.addon.make.running._run._process
+        bpy.ops.wm.read_homefile(use_empty=True)
+        self.assertIsNotNone(process.poll())
+        self.assertIsNone(self.addon.make.running)
+
+    def test_the_recipe_is_in_the_file(self):
+        self.preferences().folder = "//volumes"
+        blend = str(self.folder / "scene.blend")
+        bpy.ops.wm.save_as_mainfile(filepath=blend)
+        self.plain(output="VOLUME", seed=4, detail=0.35, versor="bark")
+        result = self.make()
+        name, command = result.name, result["juliavdb_command"]
+        self.assertTrue(result.data.filepath.startswith("//volumes"), result.data.filepath)
+        self.assertIn("--versor-seed 4", command)
+        bpy.ops.wm.save_as_mainfile(filepath=blend)
+        bpy.ops.wm.read_homefile(use_empty=True)
+        self.assertNotIn(name, bpy.data.objects)
+        bpy.ops.wm.open_mainfile(filepath=blend)
+        result = bpy.data.objects[name]
+        recipe = result.juliavdb
+        self.assertEqual((recipe.seed, recipe.versor, recipe.texture, recipe.output), (4, "bark", "bark", "VOLUME"))
+        self.assertAlmostEqual(recipe.detail, 0.35)
+        self.assertEqual(recipe.source, result.parent)
+        self.assertEqual(result["juliavdb_command"], command)
+        self.assertRegex(result["juliavdb_version"], r"juliavdb \d")
+        self.assertTrue(result.data.grids.load())
+        bpy.context.view_layer.objects.active = result
+        before = {file: (self.folder / file).read_bytes() for file in self.files() if file.endswith(".vdb")}
+        bpy.ops.juliavdb.update()
+        after = {file: (self.folder / file).read_bytes() for file in self.files() if file.endswith(".vdb")}
+        self.assertEqual(before, after, "the same recipe gives the same file")
+        # The program itself finds all in the file that it needs.
+        run = subprocess.run([PROGRAM, "fractal", "--config", bpy.path.abspath(result.data.filepath), "-o",
+                              str(self.folder / "again.vdb"), "--progress", "none"], capture_output=True, check=False)
+        self.assertEqual(run.returncode, 0, run.stderr)
+
+    def test_textures_are_those_of_the_program(self):
+        source = self.source()
+        listed = subprocess.run([PROGRAM, "versor", "list"], capture_output=True, text=True, check=True).stdout
+        names = [line.split()[0] for line in listed.splitlines()]
+        pictures = self.addon.pictures
+        self.assertEqual([texture["name"] for texture in pictures.shelf(PROGRAM).textures], [*names, "random"])
+        for name in names:
+            source.juliavdb.texture = name
+            self.assertEqual((source.juliavdb.versor, source.juliavdb.texture), (name, name))
+        source.juliavdb.versor = "own.json"
+        self.assertEqual(source.juliavdb.texture, "OTHER")
+        self.assertFalse(pictures.has_seed(PROGRAM, "scales"))
+        self.assertTrue(pictures.has_seed(PROGRAM, "bark"))
+
+    def test_pictures_of_textures_are_made_once(self):
+        pictures = self.addon.pictures
+        folder = pictures.folder(pictures.shelf(PROGRAM).version)
+        self.assertTrue(str(folder).startswith(os.environ["XDG_CACHE_HOME"]), "not in the user's own cache")
+        folder.mkdir(parents=True, exist_ok=True)
+        # All but two are there.
+        for name in pictures.missing(PROGRAM):
+            if name not in ("rings", "thorns"):
+                (folder / f"{name}.png").write_bytes(b"")
+        self.assertEqual(sorted(pictures.missing(PROGRAM)), ["rings", "thorns"])
+        task = pictures.Pictures(PROGRAM)
+        shares = []
+        while task.poll():
+            shares.append(task.share)
+            time.sleep(0.02)
+        self.assertEqual((task.message, task.failed), ("", False))
+        self.assertEqual(shares, sorted(shares))
+        self.assertEqual(pictures.missing(PROGRAM), [])
+        image = bpy.data.images.load(str(folder / "thorns.png"))
+        self.assertEqual(tuple(image.size), (pictures.SIZE, pictures.SIZE))
+
+    def test_colours_of_a_ply_arrive(self):
+        ply, meshes = self.addon.ply, self.addon.meshes
+        points = numpy.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float)
+        triangles = numpy.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+        colours = numpy.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [0.5, 0.25, 1]])
+        path = self.folder / "coloured.ply"
+        path.write_bytes(ply.encoded(points, triangles, dict(zip(("red", "green", "blue"), colours.T))))
+        mesh = meshes.from_arrays("coloured", *ply.read(path))
+        self.assertEqual([tuple(vertex.co) for vertex in mesh.vertices], [tuple(point) for point in points])
+        for entry, colour in zip(mesh.color_attributes["Cd"].data, colours):
+            self.assertEqual(tuple(entry.color)[:3], tuple(colour))
+        path.write_bytes(path.read_bytes()[:-1])
+        with self.assertRaisesRegex(ValueError, "cut off"):
+            ply.read(path)
+
+    def test_the_panel_has_what_it_draws(self):
+        """There is no window to draw in, but every property and operator that the panel names must exist."""
+        source = (ROOT / "integrations/blender" / ADDON / "panel.py").read_text()
+        import re
+        for name in re.findall(r'\.prop\(chosen, "(\w+)"', source):
+            self.assertIn(name, self.addon.settings.Settings.bl_rna.properties)
+        for name in re.findall(r'operator\("juliavdb\.(\w+)"', source):
+            self.assertIn(name, dir(bpy.ops.juliavdb))
+
+    def test_it_can_be_switched_off_and_on(self):
+        addon_utils.disable(ADDON, default_set=True)
+        self.assertFalse(hasattr(bpy.types.Object, "juliavdb"))
+        addon_utils.enable(ADDON, default_set=True)
+        self.assertTrue(hasattr(bpy.types.Object, "juliavdb"))
+
+
+if __name__ == "__main__":
+    words = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
+    outcome = unittest.main(argv=["blender_test", *words], exit=False).result
+    # Blender takes an exception, and not an exit, for a failure.
+    if not outcome.wasSuccessful():
+        raise AssertionError("the add-on has failed a test")
