@@ -8,7 +8,8 @@ BUILD_PACKAGES=(g++ cmake ninja-build libopenvdb-dev libtbb-dev libeigen3-dev li
   nlohmann-json3-dev libboost-dev libboost-iostreams-dev libboost-program-options-dev libblosc-dev zlib1g-dev)
 QUICKSTART_PACKAGES=(glmark2-data)
 # slurm-wlm and parallel run the tests of farms: a true cluster, of one node.
-TEST_PACKAGES=(dpkg-dev file groff-base libgtest-dev libbenchmark-dev libopenvdb-tools python3 python3-openvdb clang-format doxygen git
+# python3-dev and pybind11-dev build the Python module, and python3-numpy runs it.
+TEST_PACKAGES=(python3-dev pybind11-dev python3-numpy dpkg-dev file groff-base libgtest-dev libbenchmark-dev libopenvdb-tools python3 python3-openvdb clang-format doxygen git
   ca-certificates slurm-wlm munge parallel)
 
 # Installs those of the given packages that are missing.

@@ -2,11 +2,15 @@
 #include "vdbtools/target/target_input.h"
 
 #include "target/solid_input.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/files/file_hash.h"
 #include "vdbtools/formats/vdb_file.h"
 
 #include <openvdb/tools/Interpolation.h>
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <limits>
 
 namespace vdbtools {
@@ -23,10 +27,19 @@ constexpr double kSurveyMargin = 4;  ///< voxels of the survey known outside
 /// @param voxel  of the target's distances, world units
 double surveyVoxel(double voxel, const BBoxd& box) { return std::max(2 * voxel, longestSide(box) / kMostSurveyVoxels); }
 
+/// A mesh that no reader has checked; reportMesh() looks at its indices.
+std::shared_ptr<const Mesh> checked(std::shared_ptr<const Mesh> mesh) {
+  if (mesh->triangles.empty()) throw DataError("the mesh has no triangle");
+  for (std::size_t i = 0; i < mesh->points.size(); ++i)
+    if (!mesh->points[i].isFinite())
+      throw DataError("point " + std::to_string(i) + " of the mesh has a coordinate that is not finite");
+  return mesh;
+}
+
 class MeshInput final : public TargetInput {
  public:
   explicit MeshInput(const TargetOptions& options)
-      : mMesh(std::make_shared<const Mesh>(readMesh(options.input.path))),
+      : mMesh(options.mesh ? checked(options.mesh) : std::make_shared<const Mesh>(readMesh(options.input.path))),
         mReport(reportOfSolid(*mMesh, options.input.path)),
         mVoxel(options.sdfVoxels.sizeFor(longestSide(mReport.box))),
         mRepair(options.repair),
@@ -111,8 +124,17 @@ class VdbInput final : public TargetInput {
 }  // namespace
 
 bool sameTarget(const TargetOptions& a, const TargetOptions& b) {
-  return a.input.path == b.input.path && a.grid == b.grid && a.sdfVoxels.voxelSize == b.sdfVoxels.voxelSize &&
-         a.sdfVoxels.resolution == b.sdfVoxels.resolution && a.repair == b.repair && a.gap == b.gap;
+  return a.input.path == b.input.path && a.mesh == b.mesh && a.grid == b.grid &&
+         a.sdfVoxels.voxelSize == b.sdfVoxels.voxelSize && a.sdfVoxels.resolution == b.sdfVoxels.resolution &&
+         a.repair == b.repair && a.gap == b.gap;
+}
+
+std::string sha256OfMesh(const Mesh& mesh) {
+  static_assert(std::endian::native == std::endian::little);
+  static_assert(sizeof(Vec3d) == 3 * sizeof(double) && sizeof(openvdb::Vec3I) == 3 * sizeof(std::uint32_t));
+  std::string bytes(reinterpret_cast<const char*>(mesh.points.data()), mesh.points.size() * sizeof(Vec3d));
+  bytes.append(reinterpret_cast<const char*>(mesh.triangles.data()), mesh.triangles.size() * sizeof(openvdb::Vec3I));
+  return sha256Hex(bytes);
 }
 
 std::vector<OptionSpec> targetOptionSpecs() {
@@ -150,7 +172,7 @@ std::optional<TargetOptions> parseTargetOptions(const RecipeReader& reader) {
 }
 
 std::unique_ptr<const TargetInput> openTarget(const TargetOptions& options) {
-  if (isVdbPath(options.input.path)) return std::make_unique<VdbInput>(options);
+  if (!options.mesh && isVdbPath(options.input.path)) return std::make_unique<VdbInput>(options);
   return std::make_unique<MeshInput>(options);
 }
 
