@@ -19,14 +19,15 @@ cannot be read to their end or written.
 import os
 
 from . import _juliavdb, _options
-from ._juliavdb import DataError, Fractal
+from ._juliavdb import DataError, Fit, Fractal
 
-__all__ = ["DataError", "Field", "Fractal", "fractal", "render"]
+__all__ = ["DataError", "Field", "Fit", "Fractal", "fit", "fractal", "render"]
 __version__ = _juliavdb.version
-Fractal.__module__ = "juliavdb"
+Fit.__module__ = Fractal.__module__ = "juliavdb"
 
 
-def _scene(vertices, faces, progress, options):
+def _target(vertices, faces, options):
+    """The recipe, and the arrays if the target is in memory."""
     recipe = _options.recipe(options)
     if isinstance(vertices, (str, os.PathLike)):
         if faces is not None:
@@ -39,7 +40,11 @@ def _scene(vertices, faces, progress, options):
         raise ValueError("a mesh needs both vertices and faces")
     elif vertices is not None and "input" in recipe:
         raise ValueError("the target was given twice, as arrays and as input; leave one of them out")
-    return _juliavdb.Scene(recipe, vertices, faces, progress)
+    return recipe, vertices, faces
+
+
+def _scene(vertices, faces, progress, options):
+    return _juliavdb.Scene(*_target(vertices, faces, options), progress)
 
 
 @_options.documented(_options.FRACTAL)
@@ -62,6 +67,15 @@ def render(vertices=None, faces=None, *, progress=None, **options):
     view = {name: options.pop(name) for name in list(options) if name in _options.VIEW}
     _juliavdb.check_view(_options.recipe(view))
     return _scene(vertices, faces, progress, options).render(_options.recipe(view), progress)
+
+
+@_options.documented(_options.FIT)
+def fit(vertices=None, faces=None, *, progress=None, **options):
+    """Finds a rational map in the shape of a target, as 'juliavdb fit' does, and returns it as a Fit.
+
+    Written to shape.json, it is a map for fractal(map="rational", rational="shape.json").
+    """
+    return Fit(*_target(vertices, faces, options), progress)
 
 
 class Field:
@@ -106,3 +120,12 @@ def _write(self, *paths, progress=None):
 
 _write.__name__, _write.__qualname__ = "write", "Fractal.write"
 Fractal.write = _write
+
+
+def _write_fit(self, path, *, progress=None):
+    """Writes the map, whole or not at all: .json or .o3d, by its extension."""
+    self._write(os.fspath(path), progress)
+
+
+_write_fit.__name__, _write_fit.__qualname__ = "write", "Fit.write"
+Fit.write = _write_fit

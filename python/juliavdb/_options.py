@@ -10,6 +10,8 @@ from . import _juliavdb
 FRACTAL = {name.replace("-", "_"): (argument, text) for name, argument, text in _juliavdb.options()}
 VIEW = {name.replace("-", "_"): (argument, text) for name, argument, text in _juliavdb.view_options()}
 
+FIT = {name.replace("-", "_"): (argument, text) for name, argument, text in _juliavdb.fit_options()}
+
 
 def _text(name, value):
     """The value as the command line has it."""

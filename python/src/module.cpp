@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Python module juliavdb._juliavdb. What users see stands in juliavdb/__init__.py, which turns arguments into the
 // text of a recipe; here are the arrays, the errors and the work.
-#include "made_scene.h"
+#include "made.h"
 #include "watched_work.h"
 
 #include "vdbtools/base/errors.h"
@@ -84,13 +84,39 @@ std::shared_ptr<const vdbtools::Mesh> meshOf(const py::array& vertices, const py
   return mesh;
 }
 
+/// The target, unless a file is.
+std::shared_ptr<const vdbtools::Mesh> targetOf(const py::object& vertices, const py::object& faces) {
+  return vertices.is_none() ? nullptr : meshOf(arrayOf(vertices, "vertices"), arrayOf(faces, "faces"));
+}
+
 std::shared_ptr<MadeScene> openScene(const Recipe& recipe, const py::object& vertices, const py::object& faces,
                                      const py::object& progress) {
-  std::shared_ptr<const vdbtools::Mesh> mesh;
-  if (!vertices.is_none()) mesh = meshOf(arrayOf(vertices, "vertices"), arrayOf(faces, "faces"));
+  std::shared_ptr<const vdbtools::Mesh> mesh = targetOf(vertices, faces);
   std::shared_ptr<MadeScene> made;
   doWatched(progress, [&](Monitor& monitor) { made = makeNamedScene(recipe, std::exchange(mesh, {}), monitor); });
   return made;
+}
+
+std::shared_ptr<MadeFit> openFit(const Recipe& recipe, const py::object& vertices, const py::object& faces,
+                                 const py::object& progress) {
+  std::shared_ptr<const vdbtools::Mesh> mesh = targetOf(vertices, faces);
+  std::shared_ptr<MadeFit> fit;
+  doWatched(progress, [&](Monitor& monitor) { fit = makeFit(recipe, std::exchange(mesh, {}), monitor); });
+  return fit;
+}
+
+py::dict infoOfFit(const MadeFit& fit) {
+  const vdbtools::FitMeasure& measure = fit.result.measure;
+  py::dict info;
+  info["recipe"] = fit.recipe;
+  info["top_roots"] = fit.result.rational.top.roots.size();
+  info["bottom_roots"] = fit.result.rational.bottom.roots.size();
+  info["iou"] = measure.iou;
+  info["psi"] = measure.psi;
+  info["mean_distance"] = measure.meanDistance;
+  info["hausdorff"] = measure.hausdorff;
+  info["steps"] = fit.result.rows.size();
+  return info;
 }
 
 py::array_t<double> evaluate(const MadeScene& made, const py::object& points, const py::object& progress) {
@@ -187,6 +213,7 @@ PYBIND11_MODULE(_juliavdb, m) {
   py::register_exception_translator(translate);
 
   m.def("options", [] { return listingOf(vdbtools::fractalOptionTable()); });
+  m.def("fit_options", [] { return listingOf(vdbtools::fitOptionTable()); });
   m.def("view_options", [] { return listingOf(viewTable()); });
   m.def("check_view", checkView);
   m.attr("version") = JULIAVDB_VERSION;
@@ -220,5 +247,14 @@ PYBIND11_MODULE(_juliavdb, m) {
                              "known, islands, volume and target_volume.")
       .def("_write", [](MadeFractal& fractal, const std::vector<std::string>& paths, const py::object& progress) {
         doWatched(progress, [&](Monitor& monitor) { writeFiles(fractal, paths, monitor); });
+      });
+
+  py::class_<MadeFit, std::shared_ptr<MadeFit>>(m, "Fit", "A rational map in the shape of a target, as fit() makes it.")
+      .def(py::init(&openFit))
+      .def_property_readonly("info", infoOfFit,
+                             "A dict: recipe, top_roots, bottom_roots, steps, and how well the map fits: iou, psi, "
+                             "mean_distance and hausdorff, the distances in shares of the longest side.")
+      .def("_write", [](const MadeFit& fit, const std::string& path, const py::object& progress) {
+        doWatched(progress, [&](Monitor& monitor) { writeFit(fit, path, monitor); });
       });
 }

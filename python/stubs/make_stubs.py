@@ -24,7 +24,7 @@ __version__: str
 '''
 
 OWN = {"vertices": "Optional[Target]", "faces": "Optional[ArrayLike]", "progress": "Optional[Progress]",
-       "points": "ArrayLike", "paths": "Union[str, os.PathLike[str]]"}
+       "points": "ArrayLike", "paths": "Union[str, os.PathLike[str]]", "path": "Union[str, os.PathLike[str]]"}
 
 
 def parameter(each):
@@ -33,7 +33,7 @@ def parameter(each):
     if each.name in OWN:
         kind = OWN[each.name]
     else:
-        argument, _ = {**_options.FRACTAL, **_options.VIEW}[each.name]
+        argument, _ = {**_options.FRACTAL, **_options.VIEW, **_options.FIT}[each.name]
         kind = "Optional[Value]" if argument else "bool"
     star = "*" if each.kind is each.VAR_POSITIONAL else ""
     default = "" if star or each.default is each.empty else " = False" if kind == "bool" else " = None"
@@ -60,7 +60,7 @@ def attribute(owner, name, result):
 def stubs():
     picture, floats = "NDArray[np.uint8]", "NDArray[np.float64]"
     corner = "tuple[float, float, float]"
-    fractal, field = juliavdb.Fractal, juliavdb.Field
+    fractal, field, fit = juliavdb.Fractal, juliavdb.Field, juliavdb.Fit
     return "\n".join([
         HEAD, f'class DataError(ValueError):\n    """{juliavdb.DataError.__doc__}"""\n',
         f'class Fractal:\n    """{fractal.__doc__}"""\n',
@@ -70,6 +70,8 @@ def stubs():
         stub(field.__init__, "None", "    "), stub(field.__call__, floats, "    "),
         stub(field.inside, "NDArray[np.bool_]", "    "), attribute(field, "bounds", f"tuple[{corner}, {corner}]"),
         attribute(field, "metadata", "dict[str, str]"), stub(field.render, picture, "    "),
+        f'class Fit:\n    """{fit.__doc__}"""\n', attribute(fit, "info", "dict[str, Any]"),
+        stub(fit.write, "None", "    "), stub(juliavdb.fit, "Fit"),
         stub(juliavdb.fractal, "Fractal"), stub(juliavdb.render, picture)])
 
 

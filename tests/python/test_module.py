@@ -67,6 +67,23 @@ class LikeTheCommand(ModuleTest):
                 "--mesh", "b.ply")
         self.assertEqual(self.bytes("a.ply"), self.bytes("b.ply"))
 
+    def test_a_fit_is_the_commands(self):
+        options, words = dict(roots=12, resolution=24), ("--roots", 12, "--resolution", 24)
+        fitted = juliavdb.fit(self.torus, **options)
+        fitted.write(self.path("a.json"))
+        self.ok("fit", self.torus, "-o", "b.json", *words)
+        self.assertEqual(self.bytes("a.json"), self.bytes("b.json"))
+        points, triangles = arrays(self.mesh)
+        juliavdb.fit(points, triangles, **options).write(self.path("c.json"))
+        self.assertEqual(self.bytes("c.json"), self.bytes("b.json"))
+        self.assertTrue(0 < fitted.info["iou"] <= 1)
+        self.assertLessEqual(fitted.info["top_roots"] + fitted.info["bottom_roots"], 12)
+        juliavdb.fractal(map="rational", rational=self.path("a.json"), resolution=20)
+        with self.assertRaisesRegex(ValueError, "no target was given"):
+            juliavdb.fit()
+        with self.assertRaisesRegex(ValueError, r"\.json \.o3d"):
+            fitted.write("a.vdb")
+
     def test_pictures_have_the_pixels_of_the_commands(self):
         picture = juliavdb.render(self.torus, sdf_resolution=30, size=(40, 24), samples=1, colour="clay")
         self.ok("render", "--field", self.torus, "--sdf-resolution", 30, "--size", "40x24", "--samples", 1, "--colour",

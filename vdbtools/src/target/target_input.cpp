@@ -2,7 +2,6 @@
 #include "vdbtools/target/target_input.h"
 
 #include "target/solid_input.h"
-#include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/formats/vdb_file.h"
 
@@ -27,19 +26,17 @@ constexpr double kSurveyMargin = 4;  ///< voxels of the survey known outside
 /// @param voxel  of the target's distances, world units
 double surveyVoxel(double voxel, const BBoxd& box) { return std::max(2 * voxel, longestSide(box) / kMostSurveyVoxels); }
 
-/// A mesh that no reader has checked; reportMesh() looks at its indices.
-std::shared_ptr<const Mesh> checked(std::shared_ptr<const Mesh> mesh) {
-  if (mesh->triangles.empty()) throw DataError("the mesh has no triangle");
-  for (std::size_t i = 0; i < mesh->points.size(); ++i)
-    if (!mesh->points[i].isFinite())
-      throw DataError("point " + std::to_string(i) + " of the mesh has a coordinate that is not finite");
-  return mesh;
+/// The mesh in memory, or that of the file.
+std::shared_ptr<const Mesh> meshOf(const TargetOptions& options) {
+  if (!options.mesh) return std::make_shared<const Mesh>(readMesh(options.input.path));
+  requireUsable(*options.mesh);
+  return options.mesh;
 }
 
 class MeshInput final : public TargetInput {
  public:
   explicit MeshInput(const TargetOptions& options)
-      : mMesh(options.mesh ? checked(options.mesh) : std::make_shared<const Mesh>(readMesh(options.input.path))),
+      : mMesh(meshOf(options)),
         mReport(reportOfSolid(*mMesh, options.input.path)),
         mVoxel(options.sdfVoxels.sizeFor(longestSide(mReport.box))),
         mRepair(options.repair),

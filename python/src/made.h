@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// @file made_scene.h
-/// What the Python module has a hold of: a scene, the fractal that was made of it. Nothing here knows Python.
+/// @file made.h
+/// What the Python module has a hold of: scenes, fractals and fits. Nothing here knows Python.
 #pragma once
 
 #include "vdbtools/base/monitor.h"
+#include "vdbtools/fit/fit_job.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh/mesh.h"
 #include "vdbtools/picture/image.h"
@@ -42,6 +43,21 @@ void checkView(const vdbtools::Recipe& view);
 vdbtools::OptionTable viewTable();
 /// A picture of the set itself, before the neutral background.
 vdbtools::Image pictureOf(const MadeScene& made, const vdbtools::Recipe& view, vdbtools::Monitor& monitor);
+
+/// A recipe of `juliavdb fit` and what it gave.
+struct MadeFit {
+  vdbtools::Recipe recipe;  ///< completed
+  vdbtools::FitResult result;
+};
+
+/// @param mesh  as that of makeNamedScene()
+/// @throw as vdbtools::parseFitOptions() and vdbtools::runFit()
+std::shared_ptr<MadeFit> makeFit(const vdbtools::Recipe& given, std::shared_ptr<const vdbtools::Mesh> mesh,
+                                 vdbtools::Monitor& monitor);
+
+/// Writes the map. @throw std::invalid_argument  the extension is neither .json nor .o3d
+/// @throw vdbtools::CreateError, vdbtools::IoError, vdbtools::Interrupted
+void writeFit(const MadeFit& fit, const std::string& path, vdbtools::Monitor& monitor);
 
 /// A fractal in memory.
 struct MadeFractal {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "made_scene.h"
+#include "made.h"
 
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/files/atomic_file.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/job/fractal_files.h"
 #include "vdbtools/job/scene_picture.h"
+#include "vdbtools/recipe/option_value.h"
 #include "vdbtools/render/view_options.h"
 
 #include <tbb/blocked_range.h>
@@ -81,18 +82,17 @@ std::shared_ptr<MadeFractal> makeFractal(std::shared_ptr<const MadeScene> made, 
 
 namespace {
 
-/// @throw std::invalid_argument
-void requireExtension(const std::string& path) {
-  constexpr const char* kKnown[] = {".vdb", ".ply", ".obj", ".stl"};
-  if (std::find(std::begin(kKnown), std::end(kKnown), vdbtools::lowerExtension(path)) == std::end(kKnown))
-    throw std::invalid_argument("the file to write is '" + path +
-                                "'; its extension must be one of .vdb .ply .obj .stl");
+/// @param known  separated by spaces @throw std::invalid_argument
+void requireExtension(const std::string& path, const std::string& known) {
+  const std::vector<std::string> extensions = vdbtools::split(known, ' ');
+  if (std::find(extensions.begin(), extensions.end(), vdbtools::lowerExtension(path)) == extensions.end())
+    throw std::invalid_argument("the file to write is '" + path + "'; its extension must be one of " + known);
 }
 
 }  // namespace
 
 void writeFiles(MadeFractal& fractal, const std::vector<std::string>& paths, Monitor& monitor) {
-  for (const std::string& path : paths) requireExtension(path);
+  for (const std::string& path : paths) requireExtension(path, ".vdb .ply .obj .stl");
   std::list<vdbtools::AtomicFile> files;
   std::vector<vdbtools::AtomicFile*> all;
   vdbtools::FractalFiles wanted;
@@ -112,4 +112,25 @@ void writeFiles(MadeFractal& fractal, const std::vector<std::string>& paths, Mon
   }
   vdbtools::writeMadeFractal(scene, fractal.made->recipe, fractal.result, fractal.mesh, wanted, monitor);
   vdbtools::commitAll(all);
+}
+
+std::shared_ptr<MadeFit> makeFit(const Recipe& given, std::shared_ptr<const vdbtools::Mesh> mesh, Monitor& monitor) {
+  auto fit = std::make_shared<MadeFit>();
+  fit->recipe = given;
+  if (mesh) fit->recipe["input"] = kMemory;
+  fit->recipe = vdbtools::completeRecipe(std::move(fit->recipe), vdbtools::fitOptionTable());
+  vdbtools::FitOptions options = vdbtools::parseFitOptions(fit->recipe);
+  options.target.mesh = std::move(mesh);
+  fit->result = vdbtools::runFit(options, false, monitor);
+  return fit;
+}
+
+void writeFit(const MadeFit& fit, const std::string& path, Monitor& monitor) {
+  requireExtension(path, ".json .o3d");
+  vdbtools::AtomicFile file(path);
+  monitor.begin("writing", 0);
+  const bool json = vdbtools::lowerExtension(path) == ".json";
+  file.stream() << (json ? vdbtools::fitToJson(fit.result, fit.recipe) : vdbtools::fitToO3d(fit.result, monitor));
+  monitor.throwIfCancelled();
+  file.commit();
 }
