@@ -5,25 +5,13 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/io_failure.h"
+#include "vdbtools/job/failure_text.h"
 
 #include <algorithm>
 #include <new>
 
 namespace cli {
 namespace {
-
-/// The option that does what would help.
-std::string optionFor(vdbtools::Remedy remedy) {
-  using vdbtools::Remedy;
-  switch (remedy) {
-    case Remedy::None: break;
-    case Remedy::RepairMesh: return "; see --repair";
-    case Remedy::SmallerIslands: return "; see --min-size";
-    case Remedy::LargerBeta: return "; see --detail, --outward and --beta";
-    case Remedy::AnotherFieldBox: return "; see --box, and 'juliavdb info' for the target's";
-  }
-  return "";
-}
 
 Failure failureOf() {
   try {
@@ -33,7 +21,7 @@ Failure failureOf() {
   } catch (const std::invalid_argument& error) {
     return {kUsage, error.what()};
   } catch (const vdbtools::DataError& error) {
-    return {kBadData, error.what() + optionFor(error.remedy())};
+    return {kBadData, vdbtools::failureText(error)};
   } catch (const vdbtools::MissingInputError& error) {
     return {kNoInput, error.what()};
   } catch (const vdbtools::CreateError& error) {
@@ -45,7 +33,7 @@ Failure failureOf() {
   } catch (const vdbtools::Interrupted& error) {
     return {kInterrupted, error.what()};
   } catch (const std::bad_alloc&) {
-    return {kInternal, "out of memory; use larger voxels, a lower --sdf-resolution, or a --box"};
+    return {kInternal, vdbtools::kOutOfMemory};
   } catch (const std::exception& error) {
     return {kInternal, std::string("internal error: ") + error.what()};
   }

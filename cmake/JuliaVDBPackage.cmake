@@ -34,6 +34,10 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/libjulia $
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS OFF)
 # The font of the text in plots is found by its name when the program runs.
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS fonts-dejavu-core)
+if(TARGET juliavdb_python)
+  # The module is for one version of Python; without it the program works all the same.
+  set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "${JULIAVDB_PYTHON_RECOMMENDS}")
+endif()
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "parallel, slurm-client")
 set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "${CPACK_PACKAGE_DESCRIPTION}")
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "${CPACK_PACKAGE_DESCRIPTION}")

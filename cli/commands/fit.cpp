@@ -7,7 +7,6 @@
 #include "report.h"
 
 #include "vdbtools/fit/fit_job.h"
-#include "vdbtools/formats/versor_file.h"
 
 #include <filesystem>
 #include <ostream>
@@ -27,14 +26,6 @@ constexpr Usage kUsageText = {
     "  juliavdb fit bunny.obj -o shape.json --roots 331 --report fit.csv --plot fit.png\n"
     "  juliavdb fit bunny.obj -o paper.json --schedule '25(VFRF) 50(V)' --epsilon 0.04\n"
     "  juliavdb fractal --map rational --rational shape.json -o bunny.vdb --mesh bunny.ply --resolution 300\n"};
-
-/// The command that makes it again, less what names files.
-std::string noteOf(const vdbtools::Recipe& recipe) {
-  std::string note = "juliavdb fit";
-  for (const auto& [name, value] : recipe)
-    if (name != "input" && !value.empty()) note += " --" + name + (value == "true" ? "" : " " + value);
-  return note;
-}
 
 }  // namespace
 
@@ -59,8 +50,7 @@ int runFit(const Arguments& arguments) {
   if (formatOf(line.text("output"), ".json") == ".o3d")
     file << vdbtools::fitToO3d(fit, line.progress());
   else
-    file << vdbtools::rationalToJson(fit.rational, noteOf(line.recipe()),
-                                     vdbtools::FittedTo{fit.target.space, fit.target.box});
+    file << vdbtools::fitToJson(fit, line.recipe());
   if (reportFile) *reportFile << vdbtools::fitReportCsv(fit.rows);
   if (plot) *plot << vdbtools::encodePlot(vdbtools::fitReportPlot(fit.rows), formatOf(line.text("plot"), ".png"));
   line.progress().throwIfCancelled();

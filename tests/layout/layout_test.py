@@ -30,6 +30,7 @@ ORDER = [
     "vdbtools/job",
     "vdbtools/farm",
     "cli",
+    "python",
 ]
 
 # How the folders on disk are named above.
@@ -41,6 +42,7 @@ PLACES = [
     *[(f"vdbtools/{half}/{room.partition('/')[2]}/", room)
       for room in ORDER if room.startswith("vdbtools/") for half in ("include/vdbtools", "src")],
     ("cli/", "cli"),
+    ("python/", "python"),
 ]
 
 # Where the compiler looks for what each layer includes in quotes, besides the file's own folder.
@@ -48,6 +50,7 @@ SEARCHED = {
     "libjulia": ["libjulia/include", "libjulia/src"],
     "vdbtools": ["vdbtools/include", "vdbtools/src", "libjulia/include"],
     "cli": ["cli", "vdbtools/include", "libjulia/include"],
+    "python": ["python/src", "vdbtools/include", "libjulia/include"],
     # Some tests and benchmarks look at the insides.
     "tests": ["tests", "vdbtools/include", "vdbtools/src", "libjulia/include", "libjulia/src"],
     "bench": ["bench", "vdbtools/include", "vdbtools/src", "libjulia/include", "libjulia/src"],
@@ -106,6 +109,8 @@ def complaints(root):
                 found.append(f'{where} includes "{name}", which does not exist where {layer} looks for headers')
                 continue
             other = place_of(included)
+            if {place, other} == {"cli", "python"}:
+                found.append(f'{where} includes "{name}": cli and python stand side by side')
             if place and other and ORDER.index(other) > ORDER.index(place):
                 found.append(f'{where} includes "{name}": {place} lies below {other}')
             if path.startswith(("libjulia/include/", "vdbtools/include/")) and "/include/" not in included:
@@ -196,6 +201,9 @@ class ABadTree(unittest.TestCase):
 
     def test_a_file_that_is_not_there(self):
         self.expect("vdbtools/src/job/bad.cpp", '\n#  include "vdbtools/job/gone.h"\n', "bad.cpp:2")
+
+    def test_the_module_and_the_program(self):
+        self.expect("python/src/bad.cpp", '#include "../../cli/options.h"\n', "side by side")
 
     def test_a_file_in_no_room(self):
         self.expect("vdbtools/src/cellar/bad.cpp", "", "lies in no room")

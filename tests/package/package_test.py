@@ -4,6 +4,7 @@
 JULIAVDB_BUILD is the build folder, JULIAVDB_CPACK the program cpack, JULIAVDB_VERSION the project's version.
 """
 
+import importlib.util
 import os
 import pathlib
 import shutil
@@ -102,6 +103,23 @@ class Package(unittest.TestCase):
         picture = self.program("render", "f.vdb", "-o", "f.exr", "--size", "16x16")
         self.assertEqual(picture.returncode, 0, picture.stderr)
         self.assertTrue((self.folder / "f.exr").stat().st_size > 0)
+
+    def test_the_unpacked_module_works(self):
+        packages = self.root / "usr/lib/python3/dist-packages"
+        if not (packages / "juliavdb").exists():
+            self.skipTest("the Python module was not built")
+        if importlib.util.find_spec("numpy") is None:
+            self.skipTest("there is no numpy")
+        self.assertTrue((packages / "juliavdb/__init__.pyi").stat().st_size > 10000)
+        self.assertIn("python3-numpy", run("dpkg-deb", "--field", self.files[0], "Recommends").stdout)
+        script = "import juliavdb; print(juliavdb.__file__, juliavdb.fractal(map='mandelbulb', resolution=12).faces.shape[1])"
+        said = run(sys.executable, "-B", "-c", script, cwd=self.folder,
+                   env={"PATH": os.environ["PATH"], "PYTHONPATH": str(packages)})
+        self.assertEqual(said.stdout, f"{packages}/juliavdb/__init__.py 3\n", said.stderr)
+        module, = (packages / "juliavdb").glob("*.so")
+        for line in run("ldd", module, env={"PATH": os.environ["PATH"]}).stdout.splitlines():
+            if "libjulia" in line or "libvdbtools" in line:
+                self.assertIn(f"{packages}/juliavdb/../../../juliavdb/", line)
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/formats/peer_formats.h"
+#include "vdbtools/formats/versor_file.h"
 #include "vdbtools/recipe/recipe_reader.h"
 
 #include "julia/fit/cancelled.h"
@@ -528,6 +529,14 @@ Plot fitReportPlot(std::span<const FitRow> rows) {
           .xLabel = "step",
           .yLabel = "error",
           .logY = true};
+}
+
+std::string fitToJson(const FitResult& fit, const Recipe& recipe) {
+  // Less what names files.
+  std::string note = "juliavdb fit";
+  for (const auto& [name, value] : recipe)
+    if (name != "input" && !value.empty()) note += " --" + name + (value == "true" ? "" : " " + value);
+  return rationalToJson(fit.rational, note, FittedTo{fit.target.space, fit.target.box});
 }
 
 std::string fitToO3d(const FitResult& fit, Monitor& monitor) {

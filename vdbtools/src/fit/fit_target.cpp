@@ -59,8 +59,9 @@ struct Solid {
 
 Solid readSolid(const FitTargetOptions& options, Monitor& monitor) {
   Solid solid;
-  if (!isVdbPath(options.input)) {
-    solid.mesh = readMesh(options.input);
+  if (options.mesh) requireUsable(*options.mesh);
+  if (options.mesh || !isVdbPath(options.input)) {
+    solid.mesh = options.mesh ? *options.mesh : readMesh(options.input);
     solid.box = reportOfSolid(solid.mesh, options.input).box;
     return solid;
   }

@@ -29,27 +29,48 @@ class MeshFiles final : public MeshSink {
   std::list<MeshFile> mFiles;
 };
 
+void writeGrids(const Scene& scene, const std::map<std::string, std::string>& metadata, const FractalResult& result,
+                AtomicFile& file) {
+  if (!result.check.failure.empty())
+    throw std::logic_error("the level set fails OpenVDB's check: " + result.check.failure);
+  file.stream() << encodeVdb(result.grids, {.half = scene.options.output.half, .metadata = metadata});
+}
+
+/// The files take a mesh in this box.
+void addMeshFiles(MeshFiles& meshes, const Scene& scene, const openvdb::BBoxd& box,
+                  const std::map<std::string, std::string>& metadata, const FractalFiles& files) {
+  if (!files.vdb && files.meshes.empty()) throw std::invalid_argument("no file was given for the fractal");
+  for (const FractalMeshFile& mesh : files.meshes)
+    meshes.add(*mesh.file, {.format = mesh.format, .voxelSize = scene.voxelSize, .box = box, .comments = metadata});
+}
+
 }  // namespace
 
 FractalResult writeFractal(const Scene& scene, const Recipe& recipe, const FractalFiles& files, Monitor& monitor) {
-  if (!files.vdb && files.meshes.empty()) throw std::invalid_argument("no file was given for the fractal");
   const FieldPlan plan = planScene(scene);
   const std::map<std::string, std::string> metadata = sceneMetadata(scene, recipe);
   MeshFiles meshes;
-  for (const FractalMeshFile& mesh : files.meshes)
-    meshes.add(*mesh.file,
-               {.format = mesh.format, .voxelSize = scene.voxelSize, .box = meshBox(plan), .comments = metadata});
+  addMeshFiles(meshes, scene, meshBox(plan), metadata, files);
   FractalResult result =
       runFractal(scene, plan, files.vdb != nullptr, files.meshes.empty() ? nullptr : &meshes, monitor);
   monitor.begin("writing", 0);
-  if (files.vdb) {
-    if (!result.check.failure.empty())
-      throw std::logic_error("the level set fails OpenVDB's check: " + result.check.failure);
-    files.vdb->stream() << encodeVdb(result.grids, {.half = scene.options.output.half, .metadata = metadata});
-  }
+  if (files.vdb) writeGrids(scene, metadata, result, *files.vdb);
   meshes.finish();
   monitor.throwIfCancelled();
   return result;
+}
+
+void writeMadeFractal(const Scene& scene, const Recipe& recipe, const FractalResult& made, const Mesh& mesh,
+                      const FractalFiles& files, Monitor& monitor) {
+  monitor.begin("writing", 0);
+  const std::map<std::string, std::string> metadata = sceneMetadata(scene, recipe);
+  MeshFiles meshes;
+  addMeshFiles(meshes, scene, meshBox(planScene(scene)), metadata, files);
+  if (files.vdb) writeGrids(scene, metadata, made, *files.vdb);
+  meshes.addPoints(mesh.points, mesh.normals);
+  meshes.addTriangles(mesh.triangles, 0);
+  meshes.finish();
+  monitor.throwIfCancelled();
 }
 
 }  // namespace vdbtools

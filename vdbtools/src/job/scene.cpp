@@ -27,6 +27,14 @@ julia::OrbitOptions orbitOf(const FractalOptions& options) {
 Facts hashesOf(const FractalOptions& options) {
   Facts facts;
   for (const auto& [name, hash] : verifiedHashes(filesOf(options))) facts[metadataName(name)] = hash;
+  if (options.target && options.target->mesh) {
+    const NamedFile& input = options.target->input;
+    const std::string hash = sha256OfMesh(*options.target->mesh);
+    if (!input.expectedHash.empty() && input.expectedHash != hash)
+      throw DataError("the mesh is not the one that the recipe was made with: its SHA-256 is " + hash + " and was " +
+                      input.expectedHash);
+    facts[metadataName(input.recordedAs)] = hash;
+  }
   return facts;
 }
 
@@ -239,7 +247,7 @@ Facts targetFacts(const Target& target) {
 
 std::vector<NamedFile> filesOf(const FractalOptions& options) {
   std::vector<NamedFile> files = options.map->files();
-  if (options.target) files.push_back(options.target->input);
+  if (options.target && !options.target->mesh) files.push_back(options.target->input);
   return files;
 }
 

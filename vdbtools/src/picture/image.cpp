@@ -7,6 +7,7 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
+#include "vdbtools/picture/screen_codes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -68,11 +69,13 @@ void requirePixels(const Image& image) {
 
 }  // namespace
 
+std::vector<std::uint8_t> screenCodes(const Image& image) { return converted<std::uint8_t>(image, srgbCode); }
+
 std::string encodeImage(const Image& image, const std::string& extension) {
   const Kind kind = kindOf(extension);
   requirePixels(image);
   if (kind == Kind::Png) {
-    const auto codes = converted<std::uint8_t>(image, srgbCode);
+    const std::vector<std::uint8_t> codes = screenCodes(image);
     return write({.width = image.width, .height = image.height, .codes = codes.data()});
   }
   const auto values = converted<float>(image, inHalfRange);

@@ -32,6 +32,13 @@ MeshReport reportOfSolid(const Mesh& mesh, const std::filesystem::path& path) {
   return report;
 }
 
+void requireUsable(const Mesh& mesh) {
+  if (mesh.triangles.empty()) throw DataError("the mesh has no triangle");
+  for (std::size_t i = 0; i < mesh.points.size(); ++i)
+    if (!mesh.points[i].isFinite())
+      throw DataError("point " + std::to_string(i) + " of the mesh has a coordinate that is not finite");
+}
+
 MeshToSdfOptions sdfBand(double voxelSize, double exteriorWidth, double interiorWidth) {
   return {.voxelSize = voxelSize, .exteriorBandWidth = exteriorWidth, .interiorBandWidth = interiorWidth};
 }

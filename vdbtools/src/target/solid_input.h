@@ -23,6 +23,10 @@ double longestSide(const openvdb::BBoxd& box);
 /// @throw DataError  the mesh has no extent to measure voxels by
 MeshReport reportOfSolid(const Mesh& mesh, const std::filesystem::path& path);
 
+/// Of a mesh that no reader has checked; its indices are reportMesh()'s to check.
+/// @throw DataError  it has no triangle, or a coordinate that is not finite
+void requireUsable(const Mesh& mesh);
+
 MeshToSdfOptions sdfBand(double voxelSize, double exteriorWidth, double interiorWidth);
 
 struct MeshSdf {

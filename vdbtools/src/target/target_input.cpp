@@ -2,11 +2,14 @@
 #include "vdbtools/target/target_input.h"
 
 #include "target/solid_input.h"
+#include "vdbtools/files/file_hash.h"
 #include "vdbtools/formats/vdb_file.h"
 
 #include <openvdb/tools/Interpolation.h>
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <limits>
 
 namespace vdbtools {
@@ -23,10 +26,17 @@ constexpr double kSurveyMargin = 4;  ///< voxels of the survey known outside
 /// @param voxel  of the target's distances, world units
 double surveyVoxel(double voxel, const BBoxd& box) { return std::max(2 * voxel, longestSide(box) / kMostSurveyVoxels); }
 
+/// The mesh in memory, or that of the file.
+std::shared_ptr<const Mesh> meshOf(const TargetOptions& options) {
+  if (!options.mesh) return std::make_shared<const Mesh>(readMesh(options.input.path));
+  requireUsable(*options.mesh);
+  return options.mesh;
+}
+
 class MeshInput final : public TargetInput {
  public:
   explicit MeshInput(const TargetOptions& options)
-      : mMesh(std::make_shared<const Mesh>(readMesh(options.input.path))),
+      : mMesh(meshOf(options)),
         mReport(reportOfSolid(*mMesh, options.input.path)),
         mVoxel(options.sdfVoxels.sizeFor(longestSide(mReport.box))),
         mRepair(options.repair),
@@ -111,8 +121,17 @@ class VdbInput final : public TargetInput {
 }  // namespace
 
 bool sameTarget(const TargetOptions& a, const TargetOptions& b) {
-  return a.input.path == b.input.path && a.grid == b.grid && a.sdfVoxels.voxelSize == b.sdfVoxels.voxelSize &&
-         a.sdfVoxels.resolution == b.sdfVoxels.resolution && a.repair == b.repair && a.gap == b.gap;
+  return a.input.path == b.input.path && a.mesh == b.mesh && a.grid == b.grid &&
+         a.sdfVoxels.voxelSize == b.sdfVoxels.voxelSize && a.sdfVoxels.resolution == b.sdfVoxels.resolution &&
+         a.repair == b.repair && a.gap == b.gap;
+}
+
+std::string sha256OfMesh(const Mesh& mesh) {
+  static_assert(std::endian::native == std::endian::little);
+  static_assert(sizeof(Vec3d) == 3 * sizeof(double) && sizeof(openvdb::Vec3I) == 3 * sizeof(std::uint32_t));
+  std::string bytes(reinterpret_cast<const char*>(mesh.points.data()), mesh.points.size() * sizeof(Vec3d));
+  bytes.append(reinterpret_cast<const char*>(mesh.triangles.data()), mesh.triangles.size() * sizeof(openvdb::Vec3I));
+  return sha256Hex(bytes);
 }
 
 std::vector<OptionSpec> targetOptionSpecs() {
@@ -150,7 +169,7 @@ std::optional<TargetOptions> parseTargetOptions(const RecipeReader& reader) {
 }
 
 std::unique_ptr<const TargetInput> openTarget(const TargetOptions& options) {
-  if (isVdbPath(options.input.path)) return std::make_unique<VdbInput>(options);
+  if (!options.mesh && isVdbPath(options.input.path)) return std::make_unique<VdbInput>(options);
   return std::make_unique<MeshInput>(options);
 }
 

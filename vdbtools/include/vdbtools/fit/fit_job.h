@@ -76,6 +76,10 @@ std::string fitReportCsv(std::span<const FitRow> rows);
 /// psi by step as [Kim15] Fig. 11 draws it: from [-1, 1] brought to [0, 1], logarithmic.
 Plot fitReportPlot(std::span<const FitRow> rows);
 
+/// The fit as JSON (versor_file.h), with where it lies in the world and a note of the command that makes it again.
+/// @param recipe  what was asked for, completed
+std::string fitToJson(const FitResult& fit, const Recipe& recipe);
+
 /// The fit as an `.o3d`, with the fields that belong to it on the cells of the target's cube.
 /// @throw std::invalid_argument  e^C does not fit a double
 std::string fitToO3d(const FitResult& fit, Monitor& monitor);

@@ -29,4 +29,11 @@ struct FractalFiles {
 /// @throw IoError, Interrupted
 FractalResult writeFractal(const Scene& scene, const Recipe& recipe, const FractalFiles& files, Monitor& monitor);
 
+/// Writes what runFractal() has made of a scene before, with the same bytes as if it were made now.
+/// @param made  with grids, if a VDB is written
+/// @param mesh  what went to its sink
+/// @throw as above
+void writeMadeFractal(const Scene& scene, const Recipe& recipe, const FractalResult& made, const Mesh& mesh,
+                      const FractalFiles& files, Monitor& monitor);
+
 }  // namespace vdbtools

@@ -20,16 +20,21 @@ namespace vdbtools {
 
 struct TargetOptions {
   NamedFile input;
-  std::string grid;       ///< which grid of a VDB input; empty: the only one
-  VoxelChoice sdfVoxels;  ///< of a mesh's distance field
+  std::shared_ptr<const Mesh> mesh;  ///< a target in memory, which is not read; input.path is its name
+  std::string grid;                  ///< which grid of a VDB input; empty: the only one
+  VoxelChoice sdfVoxels;             ///< of a mesh's distance field
   bool repair = false;
   double gap = 0;  ///< as RepairOptions
 };
 
-/// Whether both make the same distances of the same file.
+/// Whether both make the same distances of the same file, or of the same mesh in memory.
 bool sameTarget(const TargetOptions& a, const TargetOptions& b);
 
 std::vector<OptionSpec> targetOptionSpecs();
+/// The SHA-256 of a mesh: of its points as three doubles each and, behind them, of its triangles as three 32-bit
+/// numbers each, all little-endian.
+std::string sha256OfMesh(const Mesh& mesh);
+
 /// None if the recipe names no input. @throw std::invalid_argument
 std::optional<TargetOptions> parseTargetOptions(const RecipeReader& reader);
 
@@ -69,6 +74,7 @@ class TargetInput {
 };
 
 /// @throw MissingInputError, DataError, IoError  as reading the file
+/// @throw DataError  a mesh in memory has no triangle, a coordinate that is not finite, or an index out of range
 std::unique_ptr<const TargetInput> openTarget(const TargetOptions& options);
 
 }  // namespace vdbtools

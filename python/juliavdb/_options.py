@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Keyword arguments into the options of the command line, and the options' help into docstrings and signatures."""
+import inspect
+import numbers
+import os
+import textwrap
+
+from . import _juliavdb
+
+FRACTAL = {name.replace("-", "_"): (argument, text) for name, argument, text in _juliavdb.options()}
+VIEW = {name.replace("-", "_"): (argument, text) for name, argument, text in _juliavdb.view_options()}
+
+FIT = {name.replace("-", "_"): (argument, text) for name, argument, text in _juliavdb.fit_options()}
+
+
+def _text(name, value):
+    """The value as the command line has it."""
+    if hasattr(value, "tolist"):  # an array of numpy, or one of its numbers
+        value = value.tolist()
+    if value is True:
+        return "true"
+    if isinstance(value, str):
+        return value
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if isinstance(value, numbers.Integral):
+        return str(int(value))
+    if isinstance(value, numbers.Real):
+        return repr(float(value))
+    if isinstance(value, (tuple, list)):
+        separator = "x" if name == "size" else ","
+        return separator.join(_text(name, item) for item in value)
+    raise TypeError(f"{name} is {value!r}; it must be a number, a string, a path, a list of these, or True for a flag")
+
+
+def recipe(options):
+    """The given options by their names on the command line. None and False are as good as not given."""
+    return {name.replace("_", "-"): _text(name, value) for name, value in options.items()
+            if value is not None and value is not False}
+
+
+def documented(*tables):
+    """A decorator that adds the options to a function's docstring and signature."""
+    known = {name: entry for table in tables for name, entry in table.items() if name != "input"}
+
+    def decorate(function):
+        lines = []
+        for name, (argument, text) in known.items():
+            head = f"{name}={argument}" if argument else f"{name}=True"
+            lines.append(textwrap.fill(f"{head}: {text}", 100, initial_indent="    ", subsequent_indent="        ",
+                                       break_on_hyphens=False))
+        function.__doc__ = inspect.getdoc(function) + "\n\nOptions:\n" + "\n".join(lines)
+        signature = inspect.signature(function)
+        own = [p for p in signature.parameters.values() if p.kind is not inspect.Parameter.VAR_KEYWORD]
+        added = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None) for name in known]
+        function.__signature__ = signature.replace(parameters=own + added)
+        return function
+
+    return decorate

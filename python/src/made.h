@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file made.h
+/// What the Python module has a hold of: scenes, fractals and fits. Nothing here knows Python.
+#pragma once
+
+#include "vdbtools/base/monitor.h"
+#include "vdbtools/fit/fit_job.h"
+#include "vdbtools/job/fractal_job.h"
+#include "vdbtools/mesh/mesh.h"
+#include "vdbtools/picture/image.h"
+#include "vdbtools/recipe/recipe.h"
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+/// The name under which a mesh that came from memory stands in recipes.
+inline constexpr const char* kMemory = "memory";
+
+/// A recipe and its scene.
+struct MadeScene {
+  vdbtools::Recipe recipe;  ///< completed
+  vdbtools::Scene scene;
+};
+
+/// @param mesh  the target, if it is in memory; the recipe must then have no input
+/// @throw std::invalid_argument  the options do not fit
+/// @throw as vdbtools::makeScene()
+std::shared_ptr<MadeScene> makeNamedScene(const vdbtools::Recipe& given, std::shared_ptr<const vdbtools::Mesh> mesh,
+                                          vdbtools::Monitor& monitor);
+
+/// F at points, world units, by as many threads as there are.
+/// @throw std::invalid_argument  a coordinate is not finite
+/// @throw vdbtools::Interrupted
+void evaluateAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, std::span<double> field,
+                vdbtools::Monitor& monitor);
+
+/// @throw std::invalid_argument  a view's option is wrong
+void checkView(const vdbtools::Recipe& view);
+/// The options of pictures and their defaults.
+vdbtools::OptionTable viewTable();
+/// A picture of the set itself, before the neutral background.
+vdbtools::Image pictureOf(const MadeScene& made, const vdbtools::Recipe& view, vdbtools::Monitor& monitor);
+
+/// A recipe of `juliavdb fit` and what it gave.
+struct MadeFit {
+  vdbtools::Recipe recipe;  ///< completed
+  vdbtools::FitResult result;
+};
+
+/// @param mesh  as that of makeNamedScene()
+/// @throw as vdbtools::parseFitOptions() and vdbtools::runFit()
+std::shared_ptr<MadeFit> makeFit(const vdbtools::Recipe& given, std::shared_ptr<const vdbtools::Mesh> mesh,
+                                 vdbtools::Monitor& monitor);
+
+/// Writes the map. @throw std::invalid_argument  the extension is neither .json nor .o3d
+/// @throw vdbtools::CreateError, vdbtools::IoError, vdbtools::Interrupted
+void writeFit(const MadeFit& fit, const std::string& path, vdbtools::Monitor& monitor);
+
+/// A fractal in memory.
+struct MadeFractal {
+  std::shared_ptr<const MadeScene> made;
+  vdbtools::Mesh mesh;
+  vdbtools::FractalResult result;
+  bool hasGrids = false;
+};
+
+std::shared_ptr<MadeFractal> makeFractal(std::shared_ptr<const MadeScene> made, bool wantGrids,
+                                         vdbtools::Monitor& monitor);
+
+/// Writes the fractal to files that all appear together. Grids that are not there yet are made first, and kept.
+/// @throw std::invalid_argument  an extension is none of .vdb, .ply, .obj and .stl
+/// @throw vdbtools::CreateError, vdbtools::IoError, vdbtools::Interrupted
+void writeFiles(MadeFractal& fractal, const std::vector<std::string>& paths, vdbtools::Monitor& monitor);

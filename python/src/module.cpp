@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+// The Python module juliavdb._juliavdb. What users see stands in juliavdb/__init__.py, which turns arguments into the
+// text of a recipe; here are the arrays, the errors and the work.
+#include "made.h"
+#include "watched_work.h"
+
+#include "vdbtools/base/errors.h"
+#include "vdbtools/job/failure_text.h"
+#include "vdbtools/job/fractal_options.h"
+#include "vdbtools/job/scene_picture.h"
+#include "vdbtools/picture/screen_codes.h"
+
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace py = pybind11;
+
+namespace {
+
+using openvdb::Vec3d;
+using vdbtools::Monitor;
+using vdbtools::Recipe;
+
+std::string shapeText(const py::array& array) { return py::str(array.attr("shape")).cast<std::string>(); }
+
+/// Whatever numpy makes an array of. @throw std::invalid_argument
+py::array arrayOf(const py::object& values, const char* what) {
+  py::array array = py::array::ensure(values);
+  if (!array) throw std::invalid_argument(std::string(what) + " must be an array of numbers");
+  return array;
+}
+
+/// @throw std::invalid_argument  it is no (n, 3)
+void requireTriples(const py::array& array, const char* what) {
+  if (array.ndim() != 2 || array.shape(1) != 3)
+    throw std::invalid_argument(std::string(what) + " must be an array of the shape (n, 3); it is " + shapeText(array));
+}
+
+/// Doubles in rows of three, without a copy where they are that already.
+py::array_t<double> triplesOf(const py::array& array, const char* what) {
+  requireTriples(array, what);
+  const char kind = array.dtype().kind();
+  if (kind != 'f' && kind != 'i' && kind != 'u')
+    throw std::invalid_argument(std::string(what) + " must hold real numbers");
+  return py::array_t<double, py::array::c_style | py::array::forcecast>(array);
+}
+
+std::span<const Vec3d> spanOf(const py::array_t<double>& triples) {
+  static_assert(sizeof(Vec3d) == 3 * sizeof(double));
+  return {reinterpret_cast<const Vec3d*>(triples.data()), static_cast<std::size_t>(triples.shape(0))};
+}
+
+std::shared_ptr<const vdbtools::Mesh> meshOf(const py::array& vertices, const py::array& faces) {
+  const py::array_t<double> points = triplesOf(vertices, "vertices");
+  requireTriples(faces, "faces");
+  if (const char kind = faces.dtype().kind(); kind != 'i' && kind != 'u')
+    throw std::invalid_argument("faces must hold whole numbers, the indices of vertices");
+  const py::array_t<std::int64_t, py::array::c_style | py::array::forcecast> indices(faces);
+  auto mesh = std::make_shared<vdbtools::Mesh>();
+  const std::span<const Vec3d> all = spanOf(points);
+  mesh->points.assign(all.begin(), all.end());
+  const std::int64_t* index = indices.data();
+  const auto count =
+      static_cast<std::int64_t>(std::min<std::size_t>(mesh->points.size(), std::numeric_limits<std::uint32_t>::max()));
+  for (py::ssize_t face = 0; face < indices.shape(0); ++face, index += 3) {
+    openvdb::Vec3I triangle;
+    for (int corner = 0; corner < 3; ++corner) {
+      if (index[corner] < 0 || index[corner] >= count)
+        throw std::invalid_argument("face " + std::to_string(face) + " uses vertex " + std::to_string(index[corner]) +
+                                    ", and there are " + std::to_string(count) + " vertices, the first of which is 0");
+      triangle[corner] = static_cast<std::uint32_t>(index[corner]);
+    }
+    mesh->triangles.push_back(triangle);
+  }
+  return mesh;
+}
+
+/// The target, unless a file is.
+std::shared_ptr<const vdbtools::Mesh> targetOf(const py::object& vertices, const py::object& faces) {
+  return vertices.is_none() ? nullptr : meshOf(arrayOf(vertices, "vertices"), arrayOf(faces, "faces"));
+}
+
+std::shared_ptr<MadeScene> openScene(const Recipe& recipe, const py::object& vertices, const py::object& faces,
+                                     const py::object& progress) {
+  std::shared_ptr<const vdbtools::Mesh> mesh = targetOf(vertices, faces);
+  std::shared_ptr<MadeScene> made;
+  doWatched(progress, [&](Monitor& monitor) { made = makeNamedScene(recipe, std::exchange(mesh, {}), monitor); });
+  return made;
+}
+
+std::shared_ptr<MadeFit> openFit(const Recipe& recipe, const py::object& vertices, const py::object& faces,
+                                 const py::object& progress) {
+  std::shared_ptr<const vdbtools::Mesh> mesh = targetOf(vertices, faces);
+  std::shared_ptr<MadeFit> fit;
+  doWatched(progress, [&](Monitor& monitor) { fit = makeFit(recipe, std::exchange(mesh, {}), monitor); });
+  return fit;
+}
+
+py::dict infoOfFit(const MadeFit& fit) {
+  const vdbtools::FitMeasure& measure = fit.result.measure;
+  py::dict info;
+  info["recipe"] = fit.recipe;
+  info["top_roots"] = fit.result.rational.top.roots.size();
+  info["bottom_roots"] = fit.result.rational.bottom.roots.size();
+  info["iou"] = measure.iou;
+  info["psi"] = measure.psi;
+  info["mean_distance"] = measure.meanDistance;
+  info["hausdorff"] = measure.hausdorff;
+  info["steps"] = fit.result.rows.size();
+  return info;
+}
+
+py::array_t<double> evaluate(const MadeScene& made, const py::object& points, const py::object& progress) {
+  const py::array_t<double> at = triplesOf(arrayOf(points, "points"), "points");
+  py::array_t<double> field(at.shape(0));
+  const std::span<double> values(field.mutable_data(), static_cast<std::size_t>(field.size()));
+  const std::span<const Vec3d> places = spanOf(at);
+  doWatched(progress, [&](Monitor& monitor) { evaluateAt(made, places, values, monitor); });
+  return field;
+}
+
+/// An array over memory that @a owner keeps alive. It cannot be written to: what write() writes is the same memory.
+template <class Number, class Triple>
+py::array viewOf(const std::vector<Triple>& triples, const py::object& owner) {
+  static_assert(sizeof(Triple) == 3 * sizeof(Number));
+  py::array_t<Number> array({static_cast<py::ssize_t>(triples.size()), py::ssize_t{3}},
+                            reinterpret_cast<const Number*>(triples.data()), owner);
+  array.attr("setflags")(py::arg("write") = false);
+  return array;
+}
+
+template <class Number, class Triple>
+py::cpp_function viewGetter(std::vector<Triple> vdbtools::Mesh::*member) {
+  return py::cpp_function(
+      [member](const py::object& self) { return viewOf<Number>(self.cast<const MadeFractal&>().mesh.*member, self); });
+}
+
+py::array render(const MadeScene& made, const Recipe& view, const py::object& progress) {
+  vdbtools::Image image;
+  doWatched(progress, [&](Monitor& monitor) { image = pictureOf(made, view, monitor); });
+  const std::vector<std::uint8_t> codes = vdbtools::screenCodes(image);
+  return py::array_t<std::uint8_t>({image.height, image.width, 3}, codes.data());
+}
+
+py::dict infoOf(const MadeFractal& fractal) {
+  const vdbtools::Scene& scene = fractal.made->scene;
+  py::dict info;
+  info["recipe"] = fractal.made->recipe;
+  info["facts"] = scene.facts;
+  info["metadata"] = vdbtools::sceneMetadata(scene, fractal.made->recipe);
+  info["voxel_size"] = scene.voxelSize;
+  info["vertices"] = fractal.mesh.points.size();
+  info["triangles"] = fractal.mesh.triangles.size();
+  info["evaluated_nodes"] = fractal.result.evaluatedNodes;
+  if (fractal.result.solid) {
+    info["islands"] = fractal.result.solid->islands.size();
+    info["volume"] = fractal.result.solid->volume;
+  }
+  if (scene.targetVolume) info["target_volume"] = *scene.targetVolume;
+  return info;
+}
+
+py::tuple boundsOf(const MadeScene& made) {
+  const openvdb::BBoxd box = vdbtools::pictureRegion(made.scene);
+  const auto corner = [](const Vec3d& at) { return py::make_tuple(at[0], at[1], at[2]); };
+  return py::make_tuple(corner(box.min()), corner(box.max()));
+}
+
+py::list listingOf(const vdbtools::OptionTable& table) {
+  py::list list;
+  for (const vdbtools::OptionListing& option : table.listing())
+    list.append(py::make_tuple(option.name, option.argument, option.help));
+  return list;
+}
+
+PyObject* theDataError = nullptr;  ///< juliavdb.DataError, which the module holds
+
+void translate(std::exception_ptr failure) {
+  try {
+    if (failure) std::rethrow_exception(failure);
+  } catch (const vdbtools::DataError& error) {
+    PyErr_SetString(theDataError, vdbtools::failureText(error).c_str());
+  } catch (const vdbtools::MissingInputError& error) {
+    PyErr_SetString(PyExc_FileNotFoundError, error.what());
+  } catch (const vdbtools::CreateError& error) {
+    PyErr_SetString(PyExc_OSError, error.what());
+  } catch (const vdbtools::IoError& error) {
+    PyErr_SetString(PyExc_OSError, error.what());
+  } catch (const vdbtools::Interrupted& error) {
+    PyErr_SetString(PyExc_KeyboardInterrupt, error.what());
+  } catch (const std::bad_alloc&) {
+    PyErr_SetString(PyExc_MemoryError, vdbtools::kOutOfMemory);
+  }
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_juliavdb, m) {
+  theDataError = PyErr_NewExceptionWithDoc(
+      "juliavdb.DataError", "The input was read, but cannot be used: truncated, leaky, empty, not finite.",
+      PyExc_ValueError, nullptr);
+  if (!theDataError) throw py::error_already_set();
+  m.attr("DataError") = py::reinterpret_borrow<py::object>(theDataError);
+  py::register_exception_translator(translate);
+
+  m.def("options", [] { return listingOf(vdbtools::fractalOptionTable()); });
+  m.def("fit_options", [] { return listingOf(vdbtools::fitOptionTable()); });
+  m.def("view_options", [] { return listingOf(viewTable()); });
+  m.def("check_view", checkView);
+  m.attr("version") = JULIAVDB_VERSION;
+
+  py::class_<MadeScene, std::shared_ptr<MadeScene>>(m, "Scene")
+      .def(py::init([](const Recipe& recipe, const py::object& vertices, const py::object& faces,
+                       const py::object& progress) { return openScene(recipe, vertices, faces, progress); }))
+      .def("evaluate", evaluate)
+      .def("render", render)
+      .def("fractal",
+           [](const std::shared_ptr<MadeScene>& made, bool wantGrids, const py::object& progress) {
+             std::shared_ptr<MadeFractal> fractal;
+             doWatched(progress, [&](Monitor& monitor) { fractal = makeFractal(made, wantGrids, monitor); });
+             return fractal;
+           })
+      .def_property_readonly("bounds", boundsOf)
+      .def_property_readonly("metadata",
+                             [](const MadeScene& made) { return vdbtools::sceneMetadata(made.scene, made.recipe); });
+
+  py::class_<MadeFractal, std::shared_ptr<MadeFractal>>(m, "Fractal", "A fractal in memory, as fractal() makes it.")
+      .def_property_readonly("vertices", viewGetter<double>(&vdbtools::Mesh::points),
+                             "The vertices, (n, 3) float64, in the target's units. It cannot be written to; copy it to "
+                             "change it.")
+      .def_property_readonly("faces", viewGetter<std::uint32_t>(&vdbtools::Mesh::triangles),
+                             "The triangles, (m, 3) uint32, as indices of vertices; counter-clockwise from outside.")
+      .def_property_readonly("normals", viewGetter<float>(&vdbtools::Mesh::normals),
+                             "The outward normals at the vertices, (n, 3) float32, of unit length.")
+      .def_property_readonly("info", infoOf,
+                             "A dict: recipe (the options), facts (what was found on the way), metadata (what files "
+                             "hold of both), voxel_size, vertices, triangles, evaluated_nodes, and, where they are "
+                             "known, islands, volume and target_volume.")
+      .def("_write", [](MadeFractal& fractal, const std::vector<std::string>& paths, const py::object& progress) {
+        doWatched(progress, [&](Monitor& monitor) { writeFiles(fractal, paths, monitor); });
+      });
+
+  py::class_<MadeFit, std::shared_ptr<MadeFit>>(m, "Fit", "A rational map in the shape of a target, as fit() makes it.")
+      .def(py::init(&openFit))
+      .def_property_readonly("info", infoOfFit,
+                             "A dict: recipe, top_roots, bottom_roots, steps, and how well the map fits: iou, psi, "
+                             "mean_distance and hausdorff, the distances in shares of the longest side.")
+      .def("_write", [](const MadeFit& fit, const std::string& path, const py::object& progress) {
+        doWatched(progress, [&](Monitor& monitor) { writeFit(fit, path, monitor); });
+      });
+}

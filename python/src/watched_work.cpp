@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "watched_work.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace py = pybind11;
+
+namespace {
+
+/// How often the calling thread looks for signals and tells of the progress.
+constexpr std::chrono::milliseconds kTick(50);
+
+struct PhaseNews {
+  std::string phase;
+  std::optional<double> share;
+};
+
+class WatchedMonitor final : public vdbtools::Monitor {
+ public:
+  void begin(std::string_view phase, std::uint64_t total) override {
+    const std::scoped_lock lock(mMutex);
+    mDone = 0;
+    mTotal = total;
+    mBegun.emplace_back(phase);
+  }
+  void advance(std::uint64_t steps) override { mDone += steps; }
+  bool cancelled() const override { return mCancelled; }
+  void cancel() { mCancelled = true; }
+
+  /// The phases that began since the last call, and how far the last of them has come.
+  std::vector<PhaseNews> news() {
+    const std::scoped_lock lock(mMutex);
+    std::vector<PhaseNews> news;
+    for (std::string& phase : mBegun) news.push_back({mPhase = std::move(phase), {}});
+    mBegun.clear();
+    if (mTotal > 0 && !mPhase.empty()) {
+      const double share = std::min(1.0, static_cast<double>(mDone) / static_cast<double>(mTotal));
+      if (news.empty() && share == mTold) return news;
+      if (news.empty()) news.push_back({mPhase, {}});
+      mTold = share;
+      news.back().share = share;
+    }
+    return news;
+  }
+
+ private:
+  std::mutex mMutex;  // of the phases; steps are counted without it
+  std::vector<std::string> mBegun;
+  std::string mPhase;
+  std::uint64_t mTotal = 0;
+  double mTold = 0;
+  std::atomic<std::uint64_t> mDone{0};
+  std::atomic<bool> mCancelled{false};
+};
+
+/// @throw pybind11::error_already_set
+void tell(const py::object& progress, WatchedMonitor& monitor) {
+  if (progress.is_none()) return;
+  for (const PhaseNews& news : monitor.news()) {
+    const py::object share = news.share ? py::object(py::float_(*news.share)) : py::object(py::none());
+    if (progress(news.phase, share).ptr() == Py_False) monitor.cancel();
+  }
+}
+
+}  // namespace
+
+void doWatched(const py::object& progress, const std::function<void(vdbtools::Monitor&)>& work) {
+  WatchedMonitor monitor;
+  std::exception_ptr failure, stopped;
+  std::mutex mutex;
+  std::condition_variable ended;
+  bool over = false;
+  std::thread worker([&] {
+    try {
+      work(monitor);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    const std::scoped_lock lock(mutex);
+    over = true;
+    ended.notify_one();
+  });
+  // Whatever happens, the worker ends first: it uses what lives here.
+  for (bool last = false; !last;) {
+    {
+      const py::gil_scoped_release release;
+      std::unique_lock lock(mutex);
+      last = ended.wait_for(lock, kTick, [&] { return over; });
+    }
+    if (stopped) continue;
+    try {
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      tell(progress, monitor);
+    } catch (...) {
+      stopped = std::current_exception();
+      monitor.cancel();
+    }
+  }
+  {
+    const py::gil_scoped_release release;
+    worker.join();
+  }
+  if (stopped) std::rethrow_exception(stopped);
+  if (failure) std::rethrow_exception(failure);
+}

@@ -1,0 +1,80 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Writes the types of the module juliavdb, as editors and type checkers read them: make_stubs.py FILE.pyi"""
+import inspect
+import sys
+import textwrap
+
+import juliavdb
+from juliavdb import _options
+
+HEAD = '''# SPDX-License-Identifier: Apache-2.0
+# Made by make_stubs.py from the tables of options.
+import os
+from collections.abc import Callable, Sequence
+from typing import Any, Optional, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Value = Union[str, float, os.PathLike[str], Sequence[Union[str, float]]]
+Target = Union[str, os.PathLike[str], ArrayLike]
+Progress = Callable[[str, Optional[float]], Any]
+__version__: str
+'''
+
+OWN = {"vertices": "Optional[Target]", "faces": "Optional[ArrayLike]", "progress": "Optional[Progress]",
+       "points": "ArrayLike", "paths": "Union[str, os.PathLike[str]]", "path": "Union[str, os.PathLike[str]]"}
+
+
+def parameter(each):
+    if each.name == "self":
+        return "self"
+    if each.name in OWN:
+        kind = OWN[each.name]
+    else:
+        argument, _ = {**_options.FRACTAL, **_options.VIEW, **_options.FIT}[each.name]
+        kind = "Optional[Value]" if argument else "bool"
+    star = "*" if each.kind is each.VAR_POSITIONAL else ""
+    default = "" if star or each.default is each.empty else " = False" if kind == "bool" else " = None"
+    return f"{star}{each.name}: {kind}{default}"
+
+
+def stub(function, result, indent=""):
+    words = []
+    for each in inspect.signature(function).parameters.values():
+        if each.kind is each.KEYWORD_ONLY and not any(word.startswith("*") for word in words):
+            words.append("*")
+        words.append(parameter(each))
+    head = textwrap.fill(", ".join(words), 110, initial_indent=indent + "    ", subsequent_indent=indent + "    ",
+                         break_on_hyphens=False, break_long_words=False)
+    text = textwrap.indent(inspect.getdoc(function).replace("\\", "\\\\"), indent + "    ")
+    return f'{indent}def {function.__name__}(\n{head}\n{indent}) -> {result}:\n{indent}    """{text.lstrip()}\n{indent}    """\n'
+
+
+def attribute(owner, name, result):
+    text = textwrap.indent(inspect.getdoc(getattr(owner, name)), "        ").lstrip()
+    return f'    @property\n    def {name}(self) -> {result}:\n        """{text}"""\n'
+
+
+def stubs():
+    picture, floats = "NDArray[np.uint8]", "NDArray[np.float64]"
+    corner = "tuple[float, float, float]"
+    fractal, field, fit = juliavdb.Fractal, juliavdb.Field, juliavdb.Fit
+    return "\n".join([
+        HEAD, f'class DataError(ValueError):\n    """{juliavdb.DataError.__doc__}"""\n',
+        f'class Fractal:\n    """{fractal.__doc__}"""\n',
+        attribute(fractal, "vertices", floats), attribute(fractal, "faces", "NDArray[np.uint32]"),
+        attribute(fractal, "normals", "NDArray[np.float32]"), attribute(fractal, "info", "dict[str, Any]"),
+        stub(fractal.write, "None", "    "), f'class Field:\n    """{field.__doc__}"""\n',
+        stub(field.__init__, "None", "    "), stub(field.__call__, floats, "    "),
+        stub(field.inside, "NDArray[np.bool_]", "    "), attribute(field, "bounds", f"tuple[{corner}, {corner}]"),
+        attribute(field, "metadata", "dict[str, str]"), stub(field.render, picture, "    "),
+        f'class Fit:\n    """{fit.__doc__}"""\n', attribute(fit, "info", "dict[str, Any]"),
+        stub(fit.write, "None", "    "), stub(juliavdb.fit, "Fit"),
+        stub(juliavdb.fractal, "Fractal"), stub(juliavdb.render, picture)])
+
+
+if __name__ == "__main__":
+    with open(sys.argv[1], "w", encoding="utf-8") as file:
+        file.write(stubs())

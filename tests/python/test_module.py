@@ -1,0 +1,301 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The Python module gives what the command gives, takes and returns arrays, and fails in the same words."""
+import ast
+import gc
+import hashlib
+import inspect
+import os
+import pathlib
+import sys
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "cli"))
+
+import harness
+
+try:
+    import juliavdb
+    import numpy as np
+except ImportError as error:
+    print(f"skipped: {error}")
+    juliavdb = None
+
+SMALL = {"sdf_resolution": 30, "resolution": 30}
+SMALL_WORDS = ("--sdf-resolution", 30, "--resolution", 30)
+
+
+def arrays(mesh):
+    points, triangles = mesh[:2]
+    return np.array(points, dtype=np.float64), np.array(triangles)
+
+
+@unittest.skipUnless(juliavdb, "the Python module was not built, or there is no numpy")
+class ModuleTest(harness.CliTest):
+
+    def setUp(self):
+        super().setUp()
+        self.mesh = harness.torus()
+        self.write("torus.obj", harness.obj(self.mesh))
+        self.torus = str(self.path("torus.obj"))
+
+
+class LikeTheCommand(ModuleTest):
+
+    def test_files_have_the_bytes_of_the_commands(self):
+        cases = [
+            (dict(detail=0.4, versor="feathers"), ("--detail", "0.4", "--versor", "feathers")),
+            (dict(alpha=40, beta=0.02, origin_shift=(0.1, 0, 0)), ("--alpha", 40, "--beta", "0.02", "--origin-shift", "0.1,0,0")),
+            (dict(min_size=np.int64(1), half=True, cap=False), ("--min-size", 1, "--half")),
+            (dict(grids="surface,versor"), ("--grids", "surface,versor")),
+            (dict(grids=["density"], tolerance=np.float64(0.01)), ("--grids", "density", "--tolerance", "0.01")),
+        ]
+        for options, words in cases:
+            with self.subTest(options=options):
+                made = juliavdb.fractal(self.torus, **SMALL, **options)
+                made.write(self.path("a.vdb"), str(self.path("a.ply")), self.path("a.obj"))
+                made.write(self.path("a.stl"))
+                self.ok("fractal", self.torus, "-o", "b.vdb", "--mesh", "b.ply", *SMALL_WORDS, *words)
+                self.ok("fractal", self.torus, "--mesh", "b.obj", *SMALL_WORDS, *words)
+                self.ok("fractal", self.torus, "--mesh", "b.stl", *SMALL_WORDS, *words)
+                for extension in ("vdb", "ply", "obj", "stl"):
+                    self.assertEqual(self.bytes(f"a.{extension}"), self.bytes(f"b.{extension}"), extension)
+
+    def test_maps_without_a_target(self):
+        made = juliavdb.fractal(map="quadratic", c=(-0.2, 0.6, 0.2, 0.2), iterations=8, resolution=30)
+        made.write(self.path("a.ply"))
+        self.ok("fractal", "--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "--iterations", 8, "--resolution", 30,
+                "--mesh", "b.ply")
+        self.assertEqual(self.bytes("a.ply"), self.bytes("b.ply"))
+
+    def test_a_fit_is_the_commands(self):
+        options, words = dict(roots=12, resolution=24), ("--roots", 12, "--resolution", 24)
+        fitted = juliavdb.fit(self.torus, **options)
+        fitted.write(self.path("a.json"))
+        self.ok("fit", self.torus, "-o", "b.json", *words)
+        self.assertEqual(self.bytes("a.json"), self.bytes("b.json"))
+        points, triangles = arrays(self.mesh)
+        juliavdb.fit(points, triangles, **options).write(self.path("c.json"))
+        self.assertEqual(self.bytes("c.json"), self.bytes("b.json"))
+        self.assertTrue(0 < fitted.info["iou"] <= 1)
+        self.assertLessEqual(fitted.info["top_roots"] + fitted.info["bottom_roots"], 12)
+        juliavdb.fractal(map="rational", rational=self.path("a.json"), resolution=20)
+        with self.assertRaisesRegex(ValueError, "no target was given"):
+            juliavdb.fit()
+        with self.assertRaisesRegex(ValueError, r"\.json \.o3d"):
+            fitted.write("a.vdb")
+
+    def test_pictures_have_the_pixels_of_the_commands(self):
+        picture = juliavdb.render(self.torus, sdf_resolution=30, size=(40, 24), samples=1, colour="clay")
+        self.ok("render", "--field", self.torus, "--sdf-resolution", 30, "--size", "40x24", "--samples", 1, "--colour",
+                "clay", "-o", "p.png")
+        self.assertEqual((picture.shape, picture.dtype), ((24, 40, 3), np.uint8))
+        self.assertEqual(picture.tobytes(), pixels(self.bytes("p.png")))
+        field = juliavdb.Field(self.torus, sdf_resolution=30)
+        again = field.render(size="40x24", samples=1, colour="clay")
+        self.assertTrue(np.array_equal(picture, again))
+
+    def test_errors_have_the_words_of_the_command(self):
+        self.write("open.obj", harness.obj(harness.with_hole(harness.sphere())))
+        self.write("text.obj", "hello")
+        open_mesh, text = str(self.path("open.obj")), str(self.path("text.obj"))
+        gone = str(self.path("gone.obj"))
+        cases = [
+            (ValueError, self.torus, dict(detail=7), ("--detail", 7)),
+            (ValueError, self.torus, dict(versor="fethers"), ("--versor", "fethers")),
+            (ValueError, self.torus, dict(resolution=10, voxel_size=0.1), ("--resolution", 10, "--voxel-size", 0.1)),
+            (ValueError, self.torus, dict(map="mandel"), ("--map", "mandel")),
+            (ValueError, None, dict(), ()),
+            (juliavdb.DataError, open_mesh, dict(), ()),
+            (juliavdb.DataError, text, dict(), ()),
+            (juliavdb.DataError, self.torus, dict(box=(5, 5, 5, 6, 6, 6), **SMALL), ("--box", "5,5,5,6,6,6", *SMALL_WORDS)),
+            (FileNotFoundError, gone, dict(), ()),
+        ]
+        for kind, target, options, words in cases:
+            with self.subTest(target=target, options=options):
+                with self.assertRaises(kind) as caught:
+                    juliavdb.fractal(target, **options)
+                self.assertIs(type(caught.exception), kind)
+                run = self.run_program("fractal", *([target] if target else []), *words, "--mesh", "f.ply")
+                self.assertNotEqual(run.returncode, 0)
+                self.assertEqual(f"juliavdb: {caught.exception}\n", said(run))
+        self.assertTrue(issubclass(juliavdb.DataError, ValueError))
+
+    def test_what_cannot_be_written(self):
+        made = juliavdb.fractal(map="mandelbulb", resolution=20)
+        with self.assertRaisesRegex(ValueError, r"f\.abc.*\.vdb \.ply"):
+            made.write("f.abc")
+        with self.assertRaises(OSError) as caught:
+            made.write(self.path("here.ply"), self.path("no/such/folder.ply"))
+        self.assertNotIsInstance(caught.exception, FileNotFoundError)
+        run = self.run_program("fractal", "--map", "mandelbulb", "--resolution", 20, "--mesh", self.path("no/such/folder.ply"))
+        self.assertEqual(f"juliavdb: {caught.exception}\n", said(run))
+        self.assertEqual(self.listing(), ["torus.obj"])
+
+
+def said(run):
+    return run.stderr.decode()
+
+
+def pixels(data):
+    """The bytes of a PNG's pixels, row by row."""
+    return np.array(harness.read_png(data), dtype=np.uint8).tobytes()
+
+
+class Arrays(ModuleTest):
+
+    def test_a_mesh_in_memory_is_as_good_as_a_file(self):
+        points, triangles = arrays(self.mesh)
+        of_file = juliavdb.fractal(self.torus, **SMALL, detail=0.4)
+        # The file has rounded decimals; the arrays have to hold the same numbers.
+        points = np.array([line.split()[1:4] for line in self.path("torus.obj").read_text().splitlines()
+                           if line.startswith("v ")], dtype=np.float64)
+        for vertices, faces in ((points, triangles), (points.tolist(), triangles.tolist()),
+                                (np.asfortranarray(points), triangles.astype(np.uint16)),
+                                (np.repeat(points, 2, axis=0)[::2], triangles.astype(np.int32))):
+            made = juliavdb.fractal(vertices, faces, **SMALL, detail=0.4)
+            self.assertTrue(np.array_equal(made.vertices, of_file.vertices))
+            self.assertTrue(np.array_equal(made.faces, of_file.faces))
+            self.assertTrue(np.array_equal(made.normals, of_file.normals))
+        self.assertEqual(made.info["recipe"]["input"], "memory")
+        data = points.astype("<f8").tobytes() + triangles.astype("<u4").tobytes()
+        self.assertEqual(made.info["metadata"]["julia_source_sha256"], hashlib.sha256(data).hexdigest())
+        juliavdb.fractal(points, triangles, **SMALL, source_sha256=hashlib.sha256(data).hexdigest())
+        with self.assertRaisesRegex(juliavdb.DataError, "not the one"):
+            juliavdb.fractal(points + 1, triangles, **SMALL, source_sha256=hashlib.sha256(data).hexdigest())
+
+    def test_floats_are_the_doubles_of_the_same_value(self):
+        points, triangles = arrays(self.mesh)
+        single = points.astype(np.float32)
+        a, b = (juliavdb.fractal(each, triangles, **SMALL) for each in (single, single.astype(np.float64)))
+        self.assertTrue(np.array_equal(a.vertices, b.vertices))
+
+    def test_the_arrays_are_the_memory_of_the_result(self):
+        made = juliavdb.fractal(self.torus, **SMALL)
+        kinds = {"vertices": np.float64, "faces": np.uint32, "normals": np.float32}
+        for name, kind in kinds.items():
+            array = getattr(made, name)
+            self.assertEqual(array.dtype, kind)
+            self.assertTrue(np.shares_memory(array, getattr(made, name)), name)
+            self.assertFalse(array.flags.owndata)
+            with self.assertRaises(ValueError):
+                array[0, 0] = 0
+        vertices, copy = made.vertices, made.vertices.copy()
+        del made
+        gc.collect()
+        ballast = [np.random.default_rng(i).random(copy.shape) for i in range(8)]
+        self.assertTrue(np.array_equal(vertices, copy))
+        del ballast
+
+    def test_the_mesh_is_the_one_that_is_written(self):
+        made = juliavdb.fractal(self.torus, **SMALL)
+        made.write(self.path("f.obj"))
+        points, triangles = harness.read_obj(self.bytes("f.obj"))[:2]
+        self.assertTrue(np.array_equal(np.array(points), made.vertices))
+        self.assertTrue(np.array_equal(np.array(triangles), made.faces))
+        edges = np.sort(made.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+        self.assertTrue((np.unique(edges, axis=0, return_counts=True)[1] == 2).all(), "it is closed")
+        corners = made.vertices[made.faces]
+        volume = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6
+        self.assertAlmostEqual(volume, made.info["volume"], delta=1e-9)
+        self.assertEqual(made.info["vertices"], len(made.vertices))
+        self.assertEqual(made.info["triangles"], len(made.faces))
+        self.assertEqual(made.info["recipe"]["resolution"], "30")
+
+    def test_arrays_that_are_no_mesh(self):
+        points, triangles = arrays(self.mesh)
+        broken = points.copy()
+        broken[3, 1] = np.nan
+        cases = [
+            (points[:, :2], triangles, r"vertices .* \(n, 3\); it is \(\d+, 2\)"),
+            (points, triangles.reshape(-1), r"faces .* \(n, 3\)"),
+            (points, triangles.astype(float), "whole numbers"),
+            (points, triangles + 1, "there are"),
+            (points, triangles - 1, "uses vertex -1"),
+            (points, triangles[:0], "no triangle"),
+            (broken, triangles, "point 3 .* not finite"),
+            (points + 1j, triangles, "real numbers"),
+            (points * 0, triangles, "no extent"),
+            (points, None, "both"),
+            (None, triangles, "both"),
+            (self.torus, triangles, "faces were given"),
+        ]
+        for vertices, faces, words in cases:
+            with self.subTest(words=words), self.assertRaisesRegex(ValueError, words):
+                juliavdb.fractal(vertices, faces, **SMALL)
+        with self.assertRaisesRegex(ValueError, "twice"):
+            juliavdb.fractal(points, triangles, input=self.torus)
+        with self.assertRaisesRegex(TypeError, "detail"):
+            juliavdb.fractal(points, triangles, detail={})
+        with self.assertRaisesRegex(ValueError, "--feathers"):
+            juliavdb.fractal(points, triangles, feathers=1)
+
+
+class FieldTest(ModuleTest):
+
+    def test_a_quadratic_map_by_hand(self):
+        c, steps = np.array([-0.2, 0.6, 0.2, 0.2]), 6
+        field = juliavdb.Field(map="quadratic", c=c, iterations=steps, resolution=20, precision="double")
+        points = np.random.default_rng(1).uniform(-1.3, 1.3, (5000, 3))
+        values = field(points)
+        radius = float(field.metadata["julia_escape"])
+        q = np.concatenate([points, np.zeros((len(points), 1))], axis=1)
+        with np.errstate(over="ignore", invalid="ignore"):
+            for _ in range(steps):
+                a, v = q[:, :1], q[:, 1:]
+                q = np.concatenate([a * a - (v * v).sum(1, keepdims=True), 2 * a * v], axis=1) + c
+                q = np.where(np.isfinite(q), q, 1e100)
+            stays = np.linalg.norm(np.clip(q, -1e100, 1e100), axis=1) < radius
+        self.assertTrue(0.02 < stays.mean() < 0.98)
+        self.assertTrue(np.array_equal(field.inside(points), stays))
+        self.assertTrue(np.array_equal(values < 0, stays))
+        low, high = np.array(field.bounds)
+        self.assertTrue(((points[stays] >= low) & (points[stays] <= high)).all())
+
+    def test_a_point_has_its_value_in_any_company(self):
+        field = juliavdb.Field(self.torus, sdf_resolution=30)
+        points = np.random.default_rng(2).uniform(-1, 1, (5001, 3))
+        values = field(points)
+        self.assertEqual((values.shape, values.dtype), ((5001,), np.float64))
+        order = np.random.default_rng(3).permutation(len(points))
+        self.assertTrue(np.array_equal(field(points[order]), values[order]))
+        self.assertTrue(np.array_equal(field(points[7:8]), values[7:8]))
+        self.assertEqual(field(np.empty((0, 3))).shape, (0,))
+        for bad in (points[:, :2], [[0, 0, np.inf]]):
+            with self.assertRaises(ValueError):
+                field(bad)
+
+    def test_the_surface_lies_where_the_sign_changes(self):
+        options = dict(sdf_resolution=40, resolution=40, detail=0.3)
+        made, field = juliavdb.fractal(self.torus, **options), juliavdb.Field(self.torus, **options)
+        step = 0.05 * made.info["voxel_size"] * made.normals.astype(float)
+        inside = field.inside(made.vertices - step).mean()
+        outside = 1 - field.inside(made.vertices + step).mean()
+        self.assertGreater(inside, 0.9)
+        self.assertGreater(outside, 0.9)
+
+
+class Words(ModuleTest):
+
+    def test_stubs_and_docstrings_name_every_option(self):
+        stub = pathlib.Path(juliavdb.__file__).with_suffix(".pyi").read_text()
+        functions = {node.name: node for node in ast.walk(ast.parse(stub)) if isinstance(node, ast.FunctionDef)}
+        helped = self.ok("fractal", "--help", data=True)
+        part = helped[helped.index("What to make"):helped.index("Common options")]
+        names = {line.split()[0][2:].replace("-", "_") for line in part.splitlines() if line.startswith("  --")}
+        self.assertGreater(len(names), 40)
+        found = {argument.arg for argument in functions["fractal"].args.kwonlyargs}
+        self.assertEqual(found - {"progress"}, names)
+        for name in names:
+            self.assertIn(f"\n    {name}=", inspect.getdoc(juliavdb.fractal))
+            self.assertIn(name, inspect.signature(juliavdb.fractal).parameters)
+        for name in juliavdb.__all__:
+            self.assertRegex(stub, rf"(?m)^(class|def) {name}\b")
+            self.assertTrue(inspect.getdoc(getattr(juliavdb, name)), name)
+        self.assertEqual(juliavdb.__version__, os.environ.get("JULIAVDB_VERSION", juliavdb.__version__))
+
+
+if __name__ == "__main__":
+    if juliavdb:
+        harness.main()
+    else:
+        unittest.main()

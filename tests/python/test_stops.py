@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Work that Python waits for: it tells how far it is, leaves other threads alone, and stops when it is told to."""
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+
+try:
+    import juliavdb
+    import numpy as np
+except ImportError as error:
+    print(f"skipped: {error}")
+    juliavdb = None
+
+# Minutes of work.
+LONG = dict(map="quadratic", c=(-0.2, 0.6, 0.2, 0.2), iterations=60, resolution=1500)
+SHORT = dict(map="quadratic", c=(-0.2, 0.6, 0.2, 0.2), iterations=8, resolution=120)
+
+SCRIPT = f"""
+import sys, time, juliavdb
+print("ready", flush=True)
+try:
+    juliavdb.fractal(**{LONG!r}).write(sys.argv[1])
+except KeyboardInterrupt as error:
+    print(repr(str(error)), time.monotonic(), flush=True)
+    raise
+"""
+
+
+@unittest.skipUnless(juliavdb, "the Python module was not built, or there is no numpy")
+class Stops(unittest.TestCase):
+
+    def test_ctrl_c_stops_within_a_second(self):
+        with tempfile.TemporaryDirectory(prefix="juliavdb_test_") as folder:
+            for _ in range(2):
+                child = subprocess.Popen(
+                    [sys.executable, "-c", SCRIPT, os.path.join(folder, "f.ply")], stdout=subprocess.PIPE,
+                    stderr=subprocess.PIPE, text=True,
+                    preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+                self.assertEqual(child.stdout.readline(), "ready\n")
+                time.sleep(1.5)
+                self.assertIsNone(child.poll(), "the work was to be long")
+                sent = time.monotonic()
+                child.send_signal(signal.SIGINT)
+                out, err = child.communicate(timeout=60)
+                self.assertLess(time.monotonic() - sent, 1)
+                self.assertIn("KeyboardInterrupt", err)
+                self.assertEqual(os.listdir(folder), [])
+
+    def test_a_callback_hears_of_the_phases_in_its_own_thread(self):
+        heard = []
+
+        def progress(phase, share):
+            self.assertIs(threading.current_thread(), threading.main_thread())
+            heard.append((phase, share))
+
+        juliavdb.fractal(**SHORT, progress=progress)
+        phases = list(dict.fromkeys(phase for phase, _ in heard))
+        self.assertGreaterEqual(len(phases), 1)
+        for phase in phases:
+            shares = [share for name, share in heard if name == phase and share is not None]
+            self.assertEqual(shares, sorted(shares), phase)
+            self.assertTrue(all(0 <= share <= 1 for share in shares), phase)
+        self.assertTrue(any(share for _, share in heard), "some share is told")
+
+    def test_a_callback_cancels(self):
+        begun = time.monotonic()
+        with self.assertRaisesRegex(KeyboardInterrupt, "nothing was written"):
+            juliavdb.fractal(**LONG, progress=lambda phase, share: False)
+        field = juliavdb.Field(**SHORT)
+        with self.assertRaises(KeyboardInterrupt):
+            field(np.zeros((3000000, 3)), progress=lambda phase, share: False)
+        self.assertLess(time.monotonic() - begun, 5)
+
+    def test_an_error_of_the_callback_is_the_callers(self):
+        def progress(phase, share):
+            raise LookupError("mine")
+
+        with self.assertRaisesRegex(LookupError, "mine"):
+            juliavdb.fractal(**LONG, progress=progress)
+
+    def test_other_threads_run_meanwhile(self):
+        counted, over = [0], threading.Event()
+
+        def count():
+            while not over.is_set():
+                counted[0] += 1
+                time.sleep(0.005)
+
+        thread = threading.Thread(target=count)
+        thread.start()
+        begun = time.monotonic()
+        try:
+            juliavdb.fractal(**SHORT)
+        finally:
+            seconds = time.monotonic() - begun
+            over.set()
+            thread.join()
+        # Were the lock held, it would have counted once or twice.
+        self.assertGreater(counted[0], 20 * seconds)
+
+    def test_two_threads_work_at_once(self):
+        alone = juliavdb.fractal(**SHORT).vertices
+        found = [None, None]
+
+        def work(i):
+            found[i] = juliavdb.fractal(**SHORT).vertices
+
+        threads = [threading.Thread(target=work, args=(i,)) for i in range(2)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        for vertices in found:
+            self.assertTrue(np.array_equal(vertices, alone))
+
+
+if __name__ == "__main__":
+    unittest.main()

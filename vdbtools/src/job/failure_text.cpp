@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/job/failure_text.h"
+
+namespace vdbtools {
+namespace {
+
+std::string optionFor(Remedy remedy) {
+  switch (remedy) {
+    case Remedy::None: break;
+    case Remedy::RepairMesh: return "; see --repair";
+    case Remedy::SmallerIslands: return "; see --min-size";
+    case Remedy::LargerBeta: return "; see --detail, --outward and --beta";
+    case Remedy::AnotherFieldBox: return "; see --box, and 'juliavdb info' for the target's";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string failureText(const DataError& error) { return error.what() + optionFor(error.remedy()); }
+
+}  // namespace vdbtools
