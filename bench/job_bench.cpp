@@ -13,7 +13,7 @@ namespace {
 /// Drops the mesh: writing it is not what is measured.
 class NoSink final : public vdbtools::MeshSink {
  public:
-  void addPoints(std::span<const openvdb::Vec3d>, std::span<const openvdb::Vec3s>) override {}
+  void addPoints(const vdbtools::PointBatch&) override {}
   void addTriangles(std::span<const openvdb::Vec3I>, std::uint64_t) override {}
 };
 

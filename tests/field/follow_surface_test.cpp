@@ -115,10 +115,10 @@ TEST(StreamMesh, ATriangleUsesNoPointBeforeItsFirst) {
   Fractal fractal(20);
   struct Checker final : MeshSink {
     std::uint64_t points = 0, first = 0;
-    void addPoints(std::span<const Vec3d> added, std::span<const openvdb::Vec3s> normals) override {
-      EXPECT_EQ(added.size(), normals.size());
-      for (const openvdb::Vec3s& normal : normals) EXPECT_NEAR(normal.length(), 1, 1e-5);
-      points += added.size();
+    void addPoints(const PointBatch& batch) override {
+      EXPECT_EQ(batch.positions.size(), batch.normals.size());
+      for (const openvdb::Vec3s& normal : batch.normals) EXPECT_NEAR(normal.length(), 1, 1e-5);
+      points += batch.positions.size();
     }
     void addTriangles(std::span<const openvdb::Vec3I> triangles, std::uint64_t firstPoint) override {
       EXPECT_GE(firstPoint, first);

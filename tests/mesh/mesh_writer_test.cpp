@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -128,7 +129,9 @@ Mesh randomMesh(std::mt19937& random, std::size_t points, std::size_t triangles,
 
 /// Gives @a mesh to @a sink in pieces of up to @a longest points, triangles as early as they may come, and no
 /// firstPoint smaller than it must be.
-void feed(MeshSink& sink, const Mesh& mesh, std::mt19937& random, std::size_t longest) {
+/// @param values  rows of @a rowLength values, one for each point
+void feed(MeshSink& sink, const Mesh& mesh, std::mt19937& random, std::size_t longest,
+          std::span<const float> values = {}, std::size_t rowLength = 0) {
   std::vector<std::uint64_t> firstPoint(mesh.triangles.size() + 1, mesh.points.size());
   for (std::size_t i = mesh.triangles.size(); i-- > 0;) {
     const openvdb::Vec3I& t = mesh.triangles[i];
@@ -140,7 +143,8 @@ void feed(MeshSink& sink, const Mesh& mesh, std::mt19937& random, std::size_t lo
   std::size_t p = 0, t = 0;
   while (p < points.size() || t < triangles.size()) {
     const std::size_t count = std::min<std::size_t>(random() % (longest + 1), points.size() - p);
-    sink.addPoints(points.subspan(p, count), normals.empty() ? normals : normals.subspan(p, count));
+    sink.addPoints({points.subspan(p, count), normals.empty() ? normals : normals.subspan(p, count),
+                    values.subspan(p * rowLength, count * rowLength)});
     p += count;
     const std::size_t most = random() % (2 * longest + 1);
     std::size_t end = t;
@@ -299,6 +303,87 @@ TEST_F(MeshStream, HeadersAreOfOneLengthWhateverTheCounts) {
     }
 }
 
+/// A mesh with a row for each point: a colour, a number, texture coordinates and a vector.
+struct ColumnMesh {
+  std::mt19937 random{5};
+  Mesh mesh = randomMesh(random, 300, 500, true);
+  std::vector<VertexColumn> columns{{"Cd", ColumnKind::Colour},
+                                    {"trap", ColumnKind::Number},
+                                    {"uv", ColumnKind::TextureCoordinate},
+                                    {"direction", ColumnKind::Vector}};
+  static constexpr std::size_t kRow = 9;
+  std::vector<float> values;
+
+  ColumnMesh() {
+    std::uniform_real_distribution<float> value(0, 1);
+    for (std::size_t i = 0; i < kRow * mesh.points.size(); ++i) values.push_back(value(random));
+  }
+  float at(std::size_t point, std::size_t k) const { return values[point * kRow + k]; }
+};
+
+TEST_F(MeshStream, ColumnsComeBackFromAPly) {
+  const ColumnMesh made;
+  const auto path = mFolder / "columns.ply";
+  std::ofstream file(path, std::ios::binary);
+  writeMesh(file, made.mesh, {.columns = made.columns}, made.values);
+  file.close();
+  const Mesh read = readMesh(path);
+  std::vector<std::string> names;
+  for (const VertexAttribute& attribute : read.attributes) names.push_back(attribute.name);
+  EXPECT_EQ(names,
+            std::vector<std::string>({"red", "green", "blue", "trap", "direction_x", "direction_y", "direction_z"}));
+  constexpr std::size_t kFirst[] = {0, 1, 2, 3, 6, 7, 8};
+  for (std::size_t a = 0; a < read.attributes.size(); ++a)
+    for (std::size_t i = 0; i < made.mesh.points.size(); ++i) {
+      const float value = made.at(i, kFirst[a]), found = read.attributes[a].values[i];
+      if (a < 3) {  // bytes of sRGB: black is 0, white is 1, and 0.2140 in light is half way in code
+        EXPECT_NEAR(value, std::pow((found + 0.055) / 1.055, 2.4), 0.01) << names[a];
+      } else {
+        EXPECT_EQ(value, found) << names[a];
+      }
+    }
+  ASSERT_EQ(read.cornerUvs.size(), 3 * read.triangles.size());
+  for (std::size_t t = 0; t < read.triangles.size(); ++t)
+    for (unsigned k = 0; k < 3; ++k) {
+      const std::size_t i = read.triangles[t][static_cast<int>(k)];
+      EXPECT_EQ(read.cornerUvs[3 * t + k], openvdb::Vec2s(made.at(i, 4), made.at(i, 5)));
+    }
+}
+
+TEST_F(MeshStream, ObjHoldsColoursAndTextureCoordinates) {
+  const ColumnMesh made;
+  const auto ply = mFolder / "columns.ply", obj = mFolder / "columns.obj";
+  for (const auto& path : {ply, obj}) {
+    std::ofstream file(path, std::ios::binary);
+    writeMesh(file, made.mesh, {.format = meshFormat(path), .columns = made.columns}, made.values);
+  }
+  const Mesh fromPly = readMesh(ply), fromObj = readMesh(obj);
+  ASSERT_EQ(fromObj.attributes.size(), 3u);
+  for (std::size_t a = 0; a < 3; ++a) EXPECT_EQ(fromObj.attributes[a].values, fromPly.attributes[a].values);
+  EXPECT_EQ(fromObj.cornerUvs, fromPly.cornerUvs);
+}
+
+TEST_F(MeshStream, PiecesWithColumnsGiveTheBytesOfTheWhole) {
+  ColumnMesh made;
+  for (const MeshFormat format : kFormats) {
+    const MeshWriteOptions options{.format = format, .columns = made.columns};
+    std::ostringstream whole, pieces;
+    writeMesh(whole, made.mesh, options, made.values);
+    MeshStreamWriter writer(pieces, mFolder, options);
+    feed(writer, made.mesh, made.random, 20, made.values, ColumnMesh::kRow);
+    writer.finish();
+    EXPECT_EQ(pieces.str(), whole.str()) << int(format);
+  }
+}
+
+TEST_F(MeshStream, EveryPointHasARow) {
+  const ColumnMesh made;
+  std::ostringstream stream;
+  MeshStreamWriter writer(stream, mFolder, {.columns = made.columns});
+  EXPECT_THROW(writer.addPoints({made.mesh.points, made.mesh.normals}), std::logic_error);
+  EXPECT_THROW(writeMesh(stream, made.mesh, {}, made.values), std::logic_error);
+}
+
 TEST_F(MeshStream, NothingPassesForAMeshBeforeItIsFinished) {
   const Mesh mesh = test_meshes::makeSphere(1, 5);
   for (const char* name : {"u.ply", "u.stl"}) {
@@ -318,7 +403,7 @@ TEST_F(MeshStream, TrianglesKeepToTheWindow) {
     const auto use = [&](const std::vector<openvdb::Vec3I>& triangles, std::uint64_t firstPoint) {
       std::ostringstream stream;
       MeshStreamWriter writer(stream, mFolder, {.format = format});
-      writer.addPoints(mesh.points, {});
+      writer.addPoints({mesh.points});
       writer.addTriangles(late, 5);
       writer.addTriangles(triangles, firstPoint);
       writer.finish();
@@ -347,7 +432,7 @@ TEST_F(MeshStream, MemoryFollowsTheWindow) {
   };
   const std::size_t before = allocated();
   for (std::size_t i = 0; i < kPieces; ++i) {
-    writer.addPoints(points, {});
+    writer.addPoints({points});
     for (std::size_t k = 0; k < kPiece; ++k) triangles[k] = openvdb::Vec3I(static_cast<openvdb::Index>(i * kPiece + k));
     writer.addTriangles(triangles, i * kPiece);
   }
@@ -362,9 +447,9 @@ TEST_F(MeshStream, NormalsComeForAllPointsOrNone) {
   const auto add = [&](std::span<const openvdb::Vec3s> first, std::span<const openvdb::Vec3s> second) {
     std::ostringstream stream;
     MeshStreamWriter writer(stream, mFolder, {});
-    writer.addPoints({}, {});
-    writer.addPoints(mesh.points, first);
-    writer.addPoints(mesh.points, second);
+    writer.addPoints({});
+    writer.addPoints({mesh.points, first});
+    writer.addPoints({mesh.points, second});
   };
   EXPECT_NO_THROW(add(normals, normals));
   EXPECT_NO_THROW(add({}, {}));
@@ -382,7 +467,7 @@ TEST_F(MeshStream, NothingIsTakenAfterTheEndOrAnError) {
   MeshStreamWriter finished(stream, mFolder, {});
   finished.finish();
   EXPECT_THROW(finished.finish(), std::logic_error);
-  EXPECT_THROW(finished.addPoints(mesh.points, {}), std::logic_error);
+  EXPECT_THROW(finished.addPoints({mesh.points}), std::logic_error);
   MeshStreamWriter broken(stream, mFolder, {});
   EXPECT_THROW(broken.addTriangles(mesh.triangles, 0), std::logic_error);
   EXPECT_THROW(broken.finish(), std::logic_error);
@@ -415,9 +500,9 @@ TEST_F(MeshStream, CountsThatDoNotFitAreRefusedAtOnce) {
   std::ostringstream stream;
   for (const MeshFormat format : kFormats) {
     MeshStreamWriter writer(stream, mFolder, {.format = format});
-    EXPECT_THROW(writer.addPoints(points.span(), {}), DataError);
+    EXPECT_THROW(writer.addPoints({points.span()}), DataError);
     MeshStreamWriter other(stream, mFolder, {.format = format});
-    EXPECT_NE(messageOf([&] { other.addPoints(points.span(), {}); }).find("4294967296"), std::string::npos);
+    EXPECT_NE(messageOf([&] { other.addPoints({points.span()}); }).find("4294967296"), std::string::npos);
   }
   MeshStreamWriter writer(stream, mFolder, {.format = MeshFormat::Stl});
   EXPECT_THROW(writer.addTriangles(triangles.span(), 0), std::invalid_argument);

@@ -53,7 +53,7 @@ TEST(SolidMeter, PiecesAddUpToTheWhole) {
   }
   std::size_t added = 0;
   for (std::size_t i = 0; i < order.size(); ++i) {
-    for (; added <= last(order[i]); ++added) meter.addPoints({&mesh.points[added], 1}, {});
+    for (; added <= last(order[i]); ++added) meter.addPoints({{&mesh.points[added], 1}});
     meter.addTriangles({&mesh.triangles[order[i]], 1}, least[i]);
   }
   const SolidMeasure pieces = meter.measure(), whole = measureSolid(mesh);

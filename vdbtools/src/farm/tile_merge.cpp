@@ -141,7 +141,7 @@ class LayerWriter {
       throw DataError("two layers of blocks have " + std::to_string(first + count) +
                       " points, more than one mesh is to have, " + std::to_string(mOptions.mostPoints) +
                       "; merge into files of the tiles instead");
-    if (count > 0) mSink->addPoints(layer.positions, layer.normals);
+    if (count > 0) mSink->addPoints({layer.positions, layer.normals});
     mPoints += count;
     mCounts.points += count;
     return first;

@@ -15,7 +15,7 @@ namespace {
 
 class NoMesh final : public MeshSink {
  public:
-  void addPoints(std::span<const openvdb::Vec3d>, std::span<const openvdb::Vec3s>) override {}
+  void addPoints(const PointBatch&) override {}
   void addTriangles(std::span<const openvdb::Vec3I>, std::uint64_t) override {}
 };
 

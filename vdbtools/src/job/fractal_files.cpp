@@ -15,8 +15,8 @@ class MeshFiles final : public MeshSink {
  public:
   void add(AtomicFile& file, const MeshWriteOptions& options) { mFiles.emplace_back(file, options); }
 
-  void addPoints(std::span<const openvdb::Vec3d> points, std::span<const openvdb::Vec3s> normals) override {
-    for (MeshFile& file : mFiles) file.addPoints(points, normals);
+  void addPoints(const PointBatch& batch) override {
+    for (MeshFile& file : mFiles) file.addPoints(batch);
   }
   void addTriangles(std::span<const openvdb::Vec3I> triangles, std::uint64_t firstPoint) override {
     for (MeshFile& file : mFiles) file.addTriangles(triangles, firstPoint);
@@ -67,7 +67,7 @@ void writeMadeFractal(const Scene& scene, const Recipe& recipe, const FractalRes
   MeshFiles meshes;
   addMeshFiles(meshes, scene, meshBox(planScene(scene)), metadata, files);
   if (files.vdb) writeGrids(scene, metadata, made, *files.vdb);
-  meshes.addPoints(mesh.points, mesh.normals);
+  meshes.addPoints({mesh.points, mesh.normals});
   meshes.addTriangles(mesh.triangles, 0);
   meshes.finish();
   monitor.throwIfCancelled();

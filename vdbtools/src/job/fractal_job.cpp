@@ -73,7 +73,7 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
       Mesh mesh = capMesh ? std::move(capped.mesh) : withoutCaps(std::move(capped));
       requireSurface(mesh.triangles.size());
       computeNormals(mesh);
-      sink->addPoints(mesh.points, mesh.normals);
+      sink->addPoints({mesh.points, mesh.normals});
       sink->addTriangles(mesh.triangles, 0);
       result.mesh = {mesh.points.size(), mesh.triangles.size()};
     }

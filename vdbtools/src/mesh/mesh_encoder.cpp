@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mesh/mesh_encoder.h"
 
+#include "base/srgb.h"
 #include "vdbtools/base/errors.h"
 
 #include <algorithm>
@@ -49,15 +50,13 @@ char* putVector(char* to, const Vector& vector) {
   return to;
 }
 
-/// A line of OBJ.
-template <class Vector>
-char* putLine(char* to, std::string_view keyword, const Vector& vector) {
-  to = putText(to, keyword);
-  for (int axis = 0; axis < 3; ++axis) {
+/// Numbers of a line of OBJ, with a blank before each.
+template <class Number>
+char* putNumbers(char* to, const Number* numbers, int count) {
+  for (int i = 0; i < count; ++i) {
     *to++ = ' ';
-    to = putNumber(to, vector[axis]);
+    to = putNumber(to, numbers[i]);
   }
-  *to++ = '\n';
   return to;
 }
 
@@ -81,18 +80,21 @@ std::string commentLines(const char* start, const MeshWriteOptions& options) {
   return lines;
 }
 
-std::string properties(const char* type, std::initializer_list<const char*> names) {
+std::string properties(const char* type, std::initializer_list<std::string> names) {
   std::string lines;
-  for (const char* name : names) lines.append("property ").append(type).append(" ").append(name).append("\n");
+  for (const std::string& name : names) lines.append("property ").append(type).append(" ").append(name).append("\n");
   return lines;
 }
 
-template <class Real>
-void encodePlyPoints(std::span<const Vec3d> points, std::span<const Vec3s> normals, MeshPart& part) {
-  part.add(points.size(), [points, normals](char* to, std::size_t i) {
-    to = putVector<Real>(to, points[i]);
-    return normals.empty() ? to : putVector<float>(to, normals[i]);
-  });
+/// What a PLY says of a column.
+std::string propertiesOf(const VertexColumn& column) {
+  switch (column.kind) {
+    case ColumnKind::Number: return properties("float", {column.name});
+    case ColumnKind::Vector: return properties("float", {column.name + "_x", column.name + "_y", column.name + "_z"});
+    case ColumnKind::Colour: return properties("uchar", {"red", "green", "blue"});
+    case ColumnKind::TextureCoordinate: return properties("float", {"s", "t"});
+  }
+  throw std::logic_error("a kind of column that does not exist");
 }
 
 void encodePlyTriangles(std::span<const Vec3I> triangles, MeshPart& part) {
@@ -102,14 +104,15 @@ void encodePlyTriangles(std::span<const Vec3I> triangles, MeshPart& part) {
   });
 }
 
-void encodeObjTriangles(std::span<const Vec3I> triangles, bool normals, MeshPart& part) {
-  part.add(triangles.size(), [triangles, normals](char* to, std::size_t i) {
+void encodeObjTriangles(std::span<const Vec3I> triangles, bool coordinates, bool normals, MeshPart& part) {
+  part.add(triangles.size(), [=](char* to, std::size_t i) {
     *to++ = 'f';
     for (int k = 0; k < 3; ++k) {
       const std::uint64_t index = std::uint64_t{triangles[i][k]} + 1;
       *to++ = ' ';
       to = putNumber(to, index);
-      if (normals) to = putNumber(putText(to, "//"), index);
+      if (coordinates) to = putNumber(putText(to, "/"), index);
+      if (normals) to = putNumber(putText(to, coordinates ? "/" : "//"), index);
     }
     *to++ = '\n';
     return to;
@@ -157,7 +160,16 @@ bool needsDoublePositions(const MeshWriteOptions& options) {
   return MeshEncoder(options).hasDoubles();
 }
 
-MeshEncoder::MeshEncoder(const MeshWriteOptions& options) : mOptions(options) {
+MeshEncoder::MeshEncoder(const MeshWriteOptions& options)
+    : mOptions(options), mRowLength(vdbtools::rowLength(options.columns)) {
+  constexpr std::size_t kMostValues = 900;
+  if (mRowLength > kMostValues)
+    throw std::invalid_argument("a mesh file holds up to " + std::to_string(kMostValues) +
+                                " numbers a point besides its position, not " + std::to_string(mRowLength));
+  if (options.format == MeshFormat::Obj) {
+    mColour = offsetOf(ColumnKind::Colour);
+    mCoordinates = offsetOf(ColumnKind::TextureCoordinate);
+  }
   if (!(options.voxelSize > 0)) return;
   if (!options.box)
     throw std::invalid_argument("a mesh of voxels of " + std::to_string(options.voxelSize) +
@@ -179,10 +191,12 @@ std::string MeshEncoder::header(std::uint64_t points, std::uint64_t triangles) c
       const std::string vertices = std::to_string(points), faces = std::to_string(triangles);
       // Counts are known last, but stand first: what they leave of their room is filled here, as blanks beside a number
       // would confuse strict readers. Our own comments come before, where readMeshComments() looks for them.
+      std::string columns;
+      for (const VertexColumn& column : mOptions.columns) columns += propertiesOf(column);
       const std::string filler(kMostDigits + 1 - vertices.size() - faces.size(), '.');
       return "ply\nformat binary_little_endian 1.0\n" + commentLines("comment ", mOptions) + "comment " + filler +
              "\nelement vertex " + vertices + '\n' + properties(mDoubles ? "double" : "float", {"x", "y", "z"}) +
-             (mNormals ? properties("float", {"nx", "ny", "nz"}) : "") + "element face " + faces +
+             (mNormals ? properties("float", {"nx", "ny", "nz"}) : "") + columns + "element face " + faces +
              "\nproperty list uchar uint vertex_indices\nend_header\n";
     }
     case MeshFormat::Obj: return commentLines("# ", mOptions);
@@ -196,26 +210,69 @@ std::string MeshEncoder::header(std::uint64_t points, std::uint64_t triangles) c
   throw std::logic_error("a mesh format that does not exist");
 }
 
-void MeshEncoder::encodePoints(std::span<const Vec3d> points, std::span<const Vec3s> normals, MeshPart& part) const {
+std::optional<std::size_t> MeshEncoder::offsetOf(ColumnKind kind) const {
+  std::size_t offset = 0;
+  for (const VertexColumn& column : mOptions.columns) {
+    if (column.kind == kind) return offset;
+    offset += componentsOf(column.kind);
+  }
+  return std::nullopt;
+}
+
+char* MeshEncoder::putRow(char* to, const float* row) const {
+  for (const VertexColumn& column : mOptions.columns)
+    for (std::size_t k = componentsOf(column.kind); k > 0; --k, ++row)
+      to = column.kind == ColumnKind::Colour ? put(to, srgbCode(*row)) : put(to, *row);
+  return to;
+}
+
+template <class Real>
+void MeshEncoder::encodePlyPoints(const PointBatch& batch, MeshPart& part) const {
+  part.add(batch.positions.size(), [&](char* to, std::size_t i) {
+    to = putVector<Real>(to, batch.positions[i]);
+    if (mNormals) to = putVector<float>(to, batch.normals[i]);
+    return mRowLength == 0 ? to : putRow(to, &batch.values[i * mRowLength]);
+  });
+}
+
+void MeshEncoder::encodePoints(const PointBatch& batch, MeshPart& part) const {
   switch (format()) {
-    case MeshFormat::Ply:
-      return mDoubles ? encodePlyPoints<double>(points, normals, part) : encodePlyPoints<float>(points, normals, part);
+    case MeshFormat::Ply: return mDoubles ? encodePlyPoints<double>(batch, part) : encodePlyPoints<float>(batch, part);
     case MeshFormat::Obj:
-      return part.add(points.size(), [points](char* to, std::size_t i) { return putLine(to, "v", points[i]); });
+      return part.add(batch.positions.size(), [&](char* to, std::size_t i) {
+        to = putNumbers(putText(to, "v"), batch.positions[i].asPointer(), 3);
+        if (mColour) {
+          // As many digits as a byte has, like the colours of pictures and of PLY.
+          constexpr float kWhite = 255;
+          float codes[3];
+          for (std::size_t k = 0; k < 3; ++k) codes[k] = srgbCode(batch.values[i * mRowLength + *mColour + k]) / kWhite;
+          to = putNumbers(to, codes, 3);
+        }
+        return putText(to, "\n");
+      });
     case MeshFormat::Stl: return;
   }
 }
 
-void MeshEncoder::encodeNormals(std::span<const Vec3s> normals, MeshPart& part) const {
+void MeshEncoder::encodeCoordinates(const PointBatch& batch, MeshPart& part) const {
+  if (!mCoordinates) return;
+  part.add(batch.positions.size(), [&](char* to, std::size_t i) {
+    return putText(putNumbers(putText(to, "vt"), &batch.values[i * mRowLength + *mCoordinates], 2), "\n");
+  });
+}
+
+void MeshEncoder::encodeNormals(const PointBatch& batch, MeshPart& part) const {
   if (format() != MeshFormat::Obj) return;
-  part.add(normals.size(), [normals](char* to, std::size_t i) { return putLine(to, "vn", normals[i]); });
+  part.add(batch.normals.size(), [&](char* to, std::size_t i) {
+    return putText(putNumbers(putText(to, "vn"), batch.normals[i].asPointer(), 3), "\n");
+  });
 }
 
 void MeshEncoder::encodeTriangles(std::span<const Vec3I> triangles, std::span<const Vec3d> points,
                                   std::uint64_t firstPoint, MeshPart& part) const {
   switch (format()) {
     case MeshFormat::Ply: return encodePlyTriangles(triangles, part);
-    case MeshFormat::Obj: return encodeObjTriangles(triangles, mNormals, part);
+    case MeshFormat::Obj: return encodeObjTriangles(triangles, mCoordinates.has_value(), mNormals, part);
     case MeshFormat::Stl: return encodeStlTriangles(triangles, points, firstPoint, part);
   }
 }

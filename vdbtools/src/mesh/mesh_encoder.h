@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -21,7 +22,7 @@ inline constexpr std::string_view kCommentMark = "juliavdb ";
 /// A part of a file on its way into the stream: directly, or put aside until everything before it is complete.
 class MeshPart {
  public:
-  static constexpr std::size_t kLongestRecord = 128;  ///< bytes; lines of OBJ are the longest
+  static constexpr std::size_t kLongestRecord = 4096;  ///< bytes
 
   explicit MeshPart(std::ostream& stream, std::unique_ptr<ScratchFile> aside = nullptr);
 
@@ -56,12 +57,14 @@ class MeshPart {
 
 class MeshEncoder {
  public:
-  /// @throw std::invalid_argument  a voxel size without a box
+  /// @throw std::invalid_argument  a voxel size without a box, more columns than a record has room for
   explicit MeshEncoder(const MeshWriteOptions& options);
 
   MeshFormat format() const { return mOptions.format; }
   bool hasNormals() const { return mNormals; }
   bool hasDoubles() const { return mDoubles; }
+  /// The values that a row has.
+  std::size_t rowLength() const { return mRowLength; }
   /// To be called before header() and encodePoints().
   void setNormals(bool normals) { mNormals = normals; }
 
@@ -73,15 +76,24 @@ class MeshEncoder {
   std::string header(std::uint64_t points, std::uint64_t triangles) const;
   bool headerHasCounts() const { return format() != MeshFormat::Obj; }
 
-  void encodePoints(std::span<const openvdb::Vec3d> points, std::span<const openvdb::Vec3s> normals,
-                    MeshPart& part) const;
-  void encodeNormals(std::span<const openvdb::Vec3s> normals, MeshPart& part) const;
+  void encodePoints(const PointBatch& batch, MeshPart& part) const;
+  /// The texture coordinates of OBJ.
+  void encodeCoordinates(const PointBatch& batch, MeshPart& part) const;
+  void encodeNormals(const PointBatch& batch, MeshPart& part) const;
   /// @param points  those from @a firstPoint on; needed in STL only
   void encodeTriangles(std::span<const openvdb::Vec3I> triangles, std::span<const openvdb::Vec3d> points,
                        std::uint64_t firstPoint, MeshPart& part) const;
 
  private:
+  template <class Real>
+  void encodePlyPoints(const PointBatch& batch, MeshPart& part) const;
+  char* putRow(char* to, const float* row) const;
+  /// Where the first column of the kind begins in a row.
+  std::optional<std::size_t> offsetOf(ColumnKind kind) const;
+
   MeshWriteOptions mOptions;
+  std::size_t mRowLength;
+  std::optional<std::size_t> mColour, mCoordinates;  ///< of OBJ: where they begin in a row
   bool mDoubles = false;
   bool mNormals = false;
 };

@@ -28,8 +28,8 @@ void guarded(AtomicFile& file, const Work& work) {
 MeshFile::MeshFile(AtomicFile& file, const MeshWriteOptions& options)
     : mFile(file), mWriter(file.stream(), scratchFolder(file), options) {}
 
-void MeshFile::addPoints(std::span<const openvdb::Vec3d> points, std::span<const openvdb::Vec3s> normals) {
-  guarded(mFile, [&] { mWriter.addPoints(points, normals); });
+void MeshFile::addPoints(const PointBatch& batch) {
+  guarded(mFile, [&] { mWriter.addPoints(batch); });
 }
 
 void MeshFile::addTriangles(std::span<const openvdb::Vec3I> triangles, std::uint64_t firstPoint) {

@@ -17,9 +17,13 @@ using openvdb::Vec3d;
 using openvdb::Vec3I;
 using openvdb::Vec3s;
 
-void requireNormals(std::size_t points, std::size_t normals) {
+void requireFits(const PointBatch& batch, std::size_t rowLength) {
+  const std::size_t points = batch.positions.size(), normals = batch.normals.size(), values = batch.values.size();
   if (normals != 0 && normals != points)
     throw std::logic_error(std::to_string(normals) + " normals were given for " + std::to_string(points) + " points");
+  if (values != points * rowLength)
+    throw std::logic_error(std::to_string(values) + " values were given for " + std::to_string(points) +
+                           " points, each of which has " + std::to_string(rowLength));
 }
 
 /// Triangles use points from @a first to before @a end.
@@ -42,8 +46,7 @@ MeshFormat meshFormat(const std::filesystem::path& path) {
                               "' is not a mesh format that can be written; use .ply, .obj or .stl");
 }
 
-void writeMesh(std::ostream& stream, const Mesh& mesh, const MeshWriteOptions& options) {
-  requireNormals(mesh.points.size(), mesh.normals.size());
+void writeMesh(std::ostream& stream, const Mesh& mesh, const MeshWriteOptions& options, std::span<const float> values) {
   requirePoints(mesh.triangles, 0, mesh.points.size());
   MeshWriteOptions complete = options;
   if (!complete.box) {
@@ -51,12 +54,15 @@ void writeMesh(std::ostream& stream, const Mesh& mesh, const MeshWriteOptions& o
     for (const Vec3d& point : mesh.points) complete.box->expand(point);
   }
   MeshEncoder encoder(complete);
+  const PointBatch points{mesh.points, mesh.normals, values};
+  requireFits(points, encoder.rowLength());
   encoder.requireCounts(mesh.points.size(), mesh.triangles.size());
   encoder.setNormals(!mesh.normals.empty());
   stream << encoder.header(mesh.points.size(), mesh.triangles.size());
   MeshPart whole(stream);
-  encoder.encodePoints(mesh.points, mesh.normals, whole);
-  encoder.encodeNormals(mesh.normals, whole);
+  encoder.encodePoints(points, whole);
+  encoder.encodeCoordinates(points, whole);
+  encoder.encodeNormals(points, whole);
   encoder.encodeTriangles(mesh.triangles, mesh.points, 0, whole);
   whole.finish();
 }
@@ -67,6 +73,7 @@ struct MeshStreamWriter::State {
         encoder(options),
         seekable(stream.tellp() != std::ostream::pos_type(-1)),
         points(stream, scratch(folder, options.format == MeshFormat::Ply && !seekable)),
+        coordinates(stream, scratch(folder, options.format == MeshFormat::Obj)),
         normals(stream, scratch(folder, options.format == MeshFormat::Obj)),
         triangles(stream, scratch(folder, options.format != MeshFormat::Stl || !seekable)) {}
 
@@ -101,6 +108,7 @@ struct MeshStreamWriter::State {
     const std::string header = encoder.header(pointCount, triangleCount);
     if (encoder.headerHasCounts() && !seekable) stream << header;
     points.finish();
+    coordinates.finish();
     normals.finish();
     triangles.finish();
     if (!encoder.headerHasCounts() || !seekable) return;
@@ -120,7 +128,7 @@ struct MeshStreamWriter::State {
   std::ostream& stream;
   MeshEncoder encoder;
   bool seekable;
-  MeshPart points, normals, triangles;
+  MeshPart points, coordinates, normals, triangles;
   std::ostream::pos_type start = 0;  ///< of the header
   std::uint64_t pointCount = 0, triangleCount = 0, firstPoint = 0;
   std::vector<Vec3d> window;  ///< points from windowStart on, for STL
@@ -134,19 +142,21 @@ MeshStreamWriter::MeshStreamWriter(std::ostream& stream, const std::filesystem::
 
 MeshStreamWriter::~MeshStreamWriter() = default;
 
-void MeshStreamWriter::addPoints(std::span<const Vec3d> points, std::span<const Vec3s> normals) {
+void MeshStreamWriter::addPoints(const PointBatch& batch) {
   State& s = *mState;
   s.run([&] {
-    requireNormals(points.size(), normals.size());
-    if (points.empty()) return;
-    s.encoder.requireCounts(s.pointCount + points.size(), s.triangleCount);
-    if (s.pointCount == 0) s.begin(!normals.empty());
-    if (s.encoder.hasNormals() == normals.empty())
+    requireFits(batch, s.encoder.rowLength());
+    if (batch.positions.empty()) return;
+    s.encoder.requireCounts(s.pointCount + batch.positions.size(), s.triangleCount);
+    if (s.pointCount == 0) s.begin(!batch.normals.empty());
+    if (s.encoder.hasNormals() == batch.normals.empty())
       throw std::logic_error("some points of a mesh were given with normals, and some without");
-    s.encoder.encodePoints(points, normals, s.points);
-    s.encoder.encodeNormals(normals, s.normals);
-    s.pointCount += points.size();
-    if (s.encoder.format() == MeshFormat::Stl) s.window.insert(s.window.end(), points.begin(), points.end());
+    s.encoder.encodePoints(batch, s.points);
+    s.encoder.encodeCoordinates(batch, s.coordinates);
+    s.encoder.encodeNormals(batch, s.normals);
+    s.pointCount += batch.positions.size();
+    if (s.encoder.format() == MeshFormat::Stl)
+      s.window.insert(s.window.end(), batch.positions.begin(), batch.positions.end());
   });
 }
 

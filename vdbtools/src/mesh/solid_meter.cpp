@@ -13,10 +13,10 @@ double SolidMeasure::shareOfLargest(std::size_t count) const {
   return all > 0 ? std::accumulate(islands.begin(), end, 0.0) / all : 0;
 }
 
-void SolidMeter::addPoints(std::span<const openvdb::Vec3d> points, std::span<const openvdb::Vec3s> normals) {
-  if (mFirst == 0 && mPoints.empty() && !points.empty()) mOrigin = points.front();
-  for (const openvdb::Vec3d& point : points) mPoints.push_back({point - mOrigin, kNoPart});
-  if (mNext) mNext->addPoints(points, normals);
+void SolidMeter::addPoints(const PointBatch& batch) {
+  if (mFirst == 0 && mPoints.empty() && !batch.positions.empty()) mOrigin = batch.positions.front();
+  for (const openvdb::Vec3d& point : batch.positions) mPoints.push_back({point - mOrigin, kNoPart});
+  if (mNext) mNext->addPoints(batch);
 }
 
 void SolidMeter::addTriangles(std::span<const openvdb::Vec3I> triangles, std::uint64_t firstPoint) {
@@ -68,7 +68,7 @@ SolidMeasure SolidMeter::measure() const {
 
 SolidMeasure measureSolid(const Mesh& mesh) {
   SolidMeter meter;
-  meter.addPoints(mesh.points, {});
+  meter.addPoints({mesh.points});
   meter.addTriangles(mesh.triangles, 0);
   return meter.measure();
 }

@@ -3,7 +3,7 @@
 
 #include "files/image_module.h"
 #include "picture/image_encoder.h"
-#include "picture/srgb.h"
+#include "base/srgb.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/picture/slice_image.h"
 
-#include "picture/srgb.h"
+#include "base/srgb.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/field_shading.h"
 
-#include "picture/srgb.h"
+#include "base/srgb.h"
 #include "render/view.h"
 
 #include <algorithm>

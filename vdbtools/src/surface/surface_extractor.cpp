@@ -345,7 +345,7 @@ void SurfaceExtractor::emitPoints(Layer& layer) {
   inParallel(units.size(), 4096, mMonitor, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) units[i] = unitNormal(layer.normals[i]);
   });
-  if (!layer.positions.empty()) mSink.addPoints(layer.positions, units);
+  if (!layer.positions.empty()) mSink.addPoints({layer.positions, units});
   layer.normals = {};
 }
 

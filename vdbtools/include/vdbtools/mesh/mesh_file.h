@@ -14,7 +14,7 @@ class MeshFile final : public MeshSink {
   /// @throw as MeshStreamWriter's constructor; every call throws what the writer's throws, IoError with the file's name
   MeshFile(AtomicFile& file, const MeshWriteOptions& options);
 
-  void addPoints(std::span<const openvdb::Vec3d> points, std::span<const openvdb::Vec3s> normals) override;
+  void addPoints(const PointBatch& batch) override;
   void addTriangles(std::span<const openvdb::Vec3I> triangles, std::uint64_t firstPoint) override;
   void finish();
 

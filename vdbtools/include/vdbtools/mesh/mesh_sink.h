@@ -11,28 +11,36 @@
 
 namespace vdbtools {
 
+/// Some of a mesh's points, in the order of their indices.
+struct PointBatch {
+  std::span<const openvdb::Vec3d> positions;  ///< world units
+  std::span<const openvdb::Vec3s> normals{};  ///< of unit length, one for each point; or none, in all batches
+  /// Row by row, what columns hold besides (vertex_column.h): one row for each point. Which columns there are is known
+  /// to whoever made the sink.
+  std::span<const float> values{};
+};
+
 /// Takes a mesh in pieces, called by one thread at a time. Pieces may be of any size: the result depends only on what
 /// they add up to.
 class MeshSink {
  public:
   virtual ~MeshSink() = default;
 
-  /// The next points, in the order of their indices.
-  /// @param normals  of unit length, one for each point; or empty, in all calls or in none
-  virtual void addPoints(std::span<const openvdb::Vec3d> points, std::span<const openvdb::Vec3s> normals) = 0;
+  /// The next points.
+  virtual void addPoints(const PointBatch& batch) = 0;
 
   /// The next triangles, as indices into all points. Every point that they use has been added before.
   /// @param firstPoint  neither these triangles nor later ones use a point before this one
   virtual void addTriangles(std::span<const openvdb::Vec3I> triangles, std::uint64_t firstPoint) = 0;
 };
 
-/// Keeps the whole mesh.
+/// Keeps the whole mesh, without the values of columns.
 class MeshCollector final : public MeshSink {
  public:
   explicit MeshCollector(Mesh& mesh) : mMesh(mesh) {}
-  void addPoints(std::span<const openvdb::Vec3d> points, std::span<const openvdb::Vec3s> normals) override {
-    mMesh.points.insert(mMesh.points.end(), points.begin(), points.end());
-    mMesh.normals.insert(mMesh.normals.end(), normals.begin(), normals.end());
+  void addPoints(const PointBatch& batch) override {
+    mMesh.points.insert(mMesh.points.end(), batch.positions.begin(), batch.positions.end());
+    mMesh.normals.insert(mMesh.normals.end(), batch.normals.begin(), batch.normals.end());
   }
   void addTriangles(std::span<const openvdb::Vec3I> triangles, std::uint64_t) override {
     mMesh.triangles.insert(mMesh.triangles.end(), triangles.begin(), triangles.end());

@@ -7,13 +7,16 @@
 #pragma once
 
 #include "vdbtools/mesh/mesh_sink.h"
+#include "vdbtools/mesh/vertex_column.h"
 
 #include <filesystem>
 #include <iosfwd>
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 namespace vdbtools {
 
@@ -28,6 +31,10 @@ struct MeshWriteOptions {
   /// A box around all points, world units, by which it is decided whether floats are exact enough. By default that is
   /// the mesh's own box, which is not known while the mesh comes in pieces.
   std::optional<openvdb::BBoxd> box;
+  /// What each point has besides its position and its normal. A PLY has colours as red, green, blue (bytes of sRGB),
+  /// texture coordinates as s and t, vectors as NAME_x, NAME_y, NAME_z, and numbers by their names. An OBJ has a colour
+  /// behind each position (sRGB, 0 to 1) and texture coordinates as vt; it drops the other columns, STL all of them.
+  std::vector<VertexColumn> columns{};
   /// Comment lines, "juliavdb KEY VALUE", in PLY and OBJ: the recipe.
   std::map<std::string, std::string> comments;
 };
@@ -38,9 +45,11 @@ bool needsDoublePositions(const MeshWriteOptions& options);
 
 /// Normals are written if the mesh has them (STL has normals of its own, of the faces). Errors of the stream are left
 /// to its owner.
+/// @param values  of options.columns, row by row (PointBatch)
 /// @throw std::invalid_argument  an STL of more triangles than it can count
-/// @throw std::logic_error       an index out of range, or another number of normals than of points
-void writeMesh(std::ostream& stream, const Mesh& mesh, const MeshWriteOptions& options);
+/// @throw std::logic_error       an index out of range, or another number of normals or of rows than of points
+void writeMesh(std::ostream& stream, const Mesh& mesh, const MeshWriteOptions& options,
+               std::span<const float> values = {});
 
 /// Writes a mesh while it is made. What cannot be put in its place yet waits in nameless files: the triangles of a PLY,
 /// the normals and triangles of an OBJ, and, if the stream cannot seek, all of a PLY or STL. Memory holds a few buffers
@@ -68,8 +77,8 @@ class MeshStreamWriter final : public MeshSink {
   MeshStreamWriter& operator=(const MeshStreamWriter&) = delete;
 
   /// @throw DataError         more points than triangles can refer to
-  /// @throw std::logic_error  another number of normals than of points, or normals in some calls only
-  void addPoints(std::span<const openvdb::Vec3d> points, std::span<const openvdb::Vec3s> normals) override;
+  /// @throw std::logic_error  another number of normals or of rows than of points, or normals in some calls only
+  void addPoints(const PointBatch& batch) override;
 
   /// @throw std::invalid_argument  an STL of more triangles than it can count
   /// @throw std::logic_error       a triangle uses a point that has not been added yet, or one before a firstPoint

@@ -29,7 +29,7 @@ class SolidMeter final : public MeshSink {
   /// @param next  where the mesh goes on to; nullptr: nowhere
   explicit SolidMeter(MeshSink* next = nullptr) : mNext(next) {}
 
-  void addPoints(std::span<const openvdb::Vec3d> points, std::span<const openvdb::Vec3s> normals) override;
+  void addPoints(const PointBatch& batch) override;
   void addTriangles(std::span<const openvdb::Vec3I> triangles, std::uint64_t firstPoint) override;
 
   /// Of what has passed. Meaningful for closed meshes only.
