@@ -37,7 +37,7 @@ const Phases kPlan = scenePhases({{"sample", 100}});
 const Phases kMerge = {{"checking", 10}, {"merging", 60}, {"merging grids", 20}, {"versor", 5}, {"writing", 10}};
 const Phases kSlice = scenePhases({{"slice", 20}, {"writing", 5}});
 const Phases kStudy = scenePhases({{"distances", 5}, {"first versor", 2}, {"versors", 60}, {"writing", 2}});
-const Phases kRender = scenePhases({{"render", 60}, {"writing", 2}});
+const Phases kRender = scenePhases({{"ray tree", 5}, {"render", 60}, {"writing", 2}});
 const Phases kFit = {{"reading", 1},   {"sides", 2},           {"distance field", 3}, {"surface", 2},
                      {"distances", 5}, {"electrostatics", 10}, {"monopoles", 5},      {"potential", 5},
                      {"fit", 60},      {"measure", 10},        {"writing", 1}};
