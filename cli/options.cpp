@@ -2,11 +2,13 @@
 #include "options.h"
 
 #include "describe.h"
+#include "report.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_options.h"
+#include "vdbtools/job/recorded_files.h"
 #include "vdbtools/job/recorded_recipe.h"
 #include "vdbtools/job/sheet_file.h"
 
@@ -16,6 +18,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
+#include <ostream>
 #include <stdexcept>
 
 namespace po = boost::program_options;
@@ -53,6 +56,15 @@ bool isRecipeFile(const std::string& file) {
   return extension == ".vdb" || extension == ".ply" || extension == ".obj" || vdbtools::isSheetCell(file);
 }
 
+constexpr const char* kSearchHelp =
+    "where to look for the files of a recipe that a VDB, PLY or OBJ holds, if they are neither where it says nor "
+    "beside "
+    "it: by name, then by SHA-256; any number of times";
+
+po::typed_value<std::vector<std::string>>* searchValue() {
+  return po::value<std::vector<std::string>>()->value_name("DIR");
+}
+
 po::value_semantic* valueOf(const vdbtools::OptionListing& option) {
   auto* value = po::value<std::string>();
   if (option.argument.empty())
@@ -81,10 +93,12 @@ CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions
       mFromRecipe.add_options()(option.name.c_str(), valueOf(option), option.help.c_str());
     }
   }
-  if (!options.empty())
+  if (!options.empty()) {
     mCommon.add_options()("config", po::value<std::string>()->value_name("FILE"),
                           "read options from a file: lines NAME = VALUE, a VDB, PLY or OBJ that this program made, or "
                           "cell N of a contact sheet as in sheet.json#7; options on the command line take precedence");
+    mCommon.add_options()("search", searchValue(), kSearchHelp);
+  }
   mCommon.add_options()("threads", po::value<std::string>()->value_name("N"),
                         "the number of threads (default: SLURM_CPUS_PER_TASK or SLURM_CPUS_ON_NODE, or else all that "
                         "this process may use)")(
@@ -170,6 +184,7 @@ void CommandLine::readConfig(const std::string& file) {
       throw std::invalid_argument("'" + file + "' was made by 'juliavdb " + command + "', not by 'juliavdb " +
                                   mUsage.command + "'");
     base = std::move(recipe);
+    mConfigHolder = file;
   } else {
     std::ifstream stream(file);
     if (!stream || std::filesystem::is_directory(file)) throw vdbtools::MissingInputError("cannot open '" + file + "'");
@@ -234,17 +249,44 @@ void CommandLine::describe(const std::string& how) const {
     throw std::invalid_argument("--describe is '" + how + "'; it must be man or completion");
 }
 
-vdbtools::Recipe givenSceneRecipe(const CommandLine& line, const std::string& input) {
-  if (!vdbtools::isVdbPath(input)) return line.givenRecipe();
+void addSearchOption(CommandLine& line) { line.addOptions()("search", searchValue(), kSearchHelp); }
+
+vdbtools::Recipe withFoundFiles(const CommandLine& line, const vdbtools::Recipe& recipe,
+                                const std::filesystem::path& holder, const std::string& wayOut) {
+  if (holder.empty()) return recipe;
+  vdbtools::FileSearch search{.holder = holder, .wayOut = wayOut};
+  for (const std::string& folder : line.texts("search")) search.folders.emplace_back(folder);
+  vdbtools::FoundFiles found = vdbtools::findRecordedFiles(recipe, search);
+  for (const auto& [recorded, path] : found.elsewhere)
+    report().text() << "note: '" << recorded.string() << "' of the recipe was found as '" << path.string() << "'\n";
+  return std::move(found.recipe);
+}
+
+namespace {
+
+struct SceneRecipe {
+  vdbtools::Recipe given;
+  std::filesystem::path holder;  ///< of the file that it is from; empty: it was typed
+};
+
+SceneRecipe sceneRecipeFor(const CommandLine& line, const std::string& input) {
+  if (!vdbtools::isVdbPath(input)) return {line.givenRecipe(), line.configHolder()};
   auto [command, recipe] = vdbtools::readRecordedRecipe(input);
-  if (command != "fractal") return line.givenRecipe();
+  if (command != "fractal") return {line.givenRecipe(), line.configHolder()};
   vdbtools::Recipe given = line.givenRecipe();
   given.erase("input");
-  return vdbtools::overridden(std::move(recipe), given, vdbtools::fractalOptionTable());
+  return {vdbtools::overridden(std::move(recipe), given, vdbtools::fractalOptionTable()), input};
+}
+
+}  // namespace
+
+vdbtools::Recipe givenSceneRecipe(const CommandLine& line, const std::string& input) {
+  return sceneRecipeFor(line, input).given;
 }
 
 vdbtools::Recipe sceneRecipe(const CommandLine& line, const std::string& input) {
-  return vdbtools::completeRecipe(givenSceneRecipe(line, input), vdbtools::fractalOptionTable());
+  const auto [given, holder] = sceneRecipeFor(line, input);
+  return withFoundFiles(line, vdbtools::completeRecipe(given, vdbtools::fractalOptionTable()), holder);
 }
 
 }  // namespace cli

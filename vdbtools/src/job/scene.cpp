@@ -46,11 +46,15 @@ class SharedTarget {
   const TargetOptions& options() const { return mOptions; }
   const TargetInput& input() const { return *mInput; }
 
+  /// Before each scene, whose facts must not depend on what other scenes have asked for.
+  void beginScene() { mSurveyAsked = false; }
+
   TargetSurvey& survey(Monitor& monitor) {
+    mSurveyAsked = true;
     if (!mSurvey) mSurvey.emplace(mInput->coarseDistances(monitor));
     return *mSurvey;
   }
-  bool isSurveyed() const { return mSurvey.has_value(); }
+  bool surveyAsked() const { return mSurveyAsked; }  ///< by this scene
 
   /// The fine distances, at least as far from the surface as asked for.
   const Target& target(const BandWidths& widths, Monitor& monitor) {
@@ -69,6 +73,7 @@ class SharedTarget {
   TargetOptions mOptions;
   std::unique_ptr<const TargetInput> mInput;
   std::optional<TargetSurvey> mSurvey;
+  bool mSurveyAsked = false;
   std::optional<Target> mTarget;
   BandWidths mWidths;
 };
@@ -275,9 +280,10 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
   PlacedSpace placed;
   std::optional<BBoxd> shape;
   if (options.target) {
-    if (!mShared->target || !sameTarget(mShared->target->options(), *options.target))
-      mShared->target = std::make_unique<SharedTarget>(*options.target, mShared->open);
+    if (mShared->target && !sameTarget(mShared->target->options(), *options.target)) mShared->target.reset();
+    if (!mShared->target) mShared->target = std::make_unique<SharedTarget>(*options.target, mShared->open);
     SharedTarget& shared = *mShared->target;
+    shared.beginScene();
     shape = shared.input().box();
     scene.facts.merge(hashesOf(options));
     PlacedTarget target = shell ? placeShell(options, *shell, shared, monitor) : placeTarget(options, shared, monitor);
@@ -290,7 +296,7 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
       scene.facts.merge(shellFacts(*scene.exponent));
       scene.facts["julia_origin_at"] = originText(options.space, placed.unmoved, *shape);
     }
-    if (shared.isSurveyed()) {
+    if (shared.surveyAsked()) {
       TargetSurvey& survey = shared.survey(monitor);
       const double slope = scene.exponentOf && scene.exponentOf->detail
                                ? thicknessSlope(scene.exponentOf->detail->detail.range().second)
