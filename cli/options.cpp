@@ -61,10 +61,6 @@ constexpr const char* kSearchHelp =
     "beside "
     "it: by name, then by SHA-256; any number of times";
 
-po::typed_value<std::vector<std::string>>* searchValue() {
-  return po::value<std::vector<std::string>>()->value_name("DIR");
-}
-
 po::value_semantic* valueOf(const vdbtools::OptionListing& option) {
   auto* value = po::value<std::string>();
   if (option.argument.empty())
@@ -93,12 +89,10 @@ CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions
       mFromRecipe.add_options()(option.name.c_str(), valueOf(option), option.help.c_str());
     }
   }
-  if (!options.empty()) {
+  if (!options.empty())
     mCommon.add_options()("config", po::value<std::string>()->value_name("FILE"),
                           "read options from a file: lines NAME = VALUE, a VDB, PLY or OBJ that this program made, or "
                           "cell N of a contact sheet as in sheet.json#7; options on the command line take precedence");
-    mCommon.add_options()("search", searchValue(), kSearchHelp);
-  }
   mCommon.add_options()("threads", po::value<std::string>()->value_name("N"),
                         "the number of threads (default: SLURM_CPUS_PER_TASK or SLURM_CPUS_ON_NODE, or else all that "
                         "this process may use)")(
@@ -249,7 +243,9 @@ void CommandLine::describe(const std::string& how) const {
     throw std::invalid_argument("--describe is '" + how + "'; it must be man or completion");
 }
 
-void addSearchOption(CommandLine& line) { line.addOptions()("search", searchValue(), kSearchHelp); }
+void addSearchOption(CommandLine& line) {
+  line.addOptions()("search", po::value<std::vector<std::string>>()->value_name("DIR"), kSearchHelp);
+}
 
 vdbtools::Recipe withFoundFiles(const CommandLine& line, const vdbtools::Recipe& recipe,
                                 const std::filesystem::path& holder, const std::string& wayOut) {
@@ -281,12 +277,12 @@ SceneRecipe sceneRecipeFor(const CommandLine& line, const std::string& input) {
 }  // namespace
 
 vdbtools::Recipe givenSceneRecipe(const CommandLine& line, const std::string& input) {
-  return sceneRecipeFor(line, input).given;
+  const auto [given, holder] = sceneRecipeFor(line, input);
+  return withFoundFiles(line, given, holder);
 }
 
 vdbtools::Recipe sceneRecipe(const CommandLine& line, const std::string& input) {
-  const auto [given, holder] = sceneRecipeFor(line, input);
-  return withFoundFiles(line, vdbtools::completeRecipe(given, vdbtools::fractalOptionTable()), holder);
+  return vdbtools::completeRecipe(givenSceneRecipe(line, input), vdbtools::fractalOptionTable());
 }
 
 }  // namespace cli

@@ -99,7 +99,7 @@ class CommandLine {
   std::unique_ptr<Progress> mProgress;
 };
 
-/// --search, for commands that take a recipe from a file that was made but have no --config.
+/// --search, for commands that take a recipe from a file that was made.
 void addSearchOption(CommandLine& line);
 /// A fractal's recipe with its files where they are today, for opening them: with what --search says, and a note of
 /// each file that is elsewhere (vdbtools/job/recorded_files.h). What is recorded keeps the names that it has.
@@ -110,9 +110,10 @@ vdbtools::Recipe withFoundFiles(const CommandLine& line, const vdbtools::Recipe&
                                 const std::filesystem::path& holder, const std::string& wayOut = {});
 
 /// The recipe for a command that shows a scene, as far as it is given: of a fractal that this program made its own
-/// recipe stands in for the options that were not given, its input among them.
+/// recipe stands in for the options that were not given, its input among them. Its files are named as they are found
+/// today, by withFoundFiles().
 vdbtools::Recipe givenSceneRecipe(const CommandLine& line, const std::string& input);
-/// The same, completed, and with its files where they are today.
+/// The same, completed.
 vdbtools::Recipe sceneRecipe(const CommandLine& line, const std::string& input);
 
 }  // namespace cli

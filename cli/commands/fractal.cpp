@@ -149,9 +149,7 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
 
 /// The frames of a sequence, those left out that are there already.
 int makeFrames(const CommandLine& line) {
-  vdbtools::FramePlanOptions options = parseFrameOptions(line);
-  options.base = withFoundFiles(line, options.base, line.configHolder());
-  const vdbtools::FrameRecipes recipes(std::move(options));
+  const vdbtools::FrameRecipes recipes(parseFrameOptions(line));
   vdbtools::SceneMaker maker;
   FractalCounts total;
   const SequenceCounts counts =
@@ -173,6 +171,7 @@ int runFractal(const Arguments& arguments) {
       "mesh", po::value<std::string>()->value_name("F.ply"), "the mesh to write: .ply, .obj or .stl")(
       "frame", po::value<std::string>()->value_name("N"), "the frame number, for names such as name.####.vdb");
   addSequenceOptions(line);
+  addSearchOption(line);
   if (!line.parse(arguments)) return kDone;
   vdbtools::parseFractalOptions(line.recipe());
   if (!line.has("output") && !line.has("mesh"))

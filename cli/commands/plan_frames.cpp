@@ -45,7 +45,7 @@ void addFrameOptions(CommandLine& line) {
 
 vdbtools::FramePlanOptions parseFrameOptions(const CommandLine& line) {
   vdbtools::FramePlanOptions options{
-      .base = line.givenRecipe(),
+      .base = withFoundFiles(line, line.givenRecipe(), line.configHolder()),
       .keys = vdbtools::parseKeys(line.texts("key"), line.texts("ease"), vdbtools::fractalOptionTable()),
       .frames = vdbtools::parseFrames(line.text("frames"))};
   for (const vdbtools::KeyedOption& keyed : options.keys)
@@ -58,6 +58,7 @@ int planFrames(const Arguments& arguments) {
   CommandLine line(kUsageText, vdbtools::fractalOptionTable());
   addVariantOptions(line);
   addFrameOptions(line);
+  addSearchOption(line);
   if (!line.parse(arguments)) return kDone;
   if (!line.has("frames"))
     throw std::invalid_argument("no frames were given; use --frames LIST, such as --frames 1-48");

@@ -181,6 +181,7 @@ int runRender(const Arguments& arguments) {
       "show the set of the map itself and not the level set of a VDB. The following options go with it:")(
       "frames", text("N"), "make a turntable of N pictures, with names such as name.####.png");
   line.addOptions(vdbtools::fieldViewOptionSpecs(kColour));
+  addSearchOption(line);
   if (!line.parse(arguments)) return kDone;
   const bool field = line.values()["field"].as<bool>();
   requireFits(line, field);

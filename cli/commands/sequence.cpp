@@ -55,6 +55,7 @@ SequenceCounts makeSequence(const CommandLine& line, const vdbtools::FrameRecipe
   for (std::size_t i = 0; i < frames.size(); ++i) {
     vdbtools::NumberedMonitor monitor(line.progress(), "frame", i + 1, frames.size());
     try {
+      monitor.begin("checking", 0);
       monitor.throwIfCancelled();
       const vdbtools::Recipe recipe = recipes.at(frames[i]);
       const FractalRun run{recipe, recipe, frames[i]};
@@ -63,7 +64,8 @@ SequenceCounts makeSequence(const CommandLine& line, const vdbtools::FrameRecipe
       else
         make(run, monitor);
     } catch (const vdbtools::Interrupted&) {
-      throw;
+      if (i == 0) throw;
+      throw vdbtools::Interrupted("interrupted; finished frames are kept, and the same command goes on from there");
     } catch (...) {
       const Failure failure = currentFailure();
       const std::string text = "frame " + std::to_string(frames[i]) + ": " + failure.text;
