@@ -122,6 +122,9 @@ int runFractal(const Arguments& arguments) {
   report().text() << ", " << result.evaluatedNodes << " nodes evaluated";
   if (wantMesh) report().text() << ", " << result.mesh.triangles << " triangles";
   report().text() << '\n';
+  const std::vector<vdbtools::VertexColumn> columns = vdbtools::meshColumns(options.output.attributes);
+  for (const vdbtools::AtomicFile* file : {vdb, mesh})
+    if (file) noteLeftOut(file->target(), columns);
   if (scene.exponent) {
     report().text() << choiceText(scene) << '\n';
     if (result.solid) tellWhatIsLeft(scene, *result.solid);
