@@ -35,7 +35,8 @@ const Phases kFractal = scenePhases({{"proofs", 5},
                                      {"writing", 5},
                                      {"checking", 1}});
 const Phases kPlan = scenePhases({{"sample", 100}});
-const Phases kMerge = {{"checking", 10}, {"merging", 60}, {"merging grids", 20}, {"versor", 5}, {"attributes", 5}, {"writing", 10}};
+const Phases kMerge = {{"checking", 10}, {"merging", 60},   {"merging grids", 20},
+                       {"versor", 5},    {"attributes", 5}, {"writing", 10}};
 const Phases kSlice = scenePhases({{"slice", 20}, {"writing", 5}});
 const Phases kStudy = scenePhases({{"distances", 5}, {"first versor", 2}, {"versors", 60}, {"writing", 2}});
 const Phases kRender = scenePhases({{"render", 60}, {"writing", 2}});

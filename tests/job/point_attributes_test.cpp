@@ -57,9 +57,8 @@ class PointAttributesTest : public testing::Test {
     openvdb::initialize();
     std::ostringstream stream;
     writeMesh(stream,
-              test_meshes::merged(
-                  test_meshes::transformed(test_meshes::makeSphere(1, 3), 1, Vec3d(0.31, -0.17, 0.23)),
-                  test_meshes::makeBox(Vec3d(0.9, -0.4, 0.1), Vec3d(2.1, -0.1, 0.35))),
+              test_meshes::merged(test_meshes::transformed(test_meshes::makeSphere(1, 3), 1, Vec3d(0.31, -0.17, 0.23)),
+                                  test_meshes::makeBox(Vec3d(0.9, -0.4, 0.1), Vec3d(2.1, -0.1, 0.35))),
               {.format = MeshFormat::Obj});
     mShape = write("shape.obj", stream.str());
   }
@@ -185,7 +184,7 @@ TEST_F(PointAttributesTest, ColoursAreTheRenderersAlbedo) {
         low[c] = std::min(low[c], value);
         high[c] = std::max(high[c], value);
       }
-    if (colour != "clay") EXPECT_GT((high - low).length(), 0.2);
+    EXPECT_EQ((high - low).length() > 0.2, colour != "clay");
   }
 }
 
@@ -231,7 +230,8 @@ TEST_F(PointAttributesTest, GridsHaveTheValuesOfTheirVoxels) {
     const Attributed fractal = made(set);
     const FractalResult result = runFractal(set, planScene(set), true, nullptr, mMonitor);
     EXPECT_EQ(result.grids.size(), 8u);
-    const auto colour = named<openvdb::Vec3SGrid>(result, "Cd"), direction = named<openvdb::Vec3SGrid>(result, "direction");
+    const auto colour = named<openvdb::Vec3SGrid>(result, "Cd"),
+               direction = named<openvdb::Vec3SGrid>(result, "direction");
     const auto depth = named<openvdb::FloatGrid>(result, "depth");
     ASSERT_TRUE(colour && direction && depth);
     EXPECT_EQ(colour->getVectorType(), openvdb::VEC_INVARIANT);
@@ -316,7 +316,8 @@ TEST_F(PointAttributesTest, TextureCoordinatesAreThoseOfTheNearestPoint) {
     for (int a = 1; a < 3; ++a)
       if (std::abs(x[a]) > std::abs(x[axis])) axis = a;
     bool clear = true;
-    for (int a = 0; a < 3; ++a) clear = clear && (a == axis || std::abs(x[a]) < std::min(1.0, std::abs(x[axis])) - 1e-3);
+    for (int a = 0; a < 3; ++a)
+      clear = clear && (a == axis || std::abs(x[a]) < std::min(1.0, std::abs(x[axis])) - 1e-3);
     if (!clear) continue;
     const float* uv = fractal.at("uv", i);
     EXPECT_NEAR(uv[0], axis + (x[(axis + 1) % 3] + 1) / 4, 1e-5);
@@ -342,18 +343,19 @@ TEST_F(PointAttributesTest, PaintIsThatOfTheNearestPoint) {
                                          {"resolution", "24"},
                                          {"transfer", "wet,Cd"}}));
   for (std::size_t i = 0; i < fractal.mesh.points.size(); ++i) {
-    double best = std::numeric_limits<double>::infinity();
-    Vec3d nearest;
+    std::vector<std::pair<double, double>> candidates;  // the distance and the value of each triangle's nearest point
     for (const openvdb::Vec3I& t : ball.triangles) {
       Vec3d weights;
       const Vec3d point = openvdb::math::closestPointOnTriangleToPoint(
           ball.points[t[0]], ball.points[t[1]], ball.points[t[2]], fractal.mesh.points[i], weights);
-      if (const double distance = (point - fractal.mesh.points[i]).length(); distance < best) {
-        best = distance;
-        nearest = point;
-      }
+      candidates.emplace_back((point - fractal.mesh.points[i]).length(), 3 * point[1] - point[2]);
     }
-    EXPECT_NEAR(*fractal.at("wet", i), 3 * nearest[1] - nearest[2], 1e-4);
+    // Inside a ball several triangles may be equally near.
+    const double least = std::min_element(candidates.begin(), candidates.end())->first;
+    double miss = std::numeric_limits<double>::infinity();
+    for (const auto& [distance, value] : candidates)
+      if (distance < least + 1e-4) miss = std::min(miss, std::abs(*fractal.at("wet", i) - value));
+    EXPECT_LT(miss, 1e-4);
     EXPECT_NEAR(fractal.at("Cd", i)[0], 0.5029, 1e-3);  // the code 188 as linear light
     EXPECT_NEAR(fractal.at("Cd", i)[1], 0, 1e-6);
     EXPECT_NEAR(fractal.at("Cd", i)[2], 1, 1e-6);
@@ -378,7 +380,9 @@ TEST_F(PointAttributesTest, APictureIsAGradientAndItsHashIsRecorded) {
 }
 
 TEST_F(PointAttributesTest, ColourAloneMeansCd) {
-  const auto columns = [&](const Recipe& recipe) { return meshColumns(parseFractalOptions(shape(recipe)).output.attributes); };
+  const auto columns = [&](const Recipe& recipe) {
+    return meshColumns(parseFractalOptions(shape(recipe)).output.attributes);
+  };
   EXPECT_TRUE(columns({}).empty());
   const auto names = [&](const Recipe& recipe) {
     std::string list;

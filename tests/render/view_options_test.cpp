@@ -36,8 +36,7 @@ TEST(ViewOptions, DefaultsAreThoseOfTheStructs) {
 }
 
 TEST(ViewOptions, AreReadFromText) {
-  const FieldPicture picture =
-      parsed({{"size", "30x20"}, {"samples", "9"}, {"eye", "1,2,3"}, {"no-skip", "true"}});
+  const FieldPicture picture = parsed({{"size", "30x20"}, {"samples", "9"}, {"eye", "1,2,3"}, {"no-skip", "true"}});
   EXPECT_EQ(picture.render.width, 30);
   EXPECT_EQ(picture.render.height, 20);
   EXPECT_EQ(picture.render.samples, 9);

@@ -114,7 +114,12 @@ class MeshFiles {
   /// @param attributes  of the points; or null
   MeshFiles(const fs::path& path, const MeshWriteOptions& options, const PlanAttributes* attributes, bool numbered,
             std::list<AtomicFile>& files, const Monitor& monitor)
-      : mPath(path), mOptions(options), mAttributes(attributes), mNumbered(numbered), mFiles(files), mMonitor(monitor) {}
+      : mPath(path),
+        mOptions(options),
+        mAttributes(attributes),
+        mNumbered(numbered),
+        mFiles(files),
+        mMonitor(monitor) {}
 
   MeshSink& next() {
     if (!mMeshes.empty()) mMeshes.back().finish();
@@ -320,7 +325,8 @@ std::vector<openvdb::GridBase::Ptr> mergeGrids(const fs::path& folder, const Man
       grids.push_back(versorGrid(*parts.surface, readPreparedScene(options, folder / kPreparedName).source(), monitor));
   }
   if (attributes)
-    for (const openvdb::GridBase::Ptr& grid : attributeGrids(**attributes, *parts.surface, monitor)) grids.push_back(grid);
+    for (const openvdb::GridBase::Ptr& grid : attributeGrids(**attributes, *parts.surface, monitor))
+      grids.push_back(grid);
   return grids;
 }
 
@@ -415,7 +421,8 @@ MergeResult mergePlan(const fs::path& folder, const Manifest& manifest, const Me
   }
   if (vdb) {
     const FractalOptions recipe = parseFractalOptions(manifest.recipe);
-    const std::vector<openvdb::GridBase::Ptr> grids = mergeGrids(folder, manifest, recipe, islands, attributes.get(), result, monitor);
+    const std::vector<openvdb::GridBase::Ptr> grids =
+        mergeGrids(folder, manifest, recipe, islands, attributes.get(), result, monitor);
     monitor.begin("writing", 0);
     vdb->stream() << encodeVdb(grids, {.half = recipe.output.half, .metadata = manifest.facts});
   }
@@ -445,8 +452,8 @@ MergeResult writeTileFiles(const fs::path& folder, const Manifest& manifest, con
   nlohmann::json tiles = nlohmann::json::array();
   const fs::path stem = index.parent_path() / index.stem();
   for (std::uint64_t i = 1; i <= manifest.tasks.size(); ++i) {
-    tiles.push_back(writeOneTile(folder, manifest, i, stem, islands ? &*islands : nullptr, attributes.get(), result,
-                                 monitor));
+    tiles.push_back(
+        writeOneTile(folder, manifest, i, stem, islands ? &*islands : nullptr, attributes.get(), result, monitor));
     monitor.throwIfCancelled();
   }
   if (result.files.empty()) throw DataError("the fractal is empty: no tile has a surface");

@@ -59,7 +59,8 @@ std::vector<std::string> parseTransferred(const RecipeReader& reader) {
   for (std::size_t i = 0; i < names.size(); ++i)
     if (names[i].empty() || std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]) !=
                                 names.begin() + static_cast<std::ptrdiff_t>(i))
-      reader.refuse("transfer", "a list of uv, Cd and names of the target's vertex attributes, in which none occurs twice");
+      reader.refuse("transfer",
+                    "a list of uv, Cd and names of the target's vertex attributes, in which none occurs twice");
   return names;
 }
 
@@ -97,15 +98,16 @@ bool AttributeOptions::has(PointAttribute attribute) const {
 }
 
 std::vector<OptionSpec> attributeOptionSpecs() {
-  return {{.name = "attributes",
-           .argument = "LIST",
-           .help = "what the vertices of the mesh carry and, by the same names, the voxels of the VDB: a list of " +
-                   knownNames() + " (docs/attributes.md)"},
-          colourOptionSpec(),
-          {.name = "transfer",
-           .argument = "LIST",
-           .help = "what is carried over from the target's nearest point: a list of uv (texture coordinates), Cd (painted "
-                   "colour) and names of vertex attributes"}};
+  return {
+      {.name = "attributes",
+       .argument = "LIST",
+       .help = "what the vertices of the mesh carry and, by the same names, the voxels of the VDB: a list of " +
+               knownNames() + " (docs/attributes.md)"},
+      colourOptionSpec(),
+      {.name = "transfer",
+       .argument = "LIST",
+       .help = "what is carried over from the target's nearest point: a list of uv (texture coordinates), Cd (painted "
+               "colour) and names of vertex attributes"}};
 }
 
 AttributeOptions parseAttributeOptions(const RecipeReader& reader) {

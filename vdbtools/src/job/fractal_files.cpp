@@ -42,7 +42,9 @@ void addMeshFiles(MeshFiles& meshes, const Scene& scene, const openvdb::BBoxd& b
   if (!files.vdb && files.meshes.empty()) throw std::invalid_argument("no file was given for the fractal");
   const std::vector<VertexColumn> columns = meshColumns(scene.options.output.attributes);
   for (const FractalMeshFile& mesh : files.meshes)
-    meshes.add(*mesh.file, {.format = mesh.format, .voxelSize = scene.voxelSize, .box = box, .columns = columns, .comments = metadata});
+    meshes.add(
+        *mesh.file,
+        {.format = mesh.format, .voxelSize = scene.voxelSize, .box = box, .columns = columns, .comments = metadata});
 }
 
 }  // namespace

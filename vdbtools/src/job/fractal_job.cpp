@@ -99,7 +99,8 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
     if (name == "versor") result.grids.push_back(versorGrid(*surface, scene.source(), monitor));
   }
   if (wantsAttributes)
-    for (const openvdb::GridBase::Ptr& grid : attributeGrids(*attributes, *surface, monitor)) result.grids.push_back(grid);
+    for (const openvdb::GridBase::Ptr& grid : attributeGrids(*attributes, *surface, monitor))
+      result.grids.push_back(grid);
   return result;
 }
 

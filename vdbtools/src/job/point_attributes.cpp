@@ -51,8 +51,8 @@ void putNumbers(std::span<const double> values, const Cells& cells) {
 /// Some points, and what several columns need of them.
 struct PointAttributes::Batch {
   std::span<const Vec3d> world;
-  std::vector<julia::Point> points{};      ///< fractal space
-  std::vector<double> iterations{};        ///< if a column needs them
+  std::vector<julia::Point> points{};    ///< fractal space
+  std::vector<double> iterations{};      ///< if a column needs them
   std::vector<SurfacePoint> onTarget{};  ///< the target's nearest points, if anything is transferred
 };
 
@@ -119,9 +119,7 @@ struct PointAttributes::Transfer {
 PointAttributes::~PointAttributes() = default;
 
 PointAttributes::PointAttributes(const Scene& scene)
-    : mScene(scene),
-      mColumns(meshColumns(scene.options.output.attributes)),
-      mRowLength(vdbtools::rowLength(mColumns)) {
+    : mScene(scene), mColumns(meshColumns(scene.options.output.attributes)), mRowLength(vdbtools::rowLength(mColumns)) {
   const AttributeOptions& options = scene.options.output.attributes;
   const julia::FieldEvaluator& evaluator = *scene.evaluator;
   const julia::DropAxis dropAxis = scene.options.map->embedding().dropped;
@@ -153,7 +151,9 @@ PointAttributes::PointAttributes(const Scene& scene)
         });
         break;
       case PointAttribute::Trap:
-        add([&evaluator](const Batch& batch, const Cells& cells) { putNumbers(trapRadii(evaluator, batch.points), cells); });
+        add([&evaluator](const Batch& batch, const Cells& cells) {
+          putNumbers(trapRadii(evaluator, batch.points), cells);
+        });
         break;
       case PointAttribute::Iterations:
         mNeedsIterations = true;

@@ -33,7 +33,8 @@ FieldColouring sceneColouring(const Scene& scene, const ColourChoice& choice) {
   if (!scene.target)
     throw std::invalid_argument("colours by depth need a target; give a mesh or a VDB, or choose other colours");
   const auto [low, high] = depthRange(scene);
-  colouring.depth = DepthColouring{.distance = distanceControl(*scene.target), .space = scene.space, .low = low, .high = high};
+  colouring.depth =
+      DepthColouring{.distance = distanceControl(*scene.target), .space = scene.space, .low = low, .high = high};
   return colouring;
 }
 

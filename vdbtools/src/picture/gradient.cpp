@@ -32,7 +32,8 @@ std::vector<Gradient::Stop> stopsOf(const NamedGradient& gradient) {
   constexpr double kLargestCode = 255;
   std::vector<Gradient::Stop> stops;
   for (const std::uint32_t code : gradient.stops)
-    stops.push_back({(code >> 16 & 0xff) / kLargestCode, (code >> 8 & 0xff) / kLargestCode, (code & 0xff) / kLargestCode});
+    stops.push_back(
+        {(code >> 16 & 0xff) / kLargestCode, (code >> 8 & 0xff) / kLargestCode, (code & 0xff) / kLargestCode});
   return stops;
 }
 
@@ -64,7 +65,8 @@ openvdb::Vec3d Gradient::at(double value) const {
 
 std::string gradientNames() {
   std::string names;
-  for (const NamedGradient& gradient : namedGradients()) names += (names.empty() ? "" : ", ") + std::string(gradient.name);
+  for (const NamedGradient& gradient : namedGradients())
+    names += (names.empty() ? "" : ", ") + std::string(gradient.name);
   return names;
 }
 

@@ -75,7 +75,8 @@ std::vector<Vec3d> fieldColours(const FieldColouring& colouring, const julia::Fi
                                 std::span<const double> iterations) {
   std::vector<Vec3d> result(points.size(), kClay);
   const auto through = [&](std::span<const double> numbers, double low, double high) {
-    for (std::size_t i = 0; i < result.size(); ++i) result[i] = colouring.gradient.at((numbers[i] - low) / (high - low));
+    for (std::size_t i = 0; i < result.size(); ++i)
+      result[i] = colouring.gradient.at((numbers[i] - low) / (high - low));
   };
   switch (colouring.by) {
     case FieldColour::Clay: break;
@@ -91,8 +92,8 @@ std::vector<Vec3d> fieldColours(const FieldColouring& colouring, const julia::Fi
       const std::vector<julia::Quaternion<double>> versors = versorsOf(evaluator, points);
       for (std::size_t i = 0; i < result.size(); ++i) {
         const julia::Quaternion<double>& u = versors[i];
-        result[i] = directionColour(colouring.by == FieldColour::Versor ? Vec3d(u.b, u.c, u.d)
-                                                                        : inSpace(u, context.dropAxis));
+        result[i] =
+            directionColour(colouring.by == FieldColour::Versor ? Vec3d(u.b, u.c, u.d) : inSpace(u, context.dropAxis));
       }
       break;
     }
@@ -127,17 +128,18 @@ std::vector<double> meanIterations(const julia::FieldEvaluator& evaluator, std::
   std::vector<double> result;
   result.reserve(points.size());
   for (std::size_t i = 0; i < around.size(); i += kNeighbours)
-    result.push_back(meanIterationsOutside(std::span(field).subspan(i, kNeighbours),
-                                           std::span(iterations).subspan(i, kNeighbours)));
+    result.push_back(
+        meanIterationsOutside(std::span(field).subspan(i, kNeighbours), std::span(iterations).subspan(i, kNeighbours)));
   return result;
 }
 
 OptionSpec colourOptionSpec() {
   return {.name = "colour",
           .argument = "WHAT[:GRADIENT]",
-          .help = "colours, in pictures of the set and as Cd in files: direction (of the first step, as RGB), versor, "
-                  "clay, or trap, iterations or depth through a gradient: one of " +
-                  gradientNames() + ", or the first row of a picture. gradient:NAME is trap:NAME",
+          .help =
+              "colours, in pictures of the set and as Cd in files: direction (of the first step, as RGB), versor, "
+              "clay, or trap, iterations or depth through a gradient: one of " +
+              gradientNames() + ", or the first row of a picture. gradient:NAME is trap:NAME",
           .defaultNote = "direction; contact sheets: clay",
           .hash = "colour-sha256"};
 }

@@ -16,7 +16,7 @@ namespace vdbtools {
 
 enum class PointAttribute {
   Cd,          ///< the colour, linear RGB
-  Direction,   ///< of the map's first step, a vector of length 1
+  Direction,   ///< of the map's first step: its versor without the dropped component
   Trap,        ///< the smallest modulus among the iterates, fractal space
   Iterations,  ///< the mean number of steps of the orbits just outside
   Depth,       ///< the distance from the target's surface, world units, negative inside

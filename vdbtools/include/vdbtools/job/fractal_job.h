@@ -25,7 +25,7 @@ openvdb::BBoxd meshBox(const FieldPlan& plan);
 struct FractalResult {
   /// Those of OutputOptions::grids, and those of its attributes over the band of the grid "surface", if @a wantGrids.
   std::vector<openvdb::GridBase::Ptr> grids;
-  MeshCounts mesh;                            ///< of what went to the sink
+  MeshCounts mesh;  ///< of what went to the sink
   std::uint64_t evaluatedNodes = 0;
   std::optional<FollowReport> follow;   ///< if the surface was followed
   std::optional<IslandReport> islands;  ///< if any were to be dropped

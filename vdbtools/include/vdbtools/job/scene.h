@@ -42,8 +42,8 @@ struct Scene {
   PlacedSpace placed;                  ///< where the options place it, before the lattice's shift
   std::optional<double> targetVolume;  ///< of a target, world units cubed
   // For the attributes that are asked for, if these need them.
-  std::shared_ptr<const Mesh> targetMesh;   ///< as it was read
-  openvdb::FloatGrid::ConstPtr thickness;   ///< the local thickness, world units; every node of its box is active
+  std::shared_ptr<const Mesh> targetMesh;  ///< as it was read
+  openvdb::FloatGrid::ConstPtr thickness;  ///< the local thickness, world units; every node of its box is active
   Facts facts;
 
   FieldSource source() const { return {*evaluator, space}; }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file gradient.h
-/// Numbers as colours. The named gradients are even in lightness or, if they diverge, even on both sides: viridis, magma
-/// and inferno of matplotlib, cividis (Nunez, Anderton and Renslow 2018), Moreland's cool and warm (2009), and grey.
+/// Numbers as colours. The named gradients are even in lightness or, if they diverge, even on both sides: viridis,
+/// magma and inferno of matplotlib, cividis (Nunez, Anderton and Renslow 2018), Moreland's cool and warm (2009), and
+/// grey.
 #pragma once
 
 #include <openvdb/Types.h>

@@ -30,8 +30,8 @@ enum class FieldColour {
 
 /// What FieldColour::Depth has to know of the target.
 struct DepthColouring {
-  Control distance;          ///< from the target's surface, world units, negative inside
-  FractalSpace space;        ///< that of the points
+  Control distance;           ///< from the target's surface, world units, negative inside
+  FractalSpace space;         ///< that of the points
   double low = -1, high = 1;  ///< the distances that get the two ends of the gradient, low < high
 };
 
@@ -39,7 +39,7 @@ struct FieldColouring {
   FieldColouring(FieldColour what = FieldColour::Direction) : by(what) {}
 
   FieldColour by;
-  Gradient gradient{};                   ///< of Iterations, Trap and Depth
+  Gradient gradient{};                    ///< of Iterations, Trap and Depth
   std::optional<DepthColouring> depth{};  ///< of Depth, which needs it
 };
 

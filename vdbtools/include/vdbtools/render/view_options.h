@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file view_options.h
 /// What a picture is taken with, as options and as values: its size, the camera, and how a map's set is sampled. These
-/// options are no part of a fractal's recipe: they change a picture of a set and not the set. How the set is coloured is
-/// part of the recipe (field_colour.h), as its mesh and its grids may have the same colours.
+/// options are no part of a fractal's recipe: they change a picture of a set and not the set. How the set is coloured
+/// is part of the recipe (field_colour.h), as its mesh and its grids may have the same colours.
 #pragma once
 
 #include "vdbtools/recipe/option_table.h"
