@@ -31,10 +31,12 @@ const Phases kFractal = scenePhases({{"proofs", 5},
                                      {"surface", 15},
                                      {"level set", 15},
                                      {"versor", 5},
+                                     {"attributes", 5},
                                      {"writing", 5},
                                      {"checking", 1}});
 const Phases kPlan = scenePhases({{"sample", 100}});
-const Phases kMerge = {{"checking", 10}, {"merging", 60}, {"merging grids", 20}, {"versor", 5}, {"writing", 10}};
+const Phases kMerge = {{"checking", 10}, {"merging", 60},   {"merging grids", 20},
+                       {"versor", 5},    {"attributes", 5}, {"writing", 10}};
 const Phases kSlice = scenePhases({{"slice", 20}, {"writing", 5}});
 const Phases kStudy = scenePhases({{"distances", 5}, {"first versor", 2}, {"versors", 60}, {"writing", 2}});
 const Phases kRender = scenePhases({{"ray tree", 5}, {"render", 60}, {"writing", 2}});

@@ -138,6 +138,9 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
   report().text() << ", " << result.evaluatedNodes << " nodes evaluated";
   if (wantMesh) report().text() << ", " << result.mesh.triangles << " triangles";
   report().text() << '\n';
+  const std::vector<vdbtools::VertexColumn> columns = vdbtools::meshColumns(options.output.attributes);
+  for (const vdbtools::AtomicFile* file : {vdb, mesh})
+    if (file) noteLeftOut(file->target(), columns);
   if (scene.exponent) {
     if (!isFrame) report().text() << choiceText(scene) << '\n';
     if (result.solid) tellWhatIsLeft(scene, *result.solid, isFrame);

@@ -103,6 +103,8 @@ int runMesh(const Arguments& arguments) {
   report().count("points", static_cast<double>(counts.points));
   report().count("triangles", static_cast<double>(counts.triangles));
   report().text() << "wrote " << outputs.names() << ": " << counts.triangles << " triangles\n";
+  if (recorded.command == "fractal")
+    noteLeftOut(file.target(), vdbtools::meshColumns(vdbtools::parseFractalOptions(recorded.recipe).output.attributes));
   return kDone;
 }
 

@@ -47,7 +47,7 @@ constexpr Usage kUsageText = {
     "200x200\n",
     "fractal"};
 
-constexpr const char *kSize = "800x800", *kColour = "direction";
+constexpr const char* kSize = "800x800";
 
 std::vector<vdbtools::PreviewBall> ballsOf(const std::string& name) {
   constexpr double kRadius = 0.008;  // of the target's longest side
@@ -74,7 +74,7 @@ void requireFits(const CommandLine& line, bool field) {
     if (line.has("roots")) throw std::invalid_argument("--roots cannot be used with --field");
     return;
   }
-  vdbtools::Recipe given = line.given(vdbtools::OptionTable(vdbtools::fieldViewOptionSpecs(kColour)));
+  vdbtools::Recipe given = line.given(vdbtools::OptionTable(vdbtools::fieldViewOptionSpecs()));
   if (line.has("frames")) given["frames"] = line.text("frames");
   given.insert(line.givenRecipe().begin(), line.givenRecipe().end());
   if (isMesh(line.text("input"))) {
@@ -118,7 +118,7 @@ std::optional<int> parseFrames(const CommandLine& line) {
 }
 
 int renderMap(const CommandLine& line) {
-  const vdbtools::OptionTable table(vdbtools::fieldPictureOptionSpecs(kSize, kColour));
+  const vdbtools::OptionTable table(vdbtools::fieldPictureOptionSpecs(kSize));
   const vdbtools::FieldPicture picture = vdbtools::parseFieldPicture(line.given(table), table);
   const std::optional<int> frames = parseFrames(line);
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
@@ -180,7 +180,7 @@ int runRender(const Arguments& arguments) {
       "field", po::bool_switch(),
       "show the set of the map itself and not the level set of a VDB. The following options go with it:")(
       "frames", text("N"), "make a turntable of N pictures, with names such as name.####.png");
-  line.addOptions(vdbtools::fieldViewOptionSpecs(kColour));
+  line.addOptions(vdbtools::fieldViewOptionSpecs());
   addSearchOption(line);
   if (!line.parse(arguments)) return kDone;
   const bool field = line.values()["field"].as<bool>();

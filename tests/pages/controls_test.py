@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The commands of docs/controls.md and docs/textures.md run as they stand, at a small size, and the blocks of a terminal
+"""The commands of docs/controls.md, docs/textures.md and docs/attributes.md run as they stand, at a small size, and the blocks of a terminal
 look like what the program says."""
 import os
 import pathlib
@@ -24,10 +24,10 @@ def small(block):
 
 class Pages(unittest.TestCase):
     def test_every_command_runs(self):
-        for page in ("controls", "textures"):
+        for page in ("controls", "textures", "attributes"):
             text = (ROOT / f"docs/{page}.md").read_text()
             blocks = re.findall(r"```sh\n(.*?)```", text, re.S)
-            self.assertGreater(len(blocks), 1, page)
+            self.assertTrue(blocks, page)
             with tempfile.TemporaryDirectory() as folder:
                 os.symlink(BUNNY, pathlib.Path(folder) / "bunny.obj")
                 for block in blocks:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/job/fractal_job.h"
 
+#include "job/point_attributes.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/mesh/mesh_sink.h"
 
@@ -44,6 +45,10 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
   };
   const bool capMesh = surfaceOptions.cap || !plan.bounded;
   const ExtractMeshOptions asked{.tolerance = surfaceOptions.tolerance, .border = capMesh ? Border::Cap : Border::Open};
+  std::optional<PointAttributes> attributes;
+  if (!scene.options.output.attributes.empty()) attributes.emplace(scene);
+  std::optional<AttributedSink> attributed;
+  if (attributes && sink) sink = &attributed.emplace(*attributes, *sink, monitor);
   const bool dropsIslands = surfaceOptions.islands.largest > 0 || surfaceOptions.islands.minSize > 0;
   FractalResult result;
   if (!wantGrids && !dropsIslands && !follow) {
@@ -63,7 +68,8 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
   result.evaluatedNodes = field.evaluatedNodes;
   if (dropsIslands) result.islands = dropIslands(field, surfaceOptions.islands, monitor);
   FloatGrid::Ptr surface;
-  if (wants("surface") || wants("density") || wants("versor")) {
+  const bool wantsAttributes = wantGrids && attributes;
+  if (wants("surface") || wants("density") || wants("versor") || wantsAttributes) {
     CappedMesh capped = extractCappedMesh(field, scene.source(), surfaceOptions.tolerance, monitor);
     requireSurface(capped.mesh.triangles.size());
     surface = levelSet(field, capped.mesh, monitor);
@@ -92,6 +98,9 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
     if (name == "iterations") result.grids.push_back(field.iterations);
     if (name == "versor") result.grids.push_back(versorGrid(*surface, scene.source(), monitor));
   }
+  if (wantsAttributes)
+    for (const openvdb::GridBase::Ptr& grid : attributeGrids(*attributes, *surface, monitor))
+      result.grids.push_back(grid);
   return result;
 }
 

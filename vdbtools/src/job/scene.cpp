@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/job/scene.h"
 
+#include "target/control_lattice.h"
 #include "target/solid_input.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/target/target_survey.h"
@@ -253,7 +254,29 @@ Facts targetFacts(const Target& target) {
 std::vector<NamedFile> filesOf(const FractalOptions& options) {
   std::vector<NamedFile> files = options.map->files();
   if (options.target && !options.target->mesh) files.push_back(options.target->input);
+  const std::optional<ColourChoice>& colour = options.output.attributes.colour;
+  if (colour && colour->picture) files.push_back(*colour->picture);
   return files;
+}
+
+std::shared_ptr<const Mesh> transferredMesh(const FractalOptions& options, const TargetInput& input) {
+  const std::vector<std::string>& names = options.output.attributes.transferred;
+  if (names.empty()) return nullptr;
+  std::shared_ptr<const Mesh> mesh = input.mesh();
+  if (!mesh)
+    throw DataError(
+        "--transfer cannot be used: the target is a VDB, which has neither texture coordinates nor vertex attributes; "
+        "give the mesh itself as the target");
+  const auto require = [&](const char* name) { requireAttribute(*mesh, name, "the target's mesh"); };
+  for (const std::string& name : names) {
+    if (name == "uv")
+      requireUvs(*mesh);
+    else if (name == "Cd")
+      for (const char* channel : {"red", "green", "blue"}) require(channel);
+    else
+      require(name.c_str());
+  }
+  return mesh;
 }
 
 struct SceneMaker::Shared {
@@ -286,6 +309,7 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
     shared.beginScene();
     shape = shared.input().box();
     scene.facts.merge(hashesOf(options));
+    scene.targetMesh = transferredMesh(options, shared.input());
     PlacedTarget target = shell ? placeShell(options, *shell, shared, monitor) : placeTarget(options, shared, monitor);
     scene.target = std::move(target.target);
     scene.exponentOf = std::move(target.exponentOf);
@@ -296,13 +320,15 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
       scene.facts.merge(shellFacts(*scene.exponent));
       scene.facts["julia_origin_at"] = originText(options.space, placed.unmoved, *shape);
     }
-    if (shared.surveyAsked()) {
+    const bool wantsThickness = options.output.attributes.has(PointAttribute::Tau);
+    if (wantsThickness || shared.surveyAsked()) {
       TargetSurvey& survey = shared.survey(monitor);
       const double slope = scene.exponentOf && scene.exponentOf->detail
                                ? thicknessSlope(scene.exponentOf->detail->detail.range().second)
                                : kThicknessSlope;
       const LocalThickness& thickness = survey.thickness(monitor, slope);
       scene.facts["julia_thickness"] = numbersText({thickness.least, thickness.greatest});
+      if (wantsThickness) scene.thickness = thickness.tau;
     }
     scene.targetVolume = insideVolume(*scene.target->phi);
     scene.facts.merge(targetFacts(*scene.target));

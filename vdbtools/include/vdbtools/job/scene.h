@@ -41,6 +41,9 @@ struct Scene {
   FractalSpace space;                  ///< the evaluator's
   PlacedSpace placed;                  ///< where the options place it, before the lattice's shift
   std::optional<double> targetVolume;  ///< of a target, world units cubed
+  // For the attributes that are asked for, if these need them.
+  std::shared_ptr<const Mesh> targetMesh;  ///< as it was read
+  openvdb::FloatGrid::ConstPtr thickness;  ///< the local thickness, world units; every node of its box is active
   Facts facts;
 
   FieldSource source() const { return {*evaluator, space}; }
@@ -65,6 +68,10 @@ class SceneMaker {
 
 /// One scene.
 Scene makeScene(const FractalOptions& options, Monitor& monitor);
+
+/// The target's mesh, for the attributes of it that are transferred; nullptr if none is.
+/// @throw DataError  the target is a VDB, or its mesh has no such attribute at each point
+std::shared_ptr<const Mesh> transferredMesh(const FractalOptions& options, const TargetInput& input);
 
 /// The files that the options name: those whose hashes are recorded.
 std::vector<NamedFile> filesOf(const FractalOptions& options);
