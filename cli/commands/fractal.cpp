@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "commands.h"
 
+#include "adaptivity.h"
 #include "exit_code.h"
 #include "options.h"
 #include "output.h"
@@ -88,17 +89,20 @@ int runFractal(const Arguments& arguments) {
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), "the VDB to write")(
       "mesh", po::value<std::string>()->value_name("F.ply"), "the mesh to write: .ply, .obj or .stl")(
       "frame", po::value<std::string>()->value_name("N"), "the frame number, for names such as name.####.vdb");
+  addAdaptivity(line);
   if (!line.parse(arguments)) return kDone;
   const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(line.recipe());
   const bool wantVdb = line.has("output"), wantMesh = line.has("mesh");
   if (!wantVdb && !wantMesh) throw std::invalid_argument("no output was given; use -o F.vdb, --mesh F.ply, or both");
+  const double adaptivity = parseAdaptivity(line);
+  if (adaptivity > 0 && !wantMesh) throw std::invalid_argument("--adaptivity can be used with --mesh only");
   Outputs outputs(parseFrame(line.text("frame")));
   vdbtools::AtomicFile* vdb = wantVdb ? &outputs.add("output", line.text("output"), ".vdb") : nullptr;
   vdbtools::AtomicFile* mesh = wantMesh ? &outputs.add("mesh", line.text("mesh"), ".ply .obj .stl") : nullptr;
 
   Progress& progress = line.progress();
   const vdbtools::Scene scene = vdbtools::makeScene(options, progress);
-  vdbtools::FractalFiles files{.vdb = vdb};
+  vdbtools::FractalFiles files{.vdb = vdb, .adaptivity = adaptivity};
   if (mesh) files.meshes = {{mesh, vdbtools::meshFormat("mesh" + formatOf(line.text("mesh"), ".ply"))}};
   const vdbtools::FractalResult result = vdbtools::writeFractal(scene, line.recipe(), files, progress);
   outputs.commit();

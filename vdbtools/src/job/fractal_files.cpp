@@ -2,6 +2,7 @@
 #include "vdbtools/job/fractal_files.h"
 
 #include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/mesh/adaptive_mesh.h"
 #include "vdbtools/mesh/mesh_file.h"
 
 #include <list>
@@ -51,8 +52,15 @@ FractalResult writeFractal(const Scene& scene, const Recipe& recipe, const Fract
   const std::map<std::string, std::string> metadata = sceneMetadata(scene, recipe);
   MeshFiles meshes;
   addMeshFiles(meshes, scene, meshBox(plan), metadata, files);
-  FractalResult result =
-      runFractal(scene, plan, files.vdb != nullptr, files.meshes.empty() ? nullptr : &meshes, monitor);
+  AdaptiveMeshSink adaptive(meshes, files.adaptivity * scene.voxelSize);
+  const bool adapts = files.adaptivity > 0 && !files.meshes.empty();
+  MeshSink* sink = adapts ? static_cast<MeshSink*>(&adaptive) : &meshes;
+  FractalResult result = runFractal(scene, plan, files.vdb != nullptr, files.meshes.empty() ? nullptr : sink, monitor);
+  if (adapts) {
+    adaptive.finish(monitor);
+    result.mesh.points = adaptive.pointsAfter();
+    result.mesh.triangles = adaptive.trianglesAfter();
+  }
   monitor.begin("writing", 0);
   if (files.vdb) writeGrids(scene, metadata, result, *files.vdb);
   meshes.finish();

@@ -20,6 +20,9 @@ struct FractalMeshFile {
 struct FractalFiles {
   AtomicFile* vdb = nullptr;  ///< takes the grids; none: they are not made
   std::vector<FractalMeshFile> meshes{};
+  /// Voxels: triangles of the meshes are as large as this distance from the true mesh allows (adaptive_mesh.h). 0: they
+  /// are as they were made.
+  double adaptivity = 0;
 };
 
 /// Makes the grids and the mesh of a scene and writes them, with their metadata. The files are left to be committed.
