@@ -4,7 +4,6 @@
 #include <openvdb/points/PointDataGrid.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
@@ -47,12 +46,16 @@ const openvdb::NamePair& typeOf(ColumnKind kind) {
                                  : TypedAttributeArray<Vec3s>::attributeType();
 }
 
-AttributeSet::Descriptor::Ptr descriptorOf(bool normals, const std::vector<VertexColumn>& columns) {
+/// The attributes of the points: of each number of them, from P alone to all.
+std::vector<AttributeSet::Descriptor::Ptr> descriptorsOf(bool normals, const std::vector<VertexColumn>& columns) {
   const openvdb::NamePair& vector = TypedAttributeArray<Vec3s>::attributeType();
-  AttributeSet::Descriptor::Ptr descriptor = AttributeSet::Descriptor::create(vector);
-  if (normals) descriptor = descriptor->duplicateAppend("N", vector);
-  for (const VertexColumn& column : columns) descriptor = descriptor->duplicateAppend(column.name, typeOf(column.kind));
-  return descriptor;
+  std::vector<AttributeSet::Descriptor::Ptr> descriptors = {AttributeSet::Descriptor::create(vector)};
+  const auto append = [&](const std::string& name, const openvdb::NamePair& type) {
+    descriptors.push_back(descriptors.back()->duplicateAppend(name, type));
+  };
+  if (normals) append("N", vector);
+  for (const VertexColumn& column : columns) append(column.name, typeOf(column.kind));
+  return descriptors;
 }
 
 /// Writes an attribute of a leaf whose points are @a entries. @param valueOf  by the number of a point
@@ -79,13 +82,14 @@ openvdb::GridBase::Ptr pointGrid(const PointBatch& points, const std::vector<Ver
   for (const Vec3d& p : points.positions) positions.push_back(transform->worldToIndex(p));
 
   const std::vector<Entry> entries = sortedEntries(positions);
-  const AttributeSet::Descriptor::Ptr descriptor = descriptorOf(!points.normals.empty(), columns);
+  std::vector<AttributeSet::Descriptor::Ptr> descriptors = descriptorsOf(!points.normals.empty(), columns);
   const auto tree = std::make_shared<PointDataTree>();
   for (auto begin = entries.begin(); begin != entries.end();) {
     const auto end = std::find_if(begin, entries.end(), [&](const Entry& entry) { return entry.leaf != begin->leaf; });
     const std::span<const Entry> some(begin, end);
     Leaf* leaf = tree->touchLeaf(begin->leaf);
-    leaf->initializeAttributes(descriptor, static_cast<openvdb::Index>(some.size()));
+    leaf->initializeAttributes(descriptors.front(), static_cast<openvdb::Index>(some.size()));
+    for (std::size_t k = 1; k < descriptors.size(); ++k) leaf->appendAttribute(*descriptors[k - 1], descriptors[k], k);
     std::vector<Leaf::ValueType> ends(Leaf::SIZE);  // of the points up to and in each voxel
     std::size_t passed = 0;
     for (openvdb::Index voxel = 0; voxel < Leaf::SIZE; ++voxel) {

@@ -152,7 +152,7 @@ void scaleTo(Mesh& mesh, double size) {
   for (Vec3d& point : mesh.points) point *= scale;
 }
 
-/// The solid with thin parts made thick or taken off, and its base cut.
+/// The solid with thin parts made thick or taken off, and its base cut. @param solid  with normals
 Mesh shaped(const Mesh& solid, const PrintOptions& options, double voxel, double thickness, PrintedPart& part,
             Monitor& monitor) {
   openvdb::FloatGrid::Ptr grid = partLevelSet(solid, voxel, monitor);
@@ -222,6 +222,7 @@ PrintedPart printedPart(const Mesh& mesh, const PrintOptions& options, Monitor& 
   const double given = longestSide(boxOf(solid));
   if (!(given > 0)) throw DataError("the mesh has no extent");
   scaleTo(solid, options.size);
+  computeNormals(solid);
 
   double scale = options.size / given;
   // Nested surfaces of several islands may lie in filled cavities of each other; the lattice unites them.

@@ -4,13 +4,16 @@
 #include "mesh/halfedge_mesh.h"
 #include "mesh/surface_distance.h"
 
+#include <openvdb/math/Proximity.h>
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
-#include <OpenMesh/Tools/Decimater/ModHausdorffT.hh>
+#include <OpenMesh/Tools/Decimater/ModBaseT.hh>
 #include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
 #include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -22,12 +25,110 @@ using openvdb::Vec3I;
 /// Degrees that a triangle's normal may turn by in one collapse: more would be a fold.
 constexpr float kFold = 75;
 
-/// The distance of the points that are taken away is held below this share of the bound, so that the surface between
-/// them seldom exceeds the bound itself.
-constexpr double kShareOfPoints = 0.8;
+/// The distance of a sample of the surface is held below this share of the bound, so that the surface between seldom
+/// exceeds the bound itself.
+constexpr double kShareOfSamples = 0.6;
 
 /// After as many proofs that failed, the mesh stays as it was, which is certainly near itself.
 constexpr int kMostAttempts = 12;
+
+/// Lets an edge be collapsed only if a sample of the original surface stays near: its points, the middles of its edges
+/// and of its triangles. OpenMesh's own ModHausdorff looks at the points alone, but on a rough surface it is the edges
+/// between them that are lost first.
+template <class MeshT>
+class ModSampleT : public OpenMesh::Decimater::ModBaseT<MeshT> {
+ public:
+  DECIMATING_MODULE(ModSampleT, MeshT, Sample);
+
+  explicit ModSampleT(MeshT& mesh) : Base(mesh, true), mMesh(Base::mesh()) { mMesh.add_property(mSamples); }
+  ~ModSampleT() override { mMesh.remove_property(mSamples); }
+
+  void setTolerance(double tolerance) { mSquare = tolerance * tolerance; }
+
+  void initialize() override {
+    for (const auto face : mMesh.faces()) {
+      const Triangle t = cornersOf(face);
+      mMesh.property(mSamples, face) = {(t[0] + t[1] + t[2]) / 3.0};
+    }
+    for (const auto edge : mMesh.edges()) {
+      const auto half = edge.h0().is_boundary() ? edge.h1() : edge.h0();
+      const Vec3d middle = (pointOf(half.from()) + pointOf(half.to())) / 2.0;
+      mMesh.property(mSamples, half.face()).push_back(middle);
+    }
+  }
+
+  float collapse_priority(const CollapseInfo& collapse) override {
+    mTriangles.clear();
+    mLoose.assign(1, vector(collapse.p0));
+    for (const auto face : mMesh.vf_range(collapse.v0)) {
+      const std::vector<Vec3d>& samples = mMesh.property(mSamples, face);
+      mLoose.insert(mLoose.end(), samples.begin(), samples.end());
+      if (face == collapse.fl || face == collapse.fr) continue;
+      Triangle t;
+      std::size_t c = 0;
+      for (const auto vertex : mMesh.fv_range(face))
+        t[c++] = vertex == collapse.v0 ? vector(collapse.p1) : pointOf(vertex);
+      mTriangles.push_back(t);
+    }
+    for (const Vec3d& sample : mLoose)
+      if (std::none_of(mTriangles.begin(), mTriangles.end(),
+                       [&](const Triangle& t) { return squaredDistance(sample, t) <= mSquare; }))
+        return static_cast<float>(Base::ILLEGAL_COLLAPSE);
+    return static_cast<float>(Base::LEGAL_COLLAPSE);
+  }
+
+  /// Hands the samples on to the nearest triangles that are there now.
+  void postprocess_collapse(const CollapseInfo& collapse) override {
+    mLoose.assign(1, vector(collapse.p0));
+    const auto take = [&](typename Mesh::FaceHandle face) {
+      std::vector<Vec3d>& samples = mMesh.property(mSamples, face);
+      mLoose.insert(mLoose.end(), samples.begin(), samples.end());
+      samples.clear();
+    };
+    for (const auto face : {collapse.fl, collapse.fr})
+      if (face.is_valid()) take(face);
+    mTriangles.clear();
+    std::vector<typename Mesh::FaceHandle> faces;
+    for (const auto face : mMesh.vf_range(collapse.v1)) {
+      take(face);
+      faces.push_back(face);
+      mTriangles.push_back(cornersOf(face));
+    }
+    if (faces.empty()) return;
+    for (const Vec3d& sample : mLoose) {
+      std::size_t nearest = 0;
+      double least = std::numeric_limits<double>::infinity();
+      for (std::size_t i = 0; i < faces.size(); ++i) {
+        const double square = squaredDistance(sample, mTriangles[i]);
+        if (square < least) least = square, nearest = i;
+      }
+      mMesh.property(mSamples, faces[nearest]).push_back(sample);
+    }
+  }
+
+ private:
+  using Vec3d = openvdb::Vec3d;
+  using Triangle = std::array<Vec3d, 3>;
+
+  static Vec3d vector(const typename Mesh::Point& p) { return {p[0], p[1], p[2]}; }
+  Vec3d pointOf(typename Mesh::VertexHandle vertex) const { return vector(mMesh.point(vertex)); }
+  Triangle cornersOf(typename Mesh::FaceHandle face) const {
+    Triangle t;
+    std::size_t c = 0;
+    for (const auto vertex : mMesh.fv_range(face)) t[c++] = pointOf(vertex);
+    return t;
+  }
+  static double squaredDistance(const Vec3d& p, const Triangle& t) {
+    Vec3d weights;
+    return (p - openvdb::math::closestPointOnTriangleToPoint(t[0], t[1], t[2], p, weights)).lengthSqr();
+  }
+
+  Mesh& mMesh;
+  OpenMesh::FPropHandleT<std::vector<Vec3d>> mSamples;
+  double mSquare = 0;
+  std::vector<Vec3d> mLoose;  // kept to save allocations
+  std::vector<Triangle> mTriangles;
+};
 
 /// Collapses all edges that may be. @param bound  1 in the units of @a mesh
 AdaptedMesh collapsed(HalfedgeMesh mesh, const std::vector<bool>& keeps, double tolerance) {
@@ -38,13 +139,13 @@ AdaptedMesh collapsed(HalfedgeMesh mesh, const std::vector<bool>& keeps, double 
     DecimaterT<HalfedgeMesh> decimater(mesh);
     ModQuadricT<HalfedgeMesh>::Handle quadric;
     ModNormalFlippingT<HalfedgeMesh>::Handle normals;
-    ModHausdorffT<HalfedgeMesh>::Handle distance;
+    ModSampleT<HalfedgeMesh>::Handle distance;
     decimater.add(quadric);
     decimater.module(quadric).unset_max_err();
     decimater.add(normals);
     decimater.module(normals).set_max_normal_deviation(kFold);
     decimater.add(distance);
-    decimater.module(distance).set_tolerance(tolerance);
+    decimater.module(distance).setTolerance(tolerance);
     decimater.initialize();
     decimater.decimate();
   }
@@ -123,8 +224,7 @@ AdaptedMesh adaptedMesh(const Mesh& mesh, double bound, Monitor& monitor) {
   std::vector<bool> keeps(mesh.points.size(), false);
   for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
     monitor.throwIfCancelled();
-    const double tolerance = kShareOfPoints * std::pow(0.9, attempt);
-    AdaptedMesh result = collapsed(halfedges, keeps, tolerance);
+    AdaptedMesh result = collapsed(halfedges, keeps, kShareOfSamples);
     const Mesh coarse = meshOf(result, scaled);
     std::vector<std::uint32_t> failed;
     for (const FarPlace& place : placesFartherThan(kLimit, coarse, scaled, whole, monitor))
@@ -132,8 +232,11 @@ AdaptedMesh adaptedMesh(const Mesh& mesh, double bound, Monitor& monitor) {
     const SurfaceSearch search(coarse.points, coarse.triangles);
     for (const FarPlace& place : placesFartherThan(kLimit, scaled, coarse, search, monitor))
       failed.push_back(place.triangle);
+    if (getenv("MK"))
+      fprintf(stderr, "attempt %d: %zu of %zu triangles, %zu failed\n", attempt, result.triangles.size(),
+              mesh.triangles.size(), failed.size());
     if (failed.empty()) return result;
-    keepAround(scaled, failed, attempt + 1, keeps);
+    keepAround(scaled, failed, attempt + 2, keeps);
   }
   return unchanged(mesh);
 }
