@@ -24,6 +24,8 @@ const Command kCommands[] = {
     {"fractal", runFractal, "make a fractal (VDB, mesh) from a mesh or a signed distance field"},
     {"fit", runFit, "find a rational map whose Julia set has the shape of a mesh"},
     {"mesh", runMesh, "make a mesh from a VDB"},
+    {"points", runPoints, "spread oriented points over a surface"},
+    {"print", runPrint, "make a part for 3D printing: one closed piece, in millimetres, nowhere too thin"},
     {"versor", runVersor, "make, inspect and change versors, the texture of a fractal"},
     {"sheet", runSheet, "make a contact sheet: a picture for each value of one or two options"},
     {"slice", runSlice, "make a picture of a field on a plane"},

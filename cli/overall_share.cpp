@@ -29,11 +29,22 @@ const Phases kFractal = scenePhases({{"proofs", 5},
                                      {"following the surface", 15},
                                      {"islands", 3},
                                      {"surface", 15},
+                                     {"adapting", 30},
                                      {"level set", 15},
                                      {"versor", 5},
                                      {"attributes", 5},
                                      {"writing", 5},
                                      {"checking", 1}});
+const Phases kPoints = scenePhases(
+    {{"proofs", 5}, {"field", 15}, {"surface", 15}, {"points", 20}, {"gaps", 10}, {"elimination", 10}, {"writing", 2}});
+const Phases kPrint = scenePhases({{"proofs", 5},
+                                   {"field", 15},
+                                   {"surface", 15},
+                                   {"islands", 2},
+                                   {"thickness", 20},
+                                   {"thin parts", 10},
+                                   {"adapting", 10},
+                                   {"writing", 2}});
 const Phases kPlan = scenePhases({{"sample", 100}});
 const Phases kMerge = {{"checking", 10}, {"merging", 60},   {"merging grids", 20},
                        {"versor", 5},    {"attributes", 5}, {"writing", 10}};
@@ -53,6 +64,8 @@ bool names(const PhaseWeight& entry, std::string_view phase) {
 std::span<const PhaseWeight> phasesOf(std::string_view command) {
   if (command == "sdf") return kSdf;
   if (command == "fractal" || command == "mesh" || command == "task") return kFractal;
+  if (command == "points") return kPoints;
+  if (command == "print") return kPrint;
   if (command == "plan") return kPlan;
   if (command == "merge") return kMerge;
   if (command == "slice") return kSlice;

@@ -14,6 +14,8 @@ find_dependency(OpenImageIO)
 find_dependency(OpenSSL)
 find_dependency(PkgConfig)
 pkg_check_modules(Cairo REQUIRED cairo-svg)
+# For 3MF; without it that format is refused.
+pkg_check_modules(LibZip QUIET libzip)
 find_dependency(nlohmann_json)
 find_dependency(muparser)
 find_dependency(Boost COMPONENTS program_options)

@@ -10,6 +10,7 @@
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_files.h"
 #include "vdbtools/job/recorded_recipe.h"
+#include "vdbtools/mesh/adaptive_mesh.h"
 #include "vdbtools/mesh/mesh_writer.h"
 #include "vdbtools/surface/grid_mesh.h"
 
@@ -59,12 +60,21 @@ vdbtools::MeshCounts fromRecipe(const MeshRecipe& recipe, vdbtools::AtomicFile& 
 }
 
 vdbtools::MeshCounts fromGrid(const std::string& input, const std::string& grid, vdbtools::AtomicFile& file,
-                              vdbtools::MeshWriteOptions options, Progress& progress) {
+                              vdbtools::MeshWriteOptions options, double adaptivity, Progress& progress) {
   const vdbtools::VdbFile vdb = vdbtools::readVdb(input);
   const auto levelSet = vdbtools::chooseFloatGrid(vdb, grid, input);
   vdbtools::Mesh mesh = vdbtools::meshOfLevelSet(*levelSet, progress);
   vdbtools::computeNormals(mesh);
   options.voxelSize = levelSet->voxelSize()[0];
+  if (adaptivity > 0) {
+    vdbtools::Mesh adapted;
+    vdbtools::MeshCollector collector(adapted);
+    vdbtools::AdaptiveMeshSink sink(collector, adaptivity * options.voxelSize);
+    sink.addPoints({mesh.points, mesh.normals});
+    sink.addTriangles(mesh.triangles, 0);
+    sink.finish(progress);
+    mesh = std::move(adapted);
+  }
   progress.begin("writing", 0);
   vdbtools::writeMesh(file.stream(), mesh, options);
   return {mesh.points.size(), mesh.triangles.size()};
@@ -81,6 +91,8 @@ int runMesh(const Arguments& arguments) {
       "from-grid", "use the voxels, even of a fractal")("grid", po::value<std::string>()->value_name("NAME"),
                                                         "which grid to use, with --from-grid");
   addSearchOption(line);
+  line.addOptions()("adaptivity", po::value<std::string>()->value_name("E"),
+                    "larger triangles where the surface is flat, as 'juliavdb fractal' has it, in voxels");
   if (!line.parse(arguments)) return kDone;
   const std::string input = line.text("vdb");
   if (input.empty()) throw std::invalid_argument("no VDB was given");
@@ -88,8 +100,13 @@ int runMesh(const Arguments& arguments) {
   Outputs outputs;
   vdbtools::AtomicFile& file = outputs.add("output", line.text("output"), ".ply .obj .stl");
 
+  vdbtools::Recipe asked;
+  if (line.has("adaptivity")) asked["adaptivity"] = line.text("adaptivity");
+  const vdbtools::OptionTable table(vdbtools::surfaceOptionSpecs());
+  const double adaptivity = vdbtools::parseSurfaceOptions(vdbtools::RecipeReader(asked, table)).adaptivity;
   vdbtools::RecordedRecipe recorded;
   if (!line.has("from-grid") && !line.has("grid")) recorded = vdbtools::readRecordedRecipe(input);
+  if (line.has("adaptivity") && recorded.command == "fractal") recorded.recipe["adaptivity"] = asked["adaptivity"];
   if (line.has("input") && recorded.command != "fractal")
     throw std::invalid_argument("--input gives the target of a fractal's recipe, and here the voxels are used");
   const vdbtools::MeshWriteOptions options{.format =
@@ -97,7 +114,7 @@ int runMesh(const Arguments& arguments) {
   const vdbtools::MeshCounts counts =
       recorded.command == "fractal"
           ? fromRecipe(recipeFor(line, input, recorded.recipe), file, options.format, line.progress())
-          : fromGrid(input, line.text("grid"), file, options, line.progress());
+          : fromGrid(input, line.text("grid"), file, options, adaptivity, line.progress());
   line.progress().throwIfCancelled();
   outputs.commit();
   report().count("points", static_cast<double>(counts.points));

@@ -3,6 +3,7 @@
 
 #include "job/point_attributes.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/mesh/adaptive_mesh.h"
 #include "vdbtools/mesh/mesh_sink.h"
 
 #include <algorithm>
@@ -49,8 +50,17 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
   if (!scene.options.output.attributes.empty()) attributes.emplace(scene);
   std::optional<AttributedSink> attributed;
   if (attributes && sink) sink = &attributed.emplace(*attributes, *sink, monitor);
+  std::optional<AdaptiveMeshSink> adaptive;
+  if (sink && surfaceOptions.adaptivity > 0)
+    sink = &adaptive.emplace(*sink, surfaceOptions.adaptivity * scene.voxelSize);
   const bool dropsIslands = surfaceOptions.islands.largest > 0 || surfaceOptions.islands.minSize > 0;
   FractalResult result;
+  const auto finishAdaptive = [&] {
+    if (!adaptive) return;
+    adaptive->finish(monitor);
+    result.mesh.points = adaptive->pointsAfter();
+    result.mesh.triangles = adaptive->trianglesAfter();
+  };
   if (!wantGrids && !dropsIslands && !follow) {
     if (!sink) return result;
     SolidMeter meter(sink);
@@ -58,6 +68,7 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
     if (capMesh || !scene.options.lattice.box) result.solid = meter.measure();
     result.evaluatedNodes = result.mesh.evaluatedNodes;
     requireSurface(result.mesh.triangles);
+    finishAdaptive();
     return result;
   }
 
@@ -90,6 +101,7 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
     if (capMesh || !scene.options.lattice.box) result.solid = meter.measure();
   }
   if (sink) requireSurface(result.mesh.triangles);
+  finishAdaptive();
   for (const std::string& name : names) {
     if (!wantGrids) break;
     if (name == "surface") result.grids.push_back(surface);
