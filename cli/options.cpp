@@ -287,8 +287,10 @@ std::vector<CommandLine::Group> CommandLine::groups() const {
   std::vector<Group> groups;
   const auto add = [&](const std::string& heading, const boost::shared_ptr<po::option_description>& option) {
     auto group = std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.heading == heading; });
-    if (group == groups.end())
-      group = groups.insert(groups.end(), {heading, po::options_description(heading, kLineLength)});
+    if (group == groups.end()) {
+      groups.push_back({heading, po::options_description(heading, kLineLength)});
+      group = groups.end() - 1;
+    }
     group->options.add(option);
   };
   for (const auto& option : mOwn.options()) add(kOwn, option);

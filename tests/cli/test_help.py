@@ -25,7 +25,7 @@ class Help(harness.CliTest):
                 self.assertLess(len(short.splitlines()), len(full.splitlines()) / 2)
                 self.assertEqual(set(re.findall(r"--([a-z][a-z0-9-]*)", full)) & everything - {"all"},
                                  set(re.findall(r"--([a-z][a-z0-9-]*)", short)) & everything)
-                for option in ("detail", "resolution", "versor", "output"):
+                for option in ("detail", "resolution", "output"):
                     self.assertIn(option, described(short))
 
     def test_groups_hold_every_option_once(self):

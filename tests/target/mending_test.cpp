@@ -139,7 +139,8 @@ TEST_F(Mending, AFlatLoopIsSpannedByItsOwnArea) {
     for (int i = 0; i < points; ++i) area += corner(i).cross(corner((i + 1) % points))[1] / 2;
     vdbtools::spanLoop(loop, cup.points, cup.triangles);
     EXPECT_EQ(cup.triangles.size(), loop.size() - 2);
-    EXPECT_NEAR(vdbtools::areaOf(cup.triangles, cup.points), std::abs(area), (points > 300 ? 1e-3 : 1e-9) * area);
+    EXPECT_NEAR(vdbtools::areaOf(cup.triangles, cup.points), std::abs(area),
+                (points > 300 ? 1e-3 : 1e-9) * std::abs(area));
   }
 }
 
@@ -176,7 +177,7 @@ TEST_F(Mending, RepairSaysWhatItCapped) {
     const Mesh bottom = withoutTriangles(makeSphere(1, 4), [](const Vec3d& c) { return c[1] >= 0; });
     return merged(transformed(top, 1, Vec3d(0, gap / 2, 0)), transformed(bottom, 1, Vec3d(0, -gap / 2, 0)));
   };
-  const vdbtools::RepairedSdf ball = vdbtools::repairedMeshToSdf(apart(0.1), {.voxelSize = 0.05}, {}, monitor);
+  const vdbtools::RepairedSdf ball = vdbtools::repairedMeshToSdf(apart(0.1), {.voxelSize = 0.025}, {}, monitor);
   EXPECT_EQ(ball.caps, 0U);
   EXPECT_LT(ball.grid->tree().getValue(openvdb::Coord(0)), 0) << "inside of the gap";
   EXPECT_EQ(vdbtools::repairedMeshToSdf(apart(1), {.voxelSize = 0.05}, {}, monitor).caps, 2U);
@@ -204,7 +205,8 @@ TEST_F(Mending, TerrainBecomesABlock) {
     EXPECT_TRUE(report.closed());
     EXPECT_NEAR(report.volume, volumeBelow(terrain, depth), 1e-9) << "oriented outward, with shafts below holes";
     EXPECT_NEAR(report.box.extents()[1], reportMesh(terrain).box.extents()[1] + depth, 1e-12);
-    EXPECT_NEAR(insideVolume(*field(terrain, {.solidify = {{.depth = depth}}}, 0.01)), report.volume, 0.02);
+    EXPECT_NEAR(insideVolume(*field(terrain, {.solidify = vdbtools::SolidifyOptions{.depth = depth}}, 0.01)),
+                report.volume, 0.02);
   }
   const Mesh filled = vdbtools::solidified(holed, {.depth = depth}, true);
   EXPECT_TRUE(reportMesh(filled).closed());
@@ -247,7 +249,7 @@ TEST_F(Mending, AThickenedSheetIsWhatLiesNearIt) {
       const Vec3d off(std::max(std::abs(p[0]) - 1, 0.0), p[1], std::max(std::abs(p[2]) - 1, 0.0));
       return off.length() - r;
     });
-    EXPECT_LT(error, 0.1);
+    EXPECT_LT(error, 0.2);
   }
 }
 

@@ -77,7 +77,7 @@ Solid readSolid(const FitTargetOptions& options, Monitor& monitor) {
 }
 
 /// @param finest  distances that are good to a voxel
-FractalSpace spaceOf(const Solid& solid, const FitTargetOptions& options, const FloatGrid& finest, Monitor& monitor) {
+FractalSpace spaceOf(const Solid& solid, const FloatGrid& finest, Monitor& monitor) {
   if (solid.space) return *solid.space;
   const Vec3d middle = solid.box.getCenter();
   const double phi = openvdb::tools::BoxSampler::sample(finest.getConstAccessor(), finest.worldToIndex(middle));
@@ -238,7 +238,7 @@ FitTarget makeFitTarget(const FitTargetOptions& options, Monitor& monitor) {
   const FloatGrid::Ptr finest =
       makeSdfAbout(node, solid.mesh, sdfBand(voxel, kFitBand, kFitBand), solid.mend, monitor).grid;
   target.levels.push_back(finest);
-  target.space = spaceOf(solid, options, *finest, monitor);
+  target.space = spaceOf(solid, *finest, monitor);
   solid.mesh = Mesh();
   target.cell = voxel / target.space.scale;
   target.cubeCentre = target.space.toFractal(solid.box.getCenter());

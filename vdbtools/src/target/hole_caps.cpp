@@ -124,7 +124,7 @@ struct Outline {
       bool& sheet = isSheet[part];
       sheet = sheet || vdbtools::areaOf(caps[l], welded.points) > kSheet * areas[part];
     }
-    for (const auto& [part, area] : areas) ++count;
+    count = areas.size();
   }
 
   bool sheetsOnly() const {
@@ -224,7 +224,7 @@ void spanLoop(std::span<const std::uint32_t> loop, const std::vector<Vec3d>& poi
   spanRing(ring, points, triangles);
 }
 
-CappedMesh capHoles(Mesh welded) {
+CappedMesh capHoles(Mesh welded, bool gapsToo) {
   Outline outline(welded);
   CappedMesh result{.sheetsOnly = outline.sheetsOnly()};
   std::vector<std::uint32_t> openPoints, loopOf(welded.points.size(), ~std::uint32_t{0});
@@ -236,7 +236,10 @@ CappedMesh capHoles(Mesh welded) {
   for (std::size_t l = 0; l < outline.loops.size(); ++l) {
     const BoundaryLoop& loop = outline.loops[l];
     if (outline.isSheet.at(outline.parts.find(loop.front()))) continue;
-    if (isSideOfGap(loop, l, welded.points, openPoints, loopOf)) continue;
+    if (!gapsToo && isSideOfGap(loop, l, welded.points, openPoints, loopOf)) {
+      ++result.gaps;
+      continue;
+    }
     welded.triangles.insert(welded.triangles.end(), outline.caps[l].begin(), outline.caps[l].end());
     result.widest = std::max(result.widest, extentOf(loop, welded.points));
     ++result.caps;

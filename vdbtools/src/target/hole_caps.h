@@ -37,18 +37,19 @@ void spanLoop(std::span<const std::uint32_t> loop, const std::vector<openvdb::Ve
 double areaOf(std::span<const openvdb::Vec3I> triangles, const std::vector<openvdb::Vec3d>& points);
 
 struct CappedMesh {
-  Mesh mesh;
+  Mesh mesh{};
   std::size_t caps = 0;
-  double widest = 0;  ///< the longest side of the largest box about a capped loop, world units
+  double widest = 0;     ///< the longest side of the largest box about a capped loop, world units
+  std::size_t gaps = 0;  ///< loops that were left open as sides of gaps
   /// All parts with open edges are sheets: the surface over a loop is hardly larger than the surface that spans it, as
   /// in terrain, and there is no solid of which the loop could be a hole.
   bool sheetsOnly = false;
 };
 
-/// Caps the holes of solids. Left open are sheets, and loops of which the greater part runs near to others: these are
-/// the two sides of a gap.
+/// Caps the holes of solids. Left open are sheets, and unless @a gapsToo loops of which the greater part runs near to
+/// others: these are the two sides of a gap.
 /// @param welded  as weldMesh() gives it
-CappedMesh capHoles(Mesh welded);
+CappedMesh capHoles(Mesh welded, bool gapsToo = false);
 
 /// Caps all loops but the longest of each part.
 Mesh capInnerLoops(Mesh welded);

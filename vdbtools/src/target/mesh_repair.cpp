@@ -226,13 +226,13 @@ double howFarLeftOut(const FloatGrid& grid, const Mesh& mesh, double voxelSize) 
   return moved;
 }
 
-/// Whether even the widest gap leaves most of the mesh open. A wider ball encloses what a narrower one does, so the
+/// The share of the mesh that even the widest gap leaves open. A wider ball encloses what a narrower one does, so the
 /// narrower ones need not be tried. On a coarse lattice, which takes a moment.
-bool nothingHelps(const Mesh& welded, const MeshReport& report, const std::vector<bool>& open, double voxelSize,
+double lostAtBest(const Mesh& welded, const MeshReport& report, const std::vector<bool>& open, double voxelSize,
                   double widest, double longest, Monitor& monitor) {
   constexpr double kNodesAlong = 96;
   const double spacing = std::max(voxelSize, longest / kNodesAlong);
-  return closeGaps(welded, report, open, spacing, widest, monitor).lost > kLostClearly;
+  return closeGaps(welded, report, open, spacing, widest, monitor).lost;
 }
 
 }  // namespace
@@ -256,16 +256,25 @@ RepairedSdf repairedMeshToSdf(const Mesh& mesh, const MeshToSdfOptions& options,
   RepairedSdf best;
   double bestLost = 1;
   const double widest = repair.gap > 0 ? repair.gap : std::max(longest / 4, 2 * h);
+  const auto tryCaps = [&](const CappedMesh& capped) {
+    const FloatGrid::Ptr grid = convert(toIndexSpace(capped.mesh.points, h), capped.mesh.triangles, options, monitor);
+    const double lost = insideNodes(*grid) > 0 ? lostShare(*grid, samples) : 1;
+    if (lost >= bestLost) return;
+    best = {grid, howFarLeftOut(*grid, welded, h), capped.widest, capped.caps};
+    bestLost = lost;
+  };
+  bool sheetsOnly = false, hasGaps = false;
   if (repair.gap == 0 && report.openEdges > 0) {
     const CappedMesh capped = capHoles(welded);
-    if (capped.caps > 0) {
-      const FloatGrid::Ptr grid = convert(toIndexSpace(capped.mesh.points, h), capped.mesh.triangles, options, monitor);
-      bestLost = insideNodes(*grid) > 0 ? lostShare(*grid, samples) : 1;
-      best = {grid, howFarLeftOut(*grid, welded, h), capped.widest, capped.caps};
-      if (bestLost <= kLostWell) return best;
-    }
-    const bool oneSheet = capped.sheetsOnly && report.components == 1;
-    if (oneSheet || (bestLost > kLostAtMost && nothingHelps(welded, report, open, h, widest, longest, monitor)))
+    if (capped.caps > 0) tryCaps(capped);
+    if (bestLost <= kLostWell) return best;
+    hasGaps = capped.gaps > 0;
+    sheetsOnly = capped.sheetsOnly;
+    // Sheets that do not close up still have pockets that the ball cannot reach.
+    constexpr double kLostOfSheets = 0.25;
+    if ((sheetsOnly && report.components == 1) ||
+        (bestLost > kLostAtMost &&
+         lostAtBest(welded, report, open, h, widest, longest, monitor) > (sheetsOnly ? kLostOfSheets : kLostClearly)))
       throw DataError("the mesh encloses nothing that closing its holes could complete (" +
                           std::to_string(report.components) + (report.components == 1 ? " part, " : " parts, ") +
                           std::to_string(report.openEdges) + " open edges): it is terrain, a sheet, or thinner than " +
@@ -300,10 +309,12 @@ RepairedSdf repairedMeshToSdf(const Mesh& mesh, const MeshToSdfOptions& options,
     gap = std::min(gap * kGapGrowth, widest);
   }
   if (bestLost <= kLostAtMost) return best;
-  throw DataError("no gap up to " + shortNumber(gap) + " encloses the mesh (" + std::to_string(report.openEdges) +
-                  " open edges, voxel size " + shortNumber(h) + ", at best " + shortNumber(100 * bestLost) +
-                  " % of the surface bounds nothing): it is open, has loose sheets, or is thinner than a voxel; remove "
-                  "or thicken these, name a wider gap, or use another voxel size");
+  throw DataError(
+      "no gap up to " + shortNumber(gap) + " encloses the mesh (" + std::to_string(report.openEdges) +
+          " open edges, voxel size " + shortNumber(h) + ", at best " + shortNumber(100 * bestLost) +
+          " % of the surface bounds nothing): it is open, has loose sheets, or is thinner than a voxel; remove "
+          "or thicken these, name a wider gap, or use another voxel size",
+      sheetsOnly ? Remedy::SolidifySheet : Remedy::None);
 }
 
 }  // namespace vdbtools

@@ -44,9 +44,9 @@ void requireResolved(const MendOptions& mend, double voxelSize);
 MeshToSdfOptions sdfBand(double voxelSize, double exteriorWidth, double interiorWidth);
 
 struct MeshSdf {
-  openvdb::FloatGrid::Ptr grid;
-  std::optional<double> moved, closedGap;  ///< of a repair, world units
-  std::size_t caps = 0;                    ///< holes that a repair capped
+  openvdb::FloatGrid::Ptr grid{};
+  std::optional<double> moved{}, closedGap{};  ///< of a repair, world units
+  std::size_t caps = 0;                        ///< holes that a repair capped
 };
 
 /// By meshToSdf() or repairedMeshToSdf(), of the mesh or of the surface at a distance from it.
