@@ -65,8 +65,8 @@ const Command* findCommand(const std::string& name) {
 [[noreturn]] void refuseCommand(const std::string& name) {
   std::vector<std::string> names;
   for (const Command& command : commands()) names.emplace_back(command.name);
-  throw std::invalid_argument("'" + name + "' is not a command" + vdbtools::didYouMean(name, names) +
-                              "; 'juliavdb --help' lists them");
+  throw std::invalid_argument("'" + name + "' is not a command; 'juliavdb --help' lists them" +
+                              vdbtools::didYouMean(name, names));
 }
 
 /// 'juliavdb help fractal detail' is 'juliavdb fractal --help detail'.

@@ -312,9 +312,9 @@ void CommandLine::checkWords(const Arguments& arguments, const po::options_descr
       std::vector<std::string> known;
       for (const auto& each : all.options())
         if (!isHidden(*each, mHidden)) known.push_back(each->long_name());
-      throw std::invalid_argument("--" + name + " is not an option of 'juliavdb " + mUsage.command + "'" +
-                                  vdbtools::didYouMean(name, known, "--") + "; see 'juliavdb " + mUsage.command +
-                                  " --help'");
+      throw std::invalid_argument("--" + name + " is not an option of 'juliavdb " + mUsage.command +
+                                  "'; see 'juliavdb " + mUsage.command + " --help'" +
+                                  vdbtools::didYouMean(name, known, "--"));
     }
     if (option->semantic()->max_tokens() == 0) continue;
     const std::string name = word.substr(0, word.find('='));

@@ -204,8 +204,8 @@ int runMan(const Arguments& arguments) {
   }
   std::vector<std::string> names;
   for (const auto& [name, command] : allCommands()) names.push_back(name);
-  throw std::invalid_argument("'" + wanted + "' is not a command" + vdbtools::didYouMean(wanted, names) +
-                              "; 'juliavdb --help' lists them");
+  throw std::invalid_argument("'" + wanted + "' is not a command; 'juliavdb --help' lists them" +
+                              vdbtools::didYouMean(wanted, names));
 }
 
 int runCompletion(const Arguments& arguments) {

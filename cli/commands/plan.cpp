@@ -78,10 +78,10 @@ int runPlan(const Arguments& arguments) {
   const std::vector<std::string> words = line.texts("words");
   std::vector<std::string> kinds;
   for (const Command& plan : kPlans) kinds.emplace_back(plan.name);
-  throw std::invalid_argument(
-      (words.empty() ? "no kind of plan was given"
-                     : "'" + words.front() + "' is no kind of plan" + vdbtools::didYouMean(words.front(), kinds)) +
-      "; use 'juliavdb plan tiles', 'plan frames' or 'plan sheet'");
+  const std::string use = "; use 'juliavdb plan tiles', 'plan frames' or 'plan sheet'";
+  if (words.empty()) throw std::invalid_argument("no kind of plan was given" + use);
+  throw std::invalid_argument("'" + words.front() + "' is no kind of plan" + use +
+                              vdbtools::didYouMean(words.front(), kinds));
 }
 
 }  // namespace cli

@@ -211,9 +211,9 @@ int runVersor(const Arguments& arguments) {
     write(line, julia::translated(file.rational, {by[0], by[1], by[2], four ? by[3] : 0}), "", file.target);
   } else {
     const std::vector<std::string> known{"list", "new", "inspect", "add", "scale", "translate"};
-    throw std::invalid_argument((action.empty() ? std::string("no action was given")
-                                                : "'" + action + "' is unknown" + vdbtools::didYouMean(action, known)) +
-                                "; use list, new, inspect, add, scale or translate");
+    const std::string use = "; use list, new, inspect, add, scale or translate";
+    if (action.empty()) throw std::invalid_argument("no action was given" + use);
+    throw std::invalid_argument("'" + action + "' is unknown" + use + vdbtools::didYouMean(action, known));
   }
   return kDone;
 }

@@ -308,6 +308,8 @@ RepairedSdf repairedMeshToSdf(const Mesh& mesh, const MeshToSdfOptions& options,
     if (bestLost <= kLostWell || wasGood || gap >= widest) break;
     gap = std::min(gap * kGapGrowth, widest);
   }
+  // Sides of a gap that no ball bridges on this lattice are surfaces of their own.
+  if (bestLost > kLostAtMost && hasGaps) tryCaps(capHoles(welded, true));
   if (bestLost <= kLostAtMost) return best;
   throw DataError(
       "no gap up to " + shortNumber(gap) + " encloses the mesh (" + std::to_string(report.openEdges) +
