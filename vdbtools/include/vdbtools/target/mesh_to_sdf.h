@@ -56,9 +56,9 @@ struct RepairOptions {
 /// of the mesh; elsewhere the field is the distance to the mesh itself, as meshToSdf() makes it. A lid is the envelope
 /// of a ball as wide as the gap that rests on the hole's rim: it is dented inward, by no more than half the gap.
 ///
-/// Without a gap, each loop of open edges is capped first, by the surface of least area over it ([BS95]). Not capped are
-/// loops that run along each other, which are the two sides of a gap, and those of sheets, whose cap has more than 3/4
-/// of their own area.
+/// Without a gap, each loop of open edges is capped first, by the surface of least area over it ([BS95]). Not capped
+/// are loops that run along each other, which are the two sides of a gap, and those of sheets, whose cap has more than
+/// 3/4 of their own area.
 /// @throw as meshToSdf(), where DataError means that no reasonable gap encloses a volume; Remedy::SolidifySheet says
 /// that
 ///        the mesh is open without being a solid with holes
