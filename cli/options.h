@@ -81,10 +81,20 @@ class CommandLine {
   Progress& progress() const { return *mProgress; }
 
  private:
+  /// All options by their headings: the command's own first, those that all commands have last.
+  struct Group {
+    std::string heading;
+    boost::program_options::options_description options;
+  };
+  std::vector<Group> groups() const;
+
+  /// Finds what boost would take for something else: an option without its value, an option that does not exist.
+  void checkWords(const Arguments& arguments, const boost::program_options::options_description& all) const;
   void readConfig(const std::string& file);
   void applyThreads();
   void applyInstructions() const;
-  void printHelp() const;
+  void printHelp(const std::string& topic) const;
+  std::string shortHelp(const std::vector<Group>& groups) const;
   void describe(const std::string& how) const;
 
   Usage mUsage;

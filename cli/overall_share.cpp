@@ -15,14 +15,15 @@ using Phases = std::vector<PhaseWeight>;
 
 /// The phases that make a target and its exponent, and then others.
 Phases scenePhases(const Phases& others) {
-  Phases phases = {{"reading", 2},         {"closing gaps", 20},     {"sides", 5},   {"distance field", 12},
-                   {"local thickness", 3}, {"widening the band", 5}, {"exponent", 5}};
+  Phases phases = {{"reading", 2},         {"thickening", 8},      {"closing gaps", 20},     {"sides", 5},
+                   {"distance field", 12}, {"local thickness", 3}, {"widening the band", 5}, {"exponent", 5}};
   phases.insert(phases.end(), others.begin(), others.end());
   return phases;
 }
 
 const Phases kNone;
-const Phases kSdf = {{"reading", 2}, {"closing gaps", 40}, {"sides", 15}, {"distance field", 35}, {"writing", 8}};
+const Phases kSdf = {{"reading", 2}, {"thickening", 20},     {"closing gaps", 40},
+                     {"sides", 15},  {"distance field", 35}, {"writing", 8}};
 const Phases kFractal = scenePhases({{"proofs", 5},
                                      {"field", 15},
                                      {"seeds", 1},
@@ -51,9 +52,9 @@ const Phases kMerge = {{"checking", 10}, {"merging", 60},   {"merging grids", 20
 const Phases kSlice = scenePhases({{"slice", 20}, {"writing", 5}});
 const Phases kStudy = scenePhases({{"distances", 5}, {"first versor", 2}, {"versors", 60}, {"writing", 2}});
 const Phases kRender = scenePhases({{"ray tree", 5}, {"render", 60}, {"writing", 2}});
-const Phases kFit = {{"reading", 1},   {"sides", 2},           {"distance field", 3}, {"surface", 2},
-                     {"distances", 5}, {"electrostatics", 10}, {"monopoles", 5},      {"potential", 5},
-                     {"fit", 60},      {"measure", 10},        {"writing", 1}};
+const Phases kFit = {{"reading", 1},   {"thickening", 3}, {"sides", 2},           {"distance field", 3},
+                     {"surface", 2},   {"distances", 5},  {"electrostatics", 10}, {"monopoles", 5},
+                     {"potential", 5}, {"fit", 60},       {"measure", 10},        {"writing", 1}};
 
 bool names(const PhaseWeight& entry, std::string_view phase) {
   return phase.starts_with(entry.phase) && (phase.size() == entry.phase.size() || phase[entry.phase.size()] == ' ');

@@ -84,6 +84,12 @@ void tellWhatIsLeft(const vdbtools::Scene& scene, const vdbtools::SolidMeasure& 
                   << ", or --origin auto\n";
 }
 
+std::string joined(const std::vector<std::string>& parts) {
+  std::string text;
+  for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
+  return text;
+}
+
 /// What was left out, in a sentence.
 std::string followText(const vdbtools::FollowReport& report) {
   std::ostringstream text;
@@ -141,6 +147,8 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
   const std::vector<vdbtools::VertexColumn> columns = vdbtools::meshColumns(options.output.attributes);
   for (const vdbtools::AtomicFile* file : {vdb, mesh})
     if (file) noteLeftOut(file->target(), columns);
+  const std::vector<std::string> unused = vdbtools::unusedParts(scene.targetParts, line.recipe());
+  if (!unused.empty()) report().text() << "not used of the target: " << joined(unused) << '\n';
   if (scene.exponent) {
     if (!isFrame) report().text() << choiceText(scene) << '\n';
     if (result.solid) tellWhatIsLeft(scene, *result.solid, isFrame);

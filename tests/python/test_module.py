@@ -307,8 +307,8 @@ class Words(ModuleTest):
     def test_stubs_and_docstrings_name_every_option(self):
         stub = pathlib.Path(juliavdb.__file__).with_suffix(".pyi").read_text()
         functions = {node.name: node for node in ast.walk(ast.parse(stub)) if isinstance(node, ast.FunctionDef)}
-        helped = self.ok("fractal", "--help", data=True)
-        part = helped[helped.index("What to make"):helped.index("Common options")]
+        helped = self.ok("fractal", "--help", "all", data=True)
+        part = helped[helped.index("\nTarget:"):helped.index("\nCommon options:")]
         names = {line.split()[0][2:].replace("-", "_") for line in part.splitlines() if line.startswith("  --")}
         self.assertGreater(len(names), 40)
         found = {argument.arg for argument in functions["fractal"].args.kwonlyargs}

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/job/scene.h"
 
+#include "job/target_parts.h"
 #include "target/control_lattice.h"
 #include "target/solid_input.h"
 #include "vdbtools/base/errors.h"
@@ -332,6 +333,8 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
     }
     scene.targetVolume = insideVolume(*scene.target->phi);
     scene.facts.merge(targetFacts(*scene.target));
+    if (const std::shared_ptr<const Mesh> mesh = shared.input().mesh())
+      scene.targetParts = partsOf(*mesh, options.target->mesh ? std::filesystem::path() : options.target->input.path);
   } else {
     scene.facts.merge(hashesOf(options));
     placed = placeSpace(options.space, fitted ? &fitted->space : nullptr);
