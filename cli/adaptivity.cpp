@@ -11,7 +11,7 @@ void addAdaptivity(CommandLine& line) {
   line.addOptions()(
       "adaptivity", po::value<std::string>()->value_name("E"),
       "make triangles of the mesh larger where the surface is flat: neither it nor the full mesh is anywhere farther "
-      "than E voxels from the other, which is proved. 0.1 leaves about a third of the triangles; the mesh is held in "
+      "than E voxels from the other, which is proved. The mesh is held in "
       "memory (default: 0)");
 }
 
