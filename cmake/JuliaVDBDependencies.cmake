@@ -15,6 +15,7 @@ find_dependency(OpenSSL)
 find_dependency(PkgConfig)
 pkg_check_modules(Cairo REQUIRED cairo-svg)
 find_dependency(nlohmann_json)
+find_dependency(meshoptimizer)
 find_dependency(muparser)
 find_dependency(Boost COMPONENTS program_options)
 

@@ -86,15 +86,17 @@ std::string followText(const vdbtools::FollowReport& report) {
 int runFractal(const Arguments& arguments) {
   CommandLine line(kUsageText, vdbtools::fractalOptionTable());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), "the VDB to write")(
-      "mesh", po::value<std::string>()->value_name("F.ply"), "the mesh to write: .ply, .obj or .stl")(
+      "mesh", po::value<std::string>()->value_name("F.ply"), kMeshHelp)(
       "frame", po::value<std::string>()->value_name("N"), "the frame number, for names such as name.####.vdb");
   if (!line.parse(arguments)) return kDone;
   const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(line.recipe());
+  if (line.has("lod") && formatOf(line.text("mesh"), "") != ".glb")
+    throw std::invalid_argument("--lod makes levels of detail in a GLB; give --mesh F.glb");
   const bool wantVdb = line.has("output"), wantMesh = line.has("mesh");
   if (!wantVdb && !wantMesh) throw std::invalid_argument("no output was given; use -o F.vdb, --mesh F.ply, or both");
   Outputs outputs(parseFrame(line.text("frame")));
   vdbtools::AtomicFile* vdb = wantVdb ? &outputs.add("output", line.text("output"), ".vdb") : nullptr;
-  vdbtools::AtomicFile* mesh = wantMesh ? &outputs.add("mesh", line.text("mesh"), ".ply .obj .stl") : nullptr;
+  vdbtools::AtomicFile* mesh = wantMesh ? &outputs.add("mesh", line.text("mesh"), vdbtools::kMeshExtensions) : nullptr;
 
   Progress& progress = line.progress();
   const vdbtools::Scene scene = vdbtools::makeScene(options, progress);
@@ -122,6 +124,9 @@ int runFractal(const Arguments& arguments) {
   report().text() << ", " << result.evaluatedNodes << " nodes evaluated";
   if (wantMesh) report().text() << ", " << result.mesh.triangles << " triangles";
   report().text() << '\n';
+  for (std::size_t i = 0; i < result.levels.size(); ++i)
+    report().text() << "LOD" << i + 1 << ": " << result.levels[i].triangles << " triangles, some "
+                    << shortText(result.levels[i].error / scene.voxelSize) << " voxels from the surface\n";
   if (scene.exponent) {
     report().text() << choiceText(scene) << '\n';
     if (result.solid) tellWhatIsLeft(scene, *result.solid);

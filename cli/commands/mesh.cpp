@@ -28,16 +28,21 @@ constexpr Usage kUsageText = {"mesh", "F.vdb -o F.ply [--from-grid] [options]",
                               "  juliavdb mesh bunny_sdf.vdb -o bunny.stl\n"
                               "  juliavdb mesh bunny.vdb -o blocky.obj --from-grid\n"};
 
-vdbtools::MeshCounts fromRecipe(const vdbtools::Recipe& recipe, vdbtools::AtomicFile& file, vdbtools::MeshFormat format,
-                                Progress& progress) {
+vdbtools::MeshCounts fromRecipe(vdbtools::Recipe recipe, const CommandLine& line, vdbtools::AtomicFile& file,
+                                vdbtools::MeshFormat format, Progress& progress) {
+  if (line.has("up")) recipe["up"] = line.text("up");
   const vdbtools::Scene scene = vdbtools::makeScene(vdbtools::parseFractalOptions(recipe), progress);
   return vdbtools::writeFractal(scene, recipe, {.meshes = {{&file, format}}}, progress).mesh;
 }
 
-vdbtools::MeshCounts fromGrid(const std::string& input, const std::string& grid, vdbtools::AtomicFile& file,
-                              vdbtools::MeshWriteOptions options, Progress& progress) {
+vdbtools::MeshCounts fromGrid(const std::string& input, const CommandLine& line, vdbtools::AtomicFile& file,
+                              vdbtools::MeshFormat format, Progress& progress) {
   const vdbtools::VdbFile vdb = vdbtools::readVdb(input);
-  const auto levelSet = vdbtools::chooseFloatGrid(vdb, grid, input);
+  const auto levelSet = vdbtools::chooseFloatGrid(vdb, line.text("grid"), input);
+  const vdbtools::FileAxes axes{
+      .target = vdbtools::recordedUpAxis(vdb.metadata),
+      .rule = line.has("up") ? vdbtools::parseUpRule(line.text("up")) : vdbtools::UpRule::Keep};
+  vdbtools::MeshWriteOptions options = vdbtools::meshWriteOptions(format, axes, {});
   vdbtools::Mesh mesh = vdbtools::meshOfLevelSet(*levelSet, progress);
   vdbtools::computeNormals(mesh);
   options.voxelSize = levelSet->voxelSize()[0];
@@ -51,23 +56,24 @@ vdbtools::MeshCounts fromGrid(const std::string& input, const std::string& grid,
 int runMesh(const Arguments& arguments) {
   CommandLine line(kUsageText, vdbtools::OptionTable());
   line.addPositional("input", 1, "the VDB");
-  line.addOptions()("output,o", po::value<std::string>()->value_name("F.ply"), "the mesh to write: .ply, .obj or .stl")(
+  line.addOptions()("output,o", po::value<std::string>()->value_name("F.ply"), kMeshHelp)(
       "from-grid", "use the voxels, even of a fractal")("grid", po::value<std::string>()->value_name("NAME"),
-                                                        "which grid to use, with --from-grid");
+                                                        "which grid to use, with --from-grid")(
+      "up", po::value<std::string>()->value_name("keep|y|z|auto"),
+      "the axis that points up in the mesh, as of 'fractal' (default: as recorded in the VDB)");
   if (!line.parse(arguments)) return kDone;
   const std::string input = line.text("input");
   if (input.empty()) throw std::invalid_argument("no VDB was given");
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.ply");
   Outputs outputs;
-  vdbtools::AtomicFile& file = outputs.add("output", line.text("output"), ".ply .obj .stl");
+  vdbtools::AtomicFile& file = outputs.add("output", line.text("output"), vdbtools::kMeshExtensions);
 
   vdbtools::RecordedRecipe recorded;
   if (!line.has("from-grid") && !line.has("grid")) recorded = vdbtools::readRecordedRecipe(input);
-  const vdbtools::MeshWriteOptions options{.format =
-                                               vdbtools::meshFormat("mesh" + formatOf(line.text("output"), ".ply"))};
+  const vdbtools::MeshFormat format = vdbtools::meshFormat("mesh" + formatOf(line.text("output"), ".ply"));
   const vdbtools::MeshCounts counts = recorded.command == "fractal"
-                                          ? fromRecipe(recorded.recipe, file, options.format, line.progress())
-                                          : fromGrid(input, line.text("grid"), file, options, line.progress());
+                                          ? fromRecipe(recorded.recipe, line, file, format, line.progress())
+                                          : fromGrid(input, line, file, format, line.progress());
   line.progress().throwIfCancelled();
   outputs.commit();
   report().count("points", static_cast<double>(counts.points));

@@ -41,7 +41,9 @@ constexpr Usage kUsageText = {
     "  juliavdb render --field --map quadratic --c=-0.2,0.6,0.2,0.2 --iterations 8 -o julia.exr --size 400x400\n"
     "  juliavdb render --field --map quadratic --c=-1,0.2,0,0 --iterations 8 -o turn.####.png --frames 2 --size "
     "200x200\n",
-    "fractal"};
+    "fractal",
+    nullptr,
+    "up"};
 
 constexpr const char *kSize = "800x800", *kColour = "direction";
 
@@ -84,11 +86,14 @@ int renderLevelSet(const CommandLine& line) {
   const vdbtools::ViewOptions view = vdbtools::parseViewOptions(vdbtools::RecipeReader(line.given(table), table));
   vdbtools::PreviewOptions options{
       .width = view.width, .height = view.height, .samples = view.samples, .view = view.angles};
+  if (view.up) throw std::invalid_argument("--up X,Y,Z can be used with --field only; give y or z");
   if (line.has("roots")) options.balls = ballsOf(line.text("roots"));
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
   Outputs outputs;
   std::ostream& file = outputs.add("output", line.text("output"), ".png .exr").stream();
-  const auto grid = vdbtools::chooseFloatGrid(vdbtools::readVdb(input), line.text("grid"), input);
+  const vdbtools::VdbFile vdb = vdbtools::readVdb(input);
+  const auto grid = vdbtools::chooseFloatGrid(vdb, line.text("grid"), input);
+  options.up = view.upAxis ? *view.upAxis : vdbtools::recordedUpAxis(vdb.metadata);
   const vdbtools::Image image = vdbtools::renderPreview(*grid, options, line.progress());
   line.progress().begin("writing", 0);
   file << vdbtools::encodeImage(image, formatOf(line.text("output"), ".png"));
@@ -132,7 +137,8 @@ int renderMap(const CommandLine& line) {
       outputs = std::make_unique<Outputs>(frameNumber(frame));
       file = &claim(*outputs);
     }
-    options.camera = vdbtools::turned(camera, picture.view.axis(), 360.0 * (frame - 1) / count);
+    options.camera =
+        vdbtools::turned(camera, picture.view.axis(fractal.output.axes.target), 360.0 * (frame - 1) / count);
     std::optional<vdbtools::NumberedMonitor> numbered;
     if (frames)
       numbered.emplace(line.progress(), "frame", static_cast<std::size_t>(frame), static_cast<std::size_t>(count));

@@ -87,7 +87,7 @@ TEST_F(MeshWriter, CommentsComeBack) {
 
 TEST_F(MeshWriter, OtherFormatsAreRefused) { EXPECT_THROW(meshFormat("a.fbx"), std::invalid_argument); }
 
-constexpr MeshFormat kFormats[] = {MeshFormat::Ply, MeshFormat::Obj, MeshFormat::Stl};
+constexpr MeshFormat kFormats[] = {MeshFormat::Ply, MeshFormat::Obj, MeshFormat::Stl, MeshFormat::Glb};
 
 /// Like a pipe: there is no position in it.
 class PipeBuffer : public std::streambuf {

@@ -13,6 +13,7 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/job/fractal_files.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/job/prepared_scene.h"
 #include "vdbtools/mesh/mesh_file.h"
@@ -68,10 +69,10 @@ void requireDone(const fs::path& folder, const Manifest& manifest, Monitor& moni
 
 MeshWriteOptions meshOptions(const Manifest& manifest, MeshFormat format) {
   const TileLattice& lattice = manifest.lattice.value();
-  return {.format = format,
-          .voxelSize = lattice.voxelSize,
-          .box = meshBox({.domain = lattice.domain, .voxelSize = lattice.voxelSize}),
-          .comments = manifest.facts};
+  MeshWriteOptions options = meshWriteOptions(format, parseFractalOptions(manifest.recipe).output, manifest.facts);
+  options.voxelSize = lattice.voxelSize;
+  options.box = meshBox({.domain = lattice.domain, .voxelSize = lattice.voxelSize});
+  return options;
 }
 
 /// Meshes that begin when they are asked for: one file, or several with numbers.
@@ -327,7 +328,9 @@ nlohmann::json writeOneTile(const fs::path& folder, const Manifest& manifest, st
       finishLevelSet(*part);
       entry["band_voxels"] = part->activeVoxelCount();
       result.bandVoxels += part->activeVoxelCount();
-      files.emplace_back(nameOf(".vdb")).stream() << encodeVdb({part}, {.metadata = manifest.facts});
+      VdbWriteOptions options = vdbWriteOptions(parseFractalOptions(manifest.recipe).output, manifest.facts);
+      options.half = false;
+      files.emplace_back(nameOf(".vdb")).stream() << encodeVdb({part}, options);
     }
   }
   const std::size_t before = result.files.size();
@@ -365,7 +368,7 @@ MergeResult mergePlan(const fs::path& folder, const Manifest& manifest, const Me
     const FractalOptions recipe = parseFractalOptions(manifest.recipe);
     const std::vector<openvdb::GridBase::Ptr> grids = mergeGrids(folder, manifest, recipe, islands, result, monitor);
     monitor.begin("writing", 0);
-    vdb->stream() << encodeVdb(grids, {.half = recipe.output.half, .metadata = manifest.facts});
+    vdb->stream() << encodeVdb(grids, vdbWriteOptions(recipe.output, manifest.facts));
   }
   monitor.throwIfCancelled();
   commit(files, result);

@@ -13,7 +13,8 @@ openvdb::BBoxd pictureRegion(const Scene& scene) {
 FieldRenderOptions pictureOptions(const Scene& scene, const openvdb::BBoxd& region, const FieldPicture& picture) {
   FieldRenderOptions options = picture.render;
   options.camera = picture.view.camera(scene.source(), region,
-                                       static_cast<double>(options.width) / static_cast<double>(options.height));
+                                       static_cast<double>(options.width) / static_cast<double>(options.height),
+                                       scene.options.output.axes.target);
   options.orbit = scene.orbit;
   options.dropAxis = scene.options.map->embedding().dropped;
   return options;

@@ -10,8 +10,11 @@
 namespace vdbtools {
 
 OptionTable sdfOptionTable() {
-  return OptionTable({
-      {.name = "input", .argument = "MESH", .help = "the mesh: .obj, .ply, .stl or .off", .hash = "source-sha256"},
+  std::vector<OptionSpec> options = {
+      {.name = "input",
+       .argument = "MESH",
+       .help = "the mesh: .obj, .ply, .stl, .off, .glb or .gltf",
+       .hash = "source-sha256"},
       {.name = "resolution",
        .argument = "N",
        .defaultValue = "200",
@@ -28,7 +31,9 @@ OptionTable sdfOptionTable() {
        .defaultValue = "0",
        .help = "close gaps up to this width, in the mesh's units; 0 uses the smallest width that closes the mesh"},
       {.name = "half", .help = "write 16-bit floats"},
-  });
+  };
+  for (OptionSpec& option : fileAxesOptionSpecs()) options.push_back(std::move(option));
+  return OptionTable(std::move(options));
 }
 
 SdfOptions parseSdfOptions(const Recipe& recipe) {
@@ -43,6 +48,7 @@ SdfOptions parseSdfOptions(const Recipe& recipe) {
   options.band = reader.number("band");
   if (!(options.band > 1 && options.band <= 1e6)) reader.refuse("band", "above 1 and at most 1e6");
   options.half = reader.flag("half");
+  options.axes = parseFileAxes(reader);
   return options;
 }
 
@@ -58,7 +64,8 @@ SdfResult runSdf(const SdfOptions& options, Monitor& monitor) {
   result.moved = sdf.moved;
   result.closedGap = sdf.closedGap;
   result.facts["julia_source_sha256"] = sha256OfFile(options.input);
-  result.facts[kTargetBox] = boxText(result.report.box);
+  // The program reads it back with the grid, and so in the axes of the file.
+  result.facts[kTargetBox] = boxText(UpTurn(options.axes.target, options.axes.ofVdb())(result.report.box));
   if (sdf.moved) result.facts["julia_repair_moved"] = numbersText({*sdf.moved});
   return result;
 }

@@ -47,13 +47,13 @@ struct Stage {
   Vec3d sky, key, rim;
 };
 
-Stage makeStage(const openvdb::FloatGrid& grid, const Camera& camera, double aspect) {
+Stage makeStage(const openvdb::FloatGrid& grid, const Camera& camera, UpAxis up, double aspect) {
   const auto toIndex = [&](const Vec3d& direction) {
     return grid.transform().baseMap()->applyInverseJacobian(direction).unit();
   };
   const CameraFrame frame = frameOf(camera);
   // The lights turn with the camera, but stay upright.
-  const Vec3d sky(0, 1, 0), front = frame.right.cross(sky);
+  const Vec3d sky = directionOf(up), front = frame.right.cross(sky);
 
   Stage stage;
   stage.eye = grid.worldToIndex(camera.eye);
@@ -255,7 +255,8 @@ Image renderPreview(const openvdb::FloatGrid& levelSet, const PreviewOptions& op
   if (cells.empty()) throw DataError("the level set \"" + levelSet.getName() + "\" is empty: its sign never changes");
   const SurfaceBounds bounds = boundsOf(cells);
   const FramedBall ball{levelSet.indexToWorld(bounds.centre), bounds.radius * levelSet.voxelSize()[0]};
-  const Stage stage = makeStage(levelSet, cameraAround(ball, options.view, samples.aspect()), samples.aspect());
+  const Camera camera = cameraAround(ball, options.view, samples.aspect(), options.up);
+  const Stage stage = makeStage(levelSet, camera, options.up, samples.aspect());
 
   const SurfaceLattice lattice(levelSet.tree(), cells);
   monitor.throwIfCancelled();

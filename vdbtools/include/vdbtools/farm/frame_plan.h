@@ -54,7 +54,7 @@ struct FramePlanOptions {
   std::vector<KeyedOption> keys;
   int first = 1, last = 1;
   std::string name;                       ///< of the files; empty: after the target, or else the map
-  std::vector<std::string> makes{"vdb"};  ///< of "vdb", "ply", "obj", "stl"
+  std::vector<std::string> makes{"vdb"};  ///< of "vdb" and the formats of meshes
 };
 
 /// A task for each frame, whose files are out/NAME.0007.vdb and the like. Every frame's recipe is checked, and all

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "vdbtools/field/lattice_options.h"
+#include "vdbtools/job/file_axes.h"
 #include "vdbtools/maps/map_registry.h"
 #include "vdbtools/recipe/recipe.h"
 #include "vdbtools/surface/surface_options.h"
@@ -24,6 +25,8 @@ enum class Precision { Auto, Float, Double };
 struct OutputOptions {
   std::vector<std::string> grids;  ///< of surface, density, logmodulus, iterations, versor; each once
   bool half = false;               ///< 16-bit floats in the VDB
+  FileAxes axes;
+  std::vector<double> levels{};  ///< of detail in a GLB besides the mesh itself: shares of its triangles, falling
 };
 
 struct FractalOptions {

@@ -6,6 +6,7 @@
 #include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/base/voxel_choice.h"
+#include "vdbtools/job/file_axes.h"
 #include "vdbtools/mesh/mesh.h"
 #include "vdbtools/recipe/recipe.h"
 
@@ -23,6 +24,7 @@ struct SdfOptions {
   double gap = 0;   ///< world units; 0: found
   double band = 3;  ///< voxels on each side, above 1
   bool half = false;
+  FileAxes axes;
 };
 
 OptionTable sdfOptionTable();
