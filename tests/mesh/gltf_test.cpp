@@ -360,7 +360,7 @@ TEST(Gltf, BuffersLieBesideTheFileOnly) {
   };
   EXPECT_EQ(read("a%20b.bin"), 4u);
   EXPECT_EQ(read("sub/c.bin"), 4u);
-  for (const std::string uri : {"../" + folder.path().filename().string() + "/a b.bin",
+  for (const std::string& uri : {"../" + folder.path().filename().string() + "/a b.bin",
                                 (folder.path() / "a b.bin").string(), std::string("file:///etc/hostname"),
                                 std::string("sub/../a b.bin"), std::string("%2e%2e/a b.bin"), std::string()})
     EXPECT_THROW(read(uri), DataError) << uri;
@@ -414,7 +414,7 @@ TEST(Gltf, WhatCannotBeIsRefused) {
 /// Deeply nested extras must not exhaust the stack.
 TEST(Gltf, NestingIsHarmless) {
   std::string text = tetrahedron().dump();
-  constexpr std::size_t kDeep = 1'000'000;
+  constexpr std::size_t kDeep = 100'000;
   text.back() = ',';
   text += "\"extras\":" + std::string(kDeep, '[') + std::string(kDeep, ']') + '}';
   const TemporaryFolder folder;

@@ -23,7 +23,7 @@ constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 /// How many points and triangles there may be beyond those that the file has bytes for: parts that are shown several
 /// times count each time, and a small file must not become a mesh that fills the memory.
-constexpr std::uint64_t kMostRepeated = 50'000'000;
+constexpr std::uint64_t kMostRepeated = 10'000'000;
 
 /// Where a node takes points: p -> A p + t. Columns of A, then t.
 struct Placement {
