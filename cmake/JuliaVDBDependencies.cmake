@@ -17,6 +17,7 @@ pkg_check_modules(Cairo REQUIRED cairo-svg)
 # For 3MF; without it that format is refused.
 pkg_check_modules(LibZip QUIET libzip)
 find_dependency(nlohmann_json)
+find_dependency(meshoptimizer)
 find_dependency(muparser)
 find_dependency(Boost COMPONENTS program_options)
 
