@@ -189,7 +189,7 @@ class Makers(harness.CliTest):
         self.refused(USAGE, *part, "--size", 10, "--min-thickness", 1, "--thin", "melt", mentions="drop")
         self.refused(USAGE, *part, "--size", 10, "--up", "x", mentions="y")
         self.refused(USAGE, "print", "s.obj", "-o", "p.gcode", "--size", 10, mentions=".3mf")
-        self.write("hole.obj", harness.obj(harness.with_hole(harness.sphere(3))))
+        self.write("hole.obj", harness.obj(harness.with_hole(harness.sphere(3), 0.9)))
         self.refused(BAD_DATA, "print", "hole.obj", "-o", "p.stl", "--size", 10, mentions="--repair")
         self.ok("print", "hole.obj", "-o", "p.stl", "--size", 10, "--repair", "--resolution", 60)
 
