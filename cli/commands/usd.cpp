@@ -32,7 +32,7 @@ int runUsd(const Arguments& arguments) {
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
   line.addOptions()("output,o", text("F.usda"), "the scene to write")(
       "mesh", text("F.ply"), "a mesh to put into the scene")("frames", text("A-B"),
-                                                             "the frames of a sequence, from A to B")(
+                                                             "the frames of a sequence, such as 1-48 or 1-48x2")(
       "fps", text("N")->default_value("24"), "frames a second")("meters-per-unit", text("M")->default_value("1"),
                                                                 "the length of a unit of the files, in metres");
   if (!line.parse(arguments)) return kDone;

@@ -93,16 +93,18 @@ UsdCounts writeUsdScene(std::ostream& stream, const UsdOptions& options, Monitor
   UsdScene scene{.metersPerUnit = options.metersPerUnit, .framesPerSecond = options.framesPerSecond};
   if (!options.vdb.empty()) {
     const bool pattern = hasFramePattern(options.vdb);
-    if (pattern != options.frames.has_value())
+    if (pattern != !options.frames.empty())
       throw std::invalid_argument(pattern ? "'" + options.vdb +
                                                 "' is the name of a sequence; say which frames, as in "
                                                 "--frames 1-48"
                                           : "'" + options.vdb +
                                                 "' is one file; for frames give a name such as "
                                                 "name.####.vdb");
-    const auto [first, last] = options.frames.value_or(std::pair(0, 0));
-    monitor.begin("reading", static_cast<std::uint64_t>(last - first) + 1);
-    for (int frame = first; frame <= last; ++frame) {
+    std::vector<int> frames = options.frames;
+    if (frames.empty()) frames.push_back(0);
+    std::sort(frames.begin(), frames.end());
+    monitor.begin("reading", frames.size());
+    for (const int frame : frames) {
       const std::optional<int> number = pattern ? std::optional(frame) : std::nullopt;
       addFrame(expandFrame(options.vdb, number), number, options.scene, scene);
       monitor.advance(1);

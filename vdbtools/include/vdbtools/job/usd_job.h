@@ -9,13 +9,13 @@
 #include <iosfwd>
 #include <optional>
 #include <string>
-#include <utility>
+#include <vector>
 
 namespace vdbtools {
 
 struct UsdOptions {
-  std::string vdb;                            ///< its name, with a pattern if there are frames; empty: none
-  std::optional<std::pair<int, int>> frames;  ///< the first and the last
+  std::string vdb;            ///< its name, with a pattern if there are frames; empty: none
+  std::vector<int> frames{};  ///< their numbers, in any order; none: a single file
   std::optional<std::filesystem::path> mesh;
   std::filesystem::path scene;  ///< where the scene will be, to whose folder paths are relative
   double metersPerUnit = 1;
