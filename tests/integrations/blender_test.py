@@ -262,7 +262,7 @@ class Addon(unittest.TestCase):
         bpy.ops.mesh.primitive_grid_add()   # an open mesh
         bpy.context.object.juliavdb.output = "VOLUME"
         before = set(bpy.data.objects)
-        with self.assertRaisesRegex(RuntimeError, "--repair") as caught:
+        with self.assertRaisesRegex(RuntimeError, "--thicken") as caught:
             bpy.ops.juliavdb.make()
         self.assertEqual(len(str(caught.exception).strip().splitlines()), 1)
         self.assertEqual(set(bpy.data.objects), before)
