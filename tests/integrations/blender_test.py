@@ -19,27 +19,12 @@ ADDON = "juliavdb_addon"
 RESOLUTION = 32
 
 
-def start_blender():
-    blender = shutil.which("blender")
-    if not blender:
-        print("skipped: blender is not installed")
-        return 0
-    # A folder of its own for caches, settings and what is temporary: other tests run beside this one.
-    with tempfile.TemporaryDirectory(prefix="juliavdb_blender_") as home:
-        run = subprocess.run(
-            [blender, "--background", "--factory-startup", "-noaudio", "--python-exit-code", "1", "--python", __file__,
-             "--", *sys.argv[1:]],
-            env={**os.environ, "HOME": home, "XDG_CACHE_HOME": f"{home}/cache", "TMPDIR": home,
-                 "PYTHONDONTWRITEBYTECODE": "1"},
-            check=False)
-    return run.returncode
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import in_blender   # noqa: E402
 
+in_blender.ensure(__file__)
 
-try:
-    import bpy
-except ImportError:
-    sys.exit(start_blender())
-
+import bpy           # noqa: E402
 import addon_utils   # noqa: E402
 import numpy         # noqa: E402
 from mathutils import Matrix, Vector   # noqa: E402
@@ -442,8 +427,4 @@ class Addon(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    words = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
-    outcome = unittest.main(argv=["blender_test", *words], exit=False).result
-    # Blender takes an exception, and not an exit, for a failure.
-    if not outcome.wasSuccessful():
-        raise AssertionError("the add-on has failed a test")
+    in_blender.main("blender_test")
