@@ -257,7 +257,7 @@ class Addon(unittest.TestCase):
         self.pump()
         message, failed = self.addon.make.said
         self.assertTrue(failed)
-        self.assertIn("--repair", message)
+        self.assertIn("--thicken", message)
 
     def test_wrong_options_are_reported(self):
         self.source(more="--no-such-option 3")

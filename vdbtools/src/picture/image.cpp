@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/picture/image.h"
 
+#include "base/srgb.h"
 #include "files/image_module.h"
 #include "picture/image_encoder.h"
-#include "base/srgb.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
