@@ -71,7 +71,7 @@ class Attributes(harness.CliTest):
         self.refused(BAD_DATA, "fractal", "s.obj", "--transfer", "uv", "-o", "f.vdb", mentions="texture coordinates")
         self.refused(BAD_DATA, "fractal", "s.obj", "--transfer", "wet", "-o", "f.vdb", mentions="wet")
         self.refused(USAGE, "plan", "tiles", "s.obj", *SMALL, "--attributes", "mask", "-o", "farm", mentions="mask")
-        self.refused(USAGE, "render", "s.obj", "--colour", "clay", "-o", "x.png", mentions="--field")
+        self.refused(USAGE, "render", "s.obj", "--colour", "trap", "-o", "x.png", mentions="clay")
 
 
 if __name__ == "__main__":

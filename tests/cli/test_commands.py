@@ -84,6 +84,8 @@ class Examples(harness.CliTest):
             replace("--versors", "3")
         if command in ("render", "sheet"):
             replace("--size", "40x30")
+        if command == "print":
+            replace("--resolution", "80")
         return words
 
     def test_the_lines_of_every_help_run_as_printed(self):

@@ -123,7 +123,11 @@ class Makers(harness.CliTest):
         self.ok("mesh", "f.vdb", "-o", "g.ply", "--from-grid", "--adaptivity", 0.1)
         self.closed("g.ply")
         self.refused(USAGE, "mesh", "f.vdb", "-o", "n.ply", "--adaptivity", -1, mentions="--adaptivity")
-        self.refused(USAGE, "fractal", "--config", "f.vdb", "-o", "n.vdb", "--adaptivity", 1, mentions="--mesh")
+        # It is part of the recipe: a VDB keeps it for the meshes to come. Tiles cannot have it.
+        self.ok("fractal", "--config", "f.vdb", "-o", "kept.vdb", "--adaptivity", 0.2)
+        self.ok("mesh", "kept.vdb", "-o", "c.ply")
+        self.assertEqual(self.bytes("c.ply"), self.bytes("a.ply"))
+        self.refused(USAGE, "plan", "tiles", "--config", "kept.vdb", "-o", "farm", mentions="--adaptivity")
 
     # Parts for printing.
 

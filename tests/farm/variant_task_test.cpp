@@ -10,6 +10,7 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/job/fractal_files.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/job/sheet_job.h"
 #include "vdbtools/mesh/mesh_writer.h"
@@ -65,8 +66,11 @@ class Variants : public testing::Test {
     MeshCollector sink(mesh);
     const FractalResult result = runFractal(scene, plan, true, &sink, mMonitor);
     std::ostringstream ply;
-    writeMesh(ply, mesh, {.voxelSize = scene.voxelSize, .box = meshBox(plan), .comments = metadata});
-    return {encodeVdb(result.grids, {.metadata = metadata}), ply.str()};
+    MeshWriteOptions options = meshWriteOptions(MeshFormat::Ply, scene.options.output, metadata);
+    options.voxelSize = scene.voxelSize;
+    options.box = meshBox(plan);
+    writeMesh(ply, mesh, options);
+    return {encodeVdb(result.grids, vdbWriteOptions(scene.options.output, metadata)), ply.str()};
   }
 
   TemporaryFolder mFolder;

@@ -85,7 +85,8 @@ double thinShare(const Mesh& mesh, double thickness) {
 
 TEST(PrintJob, ThickensHairsAndFinsAndLeavesTheRest) {
   const Mesh mesh = hairyBall();
-  const PrintedPart plain = printed(mesh, {.size = 60}), thick = printed(mesh, {.size = 60, .minThickness = 2.5});
+  const PrintedPart plain = printed(mesh, {.size = 60}),
+                    thick = printed(mesh, {.size = 60, .minThickness = 2.5, .resolution = 120});
   expectStands(plain, 60);
   expectStands(thick, 60);
   EXPECT_LT(plain.thinnest, 1);
@@ -102,7 +103,8 @@ TEST(PrintJob, ThickensHairsAndFinsAndLeavesTheRest) {
 
 TEST(PrintJob, DropsWhatIsThin) {
   const Mesh mesh = hairyBall();
-  const PrintedPart part = printed(mesh, {.size = 60, .minThickness = 2.5, .thin = vdbtools::ThinParts::Drop});
+  const PrintedPart part =
+      printed(mesh, {.size = 60, .minThickness = 2.5, .thin = vdbtools::ThinParts::Drop, .resolution = 120});
   expectStands(part, 60);
   EXPECT_EQ(thinShare(part.mesh, 2.5), 0);
   // The ball alone is as high as it is wide, but for stubs of less than the thickness.
@@ -115,7 +117,8 @@ TEST(PrintJob, DropsWhatIsThin) {
 
 TEST(PrintJob, TakesNoEdgeOfACubeForThin) {
   for (const double scale : {1e-3, 1.0, 1e4}) {
-    const PrintedPart part = printed(makeCube(scale, Vec3d(300 * scale)), {.size = 20, .minThickness = 2});
+    const PrintedPart part =
+        printed(makeCube(scale, Vec3d(300 * scale)), {.size = 20, .minThickness = 2, .resolution = 100});
     expectStands(part, 20);
     EXPECT_EQ(part.thinPoints, 0u);
     EXPECT_EQ(part.thinPlaces, 0u);
@@ -125,7 +128,8 @@ TEST(PrintJob, TakesNoEdgeOfACubeForThin) {
 }
 
 TEST(PrintJob, ThickensASheetToTheThickness) {
-  const PrintedPart part = printed(makeBox({0, 0, 0}, {10, 0.2, 6}), {.size = 50, .minThickness = 3});
+  const PrintedPart part =
+      printed(makeBox({0, 0, 0}, {10, 0.2, 6}), {.size = 50, .minThickness = 3, .resolution = 100});
   expectStands(part, 50);
   EXPECT_EQ(part.thinPlaces, 0u);
   EXPECT_NEAR(part.extents[2], 3, 0.4);  // y was thin, and is up
@@ -133,7 +137,8 @@ TEST(PrintJob, ThickensASheetToTheThickness) {
 
 TEST(PrintJob, CutsAFlatBase) {
   for (const std::optional<double> thickness : {std::optional<double>(), std::optional<double>(2)}) {
-    const PrintedPart part = printed(makeSphere(1, 4), {.size = 40, .minThickness = thickness, .flatBase = 5});
+    const PrintedPart part =
+        printed(makeSphere(1, 4), {.size = 40, .minThickness = thickness, .flatBase = 5, .resolution = 120});
     expectStands(part, 40);
     // A cap of height 5 off a ball of radius 20.
     EXPECT_NEAR(part.extents[2], 35, 0.3);

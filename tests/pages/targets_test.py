@@ -18,7 +18,7 @@ class TargetsPage(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             for block in blocks:
                 block = block.replace("docs/make-targets", str(ROOT / "docs/make-targets"))
-                block = re.sub(r"(juliavdb fractal .*) --resolution \d+", r"\1 --resolution 40 --sdf-resolution 60", block)
+                block = re.sub(r"(juliavdb fractal .*) --resolution \d+", r"\1 --resolution 40 --sdf-resolution 120", block)
                 done = run(block, folder)
                 self.assertEqual(done.returncode, 0, f"{block}\n{done.stderr}")
 

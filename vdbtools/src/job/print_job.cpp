@@ -170,6 +170,14 @@ Mesh shaped(const Mesh& solid, const PrintOptions& options, double voxel, double
   if (thickness > 0) {
     if (options.thin == ThinParts::Thicken) {
       part.thinPoints = thicken(*grid, solid, thickness, floor, monitor);
+      // What is added may itself be thin where balls meet the solid at a slant.
+      constexpr int kMostPasses = 3;
+      bool changed = part.thinPoints > 0;
+      for (int pass = 1; pass < kMostPasses && changed; ++pass) {
+        Mesh now = meshOfLevelSet(*grid, monitor);
+        computeNormals(now);
+        changed = thicken(*grid, now, thickness, floor, monitor) > 0;
+      }
     } else if (floor) {
       dropThin(*grid, meshOfLevelSet(*grid, monitor), thickness, monitor);
     } else {
@@ -240,9 +248,18 @@ PrintedPart printedPart(const Mesh& mesh, const PrintOptions& options, Monitor& 
     // Room for the last, small change of the size, and for the lattice.
     const double thickness = options.minThickness ? *options.minThickness * (1 + 2 * kNearEnough) : 0;
     Mesh made;
+    double change = 1;
     for (int attempt = 0; attempt < kMostTries; ++attempt) {
-      made = shaped(solid, options, part.voxelSize, thickness, part, monitor);
-      const double change = options.size / longestSide(boxOf(made));
+      Mesh next = shaped(solid, options, part.voxelSize, thickness, part, monitor);
+      const double needed = options.size / longestSide(boxOf(next));
+      if (change > 1 + kNearEnough && needed < 1 - kNearEnough) {
+        // What is thin at one size is thick at the next, so no size is right by itself. The smaller part is enlarged,
+        // which makes nothing thinner.
+        scale /= change;
+        break;
+      }
+      made = std::move(next);
+      change = needed;
       if (std::abs(change - 1) < kNearEnough || attempt + 1 == kMostTries) break;
       for (Vec3d& point : solid.points) point *= change;
       scale *= change;

@@ -127,7 +127,7 @@ Mesh ballCentres(const Mesh& mesh, const PartThickness& part, const std::vector<
   inParallel(at.size(), kGrain, monitor, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (!used[i]) continue;
-      at[i] = part.ballNear(mesh.points[i], Vec3d(mesh.normals[i]), kWithin * radius, radius).centre;
+      at[i] = part.deepestBall(mesh.points[i], Vec3d(mesh.normals[i]), kWithin * radius, radius).centre;
       if (floor) at[i][2] = std::max(at[i][2], *floor + radius);
     }
   });
@@ -168,7 +168,7 @@ std::size_t thicken(FloatGrid& part, const Mesh& mesh, double thickness, std::op
                     Monitor& monitor) {
   const double voxel = part.voxelSize()[0], radius = thickness / 2;
   monitor.begin("thickness", 0);
-  const PartThickness depths(mesh, floor);
+  const PartThickness depths(mesh, thickness, floor, monitor);
   const Mesh fine = refined(mesh, thickness);
   std::vector<char> isThin(fine.points.size(), 0);
   constexpr std::size_t kGrain = 256;

@@ -3,6 +3,8 @@
 
 #include "base/counter_random.h"
 #include "base/in_parallel.h"
+#include "target/distance_band.h"
+#include "target/mesh_conversion.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +13,31 @@ namespace vdbtools {
 
 using openvdb::Vec3d;
 
-PartThickness::PartThickness(const Mesh& mesh, std::optional<double> floor)
-    : mMesh(mesh), mFloor(floor), mSearch(mesh.points, mesh.triangles) {}
+namespace {
+
+/// Half the diagonal of a voxel of size 1.
+constexpr double kHalfDiagonal = 0.8661;
+
+openvdb::FloatGrid::ConstPtr distancesInside(const Mesh& mesh, double thickness, Monitor& monitor) {
+  constexpr double kVoxelsAcross = 5, kMostVoxels = 600, kBand = 3;
+  openvdb::BBoxd box;
+  for (const Vec3d& point : mesh.points) box.expand(point);
+  const Vec3d extents = box.extents();
+  const double longest = std::max({extents[0], extents[1], extents[2]});
+  const double voxel = std::max(thickness / kVoxelsAcross, longest / kMostVoxels);
+  return convert(toIndexSpace(mesh.points, voxel), mesh.triangles,
+                 {.voxelSize = voxel, .exteriorBandWidth = kBand, .interiorBandWidth = thickness / 2 / voxel + kBand},
+                 monitor);
+}
+
+}  // namespace
+
+PartThickness::PartThickness(const Mesh& mesh, double thickness, std::optional<double> floor, Monitor& monitor)
+    : mMesh(mesh),
+      mThickness(thickness),
+      mFloor(floor),
+      mSearch(mesh.points, mesh.triangles),
+      mDistances(distancesInside(mesh, thickness, monitor)) {}
 
 PartThickness::Depth PartThickness::depthAt(const Vec3d& p) const {
   const std::optional<SurfacePoint> at = mSearch.nearest(p);
@@ -48,8 +73,12 @@ InnerBall PartThickness::ballNear(const Vec3d& point, const Vec3d& normal, doubl
     radius = std::clamp(next, radius / 4, radius * kTouches);
     if (radius < least / 64) return best;
   }
-  // From there on away from the nearest surface, or between the two that were nearest in turn. A step is shorter than
-  // the distance to the surface, so it never crosses it.
+  return climbed(best, nearest, point, reach, enough);
+}
+
+InnerBall PartThickness::climbed(InnerBall best, Vec3d nearest, const Vec3d& point, double reach, double enough) const {
+  // Away from the nearest surface, or between the two that were nearest in turn. A step is shorter than the distance
+  // to the surface, so it never crosses it.
   double step = enough / 2;
   Vec3d last(0);
   constexpr int kMostSteps = 40;
@@ -77,8 +106,54 @@ InnerBall PartThickness::ballNear(const Vec3d& point, const Vec3d& normal, doubl
   return best;
 }
 
-ThinPlaces findThinPlaces(const Mesh& mesh, double thickness, std::size_t most, const Monitor& monitor) {
-  const PartThickness part(mesh);
+InnerBall PartThickness::deepestNode(const Vec3d& point, double reach) const {
+  const double voxel = mDistances->voxelSize()[0], far = reach + kHalfDiagonal * voxel;
+  const auto accessor = mDistances->getConstAccessor();
+  const auto steps = static_cast<int>(std::ceil(far / voxel));
+  const openvdb::Coord middle = openvdb::Coord::round(point / voxel);
+  InnerBall best{point, 0};
+  for (int x = -steps; x <= steps; ++x)
+    for (int y = -steps; y <= steps; ++y)
+      for (int z = -steps; z <= steps; ++z) {
+        const openvdb::Coord node = middle.offsetBy(x, y, z);
+        const Vec3d centre = node.asVec3d() * voxel;
+        if ((centre - point).lengthSqr() > far * far) continue;
+        double depth = -static_cast<double>(accessor.getValue(node));
+        if (mFloor) depth = std::min(depth, centre[2] - *mFloor);
+        if (depth > best.radius) best = {centre, depth};
+      }
+  return best;
+}
+
+InnerBall PartThickness::climbedFrom(const InnerBall& node, const Vec3d& point, double reach, double enough) const {
+  Vec3d centre = node.centre;
+  const Vec3d from = centre - point;
+  if (from.length() > reach) centre = point + from * (reach / from.length());
+  const Depth depth = depthAt(centre);
+  return climbed({centre, depth.distance}, depth.nearest, point, reach, enough);
+}
+
+InnerBall PartThickness::deepestBall(const Vec3d& point, const Vec3d& normal, double reach, double enough) const {
+  const InnerBall ball = ballNear(point, normal, reach, enough);
+  if (ball.radius >= enough) return ball;
+  const InnerBall node = deepestNode(point, reach);
+  // A node that hardly lies inside is no place to begin.
+  if (node.radius < enough / 20) return ball;
+  const InnerBall other = climbedFrom(node, point, reach, enough);
+  return other.radius > ball.radius ? other : ball;
+}
+
+bool PartThickness::isThick(const Vec3d& point, const Vec3d& normal, double thickness) const {
+  const double radius = thickness / 2;
+  if (ballNear(point, normal, thickness, radius).radius >= radius) return true;
+  if (thickness > mThickness) return false;
+  const InnerBall node = deepestNode(point, thickness);
+  if (node.radius < radius - kHalfDiagonal * mDistances->voxelSize()[0]) return false;
+  return climbedFrom(node, point, thickness, radius).radius >= radius;
+}
+
+ThinPlaces findThinPlaces(const Mesh& mesh, double thickness, std::size_t most, Monitor& monitor) {
+  const PartThickness part(mesh, thickness, {}, monitor);
   constexpr std::size_t kGrain = 256;
   // Chance takes an even share of all parts of the mesh, whatever the order of its points.
   const double share = static_cast<double>(most) / static_cast<double>(std::max<std::size_t>(1, mesh.points.size()));
