@@ -14,6 +14,7 @@ BUNNY = "/usr/share/glmark2/models/bunny.obj"
 # Enough to see that a command does what it should.
 SMALL = [(r"--size \d+x\d+", "--size 40x40 --samples 1"), (r"--resolution \d+", "--resolution 40"),
          (r"--min-thickness 1.5", "--min-thickness 6"), (r"--points \d+", "--points 500"),
+         (r"(juliavdb print .*)", r"\1 --resolution 80"),
          (r"\b(fractal|sheet|render --field) (\w+\.(?:obj|ply))", r"\1 \2 --sdf-resolution 48")]
 
 
