@@ -86,7 +86,9 @@ TEST(SpacedPoints, ComeInTheNumberThatIsWanted) {
     const double packed = std::sqrt(4 * M_PI / static_cast<double>(count) * 2 / std::sqrt(3.0));
     EXPECT_DOUBLE_EQ(spaced.spacing, leastDistance(spaced));
     EXPECT_GT(spaced.spacing, 0.6 * packed) << count;
-    if (count > 100) EXPECT_LT(greatestGap(mesh, spaced, 2), 1.6 * spaced.spacing);
+    if (count > 100) {
+      EXPECT_LT(greatestGap(mesh, spaced, 2), 1.6 * spaced.spacing);
+    }
   }
   EXPECT_THROW(vdbtools::pointsByCount(mesh, 0, {}, monitor), std::invalid_argument);
   EXPECT_THROW(vdbtools::pointsBySpacing(mesh, -1, {}, monitor), std::invalid_argument);
