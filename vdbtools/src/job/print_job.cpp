@@ -228,8 +228,8 @@ PrintedPart printedPart(const Mesh& mesh, const PrintOptions& options, Monitor& 
   Mesh upright = mesh;
   if (report.volume < 0)
     for (Vec3I& t : upright.triangles) std::swap(t[1], t[2]);
-  if (options.up == UpAxis::Y)
-    for (Vec3d& point : upright.points) point = Vec3d(point[0], -point[2], point[1]);
+  const UpTurn turn(options.up, UpAxis::Z);
+  for (Vec3d& point : upright.points) point = turn(point);
   Mesh solid = keepIslands(upright, options.islands, &part);
   stand(solid);
   const double given = longestSide(boxOf(solid));
