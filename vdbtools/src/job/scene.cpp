@@ -58,10 +58,12 @@ class SharedTarget {
     if (mTarget && wide && deep) return *mTarget;
     // Whoever asks again will ask for more once more: what is made again is made much wider.
     constexpr double kMore = 4;
-    if (!wide) mWidths.exterior = std::max(widths.exterior, kMore * mWidths.exterior);
-    if (!deep) mWidths.interior = std::max(widths.interior, kMore * mWidths.interior);
-    mTarget = std::isfinite(mWidths.interior) || !mTarget ? mInput->make(mWidths, monitor)
-                                                          : mInput->deepened(*mTarget, mWidths, monitor);
+    BandWidths made = mWidths;
+    if (!wide) made.exterior = std::max(widths.exterior, kMore * mWidths.exterior);
+    if (!deep) made.interior = std::max(widths.interior, kMore * mWidths.interior);
+    mTarget = std::isfinite(made.interior) || !mTarget ? mInput->make(made, monitor)
+                                                       : mInput->deepened(*mTarget, made, monitor);
+    mWidths = made;  // only now: whoever is interrupted before may ask again
     return *mTarget;
   }
 
