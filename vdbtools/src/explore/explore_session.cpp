@@ -218,7 +218,7 @@ json ExploreSession::start() {
   json data = programData();
   data["recipe"] = mGiven;
   data["target"] = target();
-  data["folder"] = std::filesystem::absolute(mFolder.empty() ? "." : mFolder).lexically_normal().string();
+  data["folder"] = (mFolder.empty() ? std::filesystem::current_path() : std::filesystem::absolute(mFolder)).string();
   return data;
 }
 

@@ -36,7 +36,9 @@ function halton(index, base) {
 export class Renderer {
   constructor(canvas) {
     this.canvas = canvas;
-    const gl = canvas.getContext("webgl2", { antialias: false, alpha: false, powerPreference: "high-performance" });
+    const gl = canvas.getContext("webgl2", {
+      antialias: false, alpha: false, preserveDrawingBuffer: true, powerPreference: "high-performance",
+    });
     if (!gl) throw new Error("This browser has no WebGL 2, which the live picture needs.");
     this.gl = gl;
     this.floats = gl.getExtension("EXT_color_buffer_float") ?? gl.getExtension("EXT_color_buffer_half_float");
@@ -247,6 +249,8 @@ export class Renderer {
     gl.uniform4fv(at("clip"), clipPlane(look.clip, scene, live));
     gl.uniform1f(at("stepAlpha"), 2 * frame.tangent / target.height);
     gl.uniform1f(at("stepLeast"), 5e-5);
+    const off = [0, 1, 2].map((i) => Math.max(shifted(region.min)[i] - eye[i], eye[i] - shifted(region.max)[i], 0));
+    gl.uniform1f(at("stepFirst"), Math.hypot(...off) * (1 - 1e-9));
     gl.uniform1i(at("axisCount"), sample.axes);
     gl.uniform1i(at("colourBy"), Math.max(0, COLOURS.indexOf(look.colour)));
     const [azimuth, elevation] = (look.light ?? USUAL_LIGHT).map((degrees) => degrees * Math.PI / 180);
@@ -266,8 +270,8 @@ export class Renderer {
     gl.disable(gl.SCISSOR_TEST);
   }
 
-  // Shows a picture on the canvas.
-  show(target) {
+  // Shows a picture on the canvas, or only so many of its rows, from the lowest.
+  show(target, rows = target.height) {
     const gl = this.gl, { program, at } = this.display;
     gl.useProgram(program);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
@@ -276,7 +280,10 @@ export class Renderer {
     gl.bindTexture(gl.TEXTURE_2D, target.texture);
     gl.uniform1i(at("picture"), 0);
     gl.uniform2f(at("pixels"), this.canvas.width, this.canvas.height);
+    gl.enable(gl.SCISSOR_TEST);
+    gl.scissor(0, 0, this.canvas.width, Math.floor(rows / target.height * this.canvas.height));
     gl.drawArrays(gl.TRIANGLES, 0, 3);
+    gl.disable(gl.SCISSOR_TEST);
   }
 
   // Red, green, blue (linear) and coverage, from the lowest row up.
@@ -348,6 +355,9 @@ export class Exposure {
     }
     return rows * this.width;
   }
+
+  // No more passes than there are.
+  finish() { this.samples = this.pass; }
 
   free() {
     for (const target of this.targets) this.renderer.freeTarget(target);

@@ -314,7 +314,7 @@ uniform float tangent, aspect;
 uniform vec2 pixels, jitter;        // of the picture; where in a pixel the ray goes, 0 to 1
 uniform vec3 regionMin, regionMax;
 uniform vec4 clip;                  // what has dot(clip.xyz, x) > clip.w is cut away; 0: nothing
-uniform float stepAlpha, stepLeast;
+uniform float stepAlpha, stepLeast, stepFirst;
 uniform int axisCount;              // of the differences for normals: 13, or 3 for a coarse picture
 uniform int colourBy;               // 0 direction, 1 versor, 2 iterations, 3 trap, 4 clay, 5 depth
 uniform vec3 keyLight;
@@ -335,6 +335,14 @@ const vec3 CLAY = vec3(0.55, 0.32, 0.21);
 const int STEPS = 6000, BISECTIONS = 12;
 
 float stepAt(float t) { return max(stepAlpha * t, stepLeast); }
+
+// The samples of all rays are at one sequence of distances, from stepFirst on, as in the exact picture: its first member
+// at a distance or beyond.
+float onSequence(float t) {
+  if (stepAlpha * stepFirst < stepLeast) return t;
+  float growth = log(1.0 + stepAlpha);
+  return stepFirst * exp(ceil(log(t / stepFirst) / growth - 1e-3) * growth);
+}
 
 vec3 linearOf(vec3 c) {
   return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), vec3(greaterThan(c, vec3(0.04045))));
@@ -399,7 +407,8 @@ void main() {
         for (int i = 0; i < 64; ++i) {
           float next = afterEmptiness(direction, inverse, t);
           if (next == t) break;
-          outside = t = next;
+          outside = next;
+          t = onSequence(next);
           entering = false;
           if (t > end) break;
         }
@@ -430,7 +439,7 @@ void main() {
         width = stepAt(t);
       } else {
         outside = t;
-        t += stepAt(t);
+        t = entering ? onSequence(t + 1e-3 * stepAt(t)) : t + stepAt(t);
       }
       entering = false;
     } else if (phase == BISECT) {
