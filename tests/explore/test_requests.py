@@ -202,19 +202,19 @@ class Page(harness.CliTest):
         self.path("out").mkdir()
         page = self.serve("s.obj", "--folder", "out", *QUICK)
         body = {"recipe": page.recipe(detail="0.45", versor="random", versor_roots="4"), "name": "My look.1",
-                "formats": ["vdb", "ply"], "resolution": 31}
+                "formats": ["vdb", "ply", "obj"], "resolution": 31}
         # Scenes before it leave nothing in it.
         page.post("scene", {"recipe": page.recipe(detail="0.9")})
         status, answer = page.post("make", body)
         self.assertEqual(status, 200, answer)
         job = page.wait_for(answer["job"])
-        self.assertEqual((job["state"], job["files"], job["share"]), ("done", ["My look.1.vdb", "My look.1.ply"], 1), job)
+        self.assertEqual((job["state"], job["files"], job["share"]), ("done", ["My look.1.vdb", "My look.1.ply", "My look.1.obj"], 1), job)
         made = {name: self.path("out").joinpath(name).read_bytes() for name in job["files"]}
         for name in job["files"]:
             self.path("out").joinpath(name).unlink()
         command = page.post("command", body)[1]["command"]
         self.assertTrue(command.startswith("juliavdb fractal s.obj "), command)
-        script = command.replace("juliavdb", '"$JULIAVDB"', 1)
+        script = command.replace("juliavdb fractal", '"$JULIAVDB" fractal')
         subprocess.run(["sh", "-c", script], cwd=self.folder, env=harness.environment({"JULIAVDB": harness.program()}),
                        check=True, stderr=subprocess.PIPE)
         self.assertEqual({name: self.path("out").joinpath(name).read_bytes() for name in made}, made)

@@ -319,18 +319,23 @@ json ExploreSession::command(const json& body) {
   const Look look = lookToMake(body);
   const std::string name = textOf(body, "name", "look");
   requireFileName(name);
-  std::vector<std::pair<std::string, std::string>> outputs;
+  // The command writes one mesh; further ones take commands of their own.
+  std::vector<std::vector<std::pair<std::string, std::string>>> outputs(1);
   bool hasMesh = false;
   for (const std::string& format : formatsOf(body)) {
     const std::vector<std::string> known = fileFormats();
     if (std::find(known.begin(), known.end(), format) == known.end())
       throw std::invalid_argument("there is no format '" + inOneLine(format) + "' for files");
     const bool mesh = format != "vdb";
-    if (mesh && hasMesh) continue;  // the command writes one mesh
+    if (mesh && hasMesh) outputs.emplace_back();
     hasMesh = hasMesh || mesh;
-    outputs.emplace_back(mesh ? "--mesh" : "-o", (mFolder / (name + '.' + format)).string());
+    (mesh ? outputs.back() : outputs.front())
+        .emplace_back(mesh ? "--mesh" : "-o", (mFolder / (name + '.' + format)).string());
   }
-  return {{"command", fractalCommand(look.given, mTable, outputs)}};
+  std::string commands;
+  for (const auto& files : outputs)
+    commands += (commands.empty() ? "" : "\n") + fractalCommand(look.given, mTable, files);
+  return {{"command", commands}};
 }
 
 std::string ExploreSession::exported(const json& body, Monitor& monitor) {

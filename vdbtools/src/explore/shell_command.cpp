@@ -52,9 +52,13 @@ std::string fractalCommand(const Recipe& recipe, const OptionTable& table,
 Recipe shortestRecipe(const Recipe& recipe, const OptionTable& table) {
   const Recipe completed = completeRecipe(recipe, table);
   Recipe shortest = recipe;
-  for (const auto& [name, value] : recipe) {
-    const auto entry = shortest.extract(name);
-    if (completeRecipe(shortest, table) != completed) shortest[name] = value;
+  // What one entry says may follow from others only once a third is gone.
+  for (std::size_t before = 0; before != shortest.size();) {
+    before = shortest.size();
+    for (const auto& [name, value] : Recipe(shortest)) {
+      shortest.erase(name);
+      if (completeRecipe(shortest, table) != completed) shortest[name] = value;
+    }
   }
   return shortest;
 }

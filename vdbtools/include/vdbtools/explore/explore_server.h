@@ -23,7 +23,9 @@
 ///     GET    jobs        [{job, name, state, phase, share, left, files, error, recipe}]
 ///     DELETE jobs/N      cancels a job
 ///     POST   recipe      the first bytes of a file that this program made, its name in the query "name": {recipe,
-///     note} POST   command     {recipe, name, formats, resolution}: {command}, for a POSIX shell POST   export
+///     note} POST   command     {recipe, name, formats, resolution}: {command}, for a POSIX shell: a line, and another
+///     one for
+///                        each mesh beyond the first POST   export
 ///     {recipe, look}: the page of --export
 #pragma once
 
