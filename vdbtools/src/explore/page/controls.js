@@ -14,11 +14,12 @@ export class Options {
   constructor(start) {
     this.list = start.options ?? [];
     this.byName = new Map(this.list.map((option) => [option.name, option]));
+    this.firstMap = start.maps?.[0]?.name ?? "shape-modulus";
   }
 
-  mapOf(recipe) { return recipe.map ?? this.byName.get("map")?.default ?? "shape-modulus"; }
+  mapOf(recipe) { return recipe.map ?? this.firstMap; }
   has(name, recipe) { return this.byName.get(name)?.maps.includes(this.mapOf(recipe)) ?? false; }
-  usual(name, recipe) { return this.byName.get(name)?.defaults?.[this.mapOf(recipe)]; }
+  usual(name, recipe) { return name === "map" ? this.firstMap : this.byName.get(name)?.defaults?.[this.mapOf(recipe)]; }
   help(name) { return this.byName.get(name)?.help ?? ""; }
 
   // Sets an option; what says the same in another way goes.
@@ -92,7 +93,9 @@ export function makeControls(page) {
 
   const all = [];
   if (!page.isExported) {
-    const isOpen = (one) => one.target === "none" || (one.target === "optional") || start.target;
+    all.push(shapeControls());
+    all.push(textureControls());
+    const isOpen = (one) => one.target !== "needed" || start.target;
     all.push(group("Map", chosen("map", "Map", start.maps.filter(isOpen).map((one) => one.name)),
       when(isMap("cross"), chosen("pair", "Pair", ["A", "A'", "B", "C", "D", "E", "user"]), chosen("scheme", "Scheme", ["3", "4", "5"]),
         when((recipe) => recipe.pair === "user" || recipe.f || recipe.g, line("f", "f"), line("g", "g")),
@@ -101,8 +104,6 @@ export function makeControls(page) {
         when((recipe) => !recipe.mandelbrot, ...vector("c", ["c real", "c i", "c j", "c k"], { min: -1.5, max: 1.5, step: 0.005 }))),
       when(isMap("mandelbulb"), number("power", "Power", { min: 1, max: 16, step: 0.25 }), chosen("theta", "Second angle from", ["plane", "pole"]),
         line("c", "Constant of a Julia set"))));
-    all.push(shapeControls());
-    all.push(textureControls());
   } else {
     const scene = page.scene();
     if (scene.constant && scene.map !== "shape-modulus")

@@ -90,7 +90,7 @@ export function makeFiles(page) {
   }
 
   const field = (label, input) => element("div", { class: "control" }, element("label", { for: input.id }, label), input);
-  const whole = group("Files",
+  const whole = group("Make files, and recipes",
     field("Name", name), field("Resolution", resolution),
     element("datalist", { id: "make-resolutions" }, start.resolutions.map((value) => element("option", { value }))),
     element("fieldset", { class: "formats" }, element("legend", {}, "Formats"),
@@ -119,6 +119,8 @@ export function makeFiles(page) {
         say("The page was made.");
       }))),
     pick, list);
+  whole.classList.add("files");
+  whole.open = false;
   poll();
   return { element: whole, load };
 }

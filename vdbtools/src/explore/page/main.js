@@ -131,7 +131,7 @@ async function run() {
 
   // ---- scenes ----
 
-  let timer = 0, asking = null, shownOf = scene ? scenes.key(scene.recipe) : "";
+  let timer = 0, asking = null, askedFor = "", shownOf = scene ? scenes.key(scene.recipe) : "";
   const frameScene = () => {
     if (store.state.view && (store.state.view.of ?? scene.map) === scene.map) return;
     store.state.view = { ...viewAround(scene.frame, {}, stage.aspect), of: scene.map };
@@ -139,8 +139,10 @@ async function run() {
   };
   async function ask() {
     const recipe = { ...store.state.recipe }, key = scenes.key(recipe);
+    if (asking && askedFor === key) return;
     asking?.abort();
     const mine = asking = new AbortController();
+    askedFor = key;
     say(scene ? "The scene is being made." : "The target is being prepared.");
     try {
       const made = await scenes.get(recipe, false, mine.signal);
@@ -161,7 +163,7 @@ async function run() {
     }
   }
   const askLater = (isMoving) => {
-    if (isExported || (scenes.key(store.state.recipe) === shownOf && !asking)) return;
+    if (isExported || !scene || (scenes.key(store.state.recipe) === shownOf && !asking)) return;
     clearTimeout(timer);
     timer = setTimeout(ask, isMoving ? WAIT : 20);
   };
@@ -234,7 +236,7 @@ async function run() {
     canvas, exact, targetBox, status, progress, strip: strip.element,
     title: isExported ? "A look of JuliaVDB" : start.target?.name ?? "JuliaVDB",
     tools: [undo, redo, frameButton, savePicture, ...(isExported ? [] : [exactButton, ...(start.target ? [compare] : [])])],
-    panel: [...(files ? [files.element] : [exportNote(scene, start)]), controls.element],
+    panel: files ? [controls.element, files.element] : [exportNote(scene, start), controls.element],
   };
   buildPage(parts);
 
