@@ -63,8 +63,9 @@ TEST(FileAccess, NoOptionThatNamesAFileIsForgotten) {
         EXPECT_THROW(access.require(*options), vdbtools::FileRefused) << "--" << spec->name << ' ' << text;
         EXPECT_NO_THROW(vdbtools::FileAccess(*options).require(*options)) << "--" << spec->name << ' ' << text;
       }
-      if (!spec->hash.empty() && !spec->kept)
+      if (!spec->hash.empty() && !spec->kept) {
         EXPECT_TRUE(takesFile) << map->name() << " --" << spec->name << " has a hash of a file, and no file";
+      }
     }
   }
   EXPECT_GT(named, 10);
