@@ -3,18 +3,22 @@
 #include "commands/plan.h"
 #include "exit_code.h"
 #include "failure.h"
+#include "help_output.h"
 #include "interruption.h"
 #include "report.h"
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/near_words.h"
 
 #include <algorithm>
 #include <chrono>
 #include <exception>
 #include <iostream>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace cli {
 namespace {
@@ -24,6 +28,8 @@ const Command kCommands[] = {
     {"fractal", runFractal, "make a fractal (VDB, mesh) from a mesh or a signed distance field"},
     {"fit", runFit, "find a rational map whose Julia set has the shape of a mesh"},
     {"mesh", runMesh, "make a mesh from a VDB"},
+    {"points", runPoints, "spread oriented points over a surface"},
+    {"print", runPrint, "make a part for 3D printing: one closed piece, in millimetres, nowhere too thin"},
     {"versor", runVersor, "make, inspect and change versors, the texture of a fractal"},
     {"sheet", runSheet, "make a contact sheet: a picture for each value of one or two options"},
     {"slice", runSlice, "make a picture of a field on a plane"},
@@ -41,7 +47,8 @@ const Command kCommands[] = {
     {"completion", runCompletion, "write the completion of command lines for bash"},
 };
 
-void printHelp(std::ostream& stream) {
+std::string helpText() {
+  std::ostringstream stream;
   stream << "Usage: juliavdb COMMAND [options]\n\n"
             "Turns a mesh into a fractal of the same shape.\n\nCommands:\n";
   for (const Command& command : commands())
@@ -49,25 +56,57 @@ void printHelp(std::ostream& stream) {
            << '\n';
   stream << "\n"
             "'juliavdb COMMAND --help' describes a command. 'juliavdb --version' prints the version.\n";
+  return stream.str();
+}
+
+const Command* findCommand(const std::string& name) {
+  for (const Command& command : commands())
+    if (name == command.name) return &command;
+  return nullptr;
+}
+
+[[noreturn]] void refuseCommand(const std::string& name) {
+  std::vector<std::string> names;
+  for (const Command& command : commands()) names.emplace_back(command.name);
+  throw std::invalid_argument("'" + name + "' is not a command; 'juliavdb --help' lists them" +
+                              vdbtools::didYouMean(name, names));
+}
+
+/// 'juliavdb help fractal detail' is 'juliavdb fractal --help detail'.
+int runHelp(const Arguments& topics) {
+  if (topics.empty()) {
+    writeHelp(helpText());
+    return kDone;
+  }
+  const Command* const command = findCommand(topics.front());
+  if (!command) refuseCommand(topics.front());
+  Arguments words{"--help"};
+  std::size_t next = 1;
+  for (const Command& part : command->parts)
+    if (topics.size() > 1 && topics[1] == part.name) {
+      words.insert(words.begin(), topics[1]);
+      next = 2;
+    }
+  words.insert(words.end(), topics.begin() + static_cast<std::ptrdiff_t>(next), topics.end());
+  return command->run(words);
 }
 
 int run(const Arguments& arguments) {
   if (arguments.empty()) {
-    printHelp(std::cerr);
+    std::cerr << helpText();
     return kUsage;
   }
   const std::string& name = arguments.front();
   if (name == "--help" || name == "-h" || name == "help") {
-    printHelp(std::cout);
-    return kDone;
+    return runHelp(Arguments(arguments.begin() + 1, arguments.end()));
   }
   if (name == "--version") {
     std::cout << "juliavdb " << JULIAVDB_VERSION << '\n';
     return kDone;
   }
-  for (const Command& command : commands())
-    if (name == command.name) return command.run(Arguments(arguments.begin() + 1, arguments.end()));
-  throw std::invalid_argument("'" + name + "' is not a command; 'juliavdb --help' lists them");
+  if (const Command* const command = findCommand(name))
+    return command->run(Arguments(arguments.begin() + 1, arguments.end()));
+  refuseCommand(name);
 }
 
 /// One line, whatever the text held.

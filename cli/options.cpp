@@ -2,20 +2,28 @@
 #include "options.h"
 
 #include "describe.h"
+#include "help_output.h"
+#include "option_groups.h"
+#include "report.h"
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/near_words.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_options.h"
+#include "vdbtools/job/recorded_files.h"
 #include "vdbtools/job/recorded_recipe.h"
 #include "vdbtools/job/sheet_file.h"
 
 #include "julia/instruction_set.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
+#include <ostream>
+#include <sstream>
 #include <stdexcept>
 
 namespace po = boost::program_options;
@@ -27,6 +35,57 @@ namespace {
 constexpr int kStyle = po::command_line_style::unix_style & ~po::command_line_style::allow_guessing;
 constexpr unsigned kLineLength = 110;
 constexpr int kMostThreads = 4096;
+constexpr std::size_t kMostAtOnce = 30;  ///< a command with more options shows groups of them
+
+constexpr const char* kOwn = "Options";
+constexpr const char* kCommon = "Common options";
+
+std::string lowerCase(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+/// What is typed for a group: "common" for "Common options".
+std::string topicOf(const std::string& heading) { return lowerCase(heading.substr(0, heading.find(' '))); }
+
+/// What help is asked for: "" if nothing in particular, nullopt if none. A topic is the last word.
+std::optional<std::string> helpTopic(const Arguments& arguments) {
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const std::string& word = arguments[i];
+    if (word == "--") break;
+    if (word.starts_with("--help=")) return word.substr(std::string_view("--help=").size());
+    if (word != "--help" && word != "-h") continue;
+    // A file's name behind it is what the command was to work on.
+    if (i + 2 != arguments.size() || arguments.back().find_first_of("./") != std::string::npos) return "";
+    return arguments.back();
+  }
+  return std::nullopt;
+}
+
+/// The option that a word names; nullptr: it is none.
+const po::option_description* optionOf(const std::string& word, const po::options_description& all) {
+  if (word.starts_with("--")) return all.find_nothrow(word.substr(2, word.find('=') - 2), false);
+  if (word.size() < 2 || word[0] != '-' || !std::isalpha(static_cast<unsigned char>(word[1]))) return nullptr;
+  return all.find_nothrow(word.substr(0, 2), false);
+}
+
+bool isHidden(const po::option_description& option, const po::options_description& hidden) {
+  return hidden.find_nothrow(option.long_name(), false) != nullptr;
+}
+
+/// ": 'a.obj', 'b.obj'": the words that belong to no option.
+std::string quotedWords(const Arguments& arguments, const po::options_description& all) {
+  std::string words;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const po::option_description* option = optionOf(arguments[i], all);
+    if (!option)
+      words += (words.empty() ? ": '" : ", '") + arguments[i] + "'";
+    else if (option->semantic()->max_tokens() > 0 && arguments[i].find('=') == std::string::npos &&
+             (arguments[i].starts_with("--") || arguments[i].size() == 2))
+      ++i;
+  }
+  return words;
+}
 
 std::optional<int> parseThreads(const std::string& text) {
   const std::optional<int> threads = vdbtools::wholeFromText<int>(text);
@@ -52,6 +111,11 @@ bool isRecipeFile(const std::string& file) {
   const std::string extension = vdbtools::lowerExtension(file);
   return extension == ".vdb" || extension == ".ply" || extension == ".obj" || vdbtools::isSheetCell(file);
 }
+
+constexpr const char* kSearchHelp =
+    "where to look for the files of a recipe that a VDB, PLY or OBJ holds, if they are neither where it says nor "
+    "beside "
+    "it: by name, then by SHA-256; any number of times";
 
 po::value_semantic* valueOf(const vdbtools::OptionListing& option) {
   auto* value = po::value<std::string>();
@@ -92,8 +156,9 @@ CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions
       "the vector instructions to use; they change the speed and no bit of the result (default auto, the widest)")(
       "progress", po::value<std::string>()->value_name("bar|json|none"),
       "how to show progress on stderr: a bar with the time left for work of more than two seconds (the default), "
-      "nothing, or for other programs one JSON object a line and no other text (docs/progress.md)")("help,h",
-                                                                                                    "show this help");
+      "nothing, or for other programs one JSON object a line and no other text (docs/progress.md)")(
+      "help,h",
+      "describe the command; --help all, --help GROUP or --help NAME shows all of its options, a group of them or one");
 }
 
 void CommandLine::addOptions(const std::vector<vdbtools::OptionSpec>& options) {
@@ -117,8 +182,13 @@ void CommandLine::addPositional(const char* name, int count, const char* help) {
 }
 
 bool CommandLine::parse(const Arguments& arguments) {
+  if (const std::optional<std::string> topic = helpTopic(arguments)) {
+    printHelp(*topic);
+    return false;
+  }
   po::options_description all;
   all.add(mOwn).add(mFromRecipe).add(mCommon).add(mHidden);
+  checkWords(arguments, all);
   try {
     po::store(po::command_line_parser(arguments)
                   .options(all)
@@ -129,14 +199,12 @@ bool CommandLine::parse(const Arguments& arguments) {
               mValues);
     po::notify(mValues);
   } catch (const po::too_many_positional_options_error&) {
-    throw std::invalid_argument("there is one argument too many; 'juliavdb " + std::string(mUsage.command) +
-                                " --help' says what is expected");
+    throw std::invalid_argument("there is one argument too many" + quotedWords(arguments, all) + "; 'juliavdb " +
+                                mUsage.command + " --help' says what is expected");
+  } catch (const po::multiple_occurrences& error) {
+    throw std::invalid_argument(error.get_option_name() + " is given twice; leave one of them out");
   } catch (const po::error& error) {
     throw std::invalid_argument(std::string(error.what()) + "; see 'juliavdb " + mUsage.command + " --help'");
-  }
-  if (has("help")) {
-    printHelp();
-    return false;
   }
   if (has("describe")) {
     describe(text("describe"));
@@ -170,6 +238,7 @@ void CommandLine::readConfig(const std::string& file) {
       throw std::invalid_argument("'" + file + "' was made by 'juliavdb " + command + "', not by 'juliavdb " +
                                   mUsage.command + "'");
     base = std::move(recipe);
+    mConfigHolder = file;
   } else {
     std::ifstream stream(file);
     if (!stream || std::filesystem::is_directory(file)) throw vdbtools::MissingInputError("cannot open '" + file + "'");
@@ -211,36 +280,171 @@ void CommandLine::applyInstructions() const {
   for (const julia::InstructionSet set :
        {julia::InstructionSet::Portable, julia::InstructionSet::Avx2, julia::InstructionSet::Avx512})
     if (name == julia::nameOf(set)) return julia::setInstructionSet(set);
-  throw std::invalid_argument("--instructions is '" + name + "'; it must be one of auto, portable, avx2, avx512");
+  vdbtools::refuseChoice("instructions", name, std::vector<std::string>{"auto", "portable", "avx2", "avx512"});
 }
 
-void CommandLine::printHelp() const {
-  std::cout << "Usage: juliavdb " << mUsage.command << ' ' << mUsage.synopsis << "\n\n" << mUsage.description << "\n\n";
-  if (!mOwn.options().empty()) std::cout << mOwn << '\n';
-  if (!mFromRecipe.options().empty()) std::cout << mFromRecipe << '\n';
-  std::cout << mCommon << "\nExamples:\n" << mUsage.examples;
+std::vector<CommandLine::Group> CommandLine::groups() const {
+  std::vector<Group> groups;
+  const auto add = [&](const std::string& heading, const boost::shared_ptr<po::option_description>& option) {
+    auto group = std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.heading == heading; });
+    if (group == groups.end()) {
+      groups.push_back({heading, po::options_description(heading, kLineLength)});
+      group = groups.end() - 1;
+    }
+    group->options.add(option);
+  };
+  for (const auto& option : mOwn.options()) add(kOwn, option);
+  const OptionGroups headings(mTable);
+  for (const auto& option : mFromRecipe.options()) add(headings.headingOf(option->long_name()), option);
+  for (const auto& option : mCommon.options()) add(kCommon, option);
+  return groups;
+}
+
+void CommandLine::checkWords(const Arguments& arguments, const po::options_description& all) const {
+  const auto isOption = [&](const std::string& word) { return optionOf(word, all) != nullptr; };
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const std::string& word = arguments[i];
+    if (word == "--") return;
+    const po::option_description* option = optionOf(word, all);
+    if (!option) {
+      if (!word.starts_with("--")) continue;
+      const std::string name = word.substr(2, word.find('=') - 2);
+      std::vector<std::string> known;
+      for (const auto& each : all.options())
+        if (!isHidden(*each, mHidden)) known.push_back(each->long_name());
+      throw std::invalid_argument("--" + name + " is not an option of 'juliavdb " + mUsage.command +
+                                  "'; see 'juliavdb " + mUsage.command + " --help'" +
+                                  vdbtools::didYouMean(name, known, "--"));
+    }
+    if (option->semantic()->max_tokens() == 0) continue;
+    const std::string name = word.substr(0, word.find('='));
+    const auto lacking = [&](const std::string& why) {
+      std::string argument = option->format_parameter();
+      if (const std::size_t at = argument.find(" (="); at != std::string::npos) argument.resize(at);
+      throw std::invalid_argument(name + " has no value: " + why + "; give one, as in " + name + ' ' + argument);
+    };
+    if (word.starts_with("--") && word.find('=') != std::string::npos) {
+      if (word.back() == '=' && word.find('=') == word.size() - 1) lacking("nothing follows the equals sign");
+      continue;
+    }
+    if (word.size() > 2 && !word.starts_with("--")) continue;  // -oNAME
+    if (i + 1 == arguments.size()) lacking("it is the last word");
+    if (isOption(arguments[i + 1])) lacking("'" + arguments[i + 1] + "' follows it");
+    ++i;
+  }
+}
+
+void CommandLine::printHelp(const std::string& topic) const {
+  const std::vector<Group> all = groups();
+  std::size_t count = 0;
+  for (const Group& group : all) count += group.options.options().size();
+  std::ostringstream text;
+  if (topic.empty() || lowerCase(topic) == "all") {
+    text << "Usage: juliavdb " << mUsage.command << ' ' << mUsage.synopsis << "\n\n" << mUsage.description << "\n\n";
+    if (topic.empty() && count > kMostAtOnce)
+      text << shortHelp(all);
+    else
+      for (const Group& group : all) text << group.options << '\n';
+    text << "Examples:\n" << mUsage.examples;
+    return writeHelp(text.str());
+  }
+  std::vector<std::string> topics{"all"};
+  for (const Group& group : all) topics.push_back(topicOf(group.heading));
+  for (const Group& group : all)
+    if (lowerCase(topic) == topicOf(group.heading)) text << group.options;
+  if (!text.str().empty()) return writeHelp(text.str());
+  const std::string name = topic.substr(std::min(topic.find_first_not_of('-'), topic.size()));
+  for (const Group& group : all)
+    for (const auto& option : group.options.options()) {
+      topics.push_back(option->long_name());
+      if (option->long_name() != name) continue;
+      po::options_description one(group.heading, kLineLength);
+      one.add(option);
+      text << one;
+      return writeHelp(text.str());
+    }
+  throw std::invalid_argument("there is no help about '" + topic + "'; 'juliavdb " + mUsage.command +
+                              " --help' lists the groups, and --help all shows everything" +
+                              vdbtools::didYouMean(name, topics));
+}
+
+/// The command's own options and the basic ones of its recipe; of the others the names, by groups.
+std::string CommandLine::shortHelp(const std::vector<Group>& groups) const {
+  std::ostringstream text;
+  po::options_description basics("Basics", kLineLength);
+  for (const Group& group : groups)
+    for (const auto& option : group.options.options()) {
+      if (group.heading == kOwn || isBasic(option->long_name())) basics.add(option);
+    }
+  text << basics << "\nMore options, by groups:\n";
+  constexpr std::size_t kIndent = 12;
+  for (const Group& group : groups) {
+    if (group.heading == kOwn) continue;
+    std::string line = "  " + topicOf(group.heading);
+    line.resize(std::max(kIndent, line.size() + 2), ' ');
+    for (const auto& option : group.options.options()) {
+      const std::string name = "--" + option->long_name();
+      if (line.size() + name.size() > kLineLength) {
+        text << line << '\n';
+        line.assign(kIndent, ' ');
+      }
+      line += (line.ends_with("  ") || line.size() == kIndent ? "" : " ") + name;
+    }
+    text << line << '\n';
+  }
+  text << "'juliavdb " << mUsage.command << " --help GROUP' describes a group, as in '--help "
+       << topicOf(groups.at(1).heading) << "', '--help NAME' an option, and '--help all' everything.\n\n";
+  return text.str();
 }
 
 void CommandLine::describe(const std::string& how) const {
-  std::vector<OptionGroup> groups;
-  for (const auto& [heading, options] :
-       {std::pair("Options", &mOwn), {"What to make", &mFromRecipe}, {"Common options", &mCommon}})
-    if (!options->options().empty()) groups.push_back({heading, options});
+  const std::vector<Group> all = groups();
+  std::vector<OptionGroup> described;
+  for (const Group& group : all) described.push_back({group.heading, &group.options});
   if (how == "man")
-    writeManualPage(std::cout, mUsage, groups);
+    writeManualPage(std::cout, mUsage, described);
   else if (how == "completion")
-    writeCompletionTable(std::cout, mUsage, groups);
+    writeCompletionTable(std::cout, mUsage, described);
   else
     throw std::invalid_argument("--describe is '" + how + "'; it must be man or completion");
 }
 
-vdbtools::Recipe givenSceneRecipe(const CommandLine& line, const std::string& input) {
-  if (!vdbtools::isVdbPath(input)) return line.givenRecipe();
+void addSearchOption(CommandLine& line) {
+  line.addOptions()("search", po::value<std::vector<std::string>>()->value_name("DIR"), kSearchHelp);
+}
+
+vdbtools::Recipe withFoundFiles(const CommandLine& line, const vdbtools::Recipe& recipe,
+                                const std::filesystem::path& holder, const std::string& wayOut) {
+  if (holder.empty()) return recipe;
+  vdbtools::FileSearch search{.holder = holder, .wayOut = wayOut};
+  for (const std::string& folder : line.texts("search")) search.folders.emplace_back(folder);
+  vdbtools::FoundFiles found = vdbtools::findRecordedFiles(recipe, search);
+  for (const auto& [recorded, path] : found.elsewhere)
+    report().text() << "note: '" << recorded.string() << "' of the recipe was found as '" << path.string() << "'\n";
+  return std::move(found.recipe);
+}
+
+namespace {
+
+struct SceneRecipe {
+  vdbtools::Recipe given;
+  std::filesystem::path holder;  ///< of the file that it is from; empty: it was typed
+};
+
+SceneRecipe sceneRecipeFor(const CommandLine& line, const std::string& input) {
+  if (!vdbtools::isVdbPath(input)) return {line.givenRecipe(), line.configHolder()};
   auto [command, recipe] = vdbtools::readRecordedRecipe(input);
-  if (command != "fractal") return line.givenRecipe();
+  if (command != "fractal") return {line.givenRecipe(), line.configHolder()};
   vdbtools::Recipe given = line.givenRecipe();
   given.erase("input");
-  return vdbtools::overridden(std::move(recipe), given, vdbtools::fractalOptionTable());
+  return {vdbtools::overridden(std::move(recipe), given, vdbtools::fractalOptionTable()), input};
+}
+
+}  // namespace
+
+vdbtools::Recipe givenSceneRecipe(const CommandLine& line, const std::string& input) {
+  const auto [given, holder] = sceneRecipeFor(line, input);
+  return withFoundFiles(line, given, holder);
 }
 
 vdbtools::Recipe sceneRecipe(const CommandLine& line, const std::string& input) {

@@ -76,13 +76,25 @@ class CommandLine {
   /// What was given on the command line, of the recipe or of another table.
   vdbtools::Recipe given(const vdbtools::OptionTable& table) const;
   vdbtools::Recipe given() const { return given(mTable); }
+  /// The file of --config if that has a recipe which the program recorded; else empty.
+  const std::filesystem::path& configHolder() const { return mConfigHolder; }
   Progress& progress() const { return *mProgress; }
 
  private:
+  /// All options by their headings: the command's own first, those that all commands have last.
+  struct Group {
+    std::string heading;
+    boost::program_options::options_description options;
+  };
+  std::vector<Group> groups() const;
+
+  /// Finds what boost would take for something else: an option without its value, an option that does not exist.
+  void checkWords(const Arguments& arguments, const boost::program_options::options_description& all) const;
   void readConfig(const std::string& file);
   void applyThreads();
   void applyInstructions() const;
-  void printHelp() const;
+  void printHelp(const std::string& topic) const;
+  std::string shortHelp(const std::vector<Group>& groups) const;
   void describe(const std::string& how) const;
 
   Usage mUsage;
@@ -92,12 +104,24 @@ class CommandLine {
   boost::program_options::positional_options_description mPositional;
   boost::program_options::variables_map mValues;
   vdbtools::Recipe mRecipe, mGiven;
+  std::filesystem::path mConfigHolder;
   std::unique_ptr<tbb::global_control> mThreads;
   std::unique_ptr<Progress> mProgress;
 };
 
+/// --search, for commands that take a recipe from a file that was made.
+void addSearchOption(CommandLine& line);
+/// A fractal's recipe with its files where they are today, for opening them: with what --search says, and a note of
+/// each file that is elsewhere (vdbtools/job/recorded_files.h). What is recorded keeps the names that it has.
+/// @param holder  the file that has the recipe; empty: it was typed, and stays as it is
+/// @param wayOut  what else the user can do where a file is missing
+/// @throw as vdbtools::findRecordedFiles()
+vdbtools::Recipe withFoundFiles(const CommandLine& line, const vdbtools::Recipe& recipe,
+                                const std::filesystem::path& holder, const std::string& wayOut = {});
+
 /// The recipe for a command that shows a scene, as far as it is given: of a fractal that this program made its own
-/// recipe stands in for the options that were not given, its input among them.
+/// recipe stands in for the options that were not given, its input among them. Its files are named as they are found
+/// today, by withFoundFiles().
 vdbtools::Recipe givenSceneRecipe(const CommandLine& line, const std::string& input);
 /// The same, completed.
 vdbtools::Recipe sceneRecipe(const CommandLine& line, const std::string& input);

@@ -6,6 +6,7 @@
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/frame_name.h"
+#include "vdbtools/mesh/mesh_writer.h"
 
 #include <algorithm>
 #include <stdexcept>
@@ -47,6 +48,23 @@ std::string Outputs::names() const {
 std::string formatOf(const std::string& name, const char* usual) {
   const std::string extension = vdbtools::lowerExtension(name);
   return extension.empty() ? usual : extension;
+}
+
+void noteLeftOut(const std::filesystem::path& file, std::span<const vdbtools::VertexColumn> columns) {
+  const std::string extension = vdbtools::lowerExtension(file);
+  std::vector<std::string> names;
+  if (extension == ".vdb") {
+    for (const vdbtools::VertexColumn& column : columns)
+      if (column.kind == vdbtools::ColumnKind::TextureCoordinate) names.push_back(column.name);
+  } else if (!extension.empty()) {
+    names = vdbtools::columnsLeftOut(vdbtools::meshFormat(file), columns);
+  }
+  if (names.empty()) return;
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  report().text() << "note: " << file.string() << " holds no "
+                  << (names.size() == columns.size() && extension != ".vdb" ? "attributes" : list)
+                  << (extension == ".vdb" ? "" : "; a PLY holds all") << '\n';
 }
 
 std::optional<int> parseFrame(const std::string& text) {

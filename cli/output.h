@@ -5,11 +5,14 @@
 #pragma once
 
 #include "vdbtools/files/atomic_file.h"
+#include "vdbtools/mesh/vertex_column.h"
 
+#include <filesystem>
 #include <functional>
 #include <list>
 #include <optional>
 #include <ostream>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -38,6 +41,9 @@ class Outputs {
 
 /// The extension that says what is written to @a name; @a usual for a device, which has none.
 std::string formatOf(const std::string& name, const char* usual);
+
+/// Says which attributes a mesh or a VDB has no room for, if there are any.
+void noteLeftOut(const std::filesystem::path& file, std::span<const vdbtools::VertexColumn> columns);
 
 /// The value of an option --frame. @throw std::invalid_argument
 std::optional<int> parseFrame(const std::string& text);

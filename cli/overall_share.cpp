@@ -15,33 +15,47 @@ using Phases = std::vector<PhaseWeight>;
 
 /// The phases that make a target and its exponent, and then others.
 Phases scenePhases(const Phases& others) {
-  Phases phases = {{"reading", 2},         {"closing gaps", 20},     {"sides", 5},   {"distance field", 12},
-                   {"local thickness", 3}, {"widening the band", 5}, {"exponent", 5}};
+  Phases phases = {{"reading", 2},         {"thickening", 8},      {"closing gaps", 20},     {"sides", 5},
+                   {"distance field", 12}, {"local thickness", 3}, {"widening the band", 5}, {"exponent", 5}};
   phases.insert(phases.end(), others.begin(), others.end());
   return phases;
 }
 
 const Phases kNone;
-const Phases kSdf = {{"reading", 2}, {"closing gaps", 40}, {"sides", 15}, {"distance field", 35}, {"writing", 8}};
+const Phases kSdf = {{"reading", 2}, {"thickening", 20},     {"closing gaps", 40},
+                     {"sides", 15},  {"distance field", 35}, {"writing", 8}};
 const Phases kFractal = scenePhases({{"proofs", 5},
                                      {"field", 15},
                                      {"seeds", 1},
                                      {"following the surface", 15},
                                      {"islands", 3},
                                      {"surface", 15},
+                                     {"adapting", 30},
                                      {"level set", 15},
                                      {"versor", 5},
+                                     {"attributes", 5},
                                      {"writing", 5},
                                      {"checking", 1}});
+const Phases kPoints = scenePhases(
+    {{"proofs", 5}, {"field", 15}, {"surface", 15}, {"points", 20}, {"gaps", 10}, {"elimination", 10}, {"writing", 2}});
+const Phases kPrint = scenePhases({{"proofs", 5},
+                                   {"field", 15},
+                                   {"surface", 15},
+                                   {"islands", 2},
+                                   {"thickness", 20},
+                                   {"thin parts", 10},
+                                   {"adapting", 10},
+                                   {"writing", 2}});
 const Phases kPlan = scenePhases({{"sample", 100}});
-const Phases kMerge = {{"checking", 10}, {"merging", 60}, {"merging grids", 20}, {"versor", 5}, {"writing", 10}};
+const Phases kMerge = {{"checking", 10}, {"merging", 60},   {"merging grids", 20},
+                       {"versor", 5},    {"attributes", 5}, {"writing", 10}};
 const Phases kExplore = scenePhases({{"writing", 5}});
 const Phases kSlice = scenePhases({{"slice", 20}, {"writing", 5}});
 const Phases kStudy = scenePhases({{"distances", 5}, {"first versor", 2}, {"versors", 60}, {"writing", 2}});
-const Phases kRender = scenePhases({{"render", 60}, {"writing", 2}});
-const Phases kFit = {{"reading", 1},   {"sides", 2},           {"distance field", 3}, {"surface", 2},
-                     {"distances", 5}, {"electrostatics", 10}, {"monopoles", 5},      {"potential", 5},
-                     {"fit", 60},      {"measure", 10},        {"writing", 1}};
+const Phases kRender = scenePhases({{"ray tree", 5}, {"render", 60}, {"writing", 2}});
+const Phases kFit = {{"reading", 1},   {"thickening", 3}, {"sides", 2},           {"distance field", 3},
+                     {"surface", 2},   {"distances", 5},  {"electrostatics", 10}, {"monopoles", 5},
+                     {"potential", 5}, {"fit", 60},       {"measure", 10},        {"writing", 1}};
 
 bool names(const PhaseWeight& entry, std::string_view phase) {
   return phase.starts_with(entry.phase) && (phase.size() == entry.phase.size() || phase[entry.phase.size()] == ' ');
@@ -52,6 +66,8 @@ bool names(const PhaseWeight& entry, std::string_view phase) {
 std::span<const PhaseWeight> phasesOf(std::string_view command) {
   if (command == "sdf") return kSdf;
   if (command == "fractal" || command == "mesh" || command == "task") return kFractal;
+  if (command == "points") return kPoints;
+  if (command == "print") return kPrint;
   if (command == "plan") return kPlan;
   if (command == "merge") return kMerge;
   if (command == "explore") return kExplore;

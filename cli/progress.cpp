@@ -4,6 +4,8 @@
 #include "interruption.h"
 #include "report.h"
 
+#include "vdbtools/recipe/option_value.h"
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -37,7 +39,7 @@ ProgressStyle parseProgressStyle(const std::string& text) {
   if (text == "bar") return ProgressStyle::Bar;
   if (text == "json") return ProgressStyle::Json;
   if (text == "none") return ProgressStyle::None;
-  throw std::invalid_argument("--progress is '" + text + "'; it must be one of bar, json, none");
+  vdbtools::refuseChoice("progress", text, std::vector<std::string>{"bar", "json", "none"});
 }
 
 Progress::Progress(ProgressStyle style, std::string_view command)

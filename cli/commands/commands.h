@@ -17,6 +17,8 @@ int runMerge(const Arguments& arguments);
 int runMesh(const Arguments& arguments);
 int runFit(const Arguments& arguments);
 int runVersor(const Arguments& arguments);
+int runPoints(const Arguments& arguments);
+int runPrint(const Arguments& arguments);
 int runSheet(const Arguments& arguments);
 int runSlice(const Arguments& arguments);
 int runStudy(const Arguments& arguments);

@@ -104,6 +104,7 @@ int runExplore(const Arguments& arguments) {
       "of "
       "this machine see it)")("export", text("F.html"),
                               "write the first look as one HTML file that needs no server, and end");
+  addSearchOption(line);
   if (!line.parse(arguments)) return kDone;
   const vdbtools::Recipe given = givenSceneRecipe(line, line.text("input"));
   const bool open = line.has("open") && line.choice<bool>("open", {{"yes", true}, {"no", false}});

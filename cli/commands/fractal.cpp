@@ -4,8 +4,11 @@
 #include "exit_code.h"
 #include "options.h"
 #include "output.h"
+#include "plan.h"
 #include "report.h"
+#include "sequence.h"
 
+#include "vdbtools/farm/frame_recipes.h"
 #include "vdbtools/job/fractal_files.h"
 
 #include <ostream>
@@ -21,12 +24,19 @@ constexpr Usage kUsageText = {
     "Turns a target into a fractal of the same shape: a level set for Houdini or Blender, and the mesh of its true\n"
     "surface. The distances of a VDB input are used as they are. The maps quadratic, cross and mandelbulb make sets "
     "of\n"
-    "their own, without a target, within the ball from which no orbit has escaped, or within a --box.",
+    "their own, without a target, within the ball from which no orbit has escaped, or within a --box.\n"
+    "\n"
+    "With --frames it makes a sequence, one frame after the other. Names such as in.####.obj and out.####.vdb have a "
+    "place\n"
+    "for the frame, and --key says what an option is at some frames ('juliavdb plan frames --help'). A frame whose "
+    "files\n"
+    "are there and were made by the same options from the same inputs is kept.",
     "  juliavdb fractal bunny.obj -o bunny.vdb --mesh bunny.ply --resolution 150\n"
     "  juliavdb fractal bunny.obj -o deep.vdb --detail 0.6 --versor-seed 7 --resolution 100\n"
     "  juliavdb fractal bunny.obj -o ramp.vdb --detail x:0.05:0.6:smooth --resolution 100\n"
     "  juliavdb fractal bunny.obj -o papers.vdb --alpha 40 --beta 0.02 --origin centre --resolution 100\n"
     "  juliavdb fractal --config bunny.vdb -o again.vdb\n"
+    "  juliavdb fractal bunny.obj -o grow.####.vdb --frames 1-3 --key detail@1=0.1 --key detail@3=0.3 --resolution 60\n"
     "  juliavdb fractal --map quadratic --c=-0.2,0.6,0.2,0.2 --iterations 8 -o julia.vdb --resolution 80\n"
     "  juliavdb fractal --map mandelbulb --power 8 -o bulb.vdb --resolution 150\n"
     "  juliavdb fractal --map cross --scheme 5 --pair A --c 0.39,0.2,0 -o tunnels.vdb --resolution 150\n"
@@ -55,20 +65,29 @@ std::string choiceText(const vdbtools::Scene& scene) {
 }
 
 /// What is left of the target: a sentence, and whether that is little.
-void tellWhatIsLeft(const vdbtools::Scene& scene, const vdbtools::SolidMeasure& solid) {
+/// @param onlyIfLittle  nothing is said otherwise
+void tellWhatIsLeft(const vdbtools::Scene& scene, const vdbtools::SolidMeasure& solid, bool onlyIfLittle) {
   const double share = 100 * solid.volume / *scene.targetVolume, largest = 100 * solid.shareOfLargest(1);
   const std::size_t islands = solid.islands.size();
+  constexpr double kLittle = 50;  // percent
+  const bool isLittle = share < kLittle || solid.islands.empty();
+  if (onlyIfLittle && !isLittle) return;
   report().text() << "the set holds " << shortText(share) << " % of the target's volume in "
                   << (islands == 1 ? std::string("1 island")
                                    : std::to_string(islands) + " islands, the largest of which has " +
                                          shortText(largest) + " % of it")
                   << '\n';
-  constexpr double kLittle = 50;  // percent
-  if (share >= kLittle && !solid.islands.empty()) return;
+  if (!isLittle) return;
   report().text() << "warning: less than half of the target's volume is left; try "
                   << (scene.exponentOf->detail ? "a smaller --detail, a larger --outward"
                                                : "--detail instead of --alpha, a larger --alpha or --beta")
                   << ", or --origin auto\n";
+}
+
+std::string joined(const std::vector<std::string>& parts) {
+  std::string text;
+  for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
+  return text;
 }
 
 /// What was left out, in a sentence.
@@ -81,36 +100,39 @@ std::string followText(const vdbtools::FollowReport& report) {
   return text.str();
 }
 
-}  // namespace
+/// The options that name the files of a fractal.
+constexpr const char* kOutputOptions[] = {"output", "mesh"};
 
-int runFractal(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::fractalOptionTable());
-  line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), "the VDB to write")(
-      "mesh", po::value<std::string>()->value_name("F.ply"), "the mesh to write: .ply, .obj or .stl")(
-      "frame", po::value<std::string>()->value_name("N"), "the frame number, for names such as name.####.vdb");
-  if (!line.parse(arguments)) return kDone;
-  const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(line.recipe());
-  const bool wantVdb = line.has("output"), wantMesh = line.has("mesh");
-  if (!wantVdb && !wantMesh) throw std::invalid_argument("no output was given; use -o F.vdb, --mesh F.ply, or both");
-  Outputs outputs(parseFrame(line.text("frame")));
+struct FractalCounts {
+  double evaluatedNodes = 0, triangles = 0;
+};
+
+/// Makes the files of one fractal and says so; of a frame briefly.
+FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtools::SceneMaker& maker,
+                          vdbtools::Monitor& progress) {
+  const bool wantVdb = line.has("output"), wantMesh = line.has("mesh"), isFrame = run.frame && line.has("frames");
+  const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(run.found);
+  Outputs outputs(run.frame);
   vdbtools::AtomicFile* vdb = wantVdb ? &outputs.add("output", line.text("output"), ".vdb") : nullptr;
   vdbtools::AtomicFile* mesh = wantMesh ? &outputs.add("mesh", line.text("mesh"), ".ply .obj .stl") : nullptr;
 
-  Progress& progress = line.progress();
-  const vdbtools::Scene scene = vdbtools::makeScene(options, progress);
+  const vdbtools::Scene scene = maker.make(options, progress);
   vdbtools::FractalFiles files{.vdb = vdb};
   if (mesh) files.meshes = {{mesh, vdbtools::meshFormat("mesh" + formatOf(line.text("mesh"), ".ply"))}};
-  const vdbtools::FractalResult result = vdbtools::writeFractal(scene, line.recipe(), files, progress);
+  const vdbtools::FractalResult result = vdbtools::writeFractal(scene, run.recipe, files, progress);
   outputs.commit();
 
-  report().count("voxelSize", scene.voxelSize);
-  report().count("evaluatedNodes", static_cast<double>(result.evaluatedNodes));
-  if (wantMesh) report().count("triangles", static_cast<double>(result.mesh.triangles));
-  if (result.solid) report().count("islands", static_cast<double>(result.solid->islands.size()));
+  const FractalCounts counts{static_cast<double>(result.evaluatedNodes), static_cast<double>(result.mesh.triangles)};
+  if (!isFrame) {
+    report().count("voxelSize", scene.voxelSize);
+    report().count("evaluatedNodes", counts.evaluatedNodes);
+    if (wantMesh) report().count("triangles", counts.triangles);
+  }
+  if (result.solid && !isFrame) report().count("islands", static_cast<double>(result.solid->islands.size()));
   report().text() << "wrote " << outputs.names() << ": voxels of " << scene.voxelSize;
   for (const auto& grid : result.grids)
     if (grid->getName() == "surface") {
-      report().count("bandVoxels", static_cast<double>(grid->activeVoxelCount()));
+      if (!isFrame) report().count("bandVoxels", static_cast<double>(grid->activeVoxelCount()));
       report().text() << ", " << grid->activeVoxelCount() << " in the band, |grad| within 0.5 of 1 in "
                       << 100 * result.check.gradientFraction << " % of them";
     }
@@ -122,12 +144,55 @@ int runFractal(const Arguments& arguments) {
   report().text() << ", " << result.evaluatedNodes << " nodes evaluated";
   if (wantMesh) report().text() << ", " << result.mesh.triangles << " triangles";
   report().text() << '\n';
+  const std::vector<vdbtools::VertexColumn> columns = vdbtools::meshColumns(options.output.attributes);
+  for (const vdbtools::AtomicFile* file : {vdb, mesh})
+    if (file) noteLeftOut(file->target(), columns);
+  const std::vector<std::string> unused = vdbtools::unusedParts(scene.targetParts, line.recipe());
+  if (!unused.empty()) report().text() << "not used of the target: " << joined(unused) << '\n';
   if (scene.exponent) {
-    report().text() << choiceText(scene) << '\n';
-    if (result.solid) tellWhatIsLeft(scene, *result.solid);
+    if (!isFrame) report().text() << choiceText(scene) << '\n';
+    if (result.solid) tellWhatIsLeft(scene, *result.solid, isFrame);
     if (scene.exponentOf->mask.range().second == 0)
       report().text() << "note: the mask is 0 everywhere, so this is the plain target\n";
   }
+  return counts;
+}
+
+/// The frames of a sequence, those left out that are there already.
+int makeFrames(const CommandLine& line) {
+  const vdbtools::FrameRecipes recipes(parseFrameOptions(line));
+  vdbtools::SceneMaker maker;
+  FractalCounts total;
+  const SequenceCounts counts =
+      makeSequence(line, recipes, kOutputOptions, [&](const FractalRun& run, vdbtools::Monitor& monitor) {
+        const FractalCounts made = makeFractal(line, run, maker, monitor);
+        total.evaluatedNodes += made.evaluatedNodes;
+        total.triangles += made.triangles;
+      });
+  report().count("evaluatedNodes", total.evaluatedNodes);
+  if (line.has("mesh")) report().count("triangles", total.triangles);
+  return finishSequence(counts);
+}
+
+}  // namespace
+
+int runFractal(const Arguments& arguments) {
+  CommandLine line(kUsageText, vdbtools::fractalOptionTable());
+  line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), "the VDB to write")(
+      "mesh", po::value<std::string>()->value_name("F.ply"), "the mesh to write: .ply, .obj or .stl")(
+      "frame", po::value<std::string>()->value_name("N"), "the frame number, for names such as name.####.vdb");
+  addSequenceOptions(line);
+  addSearchOption(line);
+  if (!line.parse(arguments)) return kDone;
+  vdbtools::parseFractalOptions(line.recipe());
+  if (!line.has("output") && !line.has("mesh"))
+    throw std::invalid_argument("no output was given; use -o F.vdb, --mesh F.ply, or both");
+  requireSequenceFits(line);
+  if (line.has("frames")) return makeFrames(line);
+  vdbtools::SceneMaker maker;
+  makeFractal(line,
+              {line.recipe(), withFoundFiles(line, line.recipe(), line.configHolder()), parseFrame(line.text("frame"))},
+              maker, line.progress());
   return kDone;
 }
 

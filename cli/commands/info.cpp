@@ -4,12 +4,15 @@
 #include "exit_code.h"
 #include "options.h"
 
+#include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/versor_file.h"
 #include "vdbtools/job/recorded_recipe.h"
 #include "vdbtools/mesh/mesh.h"
+#include "vdbtools/mesh/mesh_names.h"
 #include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh/point_cloud.h"
 #include "vdbtools/mesh/solid_meter.h"
 #include "vdbtools/surface/level_set.h"
 #include "vdbtools/target/target_survey.h"
@@ -60,7 +63,32 @@ void addSolidInfo(const vdbtools::Mesh& mesh, const vdbtools::MeshReport& report
   info["local thickness"] = Json{shape->leastThickness, shape->greatestThickness};
 }
 
-Json meshInfo(const std::string& path) {
+/// What a file says besides its surface, as far as there is any.
+void addParts(const vdbtools::Mesh& mesh, const std::string& path, Json& info) {
+  if (!mesh.attributes.empty()) {
+    info["attributes"] = Json::array();
+    for (const vdbtools::VertexAttribute& attribute : mesh.attributes) info["attributes"].push_back(attribute.name);
+  }
+  if (!mesh.cornerUvs.empty()) info["texture coordinates"] = true;
+  const vdbtools::MeshNames names = vdbtools::readMeshNames(path);
+  if (!names.materials.empty()) info["materials"] = names.materials;
+  if (!names.groups.empty()) info["groups"] = names.groups;
+}
+
+Json cloudInfo(const std::string& path) {
+  const vdbtools::Mesh cloud = vdbtools::readPoints(path);
+  openvdb::BBoxd box;
+  for (const openvdb::Vec3d& p : cloud.points) box.expand(p);
+  Json info{{"kind", "points"},
+            {"points", cloud.points.size()},
+            {"box min", vector(box.min())},
+            {"box max", vector(box.max())},
+            {"spacing", vdbtools::pointSpacing(cloud.points)}};
+  addParts(cloud, path, info);
+  return info;
+}
+
+Json surfaceInfo(const std::string& path) {
   const vdbtools::Mesh mesh = vdbtools::readMesh(path);
   const vdbtools::MeshReport report = vdbtools::reportMesh(mesh);
   Json info{{"kind", "mesh"},
@@ -76,11 +104,21 @@ Json meshInfo(const std::string& path) {
             {"box max", vector(report.box.max())},
             {"area", report.area},
             {"volume", report.volume}};
+  addParts(mesh, path, info);
   const Json recipe = recipeOf(vdbtools::readMeshComments(path));
   // What this program made is seldom a target again, and its thickness would take long to find.
   if (report.closed()) addSolidInfo(mesh, report, recipe.is_null(), info);
   if (!recipe.is_null()) info["recipe"] = recipe;
   return info;
+}
+
+Json meshInfo(const std::string& path) {
+  try {
+    return surfaceInfo(path);
+  } catch (const vdbtools::DataError& error) {
+    if (error.remedy() != vdbtools::Remedy::GivePointsRadius) throw;
+    return cloudInfo(path);
+  }
 }
 
 Json gridInfo(const openvdb::GridBase& grid) {

@@ -9,6 +9,7 @@
 #include "report.h"
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/near_words.h"
 #include "vdbtools/files/atomic_file.h"
 
 #include <algorithm>
@@ -201,7 +202,10 @@ int runMan(const Arguments& arguments) {
     std::cout << described(*command, "man");
     return kDone;
   }
-  throw std::invalid_argument("'" + wanted + "' is not a command; 'juliavdb --help' lists them");
+  std::vector<std::string> names;
+  for (const auto& [name, command] : allCommands()) names.push_back(name);
+  throw std::invalid_argument("'" + wanted + "' is not a command; 'juliavdb --help' lists them" +
+                              vdbtools::didYouMean(wanted, names));
 }
 
 int runCompletion(const Arguments& arguments) {

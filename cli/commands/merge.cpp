@@ -3,10 +3,12 @@
 
 #include "exit_code.h"
 #include "options.h"
+#include "output.h"
 #include "report.h"
 
 #include "vdbtools/farm/merge.h"
 #include "vdbtools/files/file_bytes.h"
+#include "vdbtools/job/fractal_options.h"
 
 #include <stdexcept>
 
@@ -80,6 +82,10 @@ int runMerge(const Arguments& arguments) {
   if (result.islands)
     report().text() << ", " << result.islands->kept << " of " << result.islands->islands << " islands kept";
   report().text() << '\n';
+  const std::vector<vdbtools::VertexColumn> columns =
+      vdbtools::meshColumns(vdbtools::parseFractalOptions(manifest.recipe).output.attributes);
+  for (const std::optional<std::filesystem::path>& file : {options.vdb, options.mesh})
+    if (file) noteLeftOut(*file, columns);
   const std::size_t meshes = result.files.size() - (options.vdb ? 1 : 0);
   if (options.mesh && meshes > 1)
     report().text() << "note: the mesh has more than " << options.mostPoints << " points and is in " << meshes

@@ -6,13 +6,16 @@
 #include "output.h"
 #include "report.h"
 
+#include "vdbtools/files/file_hash.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_files.h"
 #include "vdbtools/job/recorded_recipe.h"
+#include "vdbtools/mesh/adaptive_mesh.h"
 #include "vdbtools/mesh/mesh_writer.h"
 #include "vdbtools/surface/grid_mesh.h"
 
 #include <ostream>
+#include <stdexcept>
 
 namespace po = boost::program_options;
 
@@ -25,22 +28,53 @@ constexpr Usage kUsageText = {"mesh", "F.vdb -o F.ply [--from-grid] [options]",
                               "is computed again from the recipe in the file. With --from-grid, and for any other "
                               "level set, the voxels are used.",
                               "  juliavdb mesh bunny.vdb -o bunny.ply\n"
+                              "  juliavdb mesh bunny.vdb -o same.ply --input bunny.obj\n"
                               "  juliavdb mesh bunny_sdf.vdb -o bunny.stl\n"
                               "  juliavdb mesh bunny.vdb -o blocky.obj --from-grid\n"};
 
-vdbtools::MeshCounts fromRecipe(const vdbtools::Recipe& recipe, vdbtools::AtomicFile& file, vdbtools::MeshFormat format,
+/// The recipe in the VDB, as it is recorded, and with its files where they are.
+struct MeshRecipe {
+  vdbtools::Recipe recorded, found;
+};
+
+/// With --input in the place of the recorded target.
+MeshRecipe recipeFor(const CommandLine& line, const std::string& vdb, const vdbtools::Recipe& recorded) {
+  const char* const wayOut = ", the target itself with --input FILE, or use the voxels with --from-grid";
+  if (!line.has("input")) return {recorded, withFoundFiles(line, recorded, vdb, wayOut)};
+  const std::string input = line.text("input");
+  if (!recorded.contains("input")) throw std::invalid_argument("the fractal in '" + vdb + "' has no target");
+  const vdbtools::Recipe other = vdbtools::overridden(recorded, {{"input", input}}, vdbtools::fractalOptionTable());
+  const auto hash = recorded.find("source-sha256");
+  const bool isTheSame = hash == recorded.end() || vdbtools::sha256OfFile(input) == hash->second;
+  if (!isTheSame)
+    report().text() << "warning: '" << input << "' is not the target that the VDB was made of, '"
+                    << recorded.at("input") << "'; the mesh is that of its fractal, and not that of the VDB\n";
+  const vdbtools::Recipe found = withFoundFiles(line, other, vdb, wayOut);
+  return {isTheSame ? recorded : other, found};
+}
+
+vdbtools::MeshCounts fromRecipe(const MeshRecipe& recipe, vdbtools::AtomicFile& file, vdbtools::MeshFormat format,
                                 Progress& progress) {
-  const vdbtools::Scene scene = vdbtools::makeScene(vdbtools::parseFractalOptions(recipe), progress);
-  return vdbtools::writeFractal(scene, recipe, {.meshes = {{&file, format}}}, progress).mesh;
+  const vdbtools::Scene scene = vdbtools::makeScene(vdbtools::parseFractalOptions(recipe.found), progress);
+  return vdbtools::writeFractal(scene, recipe.recorded, {.meshes = {{&file, format}}}, progress).mesh;
 }
 
 vdbtools::MeshCounts fromGrid(const std::string& input, const std::string& grid, vdbtools::AtomicFile& file,
-                              vdbtools::MeshWriteOptions options, Progress& progress) {
+                              vdbtools::MeshWriteOptions options, double adaptivity, Progress& progress) {
   const vdbtools::VdbFile vdb = vdbtools::readVdb(input);
   const auto levelSet = vdbtools::chooseFloatGrid(vdb, grid, input);
   vdbtools::Mesh mesh = vdbtools::meshOfLevelSet(*levelSet, progress);
   vdbtools::computeNormals(mesh);
   options.voxelSize = levelSet->voxelSize()[0];
+  if (adaptivity > 0) {
+    vdbtools::Mesh adapted;
+    vdbtools::MeshCollector collector(adapted);
+    vdbtools::AdaptiveMeshSink sink(collector, adaptivity * options.voxelSize);
+    sink.addPoints({mesh.points, mesh.normals});
+    sink.addTriangles(mesh.triangles, 0);
+    sink.finish(progress);
+    mesh = std::move(adapted);
+  }
   progress.begin("writing", 0);
   vdbtools::writeMesh(file.stream(), mesh, options);
   return {mesh.points.size(), mesh.triangles.size()};
@@ -50,29 +84,44 @@ vdbtools::MeshCounts fromGrid(const std::string& input, const std::string& grid,
 
 int runMesh(const Arguments& arguments) {
   CommandLine line(kUsageText, vdbtools::OptionTable());
-  line.addPositional("input", 1, "the VDB");
+  line.addPositional("vdb", 1, "the VDB");
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.ply"), "the mesh to write: .ply, .obj or .stl")(
+      "input", po::value<std::string>()->value_name("FILE"),
+      "where the fractal's target is, if it is neither where the recipe says nor beside the VDB")(
       "from-grid", "use the voxels, even of a fractal")("grid", po::value<std::string>()->value_name("NAME"),
                                                         "which grid to use, with --from-grid");
+  addSearchOption(line);
+  line.addOptions()("adaptivity", po::value<std::string>()->value_name("E"),
+                    "larger triangles where the surface is flat, as 'juliavdb fractal' has it, in voxels");
   if (!line.parse(arguments)) return kDone;
-  const std::string input = line.text("input");
+  const std::string input = line.text("vdb");
   if (input.empty()) throw std::invalid_argument("no VDB was given");
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.ply");
   Outputs outputs;
   vdbtools::AtomicFile& file = outputs.add("output", line.text("output"), ".ply .obj .stl");
 
+  vdbtools::Recipe asked;
+  if (line.has("adaptivity")) asked["adaptivity"] = line.text("adaptivity");
+  const vdbtools::OptionTable table(vdbtools::surfaceOptionSpecs());
+  const double adaptivity = vdbtools::parseSurfaceOptions(vdbtools::RecipeReader(asked, table)).adaptivity;
   vdbtools::RecordedRecipe recorded;
   if (!line.has("from-grid") && !line.has("grid")) recorded = vdbtools::readRecordedRecipe(input);
+  if (line.has("adaptivity") && recorded.command == "fractal") recorded.recipe["adaptivity"] = asked["adaptivity"];
+  if (line.has("input") && recorded.command != "fractal")
+    throw std::invalid_argument("--input gives the target of a fractal's recipe, and here the voxels are used");
   const vdbtools::MeshWriteOptions options{.format =
                                                vdbtools::meshFormat("mesh" + formatOf(line.text("output"), ".ply"))};
-  const vdbtools::MeshCounts counts = recorded.command == "fractal"
-                                          ? fromRecipe(recorded.recipe, file, options.format, line.progress())
-                                          : fromGrid(input, line.text("grid"), file, options, line.progress());
+  const vdbtools::MeshCounts counts =
+      recorded.command == "fractal"
+          ? fromRecipe(recipeFor(line, input, recorded.recipe), file, options.format, line.progress())
+          : fromGrid(input, line.text("grid"), file, options, adaptivity, line.progress());
   line.progress().throwIfCancelled();
   outputs.commit();
   report().count("points", static_cast<double>(counts.points));
   report().count("triangles", static_cast<double>(counts.triangles));
   report().text() << "wrote " << outputs.names() << ": " << counts.triangles << " triangles\n";
+  if (recorded.command == "fractal")
+    noteLeftOut(file.target(), vdbtools::meshColumns(vdbtools::parseFractalOptions(recorded.recipe).output.attributes));
   return kDone;
 }
 

@@ -5,6 +5,7 @@
 #include "options.h"
 #include "report.h"
 
+#include "vdbtools/base/near_words.h"
 #include "vdbtools/farm/plan_folder.h"
 
 #include <stdexcept>
@@ -75,9 +76,12 @@ int runPlan(const Arguments& arguments) {
   line.addPositional("words", -1, "what to plan");
   if (!line.parse(arguments)) return kDone;
   const std::vector<std::string> words = line.texts("words");
-  throw std::invalid_argument(
-      (words.empty() ? "no kind of plan was given" : "'" + words.front() + "' is no kind of plan") +
-      std::string("; use 'juliavdb plan tiles', 'plan frames' or 'plan sheet'"));
+  std::vector<std::string> kinds;
+  for (const Command& plan : kPlans) kinds.emplace_back(plan.name);
+  const std::string use = "; use 'juliavdb plan tiles', 'plan frames' or 'plan sheet'";
+  if (words.empty()) throw std::invalid_argument("no kind of plan was given" + use);
+  throw std::invalid_argument("'" + words.front() + "' is no kind of plan" + use +
+                              vdbtools::didYouMean(words.front(), kinds));
 }
 
 }  // namespace cli

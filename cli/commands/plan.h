@@ -5,7 +5,7 @@
 
 #include "commands.h"
 
-#include "vdbtools/farm/manifest.h"
+#include "vdbtools/farm/frame_plan.h"
 
 #include <filesystem>
 #include <span>
@@ -22,6 +22,11 @@ std::span<const Command> planKinds();
 int planTiles(const Arguments& arguments);
 int planFrames(const Arguments& arguments);
 int planSheet(const Arguments& arguments);
+
+/// --frames, --key and --ease, which 'fractal' has as well.
+void addFrameOptions(CommandLine& line);
+/// Their values. @throw std::invalid_argument
+vdbtools::FramePlanOptions parseFrameOptions(const CommandLine& line);
 
 /// The options of plans whose tasks are whole fractals: -o, --make and --name.
 void addVariantOptions(CommandLine& line);

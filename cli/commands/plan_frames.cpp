@@ -8,7 +8,6 @@
 #include "vdbtools/job/fractal_options.h"
 
 #include <stdexcept>
-#include <tuple>
 
 namespace po = boost::program_options;
 
@@ -17,7 +16,7 @@ namespace {
 
 constexpr Usage kUsageText = {
     "plan frames",
-    "MESH|SDF.vdb --frames A-B -o DIR [--key NAME@FRAME=VALUE ...] [--ease smooth] [--make LIST] [options]",
+    "MESH|SDF.vdb --frames LIST -o DIR [--key NAME@FRAME=VALUE ...] [--ease smooth] [--make LIST] [options]",
     "Plans a fractal for each frame. The keys of an option say what it is at some frames; between them its numbers\n"
     "change gradually, and before the first key and after the last they stay. Of a list such as --origin-shift 0,0,1\n"
     "or a ramp such as --detail x:0.05:0.6:smooth each number is blended by itself.\n"
@@ -35,25 +34,37 @@ constexpr Usage kUsageText = {
 
 }  // namespace
 
-int planFrames(const Arguments& arguments) {
-  const vdbtools::OptionTable table = vdbtools::fractalOptionTable();
-  CommandLine line(kUsageText, table);
-  addVariantOptions(line);
+void addFrameOptions(CommandLine& line) {
   const auto texts = [](const char* name) { return po::value<std::vector<std::string>>()->value_name(name); };
-  line.addOptions()("frames", po::value<std::string>()->value_name("A-B"), "the frames, from A to B")(
+  line.addOptions()("frames", po::value<std::string>()->value_name("LIST"),
+                    "the frames: a list of numbers and ranges such as 7, 1-48, or 1-48x2 for every second one")(
       "key", texts("NAME@FRAME=VALUE"), "what an option of 'fractal' is at a frame; any number of times")(
       "ease", texts("[NAME=]linear|smooth|step"),
       "how the numbers change between keys: of all options, or of the option NAME; any number of times");
-  if (!line.parse(arguments)) return kDone;
-  if (!line.has("frames")) throw std::invalid_argument("no frames were given; use --frames A-B, such as --frames 1-48");
-  vdbtools::FramePlanOptions options{.base = line.givenRecipe(),
-                                     .keys = vdbtools::parseKeys(line.texts("key"), line.texts("ease"), table),
-                                     .name = line.text("name"),
-                                     .makes = parseMakes(line)};
-  std::tie(options.first, options.last) = vdbtools::parseFrames(line.text("frames"));
+}
+
+vdbtools::FramePlanOptions parseFrameOptions(const CommandLine& line) {
+  vdbtools::FramePlanOptions options{
+      .base = withFoundFiles(line, line.givenRecipe(), line.configHolder()),
+      .keys = vdbtools::parseKeys(line.texts("key"), line.texts("ease"), vdbtools::fractalOptionTable()),
+      .frames = vdbtools::parseFrames(line.text("frames"))};
   for (const vdbtools::KeyedOption& keyed : options.keys)
     if (line.given().contains(keyed.name))
       throw std::invalid_argument("--" + keyed.name + " is given and has keys; give only one of them");
+  return options;
+}
+
+int planFrames(const Arguments& arguments) {
+  CommandLine line(kUsageText, vdbtools::fractalOptionTable());
+  addVariantOptions(line);
+  addFrameOptions(line);
+  addSearchOption(line);
+  if (!line.parse(arguments)) return kDone;
+  if (!line.has("frames"))
+    throw std::invalid_argument("no frames were given; use --frames LIST, such as --frames 1-48");
+  vdbtools::FramePlanOptions options = parseFrameOptions(line);
+  options.name = line.text("name");
+  options.makes = parseMakes(line);
   const std::filesystem::path folder = newPlanFolder(line);
   return finishPlan(folder, vdbtools::planFrames(options));
 }

@@ -4,6 +4,7 @@
 #include "exit_code.h"
 #include "options.h"
 #include "output.h"
+#include "render_mesh.h"
 #include "report.h"
 
 #include "vdbtools/base/numbered_monitor.h"
@@ -25,9 +26,11 @@ namespace {
 
 constexpr Usage kUsageText = {
     "render",
-    "F.vdb -o F.png [--size WxH] [--azimuth DEG] [--elevation DEG] [options]\n"
+    "F.vdb|MESH -o F.png [--size WxH] [--azimuth DEG] [--elevation DEG] [options]\n"
     "       juliavdb render --field [MESH|SDF.vdb|FRACTAL.vdb] -o F.png [options]",
-    "Makes a shaded picture of a level set, framed automatically. With --field it sends rays through a map itself "
+    "Makes a shaded picture of a level set or of a mesh, framed automatically. A mesh may be open, and has the "
+    "colours\n"
+    "of its points if they have any, or with --colour clay none. With --field it sends rays through a map itself "
     "instead\n"
     "of through a grid, which shows the set finer than any voxels. The map is that of a fractal that this program "
     "made, or\n"
@@ -35,6 +38,7 @@ constexpr Usage kUsageText = {
     "a\n"
     "background), A, the normal N.x, N.y, N.z, the depth Z along the view axis (1e10 where there is nothing), and id.",
     "  juliavdb render bunny.vdb -o bunny.png\n"
+    "  juliavdb render bunny.obj -o mesh.png --size 400x400\n"
     "  juliavdb render bunny.vdb -o back.exr --size 1280x720 --azimuth 200 --zoom 1.5\n"
     "  juliavdb render --field bunny.vdb -o field.png --size 400x400\n"
     "  juliavdb render --field --map cross --pair A -o triplex.png --size 400x400\n"
@@ -43,7 +47,7 @@ constexpr Usage kUsageText = {
     "200x200\n",
     "fractal"};
 
-constexpr const char *kSize = "800x800", *kColour = "direction";
+constexpr const char* kSize = "800x800";
 
 std::vector<vdbtools::PreviewBall> ballsOf(const std::string& name) {
   constexpr double kRadius = 0.008;  // of the target's longest side
@@ -70,16 +74,21 @@ void requireFits(const CommandLine& line, bool field) {
     if (line.has("roots")) throw std::invalid_argument("--roots cannot be used with --field");
     return;
   }
-  vdbtools::Recipe given = line.given(vdbtools::OptionTable(vdbtools::fieldViewOptionSpecs(kColour)));
+  vdbtools::Recipe given = line.given(vdbtools::OptionTable(vdbtools::fieldViewOptionSpecs()));
   if (line.has("frames")) given["frames"] = line.text("frames");
   given.insert(line.givenRecipe().begin(), line.givenRecipe().end());
+  if (isMesh(line.text("input"))) {
+    if (given.contains("grid")) throw std::invalid_argument("--grid chooses a grid of a VDB, and a mesh has none");
+    given.erase("colour");
+  }
   for (const auto& [name, value] : given)
     if (name != "input" && name != "grid") throw std::invalid_argument("--" + name + " can be used with --field only");
 }
 
-int renderLevelSet(const CommandLine& line) {
+/// A picture of a level set or of a mesh.
+int renderSurface(const CommandLine& line) {
   const std::string input = line.text("input");
-  if (input.empty()) throw std::invalid_argument("no VDB was given");
+  if (input.empty()) throw std::invalid_argument("no VDB and no mesh was given");
   const vdbtools::OptionTable table(vdbtools::viewOptionSpecs(kSize));
   const vdbtools::ViewOptions view = vdbtools::parseViewOptions(vdbtools::RecipeReader(line.given(table), table));
   vdbtools::PreviewOptions options{
@@ -88,8 +97,11 @@ int renderLevelSet(const CommandLine& line) {
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
   Outputs outputs;
   std::ostream& file = outputs.add("output", line.text("output"), ".png .exr").stream();
-  const auto grid = vdbtools::chooseFloatGrid(vdbtools::readVdb(input), line.text("grid"), input);
-  const vdbtools::Image image = vdbtools::renderPreview(*grid, options, line.progress());
+  const vdbtools::Image image =
+      isMesh(input)
+          ? imageOfMesh(line, options)
+          : vdbtools::renderPreview(*vdbtools::chooseFloatGrid(vdbtools::readVdb(input), line.text("grid"), input),
+                                    options, line.progress());
   line.progress().begin("writing", 0);
   file << vdbtools::encodeImage(image, formatOf(line.text("output"), ".png"));
   outputs.commit();
@@ -106,7 +118,7 @@ std::optional<int> parseFrames(const CommandLine& line) {
 }
 
 int renderMap(const CommandLine& line) {
-  const vdbtools::OptionTable table(vdbtools::fieldPictureOptionSpecs(kSize, kColour));
+  const vdbtools::OptionTable table(vdbtools::fieldPictureOptionSpecs(kSize));
   const vdbtools::FieldPicture picture = vdbtools::parseFieldPicture(line.given(table), table);
   const std::optional<int> frames = parseFrames(line);
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
@@ -168,11 +180,12 @@ int runRender(const Arguments& arguments) {
       "field", po::bool_switch(),
       "show the set of the map itself and not the level set of a VDB. The following options go with it:")(
       "frames", text("N"), "make a turntable of N pictures, with names such as name.####.png");
-  line.addOptions(vdbtools::fieldViewOptionSpecs(kColour));
+  line.addOptions(vdbtools::fieldViewOptionSpecs());
+  addSearchOption(line);
   if (!line.parse(arguments)) return kDone;
   const bool field = line.values()["field"].as<bool>();
   requireFits(line, field);
-  return field ? renderMap(line) : renderLevelSet(line);
+  return field ? renderMap(line) : renderSurface(line);
 }
 
 }  // namespace cli

@@ -19,7 +19,9 @@ namespace {
 constexpr Usage kUsageText = {
     "sdf", "MESH -o F.vdb [--resolution N | --voxel-size H] [--repair] [options]",
     "Makes a signed distance field of a mesh: a narrow-band level set, negative inside. A mesh that leaks is refused;\n"
-    "--repair closes it.",
+    "--repair closes it. --solidify makes a block of terrain, --thicken a plate of a sheet, and --points-radius a "
+    "solid\n"
+    "of a cloud of points.",
     "  juliavdb sdf bunny.obj -o bunny_sdf.vdb --resolution 200\n"
     "  juliavdb sdf scan.ply -o scan_sdf.vdb --voxel-size 0.01 --repair\n"};
 
@@ -46,7 +48,10 @@ int runSdf(const Arguments& arguments) {
   report().count("voxelSize", result.grid->voxelSize()[0]);
   report().text() << "wrote " << outputs.names() << ": " << result.grid->activeVoxelCount() << " voxels of "
                   << result.grid->voxelSize()[0] << '\n';
-  if (result.moved)
+  if (result.caps > 0)
+    report().text() << "repaired: " << result.caps << (result.caps == 1 ? " hole" : " holes") << " of up to "
+                    << *result.closedGap << " capped, the surface moved by at most " << *result.moved << '\n';
+  else if (result.moved)
     report().text() << "repaired: gaps up to " << *result.closedGap << " closed, the surface moved by at most "
                     << *result.moved << '\n';
   return kDone;

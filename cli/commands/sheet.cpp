@@ -77,6 +77,7 @@ int runSheet(const Arguments& arguments) {
       "columns", po::value<std::string>()->value_name("N"),
       "how many cells stand in a row, where one option varies (default: about as many as there are rows)");
   line.addOptions(vdbtools::sheetViewOptionSpecs());
+  addSearchOption(line);
   if (!line.parse(arguments)) return kDone;
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
   const vdbtools::SheetOptions options = parseSheet(line);

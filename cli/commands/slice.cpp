@@ -165,6 +165,7 @@ int runSlice(const Arguments& arguments) {
   addPlaneOptions(line, "its middle");
   line.addOptions()("range", po::value<std::string>()->value_name("R"),
                     "phi, e, f, grid: the value that is shown in full colour (default: chosen from the data)");
+  addSearchOption(line);
   if (!line.parse(arguments)) return kDone;
   const SliceField field = parseField(line);
   const PlanePlacement placement = parsePlacement(line);

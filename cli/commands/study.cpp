@@ -54,6 +54,7 @@ int runStudy(const Arguments& arguments) {
       "instead, measure how the mesh of a fractal grows with its resolution, and the fractal dimension of its surface; "
       "see 'juliavdb study --dimension N --help'");
   addPlaneOptions(line, "through the dynamics' origin");
+  addSearchOption(line);
   if (!line.parse(arguments)) return kDone;
   const vdbtools::StudyOptions study{.versors = line.integer("versors", 1, vdbtools::kMostVersors),
                                      .circles = line.has("curve") || line.has("csv")};

@@ -6,6 +6,7 @@
 #include "output.h"
 #include "report.h"
 
+#include "vdbtools/base/near_words.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/peer_formats.h"
 #include "vdbtools/formats/versor_file.h"
@@ -209,8 +210,10 @@ int runVersor(const Arguments& arguments) {
     const vdbtools::RationalFile file = vdbtools::readRationalFile(words[1]);
     write(line, julia::translated(file.rational, {by[0], by[1], by[2], four ? by[3] : 0}), "", file.target);
   } else {
-    throw std::invalid_argument((action.empty() ? std::string("no action was given") : "'" + action + "' is unknown") +
-                                "; use list, new, inspect, add, scale or translate");
+    const std::vector<std::string> known{"list", "new", "inspect", "add", "scale", "translate"};
+    const std::string use = "; use list, new, inspect, add, scale or translate";
+    if (action.empty()) throw std::invalid_argument("no action was given" + use);
+    throw std::invalid_argument("'" + action + "' is unknown" + use + vdbtools::didYouMean(action, known));
   }
   return kDone;
 }

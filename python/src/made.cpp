@@ -58,7 +58,9 @@ void evaluateAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, s
 }
 
 vdbtools::OptionTable viewTable() {
-  return vdbtools::OptionTable(vdbtools::fieldPictureOptionSpecs("800x800", "direction"));
+  std::vector<vdbtools::OptionSpec> options = vdbtools::fieldPictureOptionSpecs("800x800");
+  options.push_back(vdbtools::colourOptionSpec());
+  return vdbtools::OptionTable(std::move(options));
 }
 
 void checkView(const Recipe& view) { vdbtools::parseFieldPicture(view, viewTable()); }
@@ -74,7 +76,7 @@ std::shared_ptr<MadeFractal> makeFractal(std::shared_ptr<const MadeScene> made, 
   auto fractal = std::make_shared<MadeFractal>();
   fractal->made = std::move(made);
   const vdbtools::Scene& scene = fractal->made->scene;
-  vdbtools::MeshCollector collector(fractal->mesh);
+  vdbtools::MeshCollector collector(fractal->mesh, &fractal->values);
   fractal->result = vdbtools::runFractal(scene, vdbtools::planScene(scene), wantGrids, &collector, monitor);
   fractal->hasGrids = wantGrids;
   return fractal;
@@ -110,7 +112,8 @@ void writeFiles(MadeFractal& fractal, const std::vector<std::string>& paths, Mon
     fractal.result.check = std::move(result.check);
     fractal.hasGrids = true;
   }
-  vdbtools::writeMadeFractal(scene, fractal.made->recipe, fractal.result, fractal.mesh, wanted, monitor);
+  vdbtools::writeMadeFractal(scene, fractal.made->recipe, fractal.result, fractal.mesh, fractal.values, wanted,
+                             monitor);
   vdbtools::commitAll(all);
 }
 

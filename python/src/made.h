@@ -63,6 +63,7 @@ void writeFit(const MadeFit& fit, const std::string& path, vdbtools::Monitor& mo
 struct MadeFractal {
   std::shared_ptr<const MadeScene> made;
   vdbtools::Mesh mesh;
+  std::vector<float> values;  ///< of the mesh's columns, row by row
   vdbtools::FractalResult result;
   bool hasGrids = false;
 };

@@ -144,6 +144,30 @@ py::cpp_function viewGetter(std::vector<Triple> vdbtools::Mesh::*member) {
       [member](const py::object& self) { return viewOf<Number>(self.cast<const MadeFractal&>().mesh.*member, self); });
 }
 
+/// What a vertex has besides its position, by names, over memory that @a self keeps alive.
+py::dict attributesOf(const py::object& self) {
+  const auto& fractal = self.cast<const MadeFractal&>();
+  const std::vector<vdbtools::VertexColumn> columns =
+      vdbtools::meshColumns(fractal.made->scene.options.output.attributes);
+  const auto points = static_cast<py::ssize_t>(fractal.mesh.points.size());
+  const auto row = static_cast<py::ssize_t>(vdbtools::rowLength(columns) * sizeof(float));
+  py::dict attributes;
+  const float* first = fractal.values.data();
+  for (const vdbtools::VertexColumn& column : columns) {
+    const auto components = static_cast<py::ssize_t>(vdbtools::componentsOf(column.kind));
+    std::vector<py::ssize_t> shape = {points}, strides = {row};
+    if (components > 1) {
+      shape.push_back(components);
+      strides.push_back(sizeof(float));
+    }
+    py::array_t<float> array(shape, strides, first, self);
+    array.attr("setflags")(py::arg("write") = false);
+    attributes[py::str(column.name)] = array;
+    first += components;
+  }
+  return attributes;
+}
+
 py::array render(const MadeScene& made, const Recipe& view, const py::object& progress) {
   vdbtools::Image image;
   doWatched(progress, [&](Monitor& monitor) { image = pictureOf(made, view, monitor); });
@@ -241,6 +265,9 @@ PYBIND11_MODULE(_juliavdb, m) {
                              "The triangles, (m, 3) uint32, as indices of vertices; counter-clockwise from outside.")
       .def_property_readonly("normals", viewGetter<float>(&vdbtools::Mesh::normals),
                              "The outward normals at the vertices, (n, 3) float32, of unit length.")
+      .def_property_readonly("attributes", py::cpp_function(attributesOf),
+                             "A dict of what attributes=, colour= and transfer= asked for: float32 arrays (n,), (n, 2) "
+                             "or (n, 3), one row a vertex. Colours (Cd) are linear RGB.")
       .def_property_readonly("info", infoOf,
                              "A dict: recipe (the options), facts (what was found on the way), metadata (what files "
                              "hold of both), voxel_size, vertices, triangles, evaluated_nodes, and, where they are "

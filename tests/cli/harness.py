@@ -53,6 +53,7 @@ def restore_interrupt():
 
 
 COMMANDS = ("sdf", "fractal", "fit", "mesh", "versor", "sheet", "slice", "study", "render", "info", "maps",
+            "points", "print",
             "task", "status", "merge", "submit", "explore")
 
 

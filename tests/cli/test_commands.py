@@ -13,7 +13,7 @@ import unittest
 import harness
 from harness import DONE, USAGE
 
-COMMANDS = ["sdf", "fractal", "mesh", "versor", "sheet", "slice", "study", "render", "info", "maps", "task", "status",
+COMMANDS = ["sdf", "fractal", "mesh", "points", "print", "versor", "sheet", "slice", "study", "render", "info", "maps", "task", "status",
             "submit", "merge"]
 
 

@@ -43,7 +43,7 @@ class Pages(harness.CliTest):
                 words = name.split("-")[1:]
                 page = self.bytes(f"man1/{name}.1").decode()
                 self.assertEqual(self.ok("man", *words, data=True), page)
-                told = self.ok(*words, "--help", data=True)
+                told = self.ok(*words, "--help", "all", data=True)
                 options = set(re.findall(r"^  (?:-\w \[ )?--([a-z0-9-]+)", told, re.MULTILINE))
                 shown = set(re.findall(r"^(?:\\fB\\-\w\\fR, )?\\fB\\-\\-([a-z0-9\\-]+)\\fR", page, re.MULTILINE))
                 self.assertEqual({option.replace("\\", "") for option in shown}, options)
@@ -102,7 +102,7 @@ class Completion(harness.CliTest):
         self.assertEqual(self.complete("juliavdb "), [commands])
 
     def test_every_option_is_completed(self):
-        told = self.ok("fractal", "--help", data=True)
+        told = self.ok("fractal", "--help", "all", data=True)
         options = re.findall(r"^  (?:-\w \[ )?(--[a-z0-9-]+)", told, re.MULTILINE)
         self.assertGreater(len(options), 40)
         self.assertEqual(set(self.complete("juliavdb fractal --")[0]), set(options))

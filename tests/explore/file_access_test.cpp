@@ -25,7 +25,8 @@ std::vector<std::string> textsWith(const std::string& file) {
           "paint:red@" + file + ".ply:0:1",
           "near:" + file + ".obj:0.1:0:1",
           "texture:" + file + ".png:0:1",
-          file + ".vdb:phi"};
+          file + ".vdb:phi",
+          "iterations:" + file + ".png"};
 }
 
 TEST(FileAccess, NoOptionThatNamesAFileIsForgotten) {

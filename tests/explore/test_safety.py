@@ -157,6 +157,11 @@ class Safety(harness.CliTest):
         recipe = {**self.page.recipe(map="rational"), "rational": "secret.json"}
         recipe.pop("versor-seed")
         self.assertEqual(self.page.post("scene", {"recipe": recipe})[0], 403)
+        for colour in ("iterations:/etc/passwd.png", "depth:secret.png"):
+            body = {"recipe": self.page.recipe(), "width": 8, "height": 8, "colour": colour}
+            self.assertEqual(self.page.post("picture", body)[0], 403)
+            body = {"recipe": self.page.recipe(colour=colour), "name": "x"}
+            self.assertEqual(self.page.post("make", body)[0], 403)
         self.assertEqual(self.page.get("jobs")[1], [])
 
     def test_files_of_the_command_line_may_be_used(self):

@@ -22,11 +22,18 @@ KeyedOption keyed(const std::vector<std::string>& keys, const std::vector<std::s
 
 double numberAt(const KeyedOption& option, int frame) { return numberFromText(valueAt(option, frame)).value(); }
 
-TEST(Frames, AreARange) {
-  EXPECT_EQ(parseFrames("1-48"), std::pair(1, 48));
-  EXPECT_EQ(parseFrames("7"), std::pair(7, 7));
-  EXPECT_EQ(parseFrames("0-0"), std::pair(0, 0));
-  for (const char* bad : {"", "-", "48-1", "-1-5", "1-", "-5", "1-2-3", "a-b", "1.5-2", "1-100001", "0x1-2", "1 - 2"})
+TEST(Frames, AreAListOfRanges) {
+  using List = std::vector<int>;
+  EXPECT_EQ(parseFrames("3-6"), (List{3, 4, 5, 6}));
+  EXPECT_EQ(parseFrames("7"), List{7});
+  EXPECT_EQ(parseFrames("0-0"), List{0});
+  EXPECT_EQ(parseFrames("1-8x3"), (List{1, 4, 7}));
+  EXPECT_EQ(parseFrames("1-7x3"), (List{1, 4, 7}));
+  EXPECT_EQ(parseFrames("9,1-5x4,1-3"), (List{9, 1, 5, 2, 3})) << "in the order of the list, each once";
+  EXPECT_EQ(parseFrames("1-2147483647x1000000").size(), 2148U);
+  for (const char* bad : {",",     "1,",       "1-5x",  "1-5x0", "1-5x-1", "1x5-7", "x2",    "1-90000,90001-180002",
+                          "",      "-",        "48-1",  "-1-5",  "1-",     "-5",    "1-2-3", "a-b",
+                          "1.5-2", "1-100001", "0x1-2", "1 - 2"})
     EXPECT_THROW(parseFrames(bad), std::invalid_argument) << bad;
 }
 

@@ -105,6 +105,29 @@ TEST_F(Tiles, AShapeIsThatOfOneRun) {
   expectOneRun(shape({{"detail", "0.5"}}), {{.tiles = 64}, {.tileNodes = 13}});
 }
 
+TEST_F(Tiles, AttributesAreThoseOfOneRun) {
+  const std::string all = "Cd,direction,trap,iterations,depth,tau";
+  expectOneRun(shape({{"detail", "0.5"}, {"attributes", all}, {"colour", "depth:magma"}, {"half", "true"}}),
+               {{.tiles = 5}, {.tileNodes = 13}});
+  // Where tiles have no grid of their own.
+  expectOneRun(shape({{"alpha", "6"}, {"attributes", "Cd,trap"}, {"grids", "logmodulus"}}), {{.tiles = 3}});
+  expectOneRun(shape({{"alpha", "6"}, {"attributes", "Cd"}, {"largest", "1"}}), {{.tiles = 3}});
+  expectOneRun(shape({{"alpha", "6"}, {"colour", "clay"}}), {{.tiles = 2}}, "obj");
+}
+
+TEST_F(Tiles, WhatIsTransferredIsThatOfOneRun) {
+  const Mesh ball = test_meshes::makeSphere(1, 3);
+  std::ostringstream text;
+  text << "ply\nformat ascii 1.0\nelement vertex " << ball.points.size()
+       << "\nproperty double x\nproperty double y\nproperty double z\nproperty float wet\nelement face "
+       << ball.triangles.size() << "\nproperty list uchar int vertex_indices\nend_header\n";
+  for (const Vec3d& p : ball.points) text << p[0] << ' ' << p[1] << ' ' << p[2] << ' ' << p[0] * p[1] << '\n';
+  for (const openvdb::Vec3I& t : ball.triangles) text << "3 " << t[0] << ' ' << t[1] << ' ' << t[2] << '\n';
+  Recipe recipe = shape({{"alpha", "12"}, {"transfer", "wet"}});
+  recipe["input"] = mFolder.write("ball.ply", text.str()).string();
+  expectOneRun(recipe, {{.tiles = 4}});
+}
+
 TEST_F(Tiles, RandomCutsAreThoseOfOneRun) {
   std::mt19937 random(20261122);
   std::vector<TilePlanOptions> cuts;
@@ -285,6 +308,7 @@ TEST_F(Tiles, PlansThatCannotBeAreRefused) {
   EXPECT_THROW(plan(recipe, {.tiles = 3, .makes = {"ply", "foo"}}), std::invalid_argument);
   EXPECT_THROW(plan(recipe, {.tiles = 0, .makes = {"ply"}}), std::invalid_argument);
   EXPECT_THROW(plan(shape({{"follow", "true"}}), {.tiles = 3, .makes = {"ply"}}), std::invalid_argument);
+  EXPECT_THROW(plan(shape({{"attributes", "mask"}}), {.tiles = 3, .makes = {"ply"}}), std::invalid_argument);
   EXPECT_FALSE(fs::exists(mFolder.path() / "refused"));
 }
 

@@ -41,7 +41,9 @@ class Variants : public testing::Test {
   }
 
   FramePlanOptions frames(const std::string& input, const std::vector<std::string>& keys, int first, int last) const {
-    return {.base = base(input), .keys = parseKeys(keys, {}, fractalOptionTable()), .first = first, .last = last};
+    return {.base = base(input),
+            .keys = parseKeys(keys, {}, fractalOptionTable()),
+            .frames = parseFrames(std::to_string(first) + '-' + std::to_string(last))};
   }
 
   /// The manifest as a task reads it.

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The commands of docs/controls.md and docs/textures.md run as they stand, at a small size, and the blocks of a terminal
-look like what the program says."""
+"""The commands of docs/controls.md, textures.md, attributes.md, points.md and printing.md run as they stand, at a small
+size, and the blocks of a terminal look like what the program says."""
 import os
 import pathlib
 import re
@@ -13,6 +13,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 BUNNY = "/usr/share/glmark2/models/bunny.obj"
 # Enough to see that a command does what it should.
 SMALL = [(r"--size \d+x\d+", "--size 40x40 --samples 1"), (r"--resolution \d+", "--resolution 40"),
+         (r"--min-thickness 1.5", "--min-thickness 6"), (r"--points \d+", "--points 500"),
          (r"\b(fractal|sheet|render --field) (\w+\.(?:obj|ply))", r"\1 \2 --sdf-resolution 48")]
 
 
@@ -24,10 +25,10 @@ def small(block):
 
 class Pages(unittest.TestCase):
     def test_every_command_runs(self):
-        for page in ("controls", "textures"):
+        for page in ("controls", "textures", "attributes", "points", "printing"):
             text = (ROOT / f"docs/{page}.md").read_text()
             blocks = re.findall(r"```sh\n(.*?)```", text, re.S)
-            self.assertGreater(len(blocks), 1, page)
+            self.assertTrue(blocks, page)
             with tempfile.TemporaryDirectory() as folder:
                 os.symlink(BUNNY, pathlib.Path(folder) / "bunny.obj")
                 for block in blocks:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The snippets of docs/python.md run one after the other, at a small size."""
+"""The snippets of docs/python.md and of the README run one after the other, at a small size."""
 import contextlib
 import importlib.util
 import io
@@ -15,7 +15,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "cli"))
 
 import harness
 
-PAGE = pathlib.Path(__file__).resolve().parent.parent.parent / "docs/python.md"
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+PAGE, README = ROOT / "docs/python.md", ROOT / "README.md"
 SMALL = [(r"\bresolution=\d{2,3}\b", "resolution=40"), (r"size=\(400, 300\)", "size=(40, 30)"),
          (r'("bunny\.obj"), (?!roots)', r"\1, sdf_resolution=40, "), (r"roots=331", "roots=12, resolution=24"), ("100000, 3", "2000, 3")]
 LACKING = [name for name in ("juliavdb", "numpy") if importlib.util.find_spec(name) is None]
@@ -29,35 +30,48 @@ def small(block):
     return block
 
 
-class Page(unittest.TestCase):
+def run_snippets(page):
+    """Runs a page's snippets in a folder with a bunny: the names they leave, what each printed, the files."""
+    names, said = {}, []
+    with tempfile.TemporaryDirectory(prefix="juliavdb_test_") as folder:
+        shutil.copy(harness.BUNNY, folder)
+        before = os.getcwd()
+        os.chdir(folder)
+        try:
+            for block in re.findall(r"```python\n(.*?)```", page.read_text(), re.S):
+                out = io.StringIO()
+                with contextlib.redirect_stdout(out):
+                    exec(compile(small(block), str(page), "exec"), names)
+                said.append(out.getvalue())
+        finally:
+            os.chdir(before)
+        return names, said, sorted(os.listdir(folder))
 
+
+class Page(unittest.TestCase):
     def setUp(self):
         self.text = PAGE.read_text()
 
     @unittest.skipIf(LACKING, f"there is no {', '.join(LACKING)}")
     def test_every_snippet_runs(self):
-        blocks = re.findall(r"```python\n(.*?)```", self.text, re.S)
-        self.assertEqual(len(blocks), 8)
-        names, said = {}, []
-        with tempfile.TemporaryDirectory(prefix="juliavdb_test_") as folder:
-            shutil.copy(harness.BUNNY, folder)
-            before = os.getcwd()
-            os.chdir(folder)
-            try:
-                for block in blocks:
-                    out = io.StringIO()
-                    with contextlib.redirect_stdout(out):
-                        exec(compile(small(block), str(PAGE), "exec"), names)
-                    said.append(out.getvalue())
-            finally:
-                os.chdir(before)
-            self.assertEqual(sorted(os.listdir(folder)), ["bunny.obj", "bunny.ply", "bunny.vdb", "cube.obj", "shape.json"])
+        names, said, files = run_snippets(PAGE)
+        self.assertEqual(len(said), 8)
+        self.assertEqual(files, ["bunny.obj", "bunny.ply", "bunny.vdb", "cube.obj", "shape.json"])
         self.assertEqual(names["strip"].shape, (30, 80, 3))
         self.assertTrue(0.05 < names["share"] < 0.95)
         for corner in (names["cube"].vertices.max(axis=0), -names["cube"].vertices.min(axis=0)):
             self.assertTrue((abs(corner - 1) < 0.3).all(), "the cube is about as large as it was")
         self.assertRegex(said[6], r"100%(.|\n)*\ncancelled\n\Z")
         self.assertIn("--detail is '7'", said[7])
+
+    @unittest.skipIf(LACKING, f"there is no {', '.join(LACKING)}")
+    def test_the_snippet_of_the_readme_runs(self):
+        names, said, files = run_snippets(README)
+        self.assertEqual(len(said), 1)
+        self.assertEqual(files, ["bunny.obj", "bunny.ply", "bunny.vdb"])
+        self.assertEqual(names["picture"].shape, (30, 40, 3))
+        inside, outside = names["field"]([[0.0, 0.1, 0.0], [5.0, 5.0, 5.0]])
+        self.assertTrue(inside < 0 < outside)
 
     def test_the_exit_codes_are_those_of_the_program(self):
         codes = set(map(int, re.findall(r"\b\d+\b", " ".join(re.findall(r"^\|.*\| ([\d, ]+) \|$", self.text, re.M)))))

@@ -47,7 +47,7 @@ class Readme(unittest.TestCase):
         text = ""
         for command in ("sdf", "fractal", "fit", "mesh", "versor", "sheet", "slice", "study", "render", "sheet", "info",
                         "plan tiles", "submit", "merge"):
-            text += subprocess.run([PROGRAM, *command.split(), "--help"], capture_output=True, text=True,
+            text += subprocess.run([PROGRAM, *command.split(), "--help", "all"], capture_output=True, text=True,
                                    check=True).stdout
         # Those of CMake stand beside ours.
         known = set(re.findall(r"--[a-z][a-z0-9-]*", text)) | {"--help", "--build", "--target"}

@@ -60,6 +60,34 @@ class LikeTheCommand(ModuleTest):
                 for extension in ("vdb", "ply", "obj", "stl"):
                     self.assertEqual(self.bytes(f"a.{extension}"), self.bytes(f"b.{extension}"), extension)
 
+    def test_attributes_are_those_of_the_file(self):
+        made = juliavdb.fractal(self.torus, **SMALL, attributes=["depth", "direction"], colour="trap:magma")
+        self.ok("fractal", self.torus, *SMALL_WORDS, "--attributes", "depth,direction", "--colour", "trap:magma",
+                "--mesh", "b.ply", "-o", "b.vdb")
+        made.write(self.path("a.ply"), self.path("a.vdb"))
+        for extension in ("ply", "vdb"):
+            self.assertEqual(self.bytes(f"a.{extension}"), self.bytes(f"b.{extension}"), extension)
+        attributes = made.attributes
+        self.assertEqual(list(attributes), ["Cd", "depth", "direction"])
+        count = len(made.vertices)
+        self.assertEqual([array.shape for array in attributes.values()], [(count, 3), (count,), (count, 3)])
+        self.assertEqual({array.dtype for array in attributes.values()}, {np.dtype(np.float32)})
+        data = self.bytes("b.ply")
+        vertex = np.dtype([("place", "<f4", 6), ("Cd", "u1", 3), ("depth", "<f4"), ("direction", "<f4", 3)])
+        rows = np.frombuffer(data, vertex, count, data.index(b"end_header\n") + 11)
+        self.assertTrue(np.array_equal(rows["depth"], attributes["depth"]))
+        self.assertTrue(np.array_equal(rows["direction"], attributes["direction"]))
+        linear = attributes["Cd"].astype(float)
+        codes = 255 * np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+        self.assertLess(np.abs(codes - rows["Cd"]).max(), 0.51)
+        depth = attributes.pop("depth")
+        del made, attributes
+        gc.collect()
+        self.assertTrue(np.array_equal(rows["depth"], depth))
+        with self.assertRaises(ValueError):
+            depth[0] = 1
+        self.assertEqual(juliavdb.fractal(self.torus, **SMALL).attributes, {})
+
     def test_maps_without_a_target(self):
         made = juliavdb.fractal(map="quadratic", c=(-0.2, 0.6, 0.2, 0.2), iterations=8, resolution=30)
         made.write(self.path("a.ply"))
@@ -279,8 +307,8 @@ class Words(ModuleTest):
     def test_stubs_and_docstrings_name_every_option(self):
         stub = pathlib.Path(juliavdb.__file__).with_suffix(".pyi").read_text()
         functions = {node.name: node for node in ast.walk(ast.parse(stub)) if isinstance(node, ast.FunctionDef)}
-        helped = self.ok("fractal", "--help", data=True)
-        part = helped[helped.index("What to make"):helped.index("Common options")]
+        helped = self.ok("fractal", "--help", "all", data=True)
+        part = helped[helped.index("\nTarget:"):helped.index("\nCommon options:")]
         names = {line.split()[0][2:].replace("-", "_") for line in part.splitlines() if line.startswith("  --")}
         self.assertGreater(len(names), 40)
         found = {argument.arg for argument in functions["fractal"].args.kwonlyargs}

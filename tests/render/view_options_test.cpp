@@ -11,7 +11,7 @@ namespace {
 using namespace vdbtools;
 
 FieldPicture parsed(const Recipe& given) {
-  return parseFieldPicture(given, OptionTable(fieldPictureOptionSpecs("800x800", "direction")));
+  return parseFieldPicture(given, OptionTable(fieldPictureOptionSpecs("800x800")));
 }
 
 TEST(ViewOptions, DefaultsAreThoseOfTheStructs) {
@@ -20,7 +20,8 @@ TEST(ViewOptions, DefaultsAreThoseOfTheStructs) {
   EXPECT_EQ(picture.render.width, usual.width);
   EXPECT_EQ(picture.render.height, usual.height);
   EXPECT_EQ(picture.render.samples, usual.samples);
-  EXPECT_EQ(picture.render.colour, usual.colour);
+  EXPECT_EQ(picture.render.colour.by, usual.colour.by);
+  EXPECT_FALSE(picture.colour);
   EXPECT_EQ(picture.render.clarity.epsilon, usual.clarity.epsilon);
   EXPECT_EQ(picture.render.clarity.alpha, usual.clarity.alpha);
   EXPECT_EQ(picture.render.clarity.delta, usual.clarity.delta);
@@ -35,13 +36,11 @@ TEST(ViewOptions, DefaultsAreThoseOfTheStructs) {
 }
 
 TEST(ViewOptions, AreReadFromText) {
-  const FieldPicture picture =
-      parsed({{"size", "30x20"}, {"samples", "9"}, {"eye", "1,2,3"}, {"colour", "trap"}, {"no-skip", "true"}});
+  const FieldPicture picture = parsed({{"size", "30x20"}, {"samples", "9"}, {"eye", "1,2,3"}, {"no-skip", "true"}});
   EXPECT_EQ(picture.render.width, 30);
   EXPECT_EQ(picture.render.height, 20);
   EXPECT_EQ(picture.render.samples, 9);
   EXPECT_EQ(picture.view.eye, openvdb::Vec3d(1, 2, 3));
-  EXPECT_EQ(picture.render.colour, FieldColour::Trap);
   EXPECT_FALSE(picture.render.skip);
 }
 

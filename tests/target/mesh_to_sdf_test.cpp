@@ -346,9 +346,10 @@ TEST_F(RepairedMeshToSdf, InnerWallsDoNotCount) {
   EXPECT_LT(result.moved, 0.05);
 }
 
-TEST_F(RepairedMeshToSdf, AnOpenBowlIsClosedOnlyByAGapAsWideAsItself) {
+TEST_F(RepairedMeshToSdf, AnOpenBowlIsCappedOrClosedByAGapAsWideAsItself) {
   const Mesh bowl = withoutTriangles(makeSphere(1, 4), [](const Vec3d& c) { return c[2] > 0; });
-  const std::string text = refusal([&] { repaired(bowl, 0.05); });
+  EXPECT_NEAR(insideVolume(*repaired(bowl, 0.05).grid), 2 * kPi / 3, 0.1);
+  const std::string text = refusal([&] { repaired(bowl, 0.05, 0.2); });
   EXPECT_NE(text.find("open edges"), std::string::npos) << text;
   const Mesh narrow = withoutTriangles(makeSphere(1, 4), [](const Vec3d& c) { return c[2] > 0.85; });
   refusal([&] { repaired(narrow, 0.05, 0.2); });

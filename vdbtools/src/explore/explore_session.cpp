@@ -92,7 +92,11 @@ std::vector<std::string> formatsOf(const json& body) {
 
 /// The options of a picture by `juliavdb render --field`.
 FieldPicture pictureOf(const json& body) {
-  static const OptionTable table(fieldPictureOptionSpecs("800x600", "direction"));
+  static const OptionTable table = [] {
+    std::vector<OptionSpec> options = fieldPictureOptionSpecs("800x600");
+    options.push_back(colourOptionSpec());
+    return OptionTable(std::move(options));
+  }();
   Recipe given;
   const auto take = [&](const json& object, const char* entry, const char* option) {
     if (const auto found = object.find(entry); found != object.end() && !found->is_null())
@@ -262,6 +266,7 @@ std::string ExploreSession::targetMesh(Monitor& monitor) {
 
 std::string ExploreSession::picture(const json& body, Monitor& monitor) {
   const FieldPicture picture = pictureOf(body);
+  if (picture.colour && picture.colour->picture) mAccess.require(*picture.colour->picture);
   return sceneOf(lookOf(body), SceneStore::Turn::Waits, monitor)->picture(picture, monitor);
 }
 

@@ -14,10 +14,13 @@ FileAccess::FileAccess(const FractalOptions& given) {
 }
 
 void FileAccess::require(const FractalOptions& options) const {
-  for (const NamedFile& file : filesOf(options))
-    if (!mAllowed.contains(file.path))
-      throw FileRefused("the page may not read '" + inOneLine(file.path.string()) +
-                        "': only files that the command line of 'juliavdb explore' names can be used");
+  for (const NamedFile& file : filesOf(options)) require(file);
+}
+
+void FileAccess::require(const NamedFile& file) const {
+  if (!mAllowed.contains(file.path))
+    throw FileRefused("the page may not read '" + inOneLine(file.path.string()) +
+                      "': only files that the command line of 'juliavdb explore' names can be used");
 }
 
 void requireFileName(const std::string& name) {

@@ -26,6 +26,7 @@ class FileAccess {
   /// Parsing opens nothing, so that this comes in time.
   /// @throw FileRefused  the options name another file
   void require(const FractalOptions& options) const;
+  void require(const NamedFile& file) const;
 
  private:
   std::set<std::filesystem::path> mAllowed;

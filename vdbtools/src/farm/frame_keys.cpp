@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iterator>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -69,15 +70,26 @@ Ease parseEase(const std::string& text) {
 
 }  // namespace
 
-std::pair<int, int> parseFrames(const std::string& text) {
-  const std::size_t dash = text.find('-');
-  const std::optional<int> first = wholeFromText<int>(text.substr(0, dash));
-  const std::optional<int> last = dash == std::string::npos ? first : wholeFromText<int>(text.substr(dash + 1));
-  if (!first || !last || *first < 0 || *last < *first)
-    refuse("frames", text, "a frame or a range of frames from 0 on, such as 1-48, the smaller number first");
-  if (*last - *first >= kMostFrames)
-    refuse("frames", text, "a range of at most " + std::to_string(kMostFrames) + " frames");
-  return {*first, *last};
+std::vector<int> parseFrames(const std::string& text) {
+  const std::string most = std::to_string(kMostFrames);
+  std::vector<int> frames;
+  std::set<int> seen;
+  for (const std::string& part : split(text, ',')) {
+    const std::size_t times = part.find('x'), dash = part.find('-');
+    const std::string range = part.substr(0, times);
+    const std::optional<int> first = wholeFromText<int>(range.substr(0, dash));
+    const std::optional<int> last = dash < times ? wholeFromText<int>(range.substr(dash + 1)) : first;
+    const std::optional<int> step = times == std::string::npos ? 1 : wholeFromText<int>(part.substr(times + 1));
+    if (!first || !last || !step || *first < 0 || *last < *first || *step < 1)
+      refuse("frames", text,
+             "frames and ranges of frames from 0 on, such as 1-48, 1-48x2 or 7,10-12, in each range the smaller number "
+             "first");
+    if ((*last - *first) / *step >= kMostFrames) refuse("frames", text, "a range of at most " + most + " frames");
+    for (int i = 0; i <= (*last - *first) / *step; ++i)
+      if (const int frame = *first + i * *step; seen.insert(frame).second) frames.push_back(frame);
+    if (frames.size() > kMostFrames) refuse("frames", text, "a list of at most " + most + " frames");
+  }
+  return frames;
 }
 
 std::vector<KeyedOption> parseKeys(const std::vector<std::string>& keys, const std::vector<std::string>& eases,

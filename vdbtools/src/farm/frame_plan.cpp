@@ -21,15 +21,6 @@ std::vector<std::string> animatedFiles(const Recipe& recipe, const OptionTable& 
   return names;
 }
 
-Recipe recipeAt(const FramePlanOptions& options, int frame, const OptionTable& table) {
-  Recipe values;
-  for (const KeyedOption& option : options.keys) values[option.name] = valueAt(option, frame);
-  Recipe recipe = overridden(options.base, values, table);
-  for (const std::string& name : animatedFiles(recipe, table))
-    recipe = overridden(recipe, {{name, expandFrame(recipe.at(name), frame)}}, table);
-  return recipe;
-}
-
 std::string nameFor(const FramePlanOptions& options, const OptionTable& table) {
   if (!options.name.empty()) return options.name;
   const auto input = options.base.find("input");
@@ -39,11 +30,19 @@ std::string nameFor(const FramePlanOptions& options, const OptionTable& table) {
 
 }  // namespace
 
-Manifest planFrames(const FramePlanOptions& options) {
+Recipe recipeAt(const FramePlanOptions& options, int frame) {
   const OptionTable table = fractalOptionTable();
+  Recipe values;
+  for (const KeyedOption& option : options.keys) values[option.name] = valueAt(option, frame);
+  Recipe recipe = overridden(options.base, values, table);
+  for (const std::string& name : animatedFiles(recipe, table))
+    recipe = overridden(recipe, {{name, expandFrame(recipe.at(name), frame)}}, table);
+  return recipe;
+}
+
+void requireChange(const FramePlanOptions& options) {
   const auto hasPattern = [](const auto& key) { return hasFramePattern(key.second); };
-  const bool changes = !options.keys.empty() || !animatedFiles(options.base, table).empty();
-  if (!changes)
+  if (options.keys.empty() && animatedFiles(options.base, fractalOptionTable()).empty())
     throw std::invalid_argument(
         "nothing changes from frame to frame; give keys such as --key alpha@1=40 --key alpha@48=120, or a target with "
         "a file for each frame such as in.####.obj");
@@ -51,12 +50,14 @@ Manifest planFrames(const FramePlanOptions& options) {
     if (std::any_of(option.keys.begin(), option.keys.end(), hasPattern))
       throw std::invalid_argument("a key of --" + option.name +
                                   " is the name of a file for each frame; give the option itself, without keys");
+}
+
+Manifest planFrames(const FramePlanOptions& options) {
+  requireChange(options);
   std::vector<Variant> variants;
-  for (int frame = options.first; frame <= options.last; ++frame) {
-    const std::string called = "frame " + std::to_string(frame);
-    variants.push_back({frame, called, recipeAt(options, frame, table)});
-  }
-  return planVariants(PlanKind::Frames, variants, {nameFor(options, table), options.makes});
+  for (const int frame : options.frames)
+    variants.push_back({frame, "frame " + std::to_string(frame), recipeAt(options, frame)});
+  return planVariants(PlanKind::Frames, variants, {nameFor(options, fractalOptionTable()), options.makes});
 }
 
 }  // namespace vdbtools

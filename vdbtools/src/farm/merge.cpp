@@ -5,6 +5,7 @@
 #include "farm/tile_merge.h"
 #include "farm/tile_task.h"
 #include "field/block_evaluator.h"
+#include "job/point_attributes.h"
 #include "surface/band_distances.h"
 
 #include "vdbtools/base/errors.h"
@@ -22,6 +23,7 @@
 #include <algorithm>
 #include <functional>
 #include <list>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -66,19 +68,58 @@ void requireDone(const fs::path& folder, const Manifest& manifest, Monitor& moni
                     " not done, or not as the plan has them; run them and merge again");
 }
 
-MeshWriteOptions meshOptions(const Manifest& manifest, MeshFormat format) {
+/// The attributes of a plan's points and voxels, which no tile has: they are computed when the tiles are merged.
+class PlanAttributes {
+ public:
+  PlanAttributes(const FractalOptions& options, const fs::path& prepared)
+      : mScene(opened(options, prepared)), mAttributes(mScene) {}
+
+  const PointAttributes& operator*() const { return mAttributes; }
+  const PointAttributes* operator->() const { return &mAttributes; }
+
+ private:
+  /// The scene, with what is transferred from its target.
+  static Scene opened(const FractalOptions& options, const fs::path& prepared) {
+    Scene scene = readPreparedScene(options, prepared);
+    if (options.output.attributes.transferred.empty()) return scene;
+    const TargetOptions& target = options.target.value();
+    verifiedHashes({&target.input, 1});
+    scene.targetMesh = transferredMesh(options, *openTarget(target));
+    return scene;
+  }
+
+  Scene mScene;
+  PointAttributes mAttributes;
+};
+
+/// None if none are wanted.
+std::unique_ptr<const PlanAttributes> planAttributes(const fs::path& folder, const Manifest& manifest) {
+  const FractalOptions options = parseFractalOptions(manifest.recipe);
+  if (options.output.attributes.empty()) return nullptr;
+  return std::make_unique<const PlanAttributes>(options, folder / kPreparedName);
+}
+
+MeshWriteOptions meshOptions(const Manifest& manifest, MeshFormat format, const PlanAttributes* attributes) {
   const TileLattice& lattice = manifest.lattice.value();
   return {.format = format,
           .voxelSize = lattice.voxelSize,
           .box = meshBox({.domain = lattice.domain, .voxelSize = lattice.voxelSize}),
+          .columns = attributes ? (*attributes)->columns() : std::vector<VertexColumn>(),
           .comments = manifest.facts};
 }
 
 /// Meshes that begin when they are asked for: one file, or several with numbers.
 class MeshFiles {
  public:
-  MeshFiles(const fs::path& path, const MeshWriteOptions& options, bool numbered, std::list<AtomicFile>& files)
-      : mPath(path), mOptions(options), mNumbered(numbered), mFiles(files) {}
+  /// @param attributes  of the points; or null
+  MeshFiles(const fs::path& path, const MeshWriteOptions& options, const PlanAttributes* attributes, bool numbered,
+            std::list<AtomicFile>& files, const Monitor& monitor)
+      : mPath(path),
+        mOptions(options),
+        mAttributes(attributes),
+        mNumbered(numbered),
+        mFiles(files),
+        mMonitor(monitor) {}
 
   MeshSink& next() {
     if (!mMeshes.empty()) mMeshes.back().finish();
@@ -86,7 +127,9 @@ class MeshFiles {
     if (mNumbered)
       path.replace_filename(mPath.stem().string() + '.' + std::to_string(mMeshes.size() + 1) +
                             mPath.extension().string());
-    return mMeshes.emplace_back(mFiles.emplace_back(path), mOptions);
+    MeshFile& mesh = mMeshes.emplace_back(mFiles.emplace_back(path), mOptions);
+    if (!mAttributes) return mesh;
+    return mAttributed.emplace_back(**mAttributes, mesh, mMonitor);
   }
   void finish() {
     if (!mMeshes.empty()) mMeshes.back().finish();
@@ -95,9 +138,12 @@ class MeshFiles {
  private:
   fs::path mPath;
   MeshWriteOptions mOptions;
+  const PlanAttributes* mAttributes;
   bool mNumbered;
   std::list<AtomicFile>& mFiles;
+  const Monitor& mMonitor;
   std::list<MeshFile> mMeshes;
+  std::list<AttributedSink> mAttributed;  ///< in front of the meshes
 };
 
 /// The islands of a plan that drops some.
@@ -136,7 +182,8 @@ std::vector<TileReader> openTiles(const fs::path& folder, const Manifest& manife
 }
 
 MeshCounts mergeMesh(const fs::path& folder, const Manifest& manifest, const MergeOptions& options,
-                     const PlanIslands* islands, std::list<AtomicFile>& files, Monitor& monitor) {
+                     const PlanIslands* islands, const PlanAttributes* attributes, std::list<AtomicFile>& files,
+                     Monitor& monitor) {
   const MeshFormat format = meshFormat(*options.mesh);
   if (!makes(manifest, lowerExtension(*options.mesh).substr(1)) && format != MeshFormat::Ply)
     throw std::invalid_argument("the plan was made for other files than '" + options.mesh->string() +
@@ -145,7 +192,8 @@ MeshCounts mergeMesh(const fs::path& folder, const Manifest& manifest, const Mer
   std::uint64_t points = 0;
   for (const TileReader& tile : tiles) points += tile.counts().points;
   if (islands) points = islands->meshPoints();
-  MeshFiles meshes(*options.mesh, meshOptions(manifest, format), points > options.mostPoints, files);
+  MeshFiles meshes(*options.mesh, meshOptions(manifest, format, attributes), attributes, points > options.mostPoints,
+                   files, monitor);
   const std::function<MeshSink&()> next = [&]() -> MeshSink& { return meshes.next(); };
   const MeshCounts counts = mergeTiles(tiles, {.mostPoints = options.mostPoints}, next, monitor);
   meshes.finish();
@@ -251,11 +299,12 @@ GridParts readGrids(const fs::path& folder, const Manifest& manifest, Monitor& m
 
 std::vector<openvdb::GridBase::Ptr> mergeGrids(const fs::path& folder, const Manifest& manifest,
                                                const FractalOptions& options, const PlanIslands* islands,
-                                               MergeResult& result, Monitor& monitor) {
+                                               const PlanAttributes* attributes, MergeResult& result,
+                                               Monitor& monitor) {
   GridParts parts = readGrids(folder, manifest, monitor);
   const std::vector<std::string>& names = options.output.grids;
   const auto wants = [&](const char* name) { return std::find(names.begin(), names.end(), name) != names.end(); };
-  if (wants("surface") || wants("density") || wants("versor")) {
+  if (wants("surface") || wants("density") || wants("versor") || attributes) {
     if (islands) parts.surface = keptSurface(folder, manifest, *islands, monitor);
     if (!parts.surface) throw DataError("the fractal is empty: no tile has a part of its level set");
     finishLevelSet(*parts.surface);
@@ -275,6 +324,9 @@ std::vector<openvdb::GridBase::Ptr> mergeGrids(const fs::path& folder, const Man
     if (name == "versor")
       grids.push_back(versorGrid(*parts.surface, readPreparedScene(options, folder / kPreparedName).source(), monitor));
   }
+  if (attributes)
+    for (const openvdb::GridBase::Ptr& grid : attributeGrids(**attributes, *parts.surface, monitor))
+      grids.push_back(grid);
   return grids;
 }
 
@@ -289,7 +341,8 @@ void commit(std::list<AtomicFile>& files, MergeResult& result) {
 
 /// One tile's own files, and what the index says of them.
 nlohmann::json writeOneTile(const fs::path& folder, const Manifest& manifest, std::uint64_t index, const fs::path& stem,
-                            const PlanIslands* islands, MergeResult& result, Monitor& monitor) {
+                            const PlanIslands* islands, const PlanAttributes* attributes, MergeResult& result,
+                            Monitor& monitor) {
   using nlohmann::json;
   const TileLattice& lattice = manifest.lattice.value();
   const openvdb::CoordBBox box = manifest.tasks[index - 1].box.value();
@@ -307,7 +360,8 @@ nlohmann::json writeOneTile(const fs::path& folder, const Manifest& manifest, st
     tile.push_back(openTile(folder, index, islands, islands && islands->capMesh));
     MeshCounts counts;
     {
-      MeshFiles meshes(nameOf(".ply"), meshOptions(manifest, MeshFormat::Ply), false, files);
+      MeshFiles meshes(nameOf(".ply"), meshOptions(manifest, MeshFormat::Ply, attributes), attributes, false, files,
+                       monitor);
       const std::function<MeshSink&()> next = [&]() -> MeshSink& { return meshes.next(); };
       counts = mergeTiles(tile, {.keepGuests = true}, next, monitor);
       meshes.finish();
@@ -327,7 +381,10 @@ nlohmann::json writeOneTile(const fs::path& folder, const Manifest& manifest, st
       finishLevelSet(*part);
       entry["band_voxels"] = part->activeVoxelCount();
       result.bandVoxels += part->activeVoxelCount();
-      files.emplace_back(nameOf(".vdb")).stream() << encodeVdb({part}, {.metadata = manifest.facts});
+      std::vector<openvdb::GridBase::Ptr> grids = {part};
+      if (attributes)
+        for (const openvdb::GridBase::Ptr& grid : attributeGrids(**attributes, *part, monitor)) grids.push_back(grid);
+      files.emplace_back(nameOf(".vdb")).stream() << encodeVdb(grids, {.metadata = manifest.facts});
     }
   }
   const std::size_t before = result.files.size();
@@ -356,14 +413,16 @@ MergeResult mergePlan(const fs::path& folder, const Manifest& manifest, const Me
   const std::optional<PlanIslands> joined = joinIslands(folder, manifest, monitor);
   const PlanIslands* const islands = joined ? &*joined : nullptr;
   if (islands) result.islands = islands->joined.report;
+  const std::unique_ptr<const PlanAttributes> attributes = planAttributes(folder, manifest);
   if (options.mesh) {
-    result.mesh = mergeMesh(folder, manifest, options, islands, files, monitor);
+    result.mesh = mergeMesh(folder, manifest, options, islands, attributes.get(), files, monitor);
     if (result.mesh.triangles == 0)
       throw DataError("the fractal is empty: no tile has a triangle; plan again with less detail or smaller voxels");
   }
   if (vdb) {
     const FractalOptions recipe = parseFractalOptions(manifest.recipe);
-    const std::vector<openvdb::GridBase::Ptr> grids = mergeGrids(folder, manifest, recipe, islands, result, monitor);
+    const std::vector<openvdb::GridBase::Ptr> grids =
+        mergeGrids(folder, manifest, recipe, islands, attributes.get(), result, monitor);
     monitor.begin("writing", 0);
     vdb->stream() << encodeVdb(grids, {.half = recipe.output.half, .metadata = manifest.facts});
   }
@@ -384,6 +443,7 @@ MergeResult writeTileFiles(const fs::path& folder, const Manifest& manifest, con
   MergeResult result;
   const std::optional<PlanIslands> islands = joinIslands(folder, manifest, monitor);
   if (islands) result.islands = islands->joined.report;
+  const std::unique_ptr<const PlanAttributes> attributes = planAttributes(folder, manifest);
   const TileLattice& lattice = manifest.lattice.value();
   nlohmann::ordered_json root = {{"juliavdb", "tiles"},
                                  {"version", manifest.version},
@@ -392,7 +452,8 @@ MergeResult writeTileFiles(const fs::path& folder, const Manifest& manifest, con
   nlohmann::json tiles = nlohmann::json::array();
   const fs::path stem = index.parent_path() / index.stem();
   for (std::uint64_t i = 1; i <= manifest.tasks.size(); ++i) {
-    tiles.push_back(writeOneTile(folder, manifest, i, stem, islands ? &*islands : nullptr, result, monitor));
+    tiles.push_back(
+        writeOneTile(folder, manifest, i, stem, islands ? &*islands : nullptr, attributes.get(), result, monitor));
     monitor.throwIfCancelled();
   }
   if (result.files.empty()) throw DataError("the fractal is empty: no tile has a surface");

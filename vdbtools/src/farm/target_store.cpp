@@ -37,7 +37,7 @@ class KeptTarget final : public TargetInput {
       : mInput(std::move(input)),
         mFolder(std::move(folder)),
         mKey(options.input.expectedHash + ' ' + numbersText({options.sdfVoxels.sizeFor(longestSide(mInput->box()))}) +
-             ' ' + (options.repair ? numbersText({options.gap}) : "")) {}
+             ' ' + mendText(options.mend)) {}
 
   const openvdb::BBoxd& box() const override { return mInput->box(); }
   double usualDepth() const override { return mInput->usualDepth(); }

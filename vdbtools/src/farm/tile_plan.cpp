@@ -108,6 +108,14 @@ void requireCuttable(const FractalOptions& options) {
     throw std::invalid_argument(
         "a fractal that is made by following its surface cannot be cut into tiles, as the way leads through all of "
         "them; leave out the option to follow it");
+  if (options.surface.adaptivity > 0)
+    throw std::invalid_argument(
+        "--adaptivity needs the whole mesh at once, and tiles are merged without holding it; leave it out, or make the "
+        "fractal in one run");
+  if (options.output.attributes.has(PointAttribute::Mask))
+    throw std::invalid_argument(
+        "--attributes is to have 'mask', but the tasks of a plan and its merging know the mask only as a part of the "
+        "exponent; leave it out, or make the fractal in one run");
 }
 
 /// Boxes of nodes that the tiles have to cover.

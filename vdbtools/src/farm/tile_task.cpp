@@ -173,7 +173,7 @@ TileFiles tileFiles(const Manifest& manifest, const FractalOptions& options) {
   TileFiles files{.mesh = makesMesh(manifest), .grids = makes(manifest, "vdb")};
   files.islands = dropsIslands(options);
   if (!files.islands || !files.grids) return files;
-  files.cappedMesh = has("surface") || has("density") || has("versor");
+  files.cappedMesh = has("surface") || has("density") || has("versor") || !options.output.attributes.empty();
   files.mesh = files.mesh || files.cappedMesh;
   files.grids = has("logmodulus") || has("iterations");
   return files;
@@ -203,7 +203,8 @@ Tile makeTile(const Scene& scene, const CoordBBox& box, bool wantsMesh, bool wan
   Tile tile{.evaluatedNodes = field.evaluatedNodes};
   const bool dropped = dropsIslands(scene.options);
   if (dropped) tile.islands.emplace(field, scene.source(), box, monitor);
-  const bool wantsSurface = wants("surface") || wants("density") || wants("versor");
+  const bool wantsSurface = wants("surface") || wants("density") || wants("versor") ||
+                            (wantsGrids && !scene.options.output.attributes.empty());
   const bool capMesh = scene.options.surface.cap || !plan.bounded;
   PlacedMesh placed = extractPlacedMesh(
       field, scene.source(),
@@ -228,6 +229,8 @@ Tile makeTile(const Scene& scene, const CoordBBox& box, bool wantsMesh, bool wan
 }
 
 bool tilesNeedDoubles(const Manifest& manifest) {
+  // Attributes are computed at the merged vertices, which must be those of one run to the bit.
+  if (!parseFractalOptions(manifest.recipe).output.attributes.empty()) return true;
   const TileLattice& lattice = manifest.lattice.value();
   const openvdb::BBoxd box = meshBox({.domain = lattice.domain, .voxelSize = lattice.voxelSize});
   return std::any_of(manifest.makes.begin(), manifest.makes.end(), [&](const std::string& format) {

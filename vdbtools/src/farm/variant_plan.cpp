@@ -2,6 +2,7 @@
 #include "farm/variant_plan.h"
 
 #include "job/file_hashes.h"
+#include "job/file_names.h"
 
 #include "vdbtools/files/frame_name.h"
 #include "vdbtools/job/fractal_options.h"
@@ -9,6 +10,7 @@
 #include "vdbtools/recipe/option_value.h"
 
 #include <algorithm>
+#include <map>
 #include <stdexcept>
 
 namespace vdbtools {
@@ -44,18 +46,6 @@ Recipe checkedRecipe(const Variant& variant, const OptionTable& table, FileHashe
 bool isIn(const Recipe& recipe, const Recipe::value_type& entry) {
   const auto found = recipe.find(entry.first);
   return found != recipe.end() && found->second == entry.second;
-}
-
-/// @a value with each name of @a files that it is, or that stands in it between colons, made absolute.
-std::string valueWithAbsoluteNames(const std::string& value, const std::vector<NamedFile>& files,
-                                   const std::filesystem::path& folder) {
-  const auto isName = [&](const std::string& text) {
-    return std::any_of(files.begin(), files.end(), [&](const NamedFile& file) { return file.path.string() == text; });
-  };
-  if (isName(value)) return (folder / value).string();
-  std::string result;
-  for (const std::string& part : split(value, ':')) result += ':' + (isName(part) ? (folder / part).string() : part);
-  return result.substr(1);
 }
 
 /// Moves the entries that all tasks have from them to the plan. What a task's own entries would displace there, such as
@@ -114,17 +104,13 @@ Manifest planVariants(PlanKind kind, const std::vector<Variant>& variants, const
 std::filesystem::path folderOfNames(const Manifest& manifest) { return manifest.facts.at(kFolder); }
 
 Recipe withAbsoluteNames(const Recipe& recipe, const std::filesystem::path& folder) {
-  const auto isRelative = [](const NamedFile& file) { return file.path.is_relative(); };
-  std::vector<NamedFile> files = filesOf(parseFractalOptions(recipe));
-  std::erase_if(files, [&](const NamedFile& file) { return !isRelative(file); });
-  if (files.empty()) return recipe;
-  const OptionTable table = fractalOptionTable();
-  Recipe result = recipe;
-  for (auto& [name, value] : result)
-    if (const OptionSpec* option = table.find(name, recipe); option && !option->hash.empty())
-      value = valueWithAbsoluteNames(value, files, folder);
+  std::map<std::string, std::string> names;
+  for (const NamedFile& file : filesOf(parseFractalOptions(recipe)))
+    if (file.path.is_relative()) names[file.path.string()] = (folder / file.path).string();
+  if (names.empty()) return recipe;
+  Recipe result = withFileNames(recipe, names, fractalOptionTable());
   for (const NamedFile& file : filesOf(parseFractalOptions(result)))
-    if (isRelative(file))
+    if (file.path.is_relative())
       throw std::invalid_argument("the name of '" + file.path.string() +
                                   "' cannot be made independent of the working folder; give an absolute one");
   return result;

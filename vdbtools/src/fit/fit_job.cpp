@@ -367,16 +367,11 @@ double surfaceSlope(const Rational& rational, const std::vector<FitCell>& cells,
 }  // namespace
 
 OptionTable fitOptionTable() {
-  return OptionTable({
+  std::vector<OptionSpec> options = {
       {.name = "input",
        .argument = "MESH|SDF.vdb",
        .help = "the target: a mesh, or a VDB that holds its signed distance"},
       {.name = "grid", .argument = "NAME", .defaultValue = "", .help = "which grid of the input VDB to use"},
-      {.name = "repair", .help = "close holes and gaps of an open mesh or a triangle soup"},
-      {.name = "repair-gap",
-       .argument = "W",
-       .defaultValue = "0",
-       .help = "close gaps up to this width, in the mesh's units; 0 uses the smallest width that closes the mesh"},
       {.name = "roots",
        .argument = "N",
        .defaultValue = "331",
@@ -427,7 +422,9 @@ OptionTable fitOptionTable() {
        .argument = "S",
        .defaultValue = "1",
        .help = "the seed for the places of roots and for the cells that are held out"},
-  });
+  };
+  for (OptionSpec& option : mendOptionSpecs()) options.push_back(std::move(option));
+  return OptionTable(std::move(options));
 }
 
 FitOptions parseFitOptions(const Recipe& recipe) {
@@ -437,8 +434,7 @@ FitOptions parseFitOptions(const Recipe& recipe) {
   if (reader.text("input").empty()) throw std::invalid_argument("no target was given: a mesh, or a VDB");
   options.target.input = reader.text("input");
   options.target.grid = reader.text("grid");
-  options.target.repair = reader.flag("repair");
-  options.target.gap = reader.notNegative("repair-gap");
+  options.target.mend = parseMendOptions(reader);
   options.target.resolution = reader.integer("resolution", 8, 1000);
   options.target.smooth = reader.number("smooth");
   if (!(options.target.smooth >= 0 && options.target.smooth <= 4)) reader.refuse("smooth", "0 to 4");

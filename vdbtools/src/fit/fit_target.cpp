@@ -55,16 +55,19 @@ struct Solid {
   Mesh mesh;
   openvdb::BBoxd box;
   std::optional<FractalSpace> space;  ///< a VDB's; a mesh's depends on its distances
+  MendOptions mend{};
 };
 
 Solid readSolid(const FitTargetOptions& options, Monitor& monitor) {
   Solid solid;
-  if (options.mesh) requireUsable(*options.mesh);
   if (options.mesh || !isVdbPath(options.input)) {
-    solid.mesh = options.mesh ? *options.mesh : readMesh(options.input);
-    solid.box = reportOfSolid(solid.mesh, options.input).box;
+    const SolidSource source = openSolid(options.input, options.mesh, options.mend);
+    solid.mesh = *source.solid;
+    solid.box = source.box;
+    solid.mend = options.mend;
     return solid;
   }
+  solid.mend = {.repair = options.mend.repair, .gap = options.mend.gap};
   Target target = readVdbTarget(options.input, options.grid);
   solid.mesh = meshOfLevelSet(*target.phi, monitor);
   solid.box = target.box;
@@ -74,7 +77,7 @@ Solid readSolid(const FitTargetOptions& options, Monitor& monitor) {
 }
 
 /// @param finest  distances that are good to a voxel
-FractalSpace spaceOf(const Solid& solid, const FitTargetOptions& options, const FloatGrid& finest, Monitor& monitor) {
+FractalSpace spaceOf(const Solid& solid, const FloatGrid& finest, Monitor& monitor) {
   if (solid.space) return *solid.space;
   const Vec3d middle = solid.box.getCenter();
   const double phi = openvdb::tools::BoxSampler::sample(finest.getConstAccessor(), finest.worldToIndex(middle));
@@ -82,7 +85,7 @@ FractalSpace spaceOf(const Solid& solid, const FitTargetOptions& options, const 
   // Too near the surface to tell: the lattice of `juliavdb fractal` decides, and if it says outside, its deepest node.
   const double voxel = longestSide(solid.box) / kDefaultSdfVoxels;
   const auto gridTo = [&](double depth) {
-    return makeSdfAbout(middle, solid.mesh, sdfBand(voxel, kFitBand, depth), options.repair, options.gap, monitor).grid;
+    return makeSdfAbout(middle, solid.mesh, sdfBand(voxel, kFitBand, depth), solid.mend, monitor).grid;
   };
   const FloatGrid::Ptr shallow = gridTo(kFitBand);
   if (centreIsInside(*shallow, solid.box)) return fitFractalSpace(*shallow, solid.box);
@@ -233,9 +236,9 @@ FitTarget makeFitTarget(const FitTargetOptions& options, Monitor& monitor) {
   const double voxel = kCubeSide * longestSide(solid.box) / options.resolution;
   const Vec3d node = solid.box.getCenter() - Vec3d(middleNode(options.resolution) * voxel);
   const FloatGrid::Ptr finest =
-      makeSdfAbout(node, solid.mesh, sdfBand(voxel, kFitBand, kFitBand), options.repair, options.gap, monitor).grid;
+      makeSdfAbout(node, solid.mesh, sdfBand(voxel, kFitBand, kFitBand), solid.mend, monitor).grid;
   target.levels.push_back(finest);
-  target.space = spaceOf(solid, options, *finest, monitor);
+  target.space = spaceOf(solid, *finest, monitor);
   solid.mesh = Mesh();
   target.cell = voxel / target.space.scale;
   target.cubeCentre = target.space.toFractal(solid.box.getCenter());

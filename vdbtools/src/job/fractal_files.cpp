@@ -40,8 +40,11 @@ void writeGrids(const Scene& scene, const std::map<std::string, std::string>& me
 void addMeshFiles(MeshFiles& meshes, const Scene& scene, const openvdb::BBoxd& box,
                   const std::map<std::string, std::string>& metadata, const FractalFiles& files) {
   if (!files.vdb && files.meshes.empty()) throw std::invalid_argument("no file was given for the fractal");
+  const std::vector<VertexColumn> columns = meshColumns(scene.options.output.attributes);
   for (const FractalMeshFile& mesh : files.meshes)
-    meshes.add(*mesh.file, {.format = mesh.format, .voxelSize = scene.voxelSize, .box = box, .comments = metadata});
+    meshes.add(
+        *mesh.file,
+        {.format = mesh.format, .voxelSize = scene.voxelSize, .box = box, .columns = columns, .comments = metadata});
 }
 
 }  // namespace
@@ -61,13 +64,13 @@ FractalResult writeFractal(const Scene& scene, const Recipe& recipe, const Fract
 }
 
 void writeMadeFractal(const Scene& scene, const Recipe& recipe, const FractalResult& made, const Mesh& mesh,
-                      const FractalFiles& files, Monitor& monitor) {
+                      std::span<const float> values, const FractalFiles& files, Monitor& monitor) {
   monitor.begin("writing", 0);
   const std::map<std::string, std::string> metadata = sceneMetadata(scene, recipe);
   MeshFiles meshes;
   addMeshFiles(meshes, scene, meshBox(planScene(scene)), metadata, files);
   if (files.vdb) writeGrids(scene, metadata, made, *files.vdb);
-  meshes.addPoints({mesh.points, mesh.normals});
+  meshes.addPoints({mesh.points, mesh.normals, values});
   meshes.addTriangles(mesh.triangles, 0);
   meshes.finish();
   monitor.throwIfCancelled();

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/job/fractal_job.h"
 
+#include "job/point_attributes.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/mesh/adaptive_mesh.h"
 #include "vdbtools/mesh/mesh_sink.h"
 
 #include <algorithm>
@@ -44,8 +46,21 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
   };
   const bool capMesh = surfaceOptions.cap || !plan.bounded;
   const ExtractMeshOptions asked{.tolerance = surfaceOptions.tolerance, .border = capMesh ? Border::Cap : Border::Open};
+  std::optional<PointAttributes> attributes;
+  if (!scene.options.output.attributes.empty()) attributes.emplace(scene);
+  std::optional<AttributedSink> attributed;
+  if (attributes && sink) sink = &attributed.emplace(*attributes, *sink, monitor);
+  std::optional<AdaptiveMeshSink> adaptive;
+  if (sink && surfaceOptions.adaptivity > 0)
+    sink = &adaptive.emplace(*sink, surfaceOptions.adaptivity * scene.voxelSize);
   const bool dropsIslands = surfaceOptions.islands.largest > 0 || surfaceOptions.islands.minSize > 0;
   FractalResult result;
+  const auto finishAdaptive = [&] {
+    if (!adaptive) return;
+    adaptive->finish(monitor);
+    result.mesh.points = adaptive->pointsAfter();
+    result.mesh.triangles = adaptive->trianglesAfter();
+  };
   if (!wantGrids && !dropsIslands && !follow) {
     if (!sink) return result;
     SolidMeter meter(sink);
@@ -53,6 +68,7 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
     if (capMesh || !scene.options.lattice.box) result.solid = meter.measure();
     result.evaluatedNodes = result.mesh.evaluatedNodes;
     requireSurface(result.mesh.triangles);
+    finishAdaptive();
     return result;
   }
 
@@ -63,7 +79,8 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
   result.evaluatedNodes = field.evaluatedNodes;
   if (dropsIslands) result.islands = dropIslands(field, surfaceOptions.islands, monitor);
   FloatGrid::Ptr surface;
-  if (wants("surface") || wants("density") || wants("versor")) {
+  const bool wantsAttributes = wantGrids && attributes;
+  if (wants("surface") || wants("density") || wants("versor") || wantsAttributes) {
     CappedMesh capped = extractCappedMesh(field, scene.source(), surfaceOptions.tolerance, monitor);
     requireSurface(capped.mesh.triangles.size());
     surface = levelSet(field, capped.mesh, monitor);
@@ -84,6 +101,7 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
     if (capMesh || !scene.options.lattice.box) result.solid = meter.measure();
   }
   if (sink) requireSurface(result.mesh.triangles);
+  finishAdaptive();
   for (const std::string& name : names) {
     if (!wantGrids) break;
     if (name == "surface") result.grids.push_back(surface);
@@ -92,6 +110,9 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
     if (name == "iterations") result.grids.push_back(field.iterations);
     if (name == "versor") result.grids.push_back(versorGrid(*surface, scene.source(), monitor));
   }
+  if (wantsAttributes)
+    for (const openvdb::GridBase::Ptr& grid : attributeGrids(*attributes, *surface, monitor))
+      result.grids.push_back(grid);
   return result;
 }
 

@@ -20,6 +20,20 @@ std::vector<std::string> parseGrids(const RecipeReader& reader) {
   return grids;
 }
 
+/// Refuses attributes of a target that is not there, and of a mask that the map does not have.
+void requireSources(const RecipeReader& reader, const FractalOptions& options) {
+  const AttributeOptions& attributes = options.output.attributes;
+  if (attributes.has(PointAttribute::Mask) && !options.map->shell())
+    reader.refuse("attributes", "without 'mask', as the map has no option --mask");
+  if (options.target) return;
+  constexpr const char* kNoTarget = ", as there is no target; give a mesh or a VDB, or leave it out";
+  for (const auto& [attribute, name] : {std::pair(PointAttribute::Depth, "depth"), {PointAttribute::Tau, "tau"}})
+    if (attributes.has(attribute)) reader.refuse("attributes", std::string("without '") + name + "'" + kNoTarget);
+  if (attributes.colour && attributes.colour->by == FieldColour::Depth)
+    reader.refuse("colour", std::string("something else than depth") + kNoTarget);
+  if (!attributes.transferred.empty()) reader.refuse("transfer", std::string("empty") + kNoTarget);
+}
+
 std::vector<OptionSpec> outputOptionSpecs() {
   return {{.name = "precision",
            .argument = "auto|float|double",
@@ -45,6 +59,7 @@ OptionTable fractalOptionTable(const MapRegistry& maps) {
   add(latticeOptionSpecs());
   add(surfaceOptionSpecs());
   add(outputOptionSpecs());
+  add(attributeOptionSpecs());
   return OptionTable(std::move(options), "map", maps.variants());
 }
 
@@ -57,7 +72,9 @@ FractalOptions parseFractalOptions(const Recipe& recipe, const MapRegistry& maps
   options.map = maps.find(reader.text("map"))->parse(reader);
   options.lattice = parseLatticeOptions(reader);
   options.surface = parseSurfaceOptions(reader);
-  options.output = {.grids = parseGrids(reader), .half = reader.flag("half")};
+  options.output = {
+      .grids = parseGrids(reader), .half = reader.flag("half"), .attributes = parseAttributeOptions(reader)};
+  requireSources(reader, options);
   options.precision = reader.choice<Precision>(
       "precision", {{"auto", Precision::Auto}, {"float", Precision::Float}, {"double", Precision::Double}});
   return options;

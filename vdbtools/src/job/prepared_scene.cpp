@@ -125,6 +125,11 @@ std::string encodePreparedScene(const Scene& scene) {
     entry["exponent"] = exponentNumbers(*scene.exponent);
     grids.push_back(named(scene.exponent->grid, "exponent"));
   }
+  if (scene.thickness) {
+    const FloatGrid::Ptr thickness = scene.thickness->deepCopy();
+    thickness->setName("thickness");
+    grids.push_back(thickness);
+  }
   // A VDB has a grid.
   if (grids.empty()) grids.push_back(named(FloatGrid::create(), "none"));
   return encodeVdb(grids, {.half = false, .metadata = {{kEntry, entry.dump()}}});
@@ -150,6 +155,7 @@ Scene readPreparedScene(const FractalOptions& options, const std::filesystem::pa
       scene.target = Target{.phi = gridOf(file, "phi", path),
                             .box = boxOf(entry["target"].at("box")),
                             .denseBox = nodesOf(entry["target"].at("dense_box"))};
+    if (options.output.attributes.has(PointAttribute::Tau)) scene.thickness = gridOf(file, "thickness", path);
     if (entry.contains("exponent")) scene.exponent = exponentOf(entry["exponent"], gridOf(file, "exponent", path));
   } catch (const json::exception& error) {
     throw DataError("'" + path.string() + "' holds a prepared scene that cannot be read: " + error.what());

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/job/scene.h"
 
+#include "job/target_parts.h"
+#include "target/control_lattice.h"
 #include "target/solid_input.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/target/target_survey.h"
@@ -54,11 +56,16 @@ class SharedTarget {
   const TargetOptions& options() const { return mOptions; }
   const TargetInput& input() const { return *mInput; }
 
+  /// Before each scene, whose facts must not depend on what other scenes have asked for.
+  void beginScene() { mSurveyAsked = false; }
+
   TargetSurvey& survey(Monitor& monitor) {
+    mSurveyAsked = true;
     if (!mSurvey) mSurvey.emplace(mInput->coarseDistances(monitor));
     return *mSurvey;
   }
-  bool isSurveyed() const { return mSurvey.has_value(); }
+  bool surveyAsked() const { return mSurveyAsked; }  ///< by this scene
+  void setSurveyAsked(bool asked) { mSurveyAsked = asked; }
 
   /// The fine distances, at least as far from the surface as asked for.
   const Target& target(const BandWidths& widths, Monitor& monitor) {
@@ -79,6 +86,7 @@ class SharedTarget {
   struct Placed {
     std::string madeOf;
     PlacedTarget target;
+    bool surveyAsked = false;  ///< for it
   };
   std::optional<Placed> placed;
 
@@ -86,6 +94,7 @@ class SharedTarget {
   TargetOptions mOptions;
   std::unique_ptr<const TargetInput> mInput;
   std::optional<TargetSurvey> mSurvey;
+  bool mSurveyAsked = false;
   std::optional<Target> mTarget;
   BandWidths mWidths;
 };
@@ -158,7 +167,10 @@ std::string exponentText(const FractalOptions& options, const ShellSettings& she
 PlacedTarget placeShell(const FractalOptions& options, const ShellSettings& shell, SharedTarget& shared,
                         const Facts& hashes, Monitor& monitor) {
   const std::string madeOf = exponentText(options, shell, hashes);
-  if (shared.placed && shared.placed->madeOf == madeOf) return shared.placed->target;
+  if (shared.placed && shared.placed->madeOf == madeOf) {
+    if (shared.placed->surveyAsked) shared.setSurveyAsked(true);
+    return shared.placed->target;
+  }
   const TargetInput& input = shared.input();
   PlacedTarget result;
   const FloatGrid* phi = needsInscribedBall(options.space) ? shared.survey(monitor).phi().get() : nullptr;
@@ -174,7 +186,7 @@ PlacedTarget placeShell(const FractalOptions& options, const ShellSettings& shel
     widths.interior = kWholeInside;
     make();
   }
-  shared.placed = {madeOf, result};
+  shared.placed = {madeOf, result, shared.surveyAsked()};
   return result;
 }
 
@@ -277,7 +289,29 @@ Facts targetFacts(const Target& target) {
 std::vector<NamedFile> filesOf(const FractalOptions& options) {
   std::vector<NamedFile> files = options.map->files();
   if (options.target && !options.target->mesh) files.push_back(options.target->input);
+  const std::optional<ColourChoice>& colour = options.output.attributes.colour;
+  if (colour && colour->picture) files.push_back(*colour->picture);
   return files;
+}
+
+std::shared_ptr<const Mesh> transferredMesh(const FractalOptions& options, const TargetInput& input) {
+  const std::vector<std::string>& names = options.output.attributes.transferred;
+  if (names.empty()) return nullptr;
+  std::shared_ptr<const Mesh> mesh = input.mesh();
+  if (!mesh)
+    throw DataError(
+        "--transfer cannot be used: the target is a VDB, which has neither texture coordinates nor vertex attributes; "
+        "give the mesh itself as the target");
+  const auto require = [&](const char* name) { requireAttribute(*mesh, name, "the target's mesh"); };
+  for (const std::string& name : names) {
+    if (name == "uv")
+      requireUvs(*mesh);
+    else if (name == "Cd")
+      for (const char* channel : {"red", "green", "blue"}) require(channel);
+    else
+      require(name.c_str());
+  }
+  return mesh;
 }
 
 struct SceneMaker::Shared {
@@ -304,11 +338,13 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
   PlacedSpace placed;
   std::optional<BBoxd> shape;
   if (options.target) {
-    if (!mShared->target || !sameTarget(mShared->target->options(), *options.target))
-      mShared->target = std::make_unique<SharedTarget>(*options.target, mShared->open);
+    if (mShared->target && !sameTarget(mShared->target->options(), *options.target)) mShared->target.reset();
+    if (!mShared->target) mShared->target = std::make_unique<SharedTarget>(*options.target, mShared->open);
     SharedTarget& shared = *mShared->target;
+    shared.beginScene();
     shape = shared.input().box();
     scene.facts = hashesOf(options);
+    scene.targetMesh = transferredMesh(options, shared.input());
     PlacedTarget target =
         shell ? placeShell(options, *shell, shared, scene.facts, monitor) : placeTarget(options, shared, monitor);
     scene.target = std::move(target.target);
@@ -320,16 +356,20 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
       scene.facts.merge(shellFacts(*scene.exponent));
       scene.facts["julia_origin_at"] = originText(options.space, placed.unmoved, *shape);
     }
-    if (shared.isSurveyed()) {
+    const bool wantsThickness = options.output.attributes.has(PointAttribute::Tau);
+    if (wantsThickness || shared.surveyAsked()) {
       TargetSurvey& survey = shared.survey(monitor);
       const double slope = scene.exponentOf && scene.exponentOf->detail
                                ? thicknessSlope(scene.exponentOf->detail->detail.range().second)
                                : kThicknessSlope;
       const LocalThickness& thickness = survey.thickness(monitor, slope);
       scene.facts["julia_thickness"] = numbersText({thickness.least, thickness.greatest});
+      if (wantsThickness) scene.thickness = thickness.tau;
     }
     scene.targetVolume = insideVolume(*scene.target->phi);
     scene.facts.merge(targetFacts(*scene.target));
+    if (const std::shared_ptr<const Mesh> mesh = shared.input().mesh())
+      scene.targetParts = partsOf(*mesh, options.target->mesh ? std::filesystem::path() : options.target->input.path);
   } else {
     scene.facts.merge(hashesOf(options));
     placed = placeSpace(options.space, fitted ? &fitted->space : nullptr);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/job/scene_picture.h"
 
+#include "job/scene_colouring.h"
 #include "vdbtools/job/fractal_job.h"
 
 namespace vdbtools {
@@ -10,10 +11,13 @@ openvdb::BBoxd pictureRegion(const Scene& scene) {
   return scene.exponent ? meshBox(planScene(scene)) : scene.region;
 }
 
-FieldRenderOptions pictureOptions(const Scene& scene, const openvdb::BBoxd& region, const FieldPicture& picture) {
+FieldRenderOptions pictureOptions(const Scene& scene, const openvdb::BBoxd& region, const FieldPicture& picture,
+                                  FieldColour usual) {
   FieldRenderOptions options = picture.render;
   options.camera = picture.view.camera(scene.source(), region,
                                        static_cast<double>(options.width) / static_cast<double>(options.height));
+  const std::optional<ColourChoice>& chosen = scene.options.output.attributes.colour;
+  options.colour = sceneColouring(scene, picture.colour.value_or(chosen.value_or(ColourChoice{.by = usual})));
   options.orbit = scene.orbit;
   options.dropAxis = scene.options.map->embedding().dropped;
   return options;

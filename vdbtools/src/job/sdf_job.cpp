@@ -10,8 +10,11 @@
 namespace vdbtools {
 
 OptionTable sdfOptionTable() {
-  return OptionTable({
-      {.name = "input", .argument = "MESH", .help = "the mesh: .obj, .ply, .stl or .off", .hash = "source-sha256"},
+  std::vector<OptionSpec> options = {
+      {.name = "input",
+       .argument = "MESH",
+       .help = "the mesh: .obj, .ply, .stl or .off; with --points-radius a cloud of points",
+       .hash = "source-sha256"},
       {.name = "resolution",
        .argument = "N",
        .defaultValue = "200",
@@ -22,13 +25,10 @@ OptionTable sdfOptionTable() {
        .help = "the size of a voxel, in the mesh's units",
        .alternative = "resolution"},
       {.name = "band", .argument = "N", .defaultValue = "3", .help = "half width of the narrow band, in voxels"},
-      {.name = "repair", .help = "close holes and gaps of an open mesh or a triangle soup"},
-      {.name = "repair-gap",
-       .argument = "W",
-       .defaultValue = "0",
-       .help = "close gaps up to this width, in the mesh's units; 0 uses the smallest width that closes the mesh"},
       {.name = "half", .help = "write 16-bit floats"},
-  });
+  };
+  for (OptionSpec& option : mendOptionSpecs()) options.insert(options.end() - 1, std::move(option));
+  return OptionTable(std::move(options));
 }
 
 SdfOptions parseSdfOptions(const Recipe& recipe) {
@@ -38,8 +38,7 @@ SdfOptions parseSdfOptions(const Recipe& recipe) {
   options.input = reader.text("input");
   if (options.input.empty()) throw std::invalid_argument("no mesh was given");
   options.voxels = reader.voxels("resolution", "voxel-size");
-  options.repair = reader.flag("repair");
-  options.gap = reader.notNegative("repair-gap");
+  options.mend = parseMendOptions(reader);
   options.band = reader.number("band");
   if (!(options.band > 1 && options.band <= 1e6)) reader.refuse("band", "above 1 and at most 1e6");
   options.half = reader.flag("half");
@@ -48,17 +47,19 @@ SdfOptions parseSdfOptions(const Recipe& recipe) {
 
 SdfResult runSdf(const SdfOptions& options, Monitor& monitor) {
   openvdb::initialize();
-  const Mesh mesh = readMesh(options.input);
+  const SolidSource source = openSolid(options.input, nullptr, options.mend);
   SdfResult result;
-  result.report = reportOfSolid(mesh, options.input);
-  const double voxel = options.voxels.sizeFor(longestSide(result.report.box));
-  MeshSdf sdf = makeSdf(mesh, sdfBand(voxel, options.band, options.band), options.repair, options.gap, monitor);
+  result.report = source.report;
+  const double voxel = options.voxels.sizeFor(longestSide(source.box));
+  requireResolved(options.mend, voxel);
+  MeshSdf sdf = makeSdf(*source.solid, sdfBand(voxel, options.band, options.band), options.mend, monitor);
   result.grid = sdf.grid;
   result.grid->setName("phi");
   result.moved = sdf.moved;
   result.closedGap = sdf.closedGap;
+  result.caps = sdf.caps;
   result.facts["julia_source_sha256"] = sha256OfFile(options.input);
-  result.facts[kTargetBox] = boxText(result.report.box);
+  result.facts[kTargetBox] = boxText(source.box);
   if (sdf.moved) result.facts["julia_repair_moved"] = numbersText({*sdf.moved});
   return result;
 }

@@ -148,7 +148,8 @@ std::string captionOf(const std::string& option, const std::string& value) {
 std::string makePicture(SceneMaker& scenes, const SheetCell& cell, const FieldPicture& picture, Monitor& monitor) {
   const Scene scene = scenes.make(parseFractalOptions(cell.recipe), monitor);
   const openvdb::BBoxd region = pictureRegion(scene);
-  const FieldImage image = renderField(scene.source(), region, pictureOptions(scene, region, picture), monitor);
+  const FieldImage image =
+      renderField(scene.source(), region, pictureOptions(scene, region, picture, FieldColour::Clay), monitor);
   if (std::all_of(image.id.begin(), image.id.end(), [](float id) { return id == 0; }))
     throw DataError("no ray of the picture meets the set: the set is empty, or out of view");
   return encodeFieldImage(image, "png");
@@ -189,7 +190,7 @@ class CellFolder {
 
 }  // namespace
 
-std::vector<OptionSpec> sheetViewOptionSpecs() { return fieldPictureOptionSpecs("256x256", "clay"); }
+std::vector<OptionSpec> sheetViewOptionSpecs() { return fieldPictureOptionSpecs("256x256"); }
 
 Sheet planSheet(const SheetOptions& options) {
   Plan planned = plan(options);

@@ -3,6 +3,7 @@
 
 #include "target/solid_input.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/near_words.h"
 #include "vdbtools/formats/vdb_file.h"
 
 #include <openvdb/tools/Interpolation.h>
@@ -72,6 +73,12 @@ std::string usualVersor(const Recipe& recipe) {
 
 std::uint64_t parseSeed(const RecipeReader& reader) {
   return reader.integer<std::uint64_t>("versor-seed", 0, std::numeric_limits<std::uint64_t>::max());
+}
+
+std::vector<std::string> textureNames() {
+  std::vector<std::string> names{kRandom};
+  for (const Texture& texture : textureShelf()) names.push_back(texture.name);
+  return names;
 }
 
 std::string knownVersors() {
@@ -265,7 +272,7 @@ RootsSettings parseRoots(const RecipeReader& reader, const std::string& fileOpti
   } else {
     if (!name.empty() && name != kRandom) settings.file = reader.file(fileOption);
     if (settings.file && fileOption == "versor" && settings.file->path.extension().empty())
-      reader.refuse(fileOption, "one of " + knownVersors());
+      reader.refuse(fileOption, "one of " + knownVersors() + didYouMean(name, textureNames()));
     settings.random = parseRandomRoots(reader);
   }
   settings.random.embedding = parseEmbedding(reader);

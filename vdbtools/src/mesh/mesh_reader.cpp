@@ -3,6 +3,7 @@
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/mesh/mesh.h"
+#include "vdbtools/mesh/point_cloud.h"
 
 #include <string>
 
@@ -21,9 +22,8 @@ std::string contentsOf(const std::filesystem::path& path) {
   return readWholeFile(path);
 }
 
-}  // namespace
-
-Mesh readMesh(const std::filesystem::path& path) {
+/// With triangles or without.
+Mesh readAny(const std::filesystem::path& path) {
   const std::string contents = contentsOf(path);
   const std::string extension = lowerExtension(path);
   const auto reader = extension == ".obj"   ? readObj
@@ -39,10 +39,25 @@ Mesh readMesh(const std::filesystem::path& path) {
 
   Mesh mesh = reader(path, contents);
   if (extension == ".stl") mesh = weldMesh(mesh);
+  return mesh;
+}
+
+}  // namespace
+
+Mesh readMesh(const std::filesystem::path& path) {
+  Mesh mesh = readAny(path);
   if (mesh.triangles.empty()) {
-    throw DataError(path.string() + ": it has " + std::to_string(mesh.points.size()) +
-                    " points, but no triangle; export the mesh with its faces");
+    const std::string points = path.string() + ": it has " + std::to_string(mesh.points.size()) + " points, ";
+    if (mesh.points.empty()) throw DataError(points + "and no triangle; export the mesh again");
+    throw DataError(points + "but no triangle; export the mesh with its faces, or give the points a radius",
+                    Remedy::GivePointsRadius);
   }
+  return mesh;
+}
+
+Mesh readPoints(const std::filesystem::path& path) {
+  Mesh mesh = asPoints(readAny(path));
+  if (mesh.points.empty()) throw DataError(path.string() + ": there is no point in it; export the points again");
   return mesh;
 }
 

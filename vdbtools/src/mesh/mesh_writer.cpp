@@ -47,6 +47,15 @@ MeshFormat meshFormat(const std::filesystem::path& path) {
                               "' is not a mesh format that can be written; use .ply, .obj or .stl");
 }
 
+std::vector<std::string> columnsLeftOut(MeshFormat format, std::span<const VertexColumn> columns) {
+  std::vector<std::string> names;
+  for (const VertexColumn& column : columns) {
+    const bool fitsObj = column.kind == ColumnKind::Colour || column.kind == ColumnKind::TextureCoordinate;
+    if (format == MeshFormat::Stl || (format == MeshFormat::Obj && !fitsObj)) names.push_back(column.name);
+  }
+  return names;
+}
+
 void writeMesh(std::ostream& stream, const Mesh& mesh, const MeshWriteOptions& options, std::span<const float> values) {
   requirePoints(mesh.triangles, 0, mesh.points.size());
   MeshWriteOptions complete = options;

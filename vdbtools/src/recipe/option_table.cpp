@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/recipe/option_table.h"
 
+#include "vdbtools/base/near_words.h"
+
 #include <algorithm>
 #include <set>
 #include <stdexcept>
@@ -15,6 +17,12 @@ const OptionSpec* findIn(const std::vector<OptionSpec>& options, const std::stri
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+std::vector<std::string> namesOf(const std::vector<OptionVariant>& variants) {
+  std::vector<std::string> names;
+  for (const OptionVariant& each : variants) names.push_back(each.name);
+  return names;
 }
 
 std::string joined(const std::vector<std::string>& words) {
@@ -88,11 +96,7 @@ std::string OptionTable::selected(const Recipe& recipe) const {
 
 const OptionVariant* OptionTable::variantOf(const Recipe& recipe) const { return variant(selected(recipe)); }
 
-std::string OptionTable::variantList() const {
-  std::vector<std::string> names;
-  for (const OptionVariant& each : mVariants) names.push_back(each.name);
-  return joined(names);
-}
+std::string OptionTable::variantList() const { return joined(namesOf(mVariants)); }
 
 const OptionSpec* OptionTable::find(const std::string& name, const Recipe& recipe) const {
   const OptionVariant* chosen = variantOf(recipe);
@@ -171,7 +175,8 @@ std::vector<std::string> OptionTable::hashNames() const {
 void OptionTable::requireFits(const Recipe& recipe) const {
   const std::string name = selected(recipe);
   if (!mSelector.empty() && !variant(name))
-    throw std::invalid_argument("--" + mSelector + " is '" + name + "'; it must be one of " + variantList());
+    throw std::invalid_argument("--" + mSelector + " is '" + name + "'; it must be one of " + variantList() +
+                                didYouMean(name, namesOf(mVariants)));
   const std::vector<std::string> hashes = hashNames();
   for (const auto& [option, value] : recipe) {
     if (contains(hashes, option)) continue;
@@ -180,7 +185,9 @@ void OptionTable::requireFits(const Recipe& recipe) const {
       if (spec->check && chosen && !findIn(chosen->options, option)) spec->check(value);
       continue;
     }
-    if (!knows(option)) throw std::invalid_argument("--" + option + " is not an option of this command; see --help");
+    if (!knows(option))
+      throw std::invalid_argument("--" + option + " is not an option of this command; see --help" +
+                                  didYouMean(option, names(), "--"));
     const std::string chosen = "--" + mSelector + " " + name;
     if (option == "input") throw std::invalid_argument(chosen + " has no target; leave '" + value + "' out");
     std::string instead;

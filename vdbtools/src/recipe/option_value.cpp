@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/recipe/option_value.h"
 
+#include "vdbtools/base/near_words.h"
 #include "vdbtools/base/number_text.h"
 
 #include <cmath>
@@ -11,6 +12,12 @@ namespace vdbtools {
 
 void refuse(const std::string& option, const std::string& text, const std::string& wanted) {
   throw std::invalid_argument("--" + option + " is '" + text + "'; it must be " + wanted);
+}
+
+void refuseChoice(const std::string& option, const std::string& text, std::span<const std::string> choices) {
+  std::string list;
+  for (const std::string& choice : choices) list += (list.empty() ? "" : ", ") + choice;
+  refuse(option, text, "one of " + list + didYouMean(text, choices));
 }
 
 std::vector<std::string> split(const std::string& text, char separator) {

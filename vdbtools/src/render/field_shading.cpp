@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/field_shading.h"
 
-#include "base/srgb.h"
-#include "render/view.h"
+#include "render/neighbourhood.h"
 
 #include <algorithm>
 #include <array>
@@ -16,44 +15,6 @@ using openvdb::Vec3d;
 // Phong's model, in linear RGB.
 constexpr double kAmbient = 0.10, kKey = 1.00, kHead = 0.14;
 constexpr double kShine = 0.22, kSharpness = 36;
-
-/// The saturation of the colours of directions: less than that of [ZB25], where full saturation hides the shape.
-constexpr double kSaturation = 0.85;
-
-/// Differences along 13 axes: through the faces, edges and corners of a cube. Where F goes from one bound to the other
-/// within a step, as it does on rough sets, three axes give only 26 different normals and smooth faces become facets.
-constexpr int kAxes = 13, kNeighbours = 2 * kAxes;
-
-const std::array<Vec3d, kAxes>& axes() {
-  static const std::array<Vec3d, kAxes> all = [] {
-    std::array<Vec3d, kAxes> result;
-    // One of each pair of opposite nodes of a 3^3 lattice: those before its middle.
-    for (int i = 0; i < kAxes; ++i)
-      result[static_cast<std::size_t>(i)] = Vec3d(i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1).unit();
-    return result;
-  }();
-  return all;
-}
-
-Vec3d linearColour(const Vec3d& v) { return {linearFromSrgb(v[0]), linearFromSrgb(v[1]), linearFromSrgb(v[2])}; }
-
-/// The components of a direction, from -1 to 1, as sRGB.
-Vec3d directionColour(const Vec3d& direction) {
-  Vec3d rgb;
-  for (int i = 0; i < 3; ++i) rgb[i] = std::clamp(0.5 + 0.5 * kSaturation * direction[i], 0.0, 1.0);
-  return linearColour(rgb);
-}
-
-/// From dark blue through green to yellow, even in lightness: five colours of viridis.
-Vec3d ramp(double v) {
-  static const std::array<Vec3d, 5> kStops = {Vec3d(0.267, 0.005, 0.329), Vec3d(0.230, 0.322, 0.546),
-                                              Vec3d(0.128, 0.567, 0.551), Vec3d(0.369, 0.789, 0.383),
-                                              Vec3d(0.993, 0.906, 0.144)};
-  const double at = std::clamp(v, 0.0, 1.0) * (kStops.size() - 1);
-  const std::size_t i = std::min(kStops.size() - 2, static_cast<std::size_t>(at));
-  const double part = at - static_cast<double>(i);
-  return linearColour((1 - part) * kStops[i] + part * kStops[i + 1]);
-}
 
 /// A field that grows outwards from the surface like a distance. F itself is a sawtooth there: it falls back wherever
 /// orbits escape one step earlier, and for a map that squares, each such step doubles the distance. This field is
@@ -81,20 +42,15 @@ struct Neighbourhood {
 };
 
 Neighbourhood look(std::span<const double> field, std::span<const int> iterations, double escapeRadius) {
-  Neighbourhood result;
-  int last = 0, outside = 0;
-  for (std::size_t i = 0; i < kNeighbours; ++i) {
-    if (field[i] < 0) continue;
-    last = std::max(last, iterations[i]);
-    result.iterations += iterations[i];
-    ++outside;
-  }
-  result.iterations /= std::max(1, outside);
+  Neighbourhood result{.iterations = meanIterationsOutside(field, iterations)};
+  int last = 0;
+  for (std::size_t i = 0; i < kNeighbours; ++i)
+    if (!(field[i] < 0)) last = std::max(last, iterations[i]);
   const Potential potential(escapeRadius, last);
   for (std::size_t axis = 0; axis < kAxes; ++axis) {
     const std::size_t ahead = 2 * axis, behind = ahead + 1;
     const double rise = potential(field[ahead], iterations[ahead]) - potential(field[behind], iterations[behind]);
-    result.gradient += rise * axes()[axis];
+    result.gradient += rise * neighbourAxes()[axis];
   }
   return result;
 }
@@ -103,14 +59,7 @@ std::vector<Neighbourhood> neighbourhoods(const julia::FieldEvaluator& evaluator
                                           std::span<const FieldHit> hits) {
   std::vector<julia::Point> points;
   points.reserve(kNeighbours * hits.size());
-  for (const FieldHit& hit : hits) {
-    for (const Vec3d& axis : axes()) {
-      for (const double step : {hit.step, -hit.step}) {
-        const Vec3d x = hit.inside + step * axis;
-        points.push_back({x[0], x[1], x[2]});
-      }
-    }
-  }
+  for (const FieldHit& hit : hits) addNeighbours(hit.inside, hit.step, points);
   std::vector<double> field(points.size());
   std::vector<int> iterations(points.size());
   evaluator.evaluate(points, field, iterations);
@@ -123,35 +72,12 @@ std::vector<Neighbourhood> neighbourhoods(const julia::FieldEvaluator& evaluator
 
 std::vector<Vec3d> colours(const julia::FieldEvaluator& evaluator, const FieldRenderOptions& options,
                            std::span<const FieldHit> hits, const std::vector<Neighbourhood>& around) {
-  std::vector<Vec3d> result(hits.size(), kClay);
   std::vector<julia::Point> points;
   for (const FieldHit& hit : hits) points.push_back({hit.inside[0], hit.inside[1], hit.inside[2]});
-  switch (options.colour) {
-    case FieldColour::Clay: break;
-    case FieldColour::Iterations:
-      for (std::size_t i = 0; i < hits.size(); ++i)
-        result[i] = ramp(around[i].iterations / options.orbit.maxIterations);
-      break;
-    case FieldColour::Trap: {
-      std::vector<double> nearest(hits.size());
-      evaluator.orbitTraps(points, nearest);
-      for (std::size_t i = 0; i < hits.size(); ++i) result[i] = ramp(std::exp(nearest[i]));
-      break;
-    }
-    case FieldColour::Direction:
-    case FieldColour::Versor: {
-      std::vector<julia::Quaternion<double>> versors(hits.size());
-      evaluator.versors(points, versors);
-      for (std::size_t i = 0; i < hits.size(); ++i) {
-        const julia::Quaternion<double>& u = versors[i];
-        const julia::Point inSpace = julia::Embedding{.dropped = options.dropAxis}.point(u);
-        result[i] =
-            directionColour(options.colour == FieldColour::Versor ? Vec3d(u.b, u.c, u.d) : Vec3d(inSpace.data()));
-      }
-      break;
-    }
-  }
-  return result;
+  std::vector<double> iterations;
+  for (const Neighbourhood& neighbourhood : around) iterations.push_back(neighbourhood.iterations);
+  return fieldColours(options.colour, evaluator,
+                      {.maxIterations = options.orbit.maxIterations, .dropAxis = options.dropAxis}, points, iterations);
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ Camera FieldView::camera(const FieldSource& source, const openvdb::BBoxd& region
   return camera;
 }
 
-std::vector<OptionSpec> fieldViewOptionSpecs(const std::string& colour) {
+std::vector<OptionSpec> fieldViewOptionSpecs() {
   return {
       {.name = "eye",
        .argument = "X,Y,Z",
@@ -83,10 +83,6 @@ std::vector<OptionSpec> fieldViewOptionSpecs(const std::string& colour) {
        .help = "the point in the middle of the picture",
        .defaultNote = "the middle of the set"},
       {.name = "up", .argument = "X,Y,Z", .help = "the direction that is up in the picture", .defaultNote = "0,1,0"},
-      {.name = "colour",
-       .argument = "NAME",
-       .defaultValue = colour,
-       .help = "what to colour by: direction (of the first step, as RGB), versor, iterations, trap, or clay for none"},
       {.name = "epsilon",
        .argument = "E",
        .defaultValue = "5e-5",
@@ -99,9 +95,9 @@ std::vector<OptionSpec> fieldViewOptionSpecs(const std::string& colour) {
       {.name = "no-skip", .help = "evaluate every sample, even where the map is proved to be empty; for checking"}};
 }
 
-std::vector<OptionSpec> fieldPictureOptionSpecs(const std::string& size, const std::string& colour) {
+std::vector<OptionSpec> fieldPictureOptionSpecs(const std::string& size) {
   std::vector<OptionSpec> options = viewOptionSpecs(size);
-  for (OptionSpec& option : fieldViewOptionSpecs(colour)) options.push_back(std::move(option));
+  for (OptionSpec& option : fieldViewOptionSpecs()) options.push_back(std::move(option));
   return options;
 }
 
@@ -117,11 +113,7 @@ FieldPicture parseFieldPicture(const Recipe& given, const OptionTable& table) {
   render.width = common.width;
   render.height = common.height;
   render.samples = common.samples;
-  render.colour = reader.choice<FieldColour>("colour", {{"direction", FieldColour::Direction},
-                                                        {"versor", FieldColour::Versor},
-                                                        {"iterations", FieldColour::Iterations},
-                                                        {"trap", FieldColour::Trap},
-                                                        {"clay", FieldColour::Clay}});
+  if (table.knows("colour")) picture.colour = parseColour(reader);
   render.clarity.epsilon = reader.number("epsilon");
   if (!(render.clarity.epsilon >= 1e-9)) reader.refuse("epsilon", "at least 1e-9");
   if (reader.has("alpha-clarity")) {

@@ -11,6 +11,12 @@ std::vector<OptionSpec> surfaceOptionSpecs() {
        .argument = "T",
        .defaultValue = "0.001",
        .help = "how close vertices lie to the true surface, in voxels"},
+      {.name = "adaptivity",
+       .argument = "E",
+       .defaultValue = "0",
+       .help = "make triangles of the mesh larger where the surface is flat: neither it nor the full mesh is anywhere "
+               "farther than E voxels from the other, which is proved. 0.1 leaves about a third of the triangles; the "
+               "mesh is held in memory"},
       {.name = "largest",
        .argument = "N",
        .defaultValue = "0",
@@ -29,6 +35,9 @@ SurfaceOptions parseSurfaceOptions(const RecipeReader& reader) {
   options.tolerance = reader.number("tolerance");
   if (!(options.tolerance >= 0x1p-40 && options.tolerance <= 0.5))
     reader.refuse("tolerance", "at least 1e-12 and at most 0.5");
+  constexpr double kMostAdaptivity = 100;  // voxels
+  options.adaptivity = reader.notNegative("adaptivity");
+  if (options.adaptivity > kMostAdaptivity) reader.refuse("adaptivity", "a number of voxels from 0 to 100");
   options.islands.largest = reader.integer<std::uint64_t>("largest", 0, std::numeric_limits<std::uint64_t>::max());
   options.islands.minSize = reader.notNegative("min-size");
   options.cap = reader.flag("cap");

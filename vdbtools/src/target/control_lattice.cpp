@@ -204,6 +204,16 @@ const VertexAttribute& requireAttribute(const Mesh& mesh, const std::string& nam
   return *found;
 }
 
+void requireUvs(const Mesh& mesh) {
+  constexpr const char* kWayOut = "; unwrap it, and export it as OBJ or PLY with its texture coordinates";
+  if (mesh.cornerUvs.empty()) throw DataError(std::string("the target's mesh has no texture coordinates") + kWayOut);
+  const auto isMissing = [](const openvdb::Vec2s& uv) { return !std::isfinite(uv[0]) || !std::isfinite(uv[1]); };
+  const auto missing = std::count_if(mesh.cornerUvs.begin(), mesh.cornerUvs.end(), isMissing);
+  if (missing > 0)
+    throw DataError("the target's mesh has no texture coordinates at " + std::to_string(missing) + " of the " +
+                    std::to_string(mesh.cornerUvs.size()) + " corners of its triangles" + kWayOut);
+}
+
 std::vector<std::vector<float>> extended(const ControlLattice& lattice, const Mesh& mesh,
                                          std::span<const VertexAttribute* const> attributes) {
   return fromSurface(lattice, mesh, attributes.size(),

@@ -80,6 +80,9 @@ SurfaceValues fromSurface(const ControlLattice& lattice, const Mesh& mesh, std::
 /// @throw DataError  there is none, or it is not finite at a point that triangles use
 const VertexAttribute& requireAttribute(const Mesh& mesh, const std::string& name, const std::string& whose);
 
+/// @throw DataError  the target's mesh has no texture coordinates, or not at every corner
+void requireUvs(const Mesh& mesh);
+
 /// At each node the attribute's value at the nearest point of the mesh, for every attribute that is asked for.
 std::vector<std::vector<float>> extended(const ControlLattice& lattice, const Mesh& mesh,
                                          std::span<const VertexAttribute* const> attributes);

@@ -6,6 +6,8 @@
 /// it is left out unless the mesh leaks without it.
 #include "base/disjoint_sets.h"
 #include "target/distance_band.h"
+#include "target/hole_caps.h"
+#include "target/level_surface.h"
 #include "target/mesh_conversion.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/target/mesh_to_sdf.h"
@@ -13,7 +15,6 @@
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/LevelSetUtil.h>
 #include <openvdb/tools/SignedFloodFill.h>
-#include <openvdb/tools/VolumeToMesh.h>
 #include <openvdb/tree/LeafManager.h>
 
 #include <algorithm>
@@ -27,8 +28,6 @@ using openvdb::FloatGrid;
 using openvdb::FloatTree;
 using openvdb::Vec3d;
 using openvdb::Vec3I;
-using openvdb::Vec3s;
-using openvdb::Vec4I;
 
 /// A wide gap is closed on a coarser lattice with this many nodes across it; on the grid's own lattice the bands would
 /// take too much time and memory. If the resulting lids do not fit their rims closely enough, the lattice is refined.
@@ -69,26 +68,6 @@ struct Lattice {
   Vec3d toWorld(const Vec3d& p) const { return middle + p * spacing; }
 };
 
-/// A triangle or quad surface in lattice coordinates.
-struct Surface {
-  std::vector<Vec3d> points;
-  std::vector<Vec3I> triangles;
-};
-
-Surface extractSurface(const FloatGrid& grid, double isovalue) {
-  std::vector<Vec3s> points;
-  std::vector<Vec4I> quads;
-  openvdb::tools::volumeToMesh(grid, points, quads, isovalue);
-  Surface surface;
-  surface.points.assign(points.begin(), points.end());
-  surface.triangles.reserve(2 * quads.size());
-  for (const Vec4I& q : quads) {
-    surface.triangles.emplace_back(q[0], q[1], q[2]);
-    surface.triangles.emplace_back(q[0], q[2], q[3]);
-  }
-  return surface;
-}
-
 /// The ball's centres: from the distance to the mesh, negative where the ball cannot be.
 /// @param distance  unsigned; is changed
 void floodFromOutside(FloatGrid& distance, double radius) {
@@ -111,37 +90,19 @@ void floodFromOutside(FloatGrid& distance, double radius) {
 
 /// @return for each triangle, whether one of its edges is open
 std::vector<bool> findOpenTriangles(const Mesh& mesh) {
-  struct Use {
-    std::uint64_t edge;
-    std::uint32_t triangle;
-  };
-  std::vector<Use> uses;
-  uses.reserve(3 * mesh.triangles.size());
-  for (std::size_t n = 0; n < mesh.triangles.size(); ++n) {
-    for (int c = 0; c < 3; ++c) {
-      const std::uint64_t a = mesh.triangles[n][c];
-      const std::uint64_t b = mesh.triangles[n][(c + 1) % 3];
-      uses.push_back({std::min(a, b) << 32 | std::max(a, b), static_cast<std::uint32_t>(n)});
-    }
-  }
-  std::sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) { return a.edge < b.edge; });
   std::vector<bool> open(mesh.triangles.size(), false);
-  for (std::size_t u = 0; u < uses.size(); ++u) {
-    const bool before = u > 0 && uses[u - 1].edge == uses[u].edge;
-    const bool after = u + 1 < uses.size() && uses[u + 1].edge == uses[u].edge;
-    if (!before && !after) open[uses[u].triangle] = true;
-  }
+  for (const OpenEdge& edge : openEdges(mesh)) open[edge.triangle] = true;
   return open;
 }
 
 /// The envelope where it parts from the mesh, and one ring of triangles more, laid onto the mesh, so that no crack
 /// remains between the two.
 struct Lids {
-  Surface surface;           ///< lattice coordinates
+  LevelSurface surface;      ///< lattice coordinates
   std::vector<bool> atEdge;  ///< for each triangle: its piece touches an open edge of the mesh
 };
 
-Lids findLids(Surface envelope, const TriangleTree& mesh, const std::vector<bool>& open) {
+Lids findLids(LevelSurface envelope, const TriangleTree& mesh, const std::vector<bool>& open) {
   std::vector<char> parts(envelope.points.size(), 0);  // from the mesh
   std::vector<char> atEdge(envelope.points.size(), 0);
   for (std::size_t p = 0; p < envelope.points.size(); ++p) {
@@ -194,7 +155,7 @@ Closing closeGaps(const Mesh& mesh, const MeshReport& report, const std::vector<
   closing.radius = 0.5 * gap / lattice.spacing + 0.5;
   const double radius = closing.radius;
 
-  Surface local;
+  LevelSurface local;
   local.points.reserve(mesh.points.size());
   for (const Vec3d& p : mesh.points) local.points.push_back(lattice.toLattice(p));
   local.triangles = mesh.triangles;
@@ -202,11 +163,11 @@ Closing closeGaps(const Mesh& mesh, const MeshReport& report, const std::vector<
   const TriangleTree tree(local.points, local.triangles);
   const FloatGrid::Ptr distance = unsignedDistances(tree, static_cast<float>(radius + kMargin), phase, monitor);
   floodFromOutside(*distance, radius);
-  const Surface reached = extractSurface(*distance, 0);
+  const LevelSurface reached = levelSurface(*distance, 0);
   // Back by the same amount: the closed region begins where the distance from the ball's centres exceeds its radius.
   closing.field = signedDistances(TriangleTree(reached.points, reached.triangles), kMargin,
                                   static_cast<float>(radius + kMargin), phase, monitor);
-  closing.lids = findLids(extractSurface(*closing.field, -radius), tree, open);
+  closing.lids = findLids(levelSurface(*closing.field, -radius), tree, open);
   monitor.throwIfCancelled();
 
   closing.lost = lostShare(*closing.field, sampleSurface(local.points, local.triangles, kSamples),
@@ -215,8 +176,8 @@ Closing closeGaps(const Mesh& mesh, const MeshReport& report, const std::vector<
 }
 
 /// The mesh, weldMesh()ed, and its lids as one surface in index space.
-Surface withLids(const Mesh& mesh, const Closing& closing, double voxelSize, bool all) {
-  Surface surface{toIndexSpace(mesh.points, voxelSize), mesh.triangles};
+LevelSurface withLids(const Mesh& mesh, const Closing& closing, double voxelSize, bool all) {
+  LevelSurface surface{toIndexSpace(mesh.points, voxelSize), mesh.triangles};
   const auto first = static_cast<std::uint32_t>(surface.points.size());
   for (const Vec3d& p : closing.lids.surface.points) surface.points.push_back(closing.lattice.toWorld(p) / voxelSize);
   for (std::size_t n = 0; n < closing.lids.surface.triangles.size(); ++n) {
@@ -250,6 +211,30 @@ double howFarMoved(const FloatGrid& grid, const Closing& closing, double gap, co
   return moved;
 }
 
+/// How far the surface lies outside of the field's, at most, where the mesh itself was converted: what remains are
+/// parts that bound nothing.
+double howFarLeftOut(const FloatGrid& grid, const Mesh& mesh, double voxelSize) {
+  const FloatGrid::ConstAccessor phi = grid.getConstAccessor();
+  double moved = 0;
+  const auto look = [&](const Vec3d& p) {
+    moved = std::max(moved, double{openvdb::tools::BoxSampler::sample(phi, p / voxelSize)});
+  };
+  for (const Vec3I& t : mesh.triangles) {
+    for (int c = 0; c < 3; ++c) look(mesh.points[t[c]]);
+    look((mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]) / 3.0);
+  }
+  return moved;
+}
+
+/// The share of the mesh that even the widest gap leaves open. A wider ball encloses what a narrower one does, so the
+/// narrower ones need not be tried. On a coarse lattice, which takes a moment.
+double lostAtBest(const Mesh& welded, const MeshReport& report, const std::vector<bool>& open, double voxelSize,
+                  double widest, double longest, Monitor& monitor) {
+  constexpr double kNodesAlong = 96;
+  const double spacing = std::max(voxelSize, longest / kNodesAlong);
+  return closeGaps(welded, report, open, spacing, widest, monitor).lost;
+}
+
 }  // namespace
 
 RepairedSdf repairedMeshToSdf(const Mesh& mesh, const MeshToSdfOptions& options, const RepairOptions& repair,
@@ -271,6 +256,31 @@ RepairedSdf repairedMeshToSdf(const Mesh& mesh, const MeshToSdfOptions& options,
   RepairedSdf best;
   double bestLost = 1;
   const double widest = repair.gap > 0 ? repair.gap : std::max(longest / 4, 2 * h);
+  const auto tryCaps = [&](const CappedMesh& capped) {
+    const FloatGrid::Ptr grid = convert(toIndexSpace(capped.mesh.points, h), capped.mesh.triangles, options, monitor);
+    const double lost = insideNodes(*grid) > 0 ? lostShare(*grid, samples) : 1;
+    if (lost >= bestLost) return;
+    best = {grid, howFarLeftOut(*grid, welded, h), capped.widest, capped.caps};
+    bestLost = lost;
+  };
+  bool sheetsOnly = false, hasGaps = false;
+  if (repair.gap == 0 && report.openEdges > 0) {
+    const CappedMesh capped = capHoles(welded);
+    if (capped.caps > 0) tryCaps(capped);
+    if (bestLost <= kLostWell) return best;
+    hasGaps = capped.gaps > 0;
+    sheetsOnly = capped.sheetsOnly;
+    // Sheets that do not close up still have pockets that the ball cannot reach.
+    constexpr double kLostOfSheets = 0.25;
+    if ((sheetsOnly && report.components == 1) ||
+        (bestLost > kLostAtMost &&
+         lostAtBest(welded, report, open, h, widest, longest, monitor) > (sheetsOnly ? kLostOfSheets : kLostClearly)))
+      throw DataError("the mesh encloses nothing that closing its holes could complete (" +
+                          std::to_string(report.components) + (report.components == 1 ? " part, " : " parts, ") +
+                          std::to_string(report.openEdges) + " open edges): it is terrain, a sheet, or thinner than " +
+                          "the voxels, and has to be given a thickness",
+                      Remedy::SolidifySheet);
+  }
   double gap = repair.gap > 0 ? repair.gap : 2 * h;
   for (;;) {
     const bool wasGood = best.grid && bestLost <= kLostAtMost;
@@ -280,11 +290,11 @@ RepairedSdf repairedMeshToSdf(const Mesh& mesh, const MeshToSdfOptions& options,
       const Closing closing = closeGaps(welded, report, open, spacing, gap, monitor);
       if (closing.lost > kLostClearly) break;
       for (const bool all : {false, true}) {
-        const Surface surface = withLids(welded, closing, h, all);
+        const LevelSurface surface = withLids(welded, closing, h, all);
         const FloatGrid::Ptr grid = convert(surface.points, surface.triangles, options, monitor);
         const double lost = insideNodes(*grid) > 0 ? lostShare(*grid, samples) : 1;
         if (lost < bestLost) {
-          best = {grid, howFarMoved(*grid, closing, gap, welded, options), gap};
+          best = {grid, howFarMoved(*grid, closing, gap, welded, options), gap, 0};
           bestLost = lost;
         }
         isClosed = lost <= kLostAtMost;
@@ -298,11 +308,15 @@ RepairedSdf repairedMeshToSdf(const Mesh& mesh, const MeshToSdfOptions& options,
     if (bestLost <= kLostWell || wasGood || gap >= widest) break;
     gap = std::min(gap * kGapGrowth, widest);
   }
+  // Sides of a gap that no ball bridges on this lattice are surfaces of their own.
+  if (bestLost > kLostAtMost && hasGaps) tryCaps(capHoles(welded, true));
   if (bestLost <= kLostAtMost) return best;
-  throw DataError("no gap up to " + shortNumber(gap) + " encloses the mesh (" + std::to_string(report.openEdges) +
-                  " open edges, voxel size " + shortNumber(h) + ", at best " + shortNumber(100 * bestLost) +
-                  " % of the surface bounds nothing): it is open, has loose sheets, or is thinner than a voxel; remove "
-                  "or thicken these, name a wider gap, or use another voxel size");
+  throw DataError(
+      "no gap up to " + shortNumber(gap) + " encloses the mesh (" + std::to_string(report.openEdges) +
+          " open edges, voxel size " + shortNumber(h) + ", at best " + shortNumber(100 * bestLost) +
+          " % of the surface bounds nothing): it is open, has loose sheets, or is thinner than a voxel; remove "
+          "or thicken these, name a wider gap, or use another voxel size",
+      sheetsOnly ? Remedy::SolidifySheet : Remedy::None);
 }
 
 }  // namespace vdbtools

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/target/mesh_to_sdf.h"
 
+#include "target/hole_caps.h"
 #include "target/mesh_conversion.h"
 #include "vdbtools/base/errors.h"
 
@@ -63,6 +64,10 @@ void requireDistances(const openvdb::FloatGrid& grid, const Mesh& mesh, const st
     throw DataError("the mesh has no inside, or only a part of it, at the voxel size " + shortNumber(h) + " " +
                     numbers + ": its features are thinner than a voxel; use finer voxels");
   }
+  if (isOneSheet(weldMesh(mesh)))
+    throw DataError("the mesh is an open sheet, and bounds nothing at the voxel size " + shortNumber(h) + " " +
+                        numbers + ": it has to be given a thickness",
+                    Remedy::SolidifySheet);
   throw DataError("the mesh leaks at the voxel size " + shortNumber(h) + " " + numbers +
                       ": its holes must be closed, or spanned by coarser voxels",
                   Remedy::RepairMesh);

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "target/solid_input.h"
 
+#include "target/mesh_conversion.h"
+#include "target/open_shapes.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/mesh/point_cloud.h"
 #include "vdbtools/recipe/option_value.h"
 
 #include <algorithm>
@@ -25,34 +28,69 @@ double longestSide(const BBoxd& box) {
   return std::max({extents[0], extents[1], extents[2]});
 }
 
-MeshReport reportOfSolid(const Mesh& mesh, const std::filesystem::path& path) {
-  const MeshReport report = reportMesh(mesh);
-  if (!(longestSide(report.box) > 0))
-    throw DataError("'" + path.string() + "' has no extent: all its triangles lie in one point");
-  return report;
-}
+namespace {
 
-void requireUsable(const Mesh& mesh) {
-  if (mesh.triangles.empty()) throw DataError("the mesh has no triangle");
+/// Of a mesh that no reader has checked; its indices are reportMesh()'s to check.
+void requireUsable(const Mesh& mesh, bool asCloud) {
+  if (asCloud && mesh.points.empty()) throw DataError("the mesh has no point");
+  if (!asCloud && mesh.triangles.empty()) throw DataError("the mesh has no triangle");
   for (std::size_t i = 0; i < mesh.points.size(); ++i)
     if (!mesh.points[i].isFinite())
       throw DataError("point " + std::to_string(i) + " of the mesh has a coordinate that is not finite");
+}
+
+}  // namespace
+
+SolidSource openSolid(const std::filesystem::path& path, const std::shared_ptr<const Mesh>& given,
+                      const MendOptions& mend) {
+  const bool asCloud = mend.pointsRadius > 0;
+  SolidSource source;
+  if (given) {
+    requireUsable(*given, asCloud);
+    source.mesh = asCloud ? std::make_shared<const Mesh>(asPoints(*given)) : given;
+  } else {
+    source.mesh = std::make_shared<const Mesh>(asCloud ? readPoints(path) : readMesh(path));
+  }
+  source.solid =
+      mend.solidify ? std::make_shared<const Mesh>(solidified(*source.mesh, *mend.solidify, mend.repair)) : source.mesh;
+  source.report = reportMesh(*source.solid);
+  source.box = source.report.box;
+  if (mend.offset() > 0) source.box.expand(mend.offset());
+  if (!(longestSide(source.box) > 0))
+    throw DataError("'" + path.string() + "' has no extent: all its triangles lie in one point");
+  return source;
+}
+
+void requireResolved(const MendOptions& mend, double voxelSize) {
+  constexpr double kVoxelsAcross = 2;
+  const double least = kVoxelsAcross * voxelSize, across = 2 * mend.offset();
+  if (!(across > 0) || across >= least) return;
+  const bool cloud = mend.pointsRadius > 0;
+  throw std::invalid_argument(
+      cloud ? "--points-radius is " + numbersText({mend.pointsRadius}) + "; with voxels of " + shortNumber(voxelSize) +
+                  " in the target's distance field it must be at least " + shortNumber(least / 2) +
+                  ", or the voxels smaller"
+            : "--thicken is " + numbersText({mend.thicken}) + "; with voxels of " + shortNumber(voxelSize) +
+                  " in the target's distance field it must be at least " + shortNumber(least) +
+                  ", or the voxels smaller");
 }
 
 MeshToSdfOptions sdfBand(double voxelSize, double exteriorWidth, double interiorWidth) {
   return {.voxelSize = voxelSize, .exteriorBandWidth = exteriorWidth, .interiorBandWidth = interiorWidth};
 }
 
-MeshSdf makeSdf(const Mesh& mesh, const MeshToSdfOptions& options, bool repair, double gap, Monitor& monitor) {
-  if (!repair) return {meshToSdf(mesh, options, monitor), {}, {}};
-  RepairedSdf repaired = repairedMeshToSdf(mesh, options, {.gap = gap}, monitor);
-  return {repaired.grid, repaired.moved, repaired.closedGap};
+MeshSdf makeSdf(const Mesh& solid, const MeshToSdfOptions& options, const MendOptions& mend, Monitor& monitor) {
+  if (mend.offset() > 0)
+    return {.grid = meshToSdf(offsetSurface(solid, mend.offset(), options.voxelSize, monitor), options, monitor)};
+  if (!mend.repair || mend.solidify) return {.grid = meshToSdf(solid, options, monitor)};
+  RepairedSdf repaired = repairedMeshToSdf(solid, options, {.gap = mend.gap}, monitor);
+  return {repaired.grid, repaired.moved, repaired.closedGap, repaired.caps};
 }
 
-MeshSdf makeSdfAbout(const Vec3d& middle, Mesh mesh, const MeshToSdfOptions& options, bool repair, double gap,
+MeshSdf makeSdfAbout(const Vec3d& middle, Mesh solid, const MeshToSdfOptions& options, const MendOptions& mend,
                      Monitor& monitor) {
-  for (Vec3d& point : mesh.points) point -= middle;
-  MeshSdf sdf = makeSdf(mesh, options, repair, gap, monitor);
+  for (Vec3d& point : solid.points) point -= middle;
+  MeshSdf sdf = makeSdf(solid, options, mend, monitor);
   sdf.grid->transform().postTranslate(middle);
   return sdf;
 }

@@ -4,9 +4,12 @@
 #pragma once
 
 #include "vdbtools/target/exponent_grid.h"
+#include "vdbtools/target/mend_options.h"
 #include "vdbtools/target/mesh_to_sdf.h"
 
+#include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -19,27 +22,39 @@ std::string boxText(const openvdb::BBoxd& box);
 
 double longestSide(const openvdb::BBoxd& box);
 
-/// The report of a mesh.
-/// @throw DataError  the mesh has no extent to measure voxels by
-MeshReport reportOfSolid(const Mesh& mesh, const std::filesystem::path& path);
+/// A mesh as it is made into distances.
+struct SolidSource {
+  /// The file's, or the one in memory; of a cloud of points as asPoints() has it. What is painted is painted on it.
+  std::shared_ptr<const Mesh> mesh;
+  std::shared_ptr<const Mesh> solid;  ///< the same, or the block that was made of it
+  MeshReport report;                  ///< of the latter, but for its box
+  openvdb::BBoxd box;                 ///< of the shape, with what thickening adds, world units
+};
 
-/// Of a mesh that no reader has checked; its indices are reportMesh()'s to check.
-/// @throw DataError  it has no triangle, or a coordinate that is not finite
-void requireUsable(const Mesh& mesh);
+/// @param given  a mesh in memory, or nullptr to read @a path
+/// @throw as readMesh(), readPoints() and solidified()
+/// @throw DataError  a mesh in memory has no triangle, a coordinate that is not finite, or an index out of range; or
+///                   the shape has no extent to measure voxels by
+SolidSource openSolid(const std::filesystem::path& path, const std::shared_ptr<const Mesh>& given,
+                      const MendOptions& mend);
+
+/// @throw std::invalid_argument  a plate or balls too thin for voxels of this size
+void requireResolved(const MendOptions& mend, double voxelSize);
 
 MeshToSdfOptions sdfBand(double voxelSize, double exteriorWidth, double interiorWidth);
 
 struct MeshSdf {
-  openvdb::FloatGrid::Ptr grid;
-  std::optional<double> moved, closedGap;  ///< of a repair, world units
+  openvdb::FloatGrid::Ptr grid{};
+  std::optional<double> moved{}, closedGap{};  ///< of a repair, world units
+  std::size_t caps = 0;                        ///< holes that a repair capped
 };
 
-/// By meshToSdf(), or repairedMeshToSdf() if @a repair.
-MeshSdf makeSdf(const Mesh& mesh, const MeshToSdfOptions& options, bool repair, double gap, Monitor& monitor);
+/// By meshToSdf() or repairedMeshToSdf(), of the mesh or of the surface at a distance from it.
+MeshSdf makeSdf(const Mesh& solid, const MeshToSdfOptions& options, const MendOptions& mend, Monitor& monitor);
 
 /// The same on a lattice centred on the target: its nodes sample the shape in the same way wherever the shape lies, so
 /// the fractal is the same.
-MeshSdf makeSdfAbout(const openvdb::Vec3d& middle, Mesh mesh, const MeshToSdfOptions& options, bool repair, double gap,
+MeshSdf makeSdfAbout(const openvdb::Vec3d& middle, Mesh solid, const MeshToSdfOptions& options, const MendOptions& mend,
                      Monitor& monitor);
 
 /// The target that a VDB holds, its box from the metadata where they have it.

@@ -26,30 +26,23 @@ constexpr double kSurveyMargin = 4;  ///< voxels of the survey known outside
 /// @param voxel  of the target's distances, world units
 double surveyVoxel(double voxel, const BBoxd& box) { return std::max(2 * voxel, longestSide(box) / kMostSurveyVoxels); }
 
-/// The mesh in memory, or that of the file.
-std::shared_ptr<const Mesh> meshOf(const TargetOptions& options) {
-  if (!options.mesh) return std::make_shared<const Mesh>(readMesh(options.input.path));
-  requireUsable(*options.mesh);
-  return options.mesh;
-}
-
 class MeshInput final : public TargetInput {
  public:
   explicit MeshInput(const TargetOptions& options)
-      : mMesh(meshOf(options)),
-        mReport(reportOfSolid(*mMesh, options.input.path)),
-        mVoxel(options.sdfVoxels.sizeFor(longestSide(mReport.box))),
-        mRepair(options.repair),
-        mGap(options.gap) {}
+      : mSource(openSolid(options.input.path, options.mesh, options.mend)),
+        mVoxel(options.sdfVoxels.sizeFor(longestSide(mSource.box))),
+        mMend(options.mend) {
+    requireResolved(mMend, mVoxel);
+  }
 
-  const BBoxd& box() const override { return mReport.box; }
+  const BBoxd& box() const override { return mSource.box; }
   double usualDepth() const override { return 5.5; }
 
   Target make(const BandWidths& widths, Monitor& monitor) const override {
     const MeshToSdfOptions band =
         sdfBand(mVoxel, widths.exterior / mVoxel + kExponentMargin, widths.interior / mVoxel + kExponentMargin);
-    const MeshSdf sdf = makeSdfAbout(mReport.box.getCenter(), *mMesh, band, mRepair, mGap, monitor);
-    Target target = makeTarget(sdf.grid, mReport.box);
+    const MeshSdf sdf = makeSdfAbout(mSource.box.getCenter(), *mSource.solid, band, mMend, monitor);
+    Target target = makeTarget(sdf.grid, mSource.box);
     target.repairMoved = sdf.moved;
     return target;
   }
@@ -58,20 +51,18 @@ class MeshInput final : public TargetInput {
   }
 
   FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const override {
-    const double voxel = surveyVoxel(mVoxel, mReport.box);
-    return makeSdfAbout(mReport.box.getCenter(), *mMesh, sdfBand(voxel, kSurveyMargin, kWholeInside), mRepair, mGap,
+    const double voxel = surveyVoxel(mVoxel, mSource.box);
+    return makeSdfAbout(mSource.box.getCenter(), *mSource.solid, sdfBand(voxel, kSurveyMargin, kWholeInside), mMend,
                         monitor)
         .grid;
   }
 
-  std::shared_ptr<const Mesh> mesh() const override { return mMesh; }
+  std::shared_ptr<const Mesh> mesh() const override { return mSource.mesh; }
 
  private:
-  std::shared_ptr<const Mesh> mMesh;
-  MeshReport mReport;
+  SolidSource mSource;
   double mVoxel;
-  bool mRepair;
-  double mGap;
+  MendOptions mMend;
 };
 
 class VdbInput final : public TargetInput {
@@ -123,7 +114,7 @@ class VdbInput final : public TargetInput {
 bool sameTarget(const TargetOptions& a, const TargetOptions& b) {
   return a.input.path == b.input.path && a.mesh == b.mesh && a.grid == b.grid &&
          a.sdfVoxels.voxelSize == b.sdfVoxels.voxelSize && a.sdfVoxels.resolution == b.sdfVoxels.resolution &&
-         a.repair == b.repair && a.gap == b.gap;
+         a.mend == b.mend;
 }
 
 std::string sha256OfMesh(const Mesh& mesh) {
@@ -135,7 +126,7 @@ std::string sha256OfMesh(const Mesh& mesh) {
 }
 
 std::vector<OptionSpec> targetOptionSpecs() {
-  return {
+  std::vector<OptionSpec> options = {
       {.name = "input",
        .argument = "MESH|SDF.vdb",
        .help = "the target: a mesh, or a VDB that holds its signed distance",
@@ -150,20 +141,16 @@ std::vector<OptionSpec> targetOptionSpecs() {
        .argument = "H",
        .help = "the same given as the size of a voxel, in the target's units",
        .alternative = "sdf-resolution"},
-      {.name = "repair", .help = "close holes and gaps of an open mesh or a triangle soup"},
-      {.name = "repair-gap",
-       .argument = "W",
-       .defaultValue = "0",
-       .help = "close gaps up to this width, in the mesh's units; 0 uses the smallest width that closes the mesh"},
   };
+  for (OptionSpec& option : mendOptionSpecs()) options.push_back(std::move(option));
+  return options;
 }
 
 std::optional<TargetOptions> parseTargetOptions(const RecipeReader& reader) {
   TargetOptions options{.input = reader.file("input"),
                         .grid = reader.text("grid"),
                         .sdfVoxels = reader.voxels("sdf-resolution", "sdf-voxel-size"),
-                        .repair = reader.flag("repair"),
-                        .gap = reader.notNegative("repair-gap")};
+                        .mend = parseMendOptions(reader)};
   if (options.input.path.empty()) return std::nullopt;
   return options;
 }

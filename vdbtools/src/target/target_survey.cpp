@@ -66,7 +66,7 @@ std::optional<SolidShape> shapeOfSolid(const Mesh& mesh, const MeshReport& repor
   try {
     const MeshToSdfOptions band =
         sdfBand(longestSide(report.box) / kResolution, kMargin, std::numeric_limits<double>::infinity());
-    const FloatGrid::Ptr phi = makeSdfAbout(middle, mesh, band, false, 0, monitor).grid;
+    const FloatGrid::Ptr phi = makeSdfAbout(middle, mesh, band, MendOptions(), monitor).grid;
     const LocalThickness thickness = localThickness(*phi, monitor);
     return SolidShape{largestInscribedBall(*phi, middle), thickness.least, thickness.greatest};
   } catch (const DataError&) {

@@ -118,16 +118,6 @@ double pixelsPerVoxel(const Mesh& mesh, const Picture1& picture, double voxel) {
   return area > 0 ? std::sqrt(pixels / area) * voxel : 0;
 }
 
-void requireUvs(const Mesh& mesh) {
-  constexpr const char* kWayOut = "; unwrap it, and export it as OBJ or PLY with its texture coordinates";
-  if (mesh.cornerUvs.empty()) throw DataError(std::string("the target's mesh has no texture coordinates") + kWayOut);
-  const auto isMissing = [](const Vec2s& uv) { return !std::isfinite(uv[0]) || !std::isfinite(uv[1]); };
-  const auto missing = std::count_if(mesh.cornerUvs.begin(), mesh.cornerUvs.end(), isMissing);
-  if (missing > 0)
-    throw DataError("the target's mesh has no texture coordinates at " + std::to_string(missing) + " of the " +
-                    std::to_string(mesh.cornerUvs.size()) + " corners of its triangles" + kWayOut);
-}
-
 class TextureSource final : public ControlSource {
  public:
   TextureSource(NamedFile file, ColourChannel channel, double low, double high, std::string text)

@@ -16,10 +16,12 @@ namespace vdbtools {
 /// What would help against an error, for whoever offers it under a name of their own.
 enum class Remedy {
   None,
-  RepairMesh,       ///< RepairOptions
-  SmallerIslands,   ///< IslandOptions::minSize
-  LargerBeta,       ///< ExponentGridOptions::beta
-  AnotherFieldBox,  ///< FractalFieldOptions::box
+  RepairMesh,        ///< RepairOptions
+  SmallerIslands,    ///< IslandOptions::minSize
+  LargerBeta,        ///< ExponentGridOptions::beta
+  AnotherFieldBox,   ///< FractalFieldOptions::box
+  SolidifySheet,     ///< MendOptions::solidify, MendOptions::thicken
+  GivePointsRadius,  ///< MendOptions::pointsRadius
 };
 
 /// The input was read, but cannot be used: truncated, leaky, empty, not finite.

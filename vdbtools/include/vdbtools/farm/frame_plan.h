@@ -19,7 +19,6 @@
 
 #include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace vdbtools {
@@ -35,9 +34,10 @@ struct KeyedOption {
 
 inline constexpr int kMostFrames = 100'000;
 
-/// "1-48" or "7": the first frame and the last.
-/// @throw std::invalid_argument  not that, backwards, or more than kMostFrames
-std::pair<int, int> parseFrames(const std::string& text);
+/// A list of frames and ranges such as "7", "1-48", "1-48x2" (every second one, from 1 on) or "1-48x8,1-48" (every
+/// eighth first, and then the others): in the order of the list, each once.
+/// @throw std::invalid_argument  not that, a range backwards, or more than kMostFrames
+std::vector<int> parseFrames(const std::string& text);
 
 /// @param keys   such as "alpha@48=120"
 /// @param eases  "linear", "smooth" or "step" for all options, or for one as in "alpha=smooth", which counts more
@@ -52,10 +52,17 @@ std::string valueAt(const KeyedOption& option, int frame);
 struct FramePlanOptions {
   Recipe base;  ///< of `juliavdb fractal`. Names of files may have a frame pattern (vdbtools/files/frame_name.h)
   std::vector<KeyedOption> keys;
-  int first = 1, last = 1;
+  std::vector<int> frames{1};             ///< in the order in which they are made
   std::string name;                       ///< of the files; empty: after the target, or else the map
   std::vector<std::string> makes{"vdb"};  ///< of "vdb", "ply", "obj", "stl"
 };
+
+/// The values of the options at a frame, as far as they are given.
+/// @throw std::invalid_argument  keys cannot be blended, or a name has more than one place for the frame
+Recipe recipeAt(const FramePlanOptions& options, int frame);
+
+/// @throw std::invalid_argument  nothing changes from frame to frame, or a key is a name with a place for the frame
+void requireChange(const FramePlanOptions& options);
 
 /// A task for each frame, whose files are out/NAME.0007.vdb and the like. Every frame's recipe is checked, and all
 /// files that it names are read and hashed.

@@ -12,6 +12,7 @@
 #include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/mesh/mesh.h"
+#include "vdbtools/target/mend_options.h"
 
 #include "julia/embedding.h"
 #include "julia/fit/shape_energy.h"
@@ -32,8 +33,7 @@ struct FitTargetOptions {
   std::filesystem::path input;       ///< a mesh, or a VDB with a signed distance; cavities count as inside
   std::shared_ptr<const Mesh> mesh;  ///< a target in memory, which is not read; input is its name
   std::string grid;                  ///< of the VDB, as chooseFloatGrid() takes it
-  bool repair = false;               ///< closes a mesh's holes, see repairedMeshToSdf()
-  double gap = 0;                    ///< of the repair, world units
+  MendOptions mend;                  ///< of a mesh
   int resolution = 97;               ///< cells along the cube's side, 8 to 1000
   /// How far the surface that roots are placed on is smoothed, in cells, 0 to 4: details of this size vanish. The
   /// surface moves by no more than half of it anywhere, so parts thicker than it stay.

@@ -7,6 +7,7 @@
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh/mesh_writer.h"
 
+#include <span>
 #include <vector>
 
 namespace vdbtools {
@@ -31,9 +32,9 @@ FractalResult writeFractal(const Scene& scene, const Recipe& recipe, const Fract
 
 /// Writes what runFractal() has made of a scene before, with the same bytes as if it were made now.
 /// @param made  with grids, if a VDB is written
-/// @param mesh  what went to its sink
+/// @param mesh, values  what went to its sink
 /// @throw as above
 void writeMadeFractal(const Scene& scene, const Recipe& recipe, const FractalResult& made, const Mesh& mesh,
-                      const FractalFiles& files, Monitor& monitor);
+                      std::span<const float> values, const FractalFiles& files, Monitor& monitor);
 
 }  // namespace vdbtools

@@ -23,8 +23,9 @@ namespace vdbtools {
 openvdb::BBoxd meshBox(const FieldPlan& plan);
 
 struct FractalResult {
-  std::vector<openvdb::GridBase::Ptr> grids;  ///< those of OutputOptions::grids, if @a wantGrids
-  MeshCounts mesh;                            ///< of what went to the sink
+  /// Those of OutputOptions::grids, and those of its attributes over the band of the grid "surface", if @a wantGrids.
+  std::vector<openvdb::GridBase::Ptr> grids;
+  MeshCounts mesh;  ///< of what went to the sink
   std::uint64_t evaluatedNodes = 0;
   std::optional<FollowReport> follow;   ///< if the surface was followed
   std::optional<IslandReport> islands;  ///< if any were to be dropped
@@ -34,7 +35,7 @@ struct FractalResult {
 
 /// The grids and the mesh of a scene. The field is held in memory for the grids, to find islands, and what is visited
 /// of it to follow the surface; for a mesh alone it is not.
-/// @param sink  takes the mesh, with normals; none: no mesh is wanted
+/// @param sink  takes the mesh, with normals and the columns that meshColumns() names; none: no mesh is wanted
 /// @throw DataError if there is no surface
 FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGrids, MeshSink* sink, Monitor& monitor);
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "vdbtools/field/lattice_options.h"
+#include "vdbtools/job/attribute_options.h"
 #include "vdbtools/maps/map_registry.h"
 #include "vdbtools/recipe/recipe.h"
 #include "vdbtools/surface/surface_options.h"
@@ -24,6 +25,7 @@ enum class Precision { Auto, Float, Double };
 struct OutputOptions {
   std::vector<std::string> grids;  ///< of surface, density, logmodulus, iterations, versor; each once
   bool half = false;               ///< 16-bit floats in the VDB
+  AttributeOptions attributes;     ///< of the mesh and, by the same names, of the VDB
 };
 
 struct FractalOptions {

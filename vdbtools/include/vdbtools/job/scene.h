@@ -14,6 +14,7 @@
 
 #include "julia/evaluator.h"
 
+#include <cstddef>
 #include <functional>
 #include <map>
 #include <memory>
@@ -25,6 +26,16 @@ namespace vdbtools {
 
 /// Facts that were found out on the way, by the names of metadata: hashes, the space, the shell, the versor's roots.
 using Facts = std::map<std::string, std::string>;
+
+/// What the file of a mesh says besides its surface.
+struct TargetParts {
+  std::vector<std::string> attributes{};
+  bool uvs = false;
+  std::size_t materials = 0, groups = 0;
+};
+
+/// What of this a recipe does not ask for, each in a few words: "texture coordinates", "2 materials".
+std::vector<std::string> unusedParts(const TargetParts& parts, const Recipe& recipe);
 
 /// Everything that stands before the first node is evaluated.
 struct Scene {
@@ -41,6 +52,10 @@ struct Scene {
   FractalSpace space;                  ///< the evaluator's
   PlacedSpace placed;                  ///< where the options place it, before the lattice's shift
   std::optional<double> targetVolume;  ///< of a target, world units cubed
+  TargetParts targetParts;             ///< of a mesh
+  // For the attributes that are asked for, if these need them.
+  std::shared_ptr<const Mesh> targetMesh;  ///< as it was read
+  openvdb::FloatGrid::ConstPtr thickness;  ///< the local thickness, world units; every node of its box is active
   Facts facts;
 
   FieldSource source() const { return {*evaluator, space}; }
@@ -65,6 +80,10 @@ class SceneMaker {
 
 /// One scene.
 Scene makeScene(const FractalOptions& options, Monitor& monitor);
+
+/// The target's mesh, for the attributes of it that are transferred; nullptr if none is.
+/// @throw DataError  the target is a VDB, or its mesh has no such attribute at each point
+std::shared_ptr<const Mesh> transferredMesh(const FractalOptions& options, const TargetInput& input);
 
 /// The files that the options name: those whose hashes are recorded.
 std::vector<NamedFile> filesOf(const FractalOptions& options);

@@ -11,8 +11,11 @@ namespace vdbtools {
 /// Where the rays go, world units: the box that was asked for, or all of the set.
 openvdb::BBoxd pictureRegion(const Scene& scene);
 
-/// What the renderer needs: @a picture with the scene's camera, orbit and dropped axis.
+/// What the renderer needs: @a picture with the scene's camera, colours, orbit and dropped axis.
 /// @param region  as pictureRegion() has it
-FieldRenderOptions pictureOptions(const Scene& scene, const openvdb::BBoxd& region, const FieldPicture& picture);
+/// @param usual   the colours where neither the picture nor the recipe says any
+/// @throw what reading the gradient of the colours throws
+FieldRenderOptions pictureOptions(const Scene& scene, const openvdb::BBoxd& region, const FieldPicture& picture,
+                                  FieldColour usual = FieldColour::Direction);
 
 }  // namespace vdbtools

@@ -8,7 +8,9 @@
 #include "vdbtools/base/voxel_choice.h"
 #include "vdbtools/mesh/mesh.h"
 #include "vdbtools/recipe/recipe.h"
+#include "vdbtools/target/mend_options.h"
 
+#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -19,8 +21,7 @@ namespace vdbtools {
 struct SdfOptions {
   std::filesystem::path input;
   VoxelChoice voxels;
-  bool repair = false;
-  double gap = 0;   ///< world units; 0: found
+  MendOptions mend;
   double band = 3;  ///< voxels on each side, above 1
   bool half = false;
 };
@@ -33,6 +34,7 @@ struct SdfResult {
   openvdb::FloatGrid::Ptr grid;
   MeshReport report;
   std::optional<double> moved, closedGap;  ///< of a repair, world units
+  std::size_t caps = 0;                    ///< holes that a repair capped
   std::map<std::string, std::string> facts;
 };
 

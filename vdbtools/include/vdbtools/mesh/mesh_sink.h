@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace vdbtools {
 
@@ -34,13 +35,15 @@ class MeshSink {
   virtual void addTriangles(std::span<const openvdb::Vec3I> triangles, std::uint64_t firstPoint) = 0;
 };
 
-/// Keeps the whole mesh, without the values of columns.
+/// Keeps the whole mesh.
 class MeshCollector final : public MeshSink {
  public:
-  explicit MeshCollector(Mesh& mesh) : mMesh(mesh) {}
+  /// @param values  takes those of the columns; nullptr: they are not wanted
+  explicit MeshCollector(Mesh& mesh, std::vector<float>* values = nullptr) : mMesh(mesh), mValues(values) {}
   void addPoints(const PointBatch& batch) override {
     mMesh.points.insert(mMesh.points.end(), batch.positions.begin(), batch.positions.end());
     mMesh.normals.insert(mMesh.normals.end(), batch.normals.begin(), batch.normals.end());
+    if (mValues) mValues->insert(mValues->end(), batch.values.begin(), batch.values.end());
   }
   void addTriangles(std::span<const openvdb::Vec3I> triangles, std::uint64_t) override {
     mMesh.triangles.insert(mMesh.triangles.end(), triangles.begin(), triangles.end());
@@ -48,6 +51,7 @@ class MeshCollector final : public MeshSink {
 
  private:
   Mesh& mMesh;
+  std::vector<float>* mValues;
 };
 
 }  // namespace vdbtools

@@ -39,6 +39,9 @@ struct MeshWriteOptions {
   std::map<std::string, std::string> comments;
 };
 
+/// The names of those of the columns that a file of the format has no room for.
+std::vector<std::string> columnsLeftOut(MeshFormat format, std::span<const VertexColumn> columns);
+
 /// Whether a file of these options holds positions as doubles, or numbers that are computed from doubles.
 /// @throw std::invalid_argument  a voxel size without a box
 bool needsDoublePositions(const MeshWriteOptions& options);

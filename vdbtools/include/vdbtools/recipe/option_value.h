@@ -21,6 +21,10 @@ namespace vdbtools {
 /// @param wanted  what follows "it must be"
 [[noreturn]] void refuse(const std::string& option, const std::string& text, const std::string& wanted);
 
+/// Of a value that is none of some words, with the one that was probably meant.
+[[noreturn]] void refuseChoice(const std::string& option, const std::string& text,
+                               std::span<const std::string> choices);
+
 /// The parts between separators; one empty part for an empty text.
 std::vector<std::string> split(const std::string& text, char separator);
 
@@ -44,12 +48,12 @@ Integer parseInteger(const std::string& option, const std::string& text, Integer
 template <class Value>
 Value parseChoice(const std::string& option, const std::string& text,
                   std::initializer_list<std::pair<const char*, Value>> choices) {
-  std::string list;
+  std::vector<std::string> words;
   for (const auto& [word, value] : choices) {
     if (text == word) return value;
-    list += (list.empty() ? "" : ", ") + std::string(word);
+    words.emplace_back(word);
   }
-  refuse(option, text, "one of " + list);
+  refuseChoice(option, text, words);
 }
 
 /// The shortest text that reads back as the same doubles, with commas between them.

@@ -23,6 +23,7 @@
 #include "vdbtools/field/fractal_field.h"
 #include "vdbtools/picture/image.h"
 #include "vdbtools/render/camera.h"
+#include "vdbtools/render/field_colour.h"
 
 #include "julia/embedding.h"
 #include "julia/orbit.h"
@@ -48,20 +49,12 @@ struct Clarity {
   double epsilon = 5e-5;  ///< the shortest step, at least 1e-9; the default of [ZB25]
 };
 
-enum class FieldColour {
-  Direction,   ///< the direction of the first step in R^3; with cross products f x g / |f x g|, as in [ZB25]
-  Versor,      ///< the imaginary components of the same versor, as in slices
-  Iterations,  ///< how many steps orbits just outside the surface take to escape
-  Trap,        ///< how near the orbit just inside the surface comes to the origin
-  Clay,        ///< the same colour everywhere
-};
-
 struct FieldRenderOptions {
   Camera camera;
   int width = 800, height = 800;  ///< pixels
   int samples = 4;                ///< rays per pixel: 1, 4, 9 or 16
   Clarity clarity;
-  FieldColour colour = FieldColour::Direction;
+  FieldColouring colour{};
   julia::OrbitOptions orbit{};                    ///< the evaluator's
   julia::DropAxis dropAxis = julia::DropAxis::K;  ///< the evaluator's
   /// Whether the beauty has the neutral background. Otherwise it is premultiplied by the coverage, on black.

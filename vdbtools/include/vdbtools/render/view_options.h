@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file view_options.h
-/// What a picture is taken with, as options and as values: its size, the camera, and how a map's set is sampled and
-/// coloured. These options are no part of a fractal's recipe: they change a picture of a set and not the set.
+/// What a picture is taken with, as options and as values: its size, the camera, and how a map's set is sampled. These
+/// options are no part of a fractal's recipe: they change a picture of a set and not the set. How the set is coloured
+/// is part of the recipe (field_colour.h), as its mesh and its grids may have the same colours.
 #pragma once
 
 #include "vdbtools/recipe/option_table.h"
@@ -40,19 +41,20 @@ struct FieldView {
   Camera camera(const FieldSource& source, const openvdb::BBoxd& region, double aspect) const;
 };
 
-/// A picture of a map's set, before there is a set: the camera, the orbit and the dropped axis are yet to be filled in.
+/// A picture of a map's set, before there is a set: the camera, the colours, the orbit and the dropped axis are yet to
+/// be filled in.
 struct FieldPicture {
   FieldView view;
   FieldRenderOptions render;
+  std::optional<ColourChoice> colour{};  ///< instead of the recipe's, where the table has --colour
 };
 
-/// What a picture of a map's set has beside the options of every picture: --eye, --colour and so on.
-/// @param colour  the default of --colour
-std::vector<OptionSpec> fieldViewOptionSpecs(const std::string& colour);
-/// All options of a picture of a map's set.
-std::vector<OptionSpec> fieldPictureOptionSpecs(const std::string& size, const std::string& colour);
+/// What a picture of a map's set has beside the options of every picture: --eye, --epsilon and so on.
+std::vector<OptionSpec> fieldViewOptionSpecs();
+/// All options of a picture of a map's set. @param size  the default of --size
+std::vector<OptionSpec> fieldPictureOptionSpecs(const std::string& size);
 /// @param given  not completed: what is given decides what may stand beside it
-/// @param table  of fieldPictureOptionSpecs()
+/// @param table  of fieldPictureOptionSpecs(), perhaps with colourOptionSpec()
 /// @throw std::invalid_argument naming the option and the value
 FieldPicture parseFieldPicture(const Recipe& given, const OptionTable& table);
 

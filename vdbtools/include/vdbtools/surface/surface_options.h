@@ -13,6 +13,9 @@ namespace vdbtools {
 struct SurfaceOptions {
   double tolerance = 1e-3;  ///< how near a vertex lies to the true surface, voxels
   IslandOptions islands;
+  /// Voxels: triangles of the mesh are as large as this distance from the whole mesh allows (adaptive_mesh.h). 0: they
+  /// all stay.
+  double adaptivity = 0;
   bool cap = false;  ///< closes the mesh where the box cuts the set
 };
 

@@ -10,6 +10,7 @@
 #include "vdbtools/mesh/mesh.h"
 #include "vdbtools/recipe/recipe_reader.h"
 #include "vdbtools/target/exponent_grid.h"
+#include "vdbtools/target/mend_options.h"
 
 #include <memory>
 #include <optional>
@@ -23,8 +24,7 @@ struct TargetOptions {
   std::shared_ptr<const Mesh> mesh;  ///< a target in memory, which is not read; input.path is its name
   std::string grid;                  ///< which grid of a VDB input; empty: the only one
   VoxelChoice sdfVoxels;             ///< of a mesh's distance field
-  bool repair = false;
-  double gap = 0;  ///< as RepairOptions
+  MendOptions mend;                  ///< of a mesh
 };
 
 /// Whether both make the same distances of the same file, or of the same mesh in memory.
@@ -69,7 +69,7 @@ class TargetInput {
   /// @throw DataError, Interrupted
   virtual openvdb::FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const = 0;
 
-  /// The mesh as it was read; nullptr: the target is a VDB.
+  /// The mesh as it was read, or a cloud of points as asPoints() has it; nullptr: the target is a VDB.
   virtual std::shared_ptr<const Mesh> mesh() const { return nullptr; }
 };
 

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands.h"
+
+#include "exit_code.h"
+#include "options.h"
+#include "output.h"
+#include "report.h"
+
+#include "vdbtools/files/file_bytes.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/formats/vdb_points.h"
+#include "vdbtools/job/points_job.h"
+#include "vdbtools/job/recorded_recipe.h"
+#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/surface/grid_mesh.h"
+
+#include <cmath>
+#include <limits>
+#include <ostream>
+
+namespace po = boost::program_options;
+
+namespace cli {
+namespace {
+
+constexpr Usage kUsageText = {"points", "F.vdb|MESH -o P.ply|P.vdb (--points N | --spacing S) [options]",
+                              "Spreads oriented points over a surface as blue noise, and writes them as a PLY without "
+                              "faces or as OpenVDB points.\n"
+                              "If the input is a fractal that this program made, VDB, PLY or OBJ, they lie on the true "
+                              "surface, which is computed\n"
+                              "again from the recipe in the file. With --from-grid the voxels or triangles themselves "
+                              "are used, as they are of any\n"
+                              "other level set or mesh.",
+                              "  juliavdb points bunny.vdb -o bunny_points.ply --points 20000\n"
+                              "  juliavdb points bunny.vdb -o bunny_points.vdb --spacing 0.02\n"
+                              "  juliavdb points bunny.obj -o even.ply --spacing 0.05 --seed 7\n"};
+
+vdbtools::PointsOptions parsePoints(const CommandLine& line) {
+  vdbtools::PointsOptions options;
+  if (line.has("points") == line.has("spacing")) throw std::invalid_argument("give either --points N or --spacing S");
+  if (line.has("points"))
+    options.count = line.integer<std::uint64_t>("points", 1, std::uint64_t{1} << 25);
+  else
+    options.spacing = line.number("spacing");
+  if (options.spacing && !(*options.spacing > 0 && std::isfinite(*options.spacing)))
+    line.refuse("spacing", "a length above 0, in the units of the input");
+  if (line.has("seed"))
+    options.seed = line.integer<std::uint64_t>("seed", 0, std::numeric_limits<std::uint64_t>::max());
+  return options;
+}
+
+struct Made {
+  vdbtools::OrientedPoints points;
+  std::map<std::string, std::string> metadata;
+  double voxelSize = 0;  ///< of a fractal, world units
+};
+
+Made fromRecipe(const vdbtools::Recipe& recipe, const vdbtools::PointsOptions& options, Progress& progress) {
+  const vdbtools::Scene scene = vdbtools::makeScene(vdbtools::parseFractalOptions(recipe), progress);
+  return {vdbtools::fractalPoints(scene, options, progress), vdbtools::sceneMetadata(scene, recipe), scene.voxelSize};
+}
+
+Made fromShape(const std::string& input, const std::string& grid, const vdbtools::PointsOptions& options,
+               Progress& progress) {
+  if (!vdbtools::isVdbPath(input)) {
+    if (!grid.empty()) throw std::invalid_argument("--grid can be used with a VDB only");
+    return {vdbtools::meshPoints(vdbtools::readMesh(input), options, progress), {}, 0};
+  }
+  const vdbtools::VdbFile vdb = vdbtools::readVdb(input);
+  const auto levelSet = vdbtools::chooseFloatGrid(vdb, grid, input);
+  return {vdbtools::meshPoints(vdbtools::meshOfLevelSet(*levelSet, progress), options, progress), {}, 0};
+}
+
+bool mayHoldRecipe(const std::string& input) {
+  const std::string extension = vdbtools::lowerExtension(input);
+  return extension == ".vdb" || extension == ".ply" || extension == ".obj";
+}
+
+}  // namespace
+
+int runPoints(const Arguments& arguments) {
+  CommandLine line(kUsageText, vdbtools::OptionTable());
+  line.addPositional("input", 1, "the VDB or the mesh");
+  const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
+  line.addOptions()("output,o", text("P.ply"), "the points to write: .ply or .vdb")("points", text("N"),
+                                                                                    "how many points, exactly")(
+      "spacing", text("S"), "the least distance between two points, in the units of the input")(
+      "seed", text("N"), "another number gives other points (default: 1)")(
+      "from-grid", "use the voxels or triangles, even of a fractal")("grid", text("NAME"),
+                                                                     "which grid of a VDB to use, as with --from-grid");
+  if (!line.parse(arguments)) return kDone;
+  const std::string input = line.text("input");
+  if (input.empty()) throw std::invalid_argument("no VDB or mesh was given");
+  if (!line.has("output")) throw std::invalid_argument("no output was given; use -o P.ply");
+  const vdbtools::PointsOptions options = parsePoints(line);
+  Outputs outputs;
+  vdbtools::AtomicFile& file = outputs.add("output", line.text("output"), ".ply .vdb");
+
+  vdbtools::RecordedRecipe recorded;
+  if (!line.has("from-grid") && !line.has("grid") && mayHoldRecipe(input))
+    recorded = vdbtools::readRecordedRecipe(input);
+  const Made made = recorded.command == "fractal" ? fromRecipe(recorded.recipe, options, line.progress())
+                                                  : fromShape(input, line.text("grid"), options, line.progress());
+  const vdbtools::OrientedPoints& points = made.points;
+  line.progress().begin("writing", 0);
+  if (formatOf(line.text("output"), ".ply") == ".vdb") {
+    const double spacing = points.spacing > 0 ? points.spacing : points.reach > 0 ? points.reach : 1;
+    file.stream() << vdbtools::encodeVdb({vdbtools::pointGrid(points.batch(), points.columns, spacing)},
+                                         {.metadata = made.metadata});
+  } else {
+    vdbtools::writeMesh(
+        file.stream(), {.points = points.positions, .triangles = {}, .normals = points.normals},
+        {.format = vdbtools::MeshFormat::Ply, .voxelSize = points.spacing, .columns = points.columns, .comments = {}},
+        points.values);
+  }
+  line.progress().throwIfCancelled();
+  outputs.commit();
+
+  report().count("points", static_cast<double>(points.positions.size()));
+  report().count("spacing", points.spacing);
+  report().count("reach", points.reach);
+  report().count("lost", static_cast<double>(points.lost));
+  report().text() << "wrote " << outputs.names() << ": " << points.positions.size()
+                  << (points.positions.size() == 1 ? " point" : " points") << ", no two of them nearer than "
+                  << points.spacing << ", the surface nowhere found farther than " << points.reach
+                  << " from one of them\n";
+  if (points.lost > 0)
+    report().text() << "note: " << points.lost
+                    << " places were left out, as the true surface lies farther than a voxel (" << made.voxelSize
+                    << ") from the mesh there; a higher --resolution of the fractal has fewer of them\n";
+  return kDone;
+}
+
+}  // namespace cli

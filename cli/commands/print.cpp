@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands.h"
+
+#include "exit_code.h"
+#include "options.h"
+#include "output.h"
+#include "report.h"
+
+#include "vdbtools/files/file_bytes.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/job/fractal_job.h"
+#include "vdbtools/job/print_job.h"
+#include "vdbtools/job/recorded_recipe.h"
+#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh/three_mf.h"
+#include "vdbtools/surface/grid_mesh.h"
+
+#include <cmath>
+#include <ostream>
+#include <sstream>
+
+namespace po = boost::program_options;
+
+namespace cli {
+namespace {
+
+constexpr Usage kUsageText = {
+    "print", "F.vdb|MESH -o PART.stl|PART.3mf|PART.ply|PART.obj --size MM [--min-thickness MM] [options]",
+    "Makes a part for 3D printing: one closed piece without cavities, in millimetres, with z up, standing on z = 0 "
+    "and\n"
+    "centred in x and y. With --min-thickness hairs and walls that are thinner are thickened, or taken off. If the "
+    "input\n"
+    "is a fractal that this program made, VDB, PLY or OBJ, its true surface is computed again from the recipe in the "
+    "file.",
+    "  juliavdb print bunny.vdb -o bunny.stl --size 60\n"
+    "  juliavdb print bunny.vdb -o bunny.3mf --size 60 --min-thickness 1.2 --flat-base 0.5\n"
+    "  juliavdb print bunny.vdb -o plain.stl --size 60 --min-thickness 1.2 --thin drop --tolerance 0.05\n"};
+
+vdbtools::PrintOptions parsePrint(const CommandLine& line) {
+  vdbtools::PrintOptions options;
+  if (!line.has("size")) throw std::invalid_argument("no size was given; use --size MM");
+  const auto length = [&](const char* name) {
+    const double value = line.number(name);
+    if (!(value > 0 && std::isfinite(value))) line.refuse(name, "a length above 0, in millimetres");
+    return value;
+  };
+  options.size = length("size");
+  if (line.has("min-thickness")) options.minThickness = length("min-thickness");
+  if (line.has("thin")) {
+    options.thin = line.choice<vdbtools::ThinParts>(
+        "thin", {{"thicken", vdbtools::ThinParts::Thicken}, {"drop", vdbtools::ThinParts::Drop}});
+    if (!options.minThickness) throw std::invalid_argument("--thin can be used with --min-thickness only");
+  }
+  if (line.has("flat-base")) options.flatBase = length("flat-base");
+  if (line.has("up"))
+    options.up = line.choice<vdbtools::UpAxis>("up", {{"y", vdbtools::UpAxis::Y}, {"z", vdbtools::UpAxis::Z}});
+  if (line.has("islands")) options.islands = line.integer<std::uint64_t>("islands", 1, 1'000'000'000);
+  if (line.has("resolution")) options.resolution = line.integer<std::uint64_t>("resolution", 20, 4000);
+  if (line.has("tolerance")) options.tolerance = length("tolerance");
+  return options;
+}
+
+/// The shape as a closed mesh.
+vdbtools::Mesh readShape(const CommandLine& line, const std::string& input, std::uint64_t resolution) {
+  const std::string extension = vdbtools::lowerExtension(input);
+  Progress& progress = line.progress();
+  const bool plain = line.has("from-grid") || line.has("grid") || line.has("repair");
+  if (!plain && (extension == ".vdb" || extension == ".ply" || extension == ".obj")) {
+    const vdbtools::RecordedRecipe recorded = vdbtools::readRecordedRecipe(input);
+    if (recorded.command == "fractal") {
+      vdbtools::FractalOptions options = vdbtools::parseFractalOptions(recorded.recipe);
+      options.surface.cap = true;
+      return vdbtools::fractalMesh(vdbtools::makeScene(options, progress), progress);
+    }
+  }
+  if (extension == ".vdb") {
+    if (line.has("repair")) throw std::invalid_argument("--repair can be used with a mesh only");
+    const vdbtools::VdbFile vdb = vdbtools::readVdb(input);
+    return vdbtools::meshOfLevelSet(*vdbtools::chooseFloatGrid(vdb, line.text("grid"), input), progress);
+  }
+  if (line.has("grid")) throw std::invalid_argument("--grid can be used with a VDB only");
+  progress.begin("reading", 0);
+  return vdbtools::closedMesh(vdbtools::readMesh(input), resolution, line.has("repair"), progress);
+}
+
+/// Three significant digits.
+std::string shortText(double value) {
+  std::ostringstream text;
+  text.precision(3);
+  text << value;
+  return text.str();
+}
+
+std::string counted(std::uint64_t count, const char* one, const char* several) {
+  return std::to_string(count) + ' ' + (count == 1 ? one : several);
+}
+
+void tell(const vdbtools::PrintedPart& part, const vdbtools::PrintOptions& options, const std::string& names) {
+  std::ostream& text = report().text();
+  constexpr double kCubicCentimetre = 1000;  // cubic millimetres
+  text << "wrote " << names << ": " << shortText(part.extents[0]) << " x " << shortText(part.extents[1]) << " x "
+       << shortText(part.extents[2]) << " mm, " << shortText(part.volume / kCubicCentimetre) << " cm3, "
+       << part.mesh.triangles.size() << " triangles\n";
+  if (part.islands > part.kept || part.cavities > 0) {
+    text << "of " << counted(part.islands, "island", "islands") << ' ' << part.kept
+         << (part.kept == 1 ? " is kept; " : " are kept; ") << shortText(100 * part.droppedShare)
+         << " % of the volume is dropped";
+    if (part.cavities > 0)
+      text << ", and " << counted(part.cavities, "cavity", "cavities") << " of " << shortText(100 * part.cavityShare)
+           << " % of it filled";
+    text << '\n';
+  }
+  if (options.flatBase) text << "it stands on a base of " << shortText(part.baseArea) << " mm2\n";
+  const double asked = options.minThickness.value_or(1);
+  const bool capped = part.thinnest > 1.9 * asked;
+  text << "the thinnest place found is " << (capped ? "more than " : "") << shortText(part.thinnest) << " mm thick, of "
+       << counted(part.places, "place", "places") << " that were measured\n";
+  if (part.thinPlaces > 0)
+    text << (options.minThickness ? "warning: " : "note: ") << counted(part.thinPlaces, "place is", "places are")
+         << " thinner than " << shortText(asked) << " mm"
+         << (options.minThickness ? "; try a higher --resolution" : "; --min-thickness makes such places thicker")
+         << '\n';
+  if (options.minThickness && part.voxelSize > *options.minThickness / 3)
+    text << "warning: the voxels of " << shortText(part.voxelSize)
+         << " mm are coarse for this thickness, and detail is lost; try a higher --resolution\n";
+}
+
+}  // namespace
+
+int runPrint(const Arguments& arguments) {
+  CommandLine line(kUsageText, vdbtools::OptionTable());
+  line.addPositional("input", 1, "the VDB or the mesh");
+  const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
+  line.addOptions()("output,o", text("PART.stl"), "the part to write: .stl, .3mf, .ply or .obj")(
+      "size", text("MM"), "the longest side of the part, in millimetres")(
+      "min-thickness", text("MM"),
+      "the least thickness, in millimetres. Edges and tips of 60 degrees or more, and roughness of up to half of it, "
+      "do "
+      "not count as thin")("thin", text("HOW"), "what happens to thinner parts: thicken or drop (default: thicken)")(
+      "flat-base", text("MM"), "cut off so much below, for a flat base")(
+      "up", text("AXIS"), "which axis of the input points up: y or z (default: y)")(
+      "islands", text("N"), "how many pieces to keep, the largest by volume (default: 1)")(
+      "tolerance", text("MM"), "make triangles larger where that moves the surface by no more than this")(
+      "resolution", text("N"),
+      "voxels along the longest side, for the thickness, the flat base and meshes that are not closed (default: five "
+      "to "
+      "the least thickness, 250 to 600)")("repair", "close holes and gaps of an open mesh or a triangle soup")(
+      "from-grid", "use the voxels or triangles, even of a fractal")("grid", text("NAME"),
+                                                                     "which grid of a VDB to use, as with --from-grid");
+  if (!line.parse(arguments)) return kDone;
+  const std::string input = line.text("input");
+  if (input.empty()) throw std::invalid_argument("no VDB or mesh was given");
+  if (!line.has("output")) throw std::invalid_argument("no output was given; use -o PART.stl");
+  const vdbtools::PrintOptions options = parsePrint(line);
+  const std::string format = vdbtools::lowerCase(formatOf(line.text("output"), ".stl"));
+  if (format == ".3mf" && !vdbtools::canWrite3mf()) vdbtools::encode3mf({});  // says why
+  Outputs outputs;
+  vdbtools::AtomicFile& file = outputs.add("output", line.text("output"), ".stl .3mf .ply .obj");
+
+  const vdbtools::PrintedPart part =
+      vdbtools::printedPart(readShape(line, input, options.resolution), options, line.progress());
+  line.progress().begin("writing", 0);
+  if (format == ".3mf")
+    file.stream() << vdbtools::encode3mf(part.mesh);
+  else
+    vdbtools::writeMesh(file.stream(), part.mesh, {.format = vdbtools::meshFormat("part" + format), .comments = {}});
+  line.progress().throwIfCancelled();
+  outputs.commit();
+
+  report().count("points", static_cast<double>(part.mesh.points.size()));
+  report().count("triangles", static_cast<double>(part.mesh.triangles.size()));
+  report().count("x", part.extents[0]);
+  report().count("y", part.extents[1]);
+  report().count("z", part.extents[2]);
+  report().count("volume", part.volume);
+  report().count("scale", part.scale);
+  report().count("islands", static_cast<double>(part.islands));
+  report().count("droppedShare", part.droppedShare);
+  report().count("cavities", static_cast<double>(part.cavities));
+  report().count("thinnest", part.thinnest);
+  report().count("thinPlaces", static_cast<double>(part.thinPlaces));
+  tell(part, options, outputs.names());
+  return kDone;
+}
+
+}  // namespace cli

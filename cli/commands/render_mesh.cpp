@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render_mesh.h"
+
+#include "options.h"
+
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/mesh/mesh.h"
+#include "vdbtools/render/mesh_preview.h"
+
+namespace cli {
+
+bool isMesh(const std::string& input) { return !input.empty() && !vdbtools::isVdbPath(input); }
+
+vdbtools::Image imageOfMesh(const CommandLine& line, const vdbtools::PreviewOptions& picture) {
+  if (line.has("colour") && line.text("colour") != "clay")
+    line.refuse("colour", "clay for a mesh, or left out for the colours that the mesh itself has");
+  line.progress().begin("reading", 0);
+  vdbtools::Mesh mesh = vdbtools::readMesh(line.text("input"));
+  return vdbtools::renderMeshPreview(std::move(mesh), {.picture = picture, .colours = !line.has("colour")},
+                                     line.progress());
+}
+
+}  // namespace cli

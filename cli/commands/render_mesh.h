@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file render_mesh.h
+/// The part of `render` that shows meshes.
+#pragma once
+
+#include "vdbtools/render/preview.h"
+
+#include <string>
+
+namespace cli {
+
+class CommandLine;
+
+/// Whether an input is a mesh, and no VDB.
+bool isMesh(const std::string& input);
+
+/// The picture of the mesh that is the command's input.
+/// @throw std::invalid_argument  a value of --colour that a mesh does not have; what reading the mesh throws
+vdbtools::Image imageOfMesh(const CommandLine& line, const vdbtools::PreviewOptions& picture);
+
+}  // namespace cli

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "option_groups.h"
+
+#include "vdbtools/field/lattice_options.h"
+#include "vdbtools/maps/map_options.h"
+#include "vdbtools/maps/map_registry.h"
+#include "vdbtools/surface/surface_options.h"
+#include "vdbtools/target/space_options.h"
+#include "vdbtools/target/target_input.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace cli {
+namespace {
+
+constexpr const char* kBasics[] = {"detail", "versor", "versor-seed", "resolution"};
+
+}  // namespace
+
+OptionGroups::OptionGroups(const vdbtools::OptionTable& table) : mOthers("What to make") {
+  if (!table.knows("origin")) return;
+  mOthers = "Output";
+  // The first to name an option has it.
+  const auto add = [this](const char* heading, const std::vector<vdbtools::OptionSpec>& options) {
+    for (const vdbtools::OptionSpec& option : options) mHeadings.emplace(option.name, heading);
+  };
+  add("Target", vdbtools::targetOptionSpecs());
+  add("Detail", vdbtools::shellOptions());
+  add("Texture", vdbtools::rootsOptions());
+  add("Space", vdbtools::spaceOptionSpecs());
+  add("Lattice", vdbtools::latticeOptionSpecs());
+  add("Surface", vdbtools::surfaceOptionSpecs());
+  const vdbtools::MapRegistry maps = vdbtools::builtInMaps();
+  add("Map", {maps.option()});
+  for (const vdbtools::OptionVariant& map : maps.variants()) add("Map", map.options);
+}
+
+std::string OptionGroups::headingOf(const std::string& option) const {
+  const auto found = mHeadings.find(option);
+  return found == mHeadings.end() ? mOthers : found->second;
+}
+
+bool isBasic(const std::string& option) {
+  return std::find(std::begin(kBasics), std::end(kBasics), option) != std::end(kBasics);
+}
+
+}  // namespace cli

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Colours and other attributes: what the files hold of them, and that pictures of the set have the same colours."""
+
+import harness
+from harness import BAD_DATA, USAGE
+
+SMALL = ("--sdf-resolution", 40, "--resolution", 30)
+PICTURE = ("--size", "60x60", "--samples", 1)
+
+
+def header(data):
+    """The properties of a PLY's vertices: (type, name)."""
+    lines = data[:data.index(b"end_header")].decode().splitlines()
+    return [tuple(line.split()[1:]) for line in lines if line.startswith("property") and "list" not in line]
+
+
+class Attributes(harness.CliTest):
+
+    def setUp(self):
+        super().setUp()
+        self.write("s.obj", harness.obj(harness.sphere(3, 2.0, (3, -2, 5))))
+
+    def test_a_ply_has_a_property_of_each(self):
+        self.ok("fractal", "s.obj", *SMALL, "--attributes", "direction,Cd,trap", "--mesh", "f.ply")
+        self.assertEqual(header(self.bytes("f.ply")), [
+            ("float", "x"), ("float", "y"), ("float", "z"), ("float", "nx"), ("float", "ny"), ("float", "nz"),
+            ("float", "direction_x"), ("float", "direction_y"), ("float", "direction_z"),
+            ("uchar", "red"), ("uchar", "green"), ("uchar", "blue"), ("float", "trap")])
+        self.ok("fractal", "s.obj", *SMALL, "--mesh", "plain.ply")
+        self.assertEqual(len(header(self.bytes("plain.ply"))), 6)
+
+    def test_what_a_format_cannot_hold_is_said(self):
+        words = ("fractal", "s.obj", *SMALL, "--attributes", "Cd,trap,depth")
+        said = self.ok(*words, "--mesh", "f.stl")
+        self.assertIn("note: f.stl holds no attributes", said)
+        said = self.ok(*words, "--mesh", "f.obj")
+        self.assertIn("note: f.obj holds no trap, depth", said)
+        self.assertEqual({len(line.split()) for line in self.bytes("f.obj").decode().splitlines()
+                          if line.startswith("v ")}, {7})
+        self.assertNotIn("note:", self.ok(*words, "--mesh", "f.ply"))
+
+    def test_a_mesh_made_from_a_vdb_has_its_attributes(self):
+        self.ok("fractal", "s.obj", *SMALL, "--colour", "trap:magma", "-o", "f.vdb", "--mesh", "one.ply")
+        self.ok("mesh", "f.vdb", "-o", "two.ply")
+        self.assertEqual(header(self.bytes("one.ply")), header(self.bytes("two.ply")))
+        self.assertEqual(self.bytes("one.ply").split(b"end_header")[1], self.bytes("two.ply").split(b"end_header")[1])
+
+    def test_pictures_have_the_colours_of_the_recipe(self):
+        self.ok("fractal", "s.obj", *SMALL, "--colour", "trap:magma", "-o", "f.vdb")
+        self.ok("render", "--field", "f.vdb", *PICTURE, "-o", "recipe.png")
+        self.ok("render", "--field", "s.obj", *SMALL, "--colour", "trap:magma", *PICTURE, "-o", "given.png")
+        self.ok("render", "--field", "f.vdb", "--colour", "direction", *PICTURE, "-o", "other.png")
+        self.ok("render", "--field", "s.obj", *SMALL, *PICTURE, "-o", "usual.png")
+        self.assertEqual(self.bytes("recipe.png"), self.bytes("given.png"))
+        self.assertEqual(self.bytes("other.png"), self.bytes("usual.png"))
+        self.assertNotEqual(self.bytes("recipe.png"), self.bytes("usual.png"))
+
+    def test_a_picture_as_gradient(self):
+        self.ok("slice", "s.obj", *SMALL, "--size", 16, "-o", "ramp.png")
+        self.ok("fractal", "s.obj", *SMALL, "--colour", "depth:ramp.png", "-o", "f.vdb")
+        self.ok("render", "--field", "f.vdb", *PICTURE, "-o", "a.png")
+        self.ok("slice", "s.obj", *SMALL, "--size", 17, "-o", "ramp.png")
+        self.refused(BAD_DATA, "render", "--field", "f.vdb", *PICTURE, "-o", "b.png", mentions="ramp.png")
+
+    def test_bad_options(self):
+        self.all_refused(USAGE, [("fractal", "s.obj", *option, "-o", "f.vdb") for option in (
+            ("--attributes", "colour"), ("--attributes", "trap,trap"), ("--colour", "pink"), ("--colour", "clay:magma"),
+            ("--colour", "trap:jet"), ("--transfer", "uv,uv"), ("--transfer", "surface"),
+            ("--attributes", "iterations", "--grids", "surface,iterations"))])
+        self.refused(USAGE, "fractal", "--map", "mandelbulb", "--attributes", "depth", "-o", "f.vdb", mentions="no target")
+        self.refused(BAD_DATA, "fractal", "s.obj", "--transfer", "uv", "-o", "f.vdb", mentions="texture coordinates")
+        self.refused(BAD_DATA, "fractal", "s.obj", "--transfer", "wet", "-o", "f.vdb", mentions="wet")
+        self.refused(USAGE, "plan", "tiles", "s.obj", *SMALL, "--attributes", "mask", "-o", "farm", mentions="mask")
+        self.refused(USAGE, "render", "s.obj", "--colour", "clay", "-o", "x.png", mentions="--field")
+
+
+if __name__ == "__main__":
+    harness.main()

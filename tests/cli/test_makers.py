@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the commands for points, adaptive meshes and 3D printing promise."""
+
+import io
+import math
+import re
+import struct
+import unittest
+import xml.etree.ElementTree as xml
+import zipfile
+
+import harness
+from harness import BAD_DATA, USAGE
+
+CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
+
+
+def rows_of(data):
+    """Positions and normals of a PLY of points."""
+    mesh = harness.read_ply(data)
+    assert mesh.faces == []
+    return mesh.points, mesh.normals
+
+
+def least_distance(points):
+    """By sorting along x."""
+    points, least = sorted(points), math.inf
+    for i, p in enumerate(points):
+        for q in points[i + 1:]:
+            if q[0] - p[0] >= least:
+                break
+            least = min(least, math.dist(p, q))
+    return least
+
+
+class Makers(harness.CliTest):
+
+    def setUp(self):
+        super().setUp()
+        self.write("s.obj", harness.obj(harness.sphere(4)))
+
+    def fractal(self):
+        self.ok("fractal", "s.obj", "-o", "f.vdb", "--mesh", "f.ply", "--resolution", 40, "--sdf-resolution", 40)
+
+    def closed(self, name):
+        mesh = harness.read_ply(self.bytes(name))
+        self.assertEqual(harness.open_edges(mesh), 0)
+        return mesh
+
+    # Points.
+
+    def test_points_of_a_mesh(self):
+        said = self.ok("points", "s.obj", "-o", "p.ply", "--points", 500)
+        points, normals = rows_of(self.bytes("p.ply"))
+        self.assertEqual(len(points), 500)
+        for p, n in zip(points, normals):
+            self.assertAlmostEqual(math.dist(p, (0, 0, 0)), 1, delta=0.01)
+            self.assertGreater(sum(a * b for a, b in zip(p, n)), 0.99)
+        told = float(re.search(r"nearer than ([\d.e-]+),", said).group(1))
+        self.assertAlmostEqual(told, least_distance(points), delta=1e-5)
+        self.ok("points", "s.obj", "-o", "q.ply", "--spacing", 0.2)
+        self.assertGreaterEqual(least_distance(rows_of(self.bytes("q.ply"))[0]), 0.2 - 1e-6)
+
+    def test_points_lie_on_the_true_surface_of_a_fractal(self):
+        self.fractal()
+        for name in ("f.vdb", "f.ply"):
+            self.ok("points", name, "-o", "p.ply", "--points", 300)
+            self.assertEqual(len(rows_of(self.bytes("p.ply"))[0]), 300)
+        # The mesh's vertices are within 1/1000 of a voxel of the surface, and so is a mesh of a hundredth of it near
+        # each point: here, the two ways of making points must differ, as the mesh's faces are not the surface.
+        self.ok("points", "f.ply", "-o", "q.ply", "--points", 300, "--from-grid")
+        self.assertNotEqual(rows_of(self.bytes("p.ply")), rows_of(self.bytes("q.ply")))
+
+    def test_points_are_the_same_for_any_number_of_threads(self):
+        self.fractal()
+        for output in ("p.ply", "p.vdb"):
+            made = []
+            for threads in (1, 4):
+                self.ok("points", "f.vdb", "-o", output, "--spacing", 0.1, "--threads", threads)
+                made.append(self.bytes(output))
+            self.assertEqual(*made)
+            self.ok("points", "f.vdb", "-o", output, "--spacing", 0.1, "--seed", 2)
+            self.assertNotEqual(self.bytes(output), made[0])
+
+    def test_points_as_vdb(self):
+        self.ok("points", "s.obj", "-o", "p.vdb", "--points", 100)
+        grids, = self.info("p.vdb")["grids"]
+        self.assertEqual(grids["name"], "points")
+
+    def test_colours_of_a_mesh_are_carried_over(self):
+        points, faces = harness.sphere(3)
+        lines = [f"v {x} {y} {z} {1 if y > 0 else 0} 0 0\n" for x, y, z in points]
+        self.write("c.obj", "".join(lines) + "".join("f {} {} {}\n".format(*(k + 1 for k in f)) for f in faces))
+        self.ok("points", "c.obj", "-o", "p.ply", "--points", 200)
+        head, _, body = self.bytes("p.ply").partition(b"end_header\n")
+        self.assertIn(b"property uchar red\n", head)
+        for x, y, z, *_, red, green, blue in struct.iter_unpack("<6f3B", body):
+            if abs(y) > 0.3:
+                self.assertEqual((red, green, blue), (255 if y > 0 else 0, 0, 0))
+
+    def test_points_refuse_what_makes_no_sense(self):
+        points = ("points", "s.obj", "-o", "p.ply")
+        self.refused(USAGE, *points, mentions="--spacing")
+        self.refused(USAGE, *points, "--points", 0, mentions="--points")
+        self.refused(USAGE, *points, "--points", 5, "--spacing", 1)
+        self.refused(USAGE, *points, "--spacing", "1e-9", mentions="larger spacing")
+        self.refused(USAGE, "points", "s.obj", "-o", "p.stl", "--points", 5, mentions=".vdb")
+
+    # Adaptive meshes.
+
+    def test_adaptive_meshes_are_closed_and_have_fewer_triangles(self):
+        self.fractal()
+        full = self.closed("f.ply")
+        before = len(full.faces)
+        for adaptivity in (0.02, 0.2):
+            self.ok("mesh", "f.vdb", "-o", "a.ply", "--adaptivity", adaptivity)
+            mesh = self.closed("a.ply")
+            self.assertLess(len(mesh.faces), before)
+            self.assertLessEqual(set(mesh.points), set(full.points), "points were moved")
+            before = len(mesh.faces)
+        self.ok("fractal", "--config", "f.vdb", "--mesh", "b.ply", "--adaptivity", 0.2)
+        self.assertEqual(self.bytes("a.ply"), self.bytes("b.ply"))
+        self.ok("mesh", "f.vdb", "-o", "g.ply", "--from-grid", "--adaptivity", 0.1)
+        self.closed("g.ply")
+        self.refused(USAGE, "mesh", "f.vdb", "-o", "n.ply", "--adaptivity", -1, mentions="--adaptivity")
+        self.refused(USAGE, "fractal", "--config", "f.vdb", "-o", "n.vdb", "--adaptivity", 1, mentions="--mesh")
+
+    # Parts for printing.
+
+    def test_a_part_has_the_size_in_every_format(self):
+        self.fractal()
+        for name in ("s.obj", "f.vdb", "f.ply"):
+            self.ok("print", name, "-o", "p.stl", "--size", 40)
+            corners = [p for t in harness.read_stl(self.bytes("p.stl")) for p in t]
+            low, high = ([f(p[k] for p in corners) for k in range(3)] for f in (min, max))
+            self.assertAlmostEqual(max(h - l for l, h in zip(low, high)), 40, delta=1e-4)
+            self.assertAlmostEqual(low[2], 0, delta=1e-5)
+            self.assertAlmostEqual(low[0] + high[0], 0, delta=1e-4)
+        self.ok("print", "f.vdb", "-o", "p.ply", "--size", 40, "--min-thickness", 2, "--resolution", 80)
+        self.closed("p.ply")
+
+    def test_what_points_up(self):
+        points, faces = harness.sphere(3)
+        self.write("tall.obj", harness.obj(([(x, 3 * y, z) for x, y, z in points], faces)))
+        for axis, tall in (("y", 2), ("z", 1)):
+            self.ok("print", "tall.obj", "-o", "p.ply", "--size", 30, "--up", axis)
+            mesh = harness.read_ply(self.bytes("p.ply"))
+            extents = [max(p[k] for p in mesh.points) - min(p[k] for p in mesh.points) for k in range(3)]
+            self.assertEqual(extents.index(max(extents)), tall)
+            self.assertGreater(harness.volume_of(mesh), 0)
+
+    def test_3mf_is_what_its_readers_expect(self):
+        run = self.run_program("print", "s.obj", "-o", "p.3mf", "--size", 40)
+        if b"libzip" in run.stderr:
+            self.skipTest("this build has no libzip")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        first = self.bytes("p.3mf")
+        self.ok("print", "s.obj", "-o", "p.3mf", "--size", 40)
+        self.assertEqual(self.bytes("p.3mf"), first)
+        with zipfile.ZipFile(io.BytesIO(first)) as file:
+            self.assertIsNone(file.testzip())
+            self.assertEqual(file.namelist(), ["[Content_Types].xml", "_rels/.rels", "3D/3dmodel.model"])
+            for name in file.namelist():
+                xml.fromstring(file.read(name))
+            model = xml.fromstring(file.read("3D/3dmodel.model"))
+        self.assertEqual(model.get("unit"), "millimeter")
+        points = [tuple(float(v.get(k)) for k in "xyz") for v in model.iter(f"{CORE}vertex")]
+        faces = [tuple(int(t.get(k)) for k in ("v1", "v2", "v3")) for t in model.iter(f"{CORE}triangle")]
+        mesh = harness.Mesh(points, faces, [], {}, False)
+        self.assertEqual(harness.open_edges(mesh), 0)
+        self.assertAlmostEqual(harness.volume_of(mesh), 4 / 3 * math.pi * 20**3, delta=400)
+        item, = model.iter(f"{CORE}item")
+        self.assertEqual([o.get("id") for o in model.iter(f"{CORE}object")], [item.get("objectid")])
+
+    def test_what_it_says_is_what_was_made(self):
+        said = self.ok("print", "s.obj", "-o", "p.ply", "--size", 40, "--flat-base", 4)
+        mesh = self.closed("p.ply")
+        volume = float(re.search(r"([\d.]+) cm3", said).group(1))
+        self.assertAlmostEqual(volume, harness.volume_of(mesh) / 1000, delta=0.006 * volume)
+        self.assertRegex(said, r"stands on a base of \d+ mm2")
+        self.assertRegex(said, r"the thinnest place found is more than [\d.]+ mm thick")
+
+    def test_parts_refuse_what_makes_no_sense(self):
+        part = ("print", "s.obj", "-o", "p.stl")
+        self.refused(USAGE, *part, mentions="--size")
+        self.refused(USAGE, *part, "--size", 0, mentions="--size")
+        self.refused(USAGE, *part, "--size", 10, "--min-thickness", 9, mentions="quarter")
+        self.refused(USAGE, *part, "--size", 10, "--thin", "drop", mentions="--min-thickness")
+        self.refused(USAGE, *part, "--size", 10, "--min-thickness", 1, "--thin", "melt", mentions="drop")
+        self.refused(USAGE, *part, "--size", 10, "--up", "x", mentions="y")
+        self.refused(USAGE, "print", "s.obj", "-o", "p.gcode", "--size", 10, mentions=".3mf")
+        self.write("hole.obj", harness.obj(harness.with_hole(harness.sphere(3))))
+        self.refused(BAD_DATA, "print", "hole.obj", "-o", "p.stl", "--size", 10, mentions="--repair")
+        self.ok("print", "hole.obj", "-o", "p.stl", "--size", 10, "--repair", "--resolution", 60)
+
+
+if __name__ == "__main__":
+    harness.main()

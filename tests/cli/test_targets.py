@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Targets that bound no volume: holes, terrain, sheets and clouds of points, through every command that takes one."""
+
+import math
+import unittest
+
+import harness
+from harness import BAD_DATA, USAGE
+
+LOW = ("--resolution", 40, "--sdf-resolution", 60)
+
+
+def terrain(squares=16, hole=0.0):
+    """A height field over [-1, 1]^2, y up."""
+    points = [(2 * i / squares - 1, 0.2 * math.sin(5 * i / squares) * math.cos(4 * j / squares), 2 * j / squares - 1)
+              for i in range(squares + 1) for j in range(squares + 1)]
+    faces = []
+    for i in range(squares):
+        for j in range(squares):
+            a, b = i * (squares + 1) + j, (i + 1) * (squares + 1) + j
+            if math.hypot(2 * (i + 0.5) / squares - 1, 2 * (j + 0.5) / squares - 1) >= hole:
+                faces += [(a, a + 1, b + 1), (a, b + 1, b)]
+    return points, faces
+
+
+def cloud(points, colours=None):
+    lines = ["ply", "format ascii 1.0", f"element vertex {len(points)}", "property float x", "property float y",
+             "property float z"]
+    lines += ["property uchar red"] if colours else []
+    rows = [" ".join(map(str, point)) for point in points]
+    if colours:
+        rows = [f"{row} {colour}" for row, colour in zip(rows, colours)]
+    return "\n".join([*lines, "end_header", *rows, ""])
+
+
+def half_sphere():
+    points, faces = harness.sphere(4)
+    faces = [face for face in faces if all(points[p][2] > -1e-9 for p in face)]
+    return points, faces
+
+
+class Targets(harness.CliTest):
+
+    def check_box(self, name, low, high, within):
+        """The active voxels' box of the level set."""
+        grid = self.info(name)["grids"][0]
+        for found, wanted in ((grid["box min"], low), (grid["box max"], high)):
+            for a, b in zip(found, wanted):
+                self.assertAlmostEqual(a, b, delta=within)
+
+    def test_an_open_base(self):
+        self.write("half.obj", harness.obj(half_sphere()))
+        self.refused(BAD_DATA, "fractal", "half.obj", "-o", "x.vdb", *LOW, mentions="--repair")
+        text = self.ok("sdf", "half.obj", "-o", "s.vdb", "--repair", "--resolution", 40)
+        self.assertIn("1 hole of up to", text)
+        self.ok("fractal", "half.obj", "-o", "f.vdb", "--mesh", "f.ply", "--repair", *LOW)
+        self.assertTrue(self.info("f.ply")["closed"])
+        # It is filled: a ball's half, to some detail.
+        volume = self.info("f.ply")["volume"]
+        self.assertGreater(volume, 0.4 * 2 * math.pi / 3)
+        self.assertLess(volume, 1.2 * 2 * math.pi / 3)
+
+    def test_terrain(self):
+        self.write("t.obj", harness.obj(terrain()))
+        for repair in ([], ["--repair"]):
+            self.refused(BAD_DATA, "fractal", "t.obj", "-o", "x.vdb", *LOW, *repair,
+                         mentions=["--solidify", "--thicken"])
+        self.ok("fractal", "t.obj", "-o", "f.vdb", "--mesh", "f.ply", "--solidify", 0.5, *LOW)
+        recipe = self.info("f.vdb")["recipe"]
+        self.assertEqual(recipe["solidify"], "0.5")
+        self.assertTrue(self.info("f.ply")["closed"])
+        # From the recipe it is the same again.
+        self.ok("fractal", "--config", "f.vdb", "-o", "again.vdb")
+        self.assertEqual(self.bytes("again.vdb"), self.bytes("f.vdb"))
+        self.ok("sdf", "t.obj", "-o", "up.vdb", "--solidify", "y:0.5", "--resolution", 40)
+        self.ok("sdf", "t.obj", "-o", "found.vdb", "--solidify", "0.5", "--resolution", 40)
+        low = -0.2 - 0.5
+        self.check_box("up.vdb", (-1, low, -1), (1, 0.2, 1), 0.25)
+        self.check_box("found.vdb", (-1, low, -1), (1, 0.2, 1), 0.25)
+        # A closed mesh has no use for it.
+        self.write("s.obj", harness.obj(harness.sphere(2)))
+        self.refused(BAD_DATA, "sdf", "s.obj", "-o", "x.vdb", "--solidify", 1, mentions="closed")
+
+    def test_a_sheet(self):
+        self.write("t.obj", harness.obj(terrain(hole=0.4)))
+        self.ok("fractal", "t.obj", "-o", "f.vdb", "--mesh", "f.ply", "--thicken", 0.2, *LOW)
+        self.assertTrue(self.info("f.ply")["closed"])
+        box = [float(x) for x in self.info("f.vdb")["metadata"]["julia_target_box"].split(",")]
+        self.assertAlmostEqual(box[0], -1.1, 6)
+        self.refused(USAGE, "fractal", "t.obj", "-o", "x.vdb", "--thicken", 0.01, *LOW,
+                     mentions=["--thicken", "at least"])
+        self.refused(USAGE, "fractal", "t.obj", "-o", "x.vdb", "--thicken", 0.2, "--solidify", 1, *LOW,
+                     mentions=["--thicken", "--solidify"])
+
+    def test_a_cloud_of_points(self):
+        points, _ = harness.sphere(3)
+        self.write("c.ply", cloud(points, [255 if p[0] > 0 else 0 for p in points]))
+        info = self.info("c.ply")
+        self.assertEqual((info["kind"], info["points"], info["attributes"]), ("points", len(points), ["red"]))
+        self.assertGreater(info["spacing"], 0.05)
+        self.assertLess(info["spacing"], 0.3)
+        self.refused(BAD_DATA, "fractal", "c.ply", "-o", "x.vdb", *LOW, mentions="--points-radius")
+        radius = 1.5 * info["spacing"]
+        said = self.ok("fractal", "c.ply", "-o", "f.vdb", "--mesh", "f.ply", "--points-radius", radius, *LOW)
+        self.assertIn("not used of the target: the attributes red\n", said)
+        self.assertGreater(self.info("f.ply")["volume"], 0.5 * 4 * math.pi / 3)
+        # Its colours control the detail like those of a mesh.
+        said = self.ok("fractal", "c.ply", "-o", "p.vdb", "--points-radius", radius, "--mask", "paint:red", *LOW)
+        self.assertNotIn("not used", said)
+        self.assertNotEqual(self.bytes("p.vdb"), self.bytes("f.vdb"))
+        self.write("none.ply", cloud([]))
+        self.refused(BAD_DATA, "fractal", "none.ply", "-o", "x.vdb", "--points-radius", 1, *LOW)
+        self.write("one.ply", cloud([(5, 6, 7)]))
+        self.ok("fractal", "one.ply", "-o", "one.vdb", "--points-radius", 2, *LOW)
+
+    def test_any_number_of_threads_makes_the_same(self):
+        self.write("t.obj", harness.obj(terrain(hole=0.4)))
+        points, _ = harness.sphere(3)
+        self.write("c.ply", cloud(points))
+        self.write("half.obj", harness.obj(half_sphere()))
+        for target, *options in (("t.obj", "--thicken", 0.2), ("t.obj", "--solidify", 0.3),
+                                 ("c.ply", "--points-radius", 0.2), ("half.obj", "--repair")):
+            with self.subTest(options=options):
+                for threads in (1, 2):
+                    self.ok("sdf", target, "-o", f"{threads}.vdb", "--resolution", 40, "--threads", threads, *options)
+                self.assertEqual(self.bytes("1.vdb"), self.bytes("2.vdb"))
+
+    def test_other_commands_take_them(self):
+        self.write("t.obj", harness.obj(terrain()))
+        self.ok("fit", "t.obj", "-o", "x.json", "--resolution", 24, "--roots", 4, "--solidify", 0.6)
+        self.ok("slice", "t.obj", "-o", "x.png", "--size", 20, "--sdf-resolution", 40, "--thicken", 0.3)
+        self.ok("render", "--field", "t.obj", "-o", "y.png", "--size", "20x20", "--sdf-resolution", 40, "--solidify", 0.6)
+        self.ok("plan", "frames", "t.obj", "-o", "farm", "--frames", "1-2", "--resolution", 24, "--sdf-resolution", 40,
+                "--solidify", "0.6", "--key", "detail@1=0.1", "--key", "detail@2=0.3")
+        for task in (1, 2):
+            self.ok("task", "farm", "--index", task)
+
+
+class WhatIsNotUsed(harness.CliTest):
+
+    def test_it_is_named_in_one_line(self):
+        points, faces = harness.sphere(2)
+        lines = [f"v {x} {y} {z}" for x, y, z in points] + ["vt 0 0", "vt 1 0", "vt 1 1"]
+        lines += ["usemtl skin", "g front"] + [f"f {a + 1}/1 {b + 1}/2 {c + 1}/3" for a, b, c in faces[::2]]
+        lines += ["usemtl cloth", "usemtl never", "usemtl skin", "g back"]
+        lines += [f"f {a + 1}/1 {b + 1}/2 {c + 1}/3" for a, b, c in faces[1::2]]
+        self.write("s.obj", "\n".join(lines) + "\n")
+        info = self.info("s.obj")
+        self.assertEqual((info["texture coordinates"], info["materials"], info["groups"]),
+                         (True, ["skin"], ["front", "back"]))
+        said = self.ok("fractal", "s.obj", "-o", "s.vdb", *LOW)
+        self.assertEqual(said.count("not used of the target: texture coordinates, 1 material, 2 groups\n"), 1)
+
+    def test_a_plain_mesh_has_no_such_line(self):
+        self.write("s.obj", harness.obj(harness.sphere(2)))
+        self.assertNotIn("not used", self.ok("fractal", "s.obj", "-o", "s.vdb", *LOW))
+        for name in ("materials", "groups", "texture coordinates", "attributes"):
+            self.assertNotIn(name, self.info("s.obj"))
+
+
+if __name__ == "__main__":
+    harness.main()

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file field_colour.h
+/// How the points of a set are coloured, in pictures of the set and at the vertices of its mesh alike.
+#pragma once
+
+#include "vdbtools/base/fractal_space.h"
+#include "vdbtools/base/grids.h"
+#include "vdbtools/files/named_file.h"
+#include "vdbtools/picture/gradient.h"
+#include "vdbtools/recipe/recipe_reader.h"
+#include "vdbtools/target/control.h"
+
+#include "julia/evaluator.h"
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace vdbtools {
+
+enum class FieldColour {
+  Direction,   ///< the direction of the first step in R^3; with cross products f x g / |f x g|, as in [ZB25]
+  Versor,      ///< the imaginary components of the same versor, as in slices
+  Iterations,  ///< how many steps orbits just outside the surface take to escape
+  Trap,        ///< how near the orbit comes to the origin
+  Depth,       ///< the distance from the target's surface
+  Clay,        ///< the same colour everywhere
+};
+
+/// What FieldColour::Depth has to know of the target.
+struct DepthColouring {
+  Control distance;           ///< from the target's surface, world units, negative inside
+  FractalSpace space;         ///< that of the points
+  double low = -1, high = 1;  ///< the distances that get the two ends of the gradient, low < high
+};
+
+struct FieldColouring {
+  FieldColouring(FieldColour what = FieldColour::Direction) : by(what) {}
+
+  FieldColour by;
+  Gradient gradient{};                    ///< of Iterations, Trap and Depth
+  std::optional<DepthColouring> depth{};  ///< of Depth, which needs it
+};
+
+/// The evaluator's: what its answers mean.
+struct ColourContext {
+  int maxIterations = 1;
+  julia::DropAxis dropAxis = julia::DropAxis::K;
+};
+
+/// The colours of points of fractal space, linear RGB. A point's colour does not depend on the others.
+/// @param iterations  one for each point, as meanIterations() has them; read by FieldColour::Iterations only
+std::vector<openvdb::Vec3d> fieldColours(const FieldColouring& colouring, const julia::FieldEvaluator& evaluator,
+                                         const ColourContext& context, std::span<const julia::Point> points,
+                                         std::span<const double> iterations);
+
+/// The directions of the first step from points of fractal space, as FieldColour::Direction has them.
+std::vector<openvdb::Vec3s> firstDirections(const julia::FieldEvaluator& evaluator, julia::DropAxis dropAxis,
+                                            std::span<const julia::Point> points);
+
+/// The smallest modulus among the iterates of each point, not counting the point itself.
+std::vector<double> trapRadii(const julia::FieldEvaluator& evaluator, std::span<const julia::Point> points);
+
+/// The steps that orbits take, of the 26 points at the distance @a step around each point the mean over those outside
+/// the set; 0 if all of them are inside. @param step  units of fractal space
+std::vector<double> meanIterations(const julia::FieldEvaluator& evaluator, std::span<const julia::Point> points,
+                                   double step);
+
+/// What --colour says, before anything is read.
+struct ColourChoice {
+  FieldColour by = FieldColour::Direction;
+  std::string gradient{};              ///< its name; empty: the usual one
+  std::optional<NamedFile> picture{};  ///< whose first row is the gradient instead
+};
+
+/// --colour; it has no default.
+OptionSpec colourOptionSpec();
+/// @throw std::invalid_argument naming the option and the value
+std::optional<ColourChoice> parseColour(const RecipeReader& reader);
+
+/// The choice without what the target adds. The first row of a picture runs from 0 at its left to 1 at its right.
+/// @throw MissingInputError, DataError, IoError  of the picture
+FieldColouring colouringOf(const ColourChoice& choice);
+
+}  // namespace vdbtools

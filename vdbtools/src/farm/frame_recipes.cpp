@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/farm/frame_recipes.h"
+
+#include "job/file_hashes.h"
+
+#include "vdbtools/base/errors.h"
+#include "vdbtools/job/fractal_options.h"
+#include "vdbtools/job/scene.h"
+
+#include <filesystem>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+namespace vdbtools {
+namespace {
+
+/// Files that are not there, each with the first frame that names it.
+class MissingFiles {
+ public:
+  void check(const NamedFile& file, int frame) {
+    std::error_code error;
+    if (!mChecked.emplace(file.path.string(), frame).second || std::filesystem::exists(file.path, error)) return;
+    ++mCount;
+    constexpr std::size_t kMostNamed = 3;
+    if (mCount <= kMostNamed)
+      mNames += (mNames.empty() ? "'" : ", '") + file.path.string() + "' (frame " + std::to_string(frame) + ")";
+  }
+  /// @throw MissingInputError
+  void requireNone() const {
+    if (mCount == 0) return;
+    throw MissingInputError(mCount == 1 ? "an input of the sequence is missing: " + mNames
+                                        : std::to_string(mCount) +
+                                              " inputs of the sequence are missing, the first of "
+                                              "them " +
+                                              mNames);
+  }
+
+ private:
+  std::map<std::string, int> mChecked;
+  std::size_t mCount = 0;
+  std::string mNames;
+};
+
+}  // namespace
+
+struct FrameRecipes::Hashes {
+  FileHashes files;
+};
+
+FrameRecipes::FrameRecipes(FramePlanOptions options)
+    : mOptions(std::move(options)), mHashes(std::make_unique<Hashes>()) {
+  requireChange(mOptions);
+  const OptionTable table = fractalOptionTable();
+  MissingFiles missing;
+  for (const int frame : mOptions.frames) {
+    try {
+      const FractalOptions fractal = parseFractalOptions(completeRecipe(recipeAt(mOptions, frame), table));
+      if (fractal.map->shell() && !fractal.target)
+        throw std::invalid_argument("the map needs a target: give a mesh, or a VDB with its signed distance");
+      for (const NamedFile& file : filesOf(fractal)) missing.check(file, frame);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("frame " + std::to_string(frame) + ": " + error.what());
+    }
+  }
+  missing.requireNone();
+}
+
+FrameRecipes::~FrameRecipes() = default;
+
+Recipe FrameRecipes::at(int frame) const {
+  Recipe recipe = completeRecipe(recipeAt(mOptions, frame), fractalOptionTable());
+  for (const auto& [name, hash] : mHashes->files.of(parseFractalOptions(recipe))) recipe[name] = hash;
+  return recipe;
+}
+
+}  // namespace vdbtools

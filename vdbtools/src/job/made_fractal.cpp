@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/job/made_fractal.h"
+
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/job/fractal_options.h"
+#include "vdbtools/mesh/mesh.h"
+#include "vdbtools/mesh/mesh_writer.h"
+
+#include <algorithm>
+#include <exception>
+#include <system_error>
+
+namespace vdbtools {
+
+bool holdsFractal(const std::filesystem::path& path, const Recipe& recipe) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;
+  const auto isTheRecipe = [&](const std::map<std::string, std::string>& metadata) {
+    const std::map<std::string, std::string> expected = recipeToMetadata(recipe, "fractal");
+    const bool hasAll = std::all_of(expected.begin(), expected.end(), [&](const auto& entry) {
+      const auto found = metadata.find(entry.first);
+      return found != metadata.end() && found->second == entry.second;
+    });
+    return hasAll && recipeFromMetadata(metadata, fractalOptionTable()) == recipe;
+  };
+  try {
+    // The recipe stands at the beginning: it tells most other files before the rest is read.
+    if (isVdbPath(path)) return isTheRecipe(readVdbMetadata(path)) && !readVdb(path).grids.empty();
+    return isTheRecipe(readMeshComments(path)) && !readMesh(path).triangles.empty();
+  } catch (const std::exception&) {
+    return false;  // broken, or not ours
+  }
+}
+
+}  // namespace vdbtools

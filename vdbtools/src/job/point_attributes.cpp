@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "job/point_attributes.h"
+
+#include "base/in_parallel.h"
+#include "base/srgb.h"
+#include "job/scene_colouring.h"
+#include "mesh/surface_search.h"
+#include "target/clamped_control.h"
+#include "target/control_lattice.h"
+#include "target/solid_input.h"
+
+#include <openvdb/tree/LeafManager.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace vdbtools {
+namespace {
+
+using openvdb::FloatGrid;
+using openvdb::FloatTree;
+using openvdb::Vec3d;
+using openvdb::Vec3s;
+using openvdb::Vec3SGrid;
+using openvdb::Vec3STree;
+
+/// The place of a column in the rows of a batch.
+struct Cells {
+  float* first;        ///< in the first row
+  std::size_t stride;  ///< floats from row to row
+
+  float* operator[](std::size_t row) const { return first + row * stride; }
+};
+
+template <class Vector>
+void putVectors(const std::vector<Vector>& values, const Cells& cells) {
+  for (std::size_t i = 0; i < values.size(); ++i)
+    for (int k = 0; k < 3; ++k) cells[i][k] = static_cast<float>(values[i][k]);
+}
+
+void putNumbers(std::span<const double> values, const Cells& cells) {
+  for (std::size_t i = 0; i < values.size(); ++i) *cells[i] = static_cast<float>(values[i]);
+}
+
+}  // namespace
+
+/// Some points, and what several columns need of them.
+struct PointAttributes::Batch {
+  std::span<const Vec3d> world;
+  std::vector<julia::Point> points{};    ///< fractal space
+  std::vector<double> iterations{};      ///< if a column needs them
+  std::vector<SurfacePoint> onTarget{};  ///< the target's nearest points, if anything is transferred
+};
+
+struct PointAttributes::Column {
+  std::size_t offset;  ///< in a row
+  std::function<void(const Batch&, const Cells&)> fill;
+};
+
+/// The target's surface. It is searched in units of which the longest side has a hundred, about its middle.
+struct PointAttributes::Transfer {
+  static constexpr double kLength = 100;
+
+  explicit Transfer(const Mesh& target)
+      : mesh(target), box(boxOf(target)), scale(kLength / longestSide(box)), search(scaled(target), target.triangles) {}
+
+  static openvdb::BBoxd boxOf(const Mesh& target) {
+    openvdb::BBoxd box;
+    for (const openvdb::Vec3I& triangle : target.triangles)
+      for (int k = 0; k < 3; ++k) box.expand(target.points[triangle[k]]);
+    return box;
+  }
+  Vec3d toSearch(const Vec3d& world) const { return (world - box.getCenter()) * scale; }
+  std::vector<Vec3d> scaled(const Mesh& target) const {
+    std::vector<Vec3d> points;
+    points.reserve(target.points.size());
+    for (const Vec3d& point : target.points) points.push_back(toSearch(point));
+    return points;
+  }
+  std::vector<SurfacePoint> nearest(std::span<const Vec3d> world) const {
+    std::vector<SurfacePoint> result;
+    result.reserve(world.size());
+    for (const Vec3d& point : world) {
+      const std::optional<SurfacePoint> found = search.nearest(toSearch(point));
+      if (!found) throw DataError("the target's mesh has no triangle with an area; check the file");
+      result.push_back(*found);
+    }
+    return result;
+  }
+
+  /// The values at the corners of a point's triangle, weighted. A value that all corners share stays what it is.
+  template <class Corner>
+  static double interpolated(const SurfacePoint& point, const Corner& corner) {
+    const double first = corner(0);
+    return first + point.weights[1] * (corner(1) - first) + point.weights[2] * (corner(2) - first);
+  }
+  double attributeAt(const SurfacePoint& point, const VertexAttribute& attribute) const {
+    const openvdb::Vec3I& triangle = mesh.triangles[point.triangle];
+    return interpolated(point, [&](int k) { return double{attribute.values[triangle[k]]}; });
+  }
+  double coordinateAt(const SurfacePoint& point, int component) const {
+    const openvdb::Vec2s* corners = &mesh.cornerUvs[3 * std::size_t{point.triangle}];
+    return interpolated(point, [&](int k) { return double{corners[k][component]}; });
+  }
+  const VertexAttribute& attribute(const std::string& name) const {
+    return requireAttribute(mesh, name, "the target's mesh");
+  }
+
+  const Mesh& mesh;
+  openvdb::BBoxd box;  ///< world units
+  double scale;
+  SurfaceSearch search;
+};
+
+PointAttributes::~PointAttributes() = default;
+
+PointAttributes::PointAttributes(const Scene& scene)
+    : mScene(scene), mColumns(meshColumns(scene.options.output.attributes)), mRowLength(vdbtools::rowLength(mColumns)) {
+  const AttributeOptions& options = scene.options.output.attributes;
+  const julia::FieldEvaluator& evaluator = *scene.evaluator;
+  const julia::DropAxis dropAxis = scene.options.map->embedding().dropped;
+  std::size_t offset = 0;
+  const auto add = [&](std::function<void(const Batch&, const Cells&)> fill) {
+    offset = mFillers.empty() ? 0 : offset + componentsOf(mColumns[mFillers.size() - 1].kind);
+    mFillers.push_back(std::make_unique<Column>(Column{offset, std::move(fill)}));
+  };
+  const auto addControl = [&](const Control& control) {
+    add([control](const Batch& batch, const Cells& cells) {
+      std::vector<double> values(batch.world.size());
+      control.sample(batch.world, values);
+      putNumbers(values, cells);
+    });
+  };
+  for (const PointAttribute attribute : options.computed) switch (attribute) {
+      case PointAttribute::Cd: {
+        const FieldColouring colouring = sceneColouring(scene, options.colour.value_or(ColourChoice{}));
+        mNeedsIterations |= colouring.by == FieldColour::Iterations;
+        const ColourContext context{.maxIterations = scene.orbit.maxIterations, .dropAxis = dropAxis};
+        add([&evaluator, colouring, context](const Batch& batch, const Cells& cells) {
+          putVectors(fieldColours(colouring, evaluator, context, batch.points, batch.iterations), cells);
+        });
+        break;
+      }
+      case PointAttribute::Direction:
+        add([&evaluator, dropAxis](const Batch& batch, const Cells& cells) {
+          putVectors(firstDirections(evaluator, dropAxis, batch.points), cells);
+        });
+        break;
+      case PointAttribute::Trap:
+        add([&evaluator](const Batch& batch, const Cells& cells) {
+          putNumbers(trapRadii(evaluator, batch.points), cells);
+        });
+        break;
+      case PointAttribute::Iterations:
+        mNeedsIterations = true;
+        add([](const Batch& batch, const Cells& cells) { putNumbers(batch.iterations, cells); });
+        break;
+      case PointAttribute::Depth: addControl(distanceControl(scene.target.value())); break;
+      case PointAttribute::Tau: addControl(clampedControl(scene.thickness)); break;
+      case PointAttribute::Mask: addControl(scene.exponentOf.value().mask); break;
+    }
+  if (options.transferred.empty()) return;
+  if (!scene.targetMesh) throw std::logic_error("attributes are transferred from a mesh that is not there");
+  mTransfer = std::make_unique<Transfer>(*scene.targetMesh);
+  const Transfer& from = *mTransfer;
+  for (const std::string& name : options.transferred) {
+    if (name == "uv") {
+      add([&from](const Batch& batch, const Cells& cells) {
+        for (std::size_t i = 0; i < batch.onTarget.size(); ++i)
+          for (int k = 0; k < 2; ++k) cells[i][k] = static_cast<float>(from.coordinateAt(batch.onTarget[i], k));
+      });
+    } else if (name == "Cd") {
+      const std::array<const VertexAttribute*, 3> channels = {&from.attribute("red"), &from.attribute("green"),
+                                                              &from.attribute("blue")};
+      add([&from, channels](const Batch& batch, const Cells& cells) {
+        for (std::size_t i = 0; i < batch.onTarget.size(); ++i)
+          for (std::size_t k = 0; k < 3; ++k)
+            cells[i][k] = static_cast<float>(
+                linearFromSrgb(std::clamp(from.attributeAt(batch.onTarget[i], *channels[k]), 0.0, 1.0)));
+      });
+    } else {
+      add([&from, &attribute = from.attribute(name)](const Batch& batch, const Cells& cells) {
+        for (std::size_t i = 0; i < batch.onTarget.size(); ++i)
+          *cells[i] = static_cast<float>(from.attributeAt(batch.onTarget[i], attribute));
+      });
+    }
+  }
+}
+
+void PointAttributes::evaluate(std::span<const Vec3d> points, std::span<float> rows) const {
+  if (points.empty()) return;
+  Batch batch{.world = points};
+  batch.points.reserve(points.size());
+  for (const Vec3d& point : points) batch.points.push_back(mScene.space.toFractal(point));
+  if (mNeedsIterations)
+    batch.iterations = meanIterations(*mScene.evaluator, batch.points, mScene.voxelSize / mScene.space.scale);
+  if (mTransfer) batch.onTarget = mTransfer->nearest(points);
+  for (const auto& column : mFillers) column->fill(batch, {rows.data() + column->offset, mRowLength});
+}
+
+void PointAttributes::evaluate(std::span<const Vec3d> points, std::span<float> rows, const Monitor& monitor) const {
+  const std::size_t batch = mScene.evaluator->preferredBatch(), batches = (points.size() + batch - 1) / batch;
+  inParallel(batches, 1, monitor, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end && !monitor.cancelled(); ++i) {
+      const std::size_t first = i * batch, count = std::min(batch, points.size() - first);
+      evaluate(points.subspan(first, count), rows.subspan(first * mRowLength, count * mRowLength));
+    }
+  });
+}
+
+void AttributedSink::addPoints(const PointBatch& batch) {
+  mRows.resize(batch.positions.size() * mAttributes.rowLength());
+  mAttributes.evaluate(batch.positions, mRows, mMonitor);
+  mNext.addPoints({batch.positions, batch.normals, mRows});
+}
+
+namespace {
+
+template <class Tree>
+struct Part {
+  typename Tree::Ptr tree;
+  std::unique_ptr<openvdb::tree::LeafManager<Tree>> leaves;
+
+  explicit Part(const FloatTree& topology)
+      : tree(std::make_shared<Tree>(topology, typename Tree::ValueType(0), openvdb::TopologyCopy())),
+        leaves(std::make_unique<openvdb::tree::LeafManager<Tree>>(*tree)) {}
+};
+
+/// A grid that is being filled.
+struct AttributeGrid {
+  std::size_t offset;  ///< in a row
+  std::optional<Part<FloatTree>> numbers;
+  std::optional<Part<Vec3STree>> vectors;
+};
+
+}  // namespace
+
+std::vector<openvdb::GridBase::Ptr> attributeGrids(const PointAttributes& attributes, const FloatGrid& surface,
+                                                   Monitor& monitor) {
+  std::vector<AttributeGrid> parts;
+  std::vector<openvdb::GridBase::Ptr> grids;
+  std::size_t offset = 0;
+  for (const VertexColumn& column : attributes.columns()) {
+    AttributeGrid part{.offset = offset, .numbers = {}, .vectors = {}};
+    offset += componentsOf(column.kind);
+    openvdb::GridBase::Ptr grid;
+    if (column.kind == ColumnKind::Number) {
+      part.numbers.emplace(surface.tree());
+      grid = FloatGrid::create(part.numbers->tree);
+    } else if (column.kind == ColumnKind::TextureCoordinate) {
+      continue;
+    } else {
+      part.vectors.emplace(surface.tree());
+      grid = Vec3SGrid::create(part.vectors->tree);
+      if (column.kind == ColumnKind::Colour) grid->setVectorType(openvdb::VEC_INVARIANT);
+    }
+    grid->setTransform(surface.transform().copy());
+    grid->setName(column.name);
+    grids.push_back(grid);
+    parts.push_back(std::move(part));
+  }
+  if (parts.empty()) return grids;
+
+  // All trees have the leaves of the surface, in its order.
+  const openvdb::tree::LeafManager<const FloatTree> leaves(surface.tree());
+  monitor.begin("attributes", leaves.leafCount());
+  inParallel(leaves.leafCount(), 1, monitor, [&](std::size_t begin, std::size_t end) {
+    std::vector<Vec3d> points;
+    std::vector<float> rows;
+    for (std::size_t n = begin; n < end && !monitor.cancelled(); ++n) {
+      points.clear();
+      for (auto value = leaves.leaf(n).cbeginValueOn(); value; ++value)
+        points.push_back(surface.indexToWorld(value.getCoord()));
+      rows.resize(points.size() * attributes.rowLength());
+      attributes.evaluate(points, rows);
+      for (const AttributeGrid& part : parts) {
+        const float* row = rows.data() + part.offset;
+        if (part.numbers)
+          for (auto value = part.numbers->leaves->leaf(n).beginValueOn(); value; ++value, row += attributes.rowLength())
+            value.setValue(*row);
+        else
+          for (auto value = part.vectors->leaves->leaf(n).beginValueOn(); value; ++value, row += attributes.rowLength())
+            value.setValue(Vec3s(row[0], row[1], row[2]));
+      }
+      monitor.advance(1);
+    }
+  });
+  return grids;
+}
+
+}  // namespace vdbtools

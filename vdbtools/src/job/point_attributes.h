@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file point_attributes.h
+/// The attributes of a scene at any points: for the vertices of its mesh on their way to a sink, and for the voxels of
+/// its grids.
+#pragma once
+
+#include "vdbtools/base/grids.h"
+#include "vdbtools/base/monitor.h"
+#include "vdbtools/job/scene.h"
+#include "vdbtools/mesh/mesh_sink.h"
+#include "vdbtools/mesh/vertex_column.h"
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace vdbtools {
+
+class PointAttributes {
+ public:
+  /// @param scene  outlives this
+  /// @throw as sceneColouring()
+  explicit PointAttributes(const Scene& scene);
+  ~PointAttributes();
+
+  /// As meshColumns() has them.
+  const std::vector<VertexColumn>& columns() const { return mColumns; }
+  std::size_t rowLength() const { return mRowLength; }
+
+  /// Sets a row for each point, world units. A row depends on its point alone. May be called in many threads at once.
+  void evaluate(std::span<const openvdb::Vec3d> points, std::span<float> rows) const;
+
+  /// The same in threads. @throw Interrupted
+  void evaluate(std::span<const openvdb::Vec3d> points, std::span<float> rows, const Monitor& monitor) const;
+
+ private:
+  struct Batch;
+  struct Column;
+  struct Transfer;
+
+  const Scene& mScene;
+  std::vector<VertexColumn> mColumns;
+  std::size_t mRowLength;
+  std::vector<std::unique_ptr<const Column>> mFillers;  ///< one a column
+  std::unique_ptr<const Transfer> mTransfer;            ///< if anything is transferred
+  bool mNeedsIterations = false;
+};
+
+/// Gives each point its row on the way to another sink.
+class AttributedSink final : public MeshSink {
+ public:
+  /// All of them outlive this.
+  AttributedSink(const PointAttributes& attributes, MeshSink& next, const Monitor& monitor)
+      : mAttributes(attributes), mNext(next), mMonitor(monitor) {}
+
+  /// @throw Interrupted, and what the next sink throws
+  void addPoints(const PointBatch& batch) override;
+  void addTriangles(std::span<const openvdb::Vec3I> triangles, std::uint64_t firstPoint) override {
+    mNext.addTriangles(triangles, firstPoint);
+  }
+
+ private:
+  const PointAttributes& mAttributes;
+  MeshSink& mNext;
+  const Monitor& mMonitor;
+  std::vector<float> mRows;
+};
+
+/// The attributes as grids of the columns' names over the active voxels of @a surface: colours (of the vector type
+/// invariant) and vectors as Vec3SGrid, numbers as FloatGrid. Texture coordinates have no grid.
+/// @throw Interrupted
+std::vector<openvdb::GridBase::Ptr> attributeGrids(const PointAttributes& attributes, const openvdb::FloatGrid& surface,
+                                                   Monitor& monitor);
+
+}  // namespace vdbtools

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file halfedge_mesh.h
+/// The mesh that OpenMesh works on, with positions as doubles.
+#pragma once
+
+#include "vdbtools/mesh/mesh.h"
+
+#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+
+namespace vdbtools {
+
+struct DoubleTraits : OpenMesh::DefaultTraits {
+  using Point = OpenMesh::Vec3d;
+  using Normal = OpenMesh::Vec3d;
+};
+using HalfedgeMesh = OpenMesh::TriMesh_ArrayKernelT<DoubleTraits>;
+
+/// Ready for decimation: with a status for all elements, and normals of the faces. Points keep their numbers.
+/// @throw DataError  an edge of more than two triangles, or of two that run the same way; a point where sheets touch
+HalfedgeMesh toHalfedges(const Mesh& mesh);
+
+}  // namespace vdbtools

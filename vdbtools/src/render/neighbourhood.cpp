@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/neighbourhood.h"
+
+#include <algorithm>
+
+namespace vdbtools {
+
+using openvdb::Vec3d;
+
+const std::array<Vec3d, kAxes>& neighbourAxes() {
+  static const std::array<Vec3d, kAxes> all = [] {
+    std::array<Vec3d, kAxes> result;
+    // One of each pair of opposite nodes of a 3^3 lattice: those before its middle.
+    for (int i = 0; i < static_cast<int>(kAxes); ++i)
+      result[static_cast<std::size_t>(i)] = Vec3d(i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1).unit();
+    return result;
+  }();
+  return all;
+}
+
+void addNeighbours(const Vec3d& x, double step, std::vector<julia::Point>& points) {
+  for (const Vec3d& axis : neighbourAxes()) {
+    for (const double along : {step, -step}) {
+      const Vec3d at = x + along * axis;
+      points.push_back({at[0], at[1], at[2]});
+    }
+  }
+}
+
+double meanIterationsOutside(std::span<const double> field, std::span<const int> iterations) {
+  double sum = 0;
+  int outside = 0;
+  for (std::size_t i = 0; i < kNeighbours; ++i) {
+    if (field[i] < 0) continue;
+    sum += iterations[i];
+    ++outside;
+  }
+  return sum / std::max(1, outside);
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "surface/part_thickness.h"
+
+#include "base/counter_random.h"
+#include "base/in_parallel.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vdbtools {
+
+using openvdb::Vec3d;
+
+PartThickness::PartThickness(const Mesh& mesh, std::optional<double> floor)
+    : mMesh(mesh), mFloor(floor), mSearch(mesh.points, mesh.triangles) {}
+
+PartThickness::Depth PartThickness::depthAt(const Vec3d& p) const {
+  const std::optional<SurfacePoint> at = mSearch.nearest(p);
+  if (!at) return {0, p};
+  const openvdb::Vec3I& t = mMesh.triangles[at->triangle];
+  Depth depth{at->distance, mMesh.points[t[0]] * at->weights[0] + mMesh.points[t[1]] * at->weights[1] +
+                                mMesh.points[t[2]] * at->weights[2]};
+  if (mFloor && p[2] - *mFloor < depth.distance) depth = {std::max(0.0, p[2] - *mFloor), Vec3d(p[0], p[1], *mFloor)};
+  return depth;
+}
+
+InnerBall PartThickness::ballNear(const Vec3d& point, const Vec3d& normal, double reach, double enough) const {
+  // The ball that touches the surface at the point is shrunk until nothing else reaches into it [Ma, Bae and Choi, 3D
+  // medial axis point approximation using nearest neighbors and the normal field, The Visual Computer 28, 2012].
+  constexpr double kTouches = 0.999;
+  constexpr int kMostShrinks = 24;
+  const double least = enough / 64;
+  double radius = std::min(enough, reach);
+  InnerBall best{point, 0};
+  Vec3d nearest = point;
+  for (int i = 0; i < kMostShrinks; ++i) {
+    const Vec3d centre = point - normal * radius;
+    const Depth depth = depthAt(centre);
+    const Vec3d away = point - depth.nearest;
+    const double along = normal.dot(away);
+    // Below the least radius the corner of an edge may be in the way, and the centre is inside all the same.
+    if (depth.distance >= kTouches * radius || (radius <= least && depth.distance >= radius / 4)) {
+      best = {centre, depth.distance};
+      nearest = depth.nearest;
+      break;
+    }
+    const double next = along > 0 ? away.lengthSqr() / (2 * along) : 0;
+    radius = std::clamp(next, radius / 4, radius * kTouches);
+    if (radius < least / 64) return best;
+  }
+  // From there on away from the nearest surface, or between the two that were nearest in turn. A step is shorter than
+  // the distance to the surface, so it never crosses it.
+  double step = enough / 2;
+  Vec3d last(0);
+  constexpr int kMostSteps = 40;
+  for (int i = 0; i < kMostSteps && best.radius > 0 && best.radius < enough && step > enough / 50; ++i) {
+    Vec3d away = best.centre - nearest;
+    away.normalize(0);
+    Vec3d between = away + last, inward = best.centre - point;
+    between.normalize(0), inward.normalize(0);
+    InnerBall better = best;
+    Vec3d betterNearest = nearest;
+    for (const Vec3d& direction : {away, between, inward}) {
+      Vec3d centre = best.centre + direction * std::min(step, 0.9 * best.radius);
+      const Vec3d from = centre - point;
+      if (from.length() > reach) centre = point + from * (reach / from.length());
+      const Depth depth = depthAt(centre);
+      if (depth.distance <= better.radius) continue;
+      better = {centre, depth.distance};
+      betterNearest = depth.nearest;
+    }
+    last = away;
+    if (better.radius < best.radius + step / 50) step /= 2;
+    best = better;
+    nearest = betterNearest;
+  }
+  return best;
+}
+
+ThinPlaces findThinPlaces(const Mesh& mesh, double thickness, std::size_t most, const Monitor& monitor) {
+  const PartThickness part(mesh);
+  constexpr std::size_t kGrain = 256;
+  // Chance takes an even share of all parts of the mesh, whatever the order of its points.
+  const double share = static_cast<double>(most) / static_cast<double>(std::max<std::size_t>(1, mesh.points.size()));
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < mesh.points.size(); ++i)
+    if (randomUnit(1, 0, i) < share) chosen.push_back(i);
+  // From thin to thick: a needle on a ball is thin, though a larger ball is near.
+  constexpr double kStep = 1.05;
+  std::vector<double> found(chosen.size());
+  inParallel(found.size(), kGrain, monitor, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Vec3d point = mesh.points[chosen[i]], normal(mesh.normals[chosen[i]]);
+      double level = thickness;
+      if (part.isThick(point, normal, level)) {
+        while (level < 2 * thickness && part.isThick(point, normal, level * kStep)) level *= kStep;
+      } else {
+        while (level > thickness / 100 && !part.isThick(point, normal, level)) level /= kStep;
+      }
+      found[i] = level;
+    }
+  });
+  ThinPlaces result{.places = chosen.size()};
+  result.thinnest = 2 * thickness;
+  for (const double level : found) {
+    result.thinnest = std::min(result.thinnest, level);
+    result.thin += level < thickness;
+  }
+  return result;
+}
+
+}  // namespace vdbtools
