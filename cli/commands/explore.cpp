@@ -47,10 +47,15 @@ class FractalShare final : public vdbtools::WorkShare {
   OverallShare mShare{phasesOf("fractal")};
 };
 
-/// Cancels once the program is to end.
+/// Cancels once the program is to end. The files that were made are there, so the usual words for an interruption would
+/// be wrong: the watcher of signals ends what does not end by itself, and says nothing.
 class UntilInterrupted final : public vdbtools::Monitor {
  public:
-  bool cancelled() const override { return interrupted(); }
+  bool cancelled() const override {
+    if (!interrupted()) return false;
+    takeLastWord();
+    return true;
+  }
 };
 
 /// Shows the page in the user's browser, if there is one.
@@ -132,9 +137,6 @@ int runExplore(const Arguments& arguments) {
   if (!std::cout) throw vdbtools::IoError("writing to the standard output failed");
   if (open) openBrowser(server->url());
   server->serve(UntilInterrupted());
-  // The files that were made are there, so the usual words for an interruption would be wrong. What is still at work
-  // now is ended by the watcher of signals, without a word.
-  takeLastWord();
   server.reset();
   return kDone;
 }

@@ -206,7 +206,7 @@ class ExploreServer::State final : public httplib::Server {
   bool process_and_close_socket(socket_t socket) override {
     HttpConnection connection(socket, mStopped);
     if (theServerIsFull) {
-      connection.refuse("503 Service Unavailable");
+      connection.refuse("503 Service Unavailable", /*atOnce=*/true);  // this thread accepts the others
       return false;
     }
     theConnection = &connection;

@@ -102,13 +102,12 @@ FieldPicture pictureOf(const json& body) {
     if (const auto found = object.find(entry); found != object.end() && !found->is_null())
       given[option] = numberText(*found, entry);
   };
-  const json view = body.value("view", json::object());
-  if (!view.is_object()) throw std::invalid_argument("'view' must be an object");
-  take(view, "eye", "eye");
-  take(view, "lookAt", "look-at");
-  take(view, "up", "up");
-  take(view, "fov", "fov");
-  for (const char* name : {"azimuth", "elevation", "zoom"}) take(view, name, name);
+  const json view = body.value("view", json());
+  if (!view.is_object() && !view.is_null()) throw std::invalid_argument("'view' must be an object");
+  if (view.is_object()) {
+    take(view, "lookAt", "look-at");
+    for (const char* name : {"eye", "up", "fov", "azimuth", "elevation", "zoom"}) take(view, name, name);
+  }
   for (const char* name : {"samples", "colour", "epsilon", "delta"}) take(body, name, name);
   take(body, "alphaClarity", "alpha-clarity");
   if (body.contains("width") || body.contains("height")) {
@@ -253,7 +252,7 @@ std::string ExploreSession::volume(const std::string& id) {
 std::string ExploreSession::targetMesh(Monitor& monitor) {
   const std::shared_ptr<const TargetInput> input = mScenes.target();
   if (!input) throw NoSuchPath();
-  const std::lock_guard lock(mMutex);
+  const std::lock_guard lock(mTargetMutex);
   if (!mTargetMesh.empty()) return mTargetMesh;
   const std::shared_ptr<const Mesh> mesh = input->mesh();
   // What is too fine for a browser is shown as its distances have it, which is the shape that the fractal has too.

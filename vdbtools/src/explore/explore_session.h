@@ -82,8 +82,9 @@ class ExploreSession {
   FileAccess mAccess;
   SceneStore mScenes;
   std::string mTargetHash;  ///< the SHA-256 of the target's file; empty: there is none
-  std::mutex mMutex;        // of what follows
+  std::mutex mMutex;        // of the volumes
   std::list<Volume> mVolumes;
+  std::mutex mTargetMutex;  // of the mesh
   std::string mTargetMesh;
   JobQueue mJobs;
 };

@@ -140,11 +140,11 @@ bool HttpConnection::isDropped() const {
   return ::poll(&entry, 1, 0) > 0 && (entry.revents & (POLLRDHUP | POLLHUP | POLLERR | POLLNVAL)) != 0;
 }
 
-void HttpConnection::refuse(std::string_view status) {
+void HttpConnection::refuse(std::string_view status, bool atOnce) {
   const std::string answer = "HTTP/1.1 " + std::string(status) + "\r\nContent-Length: 0\r\nConnection: close\r\n\r\n";
   // It fits into the socket's buffer, or is not worth waiting for.
   [[maybe_unused]] const ssize_t sent = ::send(mSocket, answer.data(), answer.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
-  mEnds = true;
+  mEnds = !atOnce;
 }
 
 void HttpConnection::linger() {

@@ -48,7 +48,8 @@ class HttpConnection final : public httplib::Stream {
   bool isDropped() const;
 
   /// A last answer without a body, to a client whose request was not read.
-  void refuse(std::string_view status);
+  /// @param atOnce  whether the connection is closed without waiting for the client to see it
+  void refuse(std::string_view status, bool atOnce = false);
 
   // Of httplib::Stream.
   bool is_readable() const override { return mNext < mHead.size(); }
