@@ -163,8 +163,12 @@ async function run() {
     }
   }
   const askLater = (isMoving) => {
-    if (isExported || !scene || (scenes.key(store.state.recipe) === shownOf && !asking)) return;
     clearTimeout(timer);
+    if (isExported || !scene) return;
+    if (scenes.key(store.state.recipe) === shownOf && !asking) {
+      if (status.classList.contains("error")) say("");
+      return;
+    }
     timer = setTimeout(ask, isMoving ? WAIT : 20);
   };
 
@@ -306,10 +310,11 @@ async function run() {
     store, stage, renderer, scene: () => scene,
     isBusy: () => Boolean(asking) || scenes.key(store.state.recipe) !== shownOf && !isExported,
     settled: () => stage.settled(),
-    picture: () => {
-      const from = stage.shown;
-      return { width: from.width, height: from.height, values: renderer.read(from.picture) };
-    },
+    // A picture apart from that on the page, without the camera of the state: linear colours and coverage.
+    render: (width, height) => new Promise((resolve) => {
+      const shot = shotOf(scene, { ...store.state, view: viewAround(scene.frame, {}, width / height) });
+      stage.drawSmall(shot, width, height, (_, values) => resolve(Array.from(values)));
+    }),
   };
 }
 

@@ -65,7 +65,8 @@ export class Stage {
     this.schedule();
   }
 
-  // A small picture of a shot, when there is time: done(ImageData).
+  // A small picture of a shot, when there is time: done(image, values), where values are linear with the coverage, from
+  // the lowest row up.
   drawSmall(shot, width, height, done) {
     this.smalls.push({ shot, width, height, done });
     this.schedule();
@@ -156,7 +157,8 @@ export class Stage {
     const { exposure, width, height, done } = this.small;
     this.renderer.handOver(exposure.advance(STRIP));
     if (exposure.isDone) {
-      done(imageOf(this.renderer.read(exposure.picture), width, height));
+      const values = this.renderer.read(exposure.picture);
+      done(imageOf(values, width, height), values);
       exposure.free();
       this.small = null;
     }
