@@ -41,6 +41,7 @@ const Command kCommands[] = {
     {"status", runStatus, "show which tasks of a plan are done, and which are missing"},
     {"submit", runSubmit, "give the missing tasks of a plan to Slurm or GNU parallel"},
     {"merge", runMerge, "put the tiles of a plan together into one VDB and one mesh"},
+    {"usd", runUsd, "write a scene of USD beside VDBs and a mesh"},
     {"info", runInfo, "show what is in a mesh, a VDB or a versor file"},
     {"maps", runMaps, "list the maps and their options"},
     {"man", runMan, "write the manual pages"},

@@ -109,7 +109,8 @@ std::vector<po::option> takeNegativeNumber(std::vector<std::string>& words) {
 
 bool isRecipeFile(const std::string& file) {
   const std::string extension = vdbtools::lowerExtension(file);
-  return extension == ".vdb" || extension == ".ply" || extension == ".obj" || vdbtools::isSheetCell(file);
+  return extension == ".vdb" || extension == ".ply" || extension == ".obj" || extension == ".glb" ||
+         vdbtools::isSheetCell(file);
 }
 
 constexpr const char* kSearchHelp =
@@ -138,6 +139,7 @@ CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions
   // For 'juliavdb man' and 'juliavdb completion'.
   mHidden.add_options()("describe", po::value<std::string>());
   for (const vdbtools::OptionListing& option : options) {
+    if (mUsage.hides && option.name == mUsage.hides) continue;
     if (option.name == "input") {
       mHidden.add_options()("input", valueOf(option));
       mPositional.add("input", 1);
@@ -146,9 +148,10 @@ CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions
     }
   }
   if (!options.empty())
-    mCommon.add_options()("config", po::value<std::string>()->value_name("FILE"),
-                          "read options from a file: lines NAME = VALUE, a VDB, PLY or OBJ that this program made, or "
-                          "cell N of a contact sheet as in sheet.json#7; options on the command line take precedence");
+    mCommon.add_options()(
+        "config", po::value<std::string>()->value_name("FILE"),
+        "read options from a file: lines NAME = VALUE, a VDB, PLY, OBJ or GLB that this program made, or "
+        "cell N of a contact sheet as in sheet.json#7; options on the command line take precedence");
   mCommon.add_options()("threads", po::value<std::string>()->value_name("N"),
                         "the number of threads (default: SLURM_CPUS_PER_TASK or SLURM_CPUS_ON_NODE, or else all that "
                         "this process may use)")(
@@ -213,6 +216,7 @@ bool CommandLine::parse(const Arguments& arguments) {
   applyThreads();
   applyInstructions();
   mGiven = given();
+  if (mUsage.hides) mGiven.erase(mUsage.hides);
   if (has("config")) readConfig(text("config"));
   mRecipe = vdbtools::completeRecipe(mGiven, mTable);
   mProgress =
@@ -233,7 +237,8 @@ void CommandLine::readConfig(const std::string& file) {
   if (isRecipeFile(file)) {
     auto [command, recipe] = vdbtools::readRecordedRecipe(file);
     if (command.empty())
-      throw vdbtools::DataError("'" + file + "' holds no recipe of juliavdb; only a VDB, PLY or OBJ that it made does");
+      throw vdbtools::DataError("'" + file +
+                                "' holds no recipe of juliavdb; only a VDB, PLY, OBJ or GLB that it made does");
     if (command != (mUsage.recipesOf ? mUsage.recipesOf : mUsage.command))
       throw std::invalid_argument("'" + file + "' was made by 'juliavdb " + command + "', not by 'juliavdb " +
                                   mUsage.command + "'");
@@ -245,6 +250,7 @@ void CommandLine::readConfig(const std::string& file) {
     po::options_description known;
     known.add(mFromRecipe);
     known.add_options()("input", po::value<std::string>());
+    if (mUsage.hides) known.add_options()(mUsage.hides, po::value<std::string>());
     try {
       for (const auto& option : po::parse_config_file(stream, known).options)
         if (!base.emplace(option.string_key, option.value.empty() ? "true" : option.value.front()).second)

@@ -31,6 +31,8 @@ struct Usage {
   const char* recipesOf = nullptr;
   /// Words of which one follows the command, as in "list new inspect"; nullptr: anything may.
   const char* words = nullptr;
+  /// An option of recipes that the command line does not take, because the command has its own of that name.
+  const char* hides = nullptr;
 };
 
 class CommandLine {

@@ -39,6 +39,9 @@ class Outputs {
   std::list<vdbtools::AtomicFile> mFiles;
 };
 
+/// What the help says of a mesh to write.
+inline constexpr const char* kMeshHelp = "the mesh to write: .ply, .obj, .stl or .glb";
+
 /// The extension that says what is written to @a name; @a usual for a device, which has none.
 std::string formatOf(const std::string& name, const char* usual);
 

@@ -53,6 +53,7 @@ const Phases kExplore = scenePhases({{"writing", 5}});
 const Phases kSlice = scenePhases({{"slice", 20}, {"writing", 5}});
 const Phases kStudy = scenePhases({{"distances", 5}, {"first versor", 2}, {"versors", 60}, {"writing", 2}});
 const Phases kRender = scenePhases({{"ray tree", 5}, {"render", 60}, {"writing", 2}});
+const Phases kUsd = {{"reading", 80}, {"writing", 20}};
 const Phases kFit = {{"reading", 1},   {"thickening", 3}, {"sides", 2},           {"distance field", 3},
                      {"surface", 2},   {"distances", 5},  {"electrostatics", 10}, {"monopoles", 5},
                      {"potential", 5}, {"fit", 60},       {"measure", 10},        {"writing", 1}};
@@ -75,6 +76,7 @@ std::span<const PhaseWeight> phasesOf(std::string_view command) {
   if (command == "study") return kStudy;
   if (command == "render" || command == "sheet") return kRender;
   if (command == "fit") return kFit;
+  if (command == "usd") return kUsd;
   return kNone;
 }
 

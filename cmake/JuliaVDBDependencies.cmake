@@ -20,6 +20,7 @@ pkg_check_modules(Httplib "cpp-httplib>=0.11" "cpp-httplib<0.12")
 # For 3MF; without it that format is refused.
 pkg_check_modules(LibZip QUIET libzip)
 find_dependency(nlohmann_json)
+find_dependency(meshoptimizer)
 find_dependency(muparser)
 find_dependency(Boost COMPONENTS program_options)
 

@@ -27,6 +27,7 @@ int runExplore(const Arguments& arguments);
 int runTask(const Arguments& arguments);
 int runStatus(const Arguments& arguments);
 int runSubmit(const Arguments& arguments);
+int runUsd(const Arguments& arguments);
 int runInfo(const Arguments& arguments);
 int runPlan(const Arguments& arguments);
 int runMaps(const Arguments& arguments);

@@ -114,7 +114,7 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
   const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(run.found);
   Outputs outputs(run.frame);
   vdbtools::AtomicFile* vdb = wantVdb ? &outputs.add("output", line.text("output"), ".vdb") : nullptr;
-  vdbtools::AtomicFile* mesh = wantMesh ? &outputs.add("mesh", line.text("mesh"), ".ply .obj .stl") : nullptr;
+  vdbtools::AtomicFile* mesh = wantMesh ? &outputs.add("mesh", line.text("mesh"), vdbtools::kMeshExtensions) : nullptr;
 
   const vdbtools::Scene scene = maker.make(options, progress);
   vdbtools::FractalFiles files{.vdb = vdb};
@@ -149,6 +149,9 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
     if (file) noteLeftOut(file->target(), columns);
   const std::vector<std::string> unused = vdbtools::unusedParts(scene.targetParts, line.recipe());
   if (!unused.empty()) report().text() << "not used of the target: " << joined(unused) << '\n';
+  for (std::size_t i = 0; i < result.levels.size(); ++i)
+    report().text() << "LOD" << i + 1 << ": " << result.levels[i].triangles << " triangles, some "
+                    << shortText(result.levels[i].error / scene.voxelSize) << " voxels from the surface\n";
   if (scene.exponent) {
     if (!isFrame) report().text() << choiceText(scene) << '\n';
     if (result.solid) tellWhatIsLeft(scene, *result.solid, isFrame);
@@ -179,7 +182,7 @@ int makeFrames(const CommandLine& line) {
 int runFractal(const Arguments& arguments) {
   CommandLine line(kUsageText, vdbtools::fractalOptionTable());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), "the VDB to write")(
-      "mesh", po::value<std::string>()->value_name("F.ply"), "the mesh to write: .ply, .obj or .stl")(
+      "mesh", po::value<std::string>()->value_name("F.ply"), kMeshHelp)(
       "frame", po::value<std::string>()->value_name("N"), "the frame number, for names such as name.####.vdb");
   addSequenceOptions(line);
   addSearchOption(line);
@@ -187,6 +190,8 @@ int runFractal(const Arguments& arguments) {
   vdbtools::parseFractalOptions(line.recipe());
   if (!line.has("output") && !line.has("mesh"))
     throw std::invalid_argument("no output was given; use -o F.vdb, --mesh F.ply, or both");
+  if (line.has("lod") && formatOf(line.text("mesh"), "") != ".glb")
+    throw std::invalid_argument("--lod makes levels of detail in a GLB; give --mesh F.glb");
   requireSequenceFits(line);
   if (line.has("frames")) return makeFrames(line);
   vdbtools::SceneMaker maker;

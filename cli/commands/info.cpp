@@ -8,6 +8,7 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/versor_file.h"
+#include "vdbtools/job/file_axes.h"
 #include "vdbtools/job/recorded_recipe.h"
 #include "vdbtools/mesh/mesh.h"
 #include "vdbtools/mesh/mesh_names.h"
@@ -29,12 +30,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr Usage kUsageText = {"info", "FILE... [--json]",
-                              "Shows what is in a mesh (.obj, .ply, .stl, .off), in a VDB, with the recipe it was made "
-                              "by, or in a versor (.json,\n"
-                              ".p4d, .poly4d, .o3d).",
-                              "  juliavdb info bunny.obj\n"
-                              "  juliavdb info bunny.vdb --json\n"};
+constexpr Usage kUsageText = {
+    "info", "FILE... [--json]",
+    "Shows what is in a mesh (.obj, .ply, .stl, .off, .glb, .gltf), in a VDB, with the recipe it was made "
+    "by, or in a versor (.json,\n"
+    ".p4d, .poly4d, .o3d).",
+    "  juliavdb info bunny.obj\n"
+    "  juliavdb info bunny.vdb --json\n"};
 
 Json vector(const openvdb::Vec3d& v) { return {v[0], v[1], v[2]}; }
 
@@ -153,9 +155,9 @@ Json vdbInfo(const std::string& path) {
   for (const auto& [name, value] : file.metadata)
     if (!info.contains("recipe") || !name.starts_with("julia_")) rest[name] = value;
   // Facts that the program found out are no options, and worth seeing; the roots themselves are for 'versor inspect'.
-  for (const char* fact :
-       {"julia_version", "julia_target_box", "julia_space_centre", "julia_space_scale", "julia_shell",
-        "julia_repair_moved", "julia_origin_at", "julia_thickness", "julia_alpha_range", "julia_beta_range"})
+  for (const char* fact : {"julia_version", vdbtools::kUpAxis, "julia_target_box", "julia_space_centre",
+                           "julia_space_scale", "julia_shell", "julia_repair_moved", "julia_origin_at",
+                           "julia_thickness", "julia_alpha_range", "julia_beta_range"})
     if (const auto found = file.metadata.find(fact); found != file.metadata.end()) rest[fact] = found->second;
   if (!rest.empty()) info["metadata"] = rest;
   return info;

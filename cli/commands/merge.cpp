@@ -9,6 +9,7 @@
 #include "vdbtools/farm/merge.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/job/fractal_options.h"
+#include "vdbtools/mesh/mesh_writer.h"
 
 #include <stdexcept>
 
@@ -39,8 +40,7 @@ int runMerge(const Arguments& arguments) {
   CommandLine line(kUsageText, {});
   line.addPositional("folder", 1, "the folder of the plan");
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
-  line.addOptions()("output,o", text("F.vdb"), "the VDB to write")("mesh", text("F.ply"),
-                                                                   "the mesh to write: .ply, .obj or .stl")(
+  line.addOptions()("output,o", text("F.vdb"), "the VDB to write")("mesh", text("F.ply"), kMeshHelp)(
       "index", text("F.json"), "writes each tile as files of its own, and this list of them")(
       "most-points", text("N")->default_value(std::to_string(vdbtools::kMostMeshPoints)),
       "the most points that one mesh file is to have; a larger mesh is cut into F.1.ply, F.2.ply and so on");
@@ -59,7 +59,7 @@ int runMerge(const Arguments& arguments) {
     options.vdb = line.text("output");
   }
   if (line.has("mesh")) {
-    requireExtension(line, "mesh", ".ply .obj .stl");
+    requireExtension(line, "mesh", vdbtools::kMeshExtensions);
     options.mesh = line.text("mesh");
   }
   if (asIndex) requireExtension(line, "index", ".json");

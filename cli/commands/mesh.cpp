@@ -8,6 +8,7 @@
 
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/job/file_axes.h"
 #include "vdbtools/job/fractal_files.h"
 #include "vdbtools/job/recorded_recipe.h"
 #include "vdbtools/mesh/adaptive_mesh.h"
@@ -59,10 +60,14 @@ vdbtools::MeshCounts fromRecipe(const MeshRecipe& recipe, vdbtools::AtomicFile& 
   return vdbtools::writeFractal(scene, recipe.recorded, {.meshes = {{&file, format}}}, progress).mesh;
 }
 
-vdbtools::MeshCounts fromGrid(const std::string& input, const std::string& grid, vdbtools::AtomicFile& file,
-                              vdbtools::MeshWriteOptions options, double adaptivity, Progress& progress) {
+vdbtools::MeshCounts fromGrid(const std::string& input, const CommandLine& line, vdbtools::AtomicFile& file,
+                              vdbtools::MeshFormat format, double adaptivity, Progress& progress) {
   const vdbtools::VdbFile vdb = vdbtools::readVdb(input);
-  const auto levelSet = vdbtools::chooseFloatGrid(vdb, grid, input);
+  const auto levelSet = vdbtools::chooseFloatGrid(vdb, line.text("grid"), input);
+  const vdbtools::FileAxes axes{
+      .target = vdbtools::recordedUpAxis(vdb.metadata),
+      .rule = line.has("up") ? vdbtools::parseUpRule(line.text("up")) : vdbtools::UpRule::Keep};
+  vdbtools::MeshWriteOptions options = vdbtools::meshWriteOptions(format, axes, {});
   vdbtools::Mesh mesh = vdbtools::meshOfLevelSet(*levelSet, progress);
   vdbtools::computeNormals(mesh);
   options.voxelSize = levelSet->voxelSize()[0];
@@ -85,11 +90,13 @@ vdbtools::MeshCounts fromGrid(const std::string& input, const std::string& grid,
 int runMesh(const Arguments& arguments) {
   CommandLine line(kUsageText, vdbtools::OptionTable());
   line.addPositional("vdb", 1, "the VDB");
-  line.addOptions()("output,o", po::value<std::string>()->value_name("F.ply"), "the mesh to write: .ply, .obj or .stl")(
+  line.addOptions()("output,o", po::value<std::string>()->value_name("F.ply"), kMeshHelp)(
       "input", po::value<std::string>()->value_name("FILE"),
       "where the fractal's target is, if it is neither where the recipe says nor beside the VDB")(
       "from-grid", "use the voxels, even of a fractal")("grid", po::value<std::string>()->value_name("NAME"),
-                                                        "which grid to use, with --from-grid");
+                                                        "which grid to use, with --from-grid")(
+      "up", po::value<std::string>()->value_name("keep|y|z|auto"),
+      "the axis that points up in the mesh, as of 'fractal' (default: as recorded in the VDB)");
   addSearchOption(line);
   line.addOptions()("adaptivity", po::value<std::string>()->value_name("E"),
                     "larger triangles where the surface is flat, as 'juliavdb fractal' has it, in voxels");
@@ -98,7 +105,7 @@ int runMesh(const Arguments& arguments) {
   if (input.empty()) throw std::invalid_argument("no VDB was given");
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.ply");
   Outputs outputs;
-  vdbtools::AtomicFile& file = outputs.add("output", line.text("output"), ".ply .obj .stl");
+  vdbtools::AtomicFile& file = outputs.add("output", line.text("output"), vdbtools::kMeshExtensions);
 
   vdbtools::Recipe asked;
   if (line.has("adaptivity")) asked["adaptivity"] = line.text("adaptivity");
@@ -106,15 +113,16 @@ int runMesh(const Arguments& arguments) {
   const double adaptivity = vdbtools::parseSurfaceOptions(vdbtools::RecipeReader(asked, table)).adaptivity;
   vdbtools::RecordedRecipe recorded;
   if (!line.has("from-grid") && !line.has("grid")) recorded = vdbtools::readRecordedRecipe(input);
-  if (line.has("adaptivity") && recorded.command == "fractal") recorded.recipe["adaptivity"] = asked["adaptivity"];
+  if (recorded.command == "fractal") {
+    if (line.has("adaptivity")) recorded.recipe["adaptivity"] = asked["adaptivity"];
+    if (line.has("up")) recorded.recipe["up"] = line.text("up");
+  }
   if (line.has("input") && recorded.command != "fractal")
     throw std::invalid_argument("--input gives the target of a fractal's recipe, and here the voxels are used");
-  const vdbtools::MeshWriteOptions options{.format =
-                                               vdbtools::meshFormat("mesh" + formatOf(line.text("output"), ".ply"))};
+  const vdbtools::MeshFormat format = vdbtools::meshFormat("mesh" + formatOf(line.text("output"), ".ply"));
   const vdbtools::MeshCounts counts =
-      recorded.command == "fractal"
-          ? fromRecipe(recipeFor(line, input, recorded.recipe), file, options.format, line.progress())
-          : fromGrid(input, line.text("grid"), file, options, adaptivity, line.progress());
+      recorded.command == "fractal" ? fromRecipe(recipeFor(line, input, recorded.recipe), file, format, line.progress())
+                                    : fromGrid(input, line, file, format, adaptivity, line.progress());
   line.progress().throwIfCancelled();
   outputs.commit();
   report().count("points", static_cast<double>(counts.points));

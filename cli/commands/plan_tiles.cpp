@@ -10,6 +10,7 @@
 #include "vdbtools/farm/plan_folder.h"
 #include "vdbtools/farm/tile_plan.h"
 #include "vdbtools/job/fractal_options.h"
+#include "vdbtools/mesh/mesh_writer.h"
 
 #include <cstdlib>
 #include <limits>
@@ -105,7 +106,8 @@ int planTiles(const Arguments& arguments) {
   line.addOptions()("output,o", text("DIR"), "the folder of the plan, which is new or empty")(
       "tiles", text("N"), "how many tiles (default: 16)")("tile-nodes", text("K"),
                                                           "or the nodes along the side of a tile")(
-      "make", text("LIST")->default_value("vdb,ply"), "what is to be merged, a list of vdb, ply, obj, stl")(
+      "make", text("LIST")->default_value("vdb,ply"),
+      (std::string("what is to be merged, a list of vdb, ") + vdbtools::kMeshFormatNames).c_str())(
       "estimate", po::bool_switch(), "makes a random sample of the tiles and tells what all of them will take")(
       "sample", text("M")->default_value("24"), "how many tiles --estimate makes");
   if (!line.parse(arguments)) return kDone;

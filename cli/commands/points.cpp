@@ -9,6 +9,8 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/vdb_points.h"
+#include "vdbtools/job/attribute_options.h"
+#include "vdbtools/job/file_axes.h"
 #include "vdbtools/job/points_job.h"
 #include "vdbtools/job/recorded_recipe.h"
 #include "vdbtools/mesh/mesh_writer.h"
@@ -53,11 +55,19 @@ struct Made {
   vdbtools::OrientedPoints points;
   std::map<std::string, std::string> metadata;
   double voxelSize = 0;  ///< of a fractal, world units
+  vdbtools::FileAxes axes{};
 };
+
+/// The options of what points carry: of a fractal, in the place of those of its recipe.
+const vdbtools::OptionTable& attributeTable() {
+  static const vdbtools::OptionTable table(vdbtools::attributeOptionSpecs());
+  return table;
+}
 
 Made fromRecipe(const vdbtools::Recipe& recipe, const vdbtools::PointsOptions& options, Progress& progress) {
   const vdbtools::Scene scene = vdbtools::makeScene(vdbtools::parseFractalOptions(recipe), progress);
-  return {vdbtools::fractalPoints(scene, options, progress), vdbtools::sceneMetadata(scene, recipe), scene.voxelSize};
+  return {vdbtools::fractalPoints(scene, options, progress), vdbtools::sceneMetadata(scene, recipe), scene.voxelSize,
+          scene.options.output.axes};
 }
 
 Made fromShape(const std::string& input, const std::string& grid, const vdbtools::PointsOptions& options,
@@ -88,6 +98,8 @@ int runPoints(const Arguments& arguments) {
       "seed", text("N"), "another number gives other points (default: 1)")(
       "from-grid", "use the voxels or triangles, even of a fractal")("grid", text("NAME"),
                                                                      "which grid of a VDB to use, as with --from-grid");
+  line.addOptions(vdbtools::attributeOptionSpecs());
+  addSearchOption(line);
   if (!line.parse(arguments)) return kDone;
   const std::string input = line.text("input");
   if (input.empty()) throw std::invalid_argument("no VDB or mesh was given");
@@ -99,19 +111,35 @@ int runPoints(const Arguments& arguments) {
   vdbtools::RecordedRecipe recorded;
   if (!line.has("from-grid") && !line.has("grid") && mayHoldRecipe(input))
     recorded = vdbtools::readRecordedRecipe(input);
-  const Made made = recorded.command == "fractal" ? fromRecipe(recorded.recipe, options, line.progress())
+  const vdbtools::Recipe asked = line.given(attributeTable());
+  if (recorded.command != "fractal" && !asked.empty())
+    throw std::invalid_argument("--" + asked.begin()->first + " is for a fractal with its recipe; points of '" + input +
+                                "' carry what the mesh has at its points");
+  const auto recipe = [&] {
+    vdbtools::Recipe found = withFoundFiles(line, recorded.recipe, input);
+    for (const auto& [name, value] : asked) found[name] = value;
+    return found;
+  };
+  const Made made = recorded.command == "fractal" ? fromRecipe(recipe(), options, line.progress())
                                                   : fromShape(input, line.text("grid"), options, line.progress());
   const vdbtools::OrientedPoints& points = made.points;
   line.progress().begin("writing", 0);
   if (formatOf(line.text("output"), ".ply") == ".vdb") {
     const double spacing = points.spacing > 0 ? points.spacing : points.reach > 0 ? points.reach : 1;
-    file.stream() << vdbtools::encodeVdb({vdbtools::pointGrid(points.batch(), points.columns, spacing)},
-                                         {.metadata = made.metadata});
+    // Points have their turn in themselves, as the transform of a grid would not turn normals.
+    vdbtools::VdbWriteOptions write = vdbtools::vdbWriteOptions(made.axes, made.metadata);
+    vdbtools::OrientedPoints turned = points;
+    for (openvdb::Vec3d& position : turned.positions) position = write.turn(position);
+    for (openvdb::Vec3s& normal : turned.normals) normal = write.turn(normal);
+    write.turn = {};
+    file.stream() << vdbtools::encodeVdb({vdbtools::pointGrid(turned.batch(), turned.columns, spacing)}, write);
   } else {
-    vdbtools::writeMesh(
-        file.stream(), {.points = points.positions, .triangles = {}, .normals = points.normals},
-        {.format = vdbtools::MeshFormat::Ply, .voxelSize = points.spacing, .columns = points.columns, .comments = {}},
-        points.values);
+    vdbtools::MeshWriteOptions write = vdbtools::meshWriteOptions(vdbtools::MeshFormat::Ply, made.axes, {});
+    write.voxelSize = points.spacing;
+    write.columns = points.columns;
+    write.comments = {};
+    vdbtools::writeMesh(file.stream(), {.points = points.positions, .triangles = {}, .normals = points.normals}, write,
+                        points.values);
   }
   line.progress().throwIfCancelled();
   outputs.commit();

@@ -11,7 +11,9 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/versor_file.h"
+#include "vdbtools/job/file_axes.h"
 #include "vdbtools/job/scene_picture.h"
+#include "vdbtools/mesh/mesh_writer.h"
 #include "vdbtools/render/preview.h"
 #include "vdbtools/render/view_options.h"
 
@@ -45,7 +47,9 @@ constexpr Usage kUsageText = {
     "  juliavdb render --field --map quadratic --c=-0.2,0.6,0.2,0.2 --iterations 8 -o julia.exr --size 400x400\n"
     "  juliavdb render --field --map quadratic --c=-1,0.2,0,0 --iterations 8 -o turn.####.png --frames 2 --size "
     "200x200\n",
-    "fractal"};
+    "fractal",
+    nullptr,
+    "up"};
 
 constexpr const char* kSize = "800x800";
 
@@ -93,15 +97,19 @@ int renderSurface(const CommandLine& line) {
   const vdbtools::ViewOptions view = vdbtools::parseViewOptions(vdbtools::RecipeReader(line.given(table), table));
   vdbtools::PreviewOptions options{
       .width = view.width, .height = view.height, .samples = view.samples, .view = view.angles};
+  if (view.up) throw std::invalid_argument("--up X,Y,Z can be used with --field only; give y or z");
   if (line.has("roots")) options.balls = ballsOf(line.text("roots"));
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
   Outputs outputs;
   std::ostream& file = outputs.add("output", line.text("output"), ".png .exr").stream();
-  const vdbtools::Image image =
-      isMesh(input)
-          ? imageOfMesh(line, options)
-          : vdbtools::renderPreview(*vdbtools::chooseFloatGrid(vdbtools::readVdb(input), line.text("grid"), input),
-                                    options, line.progress());
+  const bool mesh = isMesh(input);
+  const vdbtools::VdbFile vdb = mesh ? vdbtools::VdbFile() : vdbtools::readVdb(input);
+  options.up =
+      view.upAxis ? *view.upAxis : vdbtools::recordedUpAxis(mesh ? vdbtools::readMeshComments(input) : vdb.metadata);
+  const vdbtools::Image image = mesh
+                                    ? imageOfMesh(line, options)
+                                    : vdbtools::renderPreview(*vdbtools::chooseFloatGrid(vdb, line.text("grid"), input),
+                                                              options, line.progress());
   line.progress().begin("writing", 0);
   file << vdbtools::encodeImage(image, formatOf(line.text("output"), ".png"));
   outputs.commit();
@@ -144,7 +152,8 @@ int renderMap(const CommandLine& line) {
       outputs = std::make_unique<Outputs>(frameNumber(frame));
       file = &claim(*outputs);
     }
-    options.camera = vdbtools::turned(camera, picture.view.axis(), 360.0 * (frame - 1) / count);
+    options.camera =
+        vdbtools::turned(camera, picture.view.axis(fractal.output.axes.target), 360.0 * (frame - 1) / count);
     std::optional<vdbtools::NumberedMonitor> numbered;
     if (frames)
       numbered.emplace(line.progress(), "frame", static_cast<std::size_t>(frame), static_cast<std::size_t>(count));

@@ -9,7 +9,9 @@
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/sdf_job.h"
 
+#include <map>
 #include <ostream>
+#include <string>
 
 namespace po = boost::program_options;
 
@@ -38,8 +40,10 @@ int runSdf(const Arguments& arguments) {
   std::ostream& file = outputs.add("output", line.text("output"), ".vdb").stream();
 
   vdbtools::SdfResult result = vdbtools::runSdf(options, line.progress());
-  vdbtools::VdbWriteOptions write{.half = options.half, .metadata = vdbtools::recipeToMetadata(line.recipe(), "sdf")};
-  write.metadata.insert(result.facts.begin(), result.facts.end());
+  std::map<std::string, std::string> metadata = vdbtools::recipeToMetadata(line.recipe(), "sdf");
+  metadata.insert(result.facts.begin(), result.facts.end());
+  vdbtools::VdbWriteOptions write = vdbtools::vdbWriteOptions(options.axes, std::move(metadata));
+  write.half = options.half;
   line.progress().begin("writing", 0);
   file << vdbtools::encodeVdb({result.grid}, write);
   line.progress().throwIfCancelled();

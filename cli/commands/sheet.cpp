@@ -18,7 +18,8 @@ namespace cli {
 namespace {
 
 constexpr Usage kUsageText = {
-    "sheet", "MESH|SDF.vdb|FRACTAL.vdb -o F.png --vary NAME=VALUES [--vary NAME=VALUES] [options]",
+    "sheet",
+    "MESH|SDF.vdb|FRACTAL.vdb -o F.png --vary NAME=VALUES [--vary NAME=VALUES] [options]",
     "Makes a contact sheet: a small picture for each value of an option of 'fractal', or for each pair of values of "
     "two\n"
     "options. Of one option the cells fill row after row; of two, the first varies from row to row and the second "
@@ -37,7 +38,9 @@ constexpr Usage kUsageText = {
     "  juliavdb sheet bunny.obj -o alpha.png --vary alpha=10,20,40,80\n"
     "  juliavdb sheet bunny.obj -o seeds.png --vary alpha=20:60:20 --vary versor-seed=1:4:1 --size 160x160\n"
     "  juliavdb sheet --config seeds.json#3 -o next.png --vary \"versor-translate=0,0,0;0.1,0,0;0.2,0,0\"\n",
-    "fractal"};
+    "fractal",
+    nullptr,
+    "up"};
 
 /// The JSON is written over without a question only where a sheet of this program is lost.
 std::filesystem::path recipesBeside(const std::filesystem::path& picture) {

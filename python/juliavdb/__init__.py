@@ -111,7 +111,7 @@ class Field:
 
 
 def _write(self, *paths, progress=None):
-    """Writes files that all appear together, whole or not at all: .vdb, .ply, .obj or .stl, by their extensions.
+    """Writes files that all appear together, whole or not at all: .vdb, .ply, .obj, .stl or .glb, by their extensions.
 
     Where the target was a file, they have the same bytes as those that the command writes.
     """

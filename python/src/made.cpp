@@ -94,7 +94,7 @@ void requireExtension(const std::string& path, const std::string& known) {
 }  // namespace
 
 void writeFiles(MadeFractal& fractal, const std::vector<std::string>& paths, Monitor& monitor) {
-  for (const std::string& path : paths) requireExtension(path, ".vdb .ply .obj .stl");
+  for (const std::string& path : paths) requireExtension(path, std::string(".vdb ") + vdbtools::kMeshExtensions);
   std::list<vdbtools::AtomicFile> files;
   std::vector<vdbtools::AtomicFile*> all;
   vdbtools::FractalFiles wanted;

@@ -72,6 +72,6 @@ std::shared_ptr<MadeFractal> makeFractal(std::shared_ptr<const MadeScene> made, 
                                          vdbtools::Monitor& monitor);
 
 /// Writes the fractal to files that all appear together. Grids that are not there yet are made first, and kept.
-/// @throw std::invalid_argument  an extension is none of .vdb, .ply, .obj and .stl
+/// @throw std::invalid_argument  an extension is none of .vdb, .ply, .obj, .stl and .glb
 /// @throw vdbtools::CreateError, vdbtools::IoError, vdbtools::Interrupted
 void writeFiles(MadeFractal& fractal, const std::vector<std::string>& paths, vdbtools::Monitor& monitor);

@@ -153,9 +153,15 @@ TEST_F(Tiles, EveryGridIsThatOfOneRun) {
   expectOneRun(shape(cut), {{.tileNodes = 13}});
 }
 
+TEST_F(Tiles, TurnedFilesAreThoseOfOneRun) {
+  expectOneRun(shape({{"resolution", "24"}, {"up", "auto"}}), {{.tileNodes = 13}});
+  expectOneRun(shape({{"resolution", "24"}, {"target-up", "z"}, {"up", "y"}}), {{.tileNodes = 13}}, "obj");
+}
+
 TEST_F(Tiles, FormatsThatKeepDoublesAreThoseOfOneRun) {
   expectOneRun(shape({{"resolution", "24"}}), {{.tileNodes = 13}}, "obj");
   expectOneRun(shape({{"resolution", "24"}}), {{.tileNodes = 13}}, "stl");
+  expectOneRun(shape({{"resolution", "24"}, {"lod", "100%,30%"}}), {{.tileNodes = 13}}, "glb");
   // So far away that a PLY has doubles.
   std::ostringstream stream;
   writeMesh(stream, test_meshes::transformed(test_meshes::makeSphere(1, 3), 1, Vec3d(40000, -70000, 90000)),

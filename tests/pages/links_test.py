@@ -86,7 +86,16 @@ def rooms_named(root):
     return re.findall(r"^\| `(\w+)` \|", table, re.M)
 
 
+def pictures_with_text(root):
+    """PNG files of the docs that hold text, such as the command lines and paths that programs leave in them."""
+    return [str(path.relative_to(root)) for path in sorted((root / "docs").rglob("*.png"))
+            if re.search(rb"(tEXt|zTXt|iTXt|eXIf)(?=[ -~\0])", path.read_bytes()[:4096] + path.read_bytes()[-4096:])]
+
+
 class Pages(unittest.TestCase):
+    def test_pictures_hold_no_text(self):
+        self.assertEqual(pictures_with_text(ROOT), [])
+
     def test_links_lead_somewhere(self):
         self.assertEqual(broken_links(ROOT), [])
 
@@ -132,6 +141,12 @@ class TheChecksThemselves(unittest.TestCase):
         self.assertEqual(unknown_sections(self.root), ["libjulia/include/julia/good.h: 2.9"])
         self.assertEqual(missing_files(self.root), ["julia/gone.h", "vdbtools/a/gone.h", "cli/gone.cpp"])
         self.assertEqual(rooms_named(self.root), ["first", "second"])
+
+    def test_text_in_a_picture_is_found(self):
+        for name, kind in (("good", b"IDAT"), ("bad", b"tEXt")):
+            self.write(f"docs/{name}.png", "")
+            (self.root / f"docs/{name}.png").write_bytes(b"\x89PNG\r\n\x1a\n" + b"\0\0\0\x04" + kind + b"made" + b"\0" * 4)
+        self.assertEqual(pictures_with_text(self.root), ["docs/bad.png"])
 
 
 if __name__ == "__main__":

@@ -158,7 +158,8 @@ bool makes(const Manifest& manifest, std::string_view format) {
 }
 
 bool makesMesh(const Manifest& manifest) {
-  return makes(manifest, "ply") || makes(manifest, "obj") || makes(manifest, "stl");
+  return std::any_of(manifest.makes.begin(), manifest.makes.end(),
+                     [](const std::string& format) { return format != "vdb"; });
 }
 
 std::string encodeManifest(const Manifest& manifest) {

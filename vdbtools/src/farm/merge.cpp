@@ -14,6 +14,7 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/job/fractal_files.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/job/prepared_scene.h"
 #include "vdbtools/mesh/mesh_file.h"
@@ -99,13 +100,12 @@ std::unique_ptr<const PlanAttributes> planAttributes(const fs::path& folder, con
   return std::make_unique<const PlanAttributes>(options, folder / kPreparedName);
 }
 
-MeshWriteOptions meshOptions(const Manifest& manifest, MeshFormat format, const PlanAttributes* attributes) {
+MeshWriteOptions meshOptions(const Manifest& manifest, MeshFormat format) {
   const TileLattice& lattice = manifest.lattice.value();
-  return {.format = format,
-          .voxelSize = lattice.voxelSize,
-          .box = meshBox({.domain = lattice.domain, .voxelSize = lattice.voxelSize}),
-          .columns = attributes ? (*attributes)->columns() : std::vector<VertexColumn>(),
-          .comments = manifest.facts};
+  MeshWriteOptions options = meshWriteOptions(format, parseFractalOptions(manifest.recipe).output, manifest.facts);
+  options.voxelSize = lattice.voxelSize;
+  options.box = meshBox({.domain = lattice.domain, .voxelSize = lattice.voxelSize});
+  return options;
 }
 
 /// Meshes that begin when they are asked for: one file, or several with numbers.
@@ -192,8 +192,8 @@ MeshCounts mergeMesh(const fs::path& folder, const Manifest& manifest, const Mer
   std::uint64_t points = 0;
   for (const TileReader& tile : tiles) points += tile.counts().points;
   if (islands) points = islands->meshPoints();
-  MeshFiles meshes(*options.mesh, meshOptions(manifest, format, attributes), attributes, points > options.mostPoints,
-                   files, monitor);
+  MeshFiles meshes(*options.mesh, meshOptions(manifest, format), attributes, points > options.mostPoints, files,
+                   monitor);
   const std::function<MeshSink&()> next = [&]() -> MeshSink& { return meshes.next(); };
   const MeshCounts counts = mergeTiles(tiles, {.mostPoints = options.mostPoints}, next, monitor);
   meshes.finish();
@@ -360,8 +360,7 @@ nlohmann::json writeOneTile(const fs::path& folder, const Manifest& manifest, st
     tile.push_back(openTile(folder, index, islands, islands && islands->capMesh));
     MeshCounts counts;
     {
-      MeshFiles meshes(nameOf(".ply"), meshOptions(manifest, MeshFormat::Ply, attributes), attributes, false, files,
-                       monitor);
+      MeshFiles meshes(nameOf(".ply"), meshOptions(manifest, MeshFormat::Ply), attributes, false, files, monitor);
       const std::function<MeshSink&()> next = [&]() -> MeshSink& { return meshes.next(); };
       counts = mergeTiles(tile, {.keepGuests = true}, next, monitor);
       meshes.finish();
@@ -384,7 +383,9 @@ nlohmann::json writeOneTile(const fs::path& folder, const Manifest& manifest, st
       std::vector<openvdb::GridBase::Ptr> grids = {part};
       if (attributes)
         for (const openvdb::GridBase::Ptr& grid : attributeGrids(**attributes, *part, monitor)) grids.push_back(grid);
-      files.emplace_back(nameOf(".vdb")).stream() << encodeVdb(grids, {.metadata = manifest.facts});
+      VdbWriteOptions options = vdbWriteOptions(parseFractalOptions(manifest.recipe).output, manifest.facts);
+      options.half = false;
+      files.emplace_back(nameOf(".vdb")).stream() << encodeVdb(grids, options);
     }
   }
   const std::size_t before = result.files.size();
@@ -424,7 +425,7 @@ MergeResult mergePlan(const fs::path& folder, const Manifest& manifest, const Me
     const std::vector<openvdb::GridBase::Ptr> grids =
         mergeGrids(folder, manifest, recipe, islands, attributes.get(), result, monitor);
     monitor.begin("writing", 0);
-    vdb->stream() << encodeVdb(grids, {.half = recipe.output.half, .metadata = manifest.facts});
+    vdb->stream() << encodeVdb(grids, vdbWriteOptions(recipe.output, manifest.facts));
   }
   monitor.throwIfCancelled();
   commit(files, result);

@@ -7,6 +7,7 @@
 #include "vdbtools/files/frame_name.h"
 #include "vdbtools/job/fractal_options.h"
 #include "vdbtools/job/scene.h"
+#include "vdbtools/mesh/mesh_writer.h"
 #include "vdbtools/recipe/option_value.h"
 
 #include <algorithm>
@@ -73,16 +74,16 @@ void shareEntries(Manifest& manifest) {
 }  // namespace
 
 void requireMakes(const std::vector<std::string>& makes) {
-  constexpr const char* kKnown[] = {"vdb", "ply", "obj", "stl"};
-  std::vector<std::string> seen;
+  std::vector<std::string> known = {"vdb"}, seen;
+  for (const std::string& extension : split(kMeshExtensions, ' ')) known.push_back(extension.substr(1));
+  const std::string wanted = std::string("a list of vdb, ") + kMeshFormatNames;
   for (const std::string& extension : makes) {
-    if (std::find(std::begin(kKnown), std::end(kKnown), extension) == std::end(kKnown))
-      refuse("make", extension, "a list of vdb, ply, obj, stl");
+    if (std::find(known.begin(), known.end(), extension) == known.end()) refuse("make", extension, wanted);
     if (std::find(seen.begin(), seen.end(), extension) != seen.end())
       refuse("make", extension, "a list in which nothing occurs twice");
     seen.push_back(extension);
   }
-  if (seen.empty()) refuse("make", "", "a list of vdb, ply, obj, stl");
+  if (seen.empty()) refuse("make", "", wanted);
 }
 
 Manifest planVariants(PlanKind kind, const std::vector<Variant>& variants, const VariantNames& names) {

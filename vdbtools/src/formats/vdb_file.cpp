@@ -59,6 +59,35 @@ void requireVdb(const std::filesystem::path& path) {
     throw DataError("'" + inOneLine(path.string()) + "' is not a VDB file: it does not begin as one does");
 }
 
+/// What made the file. Blender's import of VDB files turns those upright, and only those, whose creator begins with
+/// "Houdini", because Houdini has Y up.
+std::string creatorText(const std::optional<UpAxis>& up) {
+  constexpr const char* kProgram = "JuliaVDB " JULIAVDB_VERSION;
+  return up == UpAxis::Y ? std::string("Houdini axes (Y up), written by ") + kProgram : kProgram;
+}
+
+/// The quarter turn as a matrix by which OpenVDB multiplies row vectors: its rows are where the axes go.
+openvdb::Mat4d matrixOf(const UpTurn& turn) {
+  openvdb::Mat4d matrix = openvdb::Mat4d::identity();
+  for (int axis = 0; axis < 3; ++axis) {
+    openvdb::Vec3d unit(0);
+    unit[axis] = 1;
+    const openvdb::Vec3d to = turn(unit);
+    for (int k = 0; k < 3; ++k) matrix(axis, k) = to[k];
+  }
+  return matrix;
+}
+
+/// The grid as it goes into the file, which shares the tree.
+openvdb::GridBase::Ptr filed(const openvdb::GridBase& grid, const VdbWriteOptions& options) {
+  openvdb::GridBase::Ptr copy = std::const_pointer_cast<openvdb::GridBase>(grid.copyGrid());
+  for (const auto& [key, value] : options.metadata) copy->insertMeta(key, openvdb::StringMetadata(value));
+  if (options.turn.turns()) copy->transform().postMult(matrixOf(options.turn));
+  copy->setSaveFloatAsHalf(options.half);
+  copy->setCreator(creatorText(options.up));
+  return copy;
+}
+
 /// A file with offsets to its grids, as io::File writes it, so that readers may load them one by one; but to a stream,
 /// which io::Stream writes without offsets.
 class SeekableArchive final : public openvdb::io::Archive {
@@ -107,13 +136,10 @@ std::string encodeVdb(const std::vector<openvdb::GridBase::Ptr>& grids, const Vd
   requireDistinctNames(grids);
   openvdb::MetaMap metadata;
   for (const auto& [key, value] : options.metadata) metadata.insertMeta(key, openvdb::StringMetadata(value));
+  if (options.up)
+    metadata.insertMeta(openvdb::GridBase::META_GRID_CREATOR, openvdb::StringMetadata(creatorText(options.up)));
   openvdb::GridCPtrVec out;
-  for (const auto& grid : grids) {
-    for (const auto& [key, value] : options.metadata) grid->insertMeta(key, openvdb::StringMetadata(value));
-    grid->setSaveFloatAsHalf(options.half);
-    grid->setCreator("JuliaVDB");
-    out.push_back(grid);
-  }
+  for (const auto& grid : grids) out.push_back(filed(*grid, options));
   std::ostringstream stream(std::ios::binary);
   SeekableArchive archive;
   std::uint32_t compression = openvdb::io::COMPRESS_ACTIVE_MASK;

@@ -6,6 +6,7 @@
 
 #include <list>
 #include <stdexcept>
+#include <utility>
 
 namespace vdbtools {
 namespace {
@@ -21,8 +22,14 @@ class MeshFiles final : public MeshSink {
   void addTriangles(std::span<const openvdb::Vec3I> triangles, std::uint64_t firstPoint) override {
     for (MeshFile& file : mFiles) file.addTriangles(triangles, firstPoint);
   }
-  void finish() {
-    for (MeshFile& file : mFiles) file.finish();
+  /// @return the levels of detail of the one that has most
+  std::vector<MeshLevel> finish() {
+    std::vector<MeshLevel> levels;
+    for (MeshFile& file : mFiles) {
+      file.finish();
+      if (file.levels().size() > levels.size()) levels = file.levels();
+    }
+    return levels;
   }
 
  private:
@@ -33,21 +40,36 @@ void writeGrids(const Scene& scene, const std::map<std::string, std::string>& me
                 AtomicFile& file) {
   if (!result.check.failure.empty())
     throw std::logic_error("the level set fails OpenVDB's check: " + result.check.failure);
-  file.stream() << encodeVdb(result.grids, {.half = scene.options.output.half, .metadata = metadata});
+  file.stream() << encodeVdb(result.grids, vdbWriteOptions(scene.options.output, metadata));
 }
 
 /// The files take a mesh in this box.
 void addMeshFiles(MeshFiles& meshes, const Scene& scene, const openvdb::BBoxd& box,
                   const std::map<std::string, std::string>& metadata, const FractalFiles& files) {
   if (!files.vdb && files.meshes.empty()) throw std::invalid_argument("no file was given for the fractal");
-  const std::vector<VertexColumn> columns = meshColumns(scene.options.output.attributes);
-  for (const FractalMeshFile& mesh : files.meshes)
-    meshes.add(
-        *mesh.file,
-        {.format = mesh.format, .voxelSize = scene.voxelSize, .box = box, .columns = columns, .comments = metadata});
+  for (const FractalMeshFile& mesh : files.meshes) {
+    MeshWriteOptions options = meshWriteOptions(mesh.format, scene.options.output, metadata);
+    options.voxelSize = scene.voxelSize;
+    options.box = box;
+    meshes.add(*mesh.file, options);
+  }
 }
 
 }  // namespace
+
+VdbWriteOptions vdbWriteOptions(const OutputOptions& output, std::map<std::string, std::string> metadata) {
+  VdbWriteOptions options = vdbWriteOptions(output.axes, std::move(metadata));
+  options.half = output.half;
+  return options;
+}
+
+MeshWriteOptions meshWriteOptions(MeshFormat format, const OutputOptions& output,
+                                  std::map<std::string, std::string> metadata) {
+  MeshWriteOptions options = meshWriteOptions(format, output.axes, std::move(metadata));
+  options.columns = meshColumns(output.attributes);
+  options.levels = output.levels;
+  return options;
+}
 
 FractalResult writeFractal(const Scene& scene, const Recipe& recipe, const FractalFiles& files, Monitor& monitor) {
   const FieldPlan plan = planScene(scene);
@@ -58,7 +80,7 @@ FractalResult writeFractal(const Scene& scene, const Recipe& recipe, const Fract
       runFractal(scene, plan, files.vdb != nullptr, files.meshes.empty() ? nullptr : &meshes, monitor);
   monitor.begin("writing", 0);
   if (files.vdb) writeGrids(scene, metadata, result, *files.vdb);
-  meshes.finish();
+  result.levels = meshes.finish();
   monitor.throwIfCancelled();
   return result;
 }

@@ -34,6 +34,24 @@ void requireSources(const RecipeReader& reader, const FractalOptions& options) {
   if (!attributes.transferred.empty()) reader.refuse("transfer", std::string("empty") + kNoTarget);
 }
 
+/// "100%,25%,5%": the levels after the first, as shares.
+std::vector<double> parseLevels(const RecipeReader& reader) {
+  constexpr const char* kWanted = "percentages that begin with 100% and fall, such as 100%,25%,5%";
+  constexpr std::size_t kMost = 8;
+  std::vector<double> levels;
+  double last = 0;
+  for (const std::string& text : split(reader.text("lod"), ',')) {
+    const std::optional<double> value =
+        text.ends_with('%') ? numberFromText(text.substr(0, text.size() - 1)) : std::nullopt;
+    const bool first = last == 0;
+    if (!value || !(first ? *value == 100 : *value > 0 && *value < last)) reader.refuse("lod", kWanted);
+    if (!first) levels.push_back(*value / 100);
+    last = *value;
+  }
+  if (last == 0 || levels.size() > kMost) reader.refuse("lod", kWanted);
+  return levels;
+}
+
 std::vector<OptionSpec> outputOptionSpecs() {
   return {{.name = "precision",
            .argument = "auto|float|double",
@@ -43,7 +61,11 @@ std::vector<OptionSpec> outputOptionSpecs() {
            .argument = "LIST",
            .defaultValue = "surface",
            .help = "the grids of the VDB, a list of surface, density, logmodulus, iterations, versor"},
-          {.name = "half", .help = "write 16-bit floats"}};
+          {.name = "half", .help = "write 16-bit floats"},
+          {.name = "lod",
+           .argument = "LIST",
+           .defaultValue = "100%",
+           .help = "levels of detail in a GLB, by their shares of the triangles, such as 100%,25%,5%"}};
 }
 
 }  // namespace
@@ -60,6 +82,7 @@ OptionTable fractalOptionTable(const MapRegistry& maps) {
   add(surfaceOptionSpecs());
   add(outputOptionSpecs());
   add(attributeOptionSpecs());
+  add(fileAxesOptionSpecs());
   return OptionTable(std::move(options), "map", maps.variants());
 }
 
@@ -72,8 +95,11 @@ FractalOptions parseFractalOptions(const Recipe& recipe, const MapRegistry& maps
   options.map = maps.find(reader.text("map"))->parse(reader);
   options.lattice = parseLatticeOptions(reader);
   options.surface = parseSurfaceOptions(reader);
-  options.output = {
-      .grids = parseGrids(reader), .half = reader.flag("half"), .attributes = parseAttributeOptions(reader)};
+  options.output = {.grids = parseGrids(reader),
+                    .half = reader.flag("half"),
+                    .axes = parseFileAxes(reader),
+                    .levels = parseLevels(reader),
+                    .attributes = parseAttributeOptions(reader)};
   requireSources(reader, options);
   options.precision = reader.choice<Precision>(
       "precision", {{"auto", Precision::Auto}, {"float", Precision::Float}, {"double", Precision::Double}});

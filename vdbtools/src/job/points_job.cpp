@@ -2,6 +2,7 @@
 #include "vdbtools/job/points_job.h"
 
 #include "base/srgb.h"
+#include "job/point_attributes.h"
 #include "surface/true_surface.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh/spaced_points.h"
@@ -66,16 +67,18 @@ void carryAttributes(const Mesh& mesh, const std::vector<PlacedPoint>& placed, O
 
 }  // namespace
 
-OrientedPoints fractalPoints(const Scene& scene, const PointsOptions& options, Monitor& monitor,
-                             const PointColumns& carried) {
+OrientedPoints fractalPoints(const Scene& scene, const PointsOptions& options, Monitor& monitor) {
   const Mesh mesh = fractalMesh(scene, monitor);
   const FieldSource source = scene.source();
   const double tolerance = scene.options.surface.tolerance * scene.voxelSize;
   const SpacedPoints spaced =
       spread(mesh, options, {.seed = options.seed, .move = toTrueSurface(source, scene.voxelSize, tolerance)}, monitor);
   OrientedPoints points = withoutColumns(spaced);
-  points.columns = carried.columns;
-  if (carried.rows) points.values = carried.rows(points.positions);
+  if (scene.options.output.attributes.empty()) return points;
+  const PointAttributes attributes(scene);
+  points.columns = attributes.columns();
+  points.values.resize(points.positions.size() * attributes.rowLength());
+  attributes.evaluate(points.positions, points.values, monitor);
   return points;
 }
 

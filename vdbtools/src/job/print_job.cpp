@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <stdexcept>
 #include <string>
@@ -140,6 +141,11 @@ Mesh keepIslands(const Mesh& mesh, std::uint64_t count, PrintedPart* report) {
   return partOf(mesh, [&](std::size_t i) { return kept[shells.ofTriangle[i]] != 0; });
 }
 
+/// @throw as openSolid()
+MeshReport checkedReport(const Mesh& mesh) {
+  return openSolid("the mesh", std::shared_ptr<const Mesh>(std::shared_ptr<const Mesh>(), &mesh), {}).report;
+}
+
 /// On its feet: what points up points along z, and the middle of its base is at 0.
 void stand(Mesh& mesh) {
   const openvdb::BBoxd box = boxOf(mesh);
@@ -194,18 +200,17 @@ double baseAreaOf(const Mesh& mesh, double near) {
 
 Mesh closedMesh(const Mesh& mesh, std::uint64_t resolution, bool repair, Monitor& monitor) {
   openvdb::initialize();
-  const MeshReport report = reportOfSolid(mesh, "the mesh");
+  const MeshReport report = checkedReport(mesh);
   if (!repair && report.closed()) return mesh;
   const double voxel = longestSide(report.box) / static_cast<double>(resolution > 0 ? resolution : kUsualResolution);
-  const MeshSdf sdf = makeSdf(mesh, sdfBand(voxel, kPartBand, kPartBand), repair, 0, monitor);
+  const MeshSdf sdf = makeSdf(mesh, sdfBand(voxel, kPartBand, kPartBand), {.repair = repair}, monitor);
   return meshOfLevelSet(*sdf.grid, monitor);
 }
 
 PrintedPart printedPart(const Mesh& mesh, const PrintOptions& options, Monitor& monitor) {
   requireOptions(options);
   openvdb::initialize();
-  requireUsable(mesh);
-  const MeshReport report = reportMesh(mesh);
+  const MeshReport report = checkedReport(mesh);
   if (!report.closed())
     throw DataError("the mesh is not closed: " +
                     std::to_string(report.openEdges + report.nonManifoldEdges + report.misorientedEdges) +

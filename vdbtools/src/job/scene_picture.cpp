@@ -15,7 +15,8 @@ FieldRenderOptions pictureOptions(const Scene& scene, const openvdb::BBoxd& regi
                                   FieldColour usual) {
   FieldRenderOptions options = picture.render;
   options.camera = picture.view.camera(scene.source(), region,
-                                       static_cast<double>(options.width) / static_cast<double>(options.height));
+                                       static_cast<double>(options.width) / static_cast<double>(options.height),
+                                       scene.options.output.axes.target);
   const std::optional<ColourChoice>& chosen = scene.options.output.attributes.colour;
   options.colour = sceneColouring(scene, picture.colour.value_or(chosen.value_or(ColourChoice{.by = usual})));
   options.orbit = scene.orbit;

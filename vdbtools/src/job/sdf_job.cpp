@@ -13,7 +13,7 @@ OptionTable sdfOptionTable() {
   std::vector<OptionSpec> options = {
       {.name = "input",
        .argument = "MESH",
-       .help = "the mesh: .obj, .ply, .stl or .off; with --points-radius a cloud of points",
+       .help = "the mesh: .obj, .ply, .stl, .off, .glb or .gltf; with --points-radius a cloud of points",
        .hash = "source-sha256"},
       {.name = "resolution",
        .argument = "N",
@@ -28,6 +28,7 @@ OptionTable sdfOptionTable() {
       {.name = "half", .help = "write 16-bit floats"},
   };
   for (OptionSpec& option : mendOptionSpecs()) options.insert(options.end() - 1, std::move(option));
+  for (OptionSpec& option : fileAxesOptionSpecs()) options.push_back(std::move(option));
   return OptionTable(std::move(options));
 }
 
@@ -42,6 +43,7 @@ SdfOptions parseSdfOptions(const Recipe& recipe) {
   options.band = reader.number("band");
   if (!(options.band > 1 && options.band <= 1e6)) reader.refuse("band", "above 1 and at most 1e6");
   options.half = reader.flag("half");
+  options.axes = parseFileAxes(reader);
   return options;
 }
 
@@ -59,7 +61,8 @@ SdfResult runSdf(const SdfOptions& options, Monitor& monitor) {
   result.closedGap = sdf.closedGap;
   result.caps = sdf.caps;
   result.facts["julia_source_sha256"] = sha256OfFile(options.input);
-  result.facts[kTargetBox] = boxText(source.box);
+  // The program reads it back with the grid, and so in the axes of the file.
+  result.facts[kTargetBox] = boxText(UpTurn(options.axes.target, options.axes.ofVdb())(source.box));
   if (sdf.moved) result.facts["julia_repair_moved"] = numbersText({*sdf.moved});
   return result;
 }

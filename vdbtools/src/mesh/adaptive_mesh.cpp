@@ -232,9 +232,6 @@ AdaptedMesh adaptedMesh(const Mesh& mesh, double bound, Monitor& monitor) {
     const SurfaceSearch search(coarse.points, coarse.triangles);
     for (const FarPlace& place : placesFartherThan(kLimit, scaled, coarse, search, monitor))
       failed.push_back(place.triangle);
-    if (getenv("MK"))
-      fprintf(stderr, "attempt %d: %zu of %zu triangles, %zu failed\n", attempt, result.triangles.size(),
-              mesh.triangles.size(), failed.size());
     if (failed.empty()) return result;
     keepAround(scaled, failed, attempt + 2, keeps);
   }

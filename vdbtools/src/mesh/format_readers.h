@@ -17,6 +17,9 @@
 namespace vdbtools {
 
 /// @throw DataError  see readMesh()
+/// glTF, as .gltf or .glb. Corners that differ in their normal or texture coordinates are points of their own; see
+/// weldMesh().
+Mesh readGltf(const std::filesystem::path& path, std::string_view contents);
 Mesh readObj(const std::filesystem::path& path, std::string_view contents);
 Mesh readOff(const std::filesystem::path& path, std::string_view contents);
 Mesh readPly(const std::filesystem::path& path, std::string_view contents);

@@ -2,6 +2,7 @@
 #include "mesh/mesh_encoder.h"
 
 #include "base/srgb.h"
+#include "mesh/simplify.h"
 #include "vdbtools/base/errors.h"
 
 #include <algorithm>
@@ -104,6 +105,11 @@ void encodePlyTriangles(std::span<const Vec3I> triangles, MeshPart& part) {
   });
 }
 
+void encodeGlbTriangles(std::span<const Vec3I> triangles, MeshPart& part) {
+  part.add(triangles.size(),
+           [triangles](char* to, std::size_t i) { return putVector<std::uint32_t>(to, triangles[i]); });
+}
+
 void encodeObjTriangles(std::span<const Vec3I> triangles, bool coordinates, bool normals, MeshPart& part) {
   part.add(triangles.size(), [=](char* to, std::size_t i) {
     *to++ = 'f';
@@ -156,7 +162,7 @@ void MeshPart::finish() {
 }
 
 bool needsDoublePositions(const MeshWriteOptions& options) {
-  if (options.format != MeshFormat::Ply) return true;
+  if (options.format != MeshFormat::Ply) return true;  // a GLB subtracts in double precision
   return MeshEncoder(options).hasDoubles();
 }
 
@@ -170,11 +176,13 @@ MeshEncoder::MeshEncoder(const MeshWriteOptions& options)
     mColour = offsetOf(ColumnKind::Colour);
     mCoordinates = offsetOf(ColumnKind::TextureCoordinate);
   }
+  if (options.format == MeshFormat::Glb) requireGlbColumns(options);
   if (!(options.voxelSize > 0)) return;
   if (!options.box)
     throw std::invalid_argument("a mesh of voxels of " + std::to_string(options.voxelSize) +
                                 " is to be written without a box; give the box that holds it");
   mDoubles = needsDoubles(*options.box, options.voxelSize);
+  if (mDoubles && format() == MeshFormat::Glb) mGlb.centre = options.turn(*options.box).getCenter();
 }
 
 void MeshEncoder::requireCounts(std::uint64_t points, std::uint64_t triangles) const {
@@ -183,6 +191,40 @@ void MeshEncoder::requireCounts(std::uint64_t points, std::uint64_t triangles) c
                     std::to_string(kMostUint32) + " of them; use larger voxels, or several boxes");
   if (format() == MeshFormat::Stl && triangles > kMostUint32)
     throw std::invalid_argument("STL cannot count " + std::to_string(triangles) + " triangles; write a PLY");
+  if (format() == MeshFormat::Glb) requireGlbSize(contentOf(points, triangles), mOptions);
+}
+
+GlbContent MeshEncoder::contentOf(std::uint64_t points, std::uint64_t triangles) const {
+  GlbContent content = mGlb;
+  content.points = points;
+  content.triangles = triangles;
+  return content;
+}
+
+void MeshEncoder::survey(const PointBatch& batch) {
+  if (format() != MeshFormat::Glb) return;
+  for (const Vec3d& point : batch.positions) {
+    const Vec3s position(point - mGlb.centre);
+    if (!mSurveyed) mGlb.low = mGlb.high = position;
+    mSurveyed = true;
+    mGlb.low = openvdb::math::minComponent(mGlb.low, position);
+    mGlb.high = openvdb::math::maxComponent(mGlb.high, position);
+    if (!mOptions.levels.empty()) mPositions.insert(mPositions.end(), position.asPointer(), position.asPointer() + 3);
+  }
+}
+
+void MeshEncoder::survey(std::span<const Vec3I> triangles) {
+  if (format() == MeshFormat::Glb && !mOptions.levels.empty())
+    mTriangles.insert(mTriangles.end(), triangles.begin(), triangles.end());
+}
+
+void MeshEncoder::finishSurvey() {
+  if (format() != MeshFormat::Glb) return;
+  for (const double share : mOptions.levels) {
+    SimplifiedTriangles level = simplified(mPositions, mTriangles, share);
+    mGlb.levels.push_back({level.triangles.size(), level.error});
+    mLevels.push_back(std::move(level.triangles));
+  }
 }
 
 std::string MeshEncoder::header(std::uint64_t points, std::uint64_t triangles) const {
@@ -200,6 +242,7 @@ std::string MeshEncoder::header(std::uint64_t points, std::uint64_t triangles) c
              "\nproperty list uchar uint vertex_indices\nend_header\n";
     }
     case MeshFormat::Obj: return commentLines("# ", mOptions);
+    case MeshFormat::Glb: return glbHeader(contentOf(points, triangles), mOptions);
     case MeshFormat::Stl: {
       std::string header = "JuliaVDB";
       header.resize(kStlTitle + sizeof(std::uint32_t), '\0');
@@ -250,6 +293,12 @@ void MeshEncoder::encodePoints(const PointBatch& batch, MeshPart& part) const {
         }
         return putText(to, "\n");
       });
+    case MeshFormat::Glb:
+      return part.add(batch.positions.size(), [&](char* to, std::size_t i) {
+        to = putVector<float>(to, batch.positions[i] - mGlb.centre);
+        if (mNormals) to = putVector<float>(to, batch.normals[i]);
+        return mRowLength == 0 ? to : putGlbRow(to, &batch.values[i * mRowLength], mOptions);
+      });
     case MeshFormat::Stl: return;
   }
 }
@@ -273,8 +322,13 @@ void MeshEncoder::encodeTriangles(std::span<const Vec3I> triangles, std::span<co
   switch (format()) {
     case MeshFormat::Ply: return encodePlyTriangles(triangles, part);
     case MeshFormat::Obj: return encodeObjTriangles(triangles, mCoordinates.has_value(), mNormals, part);
+    case MeshFormat::Glb: return encodeGlbTriangles(triangles, part);
     case MeshFormat::Stl: return encodeStlTriangles(triangles, points, firstPoint, part);
   }
+}
+
+void MeshEncoder::encodeLevels(MeshPart& part) const {
+  for (const std::vector<Vec3I>& level : mLevels) encodeGlbTriangles(level, part);
 }
 
 }  // namespace vdbtools

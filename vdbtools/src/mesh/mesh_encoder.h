@@ -5,6 +5,7 @@
 #pragma once
 
 #include "files/scratch_file.h"
+#include "mesh/glb_layout.h"
 #include "vdbtools/mesh/mesh_writer.h"
 
 #include <cstdint>
@@ -13,6 +14,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace vdbtools {
 
@@ -66,7 +68,15 @@ class MeshEncoder {
   /// The values that a row has.
   std::size_t rowLength() const { return mRowLength; }
   /// To be called before header() and encodePoints().
-  void setNormals(bool normals) { mNormals = normals; }
+  void setNormals(bool normals) { mNormals = mGlb.normals = normals; }
+
+  // What a header says of points and triangles, of which only GLB needs anything. All of them come before header() is
+  // of use, and what was surveyed is encoded in the same order.
+  void survey(const PointBatch& batch);
+  void survey(std::span<const openvdb::Vec3I> triangles);
+  /// Makes the levels of detail.
+  void finishSurvey();
+  const std::vector<MeshLevel>& levels() const { return mGlb.levels; }
 
   /// @throw DataError              more points than triangles can refer to
   /// @throw std::invalid_argument  more triangles than the format can count
@@ -83,10 +93,13 @@ class MeshEncoder {
   /// @param points  those from @a firstPoint on; needed in STL only
   void encodeTriangles(std::span<const openvdb::Vec3I> triangles, std::span<const openvdb::Vec3d> points,
                        std::uint64_t firstPoint, MeshPart& part) const;
+  /// What stands behind the triangles.
+  void encodeLevels(MeshPart& part) const;
 
  private:
   template <class Real>
   void encodePlyPoints(const PointBatch& batch, MeshPart& part) const;
+  GlbContent contentOf(std::uint64_t points, std::uint64_t triangles) const;
   char* putRow(char* to, const float* row) const;
   /// Where the first column of the kind begins in a row.
   std::optional<std::size_t> offsetOf(ColumnKind kind) const;
@@ -96,6 +109,12 @@ class MeshEncoder {
   std::optional<std::size_t> mColour, mCoordinates;  ///< of OBJ: where they begin in a row
   bool mDoubles = false;
   bool mNormals = false;
+  GlbContent mGlb;
+  bool mSurveyed = false;  ///< any point
+  // Of a GLB with levels of detail.
+  std::vector<float> mPositions;
+  std::vector<openvdb::Vec3I> mTriangles;
+  std::vector<std::vector<openvdb::Vec3I>> mLevels;
 };
 
 }  // namespace vdbtools

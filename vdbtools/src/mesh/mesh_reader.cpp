@@ -26,19 +26,20 @@ std::string contentsOf(const std::filesystem::path& path) {
 Mesh readAny(const std::filesystem::path& path) {
   const std::string contents = contentsOf(path);
   const std::string extension = lowerExtension(path);
-  const auto reader = extension == ".obj"   ? readObj
-                      : extension == ".off" ? readOff
-                      : extension == ".ply" ? readPly
-                      : extension == ".stl" ? readStl
-                                            : nullptr;
+  const auto reader = extension == ".obj"                           ? readObj
+                      : extension == ".off"                         ? readOff
+                      : extension == ".ply"                         ? readPly
+                      : extension == ".stl"                         ? readStl
+                      : extension == ".glb" || extension == ".gltf" ? readGltf
+                                                                    : nullptr;
   if (!reader) {
     throw DataError(path.string() + ": the format '" + extension +
-                    "' cannot be read; name a file that ends in .obj, .ply, .stl or .off");
+                    "' cannot be read; name a file that ends in .obj, .ply, .stl, .off, .glb or .gltf");
   }
   if (contents.empty()) throw DataError(path.string() + ": the file is empty (0 bytes); export the mesh again");
 
   Mesh mesh = reader(path, contents);
-  if (extension == ".stl") mesh = weldMesh(mesh);
+  if (reader == readStl || reader == readGltf) mesh = weldMesh(mesh);
   return mesh;
 }
 

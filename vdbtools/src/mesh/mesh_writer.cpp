@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/mesh/mesh_writer.h"
 
+#include "mesh/gltf_file.h"
 #include "mesh/mesh_comments.h"
 #include "mesh/mesh_encoder.h"
 #include "vdbtools/base/errors.h"
@@ -36,6 +37,27 @@ void requirePoints(std::span<const Vec3I> triangles, std::uint64_t first, std::u
                                std::to_string(first) + " to before " + std::to_string(end));
 }
 
+/// Batches in the axes of the file, one at a time.
+class BatchTurner {
+ public:
+  explicit BatchTurner(const UpTurn& turn) : mTurn(turn) {}
+
+  /// Lives until the next call.
+  PointBatch operator()(const PointBatch& batch) {
+    if (!mTurn.turns()) return batch;
+    mPositions.assign(batch.positions.begin(), batch.positions.end());
+    mNormals.assign(batch.normals.begin(), batch.normals.end());
+    for (Vec3d& position : mPositions) position = mTurn(position);
+    for (Vec3s& normal : mNormals) normal = mTurn(normal);
+    return {mPositions, mNormals, batch.values};
+  }
+
+ private:
+  UpTurn mTurn;
+  std::vector<Vec3d> mPositions;
+  std::vector<Vec3s> mNormals;
+};
+
 }  // namespace
 
 MeshFormat meshFormat(const std::filesystem::path& path) {
@@ -43,8 +65,9 @@ MeshFormat meshFormat(const std::filesystem::path& path) {
   if (extension == ".ply") return MeshFormat::Ply;
   if (extension == ".obj") return MeshFormat::Obj;
   if (extension == ".stl") return MeshFormat::Stl;
-  throw std::invalid_argument("'" + path.string() +
-                              "' is not a mesh format that can be written; use .ply, .obj or .stl");
+  if (extension == ".glb") return MeshFormat::Glb;
+  throw std::invalid_argument("'" + path.string() + "' is not a mesh format that can be written; use one of " +
+                              kMeshExtensions);
 }
 
 std::vector<std::string> columnsLeftOut(MeshFormat format, std::span<const VertexColumn> columns) {
@@ -56,7 +79,8 @@ std::vector<std::string> columnsLeftOut(MeshFormat format, std::span<const Verte
   return names;
 }
 
-void writeMesh(std::ostream& stream, const Mesh& mesh, const MeshWriteOptions& options, std::span<const float> values) {
+std::vector<MeshLevel> writeMesh(std::ostream& stream, const Mesh& mesh, const MeshWriteOptions& options,
+                                 std::span<const float> values) {
   requirePoints(mesh.triangles, 0, mesh.points.size());
   MeshWriteOptions complete = options;
   if (!complete.box) {
@@ -64,25 +88,33 @@ void writeMesh(std::ostream& stream, const Mesh& mesh, const MeshWriteOptions& o
     for (const Vec3d& point : mesh.points) complete.box->expand(point);
   }
   MeshEncoder encoder(complete);
-  const PointBatch points{mesh.points, mesh.normals, values};
+  BatchTurner turner(options.turn);
+  const PointBatch points = turner({mesh.points, mesh.normals, values});
   requireFits(points, encoder.rowLength());
-  encoder.requireCounts(mesh.points.size(), mesh.triangles.size());
   encoder.setNormals(!mesh.normals.empty());
+  encoder.survey(points);
+  encoder.survey(mesh.triangles);
+  encoder.finishSurvey();
+  encoder.requireCounts(mesh.points.size(), mesh.triangles.size());
   stream << encoder.header(mesh.points.size(), mesh.triangles.size());
   MeshPart whole(stream);
   encoder.encodePoints(points, whole);
   encoder.encodeCoordinates(points, whole);
   encoder.encodeNormals(points, whole);
-  encoder.encodeTriangles(mesh.triangles, mesh.points, 0, whole);
+  encoder.encodeTriangles(mesh.triangles, points.positions, 0, whole);
+  encoder.encodeLevels(whole);
   whole.finish();
+  return encoder.levels();
 }
 
 struct MeshStreamWriter::State {
   State(std::ostream& target, const std::filesystem::path& folder, const MeshWriteOptions& options)
       : stream(target),
         encoder(options),
+        turner(options.turn),
         seekable(stream.tellp() != std::ostream::pos_type(-1)),
-        points(stream, scratch(folder, options.format == MeshFormat::Ply && !seekable)),
+        points(stream,
+               scratch(folder, !seekable && (options.format == MeshFormat::Ply || options.format == MeshFormat::Glb))),
         coordinates(stream, scratch(folder, options.format == MeshFormat::Obj)),
         normals(stream, scratch(folder, options.format == MeshFormat::Obj)),
         triangles(stream, scratch(folder, options.format != MeshFormat::Stl || !seekable)) {}
@@ -115,6 +147,9 @@ struct MeshStreamWriter::State {
 
   void finish() {
     if (pointCount == 0) begin(false);
+    encoder.finishSurvey();
+    encoder.encodeLevels(triangles);
+    encoder.requireCounts(pointCount, triangleCount);
     const std::string header = encoder.header(pointCount, triangleCount);
     if (encoder.headerHasCounts() && !seekable) stream << header;
     points.finish();
@@ -137,6 +172,7 @@ struct MeshStreamWriter::State {
 
   std::ostream& stream;
   MeshEncoder encoder;
+  BatchTurner turner;
   bool seekable;
   MeshPart points, coordinates, normals, triangles;
   std::ostream::pos_type start = 0;  ///< of the header
@@ -152,15 +188,17 @@ MeshStreamWriter::MeshStreamWriter(std::ostream& stream, const std::filesystem::
 
 MeshStreamWriter::~MeshStreamWriter() = default;
 
-void MeshStreamWriter::addPoints(const PointBatch& batch) {
+void MeshStreamWriter::addPoints(const PointBatch& unturned) {
   State& s = *mState;
   s.run([&] {
-    requireFits(batch, s.encoder.rowLength());
-    if (batch.positions.empty()) return;
+    requireFits(unturned, s.encoder.rowLength());
+    if (unturned.positions.empty()) return;
+    const PointBatch batch = s.turner(unturned);
     s.encoder.requireCounts(s.pointCount + batch.positions.size(), s.triangleCount);
     if (s.pointCount == 0) s.begin(!batch.normals.empty());
     if (s.encoder.hasNormals() == batch.normals.empty())
       throw std::logic_error("some points of a mesh were given with normals, and some without");
+    s.encoder.survey(batch);
     s.encoder.encodePoints(batch, s.points);
     s.encoder.encodeCoordinates(batch, s.coordinates);
     s.encoder.encodeNormals(batch, s.normals);
@@ -176,6 +214,7 @@ void MeshStreamWriter::addTriangles(std::span<const Vec3I> triangles, std::uint6
     s.encoder.requireCounts(s.pointCount, s.triangleCount + triangles.size());
     s.firstPoint = std::max(s.firstPoint, firstPoint);
     requirePoints(triangles, s.firstPoint, s.pointCount);
+    s.encoder.survey(triangles);
     s.encoder.encodeTriangles(triangles, s.window, s.windowStart, s.triangles);
     s.triangleCount += triangles.size();
     if (s.encoder.format() == MeshFormat::Stl) s.trimWindow();
@@ -187,10 +226,14 @@ void MeshStreamWriter::finish() {
   mState->usable = false;
 }
 
+const std::vector<MeshLevel>& MeshStreamWriter::levels() const { return mState->encoder.levels(); }
+
 std::map<std::string, std::string> readMeshComments(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw MissingInputError("cannot open '" + path.string() + "'");
-  std::map<std::string, std::string> comments = readMeshComments(file, lowerExtension(path));
+  const std::string extension = lowerExtension(path);
+  if (extension == ".glb") return readGltfExtras(path);
+  std::map<std::string, std::string> comments = readMeshComments(file, extension);
   if (file.bad()) throw IoError("reading '" + path.string() + "' broke off");
   return comments;
 }

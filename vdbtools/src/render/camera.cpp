@@ -37,16 +37,18 @@ void requireAngles(const ViewAngles& angles) {
   requireOption(angles.zoom > 0 && std::isfinite(angles.zoom), "zoom", angles.zoom, "above 0");
 }
 
-Camera cameraAround(const FramedBall& ball, const ViewAngles& angles, double aspect) {
+Camera cameraAround(const FramedBall& ball, const ViewAngles& angles, double aspect, UpAxis up) {
   requireAngles(angles);
   const double a = radians(angles.azimuth), e = radians(angles.elevation);
   const Vec3d towardsEye(std::sin(a) * std::cos(e), std::sin(e), std::cos(a) * std::cos(e));
   const double tangent = std::tan(0.5 * radians(angles.fieldOfView));
   Camera camera;
   camera.lookAt = ball.centre;
-  camera.eye = ball.centre + ball.radius / std::sin(std::atan(tangent * std::min(1.0, aspect))) * towardsEye;
+  const UpTurn turn(UpAxis::Y, up);
+  camera.eye = ball.centre + ball.radius / std::sin(std::atan(tangent * std::min(1.0, aspect))) * turn(towardsEye);
   // From a pole, what is up is the limit of the views towards it.
   if (std::cos(e) < kParallel) camera.up = (e > 0 ? -1.0 : 1.0) * Vec3d(std::sin(a), 0, std::cos(a));
+  camera.up = turn(camera.up);
   camera.fieldOfView = 2 * std::atan(tangent / angles.zoom) / radians(1);
   return camera;
 }

@@ -209,7 +209,7 @@ Image renderMeshPreview(Mesh mesh, const MeshPreviewOptions& options, Monitor& m
     ball.radius /= surface.ball().radius;
   }
   const PreviewStage stage = previewStage(
-      cameraAround(surface.ball(), picture.view, samples.aspect()), samples.aspect(),
+      cameraAround(surface.ball(), picture.view, samples.aspect(), picture.up), picture.up, samples.aspect(),
       [&](const Vec3d& point) { return surface.place(point); },
       [](const Vec3d& direction) { return direction.unit(); });
   return renderStage(

@@ -75,7 +75,7 @@ Image renderPreview(const openvdb::FloatGrid& levelSet, const PreviewOptions& op
     return levelSet.transform().baseMap()->applyInverseJacobian(direction).unit();
   };
   const PreviewStage stage = previewStage(
-      cameraAround(ball, options.view, samples.aspect()), samples.aspect(),
+      cameraAround(ball, options.view, samples.aspect(), options.up), options.up, samples.aspect(),
       [&](const Vec3d& point) { return levelSet.worldToIndex(point); }, turn);
 
   const SurfaceLattice lattice(levelSet.tree(), cells);

@@ -46,13 +46,14 @@ struct PreviewStage {
   openvdb::Vec3d sky, key, rim;
 };
 
+/// @param up     of the world: the lights stand upright
 /// @param place  world space to the surface's, of a point
 /// @param turn   the same of a direction, giving length 1
 template <class Place, class Turn>
-PreviewStage previewStage(const Camera& camera, double aspect, const Place& place, const Turn& turn) {
+PreviewStage previewStage(const Camera& camera, UpAxis up, double aspect, const Place& place, const Turn& turn) {
   const CameraFrame frame = frameOf(camera);
   // The lights turn with the camera, but stay upright.
-  const openvdb::Vec3d sky(0, 1, 0), front = frame.right.cross(sky);
+  const openvdb::Vec3d sky = directionOf(up), front = frame.right.cross(sky);
 
   PreviewStage stage;
   stage.eye = place(camera.eye);

@@ -26,13 +26,27 @@ double numberWithin(const RecipeReader& reader, const char* name, double low, do
   return value;
 }
 
-FieldView parseView(const RecipeReader& reader, const ViewAngles& angles) {
+void parseUp(const RecipeReader& reader, ViewOptions& options) {
+  if (!reader.has("up")) return;
+  const std::string text = reader.text("up");
+  if (text == "y" || text == "z") {
+    options.upAxis = text == "y" ? UpAxis::Y : UpAxis::Z;
+  } else {
+    if (text.find(',') == std::string::npos) reader.refuse("up", "y, z, or a direction X,Y,Z");
+    options.up = reader.vector("up");
+    if (options.up->length() == 0) reader.refuse("up", "a direction");
+  }
+}
+
+FieldView parseView(const RecipeReader& reader, const ViewOptions& common) {
   const auto vector = [&](const char* name) {
     return reader.has(name) ? std::optional(reader.vector(name)) : std::nullopt;
   };
-  FieldView view{.eye = vector("eye"), .lookAt = vector("look-at"), .up = vector("up"), .angles = angles};
-  if (view.up && view.up->length() == 0) reader.refuse("up", "a direction");
-  return view;
+  return {.eye = vector("eye"),
+          .lookAt = vector("look-at"),
+          .up = common.up,
+          .angles = common.angles,
+          .upAxis = common.upAxis};
 }
 
 }  // namespace
@@ -46,7 +60,12 @@ std::vector<OptionSpec> viewOptionSpecs(const std::string& size) {
           {.name = "elevation", .argument = "DEG", .defaultValue = "15", .help = "angle above the horizon"},
           {.name = "fov", .argument = "DEG", .defaultValue = "30", .help = "vertical field of view"},
           {.name = "samples", .argument = "N", .defaultValue = "4", .help = "rays per pixel: 1, 4, 9 or 16"},
-          {.name = "zoom", .argument = "F", .defaultValue = "1", .help = "magnification: above 1 comes closer"}};
+          {.name = "zoom", .argument = "F", .defaultValue = "1", .help = "magnification: above 1 comes closer"},
+          {.name = "up",
+           .argument = "y|z|X,Y,Z",
+           .help = "the axis of the world that points up; or, with --field, the direction that is up in the picture "
+                   "alone",
+           .defaultNote = "as the file or --target-up has it"}};
 }
 
 ViewOptions parseViewOptions(const RecipeReader& reader) {
@@ -57,13 +76,16 @@ ViewOptions parseViewOptions(const RecipeReader& reader) {
                     .elevation = numberWithin(reader, "elevation", -90, 90, "-90 to 90 degrees"),
                     .fieldOfView = numberWithin(reader, "fov", 1, 150, "1 to 150 degrees"),
                     .zoom = numberWithin(reader, "zoom", 1e-3, 1e3, "0.001 to 1000")};
+  parseUp(reader, options);
   return options;
 }
 
-Camera FieldView::camera(const FieldSource& source, const openvdb::BBoxd& region, double aspect) const {
+Camera FieldView::camera(const FieldSource& source, const openvdb::BBoxd& region, double aspect, UpAxis usual) const {
   Camera camera;
   camera.fieldOfView = angles.fieldOfView;
-  if (!eye || !lookAt) camera = cameraAround(frameSet(source, region), angles, aspect);
+  const UpAxis world = upAxis.value_or(usual);
+  camera.up = directionOf(world);
+  if (!eye || !lookAt) camera = cameraAround(frameSet(source, region), angles, aspect, world);
   const openvdb::Vec3d arm = camera.eye - camera.lookAt;
   if (lookAt) camera.lookAt = *lookAt;
   camera.eye = eye ? *eye : camera.lookAt + arm;
@@ -74,25 +96,23 @@ Camera FieldView::camera(const FieldSource& source, const openvdb::BBoxd& region
 }
 
 std::vector<OptionSpec> fieldViewOptionSpecs() {
-  return {
-      {.name = "eye",
-       .argument = "X,Y,Z",
-       .help = "the position of the eye, in the target's units, instead of azimuth, elevation and zoom"},
-      {.name = "look-at",
-       .argument = "X,Y,Z",
-       .help = "the point in the middle of the picture",
-       .defaultNote = "the middle of the set"},
-      {.name = "up", .argument = "X,Y,Z", .help = "the direction that is up in the picture", .defaultNote = "0,1,0"},
-      {.name = "epsilon",
-       .argument = "E",
-       .defaultValue = "5e-5",
-       .help = "the shortest step of a ray, in fractal space"},
-      {.name = "alpha-clarity",
-       .argument = "A",
-       .help = "the length of a ray's steps is A d^D at the distance d from the eye",
-       .defaultNote = "as long as a pixel is wide"},
-      {.name = "delta", .argument = "D", .defaultValue = "1", .help = "the exponent D: 0, 1 or 2"},
-      {.name = "no-skip", .help = "evaluate every sample, even where the map is proved to be empty; for checking"}};
+  return {{.name = "eye",
+           .argument = "X,Y,Z",
+           .help = "the position of the eye, in the target's units, instead of azimuth, elevation and zoom"},
+          {.name = "look-at",
+           .argument = "X,Y,Z",
+           .help = "the point in the middle of the picture",
+           .defaultNote = "the middle of the set"},
+          {.name = "epsilon",
+           .argument = "E",
+           .defaultValue = "5e-5",
+           .help = "the shortest step of a ray, in fractal space"},
+          {.name = "alpha-clarity",
+           .argument = "A",
+           .help = "the length of a ray's steps is A d^D at the distance d from the eye",
+           .defaultNote = "as long as a pixel is wide"},
+          {.name = "delta", .argument = "D", .defaultValue = "1", .help = "the exponent D: 0, 1 or 2"},
+          {.name = "no-skip", .help = "evaluate every sample, even where the map is proved to be empty; for checking"}};
 }
 
 std::vector<OptionSpec> fieldPictureOptionSpecs(const std::string& size) {
@@ -104,7 +124,7 @@ std::vector<OptionSpec> fieldPictureOptionSpecs(const std::string& size) {
 FieldPicture parseFieldPicture(const Recipe& given, const OptionTable& table) {
   const RecipeReader reader(given, table);
   const ViewOptions common = parseViewOptions(reader);
-  FieldPicture picture{.view = parseView(reader, common.angles)};
+  FieldPicture picture{.view = parseView(reader, common)};
   for (const char* name : {"azimuth", "elevation", "zoom"})
     if (picture.view.eye && given.contains(name))
       throw std::invalid_argument(std::string("--eye and --") + name +

@@ -15,8 +15,7 @@ std::vector<OptionSpec> surfaceOptionSpecs() {
        .argument = "E",
        .defaultValue = "0",
        .help = "make triangles of the mesh larger where the surface is flat: neither it nor the full mesh is anywhere "
-               "farther than E voxels from the other, which is proved. 0.1 leaves about a third of the triangles; the "
-               "mesh is held in memory"},
+               "farther than E voxels from the other, which is proved. The mesh is held in memory"},
       {.name = "largest",
        .argument = "N",
        .defaultValue = "0",

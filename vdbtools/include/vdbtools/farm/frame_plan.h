@@ -54,7 +54,7 @@ struct FramePlanOptions {
   std::vector<KeyedOption> keys;
   std::vector<int> frames{1};             ///< in the order in which they are made
   std::string name;                       ///< of the files; empty: after the target, or else the map
-  std::vector<std::string> makes{"vdb"};  ///< of "vdb", "ply", "obj", "stl"
+  std::vector<std::string> makes{"vdb"};  ///< of "vdb" and the formats of meshes
 };
 
 /// The values of the options at a frame, as far as they are given.

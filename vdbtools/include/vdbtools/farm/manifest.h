@@ -48,7 +48,7 @@ struct PlannedInput {
 struct Manifest {
   PlanKind kind = PlanKind::Tiles;
   Recipe recipe;                             ///< of `juliavdb fractal`, complete, with the hashes of its files
-  std::vector<std::string> makes;            ///< of "vdb", "ply", "obj", "stl": what is wanted in the end
+  std::vector<std::string> makes;            ///< of "vdb" and the formats of meshes: what is wanted in the end
   std::map<std::string, std::string> facts;  ///< of tiles: the metadata of the whole
   std::optional<TileLattice> lattice;        ///< of tiles
   std::vector<PlannedInput> inputs;

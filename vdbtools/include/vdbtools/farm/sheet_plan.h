@@ -14,7 +14,7 @@ struct SheetPlanOptions {
   std::string cells;                      ///< "sheet.json#3,7-9", or "sheet.json" for every cell without an error
   Recipe given;                           ///< options that stand over those of the cells, such as a higher resolution
   std::string name;                       ///< of the files; empty: after the sheet
-  std::vector<std::string> makes{"vdb"};  ///< of "vdb", "ply", "obj", "stl"
+  std::vector<std::string> makes{"vdb"};  ///< of "vdb" and the formats of meshes
 };
 
 /// A task for each cell, in the order of the cells. The files are out/NAME.0007.vdb and the like, by the cell's number.

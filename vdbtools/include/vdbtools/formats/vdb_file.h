@@ -9,10 +9,12 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/grids.h"
+#include "vdbtools/base/up_axis.h"
 
 #include <filesystem>
 #include <iosfwd>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,10 +23,16 @@ namespace vdbtools {
 struct VdbWriteOptions {
   bool half = false;  ///< 16-bit floats on disk: half the size, 3 digits
   /// String metadata of the file and of every grid.
-  std::map<std::string, std::string> metadata;
+  std::map<std::string, std::string> metadata{};
+  /// The axis that points up in the file. It decides the text "creator" of the file's metadata: Blender takes a file
+  /// for one with Y up if that begins with "Houdini". None: the file is for this program alone.
+  std::optional<UpAxis> up{};
+  /// Brings the grids to these axes, through their transforms alone: values, also those of vectors, stay as they are.
+  UpTurn turn{};
 };
 
-/// The bytes of a file with @a grids, Blosc-compressed. @a options.metadata is added to the grids' own.
+/// The bytes of a file with @a grids, Blosc-compressed. @a options.metadata is added to the grids' own in the file; the
+/// grids themselves stay as they are.
 /// @throw std::invalid_argument  two grids of one name
 std::string encodeVdb(const std::vector<openvdb::GridBase::Ptr>& grids, const VdbWriteOptions& options);
 

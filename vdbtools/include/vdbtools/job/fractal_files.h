@@ -7,7 +7,9 @@
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh/mesh_writer.h"
 
+#include <map>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace vdbtools {
@@ -22,6 +24,12 @@ struct FractalFiles {
   AtomicFile* vdb = nullptr;  ///< takes the grids; none: they are not made
   std::vector<FractalMeshFile> meshes{};
 };
+
+/// How a scene's grids and its mesh go into files.
+/// @param metadata  the scene's
+VdbWriteOptions vdbWriteOptions(const OutputOptions& output, std::map<std::string, std::string> metadata);
+MeshWriteOptions meshWriteOptions(MeshFormat format, const OutputOptions& output,
+                                  std::map<std::string, std::string> metadata);
 
 /// Makes the grids and the mesh of a scene and writes them, with their metadata. The files are left to be committed.
 /// @param recipe  what the metadata say of how the scene was made

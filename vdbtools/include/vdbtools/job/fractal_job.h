@@ -9,6 +9,7 @@
 #include "vdbtools/field/islands.h"
 #include "vdbtools/job/scene.h"
 #include "vdbtools/mesh/mesh.h"
+#include "vdbtools/mesh/mesh_writer.h"
 #include "vdbtools/mesh/solid_meter.h"
 #include "vdbtools/surface/extract_mesh.h"
 #include "vdbtools/surface/level_set.h"
@@ -31,6 +32,7 @@ struct FractalResult {
   std::optional<IslandReport> islands;  ///< if any were to be dropped
   LevelSetCheck check;                  ///< of the grid "surface", if it was made
   std::optional<SolidMeasure> solid;    ///< of the mesh, unless it ends open at a box
+  std::vector<MeshLevel> levels;        ///< of detail, in a GLB that was written
 };
 
 /// The grids and the mesh of a scene. The field is held in memory for the grids, to find islands, and what is visited

@@ -6,6 +6,7 @@
 
 #include "vdbtools/field/lattice_options.h"
 #include "vdbtools/job/attribute_options.h"
+#include "vdbtools/job/file_axes.h"
 #include "vdbtools/maps/map_registry.h"
 #include "vdbtools/recipe/recipe.h"
 #include "vdbtools/surface/surface_options.h"
@@ -25,7 +26,9 @@ enum class Precision { Auto, Float, Double };
 struct OutputOptions {
   std::vector<std::string> grids;  ///< of surface, density, logmodulus, iterations, versor; each once
   bool half = false;               ///< 16-bit floats in the VDB
-  AttributeOptions attributes;     ///< of the mesh and, by the same names, of the VDB
+  FileAxes axes;
+  std::vector<double> levels{};  ///< of detail in a GLB besides the mesh itself: shares of its triangles, falling
+  AttributeOptions attributes;   ///< of the mesh and, by the same names, of the VDB
 };
 
 struct FractalOptions {

@@ -11,9 +11,7 @@
 #include "vdbtools/mesh/vertex_column.h"
 
 #include <cstdint>
-#include <functional>
 #include <optional>
-#include <span>
 #include <vector>
 
 namespace vdbtools {
@@ -23,13 +21,6 @@ struct PointsOptions {
   std::optional<std::uint64_t> count;
   std::optional<double> spacing;  ///< world units: the least distance between two points
   std::uint64_t seed = 1;
-};
-
-/// What points carry besides positions and normals.
-struct PointColumns {
-  std::vector<VertexColumn> columns;
-  /// The rows at some positions, in world units, one after the other: as many floats as rowLength(columns) each.
-  std::function<std::vector<float>(std::span<const openvdb::Vec3d> positions)> rows;
 };
 
 struct OrientedPoints {
@@ -45,11 +36,10 @@ struct OrientedPoints {
 };
 
 /// On the true surface F = 0 of a scene, within its options' tolerance: spread over its mesh, and moved along the
-/// normals of that by up to a voxel. The normals are those of the mesh, as the true surface may have none.
-/// @param carried  what the points carry, too
+/// normals of that by up to a voxel. The normals are those of the mesh, as the true surface may have none. The points
+/// have the attributes of the scene's options, computed at the points.
 /// @throw as fractalMesh(), pointsBySpacing() and pointsByCount()
-OrientedPoints fractalPoints(const Scene& scene, const PointsOptions& options, Monitor& monitor,
-                             const PointColumns& carried = {});
+OrientedPoints fractalPoints(const Scene& scene, const PointsOptions& options, Monitor& monitor);
 
 /// On a mesh. What the mesh has at its points is carried over: red, green and blue together as the colour Cd, other
 /// numbers under their names.

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "vdbtools/base/monitor.h"
+#include "vdbtools/base/up_axis.h"
 #include "vdbtools/mesh/mesh.h"
 
 #include <cstdint>
@@ -13,7 +14,6 @@
 namespace vdbtools {
 
 enum class ThinParts { Thicken, Drop };
-enum class UpAxis { Y, Z };
 
 struct PrintOptions {
   double size = 0;                     ///< the longest side of the part, millimetres, > 0

@@ -6,6 +6,7 @@
 #include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/base/voxel_choice.h"
+#include "vdbtools/job/file_axes.h"
 #include "vdbtools/mesh/mesh.h"
 #include "vdbtools/recipe/recipe.h"
 #include "vdbtools/target/mend_options.h"
@@ -24,6 +25,7 @@ struct SdfOptions {
   MendOptions mend;
   double band = 3;  ///< voxels on each side, above 1
   bool half = false;
+  FileAxes axes;
 };
 
 OptionTable sdfOptionTable();

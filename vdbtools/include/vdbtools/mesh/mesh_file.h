@@ -17,6 +17,8 @@ class MeshFile final : public MeshSink {
   void addPoints(const PointBatch& batch) override;
   void addTriangles(std::span<const openvdb::Vec3I> triangles, std::uint64_t firstPoint) override;
   void finish();
+  /// As MeshStreamWriter::levels().
+  const std::vector<MeshLevel>& levels() const { return mWriter.levels(); }
 
  private:
   AtomicFile& mFile;

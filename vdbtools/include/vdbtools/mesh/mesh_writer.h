@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file mesh_writer.h
-/// Writing meshes as binary little-endian PLY, OBJ or binary STL. Positions are 32-bit floats, except in OBJ, whose
-/// digits hold doubles, and in a PLY whose vertices floats would move by more than 1/1000 of a voxel (a small object
-/// far from the origin), which has doubles. The same mesh gives the same bytes, whole or in pieces, whatever the
-/// stream.
+/// Writing meshes as binary little-endian PLY, OBJ, binary STL or GLB (glTF 2.0). Positions are 32-bit floats, except
+/// in OBJ, whose digits hold doubles, and where floats would move vertices by more than 1/1000 of a voxel (a small
+/// object far from the origin): a PLY then has doubles, and a GLB floats about the middle of the object, to where its
+/// node takes it. The same mesh gives the same bytes, whole or in pieces, whatever the stream.
 #pragma once
 
+#include "vdbtools/base/up_axis.h"
 #include "vdbtools/mesh/mesh_sink.h"
 #include "vdbtools/mesh/vertex_column.h"
 
@@ -20,10 +21,21 @@
 
 namespace vdbtools {
 
-enum class MeshFormat { Ply, Obj, Stl };
+enum class MeshFormat { Ply, Obj, Stl, Glb };
 
-/// By extension, in any case. @throw std::invalid_argument  it is not .ply, .obj or .stl
+/// The formats' extensions: for error messages and for lists of what may be written.
+inline constexpr const char* kMeshExtensions = ".ply .obj .stl .glb";
+/// The same as names of formats, for the help.
+inline constexpr const char* kMeshFormatNames = "ply, obj, stl, glb";
+
+/// By extension, in any case. @throw std::invalid_argument  it is none of kMeshExtensions
 MeshFormat meshFormat(const std::filesystem::path& path);
+
+/// A level of detail as it was written.
+struct MeshLevel {
+  std::uint64_t triangles = 0;
+  double error = 0;  ///< an estimate of how far its surface is from that of the mesh, world units
+};
 
 struct MeshWriteOptions {
   MeshFormat format = MeshFormat::Ply;
@@ -33,10 +45,17 @@ struct MeshWriteOptions {
   std::optional<openvdb::BBoxd> box;
   /// What each point has besides its position and its normal. A PLY has colours as red, green, blue (bytes of sRGB),
   /// texture coordinates as s and t, vectors as NAME_x, NAME_y, NAME_z, and numbers by their names. An OBJ has a colour
-  /// behind each position (sRGB, 0 to 1) and texture coordinates as vt; it drops the other columns, STL all of them.
+  /// behind each position (sRGB, 0 to 1) and texture coordinates as vt; it drops the other columns, STL all of them. A
+  /// GLB has colours as COLOR_0 (linear, 0 to 1), texture coordinates as TEXCOORD_0, with v counted from the top of the
+  /// picture, and vectors and numbers as _NAME.
   std::vector<VertexColumn> columns{};
-  /// Comment lines, "juliavdb KEY VALUE", in PLY and OBJ: the recipe.
-  std::map<std::string, std::string> comments;
+  /// Comment lines, "juliavdb KEY VALUE", in PLY and OBJ, and the extras of the asset in GLB: the recipe.
+  std::map<std::string, std::string> comments{};
+  /// Brings points, normals and the box to the axes of the file; columns stay as they are.
+  UpTurn turn{};
+  /// Levels of detail that a GLB has besides the mesh, by their shares of its triangles. The whole mesh is then held in
+  /// memory. Other formats have none.
+  std::vector<double> levels{};
 };
 
 /// The names of those of the columns that a file of the format has no room for.
@@ -51,12 +70,13 @@ bool needsDoublePositions(const MeshWriteOptions& options);
 /// @param values  of options.columns, row by row (PointBatch)
 /// @throw std::invalid_argument  an STL of more triangles than it can count
 /// @throw std::logic_error       an index out of range, or another number of normals or of rows than of points
-void writeMesh(std::ostream& stream, const Mesh& mesh, const MeshWriteOptions& options,
-               std::span<const float> values = {});
+/// @return the levels of detail
+std::vector<MeshLevel> writeMesh(std::ostream& stream, const Mesh& mesh, const MeshWriteOptions& options,
+                                 std::span<const float> values = {});
 
-/// Writes a mesh while it is made. What cannot be put in its place yet waits in nameless files: the triangles of a PLY,
-/// the normals and triangles of an OBJ, and, if the stream cannot seek, all of a PLY or STL. Memory holds a few buffers
-/// and, for STL, the points that triangles may still use: those from the last firstPoint on.
+/// Writes a mesh while it is made. What cannot be put in its place yet waits in nameless files: the triangles of a PLY
+/// or GLB, the normals and triangles of an OBJ, and, if the stream cannot seek, all of a PLY, STL or GLB. Memory holds
+/// a few buffers and, for STL, the points that triangles may still use: those from the last firstPoint on.
 ///
 ///   AtomicFile file(path);
 ///   MeshStreamWriter writer(file.stream(), file.temporaryPath().parent_path(), options);
@@ -90,12 +110,15 @@ class MeshStreamWriter final : public MeshSink {
   /// Completes the file, which cannot be read before. The stream then stands at its end, and the writer takes no more.
   void finish();
 
+  /// Those of options.levels, once it is finished.
+  const std::vector<MeshLevel>& levels() const;
+
  private:
   struct State;
   std::unique_ptr<State> mState;
 };
 
-/// The comments of a PLY or OBJ that this project wrote; nothing from any other file.
+/// The comments of a PLY, OBJ or GLB that this project wrote; nothing from any other file.
 /// @throw MissingInputError, IoError
 std::map<std::string, std::string> readMeshComments(const std::filesystem::path& path);
 

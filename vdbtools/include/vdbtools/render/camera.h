@@ -4,10 +4,11 @@
 /// by rays through the map itself (field_render.h). It may use the rooms up to picture: base, files, field and picture
 /// are those that it needs.
 ///
-/// This header: the camera of both. The world is right-handed and Y is up.
+/// This header: the camera of both. The world is right-handed; Y is up unless it is said to be Z.
 #pragma once
 
 #include "vdbtools/base/grids.h"
+#include "vdbtools/base/up_axis.h"
 
 namespace vdbtools {
 
@@ -21,7 +22,8 @@ struct Camera {
 
 /// Where a camera stands that looks at something, and how much of it fills the picture.
 struct ViewAngles {
-  double azimuth = -30;     ///< degrees about +Y: 0 looks at the front, from +Z; 90 looks from +X
+  double azimuth = -30;     ///< degrees about +Y: 0 looks at the front, from +Z; 90 looks from +X. With Z up,
+                            ///< about +Z, and the front is seen from -Y
   double elevation = 15;    ///< degrees above the horizon, -90 to 90
   double fieldOfView = 30;  ///< degrees, vertical, 1 to 150, before the zoom
   double zoom = 1;          ///< magnification, above 0: at 1 the ball around the object touches the frame
@@ -37,7 +39,7 @@ struct FramedBall {
 /// change the field of view and leave the eye where it is.
 /// @param aspect  width over height
 /// @throw std::invalid_argument  angles out of their ranges
-Camera cameraAround(const FramedBall& ball, const ViewAngles& angles, double aspect);
+Camera cameraAround(const FramedBall& ball, const ViewAngles& angles, double aspect, UpAxis up = UpAxis::Y);
 
 /// The same camera turned about the axis through its look-at point: a frame of a turntable.
 /// @param axis     a direction, world space

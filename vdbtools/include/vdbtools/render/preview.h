@@ -3,7 +3,7 @@
 /// A shaded picture of a level set, which the camera frames by itself: rays that skip the space without
 /// surface, a key
 /// light with soft shadows, and the light of the sky gathered by ambient rays. The surface is where the sign changes,
-/// so fields whose gradient is far from 1 show no holes. World Y is up.
+/// so fields whose gradient is far from 1 show no holes.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -27,6 +27,7 @@ struct PreviewOptions {
   int height = 800;  ///< pixels
   int samples = 4;   ///< rays per pixel: 1, 4, 9 or 16
   ViewAngles view;
+  UpAxis up = UpAxis::Y;  ///< of the world: the picture and its lights stand upright
   std::vector<PreviewBall> balls;
 };
 

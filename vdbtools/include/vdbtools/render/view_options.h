@@ -20,9 +20,11 @@ struct ViewOptions {
   int width = 800, height = 800;  ///< pixels
   int samples = 4;                ///< rays per pixel: 1, 4, 9 or 16
   ViewAngles angles;
+  std::optional<UpAxis> upAxis;      ///< of the world
+  std::optional<openvdb::Vec3d> up;  ///< the direction that is up in the picture, world units; in place of the axis
 };
 
-/// --size, --azimuth, --elevation, --fov, --samples and --zoom. @param size  the default, such as "800x800"
+/// --size, --azimuth, --elevation, --fov, --samples, --zoom and --up. @param size  the default, such as "800x800"
 std::vector<OptionSpec> viewOptionSpecs(const std::string& size);
 /// @throw std::invalid_argument naming the option and the value
 ViewOptions parseViewOptions(const RecipeReader& reader);
@@ -31,14 +33,16 @@ ViewOptions parseViewOptions(const RecipeReader& reader);
 struct FieldView {
   std::optional<openvdb::Vec3d> eye, lookAt, up;  ///< world units
   ViewAngles angles;
+  std::optional<UpAxis> upAxis;  ///< of the world, if it was given
 
-  /// What a turntable turns about.
-  openvdb::Vec3d axis() const { return up.value_or(Camera().up); }
+  /// What a turntable turns about. @param usual  the axis of the world if none was given
+  openvdb::Vec3d axis(UpAxis usual = UpAxis::Y) const { return up.value_or(directionOf(upAxis.value_or(usual))); }
 
   /// @param region  of the set, world units
   /// @param aspect  width over height
+  /// @param usual   the axis of the world if none was given
   /// @throw std::invalid_argument  the eye is where it looks at
-  Camera camera(const FieldSource& source, const openvdb::BBoxd& region, double aspect) const;
+  Camera camera(const FieldSource& source, const openvdb::BBoxd& region, double aspect, UpAxis usual = UpAxis::Y) const;
 };
 
 /// A picture of a map's set, before there is a set: the camera, the colours, the orbit and the dropped axis are yet to

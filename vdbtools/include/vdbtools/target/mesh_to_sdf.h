@@ -60,8 +60,7 @@ struct RepairOptions {
 /// are loops that run along each other, which are the two sides of a gap, and those of sheets, whose cap has more than
 /// 3/4 of their own area.
 /// @throw as meshToSdf(), where DataError means that no reasonable gap encloses a volume; Remedy::SolidifySheet says
-/// that
-///        the mesh is open without being a solid with holes
+///        that the mesh is open without being a solid with holes
 RepairedSdf repairedMeshToSdf(const Mesh& mesh, const MeshToSdfOptions& options, const RepairOptions& repair,
                               Monitor& monitor);
 

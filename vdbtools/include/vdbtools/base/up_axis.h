@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file up_axis.h
+/// Which axis of the world points up, and the turn from one convention to the other. Both are right-handed; from Y up
+/// to Z up it is the quarter turn about x that takes (x, y, z) to (x, -z, y). It only exchanges and negates
+/// coordinates, so that it is exact and can be undone.
+#pragma once
+
+#include <openvdb/Types.h>
+#include <openvdb/math/BBox.h>
+
+#include <utility>
+
+namespace vdbtools {
+
+enum class UpAxis { Y, Z };
+
+/// "y" or "z".
+constexpr const char* nameOf(UpAxis up) { return up == UpAxis::Y ? "y" : "z"; }
+
+inline openvdb::Vec3d directionOf(UpAxis up) {
+  return up == UpAxis::Y ? openvdb::Vec3d(0, 1, 0) : openvdb::Vec3d(0, 0, 1);
+}
+
+/// The turn of points and directions from one convention to another; by default none.
+class UpTurn {
+ public:
+  UpTurn() = default;
+  UpTurn(UpAxis from, UpAxis to) : mTurns(from != to), mTo(to) {}
+
+  /// Whether it is a turn at all.
+  bool turns() const { return mTurns; }
+
+  /// Of a point or a direction.
+  template <class Vector>
+  Vector operator()(const Vector& v) const {
+    if (!mTurns) return v;
+    // Subtracted from zero, because a minus sign alone would make a negative zero.
+    return mTo == UpAxis::Z ? Vector(v[0], 0 - v[2], v[1]) : Vector(v[0], v[2], 0 - v[1]);
+  }
+
+  openvdb::BBoxd operator()(const openvdb::BBoxd& box) const {
+    if (!mTurns || box.empty()) return box;
+    openvdb::Vec3d low = (*this)(box.min()), high = (*this)(box.max());
+    for (int axis = 0; axis < 3; ++axis)
+      if (low[axis] > high[axis]) std::swap(low[axis], high[axis]);
+    return {low, high};
+  }
+
+ private:
+  bool mTurns = false;
+  UpAxis mTo = UpAxis::Y;
+};
+
+}  // namespace vdbtools
