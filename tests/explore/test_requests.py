@@ -288,7 +288,11 @@ class Page(harness.CliTest):
         self.ok("fractal", "s.obj", *words, "--detail", "0.35", "--map", "shape-modulus", "-o", "a.vdb", "--mesh", "a.ply")
         self.ok("fractal", "s.obj", *words, "--detail", "0.35", "--mesh", "a.obj")
         expected = {"input": "s.obj", "detail": "0.35", "sdf-resolution": "32", "resolution": "24", "versor-seed": "3"}
-        for name in ("a.vdb", "a.ply", "a.obj"):
+        names = ["a.vdb", "a.ply", "a.obj"]
+        if "glb" in page.get("start")[1]["formats"]:
+            self.ok("fractal", "s.obj", *words, "--detail", "0.35", "--mesh", "a.glb")
+            names.append("a.glb")
+        for name in names:
             data = self.bytes(name)
             for part in (data, data[:20000]):
                 status, answer = page.post(f"recipe?name={name}", part, "application/octet-stream")
