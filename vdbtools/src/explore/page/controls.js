@@ -7,7 +7,8 @@ import { button, choice, element, group, slider, text, tick } from "./widgets.js
 const RANDOM_ROOTS = ["versor-seed", "versor-roots", "versor-powers", "versor-integer", "versor-placement", "versor-distance",
   "versor-centre", "versor-radius"];
 const OWN_CONTROLS = ["map", "input", "detail", "outward", "alpha", "beta", "origin-shift", "versor", ...RANDOM_ROOTS, "versor-scale",
-  "versor-translate", "iterations", "slice", "c", "power", "pair", "scheme", "f", "g", "theta", "mandelbrot", "resolution", "box"];
+  "versor-translate", "iterations", "slice", "c", "power", "pair", "scheme", "f", "g", "theta", "mandelbrot", "resolution", "box",
+  "colour"];
 
 // What the program says of its options. An exported page has none, and shows the options that need no server.
 export class Options {
@@ -32,6 +33,12 @@ export class Options {
     for (const other of [option?.alternative, ...(option?.displaces ?? [])]) if (other) delete recipe[other];
     recipe[name] = value;
   }
+}
+
+// What --colour says: {by, gradient}.
+export function colourOf(recipe) {
+  const [by, ...gradient] = (recipe.colour ?? "direction").split(":");
+  return { by: by === "gradient" ? "trap" : by, gradient: gradient.join(":") || "viridis" };
 }
 
 export function isRandomVersor(recipe) {
@@ -185,15 +192,22 @@ export function makeControls(page) {
     when((recipe) => ["shape-modulus", "rational", "quadratic"].includes(map(recipe)), number("slice", "Slice", { min: -1, max: 1, step: 0.01 }, "slice"))));
 
   const look = (name, read, write) => ({ read: (state) => read(state.look), write: (state, value) => write(state.look, value) });
-  const colours = page.isExported ? COLOURS : [...new Set([...(start.colours ?? COLOURS), ...COLOURS])];
+  const byGradient = (recipe) => ["iterations", "trap", "depth"].includes(colourOf(recipe).by);
+  const setColour = (recipe, by, gradient) => {
+    const text = ["iterations", "trap", "depth"].includes(by) && gradient !== "viridis" ? `${by}:${gradient}` : by;
+    if (text === "direction") delete recipe.colour;
+    else recipe.colour = text;
+  };
   all.push(group("Picture",
     add(choice(store, {
-      label: "Colour", values: colours.filter((name) => COLOURS.includes(name)), usual: () => "direction",
-      ...look("colour", (it) => it.colour === "direction" ? undefined : it.colour, (it, value) => { it.colour = value ?? "direction"; }),
+      label: "Colour", help: options.help("colour"), values: start.colours ?? COLOURS, usual: () => "direction",
+      read: (state) => state.recipe.colour && colourOf(state.recipe).by,
+      write: (state, value) => setColour(state.recipe, value ?? "direction", colourOf(state.recipe).gradient),
     })),
-    when((_, state) => ["iterations", "trap", "depth"].includes(state.look.colour), add(choice(store, {
-      label: "Gradient", values: page.gradients.map((one) => one.name), usual: () => "viridis",
-      ...look("gradient", (it) => it.gradient === "viridis" ? undefined : it.gradient, (it, value) => { it.gradient = value ?? "viridis"; }),
+    when(byGradient, add(choice(store, {
+      label: "Gradient", values: page.gradients, usual: () => "viridis",
+      read: (state) => colourOf(state.recipe).gradient === "viridis" ? undefined : colourOf(state.recipe).gradient,
+      write: (state, value) => setColour(state.recipe, colourOf(state.recipe).by, value ?? "viridis"),
     }))),
     ...[["Light from the side", 0, -180, 180], ["Light from above", 1, -90, 90]].map(([label, i, min, max]) => add(slider(store, {
       label, min, max, step: 1, help: "Degrees from the direction of the view. The exact picture has its own light.", usual: () => String(USUAL_LIGHT[i]),

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page of `juliavdb explore`, and the one that it exports: puts the parts together.
 import { attachCamera, viewAround } from "./camera.js";
-import { makeControls, Options } from "./controls.js";
+import { colourOf, makeControls, Options } from "./controls.js";
 import { makeFiles } from "./files.js";
-import { cameraFrame, clipPlace, Renderer, VIRIDIS } from "./renderer.js";
+import { cameraFrame, clipPlace, GRADIENTS, Renderer } from "./renderer.js";
 import { bytesOfBase64, liveValues, makeScene } from "./scene.js";
 import { server } from "./server.js";
 import { Stage } from "./stage.js";
@@ -12,14 +12,6 @@ import { makeStrip } from "./strip.js";
 import { TargetView } from "./target.js";
 import { button, element } from "./widgets.js";
 
-// Colours from dark to light, as sRGB from 0 to 1.
-const GRADIENTS = [
-  { name: "viridis", stops: VIRIDIS },
-  { name: "magma", stops: [[0.001, 0, 0.014], [0.317, 0.072, 0.485], [0.716, 0.215, 0.475], [0.987, 0.536, 0.382], [0.987, 0.991, 0.75]] },
-  { name: "grey", stops: [[0.08, 0.08, 0.08], [0.92, 0.92, 0.92]] },
-  { name: "ice", stops: [[0.02, 0.07, 0.17], [0.08, 0.35, 0.56], [0.42, 0.72, 0.82], [0.95, 0.98, 0.98]] },
-  { name: "ember", stops: [[0.09, 0.05, 0.05], [0.55, 0.13, 0.07], [0.93, 0.45, 0.1], [1, 0.88, 0.5]] },
-];
 const SCENES_KEPT = 24, WAIT = 150;  // milliseconds after the last movement of a slider
 
 class Scenes {
@@ -28,7 +20,8 @@ class Scenes {
     this.volumes = new Map();
   }
 
-  key(recipe) { return JSON.stringify(Object.entries(recipe).sort()); }
+  // What is the same scene: colours are the page's affair.
+  key(recipe) { return JSON.stringify(Object.entries(recipe).filter(([name]) => !name.startsWith("colour")).sort()); }
 
   async get(recipe, wait, signal) {
     const key = this.key(recipe), known = this.kept.get(key);
@@ -111,7 +104,7 @@ async function run() {
 
   const shotOf = (which, state) => ({
     scene: which, live: liveValues(which, state.recipe), view: state.view ?? viewAround(which.frame, {}, stage.aspect),
-    look: { ...state.look, stops: GRADIENTS.find((one) => one.name === state.look.gradient)?.stops ?? VIRIDIS },
+    look: { ...state.look, colour: colourOf(state.recipe).by, stops: GRADIENTS[colourOf(state.recipe).gradient] ?? GRADIENTS.viridis },
   });
   const draw = (isMoving) => {
     if (!scene) return;
@@ -120,7 +113,7 @@ async function run() {
   };
 
   const page = {
-    store, options, start, isExported, stage, shotOf, gradients: GRADIENTS, say, scene: () => scene,
+    store, options, start, isExported, stage, shotOf, gradients: start.gradients ?? Object.keys(GRADIENTS), say, scene: () => scene,
     sceneFor: (recipe) => scenes.get(recipe, true),
     dragOrigin: (on) => {
       dragsOrigin = on;
@@ -194,13 +187,12 @@ async function run() {
     if (!exact.hidden || exposing) return hideExact();
     exactButton.setAttribute("aria-pressed", "true");
     const mine = exposing = new AbortController(), { state } = store;
-    const colours = start.colours ?? ["direction"];
     say("The exact picture is being made.");
     try {
       const { eye, lookAt, up, fov } = state.view;
       const picture = await server.picture({
         recipe: cutRecipe(state), view: { eye, lookAt, up, fov }, width: canvas.width, height: canvas.height, samples: "4",
-        colour: colours.includes(state.look.colour) ? state.look.colour : "clay",
+        colour: state.recipe.colour ?? "direction",
       }, mine.signal);
       if (mine !== exposing) return;
       exact.src = URL.createObjectURL(picture);

@@ -5,9 +5,16 @@
 import { DISPLAY_SHADER, fragmentShader, VERTEX_SHADER } from "./shaders.js";
 
 export const COLOURS = ["direction", "versor", "iterations", "trap", "clay", "depth"];
-// Five colours of viridis, as the exact picture has them.
-export const VIRIDIS = [[0.267, 0.005, 0.329], [0.230, 0.322, 0.546], [0.128, 0.567, 0.551], [0.369, 0.789, 0.383],
-  [0.993, 0.906, 0.144]];
+// The gradients of vdbtools/picture/gradient.h: colours at equal distances.
+const codes = (text) => text.split(" ").map((code) => [0, 2, 4].map((at) => parseInt(code.slice(at, at + 2), 16) / 255));
+export const GRADIENTS = {
+  viridis: codes("440154 482878 3e4989 31688e 26828e 1f9e89 35b779 6ece58 b5de2b fde725"),
+  magma: codes("000004 180f3d 440f76 721f81 9e2f7f cd4071 f1605d fd9668 feca8d fcfdbf"),
+  inferno: codes("000004 1b0c41 4a0c6b 781c6d a52c60 cf4446 ed6925 fb9b06 f7d13d fcffa4"),
+  cividis: codes("00224e 123570 3b496c 575d6d 707173 8a8678 a59c74 c3b369 e1cc55 fee838"),
+  coolwarm: codes("3b4cc0 6282ea 8db0fe b8d0f9 dddddd f5c4ad f49a7b de604d b40426"),
+  grey: codes("000000 ffffff"),
+};
 // Degrees to the right of the view and above it: over the left shoulder, as in the exact picture.
 export const USUAL_LIGHT = [-51.93, 40.46];
 
@@ -54,7 +61,7 @@ export class Renderer {
     this.gradients = new Map();
     this.nothing = this.texture2D(1, 1, new Uint8Array(4));
     this.nothing3D = this.texture3D([1, 1, 1], new Uint8Array(1), gl.R8, gl.UNSIGNED_BYTE, gl.NEAREST);
-    this.rate = 200;  // pixels a millisecond, measured
+    this.rate = 20;  // pixels a millisecond, measured; a slow beginning blocks nobody
     this.fence = null;
     this.lost = false;
     canvas.addEventListener("webglcontextlost", (event) => {
@@ -194,7 +201,7 @@ export class Renderer {
   drawRows(shot, target, sample, y0, y1) {
     const gl = this.gl, { scene, live, view, look } = shot;
     // All of them are there before any is bound: making one binds it.
-    const textures = this.texturesOf(scene), gradient = this.gradientTexture(look.stops ?? VIRIDIS);
+    const textures = this.texturesOf(scene), gradient = this.gradientTexture(look.stops ?? GRADIENTS.viridis);
     const factors = scene.factors ? this.factorTexture(scene, live.factors) : null;
     const { program, at } = this.program(textures.source);
     gl.useProgram(program);
@@ -323,7 +330,10 @@ export class Renderer {
     this.gl.flush();
   }
 
-  rowsFor(milliseconds, width) { return Math.max(1, Math.floor(milliseconds * this.rate / width)); }
+  // How many rows to hand over. Not too few: what is handed over waits for a frame of the browser.
+  rowsFor(milliseconds, width, height) {
+    return Math.max(1, Math.ceil(height / 24), Math.floor(milliseconds * this.rate / width));
+  }
 }
 
 // A picture that becomes finer with each strip: one sample a pixel, then more.
@@ -342,7 +352,7 @@ export class Exposure {
 
   // Some more rows. The pixels that were drawn.
   advance(milliseconds) {
-    const rows = Math.min(this.height - this.row, this.renderer.rowsFor(milliseconds, this.width));
+    const rows = Math.min(this.height - this.row, this.renderer.rowsFor(milliseconds, this.width, this.height));
     const sample = {
       jitter: this.pass === 0 ? [0.5, 0.5] : [halton(this.pass, 2), halton(this.pass, 3)],
       share: 1 / (this.pass + 1), before: this.picture?.texture ?? null, axes: this.axes,

@@ -42,8 +42,6 @@ export function stateOfHash(hash, first) {
 
 export function checkedLook(look) {
   const checked = { ...usualLook() };
-  if (typeof look.colour === "string") checked.colour = look.colour;
-  if (typeof look.gradient === "string") checked.gradient = look.gradient;
   if (isNumbers(look.light, 2)) checked.light = look.light;
   if (Number.isInteger(look.samples)) checked.samples = Math.min(64, Math.max(0, look.samples));
   const clip = look.clip;
@@ -54,7 +52,7 @@ export function checkedLook(look) {
 
 // samples: rays a pixel at rest; 0 leaves it to the speed of the GPU.
 export function usualLook() {
-  return { colour: "direction", gradient: "viridis", light: null, samples: 0, clip: { axis: "", at: 0.5, flip: false } };
+  return { light: null, samples: 0, clip: { axis: "", at: 0.5, flip: false } };
 }
 
 export class Store {
