@@ -1,64 +1,19 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The page of `juliavdb explore` in a real browser, without a display and with software for a GPU. Where Chromium, its
-driver or Selenium is missing, the test is skipped with a message."""
+"""The page of `juliavdb explore` in a real browser, with its server."""
 
-import shutil
-import sys
-
-from server import Server, harness
-
-try:
-    from selenium import webdriver
-    from selenium.webdriver.chrome.options import Options
-    from selenium.webdriver.chrome.service import Service
-    from selenium.webdriver.common.by import By
-    from selenium.webdriver.support.ui import WebDriverWait
-except ImportError:
-    webdriver = None
-
-PATIENCE = 120  # seconds
+import browser
+from browser import harness
+from server import Server
 
 
-def missing():
-    if webdriver is None:
-        return "python3-selenium"
-    return next((name for name in ("chromium", "chromedriver") if not shutil.which(name)), None)
-
-
-class Browser(harness.CliTest):
+class Browser(browser.BrowserTest):
 
     def setUp(self):
         super().setUp()
         self.write("s.obj", harness.obj(harness.torus(around=24, across=12)))
         self.page = Server(self.folder, "s.obj", "--sdf-resolution", "40", "--resolution", "30", "--detail", "0.4")
         self.addCleanup(self.page.kill)
-        options = Options()
-        options.binary_location = shutil.which("chromium")
-        for word in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-angle=swiftshader",
-                     "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--window-size=900,700", "--no-first-run",
-                     "--disable-background-networking", "--disable-component-update",
-                     f"--user-data-dir={self.path('profile')}"):
-            options.add_argument(word)
-        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-        self.driver = webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
-        self.addCleanup(self.driver.quit)
-        self.driver.set_page_load_timeout(PATIENCE)
-
-    def wait_until(self, condition, what):
-        try:
-            WebDriverWait(self.driver, PATIENCE, 0.3).until(lambda _: condition())
-        except Exception as error:
-            raise AssertionError(f"{what} did not come: {self.driver.get_log('browser')}") from error
-
-    def find(self, selector):
-        return self.driver.find_element(By.CSS_SELECTOR, selector)
-
-    def button(self, text):
-        return self.driver.find_element(By.XPATH, f"//button[normalize-space()='{text}']")
-
-    def errors(self):
-        return [entry for entry in self.driver.get_log("browser") if entry["level"] in ("SEVERE", "ERROR")]
 
     def colours(self):
         """How many colours there are in the picture as it is on the screen."""
@@ -79,7 +34,7 @@ class Browser(harness.CliTest):
 
     def test_from_the_address_to_a_file(self):
         self.driver.get(self.page.url)
-        self.wait_until(lambda: self.driver.find_elements(By.ID, "picture"), "the canvas")
+        self.wait_until(lambda: self.finds("#picture"), "the canvas")
         self.wait_until(lambda: self.colours() > 50, "the fractal")
         self.assertEqual(self.errors(), [])
         # Nothing was asked of anybody but the server.
@@ -100,13 +55,10 @@ class Browser(harness.CliTest):
         self.ok("explore", "s.obj", "--sdf-resolution", "40", "--detail", "0.4", "--export", "look.html")
         self.page.kill()
         self.driver.get(self.path("look.html").as_uri())
-        self.wait_until(lambda: self.driver.find_elements(By.ID, "picture"), "the canvas")
+        self.wait_until(lambda: self.finds("#picture"), "the canvas")
         self.wait_until(lambda: self.colours() > 50, "the fractal")
         self.assertEqual(self.errors(), [])
 
 
 if __name__ == "__main__":
-    if missing():
-        print(f"skipped: {missing()} is not installed")
-        sys.exit(0)
-    harness.main()
+    browser.main()

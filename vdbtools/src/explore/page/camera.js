@@ -66,7 +66,7 @@ export function attachCamera(element, { get, change, reset, dragged }) {
   });
   element.addEventListener("pointermove", (event) => {
     const last = pointers.get(event.pointerId);
-    if (!last) return;
+    if (!last || !get()) return;
     const height = element.clientHeight || 1, right = (event.clientX - last.x) / height, up = -(event.clientY - last.y) / height;
     Object.assign(last, { x: event.clientX, y: event.clientY });
     if (pointers.size === 2) {
@@ -87,13 +87,14 @@ export function attachCamera(element, { get, change, reset, dragged }) {
   element.addEventListener("contextmenu", (event) => event.preventDefault());
   element.addEventListener("wheel", (event) => {
     event.preventDefault();
+    if (!get()) return;
     change(nearerView(get(), clampedTo(Math.exp(event.deltaY * (event.deltaMode === 1 ? 0.03 : 0.001)), 0.5, 2)), true);
     clearTimeout(wheel);
     wheel = setTimeout(() => change(get(), false), 250);
   }, { passive: false });
   element.addEventListener("dblclick", () => reset());
   element.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || !get()) return;
     const fine = event.shiftKey;
     const actions = {
       ArrowLeft: () => fine ? movedView(get(), -0.05, 0) : turnedView(get(), -10, 0),

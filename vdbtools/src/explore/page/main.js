@@ -12,12 +12,12 @@ import { makeStrip } from "./strip.js";
 import { TargetView } from "./target.js";
 import { button, element } from "./widgets.js";
 
-const SCENES_KEPT = 24, WAIT = 150;  // milliseconds after the last movement of a slider
+const SCENES_KEPT = 40, VOLUMES_KEPT = 5, WAIT = 150;  // milliseconds after the last movement of a slider
 
+// The latest scenes. isUsed(scene): it must stay; forget(scene) frees what the GPU has of it.
 class Scenes {
-  constructor() {
-    this.kept = new Map();
-    this.volumes = new Map();
+  constructor(isUsed, forget) {
+    Object.assign(this, { isUsed, forget, kept: new Map() });
   }
 
   // What is the same scene: colours are the page's affair.
@@ -27,23 +27,20 @@ class Scenes {
     const key = this.key(recipe), known = this.kept.get(key);
     if (known) return known;
     const description = await server.scene(recipe, wait, signal), id = description.exponent?.id;
-    let volume = null;
-    if (id) {
-      volume = this.volumes.get(id) ?? await server.volume(id, signal);
-      this.volumes.delete(id);
-      this.volumes.set(id, volume);
-      for (const old of [...this.volumes.keys()].slice(0, -3)) this.volumes.delete(old);
-    }
-    const scene = makeScene(description, volume, recipe);
+    const same = [...this.kept.values()].find((scene) => id && scene.exponent?.id === id);
+    const scene = makeScene(description, id ? same?.volume ?? await server.volume(id, signal) : null, recipe);
     this.kept.set(key, scene);
+    this.shrink(scene);
     return scene;
   }
 
-  // Of the oldest, but for those in use. forget(scene) frees what the GPU has of it.
-  shrink(used, forget) {
-    for (const [key, scene] of [...this.kept].slice(0, -SCENES_KEPT)) {
-      if (scene === used) continue;
-      forget(scene);
+  // Volumes are what is large.
+  shrink(latest) {
+    const volumes = () => new Set([...this.kept.values()].map((scene) => scene.exponent?.id)).size;
+    for (const [key, scene] of [...this.kept]) {
+      if (this.kept.size <= SCENES_KEPT && volumes() <= VOLUMES_KEPT) return;
+      if (scene === latest || this.isUsed(scene)) continue;
+      this.forget(scene);
       this.kept.delete(key);
     }
   }
@@ -81,7 +78,7 @@ async function run() {
   }
   const store = new Store(first, stateOfHash(location.hash, first));
 
-  const canvas = element("canvas", { tabindex: 0, role: "img", id: "picture", "aria-label":
+  const canvas = element("canvas", { tabindex: 0, role: "application", id: "picture", "aria-label":
     "The fractal. Drag to turn it, with Shift to move it; the wheel comes nearer. Arrow keys turn, plus and minus come nearer, Home goes back." });
   const exact = element("img", { class: "exact", alt: "The exact picture", hidden: true });
   const targetCanvas = element("canvas", { role: "img", "aria-label": "The target" });
@@ -100,7 +97,7 @@ async function run() {
     onState: (state, share) => { progress.value = share; },
     onError: (error) => say(`${error.message} The exact picture shows it.`, true),
   });
-  const scenes = new Scenes();
+  const scenes = new Scenes((one) => one === scene, (one) => renderer.forget(one));
 
   const shotOf = (which, state) => ({
     scene: which, live: liveValues(which, state.recipe), view: state.view ?? viewAround(which.frame, {}, stage.aspect),
@@ -142,7 +139,6 @@ async function run() {
       if (mine !== asking) return;
       scene = made;
       shownOf = key;
-      scenes.shrink(scene, (old) => renderer.forget(old));
       frameScene();
       if (said === "The scene is being made." || said === "The target is being prepared.") say("");
       controls.update(store.state);
@@ -292,6 +288,8 @@ async function run() {
     if (!stage.fit()) return;
     draw(false);
   }).observe(canvas);
+
+  canvas.addEventListener("webglcontextlost", () => say("The graphics were lost. Reload the page; the address holds the look.", true));
 
   stage.fit();
   if (scene) frameScene();

@@ -63,11 +63,6 @@ export class Renderer {
     this.nothing3D = this.texture3D([1, 1, 1], new Uint8Array(1), gl.R8, gl.UNSIGNED_BYTE, gl.NEAREST);
     this.rate = 20;  // pixels a millisecond, measured; a slow beginning blocks nobody
     this.fence = null;
-    this.lost = false;
-    canvas.addEventListener("webglcontextlost", (event) => {
-      event.preventDefault();
-      this.lost = true;
-    });
   }
 
   // ---- what the GPU holds ----

@@ -31,7 +31,7 @@ function row(label, help, read, write, usual, store, input, extra = []) {
   const name = element("label", { for: id }, label);
   const reset = () => store.change((state) => write(state, undefined));
   const line = element("div", { class: "control", title: help, ondblclick: (event) => {
-    if (event.target === name || event.target === input || event.target.type === "range") reset();
+    if (event.target === name || event.target.type === "range") reset();
   } }, name, ...extra, input);
   const back = button("↺", reset, { class: "reset", "aria-label": `Set ${label} back`, title: "Set back" });
   line.append(back);
