@@ -11,7 +11,7 @@ TORUS = ("s.obj", "--sdf-resolution", "40", "--resolution", "30", "--iterations"
 
 
 class Page(browser.BrowserTest):
-    WINDOW = "420,400"  # a small picture
+    WINDOW = "500,300"  # a small picture
 
     def show(self, *options, address=""):
         """Opens the exported page of a look."""

@@ -126,7 +126,7 @@ export function liveValues(scene, recipe) {
   // The trap was proved for the scene as it was.
   live.logTrap = null;
   const given = (name, usual) => Number(recipe[name] ?? usual);
-  if (differs("iterations") && recipe.iterations) live.iterations = Math.max(1, Math.round(given("iterations", 3)));
+  if (differs("iterations") && given("iterations", 0) >= 1) live.iterations = Math.round(given("iterations", 3));
   if (differs("slice")) live.slice = given("slice", 0) || 0;
   if (differs("power") && Number.isFinite(given("power", 8))) live.power = given("power", 8);
   if (differs("c") && recipe.c && scene.constant) live.constant = numbersIn(recipe.c, 4) ?? live.constant;
