@@ -58,8 +58,9 @@ class Page(browser.BrowserTest):
     def test_a_rational_map(self):
         top = [(0.1 * i, 0.05 * (i % 3), 0.1, 0.0, 3 + 0.5 * i) for i in range(4)]
         bottom = [(0.9, 0.3 * i, -0.4, 0.1, 2.5) for i in range(3)]
-        self.write("map.json", harness.rational_json(top, bottom, 0.5))
-        self.assertGreaterEqual(self.silhouettes("--map", "rational", "--rational", "map.json"), 0.97)
+        self.write("map.json", harness.rational_json(top, bottom, 6))
+        self.assertGreaterEqual(self.silhouettes("--map", "rational", "--rational", "map.json",
+                                                 "--box=-1,-1,-1,1,1,1"), 0.97)
 
     def test_a_cross_map(self):
         self.assertGreaterEqual(self.silhouettes("--map", "cross", "--iterations", "3"), 0.97)
