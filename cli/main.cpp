@@ -35,6 +35,7 @@ const Command kCommands[] = {
     {"slice", runSlice, "make a picture of a field on a plane"},
     {"study", runStudy, "show what a target decides whatever its versor: average membership, distance over circles"},
     {"render", runRender, "make a shaded picture of a level set, or of a map's set"},
+    {"explore", runExplore, "serve a page in the browser on which the look of a fractal is found"},
     {"plan", runPlan, "plan the tasks of a farm: tiles of a fractal, frames, or cells of a contact sheet", planKinds()},
     {"task", runTask, "make one of the tasks that a large job was cut into"},
     {"status", runStatus, "show which tasks of a plan are done, and which are missing"},

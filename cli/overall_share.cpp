@@ -49,6 +49,7 @@ const Phases kPrint = scenePhases({{"proofs", 5},
 const Phases kPlan = scenePhases({{"sample", 100}});
 const Phases kMerge = {{"checking", 10}, {"merging", 60},   {"merging grids", 20},
                        {"versor", 5},    {"attributes", 5}, {"writing", 10}};
+const Phases kExplore = scenePhases({{"writing", 5}});
 const Phases kSlice = scenePhases({{"slice", 20}, {"writing", 5}});
 const Phases kStudy = scenePhases({{"distances", 5}, {"first versor", 2}, {"versors", 60}, {"writing", 2}});
 const Phases kRender = scenePhases({{"ray tree", 5}, {"render", 60}, {"writing", 2}});
@@ -70,6 +71,7 @@ std::span<const PhaseWeight> phasesOf(std::string_view command) {
   if (command == "print") return kPrint;
   if (command == "plan") return kPlan;
   if (command == "merge") return kMerge;
+  if (command == "explore") return kExplore;
   if (command == "slice") return kSlice;
   if (command == "study") return kStudy;
   if (command == "render" || command == "sheet") return kRender;

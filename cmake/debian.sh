@@ -6,12 +6,14 @@
 BUILD_PACKAGES=(g++ cmake ninja-build libopenvdb-dev libtbb-dev libeigen3-dev liblbfgspp-dev libmuparser-dev
   libopenmesh-dev libopenimageio-dev openimageio-tools libcairo2-dev fonts-dejavu-core pkg-config libssl-dev
   nlohmann-json3-dev libmeshoptimizer-dev libboost-dev libboost-iostreams-dev libboost-program-options-dev libblosc-dev
-  zlib1g-dev libzip-dev)
+  zlib1g-dev libzip-dev libcpp-httplib-dev)
 QUICKSTART_PACKAGES=(glmark2-data)
 # slurm-wlm and parallel run the tests of farms: a true cluster, of one node. python3-dev and pybind11-dev build the Python
 # module, and python3-numpy runs it. blender runs the tests of the add-on; with what it needs, it is a download of 90 MB.
+# chromium and its driver, which Selenium speaks to, show the page of 'juliavdb explore'; 90 MB.
 TEST_PACKAGES=(dpkg-dev file groff-base libgtest-dev libbenchmark-dev libopenvdb-tools python3 python3-openvdb python3-dev
-  pybind11-dev python3-numpy libtinygltf-dev clang-format doxygen git ca-certificates slurm-wlm munge parallel blender)
+  pybind11-dev python3-numpy libtinygltf-dev clang-format doxygen git ca-certificates slurm-wlm munge parallel blender
+  chromium chromium-driver python3-selenium)
 
 # Installs those of the given packages that are missing.
 install_packages() {

@@ -23,6 +23,7 @@ int runSheet(const Arguments& arguments);
 int runSlice(const Arguments& arguments);
 int runStudy(const Arguments& arguments);
 int runRender(const Arguments& arguments);
+int runExplore(const Arguments& arguments);
 int runTask(const Arguments& arguments);
 int runStatus(const Arguments& arguments);
 int runSubmit(const Arguments& arguments);

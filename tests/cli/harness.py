@@ -54,7 +54,7 @@ def restore_interrupt():
 
 COMMANDS = ("sdf", "fractal", "fit", "mesh", "versor", "sheet", "slice", "study", "render", "info", "maps",
             "points", "print",
-            "task", "status", "merge", "submit")
+            "task", "status", "merge", "submit", "explore")
 
 
 def quiet(arguments):

@@ -29,6 +29,7 @@ ORDER = [
     "vdbtools/maps",
     "vdbtools/job",
     "vdbtools/farm",
+    "vdbtools/explore",
     "cli",
     "python",
 ]

@@ -40,6 +40,14 @@ Facts hashesOf(const FractalOptions& options) {
   return facts;
 }
 
+/// A target as far as its space and its exponent ask for it.
+struct PlacedTarget {
+  PlacedSpace placed;
+  Target target;
+  std::optional<ExponentGridOptions> exponentOf;
+  std::optional<ExponentGrid> exponent;
+};
+
 /// What one target gives to all scenes over it, each part made when it is first asked for.
 class SharedTarget {
  public:
@@ -57,6 +65,7 @@ class SharedTarget {
     return *mSurvey;
   }
   bool surveyAsked() const { return mSurveyAsked; }  ///< by this scene
+  void setSurveyAsked(bool asked) { mSurveyAsked = asked; }
 
   /// The fine distances, at least as far from the surface as asked for.
   const Target& target(const BandWidths& widths, Monitor& monitor) {
@@ -64,12 +73,22 @@ class SharedTarget {
     if (mTarget && wide && deep) return *mTarget;
     // Whoever asks again will ask for more once more: what is made again is made much wider.
     constexpr double kMore = 4;
-    if (!wide) mWidths.exterior = std::max(widths.exterior, kMore * mWidths.exterior);
-    if (!deep) mWidths.interior = std::max(widths.interior, kMore * mWidths.interior);
-    mTarget = std::isfinite(mWidths.interior) || !mTarget ? mInput->make(mWidths, monitor)
-                                                          : mInput->deepened(*mTarget, mWidths, monitor);
+    BandWidths made = mWidths;
+    if (!wide) made.exterior = std::max(widths.exterior, kMore * mWidths.exterior);
+    if (!deep) made.interior = std::max(widths.interior, kMore * mWidths.interior);
+    mTarget = std::isfinite(made.interior) || !mTarget ? mInput->make(made, monitor)
+                                                       : mInput->deepened(*mTarget, made, monitor);
+    mWidths = made;  // only now: whoever is interrupted before may ask again
     return *mTarget;
   }
+
+  /// The latest exponent and what it was made of, for scenes that differ in their maps only.
+  struct Placed {
+    std::string madeOf;
+    PlacedTarget target;
+    bool surveyAsked = false;  ///< for it
+  };
+  std::optional<Placed> placed;
 
  private:
   TargetOptions mOptions;
@@ -78,14 +97,6 @@ class SharedTarget {
   bool mSurveyAsked = false;
   std::optional<Target> mTarget;
   BandWidths mWidths;
-};
-
-/// A target as far as its space and its exponent ask for it.
-struct PlacedTarget {
-  PlacedSpace placed;
-  Target target;
-  std::optional<ExponentGridOptions> exponentOf;
-  std::optional<ExponentGrid> exponent;
 };
 
 /// Where the origin is, as --origin takes it.
@@ -136,8 +147,30 @@ BandWidths widthsOf(const FractalOptions& options, const TargetInput& input, con
 
 constexpr double kWholeInside = std::numeric_limits<double>::infinity();
 
+/// Everything of a recipe that the exponent over a target depends on, as text.
+/// @param hashes  of the files that the controls read
+std::string exponentText(const FractalOptions& options, const ShellSettings& shell, const Facts& hashes) {
+  const SpaceOptions& space = options.space;
+  const julia::OrbitOptions orbit = orbitOf(options);
+  const Vec3d near = space.near.value_or(Vec3d(0));
+  std::string text = numbersText({static_cast<double>(space.kind), static_cast<double>(space.origin), space.at[0],
+                                  space.at[1], space.at[2], space.near ? 1.0 : 0.0, near[0], near[1], near[2],
+                                  space.shift[0], space.shift[1], space.shift[2], options.map->interiorReach(),
+                                  static_cast<double>(orbit.maxIterations), orbit.escapeRadius, orbit.logTrap,
+                                  orbit.confirmTrap ? 1.0 : 0.0, static_cast<double>(shell.interpolation)});
+  for (const auto& control : {shell.alpha, shell.beta, shell.detail, shell.outward, shell.mask})
+    text += '\n' + (control ? control->text() : std::string());
+  for (const auto& [name, hash] : hashes) text += '\n' + name + ' ' + hash;
+  return text;
+}
+
 PlacedTarget placeShell(const FractalOptions& options, const ShellSettings& shell, SharedTarget& shared,
-                        Monitor& monitor) {
+                        const Facts& hashes, Monitor& monitor) {
+  const std::string madeOf = exponentText(options, shell, hashes);
+  if (shared.placed && shared.placed->madeOf == madeOf) {
+    if (shared.placed->surveyAsked) shared.setSurveyAsked(true);
+    return shared.placed->target;
+  }
   const TargetInput& input = shared.input();
   PlacedTarget result;
   const FloatGrid* phi = needsInscribedBall(options.space) ? shared.survey(monitor).phi().get() : nullptr;
@@ -153,6 +186,7 @@ PlacedTarget placeShell(const FractalOptions& options, const ShellSettings& shel
     widths.interior = kWholeInside;
     make();
   }
+  shared.placed = {madeOf, result, shared.surveyAsked()};
   return result;
 }
 
@@ -309,9 +343,10 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
     SharedTarget& shared = *mShared->target;
     shared.beginScene();
     shape = shared.input().box();
-    scene.facts.merge(hashesOf(options));
+    scene.facts = hashesOf(options);
     scene.targetMesh = transferredMesh(options, shared.input());
-    PlacedTarget target = shell ? placeShell(options, *shell, shared, monitor) : placeTarget(options, shared, monitor);
+    PlacedTarget target =
+        shell ? placeShell(options, *shell, shared, scene.facts, monitor) : placeTarget(options, shared, monitor);
     scene.target = std::move(target.target);
     scene.exponentOf = std::move(target.exponentOf);
     scene.exponent = std::move(target.exponent);

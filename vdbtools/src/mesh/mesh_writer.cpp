@@ -2,6 +2,7 @@
 #include "vdbtools/mesh/mesh_writer.h"
 
 #include "mesh/gltf_file.h"
+#include "mesh/mesh_comments.h"
 #include "mesh/mesh_encoder.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
@@ -231,20 +232,8 @@ std::map<std::string, std::string> readMeshComments(const std::filesystem::path&
   std::ifstream file(path, std::ios::binary);
   if (!file) throw MissingInputError("cannot open '" + path.string() + "'");
   const std::string extension = lowerExtension(path);
-  std::map<std::string, std::string> comments;
   if (extension == ".glb") return readGltfExtras(path);
-  if (extension != ".ply" && extension != ".obj") return comments;
-  const std::string prefix = (extension == ".ply" ? "comment " : "# ") + std::string(kCommentMark);
-  for (std::string line; std::getline(file, line);) {
-    // The comments stand at the head of the file: magic and format before them, geometry after.
-    if (line.rfind(prefix, 0) == 0) {
-      const std::size_t space = line.find(' ', prefix.size());
-      if (space != std::string::npos)
-        comments[line.substr(prefix.size(), space - prefix.size())] = line.substr(space + 1);
-    } else if (line.rfind("ply", 0) != 0 && line.rfind("format", 0) != 0) {
-      break;
-    }
-  }
+  std::map<std::string, std::string> comments = readMeshComments(file, extension);
   if (file.bad()) throw IoError("reading '" + path.string() + "' broke off");
   return comments;
 }

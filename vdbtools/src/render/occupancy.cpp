@@ -31,7 +31,7 @@ struct Cube {
 
 Occupancy::Occupancy(const julia::FieldEvaluator& evaluator, const openvdb::BBoxd& box, int cells, Monitor& monitor)
     : mOrigin(box.min()), mCell(box.extents()[static_cast<int>(openvdb::math::MaxIndex(box.extents()))] / cells) {
-  Coord count;
+  Coord& count = mCount;
   for (int axis = 0; axis < 3; ++axis)
     count[axis] = std::max(1, static_cast<int>(std::ceil(box.extents()[axis] / mCell)));
   // One more on each side, for samples that rounding puts beyond a face.

@@ -16,6 +16,11 @@ class Occupancy {
   /// @param cells  cubes along the longest side of the box
   Occupancy(const julia::FieldEvaluator& evaluator, const openvdb::BBoxd& box, int cells, Monitor& monitor);
 
+  openvdb::Coord count() const { return mCount; }  ///< cubes along the axes of the box, rounded up
+  double cell() const { return mCell; }            ///< the side of a cube
+  /// Whether the set may be in a cube.
+  bool holds(const openvdb::Coord& cube) const { return mCells.isValueOn(cube); }
+
   /// For one thread.
   class Walker {
    public:
@@ -38,6 +43,7 @@ class Occupancy {
  private:
   openvdb::Vec3d mOrigin;  ///< the corner of cube (0, 0, 0)
   double mCell = 0;        ///< side of a cube
+  openvdb::Coord mCount;
   openvdb::MaskTree mCells;
 };
 

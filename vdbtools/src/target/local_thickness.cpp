@@ -227,7 +227,14 @@ double thicknessSlope(double detail) {
   return std::min(kThicknessSlope, kDepthSlope / std::max(detail, kDepthSlope));
 }
 
-LocalThickness localThickness(const FloatGrid& phi, Monitor& monitor, double slope) {
+struct ThicknessFinder::Found {
+  CoordBBox nodes;
+  double voxel = 0;    ///< world units
+  Lattice depth, tau;  ///< voxels; tau is not limited yet
+  openvdb::math::Transform::Ptr transform;
+};
+
+ThicknessFinder::ThicknessFinder(const FloatGrid& phi, Monitor& monitor) {
   const double voxel = phi.voxelSize()[0];
   CoordBBox nodes = insideNodes(phi);
   // Slopes are read two nodes beyond the inside, and what is read farther away is the nearest face's value.
@@ -251,6 +258,13 @@ LocalThickness localThickness(const FloatGrid& phi, Monitor& monitor, double slo
   }
   markThinParts(depth, tau);
   extend(tau);
+  mFound = std::make_shared<const Found>(Found{nodes, voxel, std::move(depth), std::move(tau), phi.transform().copy()});
+}
+
+LocalThickness ThicknessFinder::limitedTo(double slope, Monitor& monitor) const {
+  const double voxel = mFound->voxel;
+  const Lattice& depth = mFound->depth;
+  Lattice tau = mFound->tau;
   limitSlope(tau, static_cast<float>(slope));
   monitor.throwIfCancelled();
   smooth(tau, monitor);
@@ -269,11 +283,15 @@ LocalThickness localThickness(const FloatGrid& phi, Monitor& monitor, double slo
   result.greatest = greatest;
   result.leastAnywhere = leastAnywhere;
   result.tau = FloatGrid::create(greatest);
-  result.tau->setTransform(phi.transform().copy());
+  result.tau->setTransform(mFound->transform->copy());
   result.tau->setName("tau");
   // A tolerance of -1 keeps every node active.
-  openvdb::tools::copyFromDense(openvdb::tools::Dense<float>(nodes, tau.values.data()), *result.tau, -1.0f);
+  openvdb::tools::copyFromDense(openvdb::tools::Dense<float>(mFound->nodes, tau.values.data()), *result.tau, -1.0f);
   return result;
+}
+
+LocalThickness localThickness(const FloatGrid& phi, Monitor& monitor, double slope) {
+  return ThicknessFinder(phi, monitor).limitedTo(slope, monitor);
 }
 
 }  // namespace vdbtools

@@ -47,7 +47,11 @@ class ThicknessField final : public ControlField {
 const LocalThickness& TargetSurvey::thickness(Monitor& monitor, double slope) {
   const auto found = mThickness.find(slope);
   if (found != mThickness.end()) return found->second;
-  return mThickness.emplace(slope, localThickness(*mPhi, monitor, slope)).first->second;
+  constexpr std::size_t kMost = 8;  // slopes; whoever looks for a depth of detail by hand tries hundreds
+  if (!mFinder) mFinder.emplace(*mPhi, monitor);
+  LocalThickness limited = mFinder->limitedTo(slope, monitor);
+  if (mThickness.size() >= kMost) mThickness.clear();
+  return mThickness.emplace(slope, std::move(limited)).first->second;
 }
 
 Control thicknessControl(const LocalThickness& thickness) {

@@ -10,6 +10,8 @@
 #include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
 
+#include <memory>
+
 namespace vdbtools {
 
 /// World units of thickness by world units of length: along the faces of a convex body tau grows from its edges about
@@ -37,5 +39,20 @@ struct LocalThickness {
 /// @throw DataError    phi is nowhere negative
 /// @throw Interrupted
 LocalThickness localThickness(const openvdb::FloatGrid& phi, Monitor& monitor, double slope = kThicknessSlope);
+
+/// The same for one slope after another: what does not depend on the slope, which is most of the work, is done once.
+class ThicknessFinder {
+ public:
+  /// @param phi  as above
+  /// @throw DataError, Interrupted
+  ThicknessFinder(const openvdb::FloatGrid& phi, Monitor& monitor);
+
+  /// @throw Interrupted
+  LocalThickness limitedTo(double slope, Monitor& monitor) const;
+
+ private:
+  struct Found;
+  std::shared_ptr<const Found> mFound;
+};
 
 }  // namespace vdbtools

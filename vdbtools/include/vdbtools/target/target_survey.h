@@ -23,12 +23,14 @@ class TargetSurvey {
 
   const openvdb::FloatGrid::ConstPtr& phi() const { return mPhi; }
 
-  /// The local thickness for a slope, found when it is first asked for.
+  /// The local thickness for a slope, found when it is first asked for. It lives until a few other slopes were asked
+  /// for.
   /// @throw DataError, Interrupted  as localThickness()
   const LocalThickness& thickness(Monitor& monitor, double slope = kThicknessSlope);
 
  private:
   openvdb::FloatGrid::ConstPtr mPhi;
+  std::optional<ThicknessFinder> mFinder;
   std::map<double, LocalThickness> mThickness;  ///< by the slope
 };
 

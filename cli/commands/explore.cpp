@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands.h"
+
+#include "exit_code.h"
+#include "interruption.h"
+#include "options.h"
+#include "output.h"
+#include "report.h"
+
+#include "vdbtools/base/errors.h"
+#include "vdbtools/explore/explore_server.h"
+#include "vdbtools/job/fractal_options.h"
+
+#include <csignal>
+#include <iostream>
+#include <ostream>
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <unistd.h>
+
+namespace po = boost::program_options;
+
+namespace cli {
+namespace {
+
+constexpr Usage kUsageText = {"explore", "MESH|SDF.vdb [--folder DIR] [--port N] [options of fractal]",
+                              "Serves one page in the browser, on which the look of a fractal is found: live, with a "
+                              "slider for every option. From\n"
+                              "there the files can be made. The address is printed on stdout; whoever has it may use "
+                              "the page, so it holds a random\n"
+                              "key. The server ends with Ctrl-C. Without a target it takes the maps that need none.",
+                              "  juliavdb explore bunny.obj\n"
+                              "  juliavdb explore bunny.obj --detail 0.6 --folder looks --port 8017\n"
+                              "  juliavdb explore --map mandelbulb\n"
+                              "  juliavdb explore bunny.obj --versor-seed 7 --export look.html\n",
+                              "fractal"};
+
+/// Shares by the weights of 'juliavdb fractal'.
+class FractalShare final : public vdbtools::WorkShare {
+ public:
+  FractalShare() { mShare.begin("reading"); }
+  void begin(std::string_view phase) override { mShare.begin(phase); }
+  double at(double fraction) override { return mShare.at(fraction); }
+
+ private:
+  OverallShare mShare{phasesOf("fractal")};
+};
+
+/// Cancels once the program is to end. The files that were made are there, so the usual words for an interruption would
+/// be wrong: the watcher of signals ends what does not end by itself, and says nothing.
+class UntilInterrupted final : public vdbtools::Monitor {
+ public:
+  bool cancelled() const override {
+    if (!interrupted()) return false;
+    takeLastWord();
+    return true;
+  }
+};
+
+/// Shows the page in the user's browser, if there is one.
+void openBrowser(const std::string& url) {
+  std::string program = "xdg-open", address = url;
+  char* const arguments[] = {program.data(), address.data(), nullptr};
+  posix_spawn_file_actions_t actions;
+  ::posix_spawn_file_actions_init(&actions);
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    ::posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_RDWR, 0);
+  // This program blocks the signals that end it, and its children would inherit that. Ctrl-C is not for the browser.
+  posix_spawnattr_t attributes;
+  ::posix_spawnattr_init(&attributes);
+  sigset_t none;
+  sigemptyset(&none);
+  ::posix_spawnattr_setsigmask(&attributes, &none);
+  ::posix_spawnattr_setpgroup(&attributes, 0);
+  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
+  pid_t child = 0;
+  if (::posix_spawnp(&child, program.c_str(), &actions, &attributes, arguments, environ) != 0)
+    report().text() << "the browser could not be started; open the address yourself\n";
+  ::posix_spawnattr_destroy(&attributes);
+  ::posix_spawn_file_actions_destroy(&actions);
+}
+
+int exportLook(const CommandLine& line, const vdbtools::Recipe& given, Progress& progress) {
+  Outputs outputs;
+  std::ostream& file = outputs.add("export", line.text("export"), ".html").stream();
+  const std::string page = vdbtools::exportedPage(given, progress);
+  progress.begin("writing", 0);
+  file << page;
+  outputs.commit();
+  report().count("bytes", static_cast<double>(page.size()));
+  report().text() << "wrote " << outputs.names() << ": " << page.size() << " bytes\n";
+  return kDone;
+}
+
+}  // namespace
+
+int runExplore(const Arguments& arguments) {
+  CommandLine line(kUsageText, vdbtools::fractalOptionTable());
+  const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
+  line.addOptions()("folder", text("DIR"), "where the page makes files (default: the working directory)")(
+      "port", text("N"), "the port to listen at (default 0: any that is free)")(
+      "bind", text("ADDRESS"),
+      "the IP address to listen at (default 127.0.0.1: only programs of this machine reach it). With any other, what "
+      "the "
+      "page and the server say can be read on the network, the key among it")(
+      "open", text("yes|no"),
+      "show the page in the browser (default no: the address would stand in the list of processes, where other users "
+      "of "
+      "this machine see it)")("export", text("F.html"),
+                              "write the first look as one HTML file that needs no server, and end");
+  addSearchOption(line);
+  if (!line.parse(arguments)) return kDone;
+  const vdbtools::Recipe given = givenSceneRecipe(line, line.text("input"));
+  const bool open = line.has("open") && line.choice<bool>("open", {{"yes", true}, {"no", false}});
+  const auto style = parseProgressStyle(line.has("progress") ? line.text("progress") : "bar");
+  if (line.has("export")) {
+    for (const char* option : {"folder", "port", "bind", "open"})
+      if (line.has(option))
+        throw std::invalid_argument(std::string("--") + option + " is for the server, and --export needs none");
+    Progress progress(style, "explore");
+    return exportLook(line, given, progress);
+  }
+  vdbtools::ExploreOptions options{
+      .given = given, .folder = line.text("folder"), .makeShare = [] { return std::make_unique<FractalShare>(); }};
+  if (line.has("port")) options.port = line.integer("port", 0, 65535);
+  if (line.has("bind")) options.address = line.text("bind");
+  if (!vdbtools::isLoopback(options.address))
+    report().text()
+        << "warning: the page is served to the network, without encryption; whoever reads along has its key\n";
+  std::unique_ptr<vdbtools::ExploreServer> server;
+  {
+    Progress progress(style, "explore");
+    server = std::make_unique<vdbtools::ExploreServer>(options, progress);
+  }
+  std::cout << server->url() << std::endl;
+  if (!std::cout) throw vdbtools::IoError("writing to the standard output failed");
+  if (open) openBrowser(server->url());
+  server->serve(UntilInterrupted());
+  server.reset();
+  return kDone;
+}
+
+}  // namespace cli

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the tests in a real browser share: Chromium without a display, with software for a GPU."""
+
+import shutil
+import sys
+
+from server import harness
+
+try:
+    from selenium import webdriver
+    from selenium.webdriver.chrome.options import Options
+    from selenium.webdriver.chrome.service import Service
+    from selenium.webdriver.common.by import By
+    from selenium.webdriver.support.ui import WebDriverWait
+except ImportError:
+    webdriver = None
+
+PATIENCE = 120  # seconds
+
+
+def missing():
+    if webdriver is None:
+        return "python3-selenium"
+    return next((name for name in ("chromium", "chromedriver") if not shutil.which(name)), None)
+
+
+def main():
+    """Runs the tests of the script, or says what they need."""
+    if missing():
+        print(f"skipped: {missing()} is not installed")
+        sys.exit(0)
+    harness.main()
+
+
+class BrowserTest(harness.CliTest):
+    WINDOW = "900,700"
+
+    def setUp(self):
+        super().setUp()
+        options = Options()
+        options.binary_location = shutil.which("chromium")
+        for word in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-angle=swiftshader",
+                     "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", f"--window-size={self.WINDOW}",
+                     "--no-first-run", "--disable-background-networking", "--disable-component-update",
+                     f"--user-data-dir={self.path('profile')}"):
+            options.add_argument(word)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        self.driver = webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
+        self.addCleanup(self.driver.quit)
+        self.driver.set_page_load_timeout(PATIENCE)
+        self.driver.set_script_timeout(PATIENCE)
+
+    def wait_until(self, condition, what):
+        try:
+            WebDriverWait(self.driver, PATIENCE, 0.3).until(lambda _: condition())
+        except Exception as error:
+            raise AssertionError(f"{what} did not come: {self.driver.get_log('browser')}") from error
+
+    def find(self, selector):
+        return self.driver.find_element(By.CSS_SELECTOR, selector)
+
+    def finds(self, selector):
+        return self.driver.find_elements(By.CSS_SELECTOR, selector)
+
+    def button(self, text):
+        return self.driver.find_element(By.XPATH, f"//button[normalize-space()='{text}']")
+
+    def run_script(self, script, *values):
+        return self.driver.execute_script(script, *values)
+
+    def errors(self):
+        return [entry for entry in self.driver.get_log("browser") if entry["level"] in ("SEVERE", "ERROR")]

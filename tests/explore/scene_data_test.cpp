@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the page is told of a scene is what the scene evaluates.
+#include "explore/scene_data.h"
+
+#include "explore/export_page.h"
+#include "support/test_fields.h"
+#include "support/test_meshes.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/explore/embedded_page.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/job/fractal_job.h"
+
+#include "julia/brick_field.h"
+#include "julia/shape_modulus.h"
+
+#include <gtest/gtest.h>
+
+#include <openvdb/math/Half.h>
+
+#include <algorithm>
+#include <any>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+namespace {
+
+using namespace vdbtools;
+using nlohmann::json;
+
+class SceneDataTest : public testing::Test {
+ protected:
+  SceneDataTest() { openvdb::initialize(); }
+
+  Scene scene(Recipe recipe) {
+    recipe.emplace("resolution", "40");
+    return makeScene(parseFractalOptions(recipe), mMonitor);
+  }
+  /// A ball as a narrow band.
+  Recipe target() {
+    const auto distance = [](const openvdb::Vec3d& x) { return x.length() - 0.45; };
+    const std::string path = mFolder.path() / "ball.vdb";
+    std::ofstream(path, std::ios::binary)
+        << encodeVdb({test_fields::bandGrid(distance, 0.025, 0.1)}, {.half = false, .metadata = {}});
+    return {{"input", path}};
+  }
+
+  Monitor mMonitor;
+  test_meshes::TemporaryFolder mFolder;
+};
+
+/// E as the page's shader reads it: trilinearly between the nodes of the volume.
+class PageVolume {
+ public:
+  explicit PageVolume(const SceneData& data) : mData(data), mEntry(data.description.at("exponent")) {
+    mDims = mEntry.at("dims").get<std::array<int, 3>>();
+  }
+
+  double at(const julia::Point& x) const {
+    std::array<double, 3> part{};
+    std::array<int, 3> cell{};
+    for (std::size_t row = 0; row < 3; ++row) {
+      double node = mEntry.at("offset").at(row).get<double>();
+      for (std::size_t column = 0; column < 3; ++column)
+        node += mEntry.at("matrix").at(row).at(column).get<double>() * x[column];
+      node = std::clamp(node, 0.0, mDims[row] - 1.0);
+      cell[row] = std::min(static_cast<int>(node), mDims[row] - 2);
+      part[row] = node - cell[row];
+    }
+    double sum = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      double weight = 1;
+      std::array<int, 3> node{};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const int up = corner >> axis & 1;
+        weight *= up ? part[axis] : 1 - part[axis];
+        node[axis] = cell[axis] + up;
+      }
+      sum += weight * nodeAt(node);
+    }
+    return sum;
+  }
+
+ private:
+  double nodeAt(const std::array<int, 3>& node) const {
+    const auto index = static_cast<std::size_t>((node[2] * mDims[1] + node[1]) * mDims[0] + node[0]);
+    openvdb::math::half value;
+    std::uint16_t bits = 0;
+    std::memcpy(&bits, mData.volume.data() + 2 * index, sizeof bits);
+    value.setBits(bits);
+    return static_cast<double>(static_cast<float>(value));
+  }
+
+  const SceneData& mData;
+  const json& mEntry;
+  std::array<int, 3> mDims{};
+};
+
+TEST_F(SceneDataTest, theVolumeIsTheExponentWithinItsError) {
+  Recipe recipe = target();
+  recipe["alpha"] = "12";
+  const Scene made = scene(recipe);
+  const SceneData data = sceneData(made, {}, mMonitor);
+  const auto shape = std::any_cast<julia::ShapeModulusDescription>(made.evaluator->describe().map);
+  const julia::BrickField<double> exponent(shape.exponent->bricks, shape.exponent->placement);
+  const PageVolume volume(data);
+  const double error = data.description.at("exponent").at("error").get<double>();
+  ASSERT_LT(error, 0.01);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> coordinate(-0.8, 0.8);
+  int undecided = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const julia::Point x{coordinate(random), coordinate(random), coordinate(random)};
+    double expected = 0;
+    exponent.sample({&x[0], 1}, {&x[1], 1}, {&x[2], 1}, {&expected, 1});
+    EXPECT_NEAR(volume.at(x), expected, error + 1e-5) << x[0] << ' ' << x[1] << ' ' << x[2];
+    undecided += std::abs(expected) < 1 ? 1 : 0;
+  }
+  EXPECT_GT(undecided, 100) << "the points say nothing of the shell";
+}
+
+TEST_F(SceneDataTest, aCoarserVolumeReadsTheSameExponent) {
+  const Scene made = scene(target());
+  const SceneData data = sceneData(made, {.side = 24}, mMonitor);
+  EXPECT_LE(data.description.at("exponent").at("dims").at(0).get<int>(), 24);
+  EXPECT_GT(data.description.at("exponent").at("coarser").get<double>(), 1.5);
+  // Of the ball, E is a function of the distance from its middle.
+  const PageVolume volume(data);
+  for (const double r : {0.42, 0.46, 0.5, 0.54})
+    EXPECT_NEAR(volume.at({r, 0, 0}), volume.at({0, 0, -r}), 0.1 * (1 + std::abs(volume.at({r, 0, 0})))) << r;
+  EXPECT_LT(volume.at({0.4, 0, 0}), volume.at({0.6, 0, 0}));
+  EXPECT_THROW(sceneData(made, {.side = 300}, mMonitor), std::invalid_argument);
+}
+
+TEST_F(SceneDataTest, theSetIsWithinTheOccupiedCubes) {
+  const Scene made = scene({{"map", "quadratic"}, {"c", "-0.2,0.6,0.2,0.2"}});
+  const SceneData data = sceneData(made, {}, mMonitor);
+  EXPECT_TRUE(data.volume.empty());
+  const json& cubes = data.description.at("occupancy");
+  const auto dims = cubes.at("dims").get<std::array<int, 3>>();
+  const auto origin = cubes.at("origin").get<julia::Point>();
+  const double cell = cubes.at("cell").get<double>();
+  constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  const std::string bits = cubes.at("bits").get<std::string>();
+  const auto isOccupied = [&](std::size_t index) {
+    const std::size_t byte = index / 8, digit = byte * 8 / 6;
+    // The byte stands in two digits of base 64.
+    const auto value = kAlphabet.find(bits.at(digit)) << 6 | kAlphabet.find(bits.at(digit + 1));
+    return (value >> (12 - 8 - byte * 8 % 6) >> index % 8 & 1) != 0;
+  };
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> share(0, 1);
+  int inside = 0, skipped = 0;
+  for (int i = 0; i < 20000; ++i) {
+    julia::Point x{};
+    std::size_t index = 0;
+    for (std::size_t axis = 3; axis-- > 0;) {
+      x[axis] = origin[axis] + share(random) * cell * dims[axis];
+      index = index * static_cast<std::size_t>(dims[axis]) + static_cast<std::size_t>((x[axis] - origin[axis]) / cell);
+    }
+    double field = 0;
+    made.evaluator->evaluate({&x, 1}, {&field, 1}, {});
+    EXPECT_TRUE(field >= 0 || isOccupied(index)) << x[0] << ' ' << x[1] << ' ' << x[2];
+    inside += field < 0 ? 1 : 0;
+    skipped += isOccupied(index) ? 0 : 1;
+  }
+  EXPECT_GT(inside, 200);
+  EXPECT_GT(skipped, 5000) << "nothing is skipped";
+}
+
+TEST(Base64, isThatOfTheStandard) {
+  // RFC 4648, section 10.
+  EXPECT_EQ(base64(""), "");
+  EXPECT_EQ(base64("f"), "Zg==");
+  EXPECT_EQ(base64("fo"), "Zm8=");
+  EXPECT_EQ(base64("foo"), "Zm9v");
+  EXPECT_EQ(base64("foob"), "Zm9vYg==");
+  EXPECT_EQ(base64(std::string_view("\xff\x00\xfe", 3)), "/wD+");
+}
+
+TEST(BundledScript, holdsEveryModuleOnceAndImportsNothing) {
+  const std::string script = bundledScript();
+  EXPECT_EQ(script.find("\nimport "), std::string::npos);
+  EXPECT_EQ(script.find("\nexport "), std::string::npos);
+  for (const PageFile& file : embeddedPage()) {
+    if (!file.name.ends_with(".js")) continue;
+    // What each module says first.
+    const std::string_view text = file.bytes;
+    const std::size_t from = text.find("\n// ") + 1;
+    const std::string line(text.substr(from, text.find('\n', from) - from));
+    const std::size_t at = script.find(line);
+    EXPECT_NE(at, std::string::npos) << file.name;
+    EXPECT_EQ(script.find(line, at + 1), std::string::npos) << file.name;
+  }
+}
+
+TEST_F(SceneDataTest, anExportedPageAsksForNothing) {
+  const Scene made = scene({{"map", "cross"}, {"f", "x<1 ? x : y,y*y,z*z"}, {"g", "cos(x),cos(y),cos(z)"}});
+  const std::string page = exportPage(made, {{"map", "cross"}}, {}, mMonitor);
+  EXPECT_EQ(page.find("src="), std::string::npos);
+  EXPECT_EQ(page.find("href=\"page"), std::string::npos);
+  EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
+  // No text of the user's can end the script that it stands in.
+  const std::size_t data = page.find("id=\"exported\">");
+  ASSERT_NE(data, std::string::npos);
+  const std::size_t begin = data + std::strlen("id=\"exported\">"), end = page.find("</script>", begin);
+  const json start = json::parse(page.substr(begin, end - begin));
+  EXPECT_EQ(start.at("scene").at("f"), "x<1 ? x : y,y*y,z*z");
+}
+
+}  // namespace

@@ -1,0 +1,351 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""What the server of `juliavdb explore` answers to its page."""
+
+import concurrent.futures
+import json
+import pathlib
+import struct
+import subprocess
+import time
+
+import server
+from server import QUICK, Server, harness
+
+
+class Page(harness.CliTest):
+
+    def setUp(self):
+        super().setUp()
+        self.write("s.obj", harness.obj(harness.torus(around=24, across=12)))
+
+    def serve(self, *arguments):
+        running = Server(self.folder, *arguments)
+        self.addCleanup(running.kill)
+        return running
+
+    # ------------------------------------------------------------------------------------------------ what it knows
+
+    def test_the_page_and_all_its_files(self):
+        page = self.serve("s.obj", *QUICK)
+        status, headers, body = page.raw("GET", "")
+        self.assertEqual((status, headers["Content-Type"]), (200, "text/html; charset=utf-8"))
+        self.assertTrue(body.startswith(b"<!DOCTYPE html>"))
+        self.assertEqual(page.raw("GET", "page/index.html")[2], body)
+        self.assertEqual(page.raw("GET", "page/nothing.js")[0], 404)
+        status, _, empty = page.raw("HEAD", "")
+        self.assertEqual((status, empty), (200, b""))
+
+    def test_start(self):
+        page = self.serve("s.obj", "--detail", "0.4", *QUICK)
+        status, start = page.get("start")
+        self.assertEqual(status, 200)
+        self.assertEqual(start["recipe"]["detail"], "0.4")
+        self.assertNotIn("alpha", start["recipe"], "it is what was given, not completed")
+        self.assertEqual(start["target"]["triangles"], 24 * 12 * 2)
+        self.assertEqual(start["target"]["name"], "s.obj")
+        self.assertEqual(start["folder"], str(self.folder))
+        options = {option["name"]: option for option in start["options"]}
+        self.assertEqual(options["detail"]["alternative"], "alpha" if "alternative" in options["alpha"] else
+                         options["detail"]["alternative"])
+        self.assertIn("shape-modulus", options["detail"]["maps"])
+        self.assertEqual(options["power"]["maps"], ["mandelbulb"])
+        listed = {line.split()[0] for line in self.run_program("versor", "list").stdout.decode().splitlines() if line}
+        for texture in start["textures"]:
+            self.assertIn(texture["name"], listed)
+        self.assertIn("vdb", start["formats"])
+
+    def test_every_default_of_an_option_is_that_of_the_command(self):
+        # A seed would make the texture another by default.
+        words = ("--sdf-resolution", "32", "--resolution", "24", "--iterations", "3")
+        page = self.serve("s.obj", *words)
+        start = page.get("start")[1]
+        self.ok("fractal", "s.obj", *words, "--mesh", "x.ply")
+        made = harness.read_ply(self.bytes("x.ply")).comments
+        for option in start["options"]:
+            default = option["defaults"].get("shape-modulus")
+            name = "julia_" + option["name"].replace("-", "_")
+            if default is not None and option["name"] not in start["recipe"] and name in made:
+                self.assertEqual(made[name], default, option["name"])
+
+    def test_without_a_target(self):
+        page = self.serve("--map", "mandelbulb", "--resolution", "20")
+        self.assertIsNone(page.get("start")[1]["target"])
+        self.assertEqual(page.get("target")[0], 404)
+        status, scene = page.post("scene", {"recipe": {"map": "mandelbulb", "power": "7"}})
+        self.assertEqual(status, 200, scene)
+        self.assertEqual(scene["power"], 7)
+
+    # ------------------------------------------------------------------------------------------------------- scenes
+
+    def test_a_scene_and_its_volume(self):
+        page = self.serve("s.obj", *QUICK)
+        status, scene = page.post("scene", {"recipe": page.recipe(detail="0.3")})
+        self.assertEqual(status, 200, scene)
+        exponent = scene["exponent"]
+        status, volume = page.get("volume/" + exponent["id"])
+        self.assertEqual(status, 200)
+        x, y, z = exponent["dims"]
+        self.assertEqual(len(volume), 2 * x * y * z)
+        self.assertEqual(page.get("volume/" + "0" * 32)[0], 404)
+
+    def test_what_the_command_would_say_is_what_the_page_is_told(self):
+        page = self.serve("s.obj", *QUICK)
+        for wrong in ({"detail": "2"}, {"versor": "nosuch"}, {"nosuch": "1"}, {"iterations": "x"},
+                      {"map": "rational"}, {"slice": "nan"}):
+            recipe = page.recipe(**wrong)
+            status, answer = page.post("scene", {"recipe": recipe})
+            words = [f"--{name}={value}" for name, value in recipe.items() if name != "input"]
+            run = self.run_program("fractal", "s.obj", *words, "-o", "x.vdb")
+            if run.returncode == 0:
+                self.assertEqual(status, 200, (wrong, answer))
+                continue
+            self.assertIn(status, (400, 422), wrong)
+            if "nosuch" not in wrong:
+                self.assertEqual(f"juliavdb: {answer['error']}", run.stderr.decode().strip(), wrong)
+
+    def test_bodies_that_are_none(self):
+        page = self.serve("s.obj", *QUICK)
+        for body in (b"", b"{", b"[]", b"1", b"null", b'{"recipe": []}', b'{"recipe": {"detail": 1}}', b"[" * 60000,
+                     b'{"recipe": {}}' + b"x", bytes(range(256)), b'{"recipe": {"detail": "\\ud800"}}'):
+            for path in ("scene", "picture", "make", "command"):
+                status, _, answer = page.raw("POST", path, body, {"Content-Type": "application/json"})
+                self.assertIn(status, (400, 422), (path, body[:30], answer))
+                self.assertIn("error", json.loads(answer))
+        self.assertEqual(page.get("jobs")[0], 200)
+
+    def test_the_latest_scene_wins(self):
+        page = self.serve("s.obj", "--resolution", "30", "--sdf-resolution", "150")
+        # Each needs distances of its own, so the first is at work for a while.
+        with concurrent.futures.ThreadPoolExecutor(5) as threads:
+            asked = []
+            for resolution in (161, 162, 163, 164, 165):
+                asked.append(threads.submit(page.post, "scene",
+                                            {"recipe": page.recipe(sdf_resolution=resolution)}))
+                time.sleep(0.05)
+            statuses = [answer.result()[0] for answer in asked]
+        self.assertEqual(statuses[-1], 200)
+        self.assertTrue(set(statuses) <= {200, 409}, statuses)
+        with concurrent.futures.ThreadPoolExecutor(4) as threads:
+            waits = [threads.submit(page.post, "scene", {"recipe": page.recipe(sdf_resolution=n), "wait": True})
+                     for n in (171, 172, 173, 174)]
+            self.assertEqual([answer.result()[0] for answer in waits], [200] * 4)
+
+    def test_the_target_as_a_mesh(self):
+        points, faces = harness.torus(around=24, across=12)
+        self.write("far.obj", harness.obj(harness.moved((points, faces), 3, (1e6, -2e6, 5))))
+        page = self.serve("far.obj", *QUICK)
+        status, data = page.get("target")
+        self.assertEqual(status, 200)
+        count, triangles = struct.unpack_from("<2I", data)
+        self.assertEqual((count, triangles), (len(points), len(faces)))
+        at = list(struct.iter_unpack("<3f", data[8:8 + 12 * count]))
+        self.assertEqual(list(struct.iter_unpack("<3I", data[8 + 12 * count:])), [tuple(f) for f in faces])
+        side = max(max(p[a] for p in points) - min(p[a] for p in points) for a in range(3))
+        for got, point in zip(at, points):
+            for axis in range(3):
+                self.assertAlmostEqual(got[axis] * side, point[axis], delta=1e-5)
+
+    # ----------------------------------------------------------------------------------------------------- pictures
+
+    def test_a_picture_is_that_of_the_command(self):
+        page = self.serve("s.obj", "--detail", "0.5", *QUICK)
+        # Other looks first: what they leave behind must not show.
+        for detail in ("0.9", "0.05", "0.6"):
+            self.assertEqual(page.post("scene", {"recipe": page.recipe(detail=detail)})[0], 200)
+        body = {"recipe": page.recipe(detail="0.3"), "width": 60, "height": 40, "samples": 4, "colour": "iterations",
+                "view": {"eye": [1.5, 1.2, -2], "lookAt": [0, 0.1, 0], "up": [0, 1, 0.1], "fov": 40}}
+        status, picture = page.post("picture", body)
+        self.assertEqual(status, 200, picture)
+        self.ok("render", "s.obj", "--field", *QUICK, "--detail", "0.3", "--size", "60x40", "--samples", "4", "--colour",
+                "iterations", "--eye=1.5,1.2,-2", "--look-at", "0,0.1,0", "--up", "0,1,0.1", "--fov", "40", "-o", "x.png")
+        self.assertEqual(picture, self.bytes("x.png"))
+        pixels = harness.read_png(picture)
+        self.assertGreater(len({pixel for row in pixels for pixel in row}), 20, "the picture is empty")
+
+    def test_pictures_that_cannot_be(self):
+        page = self.serve("s.obj", *QUICK)
+        good = {"recipe": page.recipe(), "width": 8, "height": 8}
+        self.assertEqual(page.post("picture", good)[0], 200)
+        for wrong in ({"width": 0}, {"width": 5000}, {"width": -1}, {"width": 1.5}, {"width": "8"}, {"samples": 5},
+                      {"colour": "x"}, {"view": []}, {"view": {"eye": [0, 0]}}, {"view": {"eye": "x"}},
+                      {"view": {"eye": [1, 1, 1], "lookAt": [1, 1, 1]}}, {"view": {"fov": 1000}},
+                      {"view": {"up": [0, 0, 0]}}):
+            status, answer = page.post("picture", {**good, **wrong})
+            self.assertEqual(status, 400, (wrong, answer))
+
+    def test_a_dropped_connection_ends_its_picture(self):
+        page = self.serve("s.obj", "--detail", "0.5", "--resolution", "30", "--sdf-resolution", "40")
+        body = json.dumps({"recipe": page.recipe(iterations=20), "width": 4000, "height": 4000, "samples": 16,
+                           "epsilon": 1e-6, "alphaClarity": 1e-5})
+        connection = page.connect()
+        connection.request("POST", f"/{page.key}/picture", body, {"Content-Type": "application/json"})
+        time.sleep(1)
+        before = server.cpu_seconds(page.process)
+        time.sleep(0.5)
+        self.assertGreater(server.cpu_seconds(page.process) - before, 0.1, "the picture is not being made")
+        connection.close()
+        time.sleep(1.5)
+        before = server.cpu_seconds(page.process)
+        time.sleep(1)
+        self.assertLess(server.cpu_seconds(page.process) - before, 0.3, "the picture is still being made")
+        self.assertEqual(page.get("jobs")[0], 200)
+
+    # --------------------------------------------------------------------------------------------------------- jobs
+
+    def make(self, page, **body):
+        status, answer = page.post("make", {"recipe": page.recipe(), "name": "look", "formats": ["vdb"], **body})
+        self.assertEqual(status, 200, answer)
+        return answer["job"]
+
+    def test_make_gives_the_bytes_of_the_command_that_the_page_shows(self):
+        self.path("out").mkdir()
+        page = self.serve("s.obj", "--folder", "out", *QUICK)
+        body = {"recipe": page.recipe(detail="0.45", versor="random", versor_roots="4"), "name": "My look.1",
+                "formats": ["vdb", "ply", "obj"], "resolution": 31}
+        # Scenes before it leave nothing in it.
+        page.post("scene", {"recipe": page.recipe(detail="0.9")})
+        status, answer = page.post("make", body)
+        self.assertEqual(status, 200, answer)
+        job = page.wait_for(answer["job"])
+        self.assertEqual((job["state"], job["files"], job["share"]), ("done", ["My look.1.vdb", "My look.1.ply", "My look.1.obj"], 1), job)
+        made = {name: self.path("out").joinpath(name).read_bytes() for name in job["files"]}
+        for name in job["files"]:
+            self.path("out").joinpath(name).unlink()
+        command = page.post("command", body)[1]["command"]
+        self.assertTrue(command.startswith("juliavdb fractal s.obj "), command)
+        script = command.replace("juliavdb fractal", '"$JULIAVDB" fractal')
+        subprocess.run(["sh", "-c", script], cwd=self.folder, env=harness.environment({"JULIAVDB": harness.program()}),
+                       check=True, stderr=subprocess.PIPE)
+        self.assertEqual({name: self.path("out").joinpath(name).read_bytes() for name in made}, made)
+
+    def test_two_jobs_one_after_the_other(self):
+        page = self.serve("s.obj", *QUICK)
+        first = self.make(page, name="a", resolution=60)
+        second = self.make(page, name="b", formats=["ply", "obj", "stl"])
+        self.assertLess(first, second)
+        status, answer = page.post("make", {"recipe": page.recipe(), "name": "b", "formats": ["vdb"]})
+        self.assertEqual(status, 400, "the name is taken")
+        running = []
+        while page.job(second)["state"] not in ("done", "failed"):
+            running.append(sum(job["state"] == "running" for job in page.get("jobs")[1]))
+        self.assertLessEqual(max(running, default=0), 1)
+        self.assertEqual([page.job(n)["state"] for n in (first, second)], ["done", "done"])
+        self.assertEqual(set(self.listing()), {"s.obj", "a.vdb", "b.ply", "b.obj", "b.stl"})
+        self.assertEqual(page.job(first)["recipe"]["resolution"], "60")
+
+    def test_cancel_leaves_nothing(self):
+        page = self.serve("s.obj", *QUICK)
+        before = self.listing()
+        first = self.make(page, name="a", resolution=1500, formats=["vdb", "ply"])
+        second = self.make(page, name="b")
+        job = page.wait_for(first, ("running",))
+        while not page.job(first)["phase"]:
+            time.sleep(0.02)
+        time.sleep(0.5)
+        self.assertNotEqual(self.listing(), before, "the file has no place yet")
+        self.assertEqual(page.delete(f"jobs/{first}"), 200)
+        self.assertEqual(page.wait_for(first)["state"], "cancelled")
+        self.assertEqual(page.wait_for(second)["state"], "done", "the next one is made")
+        self.assertEqual(self.listing(), sorted(before + ["b.vdb"]))
+        third = self.make(page, name="c", resolution=1500)
+        fourth = self.make(page, name="d")
+        self.assertEqual(page.delete(f"jobs/{fourth}"), 200, "one that waits")
+        self.assertEqual(page.delete(f"jobs/{third}"), 200)
+        self.assertEqual({page.wait_for(n)["state"] for n in (third, fourth)}, {"cancelled"})
+        self.assertEqual(self.listing(), sorted(before + ["b.vdb"]))
+        for nothing in ("99", "0", "-1", "x", "", "1/2"):
+            self.assertEqual(page.delete("jobs/" + nothing), 404)
+        self.assertIsNotNone(job)
+
+    def test_a_job_that_fails_says_why(self):
+        page = self.serve("s.obj", *QUICK)
+        job = page.wait_for(self.make(page, recipe=page.recipe(box="50,50,50,51,51,51")))
+        self.assertEqual(job["state"], "failed")
+        run = self.run_program("fractal", "s.obj", *QUICK, "--box", "50,50,50,51,51,51", "-o", "x.vdb")
+        self.assertEqual("juliavdb: " + job["error"], run.stderr.decode().strip().splitlines()[-1])
+        self.assertEqual(self.listing(), ["s.obj"])
+
+    def test_nothing_is_replaced_unasked(self):
+        page = self.serve("s.obj", *QUICK)
+        self.write("look.vdb", "mine")
+        body = {"recipe": page.recipe(), "name": "look", "formats": ["vdb"]}
+        status, answer = page.post("make", body)
+        self.assertEqual(status, 400)
+        self.assertIn("look.vdb", answer["error"])
+        self.assertEqual(self.bytes("look.vdb"), b"mine")
+        self.path("link.vdb").symlink_to("/nowhere/else")
+        self.assertEqual(page.post("make", {**body, "name": "link", "overwrite": True})[0], 400)
+        job = page.wait_for(self.make(page, overwrite=True))
+        self.assertEqual(job["state"], "done", job)
+        self.assertNotEqual(self.bytes("look.vdb"), b"mine")
+
+    # ---------------------------------------------------------------------------------------------- recipes of files
+
+    def test_the_recipe_of_what_was_made(self):
+        page = self.serve("s.obj", *QUICK)
+        words = QUICK[:-2]
+        self.ok("fractal", "s.obj", *words, "--detail", "0.35", "--map", "shape-modulus", "-o", "a.vdb", "--mesh", "a.ply")
+        self.ok("fractal", "s.obj", *words, "--detail", "0.35", "--mesh", "a.obj")
+        expected = {"input": "s.obj", "detail": "0.35", "sdf-resolution": "32", "resolution": "24", "versor-seed": "3"}
+        names = ["a.vdb", "a.ply", "a.obj"]
+        if "glb" in page.get("start")[1]["formats"]:
+            self.ok("fractal", "s.obj", *words, "--detail", "0.35", "--mesh", "a.glb")
+            names.append("a.glb")
+        for name in names:
+            data = self.bytes(name)
+            for part in (data, data[:20000]):
+                status, answer = page.post(f"recipe?name={name}", part, "application/octet-stream")
+                self.assertEqual((status, answer.get("recipe"), answer.get("note")), (200, expected, None), name)
+        self.write("other.obj", harness.obj(harness.cube()))
+        self.ok("fractal", "other.obj", *words[2:], "--detail", "0.35", "--sdf-resolution", "20", "-o", "b.vdb")
+        status, answer = page.post("recipe?name=b.vdb", self.bytes("b.vdb"), "application/octet-stream")
+        self.assertEqual((status, answer["recipe"]), (200, expected), "over the target at hand")
+        self.assertIn("other.obj", answer["note"])
+        text = "# a look\ndetail = 0.35\nversor-seed=3 # three\n\nrepair\n".replace("\nrepair", "\nrepair =")
+        status, answer = page.post("recipe?name=look.txt", text.encode(), "application/octet-stream")
+        self.assertEqual((status, answer["recipe"]), (200, {"detail": "0.35", "versor-seed": "3", "repair": "true"}))
+        # What comes from the page names no file that the command line did not.
+        text = "detail = texture:/etc/passwd:0:1\n"
+        status, answer = page.post("recipe?name=look.txt", text.encode(), "application/octet-stream")
+        self.assertEqual(status, 403, answer)
+
+    def test_hostile_files(self):
+        page = self.serve("s.obj", *QUICK)
+        self.ok("fractal", "s.obj", *QUICK, "-o", "a.vdb", "--mesh", "a.ply")
+        vdb, ply = self.bytes("a.vdb"), self.bytes("a.ply")
+        hostile = [("a.vdb", b""), ("a.vdb", vdb[:8]), ("a.ply", b""), ("a.glb", b"glTF" + b"\xff" * 30), ("a.glb", b"")]
+        for cut in range(8, 400, 7):
+            hostile.append(("a.vdb", vdb[:cut]))
+        count_at = 8 + 4 + 8 + 1 + 36
+        for at in range(count_at, count_at + 200, 3):
+            hostile.append(("a.vdb", vdb[:at] + b"\xff\xff\xff\x7f" + vdb[at + 4:]))
+            hostile.append(("a.vdb", vdb[:at] + b"\xff\xff\xff\xff" + vdb[at + 4:]))
+        hostile += [("a.ply", b"ply\n" + b"comment juliavdb julia_command fractal\n" * 100000),
+                    ("a.ply", b"ply\ncomment juliavdb julia_command fractal\ncomment juliavdb julia_detail \xff\xfe\n"),
+                    ("a.txt", b"\0" * 1000), ("a.txt", b"=\n"), ("a.txt", b"detail = 1\ndetail = 2"),
+                    ("../../a.png", b"x"), ("", b"x"), ("a.vdb/", vdb), ("a.ply", vdb), ("a.vdb", ply)]
+        for name, data in hostile:
+            status, answer = page.post("recipe?name=" + name, data, "application/octet-stream")
+            # A byte of a name or of a value that nothing reads may be anything.
+            self.assertIn(status, (200, 400, 403, 422), (name, data[:40], answer))
+            self.assertEqual(status == 200, "recipe" in answer)
+        self.assertEqual(page.get("jobs")[0], 200)
+        status = pathlib.Path(f"/proc/{page.process.pid}/status").read_text()
+        self.assertLess(int(status.partition("VmHWM:")[2].split()[0]), 1500 * 1024, "kB: a size in a file was believed")
+
+    # -------------------------------------------------------------------------------------------------------- export
+
+    def test_export(self):
+        self.ok("explore", "s.obj", *QUICK, "--export", "look.html")
+        text = self.bytes("look.html").decode()
+        self.assertTrue(text.startswith("<!DOCTYPE html>"))
+        for outside in ("http://", "https://", 'src="page', 'href="page'):
+            self.assertNotIn(outside, text)
+        self.assertEqual(self.listing(), ["look.html", "s.obj"])
+        for more in (("--port", "80"), ("--folder", "."), ("--open", "yes")):
+            self.refused(harness.USAGE, "explore", "s.obj", "--export", "b.html", *more)
+
+
+if __name__ == "__main__":
+    harness.main()

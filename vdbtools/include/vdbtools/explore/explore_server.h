@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file explore_server.h
+/// The server of `juliavdb explore`: one page for one target, on this machine.
+///
+/// The address has a random key of 128 bits, without which everything is 404. The requests below are relative to it;
+/// bodies and answers are JSON unless it says otherwise, and an error is {"error": one line}. A *recipe* is an object
+/// of names and values of options of `juliavdb fractal`, all text, not completed.
+///
+///     GET    page/NAME   a file of the page; the address itself is page/index.html
+///     GET    start       what the page needs to know at first: options, maps, textures, the target, the first recipe
+///     POST   scene       {recipe, wait}: the scene's data (explore/scene_data.h). One scene is made at a time; a
+///     request
+///                        that still waits when a later one comes is answered 409, unless it has "wait": true
+///     GET    volume/ID   the exponent of one of the latest scenes, by the ID in its data
+///     GET    target      the target's surface: the numbers of points and triangles (32 bits each), three floats for
+///     each
+///                        point, in shares of the longest side of the target's box, about its middle, and three 32-bit
+///                        indices for each triangle; all little-endian
+///     POST   picture     {recipe, view: {eye, lookAt, up, fov}, width, height, samples, colour}: a PNG by the renderer
+///     of
+///                        `juliavdb render --field`. A connection that is dropped cancels it
+///     POST   make        {recipe, name, formats, resolution, overwrite}: {job}
+///     GET    jobs        [{job, name, state, phase, share, left, files, error, recipe}]
+///     DELETE jobs/N      cancels a job
+///     POST   recipe      the first bytes of a file that this program made, its name in the query "name": {recipe,
+///     note} POST   command     {recipe, name, formats, resolution}: {command}, for a POSIX shell: a line, and another
+///     one for
+///                        each mesh beyond the first POST   export
+///     {recipe, look}: the page of --export
+#pragma once
+
+#include "vdbtools/base/monitor.h"
+#include "vdbtools/recipe/option_table.h"
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace vdbtools {
+
+/// Knows which share of a job is done from the phases that it goes through.
+class WorkShare {
+ public:
+  virtual ~WorkShare() = default;
+  virtual void begin(std::string_view phase) = 0;
+  /// From 0 to 1. @param fraction  of the phase at hand that is done
+  virtual double at(double fraction) = 0;
+};
+using MakeShare = std::function<std::unique_ptr<WorkShare>()>;
+
+struct ExploreOptions {
+  Recipe given;                       ///< of the command line: the first look, and the only files that the page may use
+  std::filesystem::path folder{};     ///< where files are made; empty: the working directory
+  std::string address = "127.0.0.1";  ///< to listen at: an IP address of this machine
+  int port = 0;                       ///< 0: any that is free
+  MakeShare makeShare{};              ///< for the progress of jobs; none: it is not told
+};
+
+/// Whether only programs of this machine reach the address. @throw std::invalid_argument  it is no IP address
+bool isLoopback(const std::string& address);
+
+class ExploreServer {
+ public:
+  /// Makes the first scene, so that what is wrong with the target is known at once, and takes the port.
+  /// @throw std::invalid_argument  options, or this library was built without cpp-httplib
+  /// @throw CreateError            there is no such folder, or the port cannot be taken
+  /// @throw                        as makeScene()
+  ExploreServer(const ExploreOptions& options, Monitor& monitor);
+  ~ExploreServer();
+
+  /// With the key: whoever has it may use the page.
+  std::string url() const;
+
+  /// Serves until @a monitor cancels, then cancels what is being made, and returns. It is asked twenty times a second.
+  void serve(const Monitor& monitor);
+
+ private:
+  class State;
+  std::unique_ptr<State> mState;
+};
+
+/// The look of a recipe as one HTML file that needs no server.
+/// @throw as makeScene()
+std::string exportedPage(const Recipe& given, Monitor& monitor);
+
+}  // namespace vdbtools

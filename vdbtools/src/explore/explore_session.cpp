@@ -1,0 +1,383 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "explore/explore_session.h"
+
+#include "explore/export_page.h"
+#include "explore/failure_answer.h"
+#include "explore/made_recipe.h"
+#include "explore/scene_data.h"
+#include "explore/start_data.h"
+#include "target/solid_input.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/explore/shell_command.h"
+#include "vdbtools/files/file_bytes.h"
+#include "vdbtools/surface/grid_mesh.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <initializer_list>
+#include <stdexcept>
+
+namespace vdbtools {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kMostBody = 64 << 10, kMostFile = std::size_t(256) << 20;  // bytes
+constexpr std::size_t kMostVolumes = 4, kMostEntries = 300;
+constexpr std::size_t kMostTargetTriangles = 100'000;
+constexpr double kMostPictureSide = 4096;  // pixels
+
+/// There is nothing at this path.
+class NoSuchPath : public std::runtime_error {
+ public:
+  NoSuchPath() : std::runtime_error("there is nothing here") {}
+};
+
+json objectOf(const std::string& body) {
+  json object = json::parse(body, nullptr, /*allow_exceptions=*/false);
+  if (!object.is_object()) throw std::invalid_argument("the body of the request is not a JSON object");
+  return object;
+}
+
+std::string textOf(const json& object, const char* name, const std::string& usual = {}) {
+  const auto entry = object.find(name);
+  if (entry == object.end() || entry->is_null()) return usual;
+  if (!entry->is_string()) throw std::invalid_argument("'" + std::string(name) + "' must be a text");
+  return entry->get<std::string>();
+}
+
+bool flagOf(const json& object, const char* name) {
+  const auto entry = object.find(name);
+  if (entry == object.end() || entry->is_null()) return false;
+  if (!entry->is_boolean()) throw std::invalid_argument("'" + std::string(name) + "' must be true or false");
+  return entry->get<bool>();
+}
+
+/// A number, or a list of them, as the text of an option.
+std::string numberText(const json& value, const std::string& name) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_number()) return numbersText({value.get<double>()});
+  std::vector<double> numbers;
+  for (const json& part : value.is_array() ? value : json::array()) {
+    if (!part.is_number()) throw std::invalid_argument("'" + name + "' must be a list of numbers");
+    numbers.push_back(part.get<double>());
+  }
+  if (numbers.empty()) throw std::invalid_argument("'" + name + "' must be a number or a list of numbers");
+  return numbersText(numbers);
+}
+
+Recipe recipeOf(const json& body) {
+  const auto entry = body.find("recipe");
+  if (entry == body.end() || !entry->is_object() || entry->size() > kMostEntries)
+    throw std::invalid_argument("'recipe' must be an object of options");
+  Recipe recipe;
+  for (const auto& [name, value] : entry->items()) {
+    if (!value.is_string()) throw std::invalid_argument("the option '" + inOneLine(name) + "' must be a text");
+    recipe[name] = value.get<std::string>();
+  }
+  return recipe;
+}
+
+std::vector<std::string> formatsOf(const json& body) {
+  const auto entry = body.find("formats");
+  if (entry == body.end()) return {"vdb"};
+  std::vector<std::string> formats;
+  for (const json& format : entry->is_array() ? *entry : json::array()) {
+    if (!format.is_string()) throw std::invalid_argument("'formats' must be a list of names");
+    formats.push_back(format.get<std::string>());
+  }
+  return formats;
+}
+
+/// The options of a picture by `juliavdb render --field`.
+FieldPicture pictureOf(const json& body) {
+  static const OptionTable table = [] {
+    std::vector<OptionSpec> options = fieldPictureOptionSpecs("800x600");
+    options.push_back(colourOptionSpec());
+    return OptionTable(std::move(options));
+  }();
+  Recipe given;
+  const auto take = [&](const json& object, const char* entry, const char* option) {
+    if (const auto found = object.find(entry); found != object.end() && !found->is_null())
+      given[option] = numberText(*found, entry);
+  };
+  const json view = body.value("view", json());
+  if (!view.is_object() && !view.is_null()) throw std::invalid_argument("'view' must be an object");
+  if (view.is_object()) {
+    take(view, "lookAt", "look-at");
+    for (const char* name : {"eye", "up", "fov", "azimuth", "elevation", "zoom"}) take(view, name, name);
+  }
+  for (const char* name : {"samples", "colour", "epsilon", "delta"}) take(body, name, name);
+  take(body, "alphaClarity", "alpha-clarity");
+  if (body.contains("width") || body.contains("height")) {
+    const json width = body.value("width", json(800)), height = body.value("height", json(600));
+    if (!width.is_number_unsigned() || !height.is_number_unsigned() || width > kMostPictureSide ||
+        height > kMostPictureSide)
+      throw std::invalid_argument("'width' and 'height' must be whole numbers of pixels, at most 4096");
+    given["size"] = width.dump() + 'x' + height.dump();
+  }
+  return parseFieldPicture(given, table);
+}
+
+void appendNumber(std::string& bytes, std::uint32_t number) {
+  static_assert(std::endian::native == std::endian::little);
+  bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+}
+
+/// Of a mesh in shares of the longest side of @a box, about its middle.
+std::string meshBytes(const Mesh& mesh, const openvdb::BBoxd& box) {
+  const openvdb::Vec3d middle = box.getCenter();
+  const double unit = longestSide(box);
+  std::string bytes;
+  bytes.reserve(8 + 12 * (mesh.points.size() + mesh.triangles.size()));
+  appendNumber(bytes, static_cast<std::uint32_t>(mesh.points.size()));
+  appendNumber(bytes, static_cast<std::uint32_t>(mesh.triangles.size()));
+  for (const openvdb::Vec3d& point : mesh.points)
+    for (int axis = 0; axis < 3; ++axis)
+      appendNumber(bytes, std::bit_cast<std::uint32_t>(static_cast<float>((point[axis] - middle[axis]) / unit)));
+  for (const openvdb::Vec3I& triangle : mesh.triangles)
+    for (int corner = 0; corner < 3; ++corner) appendNumber(bytes, triangle[corner]);
+  return bytes;
+}
+
+ExploreAnswer jsonAnswer(const json& value, int status = 200) {
+  // Names of files may hold bytes that are no UTF-8.
+  return {status, "application/json", value.dump(-1, ' ', false, json::error_handler_t::replace)};
+}
+
+std::filesystem::path folderOf(const std::filesystem::path& folder) {
+  if (folder.empty()) return {};
+  std::error_code error;
+  if (!std::filesystem::is_directory(folder, error))
+    throw CreateError("there is no folder '" + folder.string() + "' to make files in");
+  return folder;
+}
+
+const char* nameOf(JobState state) {
+  switch (state) {
+    case JobState::Queued: return "queued";
+    case JobState::Running: return "running";
+    case JobState::Done: return "done";
+    case JobState::Failed: return "failed";
+    case JobState::Cancelled: return "cancelled";
+  }
+  return "";
+}
+
+}  // namespace
+
+ExploreSession::ExploreSession(const ExploreOptions& options, Monitor& monitor)
+    : mTable(fractalOptionTable()),
+      mGiven(options.given),
+      mFolder(folderOf(options.folder)),
+      mAccess(parseFractalOptions(options.given)),
+      mJobs(mFolder, options.makeShare) {
+  const Recipe completed = completeRecipe(mGiven, mTable);
+  const auto kept = mScenes.get(completed, parseFractalOptions(completed), SceneStore::Turn::Waits, monitor);
+  const Facts& facts = kept->scene().facts;
+  if (const auto hash = facts.find(metadataName("source-sha256")); hash != facts.end()) mTargetHash = hash->second;
+}
+
+std::size_t ExploreSession::mostBytes(const std::string& path) { return path == "recipe" ? kMostFile : kMostBody; }
+
+ExploreSession::Look ExploreSession::lookOf(const json& body) const {
+  Look look{.given = recipeOf(body)};
+  look.completed = completeRecipe(look.given, mTable);
+  look.options = parseFractalOptions(look.completed);
+  mAccess.require(look.options);
+  return look;
+}
+
+ExploreSession::Look ExploreSession::lookToMake(const json& body) const {
+  const auto resolution = body.find("resolution");
+  if (resolution == body.end() || resolution->is_null()) return lookOf(body);
+  json with = body;
+  with["recipe"] = overridden(recipeOf(body), {{"resolution", numberText(*resolution, "resolution")}}, mTable);
+  return lookOf(with);
+}
+
+std::shared_ptr<KeptScene> ExploreSession::sceneOf(const Look& look, SceneStore::Turn turn, Monitor& monitor) {
+  return mScenes.get(look.completed, look.options, turn, monitor);
+}
+
+json ExploreSession::target() {
+  const std::shared_ptr<const TargetInput> input = mScenes.target();
+  const auto name = mGiven.find("input");
+  if (!input || name == mGiven.end()) return {};
+  const openvdb::BBoxd& box = input->box();
+  json data = {{"name", std::filesystem::path(name->second).filename().string()},
+               {"box", {box.min()[0], box.min()[1], box.min()[2], box.max()[0], box.max()[1], box.max()[2]}},
+               {"longestSide", longestSide(box)},
+               {"attributes", json::array()}};
+  if (const std::shared_ptr<const Mesh> mesh = input->mesh()) {
+    data["triangles"] = mesh->triangles.size();
+    for (const VertexAttribute& attribute : mesh->attributes) data["attributes"].push_back(attribute.name);
+  }
+  return data;
+}
+
+json ExploreSession::start() {
+  json data = programData();
+  data["recipe"] = mGiven;
+  data["target"] = target();
+  data["folder"] = (mFolder.empty() ? std::filesystem::current_path() : std::filesystem::absolute(mFolder)).string();
+  return data;
+}
+
+json ExploreSession::scene(const json& body, Monitor& monitor) {
+  const auto turn = flagOf(body, "wait") ? SceneStore::Turn::Waits : SceneStore::Turn::Latest;
+  const std::shared_ptr<KeptScene> kept = sceneOf(lookOf(body), turn, monitor);
+  SceneData data = sceneData(kept->scene(), {}, monitor);
+  if (data.volume.empty()) return std::move(data.description);
+  const std::string id = data.description.at("exponent").at("id").get<std::string>();
+  const std::lock_guard lock(mMutex);
+  mVolumes.remove_if([&](const Volume& volume) { return volume.id == id; });
+  mVolumes.push_front({id, std::make_shared<const std::string>(std::move(data.volume))});
+  if (mVolumes.size() > kMostVolumes) mVolumes.pop_back();
+  return std::move(data.description);
+}
+
+std::string ExploreSession::volume(const std::string& id) {
+  std::shared_ptr<const std::string> bytes;
+  {
+    const std::lock_guard lock(mMutex);
+    for (const Volume& volume : mVolumes)
+      if (volume.id == id) bytes = volume.bytes;
+  }
+  if (!bytes) throw NoSuchPath();
+  return *bytes;
+}
+
+std::string ExploreSession::targetMesh(Monitor& monitor) {
+  const std::shared_ptr<const TargetInput> input = mScenes.target();
+  if (!input) throw NoSuchPath();
+  const std::lock_guard lock(mTargetMutex);
+  if (!mTargetMesh.empty()) return mTargetMesh;
+  const std::shared_ptr<const Mesh> mesh = input->mesh();
+  // What is too fine for a browser is shown as its distances have it, which is the shape that the fractal has too.
+  if (mesh && mesh->triangles.size() <= kMostTargetTriangles)
+    mTargetMesh = meshBytes(*mesh, input->box());
+  else
+    mTargetMesh = meshBytes(meshOfLevelSet(*input->coarseDistances(monitor), monitor), input->box());
+  return mTargetMesh;
+}
+
+std::string ExploreSession::picture(const json& body, Monitor& monitor) {
+  const FieldPicture picture = pictureOf(body);
+  if (picture.colour && picture.colour->picture) mAccess.require(*picture.colour->picture);
+  return sceneOf(lookOf(body), SceneStore::Turn::Waits, monitor)->picture(picture, monitor);
+}
+
+json ExploreSession::make(const json& body) {
+  Look look = lookToMake(body);
+  const JobRequest request{.recipe = std::move(look.completed),
+                           .given = std::move(look.given),
+                           .name = textOf(body, "name"),
+                           .formats = formatsOf(body),
+                           .overwrite = flagOf(body, "overwrite")};
+  return {{"job", mJobs.add(request)}};
+}
+
+json ExploreSession::jobs() {
+  json all = json::array();
+  for (const JobStatus& status : mJobs.list()) {
+    json job = {{"job", status.number},
+                {"name", status.request.name},
+                {"state", nameOf(status.state)},
+                {"phase", status.phase},
+                {"share", status.share},
+                {"files", status.files},
+                {"formats", status.request.formats},
+                {"recipe", status.request.given}};
+    job["left"] = status.left < 0 ? json() : json(status.left);
+    job["error"] = status.error.empty() ? json() : json(status.error);
+    all.push_back(std::move(job));
+  }
+  return all;
+}
+
+json ExploreSession::recipe(const std::string& name, const std::string& bytes) {
+  Recipe recorded = recipeOfMadeFile(name, bytes);
+  json note;
+  const auto hash = recorded.find("source-sha256"), input = recorded.find("input");
+  const bool same = hash != recorded.end() && hash->second == mTargetHash && !mTargetHash.empty();
+  if (input != recorded.end() && !mGiven.contains("input"))
+    throw DataError("'" + inOneLine(name) + "' was made of a target, '" + inOneLine(input->second) +
+                    "'; start 'juliavdb explore' with it");
+  if (same) {
+    // The same file, perhaps under another name.
+    recorded["input"] = mGiven.at("input");
+  } else if (input != recorded.end()) {
+    note = "it was made of '" + inOneLine(input->second) + "'; this is the same recipe over the target at hand";
+    recorded = overTarget(std::move(recorded), mGiven);
+  }
+  // A hash would hold a file to what it was; without it the recipe is a look.
+  for (const std::string& entry : mTable.hashNames()) recorded.erase(entry);
+  recorded = shortestRecipe(recorded, mTable);
+  mAccess.require(parseFractalOptions(recorded));
+  return {{"recipe", recorded}, {"note", note}};
+}
+
+json ExploreSession::command(const json& body) {
+  const Look look = lookToMake(body);
+  const std::string name = textOf(body, "name", "look");
+  requireFileName(name);
+  // The command writes one mesh; further ones take commands of their own.
+  std::vector<std::vector<std::pair<std::string, std::string>>> outputs(1);
+  bool hasMesh = false;
+  for (const std::string& format : formatsOf(body)) {
+    const std::vector<std::string> known = fileFormats();
+    if (std::find(known.begin(), known.end(), format) == known.end())
+      throw std::invalid_argument("there is no format '" + inOneLine(format) + "' for files");
+    const bool mesh = format != "vdb";
+    if (mesh && hasMesh) outputs.emplace_back();
+    hasMesh = hasMesh || mesh;
+    (mesh ? outputs.back() : outputs.front())
+        .emplace_back(mesh ? "--mesh" : "-o", (mFolder / (name + '.' + format)).string());
+  }
+  std::string commands;
+  for (const auto& files : outputs)
+    commands += (commands.empty() ? "" : "\n") + fractalCommand(look.given, mTable, files);
+  return {{"command", commands}};
+}
+
+std::string ExploreSession::exported(const json& body, Monitor& monitor) {
+  const Look look = lookOf(body);
+  const std::shared_ptr<KeptScene> kept = sceneOf(look, SceneStore::Turn::Waits, monitor);
+  return exportPage(kept->scene(), look.given, body.value("look", json()), monitor);
+}
+
+ExploreAnswer ExploreSession::answer(const ExploreRequest& request, Monitor& monitor) {
+  const std::string& path = request.path;
+  const bool get = request.method == "GET", post = request.method == "POST";
+  const auto below = [&](std::string_view folder) {
+    return path.starts_with(folder) ? std::optional(path.substr(folder.size())) : std::nullopt;
+  };
+  constexpr const char* kBytes = "application/octet-stream";
+  try {
+    if (get && path == "start") return jsonAnswer(start());
+    if (get && path == "target") return {200, kBytes, targetMesh(monitor)};
+    if (get && path == "jobs") return jsonAnswer(jobs());
+    if (const auto id = below("volume/"); get && id) return {200, kBytes, volume(*id)};
+    if (const auto number = below("jobs/"); request.method == "DELETE" && number) {
+      const std::optional<int> job = wholeFromText<int>(*number);
+      if (!job || !mJobs.cancel(*job)) throw NoSuchPath();
+      return jsonAnswer(json::object());
+    }
+    if (post && path == "recipe") return jsonAnswer(recipe(request.name, request.body));
+    if (post && path == "scene") return jsonAnswer(scene(objectOf(request.body), monitor));
+    if (post && path == "picture") return {200, "image/png", picture(objectOf(request.body), monitor)};
+    if (post && path == "make") return jsonAnswer(make(objectOf(request.body)));
+    if (post && path == "command") return jsonAnswer(command(objectOf(request.body)));
+    if (post && path == "export") return {200, "text/html; charset=utf-8", exported(objectOf(request.body), monitor)};
+    throw NoSuchPath();
+  } catch (const NoSuchPath& error) {
+    return jsonAnswer({{"error", error.what()}}, 404);
+  } catch (...) {
+    const FailureAnswer failure = currentFailureAnswer();
+    return jsonAnswer({{"error", failure.text}}, failure.status);
+  }
+}
+
+}  // namespace vdbtools

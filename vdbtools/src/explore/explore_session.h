@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file explore_session.h
+/// What the server does, without HTTP: requests in, answers out. It holds nothing that the recipes of the requests do
+/// not say, but for what is kept to be quick, and the list of jobs.
+#pragma once
+
+#include "explore/file_access.h"
+#include "explore/job_queue.h"
+#include "explore/scene_store.h"
+#include "vdbtools/explore/explore_server.h"
+
+#include <nlohmann/json.hpp>
+
+#include <list>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+
+namespace vdbtools {
+
+struct ExploreRequest {
+  std::string method;  ///< GET, POST or DELETE
+  std::string path;    ///< behind the key, as in "volume/0123"
+  std::string name;    ///< the query's "name"
+  std::string body;
+};
+
+struct ExploreAnswer {
+  int status = 200;
+  std::string type = "application/json";
+  std::string body;
+};
+
+/// May be used from many threads at once.
+class ExploreSession {
+ public:
+  /// Makes the first scene. @throw as ExploreServer
+  ExploreSession(const ExploreOptions& options, Monitor& monitor);
+
+  /// The most bytes that the body of a request may have.
+  static std::size_t mostBytes(const std::string& path);
+
+  /// Never throws, but for std::bad_alloc: what goes wrong becomes an answer.
+  /// @param monitor  cancels once nobody waits for the answer
+  ExploreAnswer answer(const ExploreRequest& request, Monitor& monitor);
+
+  /// Ends all jobs.
+  void stop() { mJobs.stop(); }
+
+ private:
+  using json = nlohmann::json;
+  struct Look {
+    Recipe given, completed;
+    FractalOptions options;
+  };
+  struct Volume {
+    std::string id;
+    std::shared_ptr<const std::string> bytes;
+  };
+
+  Look lookOf(const json& body) const;
+  /// The same with the resolution of the body.
+  Look lookToMake(const json& body) const;
+  std::shared_ptr<KeptScene> sceneOf(const Look& look, SceneStore::Turn turn, Monitor& monitor);
+
+  json start();
+  json target();
+  json scene(const json& body, Monitor& monitor);
+  std::string volume(const std::string& id);
+  std::string targetMesh(Monitor& monitor);
+  std::string picture(const json& body, Monitor& monitor);
+  json make(const json& body);
+  json jobs();
+  json recipe(const std::string& name, const std::string& bytes);
+  json command(const json& body);
+  std::string exported(const json& body, Monitor& monitor);
+
+  OptionTable mTable;
+  Recipe mGiven;
+  std::filesystem::path mFolder;
+  FileAccess mAccess;
+  SceneStore mScenes;
+  std::string mTargetHash;  ///< the SHA-256 of the target's file; empty: there is none
+  std::mutex mMutex;        // of the volumes
+  std::list<Volume> mVolumes;
+  std::mutex mTargetMutex;  // of the mesh
+  std::string mTargetMesh;
+  JobQueue mJobs;
+};
+
+}  // namespace vdbtools

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "explore/export_page.h"
+
+#include "explore/scene_data.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/explore/embedded_page.h"
+
+#include <zlib.h>
+
+#include <set>
+#include <stdexcept>
+#include <string_view>
+
+namespace vdbtools {
+namespace {
+
+using nlohmann::json;
+
+std::string_view pageFile(std::string_view name) {
+  const PageFile* file = findPageFile(name);
+  if (!file) throw std::logic_error("the page has no file '" + std::string(name) + "'");
+  return file->bytes;
+}
+
+/// The text with one occurrence of @a what replaced, which must be there.
+std::string replaced(const std::string& text, std::string_view what, const std::string& by) {
+  const std::size_t at = text.find(what);
+  if (at == std::string::npos) throw std::logic_error("index.html has no '" + std::string(what) + "'");
+  return text.substr(0, at) + by + text.substr(at + what.size());
+}
+
+/// JSON within a script element, which no text in it can end.
+std::string inScript(const json& value) {
+  std::string text;
+  for (const char c : value.dump()) {
+    if (c == '<')
+      text += "\\u003c";
+    else
+      text.push_back(c);
+  }
+  return text;
+}
+
+/// In zlib's format, which DecompressionStream("deflate") reads.
+std::string deflated(const std::string& bytes) {
+  std::string result(compressBound(static_cast<uLong>(bytes.size())), '\0');
+  uLongf size = static_cast<uLongf>(result.size());
+  if (compress2(reinterpret_cast<Bytef*>(result.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
+                static_cast<uLong>(bytes.size()), Z_BEST_COMPRESSION) != Z_OK)
+    throw std::runtime_error("the volume could not be compressed");
+  result.resize(size);
+  return result;
+}
+
+void appendModule(std::string_view name, std::set<std::string_view>& done, std::string& script) {
+  if (!done.insert(name).second) return;
+  const std::string_view text = pageFile(name);
+  std::string own;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size() - 1) + 1;
+    std::string_view line = text.substr(at, end - at);
+    at = end;
+    if (line.starts_with("import ")) {
+      const std::size_t from = line.find("\"./"), to = line.rfind('"');
+      if (from == std::string_view::npos || to < from + 3)
+        throw std::logic_error("an import of '" + std::string(name) + "' is not in one line");
+      appendModule(line.substr(from + 3, to - from - 3), done, script);
+      continue;
+    }
+    constexpr std::string_view kExport = "export ";
+    if (line.starts_with(kExport)) line.remove_prefix(kExport.size());
+    own += line;
+  }
+  script += own;
+}
+
+}  // namespace
+
+std::string bundledScript() {
+  std::set<std::string_view> done;
+  std::string script;
+  appendModule("main.js", done, script);
+  return script;
+}
+
+std::string exportPage(const Scene& scene, const Recipe& recipe, const json& look, Monitor& monitor) {
+  constexpr int kSide = 160;
+  const SceneData data = sceneData(scene, {.side = kSide}, monitor);
+  const json start = {{"exported", true},
+                      {"version", JULIAVDB_VERSION},
+                      {"recipe", recipe},
+                      {"look", look},
+                      {"scene", data.description}};
+  monitor.throwIfCancelled();
+  std::string page(pageFile("index.html"));
+  page = replaced(page, "<link rel=\"stylesheet\" href=\"page/style.css\">",
+                  "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src "
+                  "'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:\">\n<style>\n" +
+                      std::string(pageFile("style.css")) + "</style>");
+  return replaced(page, "<script type=\"module\" src=\"page/main.js\"></script>",
+                  "<script type=\"application/json\" id=\"exported\">" + inScript(start) +
+                      "</script>\n<script type=\"text/plain\" id=\"exported-volume\">" + base64(deflated(data.volume)) +
+                      "</script>\n<script type=\"module\">\n" + bundledScript() + "</script>");
+}
+
+}  // namespace vdbtools

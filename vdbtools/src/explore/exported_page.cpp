@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "explore/export_page.h"
+#include "vdbtools/explore/explore_server.h"
+
+namespace vdbtools {
+
+std::string exportedPage(const Recipe& given, Monitor& monitor) {
+  const Recipe completed = completeRecipe(given, fractalOptionTable());
+  const Scene scene = makeScene(parseFractalOptions(completed), monitor);
+  return exportPage(scene, given, {}, monitor);
+}
+
+}  // namespace vdbtools

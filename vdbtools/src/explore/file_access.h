@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file file_access.h
+/// What a recipe from the page may read. The page names options freely; files it may name only if the command line
+/// named them before.
+#pragma once
+
+#include "vdbtools/job/fractal_options.h"
+
+#include <filesystem>
+#include <set>
+#include <stdexcept>
+#include <string>
+
+namespace vdbtools {
+
+/// A recipe names a file that is not for the page.
+class FileRefused : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+class FileAccess {
+ public:
+  /// @param given  of the command line
+  explicit FileAccess(const FractalOptions& given);
+
+  /// Parsing opens nothing, so that this comes in time.
+  /// @throw FileRefused  the options name another file
+  void require(const FractalOptions& options) const;
+  void require(const NamedFile& file) const;
+
+ private:
+  std::set<std::filesystem::path> mAllowed;
+};
+
+/// The name of a file to be made, without its extension: letters, digits, spaces and . _ - only, not beginning with a
+/// dot, a dash or a space, at most 100 characters.
+/// @throw std::invalid_argument
+void requireFileName(const std::string& name);
+
+}  // namespace vdbtools

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "explore/job_queue.h"
+
+#include "explore/failure_answer.h"
+#include "explore/file_access.h"
+#include "vdbtools/files/atomic_file.h"
+#include "vdbtools/job/fractal_files.h"
+
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <list>
+#include <stdexcept>
+
+namespace vdbtools {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kMostWaiting = 50, kMostKnown = 100;
+
+}  // namespace
+
+std::vector<std::string> fileFormats() {
+  std::vector<std::string> formats = {"vdb"};
+  for (const char* format : {"ply", "obj", "stl", "glb"}) {
+    try {
+      meshFormat(std::string("mesh.") + format);
+      formats.emplace_back(format);
+    } catch (const std::invalid_argument&) {
+      // This version does not write it.
+    }
+  }
+  return formats;
+}
+
+/// A job, and the monitor of its work.
+class JobQueue::Job final : public Monitor {
+ public:
+  Job(int number, const JobRequest& request, std::unique_ptr<WorkShare> share)
+      : mStatus{.number = number, .request = request}, mShare(std::move(share)) {}
+
+  void begin(std::string_view phase, std::uint64_t total) override {
+    throwIfCancelled();
+    const std::lock_guard lock(mMutex);
+    mStatus.phase = phase;
+    mTotal = total;
+    mDone = 0;
+    if (mShare) mShare->begin(phase);
+  }
+  void advance(std::uint64_t steps) override { mDone.fetch_add(steps, std::memory_order_relaxed); }
+  bool cancelled() const override { return mCancelled.load(std::memory_order_relaxed); }
+
+  const JobRequest& request() const { return mStatus.request; }
+  void cancel() { mCancelled = true; }
+
+  void setState(JobState state) {
+    const std::lock_guard lock(mMutex);
+    mStatus.state = state;
+    if (state == JobState::Running) mStart = Clock::now();
+  }
+  void fail(const std::string& error) {
+    const std::lock_guard lock(mMutex);
+    mStatus.state = JobState::Failed;
+    mStatus.error = error;
+  }
+  void finish(std::vector<std::string> files) {
+    const std::lock_guard lock(mMutex);
+    mStatus.state = JobState::Done;
+    mStatus.files = std::move(files);
+  }
+  JobState state() const {
+    const std::lock_guard lock(mMutex);
+    return mStatus.state;
+  }
+  bool waits() const { return state() == JobState::Queued; }
+  bool isOver() const {
+    const JobState at = state();
+    return at != JobState::Queued && at != JobState::Running;
+  }
+
+  JobStatus status() const {
+    const std::lock_guard lock(mMutex);
+    JobStatus status = mStatus;
+    if (status.state == JobState::Done) status.share = 1;
+    if (status.state != JobState::Running || !mShare) return status;
+    const double fraction = mTotal ? std::min(1.0, static_cast<double>(mDone.load()) / static_cast<double>(mTotal)) : 0;
+    status.share = mShare->at(fraction);
+    constexpr double kKnown = 0.01;  // a share from which the time left is told
+    const double seconds = std::chrono::duration<double>(Clock::now() - mStart).count();
+    if (status.share > kKnown) status.left = seconds * (1 - status.share) / status.share;
+    return status;
+  }
+
+ private:
+  mutable std::mutex mMutex;  // of what follows but the two atomic numbers
+  JobStatus mStatus;
+  std::unique_ptr<WorkShare> mShare;
+  std::uint64_t mTotal = 0;
+  Clock::time_point mStart{};
+  std::atomic<std::uint64_t> mDone{0};
+  std::atomic<bool> mCancelled{false};
+};
+
+JobQueue::JobQueue(std::filesystem::path folder, MakeShare makeShare)
+    : mFolder(std::move(folder)), mMakeShare(std::move(makeShare)), mThread([this] { work(); }) {}
+
+JobQueue::~JobQueue() {
+  stop();
+  mThread.join();
+}
+
+void JobQueue::stop() {
+  const std::lock_guard lock(mMutex);
+  mStopped = true;
+  for (const auto& job : mJobs) job->cancel();
+  mWake.notify_all();
+}
+
+std::filesystem::path JobQueue::fileOf(const JobRequest& request, const std::string& format) const {
+  return mFolder / (request.name + '.' + format);
+}
+
+void JobQueue::requireFree(const JobRequest& request) const {
+  for (const std::string& format : request.formats) {
+    const std::filesystem::path path = fileOf(request, format);
+    std::error_code ignored;
+    const auto status = std::filesystem::symlink_status(path, ignored);
+    if (!std::filesystem::exists(status)) continue;
+    const std::string name = path.filename().string();
+    if (!std::filesystem::is_regular_file(status))
+      throw std::invalid_argument("'" + name + "' is there and is no ordinary file; choose another name");
+    if (!request.overwrite)
+      throw std::invalid_argument("'" + name + "' is there already; choose another name, or allow it to be replaced");
+  }
+}
+
+int JobQueue::add(const JobRequest& request) {
+  requireFileName(request.name);
+  const std::vector<std::string> known = fileFormats();
+  if (request.formats.empty()) throw std::invalid_argument("no format was given for the files");
+  for (const std::string& format : request.formats) {
+    if (std::find(known.begin(), known.end(), format) == known.end())
+      throw std::invalid_argument("there is no format '" + format + "' for files");
+    if (std::count(request.formats.begin(), request.formats.end(), format) > 1)
+      throw std::invalid_argument("the format '" + format + "' was given twice");
+  }
+  requireFree(request);
+  const std::lock_guard lock(mMutex);
+  const auto waiting = std::count_if(mJobs.begin(), mJobs.end(), [](const auto& job) { return !job->isOver(); });
+  if (static_cast<std::size_t>(waiting) >= kMostWaiting)
+    throw std::invalid_argument(std::to_string(waiting) + " jobs wait already; let some of them end first");
+  for (const auto& job : mJobs)
+    if (!job->isOver() && job->request().name == request.name)
+      throw std::invalid_argument("a job with the name '" + request.name + "' waits already; choose another name");
+  mJobs.push_back(std::make_shared<Job>(++mLast, request, mMakeShare ? mMakeShare() : nullptr));
+  for (auto job = mJobs.begin(); mJobs.size() > kMostKnown && job != mJobs.end();)
+    job = (*job)->isOver() ? mJobs.erase(job) : job + 1;
+  mWake.notify_all();
+  return mLast;
+}
+
+std::vector<JobStatus> JobQueue::list() const {
+  const std::lock_guard lock(mMutex);
+  std::vector<JobStatus> jobs;
+  for (const auto& job : mJobs) jobs.push_back(job->status());
+  return jobs;
+}
+
+bool JobQueue::cancel(int number) {
+  const std::lock_guard lock(mMutex);
+  for (const auto& job : mJobs) {
+    if (job->status().number != number) continue;
+    job->cancel();
+    if (job->waits()) job->setState(JobState::Cancelled);
+    return true;
+  }
+  return false;
+}
+
+void JobQueue::work() {
+  // What the page waits for goes before the files.
+  tbb::task_arena arena(tbb::task_arena::automatic, 1, tbb::task_arena::priority::low);
+  std::unique_lock lock(mMutex);
+  for (;;) {
+    const auto next = std::find_if(mJobs.begin(), mJobs.end(), [](const auto& job) { return job->waits(); });
+    if (mStopped) return;
+    if (next == mJobs.end()) {
+      mWake.wait(lock);
+      continue;
+    }
+    const std::shared_ptr<Job> job = *next;
+    job->setState(JobState::Running);
+    lock.unlock();
+    arena.execute([&] { run(*job); });
+    lock.lock();
+  }
+}
+
+void JobQueue::run(Job& job) {
+  try {
+    const JobRequest& request = job.request();
+    const FractalOptions options = parseFractalOptions(request.recipe);
+    requireFree(request);
+    std::list<AtomicFile> files;
+    std::vector<AtomicFile*> all;
+    std::vector<std::string> names;
+    FractalFiles outputs;
+    for (const std::string& format : request.formats) {
+      const std::filesystem::path path = fileOf(request, format);
+      all.push_back(&files.emplace_back(path));
+      names.push_back(path.filename().string());
+      if (format == "vdb")
+        outputs.vdb = all.back();
+      else
+        outputs.meshes.push_back({all.back(), meshFormat(path)});
+    }
+    const Scene scene = makeScene(options, job);
+    writeFractal(scene, request.recipe, outputs, job);
+    job.throwIfCancelled();
+    requireFree(request);
+    commitAll(all);
+    job.finish(std::move(names));
+  } catch (const Interrupted&) {
+    job.setState(JobState::Cancelled);
+  } catch (...) {
+    job.fail(currentFailureAnswer().text);
+  }
+}
+
+}  // namespace vdbtools

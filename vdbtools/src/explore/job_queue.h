@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file job_queue.h
+/// The files that the page has made: one job at a time, the others wait. A job does what `juliavdb fractal` does, and
+/// its files have the same bytes.
+#pragma once
+
+#include "vdbtools/explore/explore_server.h"
+#include "vdbtools/recipe/option_table.h"
+
+#include <condition_variable>
+#include <deque>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace vdbtools {
+
+struct JobRequest {
+  Recipe recipe;                     ///< completed, with the resolution
+  Recipe given;                      ///< what the page shows of it
+  std::string name;                  ///< of the files, without the folder and the extension
+  std::vector<std::string> formats;  ///< "vdb", "ply" and so on, each once
+  bool overwrite = false;
+};
+
+enum class JobState { Queued, Running, Done, Failed, Cancelled };
+
+/// A job as the page sees it.
+struct JobStatus {
+  int number = 0;
+  JobRequest request;
+  JobState state = JobState::Queued;
+  std::string phase;
+  double share = 0;                ///< of the work, from 0 to 1
+  double left = -1;                ///< seconds, below 0 where that is not known
+  std::vector<std::string> files;  ///< their names, once they are in their places
+  std::string error;               ///< of a job that failed
+};
+
+/// The names of the formats that files may have.
+std::vector<std::string> fileFormats();
+
+/// May be used from many threads at once.
+class JobQueue {
+ public:
+  /// @param folder  where the files go
+  JobQueue(std::filesystem::path folder, MakeShare makeShare);
+  /// Cancels what is running, and waits for its end.
+  ~JobQueue();
+  JobQueue(const JobQueue&) = delete;
+  JobQueue& operator=(const JobQueue&) = delete;
+
+  /// @return the job's number, from 1
+  /// @throw std::invalid_argument  a file is there already, no or an unknown format, a name that is not allowed, or too
+  ///                               many jobs wait
+  int add(const JobRequest& request);
+  /// All that are known: the last hundred or so, in the order in which they were added.
+  std::vector<JobStatus> list() const;
+  /// @return false: there is no such job
+  bool cancel(int number);
+  /// No job begins after this, and the one that is running is asked to end.
+  void stop();
+
+ private:
+  class Job;
+  void work();
+  void run(Job& job);
+  std::filesystem::path fileOf(const JobRequest& request, const std::string& format) const;
+  void requireFree(const JobRequest& request) const;
+
+  std::filesystem::path mFolder;
+  MakeShare mMakeShare;
+  mutable std::mutex mMutex;  // of everything below
+  std::condition_variable mWake;
+  bool mStopped = false;
+  int mLast = 0;
+  std::deque<std::shared_ptr<Job>> mJobs;
+  std::thread mThread;
+};
+
+}  // namespace vdbtools

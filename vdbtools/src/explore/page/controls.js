@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+// The controls, as the program's options describe them. A recipe is an object of names and texts; what is not in it has
+// its default.
+import { COLOURS, USUAL_LIGHT } from "./renderer.js";
+import { button, choice, element, group, slider, text, tick } from "./widgets.js";
+
+const RANDOM_ROOTS = ["versor-seed", "versor-roots", "versor-powers", "versor-integer", "versor-placement", "versor-distance",
+  "versor-centre", "versor-radius"];
+const OWN_CONTROLS = ["map", "input", "detail", "outward", "alpha", "beta", "origin-shift", "versor", ...RANDOM_ROOTS, "versor-scale",
+  "versor-translate", "iterations", "slice", "c", "power", "pair", "scheme", "f", "g", "theta", "mandelbrot", "resolution", "box",
+  "colour"];
+
+// What the program says of its options. An exported page has none, and shows the options that need no server.
+export class Options {
+  constructor(start) {
+    this.list = start.options ?? [];
+    this.byName = new Map(this.list.map((option) => [option.name, option]));
+    this.firstMap = start.maps?.[0]?.name ?? "shape-modulus";
+  }
+
+  mapOf(recipe) { return recipe.map ?? this.firstMap; }
+  has(name, recipe) { return this.byName.get(name)?.maps.includes(this.mapOf(recipe)) ?? false; }
+  usual(name, recipe) { return name === "map" ? this.firstMap : this.byName.get(name)?.defaults?.[this.mapOf(recipe)]; }
+  help(name) { return this.byName.get(name)?.help ?? ""; }
+
+  // Sets an option; what says the same in another way goes.
+  set(recipe, name, value) {
+    if (value === undefined) {
+      delete recipe[name];
+      return;
+    }
+    const option = this.byName.get(name);
+    for (const other of [option?.alternative, ...(option?.displaces ?? [])]) if (other) delete recipe[other];
+    recipe[name] = value;
+  }
+}
+
+// What --colour says: {by, gradient}.
+export function colourOf(recipe) {
+  const [by, ...gradient] = (recipe.colour ?? "direction").split(":");
+  return { by: by === "gradient" ? "trap" : by, gradient: gradient.join(":") || "viridis" };
+}
+
+export function isRandomVersor(recipe) {
+  return recipe.versor === "random" || (!recipe.versor && RANDOM_ROOTS.some((name) => name in recipe));
+}
+
+// All of the controls: {element, update(state)}. page: {store, options, start, scene(), isExported, ...actions}
+export function makeControls(page) {
+  const { store, options, start } = page, updates = [];
+  const add = (control) => {
+    updates.push(control.update);
+    return control.element;
+  };
+  const fallbacks = { iterations: "3", slice: "0", "versor-scale": "1", power: "8", "versor-seed": "1" };
+  const usualOf = (name, live) => (state) => options.usual(name, state.recipe) ?? (live && page.scene() ? String(page.scene()[live]) : fallbacks[name] ?? "");
+  // A slider of an option.
+  const number = (name, label, limits, live) => add(slider(store, {
+    label, help: options.help(name), ...limits, usual: usualOf(name, live), read: (state) => state.recipe[name],
+    write: (state, value) => options.set(state.recipe, name, value),
+  }));
+  // The components of an option that is a list of numbers.
+  const vector = (name, labels, limits, live) => labels.map((label, i) => {
+    const parts = (state) => {
+      const given = state.recipe[name] ?? options.usual(name, state.recipe) ?? (live ? page.scene()?.[live]?.join(",") : undefined) ?? "";
+      const numbers = String(given).split(",").map(Number);
+      return labels.map((_, k) => Number.isFinite(numbers[k]) ? numbers[k] : 0);
+    };
+    return add(slider(store, {
+      label, help: options.help(name), ...limits, usual: (state) => String(parts(state)[i]),
+      read: (state) => state.recipe[name] === undefined ? undefined : String(parts(state)[i]),
+      write: (state, value) => {
+        if (value === undefined) return options.set(state.recipe, name, undefined);
+        const all = parts(state);
+        all[i] = Number(value);
+        options.set(state.recipe, name, all.join(","));
+      },
+    }));
+  });
+  const chosen = (name, label, values) => add(choice(store, {
+    label, help: options.help(name), values, usual: usualOf(name), read: (state) => state.recipe[name],
+    write: (state, value) => options.set(state.recipe, name, value === options.usual(name, state.recipe) ? undefined : value),
+  }));
+  const flag = (name, label) => add(tick(store, {
+    label, help: options.help(name), usual: () => "", read: (state) => state.recipe[name],
+    write: (state, value) => options.set(state.recipe, name, value),
+  }));
+  const line = (name, label) => add(text(store, {
+    label, help: options.help(name), usual: usualOf(name), read: (state) => state.recipe[name],
+    write: (state, value) => options.set(state.recipe, name, value),
+  }));
+  // Shown only for some recipes.
+  const when = (test, ...children) => {
+    const part = element("div", {}, ...children);
+    updates.push((state) => { part.hidden = !test(state.recipe, state); });
+    return part;
+  };
+  const map = (recipe) => page.isExported ? page.scene()?.map : options.mapOf(recipe);
+  const isMap = (...names) => (recipe) => names.includes(map(recipe));
+
+  const all = [];
+  if (!page.isExported) {
+    all.push(shapeControls());
+    all.push(textureControls());
+    const isOpen = (one) => one.target !== "needed" || start.target;
+    all.push(group("Map", chosen("map", "Map", start.maps.filter(isOpen).map((one) => one.name)),
+      when(isMap("cross"), chosen("pair", "Pair", ["A", "A'", "B", "C", "D", "E", "user"]), chosen("scheme", "Scheme", ["3", "4", "5"]),
+        when((recipe) => recipe.pair === "user" || recipe.f || recipe.g, line("f", "f"), line("g", "g")),
+        when((recipe) => recipe.scheme === "5", ...vector("c", ["c x", "c y", "c z"], { min: -2, max: 2, step: 0.01 }))),
+      when(isMap("quadratic"), flag("mandelbrot", "Mandelbrot set"),
+        when((recipe) => !recipe.mandelbrot, ...vector("c", ["c real", "c i", "c j", "c k"], { min: -1.5, max: 1.5, step: 0.005 }))),
+      when(isMap("mandelbulb"), number("power", "Power", { min: 1, max: 16, step: 0.25 }), chosen("theta", "Second angle from", ["plane", "pole"]),
+        line("c", "Constant of a Julia set"))));
+  } else {
+    const scene = page.scene();
+    if (scene.constant && scene.map !== "shape-modulus")
+      all.push(group("Map", ...vector("c", ["c 1", "c 2", "c 3", "c 4"].slice(0, scene.constant.length), { min: -1.5, max: 1.5, step: 0.005 }, "constant")));
+    if (scene.map === "mandelbulb") all.push(group("Power", number("power", "Power", { min: 1, max: 16, step: 0.25 }, "power")));
+    if (scene.factors) all.push(group("Texture", ...rootPlaces()));
+  }
+
+  function rootPlaces() {
+    return [number("versor-scale", "Scale of the roots", { min: 0.2, max: 5, scale: "log" }),
+      ...vector("versor-translate", ["Move the roots X", "Move the roots Y", "Move the roots Z"], { min: -0.5, max: 0.5, step: 0.005 })];
+  }
+
+  function shapeControls() {
+    const byAlpha = (recipe) => "alpha" in recipe || "beta" in recipe;
+    const drag = button("Drag the origin in the picture", () => page.dragOrigin(drag.getAttribute("aria-pressed") !== "true"),
+      { "aria-pressed": "false", class: "wide" });
+    page.onDragOrigin = (on) => drag.setAttribute("aria-pressed", String(on));
+    const part = group("Shape",
+      add(choice(store, {
+        label: "Depth given by", values: [{ value: "detail", text: "shares of the thickness" }, { value: "alpha", text: "alpha and beta" }],
+        usual: () => "detail", read: (state) => byAlpha(state.recipe) ? "alpha" : undefined,
+        write: (state, value) => {
+          for (const name of ["detail", "outward", "alpha", "beta"]) delete state.recipe[name];
+          if (value === "alpha") Object.assign(state.recipe, { alpha: "40", beta: "0" });
+        },
+      })),
+      when((recipe) => !byAlpha(recipe), number("detail", "Detail", { min: 0, max: 1, step: 0.01 }),
+        number("outward", "Outward", { min: 0, max: 0.5, step: 0.01 })),
+      when(byAlpha, number("alpha", "Alpha", { min: 1, max: 400, scale: "log" }), number("beta", "Beta", { min: -0.2, max: 0.2, step: 0.002 })),
+      line("mask", "Mask"),
+      ...vector("origin-shift", ["Origin X", "Origin Y", "Origin Z"], { min: -0.4, max: 0.4, step: 0.005 }), drag);
+    updates.push((state) => { part.hidden = !isMap("shape-modulus")(state.recipe); });
+    return part;
+  }
+
+  function textureControls() {
+    const choose = (name) => store.change((state) => {
+      for (const option of RANDOM_ROOTS) delete state.recipe[option];
+      options.set(state.recipe, "versor", name);
+    });
+    const tiles = [...start.textures, { name: "random", description: "Roots at random: every seed is another texture." }].map((texture) => {
+      const tile = button("", () => choose(texture.name), { class: "tile", title: texture.description, "aria-pressed": "false" });
+      if (texture.thumbnail) tile.append(element("img", { src: texture.thumbnail, alt: "", width: 64, height: 64, loading: "lazy" }));
+      else tile.append(element("span", { class: "blank", "aria-hidden": "true" }, "?"));
+      tile.append(element("span", {}, texture.name));
+      updates.push((state) => {
+        const usual = options.usual("versor", state.recipe) ?? "scales";
+        const now = isRandomVersor(state.recipe) ? "random" : state.recipe.versor ?? usual;
+        tile.setAttribute("aria-pressed", String(now === texture.name));
+      });
+      return tile;
+    });
+    const varies = (recipe) => isRandomVersor(recipe) || start.textures.some((texture) => texture.varies && texture.name === recipe.versor);
+    const seedBy = (by) => () => store.change((state) => {
+      options.set(state.recipe, "versor-seed", String(Math.max(0, Number(state.recipe["versor-seed"] ?? 1) + by)));
+    });
+    const powers = (label, i) => add(slider(store, {
+      label, help: options.help("versor-powers"), min: 1, max: 20, step: 1, usual: () => String([2, 11][i]),
+      read: (state) => state.recipe["versor-powers"]?.split(":")[i],
+      write: (state, value) => {
+        if (value === undefined) return options.set(state.recipe, "versor-powers", undefined);
+        const range = (state.recipe["versor-powers"] ?? "2:11").split(":").map(Number);
+        range[i] = Number(value);
+        options.set(state.recipe, "versor-powers", i === 0 ? `${range[0]}:${Math.max(...range)}` : `${Math.min(...range)}:${range[1]}`);
+      },
+    }));
+    const part = group("Texture", element("div", { class: "shelf", role: "group", "aria-label": "Textures" }, ...tiles),
+      when(varies, number("versor-seed", "Seed", { min: 0, max: 200, step: 1 }),
+        element("div", { class: "buttons" }, button("← previous seed", seedBy(-1)), button("next seed →", seedBy(1)))),
+      when(isRandomVersor, number("versor-roots", "Roots", { min: 1, max: 60, step: 1 }), powers("Least power", 0), powers("Greatest power", 1),
+        flag("versor-integer", "Whole powers"), chosen("versor-placement", "Placed", ["box", "inside", "surface", "cluster"])),
+      ...rootPlaces());
+    updates.push((state) => { part.hidden = !options.has("versor", state.recipe); });
+    return part;
+  }
+
+  all.push(group("Orbit", number("iterations", "Iterations", { min: 1, max: 12, step: 1 }, "iterations"),
+    when((recipe) => ["shape-modulus", "rational", "quadratic"].includes(map(recipe)), number("slice", "Slice", { min: -1, max: 1, step: 0.01 }, "slice"))));
+
+  const look = (name, read, write) => ({ read: (state) => read(state.look), write: (state, value) => write(state.look, value) });
+  const byGradient = (recipe) => ["iterations", "trap", "depth"].includes(colourOf(recipe).by);
+  const setColour = (recipe, by, gradient) => {
+    const text = ["iterations", "trap", "depth"].includes(by) && gradient !== "viridis" ? `${by}:${gradient}` : by;
+    if (text === "direction") delete recipe.colour;
+    else recipe.colour = text;
+  };
+  all.push(group("Picture",
+    add(choice(store, {
+      label: "Colour", help: options.help("colour"), values: start.colours ?? COLOURS, usual: () => "direction",
+      read: (state) => state.recipe.colour && colourOf(state.recipe).by,
+      write: (state, value) => setColour(state.recipe, value ?? "direction", colourOf(state.recipe).gradient),
+    })),
+    when(byGradient, add(choice(store, {
+      label: "Gradient", values: page.gradients, usual: () => "viridis",
+      read: (state) => colourOf(state.recipe).gradient === "viridis" ? undefined : colourOf(state.recipe).gradient,
+      write: (state, value) => setColour(state.recipe, colourOf(state.recipe).by, value ?? "viridis"),
+    }))),
+    ...[["Light from the side", 0, -180, 180], ["Light from above", 1, -90, 90]].map(([label, i, min, max]) => add(slider(store, {
+      label, min, max, step: 1, help: "Degrees from the direction of the view. The exact picture has its own light.", usual: () => String(USUAL_LIGHT[i]),
+      ...look("light", (it) => it.light === null ? undefined : String(it.light[i]), (it, value) => {
+        if (value === undefined) { it.light = null; return; }
+        it.light = [...(it.light ?? USUAL_LIGHT)];
+        it.light[i] = Number(value);
+      }),
+    }))),
+    add(choice(store, {
+      label: "Cut open along", values: [{ value: "", text: "nothing" }, { value: "x", text: "X" }, { value: "y", text: "Y" }, { value: "z", text: "Z" }],
+      usual: () => "", ...look("clip", (it) => it.clip.axis || undefined, (it, value) => { it.clip.axis = value ?? ""; }),
+    })),
+    when((_, state) => state.look.clip.axis !== "",
+      add(slider(store, {
+        label: "Where it is cut", min: 0, max: 1, step: 0.005, usual: () => "0.5",
+        ...look("at", (it) => it.clip.at === 0.5 ? undefined : String(it.clip.at), (it, value) => { it.clip.at = value === undefined ? 0.5 : Number(value); }),
+      })),
+      add(tick(store, {
+        label: "Keep the other side", usual: () => "",
+        ...look("flip", (it) => it.clip.flip ? "true" : undefined, (it, value) => { it.clip.flip = value === "true"; }),
+      }))),
+    add(slider(store, {
+      label: "Rays a pixel", min: 0, max: 16, step: 1, help: "At rest; 0 leaves it to the speed of the graphics.", usual: () => "0",
+      ...look("samples", (it) => it.samples === 0 ? undefined : String(it.samples), (it, value) => { it.samples = value === undefined ? 0 : Math.round(Number(value)); }),
+    }))));
+
+  if (!page.isExported) {
+    const others = options.list.filter((option) => !OWN_CONTROLS.includes(option.name) && option.group !== "target");
+    const part = group("All other options", ...others.map((option) =>
+      when((recipe) => options.has(option.name, recipe), option.argument ? line(option.name, option.name) : flag(option.name, option.name))));
+    part.open = false;
+    all.push(part);
+  }
+  return { element: element("div", { class: "controls" }, ...all), update: (state) => updates.forEach((update) => update(state)) };
+}

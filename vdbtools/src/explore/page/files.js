@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+// From the look to files: making them, the history of what was made, the command, and recipes in and out.
+import { server } from "./server.js";
+import { button, element, group } from "./widgets.js";
+
+function download(blob, name) {
+  const link = element("a", { href: URL.createObjectURL(blob), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
+const timeText = (seconds) => seconds < 90 ? `${Math.round(seconds)} s` : `${Math.round(seconds / 60)} min`;
+
+// page: {store, start, say(text, isError), recipe(): what is to be made, resized}
+export function makeFiles(page) {
+  const { store, start, say } = page;
+  const attempt = (work) => async () => {
+    try {
+      await work();
+    } catch (error) {
+      say(error.message, true);
+    }
+  };
+  const name = element("input", { type: "text", value: "look", id: "make-name", spellcheck: "false", autocomplete: "off" });
+  const resolution = element("input", { type: "number", id: "make-resolution", min: 8, step: 1, list: "make-resolutions",
+    value: start.recipe.resolution ?? 200 });
+  const formats = start.formats.map((format) => ({
+    format, box: element("input", { type: "checkbox", id: `make-${format}`, checked: format === "vdb" }),
+  }));
+  const overwrite = element("input", { type: "checkbox", id: "make-overwrite" });
+  const command = element("textarea", { readonly: true, rows: 3, "aria-label": "The command", hidden: true });
+  const list = element("ul", { class: "jobs", "aria-label": "What was made" });
+  const request = () => ({
+    recipe: store.state.recipe, name: name.value.trim(), formats: formats.filter((one) => one.box.checked).map((one) => one.format),
+    resolution: String(Math.max(8, Math.round(Number(resolution.value) || 200))),
+  });
+
+  let timer = 0;
+  async function poll() {
+    clearTimeout(timer);
+    let jobs = [];
+    try {
+      jobs = await server.jobs();
+    } catch (error) {
+      return say(error.message, true);
+    }
+    list.replaceChildren(...jobs.slice().reverse().map(line));
+    if (jobs.some((job) => ["queued", "running"].includes(job.state))) timer = setTimeout(poll, 700);
+  }
+
+  function line(job) {
+    const isOpen = job.state === "queued" || job.state === "running";
+    const left = job.left === null || job.left === undefined ? "" : `, ${timeText(job.left)} left`;
+    const what = job.state === "running" ? `${job.phase || "beginning"}${left}` : job.state === "failed" ? job.error
+      : job.state === "done" ? job.files.join(", ") : job.state;
+    return element("li", { class: job.state }, element("strong", {}, job.name), " ", element("span", {}, what),
+      job.state === "running" ? element("progress", { max: 1, value: job.share, "aria-label": `${job.name} is made` }) : null,
+      isOpen ? button("Cancel", attempt(async () => {
+        await server.cancel(job.job);
+        await poll();
+      }), { "aria-label": `Cancel ${job.name}` }) : button("Go there", () => store.change((state) => { state.recipe = { ...job.recipe }; }),
+        { "aria-label": `Go to the look of ${job.name}` }));
+  }
+
+  const pick = element("input", { type: "file", hidden: true, "aria-label": "A file with a recipe" });
+  pick.addEventListener("change", () => {
+    if (pick.files[0]) load(pick.files[0]);
+    pick.value = "";
+  });
+
+  // The recipe of a file: one that the page saved, an exported page, or anything that the program made.
+  async function load(file) {
+    await attempt(async () => {
+      if (/\.(json|html)$/i.test(file.name)) {
+        const read = savedLook(await file.text());
+        if (read) {
+          store.change((state) => {
+            const { input } = state.recipe;
+            state.recipe = { ...read.recipe };
+            if (input) state.recipe.input = input;
+          });
+          return say(`The recipe of ${file.name}.`);
+        }
+      }
+      // Recipes stand at the beginnings of files.
+      const { recipe, note } = await server.recipe(file.name, await file.slice(0, 64 << 20).arrayBuffer());
+      store.change((state) => { state.recipe = { ...recipe }; });
+      say(note ? `${file.name}: ${note}.` : `The recipe of ${file.name}.`);
+    })();
+  }
+
+  const field = (label, input) => element("div", { class: "control" }, element("label", { for: input.id }, label), input);
+  const whole = group("Make files, and recipes",
+    field("Name", name), field("Resolution", resolution),
+    element("datalist", { id: "make-resolutions" }, start.resolutions.map((value) => element("option", { value }))),
+    element("fieldset", { class: "formats" }, element("legend", {}, "Formats"),
+      formats.map(({ format, box }) => element("label", { for: box.id }, box, format))),
+    element("label", { class: "control" }, overwrite, "Replace files of that name"),
+    element("div", { class: "buttons" },
+      button("Make", attempt(async () => {
+        await server.make({ ...request(), overwrite: overwrite.checked });
+        say(`In ${start.folder}.`);
+        await poll();
+      }), { class: "main" }),
+      button("Copy command", attempt(async () => {
+        const asked = request();
+        command.value = await server.command(asked);
+        command.hidden = false;
+        await navigator.clipboard?.writeText(command.value).then(() => say("The command was copied."), () => command.select());
+      }))),
+    command,
+    element("div", { class: "buttons" },
+      button("Save recipe", () => download(new Blob([JSON.stringify({ command: "fractal", version: start.version, ...store.state }, null, 1)],
+        { type: "application/json" }), `${name.value.trim() || "look"}.json`)),
+      button("Load recipe", () => pick.click(), { title: "Or drop a file on the page" }),
+      button("Export page", attempt(async () => {
+        say("The page is being made.");
+        download(await server.exported(store.state.recipe, { view: store.state.view, look: store.state.look }), `${name.value.trim() || "look"}.html`);
+        say("The page was made.");
+      }))),
+    pick, list);
+  whole.classList.add("files");
+  whole.open = false;
+  poll();
+  return { element: whole, load };
+}
+
+// The recipe in a file of the page's own; null: it is another file.
+export function savedLook(content) {
+  const part = /<script type="application\/json" id="exported">([\s\S]*?)<\/script>/.exec(content)?.[1] ?? content;
+  try {
+    const read = JSON.parse(part), { recipe } = read;
+    const isRecipe = recipe && typeof recipe === "object" && Object.values(recipe).every((value) => typeof value === "string");
+    return isRecipe ? read : null;
+  } catch {
+    return null;
+  }
+}

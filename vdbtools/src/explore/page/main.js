@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page of `juliavdb explore`, and the one that it exports: puts the parts together.
+import { attachCamera, viewAround } from "./camera.js";
+import { colourOf, makeControls, Options } from "./controls.js";
+import { makeFiles } from "./files.js";
+import { cameraFrame, clipPlace, GRADIENTS, Renderer } from "./renderer.js";
+import { bytesOfBase64, liveValues, makeScene } from "./scene.js";
+import { server } from "./server.js";
+import { Stage } from "./stage.js";
+import { stateOfHash, Store, usualLook, checkedLook } from "./store.js";
+import { makeStrip } from "./strip.js";
+import { TargetView } from "./target.js";
+import { button, element } from "./widgets.js";
+
+const SCENES_KEPT = 40, VOLUMES_KEPT = 5, WAIT = 150;  // milliseconds after the last movement of a slider
+
+// The latest scenes. isUsed(scene): it must stay; forget(scene) frees what the GPU has of it.
+class Scenes {
+  constructor(isUsed, forget) {
+    Object.assign(this, { isUsed, forget, kept: new Map() });
+  }
+
+  // What is the same scene: colours are the page's affair.
+  key(recipe) { return JSON.stringify(Object.entries(recipe).filter(([name]) => !name.startsWith("colour")).sort()); }
+
+  async get(recipe, wait, signal) {
+    const key = this.key(recipe), known = this.kept.get(key);
+    if (known) return known;
+    const description = await server.scene(recipe, wait, signal), id = description.exponent?.id;
+    const same = [...this.kept.values()].find((scene) => id && scene.exponent?.id === id);
+    const scene = makeScene(description, id ? same?.volume ?? await server.volume(id, signal) : null, recipe);
+    this.kept.set(key, scene);
+    this.shrink(scene);
+    return scene;
+  }
+
+  // Volumes are what is large.
+  shrink(latest) {
+    const volumes = () => new Set([...this.kept.values()].map((scene) => scene.exponent?.id)).size;
+    for (const [key, scene] of [...this.kept]) {
+      if (this.kept.size <= SCENES_KEPT && volumes() <= VOLUMES_KEPT) return;
+      if (scene === latest || this.isUsed(scene)) continue;
+      this.forget(scene);
+      this.kept.delete(key);
+    }
+  }
+}
+
+async function exportedData() {
+  const data = document.getElementById("exported");
+  if (!data) return null;
+  const start = JSON.parse(data.textContent), bytes = bytesOfBase64(document.getElementById("exported-volume").textContent);
+  let volume = null;
+  if (start.scene.exponent) {
+    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+    volume = new Uint16Array(await new Response(stream).arrayBuffer());
+  }
+  return { start, scene: makeScene(start.scene, volume, start.recipe) };
+}
+
+function buildPage(parts) {
+  const app = document.getElementById("app");
+  app.replaceChildren(
+    element("div", { class: "toolbar", role: "toolbar", "aria-label": "Page" }, element("h1", {}, parts.title), ...parts.tools),
+    element("div", { class: "stage" },
+      element("div", { class: "views" }, element("div", { class: "view" }, parts.canvas, parts.exact), parts.targetBox),
+      element("div", { class: "line" }, parts.status, parts.progress), parts.strip),
+    element("div", { class: "panel" }, ...parts.panel));
+}
+
+async function run() {
+  const exported = await exportedData(), start = exported?.start ?? await server.start(), isExported = Boolean(exported);
+  const options = new Options(start);
+  const first = { recipe: start.recipe ?? {}, view: null, look: usualLook(), compare: false };
+  if (isExported && start.look) {
+    first.look = checkedLook(start.look.look ?? {});
+    first.view = start.look.view ?? null;
+  }
+  const store = new Store(first, stateOfHash(location.hash, first));
+
+  const canvas = element("canvas", { tabindex: 0, role: "application", id: "picture", "aria-label":
+    "The fractal. Drag to turn it, with Shift to move it; the wheel comes nearer. Arrow keys turn, plus and minus come nearer, Home goes back." });
+  const exact = element("img", { class: "exact", alt: "The exact picture", hidden: true });
+  const targetCanvas = element("canvas", { role: "img", "aria-label": "The target" });
+  const targetBox = element("div", { class: "view target", hidden: true }, targetCanvas);
+  const status = element("span", { class: "status", role: "status", "aria-live": "polite" });
+  const progress = element("progress", { max: 1, value: 0, "aria-label": "How fine the picture is" });
+
+  let scene = exported?.scene ?? null, said = "", targetView = null, dragsOrigin = false;
+  const say = (text, isError = false) => {
+    said = text;
+    status.textContent = text;
+    status.classList.toggle("error", isError);
+  };
+  const renderer = new Renderer(canvas);
+  const stage = new Stage(renderer, {
+    onState: (state, share) => { progress.value = share; },
+    onError: (error) => say(`${error.message} The exact picture shows it.`, true),
+  });
+  const scenes = new Scenes((one) => one === scene, (one) => renderer.forget(one));
+
+  const shotOf = (which, state) => ({
+    scene: which, live: liveValues(which, state.recipe), view: state.view ?? viewAround(which.frame, {}, stage.aspect),
+    look: { ...state.look, colour: colourOf(state.recipe).by, stops: GRADIENTS[colourOf(state.recipe).gradient] ?? GRADIENTS.viridis },
+  });
+  const draw = (isMoving) => {
+    if (!scene) return;
+    stage.draw(shotOf(scene, store.state), isMoving);
+    if (store.state.compare && targetView && store.state.view) targetView.draw(store.state.view);
+  };
+
+  const page = {
+    store, options, start, isExported, stage, shotOf, gradients: start.gradients ?? Object.keys(GRADIENTS), say, scene: () => scene,
+    sceneFor: (recipe) => scenes.get(recipe, true),
+    dragOrigin: (on) => {
+      dragsOrigin = on;
+      page.onDragOrigin?.(on);
+      if (on) say("Drag in the picture: the shape stays and the texture moves through it.");
+    },
+  };
+
+  // ---- scenes ----
+
+  let timer = 0, asking = null, askedFor = "", shownOf = scene ? scenes.key(scene.recipe) : "";
+  const frameScene = () => {
+    if (store.state.view && (store.state.view.of ?? scene.map) === scene.map) return;
+    store.state.view = { ...viewAround(scene.frame, {}, stage.aspect), of: scene.map };
+    store.settle();
+  };
+  async function ask() {
+    const recipe = { ...store.state.recipe }, key = scenes.key(recipe);
+    if (asking && askedFor === key) return;
+    asking?.abort();
+    const mine = asking = new AbortController();
+    askedFor = key;
+    say(scene ? "The scene is being made." : "The target is being prepared.");
+    try {
+      const made = await scenes.get(recipe, false, mine.signal);
+      if (mine !== asking) return;
+      scene = made;
+      shownOf = key;
+      frameScene();
+      if (said === "The scene is being made." || said === "The target is being prepared.") say("");
+      controls.update(store.state);
+      strip.update(store.state);
+      draw(false);
+    } catch (error) {
+      if (mine !== asking || error.name === "AbortError" || error.status === 409) return;
+      say(error.message, true);
+    } finally {
+      if (mine === asking) asking = null;
+    }
+  }
+  const askLater = (isMoving) => {
+    clearTimeout(timer);
+    if (isExported || !scene) return;
+    if (scenes.key(store.state.recipe) === shownOf && !asking) {
+      if (status.classList.contains("error")) say("");
+      return;
+    }
+    timer = setTimeout(ask, isMoving ? WAIT : 20);
+  };
+
+  // ---- the exact picture ----
+
+  let exposing = null;
+  const hideExact = () => {
+    exposing?.abort();
+    exposing = null;
+    exact.hidden = true;
+    exactButton.setAttribute("aria-pressed", "false");
+  };
+  // The exact renderer cuts at the faces of a box.
+  const cutRecipe = ({ recipe, look }) => {
+    if (!look.clip.axis) return recipe;
+    const { centre, scale } = scene.space, axis = { x: 0, y: 1, z: 2 }[look.clip.axis];
+    const world = (x) => x.map((value, i) => value * scale + centre[i]);
+    const min = world(scene.region.min), max = world(scene.region.max), at = clipPlace(look.clip, scene) * scale + centre[axis];
+    (look.clip.flip ? min : max)[axis] = at;
+    return { ...recipe, box: [...min, ...max].join(",") };
+  };
+  async function showExact() {
+    if (!exact.hidden || exposing) return hideExact();
+    exactButton.setAttribute("aria-pressed", "true");
+    const mine = exposing = new AbortController(), { state } = store;
+    say("The exact picture is being made.");
+    try {
+      const { eye, lookAt, up, fov } = state.view;
+      const picture = await server.picture({
+        recipe: cutRecipe(state), view: { eye, lookAt, up, fov }, width: canvas.width, height: canvas.height, samples: "4",
+        colour: state.recipe.colour ?? "direction",
+      }, mine.signal);
+      if (mine !== exposing) return;
+      exact.src = URL.createObjectURL(picture);
+      await exact.decode();
+      exact.hidden = false;
+      say("This is the exact picture. Any change goes back to the live one.");
+    } catch (error) {
+      if (mine !== exposing || error.name === "AbortError") return;
+      hideExact();
+      say(error.message, true);
+    } finally {
+      if (mine === exposing) exposing = null;
+    }
+  }
+
+  // ---- the parts ----
+
+  const undo = button("Undo", () => store.go(-1), { title: "Ctrl+Z" }), redo = button("Redo", () => store.go(1), { title: "Ctrl+Y" });
+  const compare = button("Beside the target", () => store.change((state) => { state.compare = !state.compare; }), { "aria-pressed": "false" });
+  const exactButton = button("Exact picture", showExact, { "aria-pressed": "false" });
+  const reset = () => {
+    if (scene) store.change((state) => { state.view = { ...viewAround(scene.frame, {}, stage.aspect), of: scene.map }; });
+  };
+  const frameButton = button("Whole set", reset, { title: "Home" });
+  const savePicture = button("Save picture", () => {
+    const image = stage.image();
+    if (!image) return;
+    const copy = element("canvas", { width: image.width, height: image.height });
+    copy.getContext("2d").putImageData(image, 0, 0);
+    copy.toBlob((blob) => {
+      const link = element("a", { href: URL.createObjectURL(blob), download: "look.png" });
+      link.click();
+    });
+  });
+  const controls = makeControls(page), strip = makeStrip(page), files = isExported ? null : makeFiles(page);
+  const parts = {
+    canvas, exact, targetBox, status, progress, strip: strip.element,
+    title: isExported ? "A look of JuliaVDB" : start.target?.name ?? "JuliaVDB",
+    tools: [undo, redo, frameButton, savePicture, ...(isExported ? [] : [exactButton, ...(start.target ? [compare] : [])])],
+    panel: files ? [controls.element, files.element] : [exportNote(scene, start), controls.element],
+  };
+  buildPage(parts);
+
+  async function showTarget(on) {
+    targetBox.hidden = !on;
+    compare.setAttribute("aria-pressed", String(on));
+    if (!on || !start.target) return;
+    try {
+      targetView ??= new TargetView(targetCanvas, await server.target(), start.target);
+      if (store.state.view) targetView.draw(store.state.view);
+    } catch (error) {
+      say(error.message, true);
+    }
+  }
+
+  store.listen((state, isMoving) => {
+    hideExact();
+    controls.update(state);
+    if (!isMoving) strip.update(state);
+    undo.disabled = !store.canUndo;
+    redo.disabled = !store.canRedo;
+    if (targetBox.hidden === state.compare) showTarget(state.compare);
+    draw(isMoving);
+    askLater(isMoving);
+  });
+  const setView = (view, isMoving) => store.change((state) => { state.view = view; }, isMoving);
+  attachCamera(canvas, {
+    get: () => store.state.view, change: (view, isMoving) => { if (view) setView(view, isMoving); }, reset,
+    dragged: (right, up) => {
+      if (!dragsOrigin || !scene) return false;
+      const { view, recipe } = store.state, frame = cameraFrame(view), distance = Math.hypot(...view.eye.map((value, i) => value - view.lookAt[i]));
+      const height = 2 * frame.tangent * distance / scene.space.scale;
+      const shift = (recipe["origin-shift"] ?? "0,0,0").split(",").map((value, i) =>
+        Number((Number(value) + height * (right * frame.right[i] + up * frame.up[i])).toFixed(4)));
+      store.change((state) => options.set(state.recipe, "origin-shift", shift.join(",")), true);
+      return true;
+    },
+  });
+  document.addEventListener("keydown", (event) => {
+    if (event.target.matches?.("input:not([type=range]):not([type=checkbox]), textarea")) return;
+    if (!(event.ctrlKey || event.metaKey)) return;
+    const key = event.key.toLowerCase();
+    if (key !== "z" && key !== "y") return;
+    event.preventDefault();
+    store.go(key === "y" || event.shiftKey ? 1 : -1);
+  });
+  document.addEventListener("dragover", (event) => event.preventDefault());
+  document.addEventListener("drop", (event) => {
+    event.preventDefault();
+    if (files && event.dataTransfer.files[0]) files.load(event.dataTransfer.files[0]);
+  });
+  window.addEventListener("hashchange", () => {
+    const state = stateOfHash(location.hash, first);
+    if (state) store.change((now) => Object.assign(now, state));
+  });
+  new ResizeObserver(() => {
+    if (!stage.fit()) return;
+    draw(false);
+  }).observe(canvas);
+
+  canvas.addEventListener("webglcontextlost", () => say("The graphics were lost. Reload the page; the address holds the look.", true));
+
+  stage.fit();
+  if (scene) frameScene();
+  store.tell(false);
+  if (!scene) await ask();
+  // For tests, and for scripts in the browser's console.
+  window.explore = {
+    store, stage, renderer, scene: () => scene,
+    isBusy: () => Boolean(asking) || scenes.key(store.state.recipe) !== shownOf && !isExported,
+    settled: () => stage.settled(),
+    // A picture apart from that on the page, without the camera of the state: linear colours and coverage.
+    render: (width, height) => new Promise((resolve) => {
+      const shot = shotOf(scene, { ...store.state, view: viewAround(scene.frame, {}, width / height) });
+      stage.drawSmall(shot, width, height, (_, values) => resolve(Array.from(values)));
+    }),
+  };
+}
+
+// What an exported page says of itself.
+function exportNote(scene, start) {
+  const { exponent } = scene, notes = [`Made by JuliaVDB ${start.version}.`];
+  if (exponent)
+    notes.push(`The shape is stored as 16-bit numbers at ${exponent.dims.join(" × ")} places` +
+      (exponent.coarser > 1.01 ? `, ${exponent.coarser.toFixed(1)} times as far apart as the program has them` : "") +
+      `; each is off by at most ${Number(exponent.error.toPrecision(2))}. The program's own results are finer.`);
+  const recipe = Object.entries(start.recipe).filter(([name]) => name !== "input").map(([name, value]) => `--${name} ${value}`).join(" ");
+  return element("div", { class: "about" }, ...notes.map((note) => element("p", {}, note)),
+    recipe ? element("p", {}, element("code", {}, recipe)) : null);
+}
+
+run().catch((error) => {
+  document.getElementById("app").replaceChildren(element("p", { class: "fatal", role: "alert" }, error.message));
+});

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// The requests of the page; vdbtools/explore/explore_server.h lists them. Addresses are relative: the key is in ours.
+
+async function failure(response) {
+  let text = `${response.status} ${response.statusText}`;
+  try {
+    text = (await response.json()).error ?? text;
+  } catch { /* no JSON: the status says it */ }
+  return Object.assign(new Error(text), { status: response.status });
+}
+
+async function request(path, options = {}) {
+  let response;
+  try {
+    response = await fetch(path, { cache: "no-store", ...options });
+  } catch (error) {
+    if (error.name === "AbortError") throw error;
+    throw new Error("The server does not answer. Is 'juliavdb explore' still running?");
+  }
+  if (!response.ok) throw await failure(response);
+  return response;
+}
+
+const post = (path, body, signal) => request(path, {
+  method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body), signal,
+});
+
+export const server = {
+  start: async () => (await request("start")).json(),
+  scene: async (recipe, wait, signal) => (await post("scene", { recipe, wait }, signal)).json(),
+  volume: async (id, signal) => new Uint16Array(await (await request(`volume/${id}`, { signal })).arrayBuffer()),
+  target: async () => (await request("target")).arrayBuffer(),
+  picture: async (body, signal) => (await post("picture", body, signal)).blob(),
+  make: async (body) => (await post("make", body)).json(),
+  jobs: async () => (await request("jobs")).json(),
+  cancel: async (job) => { await request(`jobs/${job}`, { method: "DELETE" }); },
+  recipe: async (name, bytes) => (await request(`recipe?name=${encodeURIComponent(name)}`, {
+    method: "POST", headers: { "Content-Type": "application/octet-stream" }, body: bytes,
+  })).json(),
+  command: async (body) => (await (await post("command", body)).json()).command,
+  exported: async (recipe, look) => (await post("export", { recipe, look })).blob(),
+};

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is drawn when: a coarse picture at once while something moves, a fine one at rest, and small pictures for the
+// strip when there is nothing else to do.
+import { Exposure } from "./renderer.js";
+
+const FRAME = 30;           // milliseconds that a coarse picture may take
+const STRIP = 40;           // and the rows of a fine one that are handed over at once
+const PATIENCE = 3000;      // how long the picture at rest becomes finer, if nobody says otherwise
+const MOST_PIXELS = 2.5e6;
+
+const srgbOf = (linear) => {
+  const value = Math.min(1, Math.max(0, linear));
+  return Math.round(255 * (value <= 0.0031308 ? 12.92 * value : 1.055 * value ** (1 / 2.4) - 0.055));
+};
+
+// Linear values from the lowest row up, as an image.
+export function imageOf(values, width, height) {
+  const image = new ImageData(width, height);
+  for (let y = 0; y < height; ++y)
+    for (let x = 0; x < width; ++x) {
+      const from = 4 * ((height - 1 - y) * width + x), to = 4 * (y * width + x);
+      for (let c = 0; c < 3; ++c) image.data[to + c] = srgbOf(values[from + c]);
+      image.data[to + 3] = 255;
+    }
+  return image;
+}
+
+export class Stage {
+  // onState(text, share): what the picture is; share 1 when it is as fine as it gets.
+  constructor(renderer, { onState, onError }) {
+    Object.assign(this, { renderer, onState, onError });
+    this.canvas = renderer.canvas;
+    this.wanted = null;
+    this.isMoving = false;
+    this.isDirty = false;
+    this.coarse = this.fine = this.shown = this.small = null;
+    this.smalls = [];
+    this.frame = 0;
+    this.waiting = [];
+  }
+
+  get aspect() { return this.canvas.width / this.canvas.height; }
+
+  // Takes the size of the element on the page.
+  fit() {
+    const ratio = Math.min(2, window.devicePixelRatio || 1);
+    let width = Math.max(16, Math.round(this.canvas.clientWidth * ratio)), height = Math.max(16, Math.round(this.canvas.clientHeight * ratio));
+    const shrink = Math.min(1, Math.sqrt(MOST_PIXELS / (width * height)));
+    width = Math.round(width * shrink);
+    height = Math.round(height * shrink);
+    if (width === this.canvas.width && height === this.canvas.height) return false;
+    this.canvas.width = width;
+    this.canvas.height = height;
+    if (this.shown) this.show();
+    return true;
+  }
+
+  // shot: {scene, live, view, look}
+  draw(shot, isMoving) {
+    this.wanted = shot;
+    this.isMoving = isMoving;
+    this.isDirty = true;
+    this.fine?.free();
+    this.fine = null;
+    this.schedule();
+  }
+
+  // A small picture of a shot, when there is time: done(image, values), where values are linear with the coverage, from
+  // the lowest row up.
+  drawSmall(shot, width, height, done) {
+    this.smalls.push({ shot, width, height, done });
+    this.schedule();
+  }
+  dropSmalls() {
+    this.smalls = [];
+    this.small?.exposure.free();
+    this.small = null;
+  }
+
+  // Once the picture is as fine as it gets.
+  settled() {
+    return new Promise((resolve) => {
+      this.waiting.push(resolve);
+      this.schedule();
+    });
+  }
+
+  schedule() {
+    if (this.frame === 0) this.frame = requestAnimationFrame(() => {
+      this.frame = 0;
+      try {
+        if (this.tick()) this.schedule();
+      } catch (error) {
+        this.coarse = this.fine = this.wanted = null;
+        this.isDirty = false;
+        this.onError(error);
+      }
+    });
+  }
+
+  // Whether there is more to do.
+  tick() {
+    if (!this.renderer.isIdle()) return true;
+    const { width, height } = this.canvas;
+    if (this.isDirty && !this.coarse && this.wanted) {
+      const divisor = [1, 2, 4, 8].find((by) => width * height / (by * by) / this.renderer.rate < FRAME) ?? 8;
+      this.divisor = divisor;
+      this.begun = performance.now();
+      this.coarse = new Exposure(this.renderer, Math.ceil(width / divisor), Math.ceil(height / divisor), this.wanted, { samples: 1, axes: 3 });
+      this.isDirty = false;
+    }
+    if (this.coarse) {
+      this.renderer.handOver(this.coarse.advance(FRAME));
+      if (!this.coarse.isDone) return true;
+      this.shown?.free();
+      this.shown = this.coarse;
+      this.coarse = null;
+      this.show();
+      if (!this.isDirty && !this.isMoving) this.beginFine((performance.now() - this.begun) * this.divisor ** 2);
+      return true;
+    }
+    if (this.fine) {
+      this.renderer.handOver(this.fine.advance(STRIP));
+      this.show();
+      const isLate = this.fine.row === 0 && !this.wanted.look.samples && performance.now() - this.begun > PATIENCE;
+      if (isLate) this.fine.finish();
+      this.onState(this.fine.isDone ? "done" : "fine", this.fine.share);
+      if (!this.fine.isDone) return true;
+      this.shown?.free();
+      this.shown = this.fine;
+      this.fine = null;
+      return true;
+    }
+    if (this.wanted && !this.isDirty && !this.isMoving) {
+      for (const resolve of this.waiting) resolve();
+      this.waiting = [];
+    }
+    return this.tickSmall();
+  }
+
+  // once: how long one ray a pixel is likely to take, milliseconds
+  beginFine(once) {
+    const { width, height } = this.canvas;
+    // Fewer differences for normals where that is long.
+    this.fine = new Exposure(this.renderer, width, height, this.wanted,
+      { samples: this.wanted.look.samples || (once > PATIENCE ? 1 : 16), axes: once > PATIENCE ? 3 : 13 });
+    this.begun = performance.now();
+    this.onState("fine", 0);
+  }
+
+  tickSmall() {
+    if (!this.small) {
+      const next = this.smalls.shift();
+      if (!next) return false;
+      this.small = { ...next, exposure: new Exposure(this.renderer, next.width, next.height, next.shot, { samples: 1, axes: 3 }) };
+    }
+    const { exposure, width, height, done } = this.small;
+    this.renderer.handOver(exposure.advance(STRIP));
+    if (exposure.isDone) {
+      const values = this.renderer.read(exposure.picture);
+      done(imageOf(values, width, height), values);
+      exposure.free();
+      this.small = null;
+    }
+    return true;
+  }
+
+  // The finest rows that there are.
+  show() {
+    const fine = this.fine;
+    if (fine?.picture) return this.renderer.show(fine.picture);
+    if (this.shown?.picture) this.renderer.show(this.shown.picture);
+    if (fine) this.renderer.show(fine.targets[0], fine.row);
+  }
+
+  // The finest picture as an image, for a file.
+  image() {
+    const from = this.fine?.picture ?? this.shown?.picture;
+    return from ? imageOf(this.renderer.read(from), from.width, from.height) : null;
+  }
+}

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "explore/scene_data.h"
+
+#include "render/occupancy.h"
+#include "vdbtools/files/file_hash.h"
+#include "vdbtools/job/scene_picture.h"
+
+#include "julia/brick_field.h"
+#include "julia/cross_map.h"
+#include "julia/mandelbulb.h"
+#include "julia/quadratic_map.h"
+#include "julia/rational.h"
+#include "julia/shape_modulus.h"
+
+#include <openvdb/math/Half.h>
+
+#include <algorithm>
+#include <any>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+namespace vdbtools {
+namespace {
+
+using nlohmann::json;
+using openvdb::Vec3d;
+
+static_assert(std::endian::native == std::endian::little, "the volume is written as it lies in memory");
+
+json vector(const Vec3d& v) { return {v[0], v[1], v[2]}; }
+json vector(const julia::Point& v) { return {v[0], v[1], v[2]}; }
+json quaternion(const julia::Quaternion<double>& q) { return {q.a, q.b, q.c, q.d}; }
+
+/// The factors in the order in which they are multiplied, each as four components and the power. The inverse of the
+/// bottom polynomial's product runs backwards.
+json factors(const julia::Rational& rational) {
+  json all = json::array();
+  const auto append = [&](const julia::Root& root, double power) {
+    const julia::Quaternion<double>& t = root.position;
+    if (power != 0) all.push_back({t.a, t.b, t.c, t.d, power});
+  };
+  for (const julia::Root& root : rational.top.roots) append(root, root.power * rational.top.powerScale);
+  for (auto root = rational.bottom.roots.rbegin(); root != rational.bottom.roots.rend(); ++root)
+    append(*root, -root->power * rational.bottom.powerScale);
+  return all;
+}
+
+/// The exponent on a dense lattice.
+class Volume {
+ public:
+  Volume(const julia::PlacedBricks& exponent, int side) {
+    const julia::BrickPlacement& placement = exponent.placement;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double extent = placement.high[axis] - placement.low[axis];
+      mCount[axis] = std::min(side, static_cast<int>(std::lround(extent)) + 1);
+      mStep[axis] = mCount[axis] > 1 ? extent / (mCount[axis] - 1) : 1;
+    }
+    // In nodes, so that what lies on one is read as it is.
+    julia::BrickPlacement nodes{.low = placement.low, .high = placement.high};
+    for (std::size_t axis = 0; axis < 3; ++axis) nodes.matrix[axis][axis] = 1;
+    read(julia::BrickField<float>(exponent.bricks, nodes), placement.low);
+    describe(placement);
+    mDescription["interpolation"] =
+        exponent.bricks->interpolation == julia::Interpolation::Quadratic ? "quadratic" : "trilinear";
+  }
+
+  const std::string& bytes() const { return mBytes; }
+  json description() const { return mDescription; }
+
+ private:
+  void read(const julia::BrickField<float>& field, const std::array<double, 3>& low) {
+    const auto width = static_cast<std::size_t>(mCount[0]);
+    std::vector<float> x(width), y(width), z(width), values(width);
+    for (std::size_t i = 0; i < width; ++i) x[i] = static_cast<float>(low[0] + static_cast<double>(i) * mStep[0]);
+    mBytes.reserve(2 * width * static_cast<std::size_t>(mCount[1]) * static_cast<std::size_t>(mCount[2]));
+    for (int k = 0; k < mCount[2]; ++k)
+      for (int j = 0; j < mCount[1]; ++j) {
+        std::fill(y.begin(), y.end(), static_cast<float>(low[1] + j * mStep[1]));
+        std::fill(z.begin(), z.end(), static_cast<float>(low[2] + k * mStep[2]));
+        field.sample(x, y, z, values);
+        for (const float value : values) append(value);
+      }
+  }
+
+  void append(float value) {
+    constexpr float kMost = 65000;  // of a half
+    const openvdb::math::half rounded(std::clamp(value, -kMost, kMost));
+    const std::uint16_t bits = rounded.bits();
+    mBytes.push_back(static_cast<char>(bits & 0xff));
+    mBytes.push_back(static_cast<char>(bits >> 8));
+    mError = std::max(mError, std::abs(static_cast<float>(rounded) - value));
+    mLow = std::min(mLow, static_cast<float>(rounded));
+    mHigh = std::max(mHigh, static_cast<float>(rounded));
+  }
+
+  void describe(const julia::BrickPlacement& placement) {
+    json matrix = json::array(), offset = json::array();
+    for (std::size_t row = 0; row < 3; ++row) {
+      matrix.push_back({placement.matrix[row][0] / mStep[row], placement.matrix[row][1] / mStep[row],
+                        placement.matrix[row][2] / mStep[row]});
+      offset.push_back((placement.offset[row] - placement.low[row]) / mStep[row]);
+    }
+    mDescription = {{"id", sha256Hex(mBytes).substr(0, 32)},
+                    {"type", "float16"},
+                    {"dims", mCount},
+                    {"matrix", matrix},
+                    {"offset", offset},
+                    {"error", mError},
+                    {"low", mLow},
+                    {"high", mHigh},
+                    {"coarser", std::max({mStep[0], mStep[1], mStep[2]})}};
+  }
+
+  std::array<int, 3> mCount{};
+  std::array<double, 3> mStep{};  ///< nodes of the bricks
+  std::string mBytes;
+  float mError = 0, mLow = 1e30F, mHigh = -1e30F;
+  json mDescription;
+};
+
+/// Where the map does not prove that the set is not: a bit a cube, X fastest, the first in the lowest bit.
+json occupancy(const Scene& scene, const openvdb::BBoxd& region, Monitor& monitor) {
+  constexpr int kCells = 64;  // along the longest side
+  const Occupancy occupied(*scene.evaluator, region, kCells, monitor);
+  monitor.throwIfCancelled();
+  const openvdb::Coord count = occupied.count();
+  const auto cubes =
+      static_cast<std::size_t>(count[0]) * static_cast<std::size_t>(count[1]) * static_cast<std::size_t>(count[2]);
+  std::string bits((cubes + 7) / 8, '\0');
+  std::size_t at = 0;
+  for (int k = 0; k < count[2]; ++k)
+    for (int j = 0; j < count[1]; ++j)
+      for (int i = 0; i < count[0]; ++i, ++at)
+        if (occupied.holds({i, j, k})) bits[at / 8] = static_cast<char>(bits[at / 8] | 1 << at % 8);
+  return {{"dims", {count[0], count[1], count[2]}},
+          {"origin", vector(region.min())},
+          {"cell", occupied.cell()},
+          {"bits", base64(bits)}};
+}
+
+/// Adds the entries of the map, and the exponent's to @a volume.
+void describeMap(const julia::MapDescription& map, const SceneDataOptions& options, SceneData& data) {
+  json& scene = data.description;
+  if (const auto* shape = std::any_cast<julia::ShapeModulusDescription>(&map)) {
+    if (!shape->exponent) throw std::invalid_argument("the map's exponent has no description");
+    const Volume volume(*shape->exponent, options.side);
+    scene["map"] = "shape-modulus";
+    scene["factors"] = factors(shape->versor);
+    scene["exponent"] = volume.description();
+    data.volume = volume.bytes();
+  } else if (const auto* rational = std::any_cast<julia::Rational>(&map)) {
+    scene["map"] = "rational";
+    scene["factors"] = factors(*rational);
+    scene["logScale"] = rational->logScale;
+  } else if (const auto* quadratic = std::any_cast<julia::QuadraticDescription>(&map)) {
+    scene["map"] = "quadratic";
+    scene["constant"] = quadratic->constant ? quaternion(*quadratic->constant) : json();
+  } else if (const auto* cross = std::any_cast<julia::CrossOptions>(&map)) {
+    constexpr std::array kPairs = {"A", "A'", "B", "C", "D", "E", "user"};
+    scene["map"] = "cross";
+    scene["pair"] = kPairs.at(static_cast<std::size_t>(cross->pair));
+    scene["scheme"] = cross->scheme == julia::CrossScheme::FixedFactor  ? 3
+                      : cross->scheme == julia::CrossScheme::Mandelbrot ? 4
+                                                                        : 5;
+    scene["constant"] = vector(cross->constant);
+    scene["f"] = cross->f;
+    scene["g"] = cross->g;
+  } else if (const auto* bulb = std::any_cast<julia::MandelbulbOptions>(&map)) {
+    scene["map"] = "mandelbulb";
+    scene["power"] = bulb->power;
+    scene["theta"] = bulb->angle == julia::TriplexAngle::FromPole ? "pole" : "plane";
+    scene["constant"] = bulb->constant ? vector(*bulb->constant) : json();
+  } else {
+    throw std::invalid_argument("the map has no description; only the maps of this program can be explored");
+  }
+}
+
+}  // namespace
+
+std::string base64(std::string_view bytes) {
+  constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t triple = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      triple = triple << 8 | (i + k < bytes.size() ? static_cast<std::uint8_t>(bytes[i + k]) : 0U);
+    for (std::size_t k = 0; k < 4; ++k)
+      text.push_back(i + k <= bytes.size() ? kAlphabet[triple >> (18 - 6 * k) & 63] : '=');
+  }
+  return text;
+}
+
+SceneData sceneData(const Scene& scene, const SceneDataOptions& options, Monitor& monitor) {
+  constexpr int kFewest = 16, kMost = 256;
+  if (options.side < kFewest || options.side > kMost)
+    throw std::invalid_argument("the side of the volume is " + std::to_string(options.side) +
+                                "; it must be 16 to 256 nodes");
+  const julia::FieldDescription field = scene.evaluator->describe();
+  constexpr std::array kAxes = {"i", "j", "k"};
+  SceneData data;
+  json& description = data.description;
+  description = {{"format", 1},
+                 {"iterations", scene.orbit.maxIterations},
+                 {"escape", scene.orbit.escapeRadius},
+                 {"level", field.level},
+                 {"logTrap", scene.orbit.logTrap},
+                 {"slice", field.embedding.slice},
+                 {"dropAxis", kAxes.at(static_cast<std::size_t>(field.embedding.dropped))},
+                 {"space", {{"centre", vector(scene.space.centre)}, {"scale", scene.space.scale}}},
+                 {"facts", scene.facts}};
+  describeMap(field.map, options, data);
+  const openvdb::BBoxd world = pictureRegion(scene);
+  const auto inFractalSpace = [&](const Vec3d& x) { return Vec3d(scene.space.toFractal(x).data()); };
+  const openvdb::BBoxd region(inFractalSpace(world.min()), inFractalSpace(world.max()));
+  description["region"] = {{"min", vector(region.min())}, {"max", vector(region.max())}};
+  if (!scene.exponent) description["occupancy"] = occupancy(scene, region, monitor);
+  const FramedBall ball = frameSet(scene.source(), world);
+  description["frame"] = {{"centre", vector(ball.centre)}, {"radius", ball.radius}};
+  if (scene.target)
+    description["targetBox"] = {{"min", vector(inFractalSpace(scene.target->box.min()))},
+                                {"max", vector(inFractalSpace(scene.target->box.max()))}};
+  return data;
+}
+
+}  // namespace vdbtools

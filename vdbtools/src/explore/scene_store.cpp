@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "explore/scene_store.h"
+
+#include "vdbtools/job/scene_picture.h"
+
+#include <chrono>
+
+namespace vdbtools {
+namespace {
+
+// For the look at hand, and a few before it for undo. A scene of the bunny takes some 30 MB.
+constexpr std::size_t kMostScenes = 6;
+constexpr std::chrono::milliseconds kPatience(50);  // how soon a waiting request sees that nobody waits for it
+
+/// A target that the scenes and the page share.
+class SharedInput final : public TargetInput {
+ public:
+  explicit SharedInput(std::shared_ptr<const TargetInput> input) : mInput(std::move(input)) {}
+
+  const openvdb::BBoxd& box() const override { return mInput->box(); }
+  double usualDepth() const override { return mInput->usualDepth(); }
+  Target make(const BandWidths& widths, Monitor& monitor) const override { return mInput->make(widths, monitor); }
+  Target deepened(const Target& target, const BandWidths& widths, Monitor& monitor) const override {
+    return mInput->deepened(target, widths, monitor);
+  }
+  openvdb::FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const override {
+    return mInput->coarseDistances(monitor);
+  }
+  std::shared_ptr<const Mesh> mesh() const override { return mInput->mesh(); }
+
+ private:
+  std::shared_ptr<const TargetInput> mInput;
+};
+
+}  // namespace
+
+KeptScene::KeptScene(Scene made)
+    : mScene(std::move(made)), mRegion(pictureRegion(mScene)), mRenderer(mScene.source(), mRegion) {}
+
+std::string KeptScene::picture(const FieldPicture& picture, Monitor& monitor) {
+  std::unique_lock lock(mRendering, std::defer_lock);
+  while (!lock.try_lock_for(kPatience)) monitor.throwIfCancelled();
+  const FieldImage image = mRenderer.render(pictureOptions(mScene, mRegion, picture), monitor);
+  return encodeFieldImage(image, ".png");
+}
+
+SceneStore::SceneStore()
+    : mMaker([this](const TargetOptions& options) {
+        std::shared_ptr<const TargetInput> input = openTarget(options);
+        const std::lock_guard lock(mMutex);
+        mTarget = input;
+        return std::make_unique<const SharedInput>(std::move(input));
+      }) {}
+
+std::shared_ptr<const TargetInput> SceneStore::target() const {
+  const std::lock_guard lock(mMutex);
+  return mTarget;
+}
+
+std::shared_ptr<KeptScene> SceneStore::find(const Recipe& recipe) {
+  for (auto entry = mKept.begin(); entry != mKept.end(); ++entry)
+    if (entry->recipe == recipe) {
+      mKept.splice(mKept.begin(), mKept, entry);
+      return entry->scene;
+    }
+  return nullptr;
+}
+
+std::shared_ptr<KeptScene> SceneStore::get(const Recipe& recipe, const FractalOptions& options, Turn turn,
+                                           Monitor& monitor) {
+  std::unique_lock lock(mMutex);
+  const std::uint64_t number = turn == Turn::Latest ? ++mLatest : 0;
+  for (;;) {
+    if (std::shared_ptr<KeptScene> kept = find(recipe)) return kept;
+    if (!mBusy) break;
+    mFree.wait_for(lock, kPatience);
+    monitor.throwIfCancelled();
+    if (turn == Turn::Latest && number != mLatest) throw Superseded();
+  }
+  mBusy = true;
+  lock.unlock();
+  const auto release = [&] {
+    lock.lock();
+    mBusy = false;
+    mFree.notify_all();
+  };
+  std::shared_ptr<KeptScene> made;
+  try {
+    made = std::make_shared<KeptScene>(mMaker.make(options, monitor));
+  } catch (...) {
+    release();
+    throw;
+  }
+  release();
+  mKept.push_front({recipe, made});
+  if (mKept.size() > kMostScenes) mKept.pop_back();
+  return made;
+}
+
+}  // namespace vdbtools

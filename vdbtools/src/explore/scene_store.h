@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file scene_store.h
+/// The scenes that the page asks for, made one at a time, and the latest of them kept for pictures.
+#pragma once
+
+#include "vdbtools/job/scene.h"
+#include "vdbtools/render/view_options.h"
+
+#include <condition_variable>
+#include <cstdint>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+
+namespace vdbtools {
+
+/// A later request has taken this one's place.
+class Superseded : public std::runtime_error {
+ public:
+  Superseded() : std::runtime_error("a later request has taken the place of this one") {}
+};
+
+/// A scene that stays where it is, for the evaluators and renderers that refer to it.
+class KeptScene {
+ public:
+  explicit KeptScene(Scene made);
+  KeptScene(const KeptScene&) = delete;
+  KeptScene& operator=(const KeptScene&) = delete;
+
+  const Scene& scene() const { return mScene; }
+
+  /// The bytes of a PNG; one picture at a time.
+  /// @throw as FieldRenderer::render(), FieldView::camera()
+  std::string picture(const FieldPicture& picture, Monitor& monitor);
+
+ private:
+  Scene mScene;
+  openvdb::BBoxd mRegion;
+  FieldRenderer mRenderer;
+  std::timed_mutex mRendering;
+};
+
+/// May be used from many threads at once.
+class SceneStore {
+ public:
+  SceneStore();
+
+  enum class Turn {
+    Latest,  ///< a later request of this kind takes the place of one that still waits
+    Waits    ///< it waits until it is its turn
+  };
+
+  /// The scene of a completed recipe: one of those that are kept, or a new one.
+  /// @throw Superseded, Interrupted, and as parseFractalOptions() and makeScene()
+  std::shared_ptr<KeptScene> get(const Recipe& recipe, const FractalOptions& options, Turn turn, Monitor& monitor);
+
+  /// The target that was opened last; nullptr: none yet.
+  std::shared_ptr<const TargetInput> target() const;
+
+ private:
+  struct Entry {
+    Recipe recipe;
+    std::shared_ptr<KeptScene> scene;
+  };
+  std::shared_ptr<KeptScene> find(const Recipe& recipe);
+
+  mutable std::mutex mMutex;  // of everything below but mMaker, which belongs to the thread that has set mBusy
+  std::condition_variable mFree;
+  bool mBusy = false;
+  std::uint64_t mLatest = 0;
+  std::list<Entry> mKept;  ///< the last used first
+  std::shared_ptr<const TargetInput> mTarget;
+  SceneMaker mMaker;
+};
+
+}  // namespace vdbtools

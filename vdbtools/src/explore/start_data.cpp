@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "explore/start_data.h"
+
+#include "explore/job_queue.h"
+#include "vdbtools/explore/embedded_page.h"
+#include "vdbtools/job/fractal_options.h"
+#include "vdbtools/maps/texture_shelf.h"
+#include "vdbtools/picture/gradient.h"
+
+#include <algorithm>
+#include <string>
+
+namespace vdbtools {
+namespace {
+
+using nlohmann::json;
+
+bool names(const std::vector<OptionSpec>& options, const std::string& name) {
+  return std::any_of(options.begin(), options.end(), [&](const OptionSpec& option) { return option.name == name; });
+}
+
+/// Which part of a scene an option belongs to.
+std::string groupOf(const std::string& name, const MapRegistry& maps) {
+  if (names(targetOptionSpecs(), name)) return "target";
+  if (name == "map") return "map";
+  if (names(spaceOptionSpecs(), name)) return "space";
+  if (names(latticeOptionSpecs(), name)) return "lattice";
+  if (names(surfaceOptionSpecs(), name)) return "surface";
+  for (const MapRegistry::Descriptor& map : maps.maps())
+    if (names(map->options(), name)) return "map";
+  return "output";
+}
+
+json optionData(const OptionTable& table, const MapRegistry& maps) {
+  json all = json::array();
+  for (const OptionListing& listing : table.listing()) {
+    json option = {{"name", listing.name},      {"argument", listing.argument},
+                   {"help", listing.help},      {"group", groupOf(listing.name, maps)},
+                   {"maps", json::array()},     {"defaults", json::object()},
+                   {"displaces", json::array()}};
+    for (const MapRegistry::Descriptor& map : maps.maps()) {
+      const Recipe recipe = {{table.selector(), map->name()}};
+      const OptionSpec* spec = table.find(listing.name, recipe);
+      // An option that is kept for others is found in every map's recipes.
+      if (!spec || (spec->kept && !names(map->options(), listing.name))) continue;
+      option["maps"].push_back(map->name());
+      const Recipe completed = completeRecipe(recipe, table);
+      if (const auto value = completed.find(listing.name); value != completed.end())
+        option["defaults"][map->name()] = value->second;
+      if (!spec->alternative.empty()) option["alternative"] = spec->alternative;
+      if (!spec->displaces.empty()) option["displaces"] = spec->displaces;
+    }
+    if (!option["defaults"].empty()) option["default"] = option["defaults"].front();
+    all.push_back(std::move(option));
+  }
+  return all;
+}
+
+json textureData() {
+  json textures = json::array();
+  for (const Texture& texture : textureShelf()) {
+    json data = {{"name", texture.name}, {"description", texture.description}, {"varies", texture.varies()}};
+    for (const char* extension : {".jpg", ".png"})
+      if (const PageFile* file = findPageFile("texture-" + texture.name + extension))
+        data["thumbnail"] = "page/" + std::string(file->name);
+    textures.push_back(std::move(data));
+  }
+  return textures;
+}
+
+json gradientData() {
+  json names = json::array();
+  for (const std::string& name : split(gradientNames(), ','))
+    names.push_back(name.substr(std::min(name.find_first_not_of(' '), name.size())));
+  return names;
+}
+
+json mapData(const MapRegistry& maps) {
+  json all = json::array();
+  for (const MapRegistry::Descriptor& map : maps.maps()) {
+    const TargetUse use = map->targetUse();
+    all.push_back({{"name", map->name()},
+                   {"summary", map->summary()},
+                   {"target", use == TargetUse::Needed     ? "needed"
+                              : use == TargetUse::Optional ? "optional"
+                                                           : "none"},
+                   {"roots", map->hasRoots()},
+                   {"dimension", map->dimension()}});
+  }
+  return all;
+}
+
+}  // namespace
+
+json programData() {
+  const MapRegistry maps = builtInMaps();
+  return {{"version", JULIAVDB_VERSION},
+          {"options", optionData(fractalOptionTable(maps), maps)},
+          {"maps", mapData(maps)},
+          {"textures", textureData()},
+          {"colours", {"direction", "versor", "iterations", "trap", "depth", "clay"}},
+          {"gradients", gradientData()},
+          {"resolutions", {60, 100, 150, 200, 300, 400, 600, 800}},
+          {"formats", fileFormats()}};
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file start_data.h
+/// What the page needs to know at first of the program: options, maps, textures.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+namespace vdbtools {
+
+/// {version, options: [{name, argument, help, group, maps, default, defaults: {map: text}, alternative, displaces}],
+/// maps: [{name, summary, target, roots, dimension}], textures: [{name, description, varies, thumbnail}], colours,
+/// resolutions, formats}.
+nlohmann::json programData();
+
+}  // namespace vdbtools

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mesh/mesh_comments.h"
+
+#include "mesh/mesh_encoder.h"
+
+namespace vdbtools {
+
+std::map<std::string, std::string> readMeshComments(std::istream& stream, const std::string& extension) {
+  std::map<std::string, std::string> comments;
+  if (extension != ".ply" && extension != ".obj") return comments;
+  const std::string prefix = (extension == ".ply" ? "comment " : "# ") + std::string(kCommentMark);
+  for (std::string line; std::getline(stream, line);) {
+    // The comments stand at the head of the file: magic and format before them, geometry after.
+    if (line.rfind(prefix, 0) == 0) {
+      const std::size_t space = line.find(' ', prefix.size());
+      if (space != std::string::npos)
+        comments[line.substr(prefix.size(), space - prefix.size())] = line.substr(space + 1);
+    } else if (line.rfind("ply", 0) != 0 && line.rfind("format", 0) != 0) {
+      break;
+    }
+  }
+  return comments;
+}
+
+}  // namespace vdbtools
