@@ -93,7 +93,8 @@ int exportLook(const CommandLine& line, const vdbtools::Recipe& given, Progress&
 int runExplore(const Arguments& arguments) {
   CommandLine line(kUsageText, vdbtools::fractalOptionTable());
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
-  line.addOptions()("folder", text("DIR"), "where the page makes files (default: the working directory)")(
+  line.addOptions()("folder", text("DIR"),
+                    "where the page makes files; the folder is made if need be (default: the working directory)")(
       "port", text("N"), "the port to listen at (default 0: any that is free)")(
       "bind", text("ADDRESS"),
       "the IP address to listen at (default 127.0.0.1: only programs of this machine reach it). With any other, what "
