@@ -13,11 +13,13 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <random>
 #include <sstream>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -68,8 +70,7 @@ std::string encoded(const std::vector<GridBase::Ptr>& grids, const Storage& stor
   return TestArchive().bytes(out, storage.flags, storage.offsets);
 }
 
-template <class Grid>
-GridBase::Ptr named(const typename Grid::Ptr& grid, const char* name) {
+GridBase::Ptr named(const GridBase::Ptr& grid, const std::string& name) {
   grid->setName(name);
   return grid;
 }
@@ -101,12 +102,12 @@ GridBase::Ptr scattered(const char* name) {
   grid->tree().addTile(2, Coord(512, 0, 0), value(6), false);
   grid->tree().addTile(3, Coord(-8192, 4096, 0), value(7), true);
   grid->setTransform(openvdb::math::Transform::createLinearTransform(0.25));
-  return named<Grid>(grid, name);
+  return named(grid, name);
 }
 
 GridBase::Ptr ball() {
-  return named<openvdb::FloatGrid>(
-      test_fields::bandGrid([](const openvdb::Vec3d& x) { return x.length() - 0.4; }, 0.2, 0.6, 0.6), "surface");
+  return named(test_fields::bandGrid([](const openvdb::Vec3d& x) { return x.length() - 0.4; }, 0.2, 0.6, 0.6),
+               "surface");
 }
 
 GridBase::Ptr fog() {
@@ -114,7 +115,7 @@ GridBase::Ptr fog() {
   grid->fill(openvdb::CoordBBox(Coord(0), Coord(20)), 1, true);
   grid->fill(openvdb::CoordBBox(Coord(2), Coord(3)), 0.5F, true);
   grid->setGridClass(openvdb::GRID_FOG_VOLUME);
-  return named<openvdb::FloatGrid>(grid, "density");
+  return named(grid, "density");
 }
 
 /// A grid whose file is small: nodes below the root have masks of 8 KB.
@@ -122,7 +123,7 @@ GridBase::Ptr rootTiles() {
   const auto grid = openvdb::FloatGrid::create(1);
   grid->tree().addTile(3, Coord(0), 2, true);
   grid->tree().addTile(3, Coord(4096, 0, -4096), -1, false);
-  return named<openvdb::FloatGrid>(grid, "tiles");
+  return named(grid, "tiles");
 }
 
 GridBase::Ptr turned() {
@@ -157,7 +158,7 @@ GridBase::Ptr points() {
   return vdbtools::pointGrid({positions, {}, {}}, {}, 0.5);
 }
 
-/// What one grid of the tree of another is.
+/// Two grids of one tree.
 std::vector<GridBase::Ptr> instances() {
   const auto parent = openvdb::gridPtrCast<openvdb::FloatGrid>(scattered<openvdb::FloatGrid>("parent"));
   const auto child = openvdb::FloatGrid::create(parent->treePtr());
@@ -174,15 +175,14 @@ std::vector<std::vector<GridBase::Ptr>> samples() {
   unnamed->setName("");
   return {{ball()},
           {ball(), fog(), scattered<Vec3SGrid>("colour")},
-          {named<FloatGrid>(FloatGrid::create(1), "empty")},
+          {named(FloatGrid::create(1), "empty")},
           {rootTiles(), rootTiles(), unnamed},
           {turned(), stretched(), frustum()},
           instances(),
           {points(), rootTiles()},
           {scattered<BoolGrid>("bool"), scattered<MaskGrid>("mask")},
-          {scattered<FloatGrid>("float"), scattered<DoubleGrid>("double")},
-          {scattered<Int32Grid>("int32"), scattered<Int64Grid>("int64"), scattered<Vec3IGrid>("vec3i")},
-          {scattered<Vec3DGrid>("vec3d")}};
+          {scattered<FloatGrid>("float"), scattered<Int32Grid>("int32")},
+          {scattered<DoubleGrid>("double"), named(GridBase::createGrid(Vec3DGrid::gridType()), "vec3d")}};
 }
 
 bool holdsPoints(const std::vector<GridBase::Ptr>& grids) {
@@ -205,12 +205,10 @@ double touched(const GridBase& grid) {
   double sum = static_cast<double>(grid.activeVoxelCount()) + static_cast<double>(grid.memUsage());
   sum += grid.evalActiveVoxelBoundingBox().min()[0] + grid.transform().indexToWorld(Coord(1, 2, 3))[0];
   if (!grid.isType<openvdb::FloatGrid>()) return sum;
-  const auto& floats = static_cast<const openvdb::FloatGrid&>(grid);
-  for (auto value = floats.cbeginValueAll(); value; ++value) sum += *value;
-  const auto copy = floats.deepCopy();
-  copy->tree().prune();
-  for (auto leaf = copy->tree().cbeginLeaf(); leaf; ++leaf) sum += leaf->getValue(511);
-  return sum;
+  const openvdb::FloatTree& tree = static_cast<const openvdb::FloatGrid&>(grid).tree();
+  for (auto value = tree.cbeginValueOn(); value; ++value) sum += *value;
+  for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) sum += leaf->getValue(0) + leaf->getValue(511);
+  return sum + tree.getValue(Coord(7, -1, 3));
 }
 
 TEST(VdbCheck, WhatOpenVdbWritesIsReadAsOpenVdbReadsIt) {
@@ -235,6 +233,30 @@ TEST(VdbCheck, WhatOpenVdbWritesIsReadAsOpenVdbReadsIt) {
   EXPECT_GT(files, 200);
 }
 
+/// The type in the descriptor of the first grid.
+std::string retyped(std::string bytes, const std::string& from, const std::string& to) {
+  const std::size_t at = bytes.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  const auto length = static_cast<std::uint32_t>(to.size());
+  bytes.replace(at, from.size(), to);
+  return bytes.replace(at - sizeof length, sizeof length, reinterpret_cast<const char*>(&length), sizeof length);
+}
+
+TEST(VdbCheck, TypesOfTheSameSizeAreReadAlike) {
+  using namespace openvdb;
+  const auto expectRead = [](const GridBase::Ptr& grid, const std::string& type) {
+    for (const Storage& storage : storages()) {
+      if (storage.half) continue;
+      const std::string bytes = retyped(encoded({grid}, storage), grid->type(), type);
+      const std::vector<GridBase::Ptr> ours = decodeVdb(bytes).grids;
+      EXPECT_EQ(ours.at(0)->type(), type);
+      EXPECT_EQ(content(ours), content(readByOpenVdb(bytes)));
+    }
+  };
+  expectRead(scattered<DoubleGrid>("int64"), "Tree_int64_5_4_3");
+  expectRead(scattered<Vec3SGrid>("vec3i"), "Tree_vec3i_5_4_3");
+}
+
 TEST(VdbCheck, InstancesShareTheirTree) {
   const VdbFile file = decodeVdb(encoded(instances(), {openvdb::io::COMPRESS_ZIP, false, true}));
   ASSERT_EQ(file.grids.size(), 2u);
@@ -242,16 +264,10 @@ TEST(VdbCheck, InstancesShareTheirTree) {
   EXPECT_EQ(file.grids[1]->voxelSize()[0], 3);
 }
 
-std::string replaced(std::string bytes, const std::string& from, const std::string& to) {
-  const std::size_t at = bytes.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return bytes.replace(at, from.size(), to);
-}
-
 TEST(VdbCheck, GridsOfUnknownTypesArePassedOver) {
   const std::vector<GridBase::Ptr> grids = {ball(), fog()};
   for (const bool offsets : {true, false}) {
-    const std::string bytes = replaced(encoded(grids, {0, false, offsets}), "Tree_float_5_4_3", "Tree_flaot_5_4_3");
+    const std::string bytes = retyped(encoded(grids, {0, false, offsets}), "Tree_float_5_4_3", "Tree_flaot_5_4_3");
     if (offsets) {
       const VdbFile file = decodeVdb(bytes);
       ASSERT_EQ(file.grids.size(), 1u);
@@ -263,18 +279,18 @@ TEST(VdbCheck, GridsOfUnknownTypesArePassedOver) {
       EXPECT_THROW(decodeVdb(bytes), DataError);
     }
   }
-  const std::string alone = replaced(encoded({ball()}, {0, false, true}), "Tree_float_5_4_3", "Tree_flaot_5_4_3");
+  const std::string alone = retyped(encoded({ball()}, {0, false, true}), "Tree_float_5_4_3", "Tree_flaot_5_4_3");
   EXPECT_THROW(decodeVdb(alone), DataError);
 }
 
 TEST(VdbCheck, EveryCutIsRefused) {
-  for (const std::vector<GridBase::Ptr>& grids : {std::vector<GridBase::Ptr>{rootTiles(), frustum()},
-                                                  std::vector<GridBase::Ptr>{scattered<openvdb::BoolGrid>("b")}})
-    for (const std::uint32_t flags : {0U, std::uint32_t{openvdb::io::COMPRESS_BLOSC}}) {
-      const std::string bytes = encoded(grids, {flags, false, true});
-      for (std::size_t length = 0; length < bytes.size(); ++length)
-        ASSERT_THROW(decodeVdb(bytes.substr(0, length)), DataError) << length << " of " << bytes.size() << " bytes";
-    }
+  const auto expectRefused = [](const std::vector<GridBase::Ptr>& grids, std::size_t step) {
+    const std::string bytes = encoded(grids, {openvdb::io::COMPRESS_BLOSC, false, true});
+    for (std::size_t length = 0; length < bytes.size(); length += step)
+      ASSERT_THROW(decodeVdb(bytes.substr(0, length)), DataError) << length << " of " << bytes.size() << " bytes";
+  };
+  expectRefused({rootTiles(), frustum()}, 1);
+  expectRefused({ball()}, 37);
 }
 
 /// A part of a file that OpenVDB reads at once: a number, a name, a mask, compressed values.
@@ -365,13 +381,18 @@ std::string mutant(const std::string& bytes, const std::vector<Field>& fields, s
   return changed;
 }
 
-/// Mutants of each sample in each kind of file.
-constexpr int kMutants = 80;
+/// Mutants of each sample in each kind of file. JULIAVDB_MUTANTS asks for more in a long run.
+int mutantsWanted() {
+  constexpr int kFew = 25;
+  const char* wanted = std::getenv("JULIAVDB_MUTANTS");
+  return wanted ? std::atoi(wanted) : kFew;
+}
 
 /// Each mutant is refused with a DataError, or is a VDB that can be used like any other: nothing else is thrown, and
 /// nothing is read or written that is not there, which a build with sanitizers sees.
 TEST(VdbCheck, NoMutantDoesHarm) {
   std::mt19937 random(17);
+  const int mutants = mutantsWanted();
   int refused = 0, read = 0;
   double sum = 0;
   for (const std::vector<GridBase::Ptr>& grids : samples())
@@ -380,7 +401,7 @@ TEST(VdbCheck, NoMutantDoesHarm) {
       const std::string bytes = encoded(grids, storage);
       const std::vector<Field> fields = fieldsOf(bytes);
       ASSERT_GT(fields.size(), 20u);
-      for (int i = 0; i < kMutants; ++i) {
+      for (int i = 0; i < mutants; ++i) {
         const std::string changed = mutant(bytes, fields, random);
         try {
           for (const GridBase::Ptr& grid : decodeVdb(changed).grids) sum += touched(*grid);
@@ -393,8 +414,9 @@ TEST(VdbCheck, NoMutantDoesHarm) {
     }
   RecordProperty("refused", refused);
   RecordProperty("read", read);
-  EXPECT_GT(refused, 1000);
-  EXPECT_GT(read, 1000);
+  // Both are common, or the mutants are not worth much.
+  EXPECT_GT(refused, read / 10);
+  EXPECT_GT(read, refused / 10);
   EXPECT_NE(sum, 0.125);  // so that it has to be computed
 }
 

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/vdb_check.h"
 
+#include "base/grid_memory.h"
 #include "formats/vdb_head.h"
 #include "formats/vdb_transform.h"
 #include "formats/vdb_tree.h"
 #include "vdbtools/files/file_bytes.h"
 
 #include <openvdb/io/GridDescriptor.h>
-
-#include <unistd.h>
 
 #include <algorithm>
 #include <iterator>
@@ -46,13 +45,6 @@ std::optional<std::size_t> metadataSize(std::string_view type) {
   for (const auto& [name, size] : kSizes)
     if (name == type) return size;
   return std::nullopt;
-}
-
-/// Of this machine, bytes; what of it is free changes from moment to moment.
-std::uint64_t machineMemory() {
-  const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
-  return pages > 0 && size > 0 ? static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(size)
-                               : ~std::uint64_t{0};
 }
 
 class FileWalk {

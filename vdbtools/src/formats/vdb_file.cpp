@@ -153,6 +153,8 @@ class CheckedArchive final : public openvdb::io::Archive {
     else
       readGrid(grid, descriptorOf(entry), mStream);
     requireAt(entry.end);
+    // Names go into messages of one line.
+    if (const std::string name = grid->getName(), line = inOneLine(name); line != name) grid->setName(line);
     return grid;
   }
 

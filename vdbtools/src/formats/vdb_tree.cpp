@@ -13,8 +13,8 @@ constexpr int kUpperLog2 = 5, kLowerLog2 = 4, kLeafLog2 = 3;
 constexpr int kLeafDim = 1 << kLeafLog2, kLowerDim = kLeafDim << kLowerLog2, kUpperDim = kLowerDim << kUpperLog2;
 constexpr std::size_t kLeafSize = std::size_t{1} << (3 * kLeafLog2), kLeafMask = kLeafSize / 8;
 
-/// Of the origins of nodes in voxels, along each axis. Differences of such coordinates are far from overflow.
-constexpr std::int32_t kFarthest = 1 << 30;
+/// Of the origins of nodes in voxels, along each axis. Sizes of boxes of such coordinates are far from overflow.
+constexpr std::int32_t kFarthest = 1 << 29;
 
 std::string numbers(const Coord& at) {
   return std::to_string(at[0]) + ", " + std::to_string(at[1]) + ", " + std::to_string(at[2]);
