@@ -355,7 +355,7 @@ void breakField(std::string& bytes, const Field& field, std::mt19937& random) {
   if (random() % 2)
     bytes[at] = static_cast<char>(bytes[at] ^ 1 << random() % 8);
   else
-    breakField(bytes, {at & ~std::size_t{3}, 4}, random);
+    breakField(bytes, {std::min(at & ~std::size_t{3}, bytes.size() - 4), 4}, random);
 }
 
 std::string mutant(const std::string& bytes, const std::vector<Field>& fields, std::mt19937& random) {
