@@ -19,6 +19,7 @@ namespace {
 
 std::atomic<bool> theInterrupted{false};
 std::atomic<bool> theLastWordTaken{false};
+std::atomic<int> theExitCode{kInterrupted};
 
 // The program promises to be gone within a second; this much is left to work that stops by itself.
 constexpr std::chrono::milliseconds kGrace(700);
@@ -47,11 +48,16 @@ void watchForInterruption() {
       else [[maybe_unused]]
         const auto written = write(STDERR_FILENO, text.data(), text.size());
     }
-    _exit(kInterrupted);
+    _exit(theExitCode);
   }).detach();
 }
 
 bool interrupted() noexcept { return theInterrupted; }
+
+void expectInterruption() noexcept {
+  theLastWordTaken = true;
+  theExitCode = kDone;
+}
 
 bool takeLastWord() noexcept { return !theLastWordTaken.exchange(true); }
 

@@ -12,6 +12,10 @@ void watchForInterruption();
 /// True once a signal came.
 bool interrupted() noexcept;
 
+/// For a command that runs until it is interrupted: from now on a signal ends the program without a word, with exit
+/// code 0, even where work of it has to be cut off.
+void expectInterruption() noexcept;
+
 /// True for the first caller: of the two ways to stop, the one that says so. The other has nothing left to say.
 bool takeLastWord() noexcept;
 

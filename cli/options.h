@@ -81,6 +81,8 @@ class CommandLine {
   /// The file of --config if that has a recipe which the program recorded; else empty.
   const std::filesystem::path& configHolder() const { return mConfigHolder; }
   Progress& progress() const { return *mProgress; }
+  /// For a command that serves once its work is done: nothing more is shown.
+  void endProgress() { mProgress.reset(); }
 
  private:
   /// All options by their headings: the command's own first, those that all commands have last.

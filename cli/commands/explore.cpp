@@ -47,15 +47,10 @@ class FractalShare final : public vdbtools::WorkShare {
   OverallShare mShare{phasesOf("fractal")};
 };
 
-/// Cancels once the program is to end. The files that were made are there, so the usual words for an interruption would
-/// be wrong: the watcher of signals ends what does not end by itself, and says nothing.
+/// Cancels once the program is to end.
 class UntilInterrupted final : public vdbtools::Monitor {
  public:
-  bool cancelled() const override {
-    if (!interrupted()) return false;
-    takeLastWord();
-    return true;
-  }
+  bool cancelled() const override { return interrupted(); }
 };
 
 /// Shows the page in the user's browser, if there is one.
@@ -98,7 +93,8 @@ int exportLook(const CommandLine& line, const vdbtools::Recipe& given, Progress&
 int runExplore(const Arguments& arguments) {
   CommandLine line(kUsageText, vdbtools::fractalOptionTable());
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
-  line.addOptions()("folder", text("DIR"), "where the page makes files (default: the working directory)")(
+  line.addOptions()("folder", text("DIR"),
+                    "where the page makes files; the folder is made if need be (default: the working directory)")(
       "port", text("N"), "the port to listen at (default 0: any that is free)")(
       "bind", text("ADDRESS"),
       "the IP address to listen at (default 127.0.0.1: only programs of this machine reach it). With any other, what "
@@ -107,19 +103,17 @@ int runExplore(const Arguments& arguments) {
       "open", text("yes|no"),
       "show the page in the browser (default no: the address would stand in the list of processes, where other users "
       "of "
-      "this machine see it)")("export", text("F.html"),
-                              "write the first look as one HTML file that needs no server, and end");
+      "this machine see it)")(  //
+      "export", text("F.html"), "write the first look as one HTML file that needs no server, and end");
   addSearchOption(line);
   if (!line.parse(arguments)) return kDone;
   const vdbtools::Recipe given = givenSceneRecipe(line, line.text("input"));
   const bool open = line.has("open") && line.choice<bool>("open", {{"yes", true}, {"no", false}});
-  const auto style = parseProgressStyle(line.has("progress") ? line.text("progress") : "bar");
   if (line.has("export")) {
     for (const char* option : {"folder", "port", "bind", "open"})
       if (line.has(option))
         throw std::invalid_argument(std::string("--") + option + " is for the server, and --export needs none");
-    Progress progress(style, "explore");
-    return exportLook(line, given, progress);
+    return exportLook(line, given, line.progress());
   }
   vdbtools::ExploreOptions options{
       .given = given, .folder = line.text("folder"), .makeShare = [] { return std::make_unique<FractalShare>(); }};
@@ -128,13 +122,11 @@ int runExplore(const Arguments& arguments) {
   if (!vdbtools::isLoopback(options.address))
     report().text()
         << "warning: the page is served to the network, without encryption; whoever reads along has its key\n";
-  std::unique_ptr<vdbtools::ExploreServer> server;
-  {
-    Progress progress(style, "explore");
-    server = std::make_unique<vdbtools::ExploreServer>(options, progress);
-  }
+  auto server = std::make_unique<vdbtools::ExploreServer>(options, line.progress());
+  line.endProgress();
   std::cout << server->url() << std::endl;
   if (!std::cout) throw vdbtools::IoError("writing to the standard output failed");
+  expectInterruption();
   if (open) openBrowser(server->url());
   server->serve(UntilInterrupted());
   server.reset();

@@ -3,6 +3,7 @@
 
 import shutil
 import sys
+import tempfile
 
 from server import harness
 
@@ -37,12 +38,14 @@ class BrowserTest(harness.CliTest):
 
     def setUp(self):
         super().setUp()
+        profile = tempfile.TemporaryDirectory(prefix="profile", ignore_cleanup_errors=True)
+        self.addCleanup(profile.cleanup)
         options = Options()
         options.binary_location = shutil.which("chromium")
         for word in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-angle=swiftshader",
                      "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", f"--window-size={self.WINDOW}",
                      "--no-first-run", "--disable-background-networking", "--disable-component-update",
-                     f"--user-data-dir={self.path('profile')}"):
+                     f"--user-data-dir={profile.name}"):
             options.add_argument(word)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
         self.driver = webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)

@@ -56,8 +56,9 @@ TEST(FileAccess, NoOptionThatNamesAFileIsForgotten) {
         }();
         takesFile = takesFile || names;
         if (!names) {
-          // The name of a grid is any text; other maps' options are kept, and read by nobody.
-          EXPECT_TRUE(spec->name == "grid" || spec->kept) << map->name() << " --" << spec->name << ' ' << text;
+          // The names of a grid and of attributes are any text; other maps' options are kept, and read by nobody.
+          EXPECT_TRUE(spec->name == "grid" || spec->name == "transfer" || spec->kept)
+              << map->name() << " --" << spec->name << ' ' << text;
           continue;
         }
         ++named;

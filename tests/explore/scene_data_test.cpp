@@ -2,6 +2,7 @@
 // What the page is told of a scene is what the scene evaluates.
 #include "explore/scene_data.h"
 
+#include "base/srgb.h"
 #include "explore/export_page.h"
 #include "support/test_fields.h"
 #include "support/test_meshes.h"
@@ -9,6 +10,7 @@
 #include "vdbtools/explore/embedded_page.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_job.h"
+#include "vdbtools/picture/gradient.h"
 
 #include "julia/brick_field.h"
 #include "julia/shape_modulus.h"
@@ -25,6 +27,7 @@
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <sstream>
 
 namespace {
 
@@ -195,6 +198,31 @@ TEST(BundledScript, holdsEveryModuleOnceAndImportsNothing) {
     EXPECT_NE(at, std::string::npos) << file.name;
     EXPECT_EQ(script.find(line, at + 1), std::string::npos) << file.name;
   }
+}
+
+TEST(PageGradients, areThoseOfTheProgram) {
+  const std::string script(findPageFile("renderer.js")->bytes);
+  std::stringstream names(gradientNames());
+  int count = 0;
+  for (std::string name; std::getline(names >> std::ws, name, ','); ++count) {
+    const std::string before = "  " + name + ": codes(\"";
+    const std::size_t at = script.find(before), from = at + before.size();
+    ASSERT_NE(at, std::string::npos) << name;
+    std::stringstream text(script.substr(from, script.find('"', from) - from));
+    std::vector<unsigned> codes;
+    for (unsigned code = 0; text >> std::hex >> code;) codes.push_back(code);
+    const Gradient gradient = Gradient::named(name).value();
+    for (std::size_t i = 0; i < codes.size(); ++i) {
+      const openvdb::Vec3d colour = gradient.at(static_cast<double>(i) / static_cast<double>(codes.size() - 1));
+      for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(255 * srgbFromLinear(colour[c]), codes[i] >> (16 - 8 * c) & 0xff, 1e-6) << name << ' ' << i;
+    }
+    // Between stops, too: there are no others.
+    EXPECT_NEAR(srgbFromLinear(gradient.at(0.5 / static_cast<double>(codes.size() - 1))[0]),
+                ((codes[0] >> 16) + (codes[1] >> 16)) / 510.0, 1e-6)
+        << name;
+  }
+  EXPECT_EQ(count, 6);
 }
 
 TEST_F(SceneDataTest, anExportedPageAsksForNothing) {

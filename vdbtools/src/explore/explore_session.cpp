@@ -146,12 +146,20 @@ ExploreAnswer jsonAnswer(const json& value, int status = 200) {
   return {status, "application/json", value.dump(-1, ' ', false, json::error_handler_t::replace)};
 }
 
+/// The folder to make files in. Refuses, before any work, one that is not there and cannot be made.
 std::filesystem::path folderOf(const std::filesystem::path& folder) {
-  if (folder.empty()) return {};
   std::error_code error;
-  if (!std::filesystem::is_directory(folder, error))
-    throw CreateError("there is no folder '" + folder.string() + "' to make files in");
+  if (folder.empty() || std::filesystem::is_directory(folder, error)) return folder;
+  const std::filesystem::path parent = folder.has_parent_path() ? folder.parent_path() : ".";
+  if (std::filesystem::exists(folder, error) || !std::filesystem::is_directory(parent, error))
+    throw CreateError("there is no folder '" + folder.string() + "' to make files in, and none can be made there");
   return folder;
+}
+
+void makeFolder(const std::filesystem::path& folder) {
+  std::error_code error;
+  if (!folder.empty() && !std::filesystem::create_directory(folder, error) && error)
+    throw CreateError("cannot make the folder '" + folder.string() + "': " + error.message());
 }
 
 const char* nameOf(JobState state) {
@@ -177,6 +185,7 @@ ExploreSession::ExploreSession(const ExploreOptions& options, Monitor& monitor)
   const auto kept = mScenes.get(completed, parseFractalOptions(completed), SceneStore::Turn::Waits, monitor);
   const Facts& facts = kept->scene().facts;
   if (const auto hash = facts.find(metadataName("source-sha256")); hash != facts.end()) mTargetHash = hash->second;
+  makeFolder(mFolder);
 }
 
 std::size_t ExploreSession::mostBytes(const std::string& path) { return path == "recipe" ? kMostFile : kMostBody; }

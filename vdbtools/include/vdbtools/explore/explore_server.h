@@ -52,7 +52,7 @@ using MakeShare = std::function<std::unique_ptr<WorkShare>()>;
 
 struct ExploreOptions {
   Recipe given;                       ///< of the command line: the first look, and the only files that the page may use
-  std::filesystem::path folder{};     ///< where files are made; empty: the working directory
+  std::filesystem::path folder{};     ///< where files are made; itself made if need be. Empty: the working directory
   std::string address = "127.0.0.1";  ///< to listen at: an IP address of this machine
   int port = 0;                       ///< 0: any that is free
   MakeShare makeShare{};              ///< for the progress of jobs; none: it is not told
@@ -65,7 +65,7 @@ class ExploreServer {
  public:
   /// Makes the first scene, so that what is wrong with the target is known at once, and takes the port.
   /// @throw std::invalid_argument  options, or this library was built without cpp-httplib
-  /// @throw CreateError            there is no such folder, or the port cannot be taken
+  /// @throw CreateError            there is no such folder and none can be made, or the port cannot be taken
   /// @throw                        as makeScene()
   ExploreServer(const ExploreOptions& options, Monitor& monitor);
   ~ExploreServer();

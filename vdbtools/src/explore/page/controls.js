@@ -52,7 +52,7 @@ export function makeControls(page) {
     updates.push(control.update);
     return control.element;
   };
-  const fallbacks = { iterations: "3", slice: "0", "versor-scale": "1", power: "8", "versor-seed": "1" };
+  const fallbacks = { iterations: "3", slice: "0", "versor-roots": "10", "versor-placement": "box", "versor-scale": "1", power: "8", "versor-seed": "1" };
   const usualOf = (name, live) => (state) => options.usual(name, state.recipe) ?? (live && page.scene() ? String(page.scene()[live]) : fallbacks[name] ?? "");
   // A slider of an option.
   const number = (name, label, limits, live) => add(slider(store, {
@@ -79,7 +79,7 @@ export function makeControls(page) {
   });
   const chosen = (name, label, values) => add(choice(store, {
     label, help: options.help(name), values, usual: usualOf(name), read: (state) => state.recipe[name],
-    write: (state, value) => options.set(state.recipe, name, value === options.usual(name, state.recipe) ? undefined : value),
+    write: (state, value) => options.set(state.recipe, name, value === usualOf(name)(state) ? undefined : value),
   }));
   const flag = (name, label) => add(tick(store, {
     label, help: options.help(name), usual: () => "", read: (state) => state.recipe[name],
@@ -131,7 +131,7 @@ export function makeControls(page) {
     page.onDragOrigin = (on) => drag.setAttribute("aria-pressed", String(on));
     const part = group("Shape",
       add(choice(store, {
-        label: "Depth given by", values: [{ value: "detail", text: "shares of the thickness" }, { value: "alpha", text: "alpha and beta" }],
+        label: "Depth given by", values: [{ value: "detail", text: "detail, outward" }, { value: "alpha", text: "alpha, beta" }],
         usual: () => "detail", read: (state) => byAlpha(state.recipe) ? "alpha" : undefined,
         write: (state, value) => {
           for (const name of ["detail", "outward", "alpha", "beta"]) delete state.recipe[name];

@@ -14,6 +14,9 @@ import { button, element } from "./widgets.js";
 
 const SCENES_KEPT = 40, VOLUMES_KEPT = 5, WAIT = 150;  // milliseconds after the last movement of a slider
 
+const EXACT_BEGUN = "The exact picture is being made.";
+const EXACT_SHOWN = "This is the exact picture. Any change goes back to the live one.";
+
 // The latest scenes. isUsed(scene): it must stay; forget(scene) frees what the GPU has of it.
 class Scenes {
   constructor(isUsed, forget) {
@@ -167,6 +170,7 @@ async function run() {
   const hideExact = () => {
     exposing?.abort();
     exposing = null;
+    if (said === EXACT_BEGUN || said === EXACT_SHOWN) say("");
     exact.hidden = true;
     exactButton.setAttribute("aria-pressed", "false");
   };
@@ -183,7 +187,7 @@ async function run() {
     if (!exact.hidden || exposing) return hideExact();
     exactButton.setAttribute("aria-pressed", "true");
     const mine = exposing = new AbortController(), { state } = store;
-    say("The exact picture is being made.");
+    say(EXACT_BEGUN);
     try {
       const { eye, lookAt, up, fov } = state.view;
       const picture = await server.picture({
@@ -194,7 +198,7 @@ async function run() {
       exact.src = URL.createObjectURL(picture);
       await exact.decode();
       exact.hidden = false;
-      say("This is the exact picture. Any change goes back to the live one.");
+      say(EXACT_SHOWN);
     } catch (error) {
       if (mine !== exposing || error.name === "AbortError") return;
       hideExact();

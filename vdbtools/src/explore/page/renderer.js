@@ -15,6 +15,7 @@ export const GRADIENTS = {
   coolwarm: codes("3b4cc0 6282ea 8db0fe b8d0f9 dddddd f5c4ad f49a7b de604d b40426"),
   grey: codes("000000 ffffff"),
 };
+const LEAST_PIXELS = 2000;  // to hand over at once
 // Degrees to the right of the view and above it: over the left shoulder, as in the exact picture.
 export const USUAL_LIGHT = [-51.93, 40.46];
 
@@ -63,6 +64,7 @@ export class Renderer {
     this.nothing3D = this.texture3D([1, 1, 1], new Uint8Array(1), gl.R8, gl.UNSIGNED_BYTE, gl.NEAREST);
     this.rate = 20;  // pixels a millisecond, measured; a slow beginning blocks nobody
     this.fence = null;
+    this.latency = 200;  // milliseconds between handing over next to nothing and knowing that it is done
   }
 
   // ---- what the GPU holds ----
@@ -310,10 +312,11 @@ export class Renderer {
     const gl = this.gl, status = gl.clientWaitSync(this.fence.sync, 0, 0);
     if (status !== gl.ALREADY_SIGNALED && status !== gl.CONDITION_SATISFIED && status !== gl.WAIT_FAILED) return false;
     gl.deleteSync(this.fence.sync);
+    // Most of a short time is not work but the wait for the browser's frame; the shortest time lately tells how much.
     const elapsed = Math.max(1, performance.now() - this.fence.since);
-    // Elapsed time counts whole frames; what was too short to be measured says little.
-    const rate = this.fence.pixels / elapsed;
-    if (this.fence.pixels > 0 && (rate > this.rate || elapsed > 12)) this.rate += 0.5 * (rate - this.rate);
+    this.latency = Math.min(1.02 * this.latency, elapsed, 200);
+    const rate = this.fence.pixels / Math.max(1, elapsed - 0.8 * this.latency);
+    if (this.fence.pixels > 0) this.rate += 0.5 * (rate - this.rate);
     this.rate = Math.max(this.rate, 0.2);
     this.fence = null;
     return true;
@@ -327,7 +330,7 @@ export class Renderer {
 
   // How many rows to hand over. Not too few: what is handed over waits for a frame of the browser.
   rowsFor(milliseconds, width, height) {
-    return Math.max(1, Math.ceil(height / 24), Math.floor(milliseconds * this.rate / width));
+    return Math.max(1, Math.ceil(height / 24), Math.ceil(LEAST_PIXELS / width), Math.floor(milliseconds * this.rate / width));
   }
 }
 

@@ -141,9 +141,8 @@ export class Stage {
   // once: how long one ray a pixel is likely to take, milliseconds
   beginFine(once) {
     const { width, height } = this.canvas;
-    // Fewer differences for normals where that is long.
     this.fine = new Exposure(this.renderer, width, height, this.wanted,
-      { samples: this.wanted.look.samples || (once > PATIENCE ? 1 : 16), axes: once > PATIENCE ? 3 : 13 });
+      { samples: this.wanted.look.samples || (once > PATIENCE ? 1 : 16), axes: 13 });
     this.begun = performance.now();
     this.onState("fine", 0);
   }
@@ -152,7 +151,7 @@ export class Stage {
     if (!this.small) {
       const next = this.smalls.shift();
       if (!next) return false;
-      this.small = { ...next, exposure: new Exposure(this.renderer, next.width, next.height, next.shot, { samples: 1, axes: 3 }) };
+      this.small = { ...next, exposure: new Exposure(this.renderer, next.width, next.height, next.shot, { samples: 1, axes: 13 }) };
     }
     const { exposure, width, height, done } = this.small;
     this.renderer.handOver(exposure.advance(STRIP));

@@ -4,16 +4,12 @@
 
 const KEPT_STEPS = 300;
 
-const rounded = (value) => typeof value === "number" ? Number(value.toPrecision(7))
-  : Array.isArray(value) ? value.map(rounded) : value;
-
 // The state as the part of an address behind '#': of the recipe only what differs from the first one.
 export function hashOf(state, first) {
   const recipe = {};
   for (const name of new Set([...Object.keys(state.recipe), ...Object.keys(first.recipe)]))
     if (state.recipe[name] !== first.recipe[name]) recipe[name] = state.recipe[name] ?? null;
-  const view = state.view && Object.fromEntries(Object.entries(state.view).map(([name, value]) => [name, rounded(value)]));
-  return "#" + encodeURIComponent(JSON.stringify({ recipe, view, look: state.look, compare: state.compare }));
+  return "#" + encodeURIComponent(JSON.stringify({ recipe, view: state.view, look: state.look, compare: state.compare }));
 }
 
 const isNumbers = (value, count) => Array.isArray(value) && value.length === count && value.every(Number.isFinite);

@@ -74,6 +74,7 @@ export function makeStrip(page) {
     });
     cells.replaceChildren(...made.map((one) => one.cell));
     let done = 0;
+    note.textContent = `0 of ${made.length}`;
     for (const { cell, canvas, recipe } of made) {
       try {
         const scene = strip.live ? page.scene() : await page.sceneFor(recipe);
