@@ -56,7 +56,7 @@ Coord VdbTreeWalk::origin() {
 void VdbTreeWalk::topology() {
   if (const auto buffers = mCursor.number<std::int32_t>(); buffers != 1)
     mCursor.refuse("has " + std::to_string(buffers) + " buffers a leaf; 1 is the only number that can be read");
-  mValues.value();  // the background
+  mValues.background();
   const auto tiles = mCursor.number<std::uint32_t>(), children = mCursor.number<std::uint32_t>();
   const auto requireOrder = [&](const Coord& before, const Coord& at) {
     // OpenVDB reads buffers in the order of places, and leaks a node that is replaced by another at its place.

@@ -4,6 +4,7 @@
 #include <openvdb/io/Compression.h>
 
 #include <algorithm>
+#include <limits>
 #include <sstream>
 
 namespace vdbtools {
@@ -48,6 +49,23 @@ void VdbValueWalk::node(std::string_view active, std::size_t count, Payload payl
     mCursor.bytes(active.size());
   const bool activeOnly = (mStorage.compression & COMPRESS_ACTIVE_MASK) != 0 && kind != NO_MASK_AND_ALL_VALS;
   stored(activeOnly ? countOn(active) : count, payload);
+}
+
+void VdbValueWalk::background() {
+  const std::string_view bytes = mCursor.bytes(mType.size);
+  requireTruth(bytes);
+  if (!mType.isInteger()) return;
+  const auto requireNegative = [&](auto number) {
+    for (std::size_t i = 0; i + sizeof number <= bytes.size(); i += sizeof number) {
+      std::memcpy(&number, bytes.data() + i, sizeof number);
+      if (number == std::numeric_limits<decltype(number)>::min())
+        mCursor.refuse("has a background of " + std::to_string(number) + ", which has no negative");
+    }
+  };
+  if (mType.size == sizeof(std::int64_t))
+    requireNegative(std::int64_t{});
+  else
+    requireNegative(std::int32_t{});
 }
 
 void VdbValueWalk::stored(std::size_t count, Payload payload) {

@@ -16,10 +16,11 @@ namespace vdbtools {
 /// A type of value in a grid.
 struct VdbValueType {
   std::size_t size = 0;  ///< bytes
-  std::size_t halfSize =
-      0;               ///< bytes where the grid is stored with half precision; the same for what is no real number
+  /// Bytes where the grid is stored with half precision; the same for what is no real number.
+  std::size_t halfSize = 0;
   bool truth = false;  ///< a bool: 0 or 1, and nothing else
   bool isReal() const { return halfSize != size; }
+  bool isInteger() const { return !isReal() && !truth; }
 };
 
 /// How the values of a grid are stored.
@@ -49,6 +50,9 @@ class VdbValueWalk {
 
   /// One value that is not compressed.
   void value() { requireTruth(mCursor.bytes(mType.size)); }
+
+  /// The value of the background, whose negative OpenVDB takes.
+  void background();
 
  private:
   void stored(std::size_t count, Payload payload);

@@ -492,21 +492,6 @@ julia::RadialMaximum radialMaximumAbout(const Vec3d& origin, const Target& targe
   return baker.radialMaximum(origin, place == Place::Outside ? outside : solid);
 }
 
-/// K for the detail that is wanted.
-/// @throw std::invalid_argument  the origin lies outside the target
-/// @throw DataError              no K traps orbits about an origin inside
-double scaleOfDetail(const julia::RadialMaximum& maximum, const Target& target, const ExponentGridOptions& options) {
-  try {
-    return julia::wantedScale(maximum, options.orbit.maxIterations, options.orbit.escapeRadius);
-  } catch (const std::invalid_argument&) {
-    const Coord node = Coord::round(target.phi->worldToIndex(options.detail->origin));
-    if (!(target.phi->tree().getValue(node) < 0)) throw;
-    throw DataError("the distances of '" + target.phi->getName() +
-                    "' about the origin leave no room in which orbits could be trapped, although it lies inside; the "
-                    "target is too thin there for its voxels, or broken");
-  }
-}
-
 }  // namespace
 
 ExponentGrid exponentGrid(const Target& target, const FractalSpace& space, const ExponentGridOptions& options,
@@ -523,8 +508,8 @@ ExponentGrid exponentGrid(const Target& target, const FractalSpace& space, const
   const double solidPhi = target.denseBox ? kNowhere : solidBeginsAt(*target.phi, monitor);
   double solid = solidPhi == kNowhere ? kNowhere : law.greatestInside(solidPhi);
   if (options.detail) {
-    result.scale =
-        scaleOfDetail(radialMaximumAbout(options.detail->origin, target, baker, solid, logEscape), target, options);
+    result.scale = julia::wantedScale(radialMaximumAbout(options.detail->origin, target, baker, solid, logEscape),
+                                      options.orbit.maxIterations, options.orbit.escapeRadius);
     baker.stretch(logEscape, *result.scale);
     solid = logEscape + *result.scale * solid;
   }
