@@ -36,22 +36,36 @@ def main():
 class BrowserTest(harness.CliTest):
     WINDOW = "900,700"
 
-    def setUp(self):
-        super().setUp()
+    @classmethod
+    def setUpClass(cls):
+        """One browser for all tests of the class; each test has a tab of its own."""
+        super().setUpClass()
         profile = tempfile.TemporaryDirectory(prefix="profile", ignore_cleanup_errors=True)
-        self.addCleanup(profile.cleanup)
+        cls.addClassCleanup(profile.cleanup)
         options = Options()
         options.binary_location = shutil.which("chromium")
         for word in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-angle=swiftshader",
-                     "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", f"--window-size={self.WINDOW}",
+                     "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", f"--window-size={cls.WINDOW}",
                      "--no-first-run", "--disable-background-networking", "--disable-component-update",
                      f"--user-data-dir={profile.name}"):
             options.add_argument(word)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-        self.driver = webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
-        self.addCleanup(self.driver.quit)
-        self.driver.set_page_load_timeout(PATIENCE)
-        self.driver.set_script_timeout(PATIENCE)
+        cls.driver = webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
+        cls.addClassCleanup(cls.driver.quit)
+        cls.driver.set_page_load_timeout(PATIENCE)
+        cls.driver.set_script_timeout(PATIENCE)
+
+    def setUp(self):
+        super().setUp()
+        first = self.driver.current_window_handle
+        self.driver.switch_to.new_window("tab")
+        self.driver.get_log("browser")  # those of the test before
+
+        def close():
+            self.driver.close()
+            self.driver.switch_to.window(first)
+
+        self.addCleanup(close)
 
     def wait_until(self, condition, what):
         try:
