@@ -21,8 +21,8 @@ double wantedScale(const RadialMaximum& maximum, int maxIterations, double escap
   while (!traps(scale)) {
     scale *= kRatio;
     if (scale > kMost)
-      throw std::invalid_argument("no shell of detail traps orbits about the origin, up to a scale of " +
-                                  std::to_string(kMost) + "; the origin must lie inside the target");
+      throw NoDetail("no shell of detail traps orbits about the origin, up to a scale of " + std::to_string(kMost) +
+                     "; the origin must lie inside the target");
   }
   double low = scale / kRatio;
   while (scale - low > kPrecision * scale) {

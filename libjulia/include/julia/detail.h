@@ -18,11 +18,18 @@
 
 #include "julia/shell.h"
 
+#include <stdexcept>
+
 namespace julia {
+
+/// No shell of detail traps orbits about an origin.
+class NoDetail : public std::invalid_argument {
+  using std::invalid_argument::invalid_argument;
+};
 
 /// The smallest K.
 /// @param maximum  of w
-/// @throw std::invalid_argument  no K up to 1e4 traps a ball: w is not below 0 about the origin
+/// @throw NoDetail  no K up to 1e4 traps a ball: w is not below 0 about the origin
 /// @throw std::invalid_argument  maxIterations < 1 or escapeRadius <= 1
 double wantedScale(const RadialMaximum& maximum, int maxIterations, double escapeRadius);
 

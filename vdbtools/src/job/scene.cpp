@@ -5,7 +5,11 @@
 #include "target/control_lattice.h"
 #include "target/solid_input.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/files/file_bytes.h"
+#include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/target/target_survey.h"
+
+#include "julia/detail.h"
 
 #include <algorithm>
 #include <cmath>
@@ -105,6 +109,22 @@ std::string originText(const SpaceOptions& options, const FractalSpace& space, c
   return numbersText({from[0], from[1], from[2]});
 }
 
+/// A control over the target. What its values may be is checked where they are used, as something that was asked for;
+/// but those of a grid are its file's.
+/// @throw DataError  values of a grid outside the range
+Control bound(const ControlSource& source, const ControlContext& context, const std::string& name,
+              const std::pair<double, double>& range) {
+  Control control = source.bind(context);
+  const std::vector<NamedFile> files = source.files();
+  if (files.size() != 1 || !isVdbPath(files.front().path)) return control;
+  const auto [least, most] = control.range();
+  if (least < range.first || most > range.second)
+    throw DataError(name + " is " + std::to_string(least < range.first ? least : most) + " somewhere in '" +
+                    inOneLine(files.front().path.string()) + "'; it must be " +
+                    (std::isfinite(range.second) ? "from 0 to 1" : "above 0") + " everywhere");
+  return control;
+}
+
 /// The controls of a shell over the target.
 ExponentGridOptions bindControls(const FractalOptions& options, const ShellSettings& shell, SharedTarget& shared,
                                  const PlacedSpace& placed, Monitor& monitor) {
@@ -115,18 +135,22 @@ ExponentGridOptions bindControls(const FractalOptions& options, const ShellSetti
     context.phi = shared.survey(monitor).phi();
     context.tau = [&] { return FloatGrid::ConstPtr(shared.survey(monitor).thickness(monitor).tau); };
   }
-  ExponentGridOptions exponent{
-      .orbit = orbitOf(options), .interpolation = shell.interpolation, .mask = shell.mask->bind(context)};
+  const std::pair positive(std::numeric_limits<double>::min(), std::numeric_limits<double>::infinity());
+  constexpr double kRounding = 1e-5;  // of what is read between nodes
+  const std::pair share(-kRounding, 1 + kRounding);
+  ExponentGridOptions exponent{.orbit = orbitOf(options),
+                               .interpolation = shell.interpolation,
+                               .mask = bound(*shell.mask, context, "the mask", share)};
   if (!shell.detail) {
-    exponent.alpha = shell.alpha->bind(context);
+    exponent.alpha = bound(*shell.alpha, context, "alpha", positive);
     exponent.beta = shell.beta->bind(context);
     return exponent;
   }
-  Control detail = shell.detail->bind(context);
+  Control detail = bound(*shell.detail, context, "the detail", share);
   const double slope = thicknessSlope(detail.range().second);
   const LocalThickness& thickness = shared.survey(monitor).thickness(monitor, slope);
   exponent.detail = DetailOptions{.detail = std::move(detail),
-                                  .outward = shell.outward->bind(context),
+                                  .outward = bound(*shell.outward, context, "the outward reach", share),
                                   .thickness = thicknessControl(thickness),
                                   .greatestThickness = thickness.greatest,
                                   .origin = placed.unmoved.centre};
@@ -179,7 +203,14 @@ PlacedTarget placeShell(const FractalOptions& options, const ShellSettings& shel
   BandWidths widths = widthsOf(options, input, *result.exponentOf);
   const auto make = [&] {
     result.target = shared.target(widths, monitor);
-    result.exponent = exponentGrid(result.target, result.placed.space, *result.exponentOf, monitor);
+    try {
+      result.exponent = exponentGrid(result.target, result.placed.space, *result.exponentOf, monitor);
+    } catch (const julia::NoDetail&) {
+      if (options.space.origin != OriginKind::Auto) throw;  // another would do
+      throw DataError(
+          "the target leaves no room for detail: about its deepest point it is too thin for its voxels, or its "
+          "distances are wrong");
+    }
   };
   make();
   if (result.exponent->tooShallow) {

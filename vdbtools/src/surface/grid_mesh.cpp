@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/surface/grid_mesh.h"
 
+#include "base/grid_memory.h"
 #include "vdbtools/surface/extract_mesh.h"
 
 #include <openvdb/tools/Interpolation.h>
@@ -41,8 +42,9 @@ Mesh meshOfLevelSet(const openvdb::FloatGrid& levelSet, Monitor& monitor) {
   FractalField field;
   field.field = openvdb::FloatGrid::create(std::make_shared<openvdb::FloatTree>(levelSet.tree()));
   field.field->setTransform(openvdb::math::Transform::createLinearTransform(1.0));
+  field.field->setName(levelSet.getName());
   openvdb::FloatTree& tree = field.field->tree();
-  tree.voxelizeActiveTiles();
+  voxelizeActiveTiles(*field.field);
   // A narrow band holds every cell that the surface crosses. Another grid may end inside; the surface then lies between
   // its leaves and those around.
   if (levelSet.getGridClass() != openvdb::GRID_LEVEL_SET) {

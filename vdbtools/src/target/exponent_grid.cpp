@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/target/exponent_grid.h"
 
+#include "base/grid_memory.h"
 #include "base/in_parallel.h"
 #include "base/openvdb/fast_sweeping.h"
 #include "target/cell_corners.h"
@@ -184,7 +185,12 @@ double largestStep(const FloatTree& tree, Monitor& monitor) {
 
 /// The leaves that hold nodes of the band, of the inside where @a inside asks for it, and as many @a layers of voxels
 /// around as are asked for: a little more rather than less.
-openvdb::MaskGrid::Ptr sweepingMask(const FloatGrid& phi, bool inside, int layers) {
+openvdb::MaskGrid::Ptr sweepingMask(const FloatGrid& phi, bool inside, double layers) {
+  // Not even a ball with a band of so many voxels would fit into a memory.
+  constexpr double kMostLayers = 8192;
+  if (!(layers <= kMostLayers))
+    throw DataError("the narrow band of '" + phi.getName() + "' would have to be " + std::to_string(layers) +
+                    " voxels wider; that is too much for voxels so small beside the whole");
   // One voxel a leaf.
   constexpr int kSide = Leaf::DIM;
   openvdb::MaskTree coarse;
@@ -198,9 +204,11 @@ openvdb::MaskGrid::Ptr sweepingMask(const FloatGrid& phi, bool inside, int layer
       if (*tile < 0) coarse.fill({box.min() >> Leaf::LOG2DIM, box.max() >> Leaf::LOG2DIM}, true);
     }
   }
+  requireRoomForLeaves(phi, static_cast<double>(coarse.activeVoxelCount()));
   if (layers > 0)
-    openvdb::tools::dilateActiveValues(coarse, (layers + kSide - 1) / kSide, openvdb::tools::NN_FACE_EDGE_VERTEX,
-                                       openvdb::tools::EXPAND_TILES);
+    openvdb::tools::dilateActiveValues(coarse, (static_cast<int>(layers) + kSide - 1) / kSide,
+                                       openvdb::tools::NN_FACE_EDGE_VERTEX, openvdb::tools::EXPAND_TILES);
+  requireRoomForLeaves(phi, static_cast<double>(coarse.activeVoxelCount()));
   coarse.voxelizeActiveTiles();
   const auto mask = openvdb::MaskGrid::create();
   mask->setTransform(phi.transform().copy());
@@ -411,7 +419,7 @@ Target makeTarget(FloatGrid::Ptr phi, std::optional<openvdb::BBoxd> box) {
                     "' is neither dense nor a narrow band: its background is " + std::to_string(phi->background()) +
                     " and must be positive, the outside");
   }
-  phi->tree().voxelizeActiveTiles();
+  voxelizeActiveTiles(*phi);
   target.box = box ? *box : insideBox(*phi);
   target.phi = std::move(phi);
   return target;
@@ -436,7 +444,7 @@ void extendBand(Target& target, double exteriorWidth, double interiorWidth, Moni
   const double layers = std::max(widen ? (wanted - phi->background()) / voxel : 0.0,
                                  deepen && std::isfinite(interiorWidth) ? (wantedInside - known) / voxel : 0.0);
   const bool wholeInside = deepen && !std::isfinite(interiorWidth);
-  target.phi = extendSdf(*phi, *sweepingMask(*phi, wholeInside, static_cast<int>(std::ceil(layers))), kSweeps);
+  target.phi = extendSdf(*phi, *sweepingMask(*phi, wholeInside, std::ceil(layers)), kSweeps);
   // Sweeping touches the outermost of the values that it starts from; what was read stays what it was.
   auto accessor = target.phi->getAccessor();
   for (auto value = phi->cbeginValueOn(); value; ++value) accessor.setValue(value.getCoord(), *value);

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file grid_memory.h
+/// What grids of files may take of memory: a few bytes of a file can stand for a box of any size.
+#pragma once
+
+#include "vdbtools/base/grids.h"
+
+#include <cstdint>
+
+namespace vdbtools {
+
+/// Of this machine, bytes. What of it is free changes from moment to moment.
+std::uint64_t machineMemory();
+
+/// Before leaves are made that @a grid asks for.
+/// @throw DataError  they would take more than half of the machine's memory: there is always more than one grid
+void requireRoomForLeaves(const openvdb::FloatGrid& grid, double leaves);
+
+/// Makes leaves of the active tiles of a grid that was read. @throw DataError  as requireRoomForLeaves()
+void voxelizeActiveTiles(openvdb::FloatGrid& grid);
+
+}  // namespace vdbtools
