@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <new>
+#include <system_error>
 
 namespace cli {
 namespace {
@@ -32,8 +33,15 @@ Failure failureOf() {
     return {kInputOutput, error.what()};
   } catch (const vdbtools::Interrupted& error) {
     return {kInterrupted, error.what()};
+  } catch (const vdbtools::MemoryError& error) {
+    return {kInternal, vdbtools::failureText(error) + "; --memory sets another limit"};
   } catch (const std::bad_alloc&) {
     return {kInternal, vdbtools::kOutOfMemory};
+  } catch (const std::system_error& error) {
+    if (error.code() == std::errc::resource_unavailable_try_again)
+      return {kInternal,
+              "no further thread can be started: memory, or the number of threads that are allowed, is short"};
+    return {kInternal, std::string("internal error: ") + error.what()};
   } catch (const std::exception& error) {
     return {kInternal, std::string("internal error: ") + error.what()};
   }

@@ -17,8 +17,11 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
+
+#include <unistd.h>
 
 namespace cli {
 namespace {
@@ -118,6 +121,18 @@ int fail(int code, std::string text) {
   return code;
 }
 
+/// Of the exception that is being handled. Memory may be so short that not even that can be told.
+int failNow() noexcept {
+  try {
+    const Failure failure = currentFailure();
+    return fail(failure.code, failure.text);
+  } catch (...) {
+    constexpr std::string_view kText = "juliavdb: out of memory\n";
+    [[maybe_unused]] const auto written = write(STDERR_FILENO, kText.data(), kText.size());
+    return kInternal;
+  }
+}
+
 /// Whether the words ask for JSON, before the command's own reading of them, which may fail.
 bool wantsJson(const Arguments& arguments) {
   for (std::size_t i = 0; i < arguments.size(); ++i) {
@@ -143,17 +158,18 @@ std::span<const Command> commands() { return kCommands; }
 
 int main(int argc, char** argv) {
   using namespace cli;
-  watchForInterruption();
-  const Arguments arguments(argv + 1, argv + argc);
-  report().start(arguments.empty() ? "" : arguments.front(), wantsJson(arguments));
   try {
-    return finish(run(arguments));
-  } catch (const vdbtools::Interrupted& error) {
-    // The watcher may be ending the process at this very moment, and has said why.
-    if (!takeLastWord()) std::this_thread::sleep_for(std::chrono::seconds(10));
-    return fail(kInterrupted, error.what());
+    watchForInterruption();
+    const Arguments arguments(argv + 1, argv + argc);
+    report().start(arguments.empty() ? "" : arguments.front(), wantsJson(arguments));
+    try {
+      return finish(run(arguments));
+    } catch (const vdbtools::Interrupted& error) {
+      // The watcher may be ending the process at this very moment, and has said why.
+      if (!takeLastWord()) std::this_thread::sleep_for(std::chrono::seconds(10));
+      return fail(kInterrupted, error.what());
+    }
   } catch (...) {
-    const Failure failure = currentFailure();
-    return fail(failure.code, failure.text);
+    return failNow();
   }
 }

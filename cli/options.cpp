@@ -7,7 +7,9 @@
 #include "report.h"
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/memory.h"
 #include "vdbtools/base/near_words.h"
+#include "vdbtools/base/number_text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_options.h"
@@ -19,9 +21,10 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <iostream>
+#include <limits>
 #include <ostream>
 #include <sstream>
 #include <stdexcept>
@@ -92,6 +95,25 @@ std::optional<int> parseThreads(const std::string& text) {
   return threads && *threads >= 1 && *threads <= kMostThreads ? threads : std::nullopt;
 }
 
+/// "16G" in bytes; infinity: unlimited.
+double parseMemory(const std::string& name, const std::string& text) {
+  if (text == "unlimited") return std::numeric_limits<double>::infinity();
+  constexpr std::string_view kUnits = "KMGT";
+  const std::size_t unit = text.empty() ? std::string::npos : kUnits.find(text.back());
+  const std::optional<double> value =
+      unit == std::string::npos ? std::nullopt : vdbtools::numberFromText(text.substr(0, text.size() - 1));
+  if (!value || !(*value > 0) || !std::isfinite(*value))
+    throw std::invalid_argument(name + " is '" + text +
+                                "'; it must be a number and K, M, G or T, such as 16G, or unlimited");
+  return std::ldexp(*value, 10 * static_cast<int>(unit + 1));
+}
+
+void applyMemory(const CommandLine& line) {
+  if (line.has("memory")) return vdbtools::setMemoryLimit(parseMemory("--memory", line.text("memory")));
+  if (const char* value = std::getenv("JULIAVDB_MEMORY"))
+    vdbtools::setMemoryLimit(parseMemory("JULIAVDB_MEMORY", value));
+}
+
 /// A negative number that stands alone, as in 'versor translate F.json -0.1,0,0', is a word and no short option; so is
 /// a list of expressions, as in '--f "-x, y, z"'.
 std::vector<po::option> takeNegativeNumber(std::vector<std::string>& words) {
@@ -157,6 +179,10 @@ CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions
                         "this process may use)")(
       "instructions", po::value<std::string>()->value_name("auto|portable|avx2|avx512"),
       "the vector instructions to use; they change the speed and no bit of the result (default auto, the widest)")(
+      "memory", po::value<std::string>()->value_name("SIZE"),
+      "how much memory this run may take, such as 16G or 500M: work that is known to need more is refused before it "
+      "begins. unlimited tries everything (default: JULIAVDB_MEMORY, or else what the machine, the control group and "
+      "ulimit leave)")(
       "progress", po::value<std::string>()->value_name("bar|json|none"),
       "how to show progress on stderr: a bar with the time left for work of more than two seconds (the default), "
       "nothing, or for other programs one JSON object a line and no other text (docs/progress.md)")(
@@ -215,6 +241,7 @@ bool CommandLine::parse(const Arguments& arguments) {
   }
   applyThreads();
   applyInstructions();
+  applyMemory(*this);
   mGiven = given();
   if (mUsage.hides) mGiven.erase(mUsage.hides);
   if (has("config")) readConfig(text("config"));
@@ -245,8 +272,8 @@ void CommandLine::readConfig(const std::string& file) {
     base = std::move(recipe);
     mConfigHolder = file;
   } else {
-    std::ifstream stream(file);
-    if (!stream || std::filesystem::is_directory(file)) throw vdbtools::MissingInputError("cannot open '" + file + "'");
+    // Whole, so that a file that cannot be read to its end is not taken for a shorter one.
+    std::istringstream stream(vdbtools::readWholeFile(file));
     po::options_description known;
     known.add(mFromRecipe);
     known.add_options()("input", po::value<std::string>());

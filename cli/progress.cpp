@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
+#include <new>
 #include <stdexcept>
 
 #include <unistd.h>
@@ -45,14 +46,25 @@ ProgressStyle parseProgressStyle(const std::string& text) {
 Progress::Progress(ProgressStyle style, std::string_view command)
     : mStyle(style), mTerminal(isatty(STDERR_FILENO) != 0), mShare(phasesOf(command)) {
   if (!phasesOf(command).empty()) begin("reading", 0);
-  if (mStyle != ProgressStyle::None) mThread = std::thread([this] { watch(); });
+  if (mStyle == ProgressStyle::None) return;
+  mThread = std::thread([this] {
+    try {
+      watch();
+    } catch (const std::bad_alloc&) {
+      // The work goes on unseen, or fails for the same reason.
+    }
+  });
 }
 
 Progress::~Progress() {
   {
     const std::lock_guard lock(mMutex);
     mStop = true;
-    endPhase();
+    try {
+      endPhase();
+    } catch (const std::bad_alloc&) {
+      // The work has failed for the same reason.
+    }
   }
   mWake.notify_all();
   if (mThread.joinable()) mThread.join();

@@ -56,6 +56,7 @@ constexpr std::pair<ExitCode, const char*> kExits[] = {
 constexpr std::pair<const char*, const char*> kVariables[] = {
     {"SLURM_CPUS_PER_TASK", "the number of threads, where --threads is not given"},
     {"SLURM_CPUS_ON_NODE", "the same, in a job of Slurm without SLURM_CPUS_PER_TASK"},
+    {"JULIAVDB_MEMORY", "how much memory a run may take, where --memory is not given"},
     {"SLURM_ARRAY_TASK_ID", "the number of the task that 'juliavdb task' makes, where none is given"},
     {"SLURM_ARRAY_TASK_STEP", "how many tasks from there on it makes"},
     {"PARALLEL_SEQ", "the number of the task, outside of Slurm"},

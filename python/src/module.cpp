@@ -221,6 +221,8 @@ void translate(std::exception_ptr failure) {
     PyErr_SetString(PyExc_OSError, error.what());
   } catch (const vdbtools::Interrupted& error) {
     PyErr_SetString(PyExc_KeyboardInterrupt, error.what());
+  } catch (const vdbtools::MemoryError& error) {
+    PyErr_SetString(PyExc_MemoryError, vdbtools::failureText(error).c_str());
   } catch (const std::bad_alloc&) {
     PyErr_SetString(PyExc_MemoryError, vdbtools::kOutOfMemory);
   }

@@ -32,6 +32,8 @@ FailureAnswer answerOf() {
     return {500, error.what()};
   } catch (const IoError& error) {
     return {500, error.what()};
+  } catch (const MemoryError& error) {
+    return {500, failureText(error)};
   } catch (const std::bad_alloc&) {
     return {500, kOutOfMemory};
   } catch (const std::exception& error) {

@@ -58,15 +58,20 @@ void requireTiles(const Manifest& manifest) {
 void requireDone(const fs::path& folder, const Manifest& manifest, Monitor& monitor) {
   monitor.begin("checking", manifest.tasks.size());
   std::vector<std::uint64_t> missing;
+  std::string reason;  // of the first
   for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index) {
-    if (!finishedTask(folder, manifest, index, FileCheck::Content)) missing.push_back(index);
+    if (!finishedTask(folder, manifest, index, FileCheck::Content)) {
+      if (missing.empty()) reason = taskStatus(folder, manifest, index, FileCheck::Content).error;
+      missing.push_back(index);
+    }
     monitor.advance(1);
     monitor.throwIfCancelled();
   }
   if (!missing.empty())
     throw DataError((missing.size() == 1 ? "task " : "tasks ") + taskList(missing) + " of " +
                     std::to_string(manifest.tasks.size()) + (missing.size() == 1 ? " is" : " are") +
-                    " not done, or not as the plan has them; run them and merge again");
+                    " not done, or not as the plan has them" + (reason.empty() ? "" : " (" + reason + ")") +
+                    "; run them and merge again");
 }
 
 /// The attributes of a plan's points and voxels, which no tile has: they are computed when the tiles are merged.

@@ -5,6 +5,7 @@
 #include "field/block_layers.h"
 #include "field/undecided_blocks.h"
 #include "target/cell_corners.h"
+#include "vdbtools/base/memory.h"
 
 #include <openvdb/tools/SignedFloodFill.h>
 #include <openvdb/tree/ValueAccessor.h>
@@ -15,6 +16,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdio>
 #include <iterator>
 #include <memory>
 #include <stdexcept>
@@ -125,6 +127,18 @@ class LatticeView {
   Vec3d mColumns[3];
 };
 
+double volumeOf(const CoordBBox& box) {
+  const Vec3d sides = box.dim().asVec3d();
+  return box.empty() ? 0 : sides[0] * sides[1] * sides[2];
+}
+
+/// "1.2e+15"
+std::string shortCount(double count) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", count);
+  return text;
+}
+
 /// Calls body(local, nodes) for the boxes of nodes, clipped by @a within, that hold a corner of any lattice cell which
 /// touches an undecided cell of E: F changes its sign in such cells only, for E is continuous.
 /// @tparam Local  what each thread has of its own, and what is returned for each
@@ -175,8 +189,31 @@ struct MarkedBlocks {
   CoordBBox last{};
 };
 
+/// Of a set of so many blocks, before it is made: they lie together, so that most leaves of the set are full.
+void requireMemoryForBlocks(double blocks) {
+  constexpr double kBytesOfLeaf = 100, kBlocksOfLeaf = 512;
+  requireMemory(blocks / kBlocksOfLeaf * kBytesOfLeaf, MemoryUse::Field,
+                "a lattice of some " + shortCount(blocks * kBlock * kBlock * kBlock) + " undecided nodes");
+}
+
+/// At least so many nodes of the window lie in undecided cells of E.
+double fewestShellNodes(const ExponentGrid& exponent, const CoordBBox& window, double voxelSize) {
+  // Each cell is clipped by itself, so cells that the window cuts count in part. Boxes of nodes reach a node or so
+  // beyond the cells, and are shrunk to these.
+  const double nodesOfCell = std::abs(exponent.grid->transform().voxelSize().product()) / std::pow(voxelSize, 3);
+  constexpr double kLargeCell = 512;  // nodes; the sets of smaller ones are small
+  if (nodesOfCell < kLargeCell) return 0;
+  const double across = std::cbrt(nodesOfCell), share = std::pow(across / (across + 2), 3);
+  double nodes = 0;
+  for (const double part : forEachUndecidedBox<double>(exponent, window, voxelSize,
+                                                       [](double&sum, const CoordBBox&box) { sum += volumeOf(box); }))
+    nodes += part;
+  return share * nodes;
+}
+
 /// The blocks with nodes where F may change its sign.
 void addShellBlocks(BlockSet& blocks, const ExponentGrid& exponent, const CoordBBox& window, double voxelSize) {
+  requireMemoryForBlocks(fewestShellNodes(exponent, window, voxelSize) / (kBlock * kBlock * kBlock));
   const std::vector<MarkedBlocks> parts =
       forEachUndecidedBox<MarkedBlocks>(exponent, window, voxelSize, [](MarkedBlocks& part, const CoordBBox& nodes) {
         const CoordBBox touched(nodes.min() >> kBlockLog2, nodes.max() >> kBlockLog2);
@@ -202,6 +239,7 @@ FieldPlan emptyShellPlan(const ExponentGrid& exponent, const FractalFieldOptions
 }
 
 void addEveryBlock(FieldPlan& plan) {
+  requireMemoryForBlocks(volumeOf(plan.window) / (kBlock * kBlock * kBlock));
   addBlocks(*plan.blocks, plan.window);
   addBorderBlocks(*plan.blocks, plan.domain, plan.window);
 }
@@ -281,18 +319,28 @@ void fillTiles(FractalField& field) {
   openvdb::tools::signedFloodFillWithValues(field.field->tree(), kFieldOutside, -kFieldOutside, true, 1, 1);
 }
 
+/// @param leaves  of a block
+void requireMemoryForField(std::uint64_t blocks, int leaves, Proofs proofs) {
+  // A leaf with its mask; where single blocks are to be proved to have one sign, not all of them become leaves.
+  constexpr double kBytesOfLeaf = 2200, kLeastShare = 0.3;
+  const double count = static_cast<double>(blocks) * leaves * (proofs == Proofs::None ? 1 : kLeastShare);
+  requireMemory(count * kBytesOfLeaf, MemoryUse::Field,
+                "the field on " + std::to_string(blocks) + " blocks of 8^3 nodes");
+}
+
 FractalField evaluateField(const FieldPlan& plan, const FieldSource& source, const EvaluateFieldOptions& options,
                            Monitor& monitor) {
   FractalField result = emptyField(plan, options.keepIterations);
   const BlockSet blocks = options.everyNode ? *plan.blocks : undecidedBlocks(plan, source, monitor);
   BlockLayers layers(blocks);
-  BlockEvaluator evaluator(source,
-                           {.voxelSize = plan.voxelSize,
-                            .domain = plan.domain,
-                            .window = plan.window,
-                            .keepIterations = options.keepIterations,
-                            .everyValue = options.everyNode,
-                            .proofs = options.everyNode ? Proofs::None : worthwhileProofs(blocks, plan, source)});
+  const Proofs proofs = options.everyNode ? Proofs::None : worthwhileProofs(blocks, plan, source);
+  requireMemoryForField(layers.blockCount(), options.keepIterations ? 2 : 1, proofs);
+  BlockEvaluator evaluator(source, {.voxelSize = plan.voxelSize,
+                                    .domain = plan.domain,
+                                    .window = plan.window,
+                                    .keepIterations = options.keepIterations,
+                                    .everyValue = options.everyNode,
+                                    .proofs = proofs});
   monitor.begin("field", layers.blockCount());
   while (const auto origins = layers.next()) {
     for (EvaluatedBlock& block : evaluator.evaluate(*origins, monitor)) {

@@ -17,8 +17,23 @@ std::string optionFor(Remedy remedy) {
   return "";
 }
 
+std::string optionFor(MemoryUse use) {
+  switch (use) {
+    case MemoryUse::Distances: return "use a lower --resolution or --sdf-resolution, or a narrower band";
+    case MemoryUse::Field:
+      return "use a lower --resolution or a --box, or cut the work into tiles ('juliavdb plan tiles')";
+    case MemoryUse::Picture: return "use a smaller --size";
+    case MemoryUse::Points: return "use fewer --points, or a larger --spacing";
+  }
+  return "";
+}
+
 }  // namespace
 
 std::string failureText(const DataError& error) { return error.what() + optionFor(error.remedy()); }
+
+std::string failureText(const MemoryError& error) {
+  return std::string(error.what()) + "; " + optionFor(error.use());
+}
 
 }  // namespace vdbtools

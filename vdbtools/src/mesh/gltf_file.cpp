@@ -306,11 +306,16 @@ std::map<std::string, std::string> readGltfExtras(const std::filesystem::path& p
   char head[kFileHead + kChunkHead] = {};
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error || !file.read(head, sizeof head) || std::string_view(head, 4) != kMagic) return texts;
+  const auto read = [&](char* to, std::size_t bytes) {
+    file.read(to, static_cast<std::streamsize>(bytes));
+    if (file.bad()) throw IoError("reading '" + path.string() + "' broke off");
+    return bool(file);
+  };
+  if (error || !read(head, sizeof head) || std::string_view(head, 4) != kMagic) return texts;
   const auto length = load<std::uint32_t>(head + kFileHead);
   if (length > size || load<std::uint32_t>(head + kFileHead + 4) != kJsonChunk) return texts;
   std::string text(length, '\0');
-  if (!file.read(text.data(), length)) return texts;
+  if (!read(text.data(), length)) return texts;
   const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object() || !json.contains("asset") || !json["asset"].is_object()) return texts;
   const Json& asset = json["asset"];

@@ -11,6 +11,7 @@
 #include <zip.h>
 
 #include <memory>
+#include <new>
 #endif
 
 namespace vdbtools {
@@ -90,16 +91,21 @@ std::string modelXml(const Mesh& mesh, const std::map<std::string, std::string>&
   return text;
 }
 
-[[noreturn]] void fail(const char* what) { throw IoError(std::string("making the zip of a 3MF broke off: ") + what); }
+[[noreturn]] void fail(const std::string& what) { throw IoError("making the zip of a 3MF broke off: " + what); }
+
+[[noreturn]] void fail(zip_error_t* error) {
+  if (zip_error_code_zip(error) == ZIP_ER_MEMORY) throw std::bad_alloc();
+  fail(std::string(zip_error_strerror(error)));
+}
 
 /// @param text  outlives the archive
 void addFile(zip_t* archive, const char* name, std::string_view text) {
   zip_source_t* source = zip_source_buffer(archive, text.data(), text.size(), 0);
-  if (!source) fail(zip_strerror(archive));
+  if (!source) fail(zip_get_error(archive));
   const zip_int64_t index = zip_file_add(archive, name, source, ZIP_FL_ENC_UTF_8);
   if (index < 0) {
     zip_source_free(source);
-    fail(zip_strerror(archive));
+    fail(zip_get_error(archive));
   }
   // 1 January 1980, the first day that a zip knows: the same mesh gives the same bytes.
   constexpr zip_uint16_t kTime = 0, kDay = 0x21;
@@ -107,7 +113,7 @@ void addFile(zip_t* archive, const char* name, std::string_view text) {
   constexpr zip_uint32_t kFastest = 1;
   if (zip_file_set_dostime(archive, at, kTime, kDay, 0) != 0 ||
       zip_set_file_compression(archive, at, ZIP_CM_DEFLATE, kFastest) != 0)
-    fail(zip_strerror(archive));
+    fail(zip_get_error(archive));
 }
 
 }  // namespace
@@ -120,25 +126,25 @@ std::string encode3mf(const Mesh& mesh, const std::map<std::string, std::string>
   zip_error_init(&error);
   const std::unique_ptr<zip_source_t, decltype(&zip_source_free)> memory(
       zip_source_buffer_create(nullptr, 0, 0, &error), zip_source_free);
-  if (!memory) fail(zip_error_strerror(&error));
+  if (!memory) fail(&error);
   zip_source_keep(memory.get());
   zip_t* archive = zip_open_from_source(memory.get(), ZIP_TRUNCATE, &error);
   if (!archive) {
     zip_source_free(memory.get());
-    fail(zip_error_strerror(&error));
+    fail(&error);
   }
   try {
     addFile(archive, "[Content_Types].xml", kContentTypes);
     addFile(archive, "_rels/.rels", kRelationships);
     addFile(archive, "3D/3dmodel.model", model);
-    if (zip_close(archive) != 0) fail(zip_strerror(archive));
+    if (zip_close(archive) != 0) fail(zip_get_error(archive));
   } catch (...) {
     zip_discard(archive);
     throw;
   }
   zip_stat_t stat;
   if (zip_source_stat(memory.get(), &stat) != 0 || zip_source_open(memory.get()) != 0)
-    fail(zip_error_strerror(zip_source_error(memory.get())));
+    fail(zip_source_error(memory.get()));
   std::string bytes(stat.size, '\0');
   const zip_int64_t read = zip_source_read(memory.get(), bytes.data(), bytes.size());
   zip_source_close(memory.get());

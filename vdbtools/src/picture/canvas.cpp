@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <new>
 #include <numbers>
 #include <stdexcept>
 #include <utility>
@@ -28,13 +29,19 @@ template <class Object>
 using Owned = std::unique_ptr<Object, Destroy>;
 
 void require(cairo_status_t status) {
+  if (status == CAIRO_STATUS_NO_MEMORY) throw std::bad_alloc();
   if (status != CAIRO_STATUS_SUCCESS)
     throw IoError(std::string("Cairo cannot draw: ") + cairo_status_to_string(status));
 }
 
 cairo_status_t append(void* text, const unsigned char* data, unsigned int length) {
-  static_cast<std::string*>(text)->append(reinterpret_cast<const char*>(data), length);
-  return CAIRO_STATUS_SUCCESS;
+  // An exception must not pass through Cairo, which is written in C.
+  try {
+    static_cast<std::string*>(text)->append(reinterpret_cast<const char*>(data), length);
+    return CAIRO_STATUS_SUCCESS;
+  } catch (const std::bad_alloc&) {
+    return CAIRO_STATUS_NO_MEMORY;
+  }
 }
 
 /// Reads on in the string_view that @a rest points to.

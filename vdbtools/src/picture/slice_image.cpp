@@ -2,6 +2,7 @@
 #include "vdbtools/picture/slice_image.h"
 
 #include "base/srgb.h"
+#include "vdbtools/base/memory.h"
 
 #include <algorithm>
 #include <array>
@@ -104,6 +105,10 @@ SlicePlane::SlicePlane(Axis axis, double position, const openvdb::BBoxd& box, in
   };
   mWidth = pixels(across);
   mHeight = pixels(along);
+  // A value, a colour as floats, and codes for the file.
+  constexpr double kBytesOfPixel = 19;
+  requireMemory(kBytesOfPixel * mWidth * mHeight, MemoryUse::Picture,
+                "a picture of " + std::to_string(mWidth) + " x " + std::to_string(mHeight) + " pixels");
   mRight = right * pixel;
   mDown = down * pixel;
   openvdb::Vec3d centre = (box.min() + box.max()) * 0.5;

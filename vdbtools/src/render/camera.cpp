@@ -2,6 +2,7 @@
 #include "vdbtools/render/camera.h"
 
 #include "render/view.h"
+#include "vdbtools/base/memory.h"
 
 #include <algorithm>
 #include <cmath>
@@ -91,6 +92,10 @@ PixelSamples::PixelSamples(int width, int height, int samples)
   requireOption(width >= 1 && width <= kLargestSide, "width", width, "1 to 32768 pixels");
   requireOption(height >= 1 && height <= kLargestSide, "height", height, "1 to 32768 pixels");
   requireOption(samples == 1 || samples == 4 || samples == 9 || samples == 16, "samples", samples, "1, 4, 9 or 16");
+  // Colours as floats, and codes for the file.
+  constexpr double kBytesOfPixel = 15;
+  requireMemory(kBytesOfPixel * width * height, MemoryUse::Picture,
+                "a picture of " + std::to_string(width) + " x " + std::to_string(height) + " pixels");
 }
 
 }  // namespace vdbtools

@@ -3,6 +3,7 @@
 
 #include "target/distance_band.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/memory.h"
 
 #include <openvdb/tree/LeafManager.h>
 #include <tbb/blocked_range.h>
@@ -23,8 +24,11 @@ using openvdb::Vec3d;
 /// Coordinates are 32-bit; half of their range leaves room for the bands, and for differences of two of them.
 constexpr double kLargestIndex = 1073741824.0;
 
-/// About 20 GB at the peak of the conversion.
 constexpr double kMostNodes = 2147483648.0;
+
+/// What the conversion takes at the least, from runs with many shapes and widths: of finding the sides, bytes for each
+/// voxel's face of area; of the band, bytes for each node, which are those of a float.
+constexpr double kBytesForArea = 100, kBytesForNode = 4;
 
 /// Voxels beyond the bands asked for.
 constexpr double kWorkingBand = 2;
@@ -108,6 +112,8 @@ void checkOptions(const MeshReport& report, const MeshToSdfOptions& options) {
                                 shortNumber(nodes) + " nodes, more than the " + shortNumber(kMostNodes) +
                                 " that are allowed; use a larger voxel size or a narrower band");
   }
+  requireMemory(kBytesForArea * area + kBytesForNode * nodes, MemoryUse::Distances,
+                "at the voxel size " + shortNumber(h) + " the distances to this mesh");
 }
 
 std::vector<Vec3d> toIndexSpace(const std::vector<Vec3d>& points, double voxelSize) {

@@ -6,6 +6,7 @@
 #include "target/level_surface.h"
 #include "target/mesh_conversion.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/memory.h"
 
 #include <algorithm>
 #include <array>
@@ -103,6 +104,10 @@ Mesh offsetSurface(const Mesh& mesh, double distance, double voxelSize, Monitor&
                                 shortNumber(distance) + " of this mesh has about " + shortNumber(nodes) +
                                 " nodes, more than the " + shortNumber(kMostNodes) +
                                 " that are allowed; use larger voxels or another distance");
+  // The float of each node; of a lattice most of which is far from the surface, only some are made.
+  constexpr double kBytesForNode = 4, kLeastShare = 0.25;
+  requireMemory(kBytesForNode * kLeastShare * std::min(nodes, area * 2 * width), MemoryUse::Distances,
+                "everything within " + shortNumber(distance) + " of this mesh");
   const Vec3d middle = report.box.getCenter();  // points come in single precision
   std::vector<Vec3d> points(mesh.points.size());
   for (std::size_t p = 0; p < points.size(); ++p) points[p] = (mesh.points[p] - middle) / spacing;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/memory.h"
 
 #include <string>
 
@@ -13,7 +14,10 @@ namespace vdbtools {
 /// The text of the exception, and behind it the options that do what its Remedy asks for.
 std::string failureText(const DataError& error);
 
-/// Of a std::bad_alloc.
+/// The text of the exception, and the options that make the work smaller.
+std::string failureText(const MemoryError& error);
+
+/// Of any other std::bad_alloc.
 inline constexpr const char* kOutOfMemory = "out of memory; use larger voxels, a lower --sdf-resolution, or a --box";
 
 }  // namespace vdbtools

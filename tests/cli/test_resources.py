@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Memory: what does not fit is refused before it begins, and where it runs out nothing is written.
+
+JULIAVDB_FAULTS=all sweeps limits and allocations closely, which takes an hour.
+"""
+
+import os
+import re
+import resource
+import subprocess
+import time
+import unittest
+
+import harness
+from harness import BAD_DATA, DONE, INTERRUPTED, USAGE
+
+INTERNAL = 70
+MIB = 1 << 20
+EVERY = os.environ.get("JULIAVDB_FAULTS") == "all"
+
+# Each fails of its size alone, at once.
+ABSURD = (
+    ("sdf", "s.obj", "-o", "x.vdb", "--resolution", 1000000),
+    ("sdf", "s.obj", "-o", "x.vdb", "--voxel-size", 2e-5),
+    ("sdf", "s.obj", "-o", "x.vdb", "--resolution", 9000),
+    ("sdf", "s.obj", "-o", "x.vdb", "--resolution", 1000, "--band", 1000000),
+    ("sdf", "s.obj", "-o", "x.vdb", "--thicken", 0.1, "--resolution", 100000),
+    ("sdf", "s.obj", "-o", "x.vdb", "--points-radius", 0.1, "--resolution", 100000),
+    ("fractal", "s.obj", "-o", "x.vdb", "--resolution", 1000000000),
+    ("fractal", "s.obj", "-o", "x.vdb", "--resolution", 100000),
+    ("fractal", "s.obj", "--mesh", "x.ply", "--resolution", 100000),
+    ("fractal", "s.obj", "-o", "x.vdb", "--resolution", 100000, "--exhaustive"),
+    ("fractal", "s.obj", "-o", "x.vdb", "--sdf-resolution", 100000),
+    ("fractal", "--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "-o", "x.vdb", "--resolution", 90000),
+    ("fractal", "s.obj", "-o", "x.####.vdb", "--frames", "1-1000000000"),
+    ("fractal", "s.obj", "-o", "x.vdb", "--versor", "random", "--versor-roots", 10000000),
+    ("fractal", "s.obj", "-o", "x.vdb", "--iterations", 1000000000),
+    ("fit", "s.obj", "-o", "x.json", "--resolution", 1000000),
+    ("fit", "s.obj", "-o", "x.json", "--roots", 10000000),
+    ("points", "s.obj", "-o", "x.ply", "--points", 1000000000),
+    ("points", "s.obj", "-o", "x.ply", "--spacing", 1e-9),
+    ("print", "s.obj", "-o", "x.stl", "--size", 20, "--resolution", 1000000),
+    ("render", "s.obj", "-o", "x.png", "--size", "1000000x1000000"),
+    ("render", "s.obj", "-o", "x.png", "--size", "32768x32768"),
+    ("slice", "s.obj", "-o", "x.png", "--size", 32768),
+    ("sheet", "s.obj", "-o", "x.png", "--vary", "detail=0.1,0.2", "--size", 1000000),
+    ("study", "s.obj", "-o", "x.png", "--versors", 1000000000),
+    ("versor", "new", "-o", "x.json", "--roots", 1000000000000),
+    ("plan", "tiles", "s.obj", "-o", "x", "--tiles", 1000000000),
+    ("plan", "frames", "s.obj", "-o", "x", "--frames", "1-1000000000"),
+    ("usd", "x.####.vdb", "-o", "x.usda", "--frames", "1-1000000000"),
+)
+
+# Runs whose size decides what they take, with the share of it that is known beforehand.
+SIZED = {
+    "sdf": (("sdf", "s.obj", "-o", "x.vdb", "--resolution", 400), 0.4),
+    "wide sdf": (("sdf", "t.obj", "-o", "x.vdb", "--resolution", 300, "--band", 30), 0.4),
+    "fractal": (("fractal", "s.obj", "-o", "x.vdb", "--sdf-resolution", 40, "--resolution", 250), 0.1),
+    "picture": (("slice", "s.obj", "-o", "x.png", "--size", 1200, "--sdf-resolution", 20), 0.2),
+}
+
+
+def limited(kind, size):
+    """For subprocess: with a limit of so many bytes, and no core file of what it breaks."""
+
+    def set_limits():
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        resource.setrlimit(kind, (size, size))
+
+    return set_limits
+
+
+class Resources(harness.CliTest):
+
+    def setUp(self):
+        super().setUp()
+        self.write("s.obj", harness.obj(harness.sphere(3)))
+        self.write("t.obj", harness.obj(harness.torus()))
+
+    def ends(self, run, codes, words):
+        """The laws: a code of those, one line, nothing left."""
+        text = run.stderr.decode(errors="replace")
+        self.assertIn(run.returncode, codes, f"{words}\n{text}")
+        left = [name for name in self.listing() if name not in ("s.obj", "t.obj")]
+        if run.returncode in (DONE, 127):  # the loader's own code, before the program begins
+            for name in left:
+                self.path(name).unlink()
+            return run.returncode
+        self.assertRegex(text, r"\Ajuliavdb: [^\n]*\S\n\Z", words)
+        self.assertEqual(left, [], words)
+        return run.returncode
+
+    def test_absurd_sizes(self):
+        for words in ABSURD:
+            with self.subTest(words=words):
+                begin = time.monotonic()
+                run = self.run_program(*harness.quiet(words), preexec_fn=limited(resource.RLIMIT_AS, 8000 * MIB))
+                self.ends(run, {USAGE, BAD_DATA, INTERNAL}, words)
+                self.assertLess(time.monotonic() - begin, 30, "a refusal comes before the work")
+
+    def test_a_refusal_says_the_figures_and_a_way_out(self):
+        words = ("sdf", "s.obj", "-o", "x.vdb", "--resolution", 2500)
+        line = r"at least [\d.]+ [MGT]iB of memory, but .* leaves [\d.]+ ([KMG]iB|bytes); use .*--resolution"
+        for how in ({"env": {"JULIAVDB_MEMORY": "200M"}}, {"preexec_fn": limited(resource.RLIMIT_AS, 900 * MIB)},
+                    {"preexec_fn": limited(resource.RLIMIT_DATA, 500 * MIB)}):
+            with self.subTest(how=how):
+                self.assertRegex(self.refused(INTERNAL, *words, **how), line)
+        self.assertRegex(self.refused(INTERNAL, *words, "--memory", "200M"), line)
+        self.assertRegex(self.refused(INTERNAL, "slice", "s.obj", "-o", "x.png", "--size", 8000, "--memory", "200M"),
+                         "--size")
+
+    def test_another_limit(self):
+        words = ("sdf", "s.obj", "-o", "x.vdb", "--resolution", 300)
+        small = {"JULIAVDB_MEMORY": "1M"}
+        self.refused(INTERNAL, *words, env=small)
+        self.ok(*words, "--memory", "unlimited", env=small)
+        for text in ("", "0", "16", "-1G", "16GB", "nanG", "all"):
+            self.refused(USAGE, *words, f"--memory={text}" if text else "--memory=", mentions="--memory")
+        self.refused(USAGE, *words, env={"JULIAVDB_MEMORY": "much"}, mentions="JULIAVDB_MEMORY")
+
+    def peak(self, *words):
+        """Of a run, and of the program by itself: the most memory that they had, bytes."""
+        process = subprocess.Popen([harness.program(), *map(str, words)], cwd=self.folder, env=harness.environment(),
+                                   stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        self.assertEqual(process.returncode, DONE, words)
+        return usage.ru_maxrss * 1024
+
+    def test_what_fits_is_not_refused(self):
+        """The most that a run takes is enough for it; much less is not."""
+        for name, (words, known) in SIZED.items():
+            with self.subTest(name):
+                base, peak = self.peak("sdf", "s.obj", "-o", "x.vdb", "--resolution", 10), self.peak(*words)
+                self.ok(*words, "--memory", f"{peak // 1024}K")
+                self.path(words[3]).unlink()
+                share = int(0.5 * base + known * (peak - base)) // 1024
+                self.refused(INTERNAL, *words, "--memory", f"{share}K", mentions="at least")
+
+    def test_limits_of_every_size(self):
+        """From what the program cannot even begin with to enough."""
+        words = ("fractal", "s.obj", "-o", "x.vdb", "--mesh", "x.ply", "--resolution", 60, "--sdf-resolution", 40,
+                 "--threads", 2, "--progress", "none")
+        codes = set()
+        for kind, step in ((resource.RLIMIT_AS, 4 if EVERY else 70), (resource.RLIMIT_DATA, 2 if EVERY else 40)):
+            for size in range(20, 600, step):
+                run = self.run_program(*words, preexec_fn=limited(kind, size * MIB))
+                codes.add(self.ends(run, {DONE, 127, INTERNAL}, f"{kind} {size} MiB"))
+        self.assertIn(INTERNAL, codes)
+        self.assertIn(DONE, codes)
+
+    def test_allocations_that_fail(self):
+        shim = os.environ.get("JULIAVDB_FAULT_SHIM")
+        if not shim:
+            self.skipTest("JULIAVDB_FAULT_SHIM does not name the library that makes allocations fail")
+        commands = (("fractal", "s.obj", "-o", "x.vdb", "--mesh", "x.glb", "--resolution", 24, "--sdf-resolution", 24),
+                    ("slice", "s.obj", "-o", "x.png", "--size", 60, "--sdf-resolution", 24),
+                    ("study", "s.obj", "-o", "x.svg", "--versors", 2, "--size", 40, "--sdf-resolution", 24),
+                    ("print", "s.obj", "-o", "x.3mf", "--size", 20, "--resolution", 24))
+        counts = self.path("counts")
+        self.write("counts", bytes(8 * 12))
+        for words in commands:
+            for least in (200, 2000, 20000) if EVERY else (2000,):
+                for then in ("", "+"):
+                    def run(number):
+                        env = {"LD_PRELOAD": shim, "FAULT": f"alloc:{number}{then}:{least}", "FAULT_COUNTS": str(counts)}
+                        return self.run_program(*words, "--threads", 2, "--progress", "none", env=env)
+
+                    counts.write_bytes(bytes(8 * 12))
+                    self.ends_ignoring_counts(run(10**9), {DONE}, words)
+                    most = int.from_bytes(counts.read_bytes()[-8:], "little")
+                    self.assertGreater(most, 50)
+                    for number in range(1, most + 1, 3 if EVERY else max(1, most // 4)):
+                        # A library that cannot load another, or cannot keep a font, may fail in its own words.
+                        self.ends_ignoring_counts(run(number), {DONE, 127, INTERNAL}, f"{words}: {number}{then} of {most}")
+
+    def ends_ignoring_counts(self, run, codes, words):
+        hidden = self.path("counts")
+        content = hidden.read_bytes()
+        hidden.unlink()
+        self.ends(run, codes, words)
+        hidden.write_bytes(content)
+
+
+if __name__ == "__main__":
+    harness.main()

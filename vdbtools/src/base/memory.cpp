@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/base/memory.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <fstream>
+#include <limits>
+#include <optional>
+#include <sstream>
+#include <string_view>
+
+namespace vdbtools {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+constexpr double kKibi = 1024;
+
+double theLimit = -1;  ///< of setMemoryLimit(), bytes; below 0: none was set
+
+/// The number after "name" in a file of lines "name number", as in /proc/meminfo and memory.stat.
+std::optional<double> entryOf(const fs::path& file, std::string_view name) {
+  std::ifstream stream(file);
+  for (std::string line; std::getline(stream, line);) {
+    std::istringstream words(line);
+    std::string word;
+    double value = 0;
+    if (words >> word && word == name && words >> value) return value;
+  }
+  return std::nullopt;
+}
+
+/// A file that holds a number, or "max".
+std::optional<double> numberIn(const fs::path& file) {
+  std::ifstream stream(file);
+  std::string word;
+  if (!(stream >> word)) return std::nullopt;
+  if (word == "max") return kNoLimit;
+  std::istringstream digits(word);
+  double value = 0;
+  if (!(digits >> value)) return std::nullopt;
+  return value;
+}
+
+void limitBy(MemoryLeft& left, double bytes, const std::string& limit) {
+  if (bytes < left.bytes) left = {std::max(0.0, bytes), limit};
+}
+
+/// The names of the files of a kind of control groups.
+struct GroupFiles {
+  const char *limit, *usage, *ofFiles;
+  const char *swapLimit, *swapUsage;
+};
+// Version 1 counts swap space together with memory.
+constexpr GroupFiles kVersion2 = {"memory.max", "memory.current", "inactive_file", "memory.swap.max",
+                                  "memory.swap.current"};
+constexpr GroupFiles kVersion1 = {"memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file", nullptr,
+                                  nullptr};
+
+void limitByGroup(MemoryLeft& left, const fs::path& folder, const GroupFiles& files, double swapFree) {
+  const std::optional<double> limit = numberIn(folder / files.limit);
+  const std::optional<double> usage = numberIn(folder / files.usage);
+  if (!limit || !usage) return;
+  const double ofFiles = entryOf(folder / "memory.stat", files.ofFiles).value_or(0);
+  double swap = 0;
+  if (files.swapLimit) {
+    const double most = numberIn(folder / files.swapLimit).value_or(0);
+    swap = std::clamp(most - numberIn(folder / files.swapUsage).value_or(0), 0.0, swapFree);
+  }
+  limitBy(left, *limit - std::max(0.0, *usage - ofFiles) + swap, "the control group of this process");
+}
+
+/// The group of @a path and all above it. In a container the path may be that of another name space; then the mount's
+/// root is the group.
+void limitByGroups(MemoryLeft& left, const fs::path& mount, const std::string& path, const GroupFiles& files,
+                   double swapFree) {
+  std::error_code error;
+  fs::path folder = fs::path(path).relative_path();
+  for (;; folder = folder.parent_path()) {
+    if (fs::exists(mount / folder, error)) limitByGroup(left, mount / folder, files, swapFree);
+    if (folder.empty()) return;
+  }
+}
+
+void limitByControlGroups(MemoryLeft& left, const fs::path& root, double swapFree) {
+  const fs::path groups = root / "sys/fs/cgroup";
+  std::ifstream stream(root / "proc/self/cgroup");
+  // Lines are NUMBER:CONTROLLERS:PATH; version 2 has the number 0 and no controllers.
+  for (std::string line; std::getline(stream, line);) {
+    const std::size_t first = line.find(':'), second = line.find(':', first + 1);
+    if (first == std::string::npos || second == std::string::npos) continue;
+    const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
+    const std::string path = line.substr(second + 1);
+    if (controllers == ",,") {
+      limitByGroups(left, groups, path, kVersion2, swapFree);
+      limitByGroups(left, groups / "unified", path, kVersion2, swapFree);
+    } else if (controllers.find(",memory,") != std::string::npos) {
+      limitByGroups(left, groups / "memory", path, kVersion1, swapFree);
+    }
+  }
+}
+
+double ownMemory(const fs::path& root, const char* name) {
+  return kKibi * entryOf(root / "proc/self/status", name).value_or(0);
+}
+
+double limitOf(int resource) {
+  rlimit limit{};
+  if (getrlimit(static_cast<__rlimit_resource>(resource), &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
+    return kNoLimit;
+  return static_cast<double>(limit.rlim_cur);
+}
+
+}  // namespace
+
+double residentMemory(const fs::path& root) { return ownMemory(root, "VmRSS:"); }
+
+MemoryLeft sharedMemoryLeft(const fs::path& root) {
+  MemoryLeft left{kNoLimit, "nothing"};
+  const fs::path machine = root / "proc/meminfo";
+  const double swapFree = kKibi * entryOf(machine, "SwapFree:").value_or(0);
+  if (const auto available = entryOf(machine, "MemAvailable:"))
+    limitBy(left, kKibi * *available + swapFree, "the memory of this machine");
+  limitByControlGroups(left, root, swapFree);
+  return left;
+}
+
+MemoryLeft memoryLeft(const fs::path& root) {
+  MemoryLeft left{kNoLimit, "nothing"};
+  if (theLimit >= 0) {
+    limitBy(left, theLimit - residentMemory(root), "the limit that was set");
+    return left;
+  }
+  left = sharedMemoryLeft(root);
+  if (const double limit = limitOf(RLIMIT_AS); limit < kNoLimit)
+    limitBy(left, limit - ownMemory(root, "VmSize:"), "the limit of address space (ulimit -v)");
+  if (const double limit = limitOf(RLIMIT_DATA); limit < kNoLimit)
+    limitBy(left, limit - ownMemory(root, "VmData:"), "the limit of data (ulimit -d)");
+  return left;
+}
+
+void setMemoryLimit(double bytes) { theLimit = bytes; }
+
+void requireMemory(double bytes, MemoryUse use, const std::string& what) {
+  // Not worth asking the system.
+  constexpr double kLittle = 8 * kKibi * kKibi;
+  if (bytes < kLittle) return;
+  const MemoryLeft left = memoryLeft();
+  if (bytes <= left.bytes) return;
+  throw MemoryError(what + " would take at least " + memoryText(bytes) + " of memory, but " + left.limit + " leaves " +
+                        memoryText(left.bytes),
+                    use);
+}
+
+std::string memoryText(double bytes) {
+  constexpr std::array kUnits = {"bytes", "KiB", "MiB", "GiB", "TiB", "PiB", "EiB"};
+  std::size_t unit = 0;
+  for (; bytes >= kKibi && unit + 1 < kUnits.size(); ++unit) bytes /= kKibi;
+  char text[32];
+  std::snprintf(text, sizeof text, bytes < 1000 ? "%.3g " : "%.4g ", bytes);
+  return text + std::string(kUnits[unit]);
+}
+
+}  // namespace vdbtools
