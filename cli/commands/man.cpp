@@ -44,7 +44,7 @@ constexpr std::pair<ExitCode, const char*> kExits[] = {
     {kUsage, "the command line is wrong: an unknown option, or a value that is not allowed"},
     {kBadData, "an input was read but cannot be used, or the result is empty"},
     {kNoInput, "an input is missing"},
-    {kInternal, "out of memory, or an error of the program"},
+    {kInternal, "memory is short, or an error of the program"},
     {kCannotCreate, "an output cannot be created"},
     {kInputOutput, "reading or writing broke off"},
     {kInterrupted,

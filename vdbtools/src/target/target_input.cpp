@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/target/target_input.h"
 
+#include "target/mesh_conversion.h"
 #include "target/solid_input.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/formats/vdb_file.h"
@@ -33,6 +34,9 @@ class MeshInput final : public TargetInput {
         mVoxel(options.sdfVoxels.sizeFor(longestSide(mSource.box))),
         mMend(options.mend) {
     requireResolved(mMend, mVoxel);
+    // What no band is narrow enough for is refused before the survey, which takes a while.
+    constexpr double kNarrowest = 1.5;
+    if (mMend.offset() == 0) checkOptions(mSource.report, sdfBand(mVoxel, kNarrowest, kNarrowest));
   }
 
   const BBoxd& box() const override { return mSource.box; }
