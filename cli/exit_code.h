@@ -10,7 +10,7 @@ enum ExitCode {
   kUsage = 2,          ///< unknown option, value out of its domain
   kBadData = 65,       ///< leaky mesh, broken file, empty result
   kNoInput = 66,       ///< no such input
-  kInternal = 70,      ///< a bug
+  kInternal = 70,      ///< memory is short, or a bug
   kCannotCreate = 73,  ///< the output's place cannot be written
   kInputOutput = 74,   ///< reading or writing broke off
   kInterrupted = 75,   ///< stopped by a signal, or the disk of another machine did not answer; try again
