@@ -140,12 +140,12 @@ class Resources(harness.CliTest):
 
     def test_limits_of_every_size(self):
         """From what the program cannot even begin with to enough."""
-        words = ("fractal", "s.obj", "-o", "x.vdb", "--mesh", "x.ply", "--resolution", 60, "--sdf-resolution", 40,
+        words = ("fractal", "s.obj", "-o", "x.vdb", "--mesh", "x.ply", "--resolution", 150, "--sdf-resolution", 40,
                  "--threads", 2, "--progress", "none")
         codes = set()
-        for kind, step in ((resource.RLIMIT_AS, 4 if EVERY else 110), (resource.RLIMIT_DATA, 2 if EVERY else 90)):
+        for kind, step in ((resource.RLIMIT_AS, 4 if EVERY else 60), (resource.RLIMIT_DATA, 2 if EVERY else 40)):
             begun = False
-            for size in range(20, 600, step):
+            for size in range(20, 420, step):
                 # Libraries start threads while they are loaded; where they cannot, main() is not reached.
                 begun = begun or self.run_program("--version", preexec_fn=limited(kind, size * MIB)).returncode == DONE
                 if not begun:

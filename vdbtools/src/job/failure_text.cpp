@@ -32,8 +32,6 @@ std::string optionFor(MemoryUse use) {
 
 std::string failureText(const DataError& error) { return error.what() + optionFor(error.remedy()); }
 
-std::string failureText(const MemoryError& error) {
-  return std::string(error.what()) + "; " + optionFor(error.use());
-}
+std::string failureText(const MemoryError& error) { return std::string(error.what()) + "; " + optionFor(error.use()); }
 
 }  // namespace vdbtools
