@@ -150,6 +150,8 @@ Json vdbInfo(const std::string& path) {
   const vdbtools::VdbFile file = vdbtools::readVdb(path);
   Json info{{"kind", "VDB"}, {"grids", Json::array()}};
   for (const auto& grid : file.grids) info["grids"].push_back(gridInfo(*grid));
+  for (const auto& grid : file.unread)
+    info["grids"].push_back({{"name", grid.name}, {"type", grid.type}, {"class", "not known, and not read"}});
   if (Json recipe = recipeOf(file.metadata); !recipe.is_null()) info["recipe"] = recipe;
   Json rest = Json::object();
   for (const auto& [name, value] : file.metadata)

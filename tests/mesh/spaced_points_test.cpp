@@ -166,8 +166,9 @@ TEST(VdbPoints, AreReadBackByOpenVdb) {
       vdbtools::encodeVdb({vdbtools::pointGrid({positions, normals, values}, columns, spaced.spacing)}, {});
   EXPECT_EQ(bytes,
             vdbtools::encodeVdb({vdbtools::pointGrid({positions, normals, values}, columns, spaced.spacing)}, {}));
-  const vdbtools::VdbFile file = vdbtools::readVdb(folder.write("p.vdb", bytes));
-  const auto grid = openvdb::gridPtrCast<PointDataGrid>(file.grids.at(0));
+  openvdb::io::File file(folder.write("p.vdb", bytes));
+  file.open();
+  const auto grid = openvdb::gridPtrCast<PointDataGrid>(file.readGrid("points"));
   ASSERT_TRUE(grid);
   std::vector<bool> seen(positions.size(), false);
   for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf) {

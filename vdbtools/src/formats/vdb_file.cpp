@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/formats/vdb_file.h"
 
+#include "formats/vdb_check.h"
+#include "formats/vdb_cursor.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
 
 #include <openvdb/io/Archive.h>
-#include <openvdb/io/Stream.h>
+#include <openvdb/io/GridDescriptor.h>
 
 #include <fstream>
 #include <set>
@@ -42,21 +44,6 @@ std::map<std::string, std::string> asText(const openvdb::MetaMap& metadata) {
   for (auto entry = metadata.beginMeta(); entry != metadata.endMeta(); ++entry)
     if (entry->second) result[entry->first] = entry->second->str();
   return result;
-}
-
-/// Checks that the file exists and is a VDB, with our own messages.
-void requireVdb(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::error_code ignored;
-  if (!file || std::filesystem::is_directory(path, ignored))
-    throw MissingInputError("cannot open '" + inOneLine(path.string()) + "': " +
-                            (std::filesystem::exists(path, ignored) ? "it is not a readable file" : "no such file"));
-  char magic[8] = {};
-  file.read(magic, sizeof magic);
-  if (file.bad()) throw IoError("reading '" + inOneLine(path.string()) + "' broke off");
-  constexpr std::string_view kMagic(" BDV\0\0\0\0", 8);
-  if (std::string_view(magic, static_cast<std::size_t>(file.gcount())) != kMagic)
-    throw DataError("'" + inOneLine(path.string()) + "' is not a VDB file: it does not begin as one does");
 }
 
 /// What made the file. Blender's import of VDB files turns those upright, and only those, whose creator begins with
@@ -97,36 +84,144 @@ class SeekableArchive final : public openvdb::io::Archive {
   }
 };
 
-/// Reads the head of a file and nothing after it.
-class HeadArchive final : public openvdb::io::Archive {
+/// Bytes that stay where they are, to read.
+class MemoryBuffer final : public std::streambuf {
  public:
-  std::map<std::string, std::string> readMetadata(std::istream& stream) {
-    readHeader(stream);
-    openvdb::MetaMap metadata;
-    metadata.readMeta(stream);
-    return asText(metadata);
+  explicit MemoryBuffer(std::string& bytes) { setg(bytes.data(), bytes.data(), bytes.data() + bytes.size()); }
+
+ private:
+  pos_type seekoff(off_type offset, std::ios::seekdir from, std::ios::openmode) override {
+    const off_type base = from == std::ios::beg ? 0 : from == std::ios::cur ? gptr() - eback() : egptr() - eback();
+    const off_type to = base + offset;
+    if (to < 0 || to > egptr() - eback()) return off_type(-1);
+    setg(eback(), eback() + to, egptr());
+    return to;
+  }
+  pos_type seekpos(pos_type position, std::ios::openmode mode) override {
+    return seekoff(position, std::ios::beg, mode);
   }
 };
 
-/// Runs @a use with a stream of the file and turns its failures into our errors. On a truncated file, io::File would go
-/// on with sizes that the file does not hold and allocate gigabytes; a stream that throws at its end cannot.
+/// Reads what checkVdb() has let pass. OpenVDB's own readers of files cannot leave out the grids that it has no type
+/// for, nor the values of points.
+class CheckedArchive final : public openvdb::io::Archive {
+ public:
+  CheckedArchive(std::string& bytes, const VdbContents& contents) : mBuffer(bytes), mContents(contents) {
+    // At the end of the bytes, which OpenVDB would not notice, the stream throws.
+    mStream.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
+    readHeader(mStream);
+    requireAt(contents.metadataBegin);
+    openvdb::io::setStreamMetadataPtr(mStream, mTags, /*transfer=*/false);
+    openvdb::io::setVersion(mStream, libraryVersion(), fileVersion());
+    openvdb::io::setDataCompression(mStream, compression());
+  }
+
+  std::map<std::string, std::string> metadata() {
+    mStream.seekg(static_cast<std::streamoff>(mContents.metadataBegin));
+    openvdb::MetaMap metadata;
+    metadata.readMeta(mStream);
+    requireAt(mContents.metadataEnd);
+    return asText(metadata);
+  }
+
+  openvdb::GridPtrVec grids() {
+    openvdb::GridPtrVec grids;
+    NamedGridMap named;
+    for (const VdbGridEntry& entry : mContents.grids)
+      if (entry.content != VdbContent::Nothing) {
+        grids.push_back(grid(entry));
+        named[entry.name] = grids.back();
+      }
+    for (const VdbGridEntry& entry : mContents.grids)
+      if (entry.content == VdbContent::Instance) connectInstance(descriptorOf(entry), named);
+    return grids;
+  }
+
+ private:
+  static openvdb::io::GridDescriptor descriptorOf(const VdbGridEntry& entry) {
+    openvdb::io::GridDescriptor descriptor(entry.name, entry.type, entry.half);
+    descriptor.setInstanceParentName(entry.parent);
+    return descriptor;
+  }
+
+  openvdb::GridBase::Ptr grid(const VdbGridEntry& entry) {
+    openvdb::GridBase::Ptr grid = openvdb::GridBase::createGrid(entry.type);
+    grid->setSaveFloatAsHalf(entry.half);
+    mStream.seekg(static_cast<std::streamoff>(entry.begin));
+    if (entry.content == VdbContent::Places)
+      readPlaces(*grid);
+    else
+      readGrid(grid, descriptorOf(entry), mStream);
+    requireAt(entry.end);
+    return grid;
+  }
+
+  /// As readGrid(), but for the values of the leaves.
+  void readPlaces(openvdb::GridBase& grid) {
+    readGridCompression(mStream);
+    openvdb::io::setGridClass(mStream, openvdb::GRID_UNKNOWN);
+    openvdb::io::setGridBackgroundValuePtr(mStream, nullptr);
+    grid.readMeta(mStream);
+    grid.removeMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD);
+    grid.readTransform(mStream);
+    grid.readTopology(mStream);
+  }
+
+  /// What was checked is what was read.
+  void requireAt(std::size_t position) {
+    if (mStream.tellg() != static_cast<std::streamoff>(position))
+      throw std::logic_error("OpenVDB has read other bytes of a VDB than were checked");
+  }
+
+  MemoryBuffer mBuffer;
+  std::istream mStream{&mBuffer};
+  const VdbContents& mContents;
+  openvdb::io::StreamMetadata::Ptr mTags = std::make_shared<openvdb::io::StreamMetadata>();
+};
+
+/// Runs @a use, which reads a VDB, and turns its failures into our errors.
 template <class Use>
-auto withVdb(const std::filesystem::path& path, const Use& use) {
+auto readingVdb(const Use& use) {
   openvdb::initialize();
-  requireVdb(path);
-  const std::string name = "'" + inOneLine(path.string()) + "' cannot be read as a VDB: ";
-  std::ifstream stream(path, std::ios::binary);
   try {
-    stream.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
-    return use(stream);
+    return use();
   } catch (const std::ios_base::failure&) {
-    throw DataError(name + "it is truncated");
+    throw DataError("it is truncated");
   } catch (const openvdb::Exception& error) {
-    throw DataError(name + inOneLine(error.what()));
-  } catch (const std::bad_alloc&) {
-    throw DataError(name + "a size in it exceeds the memory");
-  } catch (const std::length_error&) {
-    throw DataError(name + "a size in it is impossible");
+    throw DataError(inOneLine(error.what()));
+  }
+}
+
+/// The same for a file, whose name the errors begin with.
+template <class Use>
+auto readingVdb(const std::filesystem::path& path, const Use& use) {
+  try {
+    return readingVdb(use);
+  } catch (const DataError& error) {
+    throw DataError("'" + inOneLine(path.string()) + "' cannot be read as a VDB: " + error.what());
+  }
+}
+
+/// The bytes at the beginning of a file, as many as @a use needs: it throws VdbEnds where they are too few.
+template <class Use>
+auto withBeginning(const std::filesystem::path& path, const Use& use) {
+  std::ifstream file(path, std::ios::binary);
+  std::error_code ignored;
+  if (!file || std::filesystem::is_directory(path, ignored))
+    throw MissingInputError("cannot open '" + inOneLine(path.string()) + "': " +
+                            (std::filesystem::exists(path, ignored) ? "it is not a readable file" : "no such file"));
+  std::string bytes;
+  for (std::size_t wanted = std::size_t{1} << 16;; wanted *= 4) {
+    const std::size_t had = bytes.size();
+    bytes.resize(wanted);
+    file.read(bytes.data() + had, static_cast<std::streamsize>(wanted - had));
+    if (file.bad()) throw IoError("reading '" + inOneLine(path.string()) + "' broke off");
+    bytes.resize(had + static_cast<std::size_t>(file.gcount()));
+    try {
+      return use(bytes);
+    } catch (const VdbEnds&) {
+      if (bytes.size() < wanted) throw;
+    }
   }
 }
 
@@ -154,17 +249,38 @@ std::string encodeVdb(const std::vector<openvdb::GridBase::Ptr>& grids, const Vd
   return bytes;
 }
 
-VdbFile readVdb(const std::filesystem::path& path) {
-  VdbFile result = withVdb(path, [](std::istream& stream) {
-    openvdb::io::Stream archive(stream, /*delayLoad=*/false);
-    return VdbFile{*archive.getGrids(), asText(*archive.getMetadata())};
+VdbFile decodeVdb(std::string bytes) {
+  return readingVdb([&] {
+    const VdbContents contents = checkVdb(bytes);
+    CheckedArchive archive(bytes, contents);
+    VdbFile file;
+    file.metadata = archive.metadata();
+    file.grids = archive.grids();
+    std::string list;
+    for (const VdbGridEntry& entry : contents.grids)
+      if (entry.content == VdbContent::Nothing) {
+        file.unread.push_back({openvdb::io::GridDescriptor::nameAsString(entry.name), entry.type});
+        list += (list.empty() ? "" : ", ") + ("'" + file.unread.back().name + "' (" + entry.type + ")");
+      }
+    if (file.grids.empty())
+      throw DataError(list.empty() ? "it holds no grid"
+                                   : "it holds only grids of types that are not known: " + inOneLine(list));
+    return file;
   });
-  if (result.grids.empty()) throw DataError("'" + path.string() + "' holds no grid");
-  return result;
+}
+
+VdbFile readVdb(const std::filesystem::path& path) {
+  std::string bytes = readWholeFile(path);
+  return readingVdb(path, [&] { return decodeVdb(std::move(bytes)); });
 }
 
 std::map<std::string, std::string> readVdbMetadata(const std::filesystem::path& path) {
-  return withVdb(path, [](std::istream& stream) { return HeadArchive().readMetadata(stream); });
+  return readingVdb(path, [&] {
+    return withBeginning(path, [](std::string& bytes) {
+      const VdbContents contents = checkVdbHead(bytes);
+      return CheckedArchive(bytes, contents).metadata();
+    });
+  });
 }
 
 openvdb::FloatGrid::Ptr chooseFloatGrid(const VdbFile& file, const std::string& name,

@@ -1,61 +1,68 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/vdb_head.h"
 
-#include "vdbtools/base/errors.h"
-
-#include <bit>
-#include <cstdint>
-#include <cstring>
-
 namespace vdbtools {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "the numbers are read as they lie in the file");
+constexpr std::string_view kMagic(" BDV\0\0\0\0", 8);
+constexpr std::uint32_t kOldest = 222;  // before, a flag for compression stood in the head
+constexpr std::uint32_t kNewest = 224;  // of OpenVDB 10
 
-class HeadReader {
- public:
-  explicit HeadReader(std::string_view bytes) : mLeft(bytes) {}
+constexpr bool isHexDigit(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F'); }
 
-  std::string_view bytes(std::size_t count) {
-    if (count > mLeft.size()) throw DataError("the VDB ends before its metadata do");
-    const std::string_view part = mLeft.substr(0, count);
-    mLeft.remove_prefix(count);
-    return part;
+/// "xxxxxxxx-xxxx-xxxx-xxxx-xxxxxxxxxxxx"
+bool isIdentifier(std::string_view text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool dash = i == 8 || i == 13 || i == 18 || i == 23;
+    if (dash ? text[i] != '-' : !isHexDigit(text[i])) return false;
   }
-  std::uint32_t number() {
-    std::uint32_t value;
-    std::memcpy(&value, bytes(sizeof value).data(), sizeof value);
-    return value;
-  }
-  /// A length and as many bytes.
-  std::string_view text() { return bytes(number()); }
-
- private:
-  std::string_view mLeft;
-};
+  return true;
+}
 
 }  // namespace
 
-std::map<std::string, std::string> vdbHeadMetadata(std::string_view bytes) {
-  constexpr std::string_view kMagic(" BDV\0\0\0\0", 8);
-  constexpr std::uint32_t kOldest = 222;         // before, a flag for compression stood in the head
+VdbHead readVdbHead(VdbCursor& cursor) {
   constexpr std::size_t kIdentifierLength = 36;  // characters
-  if (!bytes.starts_with(kMagic)) throw DataError("this is not a VDB file: it does not begin as one does");
-  HeadReader reader(bytes.substr(kMagic.size()));
-  const std::uint32_t version = reader.number();
-  if (version < kOldest)
-    throw DataError("the VDB has version " + std::to_string(version) + " of the format, which is too old");
-  reader.number();  // of the library, major
-  reader.number();  // and minor
-  reader.bytes(1);  // whether there are offsets to grids
-  reader.bytes(kIdentifierLength);
-  std::map<std::string, std::string> metadata;
-  const std::uint32_t count = reader.number();
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const std::string_view name = reader.text(), type = reader.text(), value = reader.text();
-    if (type == "string") metadata[std::string(name)] = value;
+  cursor.enter("its head");
+  if (cursor.left() < kMagic.size() || cursor.bytes(kMagic.size()) != kMagic)
+    throw DataError("this is not a VDB file: it does not begin as one does");
+  VdbHead head;
+  head.version = cursor.number<std::uint32_t>();
+  if (head.version < kOldest)
+    throw DataError("the VDB has version " + std::to_string(head.version) + " of the format, which is too old");
+  if (head.version > kNewest)
+    throw DataError("the VDB has version " + std::to_string(head.version) + " of the format; the newest known is " +
+                    std::to_string(kNewest));
+  cursor.number<std::uint32_t>();  // of the library, major
+  cursor.number<std::uint32_t>();  // and minor
+  head.hasOffsets = cursor.number<std::uint8_t>() != 0;
+  // OpenVDB would skip white space in front of an identifier, and read on from another place than this.
+  if (!isIdentifier(cursor.bytes(kIdentifierLength))) cursor.refuse("holds no identifier");
+  return head;
+}
+
+VdbMetaEntry readVdbMetaEntry(VdbCursor& cursor) {
+  VdbMetaEntry entry;
+  entry.name = cursor.text();
+  entry.type = cursor.text();
+  entry.value = cursor.text();
+  return entry;
+}
+
+std::map<std::string, std::string> vdbHeadMetadata(std::string_view bytes) {
+  VdbCursor cursor(bytes);
+  try {
+    readVdbHead(cursor);
+    std::map<std::string, std::string> metadata;
+    const auto count = cursor.number<std::uint32_t>();
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const VdbMetaEntry entry = readVdbMetaEntry(cursor);
+      if (entry.type == "string") metadata[std::string(entry.name)] = entry.value;
+    }
+    return metadata;
+  } catch (const VdbEnds&) {
+    throw DataError("the VDB ends before its metadata do");
   }
-  return metadata;
 }
 
 }  // namespace vdbtools

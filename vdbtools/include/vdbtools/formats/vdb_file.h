@@ -39,13 +39,27 @@ std::string encodeVdb(const std::vector<openvdb::GridBase::Ptr>& grids, const Vd
 struct VdbFile {
   openvdb::GridPtrVec grids;
   std::map<std::string, std::string> metadata;  ///< the file's, as text
+  struct UnreadGrid {
+    std::string name, type;
+  };
+  std::vector<UnreadGrid> unread{};  ///< grids of types that are not known, which are passed over
 };
 
+/// The grids of a file with these bytes. Of grids of points, the voxels that hold points, but not the points: this
+/// program writes them and never needs them back. The structure of the whole is checked before OpenVDB reads it, which
+/// trusts a file: what it could not read safely is refused, whatever the bytes are. Values may be any, also not finite.
+/// @throw DataError  not a VDB, truncated, broken, without a grid that can be read, or with grids that would take more
+///                   memory than this machine has
+VdbFile decodeVdb(std::string bytes);
+
+/// As decodeVdb(). The file is read once, as a whole, so it may be a pipe, and a file that changes meanwhile is refused
+/// or read as it was.
 /// @throw MissingInputError  no such file, or not readable
-/// @throw DataError          not a VDB, truncated, or without a grid
+/// @throw IoError            reading broke off
 VdbFile readVdb(const std::filesystem::path& path);
 
 /// The metadata alone, without reading the grids.
+/// @throw  as readVdb()
 std::map<std::string, std::string> readVdbMetadata(const std::filesystem::path& path);
 
 /// The FloatGrid called @a name. If the name is empty, the only FloatGrid, or among several the one called "surface" or
