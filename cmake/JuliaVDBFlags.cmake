@@ -20,6 +20,22 @@ if(JULIAVDB_WERROR)
   target_compile_options(juliavdb_warnings INTERFACE -Werror)
 endif()
 
+# The instrumentation of tests/fuzz. Conversions of numbers that do not fit are bugs there, too, which `undefined` leaves
+# out. OpenVDB's classes are defined in a library of its own, without what `vptr` needs.
+if(JULIAVDB_FUZZ)
+  if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    message(FATAL_ERROR "JULIAVDB_FUZZ needs clang, for its libFuzzer: cmake --preset fuzz, or "
+                        "-DCMAKE_CXX_COMPILER=clang++-14 (Debian: clang-14 and libclang-rt-14-dev)")
+  endif()
+  if(JULIAVDB_SANITIZE)
+    message(FATAL_ERROR "JULIAVDB_FUZZ brings its own sanitizers; leave JULIAVDB_SANITIZE empty")
+  endif()
+  set(juliavdb_fuzz_checks address,undefined,float-cast-overflow)
+  add_compile_options(-fsanitize=fuzzer-no-link,${juliavdb_fuzz_checks} -fno-sanitize=vptr -fno-sanitize-recover=all
+                      -fno-omit-frame-pointer -gline-tables-only)
+  add_link_options(-fsanitize=${juliavdb_fuzz_checks} -fno-sanitize=vptr)
+endif()
+
 if(JULIAVDB_SANITIZE)
   add_compile_options(-fsanitize=${JULIAVDB_SANITIZE} -fno-omit-frame-pointer -g)
   add_link_options(-fsanitize=${JULIAVDB_SANITIZE})

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "explore/explore_session.h"
 
+#include "base/json_text.h"
 #include "explore/export_page.h"
 #include "explore/failure_answer.h"
 #include "explore/made_recipe.h"
@@ -35,7 +36,7 @@ class NoSuchPath : public std::runtime_error {
 };
 
 json objectOf(const std::string& body) {
-  json object = json::parse(body, nullptr, /*allow_exceptions=*/false);
+  json object = parsedJson<json>(body);
   if (!object.is_object()) throw std::invalid_argument("the body of the request is not a JSON object");
   return object;
 }

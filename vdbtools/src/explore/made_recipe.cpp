@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "explore/made_recipe.h"
 
+#include "base/json_text.h"
 #include "formats/vdb_head.h"
 #include "mesh/mesh_comments.h"
 #include "vdbtools/base/errors.h"
@@ -57,7 +58,7 @@ std::map<std::string, std::string> glbExtras(std::string_view bytes) {
   constexpr std::uint32_t kMostDescription = 16 << 20;  // bytes; ours have a few thousand
   if (words[3] > rest.size()) throw DataError("the GLB ends before its description does");
   if (words[3] > kMostDescription) throw DataError("the GLB's description is too large to be one of this program");
-  const nlohmann::json description = nlohmann::json::parse(rest.substr(0, words[3]), nullptr, false);
+  const nlohmann::json description = parsedJson<nlohmann::json>(rest.substr(0, words[3]));
   std::map<std::string, std::string> metadata;
   if (!description.is_object() || !description.contains("asset")) return metadata;
   const nlohmann::json& asset = description["asset"];

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/farm/manifest.h"
 
+#include "base/json_text.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
@@ -85,7 +86,7 @@ std::map<std::string, std::string> entriesFrom(const Json& json) {
 
 openvdb::CoordBBox boxFrom(const Json& json) {
   const auto corner = [](const Json& c) {
-    return openvdb::Coord(c.at(0).get<int>(), c.at(1).get<int>(), c.at(2).get<int>());
+    return openvdb::Coord(wholeOf<int>(c.at(0)), wholeOf<int>(c.at(1)), wholeOf<int>(c.at(2)));
   };
   return {corner(json.at(0)), corner(json.at(1))};
 }
@@ -94,6 +95,14 @@ PlanKind kindFrom(const std::string& text) {
   for (const auto& [kind, name] : kKinds)
     if (text == name) return kind;
   throw DataError("it is of the unknown kind " + inOneLine(text));
+}
+
+/// A plan may come from anywhere; its tasks write into its folder and nowhere else.
+void requireInside(const std::filesystem::path& name) {
+  const bool leaves = std::find(name.begin(), name.end(), "..") != name.end();
+  if (name.empty() || name.is_absolute() || leaves || name.native().find('\0') != std::string::npos)
+    throw DataError("a task of the plan would write '" + inOneLine(name.native()) +
+                    "', which is not in the plan's folder; plan again");
 }
 
 Manifest manifestFrom(const Json& json) {
@@ -115,6 +124,7 @@ Manifest manifestFrom(const Json& json) {
     if (entry.contains("recipe")) task.recipe = entriesFrom(entry.at("recipe"));
     if (entry.contains("box")) task.box = boxFrom(entry.at("box"));
     task.writes = entry.at("writes").get<std::vector<std::string>>();
+    for (const std::string& name : task.writes) requireInside(name);
     manifest.tasks.push_back(std::move(task));
   }
   return manifest;
@@ -185,7 +195,7 @@ Manifest readManifest(const std::filesystem::path& folder) {
     throw MissingInputError("there is no " + name + "; '" + inOneLine(folder.native()) +
                             "' is not the folder of a plan");
   const std::string broken = name + " is a broken plan";
-  Json json = Json::parse(readWholeFile(path), nullptr, false);
+  Json json = parsedJson<Json>(readWholeFile(path));
   if (!json.is_object()) throw DataError(broken + ": it is not valid JSON; plan again");
   try {
     if (json.value(kFileKey, Json()) != kFile) throw DataError(name + " is no plan of juliavdb");

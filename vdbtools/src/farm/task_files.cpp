@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "farm/task_files.h"
 
+#include "base/json_text.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
@@ -42,7 +43,7 @@ Json objectIn(const fs::path& path, const char* kind) {
   std::error_code error;
   if (!fs::is_regular_file(path, error)) return {};
   try {
-    Json json = Json::parse(readWholeFile(path), nullptr, false);
+    Json json = parsedJson<Json>(readWholeFile(path));
     return json.is_object() && json.value(kFileKey, Json()) == kind ? std::move(json) : Json();
   } catch (const std::runtime_error&) {
     return {};  // it was removed in between
@@ -55,14 +56,14 @@ std::optional<TaskRecord> recordFrom(const Json& json) {
     TaskRecord record;
     record.hash = json.at("hash").get<std::string>();
     for (const Json& entry : json.at("files"))
-      record.files.push_back({entry.at("name").get<std::string>(), entry.at("bytes").get<std::uint64_t>(),
-                              entry.at("modified").get<std::int64_t>(), entry.at("sha256").get<std::string>()});
+      record.files.push_back({entry.at("name").get<std::string>(), wholeOf<std::uint64_t>(entry.at("bytes")),
+                              wholeOf<std::int64_t>(entry.at("modified")), entry.at("sha256").get<std::string>()});
     for (const auto& [name, value] : json.at("counts").items()) record.counts[name] = value.get<double>();
     record.wallSeconds = json.at("wallSeconds").get<double>();
     record.cpuSeconds = json.at("cpuSeconds").get<double>();
-    record.peakBytes = json.at("peakBytes").get<std::uint64_t>();
+    record.peakBytes = wholeOf<std::uint64_t>(json.at("peakBytes"));
     record.host = json.at("host").get<std::string>();
-    record.threads = json.at("threads").get<int>();
+    record.threads = wholeOf<int>(json.at("threads"));
     return record;
   } catch (const nlohmann::json::exception&) {
     return std::nullopt;
@@ -91,7 +92,7 @@ bool mayBeAlive(const fs::path& path) {
   if (!json.is_object() || ::stat(path.c_str(), &status) != 0) return false;
   try {
     if (json.at("host").get<std::string>() == hostName())
-      return startOf(json.at("process").get<long>()) == json.at("started").get<std::string>();
+      return startOf(wholeOf<long>(json.at("process"))) == json.at("started").get<std::string>();
   } catch (const nlohmann::json::exception&) {
     return false;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/formats/versor_file.h"
 
+#include "base/json_text.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/peer_formats.h"
@@ -51,6 +52,9 @@ class Syntax : public nlohmann::json_sax<Json> {
     if (zero != std::string_view::npos) {
       throw DataError(name + ": line " + lineOf(text, zero) + " holds a zero byte; this is not a JSON file");
     }
+    if (nestsTooDeep(text))
+      throw DataError(name + ": it has more than " + std::to_string(kMostJsonDepth) +
+                      " levels; this is not a rational");
     Syntax syntax;
     if (Json::sax_parse(text, &syntax)) return;
     const std::string line =

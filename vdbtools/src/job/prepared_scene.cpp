@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/job/prepared_scene.h"
 
+#include "base/json_text.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/formats/vdb_file.h"
@@ -8,7 +9,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <array>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -48,8 +48,8 @@ json nodes(const std::optional<CoordBBox>& b) {
 }
 std::optional<CoordBBox> nodesOf(const json& b) {
   if (b.is_null()) return std::nullopt;
-  const auto c = b.get<std::array<int, 6>>();
-  return CoordBBox(c[0], c[1], c[2], c[3], c[4], c[5]);
+  const auto c = [&](std::size_t i) { return wholeOf<int>(b.at(i)); };
+  return CoordBBox(c(0), c(1), c(2), c(3), c(4), c(5));
 }
 
 json orbit(const julia::OrbitOptions& o) {
@@ -59,7 +59,7 @@ json orbit(const julia::OrbitOptions& o) {
           {"confirm_trap", o.confirmTrap}};
 }
 julia::OrbitOptions orbitOf(const json& o) {
-  return {.maxIterations = o.at("iterations").get<int>(),
+  return {.maxIterations = wholeOf<int>(o.at("iterations")),
           .escapeRadius = numberOf(o.at("escape")),
           .logTrap = numberOf(o.at("trap")),
           .confirmTrap = o.at("confirm_trap").get<bool>()};
@@ -87,7 +87,11 @@ ExponentGrid exponentOf(const json& e, FloatGrid::Ptr grid) {
   if (!e.at("scale").is_null()) result.scale = numberOf(e.at("scale"));
   result.alphaRange = rangeOf(e.at("alpha"));
   result.betaRange = rangeOf(e.at("beta"));
-  result.interpolation = static_cast<julia::Interpolation>(e.at("interpolation").get<int>());
+  const int interpolation = wholeOf<int>(e.at("interpolation"));
+  if (interpolation != static_cast<int>(julia::Interpolation::Trilinear) &&
+      interpolation != static_cast<int>(julia::Interpolation::Quadratic))
+    throw DataError("the interpolation " + std::to_string(interpolation) + " is not known");
+  result.interpolation = static_cast<julia::Interpolation>(interpolation);
   return result;
 }
 
@@ -141,7 +145,7 @@ Scene readPreparedScene(const FractalOptions& options, const std::filesystem::pa
   if (found == file.metadata.end()) throw DataError("'" + path.string() + "' holds no prepared scene");
   Scene scene;
   try {
-    const json entry = json::parse(found->second);
+    const json entry = parsedJson<json>(found->second);
     scene.options = options;
     scene.region = boxOf(entry.at("region"));
     scene.voxelSize = numberOf(entry.at("voxel_size"));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/job/sheet_file.h"
 
+#include "base/json_text.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/files/file_bytes.h"
@@ -26,7 +27,7 @@ std::pair<std::string, std::string> partsOf(const std::string& name) {
 
 /// The content of a contact sheet; a value of another kind if it is none.
 Json parsed(const std::filesystem::path& path) {
-  Json json = Json::parse(readWholeFile(path), nullptr, false);
+  Json json = parsedJson<Json>(readWholeFile(path));
   const bool ours = json.is_object() && json.value("juliavdb", Json()) == kKind;
   return ours ? std::move(json) : Json();
 }

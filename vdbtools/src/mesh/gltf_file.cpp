@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mesh/gltf_file.h"
 
+#include "base/json_text.h"
 #include "vdbtools/files/file_bytes.h"
 
 #include <nlohmann/json.hpp>
@@ -150,6 +151,7 @@ GltfFile::GltfFile(const std::filesystem::path& path, std::string_view contents)
     }
     if (text.empty()) fail("it has no JSON chunk");
   }
+  if (nestsTooDeep(text)) fail("its JSON has more than " + std::to_string(kMostJsonDepth) + " levels; export it again");
   try {
     mJson = std::make_unique<Json>(Json::parse(text));
   } catch (const Json::exception& error) {
@@ -316,7 +318,7 @@ std::map<std::string, std::string> readGltfExtras(const std::filesystem::path& p
   if (length > size || load<std::uint32_t>(head + kFileHead + 4) != kJsonChunk) return texts;
   std::string text(length, '\0');
   if (!read(text.data(), length)) return texts;
-  const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  const Json json = parsedJson<Json>(text);
   if (!json.is_object() || !json.contains("asset") || !json["asset"].is_object()) return texts;
   const Json& asset = json["asset"];
   const auto generator = asset.find("generator"), extras = asset.find("extras");

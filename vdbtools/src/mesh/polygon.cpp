@@ -9,7 +9,7 @@ namespace {
 
 using openvdb::Vec3d;
 
-/// Ear clipping takes up to the cube of the corners; beyond this many it would look like a hang.
+/// Ear clipping takes the square of the corners; beyond this many it would look like a hang.
 constexpr std::size_t kMostCornersToClip = 2000;
 
 /// The area vector, twice over, of the triangle.
@@ -24,25 +24,60 @@ bool isConvex(std::span<const std::uint32_t> corners, const std::vector<Vec3d>& 
   return true;
 }
 
-bool isEar(std::span<const std::uint32_t> corners, const std::vector<std::uint32_t>& ring, std::size_t i,
-           const std::vector<Vec3d>& points, const Vec3d& normal) {
-  const std::size_t n = ring.size();
-  const std::size_t before = (i + n - 1) % n;
-  const std::size_t after = (i + 1) % n;
-  const Vec3d& a = points[corners[ring[before]]];
-  const Vec3d& b = points[corners[ring[i]]];
-  const Vec3d& c = points[corners[ring[after]]];
-  if (normalOf(a, b, c).dot(normal) <= 0) return false;
-  for (std::size_t k = 0; k < n; ++k) {
-    if (k == before || k == i || k == after) continue;
-    const Vec3d& p = points[corners[ring[k]]];
-    if (normalOf(a, b, p).dot(normal) >= 0 && normalOf(b, c, p).dot(normal) >= 0 &&
-        normalOf(c, a, p).dot(normal) >= 0) {
-      return false;
-    }
+/// The ring of corners that are left, and which of them are ears: corners whose triangle with their neighbours can be
+/// cut off. A corner that does not lie in such a triangle never will, so what was found out stays true until a
+/// neighbour goes. The search therefore takes the square of the corners in all.
+class Ears {
+ public:
+  Ears(std::span<const std::uint32_t> corners, const std::vector<Vec3d>& points, const Vec3d& normal)
+      : mCorners(corners), mPoints(points), mNormal(normal), mRing(corners.size()) {
+    const auto n = static_cast<std::uint32_t>(corners.size());
+    for (std::uint32_t i = 0; i < n; ++i) mRing[i] = {.before = (i + n - 1) % n, .after = (i + 1) % n};
   }
-  return true;
-}
+
+  std::uint32_t before(std::uint32_t i) const { return mRing[i].before; }
+  std::uint32_t after(std::uint32_t i) const { return mRing[i].after; }
+  bool isLeft(std::uint32_t i) const { return !mRing[i].gone; }
+
+  bool isEar(std::uint32_t i) {
+    Corner& corner = mRing[i];
+    const Vec3d &a = at(corner.before), &b = at(i), &c = at(corner.after);
+    if (corner.turn == Turn::Unknown) corner.turn = normalOf(a, b, c).dot(mNormal) <= 0 ? Turn::Inward : Turn::Outward;
+    if (corner.turn == Turn::Inward) return false;
+    for (; corner.checked < mRing.size(); ++corner.checked) {
+      const std::uint32_t k = corner.checked;
+      if (mRing[k].gone || k == corner.before || k == i || k == corner.after) continue;
+      const Vec3d& p = at(k);
+      if (normalOf(a, b, p).dot(mNormal) >= 0 && normalOf(b, c, p).dot(mNormal) >= 0 &&
+          normalOf(c, a, p).dot(mNormal) >= 0)
+        return false;
+    }
+    return true;
+  }
+
+  void cut(std::uint32_t i) {
+    const auto [before, after] = std::pair(mRing[i].before, mRing[i].after);
+    mRing[i].gone = true;
+    mRing[before] = {.before = mRing[before].before, .after = after};
+    mRing[after] = {.before = before, .after = mRing[after].after};
+  }
+
+ private:
+  enum class Turn { Unknown, Outward, Inward };
+  struct Corner {
+    std::uint32_t before = 0, after = 0;
+    std::uint32_t checked = 0;  ///< those before this one do not lie in the triangle
+    Turn turn = Turn::Unknown;
+    bool gone = false;
+  };
+
+  const Vec3d& at(std::uint32_t i) const { return mPoints[mCorners[i]]; }
+
+  std::span<const std::uint32_t> mCorners;
+  const std::vector<Vec3d>& mPoints;
+  Vec3d mNormal;
+  std::vector<Corner> mRing;
+};
 
 /// Calls emit(i, j, k) with the corners of each triangle, counted from 0.
 template <class Emit>
@@ -56,17 +91,19 @@ void forEachTriangle(std::span<const std::uint32_t> corners, const std::vector<V
       normal += normalOf(points[corners[0]], points[corners[i]], points[corners[i + 1]]);
     }
     if (!isConvex(corners, points, normal)) {
-      bool found = true;
-      while (ring.size() > 3 && found) {
+      Ears ears(corners, points, normal);
+      std::size_t left = n;
+      for (bool found = true; left > 3 && found;) {
         found = false;
-        for (std::size_t i = 0; i < ring.size() && !found; ++i) {
-          if (!isEar(corners, ring, i, points, normal)) continue;
-          const std::size_t m = ring.size();
-          emit(ring[(i + m - 1) % m], ring[i], ring[(i + 1) % m]);
-          ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(i));
+        for (std::uint32_t i = 0; i < n && !found; ++i) {
+          if (!ears.isLeft(i) || !ears.isEar(i)) continue;
+          emit(ears.before(i), i, ears.after(i));
+          ears.cut(i);
+          --left;
           found = true;
         }
       }
+      std::erase_if(ring, [&](std::uint32_t i) { return !ears.isLeft(i); });
     }
   }
   for (std::size_t i = 1; i + 1 < ring.size(); ++i) emit(ring[0], ring[i], ring[i + 1]);

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// VDB files, rationals and pictures.
+#include "formats/picture_file.h"
+#include "formats/vdb_head.h"
+#include "harness.h"
+
+#include "vdbtools/formats/peer_formats.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/formats/versor_file.h"
+#include "vdbtools/target/target_input.h"
+
+#include <array>
+#include <cstring>
+#include <random>
+#include <stdexcept>
+
+extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* bytes, std::size_t size, std::size_t capacity)
+    __attribute__((weak));
+
+namespace fuzz {
+namespace {
+
+using namespace vdbtools;
+
+void readVdbFile(std::string_view bytes) {
+  const VdbFile file = decodeVdb(std::string(bytes));
+  for (const openvdb::GridBase::Ptr& grid : file.grids) {
+    grid->evalActiveVoxelBoundingBox();
+    for (auto entry = grid->beginMeta(); entry != grid->endMeta(); ++entry)
+      if (entry->second) entry->second->str();
+  }
+  // As a control reads it: every value.
+  const openvdb::FloatGrid::Ptr floats = chooseFloatGrid(file, "", "file.vdb");
+  float sum = 0;
+  for (auto leaf = floats->tree().cbeginLeaf(); leaf; ++leaf)
+    for (auto value = leaf->cbeginValueOn(); value; ++value) sum += *value;
+  if (sum == 1) floats->setName("one");  // so that the sum is needed
+}
+
+void openVdbTarget(std::string_view bytes) {
+  TargetOptions options;
+  options.input.path = scratchFile("target.vdb", bytes);
+  openTarget(options)->box();
+}
+
+void readVdbHead(std::string_view bytes) {
+  vdbHeadMetadata(bytes);
+  readVdbMetadata(scratchFile("head.vdb", bytes));
+}
+
+/// What is read can be written, and reads back as the same.
+void requireRoundTrip(const julia::Rational& rational) {
+  const std::string text = rationalToJson(rational);
+  if (rationalToJson(rationalFromJson(text, "again")) != text)
+    throw std::logic_error("a rational does not come back as it was written");
+}
+
+void readJson(std::string_view bytes) { requireRoundTrip(rationalFromJson(bytes, "file.json")); }
+
+void readP4d(std::string_view bytes) {
+  julia::Rational rational;
+  rational.top = polynomialFromP4d(bytes, "file.p4d");
+  requireRoundTrip(rational);
+}
+
+void readO3d(std::string_view bytes) { requireRoundTrip(optimisedShapeFromO3d(bytes, "file.o3d").rational); }
+
+void readAnyPicture(std::string_view bytes) {
+  constexpr const char* kNames[] = {"picture.png", "picture.jpg", "picture.tif", "picture.exr",
+                                    "picture.hdr", "picture.tga", "picture.bmp", "picture.webp"};
+  const char* const name = kNames[takeChoice(bytes, std::size(kNames))];
+  readPicture(scratchFile(name, bytes));
+}
+
+/// Puts numbers with a meaning where a VDB has numbers: sizes, counts and offsets have 4 or 8 bytes, flags and
+/// kinds one, floats two or four. Where numbers begin is found by looking for small ones; what matters about most of
+/// them is whether they are a little too large, far too large or negative.
+std::size_t mutateVdb(std::span<std::uint8_t> bytes, std::size_t size, unsigned seed) {
+  std::minstd_rand random(seed);
+  if (size < 64) return LLVMFuzzerMutate ? LLVMFuzzerMutate(bytes.data(), size, bytes.size()) : size;
+  const auto pick = [&](std::size_t count) { return std::uniform_int_distribution<std::size_t>(0, count - 1)(random); };
+  std::size_t at = pick(size - 8);
+  const std::size_t width = std::array<std::size_t, 4>{1, 2, 4, 8}[pick(4)];
+  // A size or a count: few digits that are not 0. The next one from here on, if there is one near.
+  for (std::size_t i = 0; width >= 4 && i < 256 && at + width < size; ++i, ++at)
+    if (bytes[at] != 0 && bytes[at + 2] == 0 && bytes[at + 3] == 0) break;
+  if (at + width > size) at = size - width;
+  std::uint64_t value = 0;
+  std::memcpy(&value, bytes.data() + at, width);
+  switch (pick(9)) {
+    case 0: ++value; break;
+    case 1: --value; break;
+    case 2: value = 0; break;
+    case 3: value = ~std::uint64_t{0}; break;
+    case 4: value = std::uint64_t{1} << (8 * width - 1); break;
+    case 5: value = (std::uint64_t{1} << (8 * width - 1)) - 1; break;
+    case 6: value *= 2; break;
+    case 7: value ^= std::uint64_t{1} << pick(8 * width); break;
+    default: value = size - at; break;
+  }
+  std::memcpy(bytes.data() + at, &value, width);
+  // Now and then a piece is left out or comes twice, as when a count and what it counts disagree.
+  if (pick(8) == 0) {
+    const std::size_t length = 1 + pick(std::min<std::size_t>(64, size - at));
+    if (pick(2) == 0) {
+      std::memmove(bytes.data() + at, bytes.data() + at + length, size - at - length);
+      return size - length;
+    }
+    if (size + length <= bytes.size()) {
+      std::memmove(bytes.data() + at + length, bytes.data() + at, size - at);
+      return size + length;
+    }
+  }
+  return size;
+}
+
+constexpr std::array<Harness, 7> kHarnesses = {{
+    {"vdb", readVdbFile, Refusal::Data, mutateVdb},
+    {"vdb_target", openVdbTarget, Refusal::Data, mutateVdb},
+    {"vdb_head", readVdbHead, Refusal::Data, mutateVdb},
+    {"rational", readJson},
+    {"p4d", readP4d},
+    {"o3d", readO3d},
+    {"picture", readAnyPicture},
+}};
+
+}  // namespace
+
+std::span<const Harness> formatHarnesses() { return kHarnesses; }
+
+}  // namespace fuzz
