@@ -6,7 +6,6 @@ its first day. VALUES has the options for which something more apt is known.
 """
 
 import dataclasses
-import json
 import pathlib
 import random
 import re
@@ -229,15 +228,14 @@ class Draw:
 
 def box_of(recipe, targets):
     """A box that holds every vertex: generous, for what has no --box."""
+    target = next((t for t in targets if t.name == recipe.target), None)
+    reach = 1.01 * max(float(recipe.value("radius", 2)), float(recipe.value("escape", 20)))
     if recipe.has("box"):
         numbers = [float(x) for x in recipe.value("box").split(",")]
-        return numbers[:3], numbers[3:]
-    target = next((t for t in targets if t.name == recipe.target), None)
+        # A cap lies up to a voxel outside. What mends a target makes it larger, and so the voxels, by half at most.
+        voxel = 1.5 * (target.size if target else 2 * reach) / float(recipe.value("resolution", 200))
+        margin = voxel if recipe.has("cap") else 0
+        return [x - margin for x in numbers[:3]], [x + margin for x in numbers[3:]]
     if not target:
-        reach = 1.01 * max(float(recipe.value("radius", 2)), float(recipe.value("escape", 20)))
         return [-reach] * 3, [reach] * 3
     return [l - 1.5 * target.size for l in target.low], [h + 1.5 * target.size for h in target.high]
-
-
-def text(recipe):
-    return json.dumps(dataclasses.asdict(recipe))
