@@ -185,7 +185,8 @@ def check_surface(surface, recipe, low, high, exact):
         require(len({k for f in faces for k in f}) == len(points), "2-manifold", "a vertex belongs to no face")
     ends = [edge for edge in uses if uses[edge] != uses[edge[::-1]] and edge[0] != edge[1]]
     sides = [[f(p[axis] for p in points) for axis in range(3)] for f in (min, max)]
-    slack = 1e-5 * max(abs(c) for side in sides for c in side)
+    # The rounding of a float, and a share of the size for what is written as text.
+    slack = 2**-22 * max(abs(c) for side in sides for c in side) + 1e-6 * max(h - l for l, h in zip(*sides))
     for a, b in ends:
         p, q = points[a], points[b]
         cut = may_be_cut(recipe) and any(
