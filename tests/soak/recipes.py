@@ -18,7 +18,7 @@ import server  # noqa: E402
 # Set for every recipe, given as the input, or varied by the laws themselves.
 NOT_DRAWN = {"input", "map", "resolution", "voxel-size", "sdf-resolution", "sdf-voxel-size", "exhaustive"}
 FORMATS = (".ply",) * 5 + (".obj", ".stl", ".glb")
-ALWAYS_WRITTEN = 0.6  # share of the recipes that write a VDB beside the mesh
+VDB_SHARE = 0.6  # of the recipes write a VDB beside the mesh
 
 
 @dataclasses.dataclass(frozen=True)
@@ -222,8 +222,14 @@ class Draw:
                 continue
             value = None if not option["argument"] else values.get(name, lambda: self.guessed(option))()
             drawn.append((name, value))
-        return Recipe(self.target.name if self.target else None, tuple(lattice + drawn), chance.choice(FORMATS),
-                      chance.random() < ALWAYS_WRITTEN)
+        given = dict(drawn)
+        # What means nothing alone.
+        if {"f", "g"} & given.keys() or given.get("pair") == "user":
+            drawn = [(n, v) for n, v in drawn if n not in ("pair", "f", "g")]
+            drawn += [(n, self.function()) for n in ("f", "g")]
+        mesh = ".glb" if "lod" in given else chance.choice(FORMATS)
+        return Recipe(self.target.name if self.target else None, tuple(lattice + drawn), mesh,
+                      chance.random() < VDB_SHARE)
 
 
 def box_of(recipe, targets):
