@@ -36,9 +36,24 @@ if(JULIAVDB_FUZZ)
   add_link_options(-fsanitize=${juliavdb_fuzz_checks} -fno-sanitize=vptr)
 endif()
 
+# Any finding ends the program. Line tables are all that a report needs; full debug information of OpenVDB's templates
+# would be a gigabyte.
 if(JULIAVDB_SANITIZE)
-  add_compile_options(-fsanitize=${JULIAVDB_SANITIZE} -fno-omit-frame-pointer -g)
+  add_compile_options(-fsanitize=${JULIAVDB_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer -g1)
   add_link_options(-fsanitize=${JULIAVDB_SANITIZE})
+endif()
+
+# Numbers of 128 bits, with which tests compare. They are a part of GCC, whose own headers no other compiler searches.
+add_library(juliavdb_quadmath INTERFACE)
+target_link_libraries(juliavdb_quadmath INTERFACE quadmath)
+if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  find_program(JULIAVDB_GXX g++)
+  if(JULIAVDB_GXX)
+    execute_process(COMMAND ${JULIAVDB_GXX} -print-file-name=include/quadmath.h
+                    OUTPUT_VARIABLE quadmath_header OUTPUT_STRIP_TRAILING_WHITESPACE)
+    file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/quadmath/quadmath.h CONTENT "#include \"${quadmath_header}\"\n")
+    target_include_directories(juliavdb_quadmath SYSTEM INTERFACE ${PROJECT_BINARY_DIR}/quadmath)
+  endif()
 endif()
 
 # g++ compiles the classes of OpenVDB's math/Maps.h again in every source that includes a grid, 2 s each: their first

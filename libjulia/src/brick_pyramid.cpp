@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "brick_pyramid.h"
 
+#include "loop_pragmas.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -44,7 +46,7 @@ void slideMaximum(std::vector<float>& values, std::size_t stride, std::uint32_t 
   for (std::uint32_t step = 1; step < width; ++step) {
     float* const v = values.data();
     const std::size_t end = values.size() - stride;
-#pragma GCC ivdep
+    JULIA_INDEPENDENT
     for (std::size_t i = 0; i < end; ++i) v[i] = v[i + stride] > v[i] ? v[i + stride] : v[i];
   }
 }

@@ -155,8 +155,11 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
             const std::size_t first =
                 i * NodePairs::kCount + ((x * NodePairs::kAcross + y) * NodePairs::kAcross + z) * inside;
             bool asks = false;
-            forEachPair(first,
-                        [&](std::size_t k) { asks |= (pairs.most[k] >= least) & (pairs.most[k] < pairs.bounds[k]); });
+            forEachPair(first, [&](std::size_t k) {
+              // Without a branch.
+              const unsigned isEnough = pairs.most[k] >= least, isBelow = pairs.most[k] < pairs.bounds[k];
+              asks |= (isEnough & isBelow) != 0;
+            });
             if (!asks) continue;
             const auto middle = [&](std::size_t axis, std::size_t cube) {
               const auto& at = blocks[i].at[axis];
@@ -293,7 +296,7 @@ class ConfirmingEvaluator final : public FieldEvaluator {
     mFull->versors(points, versors);
   }
   void orbitTraps(std::span<const Point> points, std::span<double> nearest) const override {
-    mFull->orbitTraps(points, nearest);
+    mTrapped->orbitTraps(points, nearest);
   }
 
  private:

@@ -620,6 +620,14 @@ TYPED_TEST(OrbitLaws, trapKeepsEverySign) {
       const std::vector<Point> points = grid(40, 1. / 64);
       const Field without = evaluate(*shapeEvaluator<Real>(lumpy, versor, free), points);
       const Field with = evaluate(*shapeEvaluator<Real>(lumpy, versor, trapped), points);
+      // To confirm the trap changes no value that an orbit gives.
+      OrbitOptions confirmed = trapped;
+      confirmed.confirmTrap = true;
+      std::vector<double> nearest(points.size()), nearestConfirmed(points.size());
+      shapeEvaluator<Real>(lumpy, versor, trapped)->orbitTraps(points, nearest);
+      shapeEvaluator<Real>(lumpy, versor, confirmed)->orbitTraps(points, nearestConfirmed);
+      EXPECT_EQ(nearest, nearestConfirmed) << alpha << ' ' << height;
+      EXPECT_EQ(with.value, evaluate(*shapeEvaluator<Real>(lumpy, versor, confirmed), points).value);
       int saved = 0;
       for (std::size_t i = 0; i < points.size(); ++i) {
         ASSERT_EQ(with.value[i] < 0, without.value[i] < 0) << alpha << ' ' << height << text(points[i]);

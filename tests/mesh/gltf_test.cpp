@@ -25,7 +25,7 @@ using openvdb::Vec3s;
 using test_meshes::TemporaryFolder;
 
 const std::vector<VertexColumn> kColumns = {{"trap", ColumnKind::Number},
-                                            {"Cd", ColumnKind::Colour},
+                                            {"Cd", ColumnKind::LinearRgb},
                                             {"direction", ColumnKind::Vector},
                                             {"uv", ColumnKind::TextureCoordinate}};
 
@@ -432,7 +432,7 @@ TEST(Gltf, NestingIsHarmless) {
 TEST(Gltf, BrokenFilesAreRefusedOrRead) {
   const Made made;
   const std::vector<std::string> files = {
-      glbOf(test_meshes::makeSphere(1, 1), {.columns = {{"Cd", ColumnKind::Colour}}, .levels = {0.5}},
+      glbOf(test_meshes::makeSphere(1, 1), {.columns = {{"Cd", ColumnKind::LinearRgb}}, .levels = {0.5}},
             std::vector<float>(3 * 42, 0.5F)),
       tetrahedron().dump()};
   const TemporaryFolder folder;

@@ -309,7 +309,7 @@ TEST_F(MeshStream, HeadersAreOfOneLengthWhateverTheCounts) {
 struct ColumnMesh {
   std::mt19937 random{5};
   Mesh mesh = randomMesh(random, 300, 500, true);
-  std::vector<VertexColumn> columns{{"Cd", ColumnKind::Colour},
+  std::vector<VertexColumn> columns{{"Cd", ColumnKind::LinearRgb},
                                     {"trap", ColumnKind::Number},
                                     {"uv", ColumnKind::TextureCoordinate},
                                     {"direction", ColumnKind::Vector}};

@@ -159,7 +159,7 @@ TEST(VdbPoints, AreReadBackByOpenVdb) {
     const auto i = static_cast<float>(values.size() / 4);
     values.insert(values.end(), {i, i + 0.25F, i + 0.5F, -i});
   }
-  const std::vector<vdbtools::VertexColumn> columns = {{"Cd", vdbtools::ColumnKind::Colour},
+  const std::vector<vdbtools::VertexColumn> columns = {{"Cd", vdbtools::ColumnKind::LinearRgb},
                                                        {"depth", vdbtools::ColumnKind::Number}};
   const test_meshes::TemporaryFolder folder;
   const std::string bytes =

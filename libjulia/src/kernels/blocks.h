@@ -5,6 +5,7 @@
 
 #include "elementary.h"
 #include "kernels.h"
+#include "loop_pragmas.h"
 
 namespace julia::kernels {
 namespace {
@@ -18,7 +19,7 @@ template <class Real>
 using Row = Real[kBlock];
 
 // The points are independent, and the arrays of a block apart.
-#define JULIA_FOR_POINTS _Pragma("GCC ivdep") for (std::size_t i = 0; i < padded / kWidest * kWidest; ++i)
+#define JULIA_FOR_POINTS JULIA_INDEPENDENT for (std::size_t i = 0; i < padded / kWidest * kWidest; ++i)
 
 struct Range {
   std::size_t begin, size, padded;

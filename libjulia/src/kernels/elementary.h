@@ -9,6 +9,8 @@
 /// Included by sources that are compiled for different instruction sets: everything has internal linkage.
 #pragma once
 
+#include "loop_pragmas.h"
+
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -120,7 +122,7 @@ JULIA_INLINE Real magnitude(Real x) {
 template <class Real, std::size_t N>
 JULIA_INLINE Real polynomial(const Real (&coefficients)[N], Real x) {
   Real sum = coefficients[0];
-#pragma GCC unroll 32
+  JULIA_UNROLLED_32
   for (std::size_t i = 1; i < N; ++i) sum = sum * x + coefficients[i];
   return sum;
 }

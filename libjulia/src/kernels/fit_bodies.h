@@ -6,6 +6,7 @@
 #include "blocks.h"
 #include "elementary.h"
 #include "kernels.h"
+#include "loop_pragmas.h"
 
 namespace julia::kernels {
 namespace {
@@ -14,7 +15,7 @@ template <class Real>
 void logDistances(const Real* root, Real rest, const Real* x, const Real* y, const Real* z, Real* out,
                   std::size_t size) {
   const Real rx = root[0], ry = root[1], rz = root[2];
-#pragma GCC ivdep
+  JULIA_INDEPENDENT
   for (std::size_t i = 0; i < size; ++i) {
     const Real dx = x[i] - rx, dy = y[i] - ry, dz = z[i] - rz;
     const Real square = dx * dx + dy * dy + dz * dz + rest;
@@ -32,13 +33,13 @@ void addColumns(const Real* columns, const double* weights, std::size_t columnCo
   for (; j + kColumns <= columnCount; j += kColumns) {
     const Real *a = columns + j * size, *b = a + size, *c = b + size, *d = c + size;
     const double wa = weights[j], wb = weights[j + 1], wc = weights[j + 2], wd = weights[j + 3];
-#pragma GCC ivdep
+    JULIA_INDEPENDENT
     for (std::size_t i = 0; i < size; ++i) sums[i] = sums[i] + wa * a[i] + wb * b[i] + wc * c[i] + wd * d[i];
   }
   for (; j < columnCount; ++j) {
     const Real* a = columns + j * size;
     const double w = weights[j];
-#pragma GCC ivdep
+    JULIA_INDEPENDENT
     for (std::size_t i = 0; i < size; ++i) sums[i] += w * a[i];
   }
 }
@@ -60,16 +61,17 @@ JULIA_INLINE void dotSome(const Real* columns, const double* factors, double* pr
   typedef double LoadedFactors __attribute__((vector_size(kRegister), aligned(alignof(double)), may_alias));
   typedef Real LoadedReals __attribute__((vector_size(kWidth * sizeof(Real)), aligned(alignof(Real)), may_alias));
   Vector sums[kCount][kParts] = {};
-  for (std::size_t i = 0; i < size; i += kLanes)
-#pragma GCC unroll 4
+  for (std::size_t i = 0; i < size; i += kLanes) {
+    JULIA_UNROLLED_4
     for (std::size_t part = 0; part < kParts; ++part) {
       const std::size_t at = i + part * kWidth;
       const Vector factor = *reinterpret_cast<const LoadedFactors*>(factors + at);
-#pragma GCC unroll 4
+      JULIA_UNROLLED_4
       for (std::size_t j = 0; j < kCount; ++j)
         sums[j][part] +=
             __builtin_convertvector(*reinterpret_cast<const LoadedReals*>(columns + j * size + at), Vector) * factor;
     }
+  }
   for (std::size_t j = 0; j < kCount; ++j) {
     double sum = 0;
     for (std::size_t lane = 0; lane < kLanes; ++lane) sum += sums[j][lane / kWidth][lane % kWidth];
@@ -93,12 +95,14 @@ JULIA_INLINE void patchProduct(const Real* a, const Real* b, std::size_t depth, 
   typedef Real Loaded __attribute__((vector_size(kRegister), aligned(alignof(Real)), may_alias));
   constexpr std::size_t kLanes = kRegister / sizeof(Real);
   Vector sums[4][kRegisters / 8] = {};
-  for (std::size_t k = 0; k < depth; ++k, a += kTile, b += kTile)
-#pragma GCC unroll 4
-    for (std::size_t i = 0; i < 4; ++i)
-#pragma GCC unroll 4
+  for (std::size_t k = 0; k < depth; ++k, a += kTile, b += kTile) {
+    JULIA_UNROLLED_4
+    for (std::size_t i = 0; i < 4; ++i) {
+      JULIA_UNROLLED_4
       for (std::size_t j = 0; j < kRegisters / 8; ++j)
         sums[i][j] += a[i] * *reinterpret_cast<const Loaded*>(b + j * kLanes);
+    }
+  }
   for (std::size_t i = 0; i < 4; ++i)
     for (std::size_t j = 0; j < kRegisters / 8; ++j)
       *reinterpret_cast<Loaded*>(out + i * kTile + j * kLanes) = sums[i][j];

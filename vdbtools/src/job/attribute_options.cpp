@@ -16,7 +16,7 @@ struct Known {
 
 const std::array<Known, 7>& known() {
   static const std::array<Known, 7> all = {{
-      {PointAttribute::Cd, {"Cd", ColumnKind::Colour}},
+      {PointAttribute::Cd, {"Cd", ColumnKind::LinearRgb}},
       {PointAttribute::Direction, {"direction", ColumnKind::Vector}},
       {PointAttribute::Trap, {"trap", ColumnKind::Number}},
       {PointAttribute::Iterations, {"iterations", ColumnKind::Number}},
@@ -35,7 +35,7 @@ std::string knownNames() {
 
 VertexColumn transferredColumn(const std::string& name) {
   if (name == "uv") return {name, ColumnKind::TextureCoordinate};
-  if (name == "Cd") return {name, ColumnKind::Colour};
+  if (name == "Cd") return {name, ColumnKind::LinearRgb};
   return {name, ColumnKind::Number};
 }
 
@@ -69,7 +69,7 @@ std::vector<std::string> namesInFiles(const VertexColumn& column) {
   switch (column.kind) {
     case ColumnKind::Number: return {column.name};
     case ColumnKind::Vector: return {column.name, column.name + "_x", column.name + "_y", column.name + "_z"};
-    case ColumnKind::Colour: return {column.name, "red", "green", "blue"};
+    case ColumnKind::LinearRgb: return {column.name, "red", "green", "blue"};
     case ColumnKind::TextureCoordinate: return {column.name, "s", "t"};
   }
   return {};

@@ -256,7 +256,7 @@ std::vector<openvdb::GridBase::Ptr> attributeGrids(const PointAttributes& attrib
     } else {
       part.vectors.emplace(surface.tree());
       grid = Vec3SGrid::create(part.vectors->tree);
-      if (column.kind == ColumnKind::Colour) grid->setVectorType(openvdb::VEC_INVARIANT);
+      if (column.kind == ColumnKind::LinearRgb) grid->setVectorType(openvdb::VEC_INVARIANT);
     }
     grid->setTransform(surface.transform().copy());
     grid->setName(column.name);

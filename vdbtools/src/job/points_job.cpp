@@ -45,7 +45,7 @@ void carryAttributes(const Mesh& mesh, const std::vector<PlacedPoint>& placed, O
                                                           attribute(mesh, "blue")};
   const bool coloured = std::find(channels.begin(), channels.end(), nullptr) == channels.end();
   std::vector<const VertexAttribute*> numbers;
-  if (coloured) points.columns.push_back({"Cd", ColumnKind::Colour});
+  if (coloured) points.columns.push_back({"Cd", ColumnKind::LinearRgb});
   for (const VertexAttribute& one : mesh.attributes) {
     if (coloured && std::find(channels.begin(), channels.end(), &one) != channels.end()) continue;
     numbers.push_back(&one);

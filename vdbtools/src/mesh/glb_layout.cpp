@@ -40,7 +40,7 @@ const char* typeOf(ColumnKind kind) {
     case ColumnKind::Number: return "SCALAR";
     case ColumnKind::TextureCoordinate: return "VEC2";
     case ColumnKind::Vector:
-    case ColumnKind::Colour: return "VEC3";
+    case ColumnKind::LinearRgb: return "VEC3";
   }
   throw std::logic_error("a kind of column that does not exist");
 }
@@ -65,7 +65,7 @@ Json addVertexAccessors(const GlbContent& content, const MeshWriteOptions& optio
   if (content.normals) add("NORMAL", "VEC3", kVectorSize);
   int colours = 0, coordinates = 0;
   for (const VertexColumn& column : options.columns) {
-    const std::string name = column.kind == ColumnKind::Colour ? "COLOR_" + std::to_string(colours++)
+    const std::string name = column.kind == ColumnKind::LinearRgb ? "COLOR_" + std::to_string(colours++)
                              : column.kind == ColumnKind::TextureCoordinate
                                  ? "TEXCOORD_" + std::to_string(coordinates++)
                                  : '_' + column.name;
@@ -201,7 +201,7 @@ char* putGlbRow(char* to, const float* row, const MeshWriteOptions& options) {
     const std::size_t count = componentsOf(column.kind);
     for (std::size_t k = 0; k < count; ++k, ++row) {
       float value = *row;
-      if (column.kind == ColumnKind::Colour) value = std::isfinite(value) ? std::clamp(value, 0.0F, 1.0F) : 0;
+      if (column.kind == ColumnKind::LinearRgb) value = std::isfinite(value) ? std::clamp(value, 0.0F, 1.0F) : 0;
       // The origin of a picture is its upper left corner here.
       if (column.kind == ColumnKind::TextureCoordinate && k == 1) value = 1 - value;
       std::memcpy(to, &value, sizeof value);

@@ -92,7 +92,7 @@ std::string propertiesOf(const VertexColumn& column) {
   switch (column.kind) {
     case ColumnKind::Number: return properties("float", {column.name});
     case ColumnKind::Vector: return properties("float", {column.name + "_x", column.name + "_y", column.name + "_z"});
-    case ColumnKind::Colour: return properties("uchar", {"red", "green", "blue"});
+    case ColumnKind::LinearRgb: return properties("uchar", {"red", "green", "blue"});
     case ColumnKind::TextureCoordinate: return properties("float", {"s", "t"});
   }
   throw std::logic_error("a kind of column that does not exist");
@@ -173,7 +173,7 @@ MeshEncoder::MeshEncoder(const MeshWriteOptions& options)
     throw std::invalid_argument("a mesh file holds up to " + std::to_string(kMostValues) +
                                 " numbers a point besides its position, not " + std::to_string(mRowLength));
   if (options.format == MeshFormat::Obj) {
-    mColour = offsetOf(ColumnKind::Colour);
+    mColour = offsetOf(ColumnKind::LinearRgb);
     mCoordinates = offsetOf(ColumnKind::TextureCoordinate);
   }
   if (options.format == MeshFormat::Glb) requireGlbColumns(options);
@@ -265,7 +265,7 @@ std::optional<std::size_t> MeshEncoder::offsetOf(ColumnKind kind) const {
 char* MeshEncoder::putRow(char* to, const float* row) const {
   for (const VertexColumn& column : mOptions.columns)
     for (std::size_t k = componentsOf(column.kind); k > 0; --k, ++row)
-      to = column.kind == ColumnKind::Colour ? put(to, srgbCode(*row)) : put(to, *row);
+      to = column.kind == ColumnKind::LinearRgb ? put(to, srgbCode(*row)) : put(to, *row);
   return to;
 }
 

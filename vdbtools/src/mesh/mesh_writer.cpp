@@ -73,7 +73,7 @@ MeshFormat meshFormat(const std::filesystem::path& path) {
 std::vector<std::string> columnsLeftOut(MeshFormat format, std::span<const VertexColumn> columns) {
   std::vector<std::string> names;
   for (const VertexColumn& column : columns) {
-    const bool fitsObj = column.kind == ColumnKind::Colour || column.kind == ColumnKind::TextureCoordinate;
+    const bool fitsObj = column.kind == ColumnKind::LinearRgb || column.kind == ColumnKind::TextureCoordinate;
     if (format == MeshFormat::Stl || (format == MeshFormat::Obj && !fitsObj)) names.push_back(column.name);
   }
   return names;

@@ -12,7 +12,7 @@ namespace vdbtools {
 enum class ColumnKind {
   Number,
   Vector,             ///< three components
-  Colour,             ///< three components, linear RGB with the primaries of sRGB; 0 to 1
+  LinearRgb,          ///< a colour: three components, with the primaries of sRGB; 0 to 1
   TextureCoordinate,  ///< two components
 };
 
@@ -27,7 +27,7 @@ constexpr std::size_t componentsOf(ColumnKind kind) {
     case ColumnKind::Number: return 1;
     case ColumnKind::TextureCoordinate: return 2;
     case ColumnKind::Vector:
-    case ColumnKind::Colour: return 3;
+    case ColumnKind::LinearRgb: return 3;
   }
   return 0;
 }
