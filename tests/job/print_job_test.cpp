@@ -86,15 +86,15 @@ double thinShare(const Mesh& mesh, double thickness) {
 TEST(PrintJob, ThickensHairsAndFinsAndLeavesTheRest) {
   const Mesh mesh = hairyBall();
   const PrintedPart plain = printed(mesh, {.size = 60}),
-                    thick = printed(mesh, {.size = 60, .minThickness = 2.5, .resolution = 120});
+                    thick = printed(mesh, {.size = 60, .minThickness = 3.5, .resolution = 85});
   expectStands(plain, 60);
   expectStands(thick, 60);
   EXPECT_LT(plain.thinnest, 1);
-  EXPECT_GT(thinShare(plain.mesh, 2.5), 0.004);
+  EXPECT_GT(thinShare(plain.mesh, 3.5), 0.004);
   EXPECT_GT(thick.thinPoints, 0u);
   EXPECT_EQ(thick.thinPlaces, 0u);
-  EXPECT_GE(thick.thinnest, 0.97 * 2.5);
-  EXPECT_EQ(thinShare(thick.mesh, 2.5), 0);
+  EXPECT_GE(thick.thinnest, 0.97 * 3.5);
+  EXPECT_EQ(thinShare(thick.mesh, 3.5), 0);
   // It has its hair still, and little else was added.
   const auto asGiven = [](const PrintedPart& part) { return part.volume / std::pow(part.scale, 3); };
   EXPECT_GT(asGiven(thick), asGiven(plain));
@@ -104,41 +104,40 @@ TEST(PrintJob, ThickensHairsAndFinsAndLeavesTheRest) {
 TEST(PrintJob, DropsWhatIsThin) {
   const Mesh mesh = hairyBall();
   const PrintedPart part =
-      printed(mesh, {.size = 60, .minThickness = 2.5, .thin = vdbtools::ThinParts::Drop, .resolution = 120});
+      printed(mesh, {.size = 60, .minThickness = 3.5, .thin = vdbtools::ThinParts::Drop, .resolution = 85});
   expectStands(part, 60);
-  EXPECT_EQ(thinShare(part.mesh, 2.5), 0);
+  EXPECT_EQ(thinShare(part.mesh, 3.5), 0);
   // The ball alone is as high as it is wide, but for stubs of less than the thickness.
   EXPECT_LT(part.extents[2], 60.001);
-  EXPECT_GT(std::min({part.extents[0], part.extents[1], part.extents[2]}), 60 - 3 * 2.5);
+  EXPECT_GT(std::min({part.extents[0], part.extents[1], part.extents[2]}), 60 - 3 * 3.5);
   EXPECT_THROW(
       printed(makeBox({0, 0, 0}, {10, 10, 0.1}), {.size = 50, .minThickness = 5, .thin = vdbtools::ThinParts::Drop}),
       vdbtools::DataError);
 }
 
 TEST(PrintJob, TakesNoEdgeOfACubeForThin) {
-  for (const double scale : {1e-3, 1.0, 1e4}) {
+  for (const double scale : {1e-3, 1e4}) {
     const PrintedPart part =
-        printed(makeCube(scale, Vec3d(300 * scale)), {.size = 20, .minThickness = 2, .resolution = 100});
+        printed(makeCube(scale, Vec3d(300 * scale)), {.size = 20, .minThickness = 2, .resolution = 60});
     expectStands(part, 20);
     EXPECT_EQ(part.thinPoints, 0u);
     EXPECT_EQ(part.thinPlaces, 0u);
-    EXPECT_NEAR(part.volume, 8000, 40);
+    EXPECT_NEAR(part.volume, 8000, 60);
     EXPECT_NEAR(part.scale, 20 / scale, 0.05 / scale);
   }
 }
 
 TEST(PrintJob, ThickensASheetToTheThickness) {
-  const PrintedPart part =
-      printed(makeBox({0, 0, 0}, {10, 0.2, 6}), {.size = 50, .minThickness = 3, .resolution = 100});
+  const PrintedPart part = printed(makeBox({0, 0, 0}, {10, 0.2, 6}), {.size = 50, .minThickness = 3, .resolution = 80});
   expectStands(part, 50);
   EXPECT_EQ(part.thinPlaces, 0u);
   EXPECT_NEAR(part.extents[2], 3, 0.4);  // y was thin, and is up
 }
 
 TEST(PrintJob, CutsAFlatBase) {
-  for (const std::optional<double> thickness : {std::optional<double>(), std::optional<double>(2)}) {
+  for (const std::optional<double> thickness : {std::optional<double>(), std::optional<double>(3)}) {
     const PrintedPart part =
-        printed(makeSphere(1, 4), {.size = 40, .minThickness = thickness, .flatBase = 5, .resolution = 120});
+        printed(makeSphere(1, 4), {.size = 40, .minThickness = thickness, .flatBase = 5, .resolution = 64});
     expectStands(part, 40);
     // A cap of height 5 off a ball of radius 20.
     EXPECT_NEAR(part.extents[2], 35, 0.3);
@@ -160,12 +159,12 @@ TEST(PrintJob, KeepsTheLargestIslandAndFillsCavities) {
   EXPECT_NEAR(part.droppedShare, ofSpeck / (ofSpeck + ofBall), 1e-9);
   EXPECT_NEAR(part.volume, ofBall * std::pow(part.scale, 3), 1e-6 * part.volume);
   EXPECT_EQ(part.mesh.triangles.size(), ball.triangles.size());
-  EXPECT_EQ(printed(mesh, {.size = 30, .islands = 2}).kept, 2u);
+  EXPECT_EQ(printed(mesh, {.size = 30, .islands = 2, .resolution = 80}).kept, 2u);
 }
 
 TEST(PrintJob, HasFewerTrianglesWithinATolerance) {
-  const Mesh ball = makeSphere(1, 5);
-  const PrintedPart part = printed(ball, {.size = 30, .tolerance = 0.05});
+  const Mesh ball = makeSphere(1, 4);
+  const PrintedPart part = printed(ball, {.size = 30, .tolerance = 0.2});
   EXPECT_EQ(mesh_laws::notClosedManifold(part.mesh), "");
   EXPECT_LT(part.mesh.triangles.size(), ball.triangles.size() / 4);
 }

@@ -7,6 +7,7 @@
 #include "target/mesh_conversion.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 namespace vdbtools {
@@ -163,16 +164,21 @@ ThinPlaces findThinPlaces(const Mesh& mesh, double thickness, std::size_t most, 
   // From thin to thick: a needle on a ball is thin, though a larger ball is near.
   constexpr double kStep = 1.05;
   std::vector<double> found(chosen.size());
+  // The least thickness so far. A place that has been found as thick as that cannot change it, so its search ends
+  // there.
+  std::atomic<double> least{2 * thickness};
   inParallel(found.size(), kGrain, monitor, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Vec3d point = mesh.points[chosen[i]], normal(mesh.normals[chosen[i]]);
       double level = thickness;
       if (part.isThick(point, normal, level)) {
-        while (level < 2 * thickness && part.isThick(point, normal, level * kStep)) level *= kStep;
+        while (level < least.load() && part.isThick(point, normal, level * kStep)) level *= kStep;
       } else {
         while (level > thickness / 100 && !part.isThick(point, normal, level)) level /= kStep;
       }
       found[i] = level;
+      for (double other = least.load(); level < other && !least.compare_exchange_weak(other, level);) {
+      }
     }
   });
   ThinPlaces result{.places = chosen.size()};
