@@ -11,8 +11,8 @@ from shell import BUNNY, put_bunny, run, with_bunny, with_option
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 # Enough to see that a command does what it should.
 SMALL = [(r"--size \d+x\d+", "--size 40x40 --samples 1"), (r"--resolution \d+", "--resolution 40"),
-         (r"--min-thickness 1.5", "--min-thickness 6"), (r"--points \d+", "--points 500"),
-         (r"(juliavdb print .*)", r"\1 --resolution 60"),
+         (r"--min-thickness 1.5", "--min-thickness 8"), (r"--points \d+", "--points 500"),
+         (r"(juliavdb print .*)", r"\1 --resolution 40"),
          (r"\b(fractal|sheet|render --field) (\S+\.(?:obj|ply)|-o shapes.png)", r"\1 \2 --sdf-resolution 48")]
 
 

@@ -12,11 +12,10 @@ from unittest import mock
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "cli"))
 
 import slurm_node
-from shell import PROGRAM, run
+from shell import PROGRAM, put_bunny, run, with_bunny
 
 PAGE = pathlib.Path(__file__).resolve().parent.parent.parent / "docs/farm.md"
-BUNNY = "/usr/share/glmark2/models/bunny.obj"
-SMALL = [(r"--resolution \d+", "--resolution 40"), (r"\b(fractal|tiles|frames|sheet) (bunny\.obj)", r"\1 \2 --sdf-resolution 48"),
+SMALL = [(r"--resolution \d+", "--resolution 32"), (r"\b(fractal|tiles|frames|sheet) (bunny\.obj)", r"\1 \2 --sdf-resolution 40"),
          (r"sheet bunny\.obj", r"sheet bunny.obj --size 40x40 --samples 1"), ("--frames 1-48", "--frames 1-4"),
          ("@48", "@4")]
 
@@ -39,9 +38,10 @@ class Page(unittest.TestCase):
         self.assertGreater(len(self.blocks), 8)
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="juliavdb_test_"))
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        put_bunny(self.folder)
 
     def run_block(self, block):
-        done = run(small(block), self.folder)
+        done = run(small(with_bunny(block, self.folder)), self.folder)
         self.assertEqual(done.returncode, 0, f"{block}\n{done.stdout}{done.stderr}")
         return done.stdout
 
