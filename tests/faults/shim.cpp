@@ -79,13 +79,11 @@ __attribute__((constructor)) void begin() {
     theFault.folderLength = std::strlen(theFault.folder);
   }
   if (const char* file = getenv("FAULT_COUNTS")) {
-    REAL(open);
-    const int descriptor = call(file, O_RDWR | O_CLOEXEC);
+    const int descriptor = real<decltype(&::open)>("open")(file, O_RDWR | O_CLOEXEC);
     if (descriptor >= 0) {
       void* map = mmap(nullptr, sizeof theOwnCounts, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
       if (map != MAP_FAILED) theCounts = static_cast<std::atomic<std::uint64_t>*>(map);
-      REAL(close);
-      call(descriptor);
+      real<decltype(&::close)>("close")(descriptor);
     }
   }
   if (const char* text = getenv("FAULT")) {
@@ -127,7 +125,9 @@ bool isMeant(const char* path) {
   if (path[0] != '/') {
     if (!getcwd(whole, PATH_MAX)) return false;
     std::strcat(whole, "/");
-    std::strncat(whole, path, PATH_MAX - 1);
+    const std::size_t length = std::strlen(path), at = std::strlen(whole);
+    if (length >= PATH_MAX) return false;
+    std::memcpy(whole + at, path, length + 1);
     path = whole;
   }
   return std::strncmp(path, theFault.folder, theFault.folderLength) == 0;
@@ -253,8 +253,10 @@ ssize_t writev(int descriptor, const iovec* parts, int count) {
   for (int i = 0; i < count; ++i) size += parts[i].iov_len;
   const ssize_t part = allowed(descriptor, size);
   if (part < 0) return -1;
-  REAL(writev);
-  if (static_cast<std::size_t>(part) == size) return call(descriptor, parts, count);
+  if (static_cast<std::size_t>(part) == size) {
+    REAL(writev);
+    return call(descriptor, parts, count);
+  }
   for (int i = 0; i < count; ++i)
     if (parts[i].iov_len > 0) {
       REAL(write);
