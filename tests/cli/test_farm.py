@@ -17,7 +17,7 @@ import unittest
 import farm
 import harness
 from farm import FARM, TILES
-from harness import BAD_DATA, CANNOT_CREATE, DONE, INTERRUPTED, IO_ERROR, NO_INPUT, USAGE
+from harness import BAD_DATA, CANNOT_CREATE, DONE, IO_ERROR, NO_INPUT, USAGE
 
 
 class Tasks(farm.FarmTest):
@@ -199,27 +199,7 @@ class Failures(farm.FarmTest):
         self.assertEqual(self.states(), (0, 0, 0, TILES))
 
 
-class Signals(farm.FarmTest):
-
-    def test_a_stopped_task_is_missing(self):
-        self.ok("plan", "tiles", harness.BUNNY, "-o", "large", "--tiles", 2, "--resolution", 500, "--alpha", 30,
-                "--sdf-resolution", 60)
-        for by in (signal.SIGTERM, signal.SIGINT):
-            process = self.start("task", "large", "--index", 1, "--threads", 1)
-            mark = self.path("large/tasks/0001.running.json")
-            end = time.monotonic() + 30
-            while not mark.exists() and time.monotonic() < end:
-                time.sleep(0.01)
-            time.sleep(0.3)
-            self.assertIn("1 running", self.ok("status", "large", data=True))
-            self.assertEqual(self.ok("status", "large", "--missing", data=True), "2\n")
-            process.send_signal(by)
-            sent = time.monotonic()
-            _, said = process.communicate(timeout=harness.TIMEOUT)
-            self.assertEqual(process.returncode, INTERRUPTED, said)
-            self.assertLess(time.monotonic() - sent, 1.5)
-            self.assertEqual(self.ok("status", "large", "--missing", data=True), "1-2\n")
-            self.assertEqual(list(self.path("large").rglob("*.running.json")) + list(self.path("large").rglob(".*")), [])
+class Kills(farm.FarmTest):
 
     def test_killed_a_hundred_times(self):
         seed = int(os.environ.get("JULIAVDB_SEED") or random.randrange(1 << 32))

@@ -7,11 +7,9 @@ import json
 import math
 import pathlib
 import shutil
-import signal
 import tempfile
 
 import harness
-import test_interrupt
 from harness import BAD_DATA, CANNOT_CREATE, NO_INPUT, USAGE
 
 LOW = ("--resolution", 33, "--triangles", 600)
@@ -341,35 +339,6 @@ class Refusals(FitTest):
             self.assertIn(run.returncode, (USAGE, BAD_DATA), run.stderr.decode())
             self.check_refusal(run, run.returncode, box)
             self.assertFalse(self.path("x.vdb").exists())
-
-
-class Interrupted(FitTest):
-    interrupt_in = test_interrupt.Interrupt.interrupt_in
-
-    def setUp(self):
-        super().setUp()
-        for name in ("shape.json", "fit.csv", "fit.png"):
-            self.path(name).unlink()
-
-    def test_fast_fit(self):
-        self.interrupt_in("fit", "fit", "m.obj", "-o", "x.json", "--report", "x.csv", "--plot", "x.png", "--roots",
-                          2000)
-
-    def test_schedule_by_sigterm(self):
-        self.interrupt_in("electrostatics", "fit", "m.obj", "-o", "x.json", "--triangles", 20000, "--schedule",
-                          "97(VF)", by=signal.SIGTERM)
-
-    def test_monopoles(self):
-        self.interrupt_in("monopoles", "fit", "m.obj", "-o", "x.json", "--triangles", 3000, "--schedule", "97(VF)",
-                          "--roots", 3000, "--epsilon", 1e-9)
-
-    def test_pass(self):
-        self.interrupt_in("97(V)", "fit", "m.obj", "-o", "x.json", "--triangles", 600, "--schedule", "97(VF)")
-
-    def test_an_existing_output_stays(self):
-        self.write("x.json", "precious")
-        self.interrupt_in("fit", "fit", "m.obj", "-o", "x.json", "--roots", 2000)
-        self.assertEqual(self.bytes("x.json"), b"precious")
 
 
 if __name__ == "__main__":
