@@ -3,6 +3,8 @@
 """The live picture of the page: it is that of the program's own renderer, and every control changes it. The pages are
 exported ones, which need no server."""
 
+import math
+
 import browser
 from browser import harness
 
@@ -62,6 +64,14 @@ class Page(browser.BrowserTest):
         self.assertGreaterEqual(self.silhouettes("--map", "rational", "--rational", "map.json",
                                                  "--box=-1,-1,-1,1,1,1"), 0.97)
 
+    def test_a_map_of_331_roots(self):
+        # As many as the largest of [Kim15] has, around the shape of a ball.
+        roots = [(0.6 * math.cos(2.4 * i) * math.sqrt(1 - (i / 165 - 1) ** 2), 0.6 * math.sin(2.4 * i) *
+                  math.sqrt(1 - (i / 165 - 1) ** 2), 0.6 * (i / 165 - 1), 0.0, 0.2 + 0.1 * (i % 4)) for i in range(331)]
+        self.write("map.json", harness.rational_json(roots, [], 12))
+        self.assertGreaterEqual(self.silhouettes("--map", "rational", "--rational", "map.json", "--iterations", "3",
+                                                 "--box=-1,-1,-1,1,1,1"), 0.97)
+
     def test_a_cross_map(self):
         self.assertGreaterEqual(self.silhouettes("--map", "cross", "--iterations", "3"), 0.97)
 
@@ -115,6 +125,14 @@ class Page(browser.BrowserTest):
         self.wait_for_page()
         self.assertEqual(self.run_script("return location.hash"), address)
         self.assertEqual(self.picture(), picture)
+
+    def test_a_double_click_sets_a_control_back(self):
+        self.show("--map", "quadratic", "--c=-0.2,0.6,0.2,0.2")
+        first = self.state()
+        self.run_script("explore.store.change((state) => { state.recipe.iterations = '5'; })")
+        label = next(one for one in self.finds(".control label") if one.text == "Iterations")
+        self.run_script("arguments[0].dispatchEvent(new MouseEvent('dblclick', { bubbles: true }))", label)
+        self.assertEqual(self.state(), first)
 
     def test_an_address_of_a_stranger_does_no_harm(self):
         for address in ("#%", "#null", "#%7B%22recipe%22%3A5%2C%22view%22%3A%7B%22eye%22%3A%5B1%2C%22x%22%5D%7D%7D",
