@@ -28,10 +28,6 @@ std::atomic<int> theExitCode{kInterrupted};
 // The program promises to be gone within a second; this much is left to work that stops by itself.
 constexpr std::chrono::milliseconds kGrace(700);
 
-}  // namespace
-
-namespace {
-
 /// Ends the process from beside the work, with nothing written.
 [[noreturn]] void endNow(int code, const std::string& text) noexcept {
   vdbtools::removeTemporaries();

@@ -23,7 +23,6 @@ std::string optionFor(MemoryUse use) {
     case MemoryUse::Field:
       return "use a lower --resolution or a --box, or cut the work into tiles ('juliavdb plan tiles')";
     case MemoryUse::Picture: return "use a smaller --size";
-    case MemoryUse::Points: return "use fewer --points, or a larger --spacing";
   }
   return "";
 }

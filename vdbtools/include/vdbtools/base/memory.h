@@ -18,7 +18,6 @@ enum class MemoryUse {
   Distances,  ///< the distance field of a mesh
   Field,      ///< F on a lattice, and what is made of it
   Picture,
-  Points,
 };
 
 /// Memory is short. To whoever does not know better, it is a failed allocation.

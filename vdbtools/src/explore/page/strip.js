@@ -22,7 +22,7 @@ export const STRIPS = [
 // page: {store, options, start, isExported, stage, sceneFor(recipe), shotOf(scene, state)}
 export function makeStrip(page) {
   const { store } = page;
-  let chosen = null, run = 0;
+  let run = 0;
   const select = element("select", { "aria-label": "What the strip varies" });
   const cells = element("div", { class: "cells", role: "group", "aria-label": "Sixteen looks around this one" });
   const note = element("span", { class: "note", role: "status" });
@@ -63,7 +63,6 @@ export function makeStrip(page) {
   async function draw() {
     const mine = ++run, strip = STRIPS.find((one) => one.name === select.value);
     if (!strip) return;
-    chosen = strip;
     page.stage.dropSmalls();
     const state = structuredClone(store.state), looks = recipesOf(strip, state.recipe);
     const made = looks.map(({ value, recipe }) => {
