@@ -20,8 +20,18 @@ if(JULIAVDB_WERROR)
   target_compile_options(juliavdb_warnings INTERFACE -Werror)
 endif()
 
-# The instrumentation of tests/fuzz. Conversions of numbers that do not fit are bugs there, too, which `undefined` leaves
-# out. OpenVDB's classes are defined in a library of its own, without what `vptr` needs.
+# Any finding of a sanitizer ends the program. `undefined` leaves out conversions of numbers that do not fit, which are bugs
+# here, too; and what `vptr` needs is missing in OpenVDB's library, whose classes are derived from. Line tables are all that
+# a report needs: full debug information of OpenVDB's templates would be a gigabyte.
+function(juliavdb_sanitize checks)
+  if(checks MATCHES "undefined")
+    string(APPEND checks ",float-cast-overflow")
+    set(without -fno-sanitize=vptr)
+  endif()
+  add_compile_options(-fsanitize=${checks} ${without} -fno-sanitize-recover=all -fno-omit-frame-pointer -g1)
+  add_link_options(-fsanitize=${checks} ${without})
+endfunction()
+
 if(JULIAVDB_FUZZ)
   if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
     message(FATAL_ERROR "JULIAVDB_FUZZ needs clang, for its libFuzzer: cmake --preset fuzz, or "
@@ -30,17 +40,10 @@ if(JULIAVDB_FUZZ)
   if(JULIAVDB_SANITIZE)
     message(FATAL_ERROR "JULIAVDB_FUZZ brings its own sanitizers; leave JULIAVDB_SANITIZE empty")
   endif()
-  set(juliavdb_fuzz_checks address,undefined,float-cast-overflow)
-  add_compile_options(-fsanitize=fuzzer-no-link,${juliavdb_fuzz_checks} -fno-sanitize=vptr -fno-sanitize-recover=all
-                      -fno-omit-frame-pointer -gline-tables-only)
-  add_link_options(-fsanitize=${juliavdb_fuzz_checks} -fno-sanitize=vptr)
-endif()
-
-# Any finding ends the program. Line tables are all that a report needs; full debug information of OpenVDB's templates
-# would be a gigabyte.
-if(JULIAVDB_SANITIZE)
-  add_compile_options(-fsanitize=${JULIAVDB_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer -g1)
-  add_link_options(-fsanitize=${JULIAVDB_SANITIZE})
+  add_compile_options(-fsanitize=fuzzer-no-link)
+  juliavdb_sanitize(address,undefined)
+elseif(JULIAVDB_SANITIZE)
+  juliavdb_sanitize(${JULIAVDB_SANITIZE})
 endif()
 
 # Numbers of 128 bits, with which tests compare. They are a part of GCC, whose own headers no other compiler searches.

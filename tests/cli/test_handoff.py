@@ -133,6 +133,15 @@ class HandOff(harness.CliTest):
                     values = item.value if isinstance(item.value, tuple) else (item.value,)
                     self.assertTrue(all(map(math.isfinite, values)), f"{name} {grid.name} at {item.min}: {item.value}")
 
+    def test_a_level_set_whose_voxels_are_not_cubes(self):
+        ball = pyopenvdb.createLevelSetSphere(radius=1, voxelSize=0.1)
+        ball.name = "flat"
+        ball.transform = pyopenvdb.createLinearTransform([[0.1, 0, 0, 0], [0, 0.1, 0, 0], [0, 0, 0.05, 0], [0, 0, 0, 1]])
+        pyopenvdb.write(str(self.path("flat.vdb")), grids=[ball])
+        grid, = self.info("flat.vdb")["grids"]
+        self.assertEqual([round(size, 9) for size in grid["voxel size"]], [0.1, 0.1, 0.05])
+        self.assertIn("uniform", grid["level set check"])
+
     @unittest.skipUnless(shutil.which("vdb_print") and shutil.which("vdb_tool"), "libopenvdb-tools is not here")
     def test_tools_of_openvdb(self):
         self.ok("fractal", "t.obj", *LOW, "-o", "t.vdb", "--grids", ",".join(ALL_GRIDS))

@@ -127,6 +127,8 @@ openvdb::Vec3SGrid::Ptr versorGrid(const FloatGrid& surface, const FieldSource& 
 LevelSetCheck checkSurface(const FloatGrid& surface) {
   LevelSetCheck check;
   check.failure = openvdb::tools::checkLevelSet(surface, 8);
+  // Without cubes there is no gradient to look at; the check has said so.
+  if (!surface.hasUniformVoxels()) return check;
   openvdb::tools::Diagnose<FloatGrid> diagnose(surface);
   openvdb::tools::CheckNormGrad<FloatGrid> test(surface, 0.5f, 1.5f);
   const std::uint64_t active = surface.activeVoxelCount();

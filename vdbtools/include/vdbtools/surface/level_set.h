@@ -44,7 +44,7 @@ openvdb::Vec3SGrid::Ptr versorGrid(const openvdb::FloatGrid& surface, const Fiel
 /// What OpenVDB's checkLevelSet finds.
 struct LevelSetCheck {
   std::string failure;          ///< of tests 1 to 8; empty: none
-  double gradientFraction = 0;  ///< of the active voxels, those where | |grad phi| - 1 | < 0.5
+  double gradientFraction = 0;  ///< of the active voxels, those where | |grad phi| - 1 | < 0.5; 0 where voxels are not cubes
 };
 
 LevelSetCheck checkSurface(const openvdb::FloatGrid& surface);
