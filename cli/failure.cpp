@@ -4,6 +4,7 @@
 #include "exit_code.h"
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/io_failure.h"
 #include "vdbtools/job/failure_text.h"
 
@@ -52,7 +53,8 @@ Failure failureOf() {
 Failure currentFailure() {
   Failure failure = failureOf();
   std::replace_if(
-      failure.text.begin(), failure.text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+      failure.text.begin(), failure.text.end(), [](char c) { return c == '\n' || c == '\r' || c == '\t'; }, ' ');
+  failure.text = vdbtools::withoutControls(std::move(failure.text));
   return failure;
 }
 

@@ -198,7 +198,7 @@ Json infoOf(const std::string& path) {
 
 void print(const Json& info, int indent) {
   for (const auto& [key, value] : info.items()) {
-    std::cout << std::string(static_cast<std::size_t>(indent), ' ') << key << ':';
+    std::cout << std::string(static_cast<std::size_t>(indent), ' ') << vdbtools::withoutControls(key) << ':';
     if (value.is_object()) {
       std::cout << '\n';
       print(value, indent + 2);
@@ -209,9 +209,9 @@ void print(const Json& info, int indent) {
         std::cout << '\n';
       }
     } else if (value.is_string()) {
-      std::cout << ' ' << value.get<std::string>() << '\n';
+      std::cout << ' ' << vdbtools::withoutControls(value.get<std::string>()) << '\n';
     } else {
-      std::cout << ' ' << value.dump() << '\n';
+      std::cout << ' ' << value.dump(-1, ' ', false, Json::error_handler_t::replace) << '\n';
     }
   }
 }

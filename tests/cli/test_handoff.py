@@ -142,6 +142,18 @@ class HandOff(harness.CliTest):
         self.assertEqual([round(size, 9) for size in grid["voxel size"]], [0.1, 0.1, 0.05])
         self.assertIn("uniform", grid["level set check"])
 
+    def test_files_do_not_speak_to_the_terminal(self):
+        ball = pyopenvdb.createLevelSetSphere(radius=1, voxelSize=0.1)
+        ball.name = "red\x1b[31m"
+        pyopenvdb.write(str(self.path("ball.vdb")), grids=[ball], metadata={"note\x1b[1m": "\x1b]0;title\x07 two\nlines"})
+        self.write("own.cfg", "seed\x1b[31m = 3\n")
+        said = self.ok("info", "ball.vdb", data=True)
+        self.assertIn("note?[1m: ?]0;title? two?lines", said)
+        self.assertIn("red?[31m", said)
+        said += self.refused(harness.BAD_DATA, "mesh", "ball.vdb", "--grid", "surface", "-o", "m.ply", mentions="red?[31m")
+        said += self.refused(harness.USAGE, "fractal", "t.obj", "--config", "own.cfg", "-o", "f.vdb", mentions="seed?[31m")
+        self.assertFalse([c for c in said if c != "\n" and (ord(c) < 32 or ord(c) == 127)])
+
     @unittest.skipUnless(shutil.which("vdb_print") and shutil.which("vdb_tool"), "libopenvdb-tools is not here")
     def test_tools_of_openvdb(self):
         self.ok("fractal", "t.obj", *LOW, "-o", "t.vdb", "--grids", ",".join(ALL_GRIDS))

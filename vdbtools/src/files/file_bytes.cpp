@@ -83,10 +83,14 @@ std::string readWholeFile(const std::filesystem::path& path) {
   return content;
 }
 
-std::string inOneLine(std::string_view text) {
-  std::string line(text.substr(0, kLongestInMessage));
+std::string withoutControls(std::string text) {
   std::replace_if(
-      line.begin(), line.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, '?');
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, '?');
+  return text;
+}
+
+std::string inOneLine(std::string_view text) {
+  std::string line = withoutControls(std::string(text.substr(0, kLongestInMessage)));
   if (text.size() > kLongestInMessage) line += "...";
   return line;
 }

@@ -169,7 +169,7 @@ bool RayTree::meets(const Pack& pack, const Ray& ray, Hit& hit) {
                            (std::abs(px) + std::abs(py) + std::abs(pz) + std::abs(pack.second[0][i]) +
                             std::abs(pack.second[1][i]) + std::abs(pack.second[2][i]));
     // False also where a determinant of 0 has made something not a number.
-    may[i] = (outside <= kLoose + rounding) & (t >= -1e-3f) & (t <= nearest + 1e-3f) ? 1.0f : 0.0f;
+    may[i] = ((outside <= kLoose + rounding) & (t >= -1e-3f) & (t <= nearest + 1e-3f)) ? 1.0f : 0.0f;
   }
   bool found = false;
   for (std::uint32_t i = 0; i < kLanes; ++i) {
