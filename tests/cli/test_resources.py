@@ -158,10 +158,25 @@ class Resources(harness.CliTest):
         self.assertIn(INTERNAL, codes)
         self.assertIn(DONE, codes)
 
+    def shim(self):
+        name = os.environ.get("JULIAVDB_FAULT_SHIM")
+        if not name:
+            self.skipTest("JULIAVDB_FAULT_SHIM does not name the library that makes calls fail")
+        return name
+
+    def test_the_last_of_the_machine_is_not_taken(self):
+        """A run that was let in ends before the system has to kill something."""
+        meminfo = self.path("meminfo")
+        env = {"LD_PRELOAD": self.shim(), "FAULT_MEMINFO": str(meminfo)}
+        words = ("sdf", "s.obj", "-o", "x.vdb", "--memory", "unlimited", "--resolution")
+        self.write("meminfo", "MemTotal: 16000000 kB\nMemAvailable: 10000 kB\n")
+        text = self.refused(INTERNAL, *words, 1200, env=env)
+        self.assertRegex(text, r"memory is running out: this run has taken [\d.]+ [MG]iB, and .* leaves 9\.\d+ MiB; nothing was written")
+        # It is not to blame who has taken little.
+        self.ok(*words, 40, env=env)
+
     def test_allocations_that_fail(self):
-        shim = os.environ.get("JULIAVDB_FAULT_SHIM")
-        if not shim:
-            self.skipTest("JULIAVDB_FAULT_SHIM does not name the library that makes allocations fail")
+        shim = self.shim()
         commands = (("fractal", "s.obj", "-o", "x.vdb", "--mesh", "x.glb", "--resolution", 24, "--sdf-resolution", 24),
                     ("slice", "s.obj", "-o", "x.png", "--size", 60, "--sdf-resolution", 24),
                     ("print", "s.obj", "-o", "x.3mf", "--size", 20, "--resolution", 24))

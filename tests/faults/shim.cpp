@@ -2,14 +2,16 @@
 /// @file shim.cpp
 /// A library to be preloaded, which makes calls of the C library fail. The tests say which by variables:
 ///
-///   FAULT=CALL:N:ERROR       the N-th call of that kind (from 1) fails with this errno, as in write:3:28
-///   FAULT=CALL:N+:ERROR      and so do all that follow
-///   FAULT=CALL:*:ERROR       every second call, so that whoever tries again gets through
-///   FAULT=bytes:N:ERROR      writing fails once N bytes are written, as on a disk that is full: what still fits goes
-///   in FAULT=short:*:0          every write takes half of what it is given FAULT=clock:*:0          the time of day
-///   goes forward and back by ten hours, from call to call FAULT=alloc:N:BYTES      the N-th allocation of at least so
-///   many bytes fails; N+ as above FAULT_PATH=FOLDER        only files below this folder are meant FAULT_COUNTS=FILE an
-///   existing file of 8 bytes for each kind of call, which receives how often each was made
+/// - FAULT=CALL:N:ERROR: the N-th call of that kind (from 1) fails with this errno, as in write:3:28
+/// - FAULT=CALL:N+:ERROR: and so do all that follow
+/// - FAULT=CALL:*:ERROR: every second call, so that whoever tries again gets through
+/// - FAULT=bytes:N:ERROR: writing fails once N bytes are written, as on a disk that is full: what still fits goes in
+/// - FAULT=short:*:0: every write takes half of what it is given
+/// - FAULT=clock:*:0: the time of day goes forward and back by ten hours, from call to call
+/// - FAULT=alloc:N:BYTES: the N-th allocation of at least so many bytes fails; N+ as above
+/// - FAULT_PATH=FOLDER: only files below this folder are meant
+/// - FAULT_COUNTS=FILE: an existing file of 8 bytes for each kind of call, which receives how often each was made
+/// - FAULT_MEMINFO=FILE: is read in place of /proc/meminfo
 ///
 /// The kinds are those of the list below. Files that the C library opens and reads by itself, as in fread(), are not
 /// seen; the program and libstdc++ call open(), read() and write() themselves.
@@ -171,6 +173,11 @@ bool allocationFails(std::size_t size) {
   return fails(Alloc);
 }
 
+const char* placeOf(const char* path) {
+  const char* instead = getenv("FAULT_MEMINFO");
+  return instead && std::strcmp(path, "/proc/meminfo") == 0 ? instead : path;
+}
+
 int openFails(const char* path, int flags) {
   return isMeant(path) &&
          fails((flags & (O_CREAT | O_TMPFILE)) != 0 && (flags & O_ACCMODE) != O_RDONLY ? Create : Open);
@@ -203,13 +210,13 @@ int open64(const char* path, int flags, ...) {
 FILE* fopen(const char* path, const char* how) {
   if (openFails(path, how[0] == 'r' ? O_RDONLY : O_WRONLY | O_CREAT)) return nullptr;
   REAL(fopen);
-  return call(path, how);
+  return call(placeOf(path), how);
 }
 
 FILE* fopen64(const char* path, const char* how) {
   if (openFails(path, how[0] == 'r' ? O_RDONLY : O_WRONLY | O_CREAT)) return nullptr;
   REAL(fopen64);
-  return call(path, how);
+  return call(placeOf(path), how);
 }
 
 ssize_t read(int descriptor, void* to, std::size_t size) {
