@@ -5,12 +5,7 @@
 
 #include "vdbtools/base/grids.h"
 
-#include <cstdint>
-
 namespace vdbtools {
-
-/// Of this machine, bytes. What of it is free changes from moment to moment.
-std::uint64_t machineMemory();
 
 /// Before leaves are made that @a grid asks for.
 /// @throw DataError  they would take more than half of the machine's memory: there is always more than one grid

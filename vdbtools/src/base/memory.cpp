@@ -2,6 +2,7 @@
 #include "vdbtools/base/memory.h"
 
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -142,6 +143,11 @@ MemoryLeft memoryLeft(const fs::path& root) {
   if (const double limit = limitOf(RLIMIT_DATA); limit < kNoLimit)
     limitBy(left, limit - ownMemory(root, "VmData:"), "the limit of data (ulimit -d)");
   return left;
+}
+
+double machineMemory() {
+  const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
+  return pages <= 0 || size <= 0 ? kNoLimit : static_cast<double>(pages) * static_cast<double>(size);
 }
 
 void setMemoryLimit(double bytes) { theLimit = bytes; }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/vdb_check.h"
 
-#include "base/grid_memory.h"
 #include "formats/vdb_head.h"
 #include "formats/vdb_transform.h"
 #include "formats/vdb_tree.h"
+#include "vdbtools/base/memory.h"
 #include "vdbtools/files/file_bytes.h"
 
 #include <openvdb/io/GridDescriptor.h>
@@ -133,10 +133,10 @@ class FileWalk {
   }
 
   void requireMemory() const {
-    constexpr std::uint64_t kGigabyte = 1'000'000'000;
-    if (mMemory > machineMemory())
-      mCursor.refuse("would take " + std::to_string(mMemory / kGigabyte) + " GB of memory, of which this machine has " +
-                     std::to_string(machineMemory() / kGigabyte));
+    const auto needed = static_cast<double>(mMemory);
+    if (needed > machineMemory())
+      mCursor.refuse("would take " + memoryText(needed) + " of memory, of which this machine has " +
+                     memoryText(machineMemory()));
   }
 
   /// To the end of a grid that is not read as far as that.

@@ -49,6 +49,10 @@ MemoryLeft memoryLeft(const std::filesystem::path& root = "/");
 /// processes. Past it the system begins to move memory to and fro, and then kills processes.
 MemoryLeft sharedMemoryLeft(const std::filesystem::path& root = "/");
 
+/// All that this machine has, bytes; infinity if the system does not say. What of it is free changes from moment to
+/// moment.
+double machineMemory();
+
 /// What this process has in memory, bytes.
 double residentMemory(const std::filesystem::path& root = "/");
 
