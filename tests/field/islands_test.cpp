@@ -81,7 +81,7 @@ std::vector<Nodes> segments(const Nodes& inside) {
   openvdb::BoolTree mask(false);
   for (const Coord& node : inside) mask.setValueOn(node);
   std::vector<openvdb::BoolTree::Ptr> parts;
-  openvdb::tools::extractActiveVoxelSegmentMasks(mask, parts);
+  openvdb::tools::segmentActiveVoxels(mask, parts);
   std::vector<Nodes> islands;
   for (const auto& part : parts) {
     Nodes& nodes = islands.emplace_back();
