@@ -115,7 +115,8 @@ class DescriptorBuffer : public std::streambuf {
         return writeAll(from, static_cast<std::size_t>(size)) ? size : 0;
       }
     }
-    std::memcpy(pptr(), from, static_cast<std::size_t>(size));
+    // Nothing may come from nowhere: memcpy() takes no null pointer.
+    std::copy_n(from, size, pptr());
     pbump(static_cast<int>(size));
     return size;
   }
