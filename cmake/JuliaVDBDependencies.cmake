@@ -13,6 +13,7 @@ find_dependency(OpenMesh)
 find_dependency(OpenImageIO)
 find_dependency(OpenSSL)
 find_dependency(ZLIB)
+find_dependency(PNG)
 find_dependency(PkgConfig)
 pkg_check_modules(Cairo REQUIRED cairo-svg)
 # Of 'juliavdb explore'. It derives from a class of this version's.

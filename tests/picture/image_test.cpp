@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/picture/image.h"
 
+#include "picture/png_encoder.h"
+
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
@@ -58,6 +60,10 @@ TEST(Image, PngHoldsSrgbCodes) {
     EXPECT_EQ(decoded.values[3 * i + 1], 0);
     EXPECT_EQ(decoded.values[3 * i + 2], 1);
   }
+}
+
+TEST(Image, APngOfMorePixelsThanTheFormatsLibraryCountsIsRefused) {
+  EXPECT_THROW(vdbtools::encodePng(40000, 40000, nullptr), std::invalid_argument);
 }
 
 TEST(Image, ExrHoldsLinearHalves) {

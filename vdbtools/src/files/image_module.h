@@ -2,7 +2,7 @@
 /// @file image_module.h
 /// The functions that need OpenImageIO. It brings some 200 libraries, which take longer to load than many jobs take to
 /// run. The code that needs them is therefore a module of its own, loaded with the first picture that is read or
-/// written. In static builds it is part of the library, and there is nothing to load.
+/// written as EXR. In static builds it is part of the library, and there is nothing to load.
 #pragma once
 
 namespace vdbtools {

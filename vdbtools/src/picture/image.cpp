@@ -4,6 +4,7 @@
 #include "base/srgb.h"
 #include "files/image_module.h"
 #include "picture/image_encoder.h"
+#include "picture/png_encoder.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
@@ -75,8 +76,7 @@ std::string encodeImage(const Image& image, const std::string& extension) {
   const Kind kind = kindOf(extension);
   requirePixels(image);
   if (kind == Kind::Png) {
-    const std::vector<std::uint8_t> codes = screenCodes(image);
-    return write({.width = image.width, .height = image.height, .codes = codes.data()});
+    return encodePng(image.width, image.height, screenCodes(image).data());
   }
   const auto values = converted<float>(image, inHalfRange);
   return write({.width = image.width, .height = image.height, .linear = values.data()});

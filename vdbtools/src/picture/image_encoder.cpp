@@ -13,18 +13,17 @@ using vdbtools::kImageChannels;
 
 constexpr const char* kNoDate = "1970:01:01 00:00:00";
 
-bool encode(const char* format, const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* values,
-            std::string& result) {
-  const auto output = OIIO::ImageOutput::create(format);
+bool encode(const OIIO::ImageSpec& spec, const float* values, std::string& result) {
+  const auto output = OIIO::ImageOutput::create("exr");
   if (!output) {
-    result = std::string("OpenImageIO was built without ") + format + ": " + OIIO::geterror();
+    result = "OpenImageIO was built without EXR: " + OIIO::geterror();
     return false;
   }
   std::vector<unsigned char> bytes;
   OIIO::Filesystem::IOVecOutput sink(bytes);
   output->set_ioproxy(&sink);
   // The name tells the format only; the bytes go to the sink.
-  const bool written = output->open(std::string("picture.") + format, spec) && output->write_image(type, values);
+  const bool written = output->open("picture.exr", spec) && output->write_image(OIIO::TypeDesc::FLOAT, values);
   if (!output->close() || !written) {
     result = std::string("cannot encode the image: ") + output->geterror();
     return false;
@@ -37,11 +36,6 @@ bool encode(const char* format, const OIIO::ImageSpec& spec, OIIO::TypeDesc type
 
 bool juliavdbEncodeImage(const vdbtools::Picture& picture, std::string& result) {
   try {
-    if (picture.codes) {
-      OIIO::ImageSpec spec(picture.width, picture.height, kImageChannels, OIIO::TypeDesc::UINT8);
-      spec.attribute("oiio:ColorSpace", "sRGB");
-      return encode("png", spec, OIIO::TypeDesc::UINT8, picture.codes, result);
-    }
     OIIO::ImageSpec spec(picture.width, picture.height, picture.channels, OIIO::TypeDesc::HALF);
     if (picture.channels > kImageChannels) {
       spec.channelnames = {"R", "G", "B"};
@@ -58,7 +52,7 @@ bool juliavdbEncodeImage(const vdbtools::Picture& picture, std::string& result) 
     spec.attribute("compression", "zip");
     // Without a date OpenImageIO writes the time of day, and the same image would give other bytes every time.
     spec.attribute("DateTime", kNoDate);
-    return encode("exr", spec, OIIO::TypeDesc::FLOAT, picture.linear, result);
+    return encode(spec, picture.linear, result);
   } catch (const std::exception& error) {
     result = std::string("cannot encode the image: ") + error.what();
     return false;

@@ -1,22 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file image_encoder.h
-/// Encodes images through OpenImageIO, in the module of files/image_module.h.
+/// Encodes images as EXR through OpenImageIO, in the module of files/image_module.h.
 #pragma once
 
-#include <cstdint>
 #include <string>
 
 namespace vdbtools {
 
 inline constexpr int kImageChannels = 3;
 
-/// An image as one of two arrays, row by row from the top left.
+/// An image row by row from the top left.
 struct Picture {
-  int width = 0, height = 0;            ///< pixels
-  const std::uint8_t* codes = nullptr;  ///< sRGB, for a PNG
-  const float* linear = nullptr;        ///< for an EXR; RGB within the range of half floats
-  int channels = kImageChannels;        ///< of the linear array, interleaved; those beyond RGB are kept as floats
-  const char* const* names = nullptr;   ///< of the channels beyond RGB
+  int width = 0, height = 0;           ///< pixels
+  const float* linear = nullptr;       ///< RGB within the range of half floats
+  int channels = kImageChannels;       ///< of the linear array, interleaved; those beyond RGB are kept as floats
+  const char* const* names = nullptr;  ///< of the channels beyond RGB
 };
 
 /// @param result  the bytes of the file or, where it returns false, the reason why there are none

@@ -4,7 +4,7 @@
 /// colouring of slices (slice_image.h). It knows neither meshes nor fractals: it may use the rooms base and files, and
 /// of OpenVDB only vectors and boxes.
 ///
-/// This header: an RGB image, and its encoding through OpenImageIO.
+/// This header: an RGB image, and its encoding by libpng and OpenImageIO.
 #pragma once
 
 #include <array>
@@ -33,7 +33,7 @@ struct Image {
 /// Encodes the image as the bytes of a file. @a extension, with or without its dot, names the format: png (8 bits,
 /// sRGB) or exr (half floats, linear). Values out of range are clamped; values that are not finite become 0. The same
 /// image gives the same bytes: the date that OpenEXR insists on is always 1970.
-/// @throw std::invalid_argument  another extension, or an empty image
+/// @throw std::invalid_argument  another extension, an empty image, or one that is too large for a PNG
 /// @throw IoError                OpenImageIO cannot encode it
 std::string encodeImage(const Image& image, const std::string& extension);
 
