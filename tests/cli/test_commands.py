@@ -81,6 +81,9 @@ class Examples(harness.CliTest):
             replace("--size", "40x30")
         if command == "print":
             replace("--resolution", "40")
+        for option, value in (("--min-thickness", "6"), ("--spacing", "0.2"), ("--points", "500")):
+            if option in words:
+                replace(option, value)
         return words
 
     def test_the_lines_of_every_help_run_as_printed(self):

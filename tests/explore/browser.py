@@ -34,7 +34,10 @@ def main():
 
 
 class BrowserTest(harness.CliTest):
-    WINDOW = "900,700"
+    # A small picture in the layout of a desktop, on a screen that has half a pixel for each of the layout, which is the
+    # least that Chromium takes: software draws some thousand pixels a second.
+    WINDOW = "800,460"
+    SCALE = 0.5
 
     @classmethod
     def setUpClass(cls):
@@ -46,8 +49,8 @@ class BrowserTest(harness.CliTest):
         options.binary_location = shutil.which("chromium")
         for word in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-angle=swiftshader",
                      "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", f"--window-size={cls.WINDOW}",
-                     "--no-first-run", "--disable-background-networking", "--disable-component-update",
-                     f"--user-data-dir={profile.name}"):
+                     f"--force-device-scale-factor={cls.SCALE}", "--no-first-run", "--disable-background-networking",
+                     "--disable-component-update", f"--user-data-dir={profile.name}"):
             options.add_argument(word)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
         cls.driver = webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)

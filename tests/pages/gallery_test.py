@@ -8,10 +8,11 @@ import sys
 import tempfile
 import unittest
 
+from shell import put_bunny
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 PAGE = (ROOT / "docs/gallery.md").read_text()
 PICTURES = re.findall(r"images/gallery/([\w-]+\.png)", PAGE)
-BUNNY = "/usr/share/glmark2/models/bunny.obj"
 FIGURES = {"SK23": (2, 5, 7, 9, 11, 13), "Kim15": (2, 3, 4, 5), "ZB25": (2, 3, 4, 5, 6, 7)}
 
 
@@ -29,8 +30,10 @@ class Gallery(unittest.TestCase):
         self.assertEqual(sorted(PICTURES), sorted(p.name for p in (ROOT / "docs/images/gallery").iterdir()))
 
     def test_the_commands_make_the_pictures(self):
-        with tempfile.TemporaryDirectory() as folder:
-            done = subprocess.run([sys.executable, ROOT / "docs/make-gallery", "--small", "--dragon", BUNNY, "--into", folder],
+        with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as models:
+            bunny = put_bunny(models)
+            done = subprocess.run([sys.executable, ROOT / "docs/make-gallery", "--small", "--bunny", bunny, "--dragon", bunny,
+                                   "--into", folder],
                                   capture_output=True, text=True, env={**os.environ})
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertEqual(sorted(PICTURES), sorted(os.listdir(folder)))

@@ -2,7 +2,9 @@
 // Sixteen small pictures around the present values of a control: click to go there.
 import { button, element } from "./widgets.js";
 
-const COUNT = 16, SIDE = 96;
+const COUNT = 16;
+// Pixels of the screen, no more than it shows.
+const SIDE = Math.ceil(96 * Math.min(1, window.devicePixelRatio || 1));
 
 // name: an option; values(now): the texts of the sixteen; needsServer: whether its scene must be made anew
 const around = (low, high, digits) => () => Array.from({ length: COUNT }, (_, i) => String(Number((low + (high - low) * i / (COUNT - 1)).toFixed(digits))));
