@@ -194,6 +194,22 @@ def cube(half=1.0):
     return points, [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
 
 
+def lumpy():
+    """A ball with swellings, the same from no two sides: for what a bunny would be too large for."""
+    def swollen(x, y, z):
+        r = 1 + 0.25 * math.sin(3 * x + 1) * math.cos(2 * y) + 0.2 * z * math.sin(4 * y + 2 * x)
+        return r * x, r * y, 0.8 * r * z
+
+    points, faces = sphere(3)
+    return [swollen(*p) for p in points], faces
+
+
+def needle(subdivisions=2):
+    """What info has measured in a tenth of a second, and other shapes in two: there is little room about it."""
+    points, faces = sphere(subdivisions)
+    return [(x, 0.1 * y, 0.1 * z) for x, y, z in points], faces
+
+
 def with_hole(mesh, above=0.7):
     """Without the faces at the top: a hole too wide for any voxel to span."""
     points, faces = mesh

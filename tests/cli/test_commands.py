@@ -123,7 +123,7 @@ class Streams(harness.CliTest):
         self.assertEqual(self.listing(), ["s.obj", "s.ply", "s.vdb"])
 
     def test_a_reader_that_is_gone(self):
-        self.write("s.obj", harness.obj(harness.sphere(2)))
+        self.write("s.obj", harness.obj(harness.needle()))
         reader, writer = os.pipe()
         os.close(reader)
         try:
@@ -184,7 +184,7 @@ class ProgressLines(harness.CliTest):
 class InfoOnEveryKind(harness.CliTest):
 
     def test_meshes(self):
-        mesh = harness.sphere(2)
+        mesh = harness.needle()
         for name, content in (("s.obj", harness.obj(mesh)), ("s.ply", harness.ply(mesh)), ("s.stl", harness.stl(mesh)),
                               ("s.off", harness.off(mesh)), ("text.ply", harness.ply_text(mesh)),
                               ("upper.OBJ", harness.obj(mesh))):
@@ -221,15 +221,15 @@ class InfoOnEveryKind(harness.CliTest):
                 self.assertEqual(info["bottom"]["roots"], 1 if name == "v.o3d" else 0)
 
     def test_several_files_are_an_object_a_line(self):
-        self.write("a.obj", harness.obj(harness.cube()))
+        self.write("a.obj", harness.obj(harness.needle()))
         self.write("b.json", harness.rational_json(harness.ROOTS))
         lines = self.ok("info", "a.obj", "b.json", "--json", data=True).splitlines()
         self.assertEqual([json.loads(line)["file"] for line in lines], ["a.obj", "b.json"])
 
     def test_text_says_the_same(self):
-        self.write("a.obj", harness.obj(harness.cube()))
+        self.write("a.obj", harness.obj(harness.needle(0)))
         text = self.ok("info", "a.obj", data=True)
-        self.assertIn("triangles: 12\n", text)
+        self.assertIn("triangles: 20\n", text)
         self.assertIn("closed: true\n", text)
 
 

@@ -64,7 +64,7 @@ COMMANDS = {
     "man": ("man", "-o", "x"),
 }
 # Commands that say something else: to whom their data goes is tested apart.
-TO_STDOUT = (("maps", "--markdown"), ("info", "f.vdb"), ("info", "s.obj", "--json"), ("versor", "list"),
+TO_STDOUT = (("maps", "--markdown"), ("info", "f.vdb"), ("info", "n.obj", "--json"), ("versor", "list"),
              ("completion",), ("fractal", "--help", "all"), ("--version",), ("status", "done"))
 
 
@@ -74,6 +74,7 @@ def inputs():
     folder = pathlib.Path(tempfile.mkdtemp(prefix="juliavdb_test_"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     (folder / "s.obj").write_text(harness.obj(harness.sphere(2)))
+    (folder / "n.obj").write_text(harness.obj(harness.needle()))
     (folder / "options.txt").write_text("resolution = 16\nsdf-resolution = 16\ndetail = 0.3\n")
 
     def run(*words):

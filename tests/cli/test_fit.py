@@ -115,14 +115,11 @@ class Fit(FitTest):
         self.assertIn(b"<svg ", self.bytes("v.svg")[:100])
 
     def test_same_bytes(self):
-        def same(*options):
-            self.ok("fit", "m.obj", "-o", "again.json", *LOW, *ROOTS, *options)
-            self.assertTrue(self.bytes("again.json") == self.bytes("shape.json"), options)
-
-        for threads in (1, 2):
-            same("--threads", threads)
-        for name in self.instruction_sets():
-            same("--instructions", name)
+        results = set()
+        for options in ((), ("--threads", 1), *(("--instructions", s) for s in self.instruction_sets())):
+            self.ok("fit", "m.obj", "-o", "again.json", "--resolution", 24, "--triangles", 400, "--roots", 12, *options)
+            results.add(self.bytes("again.json"))
+        self.assertEqual(len(results), 1)
 
     def test_same_bytes_of_a_schedule(self):
         results = set()

@@ -13,9 +13,9 @@ class MovedFiles(harness.CliTest):
         super().setUp()
         for folder in ("made", "away/deep", "work"):
             self.path(folder).mkdir(parents=True)
-        shutil.copy(harness.BUNNY, self.path("made/bunny.obj"))
+        self.write("made/lumpy.obj", harness.obj(harness.lumpy()))
         self.inside("made", "versor", "new", "--seed", 3, "-o", "v.json")
-        self.inside("made", "fractal", "bunny.obj", "--versor", "v.json", "-o", "f.vdb", "--mesh", "f.ply", *SMALL)
+        self.inside("made", "fractal", "lumpy.obj", "--versor", "v.json", "-o", "f.vdb", "--mesh", "f.ply", *SMALL)
 
     def inside(self, folder, *words):
         """Runs in a folder below that of the test."""
@@ -39,7 +39,7 @@ class MovedFiles(harness.CliTest):
 
     def test_files_beside_the_one_with_the_recipe_are_found(self):
         said = self.inside("work", "mesh", "../made/f.vdb", "-o", "f.ply")
-        self.assertIn("note: 'bunny.obj'", said)
+        self.assertIn("note: 'lumpy.obj'", said)
         self.assertIn("note: 'v.json'", said)
         self.assertEqual(self.bytes("work/f.ply"), self.bytes("made/f.ply"))
         self.inside("work", "fractal", "--config", "../made/f.ply", "-o", "f.vdb")
@@ -52,18 +52,18 @@ class MovedFiles(harness.CliTest):
         self.assertNotIn("note:", self.inside("made", "mesh", "f.vdb", "-o", "again.ply"))
 
     def test_a_file_of_that_name_counts_only_by_its_hash(self):
-        shutil.copy(self.path("made/bunny.obj"), self.path("away/deep/renamed.obj"))
+        shutil.copy(self.path("made/lumpy.obj"), self.path("away/deep/renamed.obj"))
         shutil.copy(self.path("made/v.json"), self.path("work/v.json"))
-        self.write("made/bunny.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        self.write("made/lumpy.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
         self.inside_refused("work", harness.NO_INPUT, "mesh", "../made/f.vdb", "-o", "m.ply",
-                            mentions=("bunny.obj", "SHA-256", "--search", "--input", "--from-grid"))
+                            mentions=("lumpy.obj", "SHA-256", "--search", "--input", "--from-grid"))
         said = self.inside("work", "mesh", "../made/f.vdb", "-o", "m.ply", "--search", ".", "--search", "../away")
         self.assertIn("renamed.obj", said)
         self.assertEqual(self.bytes("work/m.ply"), self.bytes("made/f.ply"))
         self.inside_refused("made", harness.BAD_DATA, "mesh", "f.vdb", "-o", "m.ply", mentions=("has changed",))
 
     def test_input_gives_the_target(self):
-        self.move("made/bunny.obj", "away/other.obj")
+        self.move("made/lumpy.obj", "away/other.obj")
         said = self.inside("work", "mesh", "../made/f.vdb", "-o", "m.ply", "--input", "../away/other.obj")
         self.assertNotIn("warning", said)
         self.assertEqual(self.bytes("work/m.ply"), self.bytes("made/f.ply"))

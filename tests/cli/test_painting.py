@@ -8,7 +8,7 @@ import zlib
 import harness
 from harness import BAD_DATA, NO_INPUT, USAGE
 
-SMALL = ("--resolution", 50, "--sdf-resolution", 60)
+SMALL = ("--resolution", 50, "--sdf-resolution", 40)
 
 
 def painted_ply(mesh, names, values):
@@ -37,7 +37,7 @@ class Painting(harness.CliTest):
 
     def setUp(self):
         super().setUp()
-        self.ball = harness.sphere(4)
+        self.ball = harness.sphere(3)
         # Red on the side of +x, as bytes; a slope along y, as floats.
         self.write("ball.ply", painted_ply(self.ball, ["uchar red", "float slope"],
                                            lambda p: (255 if p[0] > 0 else 0, p[1] / 2 + 0.5)))

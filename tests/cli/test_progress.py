@@ -139,7 +139,8 @@ class Progress(harness.CliTest):
         self.assertEqual(events[-1]["file"], "x.vdb")
 
     def test_commands_without_phases(self):
-        run = self.run_program("info", "s.obj", "--json", "--progress", "json")
+        self.write("n.obj", harness.obj(harness.needle()))
+        run = self.run_program("info", "n.obj", "--json", "--progress", "json")
         self.assertEqual(run.returncode, DONE)
         json.loads(run.stdout)
         self.assertEqual([json.loads(line)["event"] for line in run.stderr.decode().splitlines()][-1], "end")

@@ -2,7 +2,6 @@
 """Sequences that one process makes: `juliavdb fractal --frames`."""
 
 import os
-import shutil
 
 import harness
 
@@ -15,20 +14,20 @@ KEYS = ("--key", "alpha@1=40", "--key", "alpha@4=100", "--key", "origin@1=auto",
 class Sequences(harness.CliTest):
     def setUp(self):
         super().setUp()
-        shutil.copy(harness.BUNNY, self.path("bunny.obj"))
+        self.write("lumpy.obj", harness.obj(harness.lumpy()))
 
     def make(self, *words):
-        return self.ok("fractal", "bunny.obj", "-o", "g.####.vdb", "--mesh", "g.####.ply", *KEYS, *SMALL, *words)
+        return self.ok("fractal", "lumpy.obj", "-o", "g.####.vdb", "--mesh", "g.####.ply", *KEYS, *SMALL, *words)
 
     def frames(self, *numbers):
         return {f"g.{n:04}{kind}": self.bytes(f"g.{n:04}{kind}") for n in numbers for kind in (".vdb", ".ply")}
 
     def test_frames_are_those_of_a_plan(self):
         self.assertIn("kept 0 of 4 frames", self.make("--frames", "1-4"))
-        self.ok("plan", "frames", "bunny.obj", "-o", "plan", "--make", "vdb,ply", "--frames", "1-4", *KEYS, *SMALL)
+        self.ok("plan", "frames", "lumpy.obj", "-o", "plan", "--make", "vdb,ply", "--frames", "1-4", *KEYS, *SMALL)
         self.ok("task", "plan", "--range", "1-4")
         for name, content in self.frames(1, 2, 3, 4).items():
-            self.assertEqual(content, self.bytes("plan/out/" + name.replace("g.", "bunny.")), name)
+            self.assertEqual(content, self.bytes("plan/out/" + name.replace("g.", "lumpy.")), name)
 
     def test_only_what_is_missing_broken_or_other_is_made(self):
         self.make("--frames", "1-4")
@@ -44,12 +43,12 @@ class Sequences(harness.CliTest):
         self.assertIn("kept 0 of 1 frame", self.make("--frames", "4", "--force"))
         self.assertIn("kept 0 of 1 frame", self.make("--frames", "4", "--tolerance", "0.02"))
         self.assertIn("kept 0 of 1 frame", self.make("--frames", "4"))
-        with open(self.path("bunny.obj"), "a") as target:
+        with open(self.path("lumpy.obj"), "a") as target:
             target.write("# another file\n")
         self.assertIn("kept 0 of 1 frame", self.make("--frames", "4"))
 
     def test_targets_with_a_file_for_each_frame(self):
-        text = self.path("bunny.obj").read_text()
+        text = self.path("lumpy.obj").read_text()
         for frame in (1, 3, 5):
             self.write(f"in.{frame:04}.obj", text + f"# {frame}\n")
         self.ok("fractal", "in.####.obj", "--frames", "1-5x2", "-o", "out.####.vdb", *SMALL)
@@ -61,7 +60,7 @@ class Sequences(harness.CliTest):
         self.assertNotIn("in.0007.obj", error)
 
     def test_a_failure_names_its_frame(self):
-        words = ("fractal", "bunny.obj", "-o", "g.####.vdb", "--frames", "1-3", "--key", "beta@1=0.01", "--key",
+        words = ("fractal", "lumpy.obj", "-o", "g.####.vdb", "--frames", "1-3", "--key", "beta@1=0.01", "--key",
                  "beta@2=-0.5", "--key", "beta@3=0.01", "--alpha", 40, "--progress", "none", *SMALL)
         run = self.run_program(*words)
         self.assertEqual(run.returncode, harness.BAD_DATA)
@@ -74,7 +73,7 @@ class Sequences(harness.CliTest):
         self.assertEqual([name for name in self.listing() if name.endswith(".vdb")], ["g.0001.vdb", "g.0003.vdb"])
 
     def test_what_does_not_fit(self):
-        base = ("fractal", "bunny.obj", "-o", "g.vdb", *SMALL)
+        base = ("fractal", "lumpy.obj", "-o", "g.vdb", *SMALL)
         for words, mention in (((*base, "--frames", "1-3"), "nothing changes"),
                                ((*base, "--frames", "1-3", "--frame", "2", *KEYS), "--frame"),
                                ((*base, "--frames", "3-1", *KEYS), "--frames"),

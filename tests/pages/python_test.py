@@ -6,7 +6,6 @@ import io
 import os
 import pathlib
 import re
-import shutil
 import sys
 import tempfile
 import unittest
@@ -14,6 +13,7 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "cli"))
 
 import harness
+from shell import put_bunny
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 PAGE, README = ROOT / "docs/python.md", ROOT / "README.md"
@@ -34,7 +34,7 @@ def run_snippets(page):
     """Runs a page's snippets in a folder with a bunny: the names they leave, what each printed, the files."""
     names, said = {}, []
     with tempfile.TemporaryDirectory(prefix="juliavdb_test_") as folder:
-        shutil.copy(harness.BUNNY, folder)
+        put_bunny(folder)
         before = os.getcwd()
         os.chdir(folder)
         try:

@@ -26,6 +26,7 @@ REFUSALS = (harness.USAGE, harness.BAD_DATA)
 # Of the processor, not of the clock: a machine that does other things breaks no law.
 SECONDS = 120
 WALL_SECONDS = 7200
+INFO_SHARE = 0.2  # of the meshes are measured by info
 
 
 class Broken(Exception):
@@ -277,6 +278,9 @@ def check(bench, recipe, low, high, chance, other=None):
             check_surface(surface, recipe, low, high, exact=recipe.mesh in (".ply", ".obj"))
         done.append("closed and 2-manifold")
     for path in first.values():
+        # How thick a mesh is at each place takes info longer than all else takes: of most meshes only our own reader sees.
+        if path.suffix != ".vdb" and chance.random() > INFO_SHARE:
+            continue
         run = bench.run("info", os.path.relpath(path, bench.inputs), "--json")
         require(run.returncode == 0, "readable", run.stderr.decode(errors="replace").strip())
         grids = json.loads(run.stdout).get("grids", [])
