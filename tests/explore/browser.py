@@ -34,10 +34,8 @@ def main():
 
 
 class BrowserTest(harness.CliTest):
-    # A small picture in the layout of a desktop, on a screen that has half a pixel for each of the layout, which is the
-    # least that Chromium takes: software draws some thousand pixels a second.
-    WINDOW = "800,460"
-    SCALE = 0.5
+    # Of the layout, and how many pixels the screen has for each of these. Software draws some thousand a second.
+    WIDTH, HEIGHT, SCALE = 800, 400, 0.3
 
     @classmethod
     def setUpClass(cls):
@@ -48,9 +46,9 @@ class BrowserTest(harness.CliTest):
         options = Options()
         options.binary_location = shutil.which("chromium")
         for word in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-angle=swiftshader",
-                     "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", f"--window-size={cls.WINDOW}",
-                     f"--force-device-scale-factor={cls.SCALE}", "--no-first-run", "--disable-background-networking",
-                     "--disable-component-update", f"--user-data-dir={profile.name}"):
+                     "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--no-first-run",
+                     "--disable-background-networking", "--disable-component-update",
+                     f"--user-data-dir={profile.name}"):
             options.add_argument(word)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
         cls.driver = webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
@@ -63,6 +61,8 @@ class BrowserTest(harness.CliTest):
         first = self.driver.current_window_handle
         self.driver.switch_to.new_window("tab")
         self.driver.get_log("browser")  # those of the test before
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+            "width": self.WIDTH, "height": self.HEIGHT, "deviceScaleFactor": self.SCALE, "mobile": False})
 
         def close():
             self.driver.close()
