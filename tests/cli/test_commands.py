@@ -80,7 +80,7 @@ class Examples(harness.CliTest):
         if command in ("render", "sheet"):
             replace("--size", "40x30")
         if command == "print":
-            replace("--resolution", "40")
+            replace("--resolution", "28")
         for option, value in (("--min-thickness", "6"), ("--spacing", "0.2"), ("--points", "500")):
             if option in words:
                 replace(option, value)

@@ -46,7 +46,7 @@ class Tiles : public testing::Test {
   }
 
   Recipe shape(const Recipe& others) const {
-    Recipe recipe = {{"input", mShape}, {"sdf-resolution", "40"}, {"resolution", "36"}};
+    Recipe recipe = {{"input", mShape}, {"sdf-resolution", "32"}, {"resolution", "32"}};
     for (const auto& [name, value] : others) recipe[name] = value;
     return completed(recipe);
   }

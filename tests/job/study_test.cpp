@@ -40,7 +40,7 @@ class StudyTest : public testing::Test {
     return mFolder.write(name, encodeVdb({grid}, {})).string();
   }
   std::string sphere() const { return file("sphere.obj", test_meshes::makeSphere(kRadius, 4, kCentre)); }
-  std::string lumpy() const { return file("lumpy.vdb", test_fields::bandGrid(test_fields::lumpy, 1.0 / 32, 4.0 / 32)); }
+  std::string lumpy() const { return file("lumpy.vdb", test_fields::bandGrid(test_fields::lumpy, 1.0 / 24, 4.0 / 24)); }
 
   /// @param recipe  besides a low resolution
   Scene scene(Recipe recipe) {

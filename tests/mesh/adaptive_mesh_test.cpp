@@ -26,8 +26,8 @@ Mesh meshOf(const vdbtools::AdaptedMesh& adapted, const Mesh& mesh) {
 }
 
 /// A ball with two long horns: flat, round and sharp places.
-Mesh horned() {
-  Mesh mesh = makeSphere(1, 5);
+Mesh horned(int subdivisions) {
+  Mesh mesh = makeSphere(1, subdivisions);
   for (Vec3d& p : mesh.points)
     for (const double side : {-1.0, 1.0}) {
       const double angle = std::acos(std::clamp(p.unit()[0] * side, -1.0, 1.0));
@@ -52,7 +52,7 @@ double sampledDistance(const Mesh& from, const Mesh& to) {
 }
 
 TEST(AdaptiveMesh, StaysClosedAndWithinTheBoundOfBothSurfaces) {
-  const Mesh mesh = horned();
+  const Mesh mesh = horned(5);
   std::size_t before = mesh.triangles.size() + 1;
   for (const double bound : {0.001, 0.01, 0.1}) {
     vdbtools::Monitor monitor;
@@ -69,7 +69,7 @@ TEST(AdaptiveMesh, StaysClosedAndWithinTheBoundOfBothSurfaces) {
 }
 
 TEST(AdaptiveMesh, DependsOnTheShapeAloneAndNotOnItsSizeOrPlace) {
-  const Mesh mesh = horned();
+  const Mesh mesh = horned(4);
   vdbtools::Monitor monitor;
   const auto here = vdbtools::adaptedMesh(mesh, 1.0 / 64, monitor);
   for (const double scale : {0x1p-30, 0x1p30})
