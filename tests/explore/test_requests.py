@@ -240,9 +240,8 @@ class Page(harness.CliTest):
         first = self.make(page, name="a", resolution=1500, formats=["vdb", "ply"])
         second = self.make(page, name="b")
         job = page.wait_for(first, ("running",))
-        while not page.job(first)["phase"]:
+        while not page.job(first)["phase"] or self.listing() == before:
             time.sleep(0.02)
-        time.sleep(0.5)
         self.assertNotEqual(self.listing(), before, "the file has no place yet")
         self.assertEqual(page.delete(f"jobs/{first}"), 200)
         self.assertEqual(page.wait_for(first)["state"], "cancelled")

@@ -327,7 +327,10 @@ class Safety(harness.CliTest):
         connections[1].request("POST", f"/{self.page.key}/scene",
                                json.dumps({"recipe": self.page.recipe(sdf_resolution=900)}), JSON)
         connections[2].connect()
-        time.sleep(1.5)
+        end = time.monotonic() + harness.TIMEOUT
+        while self.listing() == before and time.monotonic() < end:
+            time.sleep(0.05)
+        time.sleep(0.5)
         self.assertNotEqual(self.listing(), before, "nothing is being made")
         took, code, errors = self.page.stop()
         for connection in connections:
