@@ -13,6 +13,7 @@ import harness
 from harness import BAD_DATA, USAGE
 
 LOW = ("--resolution", 28)
+LEAST = ("--resolution", 20)  # for what has to hold of every map
 PAIRS = ("A", "A'", "B", "C", "D", "E")
 USER = ("--f", "x*x, y*y, z*z", "--g", "cos(x), cos(y), cos(z)")
 MAPS = [("--map", "cross", "--scheme", 3, "--pair", "B", "--radius", 6),
@@ -46,7 +47,7 @@ class EveryMap(Maps):
             for pair in PAIRS:
                 with self.subTest(scheme=scheme, pair=pair):
                     self.check_closed(self.fractal("--map", "cross", "--scheme", scheme, "--pair", pair, "--radius", 3,
-                                                   *LOW))
+                                                   *LEAST))
 
     @unittest.skipUnless(shutil.which("vdb_print") and shutil.which("vdb_tool"), "libopenvdb-tools is not here")
     def test_handed_off(self):
@@ -55,7 +56,7 @@ class EveryMap(Maps):
         grids = ["surface", "density", "logmodulus", "iterations", "versor"]
         for options in MAPS:
             with self.subTest(options=options):
-                self.ok("fractal", *options, *LOW, "-o", "m.vdb", "--mesh", "m.ply", "--grids", ",".join(grids))
+                self.ok("fractal", *options, *LEAST, "-o", "m.vdb", "--mesh", "m.ply", "--grids", ",".join(grids))
                 self.check_closed(harness.read_ply(self.bytes("m.ply")))
                 listing = tool("vdb_print", "-l", "m.vdb")
                 self.assertEqual(sorted(re.findall(r"(?m)^Name: (\w+)", listing)), sorted(grids))
@@ -67,7 +68,7 @@ class EveryMap(Maps):
                     for item in pyopenvdb.read(str(self.path("m.vdb")), name).citerOnValues():
                         values = item.value if isinstance(item.value, tuple) else (item.value,)
                         self.assertTrue(all(map(math.isfinite, values)), f"{name} at {item.min}: {item.value}")
-                self.ok("fractal", *options, *LOW, "-o", "one.vdb")
+                self.ok("fractal", *options, *LEAST, "-o", "one.vdb")
                 tool("vdb_tool", "-read", "one.vdb", "-ls2mesh", "-write", "tool.ply")
                 self.assertGreater(int(re.search(rb"element face (\d+)", self.bytes("tool.ply"))[1]), 100)
 
@@ -86,7 +87,7 @@ class EveryMap(Maps):
         for options in MAPS:
             with self.subTest(options=options):
                 for threads in (1, 3):
-                    self.ok("fractal", *options, *LOW, "-o", f"{threads}.vdb", "--mesh", f"{threads}.ply", "--threads",
+                    self.ok("fractal", *options, *LEAST, "-o", f"{threads}.vdb", "--mesh", f"{threads}.ply", "--threads",
                             threads)
                 self.assertTrue(self.bytes("1.vdb") == self.bytes("3.vdb"))
                 self.assertTrue(self.bytes("1.ply") == self.bytes("3.ply"))
@@ -95,8 +96,8 @@ class EveryMap(Maps):
                     self.assertTrue(self.bytes("again.vdb") == self.bytes("1.vdb"), config)
                     self.assertTrue(self.bytes("again.ply") == self.bytes("1.ply"), config)
                 # STL carries no recipe, in which --exhaustive stands.
-                self.ok("fractal", *options, *LOW, "--mesh", "plain.stl")
-                self.ok("fractal", *options, *LOW, "--mesh", "all.stl", "--exhaustive")
+                self.ok("fractal", *options, *LEAST, "--mesh", "plain.stl")
+                self.ok("fractal", *options, *LEAST, "--mesh", "all.stl", "--exhaustive")
                 self.assertTrue(self.bytes("plain.stl") == self.bytes("all.stl"))
 
     def test_following(self):
