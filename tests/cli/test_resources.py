@@ -108,7 +108,8 @@ class Resources(harness.CliTest):
             with self.subTest(how=how):
                 self.assertRegex(self.refused(INTERNAL, *words, **how), line)
         self.assertRegex(self.refused(INTERNAL, *words, "--memory", "200M"), line)
-        self.assertRegex(self.refused(INTERNAL, "slice", "s.obj", "-o", "x.png", "--size", 8000, "--memory", "200M"),
+        self.assertRegex(self.refused(INTERNAL, "slice", "s.obj", "-o", "x.png", "--size", 8000, *QUICK,
+                                      "--memory", "200M"),
                          "--size")
 
     def test_another_limit(self):
