@@ -6,6 +6,8 @@
 # these in a row. The results are wrong, not just different, so this pass is turned off.
 add_library(juliavdb_flags INTERFACE)
 target_compile_options(juliavdb_flags INTERFACE -ffp-contract=off $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>)
+# g++ collects its garbage each time its memory has doubled, from 128 MB on, which is a tenth of the time. A GB is there.
+target_compile_options(juliavdb_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:SHELL:--param ggc-min-heapsize=1048576>)
 
 add_library(juliavdb_warnings INTERFACE)
 # Missing initialisers are fine, because members of options structs have defaults. The other warnings are off because g++
@@ -65,12 +67,37 @@ endif()
 # g++ compiles the classes of OpenVDB's math/Maps.h again in every source that includes a grid, 2 s each: their first
 # virtual functions are inline. `#pragma interface` leaves them to OpenVDB's own library. It counts for the file that it
 # stands in, and #line says that this is Maps.h; if the path should differ, nothing but the time is lost.
+#
+# A precompiled header costs as much as it saves for four sources, so a unity build makes one only where many are left.
 function(juliavdb_precompile target)
   set(headers ${ARGN})
+  set(maps ${PROJECT_BINARY_DIR}/openvdb_maps.h)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    set(maps ${PROJECT_BINARY_DIR}/openvdb_maps.h)
     file(CONFIGURE OUTPUT ${maps} CONTENT "#line 1 \"${OpenVDB_INCLUDE_DIR}/openvdb/math/Maps.h\"\n#pragma interface\n")
     list(PREPEND headers ${maps})
   endif()
-  target_precompile_headers(${target} PRIVATE ${headers})
+  get_target_property(sources ${target} SOURCES)
+  list(LENGTH sources count)
+  if(NOT CMAKE_UNITY_BUILD OR count GREATER 60)
+    target_precompile_headers(${target} PRIVATE ${headers})
+  elseif(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(${target} PRIVATE "SHELL:-include ${maps}")
+  endif()
+endfunction()
+
+# For unity builds (CMAKE_UNITY_BUILD=ON, as `quickstart` and `run-tests` do), which compile several sources as one file:
+# most of the time goes into what OpenVDB's and JSON's headers bring to each. A folder is one file, except for what a
+# UNITY_GROUP or SKIP_UNITY_BUILD_INCLUSION has been set for before: a source must not see a name of another's unnamed
+# namespace, and nothing should take more than half a minute. Call this last.
+function(juliavdb_unity target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
+  get_target_property(sources ${target} SOURCES)
+  foreach(source IN LISTS sources)
+    get_source_file_property(group ${source} UNITY_GROUP)
+    if(NOT group)
+      get_filename_component(folder ${source} DIRECTORY)
+      get_filename_component(folder "${folder}" NAME)
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP "${folder}_sources")
+    endif()
+  endforeach()
 endfunction()

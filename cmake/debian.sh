@@ -33,6 +33,6 @@ install_packages() {
 build_release() {
   echo "== building"
   mkdir -p build
-  cmake --preset release "$@" >build/configure.log 2>&1 || { cat build/configure.log >&2; return 1; }
+  cmake --preset release -DCMAKE_UNITY_BUILD=ON "$@" >build/configure.log 2>&1 || { cat build/configure.log >&2; return 1; }
   cmake --build --preset release
 }

@@ -24,17 +24,18 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-constexpr Usage kUsageText = {"explore", "MESH|SDF.vdb [--folder DIR] [--port N] [options of fractal]",
-                              "Serves one page in the browser, on which the look of a fractal is found: live, with a "
-                              "slider for every option. From\n"
-                              "there the files can be made. The address is printed on stdout; whoever has it may use "
-                              "the page, so it holds a random\n"
-                              "key. The server ends with Ctrl-C. Without a target it takes the maps that need none.",
-                              "  juliavdb explore bunny.obj\n"
-                              "  juliavdb explore bunny.obj --detail 0.6 --folder looks --port 8017\n"
-                              "  juliavdb explore --map mandelbulb\n"
-                              "  juliavdb explore bunny.obj --versor-seed 7 --export look.html\n",
-                              "fractal"};
+constexpr Usage kExploreUsage = {
+    "explore", "MESH|SDF.vdb [--folder DIR] [--port N] [options of fractal]",
+    "Serves one page in the browser, on which the look of a fractal is found: live, with a "
+    "slider for every option. From\n"
+    "there the files can be made. The address is printed on stdout; whoever has it may use "
+    "the page, so it holds a random\n"
+    "key. The server ends with Ctrl-C. Without a target it takes the maps that need none.",
+    "  juliavdb explore bunny.obj\n"
+    "  juliavdb explore bunny.obj --detail 0.6 --folder looks --port 8017\n"
+    "  juliavdb explore --map mandelbulb\n"
+    "  juliavdb explore bunny.obj --versor-seed 7 --export look.html\n",
+    "fractal"};
 
 /// Shares by the weights of 'juliavdb fractal'.
 class FractalShare final : public vdbtools::WorkShare {
@@ -91,7 +92,7 @@ int exportLook(const CommandLine& line, const vdbtools::Recipe& given, Progress&
 }  // namespace
 
 int runExplore(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::fractalOptionTable());
+  CommandLine line(kExploreUsage, vdbtools::fractalOptionTable());
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
   line.addOptions()("folder", text("DIR"),
                     "where the page makes files; the folder is made if need be (default: the working directory)")(

@@ -16,7 +16,7 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-constexpr Usage kUsageText = {
+constexpr Usage kFitUsage = {
     "fit", "MESH|SDF.vdb -o shape.json [--roots N | --target-iou X] [--schedule S] [options]",
     "Finds a rational quaternion map whose Julia set has the shape of a target. 'juliavdb fractal --map rational "
     "--rational\n"
@@ -30,7 +30,7 @@ constexpr Usage kUsageText = {
 }  // namespace
 
 int runFit(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::fitOptionTable());
+  CommandLine line(kFitUsage, vdbtools::fitOptionTable());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.json"), "the map to write: .json or .o3d")(
       "report", po::value<std::string>()->value_name("F.csv"),
       "a table of every accepted step: energies, IoU, distances, powers")(

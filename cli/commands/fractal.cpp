@@ -19,7 +19,7 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-constexpr Usage kUsageText = {
+constexpr Usage kFractalUsage = {
     "fractal", "MESH|SDF.vdb -o F.vdb [--mesh F.ply] [--detail D] [--resolution N | --voxel-size H] [options]",
     "Turns a target into a fractal of the same shape: a level set for Houdini or Blender, and the mesh of its true\n"
     "surface. The distances of a VDB input are used as they are. The maps quadratic, cross and mandelbulb make sets "
@@ -180,7 +180,7 @@ int makeFrames(const CommandLine& line) {
 }  // namespace
 
 int runFractal(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::fractalOptionTable());
+  CommandLine line(kFractalUsage, vdbtools::fractalOptionTable());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), "the VDB to write")(
       "mesh", po::value<std::string>()->value_name("F.ply"), kMeshHelp)(
       "frame", po::value<std::string>()->value_name("N"), "the frame number, for names such as name.####.vdb");

@@ -30,7 +30,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr Usage kUsageText = {
+constexpr Usage kInfoUsage = {
     "info", "FILE... [--json]",
     "Shows what is in a mesh (.obj, .ply, .stl, .off, .glb, .gltf), in a VDB, with the recipe it was made "
     "by, or in a versor (.json,\n"
@@ -219,7 +219,7 @@ void print(const Json& info, int indent) {
 }  // namespace
 
 int runInfo(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::OptionTable());
+  CommandLine line(kInfoUsage, vdbtools::OptionTable());
   line.addPositional("input", -1, "the files to look at");
   line.addOptions()("json", "print JSON, one object per line");
   if (!line.parse(arguments)) return kDone;

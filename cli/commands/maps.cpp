@@ -13,7 +13,7 @@
 namespace cli {
 namespace {
 
-constexpr Usage kUsageText = {
+constexpr Usage kMapsUsage = {
     "maps", "[--markdown]",
     "Lists the maps that 'juliavdb fractal --map' iterates. --markdown writes them with their "
     "options, as in docs/maps.md.",
@@ -23,7 +23,7 @@ constexpr Usage kUsageText = {
 }  // namespace
 
 int runMaps(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::OptionTable());
+  CommandLine line(kMapsUsage, vdbtools::OptionTable());
   line.addOptions()("markdown", "a page with the options of each map");
   if (!line.parse(arguments)) return kDone;
   const vdbtools::MapRegistry maps = vdbtools::builtInMaps();

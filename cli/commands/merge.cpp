@@ -18,7 +18,7 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-constexpr Usage kUsageText = {
+constexpr Usage kMergeUsage = {
     "merge", "DIR [-o F.vdb] [--mesh F.ply] [--index F.json]",
     "Puts the tiles of a plan together, once all tasks are done: the same bytes as 'juliavdb fractal' would have\n"
     "written. The mesh is written while the tiles are read, so it may be far larger than the memory; a VDB is held in\n"
@@ -37,7 +37,7 @@ void requireExtension(const CommandLine& line, const char* option, std::string_v
 }  // namespace
 
 int runMerge(const Arguments& arguments) {
-  CommandLine line(kUsageText, {});
+  CommandLine line(kMergeUsage, {});
   line.addPositional("folder", 1, "the folder of the plan");
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
   line.addOptions()("output,o", text("F.vdb"), "the VDB to write")("mesh", text("F.ply"), kMeshHelp)(

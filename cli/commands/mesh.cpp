@@ -23,7 +23,7 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-constexpr Usage kUsageText = {"mesh", "F.vdb -o F.ply [--from-grid] [options]",
+constexpr Usage kMeshUsage = {"mesh", "F.vdb -o F.ply [--from-grid] [options]",
                               "Makes a mesh from a VDB. If the VDB is a fractal that this program made, the vertices "
                               "lie on the true surface, which\n"
                               "is computed again from the recipe in the file. With --from-grid, and for any other "
@@ -88,7 +88,7 @@ vdbtools::MeshCounts fromGrid(const std::string& input, const CommandLine& line,
 }  // namespace
 
 int runMesh(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::OptionTable());
+  CommandLine line(kMeshUsage, vdbtools::OptionTable());
   line.addPositional("vdb", 1, "the VDB");
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.ply"), kMeshHelp)(
       "input", po::value<std::string>()->value_name("FILE"),

@@ -22,7 +22,7 @@ constexpr Command kPlans[] = {
     {"sheet", planSheet, "the fractals of cells of a contact sheet"},
 };
 
-constexpr Usage kUsageText = {
+constexpr Usage kPlanUsage = {
     "plan",
     "tiles|frames|sheet ... -o DIR [options]",
     "Cuts a large job into tasks that any number of machines can do in any order: DIR/manifest.json says what each\n"
@@ -74,7 +74,7 @@ int runPlan(const Arguments& arguments) {
   for (const Command& plan : kPlans)
     if (!arguments.empty() && arguments.front() == plan.name)
       return plan.run(Arguments(arguments.begin() + 1, arguments.end()));
-  CommandLine line(kUsageText, vdbtools::OptionTable());
+  CommandLine line(kPlanUsage, vdbtools::OptionTable());
   line.addPositional("words", -1, "what to plan");
   if (!line.parse(arguments)) return kDone;
   const std::vector<std::string> words = line.texts("words");

@@ -14,7 +14,7 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-constexpr Usage kUsageText = {
+constexpr Usage kPlanFramesUsage = {
     "plan frames",
     "MESH|SDF.vdb --frames LIST -o DIR [--key NAME@FRAME=VALUE ...] [--ease smooth] [--make LIST] [options]",
     "Plans a fractal for each frame. The keys of an option say what it is at some frames; between them its numbers\n"
@@ -55,7 +55,7 @@ vdbtools::FramePlanOptions parseFrameOptions(const CommandLine& line) {
 }
 
 int planFrames(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::fractalOptionTable());
+  CommandLine line(kPlanFramesUsage, vdbtools::fractalOptionTable());
   addVariantOptions(line);
   addFrameOptions(line);
   addSearchOption(line);

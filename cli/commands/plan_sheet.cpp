@@ -12,7 +12,7 @@
 namespace cli {
 namespace {
 
-constexpr Usage kUsageText = {
+constexpr Usage kPlanSheetUsage = {
     "plan sheet", "SHEET.json[#CELLS] -o DIR [--make LIST] [options]",
     "Plans the fractals of cells of a contact sheet, which 'juliavdb sheet' has made. CELLS is a list such as\n"
     "3,7,10-12; without it every cell without an error is planned. Options stand over those of all cells, such as a\n"
@@ -23,7 +23,7 @@ constexpr Usage kUsageText = {
 }  // namespace
 
 int planSheet(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::fractalOptionTable());
+  CommandLine line(kPlanSheetUsage, vdbtools::fractalOptionTable());
   addVariantOptions(line);
   if (!line.parse(arguments)) return kDone;
   if (line.has("config"))

@@ -23,7 +23,7 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-constexpr Usage kUsageText = {
+constexpr Usage kPlanTilesUsage = {
     "plan tiles", "MESH|SDF.vdb -o DIR [--tiles N | --tile-nodes K] [--make LIST] [options of fractal]",
     "Cuts one fractal into tiles, boxes of lattice nodes. Any number of machines make them, and 'juliavdb merge' puts\n"
     "them together into the files that one run would have made, byte for byte. The distances and the exponent are "
@@ -101,7 +101,7 @@ void tellEstimate(const vdbtools::PlanEstimate& estimate) {
 }  // namespace
 
 int planTiles(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::fractalOptionTable());
+  CommandLine line(kPlanTilesUsage, vdbtools::fractalOptionTable());
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
   line.addOptions()("output,o", text("DIR"), "the folder of the plan, which is new or empty")(
       "tiles", text("N"), "how many tiles (default: 16)")("tile-nodes", text("K"),

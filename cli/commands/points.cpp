@@ -25,17 +25,18 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-constexpr Usage kUsageText = {"points", "F.vdb|MESH -o P.ply|P.vdb (--points N | --spacing S) [options]",
-                              "Spreads oriented points over a surface as blue noise, and writes them as a PLY without "
-                              "faces or as OpenVDB points.\n"
-                              "If the input is a fractal that this program made, VDB, PLY or OBJ, they lie on the true "
-                              "surface, which is computed\n"
-                              "again from the recipe in the file. With --from-grid the voxels or triangles themselves "
-                              "are used, as they are of any\n"
-                              "other level set or mesh.",
-                              "  juliavdb points bunny.vdb -o bunny_points.ply --points 20000\n"
-                              "  juliavdb points bunny.vdb -o bunny_points.vdb --spacing 0.02\n"
-                              "  juliavdb points bunny.obj -o even.ply --spacing 0.05 --seed 7\n"};
+constexpr Usage kPointsUsage = {
+    "points", "F.vdb|MESH -o P.ply|P.vdb (--points N | --spacing S) [options]",
+    "Spreads oriented points over a surface as blue noise, and writes them as a PLY without "
+    "faces or as OpenVDB points.\n"
+    "If the input is a fractal that this program made, VDB, PLY or OBJ, they lie on the true "
+    "surface, which is computed\n"
+    "again from the recipe in the file. With --from-grid the voxels or triangles themselves "
+    "are used, as they are of any\n"
+    "other level set or mesh.",
+    "  juliavdb points bunny.vdb -o bunny_points.ply --points 20000\n"
+    "  juliavdb points bunny.vdb -o bunny_points.vdb --spacing 0.02\n"
+    "  juliavdb points bunny.obj -o even.ply --spacing 0.05 --seed 7\n"};
 
 vdbtools::PointsOptions parsePoints(const CommandLine& line) {
   vdbtools::PointsOptions options;
@@ -89,7 +90,7 @@ bool mayHoldRecipe(const std::string& input) {
 }  // namespace
 
 int runPoints(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::OptionTable());
+  CommandLine line(kPointsUsage, vdbtools::OptionTable());
   line.addPositional("input", 1, "the VDB or the mesh");
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
   line.addOptions()("output,o", text("P.ply"), "the points to write: .ply or .vdb")("points", text("N"),

@@ -24,7 +24,7 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-constexpr Usage kUsageText = {
+constexpr Usage kPrintUsage = {
     "print", "F.vdb|MESH -o PART.stl|PART.3mf|PART.ply|PART.obj --size MM [--min-thickness MM] [options]",
     "Makes a part for 3D printing: one closed piece without cavities, in millimetres, with z up, standing on z = 0 "
     "and\n"
@@ -128,7 +128,7 @@ void tell(const vdbtools::PrintedPart& part, const vdbtools::PrintOptions& optio
 }  // namespace
 
 int runPrint(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::OptionTable());
+  CommandLine line(kPrintUsage, vdbtools::OptionTable());
   line.addPositional("input", 1, "the VDB or the mesh");
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
   line.addOptions()("output,o", text("PART.stl"), "the part to write: .stl, .3mf, .ply or .obj")(

@@ -26,7 +26,7 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-constexpr Usage kUsageText = {
+constexpr Usage kRenderUsage = {
     "render",
     "F.vdb|MESH -o F.png [--size WxH] [--azimuth DEG] [--elevation DEG] [options]\n"
     "       juliavdb render --field [MESH|SDF.vdb|FRACTAL.vdb] -o F.png [options]",
@@ -180,7 +180,7 @@ int renderMap(const CommandLine& line) {
 }  // namespace
 
 int runRender(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::fractalOptionTable());
+  CommandLine line(kRenderUsage, vdbtools::fractalOptionTable());
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
   line.addOptions()("output,o", text("F.png"), "the picture to write: .png or .exr");
   line.addOptions(vdbtools::viewOptionSpecs(kSize));

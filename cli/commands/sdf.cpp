@@ -18,7 +18,7 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-constexpr Usage kUsageText = {
+constexpr Usage kSdfUsage = {
     "sdf", "MESH -o F.vdb [--resolution N | --voxel-size H] [--repair] [options]",
     "Makes a signed distance field of a mesh: a narrow-band level set, negative inside. A mesh that leaks is refused;\n"
     "--repair closes it. --solidify makes a block of terrain, --thicken a plate of a sheet, and --points-radius a "
@@ -30,7 +30,7 @@ constexpr Usage kUsageText = {
 }  // namespace
 
 int runSdf(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::sdfOptionTable());
+  CommandLine line(kSdfUsage, vdbtools::sdfOptionTable());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), "the VDB to write")(
       "frame", po::value<std::string>()->value_name("N"), "the frame number, for names such as name.####.vdb");
   if (!line.parse(arguments)) return kDone;

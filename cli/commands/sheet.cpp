@@ -17,7 +17,7 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-constexpr Usage kUsageText = {
+constexpr Usage kSheetUsage = {
     "sheet",
     "MESH|SDF.vdb|FRACTAL.vdb -o F.png --vary NAME=VALUES [--vary NAME=VALUES] [options]",
     "Makes a contact sheet: a small picture for each value of an option of 'fractal', or for each pair of values of "
@@ -72,7 +72,7 @@ vdbtools::SheetOptions parseSheet(const CommandLine& line) {
 }  // namespace
 
 int runSheet(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::fractalOptionTable());
+  CommandLine line(kSheetUsage, vdbtools::fractalOptionTable());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.png"),
                     "the picture to write; F.json goes with it")(
       "vary", po::value<std::vector<std::string>>()->value_name("NAME=VALUES"),

@@ -26,7 +26,7 @@ namespace {
 using vdbtools::Scene;
 using vdbtools::SlicePlane;
 
-constexpr Usage kUsageText = {
+constexpr Usage kSliceUsage = {
     "slice",
     "MESH|SDF.vdb|FRACTAL.vdb -o F.png [--field phi|e|f|membership|iterations|versor|grid] [--axis x|y|z] "
     "[options]",
@@ -159,7 +159,7 @@ vdbtools::Image sliceOfGrid(const std::string& input, const std::string& name, c
 }  // namespace
 
 int runSlice(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::fractalOptionTable());
+  CommandLine line(kSliceUsage, vdbtools::fractalOptionTable());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.png"), "the picture to write: .png or .exr")(
       "field", po::value<std::string>()->default_value("membership")->value_name("NAME"), "the field to show");
   addPlaneOptions(line, "its middle");

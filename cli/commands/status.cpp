@@ -18,7 +18,7 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-constexpr Usage kUsageText = {
+constexpr Usage kStatusUsage = {
     "status", "DIR [--missing [--lines]] [options]",
     "Shows how many tasks of the plan in the folder DIR are done, are being made, have failed, or are missing, and "
     "what\n"
@@ -81,7 +81,7 @@ void printLists(const std::vector<std::uint64_t>& missing, bool lines) {
 }  // namespace
 
 int runStatus(const Arguments& arguments) {
-  CommandLine line(kUsageText, {});
+  CommandLine line(kStatusUsage, {});
   line.addPositional("folder", 1, "the folder of the plan");
   line.addOptions()("missing", po::bool_switch(), "print the numbers of the tasks that have to be made")(
       "lines", po::bool_switch(), "with --missing: one number a line, as GNU parallel reads them")(

@@ -20,7 +20,7 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-constexpr Usage kUsageText = {
+constexpr Usage kStudyUsage = {
     "study", "MESH|SDF.vdb|FRACTAL.vdb -o F.png [--curve F.png] [--csv F.csv] [--versors N] [--axis x|y|z] [options]",
     "Shows on a plane what a target decides by itself and what is left to the versor: the average of the sets of many\n"
     "random versors. It is black where all sets contain the pixel and white where none does (Schor and Kim 2023, Fig. "
@@ -45,7 +45,7 @@ int runStudy(const Arguments& arguments) {
     return word == "--dimension" || word.starts_with("--dimension=");
   });
   if (dimension) return studyDimension(arguments);
-  CommandLine line(kUsageText, vdbtools::studyOptionTable());
+  CommandLine line(kStudyUsage, vdbtools::studyOptionTable());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.png"), "the average to write: .png or .exr")(
       "curve", po::value<std::string>()->value_name("F.png"), "the distance over circles to write: .png, .svg or .exr")(
       "csv", po::value<std::string>()->value_name("F.csv"), "the numbers of the circles to write")(

@@ -19,7 +19,7 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-constexpr Usage kUsageText = {
+constexpr Usage kStudyDimensionUsage = {
     "study", "MESH|SDF.vdb --dimension N,N,N[,...] [--json] [options]",
     "Measures how the mesh of a fractal grows with the resolution N. The slope of log(triangles) over log N is an "
     "estimate\n"
@@ -82,7 +82,7 @@ void writeText(const std::vector<vdbtools::GrowthRow>& rows, const vdbtools::Pow
 }  // namespace
 
 int studyDimension(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::fractalOptionTable());
+  CommandLine line(kStudyDimensionUsage, vdbtools::fractalOptionTable());
   line.addOptions()("dimension", po::value<std::string>()->value_name("N,N,N"), "the resolutions, the smallest first")(
       "json", "write the numbers as JSON");
   if (!line.parse(arguments)) return kDone;

@@ -32,7 +32,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Usage kUsageText = {
+constexpr Usage kSubmitUsage = {
     "submit", "DIR --engine slurm|parallel [-o F.vdb] [--mesh F.ply] [options] [-- ENGINE ARGS]",
     "Gives the missing tasks of the plan in the folder DIR to Slurm, as the jobs of an array, or to GNU parallel on "
     "this\n"
@@ -185,7 +185,7 @@ std::vector<std::string> mergeWords(const CommandLine& line) {
 }  // namespace
 
 int runSubmit(const Arguments& arguments) {
-  CommandLine line(kUsageText, {});
+  CommandLine line(kSubmitUsage, {});
   line.addPositional("folder", 1, "the folder of the plan");
   line.addOptions()("engine", po::value<std::string>()->value_name("slurm|parallel"), "what runs the tasks")(
       "dry-run", po::bool_switch(), "print the script, and do nothing")(

@@ -22,7 +22,7 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-constexpr Usage kUsageText = {
+constexpr Usage kTaskUsage = {
     "task", "DIR [--index I | --range A-B] [options]",
     "Makes one of the tasks of the plan in the folder DIR. Tasks count from 1. The number is that of --index or "
     "--range,\n"
@@ -87,7 +87,7 @@ Range rangeOf(const CommandLine& line) {
 }  // namespace
 
 int runTask(const Arguments& arguments) {
-  CommandLine line(kUsageText, {});
+  CommandLine line(kTaskUsage, {});
   line.addPositional("folder", 1, "the folder of the plan");
   line.addOptions()("index", po::value<std::string>()->value_name("I"), "the number of the task")(
       "range", po::value<std::string>()->value_name("A-B"), "the numbers of the first and the last of several tasks");

@@ -17,7 +17,7 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-constexpr Usage kUsageText = {
+constexpr Usage kUsdUsage = {
     "usd", "[F.vdb | F.####.vdb --frames A-B] [--mesh F.ply] -o F.usda [options]",
     "Writes a scene of USD (.usda) beside files that were made before: a Volume that refers to the grids of a VDB, or\n"
     "of one VDB for each frame, by relative paths, and a mesh, which is part of the scene.",
@@ -27,7 +27,7 @@ constexpr Usage kUsageText = {
 }  // namespace
 
 int runUsd(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::OptionTable());
+  CommandLine line(kUsdUsage, vdbtools::OptionTable());
   line.addPositional("input", 1, "the VDB, or the name of a sequence");
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
   line.addOptions()("output,o", text("F.usda"), "the scene to write")(

@@ -29,30 +29,31 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-constexpr Usage kUsageText = {"versor",
-                              "list|new|inspect|add|scale|translate [FILES] [-o F.json] [options]",
-                              "Makes, shows and changes versors, the texture of a fractal. A versor is a quaternion "
-                              "polynomial or rational, given by\n"
-                              "its roots and powers in fractal space, where the target's longest side is 1. Reads "
-                              ".json, .p4d, .poly4d and .o3d;\n"
-                              "writes .json and, for polynomials, .p4d.\n"
-                              "\n"
-                              "  list                        show the textures that have a name\n"
-                              "  new -o F                    make random roots in a box or about a point, or those of "
-                              "a texture\n"
-                              "  inspect F                   show what is in a file\n"
-                              "  add A B -o F                make the ordered product of two versors\n"
-                              "  scale A FACTOR -o F         scale the roots about the origin\n"
-                              "  translate A X,Y,Z[,S] -o F  move the roots",
-                              "  juliavdb versor list\n"
-                              "  juliavdb versor new -o swirl.json --seed 3 --roots 12 --powers 2:9 --integer\n"
-                              "  juliavdb versor new -o scales.json --texture scales\n"
-                              "  juliavdb versor inspect swirl.json\n"
-                              "  juliavdb versor scale swirl.json 0.5 -o fine.json\n"
-                              "  juliavdb versor translate swirl.json 0.1,0,0 -o moved.json\n"
-                              "  juliavdb versor add fine.json moved.json -o both.json\n",
-                              nullptr,
-                              "list new inspect add scale translate"};
+constexpr Usage kVersorUsage = {
+    "versor",
+    "list|new|inspect|add|scale|translate [FILES] [-o F.json] [options]",
+    "Makes, shows and changes versors, the texture of a fractal. A versor is a quaternion "
+    "polynomial or rational, given by\n"
+    "its roots and powers in fractal space, where the target's longest side is 1. Reads "
+    ".json, .p4d, .poly4d and .o3d;\n"
+    "writes .json and, for polynomials, .p4d.\n"
+    "\n"
+    "  list                        show the textures that have a name\n"
+    "  new -o F                    make random roots in a box or about a point, or those of "
+    "a texture\n"
+    "  inspect F                   show what is in a file\n"
+    "  add A B -o F                make the ordered product of two versors\n"
+    "  scale A FACTOR -o F         scale the roots about the origin\n"
+    "  translate A X,Y,Z[,S] -o F  move the roots",
+    "  juliavdb versor list\n"
+    "  juliavdb versor new -o swirl.json --seed 3 --roots 12 --powers 2:9 --integer\n"
+    "  juliavdb versor new -o scales.json --texture scales\n"
+    "  juliavdb versor inspect swirl.json\n"
+    "  juliavdb versor scale swirl.json 0.5 -o fine.json\n"
+    "  juliavdb versor translate swirl.json 0.1,0,0 -o moved.json\n"
+    "  juliavdb versor add fine.json moved.json -o both.json\n",
+    nullptr,
+    "list new inspect add scale translate"};
 
 void write(CommandLine& line, const julia::Rational& rational, const std::string& note,
            const std::optional<vdbtools::FittedTo>& target = {}) {
@@ -159,7 +160,7 @@ vdbtools::RationalFile newVersor(const CommandLine& line) {
 }  // namespace
 
 int runVersor(const Arguments& arguments) {
-  CommandLine line(kUsageText, vdbtools::OptionTable());
+  CommandLine line(kVersorUsage, vdbtools::OptionTable());
   line.addPositional("words", -1, "what to do, and with which files");
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.json"), "the file to write")(
       "seed", po::value<std::string>()->value_name("S"), "new: the seed; every number is another texture (default 1)")(

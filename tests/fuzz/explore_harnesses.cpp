@@ -77,7 +77,7 @@ void readHead(std::string_view bytes) {
 }
 #endif
 
-constexpr Harness kHarnesses[] = {
+constexpr Harness kExploreHarnesses[] = {
     {"request", readRequest, Refusal::None},
     {"made_file", readMadeFile},
 #ifdef JULIAVDB_FUZZ_HTTP
@@ -87,6 +87,6 @@ constexpr Harness kHarnesses[] = {
 
 }  // namespace
 
-std::span<const Harness> exploreHarnesses() { return kHarnesses; }
+std::span<const Harness> exploreHarnesses() { return kExploreHarnesses; }
 
 }  // namespace fuzz

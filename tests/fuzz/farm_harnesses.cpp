@@ -85,7 +85,7 @@ void readSheet(std::string_view bytes) {
   readRecordedRecipe(path.string() + "#1");
 }
 
-constexpr std::array<Harness, 5> kHarnesses = {{
+constexpr std::array<Harness, 5> kFarmHarnesses = {{
     {"plan", readPlan},
     {"side_car", readSideCar, Refusal::None},
     {"tile", readTile},
@@ -95,6 +95,6 @@ constexpr std::array<Harness, 5> kHarnesses = {{
 
 }  // namespace
 
-std::span<const Harness> farmHarnesses() { return kHarnesses; }
+std::span<const Harness> farmHarnesses() { return kFarmHarnesses; }
 
 }  // namespace fuzz

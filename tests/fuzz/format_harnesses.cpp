@@ -114,7 +114,7 @@ std::size_t mutateVdb(std::span<std::uint8_t> bytes, std::size_t size, unsigned 
   return size;
 }
 
-constexpr std::array<Harness, 7> kHarnesses = {{
+constexpr std::array<Harness, 7> kFormatHarnesses = {{
     {"vdb", readVdbFile, Refusal::Data, mutateVdb},
     {"vdb_target", openVdbTarget, Refusal::Data, mutateVdb},
     {"vdb_head", readVdbHead, Refusal::Data, mutateVdb},
@@ -126,6 +126,6 @@ constexpr std::array<Harness, 7> kHarnesses = {{
 
 }  // namespace
 
-std::span<const Harness> formatHarnesses() { return kHarnesses; }
+std::span<const Harness> formatHarnesses() { return kFormatHarnesses; }
 
 }  // namespace fuzz

@@ -94,7 +94,7 @@ std::size_t mutateGlb(std::span<std::uint8_t> bytes, std::size_t size, unsigned 
   return whole;
 }
 
-constexpr std::array<Harness, 6> kHarnesses = {{
+constexpr std::array<Harness, 6> kMeshHarnesses = {{
     {"ply", [](std::string_view bytes) { readMesh<vdbtools::readPly, false>("mesh.ply", bytes); }},
     {"obj", [](std::string_view bytes) { readMesh<vdbtools::readObj, false>("mesh.obj", bytes); }},
     {"stl", [](std::string_view bytes) { readMesh<vdbtools::readStl, true>("mesh.stl", bytes); }},
@@ -105,6 +105,6 @@ constexpr std::array<Harness, 6> kHarnesses = {{
 
 }  // namespace
 
-std::span<const Harness> meshHarnesses() { return kHarnesses; }
+std::span<const Harness> meshHarnesses() { return kMeshHarnesses; }
 
 }  // namespace fuzz

@@ -93,7 +93,7 @@ void readKeys(std::string_view bytes) {
   }
 }
 
-constexpr std::array<Harness, 5> kHarnesses = {{
+constexpr std::array<Harness, 5> kTextHarnesses = {{
     {"expression", readExpression, Refusal::Usage},
     {"pair", readPair, Refusal::Usage},
     {"control", readControl, Refusal::Usage},
@@ -103,6 +103,6 @@ constexpr std::array<Harness, 5> kHarnesses = {{
 
 }  // namespace
 
-std::span<const Harness> textHarnesses() { return kHarnesses; }
+std::span<const Harness> textHarnesses() { return kTextHarnesses; }
 
 }  // namespace fuzz

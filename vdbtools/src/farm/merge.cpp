@@ -5,6 +5,7 @@
 #include "farm/tile_merge.h"
 #include "farm/tile_task.h"
 #include "field/block_evaluator.h"
+#include "field/block_layers.h"
 #include "job/point_attributes.h"
 #include "surface/band_distances.h"
 
@@ -37,8 +38,6 @@ namespace fs = std::filesystem;
 using openvdb::FloatGrid;
 using openvdb::FloatTree;
 using Leaf = FloatTree::LeafNodeType;
-
-constexpr int kBlock = Leaf::DIM;
 
 bool writes(const Manifest& manifest, std::uint64_t index, const std::string& name) {
   const std::vector<std::string>& names = manifest.tasks.at(index - 1).writes;

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kFileKey = "juliavdb";
+constexpr const char* kKindKey = "juliavdb";
 constexpr const char* kRecordKind = "task";
 constexpr const char* kRunningKind = "running task";
 constexpr const char* kFailedKind = "failed task";
@@ -44,7 +44,7 @@ Json objectIn(const fs::path& path, const char* kind) {
   if (!fs::is_regular_file(path, error)) return {};
   try {
     Json json = parsedJson<Json>(readWholeFile(path));
-    return json.is_object() && json.value(kFileKey, Json()) == kind ? std::move(json) : Json();
+    return json.is_object() && json.value(kKindKey, Json()) == kind ? std::move(json) : Json();
   } catch (const std::runtime_error&) {
     return {};  // it was removed in between
   }
@@ -191,7 +191,7 @@ std::string encodeRecord(std::uint64_t index, const TaskRecord& record) {
   Json files = Json::array();
   for (const TaskFile& file : record.files)
     files.push_back({{"name", file.name}, {"bytes", file.bytes}, {"modified", file.modified}, {"sha256", file.sha256}});
-  return text({{kFileKey, kRecordKind},
+  return text({{kKindKey, kRecordKind},
                {"task", index},
                {"hash", record.hash},
                {"files", std::move(files)},
@@ -205,7 +205,7 @@ std::string encodeRecord(std::uint64_t index, const TaskRecord& record) {
 
 std::string encodeRunning(std::uint64_t index) {
   const long process = ::getpid();
-  return text({{kFileKey, kRunningKind},
+  return text({{kKindKey, kRunningKind},
                {"task", index},
                {"host", hostName()},
                {"process", process},
@@ -214,7 +214,7 @@ std::string encodeRunning(std::uint64_t index) {
 }
 
 std::string encodeFailure(std::uint64_t index, const std::string& hash, int exitCode, const std::string& error) {
-  return text({{kFileKey, kFailedKind},
+  return text({{kKindKey, kFailedKind},
                {"task", index},
                {"hash", hash},
                {"exit", exitCode},

@@ -2,6 +2,7 @@
 #include "farm/tile_islands.h"
 
 #include "base/disjoint_sets.h"
+#include "field/block_layers.h"
 #include "field/leaf_signs.h"
 
 #include "julia/evaluator.h"
@@ -24,7 +25,6 @@ using openvdb::CoordBBox;
 using openvdb::FloatTree;
 using Leaf = FloatTree::LeafNodeType;
 
-constexpr int kBlock = Leaf::DIM;
 constexpr unsigned kAll = 0xff;
 
 int blockOf(int node) { return node & ~(kBlock - 1); }

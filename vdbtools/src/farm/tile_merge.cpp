@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "farm/tile_merge.h"
 
+#include "field/block_layers.h"
+
 #include "vdbtools/base/errors.h"
 
 #include <algorithm>
@@ -16,8 +18,6 @@ namespace {
 using openvdb::Index;
 using openvdb::Vec3d;
 using openvdb::Vec3s;
-
-constexpr int kBlock = openvdb::FloatTree::LeafNodeType::DIM;
 
 using Place = std::pair<std::int32_t, std::int32_t>;  // y and z of a block
 

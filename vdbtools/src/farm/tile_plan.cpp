@@ -3,6 +3,7 @@
 
 #include "farm/tile_task.h"
 #include "farm/variant_plan.h"
+#include "field/block_layers.h"
 
 #include "julia/evaluator.h"
 #include "vdbtools/base/errors.h"
@@ -24,8 +25,6 @@ namespace {
 
 using openvdb::Coord;
 using openvdb::CoordBBox;
-
-constexpr int kBlock = openvdb::FloatTree::LeafNodeType::DIM;
 
 double volumeOf(const CoordBBox& box) {
   const Coord sides = box.dim();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "farm/tile_task.h"
 
+#include "field/block_layers.h"
+
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/atomic_file.h"
 #include "vdbtools/formats/vdb_file.h"
@@ -21,15 +23,13 @@ using openvdb::CoordBBox;
 using openvdb::FloatGrid;
 using Leaf = openvdb::FloatTree::LeafNodeType;
 
-constexpr int kBlock = Leaf::DIM;
-
 std::string numbered(std::uint64_t index, const char* extension) { return "tiles/" + taskName(index) + extension; }
 
 bool dropsIslands(const FractalOptions& options) {
   return options.surface.islands.largest > 0 || options.surface.islands.minSize > 0;
 }
 
-Coord blockOf(const Coord& node) { return node & ~(kBlock - 1); }
+Coord leafOf(const Coord& node) { return node & ~(kBlock - 1); }
 
 /// The mesh without its caps, and the places of what is left.
 PlacedMesh withoutCaps(PlacedMesh placed) {
@@ -76,15 +76,15 @@ class LayerMaker {
     std::size_t point = 0, triangle = 0;
     while (point < edges.size() || triangle < cells.size()) {
       const bool pointFirst =
-          point < edges.size() && (triangle == cells.size() || blockOf(edges[point].node) <= blockOf(cells[triangle]));
-      const Coord block = blockOf(pointFirst ? edges[point].node : cells[triangle]);
+          point < edges.size() && (triangle == cells.size() || leafOf(edges[point].node) <= leafOf(cells[triangle]));
+      const Coord block = leafOf(pointFirst ? edges[point].node : cells[triangle]);
       TileLayer::Block record{block[1], block[2]};
-      for (; point < edges.size() && blockOf(edges[point].node) == block; ++point)
+      for (; point < edges.size() && leafOf(edges[point].node) == block; ++point)
         if (const bool own = mOwn.isInside(edges[point].node); own || used[point]) {
           addPoint(block, point, own);
           ++record.points;
         }
-      for (; triangle < cells.size() && blockOf(cells[triangle]) == block; ++triangle)
+      for (; triangle < cells.size() && leafOf(cells[triangle]) == block; ++triangle)
         if (mOwn.isInside(cells[triangle])) {
           addTriangle(block, triangle);
           ++record.triangles;
@@ -124,7 +124,7 @@ class LayerMaker {
     TileLayer::Triangle record{static_cast<std::uint16_t>(Leaf::coordToOffset(mPlaced.places.triangles[triangle]))};
     for (int k = 0; k < 3; ++k) {
       const EdgePlace& edge = mPlaced.places.points[mPlaced.mesh.triangles[triangle][k]];
-      const Coord ahead = blockOf(edge.node) - block;
+      const Coord ahead = leafOf(edge.node) - block;
       const unsigned neighbour = (ahead[0] ? 1u : 0) | (ahead[1] ? 2u : 0) | (ahead[2] ? 4u : 0);
       record[static_cast<std::size_t>(k + 1)] = static_cast<std::uint16_t>(edgeOf(edge) | neighbour << kEdgeBits);
       if (mIslands && edge.cut) record[0] |= kOnCap;

@@ -47,7 +47,7 @@ class MandelbulbSettings final : public MapSettings {
 };
 
 /// Three numbers, and a fourth if it is 0: a quaternion that lies in space.
-julia::Point parseConstant(const std::string& text) {
+julia::Point parsePoint(const std::string& text) {
   const bool padded = std::count(text.begin(), text.end(), ',') == 3 && parseNumbers("c", text, 4)[3] == 0;
   const openvdb::Vec3d c = parseVector("c", padded ? text.substr(0, text.rfind(',')) : text);
   return {c[0], c[1], c[2]};
@@ -95,7 +95,7 @@ class MandelbulbDescriptor final : public MapDescriptor {
     if (!(std::abs(options.power) <= 100)) reader.refuse("power", "between -100 and 100");
     options.angle =
         reader.choice<TriplexAngle>("theta", {{"plane", TriplexAngle::AbovePlane}, {"pole", TriplexAngle::FromPole}});
-    if (!mandelbrot) options.constant = reader.has("c") ? parseConstant(reader.text("c")) : julia::Point{};
+    if (!mandelbrot) options.constant = reader.has("c") ? parsePoint(reader.text("c")) : julia::Point{};
     return std::make_shared<MandelbulbSettings>(parseOrbit(reader, "radius"), parseSpatialEmbedding(reader), options);
   }
 };
