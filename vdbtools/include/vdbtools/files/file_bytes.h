@@ -24,11 +24,12 @@ void readPieces(const std::filesystem::path& path, const std::function<void(std:
 /// The whole content, held in memory.
 std::string readWholeFile(const std::filesystem::path& path);
 
-/// @a text with a question mark for every control character: what a file holds cannot speak to the terminal that shows it.
+/// @a text with a question mark for every control character: what a file holds cannot speak to the terminal that shows
+/// it.
 std::string withoutControls(std::string text);
 
-/// The same, cut where it is too long for a message: neither the content of a file nor its name can break a message into
-/// lines.
+/// The same, cut where it is too long for a message: neither the content of a file nor its name can break a message
+/// into lines.
 std::string inOneLine(std::string_view text);
 
 /// @a text with the letters A to Z in lower case, whatever the locale.

@@ -43,8 +43,9 @@ openvdb::Vec3SGrid::Ptr versorGrid(const openvdb::FloatGrid& surface, const Fiel
 
 /// What OpenVDB's checkLevelSet finds.
 struct LevelSetCheck {
-  std::string failure;          ///< of tests 1 to 8; empty: none
-  double gradientFraction = 0;  ///< of the active voxels, those where | |grad phi| - 1 | < 0.5; 0 where voxels are not cubes
+  std::string failure;  ///< of tests 1 to 8; empty: none
+  /// Of the active voxels, those where | |grad phi| - 1 | < 0.5; 0 where voxels are not cubes.
+  double gradientFraction = 0;
 };
 
 LevelSetCheck checkSurface(const openvdb::FloatGrid& surface);
