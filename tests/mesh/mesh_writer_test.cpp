@@ -113,7 +113,12 @@ struct Pipe : PipeBuffer, std::ostream {
 Mesh randomMesh(std::mt19937& random, std::size_t points, std::size_t triangles, bool normals) {
   Mesh mesh;
   std::uniform_real_distribution<float> coordinate(-2, 2);
-  const auto vector = [&] { return openvdb::Vec3s(coordinate(random), coordinate(random), coordinate(random)); };
+  // Arguments of a function are drawn in an order that differs from compiler to compiler.
+  const auto vector = [&] {
+    openvdb::Vec3s v;
+    for (int axis = 0; axis < 3; ++axis) v[axis] = coordinate(random);
+    return v;
+  };
   for (std::size_t i = 0; i < points; ++i) mesh.points.emplace_back(vector());
   if (normals)
     for (std::size_t i = 0; i < points; ++i) mesh.normals.push_back(vector().unit());
@@ -122,7 +127,12 @@ Mesh randomMesh(std::mt19937& random, std::size_t points, std::size_t triangles,
     const auto corner = [&](std::size_t k) {
       return static_cast<openvdb::Index>(std::min(first + 3 * (random() % 4) + k, points - 3 + k));
     };
-    mesh.triangles.emplace_back(corner(0), corner(1), corner(2));
+    openvdb::Vec3I triangle;
+    do {
+      for (int k = 0; k < 3; ++k) triangle[k] = corner(static_cast<std::size_t>(k));
+      // A face with a corner twice is none in an OBJ.
+    } while (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0]);
+    mesh.triangles.push_back(triangle);
   }
   return mesh;
 }
