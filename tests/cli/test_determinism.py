@@ -19,9 +19,9 @@ class SameBytes(harness.CliTest):
         self.write("t.obj", harness.obj(harness.torus()))
 
     def twice(self, extensions, *arguments):
-        """Runs with one thread, with three and with those that there are. @param extensions: of the outputs, by option"""
+        """Runs with one thread, with two, with four and with those that there are. @param extensions: of the outputs, by option"""
         results = {}
-        for threads in (1, 3, None):
+        for threads in (1, 2, 4, None):
             outputs = [word for option, extension in extensions.items() for word in (option, f"{threads}{extension}")]
             self.ok(*arguments, *outputs, *(("--threads", threads) if threads else ()))
             for extension in extensions.values():

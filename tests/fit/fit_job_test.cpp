@@ -502,7 +502,7 @@ TEST(FitJob, InterruptionIsAllThatItThrows) {
     Interrupting never(std::numeric_limits<std::int64_t>::max());
     job.run(true, never);
     ASSERT_GT(never.asked(), 20);
-    for (const double share : {0.0, 0.2, 0.6, 0.95}) {
+    for (const double share : {0.0, 0.1, 0.3, 0.6, 0.8, 0.95}) {
       Interrupting monitor(1 + static_cast<std::int64_t>(share * static_cast<double>(never.asked())));
       SCOPED_TRACE(share);
       EXPECT_THROW(job.run(true, monitor), Interrupted);

@@ -140,10 +140,10 @@ TEST_F(FractalJob, AgreesWithAnIndependentMarchingCubes) {
                             {"alpha", std::to_string(alpha)},
                             {"beta", "0.01"},
                             {"precision", "double"},
-                            {"voxel-size", "0.0145"}});
-    const auto ours = byEdge(made, 0.0145);
-    const auto theirs = Independent(box, sdfVoxel, alpha, 0.01, versor).vertices(0.0145);
-    ASSERT_GT(theirs.size(), 3500u);
+                            {"voxel-size", "0.0121"}});
+    const auto ours = byEdge(made, 0.0121);
+    const auto theirs = Independent(box, sdfVoxel, alpha, 0.01, versor).vertices(0.0121);
+    ASSERT_GT(theirs.size(), 5000u);
     EXPECT_EQ(ours.size(), theirs.size()) << "alpha " << alpha;
     // An edge may hold several changes of sign, and each of them is right: near our vertex the independent F must
     // change its sign, and mostly it is the vertex that bisection finds.
@@ -152,7 +152,7 @@ TEST_F(FractalJob, AgreesWithAnIndependentMarchingCubes) {
       const auto at = [&](double along) {
         Vec3d node = edge.node.asVec3d();
         node[edge.axis] += along;
-        return independent.field(node * 0.0145) < 0;
+        return independent.field(node * 0.0121) < 0;
       };
       // In small steps, for two changes may lie close together.
       constexpr int kSteps = 64;
