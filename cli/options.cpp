@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "options.h"
 
+#include "config_list.h"
 #include "describe.h"
 #include "help_output.h"
 #include "option_groups.h"
@@ -67,7 +68,10 @@ std::optional<std::string> helpTopic(const Arguments& arguments) {
 
 /// The option that a word names; nullptr: it is none.
 const po::option_description* optionOf(const std::string& word, const po::options_description& all) {
-  if (word.starts_with("--")) return all.find_nothrow(word.substr(2, word.find('=') - 2), false);
+  if (word.starts_with("--")) {
+    const std::string name = word.substr(2, word.find('=') - 2);
+    return name.empty() ? nullptr : all.find_nothrow(name, false);  // an empty name would fit all of them
+  }
   if (word.size() < 2 || word[0] != '-' || !std::isalpha(static_cast<unsigned char>(word[1]))) return nullptr;
   return all.find_nothrow(word.substr(0, 2), false);
 }
@@ -116,12 +120,16 @@ void applyMemory(const CommandLine& line) {
 
 /// A negative number that stands alone, as in 'versor translate F.json -0.1,0,0', is a word and no short option; so is
 /// a list of expressions, as in '--f "-x, y, z"'.
-std::vector<po::option> takeNegativeNumber(std::vector<std::string>& words) {
-  const std::string word = words.front();
-  if (word.size() < 2 || word[0] != '-') return {};
+bool isNegativeNumber(const std::string& word) {
+  if (word.size() < 2 || word[0] != '-') return false;
   const bool number = std::isdigit(static_cast<unsigned char>(word[1])) || word[1] == '.';
   const bool list = word[1] != '-' && word[1] != 'o' && word.find(',') != std::string::npos;
-  if (!number && !list) return {};
+  return number || list;
+}
+
+std::vector<po::option> takeNegativeNumber(std::vector<std::string>& words) {
+  const std::string word = words.front();
+  if (!isNegativeNumber(word)) return {};
   words.erase(words.begin());
   po::option option;
   option.value.push_back(word);
@@ -273,18 +281,7 @@ void CommandLine::readConfig(const std::string& file) {
     mConfigHolder = file;
   } else {
     // Whole, so that a file that cannot be read to its end is not taken for a shorter one.
-    std::istringstream stream(vdbtools::readWholeFile(file));
-    po::options_description known;
-    known.add(mFromRecipe);
-    known.add_options()("input", po::value<std::string>());
-    if (mUsage.hides) known.add_options()(mUsage.hides, po::value<std::string>());
-    try {
-      for (const auto& option : po::parse_config_file(stream, known).options)
-        if (!base.emplace(option.string_key, option.value.empty() ? "true" : option.value.front()).second)
-          throw std::invalid_argument("'" + file + "' sets '" + option.string_key + "' twice; keep only one of them");
-    } catch (const po::error& error) {
-      throw std::invalid_argument("'" + file + "': " + error.what());
-    }
+    base = readConfigList(vdbtools::readWholeFile(file), file, mTable);
   }
   mGiven = vdbtools::overridden(std::move(base), mGiven, mTable);
 }
@@ -338,7 +335,12 @@ void CommandLine::checkWords(const Arguments& arguments, const po::options_descr
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string& word = arguments[i];
     if (word == "--") return;
+    if (isNegativeNumber(word)) continue;
+    const bool isShort = word.size() > 1 && word[0] == '-' && !word.starts_with("--");
     const po::option_description* option = optionOf(word, all);
+    if (isShort && (!option || (option->semantic()->max_tokens() == 0 && word.size() > 2)))
+      throw std::invalid_argument("'" + word + "' is not an option of 'juliavdb " + mUsage.command +
+                                  "'; see 'juliavdb " + mUsage.command + " --help'");
     if (!option) {
       if (!word.starts_with("--")) continue;
       const std::string name = word.substr(2, word.find('=') - 2);

@@ -18,6 +18,9 @@ target_compile_options(juliavdb_warnings INTERFACE
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
   $<${gcc12_string_bug}:-Wno-array-bounds> $<${gcc12_string_bug}:-Wno-stringop-overflow>
   $<${gcc12_string_bug}:-Wno-stringop-overread>)
+if(CMAKE_UNITY_BUILD)  # sources that are compiled as one see each other's unnamed namespaces
+  target_compile_options(juliavdb_warnings INTERFACE -Wno-shadow $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+endif()
 if(JULIAVDB_WERROR)
   target_compile_options(juliavdb_warnings INTERFACE -Werror)
 endif()

@@ -21,7 +21,7 @@ import unittest
 import zlib
 
 # Exit codes of the contract.
-DONE, USAGE, BAD_DATA, NO_INPUT, CANNOT_CREATE, IO_ERROR, INTERRUPTED = 0, 2, 65, 66, 73, 74, 75
+DONE, USAGE, BAD_DATA, NO_INPUT, INTERNAL, CANNOT_CREATE, IO_ERROR, INTERRUPTED = 0, 2, 65, 66, 70, 73, 74, 75
 
 BUNNY = pathlib.Path("/usr/share/glmark2/models/bunny.obj")
 

@@ -493,6 +493,15 @@ class Options(harness.CliTest):
             self.write("bad.cfg", "input = s.obj\n" + content)
             with self.subTest(content=content):
                 self.refused(USAGE, "fractal", "--config", "bad.cfg", "-o", "x.vdb", *LOW)
+        self.write("bad.cfg", "input = s.obj\n\n  alpah = 40  # a comment\n")
+        self.refused(USAGE, "fractal", "--config", "bad.cfg", "-o", "x.vdb", *LOW,
+                     mentions=["bad.cfg", "line 3", "alpah", "did you mean 'alpha'"])
+        # Boost.ProgramOptions puts names into its messages, and never ends where the name is that of a place in them.
+        for content in ("%canonical_option% = 1\n", "%invalid_line%\n"):
+            self.write("bad.cfg", content)
+            self.refused(USAGE, "fractal", "--config", "bad.cfg", "-o", "x.vdb", *LOW, mentions="line 1")
+        for word in ("-%canonical_option%", "-h%canonical_option%", "--%canonical_option%", "--=%option%", "-q"):
+            self.refused(USAGE, "fractal", "s.obj", "-o", "x.vdb", word, *LOW, mentions="is not an option of")
 
     def test_pictures(self):
         self.ok("sdf", "s.obj", "-o", "s.vdb", "--resolution", 24)

@@ -3,10 +3,11 @@
 
 import math
 import struct
+import subprocess
 import zlib
 
 import harness
-from harness import BAD_DATA, NO_INPUT, USAGE
+from harness import BAD_DATA, INTERNAL, NO_INPUT, USAGE
 
 SMALL = ("--resolution", 50, "--sdf-resolution", 40)
 
@@ -92,9 +93,32 @@ class Painting(harness.CliTest):
         self.assertGreater(rough, 4 * smooth)
         self.refused(BAD_DATA, "fractal", "ball.ply", "--alpha", "texture:halves.png:8:300", *SMALL, "--mesh", "b.ply",
                      mentions="no texture coordinates")
-        self.write("broken.png", b"\x89PNG\r\n\x1a\nnothing")
-        self.refused(BAD_DATA, "fractal", "ball.obj", "--alpha", "texture:broken.png:8:300", *SMALL, "--mesh", "b.ply",
-                     mentions="cannot be read as a picture")
+        # What it is called does not matter.
+        for name, kind in (("halves.tif", "tiff"), ("jpeg.png", "jpeg"), ("halves", "openexr")):
+            subprocess.run(["oiiotool", "halves.png", "-o:fileformatname=" + kind, name], cwd=self.folder, check=True)
+            self.make("a.ply", f"texture:{name}:8:300", target="ball.obj")
+            rough, smooth = self.sides("a.ply", 1)
+            self.assertGreater(rough, 4 * smooth, name)
+
+    def test_a_picture_that_cannot_be_used(self):
+        self.write("ball.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\n"
+                               "f 1/1 3/3 2/2\nf 1/1 2/2 4/3\nf 1/1 4/3 3/2\nf 2/1 3/2 4/3\n")
+
+        def check(name, content, code=BAD_DATA, mentions="cannot be read as a picture", options=()):
+            self.write(name, content)
+            self.refused(code, "fractal", "ball.obj", "--alpha", f"texture:{name}:8:300", *SMALL, *options, "--mesh",
+                         "b.ply", mentions=mentions)
+
+        check("broken.png", b"\x89PNG\r\n\x1a\nnothing")
+        check("empty.png", b"")
+        # Other formats are not tried, whatever the name: OpenImageIO's own decoders trust the file.
+        bitmap = b"BM" + struct.pack("<3I3I2H6I", 58, 0, 54, 40, 1, 1, 1, 24, 0, 4, 0, 0, 0, 0) + b"abc\0"
+        for name in ("right.bmp", "bitmap.png"):
+            check(name, bitmap, mentions="PNG, JPEG, TIFF or EXR")
+        huge = png(1, 1, lambda x, y: (0, 0, 0)).replace(struct.pack(">2I", 1, 1), struct.pack(">2I", 20000, 15000))
+        header = huge.index(b"IHDR")
+        huge = huge.replace(huge[header + 17:header + 21], struct.pack(">I", zlib.crc32(huge[header:header + 17])))
+        check("huge.png", huge, INTERNAL, "scale the picture down", ("--memory", "2G"))
 
     def test_another_mesh_as_the_brush(self):
         self.write("brush.obj", harness.obj(harness.sphere(2, 0.5, (1, 0, 0))))

@@ -12,9 +12,8 @@ import time
 import unittest
 
 import harness
-from harness import BAD_DATA, DONE, USAGE
+from harness import BAD_DATA, DONE, INTERNAL, USAGE
 
-INTERNAL = 70
 MIB = 1 << 20
 EVERY = os.environ.get("JULIAVDB_FAULTS") == "all"
 

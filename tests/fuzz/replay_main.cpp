@@ -18,11 +18,20 @@
 #include <string>
 #include <vector>
 
+#include <sys/resource.h>
+
 namespace {
 
 namespace fs = std::filesystem;
 
 constexpr double kMostSeconds = 10;  ///< for an input of 64 KiB; sanitizers and slow machines included
+constexpr double kMostBytes = 2e9;   ///< that the process ever had
+
+double mostBytesSoFar() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1024. * static_cast<double>(usage.ru_maxrss);
+}
 
 /// @return whether it went well
 bool replay(const std::string& name, const std::string& what, std::string_view bytes) {
@@ -44,6 +53,13 @@ bool replay(const std::string& name, const std::string& what, std::string_view b
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   if (took.count() > kMostSeconds) {
     std::cerr << what << ": it took " << took.count() << " s\n";
+    return false;
+  }
+  // Once it had that much, what comes next cannot be told from it.
+  static bool reported = false;
+  if (const double bytes = mostBytesSoFar(); !reported && bytes > kMostBytes) {
+    std::cerr << what << ": it took " << bytes / 1e9 << " GB\n";
+    reported = true;
     return false;
   }
   return true;

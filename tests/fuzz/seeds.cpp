@@ -13,9 +13,11 @@
 #include "vdbtools/job/fractal_options.h"
 #include "vdbtools/job/sheet_file.h"
 #include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/picture/image.h"
 
 #include <openvdb/io/Stream.h>
 
+#include <array>
 #include <cstring>
 #include <map>
 #include <sstream>
@@ -192,13 +194,50 @@ void addRationals(Seeds& seeds) {
   seeds.push_back({"o3d", "own", optimisedShapeToO3d(shape, field, field, field)});
 }
 
+template <class Value>
+void append(std::string& bytes, const Value& value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+/// An uncompressed grey picture of 2 x 1 pixels.
+std::string smallTiff() {
+  // Tag, kind (3: 2 bytes, 4: 4 bytes) and value: width, height, bits, compression, white is 1, offset, samples, rows,
+  // bytes.
+  constexpr std::array<std::array<std::uint32_t, 3>, 9> kEntries = {{{256, 3, 2},
+                                                                     {257, 3, 1},
+                                                                     {258, 3, 8},
+                                                                     {259, 3, 1},
+                                                                     {262, 3, 1},
+                                                                     {273, 4, 8 + 2 + 9 * 12 + 4},
+                                                                     {277, 3, 1},
+                                                                     {278, 3, 1},
+                                                                     {279, 4, 2}}};
+  std::string bytes("II*\0\x08\0\0\0\x09\0", 10);
+  for (const auto& [tag, kind, value] : kEntries) {
+    append(bytes, static_cast<std::uint16_t>(tag));
+    append(bytes, static_cast<std::uint16_t>(kind));
+    append(bytes, std::uint32_t{1});
+    append(bytes, value);
+  }
+  return bytes + std::string(4, '\0') + "ab";
+}
+
+/// A grey block of 8 x 8 pixels, with codes for nothing else.
+std::string smallJpeg() {
+  const std::string oneCode = "\1" + std::string(16, '\0');
+  return "\xff\xd8\xff\xdb" + std::string("\0\x43\0", 3) + std::string(64, '\1') + "\xff\xc0" +
+         std::string("\0\x0b\x08\0\x08\0\x08\1\1\x11\0", 11) + "\xff\xc4" + std::string("\0\x14\0", 3) + oneCode +
+         "\xff\xc4" + std::string("\0\x14\x10", 3) + oneCode + "\xff\xda" + std::string("\0\x08\1\1\0\0\x3f\0", 8) +
+         "\x3f\xff\xd9";
+}
+
 void addPictures(Seeds& seeds) {
-  seeds.push_back({"picture", "tga", std::string("5\0\0\2\0\0\0\0\0\0\0\0\0\1\0\1\0\30\0abc", 22)});
-  const std::string hdr = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n";
-  seeds.push_back({"picture", "hdr", "4" + hdr + std::string(8, '\x80')});
-  seeds.push_back({"picture", "bmp",
-                   "6BM" + std::string("\x3a\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\1\0\0\0\1\0\0\0\1\0\30\0", 28) +
-                       std::string(24, '\0') + "abc\n"});
+  Image image(2, 1);
+  image.pixels = {{0.5F, 1, 0}, {0.25F, 0, 1}};
+  seeds.push_back({"picture", "png", encodeImage(image, "png")});
+  seeds.push_back({"picture", "exr", encodeImage(image, "exr")});
+  seeds.push_back({"picture", "tiff", smallTiff()});
+  seeds.push_back({"picture", "jpeg", smallJpeg()});
 }
 
 void addTexts(Seeds& seeds) {
@@ -221,15 +260,15 @@ void addTexts(Seeds& seeds) {
   for (const auto& [name, value] : smallRecipe()) complete += name + "=" + value + "\n";
   seeds.push_back({"options", "complete", complete});
   seeds.push_back({"options", "sdf", "1input=a.obj\nresolution=50\nband=4\nhalf\nrepair\nup=z"});
+  seeds.push_back({"config", "own", complete});
+  seeds.push_back({"config", "by_hand",
+                   "0# by hand\nmap = shape-modulus\nalpha= x:10:300:smooth   # a ramp\n\n beta =0.5\n"
+                   "mesh-normals = true\ngrids = logmodulus,iterations\n"});
+  seeds.push_back({"config", "sdf", "1resolution = 50\nhalf = true\nrepair=\nup = z\n"});
   seeds.push_back({"keys", "frames", "01-48x8,1-48,7"});
   seeds.push_back({"keys", "varied", "1alpha=10:40:10,50"});
   seeds.push_back({"keys", "varied_list", "1origin=0,0,0;0.1,0,0;"});
   seeds.push_back({"keys", "keys", "2alpha@1=10\nalpha@48=120\nc@1=0,1,-2,0\nc@9=1,1,-2,0"});
-}
-
-template <class Value>
-void append(std::string& bytes, const Value& value) {
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
 void addFarm(Seeds& seeds) {

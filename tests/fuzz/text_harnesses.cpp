@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What users type: expressions, controls and ramps, options, keys of sequences.
+// What users type: expressions, controls and ramps, options, keys of sequences, lists of options.
 #include "harness.h"
+
+#include "config_list.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/farm/frame_plan.h"
@@ -93,12 +95,25 @@ void readKeys(std::string_view bytes) {
   }
 }
 
-constexpr std::array<Harness, 5> kTextHarnesses = {{
+/// What --config reads, from its bytes to the job.
+void readConfig(std::string_view bytes) {
+  static const OptionTable tables[] = {fractalOptionTable(), sdfOptionTable()};
+  const std::size_t kind = takeChoice(bytes, std::size(tables));
+  const Recipe list = cli::readConfigList(std::string(bytes), "options.txt", tables[kind]);
+  const Recipe recipe = completeRecipe(overridden(list, {{"input", "given.obj"}}, tables[kind]), tables[kind]);
+  if (kind == 0)
+    parseFractalOptions(recipe);
+  else
+    parseSdfOptions(recipe);
+}
+
+constexpr std::array<Harness, 6> kTextHarnesses = {{
     {"expression", readExpression, Refusal::Usage},
     {"pair", readPair, Refusal::Usage},
     {"control", readControl, Refusal::Usage},
     {"options", readOptions, Refusal::Usage},
     {"keys", readKeys, Refusal::Usage},
+    {"config", readConfig, Refusal::Usage},
 }};
 
 }  // namespace

@@ -53,7 +53,7 @@ SEARCHED = {
     "cli": ["cli", "vdbtools/include", "libjulia/include"],
     "python": ["python/src", "vdbtools/include", "libjulia/include"],
     # Some tests and benchmarks look at the insides.
-    "tests": ["tests", "vdbtools/include", "vdbtools/src", "libjulia/include", "libjulia/src"],
+    "tests": ["tests", "cli", "vdbtools/include", "vdbtools/src", "libjulia/include", "libjulia/src"],
     "bench": ["bench", "vdbtools/include", "vdbtools/src", "libjulia/include", "libjulia/src"],
     "samples": ["vdbtools/include", "libjulia/include"],
 }

@@ -12,11 +12,15 @@ namespace vdbtools {
 struct DecodedImage {
   int width = 0, height = 0, channels = 0;
   int alphaChannel = -1;  ///< -1: none
+  bool isLinear = false;  ///< in linear light, as OpenEXR keeps colours; others are meant as sRGB
   std::vector<float> values;
 };
 
-/// @param reason  where it returns false, why
-using ImageDecoder = bool(const std::string& path, DecodedImage& image, std::string& reason);
+/// Reads PNG, JPEG, TIFF and OpenEXR, whatever the file is called: for these, OpenImageIO calls the libraries that all
+/// the world uses. Its own decoders of other formats trust the file.
+/// @param room    bytes that the values may take
+/// @param reason  where it returns false, why; empty: there is no room, and @a image has the size without the values
+using ImageDecoder = bool(const std::string& path, double room, DecodedImage& image, std::string& reason);
 
 }  // namespace vdbtools
 

@@ -23,6 +23,7 @@ std::string optionFor(MemoryUse use) {
     case MemoryUse::Field:
       return "use a lower --resolution or a --box, or cut the work into tiles ('juliavdb plan tiles')";
     case MemoryUse::Picture: return "use a smaller --size";
+    case MemoryUse::Texture: return "scale the picture down";
   }
   return "";
 }

@@ -53,8 +53,6 @@ std::vector<double> depthsOf(const DepthColouring& depth, std::span<const julia:
 /// The first row of a picture.
 Gradient rowOf(const std::filesystem::path& path) {
   const DecodedImage image = readPicture(path);
-  const std::string extension = lowerExtension(path);
-  const bool isLinear = extension == ".exr" || extension == ".hdr";
   const bool isGrey = image.channels - (image.alphaChannel >= 0 ? 1 : 0) < 3;
   std::vector<Gradient::Stop> stops;
   for (int x = 0; x < image.width; ++x) {
@@ -62,7 +60,7 @@ Gradient rowOf(const std::filesystem::path& path) {
     Gradient::Stop& stop = stops.emplace_back();
     for (std::size_t c = 0; c < 3; ++c) {
       const double value = std::clamp<double>(pixel[isGrey ? 0 : c], 0, 1);
-      stop[c] = isLinear ? srgbFromLinear(value) : value;
+      stop[c] = image.isLinear ? srgbFromLinear(value) : value;
     }
   }
   return Gradient(std::move(stops));

@@ -17,7 +17,8 @@ namespace vdbtools {
 enum class MemoryUse {
   Distances,  ///< the distance field of a mesh
   Field,      ///< F on a lattice, and what is made of it
-  Picture,
+  Picture,    ///< one that is made
+  Texture,    ///< one that is read
 };
 
 /// Memory is short. To whoever does not know better, it is a failed allocation.
@@ -56,7 +57,8 @@ double machineMemory();
 /// What this process has in memory, bytes.
 double residentMemory(const std::filesystem::path& root = "/");
 
-/// What this process may take in all, bytes, in place of the limits of memoryLeft(); infinity: all is tried.
+/// What this process may take in all, bytes, in place of the limits of memoryLeft(); infinity: all is tried; negative:
+/// those limits again.
 /// Not to be called while other threads ask.
 void setMemoryLimit(double bytes);
 

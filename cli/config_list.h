@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file config_list.h
+/// The text files of --config: lines NAME = VALUE.
+#pragma once
+
+#include "vdbtools/recipe/option_table.h"
+
+#include <string>
+
+namespace cli {
+
+/// What follows a # is a comment, and blanks about a name and a value do not count.
+/// @param text  what the file holds
+/// @param file  what it is called, for messages
+/// @param table  the options that may stand in it
+/// @return what it sets, as it is written there; no value has been looked at
+/// @throw std::invalid_argument  a line that is none of these, an option that does not exist, or one that is set twice
+vdbtools::Recipe readConfigList(const std::string& text, const std::string& file, const vdbtools::OptionTable& table);
+
+}  // namespace cli

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file exr_header.h
+/// A check of what OpenEXR takes on trust.
+#pragma once
+
+#include <filesystem>
+
+namespace vdbtools {
+
+/// The C++ reader of OpenEXR 3.1 allocates what an attribute of a header says it has, up to 2 GB, and reads some kinds
+/// by their own sizes, whatever the file says these are, so that what follows is read out of step.
+/// @return  whether all attributes have the sizes of their kinds and lie within the file; true for a file that is no
+/// EXR
+bool isExrHeaderSound(const std::filesystem::path& path);
+
+}  // namespace vdbtools
