@@ -52,7 +52,7 @@ void addVariantOptions(CommandLine& line) {
 
 std::filesystem::path newPlanFolder(const CommandLine& line) {
   if (!line.has("output")) throw std::invalid_argument("no folder was given for the plan; use -o DIR");
-  const std::filesystem::path folder = line.text("output");
+  std::filesystem::path folder = line.text("output");
   vdbtools::requireNewPlanFolder(folder);
   return folder;
 }

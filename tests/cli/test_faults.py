@@ -3,7 +3,7 @@
 
 Each fault is made by tests/faults/shim.cpp, whose path JULIAVDB_FAULT_SHIM names, or by the way in which the program is
 started. The calls of a command are counted first, and then each of them fails in turn. Of many, a few are taken;
-JULIAVDB_FAULTS=all takes all, which takes an hour, and JULIAVDB_FAULTS=STEP every STEP-th.
+JULIAVDB_FAULTS=all takes all, which takes a quarter of an hour, and JULIAVDB_FAULTS=STEP every STEP-th.
 """
 
 import atexit
@@ -153,15 +153,22 @@ class FaultTest(unittest.TestCase):
         counts = dict(zip(KINDS, struct.unpack(f"<{len(KINDS)}Q", self.counts.read_bytes())))
         return before, after, counts
 
-    def check(self, name, fault, run, before, after, codes):
-        """The laws of a fault."""
+    def check(self, name, fault, run, before, after, codes, plain_fonts=False):
+        """The laws of a fault. @param plain_fonts: Fontconfig may say that it opens no fonts, and Cairo draws its own"""
         stderr = run.stderr.decode(errors="replace") if run.stderr is not None else None
+        drawn = set()
+        if plain_fonts:
+            stderr = re.sub(r"(?m)^Fontconfig error: .*\n", "", stderr)
+            drawn = {"x.svg", "x.png"} if run.returncode == DONE else set()
+        if stderr and re.search(r"(?m)^warning: cell \d+ failed: ", stderr):  # the sheet shows its error instead, by design
+            drawn.add("x.png")
         with self.subTest(command=name, fault=fault):
             self.codes[run.returncode] += 1
             self.assertIn(run.returncode, codes, stderr)
             left = contents(self.place)
             wrong = {path for path, content in left.items() if content not in (before.get(path, ""), after.get(path, ""))}
             wrong |= {path for path in before if path not in left}
+            wrong -= drawn
             wrong = {path for path in wrong
                      if not (path in after and UNSTEADY.search(path)) and not path.endswith(".failed.json")}
             self.assertEqual(wrong, set(), f"exit code {run.returncode}: half written, changed or left behind\n{stderr}")
@@ -203,6 +210,8 @@ class FaultTest(unittest.TestCase):
     def test_flushing(self):
         self.sweep("fsync", [errno.EIO], {IO_ERROR}, most=2,
                    names=self.sampled("fractal", "sequence", "fit", "merge"))
+        if not self.step:
+            self.sweep("fsync", [errno.EIO], {IO_ERROR}, most=4, names=("task",))
 
     def test_renaming(self):
         self.sweep("rename", [errno.EIO], {IO_ERROR}, most=2, names=self.sampled("fractal", "fit", "task", "study"))
@@ -219,9 +228,11 @@ class FaultTest(unittest.TestCase):
         self.sweep("mkdir", [errno.ENOSPC], {CANNOT_CREATE}, names=("plan tiles", "plan frames", "man"))
 
     def test_reading(self):
-        """What is read on the way to see whether a task is done, or whether a process lives, may be made anew."""
+        """What is read on the way to see whether a task is done, or whether a process lives, may be made anew. The input
+        that a recipe names may be read once more, after it was looked for in other places, too."""
         self.sweep("read", [errno.EIO], {IO_ERROR}, most=2, names=self.sampled(
-            "sdf", "fractal of a VDB", "fractal by a list", "fractal of a texture", "usd") - self.OF_PLANS)
+            "sdf", "fractal of a VDB", "fractal by a list", "fractal of a texture", "usd") - self.OF_PLANS - {"fractal of a recipe"})
+        self.sweep("read", [errno.EIO], {IO_ERROR, DONE}, most=2, names=self.sampled("fractal of a recipe"))
         self.sweep("read", [errno.EIO], {IO_ERROR, BAD_DATA, DONE}, most=2, names=self.OF_PLANS)
 
     def test_opening(self):
@@ -240,7 +251,7 @@ class FaultTest(unittest.TestCase):
 
     def test_interrupted_calls(self):
         again = [f"{kind}:*:{errno.EINTR}" for kind in ("open", "create", "read", "write", "fsync", "close")]
-        self.unnoticed(again, self.sampled("fractal"))
+        self.unnoticed(again, self.sampled("fractal", "fractal of a recipe", "merge"))
 
     def test_short_writes(self):
         self.unnoticed(["short:*:0"], self.sampled("fractal as STL", "points"))
@@ -307,7 +318,7 @@ class FaultTest(unittest.TestCase):
                 if run.returncode == 127:  # the libraries could not be opened
                     continue
                 self.check(name, f"{most} descriptors", run, before, after,
-                           {DONE, NO_INPUT, CANNOT_CREATE, IO_ERROR, BAD_DATA})
+                           {DONE, NO_INPUT, CANNOT_CREATE, IO_ERROR, BAD_DATA}, plain_fonts=True)
 
     def limited(self, name, most):
         return self.run_in(COMMANDS[name],

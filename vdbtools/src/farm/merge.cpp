@@ -464,7 +464,7 @@ MergeResult writeTileFiles(const fs::path& folder, const Manifest& manifest, con
   if (result.files.empty()) throw DataError("the fractal is empty: no tile has a surface");
   root["points"] = result.mesh.points;
   root["triangles"] = result.mesh.triangles;
-  root["tiles"] = std::move(tiles);
+  root["tiles"] = tiles;
   file.stream() << root.dump(1) << '\n';
   file.commit();
   result.files.push_back(index);

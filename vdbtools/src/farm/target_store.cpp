@@ -58,7 +58,7 @@ class KeptTarget final : public TargetInput {
 
   FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const override {
     if (std::optional<Target> kept = read("coarse")) return kept->phi;
-    const FloatGrid::ConstPtr coarse = mInput->coarseDistances(monitor);
+    FloatGrid::ConstPtr coarse = mInput->coarseDistances(monitor);
     keep("coarse", openvdb::gridPtrCast<FloatGrid>(coarse->deepCopyGrid()), {});
     return coarse;
   }

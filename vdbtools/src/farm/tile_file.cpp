@@ -118,7 +118,7 @@ bool applyFilter(const TileFilter& filter, TileLayer& layer) {
   return true;
 }
 
-TileReader::TileReader(const std::filesystem::path& path) : mPath(path), mStream(path, std::ios::binary) {
+TileReader::TileReader(const std::filesystem::path& path) : mPath(path), mStream(openToRead(path)) {
   std::error_code error;
   mLeft = std::filesystem::file_size(path, error);
   if (!mStream || error) throw MissingInputError("cannot open the tile '" + inOneLine(path.string()) + "'");
@@ -163,7 +163,7 @@ void TileReader::readX() {
 TileLayer TileReader::next() {
   TileLayer layer{.x = mNextX.value()};
   if (!mStream.is_open()) {
-    mStream.open(mPath, std::ios::binary);
+    mStream = openToRead(mPath);
     if (!mStream.seekg(mPosition)) throw MissingInputError("cannot open the tile '" + inOneLine(mPath.string()) + "'");
   }
   std::uint32_t blocks = 0;

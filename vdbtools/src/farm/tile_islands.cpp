@@ -145,8 +145,8 @@ TileIslands::TileIslands(const FractalField& field, const FieldSource& source, c
 
 void TileIslands::findRuns(const FractalField& field, const FieldSource& source, Monitor& monitor) {
   const Coord low = mLabelled.min(), high = mLabelled.max();
-  const auto columnCount = static_cast<std::size_t>((blockOf(high[1]) - blockOf(low[1])) / kBlock + 1);
-  monitor.begin("islands", static_cast<std::uint64_t>(high[0] - low[0] + 1));
+  const auto columnCount = static_cast<std::size_t>((blockOf(high[1]) - blockOf(low[1])) / kBlock) + 1;
+  monitor.begin("islands", static_cast<std::uint64_t>(high[0] - low[0]) + 1);
   for (int x = blockOf(low[0]); x <= high[0]; x += kBlock) {
     CoordBBox layer = mLabelled;
     layer.min()[0] = std::max(low[0], x);

@@ -110,7 +110,7 @@ void TileIslands::write(std::ostream& stream) const {
 }
 
 TileIslandsReader::TileIslandsReader(std::filesystem::path path) : mPath(std::move(path)) {
-  std::ifstream stream(mPath, std::ios::binary);
+  std::ifstream stream = openToRead(mPath);
   std::error_code error;
   std::uint64_t left = std::filesystem::file_size(mPath, error);
   if (!stream || error) throw MissingInputError("cannot open the islands '" + inOneLine(mPath.string()) + "'");
@@ -142,7 +142,7 @@ TileIslandsReader::TileIslandsReader(std::filesystem::path path) : mPath(std::mo
 
 void TileIslandsReader::forEachOwn(const std::function<void(std::span<const InsideRun>)>& body) const {
   constexpr std::uint64_t kPiece = 1 << 16;
-  std::ifstream stream(mPath, std::ios::binary);
+  std::ifstream stream = openToRead(mPath);
   if (!stream.seekg(mOwnAt)) throw MissingInputError("cannot open the islands '" + inOneLine(mPath.string()) + "'");
   std::vector<InsideRun> piece;
   for (std::uint64_t done = 0; done < mOwn; done += piece.size()) {

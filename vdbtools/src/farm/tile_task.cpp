@@ -126,7 +126,7 @@ class LayerMaker {
       const EdgePlace& edge = mPlaced.places.points[mPlaced.mesh.triangles[triangle][k]];
       const Coord ahead = leafOf(edge.node) - block;
       const unsigned neighbour = (ahead[0] ? 1u : 0) | (ahead[1] ? 2u : 0) | (ahead[2] ? 4u : 0);
-      record[static_cast<std::size_t>(k + 1)] = static_cast<std::uint16_t>(edgeOf(edge) | neighbour << kEdgeBits);
+      record[static_cast<std::size_t>(k) + 1] = static_cast<std::uint16_t>(edgeOf(edge) | neighbour << kEdgeBits);
       if (mIslands && edge.cut) record[0] |= kOnCap;
     }
     TileLayer& layer = layerOf(block);

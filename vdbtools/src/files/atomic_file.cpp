@@ -43,9 +43,7 @@ std::string nameOf(const fs::path& path) { return inOneLine(path.native()); }
 }
 
 /// Some file systems, and all pipes and terminals, do not support fsync.
-bool isUnsupportedSync(int error) {
-  return error == EINVAL || error == ENOSYS || error == ENOTSUP || error == EOPNOTSUPP;
-}
+bool isUnsupportedSync(int error) { return error == EINVAL || error == ENOSYS || error == EOPNOTSUPP; }
 
 /// @return 0 or errno
 int syncToDisk(int descriptor) {

@@ -83,6 +83,16 @@ std::string readWholeFile(const std::filesystem::path& path) {
   return content;
 }
 
+std::ifstream openToRead(const std::filesystem::path& path) {
+  std::ifstream stream;
+  do {
+    errno = 0;
+    stream.clear();
+    stream.open(path, std::ios::binary);
+  } while (!stream.is_open() && errno == EINTR);
+  return stream;
+}
+
 std::string withoutControls(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, '?');

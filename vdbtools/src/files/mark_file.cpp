@@ -30,6 +30,8 @@ MarkFile::MarkFile(const std::filesystem::path& path, const std::string& content
   try {
     mFile.commit();
   } catch (...) {
+    // It may be in its place already, when the folder cannot be flushed.
+    if (mFile.temporaryPath().empty()) ::unlink(mPath.c_str());
     const std::lock_guard lock(live.mutex);
     live.targets.erase(mPath);
     throw;

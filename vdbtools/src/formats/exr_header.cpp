@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/exr_header.h"
 
+#include "vdbtools/files/file_bytes.h"
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -45,8 +47,8 @@ constexpr std::array kFixedKinds = {Kind{"box2i", 16},
 /// A place in a file that never lies behind its end.
 class Cursor {
  public:
-  explicit Cursor(const std::filesystem::path& path) : mStream(path, std::ios::binary | std::ios::ate) {
-    mSize = mStream.tellg();
+  explicit Cursor(const std::filesystem::path& path) : mStream(openToRead(path)) {
+    mSize = mStream.seekg(0, std::ios::end).tellg();
     mStream.seekg(0);
   }
 

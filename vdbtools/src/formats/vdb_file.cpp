@@ -207,7 +207,7 @@ auto readingVdb(const std::filesystem::path& path, const Use& use) {
 /// The bytes at the beginning of a file, as many as @a use needs: it throws VdbEnds where they are too few.
 template <class Use>
 auto withBeginning(const std::filesystem::path& path, const Use& use) {
-  std::ifstream file(path, std::ios::binary);
+  std::ifstream file = openToRead(path);
   std::error_code ignored;
   if (!file || std::filesystem::is_directory(path, ignored))
     throw MissingInputError("cannot open '" + inOneLine(path.string()) + "': " +

@@ -229,7 +229,7 @@ void MeshStreamWriter::finish() {
 const std::vector<MeshLevel>& MeshStreamWriter::levels() const { return mState->encoder.levels(); }
 
 std::map<std::string, std::string> readMeshComments(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
+  std::ifstream file = openToRead(path);
   if (!file) throw MissingInputError("cannot open '" + path.string() + "'");
   const std::string extension = lowerExtension(path);
   if (extension == ".glb") return readGltfExtras(path);
