@@ -174,7 +174,8 @@ class FaultTest(unittest.TestCase):
             self.assertEqual(wrong, set(), f"exit code {run.returncode}: half written, changed or left behind\n{stderr}")
             self.assertEqual([path for path in left if path.endswith(".tmp")], [])
             if run.returncode == DONE:
-                self.assertEqual(set(left), set(after), stderr)
+                self.assertEqual(set(left) | {path for path in after if drawn and path.startswith("x.cells/")},
+                                 set(after), stderr)
                 self.assertNotRegex(stderr, r"(?m)^juliavdb: ")
             elif stderr is not None:
                 self.assertRegex(stderr, r"\A(wrote [^\n]*\n)*juliavdb: [^\n]*\S\n\Z", "not one line for one failure")
@@ -232,7 +233,7 @@ class FaultTest(unittest.TestCase):
         that a recipe names may be read once more, after it was looked for in other places, too."""
         self.sweep("read", [errno.EIO], {IO_ERROR}, most=2, names=self.sampled(
             "sdf", "fractal of a VDB", "fractal by a list", "fractal of a texture", "usd") - self.OF_PLANS - {"fractal of a recipe"})
-        self.sweep("read", [errno.EIO], {IO_ERROR, DONE}, most=2, names=self.sampled("fractal of a recipe"))
+        self.sweep("read", [errno.EIO], {IO_ERROR, DONE}, most=2, names=("fractal of a recipe",))
         self.sweep("read", [errno.EIO], {IO_ERROR, BAD_DATA, DONE}, most=2, names=self.OF_PLANS)
 
     def test_opening(self):

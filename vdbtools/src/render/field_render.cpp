@@ -193,7 +193,7 @@ class Exposure {
 
   std::vector<Ray> raysOf(const Tile& tile) const {
     std::vector<Ray> rays;
-    rays.reserve(static_cast<std::size_t>(tile.width * tile.height * mOptions.samples));
+    rays.reserve(std::size_t(tile.width) * std::size_t(tile.height) * std::size_t(mOptions.samples));
     const double aspect = mSamples.aspect();
     for (int y = 0; y < tile.height; ++y) {
       for (int x = 0; x < tile.width; ++x) {
@@ -326,7 +326,7 @@ class Exposure {
     }
     for (int y = 0; y < tile.height; ++y) {
       for (int x = 0; x < tile.width; ++x) {
-        const Pixel& pixel = pixels[static_cast<std::size_t>(y * tile.width + x)];
+        const Pixel& pixel = pixels[std::size_t(y) * std::size_t(tile.width) + std::size_t(x)];
         const int column = tile.left + x, row = tile.top + y;
         const std::size_t at =
             static_cast<std::size_t>(row) * static_cast<std::size_t>(mOptions.width) + static_cast<std::size_t>(column);

@@ -37,7 +37,7 @@ class SurfaceCells {
     }
   }
   void join(SurfaceCells& other) { mCells.merge(other.mCells); }
-  openvdb::MaskTree& cells() { return mCells; }
+  const openvdb::MaskTree& cells() const { return mCells; }
 
  private:
   template <typename Field, typename Cells>
@@ -173,7 +173,7 @@ openvdb::MaskTree surfaceCells(const openvdb::FloatTree& tree, const Monitor& mo
   tree.getNodes(leaves);
   SurfaceCells work(tree, leaves, monitor);
   tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, leaves.size()), work);
-  return std::move(work.cells());
+  return work.cells();
 }
 
 SurfaceBounds boundsOf(const openvdb::MaskTree& cells) {

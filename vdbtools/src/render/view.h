@@ -33,7 +33,8 @@ class PixelSamples {
 
   /// Where sample @a s of a pixel lies in the picture: u to the right and v up, from -1 to 1.
   std::array<double, 2> at(int x, int y, int s) const {
-    return {2 * (x + (s % mGrid + 0.5) / mGrid) / mWidth - 1, 1 - 2 * (y + (s / mGrid + 0.5) / mGrid) / mHeight};
+    const int column = s % mGrid, row = s / mGrid;
+    return {2 * (x + (column + 0.5) / mGrid) / mWidth - 1, 1 - 2 * (y + (row + 0.5) / mGrid) / mHeight};
   }
 
  private:

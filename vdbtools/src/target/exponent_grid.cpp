@@ -349,7 +349,7 @@ class Baker {
       }
       keeps[i] = !leaf.isEmpty();
     });
-    const FloatGrid::Ptr grid = FloatGrid::create(outside);
+    FloatGrid::Ptr grid = FloatGrid::create(outside);
     grid->setTransform(mTransform.copy());
     grid->setName("exponent");
     for (std::size_t i = 0; i < mLeaves.size(); ++i)

@@ -90,7 +90,7 @@ InscribedBall largestInscribedBall(const FloatGrid& phi, const Vec3d& preferred)
     Vec3d next = centre;
     double nextRadius = radius, nextBest = best;
     for (int i = 0; i < 27; ++i) {
-      const Vec3d direction(i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1);
+      const Vec3d direction = Coord(i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1).asVec3d();
       const Vec3d candidate = centre + direction * step;
       if ((candidate - start.asVec3d()).length() > kMost) continue;
       const double there = radiusAt(candidate), value = score(candidate, there);

@@ -52,7 +52,7 @@ FloatGrid::Ptr coarserBand(const FloatGrid& fine, int gain) {
   // What OpenVDB's dilateSdf() does, but that cannot finish where no node is inside: thin parts lie between the nodes.
   bool anyInside = false;
   for (auto value = kept->cbeginValueOn(); value; ++value) anyInside |= *value < 0;
-  const FloatGrid::Ptr wide = dilateSdf(*kept, gain, anyInside);
+  FloatGrid::Ptr wide = dilateSdf(*kept, gain, anyInside);
   // Sweeping touches the outermost of the values that it starts from; what was known stays what it was.
   auto known = wide->getAccessor();
   for (auto value = kept->cbeginValueOn(); value; ++value) known.setValue(value.getCoord(), *value);
