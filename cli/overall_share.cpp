@@ -4,59 +4,66 @@
 #include "vdbtools/base/numbered_monitor.h"
 
 #include <algorithm>
-#include <vector>
+#include <array>
+#include <cstddef>
 
 namespace cli {
 namespace {
 
-using Phases = std::vector<PhaseWeight>;
-
 // The weights are roughly hundredths of a run on the bunny with 200 to 400 voxels along its longest side.
 
+// Constants of the compiler: an allocation that fails before main() could not be reported.
+
 /// The phases that make a target and its exponent, and then others.
-Phases scenePhases(const Phases& others) {
-  Phases phases = {{"reading", 2},         {"thickening", 8},      {"closing gaps", 20},     {"sides", 5},
-                   {"distance field", 12}, {"local thickness", 3}, {"widening the band", 5}, {"exponent", 5}};
-  phases.insert(phases.end(), others.begin(), others.end());
+template <std::size_t N>
+constexpr std::array<PhaseWeight, N + 8> scenePhases(const PhaseWeight (&others)[N]) {
+  std::array<PhaseWeight, N + 8> phases = {{{"reading", 2},
+                                            {"thickening", 8},
+                                            {"closing gaps", 20},
+                                            {"sides", 5},
+                                            {"distance field", 12},
+                                            {"local thickness", 3},
+                                            {"widening the band", 5},
+                                            {"exponent", 5}}};
+  std::copy(others, others + N, phases.begin() + 8);
   return phases;
 }
 
-const Phases kNone;
-const Phases kSdf = {{"reading", 2}, {"thickening", 20},     {"closing gaps", 40},
-                     {"sides", 15},  {"distance field", 35}, {"writing", 8}};
-const Phases kFractal = scenePhases({{"proofs", 5},
-                                     {"field", 15},
-                                     {"seeds", 1},
-                                     {"following the surface", 15},
-                                     {"islands", 3},
-                                     {"surface", 15},
-                                     {"adapting", 30},
-                                     {"level set", 15},
-                                     {"versor", 5},
-                                     {"attributes", 5},
-                                     {"writing", 5},
-                                     {"checking", 1}});
-const Phases kPoints = scenePhases(
+constexpr PhaseWeight kSdf[] = {{"reading", 2}, {"thickening", 20},     {"closing gaps", 40},
+                                {"sides", 15},  {"distance field", 35}, {"writing", 8}};
+constexpr auto kFractal = scenePhases({{"proofs", 5},
+                                       {"field", 15},
+                                       {"seeds", 1},
+                                       {"following the surface", 15},
+                                       {"islands", 3},
+                                       {"surface", 15},
+                                       {"adapting", 30},
+                                       {"level set", 15},
+                                       {"versor", 5},
+                                       {"attributes", 5},
+                                       {"writing", 5},
+                                       {"checking", 1}});
+constexpr auto kPoints = scenePhases(
     {{"proofs", 5}, {"field", 15}, {"surface", 15}, {"points", 20}, {"gaps", 10}, {"elimination", 10}, {"writing", 2}});
-const Phases kPrint = scenePhases({{"proofs", 5},
-                                   {"field", 15},
-                                   {"surface", 15},
-                                   {"islands", 2},
-                                   {"thickness", 20},
-                                   {"thin parts", 10},
-                                   {"adapting", 10},
-                                   {"writing", 2}});
-const Phases kPlan = scenePhases({{"sample", 100}});
-const Phases kMerge = {{"checking", 10}, {"merging", 60},   {"merging grids", 20},
-                       {"versor", 5},    {"attributes", 5}, {"writing", 10}};
-const Phases kExplore = scenePhases({{"writing", 5}});
-const Phases kSlice = scenePhases({{"slice", 20}, {"writing", 5}});
-const Phases kStudy = scenePhases({{"distances", 5}, {"first versor", 2}, {"versors", 60}, {"writing", 2}});
-const Phases kRender = scenePhases({{"ray tree", 5}, {"render", 60}, {"writing", 2}});
-const Phases kUsd = {{"reading", 80}, {"writing", 20}};
-const Phases kFit = {{"reading", 1},   {"thickening", 3}, {"sides", 2},           {"distance field", 3},
-                     {"surface", 2},   {"distances", 5},  {"electrostatics", 10}, {"monopoles", 5},
-                     {"potential", 5}, {"fit", 60},       {"measure", 10},        {"writing", 1}};
+constexpr auto kPrint = scenePhases({{"proofs", 5},
+                                     {"field", 15},
+                                     {"surface", 15},
+                                     {"islands", 2},
+                                     {"thickness", 20},
+                                     {"thin parts", 10},
+                                     {"adapting", 10},
+                                     {"writing", 2}});
+constexpr auto kPlan = scenePhases({{"sample", 100}});
+constexpr PhaseWeight kMerge[] = {{"checking", 10}, {"merging", 60},   {"merging grids", 20},
+                                  {"versor", 5},    {"attributes", 5}, {"writing", 10}};
+constexpr auto kExplore = scenePhases({{"writing", 5}});
+constexpr auto kSlice = scenePhases({{"slice", 20}, {"writing", 5}});
+constexpr auto kStudy = scenePhases({{"distances", 5}, {"first versor", 2}, {"versors", 60}, {"writing", 2}});
+constexpr auto kRender = scenePhases({{"ray tree", 5}, {"render", 60}, {"writing", 2}});
+constexpr PhaseWeight kUsd[] = {{"reading", 80}, {"writing", 20}};
+constexpr PhaseWeight kFit[] = {{"reading", 1},   {"thickening", 3}, {"sides", 2},           {"distance field", 3},
+                                {"surface", 2},   {"distances", 5},  {"electrostatics", 10}, {"monopoles", 5},
+                                {"potential", 5}, {"fit", 60},       {"measure", 10},        {"writing", 1}};
 
 bool names(const PhaseWeight& entry, std::string_view phase) {
   return phase.starts_with(entry.phase) && (phase.size() == entry.phase.size() || phase[entry.phase.size()] == ' ');
@@ -77,7 +84,7 @@ std::span<const PhaseWeight> phasesOf(std::string_view command) {
   if (command == "render" || command == "sheet") return kRender;
   if (command == "fit") return kFit;
   if (command == "usd") return kUsd;
-  return kNone;
+  return {};
 }
 
 void OverallShare::begin(std::string_view phase) {

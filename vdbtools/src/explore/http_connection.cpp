@@ -111,7 +111,7 @@ bool HttpConnection::readHead() {
     if (mReceived.size() > kMostHeadBytes) break;
     if (!receive(deadline)) return false;
   }
-  if (end == std::string::npos || end > kMostHeadBytes) {
+  if (end > kMostHeadBytes) {  // or nowhere: npos is more than that
     refuse("431 Request Header Fields Too Large");
     return false;
   }

@@ -72,9 +72,11 @@ Potential potentialOf(const FitTarget& target, const Lattice& lattice, const jul
     std::vector<double> phi(n * n);
     std::vector<float> l(n * n);
     for (std::size_t i = begin; i != end; ++i) {
-      for (std::size_t c = 0; c < n * n; ++c)
+      for (std::size_t c = 0; c < n * n; ++c) {
+        const std::size_t row = c / n, column = c % n;
         points[c] = lattice.position(
-            Vec3d(static_cast<double>(i + 1), static_cast<double>(c / n + 1), static_cast<double>(c % n + 1)));
+            Vec3d(static_cast<double>(i + 1), static_cast<double>(row + 1), static_cast<double>(column + 1)));
+      }
       target.distances(points, phi);
       logModuli(evaluator, points, l);
       Tally& tally = tallies[i];
@@ -104,7 +106,7 @@ FloatGrid::Ptr gridOf(std::vector<float>& values, const Lattice& lattice) {
   const int last = static_cast<int>(lattice.side()) + 1;
   const openvdb::tools::Dense<float> dense(openvdb::CoordBBox(Coord(0), Coord(last)), values.data());
   // A background that differs from all values, so that all become active.
-  const FloatGrid::Ptr grid = FloatGrid::create(2 * kLargestLog);
+  FloatGrid::Ptr grid = FloatGrid::create(2 * kLargestLog);
   openvdb::tools::copyFromDense(dense, *grid, 0.0f);
   grid->tree().voxelizeActiveTiles();
   return grid;

@@ -88,8 +88,7 @@ FloatGrid::Ptr ballsAround(const Mesh& centres, double radius, double voxelSize,
   const std::vector<Vec3d> points = toIndexSpace(centres.points, voxelSize);
   const TriangleTree search(points, centres.triangles);
   const double inVoxels = radius / voxelSize;
-  FloatGrid::Ptr grid =
-      unsignedDistances(search, static_cast<float>(inVoxels + kPartBand + 1), "thin parts", monitor);
+  FloatGrid::Ptr grid = unsignedDistances(search, static_cast<float>(inVoxels + kPartBand + 1), "thin parts", monitor);
   FloatTree& tree = grid->tree();
   const auto width = static_cast<float>(kPartBand * voxelSize);
   openvdb::tree::LeafManager<FloatTree>(tree).foreach ([&](FloatTree::LeafNodeType& leaf, std::size_t) {

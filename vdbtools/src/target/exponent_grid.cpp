@@ -210,7 +210,7 @@ openvdb::MaskGrid::Ptr sweepingMask(const FloatGrid& phi, bool inside, double la
                                        openvdb::tools::NN_FACE_EDGE_VERTEX, openvdb::tools::EXPAND_TILES);
   requireRoomForLeaves(phi, static_cast<double>(coarse.activeVoxelCount()));
   coarse.voxelizeActiveTiles();
-  const auto mask = openvdb::MaskGrid::create();
+  auto mask = openvdb::MaskGrid::create();
   mask->setTransform(phi.transform().copy());
   for (auto place = coarse.cbeginValueOn(); place; ++place)
     mask->tree().touchLeaf(place.getCoord() << Leaf::LOG2DIM)->setValuesOn();
