@@ -75,7 +75,7 @@ void finishLevelSet(FloatGrid& grid) {
 
 FloatGrid::Ptr levelSet(const FractalField& field, const Mesh& mesh, Monitor& monitor) {
   if (mesh.triangles.empty()) throw DataError("the fractal is empty here: there is no surface");
-  const FloatGrid::Ptr grid = bandDistances(mesh, field.field->voxelSize()[0], field.domain, monitor);
+  FloatGrid::Ptr grid = bandDistances(mesh, field.field->voxelSize()[0], field.domain, monitor);
   // F knows the sign at every node, also in closed bubbles, which a flood fill from outside would call inside.
   using LeafManager = openvdb::tree::LeafManager<FloatTree>;
   LeafManager leaves(grid->tree());
