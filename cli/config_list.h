@@ -9,8 +9,7 @@
 
 namespace cli {
 
-/// What follows a # is a comment, and blanks about a name and a value do not count.
-/// @param text  what the file holds
+/// @param text  what the file holds, as in vdbtools/recipe/option_list.h
 /// @param file  what it is called, for messages
 /// @param table  the options that may stand in it
 /// @return what it sets, as it is written there; no value has been looked at

@@ -8,6 +8,7 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/job/fractal_options.h"
 #include "vdbtools/job/recorded_recipe.h"
+#include "vdbtools/recipe/option_list.h"
 
 #include <nlohmann/json.hpp>
 
@@ -20,25 +21,10 @@
 namespace vdbtools {
 namespace {
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kSpace = " \t\r";
-  const std::size_t first = text.find_first_not_of(kSpace);
-  if (first == text.npos) return {};
-  return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
-}
-
-/// Lines NAME = VALUE; # begins a comment.
 Recipe recipeOfText(std::string_view text) {
   Recipe recipe;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = trimmed(text.substr(0, std::min(end, text.substr(0, end).find('#'))));
-    text.remove_prefix(std::min(end + 1, text.size()));
-    if (line.empty()) continue;
-    const std::size_t equals = line.find('=');
-    const std::string name(trimmed(line.substr(0, equals)));
-    if (equals == line.npos || name.empty()) throw DataError("the line '" + inOneLine(line) + "' is not NAME = VALUE");
-    const std::string_view value = trimmed(line.substr(equals + 1));
+  for (const auto& [line, name, value] : listedOptions(text)) {
+    if (name.empty()) throw DataError("the line '" + inOneLine(value) + "' is not NAME = VALUE");
     if (!recipe.emplace(name, value.empty() ? "true" : value).second)
       throw DataError("'" + inOneLine(name) + "' is set twice; keep only one of them");
   }

@@ -17,9 +17,9 @@ struct SimplifiedTriangles {
 };
 
 /// @param positions  three floats for each point
-/// @param share      of the triangles that is wanted, 0 to 1. More remain where the topology allows no fewer, and all
-/// of
-///                   them where a closed surface would become flat, or vanish, as a tetrahedron does
+/// @param share      of the triangles that is wanted, 0 to 1. More remain where the topology allows no fewer; all
+/// remain
+///                   where a closed surface, such as a tetrahedron, would become flat or vanish
 SimplifiedTriangles simplified(std::span<const float> positions, std::span<const openvdb::Vec3I> triangles,
                                double share);
 

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/recipe/option_list.h"
+
+#include <algorithm>
+
+namespace vdbtools {
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kSpace = " \t\r";
+  const std::size_t first = text.find_first_not_of(kSpace);
+  if (first == text.npos) return {};
+  return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
+}
+
+}  // namespace
+
+std::vector<ListedOption> listedOptions(std::string_view text) {
+  std::vector<ListedOption> options;
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = trimmed(text.substr(0, std::min(end, text.substr(0, end).find('#'))));
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (line.empty()) continue;
+    const std::size_t equals = line.find('=');
+    const std::string_view name = equals == line.npos ? std::string_view() : trimmed(line.substr(0, equals));
+    options.push_back({number, std::string(name), name.empty() ? line : trimmed(line.substr(equals + 1))});
+  }
+  return options;
+}
+
+}  // namespace vdbtools
