@@ -39,7 +39,8 @@ COMMANDS = {
     "fractal as GLB": ("fractal", "s.obj", "--mesh", "x.glb", "--lod", "100%,50%", "--colour", "direction", *LOW),
     "fractal of a recipe": ("fractal", "--config", "f.vdb", "-o", "x.vdb"),
     "fractal by a list": ("fractal", "s.obj", "--config", "options.txt", "-o", "x.vdb"),
-    "fractal of a texture": ("fractal", "s.obj", "-o", "x.vdb", "--versor", "v.json", *LOW),
+    "fractal of a versor": ("fractal", "s.obj", "-o", "x.vdb", "--versor", "v.json", *LOW),
+    "fractal of a picture": ("fractal", "s.obj", "-o", "x.vdb", "--colour", "depth:ramp.exr", *LOW),
     "sequence": ("fractal", "s.obj", "-o", "x.####.vdb", "--frames", "1-2", "--key", "detail@1=0.1", *LOW),
     "mesh": ("mesh", "f.vdb", "-o", "x.ply", "--from-grid"),
     "points": ("points", "f.vdb", "-o", "x.ply", "--points", 50, "--from-grid"),
@@ -84,6 +85,7 @@ def inputs():
     run("sdf", "s.obj", "-o", "s.vdb", "--resolution", 16)
     run("fractal", "s.obj", "-o", "f.vdb", "--mesh", "f.ply", *LOW)
     run("versor", "new", "-o", "v.json", "--roots", 3)
+    run("slice", "s.obj", "-o", "ramp.exr", "--size", 16, "--sdf-resolution", 16)
     run("plan", "tiles", "s.obj", "-o", "plan", "--tiles", 2, "--make", "vdb,ply", *LOW)
     shutil.copytree(folder / "plan", folder / "done")
     run("task", "done", "--range", "1-2")
@@ -232,7 +234,7 @@ class FaultTest(unittest.TestCase):
         """What is read on the way to see whether a task is done, or whether a process lives, may be made anew. The input
         that a recipe names may be read once more, after it was looked for in other places, too."""
         self.sweep("read", [errno.EIO], {IO_ERROR}, most=2, names=self.sampled(
-            "sdf", "fractal of a VDB", "fractal by a list", "fractal of a texture", "usd") - self.OF_PLANS - {"fractal of a recipe"})
+            "sdf", "fractal of a VDB", "fractal by a list", "fractal of a picture", "usd") - self.OF_PLANS - {"fractal of a recipe"})
         self.sweep("read", [errno.EIO], {IO_ERROR, DONE}, most=2, names=("fractal of a recipe",))
         self.sweep("read", [errno.EIO], {IO_ERROR, BAD_DATA, DONE}, most=2, names=self.OF_PLANS)
 
@@ -252,7 +254,7 @@ class FaultTest(unittest.TestCase):
 
     def test_interrupted_calls(self):
         again = [f"{kind}:*:{errno.EINTR}" for kind in ("open", "create", "read", "write", "fsync", "close")]
-        self.unnoticed(again, self.sampled("fractal", "fractal of a recipe", "merge"))
+        self.unnoticed(again, self.sampled("fractal of a picture", "fractal of a recipe", "merge"))
 
     def test_short_writes(self):
         self.unnoticed(["short:*:0"], self.sampled("fractal as STL", "points"))

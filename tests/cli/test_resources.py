@@ -120,6 +120,25 @@ class Resources(harness.CliTest):
             self.refused(USAGE, *words, f"--memory={text}" if text else "--memory=", mentions="--memory")
         self.refused(USAGE, *words, env={"JULIAVDB_MEMORY": "much"}, mentions="JULIAVDB_MEMORY")
 
+    def test_files_larger_than_the_memory(self):
+        """They are refused before they are read. These have no blocks on the disk, and begin like what they are called."""
+        readers = {"x.obj": ("info", "x.obj"), "x.ply": ("info", "x.ply"), "x.stl": ("sdf", "x.stl", "-o", "o.vdb"),
+                   "x.off": ("info", "x.off"), "x.glb": ("info", "x.glb"), "x.gltf": ("info", "x.gltf"),
+                   "x.vdb": ("fractal", "x.vdb", "-o", "o.vdb"), "x.json": ("info", "x.json"), "x.p4d": ("info", "x.p4d"),
+                   "options.txt": ("fractal", "--config", "options.txt", "-o", "o.vdb"),
+                   "ramp.png": ("fractal", "s.obj", "--colour", "depth:ramp.png", "-o", "o.vdb", *QUICK, "--resolution", 16)}
+        beginnings = {"x.vdb": b" BDV\0\0\0\0", "x.ply": b"ply\nformat ascii 1.0\n", "ramp.png": b"\x89PNG\r\n\x1a\n"}
+        for name, words in readers.items():
+            with self.subTest(name):
+                with open(self.path(name), "wb") as file:
+                    file.write(beginnings.get(name, b" "))
+                    file.truncate(1 << 40)
+                begin = time.monotonic()
+                text = self.refused(INTERNAL, *harness.quiet(words), mentions="1 TiB of memory")
+                self.assertIn("smaller file", text)
+                self.assertLess(time.monotonic() - begin, 30, "a refusal comes before the work")
+                self.path(name).unlink()
+
     def peak(self, *words):
         """Of a run, and of the program by itself: the most memory that they had, bytes."""
         process = subprocess.Popen([harness.program(), *map(str, words)], cwd=self.folder, env=harness.environment(),

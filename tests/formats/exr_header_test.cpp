@@ -26,20 +26,13 @@ std::string someExr() {
 
 class ExrHeader : public testing::Test {
  protected:
-  bool isSound(std::string_view bytes) { return vdbtools::isExrHeaderSound(mFolder.write("picture.exr", bytes)); }
-
   test_meshes::TemporaryFolder mFolder;
 };
 
 TEST_F(ExrHeader, WhatIsWrittenIsSound) {
   const std::string bytes = someExr();
-  EXPECT_TRUE(isSound(bytes));
+  EXPECT_TRUE(vdbtools::isExrHeaderSound(bytes));
   EXPECT_EQ(vdbtools::readPicture(mFolder.write("whole.exr", bytes)).width, 3);
-}
-
-TEST_F(ExrHeader, OtherFilesAreNotItsConcern) {
-  EXPECT_TRUE(isSound(""));
-  EXPECT_TRUE(isSound("\x89PNG"));
 }
 
 TEST_F(ExrHeader, NoBeginningOfItIsSound) {
@@ -47,7 +40,7 @@ TEST_F(ExrHeader, NoBeginningOfItIsSound) {
   const std::size_t last = bytes.find("screenWindowWidth\0float\0"sv);
   ASSERT_NE(last, std::string::npos);
   for (std::size_t size = 4; size < last; ++size)
-    EXPECT_FALSE(isSound(std::string_view(bytes).substr(0, size))) << size;
+    EXPECT_FALSE(vdbtools::isExrHeaderSound(std::string_view(bytes).substr(0, size))) << size;
 }
 
 TEST_F(ExrHeader, EverySizeIsThatOfItsKind) {
@@ -60,7 +53,7 @@ TEST_F(ExrHeader, EverySizeIsThatOfItsKind) {
     for (const char change : {1, 2, 17, 64}) {
       std::string changed = bytes;
       changed[at + attribute.size()] = static_cast<char>(changed[at + attribute.size()] ^ change);
-      EXPECT_FALSE(isSound(changed)) << attribute << " with " << int{change};
+      EXPECT_FALSE(vdbtools::isExrHeaderSound(changed)) << attribute << " with " << int{change};
       EXPECT_THROW(vdbtools::readPicture(mFolder.write("changed.exr", changed)), vdbtools::DataError);
     }
   }
@@ -73,16 +66,16 @@ TEST_F(ExrHeader, NoValueIsLargerThanTheFile) {
     for (int i = 0; i < 4; ++i) bytes += static_cast<char>(size >> (8 * i));
     return bytes + std::string(value) + '\0';
   };
-  EXPECT_TRUE(isSound(with("string", "abc", 3)));
-  EXPECT_FALSE(isSound(with("string", "abc", 5)));
-  EXPECT_FALSE(isSound(with("string", "abc", 0x7fffffff)));
-  EXPECT_FALSE(isSound(with("string", "abc", 0xffffffff)));
-  EXPECT_TRUE(isSound(with("of its own", "abc", 3)));
-  EXPECT_TRUE(isSound(with("stringvector", "\1\0\0\0a\2\0\0\0bc"sv, 11)));
-  EXPECT_FALSE(isSound(with("stringvector", "\1\0\0\0a\3\0\0\0bc"sv, 11)));
-  EXPECT_TRUE(isSound(with("preview", "\1\0\0\0\1\0\0\0abcd"sv, 12)));
-  EXPECT_FALSE(isSound(with("preview", "\1\0\0\0\2\0\0\0abcd"sv, 12)));
-  EXPECT_FALSE(isSound(with("preview", "\xff\xff\xff\xff\xff\xff\xff\xff"sv, 12)));
+  EXPECT_TRUE(vdbtools::isExrHeaderSound(with("string", "abc", 3)));
+  EXPECT_FALSE(vdbtools::isExrHeaderSound(with("string", "abc", 5)));
+  EXPECT_FALSE(vdbtools::isExrHeaderSound(with("string", "abc", 0x7fffffff)));
+  EXPECT_FALSE(vdbtools::isExrHeaderSound(with("string", "abc", 0xffffffff)));
+  EXPECT_TRUE(vdbtools::isExrHeaderSound(with("of its own", "abc", 3)));
+  EXPECT_TRUE(vdbtools::isExrHeaderSound(with("stringvector", "\1\0\0\0a\2\0\0\0bc"sv, 11)));
+  EXPECT_FALSE(vdbtools::isExrHeaderSound(with("stringvector", "\1\0\0\0a\3\0\0\0bc"sv, 11)));
+  EXPECT_TRUE(vdbtools::isExrHeaderSound(with("preview", "\1\0\0\0\1\0\0\0abcd"sv, 12)));
+  EXPECT_FALSE(vdbtools::isExrHeaderSound(with("preview", "\1\0\0\0\2\0\0\0abcd"sv, 12)));
+  EXPECT_FALSE(vdbtools::isExrHeaderSound(with("preview", "\xff\xff\xff\xff\xff\xff\xff\xff"sv, 12)));
 }
 
 }  // namespace

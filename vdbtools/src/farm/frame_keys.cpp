@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/farm/frame_plan.h"
 
+#include "base/smooth_step.h"
+
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/recipe/option_value.h"
 
@@ -61,7 +63,7 @@ std::string blended(const std::string& option, const Key& from, const Key& to, d
 
 double shareAt(Ease ease, double t) {
   if (ease == Ease::Step) return 0;
-  return ease == Ease::Smooth ? t * t * (3 - 2 * t) : t;
+  return ease == Ease::Smooth ? smoothStep(t) : t;
 }
 
 Ease parseEase(const std::string& text) {

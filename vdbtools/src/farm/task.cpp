@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/farm/task.h"
 
+#include "base/threads.h"
 #include "farm/target_store.h"
 #include "farm/task_files.h"
 #include "farm/tile_task.h"
@@ -11,8 +12,6 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/files/mark_file.h"
-
-#include <tbb/global_control.h>
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -160,7 +159,7 @@ bool TaskRunner::run(std::uint64_t index, Monitor& monitor) {
   record.cpuSeconds = cpuSeconds() - cpuStart;
   record.peakBytes = peakBytes();
   record.host = hostName();
-  record.threads = static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+  record.threads = allowedThreads();
   AtomicFile sideCar(sideCarPath(mFolder, index));
   sideCar.stream() << encodeRecord(index, record);
   sideCar.commit();

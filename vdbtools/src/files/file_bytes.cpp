@@ -2,6 +2,7 @@
 #include "vdbtools/files/file_bytes.h"
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/memory.h"
 #include "vdbtools/files/io_failure.h"
 
 #include <fcntl.h>
@@ -71,6 +72,7 @@ void readPieces(const std::filesystem::path& path, const std::function<void(std:
 
 std::string readWholeFile(const std::filesystem::path& path) {
   Input input(path);
+  requireMemory(static_cast<double>(input.size()), MemoryUse::File, inOneLine(path.native()));
   // One byte more than the file should hold, so that its end is seen without growing the buffer; a file that has grown
   // since, or has no size, is still read to its end.
   std::string content(input.size() + 1, '\0');

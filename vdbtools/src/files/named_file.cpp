@@ -2,13 +2,22 @@
 #include "vdbtools/files/named_file.h"
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/memory.h"
+#include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
+
+#include <cstdint>
+#include <system_error>
 
 namespace vdbtools {
 
 std::map<std::string, std::string> verifiedHashes(std::span<const NamedFile> files) {
   std::map<std::string, std::string> found;
   for (const NamedFile& file : files) {
+    // What a recipe names is read whole, and the hash of what does not fit would take hours.
+    std::error_code error;
+    const std::uintmax_t size = std::filesystem::file_size(file.path, error);
+    if (!error) requireMemory(static_cast<double>(size), MemoryUse::File, inOneLine(file.path.native()));
     std::string& hashes = found[file.recordedAs];
     hashes += (hashes.empty() ? "" : ",") + sha256OfFile(file.path);
   }

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/exr_header.h"
 
-#include "vdbtools/files/file_bytes.h"
-
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <fstream>
-#include <string>
 #include <string_view>
 
 namespace vdbtools {
@@ -44,40 +40,45 @@ constexpr std::array kFixedKinds = {Kind{"box2i", 16},
                                     Kind{"v3f", 12},
                                     Kind{"v3d", 24}};
 
-/// A place in a file that never lies behind its end.
+/// What is left of a file. Behind its end everything is 0, and it is not good any more.
 class Cursor {
  public:
-  explicit Cursor(const std::filesystem::path& path) : mStream(openToRead(path)) {
-    mSize = mStream.seekg(0, std::ios::end).tellg();
-    mStream.seekg(0);
-  }
+  explicit Cursor(std::string_view bytes) : mLeft(bytes) {}
 
-  std::int64_t position() { return mStream.tellg(); }
-  std::int64_t left() { return mSize - mStream.tellg(); }
-  explicit operator bool() const { return bool(mStream); }
+  std::int64_t left() const { return std::ssize(mLeft); }
+  explicit operator bool() const { return mGood; }
+  bool atZero() const { return mLeft.starts_with('\0'); }
 
-  std::uint8_t byte() { return static_cast<std::uint8_t>(mStream.get()); }
   /// Little-endian, as all numbers of the format.
   std::int32_t number() {
+    const std::string_view bytes = take(4);
     std::uint32_t value = 0;
-    for (int i = 0; i < 4; ++i) value |= std::uint32_t{byte()} << (8 * i);
+    for (std::size_t i = 0; i < bytes.size(); ++i)
+      value |= std::uint32_t{static_cast<std::uint8_t>(bytes[i])} << (8 * i);
     return static_cast<std::int32_t>(value);
   }
-  std::string text() {
-    std::string text;
-    std::getline(mStream, text, '\0');
-    if (mStream.eof()) mStream.setstate(std::ios::failbit);
+  std::string_view text() {
+    const std::string_view text = take(static_cast<std::int64_t>(mLeft.find('\0')));
+    skip(1);
     return text;
   }
   /// @return whether there are so many
   bool skip(std::int64_t bytes) {
-    return mStream && bytes >= 0 && bytes <= left() && mStream.seekg(bytes, std::ios::cur);
+    take(bytes);
+    return mGood;
   }
-  bool atZero() { return mStream.peek() == 0; }
 
  private:
-  std::ifstream mStream;
-  std::int64_t mSize = 0;
+  std::string_view take(std::int64_t count) {
+    mGood = mGood && count >= 0 && count <= left();
+    if (!mGood) return {};
+    const std::string_view taken = mLeft.substr(0, static_cast<std::size_t>(count));
+    mLeft.remove_prefix(taken.size());
+    return taken;
+  }
+
+  std::string_view mLeft;
+  bool mGood = true;
 };
 
 /// Names, each with 16 bytes, up to an empty one.
@@ -88,23 +89,23 @@ bool skipChannels(Cursor& cursor) {
 }
 
 /// @return whether the value is what readers of its kind take it for
-bool skipValue(Cursor& cursor, const std::string& kind, std::int32_t size) {
-  const std::int64_t end = cursor.position() + size;
-  if (size < 0 || size > cursor.left()) return false;
+bool skipValue(Cursor& cursor, std::string_view kind, std::int32_t size) {
+  const std::int64_t after = cursor.left() - size;
+  if (size < 0 || after < 0) return false;
   const auto fixed =
       std::find_if(kFixedKinds.begin(), kFixedKinds.end(), [&](const Kind& k) { return k.name == kind; });
   if (fixed != kFixedKinds.end()) {
     if (size != fixed->size) return false;
   } else if (kind == "chlist") {
-    return skipChannels(cursor) && cursor.position() == end;
+    return skipChannels(cursor) && cursor.left() == after;
   } else if (kind == "preview") {
     const std::int64_t width = cursor.number(), height = cursor.number();
     return width >= 0 && height >= 0 && width * height <= size && 8 + 4 * width * height == size &&
            cursor.skip(size - 8);
   } else if (kind == "stringvector") {
-    while (cursor && cursor.position() < end)
+    while (cursor && cursor.left() > after)
       if (!cursor.skip(cursor.number())) return false;
-    return cursor && cursor.position() == end;
+    return cursor && cursor.left() == after;
   } else if (kind == "idmanifest") {
     return false;  // of deep pictures, which have no use here; compressed, so that its size says nothing
   }
@@ -113,18 +114,17 @@ bool skipValue(Cursor& cursor, const std::string& kind, std::int32_t size) {
 
 }  // namespace
 
-bool isExrHeaderSound(const std::filesystem::path& path) {
-  constexpr std::int32_t kMagic = 20000630;
+bool isExrHeaderSound(std::string_view bytes) {
   constexpr std::int32_t kManyParts = 0x1000;
-  Cursor cursor(path);
-  if (cursor.number() != kMagic) return true;
+  Cursor cursor(bytes);
+  cursor.skip(4);  // by which the format is known
   const bool manyParts = (cursor.number() & kManyParts) != 0;
   while (cursor) {
     if (cursor.text().empty()) {  // the end of a header; where there may be several, an empty one is the last
       if (cursor && (!manyParts || cursor.atZero())) return true;
       continue;
     }
-    const std::string kind = cursor.text();
+    const std::string_view kind = cursor.text();
     const std::int32_t size = cursor.number();
     if (!cursor || !skipValue(cursor, kind, size)) return false;
   }

@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/image_decoder.h"
 
+#include "formats/image_threads.h"
+
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
 #include <cstdio>
 #include <exception>
-#include <fstream>
 #include <mutex>
-#include <string_view>
 
 namespace {
 
@@ -49,45 +48,21 @@ class QuietStderr {
 /// Values of a picture: 4 GB. A damaged header can announce anything.
 constexpr std::uint64_t kMostValues = std::uint64_t{1} << 30;
 
-/// How OpenImageIO calls the format that a file begins like; "": none that is read.
-std::string formatOf(const std::string& path) {
-  struct Beginning {
-    std::string_view bytes;
-    const char* format;
-  };
-  using namespace std::literals;
-  constexpr std::array kBeginnings = {Beginning{"\x89PNG\r\n\x1a\n"sv, "png"},
-                                      Beginning{"\xff\xd8\xff"sv, "jpeg"},
-                                      Beginning{"II*\0"sv, "tiff"},
-                                      Beginning{"MM\0*"sv, "tiff"},
-                                      Beginning{"II+\0"sv, "tiff"},
-                                      Beginning{"MM\0+"sv, "tiff"},
-                                      Beginning{"\x76\x2f\x31\x01"sv, "openexr"}};
-  std::array<char, 8> bytes{};
-  std::ifstream stream(path, std::ios::binary);
-  stream.read(bytes.data(), bytes.size());
-  const std::string_view found(bytes.data(), static_cast<std::size_t>(stream.gcount()));
-  const auto it = std::find_if(kBeginnings.begin(), kBeginnings.end(),
-                               [&](const Beginning& beginning) { return found.starts_with(beginning.bytes); });
-  return it == kBeginnings.end() ? "" : it->format;
-}
-
 }  // namespace
 
-bool juliavdbDecodeImage(const std::string& path, double room, vdbtools::DecodedImage& image, std::string& reason) {
+bool juliavdbDecodeImage(std::string_view bytes, std::string_view format, int threads, double room,
+                         vdbtools::DecodedImage& image, std::string& reason) {
   try {
     const QuietStderr quiet;
+    vdbtools::useImageThreads(threads);
     OIIO::ImageSpec config;
     config.attribute("oiio:UnassociatedAlpha", 1);  // colours as they are in the file, not multiplied by alpha
+    OIIO::Filesystem::IOMemReader source(bytes.data(), bytes.size());
     // ImageInput::open() would try the decoders of all formats on a file that the one for its name refuses.
-    const std::string format = formatOf(path);
-    if (format.empty()) {
-      reason = "it is of another format";
-      return false;
-    }
-    const auto input = OIIO::ImageInput::create(format);
+    const auto input = OIIO::ImageInput::create(std::string(format));
     OIIO::ImageSpec spec;
-    if (!input || !input->open(path, spec, config)) {
+    // The name is for messages only; the bytes come from the source.
+    if (!input || !input->set_ioproxy(&source) || !input->open("picture", spec, config)) {
       reason = input ? input->geterror() : OIIO::geterror();
       return false;
     }
@@ -103,7 +78,6 @@ bool juliavdbDecodeImage(const std::string& path, double room, vdbtools::Decoded
     image.height = spec.height;
     image.channels = spec.nchannels;
     image.alphaChannel = spec.alpha_channel;
-    image.isLinear = format == "openexr";
     if (static_cast<double>(values) * sizeof(float) > room) {
       reason.clear();
       return false;

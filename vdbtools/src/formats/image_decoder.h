@@ -4,6 +4,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdbtools {
@@ -16,11 +17,13 @@ struct DecodedImage {
   std::vector<float> values;
 };
 
-/// Reads PNG, JPEG, TIFF and OpenEXR, whatever the file is called: for these, OpenImageIO calls the libraries that all
-/// the world uses. Its own decoders of other formats trust the file.
-/// @param room    bytes that the values may take
-/// @param reason  where it returns false, why; empty: there is no room, and @a image has the size without the values
-using ImageDecoder = bool(const std::string& path, double room, DecodedImage& image, std::string& reason);
+/// @param bytes    of a file
+/// @param format   how OpenImageIO calls it
+/// @param threads  that decoding may use
+/// @param room     bytes that the values may take
+/// @param reason   where it returns false, why; empty: there is no room, and @a image has the size without the values
+using ImageDecoder = bool(std::string_view bytes, std::string_view format, int threads, double room,
+                          DecodedImage& image, std::string& reason);
 
 }  // namespace vdbtools
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/picture_file.h"
 
+#include "base/threads.h"
 #include "files/image_module.h"
 #include "formats/exr_header.h"
 #include "vdbtools/base/errors.h"
@@ -8,11 +9,17 @@
 #include "vdbtools/files/file_bytes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
+#include <string_view>
 
 namespace vdbtools {
 namespace {
+
+using namespace std::string_view_literals;
+
+constexpr std::string_view kExr = "openexr";
 
 ImageDecoder* findDecoder() {
 #ifdef JULIAVDB_IMAGE_MODULE
@@ -22,23 +29,44 @@ ImageDecoder* findDecoder() {
 #endif
 }
 
+/// How OpenImageIO calls the format that a file begins like; empty: none of those for which it calls the libraries that
+/// all the world uses. Its own decoders of other formats trust the file.
+std::string_view formatOf(std::string_view bytes) {
+  struct Beginning {
+    std::string_view bytes, format;
+  };
+  constexpr std::array kBeginnings = {Beginning{"\x89PNG\r\n\x1a\n"sv, "png"},
+                                      Beginning{"\xff\xd8\xff"sv, "jpeg"},
+                                      Beginning{"II*\0"sv, "tiff"},
+                                      Beginning{"MM\0*"sv, "tiff"},
+                                      Beginning{"II+\0"sv, "tiff"},
+                                      Beginning{"MM\0+"sv, "tiff"},
+                                      Beginning{"\x76\x2f\x31\x01"sv, kExr}};
+  const auto it = std::find_if(kBeginnings.begin(), kBeginnings.end(),
+                               [&](const Beginning& beginning) { return bytes.starts_with(beginning.bytes); });
+  return it == kBeginnings.end() ? std::string_view() : it->format;
+}
+
 }  // namespace
 
 DecodedImage readPicture(const std::filesystem::path& path) {
   static ImageDecoder* const decode = findDecoder();
-  // Whether it is there and may be opened is not for OpenImageIO to say.
-  std::error_code error;
+  std::error_code error;  // a device may have no end
   if (!std::filesystem::is_regular_file(path, error))
     throw MissingInputError(path.string() + ": no such file; check its name");
   const auto refuse = [&](const std::string& why) {
     throw DataError(path.string() + ": it cannot be read as a picture (" + why +
                     "); save it as PNG, JPEG, TIFF or EXR");
   };
-  if (!isExrHeaderSound(path)) refuse("its header is damaged");
-  DecodedImage image;
+  // What is checked is what is decoded, whatever happens to the file meanwhile.
+  const std::string bytes = readWholeFile(path);
+  const std::string_view format = formatOf(bytes);
+  if (format.empty()) refuse("it is of another format");
+  if (format == kExr && !isExrHeaderSound(bytes)) refuse("its header is damaged");
+  DecodedImage image{.isLinear = format == kExr};
   std::string reason;
   const MemoryLeft left = memoryLeft();
-  if (!decode(path.string(), left.bytes, image, reason)) {
+  if (!decode(bytes, format, allowedThreads(), left.bytes, image, reason)) {
     if (reason.empty())
       throw MemoryError(path.string() + ": the picture of " + std::to_string(image.width) + " x " +
                             std::to_string(image.height) + " pixels would take " +

@@ -24,6 +24,7 @@ std::string optionFor(MemoryUse use) {
       return "use a lower --resolution or a --box, or cut the work into tiles ('juliavdb plan tiles')";
     case MemoryUse::Picture: return "use a smaller --size";
     case MemoryUse::Texture: return "scale the picture down";
+    case MemoryUse::File: return "give a smaller file";
   }
   return "";
 }

@@ -2,6 +2,7 @@
 #include "vdbtools/picture/image.h"
 
 #include "base/srgb.h"
+#include "base/threads.h"
 #include "files/image_module.h"
 #include "picture/image_encoder.h"
 #include "picture/png_encoder.h"
@@ -79,7 +80,7 @@ std::string encodeImage(const Image& image, const std::string& extension) {
     return encodePng(image.width, image.height, screenCodes(image).data());
   }
   const auto values = converted<float>(image, inHalfRange);
-  return write({.width = image.width, .height = image.height, .linear = values.data()});
+  return write({.width = image.width, .height = image.height, .linear = values.data(), .threads = allowedThreads()});
 }
 
 std::string encodeExr(const Image& image, std::span<const Channel> channels) {
@@ -101,7 +102,8 @@ std::string encodeExr(const Image& image, std::span<const Channel> channels) {
                 .height = image.height,
                 .linear = values.data(),
                 .channels = kImageChannels + static_cast<int>(channels.size()),
-                .names = names.data()});
+                .names = names.data(),
+                .threads = allowedThreads()});
 }
 
 }  // namespace vdbtools

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "picture/image_encoder.h"
 
+#include "formats/image_threads.h"
+
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
@@ -36,6 +38,7 @@ bool encode(const OIIO::ImageSpec& spec, const float* values, std::string& resul
 
 bool juliavdbEncodeImage(const vdbtools::Picture& picture, std::string& result) {
   try {
+    vdbtools::useImageThreads(picture.threads);
     OIIO::ImageSpec spec(picture.width, picture.height, picture.channels, OIIO::TypeDesc::HALF);
     if (picture.channels > kImageChannels) {
       spec.channelnames = {"R", "G", "B"};

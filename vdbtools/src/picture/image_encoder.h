@@ -15,6 +15,7 @@ struct Picture {
   const float* linear = nullptr;       ///< RGB within the range of half floats
   int channels = kImageChannels;       ///< of the linear array, interleaved; those beyond RGB are kept as floats
   const char* const* names = nullptr;  ///< of the channels beyond RGB
+  int threads = 1;                     ///< that encoding may use
 };
 
 /// @param result  the bytes of the file or, where it returns false, the reason why there are none

@@ -52,20 +52,6 @@ class LatticeField final : public ControlField {
     for (std::size_t i = 0; i < points.size(); ++i) values[i] = mLattice.read(mValues, mLattice.toIndex(points[i]));
   }
   std::pair<double, double> range() const override { return mRange; }
-  std::pair<double, double> rangeIn(const openvdb::BBoxd& box) const override {
-    const Place first = placeOf(mLattice, mLattice.toIndex(box.min()));
-    const Place last = placeOf(mLattice, mLattice.toIndex(box.max()));
-    float low = mValues[mLattice.index(first.before[0], first.before[1], first.before[2])], high = low;
-    for (int x = first.before[0]; x <= last.behind[0]; ++x)
-      for (int y = first.before[1]; y <= last.behind[1]; ++y) {
-        const float* row = &mValues[mLattice.index(x, y, 0)];
-        for (int z = first.before[2]; z <= last.behind[2]; ++z) {
-          low = std::min(low, row[z]);
-          high = std::max(high, row[z]);
-        }
-      }
-    return {low, high};
-  }
 
  private:
   ControlLattice mLattice;

@@ -18,40 +18,27 @@ using openvdb::FloatGrid;
 class GridField final : public ControlField {
  public:
   explicit GridField(FloatGrid::ConstPtr grid) : mGrid(std::move(grid)) {
-    for (auto value = mGrid->tree().cbeginValueAll(); value; ++value)
+    mLeast = mMost = mGrid->background();
+    for (auto value = mGrid->tree().cbeginValueAll(); value; ++value) {
       if (!std::isfinite(*value))
         throw DataError("the grid '" + mGrid->getName() + "' holds a value that is not finite");
+      mLeast = std::min(mLeast, *value);
+      mMost = std::max(mMost, *value);
+    }
   }
 
   void sample(std::span<const openvdb::Vec3d> points, std::span<double> values) const override {
     const FloatGrid::ConstAccessor accessor = mGrid->getConstAccessor();
     for (std::size_t i = 0; i < points.size(); ++i)
-      values[i] = openvdb::tools::BoxSampler::sample(accessor, mGrid->worldToIndex(points[i]));
+      // Interpolation may leave the range by a rounding.
+      values[i] =
+          std::clamp(openvdb::tools::BoxSampler::sample(accessor, mGrid->worldToIndex(points[i])), mLeast, mMost);
   }
-
-  std::pair<double, double> range() const override {
-    return rangeOf([](const openvdb::CoordBBox&) { return true; });
-  }
-  std::pair<double, double> rangeIn(const openvdb::BBoxd& box) const override {
-    const openvdb::BBoxd at = mGrid->transform().worldToIndex(box);
-    const openvdb::CoordBBox nodes(openvdb::Coord::floor(at.min()), openvdb::Coord::ceil(at.max()));
-    return rangeOf([&](const openvdb::CoordBBox& some) { return some.hasOverlap(nodes); });
-  }
+  std::pair<double, double> range() const override { return {mLeast, mMost}; }
 
  private:
-  /// Of the nodes and tiles that are asked for, and the background, which lies anywhere.
-  template <class Wanted>
-  std::pair<double, double> rangeOf(const Wanted& wanted) const {
-    double low = mGrid->background(), high = low;
-    for (auto value = mGrid->tree().cbeginValueAll(); value; ++value) {
-      if (!wanted(value.getBoundingBox())) continue;
-      low = std::min<double>(low, *value);
-      high = std::max<double>(high, *value);
-    }
-    return {low, high};
-  }
-
   FloatGrid::ConstPtr mGrid;
+  float mLeast = 0, mMost = 0;  ///< of the background, too, which lies anywhere
 };
 
 class GridSource final : public ControlSource {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The distance to another mesh: an object placed in the scene is the brush.
+#include "base/smooth_step.h"
 #include "target/control_kinds.h"
 #include "target/control_lattice.h"
 #include "target/solid_input.h"
@@ -23,7 +24,7 @@ struct Falloff {
 
   double operator()(double distance) const {
     const double t = std::clamp(distance / reach, 0.0, 1.0);
-    return std::lerp(near, far, t * t * (3 - 2 * t));
+    return std::lerp(near, far, smoothStep(t));
   }
   std::pair<double, double> over(std::pair<double, double> distances) const {  // it is monotonic
     return std::minmax({(*this)(distances.first), (*this)(distances.second)});
@@ -40,9 +41,6 @@ class NearField final : public ControlField {
     for (double& value : values) value = mFalloff(value);
   }
   std::pair<double, double> range() const override { return mFalloff.over(mDistance->range()); }
-  std::pair<double, double> rangeIn(const openvdb::BBoxd& box) const override {
-    return mFalloff.over(mDistance->rangeIn(box));
-  }
 
  private:
   std::shared_ptr<const ControlField> mDistance;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A ramp along an axis of the target's box.
+#include "base/smooth_step.h"
 #include "target/control_kinds.h"
 
 #include <algorithm>
@@ -26,15 +27,12 @@ class RampField final : public ControlField {
     for (std::size_t i = 0; i < points.size(); ++i) values[i] = at(points[i][mRamp.axis]);
   }
   std::pair<double, double> range() const override { return std::minmax({mRamp.from, mRamp.to}); }
-  std::pair<double, double> rangeIn(const openvdb::BBoxd& box) const override {
-    return std::minmax({at(box.min()[mRamp.axis]), at(box.max()[mRamp.axis])});  // it is monotonic
-  }
 
  private:
   double at(double world) const {
-    double t = std::clamp((world - mStart) / (mEnd - mStart), 0.0, 1.0);
-    if (mRamp.smooth) t = t * t * (3 - 2 * t);
-    return mRamp.from + (mRamp.to - mRamp.from) * t;
+    const double t = std::clamp((world - mStart) / (mEnd - mStart), 0.0, 1.0);
+    // std::lerp stays between its ends.
+    return std::lerp(mRamp.from, mRamp.to, mRamp.smooth ? smoothStep(t) : t);
   }
 
   Ramp mRamp;

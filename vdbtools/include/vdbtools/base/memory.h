@@ -19,6 +19,7 @@ enum class MemoryUse {
   Field,      ///< F on a lattice, and what is made of it
   Picture,    ///< one that is made
   Texture,    ///< one that is read
+  File,       ///< that is read whole
 };
 
 /// Memory is short. To whoever does not know better, it is a failed allocation.

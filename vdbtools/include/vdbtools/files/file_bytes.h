@@ -23,6 +23,7 @@ namespace vdbtools {
 void readPieces(const std::filesystem::path& path, const std::function<void(std::string_view piece)>& use);
 
 /// The whole content, held in memory.
+/// @throw MemoryError  it does not fit
 std::string readWholeFile(const std::filesystem::path& path);
 
 /// A binary stream, for a file of which only a part is read. Where it cannot be opened, the stream is not open. Unlike

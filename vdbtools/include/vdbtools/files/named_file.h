@@ -21,6 +21,7 @@ struct NamedFile {
 /// their order.
 /// @throw DataError          a file is not the one that the recipe was made with
 /// @throw MissingInputError, IoError  as sha256OfFile()
+/// @throw MemoryError        a file is larger than what is left of the memory
 std::map<std::string, std::string> verifiedHashes(std::span<const NamedFile> files);
 
 }  // namespace vdbtools

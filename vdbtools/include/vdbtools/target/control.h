@@ -35,8 +35,6 @@ class ControlField {
 
   /// Bounds of the values anywhere.
   virtual std::pair<double, double> range() const = 0;
-  /// Bounds of the values in a box, world units; not wider than those anywhere.
-  virtual std::pair<double, double> rangeIn(const openvdb::BBoxd& /*box*/) const { return range(); }
 
   /// The value, if it is the same everywhere.
   virtual std::optional<double> constant() const { return std::nullopt; }
@@ -66,7 +64,6 @@ class Control {
   }
   double at(const openvdb::Vec3d& point) const;
   std::pair<double, double> range() const { return mField->range(); }
-  std::pair<double, double> rangeIn(const openvdb::BBoxd& box) const { return mField->rangeIn(box); }
   std::optional<double> constant() const { return mField->constant(); }
 
  private:
