@@ -9,7 +9,10 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <mutex>
 
@@ -45,6 +48,31 @@ class QuietStderr {
   int mKept = -1;
 };
 
+/// The bytes of a file. The reader of OpenImageIO 2.4 that it stands in for reads before and behind them where a
+/// damaged file has a place that is negative or too large.
+class ByteSource final : public OIIO::Filesystem::IOMemReader {
+ public:
+  explicit ByteSource(std::string_view bytes) : IOMemReader(bytes.data(), bytes.size()) {}
+
+  bool seek(std::int64_t offset) override {
+    if (offset < 0) return false;
+    m_pos = offset;
+    return true;
+  }
+  std::size_t read(void* to, std::size_t size) override {
+    const std::size_t count = pread(to, size, m_pos);
+    m_pos += static_cast<std::int64_t>(count);
+    return count;
+  }
+  std::size_t pread(void* to, std::size_t size, std::int64_t offset) override {
+    const std::size_t all = this->size(), begin = static_cast<std::size_t>(offset);
+    if (offset < 0 || begin >= all) return 0;
+    const std::size_t count = std::min(size, all - begin);
+    std::memcpy(to, buffer().data() + begin, count);
+    return count;
+  }
+};
+
 /// Values of a picture: 4 GB. A damaged header can announce anything.
 constexpr std::uint64_t kMostValues = std::uint64_t{1} << 30;
 
@@ -57,7 +85,7 @@ bool juliavdbDecodeImage(std::string_view bytes, std::string_view format, int th
     vdbtools::useImageThreads(threads);
     OIIO::ImageSpec config;
     config.attribute("oiio:UnassociatedAlpha", 1);  // colours as they are in the file, not multiplied by alpha
-    OIIO::Filesystem::IOMemReader source(bytes.data(), bytes.size());
+    ByteSource source(bytes);
     // ImageInput::open() would try the decoders of all formats on a file that the one for its name refuses.
     const auto input = OIIO::ImageInput::create(std::string(format));
     OIIO::ImageSpec spec;
