@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
@@ -75,6 +76,27 @@ class ByteSource final : public OIIO::Filesystem::IOMemReader {
 
 /// Values of a picture: 4 GB. A damaged header can announce anything.
 constexpr std::uint64_t kMostValues = std::uint64_t{1} << 30;
+constexpr int kMostTilesInRow = 1 << 14;
+
+/// Reads some lines at a time, and none after one that is damaged: OpenImageIO 2.4 would go on, keep a message for
+/// each, and abort the program when these are 16 MB.
+bool readLines(OIIO::ImageInput& input, const OIIO::ImageSpec& spec, float* values) {
+  constexpr int kLines = 64;
+  const bool tiled = spec.tile_width > 0 && spec.tile_height > 0;
+  const int last = spec.y + spec.height;
+  for (int begin = spec.y; begin < last;) {
+    const int end = std::min(begin + (tiled ? spec.tile_height : kLines), last);
+    const bool good =
+        tiled ? input.read_tiles(0, 0, spec.x, spec.x + spec.width, begin, end, spec.z, spec.z + 1, 0, spec.nchannels,
+                                 OIIO::TypeDesc::FLOAT, values)
+              : input.read_scanlines(0, 0, begin, end, spec.z, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, values);
+    // Where a part of a TIFF is missing, reading goes well, and says so only in the message.
+    if (!good || input.has_error()) return false;
+    values += std::ptrdiff_t{end - begin} * spec.width * spec.nchannels;
+    begin = end;
+  }
+  return true;
+}
 
 }  // namespace
 
@@ -97,7 +119,7 @@ bool juliavdbDecodeImage(std::string_view bytes, std::string_view format, int th
     const std::uint64_t values =
         static_cast<std::uint64_t>(spec.image_pixels()) * static_cast<std::uint64_t>(spec.nchannels);
     if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1 || spec.deep ||
-        values > kMostValues) {
+        values > kMostValues || (spec.tile_width > 0 && spec.width / spec.tile_width > kMostTilesInRow)) {
       reason = "a picture of " + std::to_string(spec.width) + " x " + std::to_string(spec.height) + " pixels and " +
                std::to_string(spec.nchannels) + " channels cannot be used";
       return false;
@@ -111,8 +133,7 @@ bool juliavdbDecodeImage(std::string_view bytes, std::string_view format, int th
       return false;
     }
     image.values.resize(values);
-    // Where a part of a TIFF is missing, reading goes well, and says so only in the message.
-    if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.values.data()) || input->has_error()) {
+    if (!readLines(*input, spec, image.values.data())) {
       reason = input->geterror();
       return false;
     }
