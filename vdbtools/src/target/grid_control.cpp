@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // A FloatGrid, read trilinearly in its own world space.
+#include "target/clamped_control.h"
 #include "target/control_kinds.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/formats/vdb_file.h"
 
-#include <openvdb/tools/Interpolation.h>
-
-#include <algorithm>
 #include <cmath>
 
 namespace vdbtools {
@@ -15,31 +13,11 @@ namespace {
 
 using openvdb::FloatGrid;
 
-class GridField final : public ControlField {
- public:
-  explicit GridField(FloatGrid::ConstPtr grid) : mGrid(std::move(grid)) {
-    mLeast = mMost = mGrid->background();
-    for (auto value = mGrid->tree().cbeginValueAll(); value; ++value) {
-      if (!std::isfinite(*value))
-        throw DataError("the grid '" + mGrid->getName() + "' holds a value that is not finite");
-      mLeast = std::min(mLeast, *value);
-      mMost = std::max(mMost, *value);
-    }
-  }
-
-  void sample(std::span<const openvdb::Vec3d> points, std::span<double> values) const override {
-    const FloatGrid::ConstAccessor accessor = mGrid->getConstAccessor();
-    for (std::size_t i = 0; i < points.size(); ++i)
-      // Interpolation may leave the range by a rounding.
-      values[i] =
-          std::clamp(openvdb::tools::BoxSampler::sample(accessor, mGrid->worldToIndex(points[i])), mLeast, mMost);
-  }
-  std::pair<double, double> range() const override { return {mLeast, mMost}; }
-
- private:
-  FloatGrid::ConstPtr mGrid;
-  float mLeast = 0, mMost = 0;  ///< of the background, too, which lies anywhere
-};
+FloatGrid::ConstPtr finite(FloatGrid::ConstPtr grid) {
+  for (auto value = grid->tree().cbeginValueAll(); value; ++value)
+    if (!std::isfinite(*value)) throw DataError("the grid '" + grid->getName() + "' holds a value that is not finite");
+  return grid;
+}
 
 class GridSource final : public ControlSource {
  public:
@@ -59,7 +37,7 @@ class GridSource final : public ControlSource {
 
 }  // namespace
 
-Control::Control(FloatGrid::ConstPtr grid) : mField(std::make_shared<GridField>(std::move(grid))) {}
+Control::Control(FloatGrid::ConstPtr grid) : Control(clampedControl(finite(std::move(grid)), std::nullopt)) {}
 
 ControlSourcePtr parseGridControl(const RecipeReader& reader, const std::string& option) {
   const std::string text = reader.text(option);
