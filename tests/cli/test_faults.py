@@ -25,7 +25,7 @@ import tempfile
 import unittest
 
 import harness
-from harness import BAD_DATA, CANNOT_CREATE, DONE, IO_ERROR, NO_INPUT
+from harness import BAD_DATA, CANNOT_CREATE, DONE, INTERNAL, IO_ERROR, NO_INPUT
 
 KINDS = ("open", "create", "read", "write", "fsync", "rename", "close", "unlink", "mkdir", "stat", "random", "alloc")
 LOW = ("--resolution", 16, "--sdf-resolution", 16, "--threads", 2)
@@ -242,6 +242,16 @@ class FaultTest(unittest.TestCase):
         self.sweep("open", [errno.EMFILE], {NO_INPUT, IO_ERROR, CANNOT_CREATE, BAD_DATA, DONE},
                    most=2,
                    names=self.sampled("fractal of a recipe", "task", "mesh"))
+
+    def test_exceptions_that_nobody_catches(self):
+        """They end the program as other failures do, and its temporary files go with it."""
+        for name in sorted(self.sampled("fractal", "sheet", "task")):
+            before, after, counts = self.model(name)
+            for at in self.places(counts["fsync"], 2):
+                self.fresh()
+                run = self.run_in(COMMANDS[name], f"throw:{at}:0")
+                self.check(name, f"throw:{at}:0", run, before, after, {INTERNAL})
+                self.assertIn(b"juliavdb: internal error: thrown by the shim\n", run.stderr)
 
     # -------------------------------------------------------------------------------------- what nobody should notice
 

@@ -8,6 +8,7 @@
 /// - FAULT=bytes:N:ERROR: writing fails once N bytes are written, as on a disk that is full: what still fits goes in
 /// - FAULT=short:*:0: every write takes half of what it is given
 /// - FAULT=clock:*:0: the time of day goes forward and back by ten hours, from call to call
+/// - FAULT=throw:N:0: while the N-th file is flushed, a thread throws an exception that nobody catches
 /// - FAULT=alloc:N:BYTES: the N-th allocation of at least so many bytes fails; N+ as above
 /// - FAULT_PATH=FOLDER: only files below this folder are meant
 /// - FAULT_COUNTS=FILE: an existing file of 8 bytes for each kind of call, which receives how often each was made
@@ -34,6 +35,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <stdexcept>
+#include <thread>
 
 extern "C" {
 void* __libc_malloc(std::size_t);
@@ -58,7 +61,7 @@ struct Fault {
   std::uint64_t at = 0;
   int error = 0;
   std::uint64_t least = 0;  ///< bytes of an allocation that counts
-  bool bytes = false, isShort = false, clock = false;
+  bool bytes = false, isShort = false, clock = false, throws = false;
   char folder[PATH_MAX] = {};
   std::size_t folderLength = 0;
 };
@@ -97,6 +100,8 @@ __attribute__((constructor)) void begin() {
       theFault.bytes = std::strcmp(kind, "bytes") == 0;
       theFault.isShort = std::strcmp(kind, "short") == 0;
       theFault.clock = std::strcmp(kind, "clock") == 0;
+      theFault.throws = std::strcmp(kind, "throw") == 0;
+      if (theFault.throws) theFault.kind = Fsync;
       theFault.at = std::strtoull(at, nullptr, 10);
       theFault.mode = std::strchr(at, '*') ? Mode::EverySecond : std::strchr(at, '+') ? Mode::FromThen : Mode::Once;
       theFault.error = static_cast<int>(number);
@@ -116,6 +121,7 @@ bool fails(Kind kind) {
   const bool hit = theFault.mode == Mode::EverySecond ? number % 2 == 1
                    : theFault.mode == Mode::FromThen  ? number >= theFault.at
                                                       : number == theFault.at;
+  if (hit && theFault.throws) std::thread([] { throw std::runtime_error("thrown by the shim"); }).join();
   if (hit) errno = theFault.error;
   return hit;
 }

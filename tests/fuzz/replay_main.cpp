@@ -109,16 +109,19 @@ int writeSeeds(const fs::path& folder) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   const std::vector<std::string> words(argv + 1, argv + argc);
   if (words.size() == 2 && words[0] == "--seeds") return writeSeeds(words[1]);
-  if (words.size() == 1) return replayAll(words[0]);
-  if (words.size() < 2) {
+  if (words.empty() || words[0].starts_with('-')) {
     std::cerr << "usage: fuzz_replay REGRESSIONS | --seeds FOLDER | HARNESS FILE...\n";
     return 2;
   }
+  if (words.size() == 1) return replayAll(words[0]);
   bool good = true;
   for (std::size_t i = 1; i < words.size(); ++i)
     good = replay(words[0], words[i], vdbtools::readWholeFile(words[i])) && good;
   return good ? 0 : 1;
+} catch (const std::exception& error) {
+  std::cerr << "fuzz_replay: " << error.what() << '\n';
+  return 1;
 }

@@ -26,11 +26,6 @@ namespace {
 using openvdb::Coord;
 using openvdb::CoordBBox;
 
-double volumeOf(const CoordBBox& box) {
-  const Coord sides = box.dim();
-  return double(sides[0]) * sides[1] * sides[2];
-}
-
 /// What of the boxes lies within another one.
 std::vector<CoordBBox> clipped(std::span<const CoordBBox> boxes, const CoordBBox& within) {
   std::vector<CoordBBox> result;
@@ -194,7 +189,7 @@ std::vector<TileBox> cutIntoCubes(const CoordBBox& domain, std::span<const Coord
     for (auto cube = CoordBBox(low, high).begin(); cube; ++cube) {
       CoordBBox in = CoordBBox::createCube(Coord((*cube)[0] * side, (*cube)[1] * side, (*cube)[2] * side), side);
       in.intersect(box);
-      cubes[*cube] += in.empty() ? 0 : volumeOf(in);
+      cubes[*cube] += volumeOf(in);
     }
   }
   std::vector<TileBox> tiles;

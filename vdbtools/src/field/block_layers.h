@@ -17,6 +17,12 @@ using BlockSet = openvdb::MaskTree;
 inline constexpr int kBlockLog2 = openvdb::FloatTree::LeafNodeType::LOG2DIM;
 inline constexpr int kBlock = 1 << kBlockLog2;
 
+/// How many nodes a box holds, which may be more than an integer can say.
+inline double volumeOf(const openvdb::CoordBBox& box) {
+  const openvdb::Vec3d sides = box.dim().asVec3d();
+  return box.empty() ? 0 : sides[0] * sides[1] * sides[2];
+}
+
 /// Adds the blocks that hold any of these nodes.
 void addBlocks(BlockSet& blocks, const openvdb::CoordBBox& nodes);
 

@@ -127,11 +127,6 @@ class LatticeView {
   Vec3d mColumns[3];
 };
 
-double volumeOf(const CoordBBox& box) {
-  const Vec3d sides = box.dim().asVec3d();
-  return box.empty() ? 0 : sides[0] * sides[1] * sides[2];
-}
-
 /// "1.2e+15"
 std::string shortCount(double count) {
   char text[32];

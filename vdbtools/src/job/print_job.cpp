@@ -48,14 +48,6 @@ openvdb::BBoxd boxOf(const Mesh& mesh) {
   return box;
 }
 
-double volumeOf(const Mesh& mesh) {
-  const Vec3d origin = mesh.points.front();  // near the triangles, so that little is lost to rounding
-  double sum = 0;
-  for (const Vec3I& t : mesh.triangles)
-    sum += (mesh.points[t[0]] - origin).dot((mesh.points[t[1]] - origin).cross(mesh.points[t[2]] - origin));
-  return sum / 6;
-}
-
 /// The surfaces of a closed mesh that its points connect.
 struct Shells {
   std::vector<std::uint32_t> ofTriangle;
@@ -71,7 +63,7 @@ Shells shellsOf(const Mesh& mesh) {
   }
   Shells shells;
   std::vector<std::uint32_t> numbers(mesh.points.size(), kNone);
-  const Vec3d origin = mesh.points.front();
+  const Vec3d origin = mesh.points.front();  // near the triangles, so that little is lost to rounding
   for (const Vec3I& t : mesh.triangles) {
     std::uint32_t& number = numbers[sets.find(t[0])];
     if (number == kNone) {
@@ -279,8 +271,9 @@ PrintedPart printedPart(const Mesh& mesh, const PrintOptions& options, Monitor& 
     stand(solid);
   }
   part.extents = boxOf(solid).extents();
-  part.volume = volumeOf(solid);
-  part.kept = shellsOf(solid).volumes.size();
+  const std::vector<double> volumes = shellsOf(solid).volumes;
+  part.volume = std::accumulate(volumes.begin(), volumes.end(), 0.);
+  part.kept = volumes.size();
   const double voxel = part.voxelSize > 0 ? part.voxelSize : options.size / 1000;
   part.baseArea = baseAreaOf(solid, voxel / 100);
 
