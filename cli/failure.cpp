@@ -10,10 +10,15 @@
 
 #include <algorithm>
 #include <new>
+#include <string>
+#include <string_view>
 #include <system_error>
 
 namespace cli {
 namespace {
+
+constexpr const char* kNoThread =
+    "no further thread can be started: memory, or the number of threads that are allowed, is short";
 
 Failure failureOf() {
   try {
@@ -35,15 +40,16 @@ Failure failureOf() {
   } catch (const vdbtools::Interrupted& error) {
     return {kInterrupted, error.what()};
   } catch (const vdbtools::MemoryError& error) {
-    return {kInternal, vdbtools::failureText(error) + "; --memory sets another limit"};
+    const bool isOurs = error.use() != vdbtools::MemoryUse::Libraries;
+    return {kInternal, vdbtools::failureText(error) + (isOurs ? "; --memory sets another limit" : "")};
   } catch (const std::bad_alloc&) {
     return {kInternal, vdbtools::kOutOfMemory};
   } catch (const std::system_error& error) {
-    if (error.code() == std::errc::resource_unavailable_try_again)
-      return {kInternal,
-              "no further thread can be started: memory, or the number of threads that are allowed, is short"};
+    if (error.code() == std::errc::resource_unavailable_try_again) return {kInternal, kNoThread};
     return {kInternal, std::string("internal error: ") + error.what()};
   } catch (const std::exception& error) {
+    if (std::string_view(error.what()).starts_with("pthread_create has failed"))
+      return {kInternal, kNoThread};  // oneTBB
     return {kInternal, std::string("internal error: ") + error.what()};
   }
 }

@@ -2,6 +2,7 @@
 #include "interruption.h"
 
 #include "exit_code.h"
+#include "failure.h"
 #include "report.h"
 
 #include "vdbtools/base/memory.h"
@@ -52,8 +53,9 @@ constexpr std::chrono::milliseconds kGrace(700);
     if (std::current_exception()) throw;
   } catch (const std::bad_alloc&) {
     endNow(kInternal, "out of memory");
-  } catch (const std::exception& error) {
-    endNow(kInternal, std::string("internal error: ") + error.what());
+  } catch (const std::exception&) {
+    const Failure failure = currentFailure();
+    endNow(failure.code, failure.text);
   } catch (...) {
   }
   endNow(kInternal, "internal error: an exception found no handler");

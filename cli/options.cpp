@@ -20,6 +20,8 @@
 
 #include "julia/instruction_set.h"
 
+#include <tbb/global_control.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -299,9 +301,11 @@ void CommandLine::applyThreads() {
       if (const char* value = std::getenv(name); value && !threads) threads = parseThreads(value);
   }
   // TBB counts the processors of the affinity mask by itself.
-  if (threads)
-    mThreads = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
-                                                     static_cast<std::size_t>(*threads));
+  if (!threads) return;
+  // For as long as the process lives: to take the limit back, oneTBB may start threads, which can fail once all is
+  // done.
+  [[maybe_unused]] static tbb::global_control* control = nullptr;
+  control = new tbb::global_control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(*threads));
 }
 
 void CommandLine::applyInstructions() const {

@@ -11,8 +11,6 @@
 
 #include <boost/program_options.hpp>
 
-#include <tbb/global_control.h>
-
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -109,7 +107,6 @@ class CommandLine {
   boost::program_options::variables_map mValues;
   vdbtools::Recipe mRecipe, mGiven;
   std::filesystem::path mConfigHolder;
-  std::unique_ptr<tbb::global_control> mThreads;
   std::unique_ptr<Progress> mProgress;
 };
 

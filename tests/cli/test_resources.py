@@ -4,7 +4,9 @@
 JULIAVDB_FAULTS=all sweeps limits and allocations closely, which takes an hour.
 """
 
+import itertools
 import os
+import re
 import resource
 import signal
 import subprocess
@@ -77,12 +79,13 @@ class Resources(harness.CliTest):
         super().setUp()
         self.write("s.obj", harness.obj(harness.sphere(3)))
         self.write("t.obj", harness.obj(harness.torus()))
+        self.inputs = {"s.obj", "t.obj"}
 
     def ends(self, run, codes, words):
         """The laws: a code of those, one line, nothing left."""
         text = run.stderr.decode(errors="replace")
         self.assertIn(run.returncode, codes, f"{words}\n{text}")
-        left = [name for name in self.listing() if name not in ("s.obj", "t.obj")]
+        left = [name for name in self.listing() if name not in self.inputs]
         if run.returncode in (DONE, 127):  # the loader's own code, before the program begins
             for name in left:
                 self.path(name).unlink()
@@ -176,6 +179,41 @@ class Resources(harness.CliTest):
                 codes.add(self.ends(run, {DONE, 127, INTERNAL}, f"{kind} {size} MiB"))
         self.assertIn(INTERNAL, codes)
         self.assertIn(DONE, codes)
+
+    def test_limits_that_are_just_too_low(self):
+        """What is short at the very end, when all is written, is no failure any more."""
+        words = harness.quiet(("sdf", "s.obj", "-o", "x.vdb", "--resolution", 60, "--threads", 1))
+
+        def limited_run(kilobytes):
+            return self.run_program(*words, preexec_fn=limited(resource.RLIMIT_AS, kilobytes << 10))
+
+        low, high = 20 << 10, 1000 << 10
+        while high - low > 64:
+            middle = (low + high) // 2
+            low, high = (low, middle) if limited_run(middle).returncode == DONE else (middle, high)
+        self.path("x.vdb").unlink()
+        codes = {self.ends(limited_run(high - below), {DONE, INTERNAL}, f"{high - below} KiB")
+                 for below in range(100, 8000, 80 if EVERY else 500)}
+        self.assertIn(INTERNAL, codes)
+
+    def test_limits_where_pictures_are_read_and_written(self):
+        """The libraries for pictures are many and large, and some of them crash where they do not fit."""
+        self.ok("slice", "s.obj", "-o", "ramp.exr", "--size", 20, *QUICK)
+        self.inputs.add("ramp.exr")
+        jobs = (("fractal", "s.obj", "-o", "x.vdb", "--resolution", 8, *QUICK, "--colour", "depth:ramp.exr"),
+                ("slice", "s.obj", "-o", "x.exr", "--size", 200, *QUICK))
+        spans = ((resource.RLIMIT_AS, 200, 1400), (resource.RLIMIT_DATA, 60, 1400))
+        for (kind, least, most), words in itertools.product(spans, jobs):
+            codes, texts = set(), set()
+            steps = 200 if EVERY else 7
+            for i in range(steps + 1):
+                size = round(least * (most / least)**(i / steps))
+                run = self.run_program(*harness.quiet(words), "--threads", 4, preexec_fn=limited(kind, size * MIB))
+                codes.add(self.ends(run, {DONE, 127, INTERNAL}, f"{words} {kind} {size} MiB"))
+                texts.add(run.stderr.decode())
+            self.assertEqual(codes & {DONE, INTERNAL}, {DONE, INTERNAL}, words)
+            self.assertTrue(any(re.search(r"libraries need some [\d.]+ MiB, but .* leaves .*; raise that limit\n\Z", text)
+                                for text in texts), texts)
 
     def shim(self):
         name = os.environ.get("JULIAVDB_FAULT_SHIM")

@@ -110,11 +110,13 @@ double ownMemory(const fs::path& root, const char* name) {
   return kKibi * entryOf(root / "proc/self/status", name).value_or(0);
 }
 
-double limitOf(int resource) {
+/// @param own  what the process takes of it, in /proc/self/status
+MemoryLeft leftOf(int resource, const fs::path& root, const char* own, const char* name) {
+  MemoryLeft left{kNoLimit, "nothing"};
   rlimit limit{};
-  if (getrlimit(static_cast<__rlimit_resource>(resource), &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
-    return kNoLimit;
-  return static_cast<double>(limit.rlim_cur);
+  if (getrlimit(static_cast<__rlimit_resource>(resource), &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
+    limitBy(left, static_cast<double>(limit.rlim_cur) - ownMemory(root, own), name);
+  return left;
 }
 
 }  // namespace
@@ -138,11 +140,16 @@ MemoryLeft memoryLeft(const fs::path& root) {
     return left;
   }
   left = sharedMemoryLeft(root);
-  if (const double limit = limitOf(RLIMIT_AS); limit < kNoLimit)
-    limitBy(left, limit - ownMemory(root, "VmSize:"), "the limit of address space (ulimit -v)");
-  if (const double limit = limitOf(RLIMIT_DATA); limit < kNoLimit)
-    limitBy(left, limit - ownMemory(root, "VmData:"), "the limit of data (ulimit -d)");
+  for (const MemoryLeft& limit : {addressSpaceLeft(root), dataLeft(root)}) limitBy(left, limit.bytes, limit.limit);
   return left;
+}
+
+MemoryLeft addressSpaceLeft(const fs::path& root) {
+  return leftOf(RLIMIT_AS, root, "VmSize:", "the limit of address space (ulimit -v)");
+}
+
+MemoryLeft dataLeft(const fs::path& root) {
+  return leftOf(RLIMIT_DATA, root, "VmData:", "the limit of data (ulimit -d)");
 }
 
 double machineMemory() {

@@ -1,32 +1,78 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "files/image_module.h"
 
+#include "base/threads.h"
+#include "vdbtools/base/memory.h"
+
+#include <algorithm>
+
+namespace vdbtools {
+
+int imageThreads() {
+  // OpenImageIO and OpenEXR start one each, and the C library reserves 64 MiB of addresses for it, or twice as much
+  // for a moment, beside its stack.
+  constexpr double kSpace = 2 * double{136 << 20};
+  return static_cast<int>(std::clamp<double>(addressSpaceLeft().bytes / kSpace, 1, allowedThreads()));
+}
+
+}  // namespace vdbtools
+
 #ifdef JULIAVDB_IMAGE_MODULE
 #include "vdbtools/base/errors.h"
+#include "vdbtools/files/atomic_file.h"
 
 #include <dlfcn.h>
 
+#include <cstdlib>
 #include <filesystem>
+#include <new>
 #include <string>
+#include <thread>
 
 namespace vdbtools {
 namespace {
+
+constexpr const char* kPictures = "pictures can be neither read nor written: ";
+
+/// Some of the libraries crash while they are loaded where they find no room, so they are not loaded then.
+void requireRoom(const MemoryLeft& left, double needed) {
+  if (left.bytes < needed)
+    throw MemoryError(std::string(kPictures) + "their libraries need some " + memoryText(needed) + ", but " +
+                          left.limit + " leaves " + memoryText(left.bytes),
+                      MemoryUse::Libraries);
+}
+
+/// Why the last call of the loader failed.
+std::string reason() {
+  const char* const text = dlerror();
+  return text ? text : "the loader gives no reason";
+}
 
 /// Loads the module from the folder of this library.
 void* loadModule() {
   Dl_info here{};
   if (dladdr(reinterpret_cast<const void*>(&imageFunction), &here) == 0 || !here.dli_fname)
-    throw IoError("pictures can be neither read nor written: the folder of this library is not known");
+    throw IoError(std::string(kPictures) + "the folder of this library is not known");
   const std::filesystem::path path = std::filesystem::path(here.dli_fname).parent_path() / JULIAVDB_IMAGE_MODULE;
-  return dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  // As measured with those of Debian 12. One of them starts a thread per processor.
+  constexpr double kMebi = 1 << 20, kSpace = 420 * kMebi, kData = 100 * kMebi, kStack = 8 * kMebi;
+  const double stacks = kStack * std::thread::hardware_concurrency();
+  requireRoom(addressSpaceLeft(), kSpace + stacks);
+  requireRoom(dataLeft(), kData + stacks);
+  std::atexit(removeTemporaries);  // one of them ends the process where its first allocation fails
+  void* const module = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (module) return module;
+  const std::string why = reason();
+  if (why.ends_with("Cannot allocate memory")) throw std::bad_alloc();
+  throw IoError(kPictures + why);
 }
 
 }  // namespace
 
 void* imageFunction(const char* name) {
   static void* const module = loadModule();
-  void* const function = module ? dlsym(module, name) : nullptr;
-  if (!function) throw IoError(std::string("pictures can be neither read nor written: ") + dlerror());
+  void* const function = dlsym(module, name);
+  if (!function) throw IoError(kPictures + reason());
   return function;
 }
 

@@ -8,7 +8,12 @@
 namespace vdbtools {
 
 /// The address of one of the module's functions.
-/// @throw IoError  the module cannot be loaded
+/// @throw IoError      the module cannot be loaded
+/// @throw MemoryError  there is no room for its libraries
 void* imageFunction(const char* name);
+
+/// How many threads reading or writing a picture should use: those that the program may, but fewer where the limit of
+/// address space leaves little for them once the module is loaded.
+int imageThreads();
 
 }  // namespace vdbtools

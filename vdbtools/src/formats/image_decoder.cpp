@@ -16,6 +16,8 @@
 #include <cstring>
 #include <exception>
 #include <mutex>
+#include <new>
+#include <system_error>
 
 namespace {
 
@@ -138,6 +140,10 @@ bool juliavdbDecodeImage(std::string_view bytes, std::string_view format, int th
       return false;
     }
     return true;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::system_error&) {
+    throw;  // a thread that cannot be started
   } catch (const std::exception& error) {
     reason = error.what();
     return false;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/picture_file.h"
 
-#include "base/threads.h"
 #include "files/image_module.h"
 #include "formats/exr_header.h"
 #include "vdbtools/base/errors.h"
@@ -66,7 +65,7 @@ DecodedImage readPicture(const std::filesystem::path& path) {
   DecodedImage image{.isLinear = format == kExr};
   std::string reason;
   const MemoryLeft left = memoryLeft();
-  if (!decode(bytes, format, allowedThreads(), left.bytes, image, reason)) {
+  if (!decode(bytes, format, imageThreads(), left.bytes, image, reason)) {
     if (reason.empty())
       throw MemoryError(path.string() + ": the picture of " + std::to_string(image.width) + " x " +
                             std::to_string(image.height) + " pixels would take " +

@@ -25,6 +25,7 @@ std::string optionFor(MemoryUse use) {
     case MemoryUse::Picture: return "use a smaller --size";
     case MemoryUse::Texture: return "scale the picture down";
     case MemoryUse::File: return "give a smaller file";
+    case MemoryUse::Libraries: return "raise that limit";
   }
   return "";
 }

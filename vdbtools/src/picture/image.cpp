@@ -2,7 +2,6 @@
 #include "vdbtools/picture/image.h"
 
 #include "base/srgb.h"
-#include "base/threads.h"
 #include "files/image_module.h"
 #include "picture/image_encoder.h"
 #include "picture/png_encoder.h"
@@ -50,8 +49,9 @@ ImageEncoder* findEncoder() {
 #endif
 }
 
-std::string write(const Picture& picture) {
+std::string write(Picture picture) {
   static ImageEncoder* const encode = findEncoder();
+  picture.threads = imageThreads();
   std::string result;
   if (!encode(picture, result)) throw IoError(result);
   return result;
@@ -80,7 +80,7 @@ std::string encodeImage(const Image& image, const std::string& extension) {
     return encodePng(image.width, image.height, screenCodes(image).data());
   }
   const auto values = converted<float>(image, inHalfRange);
-  return write({.width = image.width, .height = image.height, .linear = values.data(), .threads = allowedThreads()});
+  return write({.width = image.width, .height = image.height, .linear = values.data()});
 }
 
 std::string encodeExr(const Image& image, std::span<const Channel> channels) {
@@ -102,8 +102,7 @@ std::string encodeExr(const Image& image, std::span<const Channel> channels) {
                 .height = image.height,
                 .linear = values.data(),
                 .channels = kImageChannels + static_cast<int>(channels.size()),
-                .names = names.data(),
-                .threads = allowedThreads()});
+                .names = names.data()});
 }
 
 }  // namespace vdbtools

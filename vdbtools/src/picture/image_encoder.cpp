@@ -7,6 +7,8 @@
 #include <OpenImageIO/imageio.h>
 
 #include <exception>
+#include <new>
+#include <system_error>
 #include <vector>
 
 namespace {
@@ -56,6 +58,10 @@ bool juliavdbEncodeImage(const vdbtools::Picture& picture, std::string& result) 
     // Without a date OpenImageIO writes the time of day, and the same image would give other bytes every time.
     spec.attribute("DateTime", kNoDate);
     return encode(spec, picture.linear, result);
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::system_error&) {
+    throw;  // a thread that cannot be started
   } catch (const std::exception& error) {
     result = std::string("cannot encode the image: ") + error.what();
     return false;

@@ -20,6 +20,7 @@ enum class MemoryUse {
   Picture,    ///< one that is made
   Texture,    ///< one that is read
   File,       ///< that is read whole
+  Libraries,  ///< for pictures, which are loaded with the first of them
 };
 
 /// Memory is short. To whoever does not know better, it is a failed allocation.
@@ -50,6 +51,12 @@ MemoryLeft memoryLeft(const std::filesystem::path& root = "/");
 /// The same without the limits of address space and of data, whatever setMemoryLimit() says: what is shared with other
 /// processes. Past it the system begins to move memory to and fro, and then kills processes.
 MemoryLeft sharedMemoryLeft(const std::filesystem::path& root = "/");
+
+/// What the limit of address space (ulimit -v) leaves of it, whatever setMemoryLimit() says.
+MemoryLeft addressSpaceLeft(const std::filesystem::path& root = "/");
+
+/// The same of data (ulimit -d): of memory that is not shared and can be written.
+MemoryLeft dataLeft(const std::filesystem::path& root = "/");
 
 /// All that this machine has, bytes; infinity if the system does not say. What of it is free changes from moment to
 /// moment.
