@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 # Manual pages and the completion for bash: the program writes them from what its help says.
 set(pages ${PROJECT_BINARY_DIR}/pages)
+set(program $<TARGET_FILE:juliavdb_cli>)
+if(JULIAVDB_SANITIZE MATCHES "thread")
+  set(program ${CMAKE_COMMAND} -E env TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/sanitized/races.supp ${program})
+endif()
 add_custom_command(
   OUTPUT ${pages}/juliavdb.bash
   COMMAND ${CMAKE_COMMAND} -E rm -rf ${pages}
-  COMMAND juliavdb_cli man -o ${pages}/man1 --progress none
-  COMMAND juliavdb_cli completion > ${pages}/juliavdb.bash
+  COMMAND ${program} man -o ${pages}/man1 --progress none
+  COMMAND ${program} completion > ${pages}/juliavdb.bash
   DEPENDS juliavdb_cli
   COMMENT "Writing manual pages and the completion for bash"
   VERBATIM)
