@@ -2,27 +2,13 @@
 #include "files/image_module.h"
 
 #include "base/threads.h"
-#include "vdbtools/base/memory.h"
-
-#include <algorithm>
-
-namespace vdbtools {
-
-int imageThreads() {
-  // OpenImageIO and OpenEXR start one each, and the C library reserves 64 MiB of addresses for it, or twice as much
-  // for a moment, beside its stack.
-  constexpr double kSpace = 2 * double{136 << 20};
-  return static_cast<int>(std::clamp<double>(addressSpaceLeft().bytes / kSpace, 1, allowedThreads()));
-}
-
-}  // namespace vdbtools
-
-#ifdef JULIAVDB_IMAGE_MODULE
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/memory.h"
 #include "vdbtools/files/atomic_file.h"
 
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <new>
@@ -32,6 +18,9 @@ int imageThreads() {
 namespace vdbtools {
 namespace {
 
+constexpr double kMebi = 1 << 20;
+
+#ifdef JULIAVDB_IMAGE_MODULE
 constexpr const char* kPictures = "pictures can be neither read nor written: ";
 
 /// Some of the libraries crash while they are loaded where they find no room, so they are not loaded then.
@@ -55,7 +44,7 @@ void* loadModule() {
     throw IoError(std::string(kPictures) + "the folder of this library is not known");
   const std::filesystem::path path = std::filesystem::path(here.dli_fname).parent_path() / JULIAVDB_IMAGE_MODULE;
   // As measured with those of Debian 12. One of them starts a thread per processor.
-  constexpr double kMebi = 1 << 20, kSpace = 420 * kMebi, kData = 100 * kMebi, kStack = 8 * kMebi;
+  constexpr double kSpace = 420 * kMebi, kData = 100 * kMebi, kStack = 8 * kMebi;
   const double stacks = kStack * std::thread::hardware_concurrency();
   requireRoom(addressSpaceLeft(), kSpace + stacks);
   requireRoom(dataLeft(), kData + stacks);
@@ -66,15 +55,24 @@ void* loadModule() {
   if (why.ends_with("Cannot allocate memory")) throw std::bad_alloc();
   throw IoError(kPictures + why);
 }
+#endif
 
 }  // namespace
 
+#ifdef JULIAVDB_IMAGE_MODULE
 void* imageFunction(const char* name) {
   static void* const module = loadModule();
   void* const function = dlsym(module, name);
   if (!function) throw IoError(kPictures + reason());
   return function;
 }
+#endif
+
+int imageThreads() {
+  // OpenImageIO and OpenEXR start one each, for which the C library reserves 64 MiB of addresses, or for a moment twice
+  // as many, beside its stack.
+  constexpr double kSpace = 2 * 136 * kMebi;
+  return static_cast<int>(std::clamp<double>(addressSpaceLeft().bytes / kSpace, 1, allowedThreads()));
+}
 
 }  // namespace vdbtools
-#endif
