@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file interruption.h
 /// Ctrl-C and SIGTERM: first as a wish that work looks at, then, for work that cannot, as the end of the process with
-/// its temporary files removed.
+/// its temporary files removed. A crash, of a library as of the program, ends it in the same way.
 #pragma once
 
 namespace cli {
 
-/// Call first in main(), before any thread exists: signals are handled by a thread of their own from then on.
+/// Call first in main(), before any thread exists: signals are handled by a thread of their own from then on. Those of a
+/// crash make it end the process with exit code 70 and one line.
 void watchForInterruption();
 
 /// True once a signal came.

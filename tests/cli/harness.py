@@ -23,6 +23,9 @@ import zlib
 # Exit codes of the contract.
 DONE, USAGE, BAD_DATA, NO_INPUT, INTERNAL, CANNOT_CREATE, IO_ERROR, INTERRUPTED = 0, 2, 65, 66, 70, 73, 74, 75
 
+# What the program says of its own crash; no failure of a file or of the system may end in that.
+CRASHED = "the program crashed"
+
 BUNNY = pathlib.Path("/usr/share/glmark2/models/bunny.obj")
 
 # Seconds for a run that should take one, on a machine that does other things too. A program that checks itself takes
@@ -110,6 +113,7 @@ class CliTest(unittest.TestCase):
         text = run.stderr.decode(errors="replace")
         self.assertEqual(run.returncode, code, f"juliavdb {words}\n{text}")
         self.assertRegex(text, r"\Ajuliavdb: [^\n]*\S[^\n]*\n\Z", f"juliavdb {words}: not one line for one failure")
+        self.assertNotIn(CRASHED, text, f"juliavdb {words}")
         if run.stdout is not None:
             self.assertEqual(run.stdout, b"", f"juliavdb {words}: stdout is for data only")
         return text

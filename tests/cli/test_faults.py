@@ -18,6 +18,7 @@ import pathlib
 import re
 import resource
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -181,6 +182,8 @@ class FaultTest(unittest.TestCase):
                 self.assertNotRegex(stderr, r"(?m)^juliavdb: ")
             elif stderr is not None:
                 self.assertRegex(stderr, r"\A(wrote [^\n]*\n)*juliavdb: [^\n]*\S\n\Z", "not one line for one failure")
+                if not fault.startswith("crash:"):
+                    self.assertNotIn(harness.CRASHED, stderr)
 
     def places(self, count, most):
         """Which of so many calls fail: the first, the last and a few between, or as many as were asked for."""
@@ -243,15 +246,24 @@ class FaultTest(unittest.TestCase):
                    most=2,
                    names=self.sampled("fractal of a recipe", "task", "mesh"))
 
-    def test_exceptions_that_nobody_catches(self):
-        """They end the program as other failures do, and its temporary files go with it."""
+    def sudden(self, fault, text):
+        """Something that ends the program beside its work, while it flushes a file: as other failures do, and its
+        temporary files go with it."""
         for name in sorted(self.sampled("fractal", "sheet", "task")):
             before, after, counts = self.model(name)
             for at in self.places(counts["fsync"], 2):
                 self.fresh()
-                run = self.run_in(COMMANDS[name], f"throw:{at}:0")
-                self.check(name, f"throw:{at}:0", run, before, after, {INTERNAL})
-                self.assertIn(b"juliavdb: internal error: thrown by the shim\n", run.stderr)
+                whole = fault.format(at)
+                run = self.run_in(COMMANDS[name], whole)
+                self.check(name, whole, run, before, after, {INTERNAL})
+                self.assertIn(f"juliavdb: internal error: {text}", run.stderr.decode())
+
+    def test_exceptions_that_nobody_catches(self):
+        self.sudden("throw:{}:0", "thrown by the shim\n")
+
+    def test_crashes(self):
+        for number, text in ((signal.SIGSEGV, "Segmentation fault"), (signal.SIGABRT, "Aborted")):
+            self.sudden(f"crash:{{}}:{number:d}", f"the program crashed ({text}); ")
 
     # -------------------------------------------------------------------------------------- what nobody should notice
 

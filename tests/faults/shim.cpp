@@ -9,6 +9,7 @@
 /// - FAULT=short:*:0: every write takes half of what it is given
 /// - FAULT=clock:*:0: the time of day goes forward and back by ten hours, from call to call
 /// - FAULT=throw:N:0: while the N-th file is flushed, a thread throws an exception that nobody catches
+/// - FAULT=crash:N:SIGNAL: while the N-th file is flushed, a thread gets this signal
 /// - FAULT=alloc:N:BYTES: the N-th allocation of at least so many bytes fails; N+ as above
 /// - FAULT_PATH=FOLDER: only files below this folder are meant
 /// - FAULT_COUNTS=FILE: an existing file of 8 bytes for each kind of call, which receives how often each was made
@@ -29,6 +30,7 @@
 #include <atomic>
 #include <cerrno>
 #include <climits>
+#include <csignal>
 #include <cstdarg>
 #include <cstdint>
 #include <cstdio>
@@ -61,7 +63,7 @@ struct Fault {
   std::uint64_t at = 0;
   int error = 0;
   std::uint64_t least = 0;  ///< bytes of an allocation that counts
-  bool bytes = false, isShort = false, clock = false, throws = false;
+  bool bytes = false, isShort = false, clock = false, throws = false, crashes = false;
   char folder[PATH_MAX] = {};
   std::size_t folderLength = 0;
 };
@@ -101,7 +103,8 @@ __attribute__((constructor)) void begin() {
       theFault.isShort = std::strcmp(kind, "short") == 0;
       theFault.clock = std::strcmp(kind, "clock") == 0;
       theFault.throws = std::strcmp(kind, "throw") == 0;
-      if (theFault.throws) theFault.kind = Fsync;
+      theFault.crashes = std::strcmp(kind, "crash") == 0;
+      if (theFault.throws || theFault.crashes) theFault.kind = Fsync;
       theFault.at = std::strtoull(at, nullptr, 10);
       theFault.mode = std::strchr(at, '*') ? Mode::EverySecond : std::strchr(at, '+') ? Mode::FromThen : Mode::Once;
       theFault.error = static_cast<int>(number);
@@ -122,6 +125,7 @@ bool fails(Kind kind) {
                    : theFault.mode == Mode::FromThen  ? number >= theFault.at
                                                       : number == theFault.at;
   if (hit && theFault.throws) std::thread([] { throw std::runtime_error("thrown by the shim"); }).join();
+  if (hit && theFault.crashes) std::thread([] { std::raise(theFault.error); }).join();
   if (hit) errno = theFault.error;
   return hit;
 }
