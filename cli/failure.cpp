@@ -54,13 +54,24 @@ Failure failureOf() {
   }
 }
 
+/// A value that is quoted may be a whole file. Its beginning and its end stay.
+std::string shortened(const std::string& text) {
+  constexpr std::size_t kLongest = 2000, kEnd = 600;
+  if (text.size() <= kLongest) return text;
+  const auto characterAt = [&](std::size_t at) {  // none of UTF-8 is cut
+    while (at > 0 && (static_cast<unsigned char>(text[at]) & 0xC0) == 0x80) --at;
+    return at;
+  };
+  return text.substr(0, characterAt(kLongest - kEnd)) + " [...] " + text.substr(characterAt(text.size() - kEnd));
+}
+
 }  // namespace
 
 Failure currentFailure() {
   Failure failure = failureOf();
   std::replace_if(
       failure.text.begin(), failure.text.end(), [](char c) { return c == '\n' || c == '\r' || c == '\t'; }, ' ');
-  failure.text = vdbtools::withoutControls(std::move(failure.text));
+  failure.text = shortened(vdbtools::withoutControls(std::move(failure.text)));
   return failure;
 }
 

@@ -10,8 +10,7 @@ namespace julia {
 namespace {
 
 [[noreturn]] void refuseAt(std::size_t place, const std::string& token, const std::string& why) {
-  throw std::invalid_argument("character " + std::to_string(place + 1) + (token.empty() ? "" : ", '" + token + "'") +
-                              ": " + why);
+  throw std::invalid_argument("character " + std::to_string(place + 1) + quoted(token) + ": " + why);
 }
 
 [[noreturn]] void refuseAs(const mu::ParserError& error, const std::string& text, const std::string& known) {

@@ -56,8 +56,7 @@ std::vector<Component> split(const char* function, const std::string& whole) {
 [[noreturn]] void refuseAt(const Component& component, std::size_t place, const std::string& token,
                            const std::string& why) {
   const std::size_t character = std::min(component.offset + place, component.whole.size()) + 1;
-  refuse(component.function, component.whole,
-         "character " + std::to_string(character) + (token.empty() ? "" : ", '" + token + "'") + ": " + why);
+  refuse(component.function, component.whole, "character " + std::to_string(character) + quoted(token) + ": " + why);
 }
 
 [[noreturn]] void refuseAs(const Component& component, const mu::ParserError& error) {

@@ -76,6 +76,15 @@ std::size_t placeOf(const mu::ParserError& error, const std::string& text) {
   return found == std::string::npos ? told : found;
 }
 
+std::string quoted(const std::string& token) {
+  constexpr std::size_t kLongest = 60;
+  if (token.empty()) return "";
+  if (token.size() <= kLongest) return ", '" + token + "'";
+  std::size_t end = kLongest;
+  while (end > 0 && (static_cast<unsigned char>(token[end]) & 0xC0) == 0x80) --end;  // no character of UTF-8 is cut
+  return ", '" + token.substr(0, end) + "...'";
+}
+
 std::string meaningOf(const mu::ParserError& error, const std::string& known) {
   switch (error.GetCode()) {
     case mu::ecUNASSIGNABLE_TOKEN: return "unknown name; " + known;
@@ -83,6 +92,8 @@ std::string meaningOf(const mu::ParserError& error, const std::string& known) {
     case mu::ecMISSING_PARENS: return "a parenthesis is not closed";
     case mu::ecTOO_MANY_PARAMS: return "too many arguments";
     case mu::ecTOO_FEW_PARAMS: return "too few arguments";
+    case mu::ecEXPRESSION_TOO_LONG: return "an expression must be shorter than 20 000 characters";
+    case mu::ecIDENTIFIER_TOO_LONG: return "a name must not be longer than 100 characters";
     default: return "not expected here";
   }
 }

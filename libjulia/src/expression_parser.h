@@ -21,6 +21,9 @@ inline constexpr const char* kAssignment = "variables cannot be assigned to; a c
 
 /// The place in @a text, from 0, that the error is about: muParser tells that of some tokens by their end.
 std::size_t placeOf(const mu::ParserError& error, const std::string& text);
+/// ", 'TOKEN'", or nothing where there is none. The rest of the text may be one token, so of a long one this is the
+/// beginning.
+std::string quoted(const std::string& token);
 /// @param known  what follows "unknown name; "
 std::string meaningOf(const mu::ParserError& error, const std::string& known);
 

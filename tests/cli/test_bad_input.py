@@ -503,6 +503,19 @@ class Options(harness.CliTest):
         for word in ("-%canonical_option%", "-h%canonical_option%", "--%canonical_option%", "--=%option%", "-q"):
             self.refused(USAGE, "fractal", "s.obj", "-o", "x.vdb", word, *LOW, mentions="is not an option of")
 
+    def test_long_values(self):
+        """A value may be a whole file; what is said of it stays readable."""
+        for value, mention in (("expr:" + "(" * 30000 + "x" + ")" * 30000, "shorter than 20 000 characters"),
+                               ("expr:" + "é" * 5000, "must be an expression"), ("9" * 10 ** 6, "--detail"),
+                               ("x" * 10 ** 6 + ".vdb", "cannot open")):
+            self.write("long.cfg", f"input = s.obj\ndetail = {value}\n")
+            run = self.run_program("fractal", "--config", "long.cfg", "-o", "x.vdb", *LOW)
+            self.assertIn(run.returncode, (USAGE, NO_INPUT))
+            text = run.stderr.decode()  # no character is cut
+            self.assertRegex(text, r"\Ajuliavdb: [^\n]*\n\Z")
+            self.assertIn(mention, text)
+            self.assertLess(len(run.stderr), 2100)
+
     def test_pictures(self):
         self.ok("sdf", "s.obj", "-o", "s.vdb", "--resolution", 24)
         cases = [("slice", "-o", "x.png", "--field", "grid")]
