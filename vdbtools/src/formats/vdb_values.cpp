@@ -39,7 +39,7 @@ VdbValueWalk::VdbValueWalk(VdbCursor& cursor, const VdbValueType& type, const Vd
 }
 
 void VdbValueWalk::node(std::string_view active, std::size_t count, Payload payload) {
-  const int kind = mCursor.number<std::int8_t>();
+  const auto kind = mCursor.number<std::int8_t>();
   if (kind < NO_MASK_OR_INACTIVE_VALS || kind > NO_MASK_AND_ALL_VALS)
     mCursor.refuse("has a node whose inactive values are stored in a way that is not known, " + std::to_string(kind));
   if (kind == NO_MASK_AND_ONE_INACTIVE_VAL || kind == MASK_AND_ONE_INACTIVE_VAL || kind == MASK_AND_TWO_INACTIVE_VALS)

@@ -35,8 +35,8 @@ constexpr int kMostAttempts = 12;
 /// Lets an edge be collapsed only if a sample of the original surface stays near: its points, the middles of its edges
 /// and of its triangles. OpenMesh's own ModHausdorff looks at the points alone, but on a rough surface it is the edges
 /// between them that are lost first.
-// NOLINTNEXTLINE(cppcoreguidelines-virtual-class-destructor): it is virtual, which the base's being a template hides
 template <class MeshT>
+// NOLINTNEXTLINE(cppcoreguidelines-virtual-class-destructor): it is virtual, which the base's being a template hides
 class ModSampleT : public OpenMesh::Decimater::ModBaseT<MeshT> {
  public:
   DECIMATING_MODULE(ModSampleT, MeshT, Sample);

@@ -152,7 +152,7 @@ class Band {
 };
 
 FloatGrid::Ptr gridOf(std::vector<Made> all, float background) {
-  const FloatGrid::Ptr grid = FloatGrid::create(background);
+  FloatGrid::Ptr grid = FloatGrid::create(background);
   openvdb::tree::ValueAccessor<FloatTree> accessor(grid->tree());
   for (Made& made : all) accessor.addLeaf(made.leaf.release());
   return grid;
@@ -347,7 +347,7 @@ FloatGrid::Ptr signedBand(const TriangleTree& tree, const FloatTree& sign, float
         return fillLeaf(
             block, exterior, interior, [&](Index i) { return signs ? signs->getValue(i) > 0 : allOutside; }, leaf);
       });
-  const FloatGrid::Ptr grid = gridOf(band.make(phase, monitor), exterior);
+  FloatGrid::Ptr grid = gridOf(band.make(phase, monitor), exterior);
   openvdb::tools::signedFloodFillWithValues(grid->tree(), exterior, -interior);
   return grid;
 }

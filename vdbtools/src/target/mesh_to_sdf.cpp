@@ -79,7 +79,7 @@ openvdb::FloatGrid::Ptr meshToSdf(const Mesh& mesh, const MeshToSdfOptions& opti
   MeshReport report = reportMesh(mesh);
   checkOptions(report, options);
   const std::vector<openvdb::Vec3d> points = toIndexSpace(mesh.points, options.voxelSize);
-  const openvdb::FloatGrid::Ptr grid = convert(points, mesh.triangles, options, monitor);
+  openvdb::FloatGrid::Ptr grid = convert(points, mesh.triangles, options, monitor);
   // Points that are doubled along seams of texture or normals, or in a soup, open no hole.
   if (!report.closed()) report = reportMesh(weldMesh(mesh));
   requireDistances(*grid, mesh, points, report);
