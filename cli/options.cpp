@@ -283,7 +283,11 @@ void CommandLine::readConfig(const std::string& file) {
     mConfigHolder = file;
   } else {
     // Whole, so that a file that cannot be read to its end is not taken for a shorter one.
-    base = readConfigList(vdbtools::readWholeFile(file), file, mTable);
+    const std::string list = vdbtools::readWholeFile(file);
+    if (list.find('\0') != std::string::npos)
+      throw vdbtools::DataError("'" + file +
+                                "' is neither a text of lines NAME = VALUE nor a VDB, PLY, OBJ or GLB with a recipe");
+    base = readConfigList(list, file, mTable);
   }
   mGiven = vdbtools::overridden(std::move(base), mGiven, mTable);
 }

@@ -486,6 +486,8 @@ class Options(harness.CliTest):
         self.refused(NO_INPUT, "fractal", "--config", "nowhere.cfg", "-o", "x.vdb", mentions="nowhere.cfg")
         self.refused(BAD_DATA, "fractal", "--config", "s.obj", "-o", "x.vdb", mentions="s.obj")
         self.refused(NO_INPUT, "fractal", "--config", ".", "-o", "x.vdb")
+        self.ok("fractal", "s.obj", "--mesh", "s.stl", *LOW)
+        self.refused(BAD_DATA, "fractal", "--config", "s.stl", "-o", "x.vdb", mentions=["s.stl", "recipe"])
         grid = pyopenvdb.createLevelSetSphere(radius=1.0, voxelSize=0.1)
         pyopenvdb.write(str(self.path("foreign.vdb")), grids=grid)
         self.refused(BAD_DATA, "fractal", "--config", "foreign.vdb", "-o", "x.vdb", mentions="recipe")
