@@ -6,8 +6,8 @@
 
 namespace cli {
 
-/// Call first in main(), before any thread exists: signals are handled by a thread of their own from then on. Those of a
-/// crash make it end the process with exit code 70 and one line.
+/// Call first in main(), before any thread exists: signals are handled by a thread of their own from then on. Those of
+/// a crash make it end the process with exit code 70 and one line.
 void watchForInterruption();
 
 /// True once a signal came.
