@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "support/temporary_folder.h"
+
 #include "vdbtools/base/memory.h"
 
 #include <gtest/gtest.h>
@@ -18,12 +20,6 @@ constexpr double kMiB = 1 << 20;
 /// A machine in a folder.
 class Memory : public ::testing::Test {
  protected:
-  void SetUp() override {
-    mRoot = fs::path(::testing::TempDir()) / ::testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::remove_all(mRoot);
-  }
-  void TearDown() override { fs::remove_all(mRoot); }
-
   void file(const fs::path& path, const std::string& content) const {
     fs::create_directories((mRoot / path).parent_path());
     std::ofstream(mRoot / path) << content;
@@ -40,7 +36,8 @@ class Memory : public ::testing::Test {
   }
   double leftMiB() const { return sharedMemoryLeft(mRoot).bytes / kMiB; }
 
-  fs::path mRoot;
+  const TemporaryFolder mFolder;
+  const fs::path mRoot = mFolder.path();
 };
 
 TEST_F(Memory, OfNothingIsUnlimited) { EXPECT_TRUE(std::isinf(sharedMemoryLeft(mRoot).bytes)); }

@@ -4,6 +4,7 @@
 
 #include "base/srgb.h"
 #include "explore/export_page.h"
+#include "support/temporary_folder.h"
 #include "support/test_fields.h"
 #include "support/test_meshes.h"
 #include "vdbtools/base/errors.h"
@@ -52,7 +53,7 @@ class SceneDataTest : public testing::Test {
   }
 
   Monitor mMonitor;
-  test_meshes::TemporaryFolder mFolder;
+  TemporaryFolder mFolder;
 };
 
 /// E as the page's shader reads it: trilinearly between the nodes of the volume.

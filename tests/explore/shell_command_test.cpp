@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "support/temporary_folder.h"
+
 #include "vdbtools/explore/shell_command.h"
 #include "vdbtools/job/fractal_options.h"
 
@@ -18,16 +20,12 @@ using vdbtools::Recipe;
 std::vector<std::string> wordsOfShell(const std::string& command) {
   // The words come back each with a zero behind it, which no word can hold.
   const std::string script = "set -- " + command + "\nfor word do printf '%s\\000' \"$word\"; done";
-  const std::string name = testing::TempDir() + "shell_command_test.sh";
-  std::FILE* const file = std::fopen(name.c_str(), "wb");
-  std::fwrite(script.data(), 1, script.size(), file);
-  std::fclose(file);
-  std::FILE* const pipe = ::popen(("sh '" + name + "'").c_str(), "r");
+  const TemporaryFolder folder;
+  std::FILE* const pipe = ::popen(("sh '" + folder.write("script", script).native() + "'").c_str(), "r");
   std::string bytes;
   char buffer[4096];
   while (const std::size_t count = std::fread(buffer, 1, sizeof buffer, pipe)) bytes.append(buffer, count);
   EXPECT_EQ(::pclose(pipe), 0) << script;
-  std::remove(name.c_str());
   std::vector<std::string> words;
   for (std::size_t at = 0; at < bytes.size();) {
     const std::size_t end = bytes.find('\0', at);
@@ -74,7 +72,8 @@ TEST(ShellCommand, EveryOptionIsInTheCommand) {
   EXPECT_TRUE(has({"--repair"})) << command;
   EXPECT_TRUE(has({"-o", "./-a b.vdb", "--mesh", "c.ply"})) << command;
   EXPECT_EQ(words.size(), 3U + 2 + 2 + 1 + 1 + 4) << command;
-  EXPECT_EQ(wordsOfShell(vdbtools::fractalCommand({{"input", "-x.obj"}}, table, {})).back(), "--input=-x.obj");
+  EXPECT_EQ(wordsOfShell(vdbtools::fractalCommand({{"input", "-x.obj"}}, table, {})),
+            (std::vector<std::string>{"juliavdb", "fractal", "--input=-x.obj"}));
 }
 
 TEST(ShellCommand, TheShortestRecipeIsCompletedToTheSame) {

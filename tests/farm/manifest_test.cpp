@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "support/temporary_folder.h"
+
 #include "vdbtools/farm/manifest.h"
 
 #include "vdbtools/base/errors.h"
@@ -6,7 +8,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <limits>
@@ -21,13 +22,6 @@ namespace fs = std::filesystem;
 
 class ManifestTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "juliavdb_XXXXXX").native();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    mFolder = name;
-  }
-  void TearDown() override { fs::remove_all(mFolder); }
-
   void put(const std::string& text) const { std::ofstream(mFolder / kManifestName, std::ios::binary) << text; }
 
   template <class Error>
@@ -42,7 +36,8 @@ class ManifestTest : public ::testing::Test {
     return {};
   }
 
-  fs::path mFolder;
+  const TemporaryFolder mTemporary;
+  const fs::path mFolder = mTemporary.path();
 };
 
 Manifest tiles() {

@@ -2,6 +2,7 @@
 #include "vdbtools/farm/task.h"
 
 #include "support/small_disk.h"
+#include "support/temporary_folder.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/atomic_file.h"
@@ -14,7 +15,6 @@
 
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <set>
@@ -49,13 +49,7 @@ class TaskTest : public ::testing::Test {
  protected:
   static constexpr std::uint64_t kTasks = 3;
 
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "juliavdb_XXXXXX").native();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    mFolder = name;
-    plan(mFolder);
-  }
-  void TearDown() override { fs::remove_all(mFolder); }
+  void SetUp() override { plan(mFolder); }
 
   static Manifest planned(const fs::path& folder) {
     Manifest manifest;
@@ -106,7 +100,8 @@ class TaskTest : public ::testing::Test {
     ASSERT_TRUE(WIFSIGNALED(status));
   }
 
-  fs::path mFolder;
+  const TemporaryFolder mTemporary;
+  const fs::path mFolder = mTemporary.path();
   Monitor mMonitor;
 };
 

@@ -2,6 +2,7 @@
 // Islands over tiles: however a lattice is cut, the same islands are found, and what is merged has the bytes of one
 // run.
 #include "farm/tile_islands.h"
+#include "support/temporary_folder.h"
 #include "support/test_fields.h"
 #include "support/test_meshes.h"
 
@@ -33,7 +34,6 @@ using openvdb::Vec3d;
 using test_meshes::makeBox;
 using test_meshes::makeSphere;
 using test_meshes::merged;
-using test_meshes::TemporaryFolder;
 
 class TilesOfIslands : public testing::Test {
  protected:

@@ -2,6 +2,7 @@
 // Tiles: however a lattice is cut, what is merged has the bytes of one run.
 #include "farm/tile_file.h"
 #include "support/mesh_laws.h"
+#include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 
 #include "vdbtools/base/errors.h"
@@ -32,7 +33,6 @@ namespace fs = std::filesystem;
 using openvdb::Coord;
 using openvdb::CoordBBox;
 using openvdb::Vec3d;
-using test_meshes::TemporaryFolder;
 
 class Tiles : public testing::Test {
  protected:

@@ -2,6 +2,7 @@
 // Plans of frames and of cells, and their tasks: the files are those of the jobs that are done one by one.
 #include "farm/variant_task.h"
 #include "farm/variant_plan.h"
+#include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 
 #include "vdbtools/farm/frame_plan.h"
@@ -25,7 +26,6 @@ namespace {
 
 using namespace vdbtools;
 namespace fs = std::filesystem;
-using test_meshes::TemporaryFolder;
 
 class Variants : public testing::Test {
  protected:

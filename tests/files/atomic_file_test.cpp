@@ -2,6 +2,7 @@
 #include "vdbtools/files/atomic_file.h"
 
 #include "support/small_disk.h"
+#include "support/temporary_folder.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/io_failure.h"
@@ -68,13 +69,6 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 
 class AtomicFileTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = ::testing::TempDir() + "atomic_file_XXXXXX";
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    mFolder = fs::canonical(pattern);
-  }
-  void TearDown() override { fs::remove_all(mFolder); }
-
   std::vector<std::string> names() const {
     std::vector<std::string> found;
     for (const auto& entry : fs::directory_iterator(mFolder)) found.push_back(entry.path().filename());
@@ -83,7 +77,8 @@ class AtomicFileTest : public ::testing::Test {
   }
 
   using Names = std::vector<std::string>;
-  fs::path mFolder;
+  const TemporaryFolder mTemporary;
+  const fs::path mFolder = mTemporary.path();
 };
 
 TEST_F(AtomicFileTest, AppearsOnlyWhenCommitted) {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "support/temporary_folder.h"
+
 #include "vdbtools/files/file_hash.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -18,19 +19,13 @@ namespace fs = std::filesystem;
 
 class FileHash : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = ::testing::TempDir() + "file_hash_XXXXXX";
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    mFolder = pattern;
-  }
-  void TearDown() override { fs::remove_all(mFolder); }
-
   fs::path fileWith(const std::string& content) const {
     std::ofstream(mFolder / "file", std::ios::binary) << content;
     return mFolder / "file";
   }
 
-  fs::path mFolder;
+  const TemporaryFolder mTemporary;
+  const fs::path mFolder = mTemporary.path();
 };
 
 struct Vector {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The fit from end to end: shapes whose fit is known, and changes that must not matter.
+#include "support/temporary_folder.h"
 #include "support/test_fields.h"
 #include "support/test_meshes.h"
 
@@ -26,7 +27,6 @@ namespace {
 
 using namespace vdbtools;
 using openvdb::Vec3d;
-using test_meshes::TemporaryFolder;
 
 /// Two balls and the rod between them, along x: waists are what one root cannot have.
 double dumbbellDistance(const Vec3d& x) {

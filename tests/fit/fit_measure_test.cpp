@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The measure of a fit against maps whose fit is known.
+#include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 
 #include "vdbtools/fit/fit_measure.h"
@@ -19,7 +20,7 @@ constexpr double kSharpness = 100;
 /// A sphere of diameter 1 in fractal space.
 const FitTarget& sphere() {
   static const FitTarget target = [] {
-    const test_meshes::TemporaryFolder folder;
+    const TemporaryFolder folder;
     std::ostringstream obj;
     writeMesh(obj, test_meshes::makeSphere(2.0, 5, {1, -2, 3}), {.format = MeshFormat::Obj});
     Monitor monitor;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The target of a fit against shapes whose distances are known, and under changes that must not matter.
+#include "support/temporary_folder.h"
 #include "support/test_fields.h"
 #include "support/test_meshes.h"
 
@@ -22,7 +23,6 @@ namespace {
 using namespace vdbtools;
 using julia::Point;
 using openvdb::Vec3d;
-using test_meshes::TemporaryFolder;
 
 const Vec3d kCentre(10, -20, 30);
 constexpr double kRadius = 2;  // so the sphere's diameter is 1 in fractal space, and its radius 0.5

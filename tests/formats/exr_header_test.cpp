@@ -2,6 +2,7 @@
 #include "formats/exr_header.h"
 
 #include "formats/picture_file.h"
+#include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 
 #include "vdbtools/base/errors.h"
@@ -26,7 +27,7 @@ std::string someExr() {
 
 class ExrHeader : public testing::Test {
  protected:
-  test_meshes::TemporaryFolder mFolder;
+  TemporaryFolder mFolder;
 };
 
 TEST_F(ExrHeader, WhatIsWrittenIsSound) {

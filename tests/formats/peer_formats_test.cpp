@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "support/temporary_folder.h"
+
 #include "vdbtools/formats/peer_formats.h"
 
 #include "vdbtools/base/errors.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <bit>
 #include <cmath>
@@ -409,18 +410,16 @@ TEST(O3d, DoesNotWriteWhatCannotBeRead) {
 }
 
 TEST(PeerFiles, AreReadFromPaths) {
-  std::string folder = ::testing::TempDir() + "peer_formats_XXXXXX";
-  ASSERT_NE(::mkdtemp(folder.data()), nullptr);
-  const fs::path path = fs::path(folder) / "shape";
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "shape";
   std::ofstream(path, std::ios::binary) << PeerPolynomial().bytes();
   EXPECT_EQ(readPolynomial(path), PeerPolynomial().expected());
   EXPECT_THROW(readOptimisedShape(path), DataError);
   std::ofstream(path, std::ios::binary) << PeerShape().bytes();
   EXPECT_EQ(readOptimisedShape(path).rational.top, PeerPolynomial().expected());
   EXPECT_THROW(readPolynomial(path), DataError);
-  EXPECT_THROW(readPolynomial(folder), MissingInputError);
+  EXPECT_THROW(readPolynomial(folder.path()), MissingInputError);
   EXPECT_THROW(readOptimisedShape(path / "below"), MissingInputError);
-  fs::remove_all(folder);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "support/temporary_folder.h"
 #include "support/test_fields.h"
 
 #include "vdbtools/formats/vdb_file.h"
@@ -7,8 +8,6 @@
 #include "vdbtools/job/sdf_job.h"
 
 #include <gtest/gtest.h>
-
-#include <unistd.h>
 
 #include <fstream>
 
@@ -25,14 +24,11 @@ openvdb::FloatGrid::Ptr ball() {
 
 class VdbFileTest : public testing::Test {
  protected:
-  VdbFileTest()
-      : mPath(std::filesystem::temp_directory_path() / ("juliavdb_vdb_file_" + std::to_string(getpid()) + ".vdb")) {
-    openvdb::initialize();
-  }
-  ~VdbFileTest() override { std::filesystem::remove(mPath); }
+  VdbFileTest() { openvdb::initialize(); }
   void write(const std::string& bytes) const { std::ofstream(mPath, std::ios::binary) << bytes; }
 
-  std::filesystem::path mPath;
+  const TemporaryFolder mFolder;
+  const std::filesystem::path mPath = mFolder.path() / "ball.vdb";
 };
 
 TEST_F(VdbFileTest, ComesBackAsItWas) {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "support/temporary_folder.h"
+
 #include "vdbtools/formats/versor_file.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/formats/peer_formats.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -311,19 +312,13 @@ TEST(VersorFile, DoesNotWriteATargetThatCannotBeRead) {
 
 class RationalPath : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = ::testing::TempDir() + "versor_file_XXXXXX";
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    mFolder = pattern;
-  }
-  void TearDown() override { fs::remove_all(mFolder); }
-
   fs::path write(const std::string& name, const std::string& bytes) const {
     std::ofstream(mFolder / name, std::ios::binary) << bytes;
     return mFolder / name;
   }
 
-  fs::path mFolder;
+  const TemporaryFolder mTemporary;
+  const fs::path mFolder = mTemporary.path();
 };
 
 TEST_F(RationalPath, ChoosesTheFormatByExtension) {

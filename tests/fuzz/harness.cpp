@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "harness.h"
+#include "support/temporary_folder.h"
 
 #include "vdbtools/base/errors.h"
 
@@ -8,30 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include <unistd.h>
-#include <cstdlib>
-
 namespace fuzz {
-namespace {
-
-class Folder {
- public:
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "juliavdb-fuzz-XXXXXX").string();
-    if (!mkdtemp(name.data())) throw std::runtime_error("no folder can be made in " + name);
-    mPath = name;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(mPath, ignored);
-  }
-  const std::filesystem::path& path() const { return mPath; }
-
- private:
-  std::filesystem::path mPath;
-};
-
-}  // namespace
 
 std::span<const Harness> harnesses() {
   static const std::vector<Harness> all = [] {
@@ -60,7 +38,7 @@ void run(const Harness& harness, std::string_view bytes) {
 }
 
 std::filesystem::path scratchFolder() {
-  static const Folder folder;
+  static const TemporaryFolder folder;
   return folder.path();
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What --detail, --outward, --mask and --origin promise, from a mesh to the sign of the field.
+#include "support/temporary_folder.h"
 #include "support/test_fields.h"
 #include "support/test_meshes.h"
 

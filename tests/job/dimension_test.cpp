@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The growth of meshes with their resolution, and the fit of a power law to it.
+#include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 
 #include "vdbtools/job/dimension.h"
@@ -15,7 +16,6 @@
 namespace {
 
 using namespace vdbtools;
-using test_meshes::TemporaryFolder;
 using Points = std::vector<std::pair<double, double>>;
 
 TEST(PowerLaw, OfAnExactLawIsThatLaw) {

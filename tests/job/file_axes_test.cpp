@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which way is up in files: turned exactly, the same shape in every format, and told by the file itself.
+#include "support/temporary_folder.h"
 #include "support/test_fields.h"
 #include "support/test_meshes.h"
 #include "vdbtools/job/fractal_files.h"
@@ -18,7 +19,6 @@ using namespace vdbtools;
 using openvdb::FloatGrid;
 using openvdb::Vec3d;
 using openvdb::Vec3s;
-using test_meshes::TemporaryFolder;
 
 const Vec3d kPoint(1.25, -2.5, 0.75);
 

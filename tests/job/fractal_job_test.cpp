@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The main job against programs written independently of it, and under changes that must not matter.
 #include "support/mesh_laws.h"
+#include "support/temporary_folder.h"
 #include "support/test_fields.h"
 #include "support/test_meshes.h"
 
@@ -14,8 +15,6 @@
 #include <gtest/gtest.h>
 
 #include <tbb/parallel_for.h>
-
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -31,14 +30,7 @@ using openvdb::Vec3d;
 
 class FractalJob : public testing::Test {
  protected:
-  FractalJob() {
-    openvdb::initialize();
-    const testing::TestInfo* info = testing::UnitTest::GetInstance()->current_test_info();
-    mFolder = std::filesystem::temp_directory_path() /
-              ("juliavdb_" + std::string(info->name()) + "_" + std::to_string(getpid()));
-    std::filesystem::create_directories(mFolder);
-  }
-  ~FractalJob() override { std::filesystem::remove_all(mFolder); }
+  FractalJob() { openvdb::initialize(); }
 
   std::string write(const std::string& name, const std::string& bytes) const {
     const std::string path = mFolder / name;
@@ -55,7 +47,8 @@ class FractalJob : public testing::Test {
   }
   Mesh mesh(const Recipe& recipe) { return fractalMesh(scene(recipe), mMonitor); }
 
-  std::filesystem::path mFolder;
+  const TemporaryFolder mTemporary;
+  const std::filesystem::path mFolder = mTemporary.path();
   Monitor mMonitor;
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A target that is a mesh in memory: the same fractal as from its file, and the same care with what is wrong.
+#include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 
 #include "vdbtools/base/errors.h"
@@ -32,7 +33,7 @@ Scene sceneOf(const Mesh& mesh) {
 
 TEST(MemoryTarget, MakesTheFractalOfItsFile) {
   openvdb::initialize();
-  const test_meshes::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const Mesh mesh = test_meshes::makeSphere(1.3, 3);
   const std::string path = folder.path() / "sphere.obj";
   std::ofstream file(path);

@@ -3,6 +3,7 @@
 #include "job/point_attributes.h"
 #include "job/scene_colouring.h"
 #include "render/field_shading.h"
+#include "support/temporary_folder.h"
 #include "support/test_fields.h"
 #include "support/test_meshes.h"
 
@@ -89,7 +90,7 @@ class PointAttributesTest : public testing::Test {
     return readWholeFile(plyPath);
   }
 
-  test_meshes::TemporaryFolder mFolder;
+  TemporaryFolder mFolder;
   Monitor mMonitor;
   std::string mShape;
 };

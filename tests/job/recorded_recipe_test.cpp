@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Recipes that come back from files: broken ones are bad data, and the files that they name must be the same.
+#include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 
 #include "vdbtools/formats/vdb_file.h"
@@ -16,7 +17,6 @@ namespace {
 
 using namespace vdbtools;
 using openvdb::Vec3d;
-using test_meshes::TemporaryFolder;
 
 class RecordedRecipeTest : public testing::Test {
  protected:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Contact sheets: which cells there are and where, what their recipes say, and which pictures are made again.
+#include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 
 #include "vdbtools/files/file_hash.h"
@@ -17,7 +18,6 @@
 namespace {
 
 using namespace vdbtools;
-using test_meshes::TemporaryFolder;
 
 VariedOption varied(const std::string& text) { return parseVaried(text, fractalOptionTable(), kMostSheetCells); }
 

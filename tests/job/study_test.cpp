@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The study of a target: its counts against the sets themselves, its circles against distances that are known.
+#include "support/temporary_folder.h"
 #include "support/test_fields.h"
 #include "support/test_meshes.h"
 
@@ -22,7 +23,6 @@ namespace {
 
 using namespace vdbtools;
 using openvdb::Vec3d;
-using test_meshes::TemporaryFolder;
 
 const Vec3d kCentre(10, -20, 30);
 constexpr double kRadius = 2;

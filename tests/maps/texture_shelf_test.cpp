@@ -2,6 +2,7 @@
 // The shelf of textures: what each promises of its roots, and how recipes choose among textures, random roots and
 // files.
 #include "support/mesh_laws.h"
+#include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 
 #include "vdbtools/job/fractal_job.h"
@@ -118,7 +119,7 @@ class TextureJob : public testing::Test {
     return makeScene(parseFractalOptions(completeRecipe(recipe, fractalOptionTable())), mMonitor);
   }
 
-  test_meshes::TemporaryFolder mFolder;
+  TemporaryFolder mFolder;
   Monitor mMonitor;
 };
 

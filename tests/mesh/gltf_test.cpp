@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // GLB as it is written, read by a library that is not ours; and glTF as it is read, with files that are broken.
 #include "mesh/glb_layout.h"
+#include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/mesh/mesh_writer.h"
@@ -22,7 +23,6 @@ using Json = nlohmann::json;
 using openvdb::Vec3d;
 using openvdb::Vec3I;
 using openvdb::Vec3s;
-using test_meshes::TemporaryFolder;
 
 const std::vector<VertexColumn> kColumns = {{"trap", ColumnKind::Number},
                                             {"Cd", ColumnKind::LinearRgb},

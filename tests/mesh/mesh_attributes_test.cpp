@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What files say of points and corners besides their place: read from each format that has it, and kept by what
 // follows.
+#include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/mesh/mesh.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/mesh/mesh.h"

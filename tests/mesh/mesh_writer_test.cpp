@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "support/small_disk.h"
+#include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 
 #include "vdbtools/base/errors.h"
@@ -11,7 +12,6 @@
 
 #include <malloc.h>
 #include <sys/mman.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -30,10 +30,6 @@ using openvdb::Vec3d;
 
 class MeshWriter : public testing::Test {
  protected:
-  MeshWriter() : mFolder(std::filesystem::temp_directory_path() / ("juliavdb_writer_" + std::to_string(getpid()))) {
-    std::filesystem::create_directories(mFolder);
-  }
-  ~MeshWriter() override { std::filesystem::remove_all(mFolder); }
   std::filesystem::path write(const char* name, const Mesh& mesh, MeshWriteOptions options) const {
     const std::filesystem::path path = mFolder / name;
     options.format = meshFormat(path);
@@ -41,7 +37,8 @@ class MeshWriter : public testing::Test {
     writeMesh(stream, mesh, options);
     return path;
   }
-  std::filesystem::path mFolder;
+  const TemporaryFolder mTemporary;
+  const std::filesystem::path mFolder = mTemporary.path();
 };
 
 TEST_F(MeshWriter, EveryFormatReadsBack) {
@@ -186,7 +183,7 @@ using MeshStream = MeshWriter;
 /// @return what has come into a stream of either kind when @a mesh came in pieces
 std::string streamedBytes(const Mesh& mesh, const MeshWriteOptions& options, bool seekable, std::mt19937& random,
                           std::size_t longest) {
-  const test_meshes::TemporaryFolder scratch;
+  const TemporaryFolder scratch;
   Pipe pipe;
   std::ostringstream file;
   MeshStreamWriter writer(seekable ? static_cast<std::ostream&>(file) : pipe, scratch.path(), options);

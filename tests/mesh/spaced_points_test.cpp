@@ -2,6 +2,7 @@
 #include "vdbtools/mesh/spaced_points.h"
 
 #include "mesh/surface_search.h"
+#include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/vdb_points.h"
@@ -161,7 +162,7 @@ TEST(VdbPoints, AreReadBackByOpenVdb) {
   }
   const std::vector<vdbtools::VertexColumn> columns = {{"Cd", vdbtools::ColumnKind::LinearRgb},
                                                        {"depth", vdbtools::ColumnKind::Number}};
-  const test_meshes::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::string bytes =
       vdbtools::encodeVdb({vdbtools::pointGrid({positions, normals, values}, columns, spaced.spacing)}, {});
   EXPECT_EQ(bytes,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/render/field_render.h"
 
+#include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 
 #include "vdbtools/formats/versor_file.h"
@@ -15,7 +16,6 @@
 #include <gtest/gtest.h>
 #include <openvdb/tools/LevelSetSphere.h>
 #include <tbb/global_control.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <cmath>
@@ -341,12 +341,7 @@ struct ViewFrame {
 /// Scenes as the program makes them.
 class FieldRenderScene : public testing::Test {
  protected:
-  FieldRenderScene() {
-    openvdb::initialize();
-    mFolder = std::filesystem::temp_directory_path() / ("juliavdb_field_render_" + std::to_string(getpid()));
-    std::filesystem::create_directories(mFolder);
-  }
-  ~FieldRenderScene() override { std::filesystem::remove_all(mFolder); }
+  FieldRenderScene() { openvdb::initialize(); }
 
   std::string write(const std::string& name, const std::string& bytes) const {
     const std::string path = mFolder / name;
@@ -386,7 +381,8 @@ class FieldRenderScene : public testing::Test {
             {{"map", "quadratic"}, {"mandelbrot", "true"}, {"iterations", "5"}, {"resolution", "128"}}};
   }
 
-  std::filesystem::path mFolder;
+  const TemporaryFolder mTemporary;
+  const std::filesystem::path mFolder = mTemporary.path();
   Monitor mMonitor;
 };
 

@@ -1,21 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file test_meshes.h
-/// Meshes that tests share, all oriented outward, and a folder for the files of one test.
+/// Meshes that tests share, all oriented outward.
 #pragma once
 
 #include "vdbtools/mesh/mesh.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <random>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -131,32 +128,5 @@ inline const Mesh& bunny() {
   static const Mesh mesh = vdbtools::readMesh(bunnyPath());
   return mesh;
 }
-
-/// A folder of its own for one test, removed with all that is in it.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "juliavdb_test_XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder " + pattern);
-    mPath = pattern;
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(mPath, ignored);
-  }
-
-  const std::filesystem::path& path() const { return mPath; }
-
-  std::filesystem::path write(const std::string& name, std::string_view contents) const {
-    std::ofstream stream(mPath / name, std::ios::binary);
-    stream.write(contents.data(), static_cast<std::streamsize>(contents.size()));
-    return mPath / name;
-  }
-
- private:
-  std::filesystem::path mPath;
-};
 
 }  // namespace test_meshes

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Controls: every kind read from text and bound to a box, against its definition; their bounds hold everywhere.
+#include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 
 #include "vdbtools/base/errors.h"
@@ -59,7 +60,7 @@ TEST(Control, ReadsRamps) {
 
 TEST(Control, ReadsGridsOfFilesAndNamesTheFiles) {
   openvdb::initialize();
-  const test_meshes::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::string path = folder.write("paint.vdb", encodeVdb({oneSeven()}, {})).string();
   for (const std::string& text : {path, path + ":paint"}) {
     const auto grid = source(text);

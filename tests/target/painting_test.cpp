@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Controls from what is painted on a mesh, from pictures, from other meshes and from formulas, against slow references.
+#include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 
 #include "target/control_lattice.h"
