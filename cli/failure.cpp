@@ -4,6 +4,7 @@
 #include "exit_code.h"
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/utf8.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/io_failure.h"
 #include "vdbtools/job/failure_text.h"
@@ -58,11 +59,8 @@ Failure failureOf() {
 std::string shortened(const std::string& text) {
   constexpr std::size_t kLongest = 2000, kEnd = 600;
   if (text.size() <= kLongest) return text;
-  const auto characterAt = [&](std::size_t at) {  // none of UTF-8 is cut
-    while (at > 0 && (static_cast<unsigned char>(text[at]) & 0xC0) == 0x80) --at;
-    return at;
-  };
-  return text.substr(0, characterAt(kLongest - kEnd)) + " [...] " + text.substr(characterAt(text.size() - kEnd));
+  return text.substr(0, vdbtools::characterAt(text, kLongest - kEnd)) + " [...] " +
+         text.substr(vdbtools::characterAt(text, text.size() - kEnd));
 }
 
 }  // namespace

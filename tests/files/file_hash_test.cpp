@@ -83,5 +83,15 @@ TEST(InOneLine, LeavesNoControlCharacters) {
   EXPECT_LT(inOneLine(std::string(100000, 'x')).size(), 1000U);
 }
 
+TEST(InOneLine, CutsNoCharacterInTwo) {
+  std::string word;
+  while (word.size() < 1000) word += "\u20ac";  // three bytes each
+  for (const std::string before : {"", "a", "ab"}) {
+    const std::string line = inOneLine(before + word);
+    ASSERT_LT(line.size(), 1000U);
+    EXPECT_EQ((line.size() - before.size() - 3) % 3, 0U) << line;
+  }
+}
+
 }  // namespace
 }  // namespace vdbtools

@@ -56,8 +56,7 @@ FrameRecipes::FrameRecipes(FramePlanOptions options)
   for (const int frame : mOptions.frames) {
     try {
       const FractalOptions fractal = parseFractalOptions(completeRecipe(recipeAt(mOptions, frame), table));
-      if (fractal.map->shell() && !fractal.target)
-        throw std::invalid_argument("the map needs a target: give a mesh, or a VDB with its signed distance");
+      requireTarget(fractal);
       for (const NamedFile& file : filesOf(fractal)) missing.check(file, frame);
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument("frame " + std::to_string(frame) + ": " + error.what());

@@ -34,8 +34,7 @@ Recipe checkedRecipe(const Variant& variant, const OptionTable& table, FileHashe
   try {
     Recipe recipe = completeRecipe(variant.recipe, table);
     const FractalOptions options = parseFractalOptions(recipe);
-    if (options.map->shell() && !options.target)
-      throw std::invalid_argument("the map needs a target: give a mesh, or a VDB with its signed distance");
+    requireTarget(options);
     for (const auto& [name, hash] : hashes.of(options)) recipe[name] = hash;
     withAbsoluteNames(recipe, folder);
     return recipe;

@@ -3,6 +3,7 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/memory.h"
+#include "vdbtools/base/utf8.h"
 #include "vdbtools/files/io_failure.h"
 
 #include <fcntl.h>
@@ -102,9 +103,8 @@ std::string withoutControls(std::string text) {
 }
 
 std::string inOneLine(std::string_view text) {
-  std::string line = withoutControls(std::string(text.substr(0, kLongestInMessage)));
-  if (text.size() > kLongestInMessage) line += "...";
-  return line;
+  if (text.size() <= kLongestInMessage) return withoutControls(std::string(text));
+  return withoutControls(std::string(text.substr(0, characterAt(text, kLongestInMessage)))) + "...";
 }
 
 std::string lowerCase(std::string_view text) {

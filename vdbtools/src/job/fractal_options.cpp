@@ -106,4 +106,9 @@ FractalOptions parseFractalOptions(const Recipe& recipe, const MapRegistry& maps
   return options;
 }
 
+void requireTarget(const FractalOptions& options) {
+  if (options.map->shell() && !options.target)
+    throw std::invalid_argument("the map needs a target: give a mesh, or a VDB with its signed distance");
+}
+
 }  // namespace vdbtools

@@ -24,10 +24,7 @@ RecordedRecipe readRecordedRecipe(const std::filesystem::path& path, const MapRe
           ? RecordedRecipe{"fractal", readSheetCell(path.string())}
           : recordedRecipe(isVdbPath(path) ? readVdbMetadata(path) : readMeshComments(path), maps);
   try {
-    if (recorded.command == "fractal") {
-      const FractalOptions options = parseFractalOptions(recorded.recipe, maps);
-      if (options.map->shell() && !options.target) throw std::invalid_argument("it names no target (input)");
-    }
+    if (recorded.command == "fractal") requireTarget(parseFractalOptions(recorded.recipe, maps));
     if (recorded.command == "sdf") parseSdfOptions(recorded.recipe);
   } catch (const std::invalid_argument& error) {
     throw DataError("the recipe in '" + path.string() + "' is broken: " + error.what());

@@ -363,8 +363,7 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
   const MapFiles files = options.map->readFiles();
   const std::optional<FittedTo> fitted = files.roots ? files.roots->target : std::nullopt;
   const ShellSettings* const shell = options.map->shell();
-  if (shell && !options.target)
-    throw std::invalid_argument("the map needs a target: give a mesh, or a VDB with its signed distance");
+  requireTarget(options);
 
   PlacedSpace placed;
   std::optional<BBoxd> shape;

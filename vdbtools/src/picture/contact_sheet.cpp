@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/picture/contact_sheet.h"
 
+#include "vdbtools/base/utf8.h"
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -26,14 +28,8 @@ int captionHeight(const ContactSheetOptions& options) {
 
 int side(int cells, int size) { return 2 * kMargin + cells * size + (cells - 1) * kGap; }
 
-bool continues(char byte) { return (static_cast<unsigned char>(byte) & 0xC0) == 0x80; }
-
 /// @a text without its last character.
-std::string_view shorter(std::string_view text) {
-  do text.remove_suffix(1);
-  while (!text.empty() && continues(text.data()[text.size()]));
-  return text;
-}
+std::string_view shorter(std::string_view text) { return text.substr(0, characterAt(text, text.size() - 1)); }
 
 /// The text, cut where it is wider than @a width.
 std::string cut(const Canvas& canvas, std::string_view text, double width, const TextStyle& style) {
