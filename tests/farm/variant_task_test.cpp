@@ -201,7 +201,7 @@ TEST_F(Variants, FramesAreRefusedAtPlanning) {
     }
   };
   refused(frames(mBall, {}, 1, 3), "nothing changes");
-  refused(frames("", {"alpha@1=20"}, 1, 3), "frame 1: the map needs a target");
+  refused(frames("", {"alpha@1=20"}, 1, 3), "frame 1: there is no target, which the map needs");
   refused(frames(mBall, {"versor-seed@1=1", "versor-seed@3=2"}, 1, 3), "frame 2: --versor-seed is '1.5'");
   refused(frames(mBall, {"resolution@1=10", "resolution@3=-10"}, 1, 3), "frame 2: --resolution");
   refused(frames(mBall, {"alpha@1=forty"}, 1, 3), "frame 1: --alpha is 'forty'");

@@ -108,7 +108,8 @@ FractalOptions parseFractalOptions(const Recipe& recipe, const MapRegistry& maps
 
 void requireTarget(const FractalOptions& options) {
   if (options.map->shell() && !options.target)
-    throw std::invalid_argument("the map needs a target: give a mesh, or a VDB with its signed distance");
+    throw std::invalid_argument(
+        "there is no target, which the map needs: give a mesh, or a VDB with its signed distance");
 }
 
 }  // namespace vdbtools
