@@ -76,7 +76,7 @@ class Page(unittest.TestCase):
         shown, = re.findall(r"```\n(#!/bin/sh\n.*?)```", self.text, re.S)
         self.run_block("".join(block for block in self.blocks if "cp " in block))
         block, = [block for block in self.blocks if "--dry-run" in block]
-        with mock.patch.dict(os.environ, {"SLURM_CONF": "/nowhere"}):
+        with mock.patch.dict(os.environ, {"SLURM_CONF": os.devnull}):
             script = self.run_block(block)
         script = script[script.index("#!"):].replace(str(PROGRAM), "/usr/bin/juliavdb")
         script = script.replace(os.path.realpath(self.folder), "/home/me").replace(str(self.folder), "/home/me")
