@@ -215,4 +215,18 @@ TEST(MeshOfLevelSet, RefusesAGridWithoutASurface) {
   EXPECT_THROW(meshOfLevelSet(*broken, monitor), DataError);
 }
 
+TEST(MeshOfLevelSet, TilesOfOneSignTakeNoMemory) {
+  Monitor monitor;
+  for (const float value : {0.5f, 0.0f, -0.5f}) {
+    const auto grid = openvdb::FloatGrid::create(value);
+    grid->tree().addTile(2, openvdb::Coord(0), value, true);  // 4096^3 voxels, which no machine of these days holds
+    try {
+      meshOfLevelSet(*grid, monitor);
+      FAIL() << value;
+    } catch (const DataError& error) {
+      EXPECT_NE(std::string(error.what()).find("no surface"), std::string::npos) << error.what();
+    }
+  }
+}
+
 }  // namespace

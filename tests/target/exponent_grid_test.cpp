@@ -64,6 +64,14 @@ TEST(Target, RefusesWhatIsNoDistance) {
   EXPECT_THROW(makeTarget(noOutside, {}), DataError);
 }
 
+TEST(Target, TilesWithoutAnInsideTakeNoMemory) {
+  const auto tiles = openvdb::FloatGrid::create(1);
+  tiles->tree().addTile(1, Coord(0), 1.0f, true);
+  tiles->tree().addTile(1, Coord(8000), 1.0f, true);
+  EXPECT_THROW(makeTarget(tiles, {}), DataError);
+  EXPECT_EQ(tiles->tree().leafCount(), 0U);
+}
+
 TEST(ExtendBand, KeepsTheBandAndFindsTheDistanceBeyond) {
   // Three voxels to each side, as level sets come.
   const auto phi = test_fields::bandGrid(ball, kVoxel, 3 * kVoxel, 3 * kVoxel);

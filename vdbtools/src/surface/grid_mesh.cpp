@@ -33,12 +33,26 @@ class GridEvaluator final : public julia::FieldEvaluator {
   const openvdb::FloatGrid& mGrid;
 };
 
+[[noreturn]] void refuseWithoutSurface(const openvdb::FloatGrid& levelSet) {
+  throw DataError("the grid '" + levelSet.getName() + "' has no surface: it changes sign nowhere");
+}
+
+/// What can be said of the values before their tiles take memory as voxels.
+void requireSigns(const openvdb::FloatGrid& levelSet) {
+  float least = levelSet.background(), most = least;
+  for (auto value = levelSet.tree().cbeginValueAll(); value; ++value) {
+    if (!std::isfinite(*value))
+      throw DataError("the grid '" + levelSet.getName() + "' holds a value that is not finite");
+    least = std::min(least, *value);
+    most = std::max(most, *value);
+  }
+  if (!(least < 0) || most < 0) refuseWithoutSurface(levelSet);
+}
+
 }  // namespace
 
 Mesh meshOfLevelSet(const openvdb::FloatGrid& levelSet, Monitor& monitor) {
-  for (auto value = levelSet.tree().cbeginValueAll(); value; ++value)
-    if (!std::isfinite(*value))
-      throw DataError("the grid '" + levelSet.getName() + "' holds a value that is not finite");
+  requireSigns(levelSet);
   FractalField field;
   field.field = openvdb::FloatGrid::create(std::make_shared<openvdb::FloatTree>(levelSet.tree()));
   field.field->setTransform(openvdb::math::Transform::createLinearTransform(1.0));
@@ -61,8 +75,7 @@ Mesh meshOfLevelSet(const openvdb::FloatGrid& levelSet, Monitor& monitor) {
   const GridEvaluator evaluator(*field.field);
   Mesh mesh =
       extractMesh(field, FieldSource{evaluator, FractalSpace{}}, ExtractMeshOptions{.tolerance = 1e-6}, monitor);
-  if (mesh.triangles.empty())
-    throw DataError("the grid '" + levelSet.getName() + "' has no surface: it changes sign nowhere");
+  if (mesh.triangles.empty()) refuseWithoutSurface(levelSet);
   for (openvdb::Vec3d& point : mesh.points) point = levelSet.indexToWorld(point);
   const openvdb::Vec3d origin = levelSet.indexToWorld(openvdb::Vec3d(0));
   const auto axis = [&](int k) {

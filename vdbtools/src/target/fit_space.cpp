@@ -14,19 +14,18 @@ namespace {
 
 using openvdb::Coord;
 
-/// The box of the nodes where phi < 0, tiles included.
-openvdb::CoordBBox insideNodes(const openvdb::FloatGrid& phi) {
+}  // namespace
+
+openvdb::CoordBBox insideNodeBox(const openvdb::FloatGrid& phi) {
   openvdb::CoordBBox box;
   for (auto value = phi.tree().cbeginValueAll(); value; ++value)
     if (*value < 0) box.expand(value.getBoundingBox());
+  if (box.empty()) throw DataError("the signed distance field is nowhere negative: it has no inside");
   return box;
 }
 
-}  // namespace
-
 openvdb::BBoxd insideBox(const openvdb::FloatGrid& phi) {
-  const openvdb::CoordBBox nodes = insideNodes(phi);
-  if (nodes.empty()) throw DataError("the signed distance field is nowhere negative: it has no inside");
+  const openvdb::CoordBBox nodes = insideNodeBox(phi);
   openvdb::Vec3d low = nodes.min().asVec3d(), high = nodes.max().asVec3d();
   const auto accessor = phi.getConstAccessor();
   // Outermost inside nodes only: how far beyond them does phi cross 0?

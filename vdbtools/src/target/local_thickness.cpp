@@ -2,7 +2,7 @@
 #include "vdbtools/target/local_thickness.h"
 
 #include "base/in_parallel.h"
-#include "vdbtools/base/errors.h"
+#include "vdbtools/target/fit_space.h"
 
 #include <openvdb/tools/Dense.h>
 
@@ -37,15 +37,6 @@ struct Lattice {
   Coord size;
   std::vector<float> values;
 };
-
-/// The nodes of phi < 0, tiles included.
-CoordBBox insideNodes(const FloatGrid& phi) {
-  CoordBBox box;
-  for (auto value = phi.tree().cbeginValueAll(); value; ++value)
-    if (*value < 0) box.expand(value.getBoundingBox());
-  if (box.empty()) throw DataError("the signed distance field is nowhere negative: it has no inside");
-  return box;
-}
 
 /// One of the 13 lines through a node and its neighbours.
 struct Line {
@@ -236,7 +227,7 @@ struct ThicknessFinder::Found {
 
 ThicknessFinder::ThicknessFinder(const FloatGrid& phi, Monitor& monitor) {
   const double voxel = phi.voxelSize()[0];
-  CoordBBox nodes = insideNodes(phi);
+  CoordBBox nodes = insideNodeBox(phi);
   // Slopes are read two nodes beyond the inside, and what is read farther away is the nearest face's value.
   constexpr int kMargin = 5;
   nodes.expand(kMargin);

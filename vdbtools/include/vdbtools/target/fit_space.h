@@ -8,6 +8,10 @@
 
 namespace vdbtools {
 
+/// The box of the nodes where phi < 0, index space, tiles included.
+/// @throw DataError if phi is nowhere negative
+openvdb::CoordBBox insideNodeBox(const openvdb::FloatGrid& phi);
+
 /// The box of phi < 0, world units, its faces where phi crosses 0 between nodes (linearly).
 /// @throw DataError if phi is nowhere negative
 openvdb::BBoxd insideBox(const openvdb::FloatGrid& phi);
