@@ -13,6 +13,8 @@ import subprocess
 import time
 import unittest
 
+import pyopenvdb
+
 import harness
 from harness import BAD_DATA, DONE, INTERNAL, USAGE
 
@@ -124,6 +126,16 @@ class Resources(harness.CliTest):
         for text in ("", "0", "16", "-1G", "16GB", "nanG", "all"):
             self.refused(USAGE, *words, f"--memory={text}" if text else "--memory=", mentions="--memory")
         self.refused(USAGE, *words, env={"JULIAVDB_MEMORY": "much"}, mentions="JULIAVDB_MEMORY")
+
+    def test_tiles_of_a_target(self):
+        """A small file may hold any number of voxels in its tiles, which all take memory where they are needed."""
+        grid = pyopenvdb.FloatGrid(1.0)
+        grid.fill((0, 0, 0), (511, 511, 1023), -0.5)
+        pyopenvdb.write(str(self.path("tiles.vdb")), grids=grid)
+        self.assertLess(self.path("tiles.vdb").stat().st_size, 1 << 20)
+        for words in (("fractal", "tiles.vdb", "-o", "x.vdb"), ("mesh", "--from-grid", "tiles.vdb", "-o", "x.ply")):
+            text = self.refused(INTERNAL, *words, "--memory", "500M", mentions="tiles would take at least 1.0")
+            self.assertIn("smaller file", text)
 
     def test_files_larger_than_the_memory(self):
         """They are refused before they are read. These have no blocks on the disk, and begin like what they are called."""

@@ -9,10 +9,11 @@ namespace {
 
 using Leaf = openvdb::FloatTree::LeafNodeType;
 
+constexpr double kLeafBytes = Leaf::SIZE * sizeof(float) + sizeof(Leaf);
+
 }  // namespace
 
 void requireRoomForLeaves(const openvdb::FloatGrid& grid, double leaves) {
-  constexpr double kLeafBytes = Leaf::SIZE * sizeof(float) + sizeof(Leaf);
   const double needed = leaves * kLeafBytes, memory = machineMemory();
   if (needed > memory / 2)
     throw DataError("the grid '" + grid.getName() + "' would take " + memoryText(needed) +
@@ -21,7 +22,9 @@ void requireRoomForLeaves(const openvdb::FloatGrid& grid, double leaves) {
 
 void voxelizeActiveTiles(openvdb::FloatGrid& grid) {
   const auto inTiles = static_cast<double>(grid.tree().activeVoxelCount() - grid.tree().activeLeafVoxelCount());
-  requireRoomForLeaves(grid, inTiles / Leaf::SIZE);
+  const double leaves = inTiles / Leaf::SIZE;
+  requireRoomForLeaves(grid, leaves);
+  requireMemory(leaves * kLeafBytes, MemoryUse::File, "the grid '" + grid.getName() + "' with the voxels of its tiles");
   grid.tree().voxelizeActiveTiles();
 }
 

@@ -11,7 +11,9 @@ namespace vdbtools {
 /// @throw DataError  they would take more than half of the machine's memory: there is always more than one grid
 void requireRoomForLeaves(const openvdb::FloatGrid& grid, double leaves);
 
-/// Makes leaves of the active tiles of a grid that was read. @throw DataError  as requireRoomForLeaves()
+/// Makes leaves of the active tiles of a grid that was read.
+/// @throw DataError  as requireRoomForLeaves()
+/// @throw MemoryError  there is less memory left than they take
 void voxelizeActiveTiles(openvdb::FloatGrid& grid);
 
 }  // namespace vdbtools
