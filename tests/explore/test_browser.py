@@ -218,8 +218,14 @@ class Browser(browser.BrowserTest):
         before = set(self.listing())
         self.run_script("document.getElementById('make-resolution').value = 1500; document.getElementById('make-ply').click()")
         self.button("Make").click()
-        self.wait_until(lambda: self.finds(".jobs progress"), "the job")
-        self.find(".jobs button").click()
+        share = "return document.querySelector('.jobs .running progress')?.value ?? 0"
+        self.wait_until(lambda: self.run_script(share) > 0, "the job")
+        # The button stays the same one, and keeps the focus, while the progress beside it changes.
+        cancel, begun = self.find(".jobs button"), self.run_script(share)
+        self.run_script("arguments[0].focus()", cancel)
+        self.wait_until(lambda: self.run_script(share) > begun, "its progress")
+        self.assertTrue(self.run_script("return document.activeElement === arguments[0]", cancel))
+        cancel.send_keys("\n")
         self.wait_until(lambda: self.finds(".jobs .cancelled"), "the end of the job")
         self.assertEqual(set(self.listing()), before)
         # It begins again, and is done.

@@ -44,22 +44,44 @@ export function makeFiles(page) {
     } catch (error) {
       return say(error.message, true);
     }
-    list.replaceChildren(...jobs.slice().reverse().map(line));
+    jobs.slice().reverse().map(lineOf).forEach((line, i) => {
+      if (list.children[i] !== line) list.insertBefore(line, list.children[i] ?? null);
+    });
+    while (list.children.length > jobs.length) list.lastElementChild.remove();
     if (jobs.some((job) => ["queued", "running"].includes(job.state))) timer = setTimeout(poll, 700);
   }
 
-  function line(job) {
+  // The line of a job stays the same element while the job is queued or runs: a new one would take the focus from its
+  // button, and a click that had begun.
+  const lines = new Map();
+  function lineOf(job) {
     const isOpen = job.state === "queued" || job.state === "running";
+    const before = lines.get(job.job);
+    const line = before && before.isOpen === isOpen ? before : { isOpen, ...newLine(job, isOpen) };
+    if (before && before !== line) before.element.replaceWith(line.element);
+    lines.set(job.job, line);
     const left = job.left === null || job.left === undefined ? "" : `, ${timeText(job.left)} left`;
     const what = job.state === "running" ? `${job.phase || "beginning"}${left}` : job.state === "failed" ? job.error
       : job.state === "done" ? job.files.join(", ") : job.state;
-    return element("li", { class: job.state }, element("strong", {}, job.name), " ", element("span", {}, what),
-      job.state === "running" ? element("progress", { max: 1, value: job.share, "aria-label": `${job.name} is made` }) : null,
+    line.element.className = job.state;
+    line.what.textContent = what;
+    if (line.progress) {
+      line.progress.hidden = job.state !== "running";
+      line.progress.value = job.share ?? 0;
+    }
+    return line.element;
+  }
+
+  function newLine(job, isOpen) {
+    const what = element("span");
+    const progress = isOpen ? element("progress", { max: 1, value: 0, "aria-label": `${job.name} is made` }) : null;
+    const made = element("li", {}, element("strong", {}, job.name), " ", what, progress,
       isOpen ? button("Cancel", attempt(async () => {
         await server.cancel(job.job);
         await poll();
       }), { "aria-label": `Cancel ${job.name}` }) : button("Go there", () => store.change((state) => { state.recipe = { ...job.recipe }; }),
         { "aria-label": `Go to the look of ${job.name}` }));
+    return { element: made, what, progress };
   }
 
   const pick = element("input", { type: "file", hidden: true, "aria-label": "A file with a recipe" });
