@@ -419,7 +419,8 @@ Target makeTarget(FloatGrid::Ptr phi, std::optional<openvdb::BBoxd> box) {
                     "' is neither dense nor a narrow band: its background is " + std::to_string(phi->background()) +
                     " and must be positive, the outside");
   }
-  if (!box) insideNodeBox(*phi);  // what has no inside is refused before its tiles take memory as voxels
+  // What has no inside is refused before its tiles take memory as voxels. Without tiles, insideBox() sees it below.
+  if (!box && phi->tree().activeTileCount() > 0) insideNodeBox(*phi);
   voxelizeActiveTiles(*phi);
   target.box = box ? *box : insideBox(*phi);
   target.phi = std::move(phi);
