@@ -28,6 +28,9 @@ class CountingEvaluator final : public julia::FieldEvaluator {
   void versors(std::span<const julia::Point> points, std::span<julia::Quaternion<double>> versors) const override {
     mEvaluator.versors(points, versors);
   }
+  void orbitTraps(std::span<const julia::Point> points, std::span<double> nearest) const override {
+    mEvaluator.orbitTraps(points, nearest);
+  }
   std::uint64_t count() const { return mCount; }
 
  private:

@@ -16,4 +16,11 @@ namespace cli {
 /// @throw vdbtools::IoError  it cannot be started
 int runThisProgram(const std::vector<std::string>& words, const std::function<bool()>& cancelled);
 
+/// Runs another program, in a process group of its own, and waits for it. Whoever asks this process to stop asks that
+/// group from then on (holdSignals()), and learns from how it ends.
+/// @param words  its path, and those of its command line
+/// @return its exit code; 128 and the signal's number if a signal ended it
+/// @throw vdbtools::IoError  it cannot be started
+int runProgram(const std::vector<std::string>& words);
+
 }  // namespace cli

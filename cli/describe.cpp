@@ -53,12 +53,21 @@ bool isWord(const std::string& part) {
   return part.size() <= 2 || std::any_of(part.begin(), part.end(), [](char c) { return std::islower(c) != 0; });
 }
 
+/// Whether what the help calls a value has an extension, as "F.json" and "PART.stl" have.
+bool namesExtension(const std::string& argument) {
+  for (std::size_t dot = argument.find('.'); dot != std::string::npos; dot = argument.find('.', dot + 1))
+    if (dot > 0 && std::isupper(static_cast<unsigned char>(argument[dot - 1])) != 0 && dot + 1 < argument.size() &&
+        std::islower(static_cast<unsigned char>(argument[dot + 1])) != 0)
+      return true;
+  return false;
+}
+
 std::string kindOf(const Option& option) {
   if (option.argument.empty()) return "flag";
   if (contains(option.argument, "DIR")) return "folder";
-  const bool file = contains(option.argument, "FILE") || contains(option.argument, "F.") ||
-                    contains(option.argument, "MESH") || contains(option.argument, ".vdb");
-  return file ? "file" : "value";
+  return contains(option.argument, "FILE") || contains(option.argument, "MESH") || namesExtension(option.argument)
+             ? "file"
+             : "value";
 }
 
 /// The values that may follow an option, quoted for the shell.

@@ -2,6 +2,7 @@
 #include "failure.h"
 
 #include "exit_code.h"
+#include "interruption.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/utf8.h"
@@ -38,8 +39,8 @@ Failure failureOf() {
     return {kInterrupted, error.what()};
   } catch (const vdbtools::IoError& error) {
     return {kInputOutput, error.what()};
-  } catch (const vdbtools::Interrupted& error) {
-    return {kInterrupted, error.what()};
+  } catch (const vdbtools::Interrupted&) {
+    return {kInterrupted, "interrupted; " + whatIsLeft()};
   } catch (const vdbtools::MemoryError& error) {
     const bool isOurs = error.use() != vdbtools::MemoryUse::Libraries;
     return {kInternal, vdbtools::failureText(error) + (isOurs ? "; --memory sets another limit" : "")};

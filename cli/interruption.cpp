@@ -7,8 +7,8 @@
 
 #include "vdbtools/base/memory.h"
 #include "vdbtools/files/atomic_file.h"
+#include "vdbtools/files/placed_files.h"
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -16,8 +16,9 @@
 #include <cstring>
 #include <ctime>
 #include <exception>
-#include <iterator>
+#include <initializer_list>
 #include <new>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -28,35 +29,93 @@
 namespace cli {
 namespace {
 
+enum class Speaker { Nobody, Work, Watcher };
+
 std::atomic<bool> theInterrupted{false};
-std::atomic<bool> theLastWordTaken{false};
-std::atomic<int> theExitCode{kInterrupted};
-std::atomic<int> theCrash{0};  // the signal
+std::atomic<bool> theInterruptionExpected{false};
+std::atomic<bool> theWorkDone{false};
+std::atomic<bool> thePlacing{false};
+std::atomic<Speaker> theSpeaker{Speaker::Nobody};
+std::atomic<int> theExitCode{kInterrupted};  // of the work, once it speaks
+std::atomic<int> theCrash{0};                // the signal
+std::atomic<bool> theSignalsHeld{false};
+std::atomic<int> theGroup{0};  // of processes that signals are handed on to
 
 // The program promises to be gone within a second; this much is left to work that stops by itself.
 constexpr std::chrono::milliseconds kGrace(700);
+// To say a few words takes no time, unless nobody reads them.
+constexpr std::chrono::milliseconds kLastWords(200);
+// Renaming takes no time, but to have a folder flushed may. A disk that is not there any more takes for ever.
+constexpr std::chrono::seconds kLongestPlacing(10);
 
-/// Ends the process from beside the work, with nothing written.
-[[noreturn]] void endNow(int code, const char* text) noexcept {
+/// The work may come back to this: it then speaks again, such as of a failure while it said that all went well.
+bool claimLastWord(Speaker speaker) noexcept {
+  Speaker before = Speaker::Nobody;
+  return theSpeaker.compare_exchange_strong(before, speaker) || before == speaker;
+}
+
+/// In one call, and without memory. On a terminal a progress bar may stand in the line.
+void writeLine(std::initializer_list<std::string_view> words) noexcept {
+  constexpr std::size_t kMost = 8;
+  iovec line[kMost];
+  std::size_t count = 0;
+  const auto add = [&](std::string_view word) {
+    if (count < kMost) line[count++] = {.iov_base = const_cast<char*>(word.data()), .iov_len = word.size()};
+  };
+  add(isatty(STDERR_FILENO) != 0 ? "\njuliavdb: " : "juliavdb: ");
+  for (const std::string_view word : words) add(word);
+  add("\n");
+  [[maybe_unused]] const auto written = writev(STDERR_FILENO, line, static_cast<int>(count));
+}
+
+/// Ends the process from beside the work. What it had not finished is removed.
+[[noreturn]] void endNow(int code, std::string_view text) noexcept {
   vdbtools::removeTemporaries();
-  if (takeLastWord()) {
-    if (report().json()) {
-      try {
-        report().end(code, text);
-      } catch (const std::bad_alloc&) {
-        // The exit code says it.
-      }
-    } else {
-      // In one call, and without memory. On a terminal a progress bar may stand in the line.
-      const std::string_view parts[] = {isatty(STDERR_FILENO) != 0 ? "\njuliavdb: " : "juliavdb: ", text, "\n"};
-      iovec line[std::size(parts)];
-      std::transform(std::begin(parts), std::end(parts), line, [](std::string_view part) {
-        return iovec{.iov_base = const_cast<char*>(part.data()), .iov_len = part.size()};
-      });
-      [[maybe_unused]] const auto written = writev(STDERR_FILENO, line, std::size(line));
+  if (!claimLastWord(Speaker::Watcher)) {
+    std::this_thread::sleep_for(kLastWords);
+    _exit(theExitCode);
+  }
+  if (report().json()) {
+    try {
+      report().end(code, std::string(text));
+    } catch (const std::bad_alloc&) {
+      // The exit code says it.
     }
+  } else if (!text.empty()) {
+    writeLine({text});
   }
   _exit(code);
+}
+
+void stopGroup() noexcept {
+  if (const int group = theGroup; group > 0) ::kill(-group, SIGTERM);
+}
+
+/// The same for work that is stopped in good order: says what is left of it, or what it has made if it was at its end.
+/// @param why     it is stopped
+/// @param remedy  empty, or a sentence
+[[noreturn]] void stopNow(int code, const std::string& why, const std::string& remedy) noexcept {
+  // No file comes to its place after this; those that have just done so are not reported yet.
+  vdbtools::removeTemporaries();
+  const auto begin = std::chrono::steady_clock::now();
+  const auto placing = [] { return thePlacing || vdbtools::placedFiles().now; };
+  if (placing()) {
+    while (placing() && std::chrono::steady_clock::now() - begin < kLongestPlacing)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    std::this_thread::sleep_for(kLastWords);  // for the work to say so
+  }
+  if (theInterruptionExpected) _exit(kDone);
+  try {
+    if (placing())
+      endNow(code, why +
+                       "; the files were being brought to their places, and the disk does not answer: look which of "
+                       "them are there");
+    // The work has had its time to say this itself.
+    if (theWorkDone) endNow(kDone, report().json() ? std::string() : whatIsLeft());
+    endNow(code, why + "; " + whatIsLeft() + (remedy.empty() ? "" : ". " + remedy));
+  } catch (const std::bad_alloc&) {
+    endNow(theWorkDone ? kDone : code, "stopped, and there is no memory left to say more");
+  }
 }
 
 /// For exceptions that find no handler: libraries throw out of destructors, while they are loaded, and across threads
@@ -68,7 +127,7 @@ constexpr std::chrono::milliseconds kGrace(700);
     endNow(kInternal, "out of memory");
   } catch (const std::exception&) {
     const Failure failure = currentFailure();
-    endNow(failure.code, failure.text.c_str());
+    endNow(failure.code, failure.text);
   } catch (...) {
   }
   endNow(kInternal, "internal error: an exception found no handler");
@@ -95,7 +154,7 @@ void watchForCrashes() {
 void endIfCrashed() noexcept {
   const int signal = theCrash;
   if (signal == 0) return;
-  theLastWordTaken = false;
+  theSpeaker = Speaker::Nobody;
   char text[200];
   std::snprintf(text, sizeof text,
                 "internal error: the program crashed (%s); what it had not finished is removed. Please report it, "
@@ -104,19 +163,10 @@ void endIfCrashed() noexcept {
   endNow(kInternal, text);
 }
 
-/// Whoever takes the last of a machine's memory makes it stand still, and is killed before long.
 void endIfMemoryRunsOut() noexcept {
-  constexpr double kLeastReserve = 32 << 20, kReserveShare = 0.01;  // bytes; of what the process has
   try {
-    const double own = vdbtools::residentMemory();
-    // What has not taken much is not to blame, and frees little.
-    if (own < 16 * kLeastReserve) return;
-    const vdbtools::MemoryLeft left = vdbtools::sharedMemoryLeft();
-    if (left.bytes > std::max(kLeastReserve, kReserveShare * own)) return;
-    const std::string text = "memory is running out: this run has taken " + vdbtools::memoryText(own) + ", and " +
-                             left.limit + " leaves " + vdbtools::memoryText(left.bytes) +
-                             "; nothing was written. Use a lower resolution, a --box, or 'juliavdb plan'";
-    endNow(kInternal, text.c_str());
+    if (const std::optional<std::string> why = vdbtools::memoryRunsOut())
+      stopNow(kInternal, *why, "Use a lower resolution, a --box, or 'juliavdb plan'");
   } catch (const std::bad_alloc&) {
     // The work will see it, too.
   }
@@ -135,23 +185,46 @@ void watchForInterruption() {
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::thread([] {
     constexpr timespec kPeriod = {.tv_sec = 0, .tv_nsec = 200'000'000};
-    while (sigtimedwait(&signals, nullptr, &kPeriod) < 0) {
-      endIfCrashed();
-      endIfMemoryRunsOut();
+    for (;;) {
+      if (sigtimedwait(&signals, nullptr, &kPeriod) < 0) {
+        endIfCrashed();
+        endIfMemoryRunsOut();
+        continue;
+      }
+      theInterrupted = true;
+      if (!theSignalsHeld) break;
+      stopGroup();
     }
-    theInterrupted = true;
     std::this_thread::sleep_for(kGrace);
-    endNow(theExitCode, "interrupted; nothing was written");
+    stopNow(kInterrupted, "interrupted", "");
   }).detach();
 }
 
-bool interrupted() noexcept { return theInterrupted; }
+bool interrupted() noexcept { return theInterrupted && !theWorkDone; }
 
-void expectInterruption() noexcept {
-  theLastWordTaken = true;
-  theExitCode = kDone;
+Placing::Placing() noexcept { thePlacing = true; }
+Placing::~Placing() { thePlacing = false; }
+
+void workIsDone() noexcept { theWorkDone = true; }
+
+std::string whatIsLeft() {
+  std::string known = report().whatIsLeft();
+  if (!known.empty()) return known;
+  return vdbtools::placedFiles().count > 0 ? "what was finished before is whole" : "nothing was written";
 }
 
-bool takeLastWord() noexcept { return !theLastWordTaken.exchange(true); }
+void holdSignals() noexcept { theSignalsHeld = true; }
+
+void handSignalsTo(int group) noexcept {
+  theGroup = group;
+  if (theInterrupted) stopGroup();
+}
+
+void expectInterruption() noexcept { theInterruptionExpected = true; }
+
+void takeLastWord(int code) noexcept {
+  theExitCode = code;
+  while (!claimLastWord(Speaker::Work)) std::this_thread::sleep_for(std::chrono::seconds(1));
+}
 
 }  // namespace cli

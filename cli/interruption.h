@@ -4,20 +4,45 @@
 /// its temporary files removed. A crash, of a library as of the program, ends it in the same way.
 #pragma once
 
+#include <string>
+
 namespace cli {
 
 /// Call first in main(), before any thread exists: signals are handled by a thread of their own from then on. Those of
 /// a crash make it end the process with exit code 70 and one line.
 void watchForInterruption();
 
-/// True once a signal came.
+/// True once a signal came that is to stop the work.
 bool interrupted() noexcept;
+
+/// While one exists, files are being brought to their places, and a signal waits until report() knows of them.
+class Placing {
+ public:
+  Placing() noexcept;
+  ~Placing();
+  Placing(const Placing&) = delete;
+  Placing& operator=(const Placing&) = delete;
+};
+
+/// All that the command was to make is in its place: there is nothing left to interrupt. From now on a signal ends the
+/// program with exit code 0, and at the latest after the grace that work has.
+void workIsDone() noexcept;
+
+/// What an interruption at this moment leaves, such as "nothing was written".
+std::string whatIsLeft();
 
 /// For a command that runs until it is interrupted: from now on a signal ends the program without a word, with exit
 /// code 0, even where work of it has to be cut off.
 void expectInterruption() noexcept;
 
-/// True for the first caller: of the two ways to stop, the one that says so. The other has nothing left to say.
-bool takeLastWord() noexcept;
+/// For a command that waits for other processes, which are asked to stop in its place: from now on a signal ends
+/// nothing here. It is handed on as SIGTERM to the process group of handSignalsTo(), also if it came before that.
+void holdSignals() noexcept;
+void handSignalsTo(int group) noexcept;
+
+/// Call before the last thing is said. Of the two ways to end, by the work and beside it, only the first to come says
+/// anything; where the work comes second, this does not return before the process ends.
+/// @param code  the exit code with which the program is about to end
+void takeLastWord(int code) noexcept;
 
 }  // namespace cli

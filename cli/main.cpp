@@ -7,18 +7,15 @@
 #include "interruption.h"
 #include "report.h"
 
-#include "vdbtools/base/errors.h"
 #include "vdbtools/base/near_words.h"
 
 #include <algorithm>
-#include <chrono>
 #include <exception>
 #include <iostream>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <vector>
 
 #include <unistd.h>
@@ -117,6 +114,7 @@ int run(const Arguments& arguments) {
 int fail(int code, std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  takeLastWord(code);
   report().end(code, text);
   return code;
 }
@@ -146,6 +144,7 @@ bool wantsJson(const Arguments& arguments) {
 int finish(int code) {
   std::cout.flush();
   if (code == kDone && !std::cout) return fail(kInputOutput, "writing to the standard output failed");
+  takeLastWord(code);
   report().end(code, "");
   return code;
 }
@@ -162,13 +161,7 @@ int main(int argc, char** argv) {
     watchForInterruption();
     const Arguments arguments(argv + 1, argv + argc);
     report().start(arguments.empty() ? "" : arguments.front(), wantsJson(arguments));
-    try {
-      return finish(run(arguments));
-    } catch (const vdbtools::Interrupted& error) {
-      // The watcher may be ending the process at this very moment, and has said why.
-      if (!takeLastWord()) std::this_thread::sleep_for(std::chrono::seconds(10));
-      return fail(kInterrupted, error.what());
-    }
+    return finish(run(arguments));
   } catch (...) {
     return failNow();
   }

@@ -24,13 +24,12 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <cstdlib>
 #include <iostream>
-#include <limits>
 #include <ostream>
 #include <sstream>
 #include <stdexcept>
+#include <typeinfo>
 
 namespace po = boost::program_options;
 
@@ -101,23 +100,15 @@ std::optional<int> parseThreads(const std::string& text) {
   return threads && *threads >= 1 && *threads <= kMostThreads ? threads : std::nullopt;
 }
 
-/// "16G" in bytes; infinity: unlimited.
-double parseMemory(const std::string& name, const std::string& text) {
-  if (text == "unlimited") return std::numeric_limits<double>::infinity();
-  constexpr std::string_view kUnits = "KMGT";
-  const std::size_t unit = text.empty() ? std::string::npos : kUnits.find(text.back());
-  const std::optional<double> value =
-      unit == std::string::npos ? std::nullopt : vdbtools::numberFromText(text.substr(0, text.size() - 1));
-  if (!value || !(*value > 0) || !std::isfinite(*value))
-    throw std::invalid_argument(name + " is '" + text +
-                                "'; it must be a number and K, M, G or T, such as 16G, or unlimited");
-  return std::ldexp(*value, 10 * static_cast<int>(unit + 1));
-}
-
 void applyMemory(const CommandLine& line) {
-  if (line.has("memory")) return vdbtools::setMemoryLimit(parseMemory("--memory", line.text("memory")));
-  if (const char* value = std::getenv("JULIAVDB_MEMORY"))
-    vdbtools::setMemoryLimit(parseMemory("JULIAVDB_MEMORY", value));
+  static std::optional<vdbtools::MemoryLimit> limit;  // as long as the program runs
+  const auto apply = [&](const std::string& name, const std::string& text) {
+    const std::optional<double> bytes = vdbtools::memoryFromText(text);
+    if (!bytes) throw std::invalid_argument(name + " is '" + text + "'; it must be " + vdbtools::kMemoryTexts);
+    limit.emplace(*bytes);
+  };
+  if (line.has("memory")) return apply("--memory", line.text("memory"));
+  if (const char* value = std::getenv("JULIAVDB_MEMORY")) apply("JULIAVDB_MEMORY", value);
 }
 
 /// A negative number that stands alone, as in 'versor translate F.json -0.1,0,0', is a word and no short option; so is
@@ -175,6 +166,7 @@ CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions
     if (option.name == "input") {
       mHidden.add_options()("input", valueOf(option));
       mPositional.add("input", 1);
+      mPositionalNames.emplace_back("input");
     } else {
       mFromRecipe.add_options()(option.name.c_str(), valueOf(option), option.help.c_str());
     }
@@ -212,12 +204,34 @@ vdbtools::Recipe CommandLine::given(const vdbtools::OptionTable& table) const {
   return recipe;
 }
 
+std::set<std::string> CommandLine::typedNames() const {
+  std::set<std::string> names;
+  for (const auto& [name, value] : given())
+    if (name != "input" && !(mUsage.hides && name == mUsage.hides)) names.insert(name);
+  return names;
+}
+
+void CommandLine::requireEffect(std::set<std::string> names, const std::vector<vdbtools::OptionRun>& runs) const {
+  vdbtools::RequiredEffects effects(mTable, std::move(names));
+  for (const vdbtools::OptionRun& run : runs)
+    if (effects.add(run)) return;
+  effects.require();
+}
+
+void CommandLine::requireUse(bool used, std::initializer_list<const char*> names, const std::string& why) const {
+  if (used) return;
+  for (const char* name : names)
+    if (has(name) && !mValues[name].defaulted())
+      throw std::invalid_argument("--" + std::string(name) + " has no effect: " + why);
+}
+
 void CommandLine::addPositional(const char* name, int count, const char* help) {
   if (count == 1)
     mHidden.add_options()(name, po::value<std::string>(), help);
   else
     mHidden.add_options()(name, po::value<std::vector<std::string>>(), help);
   mPositional.add(name, count);
+  mPositionalNames.emplace_back(name);
 }
 
 bool CommandLine::parse(const Arguments& arguments) {
@@ -267,6 +281,33 @@ std::string CommandLine::text(const std::string& name) const {
 
 std::vector<std::string> CommandLine::texts(const std::string& name) const {
   return has(name) ? mValues[name].as<std::vector<std::string>>() : std::vector<std::string>();
+}
+
+vdbtools::InputFiles CommandLine::inputs() const {
+  vdbtools::InputFiles inputs;
+  for (const std::string& name : mPositionalNames) {
+    if (!has(name)) continue;
+    if (mValues[name].value().type() == typeid(std::string))
+      inputs.add(text(name));
+    else
+      for (const std::string& word : texts(name)) inputs.add(word);
+  }
+  if (has("config")) {
+    const std::string file = text("config");
+    inputs.add(vdbtools::isSheetCell(file) ? vdbtools::sheetOfCell(file) : file);
+  }
+  return inputs;
+}
+
+std::vector<std::string> CommandLine::commonWords() const {
+  std::vector<std::string> words;
+  for (const auto& option : mCommon.options()) {
+    const std::string& name = option->long_name();
+    if (name == "threads" || name == "help" || !has(name)) continue;
+    words.push_back("--" + name);
+    words.push_back(text(name));
+  }
+  return words;
 }
 
 void CommandLine::readConfig(const std::string& file) {
@@ -458,6 +499,8 @@ void addSearchOption(CommandLine& line) {
 
 vdbtools::Recipe withFoundFiles(const CommandLine& line, const vdbtools::Recipe& recipe,
                                 const std::filesystem::path& holder, const std::string& wayOut) {
+  line.requireUse(!holder.empty(), {"search"},
+                  "it is for the files of a recipe that the program recorded, and none is read here; leave it out");
   if (holder.empty()) return recipe;
   vdbtools::FileSearch search{.holder = holder, .wayOut = wayOut};
   for (const std::string& folder : line.texts("search")) search.folders.emplace_back(folder);

@@ -6,14 +6,17 @@
 #include "commands/commands.h"
 #include "progress.h"
 
+#include "vdbtools/files/input_files.h"
 #include "vdbtools/recipe/option_value.h"
 #include "vdbtools/recipe/recipe.h"
 
 #include <boost/program_options.hpp>
 
 #include <filesystem>
+#include <initializer_list>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -76,8 +79,24 @@ class CommandLine {
   /// What was given on the command line, of the recipe or of another table.
   vdbtools::Recipe given(const vdbtools::OptionTable& table) const;
   vdbtools::Recipe given() const { return given(mTable); }
+  /// Refuses what was typed of the recipe and has an effect in none of the command's runs. What --config or a file's
+  /// recipe says may be without one.
+  void requireEffect(std::set<vdbtools::Product> makes) const { requireEffect({{mRecipe, std::move(makes)}}); }
+  void requireEffect(const std::vector<vdbtools::OptionRun>& runs) const { requireEffect(typedNames(), runs); }
+  void requireEffect(std::set<std::string> names, const std::vector<vdbtools::OptionRun>& runs) const;
+  /// The options of the recipe that were typed, without the target.
+  std::set<std::string> typedNames() const;
+  /// Refuses options that are no part of a recipe, where they were given and do nothing.
+  /// @param why  "it goes with --estimate; give that too, or leave it out"
+  void requireUse(bool used, std::initializer_list<const char*> names, const std::string& why) const;
+
   /// The file of --config if that has a recipe which the program recorded; else empty.
   const std::filesystem::path& configHolder() const { return mConfigHolder; }
+  /// The files that the line names as what is worked on, and that of --config: no output may be one of them.
+  vdbtools::InputFiles inputs() const;
+  /// The words of those common options that were given, for other commands of this program. How many threads each of
+  /// these gets is the caller's to say.
+  std::vector<std::string> commonWords() const;
   Progress& progress() const { return *mProgress; }
   /// For a command that serves once its work is done: nothing more is shown.
   void endProgress() { mProgress.reset(); }
@@ -104,6 +123,7 @@ class CommandLine {
   boost::program_options::options_description mOwn{"Options"}, mFromRecipe{"What to make"}, mCommon{"Common options"},
       mHidden;
   boost::program_options::positional_options_description mPositional;
+  std::vector<std::string> mPositionalNames;
   boost::program_options::variables_map mValues;
   vdbtools::Recipe mRecipe, mGiven;
   std::filesystem::path mConfigHolder;

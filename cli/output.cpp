@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "output.h"
 
+#include "interruption.h"
+#include "options.h"
 #include "report.h"
 
 #include "vdbtools/base/number_text.h"
@@ -10,9 +12,21 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace cli {
+namespace {
+
+vdbtools::InputFiles allInputs(const CommandLine& line, vdbtools::InputFiles inputs) {
+  inputs.add(line.inputs());
+  return inputs;
+}
+
+}  // namespace
+
+Outputs::Outputs(const CommandLine& line, vdbtools::InputFiles inputs, std::optional<int> frame)
+    : mFrame(frame), mFiles(allInputs(line, std::move(inputs))) {}
 
 vdbtools::AtomicFile& Outputs::add(const std::string& option, const std::string& name, std::string_view extensions) {
   const std::filesystem::path path = vdbtools::expandFrame(name, mFrame);
@@ -27,22 +41,32 @@ vdbtools::AtomicFile& Outputs::add(const std::string& option, const std::string&
   if (!known && !(std::filesystem::exists(path) && !std::filesystem::is_regular_file(path)))
     throw std::invalid_argument("--" + option + " is '" + name + "'; its extension must be one of " +
                                 std::string(extensions));
-  vdbtools::AtomicFile& file = mFiles.emplace_back(path);
-  report().making(file.target(), mFiles.size() == 1);
+  vdbtools::AtomicFile& file = mFiles.add(path);
+  report().making(file.target(), mFiles.files().size() == 1);
   return file;
 }
 
-void Outputs::commit() {
-  std::vector<vdbtools::AtomicFile*> files;
-  for (vdbtools::AtomicFile& file : mFiles) files.push_back(&file);
-  vdbtools::commitAll(files);
-  for (const vdbtools::AtomicFile& file : mFiles) report().wrote(file.target());
+void Outputs::commit(bool isAll) {
+  // This may take as long as the disk, and can be interrupted.
+  mFiles.finish();
+  const Placing placing;
+  mFiles.commit();
+  for (const vdbtools::AtomicFile& file : mFiles.files()) report().wrote(file.target());
+  if (isAll) workIsDone();
 }
 
 std::string Outputs::names() const {
   std::string names;
-  for (const vdbtools::AtomicFile& file : mFiles) names += (names.empty() ? "" : ", ") + file.target().string();
+  for (const vdbtools::AtomicFile& file : mFiles.files()) names += (names.empty() ? "" : ", ") + file.target().string();
   return names;
+}
+
+void requireFramePlaces(const CommandLine& line, vdbtools::InputFiles inputs, std::span<const char* const> options,
+                        std::span<const int> frames) {
+  vdbtools::OutputPlaces places(allInputs(line, std::move(inputs)));
+  for (const int frame : frames)
+    for (const char* option : options)
+      if (line.has(option)) places.claim(vdbtools::expandFrame(line.text(option), frame));
 }
 
 std::string formatOf(const std::string& name, const char* usual) {

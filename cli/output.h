@@ -4,12 +4,11 @@
 /// end.
 #pragma once
 
-#include "vdbtools/files/atomic_file.h"
+#include "vdbtools/files/output_files.h"
 #include "vdbtools/mesh/vertex_column.h"
 
 #include <filesystem>
 #include <functional>
-#include <list>
 #include <optional>
 #include <ostream>
 #include <span>
@@ -18,26 +17,38 @@
 
 namespace cli {
 
+class CommandLine;
+
 class Outputs {
  public:
-  /// @param frame  the frame number for names such as name.####.vdb, if there is one
-  /// @throw std::invalid_argument, std::invalid_argument if the name has no extension of @a extensions (".vdb .ply")
-  ///        vdbtools::CreateError
-  explicit Outputs(std::optional<int> frame = {}) : mFrame(frame) {}
+  /// @param inputs  what is read besides CommandLine::inputs(): the files that a recipe names, and those of options
+  /// @param frame   the frame number for names such as name.####.vdb, if there is one
+  explicit Outputs(const CommandLine& line, vdbtools::InputFiles inputs, std::optional<int> frame = {});
 
   /// Claims a place; the file's stream is for its content.
+  /// @throw std::invalid_argument  the name has no extension of @a extensions (".vdb .ply"), the file is an input or
+  ///                               the same as another output
+  /// @throw vdbtools::CreateError
   vdbtools::AtomicFile& add(const std::string& option, const std::string& name, std::string_view extensions);
 
-  /// Brings all to their places. @throw vdbtools::IoError
-  void commit();
+  /// Brings all to their places, and tells report().
+  /// @param isAll  whether the command makes no further files; see workIsDone()
+  /// @throw vdbtools::IoError
+  void commit(bool isAll = true);
 
   /// The names as they came to be, separated by commas.
   std::string names() const;
 
  private:
   std::optional<int> mFrame;
-  std::list<vdbtools::AtomicFile> mFiles;
+  vdbtools::OutputFiles mFiles;
 };
+
+/// Checks the outputs of all frames before the first is made: none may be an input of any frame.
+/// @param options  those that name outputs; of these, the ones that are given
+/// @throw std::invalid_argument
+void requireFramePlaces(const CommandLine& line, vdbtools::InputFiles inputs, std::span<const char* const> options,
+                        std::span<const int> frames);
 
 /// What the help says of a mesh to write.
 inline constexpr const char* kMeshHelp = "the mesh to write: .ply, .obj, .stl or .glb";

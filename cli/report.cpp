@@ -10,6 +10,8 @@
 #include <cstdint>
 #include <ctime>
 #include <iostream>
+#include <sstream>
+#include <thread>
 
 #include <unistd.h>
 
@@ -23,6 +25,26 @@ nlohmann::json numberOf(double value) {
   return value;
 }
 
+/// A lock that is held for a moment only, unless its holder has crashed or waits for a reader. Then it is not to be
+/// had. (A timed mutex would do, but ThreadSanitizer of GCC 12 does not know its calls.)
+std::unique_lock<std::mutex> tryToLock(std::mutex& mutex) {
+  constexpr int kTries = 100;
+  std::unique_lock lock(mutex, std::try_to_lock);
+  for (int i = 0; i < kTries && !lock; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    lock.try_lock();
+  }
+  return lock;
+}
+
+void writeOut(const std::string& line) {
+  for (std::size_t at = 0; at < line.size();) {
+    const ssize_t written = ::write(STDERR_FILENO, line.data() + at, line.size() - at);
+    if (written <= 0) return;  // nobody is left to read it
+    at += static_cast<std::size_t>(written);
+  }
+}
+
 std::vector<std::string> linesOf(const std::string& text) {
   std::vector<std::string> lines;
   std::istringstream stream(text);
@@ -32,22 +54,40 @@ std::vector<std::string> linesOf(const std::string& text) {
 
 }  // namespace
 
+int SharedText::overflow(int_type c) {
+  if (traits_type::eq_int_type(c, traits_type::eof())) return traits_type::not_eof(c);
+  const char letter = traits_type::to_char_type(c);
+  return xsputn(&letter, 1) == 1 ? c : traits_type::eof();
+}
+
+std::streamsize SharedText::xsputn(const char* from, std::streamsize size) {
+  const std::lock_guard lock(mMutex);
+  mText.append(from, static_cast<std::size_t>(size));
+  return size;
+}
+
+std::string SharedText::lines() {
+  const std::unique_lock lock = tryToLock(mMutex);
+  return lock ? mText.substr(0, mText.rfind('\n') + 1) : std::string();
+}
+
 Report& report() {
   static Report theReport;
   return theReport;
 }
 
 void Report::start(std::string command, bool json) {
-  const std::lock_guard lock(mMutex);
+  const std::lock_guard order(mWriting);
+  std::unique_lock lock(mMutex);
   mCommand = std::move(command);
   mJson = json;
-  if (mJson) write({{"event", "start"}, {"version", JULIAVDB_VERSION}, {"share", mShare}});
+  if (!json) return;
+  const std::string line = lineOf({{"event", "start"}, {"version", JULIAVDB_VERSION}, {"share", mShare}});
+  lock.unlock();
+  writeOut(line);
 }
 
-std::ostream& Report::text() {
-  if (mJson) return mText;
-  return std::cerr;
-}
+std::ostream& Report::text() { return mJson ? mText : std::cerr; }
 
 void Report::count(const std::string& name, double value) {
   const std::lock_guard lock(mMutex);
@@ -65,8 +105,26 @@ void Report::wrote(const std::filesystem::path& file) {
   mWritten.push_back(file.string());
 }
 
-void Report::phaseEnded(const std::string& phase, double wall, double cpu, double share) {
+void Report::keep(std::string what) {
   const std::lock_guard lock(mMutex);
+  mKept = std::move(what);
+}
+
+std::string Report::whatIsLeft() {
+  const std::unique_lock lock = tryToLock(mMutex);
+  if (!lock) return {};
+  if (!mKept.empty()) return mKept;
+  if (mWritten.empty()) return {};
+  constexpr std::size_t kNamed = 4;
+  std::string text = mWritten.size() == 1 ? "this file is finished: " : "these files are finished: ";
+  for (std::size_t i = 0; i < std::min(kNamed, mWritten.size()); ++i) text += (i == 0 ? "" : ", ") + mWritten[i];
+  if (mWritten.size() > kNamed) text += " and " + std::to_string(mWritten.size() - kNamed) + " more";
+  return text;
+}
+
+void Report::phaseEnded(const std::string& phase, double wall, double cpu, double share) {
+  const std::unique_lock order = mJson ? std::unique_lock(mWriting) : std::unique_lock<std::mutex>();
+  std::unique_lock lock(mMutex);
   if (mEnded) return;
   const auto same = [&](const Phase& other) { return other.name == phase; };
   auto known = std::find_if(mPhases.begin(), mPhases.end(), same);
@@ -74,22 +132,30 @@ void Report::phaseEnded(const std::string& phase, double wall, double cpu, doubl
   known->wall += wall;
   known->cpu += cpu;
   mShare = std::max(mShare, share);
-  if (mJson) write({{"event", "phase"}, {"phase", phase}, {"wall", wall}, {"cpu", cpu}, {"share", mShare}});
+  if (!mJson) return;
+  const std::string line =
+      lineOf({{"event", "phase"}, {"phase", phase}, {"wall", wall}, {"cpu", cpu}, {"share", mShare}});
+  lock.unlock();
+  writeOut(line);
 }
 
 void Report::progress(nlohmann::json progress, double share) {
-  const std::lock_guard lock(mMutex);
+  const std::lock_guard order(mWriting);
+  std::unique_lock lock(mMutex);
   if (mEnded) return;
   mShare = std::max(mShare, share);
   progress["event"] = "progress";
   progress["share"] = mShare;
-  write(std::move(progress));
+  const std::string line = lineOf(std::move(progress));
+  lock.unlock();
+  writeOut(line);
 }
 
 void Report::end(int exitCode, const std::string& error) {
-  // Who holds the mutex may be waiting for a reader of stderr that is gone; an interruption does not wait for that.
-  std::unique_lock lock(mMutex, std::chrono::milliseconds(100));
-  if (mEnded) return;
+  // Who holds it may be waiting for a reader of stderr that is gone; an interruption does not wait for that.
+  const std::unique_lock order = tryToLock(mWriting);
+  std::unique_lock lock = tryToLock(mMutex);
+  if (!lock || mEnded) return;  // who has crashed with it says nothing any more
   mEnded = true;
   if (!mJson) {
     if (!error.empty()) std::cerr << "juliavdb: " << error << std::endl;
@@ -104,14 +170,14 @@ void Report::end(int exitCode, const std::string& error) {
                        {"cpu", cpuSeconds()},
                        {"counts", nlohmann::json::object()},
                        {"phases", nlohmann::json::array()},
-                       {"messages", nlohmann::json::array()}};
+                       {"messages", linesOf(mSentences.lines())}};
   if (!error.empty()) event["error"] = error;
   for (const auto& [name, value] : mCounts) event["counts"][name] = numberOf(value);
   for (const Phase& phase : mPhases)
     event["phases"].push_back({{"phase", phase.name}, {"wall", phase.wall}, {"cpu", phase.cpu}});
-  // At an interruption the command may still be writing them.
-  if (exitCode != kInterrupted) event["messages"] = linesOf(mText.str());
-  write(std::move(event));
+  const std::string line = lineOf(std::move(event));
+  lock.unlock();
+  writeOut(line);
 }
 
 double Report::wallSeconds() const {
@@ -124,18 +190,13 @@ double Report::cpuSeconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-void Report::write(nlohmann::json event) {
+std::string Report::lineOf(nlohmann::json event) const {
   event["command"] = mCommand;
   event["elapsed"] = wallSeconds();
   if (!mMaking.empty()) event["file"] = mMaking.front();
   if (mMaking.size() > 1) event["files"] = mMaking;
   // Names of files need not be UTF-8, but JSON is.
-  const std::string line = event.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
-  for (std::size_t at = 0; at < line.size();) {
-    const ssize_t written = ::write(STDERR_FILENO, line.data() + at, line.size() - at);
-    if (written <= 0) return;  // nobody is left to read it
-    at += static_cast<std::size_t>(written);
-  }
+  return event.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
 }
 
 }  // namespace cli

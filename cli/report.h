@@ -1,28 +1,44 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file report.h
 /// What the program says on stderr: sentences, or with --progress json nothing but JSON objects, one a line. The fields
-/// of those are described in docs/progress.md.
+/// of those are described in docs/progress.md. The work says things and the watcher of interruption.h may say the last
+/// one at any moment, so all of this may be called from any thread; but only the work uses text().
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <atomic>
 #include <chrono>
 #include <filesystem>
-#include <iosfwd>
 #include <mutex>
-#include <sstream>
+#include <ostream>
+#include <streambuf>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace cli {
 
+/// Keeps what is written, for another thread to read it.
+class SharedText final : public std::streambuf {
+ public:
+  /// The whole lines. @return nothing if the lock is not to be had: its holder has crashed
+  std::string lines();
+
+ protected:
+  int_type overflow(int_type c) override;
+  std::streamsize xsputn(const char* from, std::streamsize size) override;
+
+ private:
+  std::mutex mMutex;
+  std::string mText;
+};
+
 class Report {
  public:
   /// Call once, before the work. @param command  the first word of the command line, if there is one
   void start(std::string command, bool json);
   bool json() const { return mJson; }
-  const std::string& command() const { return mCommand; }
 
   /// For the sentences of a command that has done its work. As JSON they wait for the closing event.
   std::ostream& text();
@@ -33,6 +49,10 @@ class Report {
   void making(const std::filesystem::path& file, bool first);
   /// A file is in its place.
   void wrote(const std::filesystem::path& file);
+  /// From now on, this is what an interruption leaves, such as "finished frames are kept".
+  void keep(std::string what);
+  /// What an interruption would leave now: that, or the files that are in their places; empty: none that is known here.
+  std::string whatIsLeft();
 
   /// A phase is over: what it took, in seconds.
   void phaseEnded(const std::string& phase, double wall, double cpu, double share);
@@ -47,19 +67,24 @@ class Report {
   static double cpuSeconds();  ///< of all threads
 
  private:
-  void write(nlohmann::json event);
-
   struct Phase {
     std::string name;
     double wall, cpu;
   };
 
+  /// The event as a line. Call with mMutex held.
+  std::string lineOf(nlohmann::json event) const;
+
+  const std::chrono::steady_clock::time_point mStart = std::chrono::steady_clock::now();
+  std::atomic<bool> mJson{false};
+  SharedText mSentences;
+  std::ostream mText{&mSentences};
+  // The order of lines. Who holds it may wait for a reader of stderr for ever. Take it before the other one.
+  std::mutex mWriting;
+  std::mutex mMutex;  // of everything below; held for a moment only
   std::string mCommand;
-  bool mJson = false;
-  std::chrono::steady_clock::time_point mStart = std::chrono::steady_clock::now();
-  std::ostringstream mText;
-  std::timed_mutex mMutex;  // of everything below, and of the order of lines
   std::vector<std::string> mMaking, mWritten;
+  std::string mKept;
   std::vector<std::pair<std::string, double>> mCounts;
   std::vector<Phase> mPhases;
   double mShare = 0;

@@ -1,21 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-# What the libraries need. The build uses this file, and so does the installed package for those who link to it.
-include(CMakeFindDependencyMacro)
-
-# OpenVDB has its own find module, in a folder that CMake does not search by default.
-list(APPEND CMAKE_MODULE_PATH "/usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/OpenVDB" "/usr/lib/cmake/OpenVDB")
-# Without this, its find module warns about deprecated options each time CMake runs.
-set(OPENVDB_ENABLE_DEPRECATED_WARNINGS OFF)
+# What the libraries are linked to. The build uses this file, and so does the installed package of static libraries;
+# shared ones bring all of this themselves.
+include("${CMAKE_CURRENT_LIST_DIR}/JuliaVDBPublicDependencies.cmake")
 find_dependency(Threads)
 find_dependency(TBB)
-find_dependency(OpenVDB)
 find_dependency(OpenMesh)
 find_dependency(OpenImageIO)
 find_dependency(OpenSSL)
 find_dependency(ZLIB)
 find_dependency(PNG)
 find_dependency(PkgConfig)
-pkg_check_modules(Cairo REQUIRED cairo-svg)
+pkg_check_modules(Cairo REQUIRED cairo-svg cairo-ft freetype2)
 # Of 'juliavdb explore'. It derives from a class of this version's.
 pkg_check_modules(Httplib "cpp-httplib>=0.11" "cpp-httplib<0.12")
 # For 3MF; without it that format is refused.
@@ -23,7 +18,6 @@ pkg_check_modules(LibZip QUIET libzip)
 find_dependency(nlohmann_json)
 find_dependency(meshoptimizer)
 find_dependency(muparser)
-find_dependency(Boost COMPONENTS program_options)
 
 # Debian's OpenImageIO names include folders of packages that it does not depend on. CMake rejects folders that do not
 # exist, so they are dropped here.

@@ -3,10 +3,17 @@
 include(CMakePackageConfigHelpers)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/JuliaVDB)
+# Who links to shared libraries compiles against their headers only.
+if(BUILD_SHARED_LIBS)
+  set(JULIAVDB_CONSUMER_DEPENDENCIES JuliaVDBPublicDependencies)
+else()
+  set(JULIAVDB_CONSUMER_DEPENDENCIES JuliaVDBDependencies)
+endif()
 configure_package_config_file(cmake/JuliaVDBConfig.cmake.in ${PROJECT_BINARY_DIR}/JuliaVDBConfig.cmake
                               INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/JuliaVDBConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/JuliaVDBConfig.cmake ${PROJECT_BINARY_DIR}/JuliaVDBConfigVersion.cmake
+              ${PROJECT_SOURCE_DIR}/cmake/JuliaVDBPublicDependencies.cmake
               ${PROJECT_SOURCE_DIR}/cmake/JuliaVDBDependencies.cmake
         DESTINATION ${package_dir} COMPONENT Development)
 install(TARGETS julia vdbtools juliavdb_cli juliavdb_flags juliavdb_warnings EXPORT JuliaVDBTargets

@@ -32,8 +32,6 @@ set(CPACK_DEBIAN_PACKAGE_MAINTAINER "${JULIAVDB_MAINTAINER}")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/libjulia ${PROJECT_BINARY_DIR}/vdbtools)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS OFF)
-# The font of the text in plots is found by its name when the program runs.
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS fonts-dejavu-core)
 if(TARGET juliavdb_python)
   # The module is for one version of Python; without it the program works all the same.
   set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "${JULIAVDB_PYTHON_RECOMMENDS}")

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # For quickstart and run-tests: the packages that Debian 12 needs, and how to build. To be sourced in the project's root.
 
-# fonts-dejavu-core provides the text in plots. openimageio-tools is needed because the library's CMake files insist on
-# its programs being installed.
+# fonts-dejavu-core has the font of the text in plots, which becomes a part of the library. openimageio-tools is needed
+# because OpenImageIO's CMake files insist on its programs being installed.
 BUILD_PACKAGES=(g++ cmake ninja-build libopenvdb-dev libtbb-dev libeigen3-dev liblbfgspp-dev libmuparser-dev
-  libopenmesh-dev libopenimageio-dev openimageio-tools libcairo2-dev fonts-dejavu-core pkg-config libssl-dev
+  libopenmesh-dev libopenimageio-dev openimageio-tools libcairo2-dev libfreetype-dev fonts-dejavu-core pkg-config libssl-dev
   nlohmann-json3-dev libmeshoptimizer-dev libboost-dev libboost-iostreams-dev libboost-program-options-dev libblosc-dev
   zlib1g-dev libpng-dev libzip-dev libcpp-httplib-dev)
 QUICKSTART_PACKAGES=(glmark2-data)

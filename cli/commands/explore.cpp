@@ -9,7 +9,7 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/explore/explore_server.h"
-#include "vdbtools/job/fractal_options.h"
+#include "vdbtools/job/scene.h"
 
 #include <csignal>
 #include <iostream>
@@ -78,7 +78,7 @@ void openBrowser(const std::string& url) {
 }
 
 int exportLook(const CommandLine& line, const vdbtools::Recipe& given, Progress& progress) {
-  Outputs outputs;
+  Outputs outputs(line, vdbtools::inputsOf(vdbtools::parseFractalOptions(given)));
   std::ostream& file = outputs.add("export", line.text("export"), ".html").stream();
   const std::string page = vdbtools::exportedPage(given, progress);
   progress.begin("writing", 0);
@@ -117,7 +117,9 @@ int runExplore(const Arguments& arguments) {
     return exportLook(line, given, line.progress());
   }
   vdbtools::ExploreOptions options{
-      .given = given, .folder = line.text("folder"), .makeShare = [] { return std::make_unique<FractalShare>(); }};
+      .given = given, .inputs = line.inputs(), .folder = line.text("folder"), .makeShare = [] {
+        return std::make_unique<FractalShare>();
+      }};
   if (line.has("port")) options.port = line.integer("port", 0, 65535);
   if (line.has("bind")) options.address = line.text("bind");
   if (!vdbtools::isLoopback(options.address))

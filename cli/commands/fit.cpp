@@ -6,10 +6,11 @@
 #include "output.h"
 #include "report.h"
 
+#include "vdbtools/base/number_text.h"
 #include "vdbtools/fit/fit_job.h"
 
-#include <filesystem>
 #include <ostream>
+#include <utility>
 
 namespace po = boost::program_options;
 
@@ -37,8 +38,11 @@ int runFit(const Arguments& arguments) {
       "plot", po::value<std::string>()->value_name("F.png"), "the same as a picture: .png, .svg or .exr");
   if (!line.parse(arguments)) return kDone;
   const vdbtools::FitOptions options = vdbtools::parseFitOptions(line.recipe());
+  line.requireEffect({vdbtools::Product::Recipe});
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.json");
-  Outputs outputs;
+  vdbtools::InputFiles inputs;
+  inputs.add(options.target.input);
+  Outputs outputs(line, std::move(inputs));
   std::ostream& file = outputs.add("output", line.text("output"), ".json .o3d").stream();
   std::ostream* const reportFile =
       line.has("report") ? &outputs.add("report", line.text("report"), ".csv").stream() : nullptr;
@@ -56,18 +60,21 @@ int runFit(const Arguments& arguments) {
   line.progress().throwIfCancelled();
   outputs.commit();
   const vdbtools::FitMeasure& measure = fit.measure;
+  const auto number = [](double value) { return vdbtools::shortText(value); };
   report().count("topRoots", static_cast<double>(fit.rational.top.roots.size()));
   report().count("bottomRoots", static_cast<double>(fit.rational.bottom.roots.size()));
   report().count("iou", measure.iou);
   report().count("steps", static_cast<double>(fit.rows.size()));
   report().text() << "wrote " << outputs.names() << ": " << fit.rational.top.roots.size() << " top and "
-                  << fit.rational.bottom.roots.size() << " bottom roots, IoU " << measure.iou << ", psi " << measure.psi
-                  << ", mean distance " << measure.meanDistance << ", Hausdorff " << measure.hausdorff
-                  << " of the longest side; powers sum to " << julia::summedPowers(fit.rational.top) << " and "
-                  << julia::summedPowers(fit.rational.bottom) << "; as thin as --alpha " << fit.slope << "; "
-                  << fit.rows.size() << " steps\n";
+                  << fit.rational.bottom.roots.size() << " bottom roots, IoU " << number(measure.iou) << ", psi "
+                  << number(measure.psi) << ", mean distance " << number(measure.meanDistance) << ", Hausdorff "
+                  << number(measure.hausdorff) << " of the longest side; powers sum to "
+                  << number(julia::summedPowers(fit.rational.top)) << " and "
+                  << number(julia::summedPowers(fit.rational.bottom)) << "; as thin as --alpha " << number(fit.slope)
+                  << "; " << fit.rows.size() << " steps\n";
   if (fit.monopoles > 0)
-    report().text() << "electrostatics: " << fit.monopoles << " monopoles, capacitance " << fit.capacitance << '\n';
+    report().text() << "electrostatics: " << fit.monopoles << " monopoles, capacitance " << number(fit.capacitance)
+                    << '\n';
   return kDone;
 }
 

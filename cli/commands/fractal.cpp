@@ -5,11 +5,15 @@
 #include "options.h"
 #include "output.h"
 #include "plan.h"
+#include "products.h"
 #include "report.h"
 #include "sequence.h"
 
+#include "vdbtools/base/number_text.h"
 #include "vdbtools/farm/frame_recipes.h"
 #include "vdbtools/job/fractal_files.h"
+#include "vdbtools/recipe/option_value.h"
+#include "vdbtools/target/target_survey.h"
 
 #include <ostream>
 #include <sstream>
@@ -42,24 +46,17 @@ constexpr Usage kFractalUsage = {
     "  juliavdb fractal --map cross --scheme 5 --pair A --c 0.39,0.2,0 -o tunnels.vdb --resolution 150\n"
     "  juliavdb fractal --map cross --f \"x*x, y*y, z*z\" --g \"cos(x), cos(y), cos(z)\" --radius 5 -o own.vdb\n"};
 
-/// Three significant digits.
-std::string shortText(double value) {
-  std::ostringstream text;
-  text.precision(3);
-  text << value;
-  return text.str();
-}
-
 /// "a" or "a to b".
 std::string rangeText(const std::pair<double, double>& range) {
-  const std::string low = shortText(range.first), high = shortText(range.second);
+  const std::string low = vdbtools::shortText(range.first), high = vdbtools::shortText(range.second);
   return low == high ? low : low + " to " + high;
 }
 
 /// What was chosen for the target: "origin at ..., detail 0.25: alpha 19 to 319".
 std::string choiceText(const vdbtools::Scene& scene) {
   const openvdb::Vec3d at = scene.placed.unmoved.centre;
-  std::string text = "origin at " + shortText(at[0]) + "," + shortText(at[1]) + "," + shortText(at[2]) + ": ";
+  std::string text = "origin at " + vdbtools::shortText(at[0]) + "," + vdbtools::shortText(at[1]) + "," +
+                     vdbtools::shortText(at[2]) + ": ";
   if (scene.exponentOf->detail) text += "detail " + rangeText(scene.exponentOf->detail->detail.range()) + " is ";
   return text + "alpha " + rangeText(scene.exponent->alphaRange) + ", beta " + rangeText(scene.exponent->betaRange);
 }
@@ -67,15 +64,19 @@ std::string choiceText(const vdbtools::Scene& scene) {
 /// What is left of the target: a sentence, and whether that is little.
 /// @param onlyIfLittle  nothing is said otherwise
 void tellWhatIsLeft(const vdbtools::Scene& scene, const vdbtools::SolidMeasure& solid, bool onlyIfLittle) {
-  const double share = 100 * solid.volume / *scene.targetVolume, largest = 100 * solid.shareOfLargest(1);
+  const std::optional<openvdb::BBoxd>& box = scene.options.lattice.box;
+  const double there = box ? vdbtools::insideVolume(*scene.target->phi, *box) : *scene.targetVolume;
+  if (!(there > 0)) return;  // a box beside the target, which only detail reaches into
+  const double share = 100 * solid.volume / there, largest = 100 * solid.shareOfLargest(1);
   const std::size_t islands = solid.islands.size();
   constexpr double kLittle = 50;  // percent
   const bool isLittle = share < kLittle || solid.islands.empty();
   if (onlyIfLittle && !isLittle) return;
-  report().text() << "the set holds " << shortText(share) << " % of the target's volume in "
+  report().text() << "the set holds " << vdbtools::shortText(share) << " % of the target's volume"
+                  << (box ? " within the box" : "") << " in "
                   << (islands == 1 ? std::string("1 island")
                                    : std::to_string(islands) + " islands, the largest of which has " +
-                                         shortText(largest) + " % of it")
+                                         vdbtools::shortText(largest) + " % of it")
                   << '\n';
   if (!isLittle) return;
   report().text() << "warning: less than half of the target's volume is left; try "
@@ -93,10 +94,10 @@ std::string joined(const std::vector<std::string>& parts) {
 /// What was left out, in a sentence.
 std::string followText(const vdbtools::FollowReport& report) {
   std::ostringstream text;
-  text.precision(2);
   const double visited = 100.0 * static_cast<double>(report.visitedBlocks) / static_cast<double>(report.shellBlocks);
-  text << visited << " % of the shell's blocks visited, some " << 100 * report.missedShare()
-       << " % of the surface missed by an estimate from " << report.probedBlocks << " of the others";
+  text << vdbtools::shortText(visited) << " % of the shell's blocks visited, some "
+       << vdbtools::shortText(100 * report.missedShare()) << " % of the surface missed by an estimate from "
+       << report.probedBlocks << " of the others";
   return text.str();
 }
 
@@ -112,7 +113,7 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
                           vdbtools::Monitor& progress) {
   const bool wantVdb = line.has("output"), wantMesh = line.has("mesh"), isFrame = run.frame && line.has("frames");
   const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(run.found);
-  Outputs outputs(run.frame);
+  Outputs outputs(line, vdbtools::inputsOf(options), run.frame);
   vdbtools::AtomicFile* vdb = wantVdb ? &outputs.add("output", line.text("output"), ".vdb") : nullptr;
   vdbtools::AtomicFile* mesh = wantMesh ? &outputs.add("mesh", line.text("mesh"), vdbtools::kMeshExtensions) : nullptr;
 
@@ -120,7 +121,7 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
   vdbtools::FractalFiles files{.vdb = vdb};
   if (mesh) files.meshes = {{mesh, vdbtools::meshFormat("mesh" + formatOf(line.text("mesh"), ".ply"))}};
   const vdbtools::FractalResult result = vdbtools::writeFractal(scene, run.recipe, files, progress);
-  outputs.commit();
+  outputs.commit(run.isLast);
 
   const FractalCounts counts{static_cast<double>(result.evaluatedNodes), static_cast<double>(result.mesh.triangles)};
   if (!isFrame) {
@@ -129,15 +130,16 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
     if (wantMesh) report().count("triangles", counts.triangles);
   }
   if (result.solid && !isFrame) report().count("islands", static_cast<double>(result.solid->islands.size()));
-  report().text() << "wrote " << outputs.names() << ": voxels of " << scene.voxelSize;
+  report().text() << "wrote " << outputs.names() << ": voxels of " << vdbtools::shortText(scene.voxelSize);
   for (const auto& grid : result.grids)
     if (grid->getName() == "surface") {
       if (!isFrame) report().count("bandVoxels", static_cast<double>(grid->activeVoxelCount()));
       report().text() << ", " << grid->activeVoxelCount() << " in the band, |grad| within 0.5 of 1 in "
-                      << 100 * result.check.gradientFraction << " % of them";
+                      << vdbtools::shortText(100 * result.check.gradientFraction) << " % of them";
     }
   if (const auto moved = scene.facts.find("julia_repair_moved"); moved != scene.facts.end())
-    report().text() << ", the target was repaired and its surface moved by at most " << moved->second;
+    report().text() << ", the target was repaired and its surface moved by at most "
+                    << vdbtools::shortText(vdbtools::parseNumber("moved", moved->second), vdbtools::Rounding::Up);
   if (result.islands)
     report().text() << ", " << result.islands->kept << " of " << result.islands->islands << " islands kept";
   if (result.follow) report().text() << ", " << followText(*result.follow);
@@ -151,7 +153,7 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
   if (!unused.empty()) report().text() << "not used of the target: " << joined(unused) << '\n';
   for (std::size_t i = 0; i < result.levels.size(); ++i)
     report().text() << "LOD" << i + 1 << ": " << result.levels[i].triangles << " triangles, some "
-                    << shortText(result.levels[i].error / scene.voxelSize) << " voxels from the surface\n";
+                    << vdbtools::shortText(result.levels[i].error / scene.voxelSize) << " voxels from the surface\n";
   if (scene.exponent) {
     if (!isFrame) report().text() << choiceText(scene) << '\n';
     if (result.solid) tellWhatIsLeft(scene, *result.solid, isFrame);
@@ -163,7 +165,8 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
 
 /// The frames of a sequence, those left out that are there already.
 int makeFrames(const CommandLine& line) {
-  const vdbtools::FrameRecipes recipes(parseFrameOptions(line));
+  const vdbtools::FrameRecipes recipes(parseFrameOptions(line, productsOf(line)));
+  requireFramePlaces(line, recipes.inputs(), kOutputOptions, recipes.frames());
   vdbtools::SceneMaker maker;
   FractalCounts total;
   const SequenceCounts counts =
@@ -190,10 +193,9 @@ int runFractal(const Arguments& arguments) {
   vdbtools::parseFractalOptions(line.recipe());
   if (!line.has("output") && !line.has("mesh"))
     throw std::invalid_argument("no output was given; use -o F.vdb, --mesh F.ply, or both");
-  if (line.has("lod") && formatOf(line.text("mesh"), "") != ".glb")
-    throw std::invalid_argument("--lod makes levels of detail in a GLB; give --mesh F.glb");
   requireSequenceFits(line);
   if (line.has("frames")) return makeFrames(line);
+  line.requireEffect(productsOf(line));
   vdbtools::SceneMaker maker;
   makeFractal(line,
               {line.recipe(), withFoundFiles(line, line.recipe(), line.configHolder()), parseFrame(line.text("frame"))},

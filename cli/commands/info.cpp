@@ -2,7 +2,9 @@
 #include "commands.h"
 
 #include "exit_code.h"
+#include "failure.h"
 #include "options.h"
+#include "report.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
@@ -34,7 +36,7 @@ constexpr Usage kInfoUsage = {
     "info", "FILE... [--json]",
     "Shows what is in a mesh (.obj, .ply, .stl, .off, .glb, .gltf), in a VDB, with the recipe it was made "
     "by, or in a versor (.json,\n"
-    ".p4d, .poly4d, .o3d).",
+    ".p4d, .poly4d, .o3d). A file that cannot be read does not keep the others from being shown.",
     "  juliavdb info bunny.obj\n"
     "  juliavdb info bunny.vdb --json\n"};
 
@@ -216,6 +218,15 @@ void print(const Json& info, int indent) {
   }
 }
 
+void show(const std::string& file, bool asJson) {
+  Json info{{"file", file}};
+  info.update(infoOf(file));
+  if (asJson)
+    std::cout << info.dump(-1, ' ', false, Json::error_handler_t::replace) << '\n';
+  else
+    print(info, 0);
+}
+
 }  // namespace
 
 int runInfo(const Arguments& arguments) {
@@ -225,15 +236,21 @@ int runInfo(const Arguments& arguments) {
   if (!line.parse(arguments)) return kDone;
   const std::vector<std::string> files = line.texts("input");
   if (files.empty()) throw std::invalid_argument("no file was given");
+  std::vector<Failure> failures;
   for (const std::string& file : files) {
-    Json info{{"file", file}};
-    info.update(infoOf(file));
-    if (line.has("json"))
-      std::cout << info.dump(-1, ' ', false, Json::error_handler_t::replace) << '\n';
-    else
-      print(info, 0);
+    try {
+      show(file, line.has("json"));
+    } catch (const vdbtools::Interrupted&) {
+      throw;
+    } catch (...) {
+      if (files.size() == 1) throw;
+      failures.push_back(currentFailure());
+      if (failures.size() > 1) report().text() << "warning: " << failures.back().text << '\n';
+    }
   }
-  return kDone;
+  if (failures.empty()) return kDone;
+  const std::string others = failures.size() == 1 ? "" : "; " + std::to_string(failures.size() - 1) + " more failed";
+  throw FailedWith({failures.front().code, failures.front().text + others});
 }
 
 }  // namespace cli

@@ -5,17 +5,17 @@
 
 #include "describe.h"
 #include "exit_code.h"
+#include "interruption.h"
 #include "options.h"
 #include "report.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/near_words.h"
-#include "vdbtools/files/atomic_file.h"
+#include "vdbtools/files/output_files.h"
 
 #include <algorithm>
 #include <functional>
 #include <iostream>
-#include <list>
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
@@ -48,9 +48,8 @@ constexpr std::pair<ExitCode, const char*> kExits[] = {
     {kCannotCreate, "an output cannot be created"},
     {kInputOutput, "reading or writing broke off"},
     {kInterrupted,
-     "stopped by a signal, or the disk of another machine did not answer; nothing was written, and the same command "
-     "may "
-     "be tried again"},
+     "stopped by a signal, or the disk of another machine did not answer; no file is half written, and the same "
+     "command may be tried again"},
 };
 
 constexpr std::pair<const char*, const char*> kVariables[] = {
@@ -115,16 +114,18 @@ void writePages(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw vdbtools::CreateError("cannot make the folder '" + folder.string() + "': " + error.message());
-  std::list<vdbtools::AtomicFile> files;
-  std::vector<vdbtools::AtomicFile*> all;
+  vdbtools::OutputFiles files({});
   const auto write = [&](const std::string& name, const std::string& page) {
-    all.push_back(&files.emplace_back(folder / (pageName(name) + ".1")));
-    all.back()->stream() << page;
+    files.add(folder / (pageName(name) + ".1")).stream() << page;
   };
   write("", programPage());
   for (const auto& [name, command] : allCommands()) write(name, described(*command, "man"));
-  vdbtools::commitAll(all);
-  report().text() << "wrote " << all.size() << " pages into " << folder.string() << '\n';
+  files.finish();
+  const Placing placing;
+  files.commit();
+  for (const vdbtools::AtomicFile& file : files.files()) report().wrote(file.target());
+  workIsDone();
+  report().text() << "wrote " << files.files().size() << " pages into " << folder.string() << '\n';
 }
 
 constexpr const char* kCompletionHead = R"(# Completion of juliavdb for bash.

@@ -2,18 +2,17 @@
 #include "commands.h"
 
 #include "exit_code.h"
+#include "interruption.h"
+#include "merge_request.h"
 #include "options.h"
 #include "output.h"
 #include "report.h"
 
 #include "vdbtools/farm/merge.h"
-#include "vdbtools/files/file_bytes.h"
 #include "vdbtools/job/fractal_options.h"
 #include "vdbtools/mesh/mesh_writer.h"
 
 #include <stdexcept>
-
-namespace po = boost::program_options;
 
 namespace cli {
 namespace {
@@ -28,47 +27,26 @@ constexpr Usage kMergeUsage = {
     "  juliavdb merge farm -o bunny.vdb --mesh bunny.ply\n"
     "  juliavdb merge farm --index pieces.json\n"};
 
-void requireExtension(const CommandLine& line, const char* option, std::string_view extensions) {
-  const std::string extension = vdbtools::lowerExtension(line.text(option));
-  if (extension.empty() || (' ' + std::string(extensions) + ' ').find(' ' + extension + ' ') == std::string::npos)
-    line.refuse(option, "a name that ends in one of " + std::string(extensions));
-}
-
 }  // namespace
 
 int runMerge(const Arguments& arguments) {
   CommandLine line(kMergeUsage, {});
   line.addPositional("folder", 1, "the folder of the plan");
-  const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
-  line.addOptions()("output,o", text("F.vdb"), "the VDB to write")("mesh", text("F.ply"), kMeshHelp)(
-      "index", text("F.json"), "writes each tile as files of its own, and this list of them")(
-      "most-points", text("N")->default_value(std::to_string(vdbtools::kMostMeshPoints)),
-      "the most points that one mesh file is to have; a larger mesh is cut into F.1.ply, F.2.ply and so on");
+  addMergeOptions(line);
   if (!line.parse(arguments)) return kDone;
   if (!line.has("folder")) throw std::invalid_argument("no plan was given; name its folder");
   const std::filesystem::path folder = line.text("folder");
-  const bool asIndex = line.has("index"), whole = line.has("output") || line.has("mesh");
-  if (asIndex == whole)
-    throw std::invalid_argument(asIndex
-                                    ? "--index writes the tiles as files of their own; give it without -o and --mesh"
-                                    : "no output was given; use -o F.vdb, --mesh F.ply, both, or --index F.json");
-  vdbtools::MergeOptions options{.mostPoints =
-                                     line.integer<std::uint64_t>("most-points", 3, vdbtools::kMostMeshPoints)};
-  if (line.has("output")) {
-    requireExtension(line, "output", ".vdb");
-    options.vdb = line.text("output");
-  }
-  if (line.has("mesh")) {
-    requireExtension(line, "mesh", vdbtools::kMeshExtensions);
-    options.mesh = line.text("mesh");
-  }
-  if (asIndex) requireExtension(line, "index", ".json");
+  const MergeRequest request = parseMergeRequest(line);
+  if (request.empty())
+    throw std::invalid_argument("no output was given; use -o F.vdb, --mesh F.ply, both, or --index F.json");
+  const vdbtools::MergeOptions& options = request.files;
   const vdbtools::Manifest manifest = vdbtools::readManifest(folder);
-  const vdbtools::MergeResult result =
-      asIndex ? vdbtools::writeTileFiles(folder, manifest, line.text("index"), line.progress())
-              : vdbtools::mergePlan(folder, manifest, options, line.progress());
+  const vdbtools::MergeResult result = request.index
+                                           ? vdbtools::writeTileFiles(folder, manifest, *request.index, line.progress())
+                                           : vdbtools::mergePlan(folder, manifest, options, line.progress());
 
   for (const std::filesystem::path& file : result.files) report().wrote(file);
+  workIsDone();
   report().count("triangles", static_cast<double>(result.mesh.triangles));
   report().count("bandVoxels", static_cast<double>(result.bandVoxels));
   constexpr std::size_t kNamed = 4;

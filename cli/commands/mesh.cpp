@@ -104,9 +104,6 @@ int runMesh(const Arguments& arguments) {
   const std::string input = line.text("vdb");
   if (input.empty()) throw std::invalid_argument("no VDB was given");
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.ply");
-  Outputs outputs;
-  vdbtools::AtomicFile& file = outputs.add("output", line.text("output"), vdbtools::kMeshExtensions);
-
   vdbtools::Recipe asked;
   if (line.has("adaptivity")) asked["adaptivity"] = line.text("adaptivity");
   const vdbtools::OptionTable table(vdbtools::surfaceOptionSpecs());
@@ -117,18 +114,22 @@ int runMesh(const Arguments& arguments) {
     if (line.has("adaptivity")) recorded.recipe["adaptivity"] = asked["adaptivity"];
     if (line.has("up")) recorded.recipe["up"] = line.text("up");
   }
-  if (line.has("input") && recorded.command != "fractal")
-    throw std::invalid_argument("--input gives the target of a fractal's recipe, and here the voxels are used");
+  const bool isFractal = recorded.command == "fractal";
+  line.requireUse(isFractal, {"input", "search"},
+                  "it is for the files of a fractal's recipe, and here the voxels are used; leave it out");
+  const MeshRecipe recipe = isFractal ? recipeFor(line, input, recorded.recipe) : MeshRecipe();
+  Outputs outputs(line,
+                  isFractal ? vdbtools::inputsOf(vdbtools::parseFractalOptions(recipe.found)) : vdbtools::InputFiles());
+  vdbtools::AtomicFile& file = outputs.add("output", line.text("output"), vdbtools::kMeshExtensions);
   const vdbtools::MeshFormat format = vdbtools::meshFormat("mesh" + formatOf(line.text("output"), ".ply"));
-  const vdbtools::MeshCounts counts =
-      recorded.command == "fractal" ? fromRecipe(recipeFor(line, input, recorded.recipe), file, format, line.progress())
-                                    : fromGrid(input, line, file, format, adaptivity, line.progress());
+  const vdbtools::MeshCounts counts = isFractal ? fromRecipe(recipe, file, format, line.progress())
+                                                : fromGrid(input, line, file, format, adaptivity, line.progress());
   line.progress().throwIfCancelled();
   outputs.commit();
   report().count("points", static_cast<double>(counts.points));
   report().count("triangles", static_cast<double>(counts.triangles));
   report().text() << "wrote " << outputs.names() << ": " << counts.triangles << " triangles\n";
-  if (recorded.command == "fractal")
+  if (isFractal)
     noteLeftOut(file.target(), vdbtools::meshColumns(vdbtools::parseFractalOptions(recorded.recipe).output.attributes));
   return kDone;
 }

@@ -2,6 +2,7 @@
 #include "plan.h"
 
 #include "exit_code.h"
+#include "interruption.h"
 #include "options.h"
 #include "report.h"
 
@@ -62,6 +63,7 @@ std::vector<std::string> parseMakes(const CommandLine& line) { return vdbtools::
 int finishPlan(const std::filesystem::path& folder, const vdbtools::Manifest& manifest) {
   vdbtools::writePlan(folder, manifest);
   report().wrote(folder / vdbtools::kManifestName);
+  workIsDone();
   report().count("tasks", static_cast<double>(manifest.tasks.size()));
   report().text() << "wrote " << (folder / vdbtools::kManifestName).string() << ": " << manifest.tasks.size()
                   << (manifest.tasks.size() == 1 ? " task\n" : " tasks\n");

@@ -8,6 +8,7 @@
 #include "vdbtools/farm/frame_plan.h"
 
 #include <filesystem>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,12 +26,14 @@ int planSheet(const Arguments& arguments);
 
 /// --frames, --key and --ease, which 'fractal' has as well.
 void addFrameOptions(CommandLine& line);
-/// Their values. @throw std::invalid_argument
-vdbtools::FramePlanOptions parseFrameOptions(const CommandLine& line);
+/// Their values. @param makes  what is made of each frame
+/// @throw std::invalid_argument  also where an option or a key has an effect in no frame
+vdbtools::FramePlanOptions parseFrameOptions(const CommandLine& line, const std::set<vdbtools::Product>& makes);
 
 /// The options of plans whose tasks are whole fractals: -o, --make and --name.
 void addVariantOptions(CommandLine& line);
-/// The value of -o. @throw std::invalid_argument, vdbtools::CreateError  none, or no place for a plan
+/// The value of -o, where the plan can be written. @throw std::invalid_argument, vdbtools::CreateError  none, or no
+/// place for a plan
 std::filesystem::path newPlanFolder(const CommandLine& line);
 /// The value of --make.
 std::vector<std::string> parseMakes(const CommandLine& line);

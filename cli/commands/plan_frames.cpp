@@ -3,6 +3,7 @@
 
 #include "exit_code.h"
 #include "options.h"
+#include "products.h"
 
 #include "vdbtools/farm/frame_plan.h"
 #include "vdbtools/job/fractal_options.h"
@@ -43,14 +44,24 @@ void addFrameOptions(CommandLine& line) {
       "how the numbers change between keys: of all options, or of the option NAME; any number of times");
 }
 
-vdbtools::FramePlanOptions parseFrameOptions(const CommandLine& line) {
+vdbtools::FramePlanOptions parseFrameOptions(const CommandLine& line, const std::set<vdbtools::Product>& makes) {
   vdbtools::FramePlanOptions options{
       .base = withFoundFiles(line, line.givenRecipe(), line.configHolder()),
       .keys = vdbtools::parseKeys(line.texts("key"), line.texts("ease"), vdbtools::fractalOptionTable()),
       .frames = vdbtools::parseFrames(line.text("frames"))};
-  for (const vdbtools::KeyedOption& keyed : options.keys)
-    if (line.given().contains(keyed.name))
+  const vdbtools::OptionTable table = vdbtools::fractalOptionTable();
+  const vdbtools::Recipe typed = line.given();
+  std::set<std::string> names = line.typedNames();
+  for (const vdbtools::KeyedOption& keyed : options.keys) {
+    if (typed.contains(keyed.name))
       throw std::invalid_argument("--" + keyed.name + " is given and has keys; give only one of them");
+    names.insert(keyed.name);
+  }
+  for (const std::string& name : line.typedNames()) options.given[name] = options.base.at(name);
+  vdbtools::RequiredEffects effects(table, std::move(names));
+  for (const int frame : options.frames)
+    if (effects.add({vdbtools::completeRecipe(vdbtools::recipeAt(options, frame), table), makes})) return options;
+  effects.require();
   return options;
 }
 
@@ -62,9 +73,10 @@ int planFrames(const Arguments& arguments) {
   if (!line.parse(arguments)) return kDone;
   if (!line.has("frames"))
     throw std::invalid_argument("no frames were given; use --frames LIST, such as --frames 1-48");
-  vdbtools::FramePlanOptions options = parseFrameOptions(line);
+  const std::vector<std::string> makes = parseMakes(line);
+  vdbtools::FramePlanOptions options = parseFrameOptions(line, productsOf(makes));
   options.name = line.text("name");
-  options.makes = parseMakes(line);
+  options.makes = makes;
   const std::filesystem::path folder = newPlanFolder(line);
   return finishPlan(folder, vdbtools::planFrames(options));
 }

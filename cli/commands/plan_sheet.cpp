@@ -3,6 +3,7 @@
 
 #include "exit_code.h"
 #include "options.h"
+#include "products.h"
 
 #include "vdbtools/farm/sheet_plan.h"
 #include "vdbtools/job/fractal_options.h"
@@ -33,7 +34,12 @@ int planSheet(const Arguments& arguments) {
   if (options.cells.empty()) throw std::invalid_argument("no contact sheet was given, such as sheet.json#3,7");
   options.given.erase("input");
   const std::filesystem::path folder = newPlanFolder(line);
-  return finishPlan(folder, vdbtools::planSheetCells(options));
+  const vdbtools::Manifest manifest = vdbtools::planSheetCells(options);
+  std::vector<vdbtools::OptionRun> runs;
+  for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index)
+    runs.push_back({vdbtools::taskRecipe(manifest, index), productsOf(options.makes)});
+  line.requireEffect(line.typedNames(), runs);
+  return finishPlan(folder, manifest);
 }
 
 }  // namespace cli

@@ -4,6 +4,7 @@
 #include "child_process.h"
 #include "exit_code.h"
 #include "options.h"
+#include "products.h"
 #include "report.h"
 
 #include "vdbtools/farm/estimate.h"
@@ -122,6 +123,8 @@ int planTiles(const Arguments& arguments) {
   const bool wantsEstimate = line.values()["estimate"].as<bool>();
   const auto sampleSize = line.integer<std::uint64_t>("sample", 2, vdbtools::kMostTiles);
   tiles.survey = wantsEstimate;
+  line.requireUse(wantsEstimate, {"sample"}, "it goes with --estimate; give that too, or leave it out");
+  line.requireEffect(productsOf(tiles.makes));
   const std::filesystem::path folder = newPlanFolder(line);
   const vdbtools::TilePlan plan = vdbtools::planTiles(options, line.recipe(), tiles, folder, line.progress());
   if (tiles.tiles && plan.manifest.tasks.size() < static_cast<std::size_t>(*tiles.tiles))

@@ -6,6 +6,7 @@
 #include "output.h"
 #include "report.h"
 
+#include "vdbtools/base/number_text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/vdb_points.h"
@@ -18,6 +19,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <ostream>
 
 namespace po = boost::program_options;
@@ -65,8 +67,9 @@ const vdbtools::OptionTable& attributeTable() {
   return table;
 }
 
-Made fromRecipe(const vdbtools::Recipe& recipe, const vdbtools::PointsOptions& options, Progress& progress) {
-  const vdbtools::Scene scene = vdbtools::makeScene(vdbtools::parseFractalOptions(recipe), progress);
+Made fromRecipe(const vdbtools::Recipe& recipe, const vdbtools::FractalOptions& fractal,
+                const vdbtools::PointsOptions& options, Progress& progress) {
+  const vdbtools::Scene scene = vdbtools::makeScene(fractal, progress);
   return {vdbtools::fractalPoints(scene, options, progress), vdbtools::sceneMetadata(scene, recipe), scene.voxelSize,
           scene.options.output.axes};
 }
@@ -74,7 +77,6 @@ Made fromRecipe(const vdbtools::Recipe& recipe, const vdbtools::PointsOptions& o
 Made fromShape(const std::string& input, const std::string& grid, const vdbtools::PointsOptions& options,
                Progress& progress) {
   if (!vdbtools::isVdbPath(input)) {
-    if (!grid.empty()) throw std::invalid_argument("--grid can be used with a VDB only");
     return {vdbtools::meshPoints(vdbtools::readMesh(input), options, progress), {}, 0};
   }
   const vdbtools::VdbFile vdb = vdbtools::readVdb(input);
@@ -106,9 +108,8 @@ int runPoints(const Arguments& arguments) {
   if (input.empty()) throw std::invalid_argument("no VDB or mesh was given");
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o P.ply");
   const vdbtools::PointsOptions options = parsePoints(line);
-  Outputs outputs;
-  vdbtools::AtomicFile& file = outputs.add("output", line.text("output"), ".ply .vdb");
-
+  line.requireUse(vdbtools::isVdbPath(input), {"grid"},
+                  "it chooses a grid of a VDB, and the input is a mesh; leave it out");
   vdbtools::RecordedRecipe recorded;
   if (!line.has("from-grid") && !line.has("grid") && mayHoldRecipe(input))
     recorded = vdbtools::readRecordedRecipe(input);
@@ -116,13 +117,19 @@ int runPoints(const Arguments& arguments) {
   if (recorded.command != "fractal" && !asked.empty())
     throw std::invalid_argument("--" + asked.begin()->first + " is for a fractal with its recipe; points of '" + input +
                                 "' carry what the mesh has at its points");
-  const auto recipe = [&] {
-    vdbtools::Recipe found = withFoundFiles(line, recorded.recipe, input);
-    for (const auto& [name, value] : asked) found[name] = value;
-    return found;
-  };
-  const Made made = recorded.command == "fractal" ? fromRecipe(recipe(), options, line.progress())
-                                                  : fromShape(input, line.text("grid"), options, line.progress());
+  line.requireUse(recorded.command == "fractal", {"search"},
+                  "it is for the files of a fractal's recipe, and none is read here; leave it out");
+  vdbtools::Recipe recipe;
+  std::optional<vdbtools::FractalOptions> fractal;
+  if (recorded.command == "fractal") {
+    recipe = withFoundFiles(line, recorded.recipe, input);
+    for (const auto& [name, value] : asked) recipe[name] = value;
+    fractal = vdbtools::parseFractalOptions(recipe);
+  }
+  Outputs outputs(line, fractal ? vdbtools::inputsOf(*fractal) : vdbtools::InputFiles());
+  vdbtools::AtomicFile& file = outputs.add("output", line.text("output"), ".ply .vdb");
+  const Made made = fractal ? fromRecipe(recipe, *fractal, options, line.progress())
+                            : fromShape(input, line.text("grid"), options, line.progress());
   const vdbtools::OrientedPoints& points = made.points;
   line.progress().begin("writing", 0);
   if (formatOf(line.text("output"), ".ply") == ".vdb") {
@@ -151,11 +158,13 @@ int runPoints(const Arguments& arguments) {
   report().count("lost", static_cast<double>(points.lost));
   report().text() << "wrote " << outputs.names() << ": " << points.positions.size()
                   << (points.positions.size() == 1 ? " point" : " points") << ", no two of them nearer than "
-                  << points.spacing << ", the surface nowhere found farther than " << points.reach
-                  << " from one of them\n";
+                  << vdbtools::shortText(points.spacing, vdbtools::Rounding::Down)
+                  << ", the surface nowhere found farther than "
+                  << vdbtools::shortText(points.reach, vdbtools::Rounding::Up) << " from one of them\n";
   if (points.lost > 0)
     report().text() << "note: " << points.lost
-                    << " places were left out, as the true surface lies farther than a voxel (" << made.voxelSize
+                    << " places were left out, as the true surface lies farther than a voxel ("
+                    << vdbtools::shortText(made.voxelSize)
                     << ") from the mesh there; a higher --resolution of the fractal has fewer of them\n";
   return kDone;
 }

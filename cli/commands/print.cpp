@@ -6,6 +6,7 @@
 #include "output.h"
 #include "report.h"
 
+#include "vdbtools/base/number_text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_job.h"
@@ -16,6 +17,7 @@
 #include "vdbtools/surface/grid_mesh.h"
 
 #include <cmath>
+#include <optional>
 #include <ostream>
 #include <sstream>
 
@@ -60,35 +62,37 @@ vdbtools::PrintOptions parsePrint(const CommandLine& line) {
   return options;
 }
 
+/// The fractal whose recipe the input has, if it is to be computed again.
+std::optional<vdbtools::FractalOptions> recordedFractal(const CommandLine& line, const std::string& input) {
+  const std::string extension = vdbtools::lowerExtension(input);
+  const bool plain = line.has("from-grid") || line.has("grid") || line.has("repair");
+  if (plain || (extension != ".vdb" && extension != ".ply" && extension != ".obj")) return std::nullopt;
+  const vdbtools::RecordedRecipe recorded = vdbtools::readRecordedRecipe(input);
+  if (recorded.command != "fractal") return std::nullopt;
+  vdbtools::FractalOptions options = vdbtools::parseFractalOptions(recorded.recipe);
+  options.surface.cap = true;
+  return options;
+}
+
+/// Refuses what has no effect on a part of this input.
+void requirePartFits(const CommandLine& line, const std::string& input, const vdbtools::PrintOptions& options) {
+  const bool vdb = vdbtools::isVdbPath(input);
+  line.requireUse(!vdb, {"repair"}, "it is for a mesh, and the input is a VDB; leave it out");
+  line.requireUse(vdb, {"grid"}, "it chooses a grid of a VDB, and the input is a mesh; leave it out");
+  line.requireUse(options.minThickness || options.flatBase || options.islands > 1 || !vdb, {"resolution"},
+                  "it goes with --min-thickness, --flat-base or --islands; give one of them too, or leave it out");
+}
+
 /// The shape as a closed mesh.
 vdbtools::Mesh readShape(const CommandLine& line, const std::string& input, std::uint64_t resolution) {
   const std::string extension = vdbtools::lowerExtension(input);
   Progress& progress = line.progress();
-  const bool plain = line.has("from-grid") || line.has("grid") || line.has("repair");
-  if (!plain && (extension == ".vdb" || extension == ".ply" || extension == ".obj")) {
-    const vdbtools::RecordedRecipe recorded = vdbtools::readRecordedRecipe(input);
-    if (recorded.command == "fractal") {
-      vdbtools::FractalOptions options = vdbtools::parseFractalOptions(recorded.recipe);
-      options.surface.cap = true;
-      return vdbtools::fractalMesh(vdbtools::makeScene(options, progress), progress);
-    }
-  }
   if (extension == ".vdb") {
-    if (line.has("repair")) throw std::invalid_argument("--repair can be used with a mesh only");
     const vdbtools::VdbFile vdb = vdbtools::readVdb(input);
     return vdbtools::meshOfLevelSet(*vdbtools::chooseFloatGrid(vdb, line.text("grid"), input), progress);
   }
-  if (line.has("grid")) throw std::invalid_argument("--grid can be used with a VDB only");
   progress.begin("reading", 0);
   return vdbtools::closedMesh(vdbtools::readMesh(input), resolution, line.has("repair"), progress);
-}
-
-/// Three significant digits.
-std::string shortText(double value) {
-  std::ostringstream text;
-  text.precision(3);
-  text << value;
-  return text.str();
 }
 
 std::string counted(std::uint64_t count, const char* one, const char* several) {
@@ -98,30 +102,36 @@ std::string counted(std::uint64_t count, const char* one, const char* several) {
 void tell(const vdbtools::PrintedPart& part, const vdbtools::PrintOptions& options, const std::string& names) {
   std::ostream& text = report().text();
   constexpr double kCubicCentimetre = 1000;  // cubic millimetres
-  text << "wrote " << names << ": " << shortText(part.extents[0]) << " x " << shortText(part.extents[1]) << " x "
-       << shortText(part.extents[2]) << " mm, " << shortText(part.volume / kCubicCentimetre) << " cm3, "
-       << part.mesh.triangles.size() << " triangles\n";
+  text << "wrote " << names << ": " << vdbtools::shortText(part.extents[0]) << " x "
+       << vdbtools::shortText(part.extents[1]) << " x " << vdbtools::shortText(part.extents[2]) << " mm, "
+       << vdbtools::shortText(part.volume / kCubicCentimetre) << " cm3, " << part.mesh.triangles.size()
+       << " triangles\n";
   if (part.islands > part.kept || part.cavities > 0) {
     text << "of " << counted(part.islands, "island", "islands") << ' ' << part.kept
-         << (part.kept == 1 ? " is kept; " : " are kept; ") << shortText(100 * part.droppedShare)
+         << (part.kept == 1 ? " is kept; " : " are kept; ") << vdbtools::shortText(100 * part.droppedShare)
          << " % of the volume is dropped";
     if (part.cavities > 0)
-      text << ", and " << counted(part.cavities, "cavity", "cavities") << " of " << shortText(100 * part.cavityShare)
-           << " % of it filled";
+      text << ", and " << counted(part.cavities, "cavity", "cavities") << " of "
+           << vdbtools::shortText(100 * part.cavityShare) << " % of it filled";
     text << '\n';
   }
-  if (options.flatBase) text << "it stands on a base of " << shortText(part.baseArea) << " mm2\n";
+  if (options.flatBase) text << "it stands on a base of " << vdbtools::shortText(part.baseArea) << " mm2\n";
   const double asked = options.minThickness.value_or(1);
   const bool capped = part.thinnest > 1.9 * asked;
-  text << "the thinnest place found is " << (capped ? "more than " : "") << shortText(part.thinnest) << " mm thick, of "
-       << counted(part.places, "place", "places") << " that were measured\n";
+  text << "the thinnest place found is " << (capped ? "more than " : "") << vdbtools::shortText(part.thinnest)
+       << " mm thick, of " << counted(part.places, "place", "places") << " that were measured";
+  if (options.minThickness && part.thinPlaces == 0 && part.thinnest < asked)
+    text << ", which is the least thickness of " << vdbtools::shortText(asked)
+         << " mm as exactly as it is measured, within " << vdbtools::shortText(100 * vdbtools::kThicknessRounding)
+         << " %";
+  text << '\n';
   if (part.thinPlaces > 0)
     text << (options.minThickness ? "warning: " : "note: ") << counted(part.thinPlaces, "place is", "places are")
-         << " thinner than " << shortText(asked) << " mm"
+         << " thinner than " << vdbtools::shortText(asked) << " mm"
          << (options.minThickness ? "; try a higher --resolution" : "; --min-thickness makes such places thicker")
          << '\n';
   if (options.minThickness && part.voxelSize > *options.minThickness / 3)
-    text << "warning: the voxels of " << shortText(part.voxelSize)
+    text << "warning: the voxels of " << vdbtools::shortText(part.voxelSize)
          << " mm are coarse for this thickness, and detail is lost; try a higher --resolution\n";
 }
 
@@ -152,13 +162,18 @@ int runPrint(const Arguments& arguments) {
   if (input.empty()) throw std::invalid_argument("no VDB or mesh was given");
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o PART.stl");
   const vdbtools::PrintOptions options = parsePrint(line);
+  requirePartFits(line, input, options);
   const std::string format = vdbtools::lowerCase(formatOf(line.text("output"), ".stl"));
   if (format == ".3mf" && !vdbtools::canWrite3mf()) vdbtools::encode3mf({});  // says why
-  Outputs outputs;
+  const std::optional<vdbtools::FractalOptions> fractal = recordedFractal(line, input);
+  Outputs outputs(line, fractal ? vdbtools::inputsOf(*fractal) : vdbtools::InputFiles());
   vdbtools::AtomicFile& file = outputs.add("output", line.text("output"), ".stl .3mf .ply .obj");
 
+  Progress& progress = line.progress();
   const vdbtools::PrintedPart part =
-      vdbtools::printedPart(readShape(line, input, options.resolution), options, line.progress());
+      vdbtools::printedPart(fractal ? vdbtools::fractalMesh(vdbtools::makeScene(*fractal, progress), progress)
+                                    : readShape(line, input, options.resolution),
+                            options, progress);
   line.progress().begin("writing", 0);
   if (format == ".3mf")
     file.stream() << vdbtools::encode3mf(part.mesh);

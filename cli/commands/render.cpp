@@ -17,9 +17,13 @@
 #include "vdbtools/render/preview.h"
 #include "vdbtools/render/view_options.h"
 
+#include <array>
 #include <chrono>
 #include <memory>
+#include <numeric>
 #include <ostream>
+#include <utility>
+#include <vector>
 
 namespace po = boost::program_options;
 
@@ -79,7 +83,8 @@ void requireFits(const CommandLine& line, bool field) {
     return;
   }
   vdbtools::Recipe given = line.given(vdbtools::OptionTable(vdbtools::fieldViewOptionSpecs()));
-  if (line.has("frames")) given["frames"] = line.text("frames");
+  for (const char* option : {"frames", "search"})
+    if (line.has(option)) given[option] = "";
   given.insert(line.givenRecipe().begin(), line.givenRecipe().end());
   if (isMesh(line.text("input"))) {
     if (given.contains("grid")) throw std::invalid_argument("--grid chooses a grid of a VDB, and a mesh has none");
@@ -100,7 +105,9 @@ int renderSurface(const CommandLine& line) {
   if (view.up) throw std::invalid_argument("--up X,Y,Z can be used with --field only; give y or z");
   if (line.has("roots")) options.balls = ballsOf(line.text("roots"));
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
-  Outputs outputs;
+  vdbtools::InputFiles inputs;
+  if (line.has("roots")) inputs.add(line.text("roots"));
+  Outputs outputs(line, std::move(inputs));
   std::ostream& file = outputs.add("output", line.text("output"), ".png .exr").stream();
   const bool mesh = isMesh(input);
   const vdbtools::VdbFile vdb = mesh ? vdbtools::VdbFile() : vdbtools::readVdb(input);
@@ -130,14 +137,23 @@ int renderMap(const CommandLine& line) {
   const vdbtools::FieldPicture picture = vdbtools::parseFieldPicture(line.given(table), table);
   const std::optional<int> frames = parseFrames(line);
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
-  const vdbtools::FractalOptions fractal = vdbtools::parseFractalOptions(sceneRecipe(line, line.text("input")));
+  const vdbtools::Recipe recipe = sceneRecipe(line, line.text("input"));
+  const vdbtools::FractalOptions fractal = vdbtools::parseFractalOptions(recipe);
+  line.requireEffect({{recipe, {vdbtools::Product::Picture}}});
   const std::string output = line.text("output"), format = formatOf(output, ".png");
+  const vdbtools::InputFiles inputs = vdbtools::inputsOf(fractal);
+  const int count = frames.value_or(1);
+  if (frames) {
+    std::vector<int> numbers(static_cast<std::size_t>(count));
+    std::iota(numbers.begin(), numbers.end(), 1);
+    requireFramePlaces(line, inputs, std::array{"output"}, numbers);
+  }
   const auto claim = [&](Outputs& outputs) -> std::ostream& {
     return outputs.add("output", output, ".png .exr").stream();
   };
   const auto frameNumber = [&](int frame) { return frames ? std::optional(frame) : std::nullopt; };
   // The first place is claimed before the work begins, the others with their frames.
-  auto outputs = std::make_unique<Outputs>(frameNumber(1));
+  auto outputs = std::make_unique<Outputs>(line, inputs, frameNumber(1));
   std::ostream* file = &claim(*outputs);
 
   const vdbtools::Scene scene = vdbtools::makeScene(fractal, line.progress());
@@ -146,10 +162,9 @@ int renderMap(const CommandLine& line) {
   const vdbtools::Camera camera = options.camera;
   options.background = vdbtools::lowerCase(format) != ".exr";
   vdbtools::FieldRenderer renderer(scene.source(), region);
-  const int count = frames.value_or(1);
   for (int frame = 1; frame <= count; ++frame) {
     if (frame > 1) {
-      outputs = std::make_unique<Outputs>(frameNumber(frame));
+      outputs = std::make_unique<Outputs>(line, inputs, frameNumber(frame));
       file = &claim(*outputs);
     }
     options.camera =
@@ -163,7 +178,7 @@ int renderMap(const CommandLine& line) {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     monitor.begin("writing", 0);
     *file << vdbtools::encodeFieldImage(image, format);
-    outputs->commit();
+    outputs->commit(frame == count);
     if (frame == count) {
       report().count("width", options.width);
       report().count("height", options.height);

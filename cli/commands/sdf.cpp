@@ -6,12 +6,14 @@
 #include "output.h"
 #include "report.h"
 
+#include "vdbtools/base/number_text.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/sdf_job.h"
 
 #include <map>
 #include <ostream>
 #include <string>
+#include <utility>
 
 namespace po = boost::program_options;
 
@@ -35,8 +37,11 @@ int runSdf(const Arguments& arguments) {
       "frame", po::value<std::string>()->value_name("N"), "the frame number, for names such as name.####.vdb");
   if (!line.parse(arguments)) return kDone;
   const vdbtools::SdfOptions options = vdbtools::parseSdfOptions(line.recipe());
+  line.requireEffect({vdbtools::Product::Vdb});
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.vdb");
-  Outputs outputs(parseFrame(line.text("frame")));
+  vdbtools::InputFiles inputs;
+  inputs.add(options.input);
+  Outputs outputs(line, std::move(inputs), parseFrame(line.text("frame")));
   std::ostream& file = outputs.add("output", line.text("output"), ".vdb").stream();
 
   vdbtools::SdfResult result = vdbtools::runSdf(options, line.progress());
@@ -51,13 +56,16 @@ int runSdf(const Arguments& arguments) {
   report().count("voxels", static_cast<double>(result.grid->activeVoxelCount()));
   report().count("voxelSize", result.grid->voxelSize()[0]);
   report().text() << "wrote " << outputs.names() << ": " << result.grid->activeVoxelCount() << " voxels of "
-                  << result.grid->voxelSize()[0] << '\n';
+                  << vdbtools::shortText(result.grid->voxelSize()[0]) << '\n';
   if (result.caps > 0)
     report().text() << "repaired: " << result.caps << (result.caps == 1 ? " hole" : " holes") << " of up to "
-                    << *result.closedGap << " capped, the surface moved by at most " << *result.moved << '\n';
+                    << vdbtools::shortText(*result.closedGap, vdbtools::Rounding::Up)
+                    << " capped, the surface moved by at most "
+                    << vdbtools::shortText(*result.moved, vdbtools::Rounding::Up) << '\n';
   else if (result.moved)
-    report().text() << "repaired: gaps up to " << *result.closedGap << " closed, the surface moved by at most "
-                    << *result.moved << '\n';
+    report().text() << "repaired: gaps up to " << vdbtools::shortText(*result.closedGap, vdbtools::Rounding::Up)
+                    << " closed, the surface moved by at most "
+                    << vdbtools::shortText(*result.moved, vdbtools::Rounding::Up) << '\n';
   return kDone;
 }
 

@@ -58,14 +58,14 @@ SequenceCounts makeSequence(const CommandLine& line, const vdbtools::FrameRecipe
       monitor.begin("checking", 0);
       monitor.throwIfCancelled();
       const vdbtools::Recipe recipe = recipes.at(frames[i]);
-      const FractalRun run{recipe, recipe, frames[i]};
+      const FractalRun run{recipe, recipe, frames[i], i + 1 == frames.size() && counts.failed == 0};
       if (!line.has("force") && isMade(line, run, outputs))
         ++counts.kept;
       else
         make(run, monitor);
+      report().keep("finished frames are kept, and the same command goes on from there");
     } catch (const vdbtools::Interrupted&) {
-      if (i == 0) throw;
-      throw vdbtools::Interrupted("interrupted; finished frames are kept, and the same command goes on from there");
+      throw;
     } catch (...) {
       const Failure failure = currentFailure();
       const std::string text = "frame " + std::to_string(frames[i]) + ": " + failure.text;

@@ -26,6 +26,7 @@ struct FractalRun {
   vdbtools::Recipe recipe;  ///< to be recorded
   vdbtools::Recipe found;   ///< the same with the names under which files are opened
   std::optional<int> frame;
+  bool isLast = true;  ///< nothing is to be made after it
 };
 
 struct SequenceCounts {

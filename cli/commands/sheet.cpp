@@ -69,6 +69,16 @@ vdbtools::SheetOptions parseSheet(const CommandLine& line) {
   return options;
 }
 
+/// What is typed or varied has to have an effect in a cell.
+void requireEffects(const CommandLine& line, const vdbtools::SheetOptions& options) {
+  std::set<std::string> names = line.typedNames();
+  for (const vdbtools::VariedOption& varied : options.varied) names.insert(varied.name);
+  std::vector<vdbtools::OptionRun> runs;
+  for (const vdbtools::Recipe& recipe : vdbtools::cellRecipes(options))
+    runs.push_back({recipe, {vdbtools::Product::Recipe}});
+  line.requireEffect(std::move(names), runs);
+}
+
 }  // namespace
 
 int runSheet(const Arguments& arguments) {
@@ -84,39 +94,34 @@ int runSheet(const Arguments& arguments) {
   if (!line.parse(arguments)) return kDone;
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
   const vdbtools::SheetOptions options = parseSheet(line);
+  requireEffects(line, options);
   const std::filesystem::path picture = line.text("output");
   if (std::filesystem::exists(picture) && !std::filesystem::is_regular_file(picture) &&
       !std::filesystem::is_directory(picture))
     line.refuse("output", "a file, for the recipes go beside it");
-  Outputs outputs;
+  Outputs outputs(line, vdbtools::inputsOf(options));
   std::ostream& page = outputs.add("output", picture.string(), ".png").stream();
   std::ostream& recipes = outputs.add("output", recipesBeside(picture).string(), ".json").stream();
   std::filesystem::path folder = picture;
   folder.replace_extension(".cells");
 
   Progress& progress = line.progress();
-  try {
-    const vdbtools::SheetPage made = vdbtools::makeSheet(options, folder, progress);
-    progress.begin("writing", 0);
-    page << made.picture;
-    recipes << vdbtools::encodeSheet(made.sheet);
-    progress.throwIfCancelled();
-    outputs.commit();
-    const std::vector<vdbtools::SheetCell>& cells = made.sheet.cells;
-    const auto failed = std::count_if(cells.begin(), cells.end(), [](const auto& cell) { return !cell.error.empty(); });
-    report().count("cells", static_cast<double>(cells.size()));
-    report().count("keptCells", static_cast<double>(made.kept));
-    report().count("failedCells", static_cast<double>(failed));
-    for (std::size_t i = 0; i < cells.size(); ++i)
-      if (!cells[i].error.empty())
-        report().text() << "warning: cell " << i + 1 << " failed: " << cells[i].error << '\n';
-    report().text() << "wrote " << outputs.names() << ": " << made.sheet.rows << " x " << made.sheet.columns
-                    << " cells, " << made.kept << " of " << cells.size() << " cells kept\n";
-  } catch (const vdbtools::Interrupted&) {
-    if (!std::filesystem::exists(folder)) throw;
-    throw vdbtools::Interrupted("interrupted; the finished cells are kept in '" + folder.string() +
-                                "', and the same command goes on from there");
-  }
+  report().keep("finished cells are kept in '" + folder.string() + "', and the same command goes on from there");
+  const vdbtools::SheetPage made = vdbtools::makeSheet(options, folder, progress);
+  progress.begin("writing", 0);
+  page << made.picture;
+  recipes << vdbtools::encodeSheet(made.sheet);
+  progress.throwIfCancelled();
+  outputs.commit();
+  const std::vector<vdbtools::SheetCell>& cells = made.sheet.cells;
+  const auto failed = std::count_if(cells.begin(), cells.end(), [](const auto& cell) { return !cell.error.empty(); });
+  report().count("cells", static_cast<double>(cells.size()));
+  report().count("keptCells", static_cast<double>(made.kept));
+  report().count("failedCells", static_cast<double>(failed));
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    if (!cells[i].error.empty()) report().text() << "warning: cell " << i + 1 << " failed: " << cells[i].error << '\n';
+  report().text() << "wrote " << outputs.names() << ": " << made.sheet.rows << " x " << made.sheet.columns << " cells, "
+                  << made.kept << " of " << cells.size() << " cells kept\n";
   return kDone;
 }
 

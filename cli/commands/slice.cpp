@@ -16,6 +16,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <optional>
 #include <ostream>
 
 namespace po = boost::program_options;
@@ -156,6 +157,13 @@ vdbtools::Image sliceOfGrid(const std::string& input, const std::string& name, c
   return vdbtools::signedSlice(plane, sampleGrid(plane, *grid, progress), range);
 }
 
+/// The voxels of a VDB are shown as they are.
+void requireGridOptions(const CommandLine& line) {
+  const std::string why = "it is for the fields of a fractal, and --field is grid; leave it out";
+  for (const std::string& name : line.typedNames()) line.requireUse(name == "grid", {name.c_str()}, why);
+  line.requireUse(false, {"config", "search"}, why);
+}
+
 }  // namespace
 
 int runSlice(const Arguments& arguments) {
@@ -171,19 +179,24 @@ int runSlice(const Arguments& arguments) {
   const PlanePlacement placement = parsePlacement(line);
   const double range = line.has("range") ? line.number("range") : 0;
   if (line.has("range") && !(range > 0)) line.refuse("range", "above 0");
-  if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
-  Outputs outputs;
-  std::ostream& file = outputs.add("output", line.text("output"), ".png .exr").stream();
-
+  const bool isSigned =
+      field != SliceField::Membership && field != SliceField::Iterations && field != SliceField::Versor;
+  line.requireUse(isSigned, {"range"}, "it is for --field phi, e, f and grid; leave it out");
   const std::string input = line.text("input");
-  vdbtools::Image image;
-  if (field == SliceField::Grid) {
-    if (input.empty()) throw std::invalid_argument("no VDB was given");
-    image = sliceOfGrid(input, line.text("grid"), placement, range, line.progress());
-  } else {
-    const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(sceneRecipe(line, input));
-    image = sliceOfScene(vdbtools::makeScene(options, line.progress()), field, placement, range, line.progress());
+  if (field == SliceField::Grid) requireGridOptions(line);
+  if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
+  if (field == SliceField::Grid && input.empty()) throw std::invalid_argument("no VDB was given");
+  std::optional<vdbtools::FractalOptions> options;
+  if (field != SliceField::Grid) {
+    const vdbtools::Recipe recipe = sceneRecipe(line, input);
+    options = vdbtools::parseFractalOptions(recipe);
+    line.requireEffect({{recipe, {vdbtools::Product::Slice}}});
   }
+  Outputs outputs(line, options ? vdbtools::inputsOf(*options) : vdbtools::InputFiles());
+  std::ostream& file = outputs.add("output", line.text("output"), ".png .exr").stream();
+  const vdbtools::Image image =
+      options ? sliceOfScene(vdbtools::makeScene(*options, line.progress()), field, placement, range, line.progress())
+              : sliceOfGrid(input, line.text("grid"), placement, range, line.progress());
   line.progress().begin("writing", 0);
   file << vdbtools::encodeImage(image, formatOf(line.text("output"), ".png"));
   outputs.commit();

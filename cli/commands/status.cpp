@@ -34,7 +34,7 @@ using vdbtools::TaskState;
 /// What all tasks of one state have in common.
 struct Sums {
   std::uint64_t tasks = 0, bytes = 0, peakBytes = 0;
-  double triangles = 0, cpuSeconds = 0, wallSeconds = 0;
+  double made = 0, cpuSeconds = 0, wallSeconds = 0;  ///< what was made: triangles, or evaluated nodes
 };
 
 std::string rounded(double value, const char* unit) {
@@ -96,6 +96,7 @@ int runStatus(const Arguments& arguments) {
 
   const std::filesystem::path folder = line.text("folder");
   const vdbtools::Manifest manifest = vdbtools::readManifest(folder);
+  const bool meshes = vdbtools::makesMesh(manifest);
   Sums done;
   std::uint64_t running = 0, failed = 0;
   std::vector<std::uint64_t> missing;
@@ -106,8 +107,8 @@ int runStatus(const Arguments& arguments) {
     switch (status.state) {
       case TaskState::Done: {
         ++done.tasks;
-        const auto triangles = status.record->counts.find("triangles");
-        if (triangles != status.record->counts.end()) done.triangles += triangles->second;
+        const auto made = status.record->counts.find(meshes ? "triangles" : "evaluatedNodes");
+        if (made != status.record->counts.end()) done.made += made->second;
         done.cpuSeconds += status.record->cpuSeconds;
         done.wallSeconds += status.record->wallSeconds;
         done.peakBytes = std::max(done.peakBytes, status.record->peakBytes);
@@ -140,7 +141,7 @@ int runStatus(const Arguments& arguments) {
     if (left > 0) std::cout << " so far, about " << format(soFar * part) << " to go";
     std::cout << '\n';
   };
-  both("triangles", count, done.triangles);
+  both(meshes ? "triangles" : "evaluated nodes", count, done.made);
   both("CPU time", duration, done.cpuSeconds);
   both("time of tasks", duration, done.wallSeconds);
   both("files", size, static_cast<double>(done.bytes));

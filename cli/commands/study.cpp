@@ -8,6 +8,7 @@
 #include "slice_plane.h"
 #include "study_dimension.h"
 
+#include "vdbtools/base/number_text.h"
 #include "vdbtools/job/fractal_options.h"
 #include "vdbtools/job/study.h"
 #include "vdbtools/maps/texture_shelf.h"
@@ -62,17 +63,17 @@ int runStudy(const Arguments& arguments) {
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
   const auto input = line.recipe().find("input");
   if (input == line.recipe().end()) throw std::invalid_argument("no target was given");
-  Outputs outputs;
-  std::ostream& file = outputs.add("output", line.text("output"), ".png .exr").stream();
-  std::ostream* const curve =
-      line.has("curve") ? &outputs.add("curve", line.text("curve"), ".png .svg .exr").stream() : nullptr;
-  std::ostream* const csv = line.has("csv") ? &outputs.add("csv", line.text("csv"), ".csv").stream() : nullptr;
-
   vdbtools::Recipe recipe = sceneRecipe(line, input->second);
   // A study is of random versors, also that of a fractal with a texture.
   if (const auto versor = recipe.find("versor"); versor != recipe.end() && vdbtools::findTexture(versor->second))
     recipe = vdbtools::overridden(recipe, {{"versor", "random"}}, vdbtools::fractalOptionTable());
   const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(recipe);
+  line.requireEffect({{recipe, {vdbtools::Product::Slice}}});
+  Outputs outputs(line, vdbtools::inputsOf(options));
+  std::ostream& file = outputs.add("output", line.text("output"), ".png .exr").stream();
+  std::ostream* const curve =
+      line.has("curve") ? &outputs.add("curve", line.text("curve"), ".png .svg .exr").stream() : nullptr;
+  std::ostream* const csv = line.has("csv") ? &outputs.add("csv", line.text("csv"), ".csv").stream() : nullptr;
   const vdbtools::Scene scene = vdbtools::makeScene(options, line.progress());
   const vdbtools::SlicePlane plane = placement.plane(frameOf(scene), scene.space.centre);
   const vdbtools::Study result = vdbtools::runStudy(scene, plane, study, line.progress());
@@ -88,7 +89,8 @@ int runStudy(const Arguments& arguments) {
   report().text() << "wrote " << outputs.names() << ": " << plane.width() << " x " << plane.height() << ", "
                   << result.versors << " versors from seed " << vdbtools::VersorSeeds(scene).first() << " on";
   if (result.undecided)
-    report().text() << ", open where phi is between " << result.undecided->first << " and " << result.undecided->second;
+    report().text() << ", open where phi is between " << vdbtools::shortText(result.undecided->first) << " and "
+                    << vdbtools::shortText(result.undecided->second);
   if (!result.originInside) report().text() << ", the dynamics' origin lies outside the target";
   report().text() << '\n';
   return kDone;

@@ -7,6 +7,8 @@
 
 #include "vdbtools/job/dimension.h"
 
+#include "julia/elementary.h"
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -48,8 +50,8 @@ std::vector<int> parseResolutions(const CommandLine& line) {
 }
 
 double slopeBetween(const vdbtools::GrowthRow& a, const vdbtools::GrowthRow& b) {
-  return std::log(static_cast<double>(b.triangles) / static_cast<double>(a.triangles)) /
-         std::log(static_cast<double>(b.resolution) / a.resolution);
+  return julia::elementary::log(static_cast<double>(b.triangles) / static_cast<double>(a.triangles)) /
+         julia::elementary::log(static_cast<double>(b.resolution) / a.resolution);
 }
 
 nlohmann::ordered_json jsonOf(const std::vector<vdbtools::GrowthRow>& rows, const vdbtools::PowerLaw& law) {
@@ -91,6 +93,7 @@ int studyDimension(const Arguments& arguments) {
     if (line.given().contains(option))
       throw std::invalid_argument("--" + std::string(option) +
                                   " is given, but --dimension has the resolutions; leave it out");
+  line.requireEffect({vdbtools::Product::MeshCount});
   const std::vector<vdbtools::GrowthRow> rows =
       vdbtools::measureGrowth(vdbtools::parseFractalOptions(line.recipe()), resolutions, line.progress());
   const vdbtools::PowerLaw law = vdbtools::growthLaw(rows);

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "commands.h"
 
+#include "child_process.h"
 #include "exit_code.h"
+#include "failure.h"
+#include "interruption.h"
+#include "merge_request.h"
 #include "options.h"
 #include "report.h"
 
@@ -9,17 +13,19 @@
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/farm/task.h"
 #include "vdbtools/files/atomic_file.h"
+#include "vdbtools/files/file_bytes.h"
+#include "vdbtools/recipe/option_value.h"
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
+#include <fstream>
 #include <iostream>
+#include <map>
 #include <memory>
+#include <set>
 #include <system_error>
 #include <thread>
 
@@ -42,8 +48,10 @@ constexpr Usage kSubmitUsage = {
     "\n"
     "This is done by a short script, DIR/logs/submit.sh; --dry-run prints it instead. After a failure, or if tasks "
     "were\n"
-    "killed, give the same command again: only tasks that are neither done nor being made are submitted.\n"
-    "--threads N is the number of processors of each task, and not of this command.",
+    "killed, give the same command again: only tasks that are neither done nor being made are submitted. GNU parallel\n"
+    "is waited for, and the exit code is that of the tasks: the one that all failed ones share, or else the gravest.\n"
+    "--threads N is the number of processors of each task, and not of this command; --memory, --instructions and\n"
+    "--progress are handed on to each task and to the merge.",
     "  juliavdb submit farm --engine parallel --jobs 2 -o bunny.vdb --mesh bunny.ply\n"
     "  juliavdb submit farm --engine slurm --dry-run -- --partition=long --time=02:00:00\n"};
 
@@ -105,7 +113,9 @@ struct Submission {
   std::uint64_t tasks = 0;
   std::vector<std::uint64_t> missing;
   int jobs = 0, threads = 1;
-  std::vector<std::string> merge;  ///< the words behind "juliavdb merge ."; empty for none
+  bool threadsGiven = false;
+  std::vector<std::string> common;  ///< options of each task and of the merge
+  std::vector<std::string> merge;   ///< the words behind "juliavdb merge ."; empty for none
   std::vector<std::string> engineArguments;
 };
 
@@ -132,7 +142,7 @@ std::string slurmScript(const Submission& s) {
     script += "tasks=$(sbatch --parsable --array=" + vdbtools::taskList(array) + "%" + std::to_string(s.jobs) +
               " --requeue --signal=B:TERM@60 \\\n    --cpus-per-task=" + std::to_string(s.threads) +
               " --output=logs/%A_%a.log " + common +
-              " \\\n    --wrap=" + quoted("exec " + program + " task . " + which) +
+              " \\\n    --wrap=" + quoted("exec " + program + " task ." + quoted(s.common) + " " + which) +
               ")\necho \"tasks: job ${tasks%%;*}\"\n";
   }
   if (!s.merge.empty())
@@ -140,7 +150,7 @@ std::string slurmScript(const Submission& s) {
               std::string(
                   s.missing.empty() ? "" : "--dependency=\"afterok:${tasks%%;*}\" --kill-on-invalid-dep=yes \\\n    ") +
               "--cpus-per-task=" + std::to_string(s.threads) + " --output=logs/%j.log " + common +
-              " \\\n    --wrap=" + quoted("exec " + program + " merge ." + quoted(s.merge)) +
+              " \\\n    --wrap=" + quoted("exec " + program + " merge ." + quoted(s.common) + quoted(s.merge)) +
               ")\necho \"merge: job ${merge%%;*}\"\n";
   return script;
 }
@@ -150,36 +160,132 @@ std::string parallelScript(const Submission& s) {
   std::string script =
       "#!/bin/sh\n"
       "# Makes the missing tasks of a plan by GNU parallel" +
-      std::string(s.merge.empty() ? "" : ", and merges all tasks once they are done") + ".\nset -eu\ncd " +
+      std::string(s.merge.empty() ? "" : ", and merges all tasks once they are done") +
+      ".\nset -eu\n# What is running is told to stop as well, and waited for.\ntrap 'exit 75' INT TERM\ncd " +
       quoted(s.folder.string()) + "\n" + program + " status . --missing --lines |\n" +
       "  parallel --no-run-if-empty --jobs " + std::to_string(s.jobs) +
       " --joblog +logs/joblog --termseq TERM,2000,KILL,25" + quoted(s.engineArguments) + " --quote \\\n    " + program +
-      " task . --threads " + std::to_string(s.threads) + " --index {}\n";
-  if (!s.merge.empty()) script += program + " merge ." + quoted(s.merge) + "\n";
+      " task . --threads " + std::to_string(s.threads) + quoted(s.common) + " --index {}\n";
+  if (!s.merge.empty())
+    script += program + " merge ." + (s.threadsGiven ? " --threads " + std::to_string(s.threads) : "") +
+              quoted(s.common) + quoted(s.merge) + "\n";
   return script;
 }
 
-/// The words for 'juliavdb merge', with the names that they have from everywhere.
-std::vector<std::string> mergeWords(const CommandLine& line) {
-  std::vector<std::string> words;
-  for (const auto& [option, word] :
-       {std::pair("output", "-o"), std::pair("mesh", "--mesh"), std::pair("index", "--index")})
-    if (line.has(option)) {
-      words.emplace_back(word);
-      words.push_back(fs::absolute(line.text(option)).lexically_normal().string());
-    }
-  return words;
+const char* programOf(Engine engine) { return engine == Engine::Slurm ? "sbatch" : "parallel"; }
+
+/// What has become of the tasks.
+struct Outcome {
+  std::vector<std::uint64_t> notDone, running;
+  std::map<std::uint64_t, std::string> errors;  ///< of those that have failed
+  std::set<int> codes;                          ///< that they have failed with
+};
+
+/// What GNU parallel wrote down of tasks, behind @a from: the exit codes of those that ended by themselves. A full disk
+/// may have no room for what a task says of its failure.
+std::map<std::uint64_t, int> loggedCodes(const fs::path& joblog, std::uintmax_t from) {
+  std::map<std::uint64_t, int> codes;
+  std::ifstream log = vdbtools::openToRead(joblog);
+  log.seekg(static_cast<std::streamoff>(from));
+  for (std::string line; std::getline(log, line);) {
+    // Seq, Host, Starttime, JobRuntime, Send, Receive, Exitval, Signal, Command; the last word is the task's number.
+    const std::vector<std::string> columns = vdbtools::split(line, '\t');
+    if (columns.size() < 9) continue;
+    const auto code = vdbtools::wholeFromText<int>(columns[6]);
+    const auto index = vdbtools::wholeFromText<std::uint64_t>(line.substr(line.rfind(' ') + 1));
+    if (code && index && columns[7] == "0") codes[*index] = *code;
+  }
+  return codes;
 }
 
-/// Never returns. What is running so far ends here, and the script starts with the usual handling of signals.
-[[noreturn]] void becomeScript(const fs::path& script) {
+Outcome outcomeOf(const Submission& s, const vdbtools::Manifest& manifest, const std::map<std::uint64_t, int>& logged) {
+  Outcome outcome;
+  for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index) {
+    const vdbtools::TaskStatus status = vdbtools::taskStatus(s.folder, manifest, index, vdbtools::FileCheck::Quick);
+    if (status.state == vdbtools::TaskState::Done) continue;
+    if (status.state == vdbtools::TaskState::Running) {
+      outcome.running.push_back(index);
+      continue;
+    }
+    outcome.notDone.push_back(index);
+    const auto code = logged.find(index);
+    if (status.state == vdbtools::TaskState::Failed) outcome.errors[index] = status.error;
+    if (status.exitCode)
+      outcome.codes.insert(*status.exitCode);
+    else if (code != logged.end() && code->second != kDone)
+      outcome.codes.insert(code->second);
+  }
+  return outcome;
+}
+
+/// The one that all share, or else the gravest: first what will fail again in the same way, and last what may not.
+int codeOf(const std::set<int>& codes) {
+  for (const int code : {kInternal, kUsage, kBadData, kNoInput, kCannotCreate, kInputOutput})
+    if (codes.contains(code)) return code;
+  return kInterrupted;
+}
+
+std::string tasksText(const std::vector<std::uint64_t>& tasks) {
+  return (tasks.size() == 1 ? "task " : "tasks ") + vdbtools::taskList(tasks);
+}
+
+/// What the engine's failure means. What failed has said why, but among the lines of all others.
+/// @param code  of the script
+[[noreturn]] void refuseOutcome(const Submission& s, Engine engine, const Outcome& outcome, int code) {
+  const std::string program = programOf(engine), all = " of " + std::to_string(s.tasks);
+  constexpr const char* kAgain = "the same command goes on from there";
+  constexpr int kEngineFailed = 255;  // of GNU parallel; up to 101 it is the number of tasks that failed
+  // The words behind -- are all that an engine is given besides the script.
+  const int engineCode = s.engineArguments.empty() ? kInterrupted : kUsage;
+  if (interrupted())
+    throw FailedWith({kInterrupted, "interrupted; " +
+                                        (outcome.notDone.empty()
+                                             ? ""
+                                             : tasksText(outcome.notDone) + all +
+                                                   (outcome.notDone.size() == 1 ? " is" : " are") + " not done, and ") +
+                                        kAgain});
+  if (engine == Engine::Slurm || (code == kEngineFailed && outcome.codes.empty()))
+    throw FailedWith({engineCode, program + " failed with code " + std::to_string(code) + ", and has said why above; " +
+                                      (s.engineArguments.empty() ? std::string() : "see the words behind --; ") +
+                                      kAgain});
+  if (outcome.notDone.empty() && outcome.running.empty()) {
+    const bool known = codeOf({code}) == code;
+    throw FailedWith(
+        {known ? code : kInterrupted,
+         "all tasks are done, but not their merge, which has said why above; the same command merges them"});
+  }
+  if (outcome.notDone.empty())
+    throw FailedWith({kInterrupted, tasksText(outcome.running) + all +
+                                        " are still being made by others; once they are done, " + kAgain});
+  constexpr std::size_t kNamed = 3;
+  std::string reasons;
+  std::size_t named = 0;
+  for (const auto& [index, error] : outcome.errors) {
+    if (named++ == kNamed) break;
+    reasons += (reasons.empty() ? ": " : "; ") + ("task " + std::to_string(index) + ": " + error);
+  }
+  if (outcome.errors.size() > kNamed) reasons += "; " + std::to_string(outcome.errors.size() - kNamed) + " more failed";
+  throw FailedWith({codeOf(outcome.codes), tasksText(outcome.notDone) + all +
+                                               (outcome.notDone.size() == 1 ? " is" : " are") + " not done" + reasons +
+                                               "; " + kAgain});
+}
+
+/// Waits for the script.
+void runScript(const Submission& s, Engine engine, const vdbtools::Manifest& manifest, const fs::path& script) {
+  const fs::path joblog = s.folder / "logs" / "joblog";
+  std::error_code error;
+  std::uintmax_t logged = fs::file_size(joblog, error);
+  if (error) logged = 0;
   std::cout.flush();
-  for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_DFL);
-  sigset_t none;
-  sigemptyset(&none);
-  pthread_sigmask(SIG_SETMASK, &none, nullptr);
-  ::execl("/bin/sh", "sh", script.c_str(), static_cast<char*>(nullptr));
-  throw vdbtools::IoError(std::string("cannot start /bin/sh: ") + std::strerror(errno));
+  const int code = runProgram({"/bin/sh", script.string()});
+  if (engine == Engine::Parallel) vdbtools::removeUnneeded(s.folder, manifest);
+  if (code == kDone) return;
+  std::map<std::uint64_t, int> codes;
+  if (engine == Engine::Parallel && fs::exists(joblog, error)) codes = loggedCodes(joblog, logged);
+  Outcome outcome = outcomeOf(s, manifest, codes);
+  // A disk may be so full that nothing of what failed could be written down.
+  if (outcome.codes.empty() && fs::space(s.folder, error).available == 0) outcome.codes.insert(kInputOutput);
+  refuseOutcome(s, engine, outcome, code);
 }
 
 }  // namespace
@@ -191,10 +297,8 @@ int runSubmit(const Arguments& arguments) {
       "dry-run", po::bool_switch(), "print the script, and do nothing")(
       "jobs", po::value<std::string>()->value_name("N"),
       "how many tasks may run at a time (default: 100 for slurm; for parallel the processors that this process may "
-      "use, divided by --threads)")("output,o", po::value<std::string>()->value_name("F.vdb"),
-                                    "merge the tasks into this VDB")(
-      "mesh", po::value<std::string>()->value_name("F.ply"), "merge the tasks into this mesh")(
-      "index", po::value<std::string>()->value_name("F.json"), "or leave them in pieces, and list these here");
+      "use, divided by --threads)");
+  addMergeOptions(line);
   const auto dashes = std::find(arguments.begin(), arguments.end(), "--");
   if (!line.parse(Arguments(arguments.begin(), dashes))) return kDone;
   if (!line.has("folder")) throw std::invalid_argument("no plan was given; name its folder");
@@ -205,11 +309,17 @@ int runSubmit(const Arguments& arguments) {
   Submission submission;
   submission.folder = fs::canonical(line.text("folder"));
   submission.tasks = manifest.tasks.size();
-  submission.merge = mergeWords(line);
-  if (!submission.merge.empty() && manifest.kind != vdbtools::PlanKind::Tiles)
-    throw std::invalid_argument("only a plan of tiles is merged; leave out -o, --mesh and --index");
+  const MergeRequest merge = parseMergeRequest(line);
+  if (!merge.empty()) {
+    if (manifest.kind != vdbtools::PlanKind::Tiles)
+      throw std::invalid_argument("only a plan of tiles is merged; leave out -o, --mesh and --index");
+    requireMergeable(submission.folder, manifest, merge);
+    submission.merge = mergeWords(line);
+  }
+  submission.common = line.commonWords();
   if (dashes != arguments.end()) submission.engineArguments.assign(dashes + 1, arguments.end());
-  if (line.has("threads")) submission.threads = line.integer("threads", 1, kMostJobs);
+  submission.threadsGiven = line.has("threads");
+  if (submission.threadsGiven) submission.threads = line.integer("threads", 1, kMostJobs);
   const int processors = static_cast<int>(std::thread::hardware_concurrency());
   submission.jobs = line.has("jobs")          ? line.integer("jobs", 1, kMostJobs)
                     : engine == Engine::Slurm ? kUsualJobs
@@ -229,12 +339,12 @@ int runSubmit(const Arguments& arguments) {
     report().text() << "there is nothing to submit: every task is done, or is being made\n";
     return kDone;
   }
-  const std::string program = engine == Engine::Slurm ? "sbatch" : "parallel";
+  const std::string program = programOf(engine);
   if (!isInPath(program))
     throw vdbtools::MissingInputError("there is no program '" + program + "' in PATH; install it (Debian: " +
                                       (engine == Engine::Slurm ? "slurm-client" : "parallel") +
                                       "), or choose another --engine");
-  const fs::path logs = submission.folder / "logs";
+  const fs::path logs = submission.folder / vdbtools::kLogsName;
   std::error_code error;
   fs::create_directories(logs, error);
   if (error) throw vdbtools::CreateError("cannot create '" + logs.string() + "': " + error.message());
@@ -243,7 +353,8 @@ int runSubmit(const Arguments& arguments) {
     file.stream() << script;
     file.commit();
   }
-  becomeScript(logs / "submit.sh");
+  runScript(submission, engine, manifest, logs / "submit.sh");
+  return kDone;
 }
 
 }  // namespace cli

@@ -3,6 +3,7 @@
 
 #include "exit_code.h"
 #include "failure.h"
+#include "interruption.h"
 #include "options.h"
 #include "report.h"
 
@@ -108,6 +109,8 @@ int runTask(const Arguments& arguments) {
       const bool made = runner.run(index, line.progress());
       report().count(made ? "madeTasks" : "keptTasks", 1);
       report().text() << "task " << index << (made ? " is done\n" : " was done already\n");
+      report().keep("finished tasks are kept, and the same command goes on from there");
+      if (index == std::min(range.last, count) && failures.empty()) workIsDone();
     } catch (const vdbtools::Interrupted&) {
       throw;
     } catch (...) {

@@ -7,10 +7,12 @@
 #include "report.h"
 
 #include "vdbtools/farm/frame_plan.h"
+#include "vdbtools/files/frame_name.h"
 #include "vdbtools/job/usd_job.h"
 
 #include <ostream>
 #include <stdexcept>
+#include <utility>
 
 namespace po = boost::program_options;
 
@@ -45,8 +47,14 @@ int runUsd(const Arguments& arguments) {
   if (!(options.framesPerSecond > 0)) line.refuse("fps", "above 0");
   if (line.has("mesh")) options.mesh = line.text("mesh");
   if (line.has("frames")) options.frames = vdbtools::parseFrames(line.text("frames"));
+  line.requireUse(line.has("frames"), {"fps"}, "it is for a sequence; give --frames too, or leave it out");
+  line.requireUse(!options.vdb.empty(), {"frames"}, "it is for a sequence of VDBs, and none is given; leave it out");
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.usda");
-  Outputs outputs;
+  vdbtools::InputFiles inputs;
+  if (options.mesh) inputs.add(*options.mesh);
+  if (!options.vdb.empty())
+    for (const int frame : options.frames) inputs.add(vdbtools::expandFrame(options.vdb, frame));
+  Outputs outputs(line, std::move(inputs));
   std::ostream& file = outputs.add("output", line.text("output"), ".usda").stream();
   options.scene = line.text("output");
   const vdbtools::UsdCounts counts = vdbtools::writeUsdScene(file, options, line.progress());

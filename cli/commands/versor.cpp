@@ -13,6 +13,7 @@
 #include "vdbtools/maps/map_options.h"
 #include "vdbtools/maps/texture_shelf.h"
 
+#include "julia/elementary.h"
 #include "julia/random_roots.h"
 
 #include <nlohmann/json.hpp>
@@ -55,10 +56,12 @@ constexpr Usage kVersorUsage = {
     nullptr,
     "list new inspect add scale translate"};
 
+const std::vector<std::string> kActions{"list", "new", "inspect", "add", "scale", "translate"};
+
 void write(CommandLine& line, const julia::Rational& rational, const std::string& note,
            const std::optional<vdbtools::FittedTo>& target = {}) {
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.json");
-  Outputs outputs;
+  Outputs outputs(line, {});  // what is read stands among the words of the line
   const std::string name = line.text("output");
   std::ostream& file = outputs.add("output", name, ".json .p4d .poly4d").stream();
   const std::string extension = vdbtools::lowerExtension(name);
@@ -85,7 +88,7 @@ void inspect(const std::string& name, const julia::Polynomial& polynomial) {
 
 std::size_t rootCount(const vdbtools::Texture& texture) {
   const vdbtools::TextureSite ball{
-      .distance = [](const julia::Point& x) { return std::hypot(x[0], x[1], x[2]) - 0.5; }};
+      .distance = [](const julia::Point& x) { return julia::elementary::hypot(x[0], x[1], x[2]) - 0.5; }};
   return vdbtools::placeTexture(texture, ball, 1, {}).top.roots.size();
 }
 
@@ -108,6 +111,19 @@ void list(bool asJson) {
               << (&texture == &vdbtools::defaultTexture() ? " The default." : "") << '\n';
 }
 
+/// The actions that an option is for; all others refuse it.
+void requireAction(const CommandLine& line, const std::string& action) {
+  const auto isFor = [&](std::initializer_list<const char*> names, std::initializer_list<const char*> actions) {
+    std::string list;
+    for (const char* one : actions) list += (list.empty() ? "" : ", ") + std::string(one);
+    line.requireUse(std::find(actions.begin(), actions.end(), action) != actions.end(), names,
+                    "it is for 'versor " + list + "'; leave it out");
+  };
+  isFor({"output"}, {"new", "add", "scale", "translate"});
+  isFor({"seed", "roots", "powers", "integer", "placement", "box", "centre", "radius", "texture"}, {"new"});
+  isFor({"json"}, {"list"});
+}
+
 /// The texture as it is placed in a box, with the dynamics' origin at 0.
 vdbtools::RationalFile newTexture(const CommandLine& line) {
   const std::string name = line.text("texture");
@@ -122,6 +138,7 @@ vdbtools::RationalFile newTexture(const CommandLine& line) {
                                 "' lie on its target's surface, and a file has none; give it to 'fractal' by --versor");
   std::string note = "juliavdb versor new --texture " + name;
   std::uint64_t seed = 1;
+  line.requireUse(texture->varies(), {"seed"}, "the texture '" + name + "' has nothing random; leave it out");
   if (line.has("seed")) {
     seed =
         vdbtools::parseInteger<std::uint64_t>("seed", line.text("seed"), 0, std::numeric_limits<std::uint64_t>::max());
@@ -133,6 +150,9 @@ vdbtools::RationalFile newTexture(const CommandLine& line) {
 /// What 'new' makes, and the command that makes it again, less its output.
 vdbtools::RationalFile newVersor(const CommandLine& line) {
   if (line.has("texture")) return newTexture(line);
+  const bool cluster = line.text("placement") == "cluster";
+  line.requireUse(cluster, {"centre", "radius"}, "it goes with --placement cluster; give that too, or leave it out");
+  line.requireUse(!cluster, {"box"}, "it is for --placement box, and the roots are placed in a cluster; leave it out");
   constexpr const char* kPrefix = "versor-";
   // The same options as those of 'fractal', under the same rules, without their prefix.
   const vdbtools::OptionTable table(vdbtools::randomRootsOptions());
@@ -182,6 +202,7 @@ int runVersor(const Arguments& arguments) {
     if (words.size() != count + 1)
       throw std::invalid_argument("'versor " + action + "' takes " + what + "; see 'juliavdb versor --help'");
   };
+  if (std::find(kActions.begin(), kActions.end(), action) != kActions.end()) requireAction(line, action);
   if (action == "list") {
     expect(0, "no file");
     list(line.has("json"));
@@ -211,10 +232,9 @@ int runVersor(const Arguments& arguments) {
     const vdbtools::RationalFile file = vdbtools::readRationalFile(words[1]);
     write(line, julia::translated(file.rational, {by[0], by[1], by[2], four ? by[3] : 0}), "", file.target);
   } else {
-    const std::vector<std::string> known{"list", "new", "inspect", "add", "scale", "translate"};
     const std::string use = "; use list, new, inspect, add, scale or translate";
     if (action.empty()) throw std::invalid_argument("no action was given" + use);
-    throw std::invalid_argument("'" + action + "' is unknown" + use + vdbtools::didYouMean(action, known));
+    throw std::invalid_argument("'" + action + "' is unknown" + use + vdbtools::didYouMean(action, kActions));
   }
   return kDone;
 }

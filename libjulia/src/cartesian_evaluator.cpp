@@ -5,6 +5,8 @@
 #include "norms.h"
 #include "orbit_evaluator.h"
 
+#include "julia/elementary.h"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -50,7 +52,7 @@ class CartesianEvaluator final : public OrbitEvaluator<Real> {
   Decision decisionOf(const Ball& start) const {
     if (this->hasEscaped(start)) return Decision::Outside;
     // The evaluator compares rounded logarithms of rounded lengths.
-    const double escape = mOptions.escapeRadius, logs = 2 * std::abs(std::log(escape)) + 16;
+    const double escape = mOptions.escapeRadius, logs = 2 * std::abs(elementary::log(escape)) + 16;
     const double slack = Base::kNormSlack + 2 * kEpsilonOf<Real> * logs;
     const auto largest = [](const Ball& ball) { return norm(ball.centre) + ball.radius; };
     const auto mayEscape = [&](const Ball& ball) { return !(largest(ball) * (1 + slack) < escape); };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "julia/detail.h"
 
+#include "julia/elementary.h"
+
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -11,7 +13,7 @@ double wantedScale(const RadialMaximum& maximum, int maxIterations, double escap
   // A larger K leaves no shell to speak of.
   constexpr double kMost = 1e4, kLeast = 0.25;
   constexpr double kRatio = 1.05, kPrecision = 1e-4;
-  const double upper = std::log(escapeRadius);
+  const double upper = elementary::log(escapeRadius);
   const auto traps = [&](double scale) {
     RadialMaximum exponent = maximum;
     for (double& value : exponent.maximum) value = upper + scale * value;

@@ -14,7 +14,7 @@ namespace {
 }
 
 [[noreturn]] void refuseAs(const mu::ParserError& error, const std::string& text, const std::string& known) {
-  refuseAt(std::min(placeOf(error, text), text.size()), error.GetToken(), meaningOf(error, known));
+  refuseAt(std::min(placeOf(error, text), text.size()), tokenOf(error, text), meaningOf(error, known));
 }
 
 }  // namespace
@@ -25,7 +25,7 @@ std::vector<std::string> namesInExpression(const std::string& text) {
   try {
     mu::Parser parser;
     defineFunctions(parser);
-    parser.SetExpr(text);
+    setFormula(parser, text);
     std::vector<std::string> names;
     for (const auto& [name, variable] : parser.GetUsedVar()) names.push_back(name);
     double one = 1;
@@ -55,7 +55,7 @@ Expression::Expression(const std::string& text, const std::vector<std::string>& 
       mState->parser.DefineVar(variables[i], &mState->values[i]);
       known += (i == 0 ? "" : ", ") + variables[i];
     }
-    mState->parser.SetExpr(text);
+    setFormula(mState->parser, text);
     mState->parser.Eval();
   } catch (const mu::ParserError& error) {
     refuseAs(error, text, "the variables are " + known);

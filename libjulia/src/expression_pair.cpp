@@ -60,7 +60,7 @@ std::vector<Component> split(const char* function, const std::string& whole) {
 }
 
 [[noreturn]] void refuseAs(const Component& component, const mu::ParserError& error) {
-  refuseAt(component, placeOf(error, component.text), error.GetToken(),
+  refuseAt(component, placeOf(error, component.text), tokenOf(error, component.text),
            meaningOf(error, std::string("the variables and constants are ") + kKnown));
 }
 
@@ -91,7 +91,7 @@ class Expressions {
       try {
         defineFunctions(parser);
         for (const auto& [name, value] : variables) parser.DefineVar(name, value);
-        parser.SetExpr(components[i].text);
+        setFormula(parser, components[i].text);
         mValues[i] = parser.Eval();
         mIsConstant[i] = parser.GetUsedVar().empty();
       } catch (const mu::ParserError& error) {

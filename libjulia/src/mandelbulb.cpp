@@ -3,6 +3,9 @@
 
 #include "batch_view.h"
 #include "cartesian_balls.h"
+#include "number_text.h"
+
+#include "julia/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,8 +25,7 @@ constexpr double kMostByProducts = 64;
 template <class Real>
 Mandelbulb<Real>::Mandelbulb(const MandelbulbOptions& options) : mOptions(options) {
   if (!(std::abs(options.power) <= kMostPower))
-    throw std::invalid_argument("the triplex power is " + std::to_string(options.power) +
-                                "; it must be between -100 and 100");
+    throw std::invalid_argument("the triplex power is " + textOf(options.power) + "; it must be between -100 and 100");
   if (!options.constant) return;
   requireConstant(*options.constant);
   mConstant = Embedding{}.quaternion<Real>(*options.constant);
@@ -84,11 +86,11 @@ double triplexBound(const MandelbulbOptions& options, int iterations, double esc
     double shift = radius;
     if (options.constant) {
       const Point& c = *options.constant;
-      shift = std::hypot(c[0], c[1], c[2]);
+      shift = elementary::hypot(c[0], c[1], c[2]);
     }
     double least = radius;
     for (int i = 0; i < iterations && least > 1 && least < escapeRadius; ++i)
-      least = std::pow(least, options.power) - shift;
+      least = elementary::pow(least, options.power) - shift;
     return least >= escapeRadius;
   };
   double low = 1, high = escapeRadius;

@@ -4,11 +4,13 @@
 /// leave the batch, so that the kernels' lanes stay full. Derived classes define how a step is taken.
 #pragma once
 
+#include "julia/elementary.h"
 #include "julia/evaluator.h"
 
 #include "ball_arithmetic.h"
 #include "batch_view.h"
 #include "careful.h"
+#include "number_text.h"
 #include "object_pool.h"
 
 #include <algorithm>
@@ -77,10 +79,12 @@ class OrbitEvaluator : public FieldEvaluator {
         mLevel(level) {
     requireValid(options);
     if (!std::isfinite(embedding.slice) || std::abs(embedding.slice) > kMaxEscapeRadius)
-      throw std::invalid_argument("slice is " + std::to_string(embedding.slice) + "; it must be between -1e9 and 1e9");
+      throw std::invalid_argument("slice is " + textOf(embedding.slice) + "; it must be between -1e9 and 1e9");
   }
 
-  static Real logEscapeOf(const OrbitOptions& options) { return static_cast<Real>(std::log(options.escapeRadius)); }
+  static Real logEscapeOf(const OrbitOptions& options) {
+    return static_cast<Real>(elementary::log(options.escapeRadius));
+  }
 
   /// Sets batch.l to l of the iterates that follow batch.q, after @a step steps.
   virtual void takeStep(Batch& batch, int step) const = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "julia/random_roots.h"
 
+#include "number_text.h"
 #include "random_numbers.h"
 
 #include <algorithm>
@@ -27,11 +28,10 @@ void requireValid(const RandomRootsOptions& options) {
           "the number of roots is " + std::to_string(options.count) + "; it must be 1 to 1000000");
   require(std::abs(options.minPower) <= kMostPower && std::abs(options.maxPower) <= kMostPower &&
               options.minPower <= options.maxPower,
-          "the powers run from " + std::to_string(options.minPower) + " to " + std::to_string(options.maxPower) +
+          "the powers run from " + textOf(options.minPower) + " to " + textOf(options.maxPower) +
               "; give the smaller first, both within 1e6");
   require(!options.integerPowers || std::ceil(options.minPower) <= std::floor(options.maxPower),
-          "there is no integer power between " + std::to_string(options.minPower) + " and " +
-              std::to_string(options.maxPower));
+          "there is no integer power between " + textOf(options.minPower) + " and " + textOf(options.maxPower));
   const auto isNear = [](double x) { return std::abs(x) <= kFarthest; };
   for (int axis = 0; axis < 3; ++axis) {
     require(
@@ -40,17 +40,16 @@ void requireValid(const RandomRootsOptions& options) {
     require(isNear(options.clusterCentre[axis]), "the centre of the cluster is not between -1e9 and 1e9");
   }
   require(isNear(options.embedding.slice),
-          "slice is " + std::to_string(options.embedding.slice) + "; it must be between -1e9 and 1e9");
+          "slice is " + textOf(options.embedding.slice) + "; it must be between -1e9 and 1e9");
   const bool needsDistance = options.placement == RootPlacement::Inside || options.placement == RootPlacement::Surface;
   require(!needsDistance || options.distance != nullptr,
           "roots inside a target or near its surface need the target; give one, or place them in the box");
-  require(
-      options.placement != RootPlacement::Surface ||
-          (options.surfaceDistance > 0 && std::isfinite(options.surfaceDistance)),
-      "the distance of roots from the surface is " + std::to_string(options.surfaceDistance) + "; it must be above 0");
+  require(options.placement != RootPlacement::Surface ||
+              (options.surfaceDistance > 0 && std::isfinite(options.surfaceDistance)),
+          "the distance of roots from the surface is " + textOf(options.surfaceDistance) + "; it must be above 0");
   require(options.placement != RootPlacement::Cluster ||
               (options.clusterRadius > 0 && std::isfinite(options.clusterRadius)),
-          "the radius of the cluster is " + std::to_string(options.clusterRadius) + "; it must be above 0");
+          "the radius of the cluster is " + textOf(options.clusterRadius) + "; it must be above 0");
 }
 
 Point inBox(Random& random, const RandomRootsOptions& options, double margin) {

@@ -3,6 +3,7 @@
 
 #include "batch_view.h"
 #include "careful.h"
+#include "number_text.h"
 #include "rational_factors.h"
 
 #include <algorithm>
@@ -21,7 +22,7 @@ constexpr double kLargestNumber = 1e9;
 
 void requireFinite(double value, const std::string& what) {
   if (!(std::abs(value) <= kLargestNumber))
-    throw std::invalid_argument(what + " is " + std::to_string(value) + "; it must be a number between -1e9 and 1e9");
+    throw std::invalid_argument(what + " is " + textOf(value) + "; it must be a number between -1e9 and 1e9");
 }
 
 void requireFinite(const Polynomial& polynomial, const std::string& name) {
@@ -64,8 +65,7 @@ Rational translated(Rational rational, const Quaternion<double>& offset) {
 
 Rational scaled(Rational rational, double factor) {
   if (!std::isfinite(factor) || factor == 0)
-    throw std::invalid_argument("the factor to scale roots by is " + std::to_string(factor) +
-                                "; it must be finite and not 0");
+    throw std::invalid_argument("the factor to scale roots by is " + textOf(factor) + "; it must be finite and not 0");
   for (Polynomial* polynomial : {&rational.top, &rational.bottom})
     for (Root& root : polynomial->roots) root.position = root.position * factor;
   return rational;

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "julia/root_patterns.h"
 
+#include "number_text.h"
 #include "random_numbers.h"
+
+#include "julia/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -48,7 +51,7 @@ double squaredDistance(const Point& a, const Point& b) {
 
 Point unit(const Point& axis) {
   requireFinite(axis, "the axis");
-  const double length = std::hypot(axis[0], axis[1], axis[2]);
+  const double length = elementary::hypot(axis[0], axis[1], axis[2]);
   require(length > 0 && std::isfinite(length), "the axis has no direction; give one of a length above 0");
   return {axis[0] / length, axis[1] / length, axis[2] / length};
 }
@@ -104,7 +107,7 @@ std::vector<Point> spread(const std::vector<Point>& points, std::size_t count) {
 bool isFar(const Root& root) {
   // A root of a pattern is nowhere near as far, and one that was scaled or moved is no constant any more.
   const Quaternion<double>& t = root.position;
-  return std::hypot(std::hypot(t.a, t.b), std::hypot(t.c, t.d)) > kFar / 2;
+  return elementary::hypot(elementary::hypot(t.a, t.b), elementary::hypot(t.c, t.d)) > kFar / 2;
 }
 
 }  // namespace
@@ -128,8 +131,8 @@ std::vector<Point> pointsOnHelix(const Point& centre, const Point& axis, double 
   for (int i = 0; i < count; ++i) {
     const double angle = 2 * std::numbers::pi * turns * i / count;
     Point x = plus(centre, along, length * ((i + 0.5) / count - 0.5));
-    x = plus(x, frame.u, radius * std::cos(angle));
-    points.push_back(plus(x, frame.v, radius * std::sin(angle)));
+    x = plus(x, frame.u, radius * elementary::cos(angle));
+    points.push_back(plus(x, frame.v, radius * elementary::sin(angle)));
   }
   return points;
 }
@@ -138,7 +141,7 @@ std::vector<Point> pointsOfLattice(const Point& boxMin, const Point& boxMax, dou
   requireFinite(boxMin, "the box");
   requireFinite(boxMax, "the box");
   require(spacing > 0 && std::isfinite(spacing),
-          "the lattice's spacing is " + std::to_string(spacing) + "; it must be above 0");
+          "the lattice's spacing is " + textOf(spacing) + "; it must be above 0");
   std::array<int, 3> count{};
   double all = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -164,7 +167,7 @@ std::vector<Point> pointsOnSurface(const std::function<double(const Point&)>& di
   constexpr int kTriesEach = 20'000;   // of a candidate: a surface that thin in its box is called empty
   requireCount(count);
   require(distance != nullptr, "roots on a target's surface need the target; give one");
-  require(reach > 0 && std::isfinite(reach), "the reach is " + std::to_string(reach) + "; it must be above 0");
+  require(reach > 0 && std::isfinite(reach), "the reach is " + textOf(reach) + "; it must be above 0");
   const auto wanted = static_cast<std::size_t>(count) * kCandidatesEach;
   Random random(seed);
   std::vector<Point> candidates;
@@ -194,13 +197,13 @@ std::vector<Point> fanOfAxes(const Point& from, const Point& to, double angle, i
   std::vector<Point> axes;
   for (int i = 0; i < count; ++i) {
     Point axis{};
-    axes.push_back(plus(plus(axis, u, std::cos(angle * i)), v, std::sin(angle * i)));
+    axes.push_back(plus(plus(axis, u, elementary::cos(angle * i)), v, elementary::sin(angle * i)));
   }
   return axes;
 }
 
 Root constantFactor(const Quaternion<double>& c) {
-  const double length = std::hypot(std::hypot(c.a, c.b), std::hypot(c.c, c.d));
+  const double length = elementary::hypot(elementary::hypot(c.a, c.b), elementary::hypot(c.c, c.d));
   require(length > 0 && std::isfinite(length), "a constant factor has no direction");
   return {c * (-kFar / length), 1};
 }
@@ -228,7 +231,7 @@ void appendRings(std::vector<Root>& roots, const Point& point, const Point& axis
 double unitConstants(const std::vector<Root>& roots) {
   double sum = 0;
   for (const Root& root : roots)
-    if (isFar(root)) sum -= root.power * std::log(kFar);
+    if (isFar(root)) sum -= root.power * elementary::log(kFar);
   return sum;
 }
 

@@ -3,6 +3,8 @@
 
 #include "ball_arithmetic.h"
 
+#include "julia/elementary.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -64,7 +66,8 @@ typename Map<Real>::Outlook ShapeModulus<Real>::outlook(double wanted) const {
   }
   // Roots are about one unit away, where balls of this radius turn versors by half a radian.
   constexpr double kTurning = 0.5;
-  return {static_cast<Real>(std::log(far)) + 8 * std::numeric_limits<Real>::epsilon(), kTurning / mVersor.powers()};
+  return {static_cast<Real>(elementary::log(far)) + 8 * std::numeric_limits<Real>::epsilon(),
+          kTurning / mVersor.powers()};
 }
 
 template <class Real>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "julia/shell.h"
 
+#include "julia/elementary.h"
 #include "julia/orbit.h"
 
 #include <algorithm>
@@ -19,11 +20,11 @@ ShellInterval shellInterval(const RadialMaximum& radialMaximum, int maxIteration
   requireValid(OrbitOptions{.maxIterations = maxIterations, .escapeRadius = escapeRadius});
   // Whether the first image, given the logarithm of its bound, and the n - 2 images that follow stay below 1.
   const auto staysInside = [&](double l) {
-    for (int i = 2; l < 0 && i < maxIterations; ++i) l = radialMaximum.logBound(std::exp(l));
+    for (int i = 2; l < 0 && i < maxIterations; ++i) l = radialMaximum.logBound(elementary::exp(l));
     return l < 0;
   };
   ShellInterval interval;
-  interval.upper = std::log(escapeRadius);
+  interval.upper = elementary::log(escapeRadius);
   // With one step every l < 0 is inside. Otherwise staysInside() is a step function of r that changes from true to
   // false once, at one of the table's balls; its last true step is the answer.
   if (maxIterations == 1) {
@@ -33,7 +34,7 @@ ShellInterval shellInterval(const RadialMaximum& radialMaximum, int maxIteration
   for (std::size_t k = radialMaximum.maximum.size(); k-- > 0;) {
     const double r = radialMaximum.step * static_cast<double>(k + 1);
     if (r < 1 && staysInside(radialMaximum.maximum[k])) {
-      interval.lower = std::log(r);
+      interval.lower = elementary::log(r);
       break;
     }
   }

@@ -7,14 +7,15 @@
     bunny.write("bunny.vdb")
 
 The target is a file, or two arrays: vertices of the shape (n, 3) and triangles of the shape (m, 3), as indices of
-vertices. The options are those of 'juliavdb fractal', with underscores in their names; numbers, strings, tuples for
+vertices. With points_radius, vertices alone are points of a surface. The options are those of 'juliavdb fractal', with underscores in their names; numbers, strings, tuples for
 lists, and True for flags. The same options give the same result as the command, to the bit.
 
 While a call works, other threads run. progress=FUNCTION is called in the calling thread with the name of a phase and
 the share of it that is done, from 0 to 1, or None where that is not known; where it returns False, the work is
-cancelled as by Ctrl-C, which is a KeyboardInterrupt. Errors say the same as those of the command: ValueError for
-options, DataError (a ValueError) for targets that cannot be used, FileNotFoundError, and OSError for files that
-cannot be read to their end or written.
+cancelled as by Ctrl-C, which is a KeyboardInterrupt. memory="16G" says how much memory the process may take for that
+work, and for all that is made of its result: work that is known to need more is refused. Errors say the same as those
+of the command: ValueError for options, DataError (a ValueError) for targets that cannot be used, FileNotFoundError,
+OSError for files that cannot be read to their end or written, and MemoryError.
 """
 import os
 
@@ -36,55 +37,59 @@ def _target(vertices, faces, options):
             raise ValueError("the target was given twice, as an argument and as input; leave one of them out")
         recipe["input"] = os.fspath(vertices)
         vertices = None
-    elif (vertices is None) != (faces is None):
-        raise ValueError("a mesh needs both vertices and faces")
+    elif vertices is None and faces is not None:
+        raise ValueError("faces were given without vertices; give both")
+    elif vertices is not None and faces is None and "points-radius" not in recipe:
+        raise ValueError("vertices were given without faces; give both, or, if they are points of a surface, also "
+                         "points_radius")
     elif vertices is not None and "input" in recipe:
         raise ValueError("the target was given twice, as arrays and as input; leave one of them out")
     return recipe, vertices, faces
 
 
-def _scene(vertices, faces, progress, options):
-    return _juliavdb.Scene(*_target(vertices, faces, options), progress)
+def _scene(vertices, faces, progress, memory, options):
+    return _juliavdb.Scene(*_target(vertices, faces, options), memory, progress)
 
 
 @_options.documented(_options.FRACTAL)
-def fractal(vertices=None, faces=None, *, progress=None, **options):
+def fractal(vertices=None, faces=None, *, progress=None, memory=None, **options):
     """Makes a fractal in the shape of a target, and returns it as a Fractal.
 
-    The target is the name of a file, or two arrays, vertices (n, 3) and faces (m, 3). A map that makes a set of its
+    The target is the name of a file, or two arrays, vertices (n, 3) and faces (m, 3), or with points_radius vertices
+    alone. A map that makes a set of its
     own, such as map="mandelbulb", needs none. The grids that grids= names are made at once; without it they are made
     when the first VDB is written, which takes as long again, but for the target's distances.
     """
-    return _scene(vertices, faces, progress, options).fractal(options.get("grids") is not None, progress)
+    return _scene(vertices, faces, progress, memory, options).fractal(options.get("grids") is not None, progress)
 
 
 @_options.documented(_options.FRACTAL, _options.VIEW)
-def render(vertices=None, faces=None, *, progress=None, **options):
+def render(vertices=None, faces=None, *, progress=None, memory=None, **options):
     """Makes a picture of the set itself, as 'juliavdb render --field' does: an array (height, width, 3) of uint8.
 
     It is finer than any voxels, and there is no mesh made for it. The target is the same as that of fractal().
     """
     view = {name: options.pop(name) for name in list(options) if name in _options.VIEW}
     _juliavdb.check_view(_options.recipe(view))
-    return _scene(vertices, faces, progress, options).render(_options.recipe(view), progress)
+    return _scene(vertices, faces, progress, memory, options).render(_options.recipe(view), progress)
 
 
 @_options.documented(_options.FIT)
-def fit(vertices=None, faces=None, *, progress=None, **options):
+def fit(vertices=None, faces=None, *, progress=None, memory=None, **options):
     """Finds a rational map in the shape of a target, as 'juliavdb fit' does, and returns it as a Fit.
 
     Written to shape.json, it is a map for fractal(map="rational", rational="shape.json").
     """
-    return Fit(*_target(vertices, faces, options), progress)
+    return Fit(*_target(vertices, faces, options), memory, progress)
 
 
 class Field:
     """The function F whose set F < 0 is the fractal, to be evaluated anywhere."""
 
     @_options.documented(_options.FRACTAL)
-    def __init__(self, vertices=None, faces=None, *, progress=None, **options):
+    def __init__(self, vertices=None, faces=None, *, progress=None, memory=None, **options):
         """Prepares the field. The target and the options are the same as those of fractal()."""
-        self._scene = _scene(vertices, faces, progress, options)
+        self._scene = _scene(vertices, faces, progress, memory, options)
 
     def __call__(self, points, *, progress=None):
         """F at points, an array (n, 3) in the target's units: an array (n,) of float64, below 0 inside the set."""

@@ -2,8 +2,8 @@
 #include "made.h"
 
 #include "vdbtools/base/number_text.h"
-#include "vdbtools/files/atomic_file.h"
 #include "vdbtools/files/file_bytes.h"
+#include "vdbtools/files/output_files.h"
 #include "vdbtools/job/fractal_files.h"
 #include "vdbtools/job/scene_picture.h"
 #include "vdbtools/recipe/option_value.h"
@@ -13,7 +13,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <list>
+#include <chrono>
 #include <stdexcept>
 #include <utility>
 
@@ -28,6 +28,7 @@ std::shared_ptr<MadeScene> makeNamedScene(const Recipe& given, std::shared_ptr<c
   made->recipe = vdbtools::completeRecipe(std::move(made->recipe), vdbtools::fractalOptionTable());
   vdbtools::FractalOptions options = vdbtools::parseFractalOptions(made->recipe);
   if (mesh) options.target.value().mesh = std::move(mesh);
+  made->inputs = vdbtools::inputsOf(options);
   made->scene = vdbtools::makeScene(options, monitor);
   // The fields and files of the scene need the mesh no more, and the caller may want its memory.
   if (made->scene.options.target) made->scene.options.target->mesh.reset();
@@ -76,9 +77,10 @@ std::shared_ptr<MadeFractal> makeFractal(std::shared_ptr<const MadeScene> made, 
   auto fractal = std::make_shared<MadeFractal>();
   fractal->made = std::move(made);
   const vdbtools::Scene& scene = fractal->made->scene;
+  vdbtools::requireMemoryForMesh(scene);
   vdbtools::MeshCollector collector(fractal->mesh, &fractal->values);
   fractal->result = vdbtools::runFractal(scene, vdbtools::planScene(scene), wantGrids, &collector, monitor);
-  fractal->hasGrids = wantGrids;
+  if (wantGrids) fractal->grids = std::make_shared<vdbtools::FractalResult>(fractal->result);
   return fractal;
 }
 
@@ -91,30 +93,40 @@ void requireExtension(const std::string& path, const std::string& known) {
     throw std::invalid_argument("the file to write is '" + path + "'; its extension must be one of " + known);
 }
 
+/// What files hold besides the mesh, with the grids. @throw vdbtools::Interrupted
+std::shared_ptr<const vdbtools::FractalResult> withGrids(MadeFractal& fractal, Monitor& monitor) {
+  // Another thread may be making them, which takes long.
+  constexpr std::chrono::milliseconds kStep(50);
+  std::unique_lock lock(fractal.gridsMutex, std::defer_lock);
+  while (!lock.try_lock_for(kStep)) monitor.throwIfCancelled();
+  if (!fractal.grids) {
+    const vdbtools::Scene& scene = fractal.made->scene;
+    vdbtools::FractalResult made = vdbtools::runFractal(scene, vdbtools::planScene(scene), true, nullptr, monitor);
+    auto all = std::make_shared<vdbtools::FractalResult>(fractal.result);
+    all->grids = std::move(made.grids);
+    all->check = std::move(made.check);
+    fractal.grids = std::move(all);
+  }
+  return fractal.grids;
+}
+
 }  // namespace
 
 void writeFiles(MadeFractal& fractal, const std::vector<std::string>& paths, Monitor& monitor) {
   for (const std::string& path : paths) requireExtension(path, std::string(".vdb ") + vdbtools::kMeshExtensions);
-  std::list<vdbtools::AtomicFile> files;
-  std::vector<vdbtools::AtomicFile*> all;
+  vdbtools::OutputFiles files(fractal.made->inputs);
   vdbtools::FractalFiles wanted;
   for (const std::string& path : paths) {
-    all.push_back(&files.emplace_back(path));
+    vdbtools::AtomicFile& file = files.add(path);
     if (vdbtools::lowerExtension(path) != ".vdb")
-      wanted.meshes.push_back({all.back(), vdbtools::meshFormat(path)});
-    else if (std::exchange(wanted.vdb, all.back()))
+      wanted.meshes.push_back({&file, vdbtools::meshFormat(path)});
+    else if (std::exchange(wanted.vdb, &file))
       throw std::invalid_argument("two VDB files were given; write them one after the other");
   }
-  const vdbtools::Scene& scene = fractal.made->scene;
-  if (wanted.vdb && !fractal.hasGrids) {
-    vdbtools::FractalResult result = vdbtools::runFractal(scene, vdbtools::planScene(scene), true, nullptr, monitor);
-    fractal.result.grids = std::move(result.grids);
-    fractal.result.check = std::move(result.check);
-    fractal.hasGrids = true;
-  }
-  vdbtools::writeMadeFractal(scene, fractal.made->recipe, fractal.result, fractal.mesh, fractal.values, wanted,
-                             monitor);
-  vdbtools::commitAll(all);
+  const std::shared_ptr<const vdbtools::FractalResult> grids = wanted.vdb ? withGrids(fractal, monitor) : nullptr;
+  vdbtools::writeMadeFractal(fractal.made->scene, fractal.made->recipe, grids ? *grids : fractal.result, fractal.mesh,
+                             fractal.values, wanted, monitor);
+  files.commit();
 }
 
 std::shared_ptr<MadeFit> makeFit(const Recipe& given, std::shared_ptr<const vdbtools::Mesh> mesh, Monitor& monitor) {
@@ -123,6 +135,7 @@ std::shared_ptr<MadeFit> makeFit(const Recipe& given, std::shared_ptr<const vdbt
   if (mesh) fit->recipe["input"] = kMemory;
   fit->recipe = vdbtools::completeRecipe(std::move(fit->recipe), vdbtools::fitOptionTable());
   vdbtools::FitOptions options = vdbtools::parseFitOptions(fit->recipe);
+  if (!mesh) fit->inputs.add(options.target.input);
   options.target.mesh = std::move(mesh);
   fit->result = vdbtools::runFit(options, false, monitor);
   return fit;
@@ -130,10 +143,11 @@ std::shared_ptr<MadeFit> makeFit(const Recipe& given, std::shared_ptr<const vdbt
 
 void writeFit(const MadeFit& fit, const std::string& path, Monitor& monitor) {
   requireExtension(path, ".json .o3d");
-  vdbtools::AtomicFile file(path);
+  vdbtools::OutputFiles files(fit.inputs);
+  std::ostream& file = files.add(path).stream();
   monitor.begin("writing", 0);
   const bool json = vdbtools::lowerExtension(path) == ".json";
-  file.stream() << (json ? vdbtools::fitToJson(fit.result, fit.recipe) : vdbtools::fitToO3d(fit.result, monitor));
+  file << (json ? vdbtools::fitToJson(fit.result, fit.recipe) : vdbtools::fitToO3d(fit.result, monitor));
   monitor.throwIfCancelled();
-  file.commit();
+  files.commit();
 }

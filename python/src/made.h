@@ -4,6 +4,7 @@
 #pragma once
 
 #include "vdbtools/base/monitor.h"
+#include "vdbtools/files/input_files.h"
 #include "vdbtools/fit/fit_job.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh/mesh.h"
@@ -12,6 +13,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,6 +26,8 @@ inline constexpr const char* kMemory = "memory";
 struct MadeScene {
   vdbtools::Recipe recipe;  ///< completed
   vdbtools::Scene scene;
+  vdbtools::InputFiles inputs;  ///< what was read: nothing that is written may replace one of them
+  std::optional<double> memory;  ///< bytes that the process may take for it
 };
 
 /// @param mesh  the target, if it is in memory; the recipe must then have no input
@@ -48,6 +53,7 @@ vdbtools::Image pictureOf(const MadeScene& made, const vdbtools::Recipe& view, v
 struct MadeFit {
   vdbtools::Recipe recipe;  ///< completed
   vdbtools::FitResult result;
+  vdbtools::InputFiles inputs;  ///< as of a scene
 };
 
 /// @param mesh  as that of makeNamedScene()
@@ -55,23 +61,28 @@ struct MadeFit {
 std::shared_ptr<MadeFit> makeFit(const vdbtools::Recipe& given, std::shared_ptr<const vdbtools::Mesh> mesh,
                                  vdbtools::Monitor& monitor);
 
-/// Writes the map. @throw std::invalid_argument  the extension is neither .json nor .o3d
+/// Writes the map. @throw std::invalid_argument  the extension is neither .json nor .o3d, or the file is an input
 /// @throw vdbtools::CreateError, vdbtools::IoError, vdbtools::Interrupted
 void writeFit(const MadeFit& fit, const std::string& path, vdbtools::Monitor& monitor);
 
-/// A fractal in memory.
+/// A fractal in memory. Once it is made nothing of it changes but the grids.
 struct MadeFractal {
   std::shared_ptr<const MadeScene> made;
   vdbtools::Mesh mesh;
-  std::vector<float> values;  ///< of the mesh's columns, row by row
-  vdbtools::FractalResult result;
-  bool hasGrids = false;
+  std::vector<float> values;       ///< of the mesh's columns, row by row
+  vdbtools::FractalResult result;  ///< without the grids
+
+  /// Made when they are first needed, by whichever thread comes first.
+  std::timed_mutex gridsMutex;
+  std::shared_ptr<const vdbtools::FractalResult> grids;
 };
 
 std::shared_ptr<MadeFractal> makeFractal(std::shared_ptr<const MadeScene> made, bool wantGrids,
                                          vdbtools::Monitor& monitor);
 
-/// Writes the fractal to files that all appear together. Grids that are not there yet are made first, and kept.
-/// @throw std::invalid_argument  an extension is none of .vdb, .ply, .obj, .stl and .glb
+/// Writes the fractal to files that all appear together. Grids that are not there yet are made first, and kept. May be
+/// called in several threads at once.
+/// @throw std::invalid_argument  an extension is none of .vdb, .ply, .obj, .stl and .glb; a file is an input, or given
+///                               twice
 /// @throw vdbtools::CreateError, vdbtools::IoError, vdbtools::Interrupted
 void writeFiles(MadeFractal& fractal, const std::vector<std::string>& paths, vdbtools::Monitor& monitor);

@@ -2,9 +2,11 @@
 // The Python module juliavdb._juliavdb. What users see stands in juliavdb/__init__.py, which turns arguments into the
 // text of a recipe; here are the arrays, the errors and the work.
 #include "made.h"
+#include "python_words.h"
 #include "watched_work.h"
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/memory.h"
 #include "vdbtools/job/failure_text.h"
 #include "vdbtools/job/fractal_options.h"
 #include "vdbtools/job/scene_picture.h"
@@ -15,8 +17,10 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdlib>
 #include <limits>
 #include <new>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -86,22 +90,42 @@ std::shared_ptr<const vdbtools::Mesh> meshOf(const py::array& vertices, const py
 
 /// The target, unless a file is.
 std::shared_ptr<const vdbtools::Mesh> targetOf(const py::object& vertices, const py::object& faces) {
-  return vertices.is_none() ? nullptr : meshOf(arrayOf(vertices, "vertices"), arrayOf(faces, "faces"));
+  if (vertices.is_none()) return nullptr;
+  // Points alone; the Python side has seen to it that they have a radius.
+  const py::array all =
+      faces.is_none() ? py::array(py::array_t<std::int64_t>(std::vector<py::ssize_t>{0, 3})) : arrayOf(faces, "faces");
+  return meshOf(arrayOf(vertices, "vertices"), all);
+}
+
+/// @param text  "16G"; nothing: the environment's, as for the command @throw std::invalid_argument
+std::optional<double> memoryOf(const std::optional<std::string>& text) {
+  const char* const usual = std::getenv("JULIAVDB_MEMORY");
+  if (!text && !usual) return std::nullopt;
+  const std::string value = text.value_or(usual ? usual : "");
+  const std::optional<double> bytes = vdbtools::memoryFromText(value);
+  if (!bytes)
+    throw std::invalid_argument((text ? "--memory is '" : "JULIAVDB_MEMORY is '") + value + "'; it must be " +
+                                vdbtools::kMemoryTexts);
+  return bytes;
 }
 
 std::shared_ptr<MadeScene> openScene(const Recipe& recipe, const py::object& vertices, const py::object& faces,
-                                     const py::object& progress) {
+                                     const std::optional<std::string>& memoryText, const py::object& progress) {
+  const std::optional<double> memory = memoryOf(memoryText);
   std::shared_ptr<const vdbtools::Mesh> mesh = targetOf(vertices, faces);
   std::shared_ptr<MadeScene> made;
-  doWatched(progress, [&](Monitor& monitor) { made = makeNamedScene(recipe, std::exchange(mesh, {}), monitor); });
+  doWatched(progress, memory,
+            [&](Monitor& monitor) { made = makeNamedScene(recipe, std::exchange(mesh, {}), monitor); });
+  made->memory = memory;
   return made;
 }
 
 std::shared_ptr<MadeFit> openFit(const Recipe& recipe, const py::object& vertices, const py::object& faces,
-                                 const py::object& progress) {
+                                 const std::optional<std::string>& memory, const py::object& progress) {
   std::shared_ptr<const vdbtools::Mesh> mesh = targetOf(vertices, faces);
   std::shared_ptr<MadeFit> fit;
-  doWatched(progress, [&](Monitor& monitor) { fit = makeFit(recipe, std::exchange(mesh, {}), monitor); });
+  doWatched(progress, memoryOf(memory),
+            [&](Monitor& monitor) { fit = makeFit(recipe, std::exchange(mesh, {}), monitor); });
   return fit;
 }
 
@@ -124,7 +148,7 @@ py::array_t<double> evaluate(const MadeScene& made, const py::object& points, co
   py::array_t<double> field(at.shape(0));
   const std::span<double> values(field.mutable_data(), static_cast<std::size_t>(field.size()));
   const std::span<const Vec3d> places = spanOf(at);
-  doWatched(progress, [&](Monitor& monitor) { evaluateAt(made, places, values, monitor); });
+  doWatched(progress, made.memory, [&](Monitor& monitor) { evaluateAt(made, places, values, monitor); });
   return field;
 }
 
@@ -170,7 +194,7 @@ py::dict attributesOf(const py::object& self) {
 
 py::array render(const MadeScene& made, const Recipe& view, const py::object& progress) {
   vdbtools::Image image;
-  doWatched(progress, [&](Monitor& monitor) { image = pictureOf(made, view, monitor); });
+  doWatched(progress, made.memory, [&](Monitor& monitor) { image = pictureOf(made, view, monitor); });
   const std::vector<std::uint8_t> codes = vdbtools::screenCodes(image);
   return py::array_t<std::uint8_t>({image.height, image.width, 3}, codes.data());
 }
@@ -209,22 +233,28 @@ py::list listingOf(const vdbtools::OptionTable& table) {
 PyObject* theDataError = nullptr;  ///< juliavdb.DataError, which the module holds
 
 void translate(std::exception_ptr failure) {
+  const auto raise = [](PyObject* type, const std::string& text) {
+    PyErr_SetString(type, inPythonsWords(text).c_str());
+  };
   try {
     if (failure) std::rethrow_exception(failure);
   } catch (const vdbtools::DataError& error) {
-    PyErr_SetString(theDataError, vdbtools::failureText(error).c_str());
+    raise(theDataError, vdbtools::failureText(error));
   } catch (const vdbtools::MissingInputError& error) {
-    PyErr_SetString(PyExc_FileNotFoundError, error.what());
+    raise(PyExc_FileNotFoundError, error.what());
   } catch (const vdbtools::CreateError& error) {
-    PyErr_SetString(PyExc_OSError, error.what());
+    raise(PyExc_OSError, error.what());
   } catch (const vdbtools::IoError& error) {
-    PyErr_SetString(PyExc_OSError, error.what());
+    raise(PyExc_OSError, error.what());
   } catch (const vdbtools::Interrupted& error) {
-    PyErr_SetString(PyExc_KeyboardInterrupt, error.what());
+    raise(PyExc_KeyboardInterrupt, error.what());
   } catch (const vdbtools::MemoryError& error) {
-    PyErr_SetString(PyExc_MemoryError, vdbtools::failureText(error).c_str());
+    const bool isOurs = error.use() != vdbtools::MemoryUse::Libraries;
+    raise(PyExc_MemoryError, vdbtools::failureText(error) + (isOurs ? "; --memory sets another limit" : ""));
   } catch (const std::bad_alloc&) {
-    PyErr_SetString(PyExc_MemoryError, vdbtools::kOutOfMemory);
+    raise(PyExc_MemoryError, vdbtools::kOutOfMemory);
+  } catch (const std::invalid_argument& error) {
+    raise(PyExc_ValueError, error.what());
   }
 }
 
@@ -246,13 +276,15 @@ PYBIND11_MODULE(_juliavdb, m) {
 
   py::class_<MadeScene, std::shared_ptr<MadeScene>>(m, "Scene")
       .def(py::init([](const Recipe& recipe, const py::object& vertices, const py::object& faces,
-                       const py::object& progress) { return openScene(recipe, vertices, faces, progress); }))
+                       const std::optional<std::string>& memory,
+                       const py::object& progress) { return openScene(recipe, vertices, faces, memory, progress); }))
       .def("evaluate", evaluate)
       .def("render", render)
       .def("fractal",
            [](const std::shared_ptr<MadeScene>& made, bool wantGrids, const py::object& progress) {
              std::shared_ptr<MadeFractal> fractal;
-             doWatched(progress, [&](Monitor& monitor) { fractal = makeFractal(made, wantGrids, monitor); });
+             doWatched(progress, made->memory,
+                       [&](Monitor& monitor) { fractal = makeFractal(made, wantGrids, monitor); });
              return fractal;
            })
       .def_property_readonly("bounds", boundsOf)
@@ -275,7 +307,7 @@ PYBIND11_MODULE(_juliavdb, m) {
                              "hold of both), voxel_size, vertices, triangles, evaluated_nodes, and, where they are "
                              "known, islands, volume and target_volume.")
       .def("_write", [](MadeFractal& fractal, const std::vector<std::string>& paths, const py::object& progress) {
-        doWatched(progress, [&](Monitor& monitor) { writeFiles(fractal, paths, monitor); });
+        doWatched(progress, fractal.made->memory, [&](Monitor& monitor) { writeFiles(fractal, paths, monitor); });
       });
 
   py::class_<MadeFit, std::shared_ptr<MadeFit>>(m, "Fit", "A rational map in the shape of a target, as fit() makes it.")
@@ -284,6 +316,6 @@ PYBIND11_MODULE(_juliavdb, m) {
                              "A dict: recipe, top_roots, bottom_roots, steps, and how well the map fits: iou, psi, "
                              "mean_distance and hausdorff, the distances in shares of the longest side.")
       .def("_write", [](const MadeFit& fit, const std::string& path, const py::object& progress) {
-        doWatched(progress, [&](Monitor& monitor) { writeFit(fit, path, monitor); });
+        doWatched(progress, std::nullopt, [&](Monitor& monitor) { writeFit(fit, path, monitor); });
       });
 }

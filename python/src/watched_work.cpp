@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "watched_work.h"
 
+#include "vdbtools/base/memory.h"
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -19,6 +21,8 @@ namespace {
 
 /// How often the calling thread looks for signals and tells of the progress.
 constexpr std::chrono::milliseconds kTick(50);
+/// Of how many ticks one looks at the memory.
+constexpr int kTicksOfMemory = 4;
 
 struct PhaseNews {
   std::string phase;
@@ -74,7 +78,10 @@ void tell(const py::object& progress, WatchedMonitor& monitor) {
 
 }  // namespace
 
-void doWatched(const py::object& progress, const std::function<void(vdbtools::Monitor&)>& work) {
+void doWatched(const py::object& progress, std::optional<double> memory,
+               const std::function<void(vdbtools::Monitor&)>& work) {
+  std::optional<vdbtools::MemoryLimit> limit;
+  if (memory) limit.emplace(*memory);
   WatchedMonitor monitor;
   std::exception_ptr failure, stopped;
   std::mutex mutex;
@@ -91,7 +98,8 @@ void doWatched(const py::object& progress, const std::function<void(vdbtools::Mo
     ended.notify_one();
   });
   // Whatever happens, the worker ends first: it uses what lives here.
-  for (bool last = false; !last;) {
+  int tick = 0;
+  for (bool last = false; !last; ++tick) {
     {
       const py::gil_scoped_release release;
       std::unique_lock lock(mutex);
@@ -101,6 +109,9 @@ void doWatched(const py::object& progress, const std::function<void(vdbtools::Mo
     try {
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
       tell(progress, monitor);
+      if (tick % kTicksOfMemory == 0)
+        if (const std::optional<std::string> why = vdbtools::memoryRunsOut())
+          throw vdbtools::MemoryError(*why, vdbtools::MemoryUse::Field);
     } catch (...) {
       stopped = std::current_exception();
       monitor.cancel();

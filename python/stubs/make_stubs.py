@@ -24,6 +24,7 @@ __version__: str
 '''
 
 OWN = {"vertices": "Optional[Target]", "faces": "Optional[ArrayLike]", "progress": "Optional[Progress]",
+       "memory": "Optional[str]",
        "points": "ArrayLike", "paths": "Union[str, os.PathLike[str]]", "path": "Union[str, os.PathLike[str]]"}
 
 

@@ -209,6 +209,13 @@ def lumpy():
     return [swollen(*p) for p in points], faces
 
 
+def snowman():
+    """Two balls, one into the other: with a thick and a thin part."""
+    points, faces = sphere(4)
+    others, more = sphere(3, 0.45, (1.25, 0.3, 0.2))
+    return points + others, faces + [tuple(corner + len(points) for corner in face) for face in more]
+
+
 def needle(subdivisions=2):
     """What info has measured in a tenth of a second, and other shapes in two: there is little room about it."""
     points, faces = sphere(subdivisions)

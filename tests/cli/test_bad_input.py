@@ -35,6 +35,15 @@ class Meshes(harness.CliTest):
         self.path("folder.vdb").mkdir()
         self.both_refuse(NO_INPUT, "folder.obj", mentions="folder.obj")
         self.refused(NO_INPUT, "fractal", "folder.vdb", "-o", "x.vdb", mentions="folder.vdb")
+        # Where a recipe or a part of a file is looked for, too.
+        cases = []
+        for extension in ("vdb", "ply", "obj", "glb"):
+            name = f"folder.{extension}"
+            self.path(name).mkdir(exist_ok=True)
+            cases += [("fractal", "--config", name, "-o", "x.vdb"), ("points", name, "-o", "x.ply", "--points", 9),
+                      ("print", name, "-o", "x.stl", "--size", 9), ("render", name, "-o", "x.png"),
+                      ("mesh", name, "-o", "x.ply")]
+        self.all_refused(NO_INPUT, cases, mentions="folder.")
 
     def test_empty(self):
         names = [f"empty.{extension}" for extension in (*self.ENCODERS, "vdb", "json", "p4d", "poly4d", "o3d")]
@@ -73,12 +82,12 @@ class Meshes(harness.CliTest):
     def test_absurd_coordinates(self):
         """Of which no resolution makes voxels that a grid can have: the mesh is to blame."""
         points, faces = harness.sphere(1)
-        for scale in (1e36, 1e-9):
+        for scale in (1e36, 1e-15):
             mesh = [tuple(scale * x for x in p) for p in points], faces
             name = self.write(f"scaled_{scale}.stl", harness.stl(mesh))
             self.both_refuse(BAD_DATA, name, mentions="voxel size would be")
             # A voxel size of one's own is another matter.
-            self.refused(USAGE, "sdf", name, "-o", "x.vdb", "--voxel-size", 1e-9, mentions="voxel size")
+            self.refused(USAGE, "sdf", name, "-o", "x.vdb", "--voxel-size", 1e-13, mentions="voxel size")
 
     def test_no_triangles(self):
         points, _ = harness.sphere(1)
@@ -133,7 +142,7 @@ class Vdbs(harness.CliTest):
         return name
 
     def all_refuse(self, name, **options):
-        for command in (("fractal", name, "-o", "x.vdb", *LOW), ("mesh", name, "-o", "x.ply"),
+        for command in (("fractal", name, "-o", "x.vdb", "--resolution", 24), ("mesh", name, "-o", "x.ply"),
                         ("render", name, "-o", "x.png", "--size", "16x16")):
             with self.subTest(command=command):
                 self.refused(BAD_DATA, *command, **options)
@@ -170,7 +179,8 @@ class Vdbs(harness.CliTest):
                                       "0,0,0,0,0,0")):
             name = f"box{number}.vdb"
             pyopenvdb.write(str(self.path(name)), grids=grids, metadata={**metadata, "julia_target_box": box})
-            self.refused(BAD_DATA, "fractal", name, "-o", "x.vdb", *LOW, mentions=[name, "julia_target_box"])
+            self.refused(BAD_DATA, "fractal", name, "-o", "x.vdb", "--resolution", 24,
+                         mentions=[name, "julia_target_box"])
 
     def test_nowhere_negative(self):
         grid = self.sphere_grid()
@@ -310,7 +320,10 @@ class Places(harness.CliTest):
                 (("versor", "new", "-o"), ".json"), (("versor", "scale", "v.json", "2", "-o"), ".p4d"),
                 (("slice", "s.vdb", "--field", "grid", "--size", 16, "-o"), ".png"),
                 (("study", "s.vdb", "--versors", 2, "--size", 16, "-o"), ".png"),
-                (("render", "s.vdb", "--size", "16x16", "-o"), ".exr")]
+                (("render", "s.vdb", "--size", "16x16", "-o"), ".exr"), (("render", "s.obj", "--size", "16x16", "-o"), ".png"),
+                (("render", "--field", "s.obj", *LOW, "--size", "16x16", "-o"), ".png"),
+                (("points", "s.vdb", "--points", 9, "-o"), ".ply"), (("print", "s.vdb", "--size", 9, "-o"), ".stl"),
+                (("fit", "s.obj", "--roots", 3, "--resolution", 20, "-o"), ".json"), (("usd", "s.vdb", "-o"), ".usda")]
 
     def test_no_such_folder(self):
         self.all_refused(CANNOT_CREATE, [(*job, f"nowhere/x{extension}") for job, extension in self.jobs()],
@@ -335,7 +348,7 @@ class Places(harness.CliTest):
     def test_one_place_for_two_outputs(self):
         self.refused(CANNOT_CREATE, "fractal", "s.obj", *LOW, "-o", "x.vdb", "--mesh", "/proc/nowhere/x.ply")
         self.path("same.ply").symlink_to("same.vdb")
-        self.refused(CANNOT_CREATE, "fractal", "s.obj", *LOW, "-o", "same.vdb", "--mesh", "same.ply", mentions="same")
+        self.refused(USAGE, "fractal", "s.obj", *LOW, "-o", "same.vdb", "--mesh", "same.ply", mentions="same")
 
     def test_wrong_extension(self):
         self.all_refused(USAGE, [(*job, "x.docx") for job, _ in self.jobs()], mentions="x.docx")
@@ -539,6 +552,38 @@ class Options(harness.CliTest):
         for option in ("--roots=0", "--powers=5:2", "--placement=inside", "--radius=0", "--box=0,0,0", "--seed=x"):
             cases.append(("versor", "new", "-o", "x.json", option))
         self.all_refused(USAGE, cases)
+
+
+class EveryCommand(harness.CliTest):
+    """The same codes, whichever command it is."""
+
+    # The words before an input, and the kinds of input.
+    READERS = ((("sdf", "-o", "x.vdb"), ("obj", "glb", "vdb")), (("fractal", "-o", "x.vdb"), ("ply", "stl", "vdb")),
+               (("fractal", "-o", "x.vdb", "--config"), ("vdb", "ply", "obj", "glb", "json", "cfg")),
+               (("fractal", "s.obj", "-o", "x.vdb", "--versor"), ("json", "p4d", "o3d", "vdb")),
+               (("fractal", "s.obj", "-o", "x.vdb", "--detail"), ("vdb",)),
+               (("fractal", "--map", "rational", "-o", "x.vdb", "--rational"), ("json", "o3d")),
+               (("fit", "-o", "x.json"), ("off", "vdb")), (("mesh", "-o", "x.ply"), ("vdb", "ply")),
+               (("points", "-o", "x.ply", "--points", 9), ("obj", "vdb")), (("print", "-o", "x.stl", "--size", 9), ("obj", "vdb")),
+               (("versor", "inspect"), ("json", "p4d")), (("sheet", "-o", "x.png", "--vary", "detail=0.1,0.2"), ("obj", "vdb")),
+               (("slice", "-o", "x.png"), ("obj", "vdb")), (("study", "-o", "x.png"), ("obj", "vdb")),
+               (("render", "-o", "x.png"), ("obj", "vdb")), (("render", "--field", "-o", "x.png"), ("obj", "vdb")),
+               (("explore", "--export", "x.html"), ("obj", "vdb")), (("plan", "tiles", "-o", "x", "--tiles", 2), ("obj", "vdb")),
+               (("plan", "sheet", "-o", "x"), ("json",)), (("usd", "-o", "x.usda"), ("vdb",)), (("info",), ("obj", "vdb", "json")))
+
+    def test_an_input_that_is_not_there(self):
+        self.write("s.obj", harness.obj(harness.sphere(2)))
+        self.all_refused(NO_INPUT, [(*words, f"gone.{kind}") for words, kinds in self.READERS for kind in kinds],
+                         mentions="gone.")
+
+    def test_an_input_that_is_noise(self):
+        self.write("s.obj", harness.obj(harness.sphere(2)))
+        cases = []
+        for words, kinds in self.READERS:
+            for kind in kinds:
+                if kind != "cfg":  # a text of options is as good as the command line, and as bad
+                    cases.append((*words, self.write(f"noise.{kind}", bytes(range(256)) * 20)))
+        self.all_refused(BAD_DATA, cases, mentions="noise.")
 
 
 if __name__ == "__main__":

@@ -71,7 +71,8 @@ class Examples(harness.CliTest):
 
         if command == "fractal":
             replace("--resolution", "32")
-        if command in ("fractal", "sheet", "slice", "study") and "--config" not in words and not words[0].endswith(".vdb"):
+        has_mesh = "--config" not in words and "--map" not in words and not "".join(words[:1]).endswith(".vdb")
+        if command in ("fractal", "sheet", "slice", "study") and has_mesh:
             replace("--sdf-resolution", "32")
         if command in ("slice", "study"):
             replace("--size", "40")
@@ -79,7 +80,7 @@ class Examples(harness.CliTest):
             replace("--versors", "3")
         if command in ("render", "sheet"):
             replace("--size", "40x30")
-        if command == "print":
+        if command == "print" and (not words[0].endswith(".vdb") or "--min-thickness" in words):
             replace("--resolution", "28")
         for option, value in (("--min-thickness", "6"), ("--spacing", "0.2"), ("--points", "500")):
             if option in words:

@@ -93,6 +93,13 @@ class Detail(harness.CliTest):
         self.assertNotIn("alpha", recipe)
         self.assertEqual((recipe["detail"], recipe["outward"]), ("0.2", "0.1"))
 
+    def test_a_wire_thinner_than_its_voxels_is_refused_with_a_way_out(self):
+        points, faces = harness.sphere(3)
+        self.write("wire.obj", harness.obj(([(x, 0.01 * y, 0.01 * z) for x, y, z in points], faces)))
+        wire = ("fractal", "wire.obj", "--resolution", 40)
+        self.refused(BAD_DATA, *wire, "-o", "w.vdb", mentions=["too thin", "--sdf-resolution"])
+        self.ok(*wire, "--sdf-resolution", 800, "-o", "w.vdb")
+
     def test_an_empty_result_of_a_target_advises_no_box(self):
         run = self.run_program("fractal", "s.obj", "-o", "x.vdb", "--alpha", 10, "--beta=-0.4", *LOW)
         self.assertEqual(run.returncode, BAD_DATA)

@@ -93,6 +93,12 @@ class SameBytes(harness.CliTest):
         self.twice({"-o": ".exr"}, "render", "f.vdb", "--size", "60x40")
         self.twice({"-o": ".ply"}, "mesh", "f.vdb")
         self.twice({"-o": ".ply"}, "mesh", "f.vdb", "--from-grid")
+        self.twice({"-o": ".ply"}, "print", "f.vdb", "--size", 30, "--min-thickness", 2, "--resolution", 40, "--tolerance", 0.05)
+        self.twice({"--mesh": ".glb"}, "fractal", "t.obj", *LOW, "--colour", "trap", "--lod", "100%,20%")
+        self.twice({"--mesh": ".ply"}, "fractal", "t.obj", *LOW, "--adaptivity", 0.2, "--largest", 1)
+        self.ok("mesh", "f.vdb", "-o", "f.ply")
+        self.twice({"-o": ".png"}, "render", "f.ply", "--size", "60x40")
+        self.twice({"-o": ".png"}, "render", "--field", "f.vdb", "--size", "40x30", "--colour", "trap")
 
 
 class Recipes(harness.CliTest):

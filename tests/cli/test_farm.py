@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tasks of a plan on one machine: which one is made, what is recorded, and what a failure, a signal or a kill leaves."""
 
+import fcntl
+import hashlib
 import json
 import os
 import pathlib
@@ -17,7 +19,7 @@ import unittest
 import farm
 import harness
 from farm import FARM, TILES
-from harness import BAD_DATA, CANNOT_CREATE, DONE, IO_ERROR, NO_INPUT, USAGE
+from harness import BAD_DATA, CANNOT_CREATE, DONE, INTERRUPTED, IO_ERROR, NO_INPUT, USAGE
 
 
 class Tasks(farm.FarmTest):
@@ -199,6 +201,81 @@ class Failures(farm.FarmTest):
         self.assertEqual(self.states(), (0, 0, 0, TILES))
 
 
+class Requests(farm.FarmTest):
+    """What a merge cannot make is known before the first task is made."""
+
+    def commands(self, *words):
+        """All commands that are asked for the files of a merge, with nothing made yet."""
+        return [("merge", FARM, *words)] + [("submit", FARM, "--engine", engine, *more, *words)
+                                            for engine in ("parallel", "slurm") for more in ((), ("--dry-run",))]
+
+    def test_a_merge_that_cannot_be_made_is_refused_at_once(self):
+        self.plan()
+        self.path("folder.ply").mkdir()
+        for code, words, mentions in (
+                (USAGE, ("-o", "x.ply"), "x.ply"),
+                (USAGE, ("--mesh", "x.vdb"), "x.vdb"),
+                (USAGE, ("--mesh", "x.obj"), ("x.obj", "--make vdb,ply,obj")),
+                (USAGE, ("-o", "x.vdb", "--mesh", "x.stl"), "--make vdb,ply,stl"),
+                (USAGE, ("--index", "x.ply"), "x.ply"),
+                (USAGE, ("--index", "x.json", "-o", "x.vdb"), "--index"),
+                (USAGE, ("-o", "x.vdb", "--most-points", 5), "--most-points"),
+                (CANNOT_CREATE, ("-o", "nowhere/x.vdb"), "nowhere"),
+                (CANNOT_CREATE, ("-o", "x.vdb", "--mesh", "nowhere/x.ply"), "nowhere"),
+                (CANNOT_CREATE, ("--mesh", "folder.ply"), "folder.ply"),
+                (CANNOT_CREATE, ("--index", "nowhere/x.json"), "nowhere")):
+            for command in self.commands(*words):
+                self.refused(code, *command, mentions=mentions)
+        self.assertEqual(self.states(), (0, 0, 0, TILES))
+
+    def test_what_the_tasks_do_not_make_is_named_with_the_way_to_it(self):
+        for makes, words, wanted in (("ply", ("-o", "x.vdb"), "--make ply,vdb"),
+                                     ("vdb", ("--mesh", "x.ply"), "--make vdb,ply")):
+            self.ok("plan", "tiles", harness.BUNNY, "-o", makes, "--tiles", 2, "--make", makes, *farm.OPTIONS)
+            self.refused(USAGE, "merge", makes, *words, mentions=wanted)
+            self.refused(USAGE, "submit", makes, "--engine", "parallel", *words, mentions=wanted)
+
+    def test_a_plan_without_a_merge(self):
+        self.write("s.obj", harness.obj(harness.sphere(1)))
+        self.ok("plan", "frames", "s.obj", "--frames", "1-2", "--key", "alpha@1=20", "-o", FARM)
+        for engine in ("parallel", "slurm"):
+            self.refused(USAGE, "submit", FARM, "--engine", engine, "-o", "x.vdb", mentions="only a plan of tiles")
+
+    def test_common_options_reach_every_task_and_the_merge(self):
+        self.plan()
+        common = "--instructions portable --memory 3G --progress none"
+        for engine in ("parallel", "slurm"):
+            script = self.ok("submit", FARM, "--engine", engine, "--dry-run", "-o", "m.vdb", "--threads", 2,
+                             *common.split(), "--most-points", 1000, "--mesh", "m.ply", data=True)
+            for command in ("task", "merge"):
+                line, = (line for line in script.splitlines() if f"{command} ." in line)
+                self.assertIn(common, line)
+            self.assertIn("--most-points 1000", script)
+            self.refused(USAGE, "submit", FARM, "--engine", engine, "--memory", "much", mentions="much")
+            self.refused(USAGE, "submit", FARM, "--engine", engine, "--instructions", "mmx", mentions="mmx")
+
+
+class HostilePlans(farm.FarmTest):
+    """tests/farm/hostile_plan_test.cpp goes through every value."""
+
+    def test_what_is_left_out_is_bad_data(self):
+        self.plan()
+        manifest = json.loads(self.bytes(f"{FARM}/manifest.json"))
+        manifest.pop("hash")
+        for change in (lambda m: m.pop("lattice"), lambda m: m["tasks"][2].pop("box"), lambda m: m["tasks"].clear(),
+                       lambda m: m["tasks"][0].update(box=[[0, 0, 0], [-8, -8, -8]]),
+                       lambda m: m["recipe"].update(alpha="x"), lambda m: m.update(kind="frames"),
+                       lambda m: m["tasks"][0].update(writes=[])):
+            changed = json.loads(json.dumps(manifest))
+            change(changed)
+            changed["hash"] = hashlib.sha256(
+                json.dumps(changed, separators=(",", ":"), ensure_ascii=False).encode()).hexdigest()
+            self.write(f"{FARM}/manifest.json", json.dumps(changed, ensure_ascii=False))
+            self.all_refused(BAD_DATA, [("status", FARM), ("task", FARM, "--index", 1), ("merge", FARM, "-o", "x.vdb"),
+                                        ("submit", FARM, "--engine", "parallel", "-o", "x.vdb")],
+                             mentions=("manifest.json", "plan again"))
+
+
 class Kills(farm.FarmTest):
 
     def test_killed_a_hundred_times(self):
@@ -257,14 +334,93 @@ class Parallel(farm.FarmTest):
         for _ in range(2):  # the second makes parallel stop the tasks instead of waiting for them
             process.send_signal(signal.SIGTERM)
             time.sleep(0.2)
-        process.communicate(timeout=harness.TIMEOUT)
-        self.assertNotEqual(process.returncode, DONE)
-        self.assertEqual(self.states()[1:3], (0, 0))
+        _, said = process.communicate(timeout=harness.TIMEOUT)
+        self.assertEqual(process.returncode, INTERRUPTED, said)
+        self.assertIn("the same command goes on", said.decode().splitlines()[-1])
+        done, running, failed, missing = self.states()
+        self.assertEqual((running, failed), (0, 0))
+        self.assertGreater(missing, 0, "what was running was stopped, and not waited for to its end")
         process = self.submit()
         process.communicate(timeout=harness.TIMEOUT)
         self.assertEqual(process.returncode, DONE)
         self.check_done()
         self.check_merged()
+
+    def ended(self, code, *mentions, env=None, preexec=None, words=()):
+        """A submission that fails: the code, and a last line that says what is missing and how it goes on."""
+        run = self.run_program("submit", FARM, "--engine", "parallel", "--jobs", 2, *words, env=env,
+                               preexec_fn=preexec)
+        text = run.stderr.decode()
+        self.assertEqual(run.returncode, code, text)
+        last = text.splitlines()[-1]
+        for mention in ("juliavdb: ", "the same command", *mentions):
+            self.assertIn(mention, last, text)
+
+    def test_failed_tasks_give_their_code(self):
+        self.plan()
+        name = next(entry["path"] for entry in json.loads(self.bytes(f"{FARM}/manifest.json"))["inputs"]
+                    if not os.path.isabs(entry["path"]))
+        original = self.bytes(f"{FARM}/{name}")
+        self.write(f"{FARM}/{name}", original[:-1] + bytes([original[-1] ^ 1]))
+        self.ended(BAD_DATA, f"tasks 1-{TILES} of {TILES} are not done", "task 1: ", name, "(exit code 65)")
+        self.write(f"{FARM}/{name}", original)
+        self.assertEqual(self.states(), (0, 0, TILES, 0))
+
+    def test_a_full_disk(self):
+        self.plan()
+
+        def small_files():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (12000, 12000))
+
+        self.ended(IO_ERROR, "not done", preexec=small_files)
+
+    def test_the_gravest_of_several_codes(self):
+        self.plan()
+        for task in (2, 5):  # a folder stands where a file is to be
+            self.path(f"{FARM}/tiles/{task:04}.vdb").mkdir(parents=True)
+        with self.subTest("one code"):
+            self.ended(CANNOT_CREATE, f"tasks 2,5 of {TILES} are not done", "task 2: ", "(exit code 73)",
+                       words=("-o", "m.vdb"))
+            self.assertFalse(self.path("m.vdb").exists())
+        for record in self.path(f"{FARM}/tasks").iterdir():
+            record.unlink()
+
+        def small_files():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (12000, 12000))
+
+        self.ended(CANNOT_CREATE, "not done", preexec=small_files)
+
+    def test_killed_tasks_are_worth_another_try(self):
+        self.plan()
+        process = self.submit()
+        killed = self.kill_one()
+        _, said = process.communicate(timeout=harness.TIMEOUT)
+        self.assertEqual(process.returncode, INTERRUPTED, said)
+        self.assertIn(f"task {killed} of {TILES} is not done; the same command", said.decode().splitlines()[-1])
+
+    def test_what_parallel_refuses(self):
+        self.plan()
+        self.ended(USAGE, "parallel failed", "words behind --", words=("--", "--no-such-option"))
+        self.assertEqual(self.states(), (0, 0, 0, TILES))
+
+    def test_a_merge_that_fails(self):
+        self.plan(done=True)
+        shutil.rmtree(self.path(f"{FARM}/logs"), ignore_errors=True)
+
+        def small_files():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
+
+        self.ended(IO_ERROR, "all tasks are done", "merge", preexec=small_files, words=("-o", "m.vdb"))
+        self.assertFalse(self.path("m.vdb").exists())
+
+    def test_tasks_that_others_are_at(self):
+        self.plan(done=True)
+        self.path(f"{FARM}/tasks/0003.json").unlink()
+        mark = self.path(f"{FARM}/tasks/0003.running.json")
+        mark.write_text("{}")
+        with open(mark) as held:
+            fcntl.flock(held, fcntl.LOCK_EX)
+            self.ended(INTERRUPTED, f"task 3 of {TILES}", "made by others", words=("-o", "m.vdb"))
 
     def test_nothing_is_left_to_submit(self):
         self.plan(done=True)

@@ -114,6 +114,17 @@ class HandOff(harness.CliTest):
             for item in list(full[name].citerOnValues())[::17]:
                 self.assertAlmostEqual(accessor.getValue(item.min), item.value, delta=abs(item.value) * 2**-10 + 1e-7)
 
+    def test_files_say_which_axis_is_up(self):
+        """In every format that has a place for it, and as docs/handoff.md has it in its table."""
+        said = re.compile(rb'julia_up_axis\W+([yz])\b')
+        for up, grids, prints, web in (("keep", "y", "y", "y"), ("y", "y", "y", "y"), ("z", "z", "z", "y"),
+                                       ("auto", "y", "z", "y")):
+            self.ok("fractal", "t.obj", *LOW, "--up", up, "-o", "u.vdb", "--mesh", "u.ply")
+            for kind, axis in (("ply", prints), ("obj", grids), ("glb", web)):
+                self.ok("fractal", "t.obj", *LOW, "--up", up, "--mesh", f"u.{kind}")
+                self.assertEqual(said.findall(self.bytes(f"u.{kind}")), [axis.encode()], (up, kind))
+            self.assertEqual(self.info("u.vdb")["metadata"]["julia_up_axis"], grids, up)
+
     def test_one_grid_unless_asked(self):
         self.ok("fractal", "t.obj", *LOW, "-o", "t.vdb")
         self.assertEqual(list(self.grids("t.vdb")), ["surface"])

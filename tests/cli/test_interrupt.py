@@ -80,6 +80,25 @@ class Interrupt(harness.CliTest):
         self.ok("sdf", "s.obj", "-o", "s.vdb", "--resolution", 32)
         self.interrupt_in("render", "render", "s.vdb", "-o", "x.png", "--size", "6000x6000", "--samples", 16)
 
+    def test_what_is_left_of_a_turntable_is_told(self):
+        self.ok("sdf", "s.obj", "-o", "s.vdb", "--resolution", 32)
+        process = subprocess.Popen(
+            [harness.program(), "render", "--field", "s.obj", "-o", "x.####.png", "--frames", "500", "--size", "64x64",
+             "--sdf-resolution", "24", "--progress", "json"], cwd=self.folder, env=harness.environment(),
+            stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, preexec_fn=harness.restore_interrupt)
+        end = time.monotonic() + harness.TIMEOUT
+        while len(list(self.folder.glob("x.*.png"))) < 2 and time.monotonic() < end:
+            time.sleep(0.02)
+        process.send_signal(signal.SIGINT)
+        _, stderr = process.communicate(timeout=harness.TIMEOUT)
+        self.assertEqual(process.returncode, harness.INTERRUPTED)
+        told = json.loads(stderr.decode().splitlines()[-1])
+        frames = [name for name in self.listing() if name.endswith(".png")]
+        self.assertTrue(1 < len(frames) < 500, frames)
+        self.assertEqual(sorted(told["written"]), frames)
+        self.assertIn(frames[0], told["error"])
+        self.assertNotIn("nothing was written", told["error"])
+
     def test_an_existing_output_stays(self):
         self.write("x.vdb", "precious")
         self.interrupt_in("field", "fractal", "s.obj", "-o", "x.vdb", "--resolution", 1000, "--alpha", 6,

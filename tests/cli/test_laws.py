@@ -4,6 +4,8 @@ and from every way to them, and moving with their targets."""
 
 import math
 
+import pyopenvdb
+
 import harness
 
 LOW = ("--resolution", 28, "--sdf-resolution", 28)
@@ -55,13 +57,16 @@ class Closed(Laws):
         """--follow says what it left out, finds what the whole shell holds but for a few islands, and closes it."""
         job = ("fractal", "t.obj", "--resolution", 100, "--sdf-resolution", 48, "--alpha", 40)
         whole = self.mesh(*job, "--mesh")
-        for stride in (8, 2):
+        found = set()
+        for stride in (8, 4, 2):
             said = self.ok(*job, "--mesh", "followed.ply", "--follow", "--seed-stride", stride)
             self.assertIn("missed by an estimate", said)
             followed = harness.read_ply(self.bytes("followed.ply"))
             self.check_closed(followed)
             self.assertLessEqual(set(followed.points), set(whole.points))
             self.assertGreater(len(followed.points), 0.99 * len(whole.points))
+            self.assertLessEqual(found, set(followed.points), "seeds nearer to each other find less")
+            found = set(followed.points)
 
     def test_islands_are_dropped_whole(self):
         rough = ("t.obj", "--alpha", 15, "--versor-seed", 3, *LOW)
@@ -210,6 +215,61 @@ class Similarity(Laws):
         for p, q in zip(plain.points, large.points):
             for x, y in zip(p, q):
                 self.assertAlmostEqual(y / 1000, x, delta=2e-3 * 2 / 28)
+
+    def test_the_fractal_does_not_depend_on_the_resolution(self):
+        """Every node of a lattice is a node of the one that is twice as fine, and has the same value there."""
+        self.write("l.obj", harness.obj(harness.lumpy()))
+        low = ("fractal", "l.obj", "--grids", "logmodulus", "--exhaustive")
+        for resolution in (20, 40):
+            self.ok(*low, "--resolution", resolution, "--sdf-resolution", 40, "-o", f"{resolution}.vdb")
+        coarse, fine = (pyopenvdb.read(str(self.path(f"{resolution}.vdb")), "logmodulus") for resolution in (20, 40))
+        values, compared = fine.getConstAccessor(), 0
+        for item in coarse.iterOnValues():
+            value, active = values.probeValue(tuple(2 * k for k in item.min))
+            if active:
+                self.assertEqual(value, item.value, item.min)
+                compared += 1
+        self.assertGreater(compared, 10000)
+
+    def test_the_fractal_depends_on_the_resolution_of_the_distances(self):
+        self.write("l.obj", harness.obj(harness.lumpy()))
+        for resolution in (30, 40):
+            self.ok("fractal", "l.obj", "--resolution", 24, "--sdf-resolution", resolution, "--mesh", f"{resolution}.stl")
+        self.assertNotEqual(self.bytes("30.stl"), self.bytes("40.stl"))
+
+    def test_the_world_as_it_is(self):
+        """A target about 0 whose longest side is 1 lies in the world as in fractal space; one twice as large does not."""
+        self.write("one.obj", harness.obj(harness.sphere(3, 0.5)))
+        self.write("two.obj", harness.obj(harness.sphere(3, 1.0)))
+        volumes = {}
+        for name in ("one", "two"):
+            for space in ("fit", "world"):
+                self.ok("fractal", f"{name}.obj", *LOW, "--alpha", 40, "--origin", "centre", "--space", space, "--mesh",
+                        f"{name}_{space}.stl", "-o", f"{name}_{space}.vdb")
+                volumes[name, space] = harness.volume_of(self.mesh("mesh", f"{name}_{space}.vdb", "-o"))
+        self.assertEqual(self.bytes("one_fit.stl"), self.bytes("one_world.stl"))
+        self.assertAlmostEqual(volumes["two", "fit"] / volumes["one", "fit"], 8, delta=1e-3)
+        self.assertGreater(abs(volumes["two", "world"] / volumes["one", "world"] - 8), 0.05)
+
+    def test_doubles_are_taken_where_floats_are_not_exact_enough(self):
+        """The rule of docs/precision.md, on both sides of each of its bounds."""
+        powers = lambda *each: harness.rational_json([(0.1 * k, 0.2, -0.1, 0, p) for k, p in enumerate(each)])
+        self.write("most.json", powers(100, 100, 50))
+        self.write("more.json", powers(100, 100, 51))
+        # In fractal space a voxel of this ball is half as large.
+        part = ("s.obj", "--box=0.6,-0.03,-0.03,1.1,0.03,0.03", "--voxel-size")
+        for arithmetic, options in (("float", ("s.obj", "--iterations", 5)), ("double", ("s.obj", "--iterations", 6)),
+                                    ("float", ("s.obj", "--versor", "most.json")),
+                                    ("double", ("s.obj", "--versor", "more.json")),
+                                    ("float", (*part, 0.0021)), ("double", (*part, 0.0019)),
+                                    ("double", ("--map", "mandelbulb")), ("double", ("--map", "cross")),
+                                    ("double", ("--map", "quadratic", "--mandelbrot")),
+                                    ("double", ("s.obj", "--precision", "double")),
+                                    ("float", ("s.obj", "--precision", "float", "--iterations", 6))):
+            with self.subTest(options=options):
+                size = () if options[:3] == part else LOW[:2]
+                mesh = self.fractal(*options, *size, *(LOW[2:] if options[0] == "s.obj" else ()))
+                self.assertEqual(mesh.comments["julia_arithmetic"], arithmetic)
 
     def test_far_away_the_file_keeps_the_detail(self):
         """Floats would move vertices by a share of a voxel there: the PLY has doubles."""

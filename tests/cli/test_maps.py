@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Maps without a target: every one of them to a VDB and a mesh that others can read, its pictures, and what is refused."""
 
+import json
 import math
 import re
 import shutil
@@ -38,6 +39,29 @@ class Maps(harness.CliTest):
             self.assertEqual(uses, 1, f"the edge {a}-{b} has a direction twice")
         self.assertEqual(harness.open_edges(mesh), [])
         self.assertGreater(harness.volume_of(mesh), 0)
+
+
+class Listing(Maps):
+
+    def test_json_lists_the_options_of_a_recipe(self):
+        """What a host may hand on from a recipe of somebody else: everything that a recipe can hold, and nothing that
+        makes the program write."""
+        listed = json.loads(self.ok("maps", "--json", data=True))
+        self.assertEqual(listed["maps"], [line.split()[0] for line in self.ok("maps", data=True).splitlines()])
+        names = [option["name"] for option in listed["options"]]
+        self.assertEqual(len(names), len(set(names)))
+        self.write("s.obj", harness.obj(harness.sphere(2)))
+        for options in (("s.obj", "--sdf-resolution", 16), ("--map", "quadratic", "--c=-0.2,0.6,0.2,0.2")):
+            self.ok("fractal", *options, "-o", "a.vdb", "--resolution", 16)
+            recipe = self.info("a.vdb")["recipe"]
+            held = {name for name in recipe if name != "command" and not name.endswith("-sha256")}
+            self.assertEqual(held - set(names), set())
+        common = self.ok("maps", "--help", "all", data=True) + self.ok("merge", "--help", "all", data=True)
+        others = set(re.findall(r"(?m)^  (?:-\w \[ )?--([a-z-]+)", common)) | {"frames", "key", "frame", "search"}
+        self.assertIn("output", others)
+        self.assertIn("mesh", others)
+        self.assertEqual(set(names) & others, set())
+        self.refused(USAGE, "maps", "--json", "--markdown")
 
 
 class EveryMap(Maps):
@@ -164,6 +188,14 @@ class Sets(Maps):
         own = self.fractal("--map", "cross", "--iterations", 5, "--f", "-r^2*sin2phi, r^2*cos2phi, 0", "--g",
                            "-sin2theta/cos2phi, 0, cos2theta", *LOW)
         self.assertAlmostEqual(harness.volume_of(own), harness.volume_of(a), delta=1e-3 * harness.volume_of(a))
+
+    def test_the_shift_off_the_nodes_is_less_than_a_thousandth_of_a_voxel(self):
+        for pair in PAIRS:
+            self.ok("fractal", "--map", "cross", "--pair", pair, *LEAST, "-o", "c.vdb")
+            told = self.info("c.vdb")
+            shift = [abs(float(x)) for x in told["metadata"]["julia_space_centre"].split(",")]
+            self.assertGreater(min(shift), 0, pair)
+            self.assertLess(max(shift), 1e-3 * told["grids"][0]["voxel size"][0], pair)
 
     def test_a_pair_with_undefined_planes_is_in_one_piece(self):
         """A is outside where |x| = |y|: without volume, that must not take the shape apart."""

@@ -134,6 +134,12 @@ class Painting(harness.CliTest):
         rough, smooth = self.sides("b.ply", 1)
         self.assertGreater(rough, 2 * smooth)
 
+    def test_a_variable_goes_before_an_attribute_of_its_name(self):
+        for name in ("height", "wet"):
+            self.write("h.ply", painted_ply(self.ball, [f"float {name}"], lambda p: (0,)))
+            self.ok("fractal", "h.ply", *SMALL, "--mask", "expr:height", "--mesh", f"{name}.stl")
+        self.assertEqual(self.bytes("height.stl"), self.bytes("wet.stl"))
+
     def test_recipes_name_the_file_and_its_content(self):
         self.write("brush.obj", harness.obj(harness.sphere(2, 0.5, (1, 0, 0))))
         self.ok("fractal", "ball.ply", "--alpha", "near:brush.obj:0.3:8:300", *SMALL, "-o", "a.vdb")

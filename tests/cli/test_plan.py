@@ -40,6 +40,30 @@ class Frames(PlanTest):
                 for extension in ("vdb", "ply", "stl"):
                     self.assertSameFile(f"p/out/s.000{frame}.{extension}", f"x.{extension}")
 
+    def test_frames_share_one_distance_field_which_goes_with_the_last(self):
+        """Each wants distances up to another depth. Tasks run in processes of their own, in no particular order."""
+        self.ok("plan", "frames", "s.obj", *LOW, "--frames", "1-4", "--key", "detail@1=0.1", "--key", "detail@4=0.6",
+                "-o", "p")
+        for frame in (2, 4, 1, 3):
+            self.ok("task", "p", "--index", frame)
+            kept = [name for name in self.listing() if name.startswith("p/targets/")]
+            self.assertLessEqual(len([name for name in kept if name.endswith(".vdb")]), 2,
+                                 "the distances, and the coarse ones that the thickness is found by")
+        self.assertEqual(kept, [])
+        self.assertFalse(self.path("p/targets").exists())
+        text = self.ok("status", "p", data=True)
+        self.assertIn("evaluated nodes: ", text)
+        self.assertNotIn("triangles", text, "the plan makes no mesh")
+        for frame in (1, 2, 3, 4):
+            self.ok("fractal", "--config", f"p/out/s.000{frame}.vdb", "-o", "x.vdb")
+            self.assertSameFile(f"p/out/s.000{frame}.vdb", "x.vdb")
+
+    def test_a_recipe_that_cannot_be_made_is_bad_data_of_the_plan(self):
+        self.ok("plan", "frames", "s.obj", *LOW, "--frames", "1-2", "--key", "alpha@1=-5", "--key", "alpha@2=40", "-o", "p")
+        run = self.run_program("task", "p", "--index", 1)
+        self.assertIn("recipe of task 1", self.check_refusal(run, BAD_DATA, "task p --index 1"))
+        self.ok("task", "p", "--index", 2)
+
     def test_each_frame_has_its_own_target(self):
         for frame, radius in ((8, 1), (9, 1.5), (10, 2)):
             self.write(f"in.{frame:04}.obj", harness.obj(harness.sphere(2, radius)))
@@ -69,7 +93,7 @@ class Frames(PlanTest):
         self.assertSameFile("p/out/quadratic.0001.vdb", "x.vdb")
 
     def test_the_recipe_of_a_file_goes_on(self):
-        self.ok("fractal", "s.obj", *LOW, "--alpha", 30, "-o", "f.vdb")
+        self.ok("fractal", "s.obj", *LOW, "--alpha", 30, "--versor", "random", "-o", "f.vdb")
         self.ok("plan", "frames", "--config", "f.vdb", "--frames", 2, "--key", "versor-seed@1=3", "-o", "p")
         self.ok("task", "p", "--index", 1)
         self.ok("fractal", "--config", "f.vdb", "--versor-seed", 3, "-o", "x.vdb")

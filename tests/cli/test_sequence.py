@@ -29,6 +29,29 @@ class Sequences(harness.CliTest):
         for name, content in self.frames(1, 2, 3, 4).items():
             self.assertEqual(content, self.bytes("plan/out/" + name.replace("g.", "lumpy.")), name)
 
+    def test_a_frame_does_not_depend_on_those_that_were_made_before(self):
+        """In any order, after a resumption, and by itself."""
+        self.write("snowman.obj", harness.obj(harness.snowman()))
+        words = ("fractal", "snowman.obj", "-o", "g.####.vdb", "--mesh", "g.####.ply", "--key", "detail@1=0.1", "--key",
+                 "detail@3=0.5", "--resolution", 20, "--sdf-resolution", 60)
+        self.ok(*words, "--frames", "1-3")
+        made = self.frames(1, 2, 3)
+        for order in ("3,2,1", "2,3,1"):
+            self.ok(*words, "--frames", order, "--force")
+            self.assertTrue(self.frames(1, 2, 3) == made, order)
+        for missing in (1, 2, 3):
+            os.remove(self.path(f"g.{missing:04}.ply"))
+            self.assertIn("made 1 frame, kept 2 of 3 frames", self.ok(*words, "--frames", "1-3"))
+            self.assertTrue(self.frames(1, 2, 3) == made, missing)
+        for frame in (1, 2, 3):
+            self.ok("fractal", "--config", f"g.{frame:04}.vdb", "-o", "one.vdb", "--mesh", "one.ply")
+            self.assertTrue(self.bytes("one.vdb") == made[f"g.{frame:04}.vdb"], frame)
+            self.assertTrue(self.bytes("one.ply") == made[f"g.{frame:04}.ply"], frame)
+        self.ok("plan", "frames", "snowman.obj", "-o", "plan", "--make", "vdb,ply", "--frames", "1-3", *words[6:])
+        self.ok("task", "plan", "--range", "1-3")
+        for name, content in made.items():
+            self.assertTrue(content == self.bytes("plan/out/" + name.replace("g.", "snowman.")), name)
+
     def test_only_what_is_missing_broken_or_other_is_made(self):
         self.make("--frames", "1-4")
         made = self.frames(1, 2, 3, 4)
@@ -46,6 +69,17 @@ class Sequences(harness.CliTest):
         with open(self.path("lumpy.obj"), "a") as target:
             target.write("# another file\n")
         self.assertIn("kept 0 of 1 frame", self.make("--frames", "4"))
+
+    def test_frames_are_kept_where_the_file_holds_the_recipe(self):
+        """An STL has no place for one. What is cut off is made again in every format."""
+        for kind, kept in (("glb", 2), ("obj", 2), ("ply", 2), ("stl", 0)):
+            words = ("fractal", "lumpy.obj", "--mesh", f"k.####.{kind}", *KEYS, *SMALL, "--frames", "1-2")
+            self.ok(*words)
+            first = self.bytes(f"k.0001.{kind}")
+            self.assertIn(f"kept {kept} of 2 frames", self.ok(*words), kind)
+            self.write(f"k.0001.{kind}", first[:-2])
+            self.assertIn(f"kept {max(0, kept - 1)} of 2 frames", self.ok(*words), kind)
+            self.assertEqual(self.bytes(f"k.0001.{kind}"), first)
 
     def test_targets_with_a_file_for_each_frame(self):
         text = self.path("lumpy.obj").read_text()

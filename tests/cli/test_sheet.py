@@ -64,6 +64,19 @@ class Cells(SheetTest):
         self.assertEqual(self.bytes("written.vdb"), self.bytes("cell.vdb"))
         self.assertEqual(self.bytes("a.ply"), self.bytes("b.ply"))
 
+    def test_a_cell_does_not_depend_on_its_company(self):
+        self.write("m.obj", harness.obj(harness.snowman()))
+        # A narrow band, which each depth of detail wants wider by another amount.
+        self.ok("sdf", "m.obj", "-o", "m.vdb", "--resolution", 40)
+        low = ("--resolution", 20, "--versor", "scales")
+        alone = {}
+        for detail in ("0.1", "0.3", "0.5"):
+            self.ok("sheet", "m.vdb", *low, *SMALL, "--vary", f"detail={detail}", "-o", "one.png")
+            alone[detail] = self.places("one.png", 1)[0]
+        for company in (("0.1", "0.3", "0.5"), ("0.5", "0.1", "0.3")):
+            self.ok("sheet", "m.vdb", *low, *SMALL, "--vary", "detail=" + ",".join(company), "-o", "x.png")
+            self.assertTrue(self.places("x.png", 3) == [alone[detail] for detail in company], company)
+
     def test_the_recipe_of_a_fractal_and_of_a_cell_go_on(self):
         self.ok("fractal", "s.obj", *LOW, "--alpha", 20, "--versor-seed", 1, "-o", "f.vdb")
         self.ok("sheet", "s.obj", *LOW, *SMALL, "--alpha", 20, "--vary", "versor-seed=1,2", "-o", "a.png")
@@ -127,6 +140,12 @@ class Resuming(SheetTest):
         said = self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "alpha=20:40:10", "-o", "x.png")
         self.assertIn("2 of 3 cells kept", said)
         self.assertEqual(len(self.cells()), 3)
+        # Nothing is ever removed, neither what no cell needs any more nor what is none.
+        self.write("x.cells/notes.txt", "mine")
+        before = set(self.cells())
+        self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "alpha=25,35", "-o", "x.png")
+        self.assertEqual(len(set(self.cells()) - before), 2)
+        self.assertLess(before, set(self.cells()))
 
     def test_an_interruption_keeps_what_is_finished(self):
         words = ["sheet", "s.obj", "--sdf-resolution", 20, "--size", "200x200", "--samples", 4, "--vary",

@@ -29,7 +29,7 @@ class Slurm(farm.FarmTest):
         self.plan()
         merged = ("-o", "m.vdb", "--mesh", "m.ply")
         with self.node() as node:
-            said = self.submit(node, *merged, "--", "--comment=a comment")
+            said = self.submit(node, *merged, "--memory", "3G", "--", "--comment=a comment")
             self.assertRegex(said, r"\Atasks: job \d+\nmerge: job \d+\n\Z")
             killed = self.kill_one()
             node.wait_until_idle()
@@ -72,8 +72,9 @@ class Slurm(farm.FarmTest):
         self.plan()
         with self.node() as node:
             run = self.run_program("submit", FARM, "--engine", "slurm", "--", "--partition=none", env=node.environment)
-            self.assertNotEqual(run.returncode, harness.DONE)
+            self.assertEqual(run.returncode, harness.USAGE, run.stderr)
             self.assertIn(b"partition", run.stderr)
+            self.assertIn(b"the same command goes on", run.stderr.splitlines()[-1])
         self.assertEqual(self.states(), (0, 0, 0, TILES))
 
 

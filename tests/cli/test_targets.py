@@ -91,6 +91,11 @@ class Targets(harness.CliTest):
         self.closed_volume("f.ply")
         box = [float(x) for x in self.info("f.vdb")["metadata"]["julia_target_box"].split(",")]
         self.assertAlmostEqual(box[0], -1.1, 6)
+        # A closed mesh grows on all sides, and stays solid.
+        self.write("s.obj", harness.obj(harness.sphere(4)))
+        self.ok("sdf", "s.obj", "-o", "s.vdb", "--thicken", 0.2, "--resolution", 60)
+        self.ok("mesh", "s.vdb", "-o", "s.ply")
+        self.assertAlmostEqual(self.closed_volume("s.ply"), 4 / 3 * math.pi * 1.1 ** 3, delta=0.05)
         self.refused(USAGE, "fractal", "t.obj", "-o", "x.vdb", "--thicken", 0.01, *LOW,
                      mentions=["--thicken", "at least"])
         self.refused(USAGE, "fractal", "t.obj", "-o", "x.vdb", "--thicken", 0.2, "--solidify", 1, *LOW,
@@ -134,6 +139,8 @@ class Targets(harness.CliTest):
         self.ok("fit", "t.obj", "-o", "x.json", "--resolution", 24, "--roots", 4, "--solidify", 0.6)
         self.ok("slice", "t.obj", "-o", "x.png", "--size", 20, "--sdf-resolution", 40, "--thicken", 0.3)
         self.ok("render", "--field", "t.obj", "-o", "y.png", "--size", "20x20", "--sdf-resolution", 40, "--solidify", 0.6)
+        self.ok("study", "t.obj", "-o", "z.png", "--size", 20, "--versors", 2, "--sdf-resolution", 40, "--solidify", 0.6)
+        self.ok("sheet", "t.obj", "-o", "sheet.png", "--size", "20x20", "--vary", "thicken=0.3,0.4", "--sdf-resolution", 40)
         self.ok("plan", "frames", "t.obj", "-o", "farm", "--frames", "1-2", "--resolution", 24, "--sdf-resolution", 40,
                 "--solidify", "0.6", "--key", "detail@1=0.1", "--key", "detail@2=0.3")
         for task in (1, 2):

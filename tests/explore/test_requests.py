@@ -4,7 +4,9 @@
 
 import concurrent.futures
 import json
+import os
 import pathlib
+import re
 import struct
 import subprocess
 import time
@@ -88,6 +90,23 @@ class Page(harness.CliTest):
         x, y, z = exponent["dims"]
         self.assertEqual(len(volume), 2 * x * y * z)
         self.assertEqual(page.get("volume/" + "0" * 32)[0], 404)
+
+    def test_a_scene_does_not_depend_on_those_before_it(self):
+        self.write("m.obj", harness.obj(harness.snowman()))
+        self.ok("sdf", "m.obj", "-o", "m.vdb", "--resolution", 40)
+        words = ("m.vdb", "--resolution", "20", "--versor", "scales")
+
+        def seen(page, detail):
+            status, scene = page.post("scene", {"recipe": page.recipe(detail=detail)})
+            self.assertEqual(status, 200, scene)
+            status, picture = page.post("picture", {"recipe": page.recipe(detail=detail), "width": 60, "height": 60})
+            self.assertEqual(status, 200, picture)
+            return scene, page.get("volume/" + scene["exponent"]["id"]), picture
+
+        company = self.serve(*words)
+        for detail in ("0.5", "0.1", "0.3"):
+            # No assertEqual(), which would look for differences in megabytes for minutes.
+            self.assertTrue(seen(company, detail) == seen(self.serve(*words), detail), detail)
 
     def test_what_the_command_would_say_is_what_the_page_is_told(self):
         page = self.serve("s.obj", *QUICK)
@@ -279,6 +298,19 @@ class Page(harness.CliTest):
         self.assertEqual(job["state"], "done", job)
         self.assertNotEqual(self.bytes("look.vdb"), b"mine")
 
+    def test_no_input_is_replaced(self):
+        """Not even where the page allows it: the target, a picture of the look, the fractal that is shown."""
+        self.ok("fractal", "s.obj", *QUICK, "-o", "look.vdb")
+        before = {name: self.bytes(name) for name in ("s.obj", "look.vdb")}
+        os.link(self.path("s.obj"), self.path("hard.ply"))
+        page = self.serve("look.vdb")
+        for name, kind in (("s", "obj"), ("hard", "ply"), ("look", "vdb")):
+            body = {"recipe": page.recipe(), "name": name, "formats": [kind], "overwrite": True}
+            status, answer = page.post("make", body)
+            self.assertEqual(status, 400, answer)
+            self.assertIn(f"{name}.{kind}", answer["error"])
+        self.assertEqual({name: self.bytes(name) for name in before}, before)
+
     # ---------------------------------------------------------------------------------------------- recipes of files
 
     def test_the_recipe_of_what_was_made(self):
@@ -342,6 +374,9 @@ class Page(harness.CliTest):
         for outside in ("http://", "https://", 'src="page', 'href="page'):
             self.assertNotIn(outside, text)
         self.assertEqual(self.listing(), ["look.html", "s.obj"])
+        exponent = json.loads(re.search(r'id="exported">(.*?)</script>', text, re.S).group(1))["scene"]["exponent"]
+        self.assertLessEqual(max(exponent["dims"]), 160)
+        self.assertGreater(exponent["error"], 0)
         for more in (("--port", "80"), ("--folder", "."), ("--open", "yes")):
             self.refused(harness.USAGE, "explore", "s.obj", "--export", "b.html", *more)
 

@@ -10,7 +10,6 @@
 
 #include <fstream>
 #include <functional>
-#include <limits>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -41,18 +40,19 @@ class ManifestTest : public ::testing::Test {
 };
 
 Manifest tiles() {
-  constexpr int kLow = std::numeric_limits<int>::min(), kHigh = std::numeric_limits<int>::max();
+  constexpr int kHigh = 1 << 30, kLow = -kHigh;
   Manifest manifest;
   manifest.kind = PlanKind::Tiles;
-  manifest.recipe = {{"input", "a \"b\"\\\n\u00e4.obj"}, {"alpha", "40"}, {"mask", ""}};
+  manifest.recipe = {{"input", "a \"b\"\\\n\u00e4.obj"}, {"alpha", "40"}};
   manifest.makes = {"vdb", "ply"};
   manifest.facts = {{"julia_origin_at", "0.1,0,0"}};
-  manifest.lattice = TileLattice{{{kLow, -2, 0}, {kHigh, 5, 6}}, true, 1.0 / 3};
+  manifest.lattice = TileLattice{{{kLow, -8, 0}, {kHigh, 7, 7}}, true, 1.0 / 3};
   manifest.inputs = {{"prepared.vdb", std::string(64, 'a')}, {"/models/b.obj", std::string(64, 'b')}};
   manifest.tasks.resize(3);
   for (int k = 0; k < 3; ++k) {
     manifest.tasks[static_cast<std::size_t>(k)].box = openvdb::CoordBBox({8 * k, -8, 0}, {8 * k + 7, 7, 7});
-    manifest.tasks[static_cast<std::size_t>(k)].writes = {"tiles/000" + std::to_string(k + 1) + ".tile"};
+    manifest.tasks[static_cast<std::size_t>(k)].writes = {"tiles/000" + std::to_string(k + 1) + ".tile",
+                                                          "tiles/000" + std::to_string(k + 1) + ".vdb"};
   }
   manifest.tasks[1].recipe = {{"alpha", "12"}, {"frame", "2"}};
   return manifest;
@@ -90,7 +90,9 @@ TEST_F(ManifestTest, NeedsNeitherBoxesNorALattice) {
   for (const PlanKind kind : {PlanKind::Frames, PlanKind::Sheet}) {
     Manifest manifest;
     manifest.kind = kind;
-    manifest.tasks.resize(1);
+    manifest.makes = {"stl"};
+    manifest.facts = {{"folder", "/"}};
+    manifest.tasks = {{.writes = {"out/a.stl"}}};
     put(encodeManifest(manifest));
     const Manifest read = readManifest(mFolder);
     EXPECT_EQ(read.kind, kind);

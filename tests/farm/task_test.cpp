@@ -54,6 +54,8 @@ class TaskTest : public ::testing::Test {
   static Manifest planned(const fs::path& folder) {
     Manifest manifest;
     manifest.kind = PlanKind::Frames;
+    manifest.makes = {"vdb", "ply"};
+    manifest.facts = {{"folder", "/"}};
     manifest.recipe = {{"input", "bunny.obj"}};
     manifest.inputs = {{"input.obj", sha256OfFile(folder / "input.obj")}};
     for (std::uint64_t k = 1; k <= kTasks; ++k) {

@@ -244,8 +244,17 @@ TEST_F(Tiles, AMeshOfTooManyPointsIsCutIntoFiles) {
 }
 
 TEST_F(Tiles, APreparedSceneEvaluatesTheSameBits) {
-  for (const Recipe& recipe : {shape({{"detail", "x:0.1:0.5"}}), shape({{"alpha", "30"}, {"sampling", "quadratic"}}),
-                               completed({{"map", "mandelbulb"}, {"resolution", "30"}})}) {
+  std::vector<Recipe> recipes{shape({{"detail", "x:0.1:0.5"}}), shape({{"alpha", "30"}, {"sampling", "quadratic"}}),
+                              completed({{"map", "mandelbulb"}, {"resolution", "30"}})};
+  // Roots that are strewn by the distances, which have been in a file for the second scene.
+  std::ostringstream ball;
+  writeMesh(ball, test_meshes::makeSphere(0.7, 3, Vec3d(0.3, -5.1, 2.7)), {.format = MeshFormat::Obj});
+  const std::string mesh = mFolder.write("ball.obj", ball.str()).string();
+  for (const char* placement : {"surface", "inside"})
+    for (const char* resolution : {"23", "29", "31"})
+      recipes.push_back(completed(
+          {{"input", mesh}, {"sdf-resolution", resolution}, {"versor", "random"}, {"versor-placement", placement}}));
+  for (const Recipe& recipe : recipes) {
     const FractalOptions options = parseFractalOptions(recipe);
     const Scene scene = makeScene(options, mMonitor);
     const Scene again = readPreparedScene(options, mFolder.write("prepared.vdb", encodePreparedScene(scene)));

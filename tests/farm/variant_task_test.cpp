@@ -102,6 +102,81 @@ TEST_F(Variants, FramesShareDistancesAndKeepTheirBytes) {
   }
 }
 
+// Each frame wants a band of another width. Whoever needs a wider one replaces the one that is there.
+TEST_F(Variants, OneBandServesFramesOfAllWidths) {
+  for (const char* mend : {"", "true"}) {
+    const std::string name = *mend ? "repaired" : "plan";
+    FramePlanOptions options = frames(mBall, {"detail@1=0.1", "detail@5=0.6"}, 1, 5);
+    options.base.erase("alpha");
+    if (*mend) options.base["repair"] = mend;
+    const Manifest manifest = written(planFrames(options), name);
+    const fs::path folder = mFolder.path() / name;
+    for (const std::uint64_t index : {2, 5, 1, 4, 3}) {
+      makeVariant(folder, manifest, index, mMonitor);
+      EXPECT_TRUE(made("out/ball.000" + std::to_string(index) + ".vdb", name) ==
+                  vdbAndPly(taskRecipe(manifest, index)).first)
+          << "frame " << index;
+      int bands = 0;
+      for (const auto& entry : fs::directory_iterator(folder / "targets"))
+        bands += entry.path().filename().string().find(".band.vdb") != std::string::npos;
+      EXPECT_EQ(bands, *mend ? 0 : 1) << "what a repair has moved is known in its own band only";
+    }
+  }
+}
+
+TEST_F(Variants, WhatNoTaskNeedsAnyMoreIsRemoved) {
+  const Manifest manifest = written(planFrames(frames(mBall, {"alpha@1=20", "alpha@3=60"}, 1, 3)));
+  const fs::path folder = mFolder.path() / "plan", targets = folder / "targets", aside = mFolder.path() / "aside";
+  // Each in a runner of its own, as processes are.
+  const auto run = [&](std::uint64_t index) { return TaskRunner(folder).run(index, mMonitor); };
+  for (const std::uint64_t index : {3, 1}) {
+    EXPECT_TRUE(run(index));
+    EXPECT_TRUE(fs::exists(targets)) << "others will need it";
+  }
+  fs::copy(targets, aside);
+  EXPECT_TRUE(run(2));
+  EXPECT_FALSE(fs::exists(targets));
+  // What a process left that was killed before it could remove it.
+  fs::copy(aside, targets);
+  EXPECT_FALSE(run(3)) << "it is done";
+  EXPECT_FALSE(fs::exists(targets));
+  // A task that is made again makes the distances again.
+  const std::string before = made("out/ball.0002.vdb");
+  mFolder.write("plan/out/ball.0002.vdb", "damaged");
+  EXPECT_TRUE(run(2));
+  EXPECT_TRUE(made("out/ball.0002.vdb") == before);
+  EXPECT_TRUE(before == vdbAndPly(taskRecipe(manifest, 2)).first);
+  EXPECT_FALSE(fs::exists(targets));
+}
+
+TEST_F(Variants, WhatNoOtherTaskNeedsIsNotKept) {
+  for (const int frame : {1, 2, 3}) writeBall("b.000" + std::to_string(frame) + ".obj", frame == 3 ? 1 : frame);
+  written(planFrames(frames((mFolder.path() / "b.####.obj").string(), {}, 1, 3)));
+  const fs::path folder = mFolder.path() / "plan";
+  TaskRunner runner(folder);
+  runner.run(2, mMonitor);
+  EXPECT_FALSE(fs::exists(folder / "targets"));
+  runner.run(1, mMonitor);
+  EXPECT_TRUE(fs::exists(folder / "targets")) << "frame 3 has the same shape in a file of another name";
+  Phases phases;
+  TaskRunner(folder).run(3, phases);
+  EXPECT_FALSE(phases.names.contains("distance field"));
+  EXPECT_FALSE(fs::exists(folder / "targets"));
+}
+
+// Tasks of one process share what the target gives.
+TEST_F(Variants, OneProcessMakesTheExponentOnce) {
+  written(planFrames(frames(mBall, {"versor-translate@1=0,0,0", "versor-translate@3=0.2,0,0"}, 1, 3)));
+  TaskRunner runner(mFolder.path() / "plan");
+  for (const std::uint64_t index : {1, 2, 3}) {
+    Phases phases;
+    runner.run(index, phases);
+    EXPECT_EQ(phases.names.contains("exponent"), index == 1);
+    EXPECT_TRUE(made("out/ball.000" + std::to_string(index) + ".vdb") ==
+                vdbAndPly(taskRecipe(runner.manifest(), index)).first);
+  }
+}
+
 TEST_F(Variants, AFrameIsTheFractalWithItsValues) {
   FramePlanOptions options =
       frames(mBall, {"alpha@1=20", "alpha@3=60", "origin-shift@2=0,0,0", "origin-shift@3=0.1,0,0"}, 1, 3);

@@ -10,6 +10,7 @@
 /// - FAULT=clock:*:0: the time of day goes forward and back by ten hours, from call to call
 /// - FAULT=throw:N:0: while the N-th file is flushed, a thread throws an exception that nobody catches
 /// - FAULT=crash:N:SIGNAL: while the N-th file is flushed, a thread gets this signal
+/// - FAULT=stop:N:SIGNAL: while the N-th file is flushed, the process gets this signal; the flush takes two seconds
 /// - FAULT=alloc:N:BYTES: the N-th allocation of at least so many bytes fails; N+ as above
 /// - FAULT_PATH=FOLDER: only files below this folder are meant
 /// - FAULT_COUNTS=FILE: an existing file of 8 bytes for each kind of call, which receives how often each was made
@@ -29,6 +30,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <climits>
 #include <csignal>
 #include <cstdarg>
@@ -63,7 +65,7 @@ struct Fault {
   std::uint64_t at = 0;
   int error = 0;
   std::uint64_t least = 0;  ///< bytes of an allocation that counts
-  bool bytes = false, isShort = false, clock = false, throws = false, crashes = false;
+  bool bytes = false, isShort = false, clock = false, throws = false, crashes = false, stops = false;
   char folder[PATH_MAX] = {};
   std::size_t folderLength = 0;
 };
@@ -104,7 +106,8 @@ __attribute__((constructor)) void begin() {
       theFault.clock = std::strcmp(kind, "clock") == 0;
       theFault.throws = std::strcmp(kind, "throw") == 0;
       theFault.crashes = std::strcmp(kind, "crash") == 0;
-      if (theFault.throws || theFault.crashes) theFault.kind = Fsync;
+      theFault.stops = std::strcmp(kind, "stop") == 0;
+      if (theFault.throws || theFault.crashes || theFault.stops) theFault.kind = Fsync;
       theFault.at = std::strtoull(at, nullptr, 10);
       theFault.mode = std::strchr(at, '*') ? Mode::EverySecond : std::strchr(at, '+') ? Mode::FromThen : Mode::Once;
       theFault.error = static_cast<int>(number);
@@ -126,6 +129,11 @@ bool fails(Kind kind) {
                                                       : number == theFault.at;
   if (hit && theFault.throws) std::thread([] { throw std::runtime_error("thrown by the shim"); }).join();
   if (hit && theFault.crashes) std::thread([] { std::raise(theFault.error); }).join();
+  if (hit && theFault.stops) {
+    kill(getpid(), theFault.error);
+    std::this_thread::sleep_for(std::chrono::seconds(2));
+    return false;
+  }
   if (hit) errno = theFault.error;
   return hit;
 }

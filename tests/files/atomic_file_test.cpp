@@ -513,6 +513,28 @@ TEST_F(AtomicFileTest, SweepsWhatKilledProcessesLeft) {
   EXPECT_EQ(sweepTemporaries(mFolder / "nowhere"), 0u);
 }
 
+TEST_F(AtomicFileTest, RemovesWhatAKilledWriterOfTheSameFileLeft) {
+  const std::string longName(200, 'n');
+  for (const std::string& name : {std::string("x.vdb"), longName + "1.vdb"}) {
+    const fs::path folder = mFolder / name.substr(0, 8);
+    fs::create_directory(folder);
+    const auto count = [&] { return std::distance(fs::directory_iterator(folder), {}); };
+    // Two at once, as they may be where two runs were started.
+    const Owner first(folder / name), second(folder / name), other(folder / (longName + "2.vdb"));
+    AtomicFile(folder / name);
+    EXPECT_EQ(count(), 3) << "all owners live";
+    first.kill();
+    other.kill();
+    AtomicFile(folder / name);
+    EXPECT_EQ(count(), 2) << "that of the one who lives, and that of the other file";
+    second.kill();
+    AtomicFile(folder / name).commit();
+    EXPECT_EQ(count(), 2) << "the file, and what the other has left";
+    AtomicFile(folder / (longName + "2.vdb"));
+    EXPECT_EQ(count(), 1);
+  }
+}
+
 TEST_F(AtomicFileTest, IsNeverSweptAwayWhileItIsWritten) {
   std::atomic<bool> stop{false};
   std::vector<std::jthread> sweepers;

@@ -41,11 +41,7 @@ void readVdbFile(std::string_view bytes) {
 /// A few bytes may announce any size: what needs more memory than this is refused.
 template <class Read>
 void withMemory(double bytes, Read read) {
-  struct Limit {
-    explicit Limit(double bytes) { setMemoryLimit(residentMemory() + bytes); }
-    ~Limit() { setMemoryLimit(-1); }
-  };
-  const Limit limit(bytes);
+  const MemoryLimit limit(residentMemory() + bytes);
   try {
     read();
   } catch (const MemoryError&) {

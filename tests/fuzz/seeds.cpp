@@ -279,7 +279,7 @@ void addFarm(Seeds& seeds) {
   manifest.facts = {{"source", "x"}};
   const openvdb::CoordBBox box(openvdb::Coord(-8), openvdb::Coord(7));
   manifest.lattice = TileLattice{box, true, 0.125};
-  manifest.tasks = {{.recipe = {}, .box = box, .writes = {"tiles/0001.tile"}}};
+  manifest.tasks = {{.recipe = {}, .box = box, .writes = {"tiles/0001.vdb"}}};
   seeds.push_back({"plan", "tiles", "0" + encodeManifest(manifest)});
 
   const std::string hash = taskHash(plan(), 1);

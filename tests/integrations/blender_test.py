@@ -10,8 +10,11 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import threading
 import time
+import types
 import unittest
+import unittest.mock
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ADDON = "juliavdb_addon"
@@ -185,7 +188,7 @@ class Addon(unittest.TestCase):
         self.assertEqual(len(bpy.data.meshes), meshes, "the old mesh is gone")
         self.assertEqual(result.data.materials[0].name, "stone")
         self.assertEqual(result.location.x, 7)
-        self.assertIn("--versor thorns", result["juliavdb_command"])
+        self.assertIn("--versor=thorns", result["juliavdb_command"])
         self.assertEqual(source.juliavdb.versor, "scales", "a result has settings of its own")
         # From the source, its settings hold.
         source.hide_set(False)
@@ -224,7 +227,7 @@ class Addon(unittest.TestCase):
                 self.paint(source, domain, kind)
                 source.juliavdb.paint = "MASK"
                 result = self.make()
-                self.assertIn("--mask paint:brightness", result["juliavdb_command"])
+                self.assertIn("--mask=paint:brightness", result["juliavdb_command"])
 
                 def distances(sign):
                     """From the painted torus, for some vertices on one side of it, in voxels."""
@@ -236,7 +239,7 @@ class Addon(unittest.TestCase):
     def test_paint_scales_the_detail(self):
         source = self.source(paint="DETAIL", detail=0.5, detail_black=0.02)
         self.paint(source, "POINT", "FLOAT_COLOR")
-        self.assertIn("--detail paint:brightness:0.02:0.5", self.make()["juliavdb_command"])
+        self.assertIn("--detail=paint:brightness:0.02:0.5", self.make()["juliavdb_command"])
 
     def test_paint_without_colours_is_refused(self):
         self.source(paint="MASK")
@@ -263,9 +266,45 @@ class Addon(unittest.TestCase):
         self.source(more="--no-such-option 3")
         with self.assertRaisesRegex(RuntimeError, "no-such-option"):
             bpy.ops.juliavdb.make()
-        bpy.context.object.juliavdb.more = "--progress none"
-        with self.assertRaisesRegex(RuntimeError, "given by the add-on itself"):
+        bpy.context.object.juliavdb.more = "--iterations"
+        with self.assertRaisesRegex(RuntimeError, "--iterations needs a value"):
             bpy.ops.juliavdb.make()
+        bpy.context.object.juliavdb.more = "--half=1"
+        with self.assertRaisesRegex(RuntimeError, "--half takes no value"):
+            bpy.ops.juliavdb.make()
+
+    def test_more_takes_the_options_of_a_recipe(self):
+        for more in ("--sdf-resolution 60 --iterations 4", "--sdf-resolution=60\n--half --origin-shift -0.01,0,0",
+                     "--sdf-resolution 60 --colour 'trap:magma'"):
+            with self.subTest(more=more):
+                self.source(more=more)
+                self.assertIn("--sdf-resolution=60", self.make()["juliavdb_command"])
+
+    def test_a_blend_of_somebody_else_writes_no_file(self):
+        """Whatever stands in the settings of an object, only the add-on's own files are made."""
+        precious = self.folder / "precious.vdb"
+        precious.write_text("precious")
+        listing = self.folder / "options.txt"
+        listing.write_text(f"output = {precious}\n")
+        path = str(precious)
+        for more in (f"-o{path}", f"-o {path}", f"--output={path}", f"--output {path}", f"--outp={path}", f"--mesh={path}",
+                     f"--mesh {self.folder}/new.ply", f"--me {self.folder}/new.ply", f"--config={listing}", path,
+                     f"--iterations 4\n-o{path}", f"--iterations 4 -- -o{path}", f"'--output={path}'", f"-o\t{path}",
+                     f"--frames=1-2 --half -o{path}", "--progress none", "--memory=unlimited", f"--half={path}",
+                     f"-{path}", f"--input={path}", "--", "-", "''"):
+            with self.subTest(more=more):
+                self.source(more=more)
+                with self.assertRaisesRegex(RuntimeError, "More options"):
+                    bpy.ops.juliavdb.make()
+                self.assertEqual(self.files(), ["options.txt", "precious.vdb"])
+                self.assertEqual(precious.read_text(), "precious")
+        for name, value in (("versor", f"-o{path}"), ("versor", f"--output={path}"), ("versor", f"scales\n-o{path}")):
+            with self.subTest(name=name, value=value):
+                self.source(**{name: value})
+                with self.assertRaises(RuntimeError):
+                    bpy.ops.juliavdb.make()
+                self.assertEqual(self.files(), ["options.txt", "precious.vdb"])
+                self.assertEqual(precious.read_text(), "precious")
 
     def test_a_missing_program_is_reported(self):
         self.source()
@@ -337,7 +376,7 @@ class Addon(unittest.TestCase):
         result = self.make()
         name, command = result.name, result["juliavdb_command"]
         self.assertTrue(result.data.filepath.startswith("//volumes"), result.data.filepath)
-        self.assertIn("--versor-seed 4", command)
+        self.assertIn("--versor-seed=4", command)
         bpy.ops.wm.save_as_mainfile(filepath=blend)
         bpy.ops.wm.read_homefile(use_empty=True)
         self.assertNotIn(name, bpy.data.objects)
@@ -365,14 +404,15 @@ class Addon(unittest.TestCase):
         listed = subprocess.run([PROGRAM, "versor", "list"], capture_output=True, text=True, check=True).stdout
         names = [line.split()[0] for line in listed.splitlines()]
         pictures = self.addon.pictures
+        shelf = pictures.shelf(PROGRAM)
         self.assertEqual([texture["name"] for texture in pictures.shelf(PROGRAM).textures], [*names, "random"])
         for name in names:
             source.juliavdb.texture = name
             self.assertEqual((source.juliavdb.versor, source.juliavdb.texture), (name, name))
         source.juliavdb.versor = "own.json"
         self.assertEqual(source.juliavdb.texture, "OTHER")
-        self.assertFalse(pictures.has_seed(PROGRAM, "scales"))
-        self.assertTrue(pictures.has_seed(PROGRAM, "bark"))
+        self.assertFalse(pictures.has_seed(shelf.textures, "scales"))
+        self.assertTrue(pictures.has_seed(shelf.textures, "bark"))
 
     def test_pictures_of_textures_are_made_once(self):
         pictures = self.addon.pictures
@@ -380,10 +420,11 @@ class Addon(unittest.TestCase):
         self.assertTrue(str(folder).startswith(os.environ["XDG_CACHE_HOME"]), "not in the user's own cache")
         folder.mkdir(parents=True, exist_ok=True)
         # All but two are there.
-        for name in pictures.missing(PROGRAM):
+        shelf = pictures.shelf(PROGRAM)
+        for name in pictures.missing(shelf):
             if name not in ("rings", "thorns"):
                 (folder / f"{name}.png").write_bytes(b"")
-        self.assertEqual(sorted(pictures.missing(PROGRAM)), ["rings", "thorns"])
+        self.assertEqual(sorted(pictures.missing(shelf)), ["rings", "thorns"])
         task = pictures.Pictures(PROGRAM)
         shares = []
         while task.poll():
@@ -391,7 +432,7 @@ class Addon(unittest.TestCase):
             time.sleep(0.02)
         self.assertEqual((task.message, task.failed), ("", False))
         self.assertEqual(shares, sorted(shares))
-        self.assertEqual(pictures.missing(PROGRAM), [])
+        self.assertEqual(pictures.missing(shelf), [])
         image = bpy.data.images.load(str(folder / "thorns.png"))
         self.assertEqual(tuple(image.size), (pictures.SIZE, pictures.SIZE))
 
@@ -409,6 +450,45 @@ class Addon(unittest.TestCase):
         path.write_bytes(path.read_bytes()[:-1])
         with self.assertRaisesRegex(ValueError, "cut off"):
             ply.read(path)
+
+    def test_drawing_never_waits_for_the_program(self):
+        """A program that does not answer holds up a thread, but not what Blender calls to draw."""
+        self.source()
+        panel, pictures, programs = self.addon.panel, self.addon.pictures, self.addon.program
+        asked, answer = [], threading.Event()
+        really = programs.answer
+
+        def slowly(program, *words):
+            asked.append(words)
+            self.assertIsNot(threading.current_thread(), threading.main_thread())
+            answer.wait(60)
+            return really(PROGRAM, *words)
+
+        def drawn():
+            """What the panel shows."""
+            layout = unittest.mock.MagicMock()
+            layout.column.return_value = layout.row.return_value = layout
+            panel.Panel.draw(types.SimpleNamespace(layout=layout), bpy.context)
+            shown = [call.args[1] for call in layout.prop.call_args_list]
+            return shown + [call.kwargs["text"] for call in layout.label.call_args_list]
+
+        self.preferences().program = "another juliavdb"
+        with unittest.mock.patch.object(programs, "answer", slowly):
+            for _ in range(3):
+                shown = drawn()
+                self.assertIn("detail", shown)
+                self.assertNotIn("texture", shown)
+                self.assertEqual(len(pictures.items("another juliavdb")), 1)
+                self.assertEqual(pictures.tick(), pictures.INTERVAL)
+            self.assertTrue(bpy.app.timers.is_registered(pictures.tick))
+            answer.set()
+            end = time.monotonic() + 60
+            while pictures.tick() is not None and time.monotonic() < end:
+                time.sleep(0.02)
+            self.assertEqual(asked[0], ("--version",))
+            before = len(asked)
+            self.assertIn("texture", drawn())
+            self.assertEqual(len(asked), before, "it is asked once")
 
     def test_the_panel_has_what_it_draws(self):
         """There is no window to draw in, but every property and operator that the panel names must exist."""

@@ -225,23 +225,6 @@ TEST_F(DetailJob, AMaskOfZeroGivesThePlainTargetThere) {
   }
 }
 
-TEST_F(DetailJob, OneMakerMakesWhatManyMake) {
-  const std::string input = write("shape.obj", merged(makeSphere(1, 4), makeSphere(0.4, 3, Vec3d(1.6, 0.2, 0))));
-  SceneMaker maker;
-  for (const char* detail : {"0.5", "0.1", "0.3"}) {
-    const Recipe recipe{{"input", input}, {"detail", detail}, {"sdf-resolution", "64"}, {"resolution", "48"}};
-    const FractalOptions options = parseFractalOptions(recipe);
-    const Mesh shared = fractalMesh(maker.make(options, mMonitor), mMonitor);
-    const Mesh alone = fractalMesh(makeScene(options, mMonitor), mMonitor);
-    ASSERT_EQ(shared.points.size(), alone.points.size()) << detail;
-    // Distances that were made for a wider band may differ in their last bits.
-    std::size_t elsewhere = 0;
-    for (std::size_t i = 0; i < alone.points.size(); ++i)
-      elsewhere += (shared.points[i] - alone.points[i]).length() > 1e-3;
-    EXPECT_LE(elsewhere, alone.points.size() / 1000) << detail;
-  }
-}
-
 TEST_F(DetailJob, RefusesWhatItCannotDo) {
   const std::string ball = write("ball.obj", makeSphere(1, 3));
   for (const Recipe& recipe : std::vector<Recipe>{{{"detail", "1.5"}},

@@ -87,12 +87,13 @@ TEST_F(RecordedRecipeTest, ABrokenTargetBoxIsBadData) {
 }
 
 TEST_F(RecordedRecipeTest, AShapeThatNoResolutionServesIsBadData) {
-  const VoxelChoice usual{.resolution = 200}, odd{.resolution = 1e9}, size{.voxelSize = 1e-9};
+  const VoxelChoice usual{.resolution = 200}, odd{.resolution = 1e9}, size{.voxelSize = 1e-13};
   EXPECT_THROW(usual.sizeFor(6e33), DataError);
-  EXPECT_THROW(usual.sizeFor(1e-6), DataError);
+  EXPECT_THROW(usual.sizeFor(1e-11), DataError);
   EXPECT_THROW(odd.sizeFor(2), std::invalid_argument);
   EXPECT_THROW(size.sizeFor(2), std::invalid_argument);
   EXPECT_EQ(usual.sizeFor(2), 0.01);
+  EXPECT_EQ(usual.sizeFor(2e-6), 1e-8);
 }
 
 TEST_F(RecordedRecipeTest, ABandOfOneVoxelIsRefusedWhereItIsRead) {

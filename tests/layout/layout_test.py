@@ -131,11 +131,31 @@ def introductions(root):
     return found
 
 
+def speakers(root):
+    """Lines of the libraries that print, or end the process: both are for the program alone."""
+    speech = re.compile(r"std::(?:cout|cerr|clog)\b|\b(?:f|v|vf|d)?printf\(|\b(?:fputs|puts|putchar|perror)\(|"
+                        r"(?<![\w.>])(?:_exit|_Exit|exit|quick_exit|abort|terminate)\(")
+    found = []
+    for layer in ("libjulia", "vdbtools"):
+        for folder, _, names in os.walk(os.path.join(root, layer)):
+            for name in sorted(names):
+                if name.endswith((".h", ".cpp")):
+                    path = os.path.join(folder, name)
+                    with open(path, encoding="utf-8") as file:
+                        code = [line.partition("//")[0] for line in file]
+                    found += [f"{os.path.relpath(path, root)}:{k}: {line.strip()}" for k, line in enumerate(code, 1)
+                              if speech.search(line)]
+    return found
+
+
 class TheTree(unittest.TestCase):
     root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 
     def test_nothing_includes_what_lies_above_it(self):
         self.assertEqual(complaints(self.root), [])
+
+    def test_the_libraries_neither_print_nor_exit(self):
+        self.assertEqual(speakers(self.root), [])
 
     def test_one_header_introduces_each_room(self):
         for room, headers in introductions(self.root).items():
@@ -205,6 +225,14 @@ class ABadTree(unittest.TestCase):
 
     def test_the_module_and_the_program(self):
         self.expect("python/src/bad.cpp", '#include "../../cli/options.h"\n', "side by side")
+
+    def test_a_library_that_prints_or_exits(self):
+        lines = 'std::cerr << "x";\n  fprintf(stderr, "x");\n// puts("x")\nsnprintf(a, b);\nsession.abort();\n  exit(1);\n'
+        with tempfile.TemporaryDirectory() as root:
+            os.makedirs(os.path.join(root, "vdbtools/src/job"))
+            with open(os.path.join(root, "vdbtools/src/job/bad.cpp"), "w", encoding="utf-8") as file:
+                file.write(lines)
+            self.assertEqual([line.split(": ")[0].rpartition(":")[2] for line in speakers(root)], ["1", "2", "6"])
 
     def test_a_file_in_no_room(self):
         self.expect("vdbtools/src/cellar/bad.cpp", "", "lies in no room")

@@ -54,8 +54,9 @@ class Package(unittest.TestCase):
         self.assertRegex(fields, r"(?m)^Maintainer: .+ <.+@.+>$")
         self.assertRegex(fields, r"(?m)^Section: graphics$")
         depends = run("dpkg-deb", "--field", self.files[0], "Depends").stdout
-        for library in ("libc6 (>=", "libstdc++6 (>=", "libopenvdb10.0", "libtbb12", "fonts-dejavu-core"):
+        for library in ("libc6 (>=", "libstdc++6 (>=", "libopenvdb10.0", "libtbb12"):
             self.assertIn(library, depends)
+        self.assertNotIn("fonts-", depends, "the program has its own font")
         self.assertNotIn("juliavdb", depends, "its own libraries are no dependency")
         self.assertNotIn("-dev", depends)
 
@@ -66,7 +67,9 @@ class Package(unittest.TestCase):
                      "usr/share/man/man1/juliavdb.1", "usr/share/man/man1/juliavdb-fractal.1",
                      "usr/share/bash-completion/completions/juliavdb"):
             self.assertIn(f" ./{name}\n", listed)
-        self.assertIn("Apache-2.0", (self.root / "usr/share/doc/juliavdb/copyright").read_text())
+        licences = (self.root / "usr/share/doc/juliavdb/copyright").read_text()
+        self.assertIn("Apache-2.0", licences)
+        self.assertIn("Bitstream, Inc.", licences, "the font's licence goes with the font")
         for unwanted in ("usr/include", "cmake", "usr/local", "test"):
             self.assertNotIn(f"/{unwanted}", listed)
         for line in listed.splitlines():

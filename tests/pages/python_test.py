@@ -55,14 +55,16 @@ class Page(unittest.TestCase):
     @unittest.skipIf(LACKING, f"there is no {', '.join(LACKING)}")
     def test_every_snippet_runs(self):
         names, said, files = run_snippets(PAGE)
-        self.assertEqual(len(said), 9)
+        self.assertEqual(len(said), 10)
         self.assertEqual(files, ["bunny.obj", "bunny.ply", "bunny.vdb", "cube.obj", "shape.json"])
         self.assertEqual(names["strip"].shape, (30, 80, 3))
         self.assertTrue(0.05 < names["share"] < 0.95)
         for corner in (names["cube"].vertices.max(axis=0), -names["cube"].vertices.min(axis=0)):
             self.assertTrue((abs(corner - 1) < 0.3).all(), "the cube is about as large as it was")
-        self.assertRegex(said[-2], r"100%(.|\n)*\ncancelled\n\Z")
-        self.assertIn("--detail is '7'", said[-1])
+        self.assertRegex(said[-3], r"100%(.|\n)*\ncancelled\n\Z")
+        self.assertIn("would take at least", said[-2])
+        self.assertIn("detail is '7'", said[-1])
+        self.assertNotIn("--", said[-1])
 
     @unittest.skipIf(LACKING, f"there is no {', '.join(LACKING)}")
     def test_the_snippet_of_the_readme_runs(self):
@@ -76,7 +78,7 @@ class Page(unittest.TestCase):
     def test_the_exit_codes_are_those_of_the_program(self):
         codes = set(map(int, re.findall(r"\b\d+\b", " ".join(re.findall(r"^\|.*\| ([\d, ]+) \|$", self.text, re.M)))))
         self.assertEqual(codes, {harness.USAGE, harness.BAD_DATA, harness.NO_INPUT, harness.CANNOT_CREATE,
-                                 harness.IO_ERROR, harness.INTERRUPTED})
+                                 harness.INTERNAL, harness.IO_ERROR, harness.INTERRUPTED})
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@
 #include <regex>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace {
@@ -142,6 +143,35 @@ TEST(Canvas, TextIsUtf8) {
   EXPECT_GT(phi.height(), 2 * minus.height());
   EXPECT_LT(phi.width(), 40);
   EXPECT_GT(minus.darkness, 0);
+}
+
+TEST(Canvas, WhatTheFontLacksIsTheSameBox) {
+  // No other font steps in.
+  const TextStyle style{.size = 40};
+  const auto bytes = [&](const std::string& text) {
+    Canvas canvas = pixels(100, 60);
+    canvas.text(text, {10, 45}, style);
+    return canvas.encode("png");
+  };
+  EXPECT_EQ(bytes("\u4e2d"), bytes("\uac00"));
+  EXPECT_GT(inkOfText("\u4e2d", {100, 200}, style).height(), 20);
+  EXPECT_NE(bytes("\u4e2d"), bytes("\u03c6"));
+}
+
+TEST(Canvas, ThreadsMayDrawAtTheSameTime) {
+  const auto draw = [](double size) {
+    Canvas canvas = pixels(300, 100);
+    for (const bool bold : {false, true})
+      for (double y = 20; y < 90; y += 30) canvas.text("Voxels 0123 \u03c6", {5, y}, {.size = size, .bold = bold});
+    return canvas.encode("png");
+  };
+  std::vector<std::string> alone, together(8);
+  for (std::size_t i = 0; i < together.size(); ++i) alone.push_back(draw(10 + static_cast<double>(i)));
+  std::vector<std::thread> threads;
+  for (std::size_t i = 0; i < together.size(); ++i)
+    threads.emplace_back([&, i] { together[i] = draw(10 + static_cast<double>(i)); });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(together, alone);
 }
 
 TEST(Canvas, ImagesKeepTheirCodes) {

@@ -6,6 +6,7 @@ import hashlib
 import inspect
 import os
 import pathlib
+import re
 import sys
 import unittest
 
@@ -29,6 +30,11 @@ def arrays(mesh):
     return np.array(points, dtype=np.float64), np.array(triangles)
 
 
+def in_python(message):
+    """What the command says, with the options' names as Python has them."""
+    return re.sub(r"--([a-z][a-z-]*)", lambda found: found[1].replace("-", "_"), message)
+
+
 @unittest.skipUnless(juliavdb, "the Python module was not built, or there is no numpy")
 class ModuleTest(harness.CliTest):
 
@@ -37,6 +43,36 @@ class ModuleTest(harness.CliTest):
         self.mesh = harness.torus()
         self.write("torus.obj", harness.obj(self.mesh))
         self.torus = str(self.path("torus.obj"))
+
+
+class NothingIsLost(ModuleTest):
+
+    def test_what_was_read_is_not_replaced(self):
+        self.write("v.json", harness.rational_json(harness.ROOTS))
+        made = juliavdb.fractal(self.torus, versor=str(self.path("v.json")), **SMALL)
+        fitted = juliavdb.fit(self.torus, resolution=24, triangles=400, roots=8)
+        for victim, suffix in (("torus.obj", ".obj"), ("v.json", ".ply")):
+            before = self.bytes(victim)
+            os.link(self.path(victim), self.path("hard" + suffix))
+            os.symlink(victim, self.path("soft" + suffix))
+            outputs = ["hard" + suffix, "soft" + suffix] + ([victim] if victim.endswith(suffix) else [])
+            for output in outputs:
+                with self.subTest(output=output):
+                    with self.assertRaisesRegex(ValueError, f"{output}.*{victim}"):
+                        made.write(self.path("new.vdb"), self.path(output))
+                    self.assertEqual(self.bytes(victim), before)
+        os.link(self.path("torus.obj"), self.path("map.json"))
+        with self.assertRaisesRegex(ValueError, "map.json.*torus.obj"):
+            fitted.write(self.path("map.json"))
+        self.assertFalse(self.path("new.vdb").exists())
+        self.assertEqual([name for name in self.listing() if name.endswith(".tmp")], [])
+
+    def test_two_outputs_are_two_files(self):
+        made = juliavdb.fractal(*arrays(self.mesh), **SMALL)
+        with self.assertRaisesRegex(ValueError, "a.ply"):
+            made.write(self.path("a.ply"), self.path("../" + self.folder.name + "/a.ply"))
+        made.write(self.path("a.ply"))
+        made.write(self.path("a.ply"), self.path("a.vdb"))
 
 
 class LikeTheCommand(ModuleTest):
@@ -59,6 +95,20 @@ class LikeTheCommand(ModuleTest):
                 self.ok("fractal", self.torus, "--mesh", "b.stl", *SMALL_WORDS, *words)
                 for extension in ("vdb", "ply", "obj", "stl"):
                     self.assertEqual(self.bytes(f"a.{extension}"), self.bytes(f"b.{extension}"), extension)
+
+    def test_a_fractal_does_not_depend_on_those_before_it(self):
+        small = {"sdf_resolution": 60, "resolution": 20}
+        points, faces = harness.snowman()
+        snowman = np.array(points), np.array(faces)
+        at = np.linspace(-0.9, 0.9, 600).reshape(200, 3)
+        made = {}
+        for order in ((0.1, 0.3, 0.5), (0.5, 0.1, 0.3)):
+            for detail in order:
+                juliavdb.fractal(snowman, **small, detail=detail).write(self.path("a.ply"))
+                values = juliavdb.Field(snowman, **small, detail=detail)(at).tobytes()
+                this = self.bytes("a.ply"), values
+                self.assertTrue(made.setdefault(detail, this) == this, detail)
+        self.assertEqual(len({values for _, values in made.values()}), 3)
 
     def test_attributes_are_those_of_the_file(self):
         made = juliavdb.fractal(self.torus, **SMALL, attributes=["depth", "direction"], colour="trap:magma")
@@ -145,7 +195,7 @@ class LikeTheCommand(ModuleTest):
                 self.assertIs(type(caught.exception), kind)
                 run = self.run_program("fractal", *([target] if target else []), *words, "--mesh", "f.ply")
                 self.assertNotEqual(run.returncode, 0)
-                self.assertEqual(f"juliavdb: {caught.exception}\n", said(run))
+                self.assertEqual(f"juliavdb: {caught.exception}\n", in_python(said(run)))
         self.assertTrue(issubclass(juliavdb.DataError, ValueError))
 
     def test_what_cannot_be_written(self):
@@ -185,6 +235,11 @@ class Arrays(ModuleTest):
             self.assertTrue(np.array_equal(made.faces, of_file.faces))
             self.assertTrue(np.array_equal(made.normals, of_file.normals))
         self.assertEqual(made.info["recipe"]["input"], "memory")
+        # The program has no such arrays.
+        made.write(self.path("arrays.vdb"))
+        run = self.run_program("fractal", "--config", self.path("arrays.vdb"), "-o", self.path("again.vdb"))
+        self.assertEqual(run.returncode, harness.NO_INPUT)
+        self.assertIn("'memory'", said(run))
         data = points.astype("<f8").tobytes() + triangles.astype("<u4").tobytes()
         self.assertEqual(made.info["metadata"]["julia_source_sha256"], hashlib.sha256(data).hexdigest())
         juliavdb.fractal(points, triangles, **SMALL, source_sha256=hashlib.sha256(data).hexdigest())
@@ -243,7 +298,7 @@ class Arrays(ModuleTest):
             (broken, triangles, "point 3 .* not finite"),
             (points + 1j, triangles, "real numbers"),
             (points * 0, triangles, "no extent"),
-            (points, None, "both"),
+            (points, None, "both, or, .* points_radius"),
             (None, triangles, "both"),
             (self.torus, triangles, "faces were given"),
         ]
@@ -254,8 +309,43 @@ class Arrays(ModuleTest):
             juliavdb.fractal(points, triangles, input=self.torus)
         with self.assertRaisesRegex(TypeError, "detail"):
             juliavdb.fractal(points, triangles, detail={})
-        with self.assertRaisesRegex(ValueError, "--feathers"):
+        with self.assertRaisesRegex(ValueError, "^feathers is not an option"):
             juliavdb.fractal(points, triangles, feathers=1)
+
+    def test_points_need_no_faces(self):
+        points, triangles = arrays(self.mesh)
+        alone = juliavdb.fractal(points, points_radius=0.3, **SMALL)
+        empty = juliavdb.fractal(points, triangles[:0], points_radius=0.3, **SMALL)
+        self.assertTrue(np.array_equal(alone.vertices, empty.vertices))
+        self.assertLess(juliavdb.Field(points, points_radius=0.3, **SMALL)(points[:1])[0], 0)
+
+
+class Memory(ModuleTest):
+
+    def test_what_cannot_fit_is_refused_at_once(self):
+        """As the command refuses it, before the work: the callback hears of no surface."""
+        phases = []
+        for options in (dict(resolution=20000, sdf_resolution=60), dict(resolution=20000, sdf_resolution=60, detail=0.5)):
+            with self.subTest(options=options):
+                with self.assertRaisesRegex(MemoryError, r"would take at least .* of memory, but the limit that was set "
+                                                         r"leaves .*; use a lower resolution .*; memory sets another"):
+                    juliavdb.fractal(self.torus, memory="2G", **options,
+                                     progress=lambda phase, share: phases.append(phase))
+        self.assertNotIn("surface", phases)
+
+    def test_a_limit_holds_for_all_that_is_made(self):
+        made = juliavdb.fractal(self.torus, **SMALL, memory="unlimited")
+        self.assertTrue(np.array_equal(made.vertices, juliavdb.fractal(self.torus, **SMALL).vertices))
+        with self.assertRaisesRegex(MemoryError, "the limit that was set"):
+            juliavdb.render(self.torus, sdf_resolution=30, size=(30000, 30000), memory="1G")
+        field = juliavdb.Field(self.torus, **SMALL, memory="1G")
+        with self.assertRaisesRegex(MemoryError, "use a smaller size"):
+            field.render(size=(30000, 30000))
+
+    def test_a_limit_that_is_none(self):
+        for limit in ("many", "16", "-1G", ""):
+            with self.subTest(limit=limit), self.assertRaisesRegex(ValueError, "^memory is '.*such as 16G, or unlimited"):
+                juliavdb.fractal(self.torus, **SMALL, memory=limit)
 
 
 class FieldTest(ModuleTest):
@@ -312,7 +402,7 @@ class Words(ModuleTest):
         names = {line.split()[0][2:].replace("-", "_") for line in part.splitlines() if line.startswith("  --")}
         self.assertGreater(len(names), 40)
         found = {argument.arg for argument in functions["fractal"].args.kwonlyargs}
-        self.assertEqual(found - {"progress"}, names)
+        self.assertEqual(found - {"progress", "memory"}, names)
         for name in names:
             self.assertIn(f"\n    {name}=", inspect.getdoc(juliavdb.fractal))
             self.assertIn(name, inspect.signature(juliavdb.fractal).parameters)

@@ -68,6 +68,16 @@ class Stops(unittest.TestCase):
             self.assertTrue(all(0 <= share <= 1 for share in shares), phase)
         self.assertTrue(any(share for _, share in heard), "some share is told")
 
+    def test_a_callback_is_called_at_most_twenty_times_a_second_for_each_phase(self):
+        """A machine that is busy calls it less often, and never more."""
+        heard = []
+        longer = dict(SHORT, resolution=300)
+        juliavdb.fractal(**longer, progress=lambda phase, share: heard.append((phase, time.monotonic())))
+        self.assertTrue(heard)
+        for phase in {name for name, _ in heard}:
+            times = [when for name, when in heard if name == phase]
+            self.assertLessEqual(len(times) - 2, 20 * (times[-1] - times[0]), phase)
+
     def test_a_callback_cancels(self):
         begun = time.monotonic()
         with self.assertRaisesRegex(KeyboardInterrupt, "nothing was written"):
@@ -103,6 +113,30 @@ class Stops(unittest.TestCase):
             thread.join()
         # Were the lock held, it would have counted once or twice.
         self.assertGreater(counted[0], 20 * seconds)
+
+    def test_two_threads_write_one_fractal(self):
+        """Its grids are made by one of them; the files are those that a single thread writes."""
+        with tempfile.TemporaryDirectory(prefix="juliavdb_test_") as folder:
+            path = pathlib.Path(folder)
+            juliavdb.fractal(**SHORT).write(path / "alone.vdb")
+            made, failures = juliavdb.fractal(**SHORT), []
+
+            def work(name):
+                try:
+                    made.write(path / name)
+                except BaseException as error:
+                    failures.append(error)
+
+            names = ["0.vdb", "1.vdb", "2.vdb", "3.vdb", "4.ply"]
+            threads = [threading.Thread(target=work, args=(name,)) for name in names]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+            self.assertEqual(failures, [])
+            alone = (path / "alone.vdb").read_bytes()
+            for name in names[:4]:
+                self.assertEqual((path / name).read_bytes(), alone)
 
     def test_two_threads_work_at_once(self):
         alone = juliavdb.fractal(**SHORT).vertices

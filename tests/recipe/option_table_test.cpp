@@ -112,4 +112,52 @@ TEST(OptionTable, TheSelectorMustSelect) {
                std::invalid_argument);
 }
 
+/// Options that go with a mesh, with a flag, and with a variant.
+OptionTable tableOfEffects() {
+  return OptionTable(
+      {{.name = "shape", .argument = "ball|box", .defaultValue = "ball"},
+       {.name = "fast"},
+       {.name = "stride", .argument = "N", .defaultValue = "8", .idle = idleWithoutFlag("fast")},
+       {.name = "cap", .idle = idleWithout({Product::Mesh, Product::Stl}, "a mesh")},
+       {.name = "both", .idle = idleByAny({idleWithoutFlag("fast"), idleWithout({Product::Mesh}, "a mesh")})}},
+      "shape", {{.name = "ball"}, {.name = "box", .options = {{.name = "sides", .argument = "A", .kept = true}}}});
+}
+
+std::string refusal(const std::set<std::string>& given, const std::vector<OptionRun>& runs) {
+  const OptionTable table = tableOfEffects();
+  RequiredEffects effects(table, given);
+  for (const OptionRun& run : runs) effects.add({completeRecipe(run.recipe, table), run.makes});
+  try {
+    effects.require();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(OptionTable, WhatWasGivenHasAnEffectInOneOfTheRunsAtLeast) {
+  const OptionRun vdb{{}, {Product::Vdb}}, mesh{{}, {Product::Mesh}}, fast{{{"fast", "true"}}, {Product::Vdb}};
+  EXPECT_EQ(refusal({}, {vdb}), "");
+  EXPECT_EQ(refusal({"shape", "fast"}, {vdb}), "");
+  EXPECT_NE(refusal({"cap"}, {vdb}).find("--cap has no effect: "), std::string::npos);
+  EXPECT_NE(refusal({"cap"}, {vdb}).find("a mesh"), std::string::npos);
+  EXPECT_EQ(refusal({"cap"}, {mesh}), "");
+  EXPECT_EQ(refusal({"cap"}, {vdb, mesh}), "");
+  EXPECT_EQ(refusal({"cap"}, {{{}, {Product::Recipe}}}), "");
+  EXPECT_NE(refusal({"stride"}, {vdb}).find("--fast"), std::string::npos);
+  EXPECT_EQ(refusal({"stride"}, {vdb, fast}), "");
+  // Each of two options may act in a run of its own, but no option in parts of two.
+  EXPECT_EQ(refusal({"stride", "cap"}, {fast, mesh}), "");
+  EXPECT_NE(refusal({"both"}, {fast, mesh}), "");
+  EXPECT_NE(refusal({"stride", "both"}, {fast}).find("--both"), std::string::npos);
+}
+
+TEST(OptionTable, AnOptionThatIsKeptForAnotherVariantHasNoEffect) {
+  const OptionRun ball{{{"sides", "3"}}, {Product::Mesh}}, box{{{"shape", "box"}, {"sides", "3"}}, {Product::Mesh}};
+  EXPECT_NO_THROW(tableOfEffects().requireFits(ball.recipe));
+  for (const char* part : {"--sides has no effect: ", "--shape box", "--shape is ball"})
+    EXPECT_NE(refusal({"sides"}, {ball}).find(part), std::string::npos) << refusal({"sides"}, {ball});
+  EXPECT_EQ(refusal({"sides"}, {box}), "");
+}
+
 }  // namespace

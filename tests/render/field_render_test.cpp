@@ -152,6 +152,7 @@ TEST(FieldRender, AMapThatProvesNothingIsShownAsWell) {
     void versors(std::span<const julia::Point> p, std::span<julia::Quaternion<double>> u) const override {
       other.versors(p, u);
     }
+    void orbitTraps(std::span<const julia::Point> p, std::span<double> l) const override { other.orbitTraps(p, l); }
   };
   const Quadratic set(kRough);
   const Silent silent(*set.evaluator);

@@ -228,8 +228,9 @@ class Draw:
             drawn = [(n, v) for n, v in drawn if n not in ("pair", "f", "g")]
             drawn += [(n, self.function()) for n in ("f", "g")]
         mesh = ".glb" if "lod" in given else chance.choice(FORMATS)
-        return Recipe(self.target.name if self.target else None, tuple(lattice + drawn), mesh,
-                      chance.random() < VDB_SHARE)
+        # Options of a VDB alone have one. The program refuses what else has no effect, and such an option is taken out.
+        vdb = chance.random() < VDB_SHARE or bool({"grids", "half"} & given.keys())
+        return Recipe(self.target.name if self.target else None, tuple(lattice + drawn), mesh, vdb)
 
 
 def box_of(recipe, targets):

@@ -4,12 +4,17 @@
 #include "support/mesh_laws.h"
 #include "support/test_fields.h"
 
+#include "surface/edge_search.h"
 #include "vdbtools/surface/extract_mesh.h"
 #include "vdbtools/surface/grid_mesh.h"
 
 #include <gtest/gtest.h>
 
 #include <tbb/global_control.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
 
 namespace {
 
@@ -82,6 +87,58 @@ TEST(ExtractMesh, EveryVertexBracketsAChangeOfSign) {
       evaluator.evaluate(ends, field, {});
       EXPECT_NE(field[0] < 0, field[1] < 0) << point << " tolerance " << tolerance;
     }
+  }
+}
+
+/// F along the edge from 0 to 1 in x. It follows the bracket that its own signs leave, and counts what it is asked.
+class WatchedEdge final : public julia::FieldEvaluator {
+ public:
+  explicit WatchedEdge(std::function<double(double)> value) : mValue(std::move(value)) {}
+
+  void evaluate(std::span<const julia::Point> points, std::span<double> field, std::span<int>) const override {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double at = points[i][0];
+      EXPECT_TRUE(mLow <= at && at <= mHigh) << at << " is not from " << mLow << " to " << mHigh;
+      field[i] = mValue(at);
+      ((field[i] < 0) == (mValue(0) < 0) ? mLow : mHigh) = at;
+      ++mAsked;
+    }
+  }
+  void orbitTraps(std::span<const julia::Point>, std::span<double> nearest) const override {
+    std::fill(nearest.begin(), nearest.end(), 0.0);
+  }
+  void versors(std::span<const julia::Point>, std::span<julia::Quaternion<double>> versors) const override {
+    std::fill(versors.begin(), versors.end(), julia::Quaternion<double>::one());
+  }
+  int asked() const { return mAsked; }
+
+ private:
+  std::function<double(double)> mValue;
+  mutable double mLow = 0, mHigh = 1;
+  mutable int mAsked = 0;
+};
+
+TEST(ExtractMesh, ASearchKeepsToItsBracketAndTakesAtMostTwoEvaluationsMoreThanBisection) {
+  std::mt19937_64 random(5);
+  for (int round = 0; round < 200; ++round) {
+    const double zero = 1e-3 + 0.998 * std::ldexp(static_cast<double>(random() >> 11), -53);
+    const std::function<double(double)> fields[] = {
+        [=](double t) { return t - zero; },
+        [=](double t) { return t < zero ? -1.0 : 1.0; },
+        [=](double t) { return t < zero ? -1e-9 : 1e9; },
+        [=](double t) { return std::pow(t - zero, 9); },
+        [=](double t) { return std::exp(30 * t) - std::exp(30 * zero); },
+        [=](double t) { return t - zero + 0.9 * std::sin(60 * t) * t * (1 - t); },
+    };
+    for (const auto& value : fields)
+      for (const double tolerance : {0.1, 1e-3, 1e-7}) {
+        if ((value(0) < 0) == (value(1) < 0)) continue;
+        const WatchedEdge evaluator(value);
+        const LatticeEdge edge{Coord(0), 0, static_cast<float>(value(0)), static_cast<float>(value(1)), false};
+        const FieldSource source{evaluator, FractalSpace{}};
+        searchEdges({edge}, 1, source, tolerance);
+        EXPECT_LE(evaluator.asked(), std::ceil(std::log2(1 / (2 * tolerance))) + 2) << zero << ' ' << tolerance;
+      }
   }
 }
 

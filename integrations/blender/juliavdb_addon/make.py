@@ -286,7 +286,7 @@ def tick():
     except Exception as error:   # Blender would drop the timer, and the panel would wait for ever.
         running, said = None, (str(error), True)
         raise
-    _redraw()
+    pictures.redraw()
     if goes_on:
         return INTERVAL
     running, said = None, (task.message, task.failed)
@@ -295,13 +295,6 @@ def tick():
     elif isinstance(task, Making) and bpy.ops.ed.undo_push.poll():
         bpy.ops.ed.undo_push(message=task.title)
     return None
-
-
-def _redraw():
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type in {"VIEW_3D", "INFO"}:
-                area.tag_redraw()
 
 
 def _show_error(message):

@@ -42,14 +42,17 @@ def _settings(layout, context, source):
     layout.prop(chosen, "detail", slider=True)
     layout.prop(chosen, "outward", slider=True)
     layout.prop(chosen, "resolution")
-    program = settings.program(context)
-    layout.template_icon_view(chosen, "texture", show_labels=True, scale=6)
-    layout.prop(chosen, "texture")
-    row = layout.row()
-    row.enabled = pictures.has_seed(program, chosen.versor)
-    row.prop(chosen, "seed")
-    if pictures.missing(program):
-        layout.operator("juliavdb.pictures", icon="IMAGE_DATA").wait = False
+    known = pictures.peek(settings.program(context))
+    if known is None:
+        layout.label(text="Asking for the textures ...", icon="TIME")
+    elif known.textures:
+        layout.template_icon_view(chosen, "texture", show_labels=True, scale=6)
+        layout.prop(chosen, "texture")
+        row = layout.row()
+        row.enabled = pictures.has_seed(known.textures, chosen.versor)
+        row.prop(chosen, "seed")
+        if pictures.missing(known):
+            layout.operator("juliavdb.pictures", icon="IMAGE_DATA").wait = False
     layout.prop(chosen, "paint")
     if chosen.paint != "NONE":
         name = meshes.paint_name(source)
@@ -89,8 +92,8 @@ def _progress(layout, task):
 
 
 def _message(layout, context):
-    error = pictures.shelf(settings.program(context)).error
-    message, failed = (error, True) if error else make.said
+    known = pictures.peek(settings.program(context))
+    message, failed = (known.error, True) if known and known.error else make.said
     if message:
         _wrapped(layout, message, "ERROR" if failed else "INFO")
 

@@ -8,6 +8,7 @@ version of the program has pictures of its own.
 import os
 import pathlib
 import tempfile
+import threading
 import time
 
 import bpy
@@ -23,6 +24,8 @@ VIEW = ("--colour", "clay", "--sdf-resolution", "80", "--size", f"{SIZE}x{SIZE}"
 RANDOM = {"name": "random", "description": "Random roots, another texture for every seed.", "seed": True}
 # After a program that did not answer, in seconds.
 ASK_AGAIN = 5
+# How often one looks whether it has answered, in seconds.
+INTERVAL = 0.2
 
 
 class _Shelf:
@@ -34,39 +37,96 @@ class _Shelf:
         try:
             self.version = programs.version(program)
             self.textures = [*programs.textures(program), RANDOM]
+            self.options = programs.options(program)
             self.error = ""
-        except (programs.ProgramError, ValueError, KeyError) as error:
+        except (programs.ProgramError, ValueError, KeyError, TypeError) as error:
             self.version = ""
             self.textures = []
-            self.error = str(error)
+            self.options = {}
+            self.error = str(error) or f"'{program}' is not this version of juliavdb"
+
+
+class _Question:
+    """Asks a program in a thread of its own, which may take as long as the program likes."""
+
+    def __init__(self, program):
+        self.program = program
+        self.answer = None
+        self._thread = threading.Thread(target=self._ask, daemon=True)
+        self._thread.start()
+
+    def _ask(self):
+        self.answer = _Shelf(self.program)
+
+    def wait(self):
+        self._thread.join()
 
 
 _shelf = None
+_question = None
 _previews = None
 # Blender keeps no reference to the texts of the items of an enumeration.
 _items = []
 
 
+def peek(program):
+    """What is known of the program, or None while it is asked for the first time. It never waits: all that Blender calls
+    to draw uses this."""
+    global _question
+    known = _shelf if _shelf is not None and _shelf.program == program else None
+    stale = known is None or (known.error and time.monotonic() - known.asked > ASK_AGAIN)
+    if stale and (_question is None or _question.program != program):
+        _question = _Question(program)
+        if not bpy.app.timers.is_registered(tick):
+            bpy.app.timers.register(tick, first_interval=INTERVAL)
+    return known
+
+
+def tick():
+    """Takes the answer of the program, once it is there. Returns the seconds until it should be called again, or None."""
+    global _shelf, _question
+    if _question is None:
+        return None
+    if _question.answer is None:
+        return INTERVAL
+    _shelf, _question = _question.answer, None
+    _load()
+    redraw()
+    return None
+
+
+def redraw():
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type in {"VIEW_3D", "INFO"}:
+                area.tag_redraw()
+
+
 def shelf(program):
-    global _shelf
-    if (_shelf is None or _shelf.program != program
-            or (_shelf.error and time.monotonic() - _shelf.asked > ASK_AGAIN)):
-        _shelf = _Shelf(program)
-        _load()
+    """What is known of the program. Waits for its answer, so it is not for drawing."""
+    peek(program)
+    if _question is not None:
+        _question.wait()
+        tick()
     return _shelf
 
 
-def has_seed(program, name):
+def _textures(program):
+    known = peek(program)
+    return known.textures if known else []
+
+
+def has_seed(textures, name):
     """Whether a seed varies the texture. What is not on the shelf may be a file, which has no seed."""
-    return any(texture["name"] == name and texture["seed"] for texture in shelf(program).textures)
+    return any(texture["name"] == name and texture["seed"] for texture in textures)
 
 
 def _names(program):
-    return [texture["name"] for texture in shelf(program).textures]
+    return [texture["name"] for texture in _textures(program)]
 
 
 def place(program, name):
-    """The place of a texture in the list; one after the last if it is not there."""
+    """The place of a texture in the list; one after the last if it is not there, or the list is not known yet."""
     names = _names(program)
     return names.index(name) if name in names else len(names)
 
@@ -80,7 +140,7 @@ def items(program):
     """For an EnumProperty, with pictures as far as they are made. The last item stands for a texture that is not on
     the shelf, such as a file that a script has chosen."""
     global _items
-    textures = shelf(program).textures
+    textures = _textures(program)
     _items = [(texture["name"], texture["name"].capitalize(), texture["description"], icon(texture["name"]), index)
               for index, texture in enumerate(textures)]
     _items.append(("OTHER", "Other", "A texture that this program does not list", 0, len(textures)))
@@ -97,10 +157,9 @@ def _file(version, name):
     return folder(version) / f"{name}.png"
 
 
-def missing(program):
-    """The names of the textures that have no picture yet."""
-    known = shelf(program)
-    return [name for name in _names(program) if not _file(known.version, name).exists()]
+def missing(known):
+    """The names of the textures of a shelf that have no picture yet."""
+    return [texture["name"] for texture in known.textures if not _file(known.version, texture["name"]).exists()]
 
 
 def icon(name):
@@ -144,10 +203,11 @@ class Pictures:
         self.message = ""
         self.failed = False
         self._program = program
-        self._version = shelf(program).version
-        if shelf(program).error:
-            raise programs.ProgramError(shelf(program).error)
-        self._names = missing(program)
+        known = shelf(program)
+        if known.error:
+            raise programs.ProgramError(known.error)
+        self._version = known.version
+        self._names = missing(known)
         self._number = max(len(self._names), 1)
         self._run = None
         target = folder(self._version)
@@ -223,7 +283,10 @@ def register():
 
 
 def unregister():
-    global _previews, _shelf
+    global _previews, _shelf, _question
+    if bpy.app.timers.is_registered(tick):
+        bpy.app.timers.unregister(tick)
     bpy.utils.previews.remove(_previews)
     _previews = None
     _shelf = None
+    _question = None

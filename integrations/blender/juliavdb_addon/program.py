@@ -52,6 +52,11 @@ def textures(program):
     return json.loads(answer(program, "versor", "list", "--json"))
 
 
+def options(program):
+    """The options of a recipe: a dict of name (without dashes) to whether the option is a flag. None of them writes."""
+    return {option["name"]: option["argument"] == "" for option in json.loads(answer(program, "maps", "--json"))["options"]}
+
+
 class Run:
     """One run of the program in the background.
 

@@ -12,8 +12,6 @@ from .program import ProgramError
 # What a result takes over from the object that it was made of.
 RECIPE = ("detail", "outward", "versor", "seed", "resolution", "output", "paint", "paint_channel", "detail_black",
           "up", "repair", "more")
-# Options that the add-on gives itself.
-OWN_OPTIONS = ("-o", "--output", "--mesh", "--progress", "--config", "--frame")
 
 
 class Preferences(bpy.types.AddonPreferences):
@@ -94,7 +92,7 @@ class Settings(bpy.types.PropertyGroup):
     repair: BoolProperty(
         name="Repair", default=False, description="Close the holes and gaps of an open mesh before it is used")
     more: StringProperty(
-        name="More", description="More options of 'juliavdb fractal', such as: --iterations 4 --largest 1")
+        name="More", description="More options of a recipe of 'juliavdb fractal', such as: --iterations 4 --largest 1")
     hide_source: BoolProperty(
         name="Hide Original", default=True, description="Hide the object itself, in the viewport and in renders")
     # Of results only.
@@ -108,29 +106,54 @@ class Settings(bpy.types.PropertyGroup):
 def words(settings):
     """The options of `juliavdb fractal` for these settings, without files.
 
-    Raises ProgramError for options under More that cannot be given there.
+    The settings are part of a .blend, which may be somebody else's. So every value stands behind the name of its option
+    (--name=value), where it cannot be taken for another option, and a name under More must be that of an option of a
+    recipe, in full.
+
+    Raises ProgramError for words under More that cannot be given there.
     """
-    result = ["--outward", number(settings.outward), "--versor", settings.versor,
-              "--resolution", str(settings.resolution)]
+    known = pictures.shelf(program(bpy.context))
+    result = [f"--outward={number(settings.outward)}", f"--versor={settings.versor}",
+              f"--resolution={settings.resolution}"]
     channel = f"paint:{settings.paint_channel}"
     if settings.paint == "DETAIL":
-        result += ["--detail", f"{channel}:{number(settings.detail_black)}:{number(settings.detail)}"]
+        result.append(f"--detail={channel}:{number(settings.detail_black)}:{number(settings.detail)}")
     else:
-        result += ["--detail", number(settings.detail)]
+        result.append(f"--detail={number(settings.detail)}")
     if settings.paint == "MASK":
-        result += ["--mask", channel]
-    if pictures.has_seed(program(bpy.context), settings.versor):
-        result += ["--versor-seed", str(settings.seed)]
+        result.append(f"--mask={channel}")
+    if pictures.has_seed(known.textures, settings.versor):
+        result.append(f"--versor-seed={settings.seed}")
     if settings.repair:
         result.append("--repair")
+    return result + _more(settings.more, known)
+
+
+def _more(text, known):
     try:
-        more = shlex.split(settings.more)
+        given = shlex.split(text)
     except ValueError as error:
-        raise ProgramError(f"More options: '{settings.more}': {error}") from error
-    for word in more:
-        if word.split("=")[0] in OWN_OPTIONS:
-            raise ProgramError(f"More options: {word} is given by the add-on itself")
-    return result + more
+        raise ProgramError(f"More options: '{text}': {error}") from error
+    if given and known.error:
+        raise ProgramError(known.error)
+    result = []
+    while given:
+        word = given.pop(0)
+        name, equals, value = word[2:].partition("=")
+        if not word.startswith("--") or name not in known.options or name == "input":
+            raise ProgramError(f"More options: '{word}' is not an option of a fractal's recipe; "
+                               "give their full names, such as --iterations 4")
+        if known.options[name]:
+            if equals:
+                raise ProgramError(f"More options: '{word}': --{name} takes no value")
+            result.append(word)
+            continue
+        if not equals:
+            if not given:
+                raise ProgramError(f"More options: --{name} needs a value")
+            value = given.pop(0)
+        result.append(f"--{name}={value}")
+    return result
 
 
 def number(value):

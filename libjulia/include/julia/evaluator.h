@@ -67,10 +67,8 @@ class FieldEvaluator {
   virtual void versors(std::span<const Point> points, std::span<Quaternion<double>> versors) const = 0;
 
   /// An orbit trap about 0: sets nearest[i] to the logarithm of the smallest modulus among the iterates of points[i],
-  /// not counting the point itself.
-  virtual void orbitTraps(std::span<const Point> points, std::span<double> nearest) const {
-    evaluate(points, nearest, {});
-  }
+  /// not counting the point itself; to kFieldLimit where there is no iterate.
+  virtual void orbitTraps(std::span<const Point> points, std::span<double> nearest) const = 0;
 
   /// Sets out[i] to what is known of the sign of F, as evaluate() computes it, at all points within @a radius of
   /// centres[i]. Undecided says nothing; the other answers are proofs.

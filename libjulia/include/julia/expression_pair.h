@@ -9,8 +9,8 @@
 /// choice a ? b : c, but without assignments.
 ///
 /// Expressions are computed in double for either precision. Where a value is not finite, for example after a division
-/// by 0, the pair is not defined and the orbit has escaped. sin and cos are those of the built-in pairs; the other
-/// functions are the C library's, which may differ in the last bit between processors.
+/// by 0, the pair is not defined and the orbit has escaped. sin and cos are those of the built-in pairs; the power and
+/// the other functions are those of elementary.h.
 #pragma once
 
 #include "julia/quaternion_batch.h"

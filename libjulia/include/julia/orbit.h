@@ -19,6 +19,8 @@ struct OrbitOptions {
   /// Follows trapped orbits to their end all the same, to check that they stay inside. F is what the trap made of it
   /// where that holds, so that a trap that is right changes no bit.
   bool confirmTrap = false;
+
+  bool operator==(const OrbitOptions&) const = default;
 };
 
 /// Bounds that keep every intermediate number finite in 32 bits, and counters in 16.

@@ -8,6 +8,7 @@
 #include "number_text.h"
 #include "random_numbers.h"
 
+#include "julia/elementary.h"
 #include "julia/fit/cancelled.h"
 
 #include <algorithm>
@@ -77,11 +78,11 @@ struct LossAt {
 LossAt lossAt(Loss kind, double z) {
   constexpr double kLeastCurvature = 1e-4;
   if (kind == Loss::Logistic) {
-    const double e = std::exp(-std::abs(z));
+    const double e = elementary::exp(-std::abs(z));
     const double p = (z > 0 ? 1 : e) / (1 + e);
-    return {std::max(z, 0.0) + std::log1p(e), p, std::max(p * (1 - p), kLeastCurvature)};
+    return {std::max(z, 0.0) + elementary::log1p(e), p, std::max(p * (1 - p), kLeastCurvature)};
   }
-  const double t = std::tanh(z), s = 1 - t * t;
+  const double t = elementary::tanh(z), s = 1 - t * t;
   return {t, s, std::max(s * std::max(-2 * t, 0.3), kLeastCurvature)};
 }
 
@@ -475,7 +476,7 @@ Rational Fitter::rational() const {
 
 double Fitter::psi() const {
   double psi = 0;
-  for (std::size_t i = 0; i < mL.size(); ++i) psi -= mWeight[i] * mSide[i] * std::tanh(mL[i]);
+  for (std::size_t i = 0; i < mL.size(); ++i) psi -= mWeight[i] * mSide[i] * elementary::tanh(mL[i]);
   return psi;
 }
 

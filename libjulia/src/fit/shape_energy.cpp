@@ -4,6 +4,8 @@
 #include "fit/log_matrix.h"
 #include "number_text.h"
 
+#include "julia/elementary.h"
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -103,7 +105,7 @@ double ShapeEnergy::evaluate(const Rational& rational, RationalGradient* gradien
       [&](std::size_t begin, std::span<const double> l, std::span<double> factors) {
         double sum = 0;
         for (std::size_t i = 0; i < l.size(); ++i) {
-          const double weight = parts.weights[begin + i] * share, step = std::tanh(alpha * l[i]);
+          const double weight = parts.weights[begin + i] * share, step = elementary::tanh(alpha * l[i]);
           sum -= step * weight;
           factors[i] = -alpha * (1 - step * step) * weight;
         }
@@ -135,7 +137,7 @@ std::vector<double> reweighted(std::span<const double> weights, std::span<const 
                                std::span<const char> fractalInside) {
   double well = 0, poor = 0;
   for (std::size_t i = 0; i < weights.size(); ++i)
-    if (weights[i] < 0) (fractalInside[i] ? well : poor) += std::abs(std::tanh(alpha * l[i]) * weights[i]);
+    if (weights[i] < 0) (fractalInside[i] ? well : poor) += std::abs(elementary::tanh(alpha * l[i]) * weights[i]);
   std::vector<double> result(weights.begin(), weights.end());
   if (!(well > 0) || !(poor > 0)) return result;
   const double half = (well + poor) / 2;

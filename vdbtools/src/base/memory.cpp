@@ -1,16 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/base/memory.h"
 
+#include "vdbtools/base/number_text.h"
+
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <fstream>
 #include <limits>
+#include <mutex>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <string_view>
 
@@ -22,7 +27,23 @@ namespace fs = std::filesystem;
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 constexpr double kKibi = 1024;
 
-double theLimit = -1;  ///< of setMemoryLimit(), bytes; below 0: none was set
+/// Those of every MemoryLimit.
+struct Limits {
+  std::mutex mutex;
+  std::multiset<double> bytes;
+};
+
+Limits& limits() {
+  // Never destroyed: limits may be looked at, and taken back, while the process ends.
+  static Limits& theLimits = *new Limits;
+  return theLimits;
+}
+
+std::optional<double> leastLimit() {
+  Limits& all = limits();
+  const std::lock_guard lock(all.mutex);
+  return all.bytes.empty() ? std::nullopt : std::optional(*all.bytes.begin());
+}
 
 /// The number after "name" in a file of lines "name number", as in /proc/meminfo and memory.stat.
 std::optional<double> entryOf(const fs::path& file, std::string_view name) {
@@ -135,8 +156,8 @@ MemoryLeft sharedMemoryLeft(const fs::path& root) {
 
 MemoryLeft memoryLeft(const fs::path& root) {
   MemoryLeft left{kNoLimit, "nothing"};
-  if (theLimit >= 0) {
-    limitBy(left, theLimit - residentMemory(root), "the limit that was set");
+  if (const std::optional<double> limit = leastLimit()) {
+    limitBy(left, *limit - residentMemory(root), "the limit that was set");
     return left;
   }
   left = sharedMemoryLeft(root);
@@ -157,7 +178,38 @@ double machineMemory() {
   return pages <= 0 || size <= 0 ? kNoLimit : static_cast<double>(pages) * static_cast<double>(size);
 }
 
-void setMemoryLimit(double bytes) { theLimit = bytes; }
+MemoryLimit::MemoryLimit(double bytes) : mBytes(bytes) {
+  Limits& all = limits();
+  const std::lock_guard lock(all.mutex);
+  all.bytes.insert(bytes);
+}
+
+MemoryLimit::~MemoryLimit() {
+  Limits& all = limits();
+  const std::lock_guard lock(all.mutex);
+  all.bytes.erase(all.bytes.find(mBytes));
+}
+
+std::optional<double> memoryFromText(std::string_view text) {
+  if (text == "unlimited") return kNoLimit;
+  constexpr std::string_view kUnits = "KMGT";
+  const std::size_t unit = text.empty() ? std::string_view::npos : kUnits.find(text.back());
+  if (unit == std::string_view::npos) return std::nullopt;
+  const std::optional<double> value = numberFromText(text.substr(0, text.size() - 1));
+  if (!value || !(*value > 0) || !std::isfinite(*value)) return std::nullopt;
+  return std::ldexp(*value, 10 * static_cast<int>(unit + 1));
+}
+
+std::optional<std::string> memoryRunsOut() {
+  constexpr double kLeastReserve = 32 << 20, kReserveShare = 0.01;  // bytes; of what the process has
+  const double own = residentMemory();
+  // What has not taken much is not to blame, and frees little.
+  if (own < 16 * kLeastReserve) return std::nullopt;
+  const MemoryLeft left = sharedMemoryLeft();
+  if (left.bytes > std::max(kLeastReserve, kReserveShare * own)) return std::nullopt;
+  return "memory is running out: this run has taken " + memoryText(own) + ", and " + left.limit + " leaves " +
+         memoryText(left.bytes);
+}
 
 void requireMemory(double bytes, MemoryUse use, const std::string& what) {
   // Not worth asking the system.

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/base/number_text.h"
 
+#include <cmath>
 #include <cstdlib>
-#include <string>
+#include <iterator>
 
 namespace vdbtools {
 
@@ -14,6 +15,19 @@ std::optional<double> numberFromText(std::string_view text) {
   // Here strtod() tells the large from the small.
   if (error == std::errc::result_out_of_range) return std::strtod(std::string(text).c_str(), nullptr);
   return value;
+}
+
+std::string shortText(double value, Rounding rounding) {
+  constexpr int kDigits = 4;
+  const double step = std::abs(value) * 5e-5;  // no more than half a unit of the last digit
+  for (double at = value;; at += rounding == Rounding::Up ? step : -step) {
+    char digits[32];
+    const std::string text(digits,
+                           std::to_chars(digits, std::end(digits), at, std::chars_format::general, kDigits).ptr);
+    const double read = numberFromText(text).value_or(value);
+    const bool holds = rounding == Rounding::Up ? read >= value : rounding == Rounding::Down ? read <= value : true;
+    if (holds || !(step > 0) || !std::isfinite(step)) return text;
+  }
 }
 
 }  // namespace vdbtools

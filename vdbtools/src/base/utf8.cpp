@@ -3,6 +3,12 @@
 
 namespace vdbtools {
 
+std::string_view withoutByteOrderMark(std::string_view text) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  if (text.starts_with(kMark)) text.remove_prefix(kMark.size());
+  return text;
+}
+
 std::size_t characterAt(std::string_view text, std::size_t at) {
   constexpr std::size_t kMostContinued = 3;  // a character has four bytes at most
   const auto continues = [&](std::size_t k) {

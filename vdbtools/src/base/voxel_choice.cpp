@@ -9,14 +9,14 @@
 namespace vdbtools {
 
 double VoxelChoice::sizeFor(double longestSide) const {
-  // OpenVDB takes transforms from about 1.5e-5 on; below that, a voxel's volume is 0 to it.
-  constexpr double kSmallest = 2e-5, kLargest = 1e30;
+  // Distances of any number of voxels, and of a share of one, are ordinary 32-bit floats in between.
+  constexpr double kSmallest = 1e-12, kLargest = 1e30;
   // A shape that none of these resolutions serves is to blame itself.
   constexpr double kOrdinaryLow = 1, kOrdinaryHigh = 1000;
   const double size = voxelSize ? *voxelSize : longestSide / resolution.value();
   if (size >= kSmallest && size <= kLargest) return size;
   std::ostringstream text;
-  text << "the voxel size would be " << size << "; it must be 2e-5 to 1e30: ";
+  text << "the voxel size would be " << size << "; it must be 1e-12 to 1e30: ";
   if (!voxelSize && *resolution >= kOrdinaryLow && *resolution <= kOrdinaryHigh) {
     text << "the longest side is " << longestSide << "; give the shape in other units";
     throw DataError(text.str());

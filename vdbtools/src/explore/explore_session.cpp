@@ -174,6 +174,12 @@ const char* nameOf(JobState state) {
   return "";
 }
 
+InputFiles inputsOf(const ExploreOptions& options) {
+  InputFiles inputs = options.inputs;
+  inputs.add(inputsOf(parseFractalOptions(options.given)));
+  return inputs;
+}
+
 }  // namespace
 
 ExploreSession::ExploreSession(const ExploreOptions& options, Monitor& monitor)
@@ -181,7 +187,7 @@ ExploreSession::ExploreSession(const ExploreOptions& options, Monitor& monitor)
       mGiven(options.given),
       mFolder(folderOf(options.folder)),
       mAccess(parseFractalOptions(options.given)),
-      mJobs(mFolder, options.makeShare) {
+      mJobs(mFolder, inputsOf(options), options.makeShare) {
   const Recipe completed = completeRecipe(mGiven, mTable);
   const auto kept = mScenes.get(completed, parseFractalOptions(completed), SceneStore::Turn::Waits, monitor);
   const Facts& facts = kept->scene().facts;

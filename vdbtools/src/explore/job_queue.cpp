@@ -3,7 +3,7 @@
 
 #include "explore/failure_answer.h"
 #include "explore/file_access.h"
-#include "vdbtools/files/atomic_file.h"
+#include "vdbtools/files/output_files.h"
 #include "vdbtools/job/fractal_files.h"
 
 #include <tbb/task_arena.h>
@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <list>
 #include <stdexcept>
 
 namespace vdbtools {
@@ -104,8 +103,11 @@ class JobQueue::Job final : public Monitor {
   std::atomic<bool> mCancelled{false};
 };
 
-JobQueue::JobQueue(std::filesystem::path folder, MakeShare makeShare)
-    : mFolder(std::move(folder)), mMakeShare(std::move(makeShare)), mThread([this] { work(); }) {}
+JobQueue::JobQueue(std::filesystem::path folder, InputFiles inputs, MakeShare makeShare)
+    : mFolder(std::move(folder)),
+      mInputs(std::move(inputs)),
+      mMakeShare(std::move(makeShare)),
+      mThread([this] { work(); }) {}
 
 JobQueue::~JobQueue() {
   stop();
@@ -126,6 +128,7 @@ std::filesystem::path JobQueue::fileOf(const JobRequest& request, const std::str
 void JobQueue::requireFree(const JobRequest& request) const {
   for (const std::string& format : request.formats) {
     const std::filesystem::path path = fileOf(request, format);
+    mInputs.requireNot(path);
     std::error_code ignored;
     const auto status = std::filesystem::symlink_status(path, ignored);
     if (!std::filesystem::exists(status)) continue;
@@ -204,24 +207,23 @@ void JobQueue::run(Job& job) {
     const JobRequest& request = job.request();
     const FractalOptions options = parseFractalOptions(request.recipe);
     requireFree(request);
-    std::list<AtomicFile> files;
-    std::vector<AtomicFile*> all;
+    OutputFiles files(mInputs);
     std::vector<std::string> names;
     FractalFiles outputs;
     for (const std::string& format : request.formats) {
       const std::filesystem::path path = fileOf(request, format);
-      all.push_back(&files.emplace_back(path));
+      AtomicFile& file = files.add(path);
       names.push_back(path.filename().string());
       if (format == "vdb")
-        outputs.vdb = all.back();
+        outputs.vdb = &file;
       else
-        outputs.meshes.push_back({all.back(), meshFormat(path)});
+        outputs.meshes.push_back({&file, meshFormat(path)});
     }
     const Scene scene = makeScene(options, job);
     writeFractal(scene, request.recipe, outputs, job);
     job.throwIfCancelled();
     requireFree(request);
-    commitAll(all);
+    files.commit();
     job.finish(std::move(names));
   } catch (const Interrupted&) {
     job.setState(JobState::Cancelled);

@@ -47,14 +47,16 @@ std::vector<std::string> fileFormats();
 class JobQueue {
  public:
   /// @param folder  where the files go
-  JobQueue(std::filesystem::path folder, MakeShare makeShare);
+  /// @param inputs  all files that recipes of jobs may name: no job replaces one of them
+  JobQueue(std::filesystem::path folder, InputFiles inputs, MakeShare makeShare);
   /// Cancels what is running, and waits for its end.
   ~JobQueue();
   JobQueue(const JobQueue&) = delete;
   JobQueue& operator=(const JobQueue&) = delete;
 
   /// @return the job's number, from 1
-  /// @throw std::invalid_argument  a file is there already, no or an unknown format, a name that is not allowed, or too
+  /// @throw std::invalid_argument  a file is there already, or is an input, no or an unknown format, a name that is not
+  /// allowed, or too
   ///                               many jobs wait
   int add(const JobRequest& request);
   /// All that are known: the last hundred or so, in the order in which they were added.
@@ -72,6 +74,7 @@ class JobQueue {
   void requireFree(const JobRequest& request) const;
 
   std::filesystem::path mFolder;
+  InputFiles mInputs;
   MakeShare mMakeShare;
   mutable std::mutex mMutex;  // of everything below
   std::condition_variable mWake;

@@ -19,9 +19,11 @@ class SharedInput final : public TargetInput {
 
   const openvdb::BBoxd& box() const override { return mInput->box(); }
   double usualDepth() const override { return mInput->usualDepth(); }
-  Target make(const BandWidths& widths, Monitor& monitor) const override { return mInput->make(widths, monitor); }
-  Target deepened(const Target& target, const BandWidths& widths, Monitor& monitor) const override {
-    return mInput->deepened(target, widths, monitor);
+  Target distances(const BandWidths& widths, Monitor& monitor) const override {
+    return mInput->distances(widths, monitor);
+  }
+  Target band(const Target& distances, const BandWidths& widths, Monitor& monitor) const override {
+    return mInput->band(distances, widths, monitor);
   }
   openvdb::FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const override {
     return mInput->coarseDistances(monitor);

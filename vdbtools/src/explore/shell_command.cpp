@@ -35,10 +35,13 @@ std::string fractalCommand(const Recipe& recipe, const OptionTable& table,
     // A value that begins with a dash would be taken for an option.
     command += ' ' + name + (value.starts_with('-') ? '=' : ' ') + shellWord(value);
   };
+  std::vector<std::string> files;
+  for (const auto& [name, file] : outputs) files.push_back(file);
+  const OptionRun run{completeRecipe(recipe, table), productsOf(files)};
   for (const std::string& name : table.names()) {
     const auto entry = recipe.find(name);
     const OptionSpec* spec = table.find(name, recipe);
-    if (name == "input" || entry == recipe.end() || !spec) continue;
+    if (name == "input" || entry == recipe.end() || !spec || !table.idle(name, run).empty()) continue;
     if (!spec->argument.empty()) {
       if (!entry->second.empty()) option("--" + name, entry->second);
     } else if (entry->second == "true") {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/farm/estimate.h"
 
-#include <boost/math/distributions/students_t.hpp>
+#include "base/students_t.h"
 
 #include <algorithm>
 #include <array>
@@ -14,9 +14,6 @@
 
 namespace vdbtools {
 namespace {
-
-/// By how many standard errors the 95 % interval reaches to either side.
-double studentsT(double degrees) { return boost::math::quantile(boost::math::students_t(degrees), 0.975); }
 
 double countOf(const TaskRecord& record, const char* name) {
   const auto found = record.counts.find(name);
@@ -64,9 +61,12 @@ class Fit {
       slopes = 0;
     }
     for (std::size_t k = 0; k < 2; ++k) mSlope[k] = mInverse[k][0] * both[0] + mInverse[k][1] * both[1];
-    mDegrees = count - 1 - slopes;
+    mDegrees = static_cast<int>(sample.size()) - 1 - slopes;
     if (mDegrees < 1) return;
-    for (const auto& [work, value] : sample) mVariance += std::pow(value - at(about(work)), 2) / mDegrees;
+    for (const auto& [work, value] : sample) {
+      const double residual = value - at(about(work));
+      mVariance += residual * residual / mDegrees;
+    }
   }
 
   Vector about(const TaskWork& work) const {
@@ -81,12 +81,13 @@ class Fit {
     return mVariance * ((1 - sampled / tasks) / sampled + lever);
   }
   /// How many standard errors the interval reaches; infinite where the sample is too small to tell.
-  double reach() const { return mDegrees >= 1 ? studentsT(mDegrees) : std::numeric_limits<double>::infinity(); }
+  double reach() const { return mDegrees >= 1 ? studentsT95(mDegrees) : std::numeric_limits<double>::infinity(); }
 
  private:
   Vector mMeanWork{}, mSlope{};
   std::array<Vector, 2> mInverse{};
-  double mMeanValue = 0, mVariance = 0, mDegrees = 0;
+  double mMeanValue = 0, mVariance = 0;
+  int mDegrees = 0;
 };
 
 }  // namespace
@@ -146,10 +147,10 @@ PlanEstimate estimatePlan(std::span<const TaskWork> work, std::span<const Sample
   const auto peaks = values([](const TaskRecord& record) { return static_cast<double>(record.peakBytes); });
   double mean = 0, variance = 0;
   for (const auto& [unused, peak] : peaks) mean += peak / static_cast<double>(peaks.size());
-  const double degrees = static_cast<double>(peaks.size()) - 1;
+  const int degrees = static_cast<int>(peaks.size()) - 1;
   for (const auto& [unused, peak] : peaks) variance += degrees > 0 ? (peak - mean) * (peak - mean) / degrees : 0;
   const double reach =
-      degrees > 0 ? studentsT(degrees) * std::sqrt(variance * (1 + 1 / static_cast<double>(peaks.size()))) : 0;
+      degrees > 0 ? studentsT95(degrees) * std::sqrt(variance * (1 + 1 / static_cast<double>(peaks.size()))) : 0;
   estimate.peakBytes = {mean, std::max(0.0, mean - reach), mean + reach};
   return estimate;
 }

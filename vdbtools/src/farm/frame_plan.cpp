@@ -32,7 +32,7 @@ std::string nameFor(const FramePlanOptions& options, const OptionTable& table) {
 
 Recipe recipeAt(const FramePlanOptions& options, int frame) {
   const OptionTable table = fractalOptionTable();
-  Recipe values;
+  Recipe values = options.given;
   for (const KeyedOption& option : options.keys) values[option.name] = valueAt(option, frame);
   Recipe recipe = overridden(options.base, values, table);
   for (const std::string& name : animatedFiles(recipe, table))

@@ -8,6 +8,7 @@
 #include "vdbtools/job/scene.h"
 
 #include <filesystem>
+#include <set>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -15,19 +16,23 @@
 namespace vdbtools {
 namespace {
 
-/// Files that are not there, each with the first frame that names it.
-class MissingFiles {
+/// The files of all frames, and of those that are not there the first frame that names each.
+class FilesOfFrames {
  public:
-  void check(const NamedFile& file, int frame) {
+  explicit FilesOfFrames(InputFiles& inputs) : mInputs(inputs) {}
+
+  void add(const NamedFile& file, int frame) {
+    if (!mKnown.insert(file.path).second) return;
+    mInputs.add(file.path);
     std::error_code error;
-    if (!mChecked.emplace(file.path.string(), frame).second || std::filesystem::exists(file.path, error)) return;
+    if (std::filesystem::exists(file.path, error)) return;
     ++mCount;
     constexpr std::size_t kMostNamed = 3;
     if (mCount <= kMostNamed)
       mNames += (mNames.empty() ? "'" : ", '") + file.path.string() + "' (frame " + std::to_string(frame) + ")";
   }
   /// @throw MissingInputError
-  void requireNone() const {
+  void requireNoneMissing() const {
     if (mCount == 0) return;
     throw MissingInputError(mCount == 1 ? "an input of the sequence is missing: " + mNames
                                         : std::to_string(mCount) +
@@ -37,7 +42,8 @@ class MissingFiles {
   }
 
  private:
-  std::map<std::string, int> mChecked;
+  InputFiles& mInputs;
+  std::set<std::filesystem::path> mKnown;
   std::size_t mCount = 0;
   std::string mNames;
 };
@@ -52,17 +58,17 @@ FrameRecipes::FrameRecipes(FramePlanOptions options)
     : mOptions(std::move(options)), mHashes(std::make_unique<Hashes>()) {
   requireChange(mOptions);
   const OptionTable table = fractalOptionTable();
-  MissingFiles missing;
+  FilesOfFrames files(mInputs);
   for (const int frame : mOptions.frames) {
     try {
       const FractalOptions fractal = parseFractalOptions(completeRecipe(recipeAt(mOptions, frame), table));
       requireTarget(fractal);
-      for (const NamedFile& file : filesOf(fractal)) missing.check(file, frame);
+      for (const NamedFile& file : filesOf(fractal)) files.add(file, frame);
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument("frame " + std::to_string(frame) + ": " + error.what());
     }
   }
-  missing.requireNone();
+  files.requireNoneMissing();
 }
 
 FrameRecipes::~FrameRecipes() = default;

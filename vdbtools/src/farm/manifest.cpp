@@ -2,6 +2,8 @@
 #include "vdbtools/farm/manifest.h"
 
 #include "base/json_text.h"
+#include "farm/tile_task.h"
+#include "farm/variant_plan.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
@@ -11,6 +13,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <set>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -78,31 +82,46 @@ Json jsonOf(const Manifest& manifest) {
   return json;
 }
 
-std::map<std::string, std::string> entriesFrom(const Json& json) {
+/// Becomes a DataError that names the file.
+[[noreturn]] void refusePlan(const std::string& why) { throw std::invalid_argument(why); }
+
+/// Where JSON has something else, its own loops would take that for one element.
+const Json& arrayOf(const Json& json, const char* name) {
+  const Json& array = json.at(name);
+  if (!array.is_array()) refusePlan(std::string("'") + name + "' is no list");
+  return array;
+}
+
+std::map<std::string, std::string> entriesFrom(const Json& json, const char* name) {
+  const Json& object = json.at(name);
+  if (!object.is_object()) refusePlan(std::string("'") + name + "' is no list of names and values");
   std::map<std::string, std::string> entries;
-  for (const auto& [name, value] : json.items()) entries[name] = value.get<std::string>();
+  for (const auto& [entry, value] : object.items()) entries[entry] = value.get<std::string>();
   return entries;
 }
 
 openvdb::CoordBBox boxFrom(const Json& json) {
   const auto corner = [](const Json& c) {
+    if (c.size() != 3) refusePlan("the corner of a box has " + std::to_string(c.size()) + " numbers and not 3");
     return openvdb::Coord(wholeOf<int>(c.at(0)), wholeOf<int>(c.at(1)), wholeOf<int>(c.at(2)));
   };
+  if (json.size() != 2) refusePlan("a box has " + std::to_string(json.size()) + " corners and not 2");
   return {corner(json.at(0)), corner(json.at(1))};
 }
 
 PlanKind kindFrom(const std::string& text) {
   for (const auto& [kind, name] : kKinds)
     if (text == name) return kind;
-  throw DataError("it is of the unknown kind " + inOneLine(text));
+  refusePlan("it is of the unknown kind '" + inOneLine(text) + "'");
 }
+
+bool hasNul(const std::string& text) { return text.find('\0') != std::string::npos; }
 
 /// A plan may come from anywhere; its tasks write into its folder and nowhere else.
 void requireInside(const std::filesystem::path& name) {
   const bool leaves = std::find(name.begin(), name.end(), "..") != name.end();
-  if (name.empty() || name.is_absolute() || leaves || name.native().find('\0') != std::string::npos)
-    throw DataError("a task of the plan would write '" + inOneLine(name.native()) +
-                    "', which is not in the plan's folder; plan again");
+  if (!name.has_filename() || name.is_absolute() || leaves || hasNul(name.native()))
+    refusePlan("a task would write '" + inOneLine(name.native()) + "', which is no file in the plan's folder");
 }
 
 Manifest manifestFrom(const Json& json) {
@@ -110,24 +129,77 @@ Manifest manifestFrom(const Json& json) {
   manifest.version = json.at(kProgramKey).get<std::string>();
   manifest.kind = kindFrom(json.at("kind").get<std::string>());
   manifest.makes = json.at("makes").get<std::vector<std::string>>();
-  manifest.recipe = entriesFrom(json.at("recipe"));
-  if (json.contains("facts")) manifest.facts = entriesFrom(json.at("facts"));
+  manifest.recipe = entriesFrom(json, "recipe");
+  if (json.contains("facts")) manifest.facts = entriesFrom(json, "facts");
   if (json.contains("lattice")) {
     const Json& lattice = json.at("lattice");
     manifest.lattice = {boxFrom(lattice.at("domain")), lattice.at("bounded").get<bool>(),
                         lattice.at("voxelSize").get<double>()};
   }
-  for (const Json& input : json.at("inputs"))
+  for (const Json& input : arrayOf(json, "inputs"))
     manifest.inputs.push_back({input.at("path").get<std::string>(), input.at("sha256").get<std::string>()});
-  for (const Json& entry : json.at("tasks")) {
+  for (const Json& entry : arrayOf(json, "tasks")) {
     PlannedTask task;
-    if (entry.contains("recipe")) task.recipe = entriesFrom(entry.at("recipe"));
+    if (entry.contains("recipe")) task.recipe = entriesFrom(entry, "recipe");
     if (entry.contains("box")) task.box = boxFrom(entry.at("box"));
     task.writes = entry.at("writes").get<std::vector<std::string>>();
-    for (const std::string& name : task.writes) requireInside(name);
     manifest.tasks.push_back(std::move(task));
   }
   return manifest;
+}
+
+/// Of a plan of tiles: that the lattice is one, that each tile is a part of it, and that the recipe makes these files.
+void requireSoundTiles(const Manifest& manifest) {
+  if (!manifest.lattice) refusePlan("a plan of tiles has no lattice");
+  const TileLattice& lattice = *manifest.lattice;
+  if (!(lattice.voxelSize > 0) || !std::isfinite(lattice.voxelSize))
+    refusePlan("the voxel size of the lattice is " + std::to_string(lattice.voxelSize));
+  // Half of what coordinates can be leaves room for the halo of a tile, and for differences.
+  constexpr int kFarthest = 1 << 30;
+  const openvdb::CoordBBox all(openvdb::Coord(-kFarthest), openvdb::Coord(kFarthest));
+  if (lattice.domain.empty() || !all.isInside(lattice.domain))
+    refusePlan("the domain of the lattice is no box of nodes");
+  const FractalOptions options = parseFractalOptions(manifest.recipe);
+  requireCuttable(options);
+  const TileFiles files = tileFiles(manifest, options);
+  for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index) {
+    const PlannedTask& task = manifest.tasks[index - 1];
+    const std::string name = "tile " + std::to_string(index);
+    if (!task.box) refusePlan(name + " has no box");
+    if (task.box->empty() || !lattice.domain.isInside(*task.box))
+      refusePlan("the box of " + name + " is not in the lattice");
+    if (task.writes != tileNames(files, index)) refusePlan(name + " has other files than its recipe makes");
+  }
+}
+
+/// Of a plan of whole fractals: that each task has a file of its own for all that the plan makes.
+void requireSoundVariants(const Manifest& manifest) {
+  const auto folder = manifest.facts.find(kFolderFact);
+  if (folder == manifest.facts.end() || !std::filesystem::path(folder->second).is_absolute() || hasNul(folder->second))
+    refusePlan("the folder from which the names of its files are meant is missing");
+  std::set<std::string> names;
+  for (const PlannedTask& task : manifest.tasks) {
+    bool fits = task.writes.size() == manifest.makes.size();
+    for (std::size_t i = 0; fits && i < task.writes.size(); ++i)
+      fits = lowerExtension(task.writes[i]) == '.' + manifest.makes[i];
+    if (!fits) refusePlan("a task has other files than the plan makes");
+    for (const std::string& name : task.writes)
+      if (!names.insert(name).second) refusePlan("two tasks would write '" + inOneLine(name) + "'");
+  }
+}
+
+/// What its tasks and its merging rely on: all that can be seen without its files.
+void requireSoundPlan(const Manifest& manifest) {
+  requireMakes(manifest.makes);
+  if (manifest.tasks.empty()) refusePlan("there is no task in it");
+  for (const PlannedTask& task : manifest.tasks)
+    for (const std::string& name : task.writes) requireInside(name);
+  for (const PlannedInput& input : manifest.inputs)
+    if (input.path.empty() || hasNul(input.path)) refusePlan("the name of an input is empty, or none");
+  if (manifest.kind == PlanKind::Tiles)
+    requireSoundTiles(manifest);
+  else
+    requireSoundVariants(manifest);
 }
 
 /// One line for each entry, and for each element of those entries that are long lists.
@@ -208,9 +280,14 @@ Manifest readManifest(const std::filesystem::path& folder) {
     if (sha256Hex(json.dump()) != hash)
       throw DataError(name + " was changed after it was written, so that finished tasks might not belong to it; " +
                       "restore it, or plan again");
-    return manifestFrom(json);
+    Manifest manifest = manifestFrom(json);
+    requireSoundPlan(manifest);
+    return manifest;
   } catch (const nlohmann::json::exception&) {
     throw DataError(broken + ": an entry is missing or of the wrong kind; plan again");
+  } catch (const std::invalid_argument& error) {
+    // The file is wrong, and not what was asked for.
+    throw DataError(broken + ": " + error.what() + "; plan again");
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/farm/merge.h"
 
+#include "base/lattice_transform.h"
 #include "farm/tile_islands.h"
 #include "farm/tile_merge.h"
 #include "farm/tile_task.h"
@@ -11,9 +12,9 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/farm/task.h"
-#include "vdbtools/files/atomic_file.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
+#include "vdbtools/files/output_files.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_files.h"
 #include "vdbtools/job/fractal_job.h"
@@ -117,7 +118,7 @@ class MeshFiles {
  public:
   /// @param attributes  of the points; or null
   MeshFiles(const fs::path& path, const MeshWriteOptions& options, const PlanAttributes* attributes, bool numbered,
-            std::list<AtomicFile>& files, const Monitor& monitor)
+            OutputFiles& files, const Monitor& monitor)
       : mPath(path),
         mOptions(options),
         mAttributes(attributes),
@@ -131,7 +132,7 @@ class MeshFiles {
     if (mNumbered)
       path.replace_filename(mPath.stem().string() + '.' + std::to_string(mMeshes.size() + 1) +
                             mPath.extension().string());
-    MeshFile& mesh = mMeshes.emplace_back(mFiles.emplace_back(path), mOptions);
+    MeshFile& mesh = mMeshes.emplace_back(mFiles.add(path), mOptions);
     if (!mAttributes) return mesh;
     return mAttributed.emplace_back(**mAttributes, mesh, mMonitor);
   }
@@ -144,7 +145,7 @@ class MeshFiles {
   MeshWriteOptions mOptions;
   const PlanAttributes* mAttributes;
   bool mNumbered;
-  std::list<AtomicFile>& mFiles;
+  OutputFiles& mFiles;
   const Monitor& mMonitor;
   std::list<MeshFile> mMeshes;
   std::list<AttributedSink> mAttributed;  ///< in front of the meshes
@@ -186,12 +187,9 @@ std::vector<TileReader> openTiles(const fs::path& folder, const Manifest& manife
 }
 
 MeshCounts mergeMesh(const fs::path& folder, const Manifest& manifest, const MergeOptions& options,
-                     const PlanIslands* islands, const PlanAttributes* attributes, std::list<AtomicFile>& files,
+                     const PlanIslands* islands, const PlanAttributes* attributes, OutputFiles& files,
                      Monitor& monitor) {
   const MeshFormat format = meshFormat(*options.mesh);
-  if (!makes(manifest, lowerExtension(*options.mesh).substr(1)) && format != MeshFormat::Ply)
-    throw std::invalid_argument("the plan was made for other files than '" + options.mesh->string() +
-                                "', whose numbers need all digits of the tiles; name the format when planning");
   std::vector<TileReader> tiles = openTiles(folder, manifest, islands, islands && islands->capMesh);
   std::uint64_t points = 0;
   for (const TileReader& tile : tiles) points += tile.counts().points;
@@ -288,7 +286,7 @@ GridParts readGrids(const fs::path& folder, const Manifest& manifest, Monitor& m
     if (const FloatGrid::Ptr part = partNamed(file, "surface"); part && !part->empty()) {
       if (!parts.surface) {
         parts.surface = FloatGrid::create(part->background());
-        parts.surface->setTransform(openvdb::math::Transform::createLinearTransform(lattice.voxelSize));
+        parts.surface->setTransform(latticeTransform(lattice.voxelSize));
       }
       addPart(parts.surface->tree(), part->tree());
     }
@@ -334,19 +332,20 @@ std::vector<openvdb::GridBase::Ptr> mergeGrids(const fs::path& folder, const Man
   return grids;
 }
 
-void commit(std::list<AtomicFile>& files, MergeResult& result) {
-  std::vector<AtomicFile*> all;
-  for (AtomicFile& file : files) {
-    all.push_back(&file);
-    result.files.push_back(file.target());
-  }
-  commitAll(all);
+void commit(OutputFiles& files, MergeResult& result) {
+  for (const AtomicFile& file : files.files()) result.files.push_back(file.target());
+  files.commit();
+}
+
+/// What the pieces of a plan are called that stay files of their own.
+fs::path pieceOf(const fs::path& listed, std::uint64_t index, const char* extension) {
+  return fs::path((listed.parent_path() / listed.stem()).string() + '.' + taskName(index) + extension);
 }
 
 /// One tile's own files, and what the index says of them.
-nlohmann::json writeOneTile(const fs::path& folder, const Manifest& manifest, std::uint64_t index, const fs::path& stem,
-                            const PlanIslands* islands, const PlanAttributes* attributes, MergeResult& result,
-                            Monitor& monitor) {
+nlohmann::json writeOneTile(const fs::path& folder, const Manifest& manifest, std::uint64_t index,
+                            const fs::path& listed, const InputFiles& inputs, const PlanIslands* islands,
+                            const PlanAttributes* attributes, MergeResult& result, Monitor& monitor) {
   using nlohmann::json;
   const TileLattice& lattice = manifest.lattice.value();
   const openvdb::CoordBBox box = manifest.tasks[index - 1].box.value();
@@ -355,16 +354,14 @@ nlohmann::json writeOneTile(const fs::path& folder, const Manifest& manifest, st
                 {"nodes", {box.min()[0], box.min()[1], box.min()[2], box.max()[0], box.max()[1], box.max()[2]}},
                 {"box", {low[0], low[1], low[2], high[0], high[1], high[2]}},
                 {"files", json::array()}};
-  const auto nameOf = [&](const char* extension) {
-    return fs::path(stem.string() + '.' + taskName(index) + extension);
-  };
-  std::list<AtomicFile> files;
+  OutputFiles files(inputs);
   if (makesMesh(manifest)) {
     std::vector<TileReader> tile;
     tile.push_back(openTile(folder, index, islands, islands && islands->capMesh));
     MeshCounts counts;
     {
-      MeshFiles meshes(nameOf(".ply"), meshOptions(manifest, MeshFormat::Ply), attributes, false, files, monitor);
+      MeshFiles meshes(pieceOf(listed, index, ".ply"), meshOptions(manifest, MeshFormat::Ply), attributes, false, files,
+                       monitor);
       const std::function<MeshSink&()> next = [&]() -> MeshSink& { return meshes.next(); };
       counts = mergeTiles(tile, {.keepGuests = true}, next, monitor);
       meshes.finish();
@@ -389,7 +386,7 @@ nlohmann::json writeOneTile(const fs::path& folder, const Manifest& manifest, st
         for (const openvdb::GridBase::Ptr& grid : attributeGrids(**attributes, *part, monitor)) grids.push_back(grid);
       VdbWriteOptions options = vdbWriteOptions(parseFractalOptions(manifest.recipe).output, manifest.facts);
       options.half = false;
-      files.emplace_back(nameOf(".vdb")).stream() << encodeVdb(grids, options);
+      files.add(pieceOf(listed, index, ".vdb")).stream() << encodeVdb(grids, options);
     }
   }
   const std::size_t before = result.files.size();
@@ -401,18 +398,66 @@ nlohmann::json writeOneTile(const fs::path& folder, const Manifest& manifest, st
   return entry;
 }
 
+/// "; plan again with --make vdb,ply,obj"
+std::string planAgainWith(const Manifest& manifest, const std::string& format) {
+  std::string list;
+  for (const std::string& made : manifest.makes) list += made + ',';
+  return "; plan again with --make " + list + format;
+}
+
+/// @throw CreateError  no file can be made there
+void requirePlace(const fs::path& path) {
+  std::error_code error;
+  const fs::file_type type = fs::status(path, error).type();
+  // A pipe is opened once only: its reader takes the end of the first writer for that of the file.
+  if (type == fs::file_type::fifo || type == fs::file_type::socket) return;
+  const AtomicFile claim(path);
+}
+
 }  // namespace
 
-MergeResult mergePlan(const fs::path& folder, const Manifest& manifest, const MergeOptions& options, Monitor& monitor) {
+void requireMergeable(const fs::path& folder, const Manifest& manifest, const MergeOptions& options) {
   requireTiles(manifest);
   if (!options.vdb && !options.mesh) throw std::invalid_argument("no file was named for what is merged");
   if (options.vdb && !makes(manifest, "vdb"))
-    throw std::invalid_argument("the tasks of the plan make no grids; plan again with them");
-  if (options.mesh && !makesMesh(manifest))
-    throw std::invalid_argument("the tasks of the plan make no mesh; plan again with one");
+    throw std::invalid_argument("the tasks of the plan make no grids, so '" + inOneLine(options.vdb->native()) +
+                                "' cannot be merged from them" + planAgainWith(manifest, "vdb"));
+  if (options.mesh) {
+    const std::string name = "'" + inOneLine(options.mesh->native()) + "'",
+                      format = lowerExtension(*options.mesh).substr(1);
+    if (!makesMesh(manifest))
+      throw std::invalid_argument("the tasks of the plan make no mesh, so " + name + " cannot be merged from them" +
+                                  planAgainWith(manifest, format));
+    if (!makes(manifest, format) && meshFormat(*options.mesh) != MeshFormat::Ply)
+      throw std::invalid_argument("the tasks of the plan keep fewer digits than " + name + " needs" +
+                                  planAgainWith(manifest, format));
+  }
+  OutputPlaces places(planInputs(folder, manifest));
+  for (const std::optional<fs::path>& file : {options.vdb, options.mesh})
+    if (file) {
+      places.claim(*file);
+      requirePlace(*file);
+    }
+}
+
+void requireMergeable(const fs::path& folder, const Manifest& manifest, const fs::path& index) {
+  requireTiles(manifest);
+  if (dropsIslands(manifest) && makes(manifest, "vdb"))
+    throw std::invalid_argument(
+        "islands are dropped, and the distances to what is left of them are not known tile by tile; merge into one "
+        "VDB, or plan again with --make ply alone");
+  OutputPlaces places(planInputs(folder, manifest));
+  places.claim(index);
+  for (std::uint64_t task = 1; task <= manifest.tasks.size(); ++task)
+    for (const char* extension : {".ply", ".vdb"}) places.claim(pieceOf(index, task, extension));
+  requirePlace(index);
+}
+
+MergeResult mergePlan(const fs::path& folder, const Manifest& manifest, const MergeOptions& options, Monitor& monitor) {
+  requireMergeable(folder, manifest, options);
+  OutputFiles files(planInputs(folder, manifest));
   sweepPlan(folder, manifest);
-  std::list<AtomicFile> files;
-  AtomicFile* const vdb = options.vdb ? &files.emplace_back(*options.vdb) : nullptr;
+  AtomicFile* const vdb = options.vdb ? &files.add(*options.vdb) : nullptr;
   requireDone(folder, manifest, monitor);
   MergeResult result;
   const std::optional<PlanIslands> joined = joinIslands(folder, manifest, monitor);
@@ -437,13 +482,11 @@ MergeResult mergePlan(const fs::path& folder, const Manifest& manifest, const Me
 }
 
 MergeResult writeTileFiles(const fs::path& folder, const Manifest& manifest, const fs::path& index, Monitor& monitor) {
-  requireTiles(manifest);
-  if (dropsIslands(manifest) && makes(manifest, "vdb"))
-    throw std::invalid_argument(
-        "islands are dropped, and the distances to what is left of them are not known tile by tile; merge into one "
-        "VDB, or plan again with meshes alone");
+  requireMergeable(folder, manifest, index);
+  const InputFiles inputs = planInputs(folder, manifest);
+  OutputFiles files(inputs);
+  AtomicFile& file = files.add(index);
   sweepPlan(folder, manifest);
-  AtomicFile file(index);
   requireDone(folder, manifest, monitor);
   MergeResult result;
   const std::optional<PlanIslands> islands = joinIslands(folder, manifest, monitor);
@@ -455,10 +498,9 @@ MergeResult writeTileFiles(const fs::path& folder, const Manifest& manifest, con
                                  {"voxel_size", lattice.voxelSize},
                                  {"recipe", manifest.facts}};
   nlohmann::json tiles = nlohmann::json::array();
-  const fs::path stem = index.parent_path() / index.stem();
   for (std::uint64_t i = 1; i <= manifest.tasks.size(); ++i) {
-    tiles.push_back(
-        writeOneTile(folder, manifest, i, stem, islands ? &*islands : nullptr, attributes.get(), result, monitor));
+    tiles.push_back(writeOneTile(folder, manifest, i, index, inputs, islands ? &*islands : nullptr, attributes.get(),
+                                 result, monitor));
     monitor.throwIfCancelled();
   }
   if (result.files.empty()) throw DataError("the fractal is empty: no tile has a surface");
@@ -466,8 +508,7 @@ MergeResult writeTileFiles(const fs::path& folder, const Manifest& manifest, con
   root["triangles"] = result.mesh.triangles;
   root["tiles"] = tiles;
   file.stream() << root.dump(1) << '\n';
-  file.commit();
-  result.files.push_back(index);
+  commit(files, result);
   return result;
 }
 

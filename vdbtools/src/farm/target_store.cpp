@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "farm/target_store.h"
 
+#include "base/elementary.h"
 #include "target/solid_input.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/memory.h"
+#include "vdbtools/base/number_text.h"
 #include "vdbtools/files/atomic_file.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/recipe/option_value.h"
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
+#include <stdexcept>
 #include <system_error>
 #include <utility>
 
@@ -22,83 +26,111 @@ namespace fs = std::filesystem;
 using openvdb::FloatGrid;
 
 constexpr const char* kMoved = "julia_repair_moved";
+constexpr const char *kLattice = "julia_lattice", *kWidths = "julia_band_widths";
+constexpr const char *kInside = "inside", *kWholeInside = "whole";
 constexpr const char* kGrid = "phi";
+constexpr std::size_t kKeyDigits = 16;
 
 /// The least power of the square root of 2 that is not below a width.
 double rounded(double width) {
   if (!(width > 0) || !std::isfinite(width)) return width;
-  return std::exp2(std::ceil(2 * std::log2(width)) / 2);
+  return elementary::exp2(std::ceil(2 * elementary::log2(width)) / 2);
 }
+
+/// How wide a side of the band is made that is to serve others, too.
+double generous(double wanted, double kept) { return rounded(wanted > kept ? std::max(wanted, 2 * kept) : kept); }
+
+/// Distances as they are kept.
+struct KeptBand {
+  Target target;
+  BandWidths widths;
+};
 
 /// A mesh's distances, from a folder where they are there.
 class KeptTarget final : public TargetInput {
  public:
-  KeptTarget(std::unique_ptr<const TargetInput> input, const TargetOptions& options, fs::path folder)
+  KeptTarget(std::unique_ptr<const TargetInput> input, fs::path folder, std::string key,
+             std::function<bool(const std::string&)> keeps)
       : mInput(std::move(input)),
         mFolder(std::move(folder)),
-        mKey(options.input.expectedHash + ' ' + numbersText({options.sdfVoxels.sizeFor(longestSide(mInput->box()))}) +
-             ' ' + mendText(options.mend)) {}
+        mKey(std::move(key)),
+        mKeeps(std::move(keeps)) {}
 
   const openvdb::BBoxd& box() const override { return mInput->box(); }
   double usualDepth() const override { return mInput->usualDepth(); }
   std::shared_ptr<const Mesh> mesh() const override { return mInput->mesh(); }
 
-  Target make(const BandWidths& widths, Monitor& monitor) const override {
-    const BandWidths wide{rounded(widths.exterior), rounded(widths.interior)};
-    const std::string name = "band " + numbersText({wide.exterior, wide.interior});
-    if (std::optional<Target> kept = read(name)) return *std::move(kept);
-    Target target = mInput->make(wide, monitor);
-    keep(name, target.phi, target.repairMoved);
-    return target;
+  Target distances(const BandWidths& widths, Monitor& monitor) const override {
+    std::optional<KeptBand> kept = readBand(pathOf("band"));
+    if (kept && kept->widths.holds(widths)) return std::move(kept->target);
+    const BandWidths before = kept ? kept->widths : BandWidths();
+    kept.reset();
+    // Nothing is kept where a wider band than is wanted is too much.
+    try {
+      const BandWidths wide{generous(widths.exterior, before.exterior), generous(widths.interior, before.interior),
+                            widths.wholeInside || before.wholeInside};
+      Target target = mInput->distances(wide, monitor);
+      keep(pathOf("band"), target.phi, wide, target.repairMoved);
+      return target;
+    } catch (const MemoryError&) {
+    } catch (const std::invalid_argument&) {
+    }
+    return mInput->distances(widths, monitor);
   }
 
-  Target deepened(const Target&, const BandWidths& widths, Monitor& monitor) const override {
-    return make({widths.exterior, std::numeric_limits<double>::infinity()}, monitor);
+  Target band(const Target& distances, const BandWidths& widths, Monitor& monitor) const override {
+    return mInput->band(distances, widths, monitor);
   }
 
   FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const override {
-    if (std::optional<Target> kept = read("coarse")) return kept->phi;
+    const fs::path path = pathOf("coarse");
+    if (std::optional<KeptBand> kept = readBand(path)) return kept->target.phi;
     FloatGrid::ConstPtr coarse = mInput->coarseDistances(monitor);
-    keep("coarse", openvdb::gridPtrCast<FloatGrid>(coarse->deepCopyGrid()), {});
+    keep(path, std::const_pointer_cast<FloatGrid>(coarse), {}, {});
     return coarse;
   }
 
  private:
-  fs::path pathOf(const std::string& name) const {
-    constexpr std::size_t kDigits = 16;
-    return mFolder / (sha256Hex(mKey + ' ' + name).substr(0, kDigits) + ".vdb");
-  }
+  fs::path pathOf(const std::string& name) const { return mFolder / (mKey + '.' + name + ".vdb"); }
   static fs::path hashPathOf(const fs::path& path) { return fs::path(path).replace_extension(".sha256"); }
 
-  std::optional<Target> read(const std::string& name) const {
-    const fs::path path = pathOf(name);
+  std::optional<KeptBand> readBand(const fs::path& path) const {
     try {
       if (readWholeFile(hashPathOf(path)) != sha256OfFile(path) + '\n') return std::nullopt;
       const VdbFile file = readVdb(path);
-      Target target{.phi = chooseFloatGrid(file, kGrid, path), .box = box()};
+      KeptBand kept{.target = {.phi = chooseFloatGrid(file, kGrid, path), .box = box()}, .widths = {}};
+      placeOnLattice(*kept.target.phi, file.metadata.at(kLattice));
       if (const auto moved = file.metadata.find(kMoved); moved != file.metadata.end())
-        target.repairMoved = parseNumber(kMoved, moved->second);
-      return target;
-    } catch (const std::runtime_error&) {
-      return std::nullopt;  // not there, or not whole yet
+        kept.target.repairMoved = parseNumber(kMoved, moved->second);
+      if (const auto found = file.metadata.find(kWidths); found != file.metadata.end()) {
+        const std::vector<std::string> both = split(found->second, ',');
+        const auto width = [&](std::size_t i) { return numberFromText(both.at(i)).value(); };
+        kept.widths = {width(0), width(1), both.at(2) == kWholeInside};
+      }
+      return kept;
+    } catch (const std::exception&) {
+      return std::nullopt;  // not there, not whole yet, or broken
     }
   }
 
-  void keep(const std::string& name, const FloatGrid::Ptr& phi, const std::optional<double>& moved) const {
+  void keep(const fs::path& path, const FloatGrid::Ptr& phi, const BandWidths& widths,
+            const std::optional<double>& moved) const {
+    if (!mKeeps(mKey)) return;
     try {
       std::error_code error;
       fs::create_directories(mFolder, error);
-      const fs::path path = pathOf(name);
       FloatGrid::Ptr grid = phi->copy();
       grid->setName(kGrid);
-      VdbWriteOptions options;
+      VdbWriteOptions options{.metadata = {{kLattice, latticeText(*phi)}}};
+      options.metadata[kWidths] =
+          numbersText({widths.exterior, widths.interior}) + ',' + (widths.wholeInside ? kWholeInside : kInside);
       if (moved) options.metadata[kMoved] = numbersText({*moved});
       const std::string bytes = encodeVdb({grid}, options);
       AtomicFile file(path), hash(hashPathOf(path));
       file.stream() << bytes;
       hash.stream() << sha256Hex(bytes) << '\n';
-      file.commit();
-      hash.commit();
+      AtomicFile* const both[] = {&file, &hash};
+      commitAll(both);
     } catch (const std::runtime_error&) {
       // It only saves time.
     }
@@ -107,16 +139,51 @@ class KeptTarget final : public TargetInput {
   std::unique_ptr<const TargetInput> mInput;
   fs::path mFolder;
   std::string mKey;
+  std::function<bool(const std::string&)> mKeeps;
 };
 
 }  // namespace
 
-TargetOpener targetsKeptIn(fs::path folder) {
-  return [folder = std::move(folder)](const TargetOptions& options) -> std::unique_ptr<const TargetInput> {
+std::string targetKey(const TargetOptions& options) {
+  if (options.input.expectedHash.empty() || (!options.mesh && isVdbPath(options.input.path))) return {};
+  const VoxelChoice& voxels = options.sdfVoxels;
+  const std::string text = options.input.expectedHash + lowerExtension(options.input.path) +
+                           (voxels.voxelSize ? " voxels of " + numbersText({*voxels.voxelSize})
+                                             : " voxels " + numbersText({voxels.resolution.value()})) +
+                           ' ' + mendText(options.mend);
+  return sha256Hex(text).substr(0, kKeyDigits);
+}
+
+TargetOpener targetsKeptIn(fs::path folder, std::function<bool(const std::string& key)> keeps) {
+  return [folder = std::move(folder),
+          keeps = std::move(keeps)](const TargetOptions& options) -> std::unique_ptr<const TargetInput> {
     std::unique_ptr<const TargetInput> input = openTarget(options);
-    if (!input->mesh() || options.input.expectedHash.empty()) return input;
-    return std::make_unique<KeptTarget>(std::move(input), options, folder);
+    std::string key = targetKey(options);
+    if (key.empty()) return input;
+    return std::make_unique<KeptTarget>(std::move(input), folder, std::move(key), keeps);
   };
+}
+
+std::set<std::string> keptTargets(const fs::path& folder) {
+  std::set<std::string> keys;
+  std::error_code error;
+  const fs::directory_iterator end;
+  for (fs::directory_iterator entry(folder, error); !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().native();
+    if (name.find('.') == kKeyDigits) keys.insert(name.substr(0, kKeyDigits));
+  }
+  return keys;
+}
+
+void removeKeptTargets(const fs::path& folder, const std::set<std::string>& keys) {
+  std::error_code error;
+  std::vector<fs::path> files;
+  const fs::directory_iterator end;
+  for (fs::directory_iterator entry(folder, error); !error && entry != end; entry.increment(error))
+    if (keys.contains(entry->path().filename().native().substr(0, kKeyDigits))) files.push_back(entry->path());
+  for (const fs::path& file : files) fs::remove(file, error);
+  // Fails, as it is to, where another process keeps something there.
+  fs::remove(folder, error);
 }
 
 }  // namespace vdbtools

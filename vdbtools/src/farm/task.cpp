@@ -12,6 +12,7 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/files/mark_file.h"
+#include "vdbtools/job/scene.h"
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -21,6 +22,7 @@
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
+#include <memory>
 #include <mutex>
 #include <set>
 #include <stdexcept>
@@ -100,13 +102,24 @@ TaskFile fileRecord(const fs::path& folder, const std::string& name) {
 
 }  // namespace
 
-TaskCounts makeTask(const fs::path& folder, const Manifest& manifest, std::uint64_t index, Monitor& monitor) {
+TaskMaker makerOf(const fs::path& folder, const Manifest& manifest) {
   switch (manifest.kind) {
-    case PlanKind::Tiles: return makeTile(folder, manifest, index, monitor);
+    case PlanKind::Tiles:
+      return [](const fs::path& where, const Manifest& plan, std::uint64_t index, Monitor& monitor) {
+        return makeTile(where, plan, index, monitor);
+      };
     case PlanKind::Frames:
-    case PlanKind::Sheet: return makeVariant(folder, manifest, index, monitor);
+    case PlanKind::Sheet:
+      return [maker = std::make_shared<VariantMaker>(folder, manifest)](const fs::path&, const Manifest&,
+                                                                        std::uint64_t index, Monitor& monitor) {
+        return maker->make(index, monitor);
+      };
   }
   throw std::logic_error("a kind of plan has no maker of its tasks");
+}
+
+void removeUnneeded(const fs::path& folder, const Manifest& manifest) {
+  if (manifest.kind != PlanKind::Tiles) removeUnneededTargets(folder, manifest);
 }
 
 void requireInputs(const fs::path& folder, const Manifest& manifest) {
@@ -120,6 +133,17 @@ void requireInputs(const fs::path& folder, const Manifest& manifest) {
   }
 }
 
+InputFiles planInputs(const fs::path& folder, const Manifest& manifest) {
+  InputFiles inputs;
+  if (manifest.kind == PlanKind::Tiles) inputs.add(inputsOf(parseFractalOptions(manifest.recipe)));
+  inputs.add(folder / kManifestName);
+  for (const PlannedInput& input : manifest.inputs) inputs.add(folder / input.path);
+  for (const fs::path& place : foldersOf(folder, manifest))
+    if (place != folder) inputs.addFolder(place);
+  inputs.addFolder(folder / kLogsName);
+  return inputs;
+}
+
 void sweepPlan(const fs::path& folder, const Manifest& manifest) {
   for (const fs::path& place : foldersOf(folder, manifest)) sweepTemporaries(place);
   std::error_code error;
@@ -129,14 +153,19 @@ void sweepPlan(const fs::path& folder, const Manifest& manifest) {
 }
 
 TaskRunner::TaskRunner(fs::path folder, TaskMaker maker)
-    : mFolder(std::move(folder)), mMaker(std::move(maker)), mManifest(readManifest(mFolder)) {}
+    : mFolder(std::move(folder)), mMaker(std::move(maker)), mManifest(readManifest(mFolder)) {
+  if (!mMaker) mMaker = makerOf(mFolder, mManifest);
+}
 
 bool TaskRunner::run(std::uint64_t index, Monitor& monitor) {
   TaskRecord record;
   record.hash = taskHash(mManifest, index);
   // Also where nothing is to be made: of two processes at this task, one may have been killed.
   sweepPlan(mFolder, mManifest);
-  if (finishedTask(mFolder, mManifest, index, FileCheck::Content)) return false;
+  if (finishedTask(mFolder, mManifest, index, FileCheck::Content)) {
+    removeUnneeded(mFolder, mManifest);
+    return false;
+  }
   createFolder(tasksFolder(mFolder));
   for (const std::string& name : mManifest.tasks[index - 1].writes) createFolder((mFolder / name).parent_path());
 
@@ -163,6 +192,7 @@ bool TaskRunner::run(std::uint64_t index, Monitor& monitor) {
   AtomicFile sideCar(sideCarPath(mFolder, index));
   sideCar.stream() << encodeRecord(index, record);
   sideCar.commit();
+  removeUnneeded(mFolder, mManifest);
   return true;
 }
 

@@ -251,10 +251,15 @@ TaskStatus taskStatus(const fs::path& folder, const Manifest& manifest, std::uin
     return status;
   }
   const Json failure = objectIn(failedPath(folder, index), kFailedKind);
-  if (failure.is_object() && failure.value("hash", Json()) == taskHash(manifest, index) &&
-      failure.value("error", Json()).is_string() && failure.value("exit", Json()).is_number_integer())
-    status.error = inOneLine(failure["error"].get<std::string>()) + " (exit code " +
-                   std::to_string(failure["exit"].get<int>()) + ")";
+  if (failure.is_object() && failure.value("hash", Json()) == taskHash(manifest, index)) {
+    try {
+      status.exitCode = wholeOf<int>(failure.at("exit"));
+      status.error =
+          inOneLine(failure.at("error").get<std::string>()) + " (exit code " + std::to_string(*status.exitCode) + ")";
+    } catch (const nlohmann::json::exception&) {
+      status.exitCode.reset();  // it is broken, and says nothing
+    }
+  }
   if (!status.error.empty()) status.state = TaskState::Failed;
   return status;
 }

@@ -121,7 +121,7 @@ bool applyFilter(const TileFilter& filter, TileLayer& layer) {
 TileReader::TileReader(const std::filesystem::path& path) : mPath(path), mStream(openToRead(path)) {
   std::error_code error;
   mLeft = std::filesystem::file_size(path, error);
-  if (!mStream || error) throw MissingInputError("cannot open the tile '" + inOneLine(path.string()) + "'");
+  if (error) throw MissingInputError("cannot open the tile '" + inOneLine(path.string()) + "'");
   Header header{};
   read(&header, sizeof header);
   if (std::string_view(header.magic, kMagic.size()) != kMagic || header.version != kVersion ||

@@ -113,7 +113,7 @@ TileIslandsReader::TileIslandsReader(std::filesystem::path path) : mPath(std::mo
   std::ifstream stream = openToRead(mPath);
   std::error_code error;
   std::uint64_t left = std::filesystem::file_size(mPath, error);
-  if (!stream || error) throw MissingInputError("cannot open the islands '" + inOneLine(mPath.string()) + "'");
+  if (error) throw MissingInputError("cannot open the islands '" + inOneLine(mPath.string()) + "'");
   Header header{};
   if (left < sizeof header) refuse(mPath, "it is truncated");
   read(stream, mPath, &header, sizeof header);

@@ -9,7 +9,10 @@
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/atomic_file.h"
 #include "vdbtools/files/file_hash.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/job/fractal_job.h"
 #include "vdbtools/job/prepared_scene.h"
+#include "vdbtools/mesh/mesh_writer.h"
 #include "vdbtools/surface/extract_mesh.h"
 
 #include <algorithm>
@@ -97,19 +100,13 @@ void cut(const CoordBBox& box, std::vector<CoordBBox> work, int count, std::vect
   tiles.push_back(tile);
 }
 
-void requireCuttable(const FractalOptions& options) {
-  if (options.lattice.follow)
-    throw std::invalid_argument(
-        "a fractal that is made by following its surface cannot be cut into tiles, as the way leads through all of "
-        "them; leave out the option to follow it");
-  if (options.surface.adaptivity > 0)
-    throw std::invalid_argument(
-        "--adaptivity needs the whole mesh at once, and tiles are merged without holding it; leave it out, or make the "
-        "fractal in one run");
-  if (options.output.attributes.has(PointAttribute::Mask))
-    throw std::invalid_argument(
-        "--attributes is to have 'mask', but the tasks of a plan and its merging know the mask only as a part of the "
-        "exponent; leave it out, or make the fractal in one run");
+/// That what is merged in the end can hold the fractal: its tiles can in any case.
+void requireFormats(const std::vector<std::string>& makes, double voxelSize, const FieldPlan& whole) {
+  for (const std::string& extension : makes)
+    if (extension == "vdb")
+      requireVdbVoxel(voxelSize);
+    else
+      needsDoublePositions({.format = meshFormat("mesh." + extension), .voxelSize = voxelSize, .box = meshBox(whole)});
 }
 
 /// Boxes of nodes that the tiles have to cover.
@@ -248,6 +245,7 @@ TilePlan planTiles(const FractalOptions& options, const Recipe& recipe, const Ti
   // A window without nodes: the blocks of the whole would be too many for a large lattice.
   FieldPlan whole = planScene(scene, CoordBBox());
   whole.window = whole.domain;
+  requireFormats(tiles.makes, scene.voxelSize, whole);
   std::vector<CoordBBox> work = workOf(scene, whole);
   if (work.empty()) throw DataError("the fractal is empty: no cell of the lattice is undecided", Remedy::LargerBeta);
 
@@ -271,12 +269,8 @@ TilePlan planTiles(const FractalOptions& options, const Recipe& recipe, const Ti
   manifest.facts = sceneMetadata(scene, recipe);
   manifest.lattice = TileLattice{whole.domain, whole.bounded, whole.voxelSize};
   for (const TileBox& box : boxes) {
-    PlannedTask task{.box = box.nodes};
+    manifest.tasks.push_back({.box = box.nodes, .writes = tileNames(files, manifest.tasks.size() + 1)});
     plan.work.push_back({.shell = box.work});
-    if (files.mesh) task.writes.push_back(tileMeshName(manifest.tasks.size() + 1));
-    if (files.grids) task.writes.push_back(tileGridsName(manifest.tasks.size() + 1));
-    if (files.islands) task.writes.push_back(tileIslandsName(manifest.tasks.size() + 1));
-    manifest.tasks.push_back(std::move(task));
   }
   std::error_code error;
   std::filesystem::create_directories(folder, error);

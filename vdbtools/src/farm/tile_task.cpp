@@ -4,7 +4,7 @@
 #include "field/block_layers.h"
 
 #include "vdbtools/base/errors.h"
-#include "vdbtools/files/atomic_file.h"
+#include "vdbtools/files/output_files.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/job/prepared_scene.h"
@@ -13,7 +13,6 @@
 #include <openvdb/tree/ValueAccessor.h>
 
 #include <algorithm>
-#include <list>
 
 namespace vdbtools {
 namespace {
@@ -27,6 +26,12 @@ std::string numbered(std::uint64_t index, const char* extension) { return "tiles
 
 bool dropsIslands(const FractalOptions& options) {
   return options.surface.islands.largest > 0 || options.surface.islands.minSize > 0;
+}
+
+/// @throw DataError  the plan was not made from the prepared scene beside it
+void requireLattice(const TileLattice& lattice, const FieldPlan& plan) {
+  if (lattice.domain == plan.domain && lattice.bounded == plan.bounded && lattice.voxelSize == plan.voxelSize) return;
+  throw DataError(std::string("the lattice of the plan is not that of '") + kPreparedName + "'; plan again");
 }
 
 Coord leafOf(const Coord& node) { return node & ~(kBlock - 1); }
@@ -179,6 +184,29 @@ TileFiles tileFiles(const Manifest& manifest, const FractalOptions& options) {
   return files;
 }
 
+std::vector<std::string> tileNames(const TileFiles& files, std::uint64_t index) {
+  std::vector<std::string> names;
+  if (files.mesh) names.push_back(tileMeshName(index));
+  if (files.grids) names.push_back(tileGridsName(index));
+  if (files.islands) names.push_back(tileIslandsName(index));
+  return names;
+}
+
+void requireCuttable(const FractalOptions& options) {
+  if (options.lattice.follow)
+    throw std::invalid_argument(
+        "a fractal that is made by following its surface cannot be cut into tiles, as the way leads through all of "
+        "them; leave out the option to follow it");
+  if (options.surface.adaptivity > 0)
+    throw std::invalid_argument(
+        "--adaptivity needs the whole mesh at once, and tiles are merged without holding it; leave it out, or make the "
+        "fractal in one run");
+  if (options.output.attributes.has(PointAttribute::Mask))
+    throw std::invalid_argument(
+        "--attributes is to have 'mask', but the tasks of a plan and its merging know the mask only as a part of the "
+        "exponent; leave it out, or make the fractal in one run");
+}
+
 CoordBBox ownNodes(const CoordBBox& box, const CoordBBox& domain) {
   CoordBBox own = box;
   for (int axis = 0; axis < 3; ++axis) {
@@ -245,15 +273,16 @@ TaskCounts makeTile(const std::filesystem::path& folder, const Manifest& manifes
   const PlannedTask& task = manifest.tasks.at(index - 1);
   const FractalOptions options = parseFractalOptions(manifest.recipe);
   const TileFiles written = tileFiles(manifest, options);
-  std::list<AtomicFile> files;
-  AtomicFile* const mesh = written.mesh ? &files.emplace_back(folder / tileMeshName(index)) : nullptr;
-  AtomicFile* const grids = written.grids ? &files.emplace_back(folder / tileGridsName(index)) : nullptr;
-  AtomicFile* const islands = written.islands ? &files.emplace_back(folder / tileIslandsName(index)) : nullptr;
+  OutputFiles files(inputsOf(options));
+  AtomicFile* const mesh = written.mesh ? &files.add(folder / tileMeshName(index)) : nullptr;
+  AtomicFile* const grids = written.grids ? &files.add(folder / tileGridsName(index)) : nullptr;
+  AtomicFile* const islands = written.islands ? &files.add(folder / tileIslandsName(index)) : nullptr;
   // Those of controls went into the exponent, and need not be at hand.
   std::vector<NamedFile> present = options.map->files();
   std::erase_if(present, [](const NamedFile& file) { return !std::filesystem::exists(file.path); });
   verifiedHashes(present);
   const Scene scene = readPreparedScene(options, folder / kPreparedName);
+  requireLattice(manifest.lattice.value(), planScene(scene, CoordBBox()));
   const Tile tile = makeTile(scene, task.box.value(), wantsMesh, wantsGrids, monitor);
   monitor.begin("writing", 0);
   TaskCounts counts;
@@ -266,10 +295,8 @@ TaskCounts makeTile(const std::filesystem::path& folder, const Manifest& manifes
   // Not the half floats of the result: what is merged must have all its digits.
   if (grids) grids->stream() << encodeVdb(tile.grids, {});
   if (islands) tile.islands->write(islands->stream());
-  std::vector<AtomicFile*> all;
-  for (AtomicFile& file : files) all.push_back(&file);
   monitor.throwIfCancelled();
-  commitAll(all);
+  files.commit();
   return counts;
 }
 

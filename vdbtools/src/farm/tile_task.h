@@ -32,6 +32,12 @@ struct TileFiles {
 /// Of what the manifest makes. Its tasks need not be there yet.
 TileFiles tileFiles(const Manifest& manifest, const FractalOptions& options);
 
+/// The names of these files of task @a index, in the order of PlannedTask::writes.
+std::vector<std::string> tileNames(const TileFiles& files, std::uint64_t index);
+
+/// @throw std::invalid_argument  options that a fractal in tiles cannot have
+void requireCuttable(const FractalOptions& options);
+
 /// How far a tile's level set and its normals depend on nodes of other tiles.
 inline constexpr int kTileHalo = 5;
 

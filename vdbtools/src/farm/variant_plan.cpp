@@ -17,9 +17,6 @@
 namespace vdbtools {
 namespace {
 
-/// The fact of a plan that folderOfNames() gives.
-constexpr const char* kFolder = "folder";
-
 constexpr const char* kOut = "out/";
 
 void requireNames(const VariantNames& names) {
@@ -89,7 +86,7 @@ Manifest planVariants(PlanKind kind, const std::vector<Variant>& variants, const
   requireNames(names);
   const OptionTable table = fractalOptionTable();
   const std::filesystem::path folder = std::filesystem::current_path();
-  Manifest manifest{.kind = kind, .makes = names.makes, .facts = {{kFolder, folder.string()}}};
+  Manifest manifest{.kind = kind, .makes = names.makes, .facts = {{kFolderFact, folder.string()}}};
   FileHashes hashes;
   for (const Variant& variant : variants) {
     PlannedTask& task = manifest.tasks.emplace_back();
@@ -101,7 +98,7 @@ Manifest planVariants(PlanKind kind, const std::vector<Variant>& variants, const
   return manifest;
 }
 
-std::filesystem::path folderOfNames(const Manifest& manifest) { return manifest.facts.at(kFolder); }
+std::filesystem::path folderOfNames(const Manifest& manifest) { return manifest.facts.at(kFolderFact); }
 
 Recipe withAbsoluteNames(const Recipe& recipe, const std::filesystem::path& folder) {
   std::map<std::string, std::string> names;

@@ -27,6 +27,9 @@ struct VariantNames {
 /// @throw std::invalid_argument  an option or a name is refused; DataError, MissingInputError, IoError
 Manifest planVariants(PlanKind kind, const std::vector<Variant>& variants, const VariantNames& names);
 
+/// The fact of a plan that folderOfNames() gives.
+inline constexpr const char* kFolderFact = "folder";
+
 /// What the tasks of a plan make, Manifest::makes. @throw std::invalid_argument  unknown, twice, or nothing
 void requireMakes(const std::vector<std::string>& makes);
 

@@ -4,11 +4,16 @@
 #include "farm/target_store.h"
 #include "farm/variant_plan.h"
 
+#include "vdbtools/base/errors.h"
+#include "vdbtools/files/output_files.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_files.h"
 
-#include <list>
+#include <functional>
+#include <set>
+#include <stdexcept>
 #include <system_error>
+#include <utility>
 
 namespace vdbtools {
 namespace {
@@ -16,13 +21,14 @@ namespace {
 /// The files of a task, not yet in their places.
 class TaskFiles {
  public:
-  TaskFiles(const std::filesystem::path& folder, const PlannedTask& task) {
+  TaskFiles(const std::filesystem::path& folder, const PlannedTask& task, InputFiles inputs)
+      : mFiles(std::move(inputs)) {
     for (const std::string& name : task.writes) {
       const std::filesystem::path path = folder / name;
       std::error_code error;
       std::filesystem::create_directories(path.parent_path(), error);
       if (error) throw CreateError("cannot make the folder '" + path.parent_path().string() + "': " + error.message());
-      AtomicFile& file = mFiles.emplace_back(path);
+      AtomicFile& file = mFiles.add(path);
       if (isVdbPath(path))
         mWanted.vdb = &file;
       else
@@ -32,26 +38,69 @@ class TaskFiles {
 
   const FractalFiles& wanted() const { return mWanted; }
 
-  void commit() {
-    std::vector<AtomicFile*> files;
-    for (AtomicFile& file : mFiles) files.push_back(&file);
-    commitAll(files);
-  }
+  void commit() { mFiles.commit(); }
 
  private:
-  std::list<AtomicFile> mFiles;
+  OutputFiles mFiles;
   FractalFiles mWanted;
 };
 
+/// Does what uses the recipe of a task. Where that is none, the plan is wrong, and not what was asked for.
+/// @throw DataError  instead of std::invalid_argument
+template <class Body>
+auto withRecipe(std::uint64_t index, const Body& body) {
+  try {
+    return body();
+  } catch (const std::invalid_argument& error) {
+    throw DataError("the plan's recipe of task " + std::to_string(index) + " cannot be used: " + error.what() +
+                    "; plan again");
+  }
+}
+
+FractalOptions optionsOf(const Manifest& manifest, std::uint64_t index) {
+  return withRecipe(index, [&] {
+    return parseFractalOptions(withAbsoluteNames(taskRecipe(manifest, index), folderOfNames(manifest)));
+  });
+}
+
+/// By what the distances of a task's target are kept; "" if they are not.
+std::string targetKeyOf(const Manifest& manifest, std::uint64_t index) {
+  try {
+    const FractalOptions options = optionsOf(manifest, index);
+    return options.target ? targetKey(*options.target) : std::string();
+  } catch (const DataError&) {
+    return {};  // the task itself will say so
+  }
+}
+
+/// Goes through the tasks that are not done, until @a seen has seen enough. Those at the end are done last.
+void forEachToCome(const std::filesystem::path& folder, const Manifest& manifest,
+                   const std::function<bool(std::uint64_t index)>& seen) {
+  for (std::uint64_t index = manifest.tasks.size(); index >= 1; --index)
+    if (!finishedTask(folder, manifest, index, FileCheck::Quick) && seen(index)) return;
+}
+
 }  // namespace
 
-TaskCounts makeVariant(const std::filesystem::path& folder, const Manifest& manifest, std::uint64_t index,
-                       Monitor& monitor) {
-  const Recipe recipe = taskRecipe(manifest, index);
-  const FractalOptions options = parseFractalOptions(withAbsoluteNames(recipe, folderOfNames(manifest)));
-  TaskFiles files(folder, manifest.tasks.at(index - 1));
-  const Scene scene = SceneMaker(targetsKeptIn(folder / kTargetsName)).make(options, monitor);
-  const FractalResult result = writeFractal(scene, recipe, files.wanted(), monitor);
+VariantMaker::VariantMaker(std::filesystem::path folder, const Manifest& manifest)
+    : mFolder(std::move(folder)),
+      mManifest(manifest),
+      mScenes(targetsKeptIn(mFolder / kTargetsName, [this](const std::string& key) {
+        bool wanted = false;
+        forEachToCome(mFolder, mManifest, [&](std::uint64_t index) {
+          return wanted = index != mIndex && targetKeyOf(mManifest, index) == key;
+        });
+        return wanted;
+      })) {}
+
+TaskCounts VariantMaker::make(std::uint64_t index, Monitor& monitor) {
+  mIndex = index;
+  const FractalOptions options = optionsOf(mManifest, index);
+  TaskFiles files(mFolder, mManifest.tasks.at(index - 1), inputsOf(options));
+  const FractalResult result = withRecipe(index, [&] {
+    const Scene scene = mScenes.make(options, monitor);
+    return writeFractal(scene, taskRecipe(mManifest, index), files.wanted(), monitor);
+  });
   files.commit();
   TaskCounts counts{{{"evaluatedNodes", static_cast<double>(result.evaluatedNodes)}}};
   if (!files.wanted().meshes.empty()) {
@@ -59,6 +108,22 @@ TaskCounts makeVariant(const std::filesystem::path& folder, const Manifest& mani
     counts.counts["points"] = static_cast<double>(result.mesh.points);
   }
   return counts;
+}
+
+TaskCounts makeVariant(const std::filesystem::path& folder, const Manifest& manifest, std::uint64_t index,
+                       Monitor& monitor) {
+  return VariantMaker(folder, manifest).make(index, monitor);
+}
+
+void removeUnneededTargets(const std::filesystem::path& folder, const Manifest& manifest) {
+  const std::filesystem::path targets = folder / kTargetsName;
+  std::set<std::string> unneeded = keptTargets(targets);
+  if (unneeded.empty()) return;
+  forEachToCome(folder, manifest, [&](std::uint64_t index) {
+    unneeded.erase(targetKeyOf(manifest, index));
+    return unneeded.empty();
+  });
+  if (!unneeded.empty()) removeKeptTargets(targets, unneeded);
 }
 
 }  // namespace vdbtools

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/field/fractal_field.h"
 
+#include "base/elementary.h"
+#include "base/lattice_transform.h"
 #include "field/block_evaluator.h"
 #include "field/block_layers.h"
 #include "field/undecided_blocks.h"
 #include "target/cell_corners.h"
 #include "vdbtools/base/memory.h"
+#include "vdbtools/base/number_text.h"
 
 #include <openvdb/tools/SignedFloodFill.h>
 #include <openvdb/tree/ValueAccessor.h>
@@ -40,14 +43,14 @@ CoordBBox latticeNodes(const openvdb::BBoxd& world, double voxelSize, int margin
   const Vec3d low = world.min() / voxelSize, high = world.max() / voxelSize;
   for (int axis = 0; axis < 3; ++axis)
     if (!(std::abs(low[axis]) < kMostIndex && std::abs(high[axis]) < kMostIndex))
-      throw std::invalid_argument("at voxel size " + std::to_string(voxelSize) +
+      throw std::invalid_argument("at voxel size " + shortText(voxelSize) +
                                   " the lattice is too large to be indexed; use larger voxels");
   return {Coord::ceil(low).offsetBy(-margin), Coord::floor(high).offsetBy(margin)};
 }
 
 void requireValid(const FractalFieldOptions& options) {
   if (!(options.voxelSize > 0 && std::isfinite(options.voxelSize)))
-    throw std::invalid_argument("the voxel size is " + std::to_string(options.voxelSize) + "; it must be above 0");
+    throw std::invalid_argument("the voxel size is " + shortText(options.voxelSize) + "; it must be above 0");
   if (options.box && (options.box->empty() || !options.box->min().isFinite() || !options.box->max().isFinite()))
     throw std::invalid_argument("the box is empty or not finite; give x0,y0,z0,x1,y1,z1 with the smaller corner first");
 }
@@ -127,13 +130,6 @@ class LatticeView {
   Vec3d mColumns[3];
 };
 
-/// "1.2e+15"
-std::string shortCount(double count) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", count);
-  return text;
-}
-
 /// Calls body(local, nodes) for the boxes of nodes, clipped by @a within, that hold a corner of any lattice cell which
 /// touches an undecided cell of E: F changes its sign in such cells only, for E is continuous.
 /// @tparam Local  what each thread has of its own, and what is returned for each
@@ -188,17 +184,17 @@ struct MarkedBlocks {
 void requireMemoryForBlocks(double blocks) {
   constexpr double kBytesOfLeaf = 100, kBlocksOfLeaf = 512;
   requireMemory(blocks / kBlocksOfLeaf * kBytesOfLeaf, MemoryUse::Field,
-                "a lattice of some " + shortCount(blocks * kBlock * kBlock * kBlock) + " undecided nodes");
+                "a lattice of some " + shortText(blocks * kBlock * kBlock * kBlock) + " undecided nodes");
 }
 
 /// At least so many nodes of the window lie in undecided cells of E.
 double fewestShellNodes(const ExponentGrid& exponent, const CoordBBox& window, double voxelSize) {
   // Each cell is clipped by itself, so cells that the window cuts count in part. Boxes of nodes reach a node or so
   // beyond the cells, and are shrunk to these.
-  const double nodesOfCell = std::abs(exponent.grid->transform().voxelSize().product()) / std::pow(voxelSize, 3);
+  const double nodesOfCell = std::abs(exponent.grid->transform().voxelSize().product()) / elementary::pow(voxelSize, 3);
   constexpr double kLargeCell = 512;  // nodes; the sets of smaller ones are small
   if (nodesOfCell < kLargeCell) return 0;
-  const double across = std::cbrt(nodesOfCell), share = std::pow(across / (across + 2), 3);
+  const double across = elementary::cbrt(nodesOfCell), share = elementary::pow(across / (across + 2), 3);
   double nodes = 0;
   for (const double part : forEachUndecidedBox<double>(exponent, window, voxelSize,
                                                        [](double&sum, const CoordBBox&box) { sum += volumeOf(box); }))
@@ -295,7 +291,7 @@ std::vector<CoordBBox> undecidedBoxes(const ExponentGrid* exponent, const FieldP
 FractalField emptyField(const FieldPlan& plan, bool keepIterations) {
   const auto makeGrid = [&](float background, const char* name) {
     FloatGrid::Ptr grid = FloatGrid::create(background);
-    grid->setTransform(openvdb::math::Transform::createLinearTransform(plan.voxelSize));
+    grid->setTransform(latticeTransform(plan.voxelSize));
     grid->setName(name);
     return grid;
   };

@@ -4,6 +4,7 @@
 #include "target/mesh_conversion.h"
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/number_text.h"
 
 #include <cstddef>
 #include <string>
@@ -28,8 +29,8 @@ void dropSmall(std::vector<Island*>& islands, double minSize, double voxelSize) 
   }
   if (largest < least)
     throw DataError("no island is left: the largest of " + std::to_string(islands.size()) + " is " +
-                        shortNumber(largest * voxelSize) + " across, and the smallest that was to be kept is " +
-                        shortNumber(minSize) + "; keep smaller ones",
+                        shortText(largest * voxelSize) + " across, and the smallest that was to be kept is " +
+                        shortText(minSize) + "; keep smaller ones",
                     Remedy::SmallerIslands);
   std::erase_if(islands, [](const Island* island) { return !island->kept; });
 }

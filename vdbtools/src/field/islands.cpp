@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/field/islands.h"
+#include "vdbtools/base/number_text.h"
 
 #include "base/disjoint_sets.h"
 #include "field/island_choice.h"
@@ -13,6 +14,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 #include <unordered_map>
 #include <utility>
@@ -321,7 +323,7 @@ class IslandFinder {
   Level<Leaf> mLeaves;
   Level<Lower> mLowers;
   Level<Upper> mUppers;
-  std::unordered_map<Coord, std::size_t> mRootTiles;  ///< by origin: those inside, each a part of its own
+  std::map<Coord, std::size_t> mRootTiles;  ///< by origin: those inside, each a part of its own
   std::vector<Island> mParts;  ///< the nodes in one node of the tree; in the first of those joined, all of the island
   DisjointSets<std::size_t> mSets;
 };
@@ -330,7 +332,7 @@ class IslandFinder {
 
 IslandReport dropIslands(FractalField& field, const IslandOptions& options, Monitor& monitor) {
   if (!(options.minSize >= 0 && std::isfinite(options.minSize)))
-    throw std::invalid_argument("the smallest size of islands is " + shortNumber(options.minSize) +
+    throw std::invalid_argument("the smallest size of islands is " + shortText(options.minSize) +
                                 "; it must be 0 or above, world units");
   IslandFinder finder(field.field->tree(), monitor);
   const IslandReport report = chooseIslands(finder.islands(), options, field.field->voxelSize()[0]);

@@ -6,6 +6,8 @@
 namespace vdbtools {
 
 std::vector<OptionSpec> latticeOptionSpecs() {
+  const IdleRule offLattice =
+      idleWithout({Product::Vdb, Product::Mesh, Product::Stl, Product::Glb, Product::MeshCount}, "a VDB or a mesh");
   return {
       {.name = "resolution",
        .argument = "N",
@@ -20,11 +22,13 @@ std::vector<OptionSpec> latticeOptionSpecs() {
       {.name = "exhaustive", .help = "evaluate every node, even where the result is known; for checking"},
       {.name = "follow",
        .help = "follow the surface from seeds instead of visiting the whole shell, for very large runs. What is found "
-               "is exact; islands that no seed meets are missed, and an estimate of how much that is gets printed"},
+               "is exact; islands that no seed meets are missed, and an estimate of how much that is gets printed",
+       .idle = offLattice},
       {.name = "seed-stride",
        .argument = "N",
        .defaultValue = "8",
-       .help = "with --follow: voxels between seeds, a power of 2 up to 64; smaller distances find more"},
+       .help = "with --follow: voxels between seeds, a power of 2 up to 64; smaller distances find more",
+       .idle = idleByAny({offLattice, idleWithoutFlag("follow")})},
   };
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/files/atomic_file.h"
 
+#include "files/file_place.h"
 #include "files/temporaries.h"
 
 #include "vdbtools/base/errors.h"
@@ -12,6 +13,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>
@@ -31,8 +33,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kBufferSize = std::size_t{1} << 20;
-constexpr int kMostLinks = 40;  ///< as Linux follows
-constexpr int kAttempts = 100;  ///< at finding an unused name; the first nearly always succeeds
+constexpr int kMostLinks = 40;            ///< as Linux follows
+constexpr std::uint32_t kAttempts = 100;  ///< at finding an unused name; the first nearly always succeeds
 
 std::string textOf(int error) { return std::generic_category().message(error); }
 
@@ -192,19 +194,6 @@ class DescriptorBuffer : public std::streambuf {
   int mError = 0;
 };
 
-/// What @a path leads to through symbolic links, which need not exist.
-fs::path followLinks(const fs::path& path) {
-  fs::path target = path;
-  for (int i = 0; i < kMostLinks; ++i) {
-    std::error_code error;
-    if (!fs::is_symlink(fs::symlink_status(target, error))) return target;
-    const fs::path next = fs::read_symlink(target, error);
-    if (error) cannotCreate(path, "cannot follow the link " + nameOf(target) + ": " + error.message());
-    target = target.parent_path() / next;
-  }
-  cannotCreate(path, textOf(ELOOP));
-}
-
 /// Where a file is to be, once its links are followed.
 struct Place {
   fs::path target;        ///< absolute, in a folder that exists
@@ -224,7 +213,9 @@ Place placeOf(const fs::path& path) {
     return place;
   }
 
-  const fs::path target = followLinks(path);
+  std::error_code error;
+  const fs::path target = followLinks(path, error);
+  if (error) cannotCreate(path, "its links cannot be followed: " + error.message());
   if (place.exists) {
     // Links below /proc lead to files that may have no name any more.
     struct stat status {};
@@ -241,7 +232,6 @@ Place placeOf(const fs::path& path) {
   if (!target.has_filename()) cannotCreate(path, "it does not name a file");
 
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
-  std::error_code error;
   const fs::path canonicalFolder = fs::canonical(folder, error);
   if (error) cannotCreate(path, "its folder " + nameOf(folder) + " cannot be used: " + error.message());
   place.target = canonicalFolder / target.filename();
@@ -252,14 +242,14 @@ Place placeOf(const fs::path& path) {
 /// @param path  as it was given, for messages
 /// @return its descriptor
 int createTemporary(const Place& place, const fs::path& path, fs::path& temporary) {
-  std::random_device random;
   Registry& live = registry();
   const std::lock_guard lock(live.mutex);
   for (const auto& [other, target] : live.targets) {
     if (target == place.target) cannotCreate(path, "this process is already writing it; give each output its own name");
   }
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    temporary = temporaryName(place.target, random());
+  removeLeftoversOf(place.target);
+  for (std::uint32_t attempt = 0; attempt < kAttempts; ++attempt) {
+    temporary = temporaryName(place.target, attempt < kUsualNames ? attempt : std::random_device()());
     const auto [entry, isNew] = live.targets.try_emplace(temporary, place.target);
     if (!isNew) continue;
     // Nobody else may read what replaces a private file; a new file gets the permissions that the umask gives it.
@@ -425,8 +415,14 @@ void commitAll(std::span<AtomicFile* const> files) {
     if (s->replaces) folders.insert(s->target.parent_path());
   }
   std::vector<Undo> undos(states.size(), Undo::Nothing);
+  Registry& live = registry();
+  struct Placing {
+    explicit Placing(std::atomic<int>& number) : count(number) { ++count; }
+    ~Placing() { --count; }
+    std::atomic<int>& count;
+  };
+  const Placing placing(live.placing);
   {
-    Registry& live = registry();
     const std::lock_guard lock(live.mutex);
     for (std::size_t i = 0; i < states.size(); ++i) {
       const AtomicFile::State& s = *states[i];
@@ -441,7 +437,10 @@ void commitAll(std::span<AtomicFile* const> files) {
       AtomicFile::State& s = *states[i];
       // After an exchange, the temporary is the file that was replaced.
       if (undos[i] == Undo::Exchange) ::unlink(s.temporary.c_str());
-      if (s.replaces) live.targets.erase(s.temporary);
+      if (s.replaces) {
+        live.targets.erase(s.temporary);
+        ++live.placed;
+      }
       s.committed = true;
     }
   }

@@ -23,6 +23,15 @@ constexpr std::size_t kLongestInMessage = 400;
 
 std::string textOf(int error) { return std::generic_category().message(error); }
 
+[[noreturn]] void cannotOpen(const std::string& name, int error) {
+  throw MissingInputError("cannot open " + name + ": " + textOf(error));
+}
+
+// A directory can be opened; only reading it would fail.
+[[noreturn]] void isDirectory(const std::string& name) {
+  throw MissingInputError("cannot read " + name + ": it is a directory; a file is needed");
+}
+
 /// An open file, closed with its scope.
 class Input {
  public:
@@ -30,13 +39,12 @@ class Input {
     do {
       mDescriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
     } while (mDescriptor < 0 && errno == EINTR);
-    if (mDescriptor < 0) throw MissingInputError("cannot open " + mName + ": " + textOf(errno));
+    if (mDescriptor < 0) cannotOpen(mName, errno);
     struct stat status {};
-    // A directory can be opened; only reading it would fail.
     if (::fstat(mDescriptor, &status) == 0) {
       if (S_ISDIR(status.st_mode)) {
         ::close(mDescriptor);
-        throw MissingInputError("cannot read " + mName + ": it is a directory; a file is needed");
+        isDirectory(mName);
       }
       if (S_ISREG(status.st_mode)) mSize = static_cast<std::size_t>(status.st_size);
     }
@@ -93,6 +101,9 @@ std::ifstream openToRead(const std::filesystem::path& path) {
     stream.clear();
     stream.open(path, std::ios::binary);
   } while (!stream.is_open() && errno == EINTR);
+  if (!stream.is_open()) cannotOpen(inOneLine(path.native()), errno);
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) isDirectory(inOneLine(path.native()));
   return stream;
 }
 

@@ -2,6 +2,7 @@
 #include "files/temporaries.h"
 
 #include "vdbtools/files/atomic_file.h"
+#include "vdbtools/files/placed_files.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -14,6 +15,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <ctime>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -80,10 +82,22 @@ Registry& registry() {
   return instance;
 }
 
-fs::path temporaryName(const fs::path& target, std::uint32_t random) {
+PlacedFiles placedFiles() noexcept {
+  const Registry& live = registry();
+  return {.now = live.placing > 0, .count = live.placed};
+}
+
+fs::path temporaryName(const fs::path& target, std::uint32_t number) {
+  const std::string name = target.filename().native();
+  // Of two long names that begin alike, neither finds the other's.
+  const auto own = static_cast<std::uint32_t>(std::hash<std::string>()(name));
   char suffix[16];
-  std::snprintf(suffix, sizeof suffix, ".%08x.tmp", static_cast<unsigned int>(random));
-  return target.parent_path() / ("." + target.filename().native().substr(0, kLongestStem) + suffix);
+  std::snprintf(suffix, sizeof suffix, ".%08x.tmp", static_cast<unsigned int>(own + number));
+  return target.parent_path() / ("." + name.substr(0, kLongestStem) + suffix);
+}
+
+void removeLeftoversOf(const fs::path& target) {
+  for (std::uint32_t number = 0; number < kUsualNames; ++number) removeIfLeftover(temporaryName(target, number));
 }
 
 bool lockOwn(int descriptor, const fs::path& path) {

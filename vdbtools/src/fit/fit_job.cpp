@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/fit/fit_job.h"
 
+#include "base/elementary.h"
 #include "base/in_parallel.h"
 #include "base/openvdb/fast_sweeping.h"
 #include "fit/log_moduli.h"
@@ -9,6 +10,7 @@
 #include "vdbtools/formats/peer_formats.h"
 #include "vdbtools/formats/versor_file.h"
 #include "vdbtools/recipe/recipe_reader.h"
+#include "vdbtools/target/target_input.h"
 
 #include "julia/fit/cancelled.h"
 #include "julia/fit/electrostatics.h"
@@ -57,7 +59,7 @@ std::vector<FitCell> jittered(const FitTarget& target, std::vector<FitCell> cell
   std::mt19937_64 random(seed);
   std::vector<Point> points;
   for (const FitCell& cell : cells) {
-    const double size = std::cbrt(double{cell.volume}) * target.cell;
+    const double size = elementary::cbrt(double{cell.volume}) * target.cell;
     Point x = cell.x;
     // The engine's numbers are fixed by the standard, the library's distributions are not.
     for (double& coordinate : x) coordinate += size * (static_cast<double>(random() >> 11) * 0x1p-53 - 0.5);
@@ -107,7 +109,7 @@ class Judge {
       const bool target = mCells[i].phi < 0, fractal = l[i] < 0;
       both += target && fractal ? mCells[i].volume : 0;
       either += target || fractal ? mCells[i].volume : 0;
-      psi -= std::tanh(kAlphaOfPsi * l[i]) * mWeights[i];
+      psi -= elementary::tanh(kAlphaOfPsi * l[i]) * mWeights[i];
     }
     row.iou = either > 0 ? both / either : 0;
     row.psi = psi / mEta;
@@ -364,6 +366,12 @@ double surfaceSlope(const Rational& rational, const std::vector<FitCell>& cells,
   return *middle;
 }
 
+std::string idleEpsilon(const OptionRun& run) {
+  return run.text("start") == "monopoles" || !run.text("schedule").empty()
+             ? ""
+             : "it goes with --start monopoles or --schedule; give one of them too, or leave it out";
+}
+
 }  // namespace
 
 OptionTable fitOptionTable() {
@@ -371,7 +379,11 @@ OptionTable fitOptionTable() {
       {.name = "input",
        .argument = "MESH|SDF.vdb",
        .help = "the target: a mesh, or a VDB that holds its signed distance"},
-      {.name = "grid", .argument = "NAME", .defaultValue = "", .help = "which grid of the input VDB to use"},
+      {.name = "grid",
+       .argument = "NAME",
+       .defaultValue = "",
+       .help = "which grid of the input VDB to use",
+       .idle = idleWithoutVdb},
       {.name = "roots",
        .argument = "N",
        .defaultValue = "331",
@@ -396,7 +408,8 @@ OptionTable fitOptionTable() {
       {.name = "epsilon",
        .argument = "E",
        .defaultValue = "0.04",
-       .help = "monopoles: the relative residual up to which they have to match the electrostatic potential"},
+       .help = "monopoles: the relative residual up to which they have to match the electrostatic potential",
+       .idle = idleEpsilon},
       {.name = "weights",
        .argument = "distance|layers",
        .defaultValue = "distance",

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/fit/fit_measure.h"
+#include "vdbtools/base/number_text.h"
 
+#include "base/elementary.h"
 #include "base/in_parallel.h"
 #include "base/openvdb/fast_sweeping.h"
 #include "fit/log_moduli.h"
@@ -85,7 +87,7 @@ Potential potentialOf(const FitTarget& target, const Lattice& lattice, const jul
         tally.both += inMap && inTarget;
         tally.either += inMap || inTarget;
         const double w = 1 / std::copysign(std::max(std::abs(phi[c]), julia::kLeastDistance * target.cell), phi[c]);
-        tally.psi -= std::tanh(sharpness * static_cast<double>(l[c])) * w;
+        tally.psi -= elementary::tanh(sharpness * static_cast<double>(l[c])) * w;
         tally.eta += std::abs(w);
         result.values[((i + 1) * rimmed + c / n + 1) * rimmed + c % n + 1] =
             std::clamp(l[c], -kLargestLog, kLargestLog);
@@ -159,7 +161,7 @@ Distances fromTarget(const FitTarget& target, const Lattice& lattice, const Floa
 
 FitMeasure measureFit(const FitTarget& target, const julia::Rational& rational, double sharpness, Monitor& monitor) {
   if (!(sharpness > 0 && std::isfinite(sharpness)))
-    throw std::invalid_argument("the sharpness is " + std::to_string(sharpness) + "; it must be above 0");
+    throw std::invalid_argument("the sharpness is " + shortText(sharpness) + "; it must be above 0");
   const Lattice lattice(target);
   Potential potential = potentialOf(target, lattice, rational, sharpness, monitor);
   const Tally& tally = potential.tally;

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/fit/fit_target.h"
 
+#include "base/elementary.h"
 #include "base/in_parallel.h"
 #include "base/openvdb/level_set_filter.h"
 #include "mesh/decimate.h"
 #include "target/known_distance.h"
 #include "target/solid_input.h"
 #include "target/wide_distance.h"
+#include "vdbtools/base/number_text.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/surface/grid_mesh.h"
 #include "vdbtools/target/fit_space.h"
@@ -47,7 +49,7 @@ void requireInDomain(const FitTargetOptions& options) {
     throw std::invalid_argument("a surface of " + std::to_string(options.triangles) +
                                 " triangles is too coarse; allow 100 or more");
   if (!(options.smooth >= 0 && options.smooth <= 4))
-    throw std::invalid_argument("the smoothing is " + std::to_string(options.smooth) + " cells; it must be 0 to 4");
+    throw std::invalid_argument("the smoothing is " + shortText(options.smooth) + " cells; it must be 0 to 4");
 }
 
 /// The shape as a mesh, and where `juliavdb fractal` puts it.
@@ -253,13 +255,13 @@ FitTarget makeFitTarget(const FitTargetOptions& options, Monitor& monitor) {
 
 std::vector<julia::FitCell> adaptiveCells(const FitTarget& target, double bandWidth) {
   if (!(bandWidth >= 1 && bandWidth <= kFitBand - 1))
-    throw std::invalid_argument("the band is " + std::to_string(bandWidth) + " cells wide; it must be 1 to " +
+    throw std::invalid_argument("the band is " + shortText(bandWidth) + " cells wide; it must be 1 to " +
                                 std::to_string(kFitBand - 1));
   const double voxel = target.cell * target.space.scale, middle = middleNode(target.resolution);
   std::vector<julia::FitCell> cells;
   for (std::size_t l = 0; l < target.levels.size(); ++l) {
     const FloatGrid& level = *target.levels[l];
-    const double size = std::exp2(l);  // cells
+    const double size = elementary::exp2(l);  // cells
     const double least = l == 0 ? 0 : bandWidth * voxel * size / 2;
     const double most =
         l + 1 == target.levels.size() ? std::numeric_limits<double>::infinity() : bandWidth * voxel * size;

@@ -6,50 +6,15 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <cstring>
 #include <exception>
-#include <mutex>
 #include <new>
 #include <system_error>
 
 namespace {
-
-/// Keeps libpng from printing its errors and warnings, of which OpenImageIO 2.4 lets some through, for as long as it
-/// lives. The process has one stderr, so only one of these exists at a time.
-class QuietStderr {
- public:
-  QuietStderr() : mLock(mutex()) {
-    std::fflush(stderr);
-    const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
-    if (nowhere < 0) return;
-    mKept = fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 0);
-    if (mKept >= 0) dup2(nowhere, STDERR_FILENO);
-    close(nowhere);
-  }
-  ~QuietStderr() {
-    if (mKept < 0) return;
-    std::fflush(stderr);
-    dup2(mKept, STDERR_FILENO);
-    close(mKept);
-  }
-  QuietStderr(const QuietStderr&) = delete;
-  QuietStderr& operator=(const QuietStderr&) = delete;
-
- private:
-  static std::mutex& mutex() {
-    static std::mutex mutex;
-    return mutex;
-  }
-  std::scoped_lock<std::mutex> mLock;
-  int mKept = -1;
-};
 
 /// The bytes of a file. The reader of OpenImageIO 2.4 that it stands in for reads before and behind them where a
 /// damaged file has a place that is negative or too large.
@@ -76,8 +41,6 @@ class ByteSource final : public OIIO::Filesystem::IOMemReader {
   }
 };
 
-/// Values of a picture: 4 GB. A damaged header can announce anything.
-constexpr std::uint64_t kMostValues = std::uint64_t{1} << 30;
 constexpr int kMostTilesInRow = 1 << 14;
 
 /// Reads some lines at a time, and none after one that is damaged: OpenImageIO 2.4 would go on, keep a message for
@@ -105,7 +68,6 @@ bool readLines(OIIO::ImageInput& input, const OIIO::ImageSpec& spec, float* valu
 bool juliavdbDecodeImage(std::string_view bytes, std::string_view format, int threads, double room,
                          vdbtools::DecodedImage& image, std::string& reason) {
   try {
-    const QuietStderr quiet;
     vdbtools::useImageThreads(threads);
     OIIO::ImageSpec config;
     config.attribute("oiio:UnassociatedAlpha", 1);  // colours as they are in the file, not multiplied by alpha
@@ -121,9 +83,9 @@ bool juliavdbDecodeImage(std::string_view bytes, std::string_view format, int th
     const std::uint64_t values =
         static_cast<std::uint64_t>(spec.image_pixels()) * static_cast<std::uint64_t>(spec.nchannels);
     if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1 || spec.deep ||
-        values > kMostValues || (spec.tile_width > 0 && spec.width / spec.tile_width > kMostTilesInRow)) {
-      reason = "a picture of " + std::to_string(spec.width) + " x " + std::to_string(spec.height) + " pixels and " +
-               std::to_string(spec.nchannels) + " channels cannot be used";
+        values > vdbtools::kMostPictureValues ||
+        (spec.tile_width > 0 && spec.width / spec.tile_width > kMostTilesInRow)) {
+      reason = vdbtools::unusableSize(spec.width, spec.height, spec.nchannels);
       return false;
     }
     image.width = spec.width;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file image_decoder.h
-/// Decodes pictures through OpenImageIO, in the module of files/image_module.h.
+/// Decodes pictures through OpenImageIO, in the module of files/image_module.h. Of the formats that are read this way
+/// (JPEG, TIFF, EXR), OpenImageIO keeps all messages to itself; see png_decoder.h for the other one.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,6 +18,15 @@ struct DecodedImage {
   bool isLinear = false;  ///< in linear light, as OpenEXR keeps colours; others are meant as sRGB
   std::vector<float> values;
 };
+
+/// Of a picture: 4 GB. A damaged header can announce anything.
+inline constexpr std::uint64_t kMostPictureValues = std::uint64_t{1} << 30;
+
+/// Why a picture is refused that has too many values, or none.
+inline std::string unusableSize(int width, int height, int channels) {
+  return "a picture of " + std::to_string(width) + " x " + std::to_string(height) + " pixels and " +
+         std::to_string(channels) + " channels cannot be used";
+}
 
 /// @param bytes    of a file
 /// @param format   how OpenImageIO calls it

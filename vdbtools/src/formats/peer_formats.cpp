@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/formats/peer_formats.h"
 
+#include "base/elementary.h"
+
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
 
@@ -208,7 +210,7 @@ void requireWritable(const OptimisedShape& shape) {
     }
   }
   julia::requireFinite(shape.rational);
-  if (!std::isnormal(std::exp(shape.rational.logScale))) {
+  if (!std::isnormal(elementary::exp(shape.rational.logScale))) {
     throw std::invalid_argument("the constant C is " + textOf(shape.rational.logScale) +
                                 "; an o3d holds e^C as a double, which reaches from about -708 to 709; write .json, "
                                 "which holds C itself");
@@ -269,7 +271,7 @@ OptimisedShape optimisedShapeFromO3d(std::string_view bytes, const std::string& 
   if (!(scale > 0 && scale <= std::numeric_limits<double>::max())) {
     reader.fail("the constant e^C is " + textOf(scale) + "; it must be above 0 and finite");
   }
-  shape.rational.logScale = std::log(scale);
+  shape.rational.logScale = elementary::log(scale);
   const std::int32_t history = reader.readInt("the history count");
   if (history < 0) reader.fail("the history count is " + std::to_string(history) + "; it must not be negative");
 
@@ -307,7 +309,7 @@ std::string optimisedShapeToO3d(const OptimisedShape& shape, std::span<const dou
   appendBox(bytes, shape);
   appendPolynomial(bytes, shape.rational.top, "o3d");
   appendPolynomial(bytes, shape.rational.bottom, "o3d");
-  appendDouble(bytes, std::exp(shape.rational.logScale));
+  appendDouble(bytes, elementary::exp(shape.rational.logScale));
   appendInt(bytes, 0);
   for (const std::span<const double> field : {fractal, distance, potential}) {
     appendBox(bytes, shape);

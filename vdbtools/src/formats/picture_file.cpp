@@ -3,6 +3,7 @@
 
 #include "files/image_module.h"
 #include "formats/exr_header.h"
+#include "formats/png_decoder.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/memory.h"
 #include "vdbtools/files/file_bytes.h"
@@ -18,7 +19,7 @@ namespace {
 
 using namespace std::string_view_literals;
 
-constexpr std::string_view kExr = "openexr";
+constexpr std::string_view kExr = "openexr", kPng = "png";
 
 ImageDecoder* findDecoder() {
 #ifdef JULIAVDB_IMAGE_MODULE
@@ -28,18 +29,21 @@ ImageDecoder* findDecoder() {
 #endif
 }
 
+bool decode(std::string_view bytes, std::string_view format, double room, DecodedImage& image, std::string& reason) {
+  if (format == kPng) return decodePng(bytes, room, image, reason);
+  static ImageDecoder* const decodeOther = findDecoder();
+  return decodeOther(bytes, format, imageThreads(), room, image, reason);
+}
+
 /// How OpenImageIO calls the format that a file begins like; empty: none of those for which it calls the libraries that
 /// all the world uses. Its own decoders of other formats trust the file.
 std::string_view formatOf(std::string_view bytes) {
   struct Beginning {
     std::string_view bytes, format;
   };
-  constexpr std::array kBeginnings = {Beginning{"\x89PNG\r\n\x1a\n"sv, "png"},
-                                      Beginning{"\xff\xd8\xff"sv, "jpeg"},
-                                      Beginning{"II*\0"sv, "tiff"},
-                                      Beginning{"MM\0*"sv, "tiff"},
-                                      Beginning{"II+\0"sv, "tiff"},
-                                      Beginning{"MM\0+"sv, "tiff"},
+  constexpr std::array kBeginnings = {Beginning{"\x89PNG\r\n\x1a\n"sv, kPng}, Beginning{"\xff\xd8\xff"sv, "jpeg"},
+                                      Beginning{"II*\0"sv, "tiff"},           Beginning{"MM\0*"sv, "tiff"},
+                                      Beginning{"II+\0"sv, "tiff"},           Beginning{"MM\0+"sv, "tiff"},
                                       Beginning{"\x76\x2f\x31\x01"sv, kExr}};
   const auto it = std::find_if(kBeginnings.begin(), kBeginnings.end(),
                                [&](const Beginning& beginning) { return bytes.starts_with(beginning.bytes); });
@@ -49,7 +53,6 @@ std::string_view formatOf(std::string_view bytes) {
 }  // namespace
 
 DecodedImage readPicture(const std::filesystem::path& path) {
-  static ImageDecoder* const decode = findDecoder();
   std::error_code error;  // a device may have no end
   if (!std::filesystem::is_regular_file(path, error))
     throw MissingInputError(path.string() + ": no such file; check its name");
@@ -65,7 +68,7 @@ DecodedImage readPicture(const std::filesystem::path& path) {
   DecodedImage image{.isLinear = format == kExr};
   std::string reason;
   const MemoryLeft left = memoryLeft();
-  if (!decode(bytes, format, imageThreads(), left.bytes, image, reason)) {
+  if (!decode(bytes, format, left.bytes, image, reason)) {
     if (reason.empty())
       throw MemoryError(path.string() + ": the picture of " + std::to_string(image.width) + " x " +
                             std::to_string(image.height) + " pixels would take " +

@@ -114,7 +114,7 @@ const VertexAttribute* attributeOf(const Mesh& mesh, const char* name) {
 
 /// What positions are relative to: the middle of the mesh, if it lies so far from the origin that floats are coarse.
 Vec3d centreFor(const openvdb::BBoxd& box) {
-  constexpr double kFar = 1000;  // sizes of the mesh
+  constexpr double kFar = 8;  // sizes of the mesh: no vertex is moved by more than 1e-6 of one
   double largest = 0, size = 0;
   for (int axis = 0; axis < 3; ++axis) {
     largest = std::max({largest, -box.min()[axis], box.max()[axis]});

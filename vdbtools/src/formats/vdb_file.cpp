@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/formats/vdb_file.h"
 
+#include "base/lattice_transform.h"
 #include "formats/vdb_check.h"
 #include "formats/vdb_cursor.h"
 #include "vdbtools/files/file_bytes.h"
@@ -208,10 +209,6 @@ auto readingVdb(const std::filesystem::path& path, const Use& use) {
 template <class Use>
 auto withBeginning(const std::filesystem::path& path, const Use& use) {
   std::ifstream file = openToRead(path);
-  std::error_code ignored;
-  if (!file || std::filesystem::is_directory(path, ignored))
-    throw MissingInputError("cannot open '" + inOneLine(path.string()) + "': " +
-                            (std::filesystem::exists(path, ignored) ? "it is not a readable file" : "no such file"));
   std::string bytes;
   for (std::size_t wanted = std::size_t{1} << 16;; wanted *= 4) {
     const std::size_t had = bytes.size();
@@ -228,6 +225,15 @@ auto withBeginning(const std::filesystem::path& path, const Use& use) {
 }
 
 }  // namespace
+
+void requireVdbVoxel(double voxelSize) {
+  if (isOrdinaryScale(openvdb::Vec3d(voxelSize))) return;
+  std::ostringstream text;
+  text << "a VDB cannot hold voxels of " << voxelSize
+       << ", as OpenVDB makes no transform for voxels below 1.45e-05; write a mesh instead, choose a --voxel-size of "
+          "1.45e-05 or more or a lower --resolution, or give the shape in smaller units, such as millimetres";
+  throw std::invalid_argument(text.str());
+}
 
 std::string encodeVdb(const std::vector<openvdb::GridBase::Ptr>& grids, const VdbWriteOptions& options) {
   requireDistinctNames(grids);

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/formats/vdb_points.h"
+#include "vdbtools/base/number_text.h"
+
+#include "base/lattice_transform.h"
+#include "vdbtools/formats/vdb_file.h"
 
 #include <openvdb/points/PointDataGrid.h>
 
@@ -73,10 +77,11 @@ openvdb::GridBase::Ptr pointGrid(const PointBatch& points, const std::vector<Ver
   const std::size_t count = points.positions.size(), row = rowLength(columns);
   if (count == 0) throw std::invalid_argument("there are no points to write");
   if (!(spacing > 0) || !std::isfinite(spacing))
-    throw std::invalid_argument("points were given a spacing of " + std::to_string(spacing) + "; it must be positive");
+    throw std::invalid_argument("points were given a spacing of " + shortText(spacing) + "; it must be positive");
   if ((!points.normals.empty() && points.normals.size() != count) || points.values.size() != row * count)
     throw std::logic_error("points of a VDB come with another number of normals or values than they need");
-  const auto transform = openvdb::math::Transform::createLinearTransform(2 * spacing);
+  requireVdbVoxel(2 * spacing);
+  const auto transform = latticeTransform(2 * spacing);
   std::vector<Vec3d> positions;
   positions.reserve(count);
   for (const Vec3d& p : points.positions) positions.push_back(transform->worldToIndex(p));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/vdb_transform.h"
 
+#include "base/lattice_transform.h"
 #include "vdbtools/files/file_bytes.h"
 
 #include <array>
@@ -24,7 +25,7 @@ Vector vector(VdbCursor& cursor) {
 }
 
 /// The scale, the size of a voxel, and what OpenVDB derives from them.
-void scale(VdbCursor& cursor, bool uniform) {
+void scale(VdbCursor& cursor, bool uniform, bool mayBeTiny) {
   const Vector by = vector(cursor), voxel = vector(cursor), inverse = vector(cursor), inverseSquare = vector(cursor),
                inverseTwice = vector(cursor);
   const auto near = [](double a, double b) {
@@ -38,6 +39,9 @@ void scale(VdbCursor& cursor, bool uniform) {
         (uniform && by[i] != by[0]))
       cursor.refuse("has a transform whose numbers contradict each other");
   }
+  // OpenVDB reads it, but copies it only if it is uniform and nothing is added to it.
+  if (!mayBeTiny && !isOrdinaryScale({by[0], by[1], by[2]}))
+    cursor.refuse("has a transform with voxels that are too small for OpenVDB");
 }
 
 /// OpenVDB multiplies row vectors, so the last column is that of the unit matrix.
@@ -56,12 +60,13 @@ void linearMap(VdbCursor& cursor, std::string_view type) {
   if (type == "AffineMap" || type == "UnitaryMap") {
     affineMatrix(cursor);
   } else if (type == "ScaleMap" || type == "UniformScaleMap") {
-    scale(cursor, type == "UniformScaleMap");
+    const bool uniform = type == "UniformScaleMap";
+    scale(cursor, uniform, /*mayBeTiny=*/uniform);
   } else if (type == "TranslationMap") {
     vector(cursor);
   } else if (type == "ScaleTranslateMap" || type == "UniformScaleTranslateMap") {
     vector(cursor);
-    scale(cursor, type == "UniformScaleTranslateMap");
+    scale(cursor, type == "UniformScaleTranslateMap", /*mayBeTiny=*/false);
   } else {
     cursor.refuse("has a transform of a type that is not known, '" + inOneLine(type) + "'");
   }

@@ -91,6 +91,19 @@ void requireDistinct(const RecipeReader& reader, const AttributeOptions& options
   }
 }
 
+bool isListed(const std::string& list, const char* name) {
+  const std::vector<std::string> names = split(list, ',');
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// The target's own colour stands in the place of a computed one, but in pictures.
+std::string idleColour(const OptionRun& run) {
+  const bool carried = isListed(run.text("transfer"), "Cd") && !isListed(run.text("attributes"), "Cd");
+  return carried && !run.makesAny({Product::Picture})
+             ? "--transfer carries over the target's own colour; leave one of them out"
+             : "";
+}
+
 }  // namespace
 
 bool AttributeOptions::has(PointAttribute attribute) const {
@@ -98,16 +111,25 @@ bool AttributeOptions::has(PointAttribute attribute) const {
 }
 
 std::vector<OptionSpec> attributeOptionSpecs() {
+  // An STL has room for none, which is said after the run.
+  const IdleRule noPoints =
+      idleWithout({Product::Vdb, Product::Mesh, Product::Stl, Product::Glb}, "the points of a mesh or a VDB");
+  OptionSpec colour = colourOptionSpec();
+  colour.idle = idleByAny({idleWithout({Product::Vdb, Product::Mesh, Product::Stl, Product::Glb, Product::Picture},
+                                       "the points of a mesh or a VDB, or a picture of the map"),
+                           idleColour});
   return {
       {.name = "attributes",
        .argument = "LIST",
        .help = "what the vertices of the mesh carry and, by the same names, the voxels of the VDB: a list of " +
-               knownNames() + " (docs/attributes.md)"},
-      colourOptionSpec(),
+               knownNames() + " (docs/attributes.md)",
+       .idle = noPoints},
+      std::move(colour),
       {.name = "transfer",
        .argument = "LIST",
        .help = "what is carried over from the target's nearest point: a list of uv (texture coordinates), Cd (painted "
-               "colour) and names of vertex attributes"}};
+               "colour) and names of vertex attributes",
+       .idle = noPoints}};
 }
 
 AttributeOptions parseAttributeOptions(const RecipeReader& reader) {

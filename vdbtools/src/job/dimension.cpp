@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/job/dimension.h"
 
+#include "base/elementary.h"
+#include "base/students_t.h"
+#include "vdbtools/base/number_text.h"
 #include "vdbtools/base/numbered_monitor.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh/mesh_sink.h"
-
-#include <boost/math/distributions/students_t.hpp>
 
 #include <cmath>
 #include <stdexcept>
@@ -45,9 +46,9 @@ PowerLaw fitPowerLaw(std::span<const std::pair<double, double>> points) {
   double meanX = 0, meanY = 0;
   for (const auto& [x, y] : points) {
     if (!(x > 0 && y > 0))
-      throw std::invalid_argument("a power law was to be fitted to " + std::to_string(x) + ", " + std::to_string(y) +
+      throw std::invalid_argument("a power law was to be fitted to " + shortText(x) + ", " + shortText(y) +
                                   "; both must be above 0");
-    logs.emplace_back(std::log(x), std::log(y));
+    logs.emplace_back(elementary::log(x), elementary::log(y));
     meanX += logs.back().first / count;
     meanY += logs.back().second / count;
   }
@@ -59,16 +60,14 @@ PowerLaw fitPowerLaw(std::span<const std::pair<double, double>> points) {
   if (!(xx > 0)) throw std::invalid_argument("a power law was to be fitted to points at one place; give others");
   PowerLaw law;
   law.exponent = xy / xx;
-  law.factor = std::exp(meanY - law.exponent * meanX);
+  law.factor = elementary::exp(meanY - law.exponent * meanX);
   double residuals = 0;
   for (const auto& [x, y] : logs) {
     const double residual = y - meanY - law.exponent * (x - meanX);
     residuals += residual * residual;
   }
   law.standardError = std::sqrt(residuals / (count - 2) / xx);
-  constexpr double kBothTails = 0.05;
-  const double reach =
-      law.standardError * boost::math::quantile(boost::math::students_t(count - 2), 1 - kBothTails / 2);
+  const double reach = law.standardError * studentsT95(static_cast<int>(points.size()) - 2);
   law.interval = {law.exponent - reach, law.exponent + reach};
   return law;
 }

@@ -10,6 +10,7 @@ std::string optionFor(Remedy remedy) {
     case Remedy::RepairMesh: return "; see --repair";
     case Remedy::SolidifySheet: return "; see --solidify for terrain, and --thicken for a sheet";
     case Remedy::GivePointsRadius: return "; see --points-radius";
+    case Remedy::FinerDistances: return "; see --sdf-resolution";
     case Remedy::SmallerIslands: return "; see --min-size";
     case Remedy::LargerBeta: return "; see --detail, --outward and --beta";
     case Remedy::AnotherFieldBox: return "; see --box, and 'juliavdb info' for the target's";

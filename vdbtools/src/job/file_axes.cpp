@@ -19,6 +19,19 @@ UpAxis axisOf(const FileAxes& axes, UpAxis asTaken) {
   throw std::logic_error("a rule for the axis that does not exist");
 }
 
+/// An STL alone does not say which of its axes points up.
+std::string idleTargetUp(const OptionRun& run) {
+  if (run.makesAny({Product::Vdb, Product::Mesh, Product::Glb, Product::Picture})) return {};
+  if (!run.makesAny({Product::Stl})) return "it is for a VDB, a mesh or a picture of the map; leave it out";
+  return run.text("up") == "keep" ? "an STL does not say which axis points up; give --up too, or leave it out" : "";
+}
+
+std::string idleUp(const OptionRun& run) {
+  if (run.makesAny({Product::Vdb, Product::Mesh, Product::Stl})) return {};
+  return run.makesAny({Product::Glb}) ? "a GLB has Y up always; leave it out"
+                                      : "it is for a VDB or a mesh, and this run makes none; leave it out";
+}
+
 }  // namespace
 
 UpAxis FileAxes::ofVdb() const { return axisOf(*this, UpAxis::Y); }
@@ -30,13 +43,18 @@ UpAxis FileAxes::ofMesh(MeshFormat format) const {
 
 std::vector<OptionSpec> fileAxesOptionSpecs() {
   return {
-      {.name = "target-up", .argument = "y|z", .defaultValue = "y", .help = "the axis of the target that points up"},
+      {.name = "target-up",
+       .argument = "y|z",
+       .defaultValue = "y",
+       .help = "the axis of the target that points up",
+       .idle = idleTargetUp},
       {.name = "up",
        .argument = "keep|y|z|auto",
        .defaultValue = "keep",
        .help = "the axis that points up in the files: keep writes the target's coordinates, y and z turn them where "
                "needed, and auto turns each file as most programs take its format (PLY and STL: z, others: y); "
-               "GLB has Y up always"}};
+               "GLB has Y up always",
+       .idle = idleUp}};
 }
 
 UpRule parseUpRule(const std::string& value) {

@@ -6,7 +6,7 @@
 #include "vdbtools/job/scene.h"
 
 #include <map>
-#include <string>
+#include <vector>
 
 namespace vdbtools {
 
@@ -16,7 +16,7 @@ class FileHashes {
   const Facts& of(const FractalOptions& options);
 
  private:
-  std::map<std::string, Facts> mKnown;
+  std::map<std::vector<NamedFile>, Facts> mKnown;
 };
 
 }  // namespace vdbtools

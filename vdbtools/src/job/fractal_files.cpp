@@ -74,6 +74,7 @@ MeshWriteOptions meshWriteOptions(MeshFormat format, const OutputOptions& output
 FractalResult writeFractal(const Scene& scene, const Recipe& recipe, const FractalFiles& files, Monitor& monitor) {
   const FieldPlan plan = planScene(scene);
   const std::map<std::string, std::string> metadata = sceneMetadata(scene, recipe);
+  if (files.vdb) requireVdbVoxel(scene.voxelSize);
   MeshFiles meshes;
   addMeshFiles(meshes, scene, meshBox(plan), metadata, files);
   FractalResult result =
@@ -89,6 +90,7 @@ void writeMadeFractal(const Scene& scene, const Recipe& recipe, const FractalRes
                       std::span<const float> values, const FractalFiles& files, Monitor& monitor) {
   monitor.begin("writing", 0);
   const std::map<std::string, std::string> metadata = sceneMetadata(scene, recipe);
+  if (files.vdb) requireVdbVoxel(scene.voxelSize);
   MeshFiles meshes;
   addMeshFiles(meshes, scene, meshBox(planScene(scene)), metadata, files);
   if (files.vdb) writeGrids(scene, metadata, made, *files.vdb);

@@ -3,10 +3,14 @@
 
 #include "job/point_attributes.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/memory.h"
 #include "vdbtools/mesh/adaptive_mesh.h"
 #include "vdbtools/mesh/mesh_sink.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
 
 namespace vdbtools {
 
@@ -116,7 +120,27 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
   return result;
 }
 
+void requireMemoryForMesh(const Scene& scene) {
+  // A box may cut the surface off, and flat places may need few triangles.
+  if (!scene.exponent || scene.options.lattice.box || scene.options.surface.adaptivity > 0) return;
+  double nodes = 0;
+  const FloatGrid& exponent = *scene.exponent->grid;
+  for (auto value = exponent.cbeginValueAll(); value; ++value)
+    if (*value <= scene.exponent->shell.lower) nodes += static_cast<double>(value.getVoxelCount());
+  const double volume = nodes * std::abs(exponent.transform().voxelSize().product());
+  // Each line of the lattice through that volume V crosses the surface twice, and V^2 is at most the product of its
+  // three shadows (Loomis and Whitney), whose sum is therefore at least 3 V^(2/3). A point lies at each crossing. V is
+  // counted in nodes, of which those at its surface have a part outside.
+  constexpr double kSure = 0.8;
+  const double points = kSure * 2 * 3 * std::cbrt(volume * volume) / (scene.voxelSize * scene.voxelSize);
+  // A closed surface has two triangles for each point.
+  constexpr double kBytes = sizeof(openvdb::Vec3d) + sizeof(openvdb::Vec3s) + 2 * sizeof(openvdb::Vec3I);
+  requireMemory(points * kBytes, MemoryUse::Field,
+                "a mesh of more than " + std::to_string(static_cast<std::uint64_t>(points)) + " points");
+}
+
 Mesh fractalMesh(const Scene& scene, Monitor& monitor) {
+  requireMemoryForMesh(scene);
   Mesh mesh;
   MeshCollector collector(mesh);
   runFractal(scene, planScene(scene), false, &collector, monitor);

@@ -53,6 +53,7 @@ std::vector<double> parseLevels(const RecipeReader& reader) {
 }
 
 std::vector<OptionSpec> outputOptionSpecs() {
+  const IdleRule noVdb = idleWithout({Product::Vdb}, "a VDB");
   return {{.name = "precision",
            .argument = "auto|float|double",
            .defaultValue = "auto",
@@ -60,12 +61,14 @@ std::vector<OptionSpec> outputOptionSpecs() {
           {.name = "grids",
            .argument = "LIST",
            .defaultValue = "surface",
-           .help = "the grids of the VDB, a list of surface, density, logmodulus, iterations, versor"},
-          {.name = "half", .help = "write 16-bit floats"},
+           .help = "the grids of the VDB, a list of surface, density, logmodulus, iterations, versor",
+           .idle = noVdb},
+          {.name = "half", .help = "write 16-bit floats", .idle = noVdb},
           {.name = "lod",
            .argument = "LIST",
            .defaultValue = "100%",
-           .help = "levels of detail in a GLB, by their shares of the triangles, such as 100%,25%,5%"}};
+           .help = "levels of detail in a GLB, by their shares of the triangles, such as 100%,25%,5%",
+           .idle = idleWithout({Product::Glb}, "a GLB")}};
 }
 
 }  // namespace

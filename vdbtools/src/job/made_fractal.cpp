@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/job/made_fractal.h"
 
+#include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_options.h"
 #include "vdbtools/mesh/mesh.h"
@@ -8,9 +9,20 @@
 
 #include <algorithm>
 #include <exception>
+#include <fstream>
 #include <system_error>
 
 namespace vdbtools {
+namespace {
+
+/// A text that was cut off within a line may still read well, as a number that has lost its last digits.
+bool endsWithItsLine(const std::filesystem::path& path) {
+  std::ifstream file = openToRead(path);
+  file.seekg(-1, std::ios::end);
+  return file.get() == '\n';
+}
+
+}  // namespace
 
 bool holdsFractal(const std::filesystem::path& path, const Recipe& recipe) {
   std::error_code error;
@@ -26,6 +38,7 @@ bool holdsFractal(const std::filesystem::path& path, const Recipe& recipe) {
   try {
     // The recipe stands at the beginning: it tells most other files before the rest is read.
     if (isVdbPath(path)) return isTheRecipe(readVdbMetadata(path)) && !readVdb(path).grids.empty();
+    if (lowerExtension(path) == ".obj" && !endsWithItsLine(path)) return false;
     return isTheRecipe(readMeshComments(path)) && !readMesh(path).triangles.empty();
   } catch (const std::exception&) {
     return false;  // broken, or not ours

@@ -2,13 +2,16 @@
 #include "vdbtools/job/prepared_scene.h"
 
 #include "base/json_text.h"
+#include "target/solid_input.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/number_text.h"
+#include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/recipe/option_value.h"
 
 #include <nlohmann/json.hpp>
 
+#include <cmath>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -95,6 +98,18 @@ ExponentGrid exponentOf(const json& e, FloatGrid::Ptr grid) {
   return result;
 }
 
+/// The target's distances keep their lattice to the last bit: random roots are strewn by it.
+json target(const Target& t) {
+  json entry = {{"box", box(t.box)}, {"dense_box", nodes(t.denseBox)}};
+  if (t.phi->transform().mapType() == openvdb::math::UniformScaleTranslateMap::mapType())
+    entry["lattice"] = latticeText(*t.phi);
+  return entry;
+}
+Target targetOf(const json& t, FloatGrid::Ptr phi) {
+  if (t.contains("lattice")) placeOnLattice(*phi, t["lattice"].get<std::string>());
+  return {.phi = std::move(phi), .box = boxOf(t.at("box")), .denseBox = nodesOf(t.at("dense_box"))};
+}
+
 /// A copy that may be given another name; the values are shared.
 FloatGrid::Ptr named(const FloatGrid::Ptr& grid, const char* name) {
   FloatGrid::Ptr copy = grid->copy();
@@ -106,6 +121,37 @@ FloatGrid::Ptr gridOf(const VdbFile& file, const char* name, const std::filesyst
   FloatGrid::Ptr grid = chooseFloatGrid(file, name, path);
   grid->removeMeta(kEntry);
   return grid;
+}
+
+/// @throw DataError  a number that no scene has
+void requireSound(const Scene& scene) {
+  const auto require = [](bool sound, const char* what) {
+    if (!sound) throw DataError(std::string("its ") + what + " cannot be");
+  };
+  const auto isPlaced = [](const FractalSpace& s) {
+    return s.centre.isFinite() && s.scale > 0 && std::isfinite(s.scale);
+  };
+  const auto isOrbit = [](const julia::OrbitOptions& o) {
+    return o.maxIterations > 0 && o.escapeRadius > 1 && std::isfinite(o.escapeRadius) && !std::isnan(o.logTrap);
+  };
+  const auto isRange = [](const std::pair<double, double>& r) { return r.first <= r.second; };
+  const auto isBox = [](const BBoxd& b) { return b.min().isFinite() && b.max().isFinite() && b.isSorted(); };
+  require(scene.voxelSize > 0 && std::isfinite(scene.voxelSize), "voxel size");
+  require(isOrbit(scene.orbit), "orbit");
+  require(isPlaced(scene.space) && isPlaced(scene.placed.space) && isPlaced(scene.placed.unmoved), "space");
+  if (scene.target)
+    require(isBox(scene.target->box) && (!scene.target->denseBox || !scene.target->denseBox->empty()), "target");
+  if (!scene.exponent) {
+    require(isBox(scene.region), "region");
+    return;
+  }
+  const ExponentGrid& e = *scene.exponent;
+  // The map reads the exponent where its own space is.
+  require(e.space.centre == scene.placed.space.centre && e.space.scale == scene.placed.space.scale,
+          "spaces, of which the exponent has another one,");
+  require(isPlaced(e.space) && isOrbit(e.orbit) && isRange({e.shell.lower, e.shell.upper}) && isRange(e.alphaRange) &&
+              isRange(e.betaRange) && (!e.denseBox || !e.denseBox->empty()) && (!e.scale || std::isfinite(*e.scale)),
+          "exponent");
 }
 
 }  // namespace
@@ -122,7 +168,7 @@ std::string encodePreparedScene(const Scene& scene) {
                 {"target_volume", scene.targetVolume ? number(*scene.targetVolume) : json()}};
   std::vector<openvdb::GridBase::Ptr> grids;
   if (scene.target) {
-    entry["target"] = {{"box", box(scene.target->box)}, {"dense_box", nodes(scene.target->denseBox)}};
+    entry["target"] = target(*scene.target);
     grids.push_back(named(scene.target->phi, "phi"));
   }
   if (scene.exponent) {
@@ -143,6 +189,10 @@ Scene readPreparedScene(const FractalOptions& options, const std::filesystem::pa
   const VdbFile file = readVdb(path);
   const auto found = file.metadata.find(kEntry);
   if (found == file.metadata.end()) throw DataError("'" + path.string() + "' holds no prepared scene");
+  const auto refuse = [&](const std::string& why) {
+    throw DataError("'" + inOneLine(path.native()) + "' holds a prepared scene that cannot be used: " + why +
+                    "; plan again");
+  };
   Scene scene;
   try {
     const json entry = parsedJson<json>(found->second);
@@ -155,14 +205,16 @@ Scene readPreparedScene(const FractalOptions& options, const std::filesystem::pa
     scene.placed = {spaceOf(entry.at("placed")), spaceOf(entry.at("unmoved"))};
     scene.facts = entry.at("facts").get<Facts>();
     if (!entry.at("target_volume").is_null()) scene.targetVolume = numberOf(entry.at("target_volume"));
-    if (entry.contains("target"))
-      scene.target = Target{.phi = gridOf(file, "phi", path),
-                            .box = boxOf(entry["target"].at("box")),
-                            .denseBox = nodesOf(entry["target"].at("dense_box"))};
+    if (entry.contains("target")) scene.target = targetOf(entry["target"], gridOf(file, "phi", path));
     if (options.output.attributes.has(PointAttribute::Tau)) scene.thickness = gridOf(file, "thickness", path);
     if (entry.contains("exponent")) scene.exponent = exponentOf(entry["exponent"], gridOf(file, "exponent", path));
+    if (options.target && !scene.target) throw DataError("there is no target");
+    if (options.map->shell() && !scene.exponent) throw DataError("there is no exponent");
+    requireSound(scene);
   } catch (const json::exception& error) {
-    throw DataError("'" + path.string() + "' holds a prepared scene that cannot be read: " + error.what());
+    refuse(error.what());
+  } catch (const DataError& error) {
+    refuse(error.what());
   }
   const MapFiles files = options.map->readFiles();
   scene.map = options.map->instance({.files = files,

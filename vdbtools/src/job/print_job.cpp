@@ -6,6 +6,7 @@
 #include "surface/part_thickness.h"
 #include "target/mesh_conversion.h"
 #include "target/solid_input.h"
+#include "vdbtools/base/number_text.h"
 #include "vdbtools/mesh/adaptive_mesh.h"
 #include "vdbtools/surface/extract_mesh.h"
 #include "vdbtools/surface/grid_mesh.h"
@@ -28,7 +29,7 @@ constexpr std::uint64_t kUsualResolution = 400;
 
 void requireOptions(const PrintOptions& options) {
   const auto refuse = [](const char* what, double value, const char* wanted) {
-    throw std::invalid_argument(std::string("a ") + what + " of " + shortNumber(value) +
+    throw std::invalid_argument(std::string("a ") + what + " of " + shortText(value) +
                                 " mm cannot be made; it must be " + wanted);
   };
   const auto positive = [](double value) { return value > 0 && std::isfinite(value); };
@@ -156,7 +157,12 @@ Mesh shaped(const Mesh& solid, const PrintOptions& options, double voxel, double
   openvdb::FloatGrid::Ptr grid = partLevelSet(solid, voxel, monitor);
   std::optional<double> floor;
   if (options.flatBase) {
-    floor = boxOf(solid).min()[2] + *options.flatBase;
+    const openvdb::BBoxd box = boxOf(solid);
+    floor = box.min()[2] + *options.flatBase;
+    if (*floor > box.max()[2] - voxel)
+      throw std::invalid_argument("a flat base of " + shortText(*options.flatBase) +
+                                  " mm cuts off all of the part, which is " + shortText(box.extents()[2]) +
+                                  " mm high; cut off less, or make the part larger");
     cutBelow(*grid, *floor, monitor);
   }
   if (thickness > 0) {
@@ -280,9 +286,8 @@ PrintedPart printedPart(const Mesh& mesh, const PrintOptions& options, Monitor& 
   monitor.begin("thickness", 0);
   computeNormals(solid);
   constexpr std::size_t kMostPlaces = 20000;
-  constexpr double kRounding = 0.98;
   const double asked = options.minThickness.value_or(1.0);
-  const ThinPlaces found = findThinPlaces(solid, asked * kRounding, kMostPlaces, monitor);
+  const ThinPlaces found = findThinPlaces(solid, asked, kThicknessRounding, kMostPlaces, monitor);
   part.places = found.places;
   part.thinPlaces = found.thin;
   part.thinnest = found.thinnest;

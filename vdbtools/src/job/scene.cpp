@@ -5,6 +5,8 @@
 #include "target/control_lattice.h"
 #include "target/solid_input.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/memory.h"
+#include "vdbtools/base/number_text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/target/target_survey.h"
@@ -44,15 +46,41 @@ Facts hashesOf(const FractalOptions& options) {
   return facts;
 }
 
-/// A target as far as its space and its exponent ask for it.
-struct PlacedTarget {
-  PlacedSpace placed;
-  Target target;
-  std::optional<ExponentGridOptions> exponentOf;
-  std::optional<ExponentGrid> exponent;
+/// All of a scene that its exponent over a target is made from, and nothing else is used to make it: so two scenes with
+/// equal sources share one exponent.
+struct ExponentSources {
+  SpaceOptions space;
+  ShellSettings shell;
+  Facts controlFiles;  ///< the SHA-256 of the files that the shell's controls read
+  julia::OrbitOptions orbit;
+  double interiorReach = 0;  ///< as MapSettings has it
+
+  bool operator==(const ExponentSources&) const = default;
 };
 
-/// What one target gives to all scenes over it, each part made when it is first asked for.
+ExponentSources exponentSources(const FractalOptions& options, const ShellSettings& shell, const Facts& hashes) {
+  ExponentSources sources{.space = options.space,
+                          .shell = shell,
+                          .controlFiles = {},
+                          .orbit = orbitOf(options),
+                          .interiorReach = options.map->interiorReach()};
+  for (const ControlSetting& control : shell.controls())
+    for (const NamedFile& file : control->files())
+      sources.controlFiles[metadataName(file.recordedAs)] = hashes.at(metadataName(file.recordedAs));
+  return sources;
+}
+
+/// A target as far as its space and its exponent ask for it.
+struct PlacedTarget {
+  PlacedSpace placed{};
+  Target target;
+  std::optional<ExponentGridOptions> exponentOf{};
+  std::optional<ExponentGrid> exponent{};
+  bool isSurveyed = false;  ///< the target's survey was used for it
+};
+
+/// What one target gives to all scenes over it, each part made when it is first asked for. What it gives depends on
+/// what is asked for alone, and not on what was asked for before.
 class SharedTarget {
  public:
   SharedTarget(const TargetOptions& options, const TargetOpener& open) : mOptions(options), mInput(open(options)) {}
@@ -60,47 +88,58 @@ class SharedTarget {
   const TargetOptions& options() const { return mOptions; }
   const TargetInput& input() const { return *mInput; }
 
-  /// Before each scene, whose facts must not depend on what other scenes have asked for.
-  void beginScene() { mSurveyAsked = false; }
-
   TargetSurvey& survey(Monitor& monitor) {
-    mSurveyAsked = true;
     if (!mSurvey) mSurvey.emplace(mInput->coarseDistances(monitor));
     return *mSurvey;
   }
-  bool surveyAsked() const { return mSurveyAsked; }  ///< by this scene
-  void setSurveyAsked(bool asked) { mSurveyAsked = asked; }
 
-  /// The fine distances, at least as far from the surface as asked for.
-  const Target& target(const BandWidths& widths, Monitor& monitor) {
-    const bool wide = widths.exterior <= mWidths.exterior, deep = widths.interior <= mWidths.interior;
-    if (mTarget && wide && deep) return *mTarget;
-    // Whoever asks again will ask for more once more: what is made again is made much wider.
-    constexpr double kMore = 4;
-    BandWidths made = mWidths;
-    if (!wide) made.exterior = std::max(widths.exterior, kMore * mWidths.exterior);
-    if (!deep) made.interior = std::max(widths.interior, kMore * mWidths.interior);
-    mTarget = std::isfinite(made.interior) || !mTarget ? mInput->make(made, monitor)
-                                                       : mInput->deepened(*mTarget, made, monitor);
-    mWidths = made;  // only now: whoever is interrupted before may ask again
-    return *mTarget;
+  /// The fine distances in a band of these widths.
+  const Target& band(const BandWidths& widths, Monitor& monitor) {
+    if (mBand && mBand->widths == widths) return mBand->target;
+    mBand.reset();
+    if (!mDistances || !mDistances->widths.holds(widths)) mDistances = distances(widths, monitor);
+    mBand = Known{widths, mInput->band(mDistances->target, widths, monitor)};
+    return mBand->target;
   }
 
-  /// The latest exponent and what it was made of, for scenes that differ in their maps only.
+  /// The latest exponent, for scenes that differ in their maps only.
   struct Placed {
-    std::string madeOf;
+    ExponentSources sources;
     PlacedTarget target;
-    bool surveyAsked = false;  ///< for it
   };
-  std::optional<Placed> placed;
+  std::optional<Placed> placed{};
+  std::string hash{};  ///< SHA-256 of the target
 
  private:
+  struct Known {
+    BandWidths widths;
+    Target target;
+  };
+
+  /// Distances that hold a band of @a widths.
+  Known distances(const BandWidths& widths, Monitor& monitor) {
+    if (mDistances) {
+      // Whoever asks again will ask for more once more: what is made again is made much wider.
+      constexpr double kMore = 4;
+      const BandWidths& known = mDistances->widths;
+      BandWidths wide{known.exterior, known.interior, known.wholeInside || widths.wholeInside};
+      if (widths.exterior > known.exterior) wide.exterior = std::max(widths.exterior, kMore * known.exterior);
+      if (widths.interior > known.interior) wide.interior = std::max(widths.interior, kMore * known.interior);
+      mDistances.reset();
+      try {
+        return {wide, mInput->distances(wide, monitor)};
+      } catch (const MemoryError&) {            // what is asked for may fit nevertheless
+      } catch (const std::invalid_argument&) {  // more nodes than a band may have
+      }
+    }
+    return {widths, mInput->distances(widths, monitor)};
+  }
+
   TargetOptions mOptions;
   std::unique_ptr<const TargetInput> mInput;
   std::optional<TargetSurvey> mSurvey;
-  bool mSurveyAsked = false;
-  std::optional<Target> mTarget;
-  BandWidths mWidths;
+  std::optional<Known> mDistances;  ///< the widest that were asked for
+  std::optional<Known> mBand;       ///< the latest
 };
 
 /// Where the origin is, as --origin takes it.
@@ -119,18 +158,24 @@ Control bound(const ControlSource& source, const ControlContext& context, const 
   if (files.size() != 1 || !isVdbPath(files.front().path)) return control;
   const auto [least, most] = control.range();
   if (least < range.first || most > range.second)
-    throw DataError(name + " is " + std::to_string(least < range.first ? least : most) + " somewhere in '" +
+    throw DataError(name + " is " + shortText(least < range.first ? least : most) + " somewhere in '" +
                     inOneLine(files.front().path.string()) + "'; it must be " +
                     (std::isfinite(range.second) ? "from 0 to 1" : "above 0") + " everywhere");
   return control;
 }
 
+/// Whether a control of the shell depends on the target's distances.
+bool readsTarget(const ShellSettings& shell) {
+  const std::vector<ControlSetting> controls = shell.controls();
+  return std::any_of(controls.begin(), controls.end(), [](const auto& control) { return control->needsTarget(); });
+}
+
 /// The controls of a shell over the target.
-ExponentGridOptions bindControls(const FractalOptions& options, const ShellSettings& shell, SharedTarget& shared,
-                                 const PlacedSpace& placed, Monitor& monitor) {
+ExponentGridOptions bindControls(const ExponentSources& sources, SharedTarget& shared, const PlacedSpace& placed,
+                                 Monitor& monitor) {
+  const ShellSettings& shell = sources.shell;
   ControlContext context{.targetBox = shared.input().box(), .mesh = shared.input().mesh()};
-  const std::vector<std::shared_ptr<const ControlSource>> controls = shell.controls();
-  if (std::any_of(controls.begin(), controls.end(), [](const auto& control) { return control->needsTarget(); })) {
+  if (readsTarget(shell)) {
     context.space = placed.unmoved;
     context.phi = shared.survey(monitor).phi();
     context.tau = [&] { return FloatGrid::ConstPtr(shared.survey(monitor).thickness(monitor).tau); };
@@ -138,7 +183,7 @@ ExponentGridOptions bindControls(const FractalOptions& options, const ShellSetti
   const std::pair positive(std::numeric_limits<double>::min(), std::numeric_limits<double>::infinity());
   constexpr double kRounding = 1e-5;  // of what is read between nodes
   const std::pair share(-kRounding, 1 + kRounding);
-  ExponentGridOptions exponent{.orbit = orbitOf(options),
+  ExponentGridOptions exponent{.orbit = sources.orbit,
                                .interpolation = shell.interpolation,
                                .mask = bound(*shell.mask, context, "the mask", share)};
   if (!shell.detail) {
@@ -148,7 +193,7 @@ ExponentGridOptions bindControls(const FractalOptions& options, const ShellSetti
   }
   Control detail = bound(*shell.detail, context, "the detail", share);
   const double slope = thicknessSlope(detail.range().second);
-  const LocalThickness& thickness = shared.survey(monitor).thickness(monitor, slope);
+  const LocalThickness thickness = shared.survey(monitor).thickness(monitor, slope);
   exponent.detail = DetailOptions{.detail = std::move(detail),
                                   .outward = bound(*shell.outward, context, "the outward reach", share),
                                   .thickness = thicknessControl(thickness),
@@ -158,76 +203,57 @@ ExponentGridOptions bindControls(const FractalOptions& options, const ShellSetti
 }
 
 /// How far from the surface distances are made at first.
-BandWidths widthsOf(const FractalOptions& options, const TargetInput& input, const ExponentGridOptions& shell) {
-  const double others = options.map->interiorReach() * longestSide(input.box());
+/// @param mapReach  how deep the map must know distances for other reasons, as MapSettings::interiorReach() has it
+BandWidths widthsOf(const SpaceOptions& space, double mapReach, const TargetInput& input,
+                    const ExponentGridOptions& shell) {
+  const double others = mapReach * longestSide(input.box());
   if (shell.detail) {
     const DetailReach reach = detailReach(shell);
     return {.exterior = reach.outside, .interior = std::max(reach.inside, others)};
   }
-  const double scale = spaceScale(options.space, input.box());
+  const double scale = spaceScale(space, input.box());
   return {.exterior = exteriorReach(shell) * scale,
           .interior = std::max(interiorReach(shell, input.usualDepth()) * scale, others)};
 }
 
-constexpr double kWholeInside = std::numeric_limits<double>::infinity();
-
-/// Everything of a recipe that the exponent over a target depends on, as text.
-/// @param hashes  of the files that the controls read
-std::string exponentText(const FractalOptions& options, const ShellSettings& shell, const Facts& hashes) {
-  const SpaceOptions& space = options.space;
-  const julia::OrbitOptions orbit = orbitOf(options);
-  const Vec3d near = space.near.value_or(Vec3d(0));
-  std::string text = numbersText({static_cast<double>(space.kind), static_cast<double>(space.origin), space.at[0],
-                                  space.at[1], space.at[2], space.near ? 1.0 : 0.0, near[0], near[1], near[2],
-                                  space.shift[0], space.shift[1], space.shift[2], options.map->interiorReach(),
-                                  static_cast<double>(orbit.maxIterations), orbit.escapeRadius, orbit.logTrap,
-                                  orbit.confirmTrap ? 1.0 : 0.0, static_cast<double>(shell.interpolation)});
-  for (const auto& control : {shell.alpha, shell.beta, shell.detail, shell.outward, shell.mask})
-    text += '\n' + (control ? control->text() : std::string());
-  for (const auto& [name, hash] : hashes) text += '\n' + name + ' ' + hash;
-  return text;
-}
-
-PlacedTarget placeShell(const FractalOptions& options, const ShellSettings& shell, SharedTarget& shared,
-                        const Facts& hashes, Monitor& monitor) {
-  const std::string madeOf = exponentText(options, shell, hashes);
-  if (shared.placed && shared.placed->madeOf == madeOf) {
-    if (shared.placed->surveyAsked) shared.setSurveyAsked(true);
-    return shared.placed->target;
-  }
+PlacedTarget placeShell(const ExponentSources& sources, SharedTarget& shared, Monitor& monitor) {
+  if (shared.placed && shared.placed->sources == sources) return shared.placed->target;
   const TargetInput& input = shared.input();
-  PlacedTarget result;
-  const FloatGrid* phi = needsInscribedBall(options.space) ? shared.survey(monitor).phi().get() : nullptr;
-  result.placed = placeSpace(options.space, input.box(), phi);
-  result.exponentOf = bindControls(options, shell, shared, result.placed, monitor);
-  BandWidths widths = widthsOf(options, input, *result.exponentOf);
+  const bool needsBall = needsInscribedBall(sources.space);
+  PlacedTarget result{.isSurveyed = needsBall || sources.shell.detail || readsTarget(sources.shell)};
+  const FloatGrid* phi = needsBall ? shared.survey(monitor).phi().get() : nullptr;
+  result.placed = placeSpace(sources.space, input.box(), phi);
+  result.exponentOf = bindControls(sources, shared, result.placed, monitor);
+  BandWidths widths = widthsOf(sources.space, sources.interiorReach, input, *result.exponentOf);
   const auto make = [&] {
-    result.target = shared.target(widths, monitor);
+    result.target = shared.band(widths, monitor);
     try {
       result.exponent = exponentGrid(result.target, result.placed.space, *result.exponentOf, monitor);
     } catch (const julia::NoDetail&) {
-      if (options.space.origin != OriginKind::Auto) throw;  // another would do
+      if (sources.space.origin != OriginKind::Auto) throw;  // another would do
       throw DataError(
-          "the target leaves no room for detail: about its deepest point it is too thin for its voxels, or its "
-          "distances are wrong");
+          "the target leaves no room for detail: about its deepest point it is too thin for the voxels of its "
+          "distances; make these finer, or the target thicker",
+          Remedy::FinerDistances);
     }
   };
   make();
   if (result.exponent->tooShallow) {
-    widths.interior = kWholeInside;
+    widths.wholeInside = true;
     make();
   }
-  shared.placed = {madeOf, result, shared.surveyAsked()};
+  shared.placed = {sources, result};
   return result;
 }
 
 /// For a map without a shell, which gets the distances of the usual one.
 PlacedTarget placeTarget(const FractalOptions& options, SharedTarget& shared, Monitor& monitor) {
-  BandWidths widths = widthsOf(options, shared.input(), ExponentGridOptions{.orbit = orbitOf(options)});
-  PlacedTarget result{.target = shared.target(widths, monitor)};
+  BandWidths widths = widthsOf(options.space, options.map->interiorReach(), shared.input(),
+                               ExponentGridOptions{.orbit = orbitOf(options)});
+  PlacedTarget result{.target = shared.band(widths, monitor)};
   if (needsDeepestPoint(options.space, result.target)) {
-    widths.interior = kWholeInside;
-    result.target = shared.target(widths, monitor);
+    widths.wholeInside = true;
+    result.target = shared.band(widths, monitor);
   }
   result.placed = placeSpace(options.space, result.target);
   return result;
@@ -325,6 +351,8 @@ std::vector<NamedFile> filesOf(const FractalOptions& options) {
   return files;
 }
 
+InputFiles inputsOf(const FractalOptions& options) { return InputFiles(filesOf(options)); }
+
 std::shared_ptr<const Mesh> transferredMesh(const FractalOptions& options, const TargetInput& input) {
   const std::vector<std::string>& names = options.output.attributes.transferred;
   if (names.empty()) return nullptr;
@@ -346,8 +374,20 @@ std::shared_ptr<const Mesh> transferredMesh(const FractalOptions& options, const
 }
 
 struct SceneMaker::Shared {
+  /// What is shared of the target of these options; opened anew where the file has another content by now.
+  /// @param hashes  becomes those of the options' files
+  SharedTarget& over(const FractalOptions& options, Facts& hashes) {
+    if (target && target->options() != *options.target) target.reset();
+    if (!target) target = std::make_unique<SharedTarget>(*options.target, open);
+    hashes = hashesOf(options);
+    const std::string& hash = hashes.at(metadataName(options.target->input.recordedAs));
+    if (!target->hash.empty() && target->hash != hash) target = std::make_unique<SharedTarget>(*options.target, open);
+    target->hash = hash;
+    return *target;
+  }
+
   TargetOpener open;
-  std::unique_ptr<SharedTarget> target;
+  std::unique_ptr<SharedTarget> target{};
 };
 
 SceneMaker::SceneMaker(TargetOpener open) : mShared(std::make_unique<Shared>()) { mShared->open = std::move(open); }
@@ -368,15 +408,11 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
   PlacedSpace placed;
   std::optional<BBoxd> shape;
   if (options.target) {
-    if (mShared->target && !sameTarget(mShared->target->options(), *options.target)) mShared->target.reset();
-    if (!mShared->target) mShared->target = std::make_unique<SharedTarget>(*options.target, mShared->open);
-    SharedTarget& shared = *mShared->target;
-    shared.beginScene();
+    SharedTarget& shared = mShared->over(options, scene.facts);
     shape = shared.input().box();
-    scene.facts = hashesOf(options);
     scene.targetMesh = transferredMesh(options, shared.input());
-    PlacedTarget target =
-        shell ? placeShell(options, *shell, shared, scene.facts, monitor) : placeTarget(options, shared, monitor);
+    PlacedTarget target = shell ? placeShell(exponentSources(options, *shell, scene.facts), shared, monitor)
+                                : placeTarget(options, shared, monitor);
     scene.target = std::move(target.target);
     scene.exponentOf = std::move(target.exponentOf);
     scene.exponent = std::move(target.exponent);
@@ -387,12 +423,12 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
       scene.facts["julia_origin_at"] = originText(options.space, placed.unmoved, *shape);
     }
     const bool wantsThickness = options.output.attributes.has(PointAttribute::Tau);
-    if (wantsThickness || shared.surveyAsked()) {
+    if (wantsThickness || target.isSurveyed) {
       TargetSurvey& survey = shared.survey(monitor);
       const double slope = scene.exponentOf && scene.exponentOf->detail
                                ? thicknessSlope(scene.exponentOf->detail->detail.range().second)
                                : kThicknessSlope;
-      const LocalThickness& thickness = survey.thickness(monitor, slope);
+      const LocalThickness thickness = survey.thickness(monitor, slope);
       scene.facts["julia_thickness"] = numbersText({thickness.least, thickness.greatest});
       if (wantsThickness) scene.thickness = thickness.tau;
     }
@@ -440,7 +476,7 @@ std::uint64_t VersorSeeds::first() const { return mScene.map->seed().value(); }
 
 std::unique_ptr<julia::FieldEvaluator> VersorSeeds::evaluator(std::uint64_t seed) const {
   const std::shared_ptr<const MapInstance> map = mScene.map->reseeded(seed);
-  return map->evaluator(chooseArithmetic(mScene, *map, mScene.space), mScene.orbit);
+  return map->evaluator(chooseArithmetic(mScene, *map, mScene.placed.space), mScene.orbit);
 }
 
 FieldPlan planScene(const Scene& scene, const std::optional<openvdb::CoordBBox>& window) {

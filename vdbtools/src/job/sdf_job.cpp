@@ -53,6 +53,7 @@ SdfResult runSdf(const SdfOptions& options, Monitor& monitor) {
   SdfResult result;
   result.report = source.report;
   const double voxel = options.voxels.sizeFor(longestSide(source.box));
+  requireVdbVoxel(voxel);
   requireResolved(options.mend, voxel);
   MeshSdf sdf = makeSdf(*source.solid, sdfBand(voxel, options.band, options.band), options.mend, monitor);
   result.grid = sdf.grid;

@@ -63,7 +63,9 @@ bool isSheetFile(const std::filesystem::path& path) {
   }
 }
 
-bool isSheetCell(const std::string& name) { return lowerExtension(partsOf(name).first) == ".json"; }
+bool isSheetCell(const std::string& name) { return lowerExtension(sheetOfCell(name)) == ".json"; }
+
+std::string sheetOfCell(const std::string& name) { return partsOf(name).first; }
 
 std::vector<SheetCell> readSheetCells(const std::filesystem::path& path) {
   const Json json = parsed(path);

@@ -110,6 +110,13 @@ std::vector<Recipe> combinations(const std::vector<VariedOption>& varied) {
   return cells;
 }
 
+/// Complete, without the hashes of its files.
+Recipe cellRecipe(const SheetOptions& options, const Recipe& varied, const OptionTable& table) {
+  Recipe given = options.given;
+  for (const auto& [name, value] : varied) given[name] = value;
+  return completeRecipe(overridden(options.base, given, table), table);
+}
+
 Plan plan(const SheetOptions& options) {
   requireVaried(options);
   const OptionTable fractal = fractalOptionTable(), view(sheetViewOptionSpecs());
@@ -119,12 +126,10 @@ Plan plan(const SheetOptions& options) {
   layOut(options, result.sheet);
   FileHashes hashes;
   for (const Recipe& varied : combinations(options.varied)) {
-    Recipe given = options.given;
-    for (const auto& [name, value] : varied) given[name] = value;
     PlannedCell& planned = result.cells.emplace_back();
     planned.cell.varied = varied;
     Recipe& recipe = planned.cell.recipe;
-    recipe = completeRecipe(overridden(options.base, given, fractal), fractal);
+    recipe = cellRecipe(options, varied, fractal);
     guarded(planned, [&] {
       for (const auto& [name, hash] : hashes.of(parseFractalOptions(recipe))) recipe[name] = hash;
     });
@@ -190,7 +195,27 @@ class CellFolder {
 
 }  // namespace
 
+std::vector<Recipe> cellRecipes(const SheetOptions& options) {
+  const OptionTable table = fractalOptionTable();
+  std::vector<Recipe> recipes;
+  for (const Recipe& varied : combinations(options.varied)) recipes.push_back(cellRecipe(options, varied, table));
+  return recipes;
+}
+
 std::vector<OptionSpec> sheetViewOptionSpecs() { return fieldPictureOptionSpecs("256x256"); }
+
+InputFiles inputsOf(const SheetOptions& options) {
+  requireVaried(options);
+  InputFiles inputs;
+  for (const Recipe& recipe : cellRecipes(options)) {
+    try {
+      inputs.add(inputsOf(parseFractalOptions(recipe)));
+    } catch (const std::invalid_argument&) {
+      // The cell will show why it cannot be made.
+    }
+  }
+  return inputs;
+}
 
 Sheet planSheet(const SheetOptions& options) {
   Plan planned = plan(options);

@@ -18,9 +18,9 @@ namespace {
 using julia::FieldEvaluator;
 using julia::Point;
 
-// Options of the job `fractal` that concern its outputs or other maps. The others mean the same as there.
-constexpr const char* kNoOptions[] = {"map", "versor", "rational",    "c",     "tolerance", "largest",   "min-size",
-                                      "cap", "follow", "seed-stride", "grids", "half",      "exhaustive"};
+// Options of the job `fractal` that concern other maps and its checking. Those of its outputs have no effect on a
+// picture, and the others mean the same as there.
+constexpr const char* kNoOptions[] = {"map", "versor", "rational", "c", "exhaustive"};
 
 constexpr std::size_t kVersorsAtOnce = 64;  ///< evaluated before the threads meet again
 
@@ -102,8 +102,15 @@ OptionTable studyOptionTable() {
   // The specs, of which the study has a part, belong to the whole table.
   const OptionTable fractal = fractalOptionTable();
   std::vector<OptionSpec> options;
+  // With all that options go with.
+  const Recipe base = completeRecipe({{"follow", "true"}, {"box", "0,0,0,1,1,1"}}, fractal);
+  const auto isOfOutputs = [&](const std::string& name) {
+    return fractal.idle(name, {base, {Product::Recipe}}).empty() &&
+           !fractal.idle(name, {base, {Product::Slice}}).empty();
+  };
   for (const OptionSpec* spec : fractal.optionsOf({}))
-    if (std::find(std::begin(kNoOptions), std::end(kNoOptions), spec->name) == std::end(kNoOptions))
+    if (std::find(std::begin(kNoOptions), std::end(kNoOptions), spec->name) == std::end(kNoOptions) &&
+        !isOfOutputs(spec->name))
       options.push_back(*spec);
   return OptionTable(std::move(options));
 }

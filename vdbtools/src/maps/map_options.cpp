@@ -71,6 +71,37 @@ std::string usualVersor(const Recipe& recipe) {
   return isRational || saysRandom ? kRandom : defaultTexture().name;
 }
 
+/// Why roots are not drawn at random; "" if they are.
+std::string notRandom(const OptionRun& run) {
+  const std::string rational = run.text("map") == "rational" ? run.text("rational") : "";
+  const std::string name = rational.empty() ? run.text("versor") : rational;
+  if (name.empty() || name == kRandom) return {};
+  return findTexture(name) ? "--versor " + name + " has roots of its own" : "the roots are those of '" + name + "'";
+}
+
+/// Of an option of random roots.
+std::string idleRandomOnly(const OptionRun& run) {
+  const std::string why = notRandom(run);
+  return why.empty() ? "" : why + "; leave it out, or give --versor random";
+}
+
+std::string idleSeed(const OptionRun& run) {
+  const Texture* texture = findTexture(run.text("versor"));
+  if (!texture || notRandom(run).empty()) return idleRandomOnly(run);
+  return texture->varies() ? ""
+                           : "--versor " + texture->name + " has nothing random; leave it out, or give --versor random";
+}
+
+/// Of an option of one way to place random roots.
+IdleRule idleUnlessPlaced(const char* placement) {
+  return idleByAny({idleRandomOnly, [placement](const OptionRun& run) -> std::string {
+                      const std::string given = run.text("versor-placement");
+                      return given == placement ? ""
+                                                : std::string("it is for roots that are placed by '") + placement +
+                                                      "', and they are placed by '" + given + "'; leave it out";
+                    }});
+}
+
 std::uint64_t parseSeed(const RecipeReader& reader) {
   return reader.integer<std::uint64_t>("versor-seed", 0, std::numeric_limits<std::uint64_t>::max());
 }
@@ -179,29 +210,39 @@ std::vector<OptionSpec> randomRootsOptions() {
        .argument = "S",
        .defaultValue = "1",
        .help = "the seed of random roots: every number is another texture; it also varies a texture that has something "
-               "random"},
-      {.name = "versor-roots", .argument = "N", .defaultValue = "10", .help = "the number of roots"},
+               "random",
+       .idle = idleSeed},
+      {.name = "versor-roots",
+       .argument = "N",
+       .defaultValue = "10",
+       .help = "the number of roots",
+       .idle = idleRandomOnly},
       {.name = "versor-powers",
        .argument = "MIN:MAX",
        .defaultValue = "2:11",
-       .help = "the range of their powers: higher powers make finer detail"},
-      {.name = "versor-integer", .help = "use whole powers only"},
+       .help = "the range of their powers: higher powers make finer detail",
+       .idle = idleRandomOnly},
+      {.name = "versor-integer", .help = "use whole powers only", .idle = idleRandomOnly},
       {.name = "versor-placement",
        .argument = "box|inside|surface|cluster",
        .defaultValue = "box",
-       .help = "where the roots are placed"},
+       .help = "where the roots are placed",
+       .idle = idleRandomOnly},
       {.name = "versor-distance",
        .argument = "D",
        .defaultValue = "0.05",
-       .help = "for --versor-placement surface: the largest distance of roots from it, as a share of the longest side"},
+       .help = "for --versor-placement surface: the largest distance of roots from it, as a share of the longest side",
+       .idle = idleUnlessPlaced("surface")},
       {.name = "versor-centre",
        .argument = "X,Y,Z",
        .defaultValue = "0,0,0",
-       .help = "for --versor-placement cluster: its centre, in fractal space"},
+       .help = "for --versor-placement cluster: its centre, in fractal space",
+       .idle = idleUnlessPlaced("cluster")},
       {.name = "versor-radius",
        .argument = "R",
        .defaultValue = "0.1",
-       .help = "for --versor-placement cluster: its radius, in fractal space"}};
+       .help = "for --versor-placement cluster: its radius, in fractal space",
+       .idle = idleUnlessPlaced("cluster")}};
   for (OptionSpec& option : options) option.kept = true;
   return options;
 }

@@ -30,9 +30,9 @@ std::shared_ptr<const ControlSource> parseShare(const RecipeReader& reader, cons
 
 }  // namespace
 
-std::vector<std::shared_ptr<const ControlSource>> ShellSettings::controls() const {
-  std::vector<std::shared_ptr<const ControlSource>> controls;
-  for (const auto& control : {alpha, beta, detail, outward, mask})
+std::vector<ControlSetting> ShellSettings::controls() const {
+  std::vector<ControlSetting> controls;
+  for (const ControlSetting& control : {alpha, beta, detail, outward, mask})
     if (control) controls.push_back(control);
   return controls;
 }

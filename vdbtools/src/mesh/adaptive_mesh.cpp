@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/mesh/adaptive_mesh.h"
+#include "vdbtools/base/number_text.h"
 
 #include "mesh/halfedge_mesh.h"
 #include "mesh/surface_distance.h"
@@ -211,7 +212,7 @@ AdaptedMesh unchanged(const Mesh& mesh) {
 
 AdaptedMesh adaptedMesh(const Mesh& mesh, double bound, Monitor& monitor) {
   if (!(bound > 0) || !std::isfinite(bound))
-    throw std::invalid_argument("a mesh is adapted within a bound of " + std::to_string(bound) +
+    throw std::invalid_argument("a mesh is adapted within a bound of " + shortText(bound) +
                                 "; the bound must be positive");
   monitor.begin("adapting", 0);
   if (mesh.triangles.empty()) return unchanged(mesh);

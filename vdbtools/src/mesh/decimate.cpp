@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mesh/decimate.h"
 
+#include "base/elementary.h"
 #include "mesh/halfedge_mesh.h"
 
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 namespace vdbtools {
 namespace {
@@ -71,6 +73,7 @@ double aspectRatio(const HalfedgeMesh& mesh, const std::array<HalfedgeMesh::Vert
 /// Turns the edge between two triangles, one of which is flat, where that helps: no edge of such a one is short.
 void flipEdgesOfFlatTriangles(HalfedgeMesh& mesh) {
   constexpr int kRounds = 3;  // a turn may make room for the next
+  const double leastCosine = elementary::cos(kFold * std::numbers::pi / 180);
   for (int round = 0; round < kRounds; ++round)
     for (const auto edge : mesh.edges()) {
       if (edge.is_boundary() || !mesh.is_flip_ok(edge)) continue;
@@ -84,7 +87,6 @@ void flipEdgesOfFlatTriangles(HalfedgeMesh& mesh) {
       const double now = worst(before);
       if (now <= kAspectRatio || !(worst(after) < now)) continue;
       const OpenMesh::Vec3d normal = areaVector(mesh, before[0]) + areaVector(mesh, before[1]);
-      const double leastCosine = std::cos(kFold * std::acos(-1.0) / 180);
       const auto turnsLittle = [&](const Triangle& t) {
         const OpenMesh::Vec3d turned = areaVector(mesh, t);
         return (turned | normal) > leastCosine * turned.norm() * normal.norm();

@@ -303,7 +303,6 @@ GltfArray GltfFile::array(std::uint64_t index) const {
 
 std::map<std::string, std::string> readGltfExtras(const std::filesystem::path& path) {
   std::ifstream file = openToRead(path);
-  if (!file) throw MissingInputError("cannot open '" + path.string() + "'");
   std::map<std::string, std::string> texts;
   char head[kFileHead + kChunkHead] = {};
   std::error_code error;

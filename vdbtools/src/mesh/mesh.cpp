@@ -2,11 +2,11 @@
 #include "vdbtools/mesh/mesh.h"
 
 #include "base/disjoint_sets.h"
+#include "mesh/position_table.h"
 #include "vdbtools/base/errors.h"
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -77,20 +77,6 @@ std::uint64_t countComponents(const Mesh& mesh) {
   return count;
 }
 
-std::uint64_t hashPosition(const openvdb::Vec3d& p) {
-  std::uint64_t hash = 0;
-  for (int c = 0; c < 3; ++c) {
-    // + 0.0 makes one zero of the two
-    hash = (hash ^ std::bit_cast<std::uint64_t>(p[c] + 0.0)) * 0x9E3779B97F4A7C15U;
-    hash ^= hash >> 29;
-  }
-  return hash;
-}
-
-bool samePosition(const openvdb::Vec3d& a, const openvdb::Vec3d& b) {
-  return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];  // Vec3d::operator== would be the same, but warns
-}
-
 }  // namespace
 
 MeshReport reportMesh(const Mesh& mesh) {
@@ -120,26 +106,19 @@ MeshReport reportMesh(const Mesh& mesh) {
 
 Mesh weldMesh(const Mesh& mesh) {
   checkIndices(mesh);
-  constexpr std::uint32_t kEmpty = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> table(std::bit_ceil(2 * mesh.points.size() + 2), kEmpty);
   std::vector<std::uint32_t> welded(mesh.points.size());
   const bool hasNormals = mesh.normals.size() == mesh.points.size();
   const bool hasUvs = !mesh.cornerUvs.empty();
   Mesh result;
   for (const VertexAttribute& attribute : mesh.attributes) result.attributes.push_back({attribute.name, {}});
+  PositionTable places(result.points, mesh.points.size());
   for (std::size_t p = 0; p < mesh.points.size(); ++p) {
-    std::size_t slot = hashPosition(mesh.points[p]) & (table.size() - 1);
-    while (table[slot] != kEmpty && !samePosition(result.points[table[slot]], mesh.points[p])) {
-      slot = (slot + 1) & (table.size() - 1);
-    }
-    if (table[slot] == kEmpty) {
-      table[slot] = static_cast<std::uint32_t>(result.points.size());
-      result.points.push_back(mesh.points[p]);
-      if (hasNormals) result.normals.push_back(mesh.normals[p]);
-      for (std::size_t a = 0; a < result.attributes.size(); ++a)
-        result.attributes[a].values.push_back(mesh.attributes[a].values[p]);
-    }
-    welded[p] = table[slot];
+    const std::size_t before = result.points.size();
+    welded[p] = places.numberOf(mesh.points[p]);
+    if (result.points.size() == before) continue;
+    if (hasNormals) result.normals.push_back(mesh.normals[p]);
+    for (std::size_t a = 0; a < result.attributes.size(); ++a)
+      result.attributes[a].values.push_back(mesh.attributes[a].values[p]);
   }
   result.triangles.reserve(mesh.triangles.size());
   for (std::size_t n = 0; n < mesh.triangles.size(); ++n) {

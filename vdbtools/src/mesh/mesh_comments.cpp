@@ -2,6 +2,7 @@
 #include "mesh/mesh_comments.h"
 
 #include "mesh/mesh_encoder.h"
+#include "vdbtools/base/utf8.h"
 
 namespace vdbtools {
 
@@ -9,7 +10,10 @@ std::map<std::string, std::string> readMeshComments(std::istream& stream, const 
   std::map<std::string, std::string> comments;
   if (extension != ".ply" && extension != ".obj") return comments;
   const std::string prefix = (extension == ".ply" ? "comment " : "# ") + std::string(kCommentMark);
+  bool first = true;
   for (std::string line; std::getline(stream, line);) {
+    if (first) line = withoutByteOrderMark(line);
+    first = false;
     // The comments stand at the head of the file: magic and format before them, geometry after.
     if (line.rfind(prefix, 0) == 0) {
       const std::size_t space = line.find(' ', prefix.size());

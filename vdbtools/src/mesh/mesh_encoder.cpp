@@ -4,6 +4,7 @@
 #include "base/srgb.h"
 #include "mesh/simplify.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/number_text.h"
 
 #include <algorithm>
 #include <bit>
@@ -12,6 +13,7 @@
 #include <initializer_list>
 #include <limits>
 #include <ostream>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -25,7 +27,7 @@ using openvdb::Vec3I;
 using openvdb::Vec3s;
 
 // The share of a voxel that rounding may move a vertex by.
-constexpr double kPositionTolerance = 1e-3;
+constexpr double kPositionTolerance = 1e-3, kFarTolerance = 1e-4;
 constexpr std::uint64_t kMostUint32 = std::numeric_limits<std::uint32_t>::max();
 // Digits of both counts of a PLY: one of 32 bits, one of 64.
 constexpr std::size_t kMostDigits = 10 + 20;
@@ -61,10 +63,45 @@ char* putNumbers(char* to, const Number* numbers, int count) {
   return to;
 }
 
-bool needsDoubles(const openvdb::BBoxd& box, double voxelSize) {
+/// The most that rounding to floats moves a point of the box by, along an axis.
+double roundingIn(const openvdb::BBoxd& box) {
   double largest = 0;
   for (int axis = 0; axis < 3; ++axis) largest = std::max({largest, -box.min()[axis], box.max()[axis]});
-  return largest * std::numeric_limits<float>::epsilon() / 2 > kPositionTolerance * voxelSize;
+  return largest * std::numeric_limits<float>::epsilon() / 2;
+}
+
+/// Whether the box is small against its distance from the origin.
+bool isFar(const openvdb::BBoxd& box) {
+  constexpr double kFar = 4;  // longest sides
+  double nearest = 0, longest = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    nearest = std::max({nearest, box.min()[axis], -box.max()[axis]});
+    longest = std::max(longest, box.extents()[axis]);
+  }
+  return nearest > kFar * longest;
+}
+
+/// Far from the origin doubles cost little against what they keep: there, vertices about one node of the lattice would
+/// else become one.
+bool needsDoubles(const openvdb::BBoxd& box, double voxelSize) {
+  return roundingIn(box) > (isFar(box) ? kFarTolerance : kPositionTolerance) * voxelSize;
+}
+
+void requireFloatsServe(const openvdb::BBoxd& box, double voxelSize) {
+  const double moved = roundingIn(box) / voxelSize;
+  if (moved <= kPositionTolerance) return;
+  std::ostringstream text;
+  text.precision(2);
+  text << "STL holds positions as 32-bit floats, which would move vertices of this mesh by up to " << moved
+       << " voxels, because its coordinates are so large against the voxels; write .ply, .obj or .glb, or move the "
+          "shape nearer to the origin";
+  throw std::invalid_argument(text.str());
+}
+
+/// The middle of the box, as floats if they are near enough to it: readers of GLB hold where a node is as floats.
+Vec3d middleOf(const openvdb::BBoxd& box, double voxelSize) {
+  const Vec3d middle = box.getCenter(), rounded{Vec3s(middle)};
+  return roundingIn({box.min() - rounded, box.max() - rounded}) > kFarTolerance * voxelSize ? middle : rounded;
 }
 
 /// A comment stays one line.
@@ -125,13 +162,24 @@ void encodeObjTriangles(std::span<const Vec3I> triangles, bool coordinates, bool
   });
 }
 
+struct StlCorners {
+  StlCorners(const Vec3I& triangle, std::span<const Vec3d> points, std::uint64_t firstPoint)
+      : a(points[triangle[0] - firstPoint]), b(points[triangle[1] - firstPoint]), c(points[triangle[2] - firstPoint]) {}
+
+  bool collapse() const {
+    const Vec3s p(a), q(b), r(c);
+    return p == q || q == r || r == p;
+  }
+
+  const Vec3d &a, &b, &c;
+};
+
 void encodeStlTriangles(std::span<const Vec3I> triangles, std::span<const Vec3d> points, std::uint64_t firstPoint,
                         MeshPart& part) {
   part.add(triangles.size(), [=](char* to, std::size_t i) {
-    const Vec3I& triangle = triangles[i];
-    const Vec3d& a = points[triangle[0] - firstPoint];
-    const Vec3d& b = points[triangle[1] - firstPoint];
-    const Vec3d& c = points[triangle[2] - firstPoint];
+    const StlCorners corners(triangles[i], points, firstPoint);
+    if (corners.collapse()) return to;
+    const auto& [a, b, c] = corners;
     Vec3d normal = (b - a).cross(c - a);
     const double length = normal.length();
     if (length > 0) normal /= length;
@@ -162,8 +210,8 @@ void MeshPart::finish() {
 }
 
 bool needsDoublePositions(const MeshWriteOptions& options) {
-  if (options.format != MeshFormat::Ply) return true;  // a GLB subtracts in double precision
-  return MeshEncoder(options).hasDoubles();
+  const MeshEncoder encoder(options);
+  return options.format != MeshFormat::Ply || encoder.hasDoubles();  // a GLB subtracts in double precision
 }
 
 MeshEncoder::MeshEncoder(const MeshWriteOptions& options)
@@ -179,10 +227,11 @@ MeshEncoder::MeshEncoder(const MeshWriteOptions& options)
   if (options.format == MeshFormat::Glb) requireGlbColumns(options);
   if (!(options.voxelSize > 0)) return;
   if (!options.box)
-    throw std::invalid_argument("a mesh of voxels of " + std::to_string(options.voxelSize) +
+    throw std::invalid_argument("a mesh of voxels of " + shortText(options.voxelSize) +
                                 " is to be written without a box; give the box that holds it");
+  if (format() == MeshFormat::Stl) requireFloatsServe(*options.box, options.voxelSize);
   mDoubles = needsDoubles(*options.box, options.voxelSize);
-  if (mDoubles && format() == MeshFormat::Glb) mGlb.centre = options.turn(*options.box).getCenter();
+  if (mDoubles && format() == MeshFormat::Glb) mGlb.centre = middleOf(options.turn(*options.box), options.voxelSize);
 }
 
 void MeshEncoder::requireCounts(std::uint64_t points, std::uint64_t triangles) const {
@@ -216,6 +265,14 @@ void MeshEncoder::survey(const PointBatch& batch) {
 void MeshEncoder::survey(std::span<const Vec3I> triangles) {
   if (format() == MeshFormat::Glb && !mOptions.levels.empty())
     mTriangles.insert(mTriangles.end(), triangles.begin(), triangles.end());
+}
+
+std::uint64_t MeshEncoder::countOf(std::span<const Vec3I> triangles, std::span<const Vec3d> points,
+                                   std::uint64_t firstPoint) const {
+  if (format() != MeshFormat::Stl) return triangles.size();
+  return static_cast<std::uint64_t>(std::count_if(triangles.begin(), triangles.end(), [=](const Vec3I& triangle) {
+    return !StlCorners(triangle, points, firstPoint).collapse();
+  }));
 }
 
 void MeshEncoder::finishSurvey() {

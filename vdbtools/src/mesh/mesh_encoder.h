@@ -59,7 +59,8 @@ class MeshPart {
 
 class MeshEncoder {
  public:
-  /// @throw std::invalid_argument  a voxel size without a box, more columns than a record has room for
+  /// @throw std::invalid_argument  a voxel size without a box, more columns than a record has room for, an STL of so
+  ///                               small an object so far from the origin that its floats would deform it
   explicit MeshEncoder(const MeshWriteOptions& options);
 
   MeshFormat format() const { return mOptions.format; }
@@ -74,6 +75,10 @@ class MeshEncoder {
   // of use, and what was surveyed is encoded in the same order.
   void survey(const PointBatch& batch);
   void survey(std::span<const openvdb::Vec3I> triangles);
+  /// How many of the triangles a file has room for. Of an STL, which has no points but the corners of its triangles,
+  /// those are left out two of whose corners are one point in 32-bit floats; so the surface stays closed.
+  std::uint64_t countOf(std::span<const openvdb::Vec3I> triangles, std::span<const openvdb::Vec3d> points,
+                        std::uint64_t firstPoint) const;
   /// Makes the levels of detail.
   void finishSurvey();
   const std::vector<MeshLevel>& levels() const { return mGlb.levels; }

@@ -4,8 +4,9 @@
 #include "mesh/text_scan.h"
 #include "vdbtools/files/file_bytes.h"
 
+#include <set>
+#include <string>
 #include <string_view>
-#include <unordered_set>
 
 namespace vdbtools {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 struct Named {
   std::string current{};
   bool isUsed = false;  ///< by a face
-  std::unordered_set<std::string> seen{};
+  std::set<std::string> seen{};
 
   void begin(std::string_view name) {
     current = name;

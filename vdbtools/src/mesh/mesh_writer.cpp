@@ -95,8 +95,9 @@ std::vector<MeshLevel> writeMesh(std::ostream& stream, const Mesh& mesh, const M
   encoder.survey(points);
   encoder.survey(mesh.triangles);
   encoder.finishSurvey();
-  encoder.requireCounts(mesh.points.size(), mesh.triangles.size());
-  stream << encoder.header(mesh.points.size(), mesh.triangles.size());
+  const std::uint64_t triangles = encoder.countOf(mesh.triangles, points.positions, 0);
+  encoder.requireCounts(mesh.points.size(), triangles);
+  stream << encoder.header(mesh.points.size(), triangles);
   MeshPart whole(stream);
   encoder.encodePoints(points, whole);
   encoder.encodeCoordinates(points, whole);
@@ -211,12 +212,13 @@ void MeshStreamWriter::addPoints(const PointBatch& unturned) {
 void MeshStreamWriter::addTriangles(std::span<const Vec3I> triangles, std::uint64_t firstPoint) {
   State& s = *mState;
   s.run([&] {
-    s.encoder.requireCounts(s.pointCount, s.triangleCount + triangles.size());
     s.firstPoint = std::max(s.firstPoint, firstPoint);
     requirePoints(triangles, s.firstPoint, s.pointCount);
+    const std::uint64_t count = s.encoder.countOf(triangles, s.window, s.windowStart);
+    s.encoder.requireCounts(s.pointCount, s.triangleCount + count);
     s.encoder.survey(triangles);
     s.encoder.encodeTriangles(triangles, s.window, s.windowStart, s.triangles);
-    s.triangleCount += triangles.size();
+    s.triangleCount += count;
     if (s.encoder.format() == MeshFormat::Stl) s.trimWindow();
   });
 }
@@ -230,7 +232,6 @@ const std::vector<MeshLevel>& MeshStreamWriter::levels() const { return mState->
 
 std::map<std::string, std::string> readMeshComments(const std::filesystem::path& path) {
   std::ifstream file = openToRead(path);
-  if (!file) throw MissingInputError("cannot open '" + path.string() + "'");
   const std::string extension = lowerExtension(path);
   if (extension == ".glb") return readGltfExtras(path);
   std::map<std::string, std::string> comments = readMeshComments(file, extension);

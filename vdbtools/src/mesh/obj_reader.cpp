@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <set>
 #include <string>
-#include <unordered_set>
 #include <vector>
 
 namespace vdbtools {
@@ -76,7 +76,7 @@ void dropRepetitions(std::vector<std::uint32_t>& corners, std::vector<std::uint3
   std::vector<std::uint32_t> sorted(corners);
   std::sort(sorted.begin(), sorted.end());
   if (std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end()) return;
-  std::unordered_set<std::uint32_t> seen;
+  std::set<std::uint32_t> seen;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     if (!seen.insert(corners[i]).second) continue;

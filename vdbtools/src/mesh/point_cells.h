@@ -3,7 +3,7 @@
 /// Points by the cells of a lattice, to find those within a distance.
 #pragma once
 
-#include "base/counter_random.h"
+#include "base/keyed_hash.h"
 
 #include <openvdb/Types.h>
 
@@ -24,7 +24,7 @@ class PointCells {
 
   std::uint32_t add(const openvdb::Vec3d& p) {
     const auto number = static_cast<std::uint32_t>(mPoints.size());
-    const auto [cell, isNew] = mFirst.try_emplace(keyOf(cellOf(p)), kNone);
+    const auto [cell, isNew] = mFirst.try_emplace(cellOf(p), kNone);
     mPoints.push_back(p);
     mNext.push_back(cell->second);
     cell->second = number;
@@ -43,12 +43,11 @@ class PointCells {
     for (std::int64_t x = low[0]; x <= high[0]; ++x)
       for (std::int64_t y = low[1]; y <= high[1]; ++y)
         for (std::int64_t z = low[2]; z <= high[2]; ++z) {
-          const auto cell = mFirst.find(keyOf({x, y, z}));
+          const auto cell = mFirst.find({x, y, z});
           if (cell == mFirst.end()) continue;
-          // Different cells may share a key; the distance tells.
           for (std::uint32_t i = cell->second; i != kNone; i = mNext[i]) {
             const double distance = (mPoints[i] - p).lengthSqr();
-            if (distance < square && cellOf(mPoints[i]) == Cell{x, y, z} && !visit(i, distance)) return false;
+            if (distance < square && !visit(i, distance)) return false;
           }
         }
     return true;
@@ -66,16 +65,12 @@ class PointCells {
     const auto at = [&](int axis) { return static_cast<std::int64_t>(std::floor((p[axis] - mOrigin[axis]) / mReach)); };
     return {at(0), at(1), at(2)};
   }
-  static std::uint64_t keyOf(const Cell& cell) {
-    return randomBits(static_cast<std::uint64_t>(cell[0]), static_cast<std::uint64_t>(cell[1]),
-                      static_cast<std::uint64_t>(cell[2]));
-  }
 
   double mReach;
   openvdb::Vec3d mOrigin;
   std::vector<openvdb::Vec3d> mPoints;
   std::vector<std::uint32_t> mNext;
-  std::unordered_map<std::uint64_t, std::uint32_t> mFirst;
+  std::unordered_map<Cell, std::uint32_t, KeyedHash<3>> mFirst;
 };
 
 }  // namespace vdbtools

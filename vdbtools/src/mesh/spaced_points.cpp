@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/mesh/spaced_points.h"
+#include "vdbtools/base/number_text.h"
 
 #include "base/counter_random.h"
+#include "base/elementary.h"
 #include "base/in_parallel.h"
 #include "mesh/point_cells.h"
 
@@ -23,13 +25,6 @@ using openvdb::Vec3s;
 enum Stream : std::uint64_t { kArea = 1, kFirst, kSecond, kOrder, kPieces };
 
 constexpr std::size_t kGrain = 512;  ///< points that a thread moves at a time
-
-std::string shortText(double value) {
-  std::ostringstream text;
-  text.precision(4);
-  text << value;
-  return text.str();
-}
 
 /// Places on the triangles of a mesh.
 class Surface {
@@ -302,10 +297,10 @@ std::vector<PlacedPoint> eliminated(const std::vector<PlacedPoint>& points, std:
   constexpr double kAlpha = 8, kBeta = 0.65, kGamma = 1.5;
   const double most = std::sqrt(area / (2 * std::sqrt(3.0) * static_cast<double>(count)));
   const double least =
-      most * (1 - std::pow(static_cast<double>(count) / static_cast<double>(points.size()), kGamma)) * kBeta;
+      most * (1 - elementary::pow(static_cast<double>(count) / static_cast<double>(points.size()), kGamma)) * kBeta;
   const auto weight = [&](double squaredDistance) {
     const double distance = std::max(std::sqrt(squaredDistance), 2 * least);
-    return std::pow(1 - std::min(distance, 2 * most) / (2 * most), kAlpha);
+    return elementary::pow(1 - std::min(distance, 2 * most) / (2 * most), kAlpha);
   };
   PointCells cells(2 * most, points.front().position);
   for (const PlacedPoint& point : points) cells.add(point.position);

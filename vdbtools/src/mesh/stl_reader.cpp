@@ -2,6 +2,7 @@
 #include "mesh/format_readers.h"
 #include "mesh/text_scan.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/utf8.h"
 #include "vdbtools/files/file_bytes.h"
 
 #include <algorithm>
@@ -44,8 +45,9 @@ bool isBinary(std::string_view contents) {
       contents.size() == kHeaderSize + std::size_t{readUint32(contents, 80)} * kFacetSize) {
     return true;
   }
-  const std::size_t begin = contents.find_first_not_of(" \t\r\n");
-  const bool solid = begin != std::string_view::npos && lowerCase(contents.substr(begin, 5)) == "solid";
+  const std::string_view text = withoutByteOrderMark(contents);
+  const std::size_t begin = text.find_first_not_of(" \t\r\n");
+  const bool solid = begin != std::string_view::npos && lowerCase(text.substr(begin, 5)) == "solid";
   return !solid || contents.find('\0') != std::string_view::npos;
 }
 

@@ -3,6 +3,8 @@
 /// Reading words and numbers from a text file that is held in memory, with errors that name the file and the line.
 #pragma once
 
+#include "vdbtools/base/utf8.h"
+
 #include <openvdb/Types.h>
 
 #include <filesystem>
@@ -26,7 +28,9 @@ class WordScanner {
 /// A text, line by line.
 class LineScanner {
  public:
-  LineScanner(const std::filesystem::path& path, std::string_view text) : mPath(path), mRest(text) {}
+  /// @param text  a whole text; a byte order mark at its beginning is passed over
+  LineScanner(const std::filesystem::path& path, std::string_view text)
+      : mPath(path), mRest(withoutByteOrderMark(text)) {}
 
   /// @return the next line without its end; nothing at the end of the text
   std::optional<std::string_view> next();

@@ -2,18 +2,24 @@
 #include "vdbtools/picture/canvas.h"
 
 #include "base/srgb.h"
+#include "picture/embedded_fonts.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
 
+#include <cairo-ft.h>
 #include <cairo-svg.h>
 #include <cairo.h>
+#include <ft2build.h>
+#include FT_FREETYPE_H
+#include FT_MODULE_H
+#include FT_SYSTEM_H
 
 #include <algorithm>
 #include <cctype>
+#include <cstdlib>
 #include <map>
 #include <new>
-#include <numbers>
 #include <stdexcept>
 #include <utility>
 
@@ -57,6 +63,47 @@ cairo_status_t take(void* rest, unsigned char* data, unsigned int length) {
 std::uint32_t* rowOf(cairo_surface_t* surface, int y) {
   return reinterpret_cast<std::uint32_t*>(cairo_image_surface_get_data(surface) +
                                           static_cast<std::ptrdiff_t>(y) * cairo_image_surface_get_stride(surface));
+}
+
+void require(FT_Error error) {
+  if (error == FT_Err_Out_Of_Memory) throw std::bad_alloc();
+  if (error != FT_Err_Ok) throw IoError("FreeType cannot read the font of the program: error " + std::to_string(error));
+}
+
+/// A font that neither Fontconfig nor FreeType's environment has a say in. Cairo keeps what it draws with, so fonts
+/// stay until the process ends; each has a FreeType of its own, for Cairo lets one thread at a time use a font, but not
+/// a FreeType.
+class Font {
+ public:
+  explicit Font(bool isBold) {
+    require(FT_New_Library(&mMemory, &mLibrary));
+    try {
+      FT_Add_Default_Modules(mLibrary);
+      const std::span<const unsigned char> file = embeddedFont(isBold);
+      FT_Face face = nullptr;
+      require(FT_New_Memory_Face(mLibrary, file.data(), static_cast<FT_Long>(file.size()), 0, &face));
+      mFont = cairo_ft_font_face_create_for_ft_face(face, 0);
+      require(cairo_font_face_status(mFont));
+    } catch (...) {
+      FT_Done_Library(mLibrary);
+      throw;
+    }
+  }
+  cairo_font_face_t* get() const { return mFont; }
+
+ private:
+  FT_MemoryRec_ mMemory{
+      nullptr, [](FT_Memory, long size) { return std::malloc(static_cast<std::size_t>(size)); },
+      [](FT_Memory, void* block) { std::free(block); },
+      [](FT_Memory, long, long size, void* block) { return std::realloc(block, static_cast<std::size_t>(size)); }};
+  FT_Library mLibrary = nullptr;
+  cairo_font_face_t* mFont = nullptr;
+};
+
+cairo_font_face_t* fontOf(const TextStyle& style) {
+  static const Font* const regular = new Font(false);
+  static const Font* const bold = new Font(true);
+  return (style.bold ? bold : regular)->get();
 }
 
 /// Cairo names the parts of an SVG by numbers that go on through the whole process ("surface9", "image13"). Here they
@@ -106,8 +153,7 @@ struct Canvas::State {
     cairo_set_source_rgba(context.get(), channel(0), channel(1), channel(2), opacity);
   }
   void setFont(const TextStyle& style) const {
-    cairo_select_font_face(context.get(), "sans", CAIRO_FONT_SLANT_NORMAL,
-                           style.bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_set_font_face(context.get(), fontOf(style));
     cairo_set_font_size(context.get(), style.size);
   }
   void paint(cairo_surface_t* image, const CanvasBox& box) const {
@@ -137,7 +183,7 @@ Canvas::Canvas(CanvasKind kind, int width, int height, const Colour& background)
   mState->context.reset(cairo_create(mState->surface.get()));
   cairo_t* const context = mState->context.get();
   require(cairo_status(context));
-  // All that fontconfig could choose differently from one machine to the next.
+  // Cairo's own choices are those of the surface.
   const Owned<cairo_font_options_t> font(cairo_font_options_create());
   cairo_font_options_set_antialias(font.get(), CAIRO_ANTIALIAS_GRAY);
   cairo_font_options_set_hint_style(font.get(), CAIRO_HINT_STYLE_SLIGHT);
@@ -184,7 +230,8 @@ void Canvas::text(std::string_view utf8, const CanvasPoint& at, const TextStyle&
   mState->setColour(style.colour);
   cairo_save(context);
   cairo_translate(context, at.x, at.y);
-  if (style.upwards) cairo_rotate(context, -std::numbers::pi / 2);
+  constexpr cairo_matrix_t kUpwards{0, -1, 1, 0, 0, 0};  // without the rounding of a sine and a cosine
+  if (style.upwards) cairo_transform(context, &kUpwards);
   cairo_move_to(context, -back, 0);
   cairo_show_text(context, std::string(utf8).c_str());
   cairo_restore(context);
@@ -246,6 +293,7 @@ std::string Canvas::encode(const std::string& extension) {
   if (canvasKindOf(extension) != mState->kind)
     throw std::invalid_argument("this canvas cannot be written as \"" + extension + "\"; it is of the other kind");
   if (mState->kind == CanvasKind::Pixels) return encodeImage(pixels(), extension);
+  require(cairo_status(mState->context.get()));
   cairo_surface_finish(mState->surface.get());
   require(cairo_surface_status(mState->surface.get()));
   return renumbered(mState->svg);

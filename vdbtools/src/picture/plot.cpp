@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/picture/plot.h"
 
+#include "base/elementary.h"
 #include "picture/plot_axis.h"
 
 #include "vdbtools/picture/canvas.h"
@@ -41,7 +42,7 @@ using PlacedPoint = std::optional<CanvasPoint>;
 
 /// The coordinates of the axes; none for a point that cannot be drawn.
 PlacedPoint onAxes(const std::pair<double, double>& point, bool logY) {
-  const double y = logY ? (point.second > 0 ? std::log10(point.second) : NAN) : point.second;
+  const double y = logY ? (point.second > 0 ? elementary::log10(point.second) : NAN) : point.second;
   if (!(std::abs(point.first) < kLargest && std::abs(y) < kLargest)) return std::nullopt;
   return CanvasPoint{point.first, y};
 }
@@ -189,7 +190,7 @@ class Plotter {
     for (const auto& runs : mRuns)
       for (const std::vector<CanvasPoint>& run : runs)
         for (std::size_t i = 1; i < run.size(); ++i) {
-          const double dx = run[i].x - run[i - 1].x, dy = run[i].y - run[i - 1].y, whole = std::hypot(dx, dy);
+          const double dx = run[i].x - run[i - 1].x, dy = run[i].y - run[i - 1].y, whole = elementary::hypot(dx, dy);
           const int steps = 1 + static_cast<int>(whole);
           for (int step = 0; step < steps; ++step) {
             const double x = run[i - 1].x + dx * step / steps, y = run[i - 1].y + dy * step / steps;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "picture/plot_axis.h"
 
+#include "base/elementary.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -36,7 +38,7 @@ std::string generalText(double value) {
 std::string multipleText(double value, double step, double largest) {
   constexpr double kLongest = 1e6, kFinest = 1e-5;
   if (largest >= kLongest || step < kFinest) return generalText(value);
-  const int decimals = std::max(0, -static_cast<int>(std::floor(std::log10(step) + kRounding)));
+  const int decimals = std::max(0, -static_cast<int>(std::floor(elementary::log10(step) + kRounding)));
   char text[32];
   std::snprintf(text, sizeof text, "%.*f", decimals, value);
   return withMinus(text);
@@ -44,7 +46,7 @@ std::string multipleText(double value, double step, double largest) {
 
 /// The least of 1, 2 and 5 times a power of ten that is not below @a step.
 double roundStep(double step) {
-  const double decade = std::pow(10.0, std::floor(std::log10(step)));
+  const double decade = elementary::pow(10.0, std::floor(elementary::log10(step)));
   for (const double factor : {1.0, 2.0, 5.0})
     if (factor * decade >= step * (1 - 1e-9)) return factor * decade;
   return 10 * decade;
@@ -64,7 +66,7 @@ std::vector<double> possibleEnds(double low, double high, bool fewDecades) {
   std::vector<double> ends;
   for (double decade = std::floor(low) - 1; decade <= std::ceil(high) + 1; ++decade)
     for (const int digit : {1, 2, 5})
-      if (digit == 1 || fewDecades) ends.push_back(decade + std::log10(digit));
+      if (digit == 1 || fewDecades) ends.push_back(decade + elementary::log10(digit));
   return ends;
 }
 
@@ -101,11 +103,11 @@ void addLogarithmicTicks(PlotAxis& axis, double spacing) {
   const int lowest = static_cast<int>(std::floor(axis.low)), highest = static_cast<int>(std::ceil(axis.high));
   for (int decade = lowest; decade <= highest; ++decade)
     for (int digit = 1; digit < 10; ++digit) {
-      const double value = decade + std::log10(digit);
+      const double value = decade + elementary::log10(digit);
       if (value < axis.low - kRounding || value > axis.high + kRounding) continue;
       const bool labelled = digit == 1 ? decade % every == 0 : few && (digit == 2 || digit == 5);
       if (!labelled && (digit == 1 ? every > 1 : perDecade < kRoomForMinor)) continue;
-      axis.ticks.push_back({value, labelled ? generalText(digit * std::pow(10.0, decade)) : std::string()});
+      axis.ticks.push_back({value, labelled ? generalText(digit * elementary::pow(10.0, decade)) : std::string()});
     }
 }
 

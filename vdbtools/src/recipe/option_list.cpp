@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/recipe/option_list.h"
 
+#include "vdbtools/base/utf8.h"
+
 #include <algorithm>
 
 namespace vdbtools {
@@ -17,6 +19,7 @@ std::string_view trimmed(std::string_view text) {
 
 std::vector<ListedOption> listedOptions(std::string_view text) {
   std::vector<ListedOption> options;
+  text = withoutByteOrderMark(text);
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     const std::string_view line = trimmed(text.substr(0, std::min(end, text.substr(0, end).find('#'))));

@@ -2,10 +2,14 @@
 #include "vdbtools/recipe/option_table.h"
 
 #include "vdbtools/base/near_words.h"
+#include "vdbtools/files/file_bytes.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 #include <stdexcept>
+#include <string_view>
+#include <utility>
 
 namespace vdbtools {
 namespace {
@@ -70,6 +74,53 @@ std::optional<std::string> defaultOf(const OptionSpec& spec, const Recipe& recip
 }
 
 }  // namespace
+
+std::set<Product> productsOf(std::span<const std::string> files) {
+  constexpr std::pair<std::string_view, Product> kProducts[] = {{".vdb", Product::Vdb},
+                                                                {".ply", Product::Mesh},
+                                                                {".obj", Product::Mesh},
+                                                                {".stl", Product::Stl},
+                                                                {".glb", Product::Glb}};
+  std::set<Product> products;
+  for (const std::string& file : files)
+    for (const auto& [extension, product] : kProducts)
+      if (lowerCase(file).ends_with(extension)) products.insert(product);
+  return products;
+}
+
+bool OptionRun::makesAny(std::initializer_list<Product> products) const {
+  if (makes.contains(Product::Recipe)) return true;
+  return std::any_of(products.begin(), products.end(), [&](Product product) { return makes.contains(product); });
+}
+
+std::string OptionRun::text(const std::string& option) const {
+  const auto found = recipe.find(option);
+  return found == recipe.end() ? std::string() : found->second;
+}
+
+IdleRule idleWithout(std::set<Product> makes, std::string products) {
+  return [makes = std::move(makes), products = std::move(products)](const OptionRun& run) -> std::string {
+    for (const Product product : makes)
+      if (run.makesAny({product})) return {};
+    return "it is for " + products + ", and this run makes none; leave it out";
+  };
+}
+
+IdleRule idleWithoutFlag(std::string flag) {
+  return [flag = std::move(flag)](const OptionRun& run) -> std::string {
+    const std::string value = run.text(flag);
+    return !value.empty() && value != "false" ? "" : "it goes with --" + flag + "; give that too, or leave it out";
+  };
+}
+
+IdleRule idleByAny(std::vector<IdleRule> rules) {
+  return [rules = std::move(rules)](const OptionRun& run) {
+    std::string why;
+    for (const IdleRule& rule : rules)
+      if (why.empty()) why = rule(run);
+    return why;
+  };
+}
 
 OptionTable::OptionTable(std::vector<OptionSpec> options, std::string selector, std::vector<OptionVariant> variants)
     : mCommon(std::move(options)), mSelector(std::move(selector)), mVariants(std::move(variants)) {
@@ -196,6 +247,36 @@ void OptionTable::requireFits(const Recipe& recipe) const {
         instead = ", or give --" + other->alternative;
     throw std::invalid_argument("--" + option + " does not apply to " + chosen + "; leave it out" + instead);
   }
+}
+
+std::string OptionTable::idle(const std::string& option, const OptionRun& run) const {
+  const OptionVariant* chosen = variantOf(run.recipe);
+  if (chosen && !findIn(mCommon, option) && !findIn(chosen->options, option)) {
+    std::vector<std::string> owners;
+    for (const OptionVariant& each : mVariants)
+      if (findIn(each.options, option)) owners.push_back(each.name);
+    return "it is for --" + mSelector + ' ' + joined(owners) + ", and --" + mSelector + " is " + chosen->name +
+           "; leave it out";
+  }
+  const OptionSpec* spec = find(option, run.recipe);
+  return spec && spec->idle ? spec->idle(run) : std::string();
+}
+
+bool RequiredEffects::add(const OptionRun& run) {
+  mFirst.clear();
+  for (auto name = mIdle.begin(); name != mIdle.end();) {
+    const std::string why = mTable.idle(*name, run);
+    if (!why.empty() && mFirst.empty()) {
+      mFirst = *name;
+      mWhy = why;
+    }
+    name = why.empty() ? mIdle.erase(name) : std::next(name);
+  }
+  return mIdle.empty();
+}
+
+void RequiredEffects::require() const {
+  if (!mFirst.empty()) throw std::invalid_argument("--" + mFirst + " has no effect: " + mWhy);
 }
 
 Recipe completeRecipe(Recipe recipe, const OptionTable& table) {

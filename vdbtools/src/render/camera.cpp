@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/render/camera.h"
 
+#include "base/elementary.h"
 #include "render/view.h"
 #include "vdbtools/base/memory.h"
 
@@ -41,22 +42,25 @@ void requireAngles(const ViewAngles& angles) {
 Camera cameraAround(const FramedBall& ball, const ViewAngles& angles, double aspect, UpAxis up) {
   requireAngles(angles);
   const double a = radians(angles.azimuth), e = radians(angles.elevation);
-  const Vec3d towardsEye(std::sin(a) * std::cos(e), std::sin(e), std::cos(a) * std::cos(e));
-  const double tangent = std::tan(0.5 * radians(angles.fieldOfView));
+  const Vec3d towardsEye(elementary::sin(a) * elementary::cos(e), elementary::sin(e),
+                         elementary::cos(a) * elementary::cos(e));
+  const double tangent = elementary::tan(0.5 * radians(angles.fieldOfView));
   Camera camera;
   camera.lookAt = ball.centre;
   const UpTurn turn(UpAxis::Y, up);
-  camera.eye = ball.centre + ball.radius / std::sin(std::atan(tangent * std::min(1.0, aspect))) * turn(towardsEye);
+  camera.eye =
+      ball.centre + ball.radius / elementary::sin(elementary::atan(tangent * std::min(1.0, aspect))) * turn(towardsEye);
   // From a pole, what is up is the limit of the views towards it.
-  if (std::cos(e) < kParallel) camera.up = (e > 0 ? -1.0 : 1.0) * Vec3d(std::sin(a), 0, std::cos(a));
+  if (elementary::cos(e) < kParallel)
+    camera.up = (e > 0 ? -1.0 : 1.0) * Vec3d(elementary::sin(a), 0, elementary::cos(a));
   camera.up = turn(camera.up);
-  camera.fieldOfView = 2 * std::atan(tangent / angles.zoom) / radians(1);
+  camera.fieldOfView = 2 * elementary::atan(tangent / angles.zoom) / radians(1);
   return camera;
 }
 
 Camera turned(const Camera& camera, const Vec3d& axis, double degrees) {
   const Vec3d n = axis.unit();
-  const double angle = radians(degrees), c = std::cos(angle), s = std::sin(angle);
+  const double angle = radians(degrees), c = elementary::cos(angle), s = elementary::sin(angle);
   // Rodrigues' formula.
   const auto turn = [&](const Vec3d& origin, const Vec3d& v) {
     return origin + c * v + s * n.cross(v) + (1 - c) * n.dot(v) * n;
@@ -82,7 +86,7 @@ CameraFrame frameOf(const Camera& camera) {
     up = std::abs(frame.forward[2]) < 0.5 ? Vec3d(0, 0, -1) : Vec3d(0, 1, 0);
   frame.right = frame.forward.cross(up).unit();
   frame.up = frame.right.cross(frame.forward);
-  frame.tangent = std::tan(0.5 * radians(camera.fieldOfView));
+  frame.tangent = elementary::tan(0.5 * radians(camera.fieldOfView));
   return frame;
 }
 

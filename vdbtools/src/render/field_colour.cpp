@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/render/field_colour.h"
 
+#include "base/elementary.h"
 #include "base/srgb.h"
 #include "formats/picture_file.h"
 #include "render/neighbourhood.h"
@@ -111,7 +112,7 @@ std::vector<Vec3s> firstDirections(const julia::FieldEvaluator& evaluator, julia
 std::vector<double> trapRadii(const julia::FieldEvaluator& evaluator, std::span<const julia::Point> points) {
   std::vector<double> nearest(points.size());
   evaluator.orbitTraps(points, nearest);
-  for (double& value : nearest) value = std::exp(value);
+  for (double& value : nearest) value = elementary::exp(value);
   return nearest;
 }
 

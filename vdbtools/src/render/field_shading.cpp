@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/field_shading.h"
 
+#include "base/elementary.h"
 #include "render/neighbourhood.h"
 
 #include <algorithm>
@@ -22,7 +23,7 @@ constexpr double kShine = 0.22, kSharpness = 36;
 /// orbits continue to infinity.
 class Potential {
  public:
-  Potential(double escapeRadius, int iterations) : mTooth(std::log(escapeRadius)), mIterations(iterations) {}
+  Potential(double escapeRadius, int iterations) : mTooth(elementary::log(escapeRadius)), mIterations(iterations) {}
 
   double operator()(double field, int iterations) const {
     constexpr int kMostDoublings = 60;
@@ -95,7 +96,7 @@ void shadeHits(const julia::FieldEvaluator& evaluator, const FieldRenderOptions&
       if (facing <= 0) return;
       diffuse += strength * facing;
       const Vec3d mirrored = 2 * facing * normal - light;
-      shine += strength * std::pow(std::max(0.0, -mirrored.dot(hits[i].view)), kSharpness);
+      shine += strength * elementary::pow(std::max(0.0, -mirrored.dot(hits[i].view)), kSharpness);
     };
     add(lights.key, kKey);
     add(lights.head, kHead);

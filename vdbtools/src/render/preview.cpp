@@ -26,7 +26,7 @@ class LevelSetSurface {
     if (!hit) return std::nullopt;
     const Vec3d position = eye + *hit * direction;
     Vec3d normal = mTracer.normal(position);
-    if (!normal.normalize()) normal = -direction;
+    if (!normal.normalize(0)) normal = -direction;
     return SurfacePoint{*hit, position + kLeaveSurface * normal, normal, kClay};
   }
   bool blocked(const Vec3d& origin, const Vec3d& direction) { return mTracer.blocked(origin, direction); }

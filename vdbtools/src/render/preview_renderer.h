@@ -11,6 +11,7 @@
 /// in a space of its own, which differs from world space by a similarity. The lights turn with the camera.
 #pragma once
 
+#include "base/elementary.h"
 #include "render/view.h"
 #include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
@@ -99,7 +100,7 @@ struct Turn {
   double cosine, sine;
   static Turn by(double turns) {
     const double angle = 2 * std::numbers::pi * turns;
-    return {std::cos(angle), std::sin(angle)};
+    return {elementary::cos(angle), elementary::sin(angle)};
   }
   Turn after(const Turn& other) const {
     return {cosine * other.cosine - sine * other.sine, sine * other.cosine + cosine * other.sine};
@@ -224,7 +225,8 @@ class Renderer {
       const double facing = key.dot(normal);
       if (facing <= 0 || mSurface.blocked(origin, key)) continue;
       const double glint = std::max(0.0, (key - view).unit().dot(normal));
-      radiance += facing * kKeyColour * (albedo + Vec3d(kSheen * std::pow(glint, kSheenSharpness))) / mShadowRays;
+      radiance +=
+          facing * kKeyColour * (albedo + Vec3d(kSheen * elementary::pow(glint, kSheenSharpness))) / mShadowRays;
     }
     return radiance;
   }

@@ -3,6 +3,7 @@
 /// How far apart the samples of the field renderer's rays are.
 #pragma once
 
+#include "base/elementary.h"
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/render/field_render.h"
 
@@ -19,7 +20,7 @@ namespace vdbtools {
 class RaySteps {
  public:
   RaySteps(const Clarity& clarity, double pixel, double distance)
-      : mAlpha(clarity.alpha.value_or(pixel * std::pow(distance, 1 - clarity.delta))),
+      : mAlpha(clarity.alpha.value_or(pixel * elementary::pow(distance, 1 - clarity.delta))),
         mDelta(clarity.delta),
         mEpsilon(clarity.epsilon) {}
 

@@ -95,7 +95,7 @@ std::vector<openvdb::Vec3d> searchEdges(const std::vector<LatticeEdge>& edges, d
   };
   // The middle of the last bracket is within half its width of the change.
   const double width = 2 * tolerance;
-  int left = 1;  // evaluations at the most: bisection's, and one to spare for interpolating
+  int left = 1;  // evaluations: bisection's, and one to spare for interpolating; rounding may take another
   while (std::ldexp(width, left - 1) < 1) ++left;
 
   std::vector<double> found(edges.size(), 0.5);

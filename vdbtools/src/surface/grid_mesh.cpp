@@ -28,6 +28,9 @@ class GridEvaluator final : public julia::FieldEvaluator {
   void versors(std::span<const julia::Point>, std::span<julia::Quaternion<double>> versors) const override {
     std::fill(versors.begin(), versors.end(), julia::Quaternion<double>::one());
   }
+  void orbitTraps(std::span<const julia::Point>, std::span<double> nearest) const override {
+    std::fill(nearest.begin(), nearest.end(), julia::kFieldLimit);
+  }
 
  private:
   const openvdb::FloatGrid& mGrid;

@@ -2,8 +2,10 @@
 #include "surface/part_shape.h"
 
 #include "base/in_parallel.h"
+#include "base/lattice_transform.h"
 #include "target/distance_band.h"
 #include "target/mesh_conversion.h"
+#include "vdbtools/base/number_text.h"
 #include "vdbtools/surface/extract_mesh.h"
 #include "vdbtools/surface/grid_mesh.h"
 
@@ -103,7 +105,7 @@ FloatGrid::Ptr ballsAround(const Mesh& centres, double radius, double voxelSize,
     }
   });
   tree.root().setBackground(width, true);
-  grid->setTransform(openvdb::math::Transform::createLinearTransform(voxelSize));
+  grid->setTransform(latticeTransform(voxelSize));
   grid->setGridClass(openvdb::GRID_LEVEL_SET);
   openvdb::tools::pruneLevelSet(tree);
   return grid;
@@ -201,7 +203,7 @@ void dropThin(FloatGrid& part, const Mesh& mesh, double thickness, Monitor& moni
     any = any || *value < 0;
   }
   if (!any)
-    throw DataError("nothing of the part is " + shortNumber(thickness) +
+    throw DataError("nothing of the part is " + shortText(thickness) +
                     " mm thick, so nothing would be left of it; thicken thin parts instead, or make the part larger");
   const Mesh centres = meshOfLevelSet(*deep, monitor);
   const FloatGrid::Ptr stays = ballsAround(centres, thickness, voxel, monitor);

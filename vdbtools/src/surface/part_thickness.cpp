@@ -153,7 +153,7 @@ bool PartThickness::isThick(const Vec3d& point, const Vec3d& normal, double thic
   return climbedFrom(node, point, thickness, radius).radius >= radius;
 }
 
-ThinPlaces findThinPlaces(const Mesh& mesh, double thickness, std::size_t most, Monitor& monitor) {
+ThinPlaces findThinPlaces(const Mesh& mesh, double thickness, double rounding, std::size_t most, Monitor& monitor) {
   const PartThickness part(mesh, thickness, {}, monitor);
   constexpr std::size_t kGrain = 256;
   // Chance takes an even share of all parts of the mesh, whatever the order of its points.
@@ -163,6 +163,7 @@ ThinPlaces findThinPlaces(const Mesh& mesh, double thickness, std::size_t most, 
     if (randomUnit(1, 0, i) < share) chosen.push_back(i);
   // From thin to thick: a needle on a ball is thin, though a larger ball is near.
   constexpr double kStep = 1.05;
+  const double nearly = thickness * (1 - rounding);
   std::vector<double> found(chosen.size());
   // The least thickness so far. A place that has been found as thick as that cannot change it, so its search ends
   // there.
@@ -174,6 +175,7 @@ ThinPlaces findThinPlaces(const Mesh& mesh, double thickness, std::size_t most, 
       if (part.isThick(point, normal, level)) {
         while (level < least.load() && part.isThick(point, normal, level * kStep)) level *= kStep;
       } else {
+        level = nearly;
         while (level > thickness / 100 && !part.isThick(point, normal, level)) level /= kStep;
       }
       found[i] = level;
@@ -185,7 +187,7 @@ ThinPlaces findThinPlaces(const Mesh& mesh, double thickness, std::size_t most, 
   result.thinnest = 2 * thickness;
   for (const double level : found) {
     result.thinnest = std::min(result.thinnest, level);
-    result.thin += level < thickness;
+    result.thin += level < nearly;
   }
   return result;
 }

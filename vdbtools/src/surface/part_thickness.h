@@ -69,12 +69,14 @@ class PartThickness {
 /// The thinnest places of a solid.
 struct ThinPlaces {
   std::size_t places = 0;  ///< the points of the mesh that were looked at
-  std::size_t thin = 0;    ///< of them: those less thick than was asked for
-  double thinnest = 0;  ///< the least thickness that was found, in steps of 5 %; no more than twice what was asked for
+  std::size_t thin = 0;    ///< of them: those less thick than was asked for, by more than the rounding
+  /// The least thickness that was found, in steps of 5 % and of the rounding; no more than twice what was asked for.
+  double thinnest = 0;
 };
 
 /// Looks at the points of a mesh, at all of them or at @a most that are spread over them.
-/// @param mesh  closed, with normals
-ThinPlaces findThinPlaces(const Mesh& mesh, double thickness, std::size_t most, Monitor& monitor);
+/// @param mesh      closed, with normals
+/// @param rounding  how exactly a thickness is measured, as a share of it
+ThinPlaces findThinPlaces(const Mesh& mesh, double thickness, double rounding, std::size_t most, Monitor& monitor);
 
 }  // namespace vdbtools

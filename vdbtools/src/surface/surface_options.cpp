@@ -4,28 +4,46 @@
 #include <limits>
 
 namespace vdbtools {
+namespace {
+
+/// Without a box the usual map ends by itself, while others end with their region.
+std::string idleCap(const OptionRun& run) {
+  const bool endsByItself = run.text("map") == "shape-modulus" && !run.recipe.contains("box");
+  return endsByItself ? "it closes the mesh where a box cuts the set; give --box too, or leave it out" : "";
+}
+
+}  // namespace
 
 std::vector<OptionSpec> surfaceOptionSpecs() {
+  const IdleRule noMesh = idleWithout({Product::Mesh, Product::Stl, Product::Glb, Product::MeshCount}, "a mesh");
+  const IdleRule noSurface = idleWithout({Product::Vdb, Product::Mesh, Product::Stl, Product::Glb, Product::MeshCount},
+                                         "the surface in a VDB or a mesh");
   return {
       {.name = "tolerance",
        .argument = "T",
        .defaultValue = "0.001",
-       .help = "how close vertices lie to the true surface, in voxels"},
+       .help = "how close vertices lie to the true surface, in voxels",
+       .idle = noSurface},
       {.name = "adaptivity",
        .argument = "E",
        .defaultValue = "0",
        .help = "make triangles of the mesh larger where the surface is flat: neither it nor the full mesh is anywhere "
-               "farther than E voxels from the other, which is proved. The mesh is held in memory"},
+               "farther than E voxels from the other, which is proved. The mesh is held in memory",
+       .idle = noMesh},
       {.name = "largest",
        .argument = "N",
        .defaultValue = "0",
        .help = "keep only the N largest islands, by volume; 0 keeps all. With --box an island is the part of it inside "
-               "the box"},
+               "the box",
+       .idle = noSurface},
       {.name = "min-size",
        .argument = "W",
        .defaultValue = "0",
-       .help = "drop islands whose longest side is below this, in the target's units"},
-      {.name = "cap", .help = "close the mesh where the box cuts the set; the VDB is always closed"},
+       .help = "drop islands whose longest side is below this, in the target's units",
+       .idle = noSurface},
+      {.name = "cap",
+       .help = "close the mesh where the box cuts the set; the VDB is always closed",
+       .idle = idleByAny({noMesh, idleCap})},
   };
 }
 

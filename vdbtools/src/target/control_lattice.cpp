@@ -184,8 +184,8 @@ const VertexAttribute& requireAttribute(const Mesh& mesh, const std::string& nam
   for (const openvdb::Vec3I& triangle : mesh.triangles)
     for (int c = 0; c < 3; ++c)
       if (const float value = found->values[triangle[c]]; !std::isfinite(value)) {
-        throw DataError("the vertex attribute '" + name + "' of " + whose + " is " + std::to_string(value) +
-                        " at point " + std::to_string(triangle[c]) + "; every point needs a finite value");
+        throw DataError("the vertex attribute '" + name + "' of " + whose + " is " + shortText(value) + " at point " +
+                        std::to_string(triangle[c]) + "; every point needs a finite value");
       }
   return *found;
 }

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/target/exponent_grid.h"
 
+#include "base/elementary.h"
 #include "base/grid_memory.h"
 #include "base/in_parallel.h"
 #include "base/openvdb/fast_sweeping.h"
+#include "target/band_growth.h"
 #include "target/cell_corners.h"
 #include "target/exponent_law.h"
+#include "vdbtools/base/number_text.h"
 #include "vdbtools/target/fit_space.h"
 #include "vdbtools/target/grid_sampler.h"
 
@@ -183,20 +186,13 @@ double largestStep(const FloatTree& tree, Monitor& monitor) {
   return kRounding * *std::max_element(largest.begin(), largest.end());
 }
 
-/// The leaves that hold nodes of the band, of the inside where @a inside asks for it, and as many @a layers of voxels
-/// around as are asked for: a little more rather than less.
-openvdb::MaskGrid::Ptr sweepingMask(const FloatGrid& phi, bool inside, double layers) {
-  // Not even a ball with a band of so many voxels would fit into a memory.
-  constexpr double kMostLayers = 8192;
-  if (!(layers <= kMostLayers))
-    throw DataError("the narrow band of '" + phi.getName() + "' would have to be " + std::to_string(layers) +
-                    " voxels wider; that is too much for voxels so small beside the whole");
+/// The leaves that hold nodes of the band, of the whole inside where this is asked for, and layers of leaves around.
+openvdb::MaskGrid::Ptr sweepingMask(const FloatGrid& phi, const BandGrowth& growth) {
   // One voxel a leaf.
-  constexpr int kSide = Leaf::DIM;
   openvdb::MaskTree coarse;
   for (auto leaf = phi.tree().cbeginLeaf(); leaf; ++leaf)
-    if (!leaf->isEmpty() || inside) coarse.setValueOn(leaf->origin() >> Leaf::LOG2DIM);
-  if (inside) {
+    if (!leaf->isEmpty() || growth.wholeInside) coarse.setValueOn(leaf->origin() >> Leaf::LOG2DIM);
+  if (growth.wholeInside) {
     auto tile = phi.tree().cbeginValueAll();
     tile.setMaxDepth(FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
     for (; tile; ++tile) {
@@ -205,9 +201,9 @@ openvdb::MaskGrid::Ptr sweepingMask(const FloatGrid& phi, bool inside, double la
     }
   }
   requireRoomForLeaves(phi, static_cast<double>(coarse.activeVoxelCount()));
-  if (layers > 0)
-    openvdb::tools::dilateActiveValues(coarse, (static_cast<int>(layers) + kSide - 1) / kSide,
-                                       openvdb::tools::NN_FACE_EDGE_VERTEX, openvdb::tools::EXPAND_TILES);
+  if (growth.leaves > 0)
+    openvdb::tools::dilateActiveValues(coarse, growth.leaves, openvdb::tools::NN_FACE_EDGE_VERTEX,
+                                       openvdb::tools::EXPAND_TILES);
   requireRoomForLeaves(phi, static_cast<double>(coarse.activeVoxelCount()));
   coarse.voxelizeActiveTiles();
   auto mask = openvdb::MaskGrid::create();
@@ -416,7 +412,7 @@ Target makeTarget(FloatGrid::Ptr phi, std::optional<openvdb::BBoxd> box) {
     target.denseBox = active;
   } else if (!(phi->background() > 0)) {
     throw DataError("the signed distance field '" + phi->getName() +
-                    "' is neither dense nor a narrow band: its background is " + std::to_string(phi->background()) +
+                    "' is neither dense nor a narrow band: its background is " + shortText(phi->background()) +
                     " and must be positive, the outside");
   }
   // What has no inside is refused before its tiles take memory as voxels. Without tiles, insideBox() sees it below.
@@ -427,37 +423,56 @@ Target makeTarget(FloatGrid::Ptr phi, std::optional<openvdb::BBoxd> box) {
   return target;
 }
 
-void extendBand(Target& target, double exteriorWidth, double interiorWidth, Monitor& monitor) {
-  if (target.denseBox) return;
+std::optional<BandGrowth> bandGrowth(const Target& target, double exteriorWidth, double interiorWidth,
+                                     Monitor& monitor) {
+  if (target.denseBox) return std::nullopt;
   const FloatGrid::Ptr phi = target.phi;
   const double voxel = phi->voxelSize()[0];
   const double wanted = exteriorWidth + kExponentMargin * voxel, wantedInside = interiorWidth + kExponentMargin * voxel;
   const bool widen = phi->background() < wanted * (1 - 1e-6);
   const double known = -solidBeginsAt(*phi, monitor);
   const bool deepen = known < wantedInside * (1 - 1e-6);
-  if (!deepen && !widen) return;
+  if (!deepen && !widen) return std::nullopt;
   if (!phi->hasUniformVoxels())
     throw DataError(
         "the narrow band of '" + phi->getName() +
         "' must be widened, which needs voxels of one size in all directions; resample it, or make it dense");
+  const double layers =
+      std::ceil(std::max(widen ? (wanted - phi->background()) / voxel : 0.0,
+                         deepen && std::isfinite(interiorWidth) ? (wantedInside - known) / voxel : 0.0));
+  // Not even a ball with a band of so many voxels would fit into a memory.
+  constexpr double kMostLayers = 8192;
+  if (!(layers <= kMostLayers))
+    throw DataError("the narrow band of '" + phi->getName() + "' would have to be " + std::to_string(layers) +
+                    " voxels wider; that is too much for voxels so small beside the whole");
+  // A little more rather than less.
+  constexpr int kSide = Leaf::DIM;
+  return BandGrowth{.leaves = (static_cast<int>(layers) + kSide - 1) / kSide,
+                    .wholeInside = deepen && !std::isfinite(interiorWidth)};
+}
+
+void growBand(Target& target, const BandGrowth& growth, Monitor& monitor) {
+  const FloatGrid::Ptr phi = target.phi;
   monitor.begin("widening the band", 0);
   // Distances about one surface need no second round of the eight directions.
   constexpr int kSweeps = 1;
-  const double layers = std::max(widen ? (wanted - phi->background()) / voxel : 0.0,
-                                 deepen && std::isfinite(interiorWidth) ? (wantedInside - known) / voxel : 0.0);
-  const bool wholeInside = deepen && !std::isfinite(interiorWidth);
-  target.phi = extendSdf(*phi, *sweepingMask(*phi, wholeInside, std::ceil(layers)), kSweeps);
+  target.phi = extendSdf(*phi, *sweepingMask(*phi, growth), kSweeps);
   // Sweeping touches the outermost of the values that it starts from; what was read stays what it was.
   auto accessor = target.phi->getAccessor();
   for (auto value = phi->cbeginValueOn(); value; ++value) accessor.setValue(value.getCoord(), *value);
   monitor.throwIfCancelled();
 }
 
+void extendBand(Target& target, double exteriorWidth, double interiorWidth, Monitor& monitor) {
+  if (const std::optional<BandGrowth> growth = bandGrowth(target, exteriorWidth, interiorWidth, monitor))
+    growBand(target, *growth, monitor);
+}
+
 double exteriorReach(const ExponentGridOptions& options) {
   const double least = options.alpha.range().first;
   if (!(least > 0))
-    throw std::invalid_argument("alpha is " + std::to_string(least) + " somewhere; it must be above 0 everywhere");
-  return std::max(0.0, std::log(options.orbit.escapeRadius) / least + options.beta.range().second);
+    throw std::invalid_argument("alpha is " + shortText(least) + " somewhere; it must be above 0 everywhere");
+  return std::max(0.0, elementary::log(options.orbit.escapeRadius) / least + options.beta.range().second);
 }
 
 double interiorReach(const ExponentGridOptions& options, double depth) {
@@ -504,7 +519,7 @@ ExponentGrid exponentGrid(const Target& target, const FractalSpace& space, const
   result.denseBox = target.denseBox;
   Baker baker(target, space, options, monitor);
   const ExponentLaw& law = baker.law();
-  const double logEscape = std::log(options.orbit.escapeRadius);
+  const double logEscape = elementary::log(options.orbit.escapeRadius);
   constexpr double kNowhere = -std::numeric_limits<double>::infinity();
   // Where the distances end inside, E is at least as low as at their end.
   const double solidPhi = target.denseBox ? kNowhere : solidBeginsAt(*target.phi, monitor);

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "target/exponent_law.h"
+#include "vdbtools/base/number_text.h"
+
+#include "base/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,7 +29,7 @@ double clamped(double share) { return std::clamp(share, 0.0, 1.0); }
 std::pair<double, double> shareRange(const Control& control, const std::string& name) {
   const auto [least, most] = control.range();
   if (least < -kRounding || most > 1 + kRounding)
-    throw std::invalid_argument(name + " is " + std::to_string(least < 0 ? least : most) +
+    throw std::invalid_argument(name + " is " + shortText(least < 0 ? least : most) +
                                 " somewhere; it must be from 0 to 1 everywhere");
   return {clamped(least), clamped(most)};
 }
@@ -100,7 +103,7 @@ std::pair<std::pair<double, double>, std::pair<double, double>> ExponentLaw::ran
   const double leastShare = leastO + mostD > 0 ? leastO / (leastO + mostD) : 0,
                mostShare = mostO + leastD > 0 ? mostO / (mostO + leastD) : 1;
   const auto beta = [&](double share) {
-    return (share - std::log(mOptions.orbit.escapeRadius) / *scale) * mMostShell / mScale;
+    return (share - elementary::log(mOptions.orbit.escapeRadius) / *scale) * mMostShell / mScale;
   };
   return {{*scale * mScale / mMostShell, *scale * mScale / leastH}, std::minmax(beta(leastShare), beta(mostShare))};
 }

@@ -2,6 +2,7 @@
 #include "vdbtools/target/fit_space.h"
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/number_text.h"
 
 #include <openvdb/tools/Interpolation.h>
 
@@ -59,7 +60,7 @@ FractalSpace fitFractalSpace(const openvdb::FloatGrid& phi, const openvdb::BBoxd
   FractalSpace space;
   space.scale = box.extents()[static_cast<int>(openvdb::math::MaxIndex(box.extents()))];
   if (!(space.scale > 0 && std::isfinite(space.scale)))
-    throw std::invalid_argument("the target's longest side is " + std::to_string(space.scale) + "; it must be above 0");
+    throw std::invalid_argument("the target's longest side is " + shortText(space.scale) + "; it must be above 0");
   space.centre = box.getCenter();
   if (!centreIsInside(phi, box)) {
     float deepest = 0;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/target/mend_options.h"
 
+#include "vdbtools/formats/vdb_file.h"
+
 #include <cmath>
 #include <stdexcept>
 
@@ -29,7 +31,7 @@ SolidifyOptions parseSolidify(const RecipeReader& reader) {
 }  // namespace
 
 std::vector<OptionSpec> mendOptionSpecs() {
-  return {
+  std::vector<OptionSpec> options = {
       {.name = "repair",
        .help = "close holes and gaps of an open mesh or a triangle soup: loops of open edges are capped, and what they "
                "leave open is spanned"},
@@ -50,6 +52,9 @@ std::vector<OptionSpec> mendOptionSpecs() {
        .help = "make a solid of a cloud of points: everything within R of a point of the file, in its units; faces are "
                "not used"},
   };
+  for (OptionSpec& option : options) option.idle = idleWithoutMesh;
+  options[1].idle = idleByAny({idleWithoutMesh, idleWithoutFlag("repair")});
+  return options;
 }
 
 MendOptions parseMendOptions(const RecipeReader& reader) {
@@ -66,6 +71,15 @@ MendOptions parseMendOptions(const RecipeReader& reader) {
   if (reader.has("thicken")) options.thicken = reader.positive("thicken");
   if (reader.has("points-radius")) options.pointsRadius = reader.positive("points-radius");
   return options;
+}
+
+std::string idleWithoutMesh(const OptionRun& run) {
+  const std::string input = run.text("input");
+  if (input.empty()) return "it is for a mesh as the target, and there is no target; leave it out";
+  if (!isVdbPath(input)) return {};
+  return "it is for a mesh as the target, and the distances of a VDB are used as they are; leave it out, or give the "
+         "mesh instead of '" +
+         input + "'";
 }
 
 std::string mendText(const MendOptions& options) {

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "target/mesh_conversion.h"
 
+#include "base/lattice_transform.h"
 #include "target/distance_band.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/memory.h"
+#include "vdbtools/base/number_text.h"
 
+#include <openvdb/tools/SignedFloodFill.h>
 #include <openvdb/tree/LeafManager.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -13,6 +16,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
+#include <limits>
+#include <memory>
 #include <stdexcept>
 
 namespace vdbtools {
@@ -61,42 +67,29 @@ void scaleValues(FloatGrid& grid, float factor) {
 
 }  // namespace
 
-std::string shortNumber(double value) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.4g", value);
-  return text;
-}
-
 void checkOptions(const MeshReport& report, const MeshToSdfOptions& options) {
   const double h = options.voxelSize;
   if (!(h > 0) || !std::isnormal(static_cast<float>(h)) || !std::isfinite(static_cast<float>(h))) {
-    throw std::invalid_argument("the voxel size " + shortNumber(h) + " is not a positive number of ordinary size");
-  }
-  try {
-    openvdb::math::Transform::createLinearTransform(h);
-  } catch (const openvdb::ArithmeticError&) {  // OpenVDB takes a scale whose cube is below 3e-15 for 0
-    throw std::invalid_argument(
-        "the voxel size " + shortNumber(h) +
-        " is too small for OpenVDB's transforms (1.5e-5 is not); give the mesh in smaller units");
+    throw std::invalid_argument("the voxel size " + shortText(h) + " is not a positive number of ordinary size");
   }
   if (!(options.exteriorBandWidth > 1) || !std::isfinite(static_cast<float>(options.exteriorBandWidth * h))) {
-    throw std::invalid_argument("the exterior band width " + shortNumber(options.exteriorBandWidth) +
+    throw std::invalid_argument("the exterior band width " + shortText(options.exteriorBandWidth) +
                                 " is not a finite number of voxels above 1");
   }
   if (!(options.interiorBandWidth > 1)) {
-    throw std::invalid_argument("the interior band width " + shortNumber(options.interiorBandWidth) +
+    throw std::invalid_argument("the interior band width " + shortText(options.interiorBandWidth) +
                                 " is not a number of voxels above 1");
   }
   if (report.triangles == 0 || !(report.area > 0) || !std::isfinite(report.area)) {
     throw DataError("the mesh has " + std::to_string(report.triangles) + " triangles and the area " +
-                    shortNumber(report.area) + ": there is no surface in it; check the file");
+                    shortText(report.area) + ": there is no surface in it; check the file");
   }
   const openvdb::BBoxd box(report.box.min() / h, report.box.max() / h);
   for (int axis = 0; axis < 3; ++axis) {
     const double farthest = std::max(std::abs(box.min()[axis]), std::abs(box.max()[axis])) + options.exteriorBandWidth;
     if (!(farthest < kLargestIndex)) {
-      throw std::invalid_argument("at the voxel size " + shortNumber(h) + " the mesh reaches to node " +
-                                  shortNumber(farthest) +
+      throw std::invalid_argument("at the voxel size " + shortText(h) + " the mesh reaches to node " +
+                                  shortText(farthest) +
                                   ", but 2^30 is the last one; use a larger voxel size, or move "
                                   "the mesh nearer to the origin");
     }
@@ -108,12 +101,12 @@ void checkOptions(const MeshReport& report, const MeshToSdfOptions& options) {
   const double nodes = std::min(area * exterior, nodesIn(box.extents(), exterior)) +
                        std::min(area * interior, nodesIn(box.extents(), 0));
   if (!(nodes < kMostNodes)) {
-    throw std::invalid_argument("at the voxel size " + shortNumber(h) + " the narrow band of this mesh has about " +
-                                shortNumber(nodes) + " nodes, more than the " + shortNumber(kMostNodes) +
+    throw std::invalid_argument("at the voxel size " + shortText(h) + " the narrow band of this mesh has about " +
+                                shortText(nodes) + " nodes, more than the " + shortText(kMostNodes) +
                                 " that are allowed; use a larger voxel size or a narrower band");
   }
   requireMemory(kBytesForArea * area + kBytesForNode * nodes, MemoryUse::Distances,
-                "at the voxel size " + shortNumber(h) + " the distances to this mesh");
+                "at the voxel size " + shortText(h) + " the distances to this mesh");
 }
 
 std::vector<Vec3d> toIndexSpace(const std::vector<Vec3d>& points, double voxelSize) {
@@ -126,7 +119,7 @@ std::vector<Vec3d> toIndexSpace(const std::vector<Vec3d>& points, double voxelSi
 
 FloatGrid::Ptr toWorld(FloatGrid::Ptr grid, double voxelSize) {
   scaleValues(*grid, static_cast<float>(voxelSize));
-  grid->setTransform(openvdb::math::Transform::createLinearTransform(voxelSize));
+  grid->setTransform(latticeTransform(voxelSize));
   grid->setGridClass(openvdb::GRID_LEVEL_SET);
   grid->setName("phi");
   return grid;
@@ -139,6 +132,64 @@ FloatGrid::Ptr convert(const std::vector<Vec3d>& points, const std::vector<openv
                                  static_cast<float>(finiteInteriorBand(tree.box(), options.interiorBandWidth)),
                                  "distance field", monitor),
                  options.voxelSize);
+}
+
+FloatGrid::Ptr narrowed(const FloatGrid::Ptr& band, const MeshToSdfOptions& options) {
+  using Leaf = openvdb::FloatTree::LeafNodeType;
+  // As the distances and the tiles of a band are scaled.
+  const auto scale = static_cast<float>(options.voxelSize);
+  const float exterior = static_cast<float>(options.exteriorBandWidth) * scale;
+  const float interior = std::isfinite(options.interiorBandWidth)
+                             ? static_cast<float>(options.interiorBandWidth) * scale
+                             : std::numeric_limits<float>::max();
+  const auto nodesOf = [=](const Leaf& leaf) {
+    openvdb::util::NodeMask<Leaf::LOG2DIM> nodes;
+    const float* const values = leaf.buffer().data();
+    for (openvdb::Index i = 0; i < Leaf::SIZE; ++i)
+      if (values[i] < exterior && values[i] > -interior) nodes.setOn(i);
+    return nodes;
+  };
+  openvdb::tree::LeafManager<const openvdb::FloatTree> leaves(band->tree());
+  const auto holdsMore = [&](const Leaf& leaf) {
+    const float* const values = leaf.buffer().data();
+    return nodesOf(leaf) != leaf.getValueMask() ||
+           std::any_of(values, values + Leaf::SIZE, [=](float v) { return v > exterior || v < -interior; });
+  };
+  using Range = openvdb::tree::LeafManager<const openvdb::FloatTree>::LeafRange;
+  const auto tilesHoldMore = [&] {
+    openvdb::FloatTree::ValueAllCIter tile = band->tree().cbeginValueAll();
+    tile.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
+    for (; tile; ++tile)
+      if (*tile < -interior) return true;
+    return false;
+  };
+  const bool isNarrow = band->background() == exterior && !tilesHoldMore() &&
+                        !tbb::parallel_reduce(
+                            leaves.leafRange(), false,
+                            [&](const Range& range, bool more) {
+                              for (auto leaf = range.begin(); leaf && !more; ++leaf) more = holdsMore(*leaf);
+                              return more;
+                            },
+                            std::logical_or<>());
+  if (isNarrow) return band;
+  std::vector<std::unique_ptr<Leaf>> narrow(leaves.leafCount());
+  leaves.foreach ([&](const Leaf& leaf, std::size_t n) {
+    const auto nodes = nodesOf(leaf);
+    if (nodes.isOff()) return;
+    narrow[n] = std::make_unique<Leaf>(leaf);
+    narrow[n]->setValueMask(nodes);
+    float* const values = narrow[n]->buffer().data();
+    for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) values[i] = std::clamp(values[i], -interior, exterior);
+  });
+  FloatGrid::Ptr grid = FloatGrid::create(exterior);
+  grid->setName(band->getName());
+  grid->setGridClass(band->getGridClass());
+  grid->setTransform(band->transformPtr());  // the copy of a transform is another one by a rounding
+  openvdb::tree::ValueAccessor<openvdb::FloatTree> accessor(grid->tree());
+  for (std::unique_ptr<Leaf>& leaf : narrow)
+    if (leaf) accessor.addLeaf(leaf.release());
+  openvdb::tools::signedFloodFillWithValues(grid->tree(), exterior, -interior);
+  return grid;
 }
 
 std::vector<SurfaceSample> sampleSurface(const std::vector<Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,

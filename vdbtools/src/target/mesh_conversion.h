@@ -30,6 +30,12 @@ openvdb::FloatGrid::Ptr convert(const std::vector<openvdb::Vec3d>& points, const
 /// A level set of distances in voxels, in world units; named "phi". Changes the grid that it is given.
 openvdb::FloatGrid::Ptr toWorld(openvdb::FloatGrid::Ptr grid, double voxelSize);
 
+/// What convert() makes for narrower bands, out of the @a band that it made for wider ones, without finding a distance
+/// again: each node and each tile has the same bits. A node whose distance is the width itself after it is scaled to
+/// world units does not belong to the band. The band itself where nothing is to be left out.
+/// @param options  as of the narrower band; the voxel size is that of @a band
+openvdb::FloatGrid::Ptr narrowed(const openvdb::FloatGrid::Ptr& band, const MeshToSdfOptions& options);
+
 /// Points spread over the surface, about @a count of them, each standing for the same area; the same ones every time.
 struct SurfaceSample {
   openvdb::Vec3d position;
@@ -47,8 +53,5 @@ double lostShare(const openvdb::FloatGrid& grid, const std::vector<SurfaceSample
 
 /// @return the number of nodes with phi < 0, tiles included
 double insideNodes(const openvdb::FloatGrid& grid);
-
-/// @return @a value with four digits, for an error's text
-std::string shortNumber(double value);
 
 }  // namespace vdbtools

@@ -10,6 +10,7 @@
 #include "target/level_surface.h"
 #include "target/mesh_conversion.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/number_text.h"
 #include "vdbtools/target/mesh_to_sdf.h"
 
 #include <openvdb/tools/Interpolation.h>
@@ -19,6 +20,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <memory>
 
 namespace vdbtools {
 namespace {
@@ -146,7 +149,7 @@ struct Closing {
 
 Closing closeGaps(const Mesh& mesh, const MeshReport& report, const std::vector<bool>& open, double spacing, double gap,
                   Monitor& monitor) {
-  const std::string phase = "closing gaps of " + shortNumber(gap);
+  const std::string phase = "closing gaps of " + shortText(gap);
   Closing closing;
   Lattice& lattice = closing.lattice;
   lattice.middle = report.box.getCenter();
@@ -188,21 +191,51 @@ LevelSurface withLids(const Mesh& mesh, const Closing& closing, double voxelSize
   return surface;
 }
 
+/// Signed distances to the surface of a field. Near the surface they are read off the field; farther away they are
+/// those to the surface itself, so that they do not depend on how wide the field's band is.
+class SurfaceDistance {
+ public:
+  SurfaceDistance(const FloatGrid& grid, const MeshToSdfOptions& options)
+      : mGrid(grid), mPhi(grid.getConstAccessor()), mVoxel(options.voxelSize) {
+    // Where less than this is read, all the corners of the cell lie within any band of kExponentMargin voxels or more.
+    constexpr double kNear = 5;
+    constexpr double kKnown = 0.99;  // of a band that is narrower
+    mNear = std::min(kNear, kKnown * std::min(options.exteriorBandWidth, options.interiorBandWidth)) * mVoxel;
+  }
+
+  /// @param p  world units
+  double at(const Vec3d& p) {
+    const double value{openvdb::tools::BoxSampler::sample(mPhi, p / mVoxel)};
+    if (std::abs(value) < mNear) return value;
+    if (!mTree) {
+      mSurface = levelSurface(mGrid, 0);
+      mTree = std::make_unique<const TriangleTree>(mSurface.points, mSurface.triangles);
+    }
+    const auto nearest = mTree->nearest(p, std::numeric_limits<double>::max());
+    return std::copysign(nearest ? nearest->distance : value, value);
+  }
+
+ private:
+  const FloatGrid& mGrid;
+  FloatGrid::ConstAccessor mPhi;
+  double mVoxel, mNear = 0;  ///< world units
+  LevelSurface mSurface;     ///< world units; made when it is first needed
+  std::unique_ptr<const TriangleTree> mTree;
+};
+
 /// See RepairedSdf::moved.
 double howFarMoved(const FloatGrid& grid, const Closing& closing, double gap, const Mesh& mesh,
                    const MeshToSdfOptions& options) {
-  const FloatGrid::ConstAccessor phi = grid.getConstAccessor();
+  SurfaceDistance distance(grid, options);
   const FloatGrid::ConstAccessor closed = closing.field->getConstAccessor();
   using openvdb::tools::BoxSampler;
-  const double band = std::min(options.exteriorBandWidth, options.interiorBandWidth) * options.voxelSize;
   // The field ends kMargin beyond the ball's reach.
   const double innerWall = std::min(gap / 2 / closing.lattice.spacing, 0.9 * kMargin);
   double moved = 0;
   const auto look = [&](const Vec3d& p) {
     const double depth = -BoxSampler::sample(closed, closing.lattice.toLattice(p)) - closing.radius;
     if (depth > innerWall) return;
-    const double value = std::abs(double{BoxSampler::sample(phi, p / options.voxelSize)});
-    moved = std::max(moved, value < 0.99 * band ? value : std::max(value, depth * closing.lattice.spacing));
+    moved = std::max(moved, std::abs(distance.at(p)));
   };
   for (const Vec3I& t : mesh.triangles) {
     for (int c = 0; c < 3; ++c) look(mesh.points[t[c]]);
@@ -213,12 +246,10 @@ double howFarMoved(const FloatGrid& grid, const Closing& closing, double gap, co
 
 /// How far the surface lies outside of the field's, at most, where the mesh itself was converted: what remains are
 /// parts that bound nothing.
-double howFarLeftOut(const FloatGrid& grid, const Mesh& mesh, double voxelSize) {
-  const FloatGrid::ConstAccessor phi = grid.getConstAccessor();
+double howFarLeftOut(const FloatGrid& grid, const Mesh& mesh, const MeshToSdfOptions& options) {
+  SurfaceDistance distance(grid, options);
   double moved = 0;
-  const auto look = [&](const Vec3d& p) {
-    moved = std::max(moved, double{openvdb::tools::BoxSampler::sample(phi, p / voxelSize)});
-  };
+  const auto look = [&](const Vec3d& p) { moved = std::max(moved, distance.at(p)); };
   for (const Vec3I& t : mesh.triangles) {
     for (int c = 0; c < 3; ++c) look(mesh.points[t[c]]);
     look((mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]) / 3.0);
@@ -245,8 +276,8 @@ RepairedSdf repairedMeshToSdf(const Mesh& mesh, const MeshToSdfOptions& options,
   const Vec3d sides = given.box.extents();
   const double longest = std::max({sides[0], sides[1], sides[2]});
   if (!(repair.gap >= 0) || repair.gap > longest) {
-    throw std::invalid_argument("the gap " + shortNumber(repair.gap) +
-                                " is not between 0 and the longest side of the mesh, " + shortNumber(longest));
+    throw std::invalid_argument("the gap " + shortText(repair.gap) +
+                                " is not between 0 and the longest side of the mesh, " + shortText(longest));
   }
   const Mesh welded = weldMesh(mesh);
   const MeshReport report = reportMesh(welded);
@@ -260,7 +291,7 @@ RepairedSdf repairedMeshToSdf(const Mesh& mesh, const MeshToSdfOptions& options,
     const FloatGrid::Ptr grid = convert(toIndexSpace(capped.mesh.points, h), capped.mesh.triangles, options, monitor);
     const double lost = insideNodes(*grid) > 0 ? lostShare(*grid, samples) : 1;
     if (lost >= bestLost) return;
-    best = {grid, howFarLeftOut(*grid, welded, h), capped.widest, capped.caps};
+    best = {grid, howFarLeftOut(*grid, welded, options), capped.widest, capped.caps};
     bestLost = lost;
   };
   bool sheetsOnly = false, hasGaps = false;
@@ -312,8 +343,8 @@ RepairedSdf repairedMeshToSdf(const Mesh& mesh, const MeshToSdfOptions& options,
   if (bestLost > kLostAtMost && hasGaps) tryCaps(capHoles(welded, true));
   if (bestLost <= kLostAtMost) return best;
   throw DataError(
-      "no gap up to " + shortNumber(gap) + " encloses the mesh (" + std::to_string(report.openEdges) +
-          " open edges, voxel size " + shortNumber(h) + ", at best " + shortNumber(100 * bestLost) +
+      "no gap up to " + shortText(gap) + " encloses the mesh (" + std::to_string(report.openEdges) +
+          " open edges, voxel size " + shortText(h) + ", at best " + shortText(100 * bestLost) +
           " % of the surface bounds nothing): it is open, has loose sheets, or is thinner than a voxel; remove "
           "or thicken these, name a wider gap, or use another voxel size",
       sheetsOnly ? Remedy::SolidifySheet : Remedy::None);

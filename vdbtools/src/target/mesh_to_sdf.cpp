@@ -4,6 +4,7 @@
 #include "target/hole_caps.h"
 #include "target/mesh_conversion.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/number_text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -58,17 +59,17 @@ void requireDistances(const openvdb::FloatGrid& grid, const Mesh& mesh, const st
   if (inside > 0 && !sheet && lost <= (closed ? kMostLostClosed : kMostLostOpen) && !(closed && tooSmall)) return;
   const std::string numbers = "(" + std::to_string(report.openEdges) + " open edges, " +
                               std::to_string(report.nonManifoldEdges) + " non-manifold edges, inside volume " +
-                              shortNumber(inside) + " against the mesh's " + shortNumber(std::abs(report.volume)) +
-                              ", " + percent(lost) + " of the surface bounds nothing)";
+                              shortText(inside) + " against the mesh's " + shortText(std::abs(report.volume)) + ", " +
+                              percent(lost) + " of the surface bounds nothing)";
   if (closed) {
-    throw DataError("the mesh has no inside, or only a part of it, at the voxel size " + shortNumber(h) + " " +
-                    numbers + ": its features are thinner than a voxel; use finer voxels");
+    throw DataError("the mesh has no inside, or only a part of it, at the voxel size " + shortText(h) + " " + numbers +
+                    ": its features are thinner than a voxel; use finer voxels");
   }
   if (isOneSheet(weldMesh(mesh)))
-    throw DataError("the mesh is an open sheet, and bounds nothing at the voxel size " + shortNumber(h) + " " +
-                        numbers + ": it has to be given a thickness",
+    throw DataError("the mesh is an open sheet, and bounds nothing at the voxel size " + shortText(h) + " " + numbers +
+                        ": it has to be given a thickness",
                     Remedy::SolidifySheet);
-  throw DataError("the mesh leaks at the voxel size " + shortNumber(h) + " " + numbers +
+  throw DataError("the mesh leaks at the voxel size " + shortText(h) + " " + numbers +
                       ": its holes must be closed, or spanned by coarser voxels",
                   Remedy::RepairMesh);
 }

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "target/open_shapes.h"
 
+#include "base/elementary.h"
 #include "target/distance_band.h"
 #include "target/hole_caps.h"
 #include "target/level_surface.h"
 #include "target/mesh_conversion.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/memory.h"
+#include "vdbtools/base/number_text.h"
 
 #include <algorithm>
 #include <array>
@@ -97,17 +99,16 @@ Mesh offsetSurface(const Mesh& mesh, double distance, double voxelSize, Monitor&
   const MeshReport report = reportMesh(mesh);
   const double area = report.area / (spacing * spacing);
   const Vec3d sides = report.box.extents() / spacing + Vec3d(2 * width + 1);
-  const double around = (static_cast<double>(report.triangles) + area) * std::pow(2 * width + 1, 3);
+  const double around = (static_cast<double>(report.triangles) + area) * elementary::pow(2 * width + 1, 3);
   const double nodes = std::min(sides[0] * sides[1] * sides[2], around);
   if (!(nodes < kMostNodes))
-    throw std::invalid_argument("with voxels of " + shortNumber(spacing) + ", everything within " +
-                                shortNumber(distance) + " of this mesh has about " + shortNumber(nodes) +
-                                " nodes, more than the " + shortNumber(kMostNodes) +
-                                " that are allowed; use larger voxels or another distance");
+    throw std::invalid_argument("with voxels of " + shortText(spacing) + ", everything within " + shortText(distance) +
+                                " of this mesh has about " + shortText(nodes) + " nodes, more than the " +
+                                shortText(kMostNodes) + " that are allowed; use larger voxels or another distance");
   // The float of each node; of a lattice most of which is far from the surface, only some are made.
   constexpr double kBytesForNode = 4, kLeastShare = 0.25;
   requireMemory(kBytesForNode * kLeastShare * std::min(nodes, area * 2 * width), MemoryUse::Distances,
-                "everything within " + shortNumber(distance) + " of this mesh");
+                "everything within " + shortText(distance) + " of this mesh");
   const Vec3d middle = report.box.getCenter();  // points come in single precision
   std::vector<Vec3d> points(mesh.points.size());
   for (std::size_t p = 0; p < points.size(); ++p) points[p] = (mesh.points[p] - middle) / spacing;
@@ -116,8 +117,8 @@ Mesh offsetSurface(const Mesh& mesh, double distance, double voxelSize, Monitor&
       levelSurface(*unsignedDistances(tree, static_cast<float>(width), "thickening", monitor), distance / spacing);
   monitor.throwIfCancelled();
   if (surface.triangles.empty())
-    throw DataError("nothing is left of the target with voxels of " + shortNumber(spacing) +
-                    ": use finer voxels, or a larger thickness or radius than " + shortNumber(distance));
+    throw DataError("nothing is left of the target with voxels of " + shortText(spacing) +
+                    ": use finer voxels, or a larger thickness or radius than " + shortText(distance));
   Mesh result{.points = surface.points, .triangles = surface.triangles};
   for (Vec3d& p : result.points) p = middle + spacing * p;
   return result;

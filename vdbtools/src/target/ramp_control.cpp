@@ -2,6 +2,7 @@
 // A ramp along an axis of the target's box.
 #include "base/smooth_step.h"
 #include "target/control_kinds.h"
+#include "vdbtools/base/number_text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,8 +17,8 @@ class RampField final : public ControlField {
     if (!(std::isfinite(ramp.from) && std::isfinite(ramp.to)))
       throw std::invalid_argument("a ramp's values must be finite numbers");
     if (!(ramp.startAt < ramp.endAt))
-      throw std::invalid_argument("a ramp starts at " + std::to_string(ramp.startAt) + " and ends at " +
-                                  std::to_string(ramp.endAt) + "; the start must come first");
+      throw std::invalid_argument("a ramp starts at " + shortText(ramp.startAt) + " and ends at " +
+                                  shortText(ramp.endAt) + "; the start must come first");
     const double low = targetBox.min()[ramp.axis], extent = targetBox.extents()[ramp.axis];
     mStart = low + ramp.startAt * extent;
     mEnd = low + ramp.endAt * extent;

@@ -1,20 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "target/solid_input.h"
 
+#include "base/lattice_transform.h"
 #include "target/mesh_conversion.h"
 #include "target/open_shapes.h"
+#include "vdbtools/base/number_text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/mesh/point_cloud.h"
 #include "vdbtools/recipe/option_value.h"
 
+#include <openvdb/tools/SignedFloodFill.h>
+
 #include <algorithm>
+#include <cmath>
+#include <memory>
 #include <stdexcept>
 #include <vector>
 
 namespace vdbtools {
 
 using openvdb::BBoxd;
+using openvdb::Coord;
 using openvdb::FloatGrid;
 using openvdb::Vec3d;
 
@@ -66,13 +73,13 @@ void requireResolved(const MendOptions& mend, double voxelSize) {
   const double least = kVoxelsAcross * voxelSize, across = 2 * mend.offset();
   if (!(across > 0) || across >= least) return;
   const bool cloud = mend.pointsRadius > 0;
-  throw std::invalid_argument(
-      cloud ? "--points-radius is " + numbersText({mend.pointsRadius}) + "; with voxels of " + shortNumber(voxelSize) +
-                  " in the target's distance field it must be at least " + shortNumber(least / 2) +
-                  ", or the voxels smaller"
-            : "--thicken is " + numbersText({mend.thicken}) + "; with voxels of " + shortNumber(voxelSize) +
-                  " in the target's distance field it must be at least " + shortNumber(least) +
-                  ", or the voxels smaller");
+  throw std::invalid_argument(cloud
+                                  ? "--points-radius is " + numbersText({mend.pointsRadius}) + "; with voxels of " +
+                                        shortText(voxelSize) + " in the target's distance field it must be at least " +
+                                        shortText(least / 2) + ", or the voxels smaller"
+                                  : "--thicken is " + numbersText({mend.thicken}) + "; with voxels of " +
+                                        shortText(voxelSize) + " in the target's distance field it must be at least " +
+                                        shortText(least) + ", or the voxels smaller");
 }
 
 MeshToSdfOptions sdfBand(double voxelSize, double exteriorWidth, double interiorWidth) {
@@ -87,12 +94,67 @@ MeshSdf makeSdf(const Mesh& solid, const MeshToSdfOptions& options, const MendOp
   return {repaired.grid, repaired.moved, repaired.closedGap, repaired.caps};
 }
 
+namespace {
+
+/// The origin of a leaf that is near a point. @throw std::invalid_argument  none is
+Coord nearestLeaf(const Vec3d& index) {
+  constexpr double kLeaf = openvdb::FloatTree::LeafNodeType::DIM, kFarthest = 1 << 30;
+  Coord origin;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double at = kLeaf * std::round(index[axis] / kLeaf);
+    if (!(std::abs(at) < kFarthest))
+      throw std::invalid_argument("the middle of the mesh lies at node " + shortText(at) +
+                                  " of its distance field, but 2^30 is the last one; use larger voxels, or move the "
+                                  "mesh nearer to the origin");
+    origin[axis] = static_cast<int>(at);
+  }
+  return origin;
+}
+
+/// The tree of a level set, farther by so many nodes: multiples of a leaf's.
+openvdb::FloatTree::Ptr movedTree(const Coord& nodes, const openvdb::FloatTree& tree) {
+  auto moved = std::make_shared<openvdb::FloatTree>(tree.background());
+  for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
+    auto copy = std::make_unique<openvdb::FloatTree::LeafNodeType>(*leaf);
+    copy->setOrigin(leaf->origin() + nodes);
+    moved->addLeaf(copy.release());
+  }
+  float inside = -tree.background();
+  for (auto value = tree.cbeginValueOff(); value; ++value) inside = std::min(inside, *value);
+  openvdb::tools::signedFloodFillWithValues(*moved, tree.background(), inside);
+  return moved;
+}
+
+}  // namespace
+
 MeshSdf makeSdfAbout(const Vec3d& middle, Mesh solid, const MeshToSdfOptions& options, const MendOptions& mend,
                      Monitor& monitor) {
-  for (Vec3d& point : solid.points) point -= middle;
+  const bool ordinary = isOrdinaryScale(Vec3d(options.voxelSize));
+  const Coord nodes = ordinary ? Coord() : nearestLeaf(middle / options.voxelSize);
+  const Vec3d about = ordinary ? middle : nodes.asVec3d() * options.voxelSize;
+  for (Vec3d& point : solid.points) point -= about;
   MeshSdf sdf = makeSdf(solid, options, mend, monitor);
-  sdf.grid->transform().postTranslate(middle);
+  if (ordinary)
+    sdf.grid->transform().postTranslate(about);
+  else
+    sdf.grid->setTree(movedTree(nodes, sdf.grid->tree()));
   return sdf;
+}
+
+std::string latticeText(const FloatGrid& grid) {
+  const Vec3d origin = grid.indexToWorld(Vec3d(0));
+  return numbersText({grid.voxelSize()[0], origin[0], origin[1], origin[2]});
+}
+
+void placeOnLattice(FloatGrid& grid, const std::string& text) {
+  try {
+    const std::vector<double> numbers = parseNumbers("lattice", text, 4);
+    const VoxelChoice voxel{.voxelSize = numbers[0]};
+    grid.setTransform(latticeTransform(voxel.sizeFor(1)));
+    grid.transform().postTranslate(Vec3d(numbers[1], numbers[2], numbers[3]));
+  } catch (const std::invalid_argument& error) {
+    throw DataError("'" + inOneLine(text) + "' is no lattice: " + error.what());
+  }
 }
 
 namespace {

@@ -57,6 +57,12 @@ MeshSdf makeSdf(const Mesh& solid, const MeshToSdfOptions& options, const MendOp
 MeshSdf makeSdfAbout(const openvdb::Vec3d& middle, Mesh solid, const MeshToSdfOptions& options, const MendOptions& mend,
                      Monitor& monitor);
 
+/// The numbers of the lattice of a grid of makeSdfAbout(), from which placeOnLattice() makes its transform again. A
+/// file holds the copy of a transform, which is another one by a rounding.
+std::string latticeText(const openvdb::FloatGrid& grid);
+/// @throw DataError  @a text is none of latticeText()
+void placeOnLattice(openvdb::FloatGrid& grid, const std::string& text);
+
 /// The target that a VDB holds, its box from the metadata where they have it.
 /// @throw as readVdb(), chooseFloatGrid() and makeTarget()
 Target readVdbTarget(const std::filesystem::path& path, const std::string& grid);

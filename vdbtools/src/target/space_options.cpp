@@ -28,6 +28,31 @@ FractalSpace aboutTheMiddle(const SpaceOptions& options, const BBoxd& box) {
   return space;
 }
 
+/// The world's coordinates have their own origin.
+std::string idleOrigin(const OptionRun& run) {
+  const std::string origin = run.text("origin");
+  if (run.text("space") != "world" || (origin != "auto" && origin != "centre")) return {};
+  return "--space world takes coordinates as they are, and '" + origin +
+         "' is a place in the target; give X,Y,Z, or leave it out";
+}
+
+std::string idleOriginNear(const OptionRun& run) {
+  if (!run.recipe.contains("input")) return "it chooses a place in the target, and there is no target; leave it out";
+  if (run.text("space") == "world")
+    return "it is for --origin auto, and --space world takes coordinates as they are; leave it out";
+  if (run.text("map") != "shape-modulus")
+    return "it is for --origin auto of --map shape-modulus, and --map is " + run.text("map") +
+           "; leave it out, or give --origin X,Y,Z";
+  return {};
+}
+
+/// A rational map may have been fitted to a shape, which is scaled like a target.
+std::string idleSpace(const OptionRun& run) {
+  return run.recipe.contains("input") || run.text("map") == "rational"
+             ? ""
+             : "it says how a target is scaled, and there is no target; leave it out";
+}
+
 }  // namespace
 
 std::vector<OptionSpec> spaceOptionSpecs() {
@@ -37,11 +62,13 @@ std::vector<OptionSpec> spaceOptionSpecs() {
        .defaultValue = "auto",
        .help = "where in the target the origin of the dynamics lies. auto: at the centre of the largest ball inside it "
                "(other maps than shape-modulus: as centre); centre: in the middle of its box; or an offset from there "
-               "in fractal space"},
+               "in fractal space",
+       .idle = idleOrigin},
       {.name = "origin-near",
        .argument = "X,Y,Z",
        .help = "for --origin auto: among balls of nearly the same size choose the nearest to this point, given like an "
-               "origin (default: the middle of the box)"},
+               "origin (default: the middle of the box)",
+       .idle = idleOriginNear},
       {.name = "origin-shift",
        .argument = "X,Y,Z",
        .defaultValue = "0,0,0",
@@ -50,7 +77,8 @@ std::vector<OptionSpec> spaceOptionSpecs() {
        .argument = "fit|world",
        .defaultValue = "fit",
        .help = "fit: the target is scaled to a longest side of 1 about the origin; world: coordinates are used as they "
-               "are"},
+               "are",
+       .idle = idleSpace},
   };
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/target/target_input.h"
 
+#include "base/lattice_transform.h"
+#include "target/band_growth.h"
 #include "target/mesh_conversion.h"
 #include "target/solid_input.h"
 #include "vdbtools/files/file_hash.h"
@@ -12,6 +14,8 @@
 #include <bit>
 #include <cstdint>
 #include <limits>
+#include <mutex>
+#include <optional>
 
 namespace vdbtools {
 namespace {
@@ -42,16 +46,19 @@ class MeshInput final : public TargetInput {
   const BBoxd& box() const override { return mSource.box; }
   double usualDepth() const override { return 5.5; }
 
-  Target make(const BandWidths& widths, Monitor& monitor) const override {
-    const MeshToSdfOptions band =
-        sdfBand(mVoxel, widths.exterior / mVoxel + kExponentMargin, widths.interior / mVoxel + kExponentMargin);
-    const MeshSdf sdf = makeSdfAbout(mSource.box.getCenter(), *mSource.solid, band, mMend, monitor);
+  Target distances(const BandWidths& widths, Monitor& monitor) const override {
+    const MeshSdf sdf = makeSdfAbout(mSource.box.getCenter(), *mSource.solid, sdfBandOf(widths), mMend, monitor);
     Target target = makeTarget(sdf.grid, mSource.box);
     target.repairMoved = sdf.moved;
     return target;
   }
-  Target deepened(const Target&, const BandWidths& widths, Monitor& monitor) const override {
-    return make({widths.exterior, kWholeInside}, monitor);
+
+  Target band(const Target& distances, const BandWidths& widths, Monitor&) const override {
+    const FloatGrid::Ptr phi = narrowed(distances.phi, sdfBandOf(widths));
+    if (phi == distances.phi) return distances;
+    Target target = makeTarget(phi, distances.box);
+    target.repairMoved = distances.repairMoved;
+    return target;
   }
 
   FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const override {
@@ -64,6 +71,11 @@ class MeshInput final : public TargetInput {
   std::shared_ptr<const Mesh> mesh() const override { return mSource.mesh; }
 
  private:
+  MeshToSdfOptions sdfBandOf(const BandWidths& widths) const {
+    const double interior = widths.wholeInside ? kWholeInside : widths.interior;
+    return sdfBand(mVoxel, widths.exterior / mVoxel + kExponentMargin, interior / mVoxel + kExponentMargin);
+  }
+
   SolidSource mSource;
   double mVoxel;
   MendOptions mMend;
@@ -76,17 +88,21 @@ class VdbInput final : public TargetInput {
   const BBoxd& box() const override { return mTarget.box; }
   double usualDepth() const override { return 2.5; }
 
-  Target make(const BandWidths& widths, Monitor& monitor) const override { return extended(mTarget, widths, monitor); }
-  Target deepened(const Target& target, const BandWidths& widths, Monitor& monitor) const override {
-    return extended(target, {widths.exterior, kWholeInside}, monitor);
+  Target distances(const BandWidths&, Monitor&) const override { return mTarget; }
+  /// What sweeping finds depends on how far it goes, so each band is swept from the file's own.
+  Target band(const Target& distances, const BandWidths& widths, Monitor& monitor) const override {
+    const std::lock_guard lock(mMutex);
+    const Target near = grown(mNear, distances, widths.exterior, widths.interior, monitor);
+    return widths.wholeInside ? grown(mWhole, near, widths.exterior, kWholeInside, monitor) : near;
   }
 
   FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const override {
     const Vec3d size = mTarget.phi->voxelSize();
     const double finest = std::min({size[0], size[1], size[2]}), voxel = surveyVoxel(finest, mTarget.box);
-    const Target deep = extended(mTarget, {kSurveyMargin * voxel, kWholeInside}, monitor);
+    Target deep = mTarget;
+    extendBand(deep, kSurveyMargin * voxel, kWholeInside, monitor);
     const FloatGrid::Ptr coarse = FloatGrid::create(static_cast<float>(kSurveyMargin * voxel));
-    coarse->setTransform(openvdb::math::Transform::createLinearTransform(voxel));
+    coarse->setTransform(latticeTransform(voxel));
     const openvdb::BBoxd at = coarse->transform().worldToIndex(mTarget.box);
     openvdb::CoordBBox nodes(openvdb::Coord::floor(at.min()), openvdb::Coord::ceil(at.max()));
     nodes.expand(static_cast<int>(kSurveyMargin));
@@ -105,21 +121,31 @@ class VdbInput final : public TargetInput {
   }
 
  private:
-  static Target extended(Target target, const BandWidths& widths, Monitor& monitor) {
-    extendBand(target, widths.exterior, widths.interior, monitor);
+  /// The band that was swept last, for others that are the same.
+  struct Swept {
+    FloatGrid::ConstPtr from;
+    BandGrowth growth;
+    Target target;
+  };
+
+  /// extendBand() of @a from.
+  static Target grown(std::optional<Swept>& swept, const Target& from, double exterior, double interior,
+                      Monitor& monitor) {
+    const std::optional<BandGrowth> growth = bandGrowth(from, exterior, interior, monitor);
+    if (!growth) return from;
+    if (swept && swept->from == from.phi && swept->growth == *growth) return swept->target;
+    Target target = from;
+    growBand(target, *growth, monitor);
+    swept = Swept{from.phi, *growth, target};
     return target;
   }
 
   Target mTarget;
+  mutable std::mutex mMutex;  // of what follows
+  mutable std::optional<Swept> mNear, mWhole;
 };
 
 }  // namespace
-
-bool sameTarget(const TargetOptions& a, const TargetOptions& b) {
-  return a.input.path == b.input.path && a.mesh == b.mesh && a.grid == b.grid &&
-         a.sdfVoxels.voxelSize == b.sdfVoxels.voxelSize && a.sdfVoxels.resolution == b.sdfVoxels.resolution &&
-         a.mend == b.mend;
-}
 
 std::string sha256OfMesh(const Mesh& mesh) {
   static_assert(std::endian::native == std::endian::little);
@@ -129,22 +155,35 @@ std::string sha256OfMesh(const Mesh& mesh) {
   return sha256Hex(bytes);
 }
 
+std::string idleWithoutVdb(const OptionRun& run) {
+  const std::string input = run.text("input");
+  if (!input.empty() && isVdbPath(input)) return {};
+  return "it chooses a grid of a VDB as the target, and " +
+         (input.empty() ? "there is no target" : "'" + input + "' is a mesh") + "; leave it out";
+}
+
 std::vector<OptionSpec> targetOptionSpecs() {
   std::vector<OptionSpec> options = {
       {.name = "input",
        .argument = "MESH|SDF.vdb",
        .help = "the target: a mesh, or a VDB that holds its signed distance",
        .hash = "source-sha256"},
-      {.name = "grid", .argument = "NAME", .defaultValue = "", .help = "which grid of the input VDB to use"},
+      {.name = "grid",
+       .argument = "NAME",
+       .defaultValue = "",
+       .help = "which grid of the input VDB to use",
+       .idle = idleWithoutVdb},
       {.name = "sdf-resolution",
        .argument = "N",
        .defaultValue = "200",
        .help = "voxels of the target's distance field along its longest side; the fractal depends on this",
-       .alternative = "sdf-voxel-size"},
+       .alternative = "sdf-voxel-size",
+       .idle = idleWithoutMesh},
       {.name = "sdf-voxel-size",
        .argument = "H",
        .help = "the same given as the size of a voxel, in the target's units",
-       .alternative = "sdf-resolution"},
+       .alternative = "sdf-resolution",
+       .idle = idleWithoutMesh},
   };
   for (OptionSpec& option : mendOptionSpecs()) options.push_back(std::move(option));
   return options;

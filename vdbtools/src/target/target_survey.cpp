@@ -44,7 +44,7 @@ class ThicknessField final : public ControlField {
 
 }  // namespace
 
-const LocalThickness& TargetSurvey::thickness(Monitor& monitor, double slope) {
+LocalThickness TargetSurvey::thickness(Monitor& monitor, double slope) {
   const auto found = mThickness.find(slope);
   if (found != mThickness.end()) return found->second;
   constexpr std::size_t kMost = 8;  // slopes; whoever looks for a depth of detail by hand tries hundreds
@@ -90,6 +90,25 @@ double insideVolume(const FloatGrid& phi) {
   auto tile = phi.cbeginValueAll();
   tile.setMaxDepth(FloatGrid::ValueAllCIter::LEAF_DEPTH - 1);
   for (; tile; ++tile) nodes += share(static_cast<double>(*tile)) * static_cast<double>(tile.getVoxelCount());
+  return nodes * phi.voxelSize().product();
+}
+
+double insideVolume(const FloatGrid& phi, const openvdb::BBoxd& box) {
+  const double voxel = phi.voxelSize()[0];
+  const openvdb::BBoxd within = phi.transform().worldToIndex(box);
+  // How much of the cells about the nodes from low to high lies within the box along an axis, in voxels.
+  const auto overlap = [&](int low, int high, int axis) {
+    return std::max(0.0, std::min(high + 0.5, within.max()[axis]) - std::max(low - 0.5, within.min()[axis]));
+  };
+  double nodes = 0;
+  for (auto value = phi.cbeginValueAll(); value; ++value) {
+    const double share = std::clamp(0.5 - static_cast<double>(*value) / voxel, 0.0, 1.0);
+    if (share == 0) continue;
+    const openvdb::CoordBBox at = value.getBoundingBox();
+    double cells = share;
+    for (int axis = 0; axis < 3; ++axis) cells *= overlap(at.min()[axis], at.max()[axis], axis);
+    nodes += cells;
+  }
   return nodes * phi.voxelSize().product();
 }
 

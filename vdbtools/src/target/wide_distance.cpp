@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "target/wide_distance.h"
 
+#include "base/lattice_transform.h"
 #include "base/openvdb/fast_sweeping.h"
 #include "target/known_distance.h"
 #include "vdbtools/base/errors.h"
@@ -40,8 +41,7 @@ bool knowsAll(const FloatGrid& level, const BBoxd& box) {
 
 FloatGrid::Ptr coarserBand(const FloatGrid& fine, int gain) {
   const FloatGrid::Ptr kept = FloatGrid::create(2 * fine.background());
-  kept->setTransform(fine.transform().copy());
-  kept->transform().preScale(2);
+  kept->setTransform(coarserTransform(fine.transform()));
   kept->setGridClass(openvdb::GRID_LEVEL_SET);
   auto accessor = kept->getAccessor();
   for (auto value = fine.cbeginValueOn(); value; ++value) {

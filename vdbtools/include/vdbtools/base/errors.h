@@ -22,6 +22,7 @@ enum class Remedy {
   AnotherFieldBox,   ///< FractalFieldOptions::box
   SolidifySheet,     ///< MendOptions::solidify, MendOptions::thicken
   GivePointsRadius,  ///< MendOptions::pointsRadius
+  FinerDistances,    ///< MeshToSdfOptions::voxelSize
 };
 
 /// The input was read, but cannot be used: truncated, leaky, empty, not finite.

@@ -8,7 +8,9 @@
 
 #include <filesystem>
 #include <new>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace vdbtools {
@@ -48,11 +50,11 @@ struct MemoryLeft {
 /// @param root  where /proc and /sys are, for tests
 MemoryLeft memoryLeft(const std::filesystem::path& root = "/");
 
-/// The same without the limits of address space and of data, whatever setMemoryLimit() says: what is shared with other
+/// The same without the limits of address space and of data, whatever MemoryLimit says: what is shared with other
 /// processes. Past it the system begins to move memory to and fro, and then kills processes.
 MemoryLeft sharedMemoryLeft(const std::filesystem::path& root = "/");
 
-/// What the limit of address space (ulimit -v) leaves of it, whatever setMemoryLimit() says.
+/// What the limit of address space (ulimit -v) leaves of it, whatever MemoryLimit says.
 MemoryLeft addressSpaceLeft(const std::filesystem::path& root = "/");
 
 /// The same of data (ulimit -d): of memory that is not shared and can be written.
@@ -65,10 +67,30 @@ double machineMemory();
 /// What this process has in memory, bytes.
 double residentMemory(const std::filesystem::path& root = "/");
 
-/// What this process may take in all, bytes, in place of the limits of memoryLeft(); infinity: all is tried; negative:
-/// those limits again.
-/// Not to be called while other threads ask.
-void setMemoryLimit(double bytes);
+/// While one exists, this is what the process may take in all, in place of the limits of memoryLeft(). Of several, as
+/// of work in several threads, the least counts.
+class MemoryLimit {
+ public:
+  /// @param bytes  infinity: all is tried
+  explicit MemoryLimit(double bytes);
+  ~MemoryLimit();
+  MemoryLimit(const MemoryLimit&) = delete;
+  MemoryLimit& operator=(const MemoryLimit&) = delete;
+
+ private:
+  double mBytes;
+};
+
+/// "16G" in bytes, with K, M, G or T; infinity for "unlimited"; nothing for any other text.
+std::optional<double> memoryFromText(std::string_view text);
+
+/// What memoryFromText() takes, for messages.
+inline constexpr const char* kMemoryTexts = "a number and K, M, G or T, such as 16G, or unlimited";
+
+/// Whoever takes the last of a machine's memory makes it stand still, and is killed before long. To be asked some times
+/// a second while work goes on.
+/// @return what is wrong, once this process has taken much and next to nothing is left; nothing before
+std::optional<std::string> memoryRunsOut();
 
 /// @param bytes  that are needed at least, beside what the process has
 /// @param what   would take them, as in "the field"

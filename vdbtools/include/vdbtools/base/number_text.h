@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file number_text.h
-/// Numbers from text, whatever the locale: of options, recipes and files alike. A plus sign may stand before them.
-/// What a number means, and whether it may be what it is, is the caller's to say.
+/// Numbers from text and to text, whatever the locale: of options, recipes and files alike. A plus sign may stand
+/// before them. What a number means, and whether it may be what it is, is the caller's to say.
 #pragma once
 
 #include <charconv>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace vdbtools {
@@ -23,5 +24,11 @@ std::optional<Integer> wholeFromText(std::string_view text) {
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   return value;
 }
+
+/// Where a number is said to be a bound, rounding it must not make that untrue.
+enum class Rounding { Nearest, Up, Down };
+
+/// A number as people read it, in a message: four digits. Files and recipes have numbersText() instead, which is exact.
+std::string shortText(double value, Rounding rounding = Rounding::Nearest);
 
 }  // namespace vdbtools

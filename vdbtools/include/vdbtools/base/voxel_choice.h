@@ -12,9 +12,11 @@ struct VoxelChoice {
   std::optional<double> resolution{};  ///< voxels along the longest side; exactly one of the two is there
 
   /// The voxel size for a shape, world units.
-  /// @throw std::invalid_argument  the size is outside of what OpenVDB's transforms can hold
+  /// @throw std::invalid_argument  the size is outside of what distances in 32-bit floats can hold
   /// @throw DataError              likewise, at a resolution that serves any shape of an ordinary size
   double sizeFor(double longestSide) const;
+
+  bool operator==(const VoxelChoice&) const = default;
 };
 
 }  // namespace vdbtools

@@ -30,6 +30,7 @@
 #pragma once
 
 #include "vdbtools/base/monitor.h"
+#include "vdbtools/files/input_files.h"
 #include "vdbtools/recipe/option_table.h"
 
 #include <filesystem>
@@ -51,7 +52,8 @@ class WorkShare {
 using MakeShare = std::function<std::unique_ptr<WorkShare>()>;
 
 struct ExploreOptions {
-  Recipe given;                       ///< of the command line: the first look, and the only files that the page may use
+  Recipe given;         ///< of the command line: the first look, and the only files that the page may use
+  InputFiles inputs{};  ///< what was read besides the files of that recipe: the page replaces none of them all
   std::filesystem::path folder{};     ///< where files are made; itself made if need be. Empty: the working directory
   std::string address = "127.0.0.1";  ///< to listen at: an IP address of this machine
   int port = 0;                       ///< 0: any that is free

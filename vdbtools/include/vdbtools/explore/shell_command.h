@@ -16,7 +16,8 @@ namespace vdbtools {
 std::string shellWord(std::string_view word);
 
 /// The command that makes what a recipe describes: "juliavdb fractal bunny.obj --detail 0.6 -o look.vdb".
-/// @param recipe   what was given; entries for hashes and flags that are off are left out
+/// @param recipe   what was given; entries for hashes, flags that are off, and options without an effect on the
+///                 outputs are left out
 /// @param table    that of the command
 /// @param outputs  options and files, such as ("-o", "look.vdb")
 std::string fractalCommand(const Recipe& recipe, const OptionTable& table,

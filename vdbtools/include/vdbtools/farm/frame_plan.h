@@ -50,7 +50,8 @@ std::vector<KeyedOption> parseKeys(const std::vector<std::string>& keys, const s
 std::string valueAt(const KeyedOption& option, int frame);
 
 struct FramePlanOptions {
-  Recipe base;  ///< of `juliavdb fractal`. Names of files may have a frame pattern (vdbtools/files/frame_name.h)
+  Recipe base;   ///< of `juliavdb fractal`. Names of files may have a frame pattern (vdbtools/files/frame_name.h)
+  Recipe given;  ///< of these, what was asked for as firmly as the keys, which do not take its place
   std::vector<KeyedOption> keys;
   std::vector<int> frames{1};             ///< in the order in which they are made
   std::string name;                       ///< of the files; empty: after the target, or else the map

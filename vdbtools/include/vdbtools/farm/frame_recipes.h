@@ -4,6 +4,7 @@
 #pragma once
 
 #include "vdbtools/farm/frame_plan.h"
+#include "vdbtools/files/input_files.h"
 
 #include <memory>
 
@@ -19,6 +20,8 @@ class FrameRecipes {
   ~FrameRecipes();
 
   const std::vector<int>& frames() const { return mOptions.frames; }
+  /// The files that any of the frames names.
+  const InputFiles& inputs() const { return mInputs; }
 
   /// The recipe of a frame: complete, and with the hashes of its files. A file that several frames name is read once,
   /// and its hash in later recipes lets them refuse another.
@@ -28,6 +31,7 @@ class FrameRecipes {
  private:
   struct Hashes;
   FramePlanOptions mOptions;
+  InputFiles mInputs;
   std::unique_ptr<Hashes> mHashes;
 };
 

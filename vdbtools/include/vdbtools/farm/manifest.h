@@ -61,6 +61,7 @@ bool makes(const Manifest& manifest, std::string_view format);
 bool makesMesh(const Manifest& manifest);
 
 inline constexpr const char* kManifestName = "manifest.json";
+inline constexpr const char* kLogsName = "logs";  ///< the folder of what engines of tasks say
 
 /// JSON, with a hash over itself and the program's version.
 std::string encodeManifest(const Manifest& manifest);

@@ -35,6 +35,15 @@ struct MergeResult {
   std::optional<IslandReport> islands;       ///< if any were to be dropped
 };
 
+/// What mergePlan() checks before it looks at a task: that the plan's tasks make what these files need, that the files
+/// can be made where they are to be, and that none of them replaces an input or a file of the plan. Leaves nothing
+/// behind.
+/// @throw std::invalid_argument, CreateError  as mergePlan()
+void requireMergeable(const std::filesystem::path& folder, const Manifest& manifest, const MergeOptions& options);
+/// The same for writeTileFiles(), whose list stands for the pieces, too.
+void requireMergeable(const std::filesystem::path& folder, const Manifest& manifest,
+                      const std::filesystem::path& index);
+
 /// Writes what one run of the plan's recipe would have written, byte for byte. The mesh is written while the tiles are
 /// read, and memory holds two layers of their blocks; the grids are held whole, as a VDB is written whole. Where
 /// islands are to be dropped they are joined over all tiles; memory then also holds the parts of islands in each tile,

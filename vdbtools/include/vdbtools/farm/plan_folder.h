@@ -9,7 +9,8 @@
 
 namespace vdbtools {
 
-/// Makes sure that a plan can be put there: the folder does not exist, or is empty. It is made by writePlan().
+/// Makes sure that a plan can be put there: the folder does not exist, or is empty, and takes files. It is made by
+/// writePlan(); what is made to try is removed again.
 /// @throw CreateError
 void requireNewPlanFolder(const std::filesystem::path& folder);
 

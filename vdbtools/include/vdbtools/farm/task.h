@@ -9,6 +9,7 @@
 
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/farm/manifest.h"
+#include "vdbtools/files/input_files.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -24,11 +25,6 @@ namespace vdbtools {
 struct TaskCounts {
   std::map<std::string, double> counts;  ///< "triangles", "points", "evaluatedNodes" and the like
 };
-
-/// Makes the files of task @a index, each whole or not at all.
-/// @throw what the job of its kind throws
-TaskCounts makeTask(const std::filesystem::path& folder, const Manifest& manifest, std::uint64_t index,
-                    Monitor& monitor);
 
 struct TaskFile {
   std::string name;  ///< relative to the folder of the plan
@@ -63,6 +59,7 @@ struct TaskStatus {
   TaskState state = TaskState::Missing;
   std::optional<TaskRecord> record;  ///< of Done
   std::string error;                 ///< of Failed: what happened, in one line
+  std::optional<int> exitCode{};     ///< of Failed: what the program that failed ended with, if that is recorded
 };
 
 /// Changes nothing on the disk. A running task whose process was killed is missing: at once where locks of files reach
@@ -74,23 +71,37 @@ TaskStatus taskStatus(const std::filesystem::path& folder, const Manifest& manif
 /// @throw MissingInputError  an input is gone
 void requireInputs(const std::filesystem::path& folder, const Manifest& manifest);
 
+/// The files of a plan and those that its recipe names, which nothing that is merged may replace.
+/// @throw as parseFractalOptions() of its recipe
+InputFiles planInputs(const std::filesystem::path& folder, const Manifest& manifest);
+
 /// Removes what killed processes have left in the folders of a plan: temporary files, and marks of running tasks.
 void sweepPlan(const std::filesystem::path& folder, const Manifest& manifest);
 
+/// Removes what no task of the plan needs any more, such as the distances of its targets once all of their tasks are
+/// done. A task that is made again makes them again.
+void removeUnneeded(const std::filesystem::path& folder, const Manifest& manifest);
+
+/// Makes the files of a task, each whole or not at all.
 using TaskMaker =
     std::function<TaskCounts(const std::filesystem::path&, const Manifest&, std::uint64_t index, Monitor&)>;
+
+/// Makes the tasks of one plan, one after another; what they share is made once.
+/// @throw what the job of its kind throws
+TaskMaker makerOf(const std::filesystem::path& folder, const Manifest& manifest);
 
 /// Makes the tasks of one plan, one at a time. Others may make the same tasks of the same plan at the same time: each
 /// file appears as a whole, and all have the same bytes.
 class TaskRunner {
  public:
+  /// @param maker  makerOf() the plan, unless another one is given
   /// @throw as readManifest()
-  explicit TaskRunner(std::filesystem::path folder, TaskMaker maker = makeTask);
+  explicit TaskRunner(std::filesystem::path folder, TaskMaker maker = {});
 
   const Manifest& manifest() const { return mManifest; }
 
-  /// Sweeps the folder, checks the inputs, makes the task's files and writes its side-car. An interruption leaves the
-  /// task missing.
+  /// Sweeps the folder, checks the inputs, makes the task's files and writes its side-car; then removes what no task
+  /// needs any more. An interruption leaves the task missing.
   /// @return false if it was done already
   /// @throw as requireInputs(), AtomicFile and the maker; std::out_of_range
   bool run(std::uint64_t index, Monitor& monitor);

@@ -13,7 +13,8 @@
 /// directly, what was written cannot be taken back, and they have no position. Writing to a pipe without a reader
 /// raises SIGPIPE.
 ///
-/// A process that is killed leaves its temporary files behind; sweepTemporaries() removes them.
+/// A process that is killed leaves its temporary files behind. The next one that writes the same file removes them, and
+/// sweepTemporaries() those of a whole folder.
 #pragma once
 
 #include <cstddef>

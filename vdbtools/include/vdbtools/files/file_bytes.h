@@ -26,8 +26,9 @@ void readPieces(const std::filesystem::path& path, const std::function<void(std:
 /// @throw MemoryError  it does not fit
 std::string readWholeFile(const std::filesystem::path& path);
 
-/// A binary stream, for a file of which only a part is read. Where it cannot be opened, the stream is not open. Unlike
-/// that of std::ifstream, its opening begins again when a signal interrupts it.
+/// A binary stream, for a file of which only a part is read. Unlike that of std::ifstream, its opening begins again
+/// when a signal interrupts it.
+/// @throw MissingInputError  there is no such file, it may not be opened, or it is a directory
 std::ifstream openToRead(const std::filesystem::path& path);
 
 /// @a text with a question mark for every control character: what a file holds cannot speak to the terminal that shows

@@ -3,6 +3,7 @@
 /// Files that a recipe names, and the proof that they still hold what they held when the recipe was made.
 #pragma once
 
+#include <compare>
 #include <filesystem>
 #include <map>
 #include <span>
@@ -15,6 +16,8 @@ struct NamedFile {
   std::filesystem::path path;
   std::string recordedAs;    ///< the recipe's entry for its SHA-256, such as "source-sha256"
   std::string expectedHash;  ///< what that entry says; empty if the recipe has none
+
+  auto operator<=>(const NamedFile&) const = default;
 };
 
 /// The SHA-256 of each file by the name that it is recorded under; of several files under one name, joined by commas in

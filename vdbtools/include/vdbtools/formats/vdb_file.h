@@ -31,6 +31,11 @@ struct VdbWriteOptions {
   UpTurn turn{};
 };
 
+/// To be called before grids for other programs are made, for encodeVdb() does not look: what this program keeps for
+/// itself may have voxels of any size.
+/// @throw std::invalid_argument  OpenVDB makes no transform for voxels as small as this, nor do programs that use it
+void requireVdbVoxel(double voxelSize);
+
 /// The bytes of a file with @a grids, Blosc-compressed. @a options.metadata is added to the grids' own in the file; the
 /// grids themselves stay as they are.
 /// @throw std::invalid_argument  two grids of one name

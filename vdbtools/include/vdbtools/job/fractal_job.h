@@ -41,6 +41,10 @@ struct FractalResult {
 /// @throw DataError if there is no surface
 FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGrids, MeshSink* sink, Monitor& monitor);
 
+/// For a mesh that is to be held in memory whole. What is surely inside the set bounds its surface from below.
+/// @throw MemoryError  the mesh will not fit
+void requireMemoryForMesh(const Scene& scene);
+
 /// The mesh alone, in memory.
 Mesh fractalMesh(const Scene& scene, Monitor& monitor);
 

@@ -43,8 +43,11 @@ struct PrintedPart {
   /// What was measured on the finished mesh, with the thickness that was asked for, or 1 mm.
   double thinnest = 0;           ///< the least thickness found, up to twice that, millimetres
   std::uint64_t places = 0;      ///< where it was measured
-  std::uint64_t thinPlaces = 0;  ///< of these: where it is less than that, by more than a rounding
+  std::uint64_t thinPlaces = 0;  ///< of these: where it is less than that, by more than kThicknessRounding
 };
+
+/// How exactly a thickness is measured, as a share of it.
+inline constexpr double kThicknessRounding = 0.02;
 
 /// The mesh itself if it is closed and @a repair is not asked for; otherwise the surface of its distance field.
 /// @param resolution  voxels of that along the longest side; 0: 400

@@ -8,6 +8,7 @@
 
 #include "vdbtools/base/grids.h"
 #include "vdbtools/field/fractal_field.h"
+#include "vdbtools/files/input_files.h"
 #include "vdbtools/job/fractal_options.h"
 #include "vdbtools/maps/map_descriptor.h"
 #include "vdbtools/target/exponent_grid.h"
@@ -87,6 +88,8 @@ std::shared_ptr<const Mesh> transferredMesh(const FractalOptions& options, const
 
 /// The files that the options name: those whose hashes are recorded.
 std::vector<NamedFile> filesOf(const FractalOptions& options);
+/// The same, so that none of them becomes an output.
+InputFiles inputsOf(const FractalOptions& options);
 
 /// A scene's evaluators with other random versors: what its target gives is made once and shared.
 class VersorSeeds {

@@ -33,6 +33,8 @@ bool isSheetFile(const std::filesystem::path& path);
 
 /// Whether a name is one that readSheetCell() takes: "sheet.json#7", or "sheet.json", which lacks the cell.
 bool isSheetCell(const std::string& name);
+/// The name of the sheet alone, "sheet.json".
+std::string sheetOfCell(const std::string& name);
 
 /// Every cell of a contact sheet, row by row.
 /// @throw DataError  the file is no contact sheet, or broken; MissingInputError, IoError

@@ -34,6 +34,13 @@ struct SheetOptions {
   Recipe view;   ///< by sheetViewOptionSpecs(), not completed
 };
 
+/// The files that the cells name, as far as their options can be read.
+/// @throw std::invalid_argument  as planSheet()
+InputFiles inputsOf(const SheetOptions& options);
+/// The recipe of each cell, row by row, complete but for the hashes of its files. Recipes that are refused are among
+/// them. There are as many as planSheet() allows, or more.
+std::vector<Recipe> cellRecipes(const SheetOptions& options);
+
 /// The sheet of these options before any picture is made. A cell whose recipe is refused, or whose files cannot be
 /// read, has its error already.
 /// @throw std::invalid_argument  none or too many varied options, one that is given too, too many cells, a bad view

@@ -80,15 +80,17 @@ class MapInstance {
 
 /// The shell of a map whose values come from a target's exponent E: either alpha and beta, E = alpha (phi - beta), or
 /// detail and outward, the shares of the local thickness that it is to reach to (exponent_grid.h). The others of the
-/// four are nullptr.
+/// four are not there.
 struct ShellSettings {
-  std::shared_ptr<const ControlSource> alpha, beta;
-  std::shared_ptr<const ControlSource> detail, outward;
-  std::shared_ptr<const ControlSource> mask;  ///< always there
+  ControlSetting alpha, beta;
+  ControlSetting detail, outward;
+  ControlSetting mask;  ///< always there
   julia::Interpolation interpolation = julia::Interpolation::Trilinear;
 
   /// Those of the five that are there.
-  std::vector<std::shared_ptr<const ControlSource>> controls() const;
+  std::vector<ControlSetting> controls() const;
+
+  bool operator==(const ShellSettings&) const = default;
 };
 
 /// A map as a recipe describes it. Immutable.

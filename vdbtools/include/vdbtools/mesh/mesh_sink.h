@@ -4,10 +4,14 @@
 /// millions of triangles need never be held whole.
 #pragma once
 
+#include "vdbtools/base/memory.h"
 #include "vdbtools/mesh/mesh.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace vdbtools {
@@ -35,21 +39,34 @@ class MeshSink {
   virtual void addTriangles(std::span<const openvdb::Vec3I> triangles, std::uint64_t firstPoint) = 0;
 };
 
-/// Keeps the whole mesh.
+/// Keeps the whole mesh. It is refused as soon as it is known that it needs more memory than there is (MemoryError).
 class MeshCollector final : public MeshSink {
  public:
   /// @param values  takes those of the columns; nullptr: they are not wanted
   explicit MeshCollector(Mesh& mesh, std::vector<float>* values = nullptr) : mMesh(mesh), mValues(values) {}
   void addPoints(const PointBatch& batch) override {
-    mMesh.points.insert(mMesh.points.end(), batch.positions.begin(), batch.positions.end());
-    mMesh.normals.insert(mMesh.normals.end(), batch.normals.begin(), batch.normals.end());
-    if (mValues) mValues->insert(mValues->end(), batch.values.begin(), batch.values.end());
+    append(mMesh.points, batch.positions);
+    append(mMesh.normals, batch.normals);
+    if (mValues) append(*mValues, batch.values);
   }
   void addTriangles(std::span<const openvdb::Vec3I> triangles, std::uint64_t) override {
-    mMesh.triangles.insert(mMesh.triangles.end(), triangles.begin(), triangles.end());
+    append(mMesh.triangles, triangles);
   }
 
  private:
+  /// While a vector grows, what it held is there twice.
+  template <class Value>
+  void append(std::vector<Value>& all, std::span<const Value> more) {
+    const std::size_t size = all.size() + more.size();
+    if (size > all.capacity()) {
+      const std::size_t capacity = std::max(size, 2 * all.capacity());
+      requireMemory(static_cast<double>(capacity) * sizeof(Value), MemoryUse::Field,
+                    "a mesh of more than " + std::to_string(mMesh.points.size()) + " points");
+      all.reserve(capacity);
+    }
+    all.insert(all.end(), more.begin(), more.end());
+  }
+
   Mesh& mMesh;
   std::vector<float>* mValues;
 };

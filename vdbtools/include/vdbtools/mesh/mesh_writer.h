@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file mesh_writer.h
 /// Writing meshes as binary little-endian PLY, OBJ, binary STL or GLB (glTF 2.0). Positions are 32-bit floats, except
-/// in OBJ, whose digits hold doubles, and where floats would move vertices by more than 1/1000 of a voxel (a small
-/// object far from the origin): a PLY then has doubles, and a GLB floats about the middle of the object, to where its
-/// node takes it. The same mesh gives the same bytes, whole or in pieces, whatever the stream.
+/// in OBJ, whose digits hold doubles, and where floats would move vertices by more than 1/1000 of a voxel, or 1/10000
+/// in an object farther from the origin than four of its longest sides: a PLY then has doubles, and a GLB floats about
+/// the middle of the object, to where its node takes it. An STL has neither: where its floats would move vertices by
+/// more than 1/1000 of a voxel, it is refused. The same mesh gives the same bytes, whole or in pieces, whatever the
+/// stream.
 #pragma once
 
 #include "vdbtools/base/up_axis.h"
@@ -62,13 +64,13 @@ struct MeshWriteOptions {
 std::vector<std::string> columnsLeftOut(MeshFormat format, std::span<const VertexColumn> columns);
 
 /// Whether a file of these options holds positions as doubles, or numbers that are computed from doubles.
-/// @throw std::invalid_argument  a voxel size without a box
+/// @throw std::invalid_argument  a voxel size without a box, or an STL that cannot hold the mesh
 bool needsDoublePositions(const MeshWriteOptions& options);
 
 /// Normals are written if the mesh has them (STL has normals of its own, of the faces). Errors of the stream are left
 /// to its owner.
 /// @param values  of options.columns, row by row (PointBatch)
-/// @throw std::invalid_argument  an STL of more triangles than it can count
+/// @throw std::invalid_argument  an STL of more triangles than it can count, or of an object too far from the origin
 /// @throw std::logic_error       an index out of range, or another number of normals or of rows than of points
 /// @return the levels of detail
 std::vector<MeshLevel> writeMesh(std::ostream& stream, const Mesh& mesh, const MeshWriteOptions& options,
@@ -92,7 +94,7 @@ class MeshStreamWriter final : public MeshSink {
   ///                       afterwards, so it must not be a stream that always appends
   /// @param scratchFolder  on a disk with room for the mesh, such as the folder of the file itself; empty: the working
   ///                       directory
-  /// @throw std::invalid_argument  a voxel size without a box
+  /// @throw std::invalid_argument  a voxel size without a box, or an STL that cannot hold the mesh
   /// @throw CreateError            no file can be made in the folder
   MeshStreamWriter(std::ostream& stream, const std::filesystem::path& scratchFolder, const MeshWriteOptions& options);
   ~MeshStreamWriter() override;

@@ -5,9 +5,9 @@
 /// Positions and lengths are pixels from the top left corner, y downwards; the whole numbers lie on the edges of
 /// pixels. What is drawn later covers what was drawn before. Colours blend in sRGB, as they do in browsers.
 ///
-/// Text is UTF-8 in the generic family "sans" of fontconfig, which Debian answers with DejaVu Sans. Another font gives
-/// other bytes. On a machine without any font Cairo draws ASCII with simple strokes of its own, and a box for every
-/// other character. In SVG, text consists of outlines: it looks the same on machines without the font.
+/// Text is UTF-8 in DejaVu Sans, which is part of the library: the fonts of a machine and the settings of Fontconfig
+/// change nothing. A character that the font lacks is a box. In SVG, text consists of outlines: it looks the same on
+/// machines without the font.
 #pragma once
 
 #include "vdbtools/picture/image.h"
@@ -43,7 +43,7 @@ struct TextStyle {
   Colour colour{};
 };
 
-/// The height of capitals and digits, as a part of the font's size: DejaVu's, and close to that of other sans fonts.
+/// The height of capitals and digits, as a part of the font's size.
 inline constexpr double kCapHeight = 0.73;
 
 enum class CanvasKind { Pixels, Svg };

@@ -8,8 +8,11 @@
 #pragma once
 
 #include <functional>
+#include <initializer_list>
 #include <map>
 #include <optional>
+#include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,6 +20,43 @@ namespace vdbtools {
 
 /// Option name (without dashes in front) -> value. A flag that is set has the value "true".
 using Recipe = std::map<std::string, std::string>;
+
+/// What a run makes, as far as that decides which options have an effect.
+enum class Product {
+  Vdb,
+  Mesh,       ///< a file that has room for everything that a mesh may carry
+  Stl,        ///< a mesh without attributes
+  Glb,        ///< a mesh with levels of detail, always with Y up
+  MeshCount,  ///< a mesh that is counted and not written
+  Picture,    ///< made by rays through the map itself
+  Slice,      ///< made on a plane, of the map itself
+  Recipe,     ///< a record of all options, for other runs
+};
+
+/// What files of these names or extensions are; those of other programs' formats are nothing.
+std::set<Product> productsOf(std::span<const std::string> files);
+
+/// A run as its options see it.
+struct OptionRun {
+  Recipe recipe{};  ///< completed
+  std::set<Product> makes{};
+
+  /// Whether it makes one of these. A record of the options is for any of them.
+  bool makesAny(std::initializer_list<Product> products) const;
+  /// The value of an option; "" if there is none.
+  std::string text(const std::string& option) const;
+};
+
+/// Why an option has no effect in a run, and what else to give, to stand behind "--NAME has no effect: "; empty where
+/// it has one.
+using IdleRule = std::function<std::string(const OptionRun&)>;
+
+/// Of an option that belongs to one of these products. @param products  in words, as "a VDB"
+IdleRule idleWithout(std::set<Product> makes, std::string products);
+/// Of an option that belongs to a flag.
+IdleRule idleWithoutFlag(std::string flag);
+/// Idle where one of @a rules says so.
+IdleRule idleByAny(std::vector<IdleRule> rules);
 
 struct OptionSpec {
   std::string name;
@@ -35,6 +75,8 @@ struct OptionSpec {
   std::vector<std::string> qualifies{};  ///< options that lose their meaning where this one's value changes
 
   std::string hash{};  ///< of an option that names a file: the recipe's entry for the file's SHA-256
+
+  IdleRule idle{};  ///< not set: it has an effect in every run
 
   // Of a variant's options.
   bool followsSelector = false;  ///< a change of the selector sets it back to its default
@@ -87,6 +129,9 @@ class OptionTable {
   /// @throw std::invalid_argument  the recipe holds an option that is unknown or does not go with its variant
   void requireFits(const Recipe& recipe) const;
 
+  /// Why an option has no effect in a run; empty: it has one. An option that is kept for other variants has none.
+  std::string idle(const std::string& option, const OptionRun& run) const;
+
  private:
   const OptionVariant* variant(const std::string& name) const;
   const OptionVariant* variantOf(const Recipe& recipe) const;
@@ -94,6 +139,23 @@ class OptionTable {
   std::vector<OptionSpec> mCommon;
   std::string mSelector;
   std::vector<OptionVariant> mVariants;
+};
+
+/// Refuses options that were given and have an effect in none of a command's runs.
+class RequiredEffects {
+ public:
+  /// @param given  what somebody has asked for now, and not what was recorded or is a default
+  RequiredEffects(const OptionTable& table, std::set<std::string> given) : mTable(table), mIdle(std::move(given)) {}
+
+  /// @return whether all have an effect in this run or in one before
+  bool add(const OptionRun& run);
+  /// @throw std::invalid_argument  one has an effect in no run
+  void require() const;
+
+ private:
+  const OptionTable& mTable;
+  std::set<std::string> mIdle;
+  std::string mFirst, mWhy;
 };
 
 /// @a recipe with every option that has a default and is not given: what is recorded keeps its meaning when a later

@@ -96,6 +96,24 @@ class ControlSource {
   virtual Control bind(const ControlContext& context) const = 0;
 };
 
+/// The source that an option of a recipe gives, or none. Two are equal if a recipe has the same text for both; what
+/// their files hold may still differ.
+class ControlSetting {
+ public:
+  ControlSetting() = default;
+  ControlSetting(std::shared_ptr<const ControlSource> source) : mSource(std::move(source)) {}
+
+  explicit operator bool() const { return mSource != nullptr; }
+  const ControlSource* operator->() const { return mSource.get(); }
+  const ControlSource& operator*() const { return *mSource; }
+  bool operator==(const ControlSetting& other) const {
+    return mSource && other.mSource ? mSource->text() == other.mSource->text() : mSource == other.mSource;
+  }
+
+ private:
+  std::shared_ptr<const ControlSource> mSource;
+};
+
 /// The source that an option of a recipe describes:
 ///   - a number: "40"
 ///   - a ramp, "AXIS:FROM[@POS]:TO[@POS][:smooth]": "x:10:300:smooth" or "y:10@0.2:300@0.8"

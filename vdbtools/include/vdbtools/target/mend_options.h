@@ -32,6 +32,9 @@ struct MendOptions {
   bool operator==(const MendOptions&) const = default;
 };
 
+/// The rule of options that a mesh as the target has and a VDB has not.
+std::string idleWithoutMesh(const OptionRun& run);
+
 std::vector<OptionSpec> mendOptionSpecs();
 /// @throw std::invalid_argument
 MendOptions parseMendOptions(const RecipeReader& reader);

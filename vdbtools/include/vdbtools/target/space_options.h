@@ -31,6 +31,8 @@ struct SpaceOptions {
   std::optional<openvdb::Vec3d>
       near;                       ///< among nearly equal balls the nearest to this, given likewise; else the middle
   openvdb::Vec3d shift{0, 0, 0};  ///< moves the dynamics from there, units of fractal space
+
+  bool operator==(const SpaceOptions&) const = default;
 };
 
 std::vector<OptionSpec> spaceOptionSpecs();

@@ -25,10 +25,12 @@ struct TargetOptions {
   std::string grid;                  ///< which grid of a VDB input; empty: the only one
   VoxelChoice sdfVoxels;             ///< of a mesh's distance field
   MendOptions mend;                  ///< of a mesh
+
+  bool operator==(const TargetOptions&) const = default;
 };
 
-/// Whether both make the same distances of the same file, or of the same mesh in memory.
-bool sameTarget(const TargetOptions& a, const TargetOptions& b);
+/// The rule of options that a VDB as the target has and a mesh has not.
+std::string idleWithoutVdb(const OptionRun& run);
 
 std::vector<OptionSpec> targetOptionSpecs();
 /// The SHA-256 of a mesh: of its points as three doubles each and, behind them, of its triangles as three 32-bit
@@ -42,6 +44,14 @@ std::optional<TargetOptions> parseTargetOptions(const RecipeReader& reader);
 struct BandWidths {
   double exterior = 0;
   double interior = 0;
+  /// From these on over the whole inside. That takes long, and is seldom needed.
+  bool wholeInside = false;
+
+  bool operator==(const BandWidths&) const = default;
+  /// Whether a band of these widths holds one of the others.
+  bool holds(const BandWidths& other) const {
+    return other.exterior <= exterior && (wholeInside || (!other.wholeInside && other.interior <= interior));
+  }
 };
 
 inline constexpr double kMostSurveyVoxels = 128;
@@ -57,12 +67,15 @@ class TargetInput {
   /// distances again costs more than going deep at once, while a VDB may have them.
   virtual double usualDepth() const = 0;
 
+  /// What band() is made from, for these widths and for all that they hold.
   /// @throw DataError, Interrupted
-  virtual Target make(const BandWidths& widths, Monitor& monitor) const = 0;
+  virtual Target distances(const BandWidths& widths, Monitor& monitor) const = 0;
 
-  /// What make() gave for @a widths with the distances known over the whole inside. That takes long, and is seldom
-  /// needed.
-  virtual Target deepened(const Target& target, const BandWidths& widths, Monitor& monitor) const = 0;
+  /// The target with its distances in a band of these widths. It depends on the target and on the widths, to the bit,
+  /// and not on how much wider the distances are.
+  /// @param distances  of widths that hold these
+  /// @throw DataError, Interrupted
+  virtual Target band(const Target& distances, const BandWidths& widths, Monitor& monitor) const = 0;
 
   /// Distances over the whole inside and a few voxels outside, on a lattice of half the resolution and no more than
   /// kMostSurveyVoxels along the longest side.

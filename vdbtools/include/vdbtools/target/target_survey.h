@@ -23,10 +23,10 @@ class TargetSurvey {
 
   const openvdb::FloatGrid::ConstPtr& phi() const { return mPhi; }
 
-  /// The local thickness for a slope, found when it is first asked for. It lives until a few other slopes were asked
-  /// for.
+  /// The local thickness for a slope, found when it is first asked for, and remembered until a few other slopes were
+  /// asked for.
   /// @throw DataError, Interrupted  as localThickness()
-  const LocalThickness& thickness(Monitor& monitor, double slope = kThicknessSlope);
+  LocalThickness thickness(Monitor& monitor, double slope = kThicknessSlope);
 
  private:
   openvdb::FloatGrid::ConstPtr mPhi;
@@ -48,5 +48,7 @@ std::optional<SolidShape> shapeOfSolid(const Mesh& mesh, const MeshReport& repor
 /// The volume of phi < 0, world units cubed, exact to a small part of the voxels that the surface meets. Serves narrow
 /// bands, too.
 double insideVolume(const openvdb::FloatGrid& phi);
+/// The same of the part within a box, whose sides are parallel to those of the voxels.
+double insideVolume(const openvdb::FloatGrid& phi, const openvdb::BBoxd& box);
 
 }  // namespace vdbtools

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file merge_request.h
+/// What of a plan is to be put together, as 'merge' is asked for it and as 'submit' hands it on.
+#pragma once
+
+#include "options.h"
+
+#include "vdbtools/farm/merge.h"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace cli {
+
+struct MergeRequest {
+  vdbtools::MergeOptions files;
+  std::optional<std::filesystem::path> index;  ///< instead: the tiles as files of their own, and this list of them
+
+  bool empty() const { return !index && !files.vdb && !files.mesh; }
+};
+
+/// -o, --mesh, --index and --most-points.
+void addMergeOptions(CommandLine& line);
+
+/// @throw std::invalid_argument  a name of another kind of file, or files that exclude each other
+MergeRequest parseMergeRequest(const CommandLine& line);
+
+/// Refuses at once what merging would refuse once all tasks are done.
+/// @throw as vdbtools::requireMergeable()
+void requireMergeable(const std::filesystem::path& folder, const vdbtools::Manifest& manifest,
+                      const MergeRequest& request);
+
+/// The words for 'juliavdb merge DIR', with the names that the files have from everywhere.
+std::vector<std::string> mergeWords(const CommandLine& line);
+
+}  // namespace cli

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "python_words.h"
+
+#include "made.h"
+
+#include "vdbtools/fit/fit_job.h"
+#include "vdbtools/job/fractal_options.h"
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+
+namespace {
+
+/// With dashes, as on the command line.
+const std::set<std::string, std::less<>>& namesInPython() {
+  static const std::set<std::string, std::less<>> all = [] {
+    std::set<std::string, std::less<>> names{"memory"};
+    for (const vdbtools::OptionTable& table : {vdbtools::fractalOptionTable(), vdbtools::fitOptionTable(), viewTable()})
+      for (const vdbtools::OptionListing& option : table.listing()) names.insert(option.name);
+    return names;
+  }();
+  return all;
+}
+
+bool isLetter(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; }
+
+}  // namespace
+
+std::string inPythonsWords(std::string_view message) {
+  std::string text;
+  bool quoted = false;
+  for (std::size_t at = 0; at < message.size();) {
+    const bool afterLetter = at > 0 && isLetter(message[at - 1]);
+    // An apostrophe, as in "the target's", stands between letters.
+    if (message[at] == '\'' && !(afterLetter && at + 1 < message.size() && isLetter(message[at + 1]))) quoted = !quoted;
+    if (!quoted && message.substr(at).starts_with("--")) {
+      const auto end = std::find_if(message.begin() + static_cast<std::ptrdiff_t>(at) + 2, message.end(),
+                                    [](char c) { return !isLetter(c) && c != '-'; });
+      std::string name(message.begin() + static_cast<std::ptrdiff_t>(at) + 2, end);
+      // The first word names the option that was given, which may be none at all.
+      if (at == 0 || namesInPython().contains(name)) {
+        at += 2 + name.size();
+        std::replace(name.begin(), name.end(), '-', '_');
+        text += name;
+        continue;
+      }
+    }
+    text += message[at++];
+  }
+  return text;
+}

@@ -1,0 +1,422 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every option of every command either acts or is refused.
+
+The options are read from what the program says of itself, so a new one takes part from its first day: with a value of VALUES, or
+with one that its placeholder suggests. Each is given to every run of RUNS. That run then makes something else or says something
+else, or it is refused in a line that names the option. And of each option there has to be a run that it changes.
+
+What is compared are the files without the recipe in them, which says of every option that it was given.
+"""
+
+import concurrent.futures
+import json
+import os
+import re
+import shutil
+import struct
+import subprocess
+
+import harness
+from harness import DONE, USAGE
+
+LOW = ("--resolution", 14, "--sdf-resolution", 16)
+BOX = "-0.4,-0.5,-0.3,0.7,0.8,0.9"
+
+RUNS = {
+    "fractal": [
+        ("s.obj", "-o", "f.vdb", *LOW),
+        ("t.ply", "--mesh", "f.ply", "--box", BOX, "--alpha", 20, *LOW),
+        ("s.obj", "-o", "f.vdb", "--mesh", "f.glb", "--versor", "random", "--attributes", "trap,Cd", "--colour", "trap", *LOW),
+        ("open.obj", "--repair", "--mesh", "f.ply", "--versor", "bark", *LOW),
+        ("s.obj", "--mesh", "f.stl", "--versor", "random", "--versor-placement", "cluster", "--follow", "--up", "z",
+         "--resolution", 60, "--sdf-resolution", 16),
+        ("s.vdb", "-o", "f.vdb", "--versor", "swirl.json", "--origin", "centre", "--resolution", 14),
+        ("s.obj", "--map", "rational", "--rational", "swirl.json", "--mesh", "f.ply", *LOW),
+        ("s.obj", "--versor", "random", "--versor-placement", "surface", "--mesh", "f.ply", *LOW),
+        ("--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "-o", "f.vdb", "--resolution", 14),
+        ("--map", "mandelbulb", "--mesh", "f.obj", "--resolution", 14),
+        ("--map", "cross", "--scheme", 5, "-o", "f.vdb", "--resolution", 14),
+        ("s.obj", "-o", "f.####.vdb", "--frames", "1-3", "--key", "detail@1=0.2", "--key", "detail@3=0.4", *LOW),
+    ],
+    "sdf": [("s.obj", "-o", "f.vdb", "--resolution", 14), ("open.obj", "--repair", "-o", "f.vdb", "--resolution", 14)],
+    "mesh": [("made.vdb", "-o", "m.ply"), ("s.vdb", "-o", "m.ply"), ("made.vdb", "-o", "m.obj", "--from-grid")],
+    "points": [("ring.vdb", "-o", "p.ply", "--points", 100), ("s.obj", "-o", "p.ply", "--spacing", 0.5),
+               ("s.vdb", "-o", "p.vdb", "--points", 100)],
+    "print": [("made.vdb", "-o", "p.stl", "--size", 60), ("two.obj", "-o", "p.stl", "--size", 60, "--flat-base", 4, "--resolution", 24),
+              ("s.vdb", "-o", "p.ply", "--size", 60, "--min-thickness", 9, "--resolution", 24)],
+    "versor": [("list",), ("new", "-o", "v.json"), ("new", "--texture", "bark", "-o", "v.json"), ("inspect", "swirl.json"),
+               ("new", "--placement", "cluster", "-o", "v.json"), ("add", "swirl.json", "swirl.json", "-o", "v.json"),
+               ("scale", "swirl.json", 0.5, "-o", "v.json"), ("translate", "swirl.json", "0.1,0,0", "-o", "v.json")],
+    "sheet": [("s.obj", "-o", "f.png", "--vary", "versor-seed=1,2", "--size", "24x24", *LOW)],
+    "slice": [("s.obj", "-o", "f.png", "--size", 24, *LOW), ("s.vdb", "-o", "f.png", "--field", "grid", "--size", 24),
+              ("made.vdb", "-o", "f.png", "--field", "f", "--size", 24),
+              ("--map", "mandelbulb", "-o", "f.png", "--size", 24, "--field", "f", "--resolution", 14)],
+    "study": [("s.obj", "-o", "f.png", "--size", 16, "--versors", 4, *LOW),
+              ("s.obj", "--dimension", "10,12,14", "--sdf-resolution", 16)],
+    "render": [("made.vdb", "-o", "f.png", "--size", "24x24"), ("s.obj", "-o", "f.png", "--size", "24x24"),
+               ("--field", "s.obj", "-o", "f.png", "--size", "24x24", *LOW),
+               ("--field", "--map", "cross", "-o", "f.png", "--size", "24x24", "--resolution", 14)],
+    "fit": [("s.obj", "-o", "f.json", "--roots", 9, "--resolution", 17),
+            ("open.obj", "--repair", "-o", "f.json", "--schedule", "9(VF)", "--resolution", 17)],
+    "info": [("s.obj",), ("made.vdb",)],
+    "maps": [()],
+    "usd": [("made.vdb", "-o", "f.usda"), ("grow.####.vdb", "-o", "f.usda", "--frames", "1-2")],
+}
+
+# Of the options of a fractal those have to act in one of these commands.
+FRACTALS = ("fractal", "sheet", "slice", "study", "render")
+
+# Values that do something, for options whose placeholder says too little: of a command, or of all.
+LOOK = {"up": "z", "alpha-clarity": "0.02", "delta": "2", "epsilon": "0.05", "azimuth": "50", "elevation": "50", "fov": "50",
+        "zoom": "2", "eye": "2,2,4", "look-at": "0.2,0,0", "samples": "1", "size": "20x20"}
+VALUES = {
+    "fit": {"resolution": "15", "alpha": "30", "epsilon": "0.3", "roots": "7", "weights": "layers", "schedule": "11(VF)",
+            "smooth": "2", "triangles": "300", "target-iou": "0.3", "seed": "5", "start": "monopoles", "power-penalty": "0.01"},
+    "print": {"size": "50", "up": "z", "resolution": "26", "tolerance": "0.7", "islands": "2", "flat-base": "5",
+              "min-thickness": "8", "thin": "drop"},
+    "render": {**LOOK, "frames": "2", "roots": "beside.json"},
+    "slice": {"size": "20", "field": "iterations", "range": "0.5", "axis": "x", "position": "0.1"},
+    "study": {"size": "12", "dimension": "11,12,13", "axis": "x", "position": "0.1", "versors": "3"},
+    "sheet": {**LOOK, "vary": "iterations=1,2", "columns": "1"},
+    "points": {"points": "80", "spacing": "0.4", "seed": "5"},
+    "mesh": {"input": "t.ply"},
+    "versor": {"seed": "5", "roots": "4", "powers": "3:4", "placement": "cluster", "box": "0,0,0,1,1,1", "centre": "1,0,0",
+               "radius": "0.3", "texture": "fins"},
+    "usd": {"frames": "2", "fps": "12", "meters-per-unit": "0.01", "mesh": "t.ply"},
+    "sdf": {"band": "5", "config": "half.txt"},
+    "": {
+        "grid": "surface", "sdf-resolution": "19", "sdf-voxel-size": "0.11", "resolution": "15", "voxel-size": "0.15",
+        "repair-gap": "0.8", "solidify": "0.4", "thicken": "0.7", "points-radius": "0.7", "map": "mandelbulb",
+        "iterations": "2", "escape": "3", "slice": "0.2", "drop-axis": "j", "rational": "roots.json", "c": "0.3,0.2,0.1",
+        "scheme": "3", "pair": "B", "f": "x*x, y, z", "g": "cos(x), y, z", "radius": "3", "power": "5", "theta": "pole",
+        "detail": "0.6", "outward": "0.3", "mask": "0.5", "alpha": "15", "beta": "0.03", "sampling": "quadratic",
+        "versor": "roots.json", "versor-seed": "9", "versor-roots": "5", "versor-powers": "3:5",
+        "versor-placement": "inside", "versor-distance": "0.2", "versor-centre": "0.2,0,0", "versor-radius": "0.3",
+        "versor-scale": "1.5", "versor-translate": "0.1,0,0", "origin": "0.1,0,0", "origin-near": "0.4,0,0",
+        "origin-shift": "0.1,0,0", "space": "world", "box": "-0.6,-0.5,-0.3,0.7,0.8,0.9", "seed-stride": "2",
+        "tolerance": "0.4", "adaptivity": "2", "largest": "1", "min-size": "0.9", "precision": "double",
+        "grids": "surface,density", "lod": "100%,40%", "attributes": "iterations", "colour": "trap:magma",
+        "transfer": "weight", "target-up": "z", "up": "z", "frame": "3", "frames": "1-2", "key": "iterations@1=2",
+        "ease": "step", "search": ".", "config": "list.txt", "threads": "1", "instructions": "portable", "memory": "64G",
+        "progress": "json", "mesh": "g.ply", "curve": "c.png", "csv": "c.csv", "report": "r.csv", "plot": "p.png",
+    },
+}
+
+# What changes nothing of what a run makes, and which test holds what it does.
+CHANGES_NOTHING = {
+    "threads": "no bit depends on the number of threads: cli_determinism",
+    "instructions": "nor on the instruction set: cli_determinism",
+    "memory": "what is too large is refused: cli_resources",
+    "search": "files that have moved are found: cli_moved_files",
+    "force": "frames that are there are made again: cli_sequence",
+    "keep-going": "the frames behind one that fails are made: cli_sequence",
+    "no-skip": "for checking: every sample is evaluated, and the picture stays: cli_render_field",
+    "exhaustive": "for checking: every node is evaluated, and the set stays: cli_laws",
+    "config": "a recipe may say nothing new, and cli_makers has one that does",
+}
+
+# What acts where the data let it, and may change nothing where they do not.
+DEPENDS_ON_DATA = {
+    "repair": "a closed mesh needs none",
+    "repair-gap": "a mesh may have no gap of that width",
+    "grid": "the only grid may be named too",
+    "origin": "without a target it moves a picture's frame with the set",
+    "origin-shift": "without a target it moves a picture's frame with the set",
+    "origin-near": "one ball in the target may be the largest by far",
+    "drop-axis": "a set may be the mirror image of itself",
+    "precision": "a picture may show no difference of rounding",
+    "resolution": "of a picture it decides the arithmetic alone",
+    "voxel-size": "of a picture it decides the arithmetic alone",
+    "largest": "there may be one island only",
+    "islands": "there may be one island only",
+    "cap": "the set may end before its region does",
+    "mandelbrot": "it is on without --c, and may be said",
+    "thin": "nothing may be thin",
+    "from-grid": "what holds no recipe is read so in any case",
+    "radius": "it bounds the region of a set that it does not change",
+}
+
+
+def content(path):
+    """A file without the recipe in it."""
+    data = path.read_bytes()
+    if path.suffix == ".vdb":
+        return grids(data)
+    if path.suffix == ".ply":
+        head, mark, body = data.partition(b"end_header\n")
+        return re.sub(rb"comment juliavdb (?!julia_up_axis )[^\n]*\n", b"", head) + mark + body
+    if path.suffix == ".obj":
+        return re.sub(rb"(?m)^# juliavdb (?!julia_up_axis )[^\n]*\n", b"", data)
+    if path.suffix == ".glb":
+        size = struct.unpack_from("<I", data, 12)[0]
+        head = json.loads(data[20:20 + size])
+        extras = head["asset"].pop("extras", {})
+        return [head, extras.get("julia_up_axis"), data[20 + size:]]
+    if path.suffix == ".json" and b'"juliavdb": "rational"' in data:
+        return re.sub(rb'\n *"note": [^\n]*\n', b"\n", data)
+    return data
+
+
+def grids(data):
+    """The grids of a VDB, from their transforms on, and which axis is up."""
+    at = 8 + 4 + 4 + 4 + 1 + 36
+
+    def number(layout):
+        nonlocal at
+        at += struct.calcsize("<" + layout)
+        return struct.unpack_from("<" + layout, data, at - struct.calcsize("<" + layout))[0]
+
+    def text():
+        nonlocal at
+        size = number("I")
+        at += size
+        return data[at - size:at]
+
+    def metadata():
+        return {text(): (text(), text())[1] for _ in range(number("I"))}
+
+    up, found = metadata().get(b"julia_up_axis"), []
+    for _ in range(number("I")):
+        name = text(), text(), text()
+        at, _, end = number("q"), number("q"), number("q")
+        number("I")
+        metadata()
+        found.append((name, data[at:end]))
+        at = end
+    return up, found
+
+
+class Options(harness.CliTest):
+
+    def setUp(self):
+        super().setUp()
+        points, faces = harness.torus()
+        self.write("t.ply", "ply\nformat ascii 1.0\n" f"element vertex {len(points)}\n"
+                   "property float x\nproperty float y\nproperty float z\nproperty float weight\n"
+                   f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n" +
+                   "".join("{!r} {!r} {!r} {!r}\n".format(*p, p[0]) for p in points) +
+                   "".join("3 {} {} {}\n".format(*f) for f in faces))
+        self.write("s.obj", harness.obj(harness.lumpy()))
+        ball, more = harness.sphere(2), harness.moved(harness.sphere(2), 0.5, (3, 0, 0))
+        self.write("two.obj", harness.obj((ball[0] + more[0],
+                                           ball[1] + [tuple(k + len(ball[0]) for k in f) for f in more[1]])))
+        self.write("open.obj", harness.obj(harness.with_hole(harness.lumpy())))
+        self.write("swirl.json", harness.rational_json(harness.ROOTS))
+        self.write("roots.json", harness.rational_json(harness.ROOTS[:2]))
+        self.write("list.txt", "iterations = 2\n")
+        self.write("half.txt", "half = true\n")
+        self.ok("sdf", "s.obj", "-o", "s.vdb", "--resolution", 20)
+        self.ok("fractal", "s.obj", "-o", "made.vdb", *LOW)
+        self.ok("fractal", "t.ply", "-o", "ring.vdb", *LOW)
+        for frame in (1, 2):
+            shutil.copy(self.path("made.vdb"), self.path(f"grow.{frame:04d}.vdb"))
+        self.ok("fit", "s.obj", "-o", "fitted.json", "--roots", 5, "--resolution", 15)
+        self.ok("versor", "translate", "fitted.json", "0.7,0,0", "-o", "beside.json")
+
+    def options_of(self, command):
+        """The names of a command's options, and what follows each: None for a flag."""
+        page = self.ok(*command.split(), "--describe", "man", data=True)
+        found = re.findall(r"\n\.TP\n\\fB(?:\\-\w\\fR, \\fB)?\\-\\-([^ ]*?)\\fR(?: \\fI(.*)\\fR)?\n", page)
+        options = {name.replace("\\-", "-"): argument.replace("\\-", "-") or None for name, argument in found}
+        self.assertIn("threads", options, f"the options of '{command}' cannot be read")
+        del options["help"]
+        return options
+
+    @staticmethod
+    def value_for(command, name, argument):
+        for values in (VALUES.get(command, {}), VALUES[""]):
+            if name in values:
+                return values[name]
+        choices = [word for word in argument.split("|") if re.fullmatch(r"[a-z-]+", word)]
+        return choices[-1] if choices else "1"
+
+    def words_with(self, command, run, name, argument):
+        """The run with the option, in the place of the same one or of the one that says it in another way; or without a flag
+        that it has."""
+        words = list(map(str, run))
+        if argument is None and f"--{name}" in words:
+            return [word for word in words if word != f"--{name}"]
+        rivals = {"voxel-size": "resolution", "sdf-voxel-size": "sdf-resolution", "spacing": "points", "points": "spacing"}
+        for other in (name, rivals.get(name, name)):
+            if f"--{other}" in words:
+                at = words.index(f"--{other}")
+                del words[at:at + 2]
+        if name == "output":
+            at = words.index("-o") if "-o" in words else len(words)
+            old = words[at + 1] if "-o" in words else "f.json"
+            del words[at:at + 2]
+            return [*words, "-o", f"other{old[old.find('.'):]}"]
+        words = [word for word in words if not word.startswith(f"--{name}=")]
+        return [*words, f"--{name}" if argument is None else f"--{name}={self.value_for(command, name, argument)}"]
+
+    def outcome(self, number, command, words):
+        """What a run makes and says, in a folder of its own."""
+        place = self.path(f"run{number}")
+        place.mkdir()
+        inputs = [file for file in self.folder.iterdir() if file.is_file()]
+        for file in inputs:
+            (place / file.name).symlink_to(file)
+        run = subprocess.run([harness.program(), command, *map(str, words)], cwd=place, env=harness.environment(),
+                             stdin=subprocess.DEVNULL, capture_output=True, timeout=harness.TIMEOUT)
+        made = {str(file.relative_to(place)): content(file) for file in place.rglob("*")
+                if file.is_file() and not file.is_symlink()}
+        shutil.rmtree(place)
+        said = re.sub(r"\d+ rays, \d+ a second", "", run.stderr.decode(errors="replace"))
+        return run.returncode, made, run.stdout, said
+
+    def test_every_option_acts_or_is_refused(self):
+        jobs = []
+        for command, runs in RUNS.items():
+            options = self.options_of(command)
+            for run in runs:
+                jobs.append((command, None, run, run))
+                jobs += [(command, name, run, self.words_with(command, run, name, argument))
+                         for name, argument in options.items()]
+        with concurrent.futures.ThreadPoolExecutor(max(2, os.cpu_count() or 1)) as pool:
+            results = list(pool.map(lambda job: self.outcome(job[0], job[1][0], job[1][3]), enumerate(jobs)))
+        plain, given, acts = {}, set(), set()
+        for (command, name, run, words), (code, made, told, said) in zip(jobs, results):
+            line = f"juliavdb {command} {' '.join(map(str, words))}"
+            if name is None:
+                self.assertEqual(code, DONE, f"{line}\n{said}")
+                plain[command, run] = code, made, told, said
+                continue
+            scope = FRACTALS if command in FRACTALS and name in VALUES[""] else (command, )
+            given.add((scope, name))
+            if (code, made, told, said) != plain[command, run]:
+                acts |= {(scope, name)} if code == DONE or f"--{name}" not in words[-1] else set()
+                with self.subTest(line=line):
+                    self.assertNotIn("crashed", said)
+                    self.assertTrue(code != USAGE or said.count("\n") == 1, said)
+                continue
+            if name not in CHANGES_NOTHING and name not in DEPENDS_ON_DATA:
+                with self.subTest(line=line):
+                    self.fail(f"--{name} is accepted, and changes nothing")
+        for scope, name in sorted(given - acts):
+            if name not in CHANGES_NOTHING:
+                with self.subTest(option=name, commands=scope):
+                    self.fail(f"--{name} changes no run; give it a value in VALUES, and a run to act on")
+
+
+class Refusals(harness.CliTest):
+
+    def setUp(self):
+        super().setUp()
+        self.write("s.obj", harness.obj(harness.sphere(2)))
+
+    def test_a_refusal_names_the_option_the_reason_and_the_way_out(self):
+        run = ("fractal", "s.obj", "-o", "f.vdb", *LOW)
+        self.refused(USAGE, *run, "--seed-stride", 2, mentions=("--seed-stride", "--follow", "leave it out"))
+        self.refused(USAGE, *run, "--cap", "--box", BOX, mentions=("--cap", "mesh", "leave it out"))
+        self.refused(USAGE, *run, "--mesh", "f.ply", "--cap", mentions=("--cap", "--box"))
+        self.refused(USAGE, *run, "--mesh", "f.ply", "--lod", "100%,10%", mentions=("--lod", "GLB"))
+        self.refused(USAGE, "fractal", "s.obj", "--mesh", "f.ply", *LOW, "--half", mentions=("--half", "VDB"))
+
+    def test_a_recipe_that_is_read_back_may_say_what_has_no_effect(self):
+        """Only what is typed is refused: a file's recipe holds all defaults, and serves other outputs."""
+        said = ("--grids", "surface,density", "--half", "--adaptivity", 0.2, "--follow", "--seed-stride", 4, "--box", BOX, "--cap")
+        self.ok("fractal", "s.obj", "-o", "f.vdb", "--mesh", "f.ply", *LOW, *said)
+        self.ok("fractal", "--config", "f.vdb", "--mesh", "again.ply")
+        self.assertEqual(self.bytes("again.ply"), self.bytes("f.ply"))
+        self.ok("fractal", "--config", "f.ply", "-o", "again.vdb")
+        self.assertEqual(self.bytes("again.vdb"), self.bytes("f.vdb"))
+        for command in (("slice", "f.vdb", "--size", 20), ("render", "--field", "f.vdb", "--size", "20x20")):
+            self.ok(*command, "-o", "f.png")
+        self.write("list.txt", "half = true\ncap = true\n")
+        self.ok("fractal", "s.obj", "--config", "list.txt", "--mesh", "listed.stl", *LOW)
+
+    def test_a_plan_refuses_what_one_run_refuses(self):
+        """Tiles, frames and cells are fractals, and their options have the same effects."""
+        self.ok("sheet", "s.obj", "-o", "x.png", "--vary", "alpha=20,40", "--size", "20x20", *LOW)
+        keys = ("--frames", "1-2", "--key", "alpha@1=20", "--key", "alpha@2=40")
+        plans = (("plan", "tiles", "s.obj", *LOW), ("plan", "frames", "s.obj", *keys, *LOW), ("plan", "sheet", "x.json"))
+        idle = {"vdb": (("--cap", "--box", BOX), ("--lod", "100%,10%"), ("--seed-stride", 2)), "ply": (("--half",), ("--cap",)),
+                "glb": (("--up", "z"), ("--grids", "density"))}
+        for make, options in idle.items():
+            for option in options:
+                for plan in plans:
+                    self.refused(USAGE, *plan, "-o", "plan", "--make", make, *option, mentions=(option[0], "has no effect"))
+        for plan in plans:
+            self.ok(*plan, "-o", "plan", "--make", "vdb,ply", "--half", "--cap", "--box", BOX)
+            shutil.rmtree(self.path("plan"))
+
+    def test_two_languages_exclude_each_other_however_they_are_given(self):
+        pairs = (("alpha", 10, "detail", 0.9), ("detail", 0.3, "alpha", 20), ("beta", 0.01, "outward", 0.2),
+                 ("outward", 0.2, "alpha", 20))
+        for one, value, other, another in pairs:
+            way = ("--key", f"{one}@1={value}")
+            for words in ((f"--{one}", value, f"--{other}", another, "-o", "f.vdb"),
+                          (*way, f"--{other}", another, "--frames", "1-2", "-o", "f.####.vdb"),
+                          (*way, "--key", f"{other}@1={another}", "--frames", "1-2", "-o", "f.####.vdb")):
+                self.refused(USAGE, "fractal", "s.obj", *LOW, *words, mentions=(f"--{one}", f"--{other}"))
+            self.refused(USAGE, "plan", "frames", "s.obj", *LOW, *way, f"--{other}", another, "--frames", "1-2", "-o", "plan",
+                         mentions=(f"--{one}", f"--{other}"))
+            self.refused(USAGE, "sheet", "s.obj", *LOW, "--vary", f"{one}={value}", f"--{other}", another, "-o", "x.png",
+                         "--size", "20x20", mentions=(f"--{one}", f"--{other}"))
+        self.write("roots.json", harness.rational_json(harness.ROOTS))
+        self.refused(USAGE, "fractal", "s.obj", *LOW, "--key", "versor@1=roots.json", "--versor-roots", 5, "--frames", "1-2", "-o",
+                     "f.####.vdb", mentions="--versor-roots")
+
+    def test_keys_and_varied_options_act_too(self):
+        self.refused(USAGE, "fractal", "s.obj", *LOW, "--key", "seed-stride@1=4", "--frames", "1-2", "-o", "f.####.vdb",
+                     mentions=("--seed-stride", "--follow"))
+        self.refused(USAGE, "sheet", "s.obj", *LOW, "--vary", "versor-radius=0.1,0.2", "--size", "20x20", "-o", "x.png",
+                     mentions=("--versor-radius", "cluster"))
+        # One frame, or one cell, in which an option acts is enough.
+        self.ok("fractal", "s.obj", *LOW, "--key", "versor@1=scales", "--key", "versor@2=random", "--ease", "step",
+                "--versor-seed", 3, "--frames", "1-2", "-o", "f.####.vdb")
+
+    def test_a_plan_finds_at_once_that_its_folder_cannot_be_made(self):
+        """Before any work: a target that cannot be used is not even looked at."""
+        self.write("open.obj", harness.obj(harness.with_hole(harness.sphere(2))))
+        for plan in (("tiles",), ("frames", "--frames", "1-2", "--key", "alpha@1=20")):
+            self.refused(harness.CANNOT_CREATE, "plan", *plan, "open.obj", "-o", "/proc/plan", mentions="/proc/plan")
+        self.refused(harness.BAD_DATA, "plan", "tiles", "open.obj", "-o", "new/plan", *LOW)
+        self.assertFalse(self.path("new").exists())
+
+    def test_info_shows_every_file_that_it_can(self):
+        self.write("bad.obj", "f 1 2 3\n")
+        self.write("t.obj", harness.obj(harness.torus()))
+        for words in ((), ("--json", )):
+            alone = [self.ok("info", name, *words, data=True) for name in ("s.obj", "t.obj")]
+            run = self.run_program("info", "s.obj", "bad.obj", "missing.obj", "t.obj", *words)
+            self.assertEqual((run.returncode, run.stdout.decode()), (harness.BAD_DATA, "".join(alone)))
+            for name in (b"bad.obj", b"missing.obj"):
+                self.assertIn(name, run.stderr)
+
+
+class Numbers(harness.CliTest):
+
+    def test_messages_have_no_digits_that_mean_nothing(self):
+        """No number of what a run says has more than four significant digits, but for whole numbers."""
+        self.write("s.obj", harness.obj(harness.lumpy()))
+        self.write("open.obj", harness.obj(harness.with_hole(harness.lumpy())))
+        self.write("c.obj", "".join("v {!r} {!r} {!r}\n".format(*p) for p in harness.sphere(3)[0]))
+        runs = [("fractal", "open.obj", "--repair", "-o", "f.vdb", "--mesh", "f.glb", "--lod", "100%,30%", *LOW),
+                ("fractal", "s.obj", "-o", "g.vdb", "--follow", "--resolution", 60, "--sdf-resolution", 16),
+                ("sdf", "open.obj", "--repair", "-o", "d.vdb", "--resolution", 20),
+                ("sdf", "c.obj", "--points-radius", 0.31, "-o", "c.vdb", "--resolution", 20),
+                ("points", "s.obj", "-o", "p.ply", "--spacing", 0.3), ("points", "f.vdb", "-o", "q.ply", "--points", 90),
+                ("print", "f.vdb", "-o", "p.stl", "--size", 60, "--min-thickness", 7, "--flat-base", 2, "--resolution", 30),
+                ("study", "s.obj", "--alpha", 20, "-o", "s.png", "--size", 16, "--versors", 3, *LOW),
+                ("fit", "s.obj", "-o", "r.json", "--schedule", "9(VF)", "--resolution", 17)]
+        for words in runs:
+            said = self.ok(*words)
+            for number in re.findall(r"(?<![\w.])-?(\d*\.\d+)", said):
+                with self.subTest(words=words, said=said):
+                    self.assertLessEqual(len(number.replace(".", "").lstrip("0")), 4, number)
+
+    def test_a_box_is_compared_with_the_part_of_the_target_in_it(self):
+        self.write("s.obj", harness.obj(harness.sphere(3)))
+        shares = []
+        for box in ("-2,-2,-2,2,2,2", "0,-2,-2,2,2,2", "0.2,0.2,0.2,0.8,0.8,0.8"):
+            said = self.ok("fractal", "s.obj", "-o", "f.vdb", "--box", box, "--resolution", 40, "--sdf-resolution", 40)
+            self.assertNotIn("warning", said)
+            shares.append(float(re.search(r"the set holds ([\d.]+) % of the target's volume within the box", said)[1]))
+        self.assertAlmostEqual(shares[0], shares[1], delta=3)
+        self.assertIn("warning", self.ok("fractal", "s.obj", "-o", "f.vdb", "--box", "0,-2,-2,2,2,2", "--detail", 0.99,
+                                         "--outward", 0, "--resolution", 40, "--sdf-resolution", 40))
+
+
+if __name__ == "__main__":
+    harness.main()

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// The distances of a target in a band: the same bits, however much wider the distances are that it is taken from.
+#include "support/temporary_folder.h"
+#include "support/test_fields.h"
+#include "support/test_meshes.h"
+
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/target/target_input.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace vdbtools;
+using namespace test_meshes;
+using openvdb::FloatGrid;
+using openvdb::Vec3d;
+
+class BandOfATarget : public testing::Test {
+ protected:
+  BandOfATarget() { openvdb::initialize(); }
+
+  static TargetOptions optionsOf(const Mesh& mesh, const MendOptions& mend) {
+    TargetOptions options;
+    options.mesh = std::make_shared<const Mesh>(mesh);
+    options.input.path = "mesh";
+    options.sdfVoxels.resolution = 21.3;
+    options.mend = mend;
+    return options;
+  }
+
+  /// Leaves, tiles, background, active nodes and all values.
+  static void expectSame(const Target& a, const Target& b) {
+    ASSERT_EQ(a.phi->background(), b.phi->background());
+    ASSERT_EQ(a.phi->voxelSize(), b.phi->voxelSize());
+    for (const Vec3d& at : {Vec3d(0), Vec3d(31, -17, 5)}) ASSERT_EQ(a.phi->indexToWorld(at), b.phi->indexToWorld(at));
+    ASSERT_TRUE(a.phi->tree().hasSameTopology(b.phi->tree()));
+    auto other = b.phi->cbeginValueAll();
+    for (auto value = a.phi->cbeginValueAll(); value; ++value, ++other) ASSERT_EQ(*value, *other) << value.getCoord();
+    EXPECT_EQ(a.denseBox, b.denseBox);
+    EXPECT_EQ(a.repairMoved, b.repairMoved);
+  }
+
+  /// Bands of all widths of some, from distances for all that hold them.
+  void expectOneBandFor(const TargetInput& input) {
+    std::mt19937 random(3);
+    const double longest = input.box().extents()[input.box().maxExtent()];
+    std::vector<BandWidths> widths;
+    constexpr int kWidths = 4;
+    for (int i = 0; i < kWidths; ++i)
+      widths.push_back({longest * static_cast<double>(random() % 1000) / 4000,
+                        longest * static_cast<double>(random() % 1000) / 4000, i == 2});
+    int compared = 0;
+    for (const BandWidths& narrow : widths) {
+      const Target alone = input.band(input.distances(narrow, mMonitor), narrow, mMonitor);
+      for (BandWidths wide : widths) {
+        wide.exterior += narrow.exterior;
+        wide.interior += narrow.interior;
+        wide.wholeInside |= narrow.wholeInside;
+        ASSERT_TRUE(wide.holds(narrow));
+        expectSame(input.band(input.distances(wide, mMonitor), narrow, mMonitor), alone);
+        ++compared;
+      }
+    }
+    EXPECT_EQ(compared, kWidths * kWidths);
+  }
+
+  TemporaryFolder mFolder;
+  Monitor mMonitor;
+};
+
+TEST_F(BandOfATarget, OfMeshes) {
+  const Mesh two = merged(makeSphere(1, 3), makeSphere(0.4, 3, Vec3d(1.2, 0.3, 0.1)));
+  for (const Mesh& mesh : {two, makeSoup(makeSphere(1, 4, Vec3d(7, 0, -2)), 0.01), makeCube()})
+    expectOneBandFor(*openTarget(optionsOf(mesh, {})));
+}
+
+TEST_F(BandOfATarget, OfMendedMeshes) {
+  const auto top = [](const Vec3d& at) { return at[1] > 0.5; };
+  const Mesh open = withoutTriangles(makeSphere(1, 3), top);
+  expectOneBandFor(*openTarget(optionsOf(open, {.repair = true})));
+  expectOneBandFor(*openTarget(optionsOf(open, {.repair = true, .gap = 1.8})));
+  expectOneBandFor(*openTarget(optionsOf(open, {.thicken = 0.3})));
+}
+
+// A repair that moves the surface far says the same of it in each band.
+TEST_F(BandOfATarget, OfMeshesWithPartsThatBoundNothing) {
+  const Mesh sheet =
+      withoutTriangles(makeSphere(0.3, 3, Vec3d(0, 1.5, 0)), [](const Vec3d& at) { return at[1] > 1.3; });
+  expectOneBandFor(*openTarget(
+      optionsOf(merged(withoutTriangles(makeSphere(1, 4), [](const Vec3d& at) { return at[0] > 0.95; }), sheet),
+                {.repair = true})));
+}
+
+TEST_F(BandOfATarget, OfVdbs) {
+  for (const FloatGrid::Ptr& grid :
+       {test_fields::bandGrid(test_fields::lumpy, 0.04, 0.12, 0.12),
+        test_fields::denseGrid(test_fields::lumpy, 0.06,
+                               openvdb::CoordBBox(openvdb::Coord(-12), openvdb::Coord(12)))}) {
+    TargetOptions options;
+    options.input.path = mFolder.path() / "target.vdb";
+    std::ofstream(options.input.path, std::ios::binary) << encodeVdb({grid}, {});
+    expectOneBandFor(*openTarget(options));
+  }
+}
+
+}  // namespace

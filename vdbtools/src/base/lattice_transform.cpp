@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/lattice_transform.h"
+
+#include <openvdb/util/Name.h>
+
+#include <cmath>
+#include <sstream>
+
+namespace vdbtools {
+
+using openvdb::Vec3d;
+using openvdb::math::Transform;
+
+bool isOrdinaryScale(const Vec3d& scale) {
+  return std::abs(scale[0] * scale[1] * scale[2]) >= 3.0 * openvdb::math::Tolerance<double>::value();
+}
+
+Transform::Ptr latticeTransform(double voxelSize) {
+  if (isOrdinaryScale(Vec3d(voxelSize))) return Transform::createLinearTransform(voxelSize);
+  // As from a file, for the constructors refuse it.
+  openvdb::initialize();
+  std::stringstream stream(std::ios::in | std::ios::out | std::ios::binary);
+  openvdb::writeString(stream, openvdb::math::UniformScaleMap::mapType());
+  const double inverse = 1 / voxelSize;
+  for (const double part : {voxelSize, std::abs(voxelSize), inverse, inverse * inverse, inverse / 2})
+    Vec3d(part).write(stream);
+  const auto transform = std::make_shared<Transform>();
+  transform->read(stream);
+  return transform;
+}
+
+Transform::Ptr coarserTransform(const Transform& fine) {
+  if (fine.isLinear() && !isOrdinaryScale(fine.voxelSize()))
+    return latticeTransform(2 * fine.indexToWorld(Vec3d(1))[0]);
+  const Transform::Ptr coarse = fine.copy();
+  coarse->preScale(2);
+  return coarse;
+}
+
+}  // namespace vdbtools

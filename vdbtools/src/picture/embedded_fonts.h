@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file embedded_fonts.h
+/// The files of DejaVu Sans, as parts of the library: text looks the same whatever fonts a machine has.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+namespace vdbtools {
+
+/// A TrueType file.
+std::span<const unsigned char> embeddedFont(bool isBold);
+
+}  // namespace vdbtools
