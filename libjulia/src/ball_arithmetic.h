@@ -81,9 +81,9 @@ Ball imageOf(const Cone& cone, const LogRange& l, const Embedding* embedding) {
   return ball;
 }
 
-/// Images of balls under e^l times the versor of a rational. @param embedding  as in imageOf()
-template <class Real>
-void imagesOf(const RationalEvaluator<Real>& versor, std::span<const Ball> balls, std::span<const LogRange> l,
+/// Images of balls under e^l times a versor. @param versor  has cones()  @param embedding  as in imageOf()
+template <class Real, class Versor>
+void imagesOf(const Versor& versor, std::span<const Ball> balls, std::span<const LogRange> l,
               std::span<std::optional<Ball>> images, const Embedding* embedding) {
   std::vector<Cone> cones(balls.size());
   versor.cones(balls, cones);

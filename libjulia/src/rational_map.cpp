@@ -23,7 +23,7 @@ void RationalMap<Real>::logModulusRanges(std::span<const Ball> balls, std::span<
 template <class Real>
 void RationalMap<Real>::images(std::span<const Ball> balls, std::span<const LogRange> l,
                                std::span<std::optional<Ball>> images) const {
-  imagesOf(mRational, balls, l, images, nullptr);
+  imagesOf<Real>(mRational, balls, l, images, nullptr);
 }
 
 template class RationalMap<float>;

@@ -13,10 +13,39 @@
 
 namespace julia {
 
+namespace {
+
+/// The versor of a rational.
+template <class Real>
+class RationalVersor final : public VersorField<Real> {
+ public:
+  explicit RationalVersor(const Rational& rational) : mRational(rational) {}
+
+  void versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const override { mRational.versor(q, u); }
+  void cones(std::span<const Ball> balls, std::span<Cone> cones) const override { mRational.cones(balls, cones); }
+  void logLeastParts(const QuaternionBatch<Real>& centres, Real radius, unsigned dropped,
+                     std::span<Real> l) const override {
+    mRational.logLeastParts(centres, radius, dropped, l);
+  }
+  /// Roots are about one unit away.
+  double turning() const override { return mRational.powers(); }
+  std::any describe() const override { return mRational.rational(); }
+
+ private:
+  RationalEvaluator<Real> mRational;
+};
+
+}  // namespace
+
+template <class Real>
+ShapeModulus<Real>::ShapeModulus(std::shared_ptr<const ScalarField<Real>> exponent,
+                                 std::shared_ptr<const VersorField<Real>> versor, DropAxis dropped)
+    : mExponent(std::move(exponent)), mVersor(std::move(versor)), mEmbedding{.dropped = dropped} {}
+
 template <class Real>
 ShapeModulus<Real>::ShapeModulus(std::shared_ptr<const ScalarField<Real>> exponent, const Rational& versor,
                                  DropAxis dropped)
-    : mExponent(std::move(exponent)), mVersor(versor), mEmbedding{.dropped = dropped} {}
+    : ShapeModulus(std::move(exponent), std::make_shared<const RationalVersor<Real>>(versor), dropped) {}
 
 template <class Real>
 void ShapeModulus<Real>::logModulus(const QuaternionBatch<Real>& q, std::span<Real> l) const {
@@ -26,7 +55,7 @@ void ShapeModulus<Real>::logModulus(const QuaternionBatch<Real>& q, std::span<Re
 
 template <class Real>
 void ShapeModulus<Real>::versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const {
-  mVersor.versor(q, u);
+  mVersor->versor(q, u);
 }
 
 template <class Real>
@@ -49,7 +78,7 @@ void ShapeModulus<Real>::logModulusRanges(std::span<const Ball> balls, std::span
 template <class Real>
 void ShapeModulus<Real>::images(std::span<const Ball> balls, std::span<const LogRange> l,
                                 std::span<std::optional<Ball>> images) const {
-  imagesOf(mVersor, balls, l, images, &mEmbedding);
+  imagesOf<Real>(*mVersor, balls, l, images, &mEmbedding);
 }
 
 template <class Real>
@@ -64,17 +93,17 @@ typename Map<Real>::Outlook ShapeModulus<Real>::outlook(double wanted) const {
     const double middle = (near + far) / 2;
     (mExponent->lowestBeyond(middle) >= wanted ? far : near) = middle;
   }
-  // Roots are about one unit away, where balls of this radius turn versors by half a radian.
+  // Balls of the radius below turn versors by half a radian.
   constexpr double kTurning = 0.5;
   return {static_cast<Real>(elementary::log(far)) + 8 * std::numeric_limits<Real>::epsilon(),
-          kTurning / mVersor.powers()};
+          kTurning / mVersor->turning()};
 }
 
 template <class Real>
 void ShapeModulus<Real>::settling(const QuaternionBatch<Real>& centres, Real radius,
                                   const typename Map<Real>::Outlook& outlook, std::span<Real> bounds) const {
   const Quaternion<unsigned> numbers{0, 1, 2, 3};
-  mVersor.logLeastParts(centres, radius, mEmbedding.slicePart(numbers), bounds);
+  mVersor->logLeastParts(centres, radius, mEmbedding.slicePart(numbers), bounds);
   // |e^l v| is at least as far from the origin as asked for.
   constexpr Real kRounding = 32 * std::numeric_limits<Real>::epsilon();
   for (Real& bound : bounds) bound = (outlook.least - bound) + kRounding * (1 + std::abs(outlook.least - bound));

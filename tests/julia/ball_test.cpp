@@ -9,6 +9,7 @@
 #include "julia/rational_map.h"
 #include "julia/shape_modulus.h"
 #include "support/float128.h"
+#include "support/random_waves.h"
 
 #include <gtest/gtest.h>
 
@@ -335,6 +336,28 @@ TYPED_TEST(BallLaws, stepOfAShapeModulusHoldsEveryPoint) {
     if (this->HasFailure()) return;
   }
   EXPECT_GT(hollows, 5000);
+}
+
+TYPED_TEST(BallLaws, stepOfWavesHoldsEveryPoint) {
+  using Real = TypeParam;
+  Random random(912);
+  const auto field = bricksOf<Real>([&](double x, double y, double z) { return 10 * lumpy(x, y, z); },
+                                    Interpolation::Trilinear, 0.6, 1. / 64);
+  const auto octave = bricksOf<Real>([&](double x, double y, double z) { return 1.5 + 20 * lumpy(z, x, y); },
+                                     Interpolation::Trilinear, 0.6, 1. / 32);
+  double useful = 0;
+  for (int round = 0; round < 200; ++round) {
+    const julia::WaveTexture texture = law_tests::randomWaves(random);
+    const DropAxis dropped = std::array{DropAxis::I, DropAxis::J, DropAxis::K}[static_cast<std::size_t>(round) % 3];
+    const julia::ShapeModulus<Real> map(field, std::make_shared<julia::WaveVersor<Real>>(texture, octave, dropped),
+                                        dropped);
+    std::vector<Ball> balls;
+    for (int i = 0; i < 60; ++i) balls.push_back({random.inBall(), i % 10 == 0 ? 0 : logUniform(random, 1e-9, 0.02)});
+    useful += expectHolds<Real>(map, random, balls, "waves " + std::to_string(round), dropped) / 200;
+    if (this->HasFailure()) return;
+  }
+  this->RecordProperty("useful", std::to_string(useful));
+  EXPECT_GT(useful, 0.4);
 }
 
 /// Wherever l is at least the bound, the l of the next step is at least what was wanted.

@@ -11,8 +11,11 @@
 #include "julia/rational_map.h"
 #include "julia/reference.h"
 #include "julia/reference_triplex.h"
+#include "julia/reference_waves.h"
 #include "julia/shape_modulus.h"
 #include "support/float128.h"
+
+#include "support/random_waves.h"
 
 #include <gtest/gtest.h>
 
@@ -126,7 +129,17 @@ reference::Orbit<Long> referenceOrbit(const FieldDescription& field, const Point
     const auto exponent = [shape](const Quaternion<Long>& q) {
       return read(*shape->exponent, Embedding{.dropped = shape->dropped}.point(q));
     };
-    return reference::orbit<Long>(reference::shapeModulus<Long>(exponent, shape->versor), start, n, escape);
+    if (const auto* waves = std::any_cast<julia::WaveVersorDescription>(&shape->versor)) {
+      const auto versor = [waves](const Quaternion<Long>& q) {
+        Long least = 1;
+        const Long octave = read(*waves->octave, Embedding{.dropped = waves->dropped}.point(q));
+        return std::optional(reference::wavesAt<Long>(waves->texture, q, octave, least));
+      };
+      return reference::orbit<Long>(reference::shapeModulus<Long>(exponent, reference::MapFunction<Long>(versor)),
+                                    start, n, escape);
+    }
+    const auto& rational = std::any_cast<const Rational&>(shape->versor);
+    return reference::orbit<Long>(reference::shapeModulus<Long>(exponent, rational), start, n, escape);
   }
   if (const auto* rational = std::any_cast<Rational>(&field.map))
     return reference::orbit<Long>(reference::rationalMap<Long>(*rational), start, n, escape);
@@ -218,6 +231,18 @@ TEST(MapDescription, ofTheShapeModulusHoldsItsBricksRootsAndPowers) {
       const auto evaluator = makeFieldEvaluator<double>(map, Embedding{0.05, dropped}, OrbitOptions{});
       expectSameSigns(*evaluator, 0.6, "shape modulus, dropped axis " + std::to_string(static_cast<int>(dropped)));
     }
+}
+
+TEST(MapDescription, ofWavesHoldsTheirOctaveToo) {
+  law_tests::Random random(51);
+  for (const DropAxis dropped : {DropAxis::I, DropAxis::J, DropAxis::K}) {
+    const julia::PlacedBricks bricks = lumpyBricks(Interpolation::Trilinear);
+    const auto field = std::make_shared<julia::BrickField<double>>(bricks.bricks, bricks.placement);
+    const auto versor = std::make_shared<julia::WaveVersor<double>>(law_tests::randomWaves(random), field, dropped);
+    const auto map = std::make_shared<julia::ShapeModulus<double>>(field, versor, dropped);
+    const auto evaluator = makeFieldEvaluator<double>(map, Embedding{0.05, dropped}, OrbitOptions{});
+    expectSameSigns(*evaluator, 0.6, "waves, dropped axis " + std::to_string(static_cast<int>(dropped)));
+  }
 }
 
 TEST(MapDescription, ofARationalIsTheRational) {

@@ -27,6 +27,12 @@ struct LogRange {
   double high = std::numeric_limits<double>::infinity();
 };
 
+/// The directions in which the versors over a ball may point: those within an angle of an axis.
+struct Cone {
+  Quaternion<double> axis = Quaternion<double>::one();
+  double quadrants = 2;  ///< the angle in quarter turns; 1 or more where nothing is known
+};
+
 enum class Decision : std::uint8_t {
   Undecided,
   Inside,   ///< F < 0 at each point

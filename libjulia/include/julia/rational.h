@@ -59,12 +59,6 @@ Rational product(const Rational& left, const Rational& right);
 /// @throw std::invalid_argument naming the first number that is not finite
 void requireFinite(const Rational& rational);
 
-/// The directions in which the versors over a ball may point: those within an angle of an axis.
-struct Cone {
-  Quaternion<double> axis = Quaternion<double>::one();
-  double quadrants = 2;  ///< the angle in quarter turns; 1 or more where nothing is known
-};
-
 /// A rational ready to be evaluated in the type Real. Where q hits roots exactly, the sum of their powers decides: a
 /// positive sum gives l = -inf, a negative one +inf, and with a sum of 0 (coincident top and bottom roots) they cancel.
 /// The versor of a root that is hit is 1. Evaluation is const and may run in many threads at once.

@@ -93,19 +93,24 @@ MapFunction<T> quadraticMap(const Quaternion<double>& c) {
   return [c = c.as<T>()](const Quaternion<T>& q) { return std::optional(q * q + c); };
 }
 
-/// [SK23] Eq. 3, with E given as a function of q; the versor of 0 is 1.
+/// [SK23] Eq. 3 over any map p as the versor, with E given as a function of q; the versor of 0 is 1.
 template <class T>
-MapFunction<T> shapeModulus(std::function<T(const Quaternion<T>&)> exponent, Rational versor, bool guard = false) {
-  return [exponent = std::move(exponent), versor = std::move(versor),
-          guard](const Quaternion<T>& q) -> std::optional<Quaternion<T>> {
+MapFunction<T> shapeModulus(std::function<T(const Quaternion<T>&)> exponent, MapFunction<T> versor) {
+  return [exponent = std::move(exponent),
+          versor = std::move(versor)](const Quaternion<T>& q) -> std::optional<Quaternion<T>> {
     using std::exp;
-    const std::optional<Quaternion<T>> p = evaluate<T>(versor, q, guard);
+    const std::optional<Quaternion<T>> p = versor(q);
     if (!p) return std::nullopt;
     const T length = norm(*p);
     const T modulus = exp(exponent(q));
     if (length == T(0)) return Quaternion<T>{modulus, T(0), T(0), T(0)};
     return *p * T(modulus / length);
   };
+}
+
+template <class T>
+MapFunction<T> shapeModulus(std::function<T(const Quaternion<T>&)> exponent, Rational versor, bool guard = false) {
+  return shapeModulus<T>(std::move(exponent), rationalMap<T>(std::move(versor), guard));
 }
 
 template <class T>

@@ -12,7 +12,9 @@
 #include "julia/map.h"
 #include "julia/rational.h"
 #include "julia/scalar_field.h"
+#include "julia/versor_field.h"
 
+#include <any>
 #include <memory>
 #include <optional>
 
@@ -21,20 +23,23 @@ namespace julia {
 /// What ShapeModulus::describe() returns.
 struct ShapeModulusDescription {
   std::optional<PlacedBricks> exponent;  ///< E; empty if the field that was given does not describe itself
-  Rational versor;                       ///< p; its logScale has no effect
+  std::any versor;                       ///< as VersorField::describe(): a Rational p, whose logScale has no effect
   DropAxis dropped = DropAxis::K;        ///< the component of q at which E is not read
 };
 
 template <class Real>
 class ShapeModulus final : public Map<Real> {
  public:
+  ShapeModulus(std::shared_ptr<const ScalarField<Real>> exponent, std::shared_ptr<const VersorField<Real>> versor,
+               DropAxis dropped);
+  /// With the versor of a rational.
   ShapeModulus(std::shared_ptr<const ScalarField<Real>> exponent, const Rational& versor, DropAxis dropped);
 
   void logModulus(const QuaternionBatch<Real>& q, std::span<Real> l) const override;
   void versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const override;
   Real surfaceLevel(Real) const override { return 0; }
   MapDescription describe() const override {
-    return ShapeModulusDescription{mExponent->describe(), mVersor.rational(), mEmbedding.dropped};
+    return ShapeModulusDescription{mExponent->describe(), mVersor->describe(), mEmbedding.dropped};
   }
   void logModulusRanges(std::span<const Ball> balls, std::span<LogRange> l) const override;
   void images(std::span<const Ball> balls, std::span<const LogRange> l,
@@ -47,7 +52,7 @@ class ShapeModulus final : public Map<Real> {
 
  private:
   std::shared_ptr<const ScalarField<Real>> mExponent;
-  RationalEvaluator<Real> mVersor;
+  std::shared_ptr<const VersorField<Real>> mVersor;
   Embedding mEmbedding;  ///< for its dropped axis
 };
 

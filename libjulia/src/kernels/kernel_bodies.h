@@ -10,6 +10,7 @@
 #include "elementary.h"
 #include "fit_bodies.h"
 #include "kernels.h"
+#include "wave_bodies.h"
 
 #if defined(__AVX512F__)
 #include <immintrin.h>
@@ -513,6 +514,7 @@ constexpr Kernels<Real> kTable = {
                     crossSecond<Real, PairC>, crossSecond<Real, PairD>, crossSecond<Real, PairE>},
     .crossProduct = crossProduct<Real>,
     .triplex = triplex<Real>,
+    .waveVersor = waveVersor<Real>,
     .sampleTrilinear = sampleTrilinear<Real>,
     .sampleQuadratic = sampleQuadratic<Real>,
     .logDistances = logDistances<Real>,

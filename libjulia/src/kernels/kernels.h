@@ -67,6 +67,20 @@ struct BrickLattice {
   const float* values;           ///< of all bricks
 };
 
+/// A wave (julia/wave_versor.h).
+template <class Real>
+struct WaveTerm {
+  Real frequency[4];
+  Real cosine[4], sine[4];
+};
+/// A factor of waves first to last - 1.
+template <class Real>
+struct WaveSpan {
+  std::size_t first, last;
+  std::uint32_t power;  ///< its magnitude
+  Real conjugated;      ///< -1 for a negative one, else 1
+};
+
 /// Rows and columns of the tiles that dense matrices are multiplied by.
 constexpr std::size_t kTile = 64;
 
@@ -107,6 +121,9 @@ struct Kernels {
   /// next = p^power + c.
   void (*triplex)(const TriplexPower<Real>& power, const Addend<Real>& c, ConstBatch<Real> p, Batch<Real> next,
                   std::size_t size);
+  /// The versors of waves by octaves, each from -40 to 40.
+  void (*waveVersor)(const WaveTerm<Real>* waves, const WaveSpan<Real>* factors, std::size_t factorCount,
+                     ConstBatch<Real> q, const Real* octave, Batch<Real> u, std::size_t size);
   /// Trilinear: bricks of 8^3 cells, 9^3 values. Between nodes of a cell the result is linear along each axis.
   void (*sampleTrilinear)(const BrickLattice<Real>& lattice, const Real* x, const Real* y, const Real* z, Real* out,
                           std::size_t size);

@@ -151,7 +151,9 @@ void describeMap(const julia::MapDescription& map, const SceneDataOptions& optio
     if (!shape->exponent) throw std::invalid_argument("the map's exponent has no description");
     const Volume volume(*shape->exponent, options.side);
     scene["map"] = "shape-modulus";
-    scene["factors"] = factors(shape->versor);
+    const auto* versor = std::any_cast<julia::Rational>(&shape->versor);
+    if (!versor) throw std::invalid_argument("a texture of waves has no live picture yet");
+    scene["factors"] = factors(*versor);
     scene["exponent"] = volume.description();
     data.volume = volume.bytes();
   } else if (const auto* rational = std::any_cast<julia::Rational>(&map)) {

@@ -442,11 +442,21 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
     if (fitted && options.space.kind == SpaceKind::Fit) shape = fitted->box;
   }
 
+  std::optional<OctaveGrid> octave;
+  if (const ControlSetting* frequency = options.map->frequency(); frequency && options.target) {
+    SharedTarget& shared = *mShared->target;
+    const double slope = scene.exponentOf && scene.exponentOf->detail
+                             ? thicknessSlope(scene.exponentOf->detail->detail.range().second)
+                             : kThicknessSlope;
+    ControlContext context{.targetBox = shared.input().box(), .mesh = shared.input().mesh()};
+    octave = octaveGrid(shared.survey(monitor).thickness(monitor, slope), (*frequency)->bind(context), placed.unmoved);
+  }
   scene.map = options.map->instance({.files = files,
                                      .target = scene.target ? &*scene.target : nullptr,
                                      .space = placed.space,
                                      .unmovedSpace = placed.unmoved,
-                                     .exponent = scene.exponent ? &*scene.exponent : nullptr});
+                                     .exponent = scene.exponent ? &*scene.exponent : nullptr,
+                                     .octave = octave ? &*octave : nullptr});
   scene.facts.merge(scene.map->facts());
 
   const Lattice lattice = chooseLattice(options, scene.exponent.has_value(), shape, files, placed.space);

@@ -269,6 +269,7 @@ std::vector<OptionSpec> rootsOptions() {
     }
     options.push_back(std::move(option));
   }
+  options.push_back(kept({.name = "frequency", .argument = "F", .defaultValue = "1", .help = "features across the thickness"}));
   options.push_back(
       kept({.name = "versor-scale", .argument = "F", .defaultValue = "1", .help = "scale the roots about the origin"}));
   options.push_back(kept({.name = "versor-translate",
@@ -316,6 +317,7 @@ RootsSettings parseRoots(const RecipeReader& reader, const std::string& fileOpti
       reader.refuse(fileOption, "one of " + knownVersors() + didYouMean(name, textureNames()));
     settings.random = parseRandomRoots(reader);
   }
+  if (settings.texture && !settings.texture->waves.empty()) settings.frequency = parseControl(reader, "frequency");
   settings.random.embedding = parseEmbedding(reader);
   settings.scale = reader.number("versor-scale");
   if (settings.scale == 0) reader.refuse("versor-scale", "other than 0");

@@ -47,12 +47,20 @@ class ShapeModulusInstance final : public MapInstance {
         mSpace(context.space),
         mUnmovedSpace(context.unmovedSpace),
         mExponent(std::make_shared<const ExponentFields>(*context.exponent)),
-        mRoots(placeRoots(settings, embedding, context)) {}
+        mRoots(placeRoots(settings, embedding, context)) {
+    if (context.octave) mOctave = *context.octave;
+  }
 
   std::unique_ptr<julia::FieldEvaluator> evaluator(Arithmetic arithmetic,
                                                    const julia::OrbitOptions& orbit) const override {
     return makeEvaluator(
         arithmetic, mEmbedding, orbit, [this]<class Real>() -> std::shared_ptr<const julia::Map<Real>> {
+          if (mOctave)
+            return std::make_shared<julia::ShapeModulus<Real>>(
+                mExponent->get<Real>(),
+                std::make_shared<julia::WaveVersor<Real>>(wavesOf(*mSettings.texture, mSettings.random.seed, mEmbedding),
+                                                          makeOctaveField<Real>(*mOctave), mEmbedding.dropped),
+                mEmbedding.dropped);
           return std::make_shared<julia::ShapeModulus<Real>>(mExponent->get<Real>(), mRoots.placed, mEmbedding.dropped);
         });
   }
@@ -80,6 +88,7 @@ class ShapeModulusInstance final : public MapInstance {
   FractalSpace mSpace, mUnmovedSpace;
   std::shared_ptr<const ExponentFields> mExponent;
   PlacedRoots mRoots;
+  std::optional<OctaveGrid> mOctave;
 };
 
 class ShapeModulusSettings final : public MapSettings {
@@ -97,6 +106,7 @@ class ShapeModulusSettings final : public MapSettings {
   }
   MapFiles readFiles() const override { return {.roots = readRoots(mRoots)}; }
   const ShellSettings* shell() const override { return &mShell; }
+  const ControlSetting* frequency() const override { return mRoots.frequency ? &mRoots.frequency : nullptr; }
   double interiorReach() const override { return interiorReachOf(mRoots); }
 
   std::shared_ptr<const MapInstance> instance(const MapContext& context) const override {

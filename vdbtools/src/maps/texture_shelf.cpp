@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/maps/texture_shelf.h"
 
+#include "base/counter_random.h"
+
 #include "julia/root_patterns.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace vdbtools {
@@ -100,6 +103,32 @@ const std::vector<Texture>& textureShelf() {
 }
 
 const Texture* findTexture(const std::string& name) {
+  if (name.rfind("waves:", 0) == 0) {
+    auto* t = new Texture{name, "trial", {}};
+    std::string text = name.substr(6);
+    std::size_t at = 0;
+    while (at <= text.size()) {
+      const std::size_t end = std::min(text.find('+', at), text.size());
+      const std::string part = text.substr(at, end - at);
+      at = end + 1;
+      std::vector<double> n;
+      for (std::size_t i = 1; i < part.size();) {
+        const std::size_t e = std::min(part.find(',', i + 1), part.size());
+        n.push_back(std::stod(part.substr(i + 1, e - i - 1)));
+        i = e;
+      }
+      WaveStrand w;
+      if (part[0] == 'n') {
+        w.count = int(n.at(0)); w.power = int(n.at(1));
+        w.stretch = {n.at(2), n.at(3), n.at(4)}; w.depth = n.at(5); w.seed = std::uint64_t(n.at(6));
+      } else {
+        w.count = 1; w.power = int(n.at(0)); w.stretch = {n.at(1), n.at(2), n.at(3)}; w.depth = n.at(4);
+        w.turn = {n.at(5), n.at(6), n.at(7)};
+      }
+      t->waves.push_back(w);
+    }
+    return t;
+  }
   for (const Texture& texture : textureShelf())
     if (texture.name == name) return &texture;
   return nullptr;
@@ -111,6 +140,46 @@ double surfaceReach(const Texture& texture) {
   // Newton's steps read the distance a little beyond the points that they begin at.
   constexpr double kBeyond = 1.5;
   return std::any_of(texture.strands.begin(), texture.strands.end(), isOnSurface) ? kBeyond * kSurfaceReach : 0;
+}
+
+julia::WaveTexture wavesOf(const Texture& texture, std::uint64_t seed, const julia::Embedding& embedding) {
+  julia::WaveTexture made;
+  for (const WaveStrand& strand : texture.waves) {
+    julia::WaveFactor factor{{}, strand.power};
+    std::uint64_t counter = 0;
+    const auto unit = [&] { return randomUnit(seed, strand.seed, counter++); };
+    const auto normal = [&] {
+      double sum = -6;
+      for (int i = 0; i < 12; ++i) sum += unit();
+      return sum;
+    };
+    const auto direction = [&] {
+      julia::Quaternion<double> q{normal(), normal(), normal(), normal()};
+      return q * (1 / std::sqrt(julia::normSquared(q)));
+    };
+    const auto placed = [&](double x, double y, double z, double w) {
+      julia::Embedding e = embedding;
+      e.slice = w;
+      return e.quaternion<double>({x, y, z});
+    };
+    for (int i = 0; i < strand.count; ++i) {
+      if (strand.count == 1) {
+        const auto& t = strand.turn;
+        factor.waves.push_back({placed(strand.stretch[0], strand.stretch[1], strand.stretch[2], strand.depth), {1, 0, 0, 0}, {0, t[0], t[1], t[2]}});
+        continue;
+      }
+      const auto d = direction();
+      const double length = 0.75 + 0.5 * unit();
+      const auto c = direction();
+      auto s = direction();
+      const double dot = c.a * s.a + c.b * s.b + c.c * s.c + c.d * s.d;
+      s = s - c * dot;
+      s = s * (1 / std::sqrt(julia::normSquared(s)));
+      factor.waves.push_back({placed(length * d.a * strand.stretch[0], length * d.b * strand.stretch[1], length * d.c * strand.stretch[2], length * d.d * strand.depth), c, s});
+    }
+    made.factors.push_back(std::move(factor));
+  }
+  return made;
 }
 
 julia::Rational placeTexture(const Texture& texture, const TextureSite& site, std::uint64_t seed,

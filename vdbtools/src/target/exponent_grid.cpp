@@ -8,6 +8,7 @@
 #include "target/band_growth.h"
 #include "target/cell_corners.h"
 #include "target/exponent_law.h"
+#include "target/lattice_field.h"
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/target/fit_space.h"
 #include "vdbtools/target/grid_sampler.h"
@@ -559,21 +560,7 @@ std::shared_ptr<const julia::ScalarField<Real>> makeExponentField(const Exponent
     nodes = *exponent.denseBox;
   else
     nodes.expand(kRim);
-  const GridBricks made = makeBricks(*exponent.grid, nodes, exponent.interpolation);
-  const auto position = [&](double x, double y, double z) {
-    return exponent.grid->worldToIndex(exponent.space.toWorld({x, y, z})) - made.origin.asVec3d();
-  };
-  const Vec3d zero = position(0, 0, 0);
-  const Vec3d columns[3] = {position(1, 0, 0) - zero, position(0, 1, 0) - zero, position(0, 0, 1) - zero};
-  julia::BrickPlacement placement;
-  for (int row = 0; row < 3; ++row) {
-    const auto r = static_cast<std::size_t>(row);
-    for (std::size_t column = 0; column < 3; ++column) placement.matrix[r][column] = columns[column][row];
-    placement.offset[r] = zero[row];
-    placement.low[r] = nodes.min()[row] - made.origin[row];
-    placement.high[r] = nodes.max()[row] - made.origin[row];
-  }
-  return std::make_shared<julia::BrickField<Real>>(made.bricks, placement);
+  return makeLatticeField<Real>(*exponent.grid, nodes, exponent.space, exponent.interpolation);
 }
 
 template std::shared_ptr<const julia::ScalarField<float>> makeExponentField(const ExponentGrid&);

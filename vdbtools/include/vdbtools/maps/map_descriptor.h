@@ -19,6 +19,7 @@
 #include "vdbtools/recipe/option_table.h"
 #include "vdbtools/recipe/recipe_reader.h"
 #include "vdbtools/target/exponent_grid.h"
+#include "vdbtools/target/octave_grid.h"
 
 #include "julia/embedding.h"
 #include "julia/evaluator.h"
@@ -50,6 +51,7 @@ struct MapContext {
   const FractalSpace& space;               ///< where the map lives
   const FractalSpace& unmovedSpace;        ///< the same before its origin was moved: where random roots are strewn
   const ExponentGrid* exponent = nullptr;  ///< of a map with MapSettings::shell(); else nullptr
+  const OctaveGrid* octave = nullptr;      ///< of a map with MapSettings::frequency(); else nullptr
 };
 
 /// The map in a scene. Immutable; what it needs of the context it has taken.
@@ -110,6 +112,9 @@ class MapSettings {
 
   /// Of a map that is made from an exponent grid; nullptr for the others, which are evaluated in a region.
   virtual const ShellSettings* shell() const { return nullptr; }
+  /// Of a map whose texture follows the target's local thickness: the number of its features across that; nullptr for
+  /// the others.
+  virtual const ControlSetting* frequency() const { return nullptr; }
   /// How deep inside the target the map must know distances for other reasons, as a share of its longest side.
   virtual double interiorReach() const { return 0; }
 

@@ -51,6 +51,7 @@ struct RootsSettings {
   const Texture* texture = nullptr;  ///< of textureShelf()
   /// Where there is neither of the two; but for what the target says. The seed varies a texture too.
   julia::RandomRootsOptions random;
+  ControlSetting frequency;  ///< of a texture that follows the thickness; else not there
   double scale = 1;
   openvdb::Vec3d translate{0, 0, 0};  ///< units of fractal space
 };

@@ -8,6 +8,7 @@
 
 #include "julia/embedding.h"
 #include "julia/rational.h"
+#include "julia/wave_versor.h"
 
 #include <cstdint>
 #include <functional>
@@ -40,10 +41,21 @@ struct Strand {
   double jitter = 0;                    ///< standard deviation of a random displacement of each point
 };
 
+/// One factor of a texture of waves.
+struct WaveStrand {
+  int count = 1;                       ///< of waves; one makes bands, many make a field of roots and poles
+  int power = 1;                       ///< as WaveFactor
+  julia::Point stretch{1, 1, 1};       ///< by how much the frequencies along X, Y and Z differ; of bands the frequency
+  double depth = 1;                    ///< the same along the fourth component
+  julia::Point turn{1, 0, 0};          ///< of bands: the axis i, j, k of their turn
+  std::uint64_t seed = 1;
+};
+
 struct Texture {
   std::string name;         ///< one word
   std::string description;  ///< one sentence
   std::vector<Strand> strands;
+  std::vector<WaveStrand> waves{};  ///< instead of strands: a texture that follows the thickness
 
   /// Whether a seed changes it.
   bool varies() const;
@@ -55,6 +67,9 @@ const std::vector<Texture>& textureShelf();
 const Texture* findTexture(const std::string& name);
 /// The one that a fractal has without any option: the one that serves most shapes best.
 const Texture& defaultTexture();
+
+/// The waves of a texture that has them.
+julia::WaveTexture wavesOf(const Texture& texture, std::uint64_t seed, const julia::Embedding& embedding);
 
 /// Where roots are placed.
 struct TextureSite {

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file wave_versor.h
+/// Versors of waves, whose scale may differ from place to place: the texture of a thin part is as much finer as the
+/// part is thinner.
+///
+/// A *factor* is the versor of a sum of plane waves with quaternions as amplitudes, to a whole power,
+///
+///   g(p) = sum_k  c_k cos(2 pi w_k . p) + s_k sin(2 pi w_k . p),        (g / |g|)^P
+///
+/// With one wave, c = 1 and s a unit imaginary, g is a turn about an axis: bands across w. A sum of many has zeros at
+/// isolated points of the four dimensions. About each of them its direction takes all values, as about a root or a pole
+/// of a rational map ([Kim15] Eq. 2); there are as many as the waves are short, everywhere, and they cost nothing. A
+/// texture B is an ordered product of factors.
+///
+/// The *octave* o is a scalar on space: the versor has 2^o times the frequencies of the texture there. With k the
+/// largest whole number below o,
+///
+///   u(q) = the versor of  (1 - t) B(2^k q) + t B(2^(k+1) q),   t = f^2 (3 - 2 f),   f = o - k
+///
+/// as octaves of noise are blended; compare the phasor noise of [Tricard et al. 2019], whose phases are waves with a
+/// frequency that varies. The waves of the finer octave follow from those of the coarser one by the formulas for
+/// doubled angles.
+#pragma once
+
+#include "julia/embedding.h"
+#include "julia/quaternion.h"
+#include "julia/scalar_field.h"
+#include "julia/versor_field.h"
+
+#include <any>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace julia {
+
+struct Wave {
+  Quaternion<double> frequency;     ///< w, turns for each unit
+  Quaternion<double> cosine, sine;  ///< the amplitudes c and s
+
+  friend bool operator==(const Wave&, const Wave&) = default;
+};
+
+struct WaveFactor {
+  std::vector<Wave> waves;
+  int power = 1;  ///< P, -kMostWavePower to kMostWavePower and not 0
+
+  friend bool operator==(const WaveFactor&, const WaveFactor&) = default;
+};
+
+inline constexpr int kMostWavePower = 64;
+
+struct WaveTexture {
+  std::vector<WaveFactor> factors;
+
+  friend bool operator==(const WaveTexture&, const WaveTexture&) = default;
+};
+
+/// What WaveVersor::describe() returns.
+struct WaveVersorDescription {
+  WaveTexture texture;
+  std::optional<PlacedBricks> octave;  ///< o; empty if the field that was given does not describe itself
+  DropAxis dropped = DropAxis::K;      ///< the component of q at which the octave is not read
+};
+
+/// @throw std::invalid_argument  no factor or no wave, a power out of range, numbers that are not finite
+void requireValid(const WaveTexture& texture);
+
+template <class Real>
+class WaveVersor final : public VersorField<Real> {
+ public:
+  /// @param octave  from -kMostOctave to kMostOctave; beyond, the nearer of the two is taken
+  /// @throw std::invalid_argument  as requireValid()
+  WaveVersor(const WaveTexture& texture, std::shared_ptr<const ScalarField<Real>> octave, DropAxis dropped);
+  ~WaveVersor() override;
+
+  void versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const override;
+  void cones(std::span<const Ball> balls, std::span<Cone> cones) const override;
+  std::any describe() const override {
+    return WaveVersorDescription{mTexture, mOctave->describe(), mEmbedding.dropped};
+  }
+
+ private:
+  struct Plan;
+  WaveTexture mTexture;
+  std::shared_ptr<const ScalarField<Real>> mOctave;
+  Embedding mEmbedding;
+  std::unique_ptr<const Plan> mPlan;
+};
+
+inline constexpr double kMostOctave = 40;
+
+extern template class WaveVersor<float>;
+extern template class WaveVersor<double>;
+
+}  // namespace julia

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file wave_bodies.h
+/// Versors of waves (julia/wave_versor.h). See kernel_bodies.h for what must not stand here.
+#pragma once
+
+#include "blocks.h"
+
+namespace julia::kernels {
+namespace {
+
+/// A sum of waves, and its product with itself.
+template <class Real>
+using Rows4 = Row<Real>[4];
+
+/// to = from / |from|; 1 where |from| is too small to have a direction.
+template <class Real>
+JULIA_INLINE void unitRows(const Rows4<Real>& from, Rows4<Real>& to, std::size_t padded) {
+  JULIA_FOR_POINTS {
+    const Real a = from[0][i], b = from[1][i], c = from[2][i], d = from[3][i];
+    const Real square = a * a + b * b + c * c + d * d;
+    const bool has = square >= Ieee<Real>::kTiny;
+    const Real by = has ? 1 / squareRoot(has ? square : Real(1)) : Real(0);
+    to[0][i] = has ? a * by : Real(1);
+    to[1][i] = b * by;
+    to[2][i] = c * by;
+    to[3][i] = d * by;
+  }
+}
+
+/// u = u g. @param conjugated  with the conjugate of g
+template <class Real>
+JULIA_INLINE void multiplyRows(Rows4<Real>& u, const Rows4<Real>& g, Real conjugated, std::size_t padded) {
+  JULIA_FOR_POINTS {
+    const Real ga = g[0][i], gb = conjugated * g[1][i], gc = conjugated * g[2][i], gd = conjugated * g[3][i];
+    const Real ua = u[0][i], ub = u[1][i], uc = u[2][i], ud = u[3][i];
+    u[0][i] = ua * ga - ub * gb - uc * gc - ud * gd;
+    u[1][i] = ua * gb + ub * ga + uc * gd - ud * gc;
+    u[2][i] = ua * gc - ub * gd + uc * ga + ud * gb;
+    u[3][i] = ua * gd + ub * gc - uc * gb + ud * ga;
+  }
+}
+
+template <class Real>
+void waveVersor(const WaveTerm<Real>* waves, const WaveSpan<Real>* factors, std::size_t factorCount,
+                ConstBatch<Real> points, const Real* octave, Batch<Real> out, std::size_t size) {
+  using I = Ieee<Real>;
+  alignas(64) Rows4<Real> q, coarse, fine, sum, sumFine;
+  alignas(64) Row<Real> blend;
+  for (std::size_t begin = 0; begin < size; begin += kBlock) {
+    const Range range = blockAt(begin, size);
+    const std::size_t padded = range.padded;
+    for (int k = 0; k < 4; ++k) load(points.component[k], q[k], range);
+    load(octave, blend, range);
+    JULIA_FOR_POINTS {
+      const Real o = blend[i], nearest = (o + I::kRounder) - I::kRounder, k = nearest > o ? nearest - 1 : nearest;
+      const Real f = o - k;
+      blend[i] = f * f * (3 - 2 * f);
+      // 2^k, and the points in quadrants of waves of one turn a unit.
+      const Real scale = fromBits<Real>(bitsOf(Real(4)) + (bitsOf(k + I::kRounder) << I::kMantissaBits));
+      for (int c = 0; c < 4; ++c) {
+        q[c][i] *= scale;
+        coarse[c][i] = fine[c][i] = c == 0 ? Real(1) : Real(0);
+      }
+    }
+    for (std::size_t number = 0; number < factorCount; ++number) {
+      const WaveSpan<Real>& factor = factors[number];
+      for (int c = 0; c < 4; ++c) JULIA_FOR_POINTS sum[c][i] = sumFine[c][i] = 0;
+      for (std::size_t w = factor.first; w < factor.last; ++w) {
+        const WaveTerm<Real> wave = waves[w];
+        JULIA_FOR_POINTS {
+          const Real angle = wave.frequency[0] * q[0][i] + wave.frequency[1] * q[1][i] + wave.frequency[2] * q[2][i] +
+                             wave.frequency[3] * q[3][i];
+          Real sine, cosine;
+          sineCosine(angle, sine, cosine);
+          const Real sineFine = 2 * (sine * cosine), cosineFine = 1 - 2 * (sine * sine);
+          for (int c = 0; c < 4; ++c) {
+            sum[c][i] += wave.cosine[c] * cosine + wave.sine[c] * sine;
+            sumFine[c][i] += wave.cosine[c] * cosineFine + wave.sine[c] * sineFine;
+          }
+        }
+      }
+      unitRows(sum, sum, padded);
+      unitRows(sumFine, sumFine, padded);
+      for (std::uint32_t times = 0; times < factor.power; ++times) {
+        multiplyRows(coarse, sum, factor.conjugated, padded);
+        multiplyRows(fine, sumFine, factor.conjugated, padded);
+      }
+    }
+    for (int c = 0; c < 4; ++c) JULIA_FOR_POINTS sum[c][i] = coarse[c][i] + blend[i] * (fine[c][i] - coarse[c][i]);
+    unitRows(sum, sum, padded);
+    for (int c = 0; c < 4; ++c) store(sum[c], out.component[c], range);
+  }
+}
+
+}  // namespace
+}  // namespace julia::kernels
