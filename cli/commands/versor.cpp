@@ -87,6 +87,7 @@ void inspect(const std::string& name, const julia::Polynomial& polynomial) {
 }
 
 std::size_t rootCount(const vdbtools::Texture& texture) {
+  if (texture.followsThickness()) return 0;
   const vdbtools::TextureSite ball{
       .distance = [](const julia::Point& x) { return julia::elementary::hypot(x[0], x[1], x[2]) - 0.5; }};
   return vdbtools::placeTexture(texture, ball, 1, {}).top.roots.size();
@@ -99,6 +100,7 @@ void list(bool asJson) {
       textures.push_back({{"name", texture.name},
                           {"description", texture.description},
                           {"roots", rootCount(texture)},
+                          {"follows_thickness", texture.followsThickness()},
                           {"seed", texture.varies()},
                           {"default", &texture == &vdbtools::defaultTexture()}});
     std::cout << textures.dump(2) << '\n';
@@ -133,6 +135,10 @@ vdbtools::RationalFile newTexture(const CommandLine& line) {
                                   " has its own; leave one of them out");
   const vdbtools::Texture* texture = vdbtools::findTexture(name);
   if (!texture) throw std::invalid_argument("there is no texture '" + name + "'; 'juliavdb versor list' shows them");
+  if (texture->followsThickness())
+    throw std::invalid_argument("the texture '" + name +
+                                "' consists of waves that follow a target's thickness, and a file holds roots; give it "
+                                "to 'fractal' by --versor");
   if (vdbtools::surfaceReach(*texture) > 0)
     throw std::invalid_argument("the roots of the texture '" + name +
                                 "' lie on its target's surface, and a file has none; give it to 'fractal' by --versor");

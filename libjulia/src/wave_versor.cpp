@@ -39,6 +39,7 @@ struct FactorBound {
 }  // namespace
 
 void requireValid(const WaveTexture& texture) {
+  requireFinite(texture.origin, "origin");
   if (texture.factors.empty()) throw std::invalid_argument("a texture of waves has no factor; it needs one or more");
   for (const WaveFactor& factor : texture.factors) {
     if (factor.waves.empty()) throw std::invalid_argument("a factor has no waves; it needs one or more");
@@ -58,6 +59,7 @@ struct WaveVersor<Real>::Plan {
   std::vector<kernels::WaveTerm<Real>> waves;
   std::vector<kernels::WaveSpan<Real>> factors;
   std::vector<FactorBound> bounds;
+  Real origin[4];
 };
 
 template <class Real>
@@ -70,6 +72,7 @@ WaveVersor<Real>::WaveVersor(const WaveTexture& texture, std::shared_ptr<const S
     const std::array<double, 4> parts{q.a, q.b, q.c, q.d};
     std::transform(parts.begin(), parts.end(), to, [](double x) { return static_cast<Real>(x); });
   };
+  store(texture.origin, plan->origin);
   for (const WaveFactor& factor : texture.factors) {
     const std::size_t first = plan->waves.size();
     FactorBound bound;
@@ -105,8 +108,8 @@ void WaveVersor<Real>::versor(const QuaternionBatch<Real>& q, QuaternionBatch<Re
   mOctave->sample(x, y, z, octave);
   constexpr Real kMost = static_cast<Real>(kMostOctave);
   for (Real& o : octave) o = std::clamp(o, -kMost, kMost);
-  kernels::kernels<Real>().waveVersor(mPlan->waves.data(), mPlan->factors.data(), mPlan->factors.size(), view(q),
-                                      octave.data(), view(u), q.size());
+  kernels::kernels<Real>().waveVersor(mPlan->waves.data(), mPlan->factors.data(), mPlan->factors.size(), mPlan->origin,
+                                      view(q), octave.data(), view(u), q.size());
 }
 
 namespace {
@@ -168,16 +171,18 @@ void WaveVersor<Real>::cones(std::span<const Ball> balls, std::span<Cone> cones)
   const double slack = eps * lengths;
   const auto texel = [&](const Ball& ball, double scale) {
     Texel result;
-    const double size = norm(ball.centre) + ball.radius;
+    const double size = norm(ball.centre) + norm(mTexture.origin) + ball.radius;
+    const Quaternion<double> centre = ball.centre - mTexture.origin;
     for (std::size_t f = 0; f < mTexture.factors.size(); ++f) {
       const WaveFactor& factor = mTexture.factors[f];
       const FactorBound& bound = mPlan->bounds[f];
-      // An angle is four products and three sums of numbers of this size, and frequencies are rounded; then come the
-      // sine and cosine, the doubled angle's, and the sum. Quadrants are at most pi/2 radians.
+      // An angle is four products and three sums of numbers of this size, and frequencies and the origin are rounded,
+      // as is the difference to it; then come the sine and cosine, the doubled angle's, and the sum. Quadrants are at
+      // most pi/2 radians.
       const double quadrants = bound.reach * size * scale, count = static_cast<double>(factor.waves.size());
       if (!(quadrants < 0x1p20)) return Texel{result.versor, kInfinity};
-      const double rounding = bound.amplitude * 4 * eps * (kHalfPi * 6 * quadrants + 8 + count);
-      const Quaternion<double> g = sumOfWaves(factor, ball.centre * scale);
+      const double rounding = bound.amplitude * 4 * eps * (kHalfPi * 8 * quadrants + 8 + count);
+      const Quaternion<double> g = sumOfWaves(factor, centre * scale);
       const double turn = arcSine((bound.slope * scale * ball.radius * (1 + kSlack) + rounding) / norm(g));
       result.turning += std::abs(factor.power) * (turn + 16 * eps);
       if (!(result.turning < kHalfPi)) return Texel{result.versor, kInfinity};

@@ -22,6 +22,7 @@ inline julia::WaveTexture randomWaves(Random& random) {
     }
     texture.factors.push_back(factor);
   }
+  if (random.integer(0, 1)) texture.origin = random.inBall() * 0.5;
   return texture;
 }
 

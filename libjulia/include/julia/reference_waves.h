@@ -42,15 +42,16 @@ Quaternion<T> waves(const WaveTexture& texture, const Quaternion<T>& p, T& least
   return product;
 }
 
-/// (1 - t) B(2^k q) + t B(2^(k+1) q), whose versor is that of the field. @param least  as above, and of this
+/// (1 - t) B(2^k q) + t B(2^(k+1) q) about the origin, whose versor is that of the field. @param least  as above, and of this
 template <class T>
 Quaternion<T> wavesAt(const WaveTexture& texture, const Quaternion<T>& q, const T& octave, T& least) {
   using std::exp2;
   using std::floor;
   const T k = floor(octave), f = octave - k, t = f * f * (3 - 2 * f);
   const T scale = T(exp2(static_cast<double>(k)));
-  const Quaternion<T> coarse = waves<T>(texture, q * scale, least);
-  const Quaternion<T> fine = waves<T>(texture, q * T(2 * scale), least);
+  const Quaternion<T> from = q - texture.origin.as<T>();
+  const Quaternion<T> coarse = waves<T>(texture, from * scale, least);
+  const Quaternion<T> fine = waves<T>(texture, from * T(2 * scale), least);
   const Quaternion<T> blend = coarse + (fine - coarse) * t;
   least = std::min<T>(least, norm(blend));
   return blend;

@@ -53,6 +53,7 @@ inline constexpr int kMostWavePower = 64;
 
 struct WaveTexture {
   std::vector<WaveFactor> factors;
+  Quaternion<double> origin{};  ///< where the phases are 0 at every octave: p is measured from there
 
   friend bool operator==(const WaveTexture&, const WaveTexture&) = default;
 };

@@ -121,9 +121,9 @@ struct Kernels {
   /// next = p^power + c.
   void (*triplex)(const TriplexPower<Real>& power, const Addend<Real>& c, ConstBatch<Real> p, Batch<Real> next,
                   std::size_t size);
-  /// The versors of waves by octaves, each from -40 to 40.
+  /// The versors of waves about @a origin, by octaves, each from -40 to 40.
   void (*waveVersor)(const WaveTerm<Real>* waves, const WaveSpan<Real>* factors, std::size_t factorCount,
-                     ConstBatch<Real> q, const Real* octave, Batch<Real> u, std::size_t size);
+                     const Real* origin, ConstBatch<Real> q, const Real* octave, Batch<Real> u, std::size_t size);
   /// Trilinear: bricks of 8^3 cells, 9^3 values. Between nodes of a cell the result is linear along each axis.
   void (*sampleTrilinear)(const BrickLattice<Real>& lattice, const Real* x, const Real* y, const Real* z, Real* out,
                           std::size_t size);

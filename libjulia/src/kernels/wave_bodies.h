@@ -41,7 +41,7 @@ JULIA_INLINE void multiplyRows(Rows4<Real>& u, const Rows4<Real>& g, Real conjug
 }
 
 template <class Real>
-void waveVersor(const WaveTerm<Real>* waves, const WaveSpan<Real>* factors, std::size_t factorCount,
+void waveVersor(const WaveTerm<Real>* waves, const WaveSpan<Real>* factors, std::size_t factorCount, const Real* origin,
                 ConstBatch<Real> points, const Real* octave, Batch<Real> out, std::size_t size) {
   using I = Ieee<Real>;
   alignas(64) Rows4<Real> q, coarse, fine, sum, sumFine;
@@ -58,7 +58,7 @@ void waveVersor(const WaveTerm<Real>* waves, const WaveSpan<Real>* factors, std:
       // 2^k, and the points in quadrants of waves of one turn a unit.
       const Real scale = fromBits<Real>(bitsOf(Real(4)) + (bitsOf(k + I::kRounder) << I::kMantissaBits));
       for (int c = 0; c < 4; ++c) {
-        q[c][i] *= scale;
+        q[c][i] = (q[c][i] - origin[c]) * scale;
         coarse[c][i] = fine[c][i] = c == 0 ? Real(1) : Real(0);
       }
     }

@@ -175,6 +175,7 @@ std::string encodePreparedScene(const Scene& scene) {
     entry["exponent"] = exponentNumbers(*scene.exponent);
     grids.push_back(named(scene.exponent->grid, "exponent"));
   }
+  if (scene.octave) grids.push_back(named(scene.octave->grid, "octave"));
   if (scene.thickness) {
     const FloatGrid::Ptr thickness = scene.thickness->deepCopy();
     thickness->setName("thickness");
@@ -208,6 +209,8 @@ Scene readPreparedScene(const FractalOptions& options, const std::filesystem::pa
     if (entry.contains("target")) scene.target = targetOf(entry["target"], gridOf(file, "phi", path));
     if (options.output.attributes.has(PointAttribute::Tau)) scene.thickness = gridOf(file, "thickness", path);
     if (entry.contains("exponent")) scene.exponent = exponentOf(entry["exponent"], gridOf(file, "exponent", path));
+    // It lies where the map reads the exponent.
+    if (options.map->frequency()) scene.octave = OctaveGrid{gridOf(file, "octave", path), scene.placed.space};
     if (options.target && !scene.target) throw DataError("there is no target");
     if (options.map->shell() && !scene.exponent) throw DataError("there is no exponent");
     requireSound(scene);
@@ -221,7 +224,8 @@ Scene readPreparedScene(const FractalOptions& options, const std::filesystem::pa
                                      .target = scene.target ? &*scene.target : nullptr,
                                      .space = scene.placed.space,
                                      .unmovedSpace = scene.placed.unmoved,
-                                     .exponent = scene.exponent ? &*scene.exponent : nullptr});
+                                     .exponent = scene.exponent ? &*scene.exponent : nullptr,
+                                     .octave = scene.octave ? &*scene.octave : nullptr});
   scene.evaluator = scene.map->evaluator(scene.arithmetic, scene.orbit);
   return scene;
 }

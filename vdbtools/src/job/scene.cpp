@@ -170,16 +170,26 @@ bool readsTarget(const ShellSettings& shell) {
   return std::any_of(controls.begin(), controls.end(), [](const auto& control) { return control->needsTarget(); });
 }
 
+/// What controls may refer to. @param needsTarget  whether one of them needs the target's distances
+ControlContext controlContext(bool needsTarget, SharedTarget& shared, const PlacedSpace& placed, Monitor& monitor) {
+  ControlContext context{.targetBox = shared.input().box(), .mesh = shared.input().mesh()};
+  if (!needsTarget) return context;
+  context.space = placed.unmoved;
+  context.phi = shared.survey(monitor).phi();
+  context.tau = [&] { return FloatGrid::ConstPtr(shared.survey(monitor).thickness(monitor).tau); };
+  return context;
+}
+
+/// The slope of the thickness that goes with a shell.
+double slopeOf(const std::optional<ExponentGridOptions>& shell) {
+  return shell && shell->detail ? thicknessSlope(shell->detail->detail.range().second) : kThicknessSlope;
+}
+
 /// The controls of a shell over the target.
 ExponentGridOptions bindControls(const ExponentSources& sources, SharedTarget& shared, const PlacedSpace& placed,
                                  Monitor& monitor) {
   const ShellSettings& shell = sources.shell;
-  ControlContext context{.targetBox = shared.input().box(), .mesh = shared.input().mesh()};
-  if (readsTarget(shell)) {
-    context.space = placed.unmoved;
-    context.phi = shared.survey(monitor).phi();
-    context.tau = [&] { return FloatGrid::ConstPtr(shared.survey(monitor).thickness(monitor).tau); };
-  }
+  const ControlContext context = controlContext(readsTarget(shell), shared, placed, monitor);
   const std::pair positive(std::numeric_limits<double>::min(), std::numeric_limits<double>::infinity());
   constexpr double kRounding = 1e-5;  // of what is read between nodes
   const std::pair share(-kRounding, 1 + kRounding);
@@ -214,6 +224,25 @@ BandWidths widthsOf(const SpaceOptions& space, double mapReach, const TargetInpu
   const double scale = spaceScale(space, input.box());
   return {.exterior = exteriorReach(shell) * scale,
           .interior = std::max(interiorReach(shell, input.usualDepth()) * scale, others)};
+}
+
+/// How fine the texture is at each place of the target.
+/// @param voxel  of the result, world units
+OctaveGrid octaveOf(const ControlSetting& frequency, SharedTarget& shared, const PlacedTarget& target, double voxel,
+                    Monitor& monitor) {
+  const ControlContext context = controlContext(frequency->needsTarget(), shared, target.placed, monitor);
+  const std::pair positive(std::numeric_limits<double>::min(), std::numeric_limits<double>::infinity());
+  const Control control = bound(*frequency, context, "the frequency", positive);
+  const LocalThickness thickness = shared.survey(monitor).thickness(monitor, slopeOf(target.exponentOf));
+  constexpr double kLeast = 2;  // voxels of a feature that shows
+  const double coarsest = 2 * thickness.greatest / control.range().first;
+  if (!(coarsest >= kLeast * voxel))
+    throw std::invalid_argument("--frequency is " + frequency->text() + ", whose features are " +
+                                shortText(coarsest / voxel) +
+                                " voxels wide where the target is thickest, so that none of them shows; make the "
+                                "frequency lower, or the voxels smaller than " +
+                                shortText(coarsest / kLeast));
+  return octaveGrid(thickness, control, target.placed.space);
 }
 
 PlacedTarget placeShell(const ExponentSources& sources, SharedTarget& shared, Monitor& monitor) {
@@ -413,6 +442,9 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
     scene.targetMesh = transferredMesh(options, shared.input());
     PlacedTarget target = shell ? placeShell(exponentSources(options, *shell, scene.facts), shared, monitor)
                                 : placeTarget(options, shared, monitor);
+    const ControlSetting* const frequency = options.map->frequency();
+    if (frequency)
+      scene.octave = octaveOf(*frequency, shared, target, options.lattice.voxels.sizeFor(longestSide(*shape)), monitor);
     scene.target = std::move(target.target);
     scene.exponentOf = std::move(target.exponentOf);
     scene.exponent = std::move(target.exponent);
@@ -423,12 +455,8 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
       scene.facts["julia_origin_at"] = originText(options.space, placed.unmoved, *shape);
     }
     const bool wantsThickness = options.output.attributes.has(PointAttribute::Tau);
-    if (wantsThickness || target.isSurveyed) {
-      TargetSurvey& survey = shared.survey(monitor);
-      const double slope = scene.exponentOf && scene.exponentOf->detail
-                               ? thicknessSlope(scene.exponentOf->detail->detail.range().second)
-                               : kThicknessSlope;
-      const LocalThickness thickness = survey.thickness(monitor, slope);
+    if (wantsThickness || target.isSurveyed || frequency) {
+      const LocalThickness thickness = shared.survey(monitor).thickness(monitor, slopeOf(scene.exponentOf));
       scene.facts["julia_thickness"] = numbersText({thickness.least, thickness.greatest});
       if (wantsThickness) scene.thickness = thickness.tau;
     }
@@ -442,21 +470,12 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
     if (fitted && options.space.kind == SpaceKind::Fit) shape = fitted->box;
   }
 
-  std::optional<OctaveGrid> octave;
-  if (const ControlSetting* frequency = options.map->frequency(); frequency && options.target) {
-    SharedTarget& shared = *mShared->target;
-    const double slope = scene.exponentOf && scene.exponentOf->detail
-                             ? thicknessSlope(scene.exponentOf->detail->detail.range().second)
-                             : kThicknessSlope;
-    ControlContext context{.targetBox = shared.input().box(), .mesh = shared.input().mesh()};
-    octave = octaveGrid(shared.survey(monitor).thickness(monitor, slope), (*frequency)->bind(context), placed.unmoved);
-  }
   scene.map = options.map->instance({.files = files,
                                      .target = scene.target ? &*scene.target : nullptr,
                                      .space = placed.space,
                                      .unmovedSpace = placed.unmoved,
                                      .exponent = scene.exponent ? &*scene.exponent : nullptr,
-                                     .octave = octave ? &*octave : nullptr});
+                                     .octave = scene.octave ? &*scene.octave : nullptr});
   scene.facts.merge(scene.map->facts());
 
   const Lattice lattice = chooseLattice(options, scene.exponent.has_value(), shape, files, placed.space);

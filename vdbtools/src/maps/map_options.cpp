@@ -106,6 +106,33 @@ std::uint64_t parseSeed(const RecipeReader& reader) {
   return reader.integer<std::uint64_t>("versor-seed", 0, std::numeric_limits<std::uint64_t>::max());
 }
 
+constexpr const char* kFrequencyNeedsWaves =
+    "--frequency is for textures of waves, and roots lie where they lie; leave it out, or give one of 'juliavdb versor "
+    "list' that follows the thickness";
+
+const Texture* textureOf(const OptionRun& run) { return findTexture(run.text("versor")); }
+
+/// Of --frequency.
+std::string idleFrequency(const OptionRun& run) {
+  const Texture* const texture = textureOf(run);
+  if (run.text("map") == "rational" || !texture || !texture->followsThickness())
+    return "it is for textures of waves, and roots are as large as they are; leave it out, or give a texture that "
+           "follows the thickness";
+  return {};
+}
+
+/// The words for it, by the number of features across the local thickness.
+constexpr std::pair<const char*, double> kFrequencyWords[] = {{"coarse", 0.75}, {"medium", 1.5}, {"fine", 3}};
+
+ControlSetting parseFrequency(const RecipeReader& reader) {
+  const std::string text = reader.text("frequency");
+  for (const auto& [word, value] : kFrequencyWords)
+    if (text == word) return numberSource(value, text);
+  if (const std::optional<double> value = numberFromText(text); value && !(*value > 0 && std::isfinite(*value)))
+    reader.refuse("frequency", "above 0, or coarse, medium or fine");
+  return parseControl(reader, "frequency");
+}
+
 std::vector<std::string> textureNames() {
   std::vector<std::string> names{kRandom};
   for (const Texture& texture : textureShelf()) names.push_back(texture.name);
@@ -126,6 +153,22 @@ julia::Rational moved(julia::Rational rational, const RootsSettings& settings, c
 }
 
 }  // namespace
+
+OptionSpec frequencyOption() {
+  return {.name = "frequency",
+          .argument = "F",
+          .help =
+              "how many features of the texture lie across the local thickness: coarse (0.75), medium (1.5), fine (3) "
+              "or a number above 0; given like detail. For the textures that follow the thickness",
+          .defaultFor = [](const Recipe& recipe) -> std::optional<std::string> {
+            const auto versor = recipe.find("versor");
+            const Texture* const texture = findTexture(versor == recipe.end() ? usualVersor(recipe) : versor->second);
+            return texture && texture->followsThickness() ? std::optional<std::string>("medium") : std::nullopt;
+          },
+          .defaultNote = "medium",
+          .hash = "frequency-sha256",
+          .idle = idleFrequency};
+}
 
 OptionSpec iterationsOption(const std::string& usual) {
   return {.name = "iterations",
@@ -269,7 +312,6 @@ std::vector<OptionSpec> rootsOptions() {
     }
     options.push_back(std::move(option));
   }
-  options.push_back(kept({.name = "frequency", .argument = "F", .defaultValue = "1", .help = "features across the thickness"}));
   options.push_back(
       kept({.name = "versor-scale", .argument = "F", .defaultValue = "1", .help = "scale the roots about the origin"}));
   options.push_back(kept({.name = "versor-translate",
@@ -317,7 +359,15 @@ RootsSettings parseRoots(const RecipeReader& reader, const std::string& fileOpti
       reader.refuse(fileOption, "one of " + knownVersors() + didYouMean(name, textureNames()));
     settings.random = parseRandomRoots(reader);
   }
-  if (settings.texture && !settings.texture->waves.empty()) settings.frequency = parseControl(reader, "frequency");
+  if (settings.texture && settings.texture->followsThickness()) {
+    if (!reader.has("frequency"))
+      throw std::invalid_argument("--versor " + name +
+                                  " follows the local thickness of a target, which only --map shape-modulus has; give "
+                                  "that, or --versor random, rings or shells");
+    settings.frequency = parseFrequency(reader);
+  } else if (reader.has("frequency")) {
+    throw std::invalid_argument(kFrequencyNeedsWaves);
+  }
   settings.random.embedding = parseEmbedding(reader);
   settings.scale = reader.number("versor-scale");
   if (settings.scale == 0) reader.refuse("versor-scale", "other than 0");
@@ -332,7 +382,8 @@ std::optional<RationalFile> readRoots(const RootsSettings& settings) {
   const auto metadata = readVdbMetadata(path);
   const auto json = metadata.find(kVersorJson);
   if (json == metadata.end())
-    throw DataError("'" + path.string() + "' holds no versor; only a VDB that 'juliavdb fractal' made does");
+    throw DataError("'" + path.string() +
+                    "' holds no roots; only a VDB that 'juliavdb fractal' made with a versor of roots does");
   return rationalFileFromJson(json->second, path.string());
 }
 
@@ -346,6 +397,13 @@ std::map<std::string, std::string> PlacedRoots::facts() const {
   return {{kVersorJson, rationalToJson(drawn, {}, fitted)}};
 }
 
+julia::WaveTexture placeWaves(const RootsSettings& settings, const julia::Embedding& embedding) {
+  julia::WaveTexture waves = placeWaves(*settings.texture, settings.scale, settings.random.seed, embedding);
+  const Vec3d& by = settings.translate;
+  waves.origin = julia::Embedding{0, embedding.dropped}.quaternion<double>({by[0], by[1], by[2]});
+  return waves;
+}
+
 std::optional<std::uint64_t> seedOf(const RootsSettings& settings) {
   const bool varies = settings.texture ? settings.texture->varies() : !settings.file;
   return varies ? std::optional(settings.random.seed) : std::nullopt;
@@ -357,6 +415,8 @@ PlacedRoots placeRoots(const RootsSettings& settings, const julia::Embedding& em
   if (file) {
     roots.drawn = file->rational;
     roots.fitted = file->target;
+  } else if (settings.texture && settings.texture->followsThickness()) {
+    return roots;
   } else if (settings.texture) {
     roots.drawn = placeTexture(*settings.texture, siteOf(context), settings.random.seed, embedding);
   } else {
@@ -366,10 +426,14 @@ PlacedRoots placeRoots(const RootsSettings& settings, const julia::Embedding& em
   return roots;
 }
 
+bool floatsServe(const julia::OrbitOptions& orbit) {
+  constexpr int kMostIterations = 5;
+  return orbit.maxIterations <= kMostIterations;
+}
+
 bool floatsServe(const julia::OrbitOptions& orbit, const julia::Rational& roots) {
   constexpr double kMostSummedPowers = 250;
-  constexpr int kMostIterations = 5;
-  if (orbit.maxIterations > kMostIterations) return false;
+  if (!floatsServe(orbit)) return false;
   double powers = 0;
   for (const julia::Polynomial* polynomial : {&roots.top, &roots.bottom})
     for (const julia::Root& root : polynomial->roots) powers += std::abs(root.power * polynomial->powerScale);

@@ -4,16 +4,18 @@
 #include "vdbtools/maps/map_options.h"
 
 #include "julia/shape_modulus.h"
+#include "julia/wave_versor.h"
 
 #include <mutex>
 
 namespace vdbtools {
 namespace {
 
-/// The exponent as evaluators read it, each arithmetic's made when it is first needed.
-class ExponentFields {
+/// A grid as evaluators read it, each arithmetic's field made when it is first needed.
+template <class Grid>
+class Fields {
  public:
-  explicit ExponentFields(const ExponentGrid& exponent) : mExponent(exponent) {}
+  explicit Fields(const Grid& grid) : mGrid(grid) {}
 
   template <class Real>
   std::shared_ptr<const julia::ScalarField<Real>> get() const {
@@ -27,11 +29,19 @@ class ExponentFields {
   template <class Real>
   std::shared_ptr<const julia::ScalarField<Real>> made(std::shared_ptr<const julia::ScalarField<Real>>& field) const {
     const std::lock_guard lock(mMutex);
-    if (!field) field = makeExponentField<Real>(mExponent);
+    if (!field) field = makeField<Real>(mGrid);
     return field;
   }
+  template <class Real>
+  static auto makeField(const ExponentGrid& grid) {
+    return makeExponentField<Real>(grid);
+  }
+  template <class Real>
+  static auto makeField(const OctaveGrid& grid) {
+    return makeOctaveField<Real>(grid);
+  }
 
-  ExponentGrid mExponent;
+  Grid mGrid;
   mutable std::mutex mMutex;
   mutable std::shared_ptr<const julia::ScalarField<float>> mFloats;
   mutable std::shared_ptr<const julia::ScalarField<double>> mDoubles;
@@ -46,29 +56,28 @@ class ShapeModulusInstance final : public MapInstance {
         mTarget(*context.target),
         mSpace(context.space),
         mUnmovedSpace(context.unmovedSpace),
-        mExponent(std::make_shared<const ExponentFields>(*context.exponent)),
-        mRoots(placeRoots(settings, embedding, context)) {
-    if (context.octave) mOctave = *context.octave;
-  }
+        mExponent(std::make_shared<const Fields<ExponentGrid>>(*context.exponent)),
+        mOctave(context.octave ? std::make_shared<const Fields<OctaveGrid>>(*context.octave) : nullptr),
+        mRoots(placeRoots(settings, embedding, context)) {}
 
   std::unique_ptr<julia::FieldEvaluator> evaluator(Arithmetic arithmetic,
                                                    const julia::OrbitOptions& orbit) const override {
     return makeEvaluator(
         arithmetic, mEmbedding, orbit, [this]<class Real>() -> std::shared_ptr<const julia::Map<Real>> {
-          if (mOctave)
-            return std::make_shared<julia::ShapeModulus<Real>>(
-                mExponent->get<Real>(),
-                std::make_shared<julia::WaveVersor<Real>>(wavesOf(*mSettings.texture, mSettings.random.seed, mEmbedding),
-                                                          makeOctaveField<Real>(*mOctave), mEmbedding.dropped),
-                mEmbedding.dropped);
-          return std::make_shared<julia::ShapeModulus<Real>>(mExponent->get<Real>(), mRoots.placed, mEmbedding.dropped);
+          const auto exponent = mExponent->get<Real>();
+          if (!mOctave) return std::make_shared<julia::ShapeModulus<Real>>(exponent, mRoots.placed, mEmbedding.dropped);
+          auto waves = std::make_shared<julia::WaveVersor<Real>>(placeWaves(mSettings, mEmbedding),
+                                                                 mOctave->get<Real>(), mEmbedding.dropped);
+          return std::make_shared<julia::ShapeModulus<Real>>(exponent, std::move(waves), mEmbedding.dropped);
         });
   }
   bool floatsServe(const julia::OrbitOptions& orbit) const override {
-    return vdbtools::floatsServe(orbit, mRoots.placed);
+    return mOctave ? vdbtools::floatsServe(orbit) : vdbtools::floatsServe(orbit, mRoots.placed);
   }
-  const julia::Rational* roots() const override { return &mRoots.placed; }
-  std::map<std::string, std::string> facts() const override { return mRoots.facts(); }
+  const julia::Rational* roots() const override { return mOctave ? nullptr : &mRoots.placed; }
+  std::map<std::string, std::string> facts() const override {
+    return mOctave ? std::map<std::string, std::string>() : mRoots.facts();
+  }
 
   std::optional<std::uint64_t> seed() const override { return seedOf(mSettings); }
   std::shared_ptr<const MapInstance> reseeded(std::uint64_t seed) const override {
@@ -86,9 +95,9 @@ class ShapeModulusInstance final : public MapInstance {
   MapFiles mFiles;
   Target mTarget;
   FractalSpace mSpace, mUnmovedSpace;
-  std::shared_ptr<const ExponentFields> mExponent;
-  PlacedRoots mRoots;
-  std::optional<OctaveGrid> mOctave;
+  std::shared_ptr<const Fields<ExponentGrid>> mExponent;
+  std::shared_ptr<const Fields<OctaveGrid>> mOctave;  ///< of a texture that follows the thickness; else nullptr
+  PlacedRoots mRoots;                                 ///< of the others
 };
 
 class ShapeModulusSettings final : public MapSettings {
@@ -100,7 +109,9 @@ class ShapeModulusSettings final : public MapSettings {
   std::vector<NamedFile> files() const override {
     std::vector<NamedFile> files;
     if (mRoots.file) files.push_back(*mRoots.file);
-    for (const auto& control : mShell.controls())
+    std::vector<ControlSetting> controls = mShell.controls();
+    if (mRoots.frequency) controls.push_back(mRoots.frequency);
+    for (const auto& control : controls)
       for (NamedFile& file : control->files()) files.push_back(std::move(file));
     return files;
   }
@@ -134,7 +145,8 @@ class ShapeModulusDescriptor final : public MapDescriptor {
   std::vector<OptionSpec> options() const override {
     std::vector<OptionSpec> options = shellOptions();
     for (OptionSpec& option : rootsOptions()) options.push_back(std::move(option));
-    options.push_back(iterationsOption("3"));
+    options.push_back(frequencyOption());
+    options.push_back(iterationsOption("5"));
     options.push_back(shellEscapeOption());
     for (OptionSpec& option : embeddingOptions()) options.push_back(std::move(option));
     return options;

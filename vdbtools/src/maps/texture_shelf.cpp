@@ -15,59 +15,56 @@ namespace {
 using julia::Point;
 using enum RootFamily;
 
-constexpr Point kX{1, 0, 0}, kY{0, 1, 0}, kZ{0, 0, 1};
+constexpr Point kX{1, 0, 0}, kZ{0, 0, 1};
 
 // Enough for a band of a few voxels at every usual resolution, and small against every part of a shape.
 constexpr double kSurfaceReach = 0.02;
 
+/// Bands across a direction, which is as long as they are narrow: their versor turns about an imaginary axis.
+WaveStrand bands(const Point& across, const Point& turn, int power = 1) {
+  return {.power = power, .frequency = across, .turn = turn};
+}
+
+/// Waves in all directions, whose sum has roots and poles everywhere. @param stretch  of their frequencies along the
+/// axes
+WaveStrand field(int count, std::uint64_t stream, const Point& stretch = {1, 1, 1}, double along = 1, int power = 1) {
+  return {.count = count, .power = power, .frequency = stretch, .fourth = along, .stream = stream};
+}
+
 // Found by looking at many. Rings about X take one root however many they are, those about other axes two roots a ring.
 std::vector<Texture> allTextures() {
+  constexpr Point kI{1, 0, 0}, kJ{0, 1, 0}, kK{0, 0, 1};
   return {
-      {"scales",
-       "Small overlapping plates, where two systems of slanting bands cross.",
-       {{.count = 11, .axis = {0.5, 0.8, 0.3}, .length = 0.8}, {.count = 11, .axis = {0.5, -0.8, 0.3}, .length = 0.8}}},
-      {"woven",
-       "Rows of small studs, where fine bands about X cross others about Y, like basketwork.",
-       {{.count = 5, .power = 8, .length = 1}, {.count = 20, .axis = kY, .length = 0.8}}},
-      {"rings", "Broad smooth rings about X, as in [SK23] Fig. 9.", {{.count = 5, .power = 6, .length = 1}}},
-      {"ledges", "Thin level shelves, one above the other.", {{.count = 20, .axis = kY, .length = 0.8}}},
-      {"shells",
-       "Toothed ridges that wind up like those of an ammonite.",
-       {{.family = Fan, .count = 20, .axis = kX, .towards = kZ, .angle = 0.15}}},
-      {"brackets",
-       "Saw-toothed shelves like those of a tree fungus.",
-       {{.family = Fan, .count = 20, .axis = kX, .towards = kY, .angle = 0.15}}},
-      {"crest",
-       "A comb of blades over the back, and calm flanks.",
-       {{.family = Fan, .count = 18, .axis = kY, .towards = kZ, .angle = 0.2}}},
-      {"quills", "Long sharp spines in rows.", {{.repeats = 10, .axis = kY}, {.repeats = 10, .axis = kZ}}},
-      {"fins",
-       "A fan of thin blades over a calm body, where two systems of level bands undo each other.",
-       {{.repeats = 10, .axis = kY, .shift = 0.1}, {.power = -1, .repeats = 10, .axis = kY, .shift = -0.1}}},
-      {"thorns", "Few long thorns on a smooth skin.", {{.power = 3, .repeats = 5, .axis = kZ}}},
-      {"flames", "Swirling sheets that end in tongues.", {{.power = 2, .repeats = 9, .axis = kY}}},
-      {"feathers",
-       "Rows of curved vanes with torn tips.",
-       {{.count = 5, .power = 5, .length = 1}, {.power = 2, .repeats = 7, .axis = kY}}},
-      {"fur", "Fine short hair in upright rows.", {{.count = 17, .power = 6, .along = kY, .length = 1}}},
-      {"bark",
-       "Furrows and cracks around the shape, from roots on a helix.",
-       {{.family = Helix, .count = 21, .power = 3, .length = 1, .radius = 0.1, .turns = 3.4, .jitter = 0.01}}},
-      {"strata",
-       "Flaking layers of stone, from roots on an upright helix.",
-       {{.family = Helix, .count = 20, .axis = kY, .length = 0.9, .radius = 0.12, .turns = 2, .jitter = 0.01}}},
-      {"coral",
-       "Crumbling knobs and twigs, from roots all over the target's own surface.",
-       {{.family = Surface, .count = 36, .power = 3}}},
-      {"burrs",
-       "Rough lumps with hooked tips, from roots on a lattice.",
-       {{.family = Lattice, .power = 2, .spacing = 0.26}}},
-      {"drips",
-       "Wax that has run down and set, from a circle of roots with sevenfold symmetry.",
-       {{.family = Helix, .count = 7, .power = 5, .along = kZ, .radius = 0.3}}},
-      {"folds",
-       "Large creased folds of cloth, from a level circle of roots with sevenfold symmetry.",
-       {{.family = Helix, .count = 7, .power = 2, .axis = kY, .along = Point{0, -1, 0}, .radius = 0.25}}},
+      {.name = "scales",
+       .description = "Overlapping plates with ragged tips, where two systems of slanting bands cross.",
+       .waves = {bands({0.5, 0.8, 0.3}, kI), bands({0.5, -0.8, 0.3}, kJ), field(4, 1)}},
+      {.name = "quills",
+       .description = "Fine sharp spines in rows that lie along the body, like those of a hedgehog.",
+       .waves = {bands({0, 1, 0}, kI, 3), bands({1, 0, 0}, kJ, 3)}},
+      {.name = "woven",
+       .description = "A weave of small studs, where three systems of bands cross.",
+       .waves = {bands({1, 0, 1}, kI), bands({1, 0, -1}, kJ), bands({0, 1.4, 0}, kK)}},
+      {.name = "ledges",
+       .description = "Level shelves with torn edges, one above the other, like tree fungus.",
+       .waves = {bands({0, 2, 0}, kI), field(4, 1, {0.5, 0.5, 0.5})}},
+      {.name = "fur",
+       .description = "Upright locks, long and matted.",
+       .waves = {bands({2, 0, 0}, kI), bands({0, 0, 2}, kJ), field(4, 1, {0.5, 0.3, 0.5})}},
+      {.name = "coral",
+       .description = "Crumbling knobs, hooks and hollows without any order.",
+       .waves = {field(12, 3, {1, 1, 1}, 1, 2), field(12, 4, {1, 1, 1}, 1, 2)}},
+      {.name = "bark",
+       .description = "Ridges and furrows that run upright, broken at even heights.",
+       .waves = {field(6, 1, {1.6, 0.3, 1.6}, 1, 2), bands({0, 0.7, 0}, kK)}},
+      {.name = "thorns",
+       .description = "Swept folds that end in thorns, on a smooth skin.",
+       .waves = {field(4, 5, {0.6, 0.6, 0.6}, 0.6, 4)}},
+      {.name = "rings",
+       .description = "Broad smooth rings about X, as in [SK23] Fig. 9.",
+       .strands = {{.count = 5, .power = 6, .length = 1}}},
+      {.name = "shells",
+       .description = "Toothed ridges that wind up like those of an ammonite.",
+       .strands = {{.family = Fan, .count = 20, .axis = kX, .towards = kZ, .angle = 0.15}}},
   };
 }
 
@@ -93,6 +90,7 @@ bool isOnSurface(const Strand& strand) { return strand.family == Surface; }
 }  // namespace
 
 bool Texture::varies() const {
+  if (std::any_of(waves.begin(), waves.end(), [](const WaveStrand& strand) { return strand.count > 1; })) return true;
   return std::any_of(strands.begin(), strands.end(),
                      [](const Strand& strand) { return strand.jitter > 0 || isOnSurface(strand); });
 }
@@ -103,32 +101,6 @@ const std::vector<Texture>& textureShelf() {
 }
 
 const Texture* findTexture(const std::string& name) {
-  if (name.rfind("waves:", 0) == 0) {
-    auto* t = new Texture{name, "trial", {}};
-    std::string text = name.substr(6);
-    std::size_t at = 0;
-    while (at <= text.size()) {
-      const std::size_t end = std::min(text.find('+', at), text.size());
-      const std::string part = text.substr(at, end - at);
-      at = end + 1;
-      std::vector<double> n;
-      for (std::size_t i = 1; i < part.size();) {
-        const std::size_t e = std::min(part.find(',', i + 1), part.size());
-        n.push_back(std::stod(part.substr(i + 1, e - i - 1)));
-        i = e;
-      }
-      WaveStrand w;
-      if (part[0] == 'n') {
-        w.count = int(n.at(0)); w.power = int(n.at(1));
-        w.stretch = {n.at(2), n.at(3), n.at(4)}; w.depth = n.at(5); w.seed = std::uint64_t(n.at(6));
-      } else {
-        w.count = 1; w.power = int(n.at(0)); w.stretch = {n.at(1), n.at(2), n.at(3)}; w.depth = n.at(4);
-        w.turn = {n.at(5), n.at(6), n.at(7)};
-      }
-      t->waves.push_back(w);
-    }
-    return t;
-  }
   for (const Texture& texture : textureShelf())
     if (texture.name == name) return &texture;
   return nullptr;
@@ -142,43 +114,65 @@ double surfaceReach(const Texture& texture) {
   return std::any_of(texture.strands.begin(), texture.strands.end(), isOnSurface) ? kBeyond * kSurfaceReach : 0;
 }
 
-julia::WaveTexture wavesOf(const Texture& texture, std::uint64_t seed, const julia::Embedding& embedding) {
-  julia::WaveTexture made;
-  for (const WaveStrand& strand : texture.waves) {
-    julia::WaveFactor factor{{}, strand.power};
-    std::uint64_t counter = 0;
-    const auto unit = [&] { return randomUnit(seed, strand.seed, counter++); };
-    const auto normal = [&] {
-      double sum = -6;
-      for (int i = 0; i < 12; ++i) sum += unit();
-      return sum;
-    };
-    const auto direction = [&] {
-      julia::Quaternion<double> q{normal(), normal(), normal(), normal()};
-      return q * (1 / std::sqrt(julia::normSquared(q)));
-    };
-    const auto placed = [&](double x, double y, double z, double w) {
-      julia::Embedding e = embedding;
-      e.slice = w;
-      return e.quaternion<double>({x, y, z});
-    };
-    for (int i = 0; i < strand.count; ++i) {
-      if (strand.count == 1) {
-        const auto& t = strand.turn;
-        factor.waves.push_back({placed(strand.stretch[0], strand.stretch[1], strand.stretch[2], strand.depth), {1, 0, 0, 0}, {0, t[0], t[1], t[2]}});
-        continue;
-      }
-      const auto d = direction();
-      const double length = 0.75 + 0.5 * unit();
-      const auto c = direction();
-      auto s = direction();
-      const double dot = c.a * s.a + c.b * s.b + c.c * s.c + c.d * s.d;
-      s = s - c * dot;
-      s = s * (1 / std::sqrt(julia::normSquared(s)));
-      factor.waves.push_back({placed(length * d.a * strand.stretch[0], length * d.b * strand.stretch[1], length * d.c * strand.stretch[2], length * d.d * strand.depth), c, s});
+namespace {
+
+/// The random numbers of a strand.
+class StrandRandom {
+ public:
+  StrandRandom(std::uint64_t seed, std::uint64_t stream) : mSeed(seed), mStream(stream) {}
+
+  double unit() { return randomUnit(mSeed, mStream, mCounter++); }
+  /// A point of the unit sphere of the quaternions, by rejection, which needs no elementary function.
+  julia::Quaternion<double> direction() {
+    for (;;) {
+      const julia::Quaternion<double> q{2 * unit() - 1, 2 * unit() - 1, 2 * unit() - 1, 2 * unit() - 1};
+      const double square = julia::normSquared(q);
+      if (square > 0.01 && square <= 1) return q * (1 / std::sqrt(square));
     }
-    made.factors.push_back(std::move(factor));
   }
+  /// One at a right angle to @a q, of length 1.
+  julia::Quaternion<double> across(const julia::Quaternion<double>& q) {
+    for (;;) {
+      const julia::Quaternion<double> p = direction();
+      const double along = p.a * q.a + p.b * q.b + p.c * q.c + p.d * q.d;
+      const julia::Quaternion<double> rest = p - q * along;
+      if (const double square = julia::normSquared(rest); square > 0.01) return rest * (1 / std::sqrt(square));
+    }
+  }
+
+ private:
+  std::uint64_t mSeed, mStream, mCounter = 0;
+};
+
+julia::WaveFactor wavesOf(const WaveStrand& strand, double scale, std::uint64_t seed,
+                          const julia::Embedding& embedding) {
+  const auto frequency = [&](const julia::Quaternion<double>& way) {
+    julia::Embedding placed = embedding;
+    placed.slice = way.d * strand.fourth / scale;
+    const Point& by = strand.frequency;
+    return placed.quaternion<double>({way.a * by[0] / scale, way.b * by[1] / scale, way.c * by[2] / scale});
+  };
+  if (strand.count == 1) {
+    const auto& [i, j, k] = strand.turn;
+    return {{{frequency({1, 1, 1, 0}), julia::Quaternion<double>::one(), {0, i, j, k}}}, strand.power};
+  }
+  julia::WaveFactor factor{{}, strand.power};
+  StrandRandom random(seed, strand.stream);
+  for (int i = 0; i < strand.count; ++i) {
+    const julia::Quaternion<double> way = random.direction();
+    const double length = 0.75 + 0.5 * random.unit();
+    const julia::Quaternion<double> cosine = random.direction();
+    factor.waves.push_back({frequency(way * length), cosine, random.across(cosine)});
+  }
+  return factor;
+}
+
+}  // namespace
+
+julia::WaveTexture placeWaves(const Texture& texture, double scale, std::uint64_t seed,
+                              const julia::Embedding& embedding) {
+  julia::WaveTexture made;
+  for (const WaveStrand& strand : texture.waves) made.factors.push_back(wavesOf(strand, scale, seed, embedding));
   return made;
 }
 

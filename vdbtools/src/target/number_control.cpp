@@ -37,12 +37,16 @@ class NumberSource final : public ControlSource {
 
 Control::Control(double value) : mField(std::make_shared<NumberField>(value)) {}
 
+ControlSourcePtr numberSource(double value, std::string text) {
+  return std::make_shared<NumberSource>(value, std::move(text));
+}
+
 ControlSourcePtr parseNumberControl(const RecipeReader& reader, const std::string& option) {
   const std::string text = reader.text(option);
   const std::optional<double> value = numberFromText(text);
   if (!value) return nullptr;
   if (!std::isfinite(*value)) reader.refuse(option, "a finite number");
-  return std::make_shared<NumberSource>(*value, text);
+  return numberSource(*value, text);
 }
 
 }  // namespace vdbtools

@@ -30,7 +30,8 @@ OctaveGrid octaveGrid(const LocalThickness& thickness, const Control& frequency,
     std::size_t i = 0;
     for (auto node = leaf->beginValueOn(); node; ++node, ++i) {
       if (!(values[i] > 0 && std::isfinite(values[i])))
-        throw std::invalid_argument("the frequency is " + shortText(values[i]) + " at a place of the target; it must be above 0");
+        throw std::invalid_argument("--frequency is " + shortText(values[i]) +
+                                    " at a place of the target; it must be above 0 everywhere");
       const double tau = static_cast<double>(node.getValue()) / space.scale;
       node.setValue(static_cast<float>(elementary::log2(values[i] / (2 * tau))));
     }

@@ -44,6 +44,7 @@ struct Scene {
   std::optional<Target> target;                   ///< none if no input was given
   std::optional<ExponentGridOptions> exponentOf;  ///< what the exponent was made with: its controls, the orbit
   std::optional<ExponentGrid> exponent;           ///< of a map with a shell
+  std::optional<OctaveGrid> octave;               ///< of a map with a frequency
   std::shared_ptr<const MapInstance> map;
   openvdb::BBoxd region;                       ///< of a map without a shell, world units
   double voxelSize = 0;                        ///< of the result, world units

@@ -45,13 +45,17 @@ OptionSpec shellEscapeOption();
 /// @throw std::invalid_argument  naming the option
 ShellSettings parseShell(const RecipeReader& reader);
 
+/// --frequency: how fine a texture is that follows the target's local thickness.
+OptionSpec frequencyOption();
+
 /// Roots as a recipe describes them: those of a file, of a texture of the shelf, or random ones; scaled and moved.
 struct RootsSettings {
   std::optional<NamedFile> file;
   const Texture* texture = nullptr;  ///< of textureShelf()
   /// Where there is neither of the two; but for what the target says. The seed varies a texture too.
   julia::RandomRootsOptions random;
-  ControlSetting frequency;  ///< of a texture that follows the thickness; else not there
+  /// Of a texture that follows the thickness; else not there.
+  ControlSetting frequency{};
   double scale = 1;
   openvdb::Vec3d translate{0, 0, 0};  ///< units of fractal space
 };
@@ -84,10 +88,15 @@ struct PlacedRoots {
 /// The seed of roots that have something random in them; none for others.
 std::optional<std::uint64_t> seedOf(const RootsSettings& settings);
 
+/// The waves of a texture that follows the thickness, scaled and moved.
+julia::WaveTexture placeWaves(const RootsSettings& settings, const julia::Embedding& embedding);
+
 /// @throw std::invalid_argument  as julia::randomPolynomial(), placeTexture(), julia::scaled()
 PlacedRoots placeRoots(const RootsSettings& settings, const julia::Embedding& embedding, const MapContext& context);
 
-/// As docs/precision.md has measured it: few steps, and powers whose sum is not large.
+/// As docs/precision.md has measured it: few steps.
+bool floatsServe(const julia::OrbitOptions& orbit);
+/// The same, and powers whose sum is not large.
 bool floatsServe(const julia::OrbitOptions& orbit, const julia::Rational& roots);
 
 }  // namespace vdbtools

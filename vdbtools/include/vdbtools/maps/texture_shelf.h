@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file texture_shelf.h
-/// The shelf: versors with names, each a short recipe of roots in the target's own space. A recipe is one or more
-/// strands, whose factors are multiplied in their order; a strand puts rings of detail (julia/root_patterns.h) at the
-/// points of a pattern. Lengths are shares of the target's longest side, so that a texture is the same for a target of
-/// any size and place. All powers are whole: the textures have no seam, and their signs can be proved in blocks.
+/// The shelf: versors with names. Most are textures of waves (julia/wave_versor.h), whose detail is as fine at each
+/// place as the target is thin there. The others are recipes of roots in the target's own space: one or more strands,
+/// whose factors are multiplied in their order; a strand puts rings of detail (julia/root_patterns.h) at the points of
+/// a pattern. Lengths are shares of the target's longest side or of its local thickness, so that a texture is the same
+/// for a target of any size and place. All powers are whole: the textures have no seam, and their signs can be proved
+/// in blocks.
 #pragma once
 
 #include "julia/embedding.h"
@@ -41,22 +43,25 @@ struct Strand {
   double jitter = 0;                    ///< standard deviation of a random displacement of each point
 };
 
-/// One factor of a texture of waves.
+/// One factor of a texture of waves (julia/wave_versor.h).
 struct WaveStrand {
-  int count = 1;                       ///< of waves; one makes bands, many make a field of roots and poles
-  int power = 1;                       ///< as WaveFactor
-  julia::Point stretch{1, 1, 1};       ///< by how much the frequencies along X, Y and Z differ; of bands the frequency
-  double depth = 1;                    ///< the same along the fourth component
-  julia::Point turn{1, 0, 0};          ///< of bands: the axis i, j, k of their turn
-  std::uint64_t seed = 1;
+  int count = 1;                    ///< of waves: one makes bands, many make a field of roots and poles
+  int power = 1;                    ///< as julia::WaveFactor
+  julia::Point frequency{1, 1, 1};  ///< of bands, along X, Y and Z; of many waves, by what theirs are multiplied
+  double fourth = 1;                ///< the same along the fourth component; bands do not depend on it
+  julia::Point turn{1, 0, 0};       ///< of bands: the imaginary axis of their turn, of length 1
+  std::uint64_t stream = 1;         ///< of many: tells apart what the seed gives to the strands
 };
 
 struct Texture {
-  std::string name;         ///< one word
-  std::string description;  ///< one sentence
-  std::vector<Strand> strands;
-  std::vector<WaveStrand> waves{};  ///< instead of strands: a texture that follows the thickness
+  std::string name{};         ///< one word
+  std::string description{};  ///< one sentence
+  /// Of roots: as large everywhere as it is at its place.
+  std::vector<Strand> strands{};
+  /// Of waves, instead: it follows the target's local thickness.
+  std::vector<WaveStrand> waves{};
 
+  bool followsThickness() const { return !waves.empty(); }
   /// Whether a seed changes it.
   bool varies() const;
 };
@@ -68,8 +73,9 @@ const Texture* findTexture(const std::string& name);
 /// The one that a fractal has without any option: the one that serves most shapes best.
 const Texture& defaultTexture();
 
-/// The waves of a texture that has them.
-julia::WaveTexture wavesOf(const Texture& texture, std::uint64_t seed, const julia::Embedding& embedding);
+/// The waves of a texture that has them. @param scale  by what their lengths are multiplied, not 0
+julia::WaveTexture placeWaves(const Texture& texture, double scale, std::uint64_t seed,
+                              const julia::Embedding& embedding);
 
 /// Where roots are placed.
 struct TextureSite {

@@ -114,6 +114,9 @@ class ControlSetting {
   std::shared_ptr<const ControlSource> mSource;
 };
 
+/// The same number everywhere. @param text  what a recipe has for it
+std::shared_ptr<const ControlSource> numberSource(double value, std::string text);
+
 /// The source that an option of a recipe describes:
 ///   - a number: "40"
 ///   - a ramp, "AXIS:FROM[@POS]:TO[@POS][:smooth]": "x:10:300:smooth" or "y:10@0.2:300@0.8"

@@ -15,8 +15,8 @@
 
 namespace vdbtools {
 
-/// The octave o at the nodes of the thickness' lattice: with it a wave of one turn a unit makes F turns across the local
-/// thickness 2 tau, so that 2^o = F / (2 tau) with tau in fractal space.
+/// The octave o at the nodes of the thickness' lattice: with it a wave of one turn a unit makes F turns across the
+/// local thickness 2 tau, so that 2^o = F / (2 tau) with tau in fractal space.
 struct OctaveGrid {
   openvdb::FloatGrid::Ptr grid;
   FractalSpace space;
