@@ -108,7 +108,7 @@ class Page(browser.BrowserTest):
             self.assertEqual(self.state(), state, name)
             changed.append(name)
         self.assertEqual(self.picture(), first)
-        for name in ("Scale of the roots", "Iterations", "Slice", "Colour", "Light from above", "Cut open along"):
+        for name in ("Scale of the texture", "Iterations", "Slice", "Colour", "Light from above", "Cut open along"):
             self.assertIn(name, changed)
         self.assertEqual(self.errors(), [])
 

@@ -11,6 +11,7 @@
 #include "julia/quadratic_map.h"
 #include "julia/rational.h"
 #include "julia/shape_modulus.h"
+#include "julia/wave_versor.h"
 
 #include <openvdb/math/Half.h>
 
@@ -51,7 +52,7 @@ json factors(const julia::Rational& rational) {
   return all;
 }
 
-/// The exponent on a dense lattice.
+/// The exponent, or another field, on a dense lattice.
 class Volume {
  public:
   Volume(const julia::PlacedBricks& exponent, int side) {
@@ -124,6 +125,24 @@ class Volume {
   json mDescription;
 };
 
+/// The waves in the order of their factors, and the octave, which varies slowly, on a coarse lattice.
+json waves(const julia::WaveVersorDescription& versor) {
+  constexpr int kSide = 48;
+  json factors = json::array();
+  for (const julia::WaveFactor& factor : versor.texture.factors) {
+    json all = json::array();
+    for (const julia::Wave& wave : factor.waves)
+      all.push_back({quaternion(wave.frequency), quaternion(wave.cosine), quaternion(wave.sine)});
+    factors.push_back({{"power", factor.power}, {"waves", std::move(all)}});
+  }
+  const Volume octave(*versor.octave, kSide);
+  json description = octave.description();
+  description["values"] = base64(octave.bytes());
+  return {{"origin", quaternion(versor.texture.origin)},
+          {"factors", std::move(factors)},
+          {"octave", std::move(description)}};
+}
+
 /// Where the map does not prove that the set is not: a bit a cube, X fastest, the first in the lowest bit.
 json occupancy(const Scene& scene, const openvdb::BBoxd& region, Monitor& monitor) {
   constexpr int kCells = 64;  // along the longest side
@@ -151,9 +170,12 @@ void describeMap(const julia::MapDescription& map, const SceneDataOptions& optio
     if (!shape->exponent) throw std::invalid_argument("the map's exponent has no description");
     const Volume volume(*shape->exponent, options.side);
     scene["map"] = "shape-modulus";
-    const auto* versor = std::any_cast<julia::Rational>(&shape->versor);
-    if (!versor) throw std::invalid_argument("a texture of waves has no live picture yet");
-    scene["factors"] = factors(*versor);
+    if (const auto* roots = std::any_cast<julia::Rational>(&shape->versor))
+      scene["factors"] = factors(*roots);
+    else if (const auto* wave = std::any_cast<julia::WaveVersorDescription>(&shape->versor); wave && wave->octave)
+      scene["waves"] = waves(*wave);
+    else
+      throw std::invalid_argument("the map's versor has no description");
     scene["exponent"] = volume.description();
     data.volume = volume.bytes();
   } else if (const auto* rational = std::any_cast<julia::Rational>(&map)) {

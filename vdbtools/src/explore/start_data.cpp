@@ -59,7 +59,10 @@ json optionData(const OptionTable& table, const MapRegistry& maps) {
 json textureData() {
   json textures = json::array();
   for (const Texture& texture : textureShelf()) {
-    json data = {{"name", texture.name}, {"description", texture.description}, {"varies", texture.varies()}};
+    json data = {{"name", texture.name},
+                 {"description", texture.description},
+                 {"varies", texture.varies()},
+                 {"followsThickness", texture.followsThickness()}};
     for (const char* extension : {".jpg", ".png"})
       if (const PageFile* file = findPageFile("texture-" + texture.name + extension))
         data["thumbnail"] = "page/" + std::string(file->name);

@@ -122,7 +122,7 @@ std::string idleFrequency(const OptionRun& run) {
 }
 
 /// The words for it, by the number of features across the local thickness.
-constexpr std::pair<const char*, double> kFrequencyWords[] = {{"coarse", 0.75}, {"medium", 1.5}, {"fine", 3}};
+constexpr std::pair<const char*, double> kFrequencyWords[] = {{"coarse", 1}, {"medium", 2}, {"fine", 4}};
 
 ControlSetting parseFrequency(const RecipeReader& reader) {
   const std::string text = reader.text("frequency");
@@ -158,7 +158,7 @@ OptionSpec frequencyOption() {
   return {.name = "frequency",
           .argument = "F",
           .help =
-              "how many features of the texture lie across the local thickness: coarse (0.75), medium (1.5), fine (3) "
+              "how many features of the texture lie across the local thickness: coarse (1), medium (2), fine (4) "
               "or a number above 0; given like detail. For the textures that follow the thickness",
           .defaultFor = [](const Recipe& recipe) -> std::optional<std::string> {
             const auto versor = recipe.find("versor");

@@ -6,8 +6,8 @@
 namespace vdbtools {
 namespace {
 
-constexpr const char* kDetail = "0.6";
-constexpr const char* kOutward = "0.2";
+constexpr const char* kDetail = "0.3";
+constexpr const char* kOutward = "0.3";
 constexpr const char* kAlpha = "40";
 constexpr const char* kBeta = "0";
 constexpr const char* kEscapeOfDetail = "2";

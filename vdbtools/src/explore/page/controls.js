@@ -6,7 +6,7 @@ import { button, choice, element, group, slider, text, tick } from "./widgets.js
 
 const RANDOM_ROOTS = ["versor-seed", "versor-roots", "versor-powers", "versor-integer", "versor-placement", "versor-distance",
   "versor-centre", "versor-radius"];
-const OWN_CONTROLS = ["map", "input", "detail", "outward", "alpha", "beta", "origin-shift", "versor", ...RANDOM_ROOTS, "versor-scale",
+const OWN_CONTROLS = ["map", "input", "detail", "outward", "alpha", "beta", "origin-shift", "versor", ...RANDOM_ROOTS, "frequency", "versor-scale",
   "versor-translate", "iterations", "slice", "c", "power", "pair", "scheme", "f", "g", "theta", "mandelbrot", "resolution", "box",
   "colour"];
 
@@ -45,6 +45,13 @@ export function isRandomVersor(recipe) {
   return recipe.versor === "random" || (!recipe.versor && RANDOM_ROOTS.some((name) => name in recipe));
 }
 
+// Whether the texture is one whose detail is as fine as its target is thin.
+export function followsThickness({ options, start }, recipe) {
+  if (isRandomVersor(recipe)) return false;
+  const name = recipe.versor ?? options.usual("versor", recipe);
+  return options.mapOf(recipe) === "shape-modulus" && start.textures.some((one) => one.followsThickness && one.name === name);
+}
+
 // All of the controls: {element, update(state)}. page: {store, options, start, scene(), isExported, ...actions}
 export function makeControls(page) {
   const { store, options, start } = page, updates = [];
@@ -52,7 +59,7 @@ export function makeControls(page) {
     updates.push(control.update);
     return control.element;
   };
-  const fallbacks = { iterations: "3", slice: "0", "versor-roots": "10", "versor-placement": "box", "versor-scale": "1", power: "8", "versor-seed": "1" };
+  const fallbacks = { iterations: "5", slice: "0", "versor-roots": "10", "versor-placement": "box", "versor-scale": "1", power: "8", "versor-seed": "1" };
   const usualOf = (name, live) => (state) => options.usual(name, state.recipe) ?? (live && page.scene() ? String(page.scene()[live]) : fallbacks[name] ?? "");
   // A slider of an option.
   const number = (name, label, limits, live) => add(slider(store, {
@@ -116,11 +123,11 @@ export function makeControls(page) {
     if (scene.constant && scene.map !== "shape-modulus")
       all.push(group("Map", ...vector("c", ["c 1", "c 2", "c 3", "c 4"].slice(0, scene.constant.length), { min: -1.5, max: 1.5, step: 0.005 }, "constant")));
     if (scene.map === "mandelbulb") all.push(group("Power", number("power", "Power", { min: 1, max: 16, step: 0.25 }, "power")));
-    if (scene.factors) all.push(group("Texture", ...rootPlaces()));
+    if (scene.factors ?? scene.waves) all.push(group("Texture", ...rootPlaces()));
   }
 
   function rootPlaces() {
-    return [number("versor-scale", "Scale of the roots", { min: 0.2, max: 5, scale: "log" }),
+    return [number("versor-scale", "Scale of the texture", { min: 0.2, max: 5, scale: "log" }),
       ...vector("versor-translate", ["Move the roots X", "Move the roots Y", "Move the roots Z"], { min: -0.5, max: 0.5, step: 0.005 })];
   }
 
@@ -165,6 +172,7 @@ export function makeControls(page) {
       return tile;
     });
     const varies = (recipe) => isRandomVersor(recipe) || start.textures.some((texture) => texture.varies && texture.name === recipe.versor);
+    const follows = (recipe) => followsThickness(page, recipe);
     const seedBy = (by) => () => store.change((state) => {
       options.set(state.recipe, "versor-seed", String(Math.max(0, Number(state.recipe["versor-seed"] ?? 1) + by)));
     });
@@ -181,6 +189,7 @@ export function makeControls(page) {
     const part = group("Texture", element("div", { class: "shelf", role: "group", "aria-label": "Textures" }, ...tiles),
       when(varies, number("versor-seed", "Seed", { min: 0, max: 200, step: 1 }),
         element("div", { class: "buttons" }, button("← previous seed", seedBy(-1)), button("next seed →", seedBy(1)))),
+      when(follows, chosen("frequency", "Frequency", ["coarse", "medium", "fine"])),
       when(isRandomVersor, number("versor-roots", "Roots", { min: 1, max: 60, step: 1 }), powers("Least power", 0), powers("Greatest power", 1),
         flag("versor-integer", "Whole powers"), chosen("versor-placement", "Placed", ["box", "inside", "surface", "cluster"])),
       ...rootPlaces());

@@ -2,6 +2,7 @@
 // Sends the rays. A picture is made in strips of rows, no more at a time than the GPU does in a moment, so that the page
 // stays responsive on any GPU: first a coarse picture, then a fine one, then the mean of several with the rays elsewhere
 // in their pixels.
+import { bytesOfBase64 } from "./scene.js";
 import { DISPLAY_SHADER, fragmentShader, VERTEX_SHADER } from "./shaders.js";
 
 export const COLOURS = ["direction", "versor", "iterations", "trap", "clay", "depth"];
@@ -126,6 +127,14 @@ export class Renderer {
       if (scene.cubes)
         scene.textures.emptiness = this.texture3D(scene.cubes.count, scene.cubes.distances, gl.R8, gl.UNSIGNED_BYTE, gl.NEAREST);
     }
+    if (scene.waves && !scene.textures.octave) {
+      const { dims, values } = scene.waves.octave, bytes = bytesOfBase64(values);
+      scene.textures.octave = this.texture3D(dims, new Uint16Array(bytes.buffer, bytes.byteOffset, bytes.length / 2), gl.R16F, gl.HALF_FLOAT, gl.LINEAR);
+      const rows = scene.waves.factors.flatMap(({ power, waves }) =>
+        waves.flatMap((wave, i) => [...wave.flat(), i + 1 === waves.length ? power : 0, 0, 0, 0]));
+      scene.textures.waveCount = rows.length / 16;
+      scene.textures.waves = this.texture2D(rows.length / 4, 1, new Float32Array(rows), gl.RGBA32F, gl.FLOAT);
+    }
     if (scene.exponent) {
       const { id, dims } = scene.exponent;
       let texture = this.volumes.get(id);
@@ -143,7 +152,7 @@ export class Renderer {
 
   forget(scene) {
     if (!scene?.textures) return;
-    for (const name of ["emptiness", "factors"]) this.gl.deleteTexture(scene.textures[name] ?? null);
+    for (const name of ["emptiness", "factors", "octave", "waves"]) this.gl.deleteTexture(scene.textures[name] ?? null);
     scene.textures = null;
   }
 
@@ -228,10 +237,22 @@ export class Renderer {
     gl.uniform1i(at("factorCount"), live.factors.length);
     gl.uniform1f(at("logScale"), scene.logScale ?? 0);
     if (factors) bind("factors", gl.TEXTURE_2D, factors);
+    const columnsOf = (matrix) => [0, 1, 2].flatMap((column) => matrix.map((row) => row[column]));
+    if (scene.waves) {
+      const { matrix, offset, dims } = scene.waves.octave;
+      bind("octave", gl.TEXTURE_3D, textures.octave);
+      bind("waves", gl.TEXTURE_2D, textures.waves);
+      gl.uniform1i(at("waveCount"), textures.waveCount);
+      gl.uniform4fv(at("waveOrigin"), live.waveOrigin);
+      gl.uniform1f(at("waveScale"), live.waveScale);
+      gl.uniformMatrix3fv(at("toOctaveNode"), false, columnsOf(matrix));
+      gl.uniform3fv(at("octaveOffset"), offset);
+      gl.uniform3fv(at("octaveCount"), dims);
+    }
     if (scene.exponent) {
       const { matrix, offset, dims, low } = scene.exponent;
       bind("exponent", gl.TEXTURE_3D, textures.exponent);
-      gl.uniformMatrix3fv(at("toNode"), false, [0, 1, 2].flatMap((column) => matrix.map((row) => row[column])));
+      gl.uniformMatrix3fv(at("toNode"), false, columnsOf(matrix));
       gl.uniform3fv(at("nodeOffset"), offset);
       gl.uniform3fv(at("nodeCount"), dims);
       gl.uniform3fv(at("originShift"), live.originShift);

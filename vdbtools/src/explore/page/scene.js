@@ -119,6 +119,7 @@ export function liveValues(scene, recipe) {
   const live = {
     iterations: scene.iterations, slice: scene.slice, logTrap: scene.logTrap, constant: scene.constant ?? null,
     power: scene.power ?? 8, factors: scene.factors ?? [], originShift: [0, 0, 0], exact: true,
+    waveOrigin: scene.waves?.origin ?? [0, 0, 0, 0], waveScale: 1,
   };
   const changed = LIVE_OPTIONS.filter(differs);
   if (changed.length === 0) return live;
@@ -137,14 +138,11 @@ export function liveValues(scene, recipe) {
     const from = at(scene.recipe), to = at(recipe), k = to.scale / from.scale;
     // The components that are not dropped hold the place.
     const places = { i: [0, 2, 3], j: [0, 1, 3], k: [0, 1, 2] }[scene.dropAxis];
-    live.factors = live.factors.map((factor) => {
-      const moved = [...factor];
-      for (let c = 0; c < 4; ++c) {
-        const axis = places.indexOf(c);
-        moved[c] = (factor[c] - (axis < 0 ? 0 : from.move[axis])) * k + (axis < 0 ? 0 : to.move[axis]);
-      }
-      return moved;
-    });
+    const part = (move, c) => places.indexOf(c) < 0 ? 0 : move[places.indexOf(c)];
+    live.factors = live.factors.map((factor) =>
+      factor.map((value, c) => c < 4 ? (value - part(from.move, c)) * k + part(to.move, c) : value));
+    live.waveOrigin = live.waveOrigin.map((value, c) => value - part(from.move, c) + part(to.move, c));
+    live.waveScale = 1 / k;
   }
   if (differs("origin-shift")) {
     const from = numbersIn(scene.recipe["origin-shift"] ?? "0,0,0", 3), to = numbersIn(recipe["origin-shift"] ?? "0,0,0", 3);

@@ -71,14 +71,16 @@ vec2 unitPower(vec2 z, float p) {
 }
 `;
 
+const PRODUCT = `
+vec4 product(vec4 p, vec4 q) {
+  return vec4(p.x * q.x - dot(p.yzw, q.yzw), p.x * q.yzw + q.x * p.yzw + cross(p.yzw, q.yzw));
+}
+`;
+
 const FACTORS = `
 uniform sampler2D factors;  // two texels a factor: the root, then its power and whether that is whole
 uniform int factorCount;
 uniform float logScale;
-
-vec4 product(vec4 p, vec4 q) {
-  return vec4(p.x * q.x - dot(p.yzw, q.yzw), p.x * q.yzw + q.x * p.yzw + cross(p.yzw, q.yzw));
-}
 
 // The factor (q - t)^p over its length; squared is |q - t|^2.
 vec4 factorOf(vec4 d, float squared, float power, bool whole) {
@@ -134,6 +136,49 @@ float exponentAt(vec3 x) {
 }
 `;
 
+const WAVES = `
+uniform sampler2D waves;  // four texels a wave: frequency, cosine, sine, and the power behind the last one of a factor
+uniform int waveCount;
+uniform vec4 waveOrigin;
+uniform float waveScale;
+uniform sampler3D octave;
+uniform mat3 toOctaveNode;
+uniform vec3 octaveOffset, octaveCount;
+
+vec4 unitOf(vec4 g) {
+  float squared = dot(g, g);
+  return squared > 1e-30 ? g * inversesqrt(squared) : vec4(1.0, 0.0, 0.0, 0.0);
+}
+
+vec4 versor_(vec4 q, vec4 unused) {
+  vec3 node = clamp(toOctaveNode * (kept(q) + originShift) + octaveOffset, vec3(0.0), octaveCount - 1.0);
+  float o = textureLod(octave, (node + 0.5) / octaveCount, 0.0).r, k = floor(o), f = o - k;
+  vec4 p = (q - waveOrigin) * (exp2(k) * waveScale);
+  vec4 coarse = vec4(1.0, 0.0, 0.0, 0.0), fine = coarse, sum = vec4(0.0), fineSum = vec4(0.0);
+  for (int i = 0; i < waveCount; ++i) {
+    vec4 cosines = texelFetch(waves, ivec2(4 * i + 1, 0), 0), sines = texelFetch(waves, ivec2(4 * i + 2, 0), 0);
+    float turns = dot(texelFetch(waves, ivec2(4 * i, 0), 0), p);
+    vec2 at = turned(4.0 * (turns - round(turns)));  // cosine, sine
+    sum += cosines * at.x + sines * at.y;
+    fineSum += cosines * (1.0 - 2.0 * at.y * at.y) + sines * (2.0 * at.x * at.y);
+    int power = int(texelFetch(waves, ivec2(4 * i + 3, 0), 0).x);
+    if (power == 0) continue;
+    vec4 g = unitOf(sum), h = unitOf(fineSum);
+    if (power < 0) {
+      g.yzw = -g.yzw;
+      h.yzw = -h.yzw;
+    }
+    for (int times = 0; times < abs(power); ++times) {
+      coarse = product(coarse, g);
+      fine = product(fine, h);
+    }
+    sum = vec4(0.0);
+    fineSum = vec4(0.0);
+  }
+  return unitOf(mix(coarse, fine, f * f * (3.0 - 2.0 * f)));
+}
+`;
+
 // A step gives ln|f(q)| first, so that the last one needs no direction.
 const LOG_POLAR_ORBIT = `
 float follow(vec3 x, bool wantVersor) {
@@ -163,6 +208,9 @@ float follow(vec3 x, bool wantVersor) {
 const SHAPE_STEP = `
 // The versor is left to versor_(), which is asked for it only where the orbit goes on.
 void step_(vec4 q, bool wantVersor, out float l, out vec4 u) { l = exponentAt(kept(q)); u = vec4(0.0); }
+`;
+
+const ROOTS_VERSOR = `
 vec4 versor_(vec4 q, vec4 u) {
   float l;
   evaluateFactors(q, false, true, l, u);
@@ -512,9 +560,10 @@ float depthAt(vec3 x) { return clamp(length(x), 0.0, 1.0); }
 export function fragmentShader(scene) {
   switch (scene.map) {
     case "shape-modulus":
-      return HEADER + FACTORS + EXPONENT + SHAPE_STEP + LOG_POLAR_ORBIT + DEPTH_IN_SHELL + RAYS;
+      return HEADER + PRODUCT + EXPONENT + (scene.waves ? WAVES : FACTORS + ROOTS_VERSOR) + SHAPE_STEP + LOG_POLAR_ORBIT +
+        DEPTH_IN_SHELL + RAYS;
     case "rational":
-      return HEADER + FACTORS + RATIONAL_STEP + LOG_POLAR_ORBIT + NO_DEPTH + RAYS;
+      return HEADER + PRODUCT + FACTORS + RATIONAL_STEP + LOG_POLAR_ORBIT + NO_DEPTH + RAYS;
     case "quadratic":
     case "mandelbulb":
     case "cross": {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sixteen small pictures around the present values of a control: click to go there.
+import { followsThickness } from "./controls.js";
 import { button, element } from "./widgets.js";
 
 const COUNT = 16;
@@ -11,13 +12,14 @@ const around = (low, high, digits) => () => Array.from({ length: COUNT }, (_, i)
 const near = (step, least, digits) => (now) => Array.from({ length: COUNT }, (_, i) => String(Number(Math.max(least, now + (i - COUNT / 2 + 1) * step).toFixed(digits))));
 export const STRIPS = [
   { name: "versor-seed", label: "Seeds", usual: 1, values: (now) => Array.from({ length: COUNT }, (_, i) => String(Math.max(0, now - 3) + i)) },
-  { name: "detail", label: "Detail", usual: 0.25, values: around(0.05, 0.8, 2) },
-  { name: "outward", label: "Outward", usual: 0.1, values: around(0, 0.45, 2) },
+  { name: "detail", label: "Detail", usual: 0.3, values: around(0.05, 0.8, 2) },
+  { name: "outward", label: "Outward", usual: 0.3, values: around(0, 0.45, 2) },
   { name: "alpha", label: "Alpha", usual: 40, values: () => Array.from({ length: COUNT }, (_, i) => String(Number((4 * 75 ** (i / (COUNT - 1))).toPrecision(2)))) },
   { name: "versor", label: "Textures", values: null },
-  { name: "versor-scale", label: "Scale of the roots", usual: 1, live: true, values: () => Array.from({ length: COUNT }, (_, i) => String(Number((0.4 * 10 ** (i / (COUNT - 1))).toPrecision(3)))) },
+  { name: "frequency", label: "Frequency", usual: 2, values: () => Array.from({ length: COUNT }, (_, i) => String(Number((0.5 * 12 ** (i / (COUNT - 1))).toPrecision(3)))) },
+  { name: "versor-scale", label: "Scale of the texture", usual: 1, live: true, values: () => Array.from({ length: COUNT }, (_, i) => String(Number((0.4 * 10 ** (i / (COUNT - 1))).toPrecision(3)))) },
   { name: "slice", label: "Slice", usual: 0, live: true, values: near(0.04, -10, 3) },
-  { name: "iterations", label: "Iterations", usual: 3, live: true, values: () => Array.from({ length: COUNT }, (_, i) => String(i + 1)) },
+  { name: "iterations", label: "Iterations", usual: 5, live: true, values: () => Array.from({ length: COUNT }, (_, i) => String(i + 1)) },
   { name: "power", label: "Power", usual: 8, live: true, values: () => Array.from({ length: COUNT }, (_, i) => String(i + 2)) },
 ];
 
@@ -35,7 +37,7 @@ export function makeStrip(page) {
   // The strips that go with the map at hand.
   function update(state) {
     const fits = STRIPS.filter((one) => page.isExported ? one.live && liveFits(one.name) : page.options.has(one.name, state.recipe) &&
-      !(one.name === "alpha" && !("alpha" in state.recipe)) && !(["detail", "outward"].includes(one.name) && "alpha" in state.recipe));
+      !(one.name === "frequency" && !followsThickness(page, state.recipe)) && !(one.name === "alpha" && !("alpha" in state.recipe)) && !(["detail", "outward"].includes(one.name) && "alpha" in state.recipe));
     const names = fits.map((one) => one.name).join();
     if (select.dataset.names !== names) {
       select.dataset.names = names;
@@ -46,7 +48,7 @@ export function makeStrip(page) {
   }
   function liveFits(name) {
     const scene = page.scene();
-    return name === "power" ? scene.map === "mandelbulb" : name === "versor-scale" ? Boolean(scene.factors)
+    return name === "power" ? scene.map === "mandelbulb" : name === "versor-scale" ? Boolean(scene.factors ?? scene.waves)
       : name === "slice" ? !["cross", "mandelbulb"].includes(scene.map) : true;
   }
 
