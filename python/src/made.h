@@ -26,7 +26,7 @@ inline constexpr const char* kMemory = "memory";
 struct MadeScene {
   vdbtools::Recipe recipe;  ///< completed
   vdbtools::Scene scene;
-  vdbtools::InputFiles inputs;  ///< what was read: nothing that is written may replace one of them
+  vdbtools::InputFiles inputs;   ///< what was read: nothing that is written may replace one of them
   std::optional<double> memory;  ///< bytes that the process may take for it
 };
 

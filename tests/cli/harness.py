@@ -58,15 +58,16 @@ def restore_interrupt():
 
 COMMANDS = ("sdf", "fractal", "fit", "mesh", "versor", "sheet", "slice", "study", "render", "info", "maps",
             "points", "print",
-            "task", "status", "merge", "submit", "explore")
+            "plan tiles", "plan frames", "plan sheet", "task", "status", "merge", "submit", "explore")
 
 
 def quiet(arguments):
     """The arguments without progress on stderr, which appears only where a machine is slow."""
     words = [str(argument) for argument in arguments]
-    if not words or words[0] not in COMMANDS or any(word.startswith("--progress") for word in words):
+    named = 2 if words[:1] == ["plan"] and words[1:2] in (["tiles"], ["frames"], ["sheet"]) else 1
+    if " ".join(words[:named]) not in COMMANDS or any(word.startswith("--progress") for word in words):
         return arguments
-    return (words[0], "--progress", "none", *arguments[1:])
+    return (*words[:named], "--progress", "none", *arguments[named:])
 
 
 class CliTest(unittest.TestCase):

@@ -58,7 +58,8 @@ class AnotherLibrary(harness.CliTest):
                         ("--map", "mandelbulb", "--power", 8), ("--map", "mandelbulb", "--power", 2.5),
                         ("--map", "cross", "--f", f"{FORMULA}, y, z", "--g", "cos(x), y^2.5, exp(z)", "--radius", 5)):
             with self.subTest(options=options):
-                self.same(["x.vdb", "x.ply"], "fractal", *options, *LOW, "-o", "x.vdb", "--mesh", "x.ply")
+                low = LOW if options[0] == "t.obj" else LOW[:2]
+                self.same(["x.vdb", "x.ply"], "fractal", *options, *low, "-o", "x.vdb", "--mesh", "x.ply")
 
     def test_targets(self):
         self.write("hole.obj", harness.obj(harness.with_hole(harness.sphere(3), 0.94)))

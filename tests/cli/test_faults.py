@@ -35,7 +35,7 @@ LOW = ("--resolution", 16, "--sdf-resolution", 16, "--threads", 2)
 COMMANDS = {
     "sdf": ("sdf", "s.obj", "-o", "x.vdb", "--resolution", 16),
     "fractal": ("fractal", "s.obj", "-o", "x.vdb", "--mesh", "x.ply", *LOW),
-    "fractal of a VDB": ("fractal", "s.vdb", "--mesh", "x.obj", *LOW),
+    "fractal of a VDB": ("fractal", "s.vdb", "--mesh", "x.obj", "--resolution", 16, "--threads", 2),
     "fractal as STL": ("fractal", "s.obj", "--mesh", "x.stl", *LOW),
     "fractal as GLB": ("fractal", "s.obj", "--mesh", "x.glb", "--lod", "100%,50%", "--colour", "direction", *LOW),
     "fractal of a recipe": ("fractal", "--config", "f.vdb", "-o", "x.vdb"),

@@ -102,9 +102,12 @@ RECIPES = {
     "render": ("--field", "b.obj", "-o", OUT),
     "explore": ("b.obj", "--export", OUT),
 }
+# A slice has no points to colour, and says so.
+REFUSED = {"slice": {"--colour"}}
 for _command, _words in RECIPES.items():
-    for _victim, _options in RECIPE.values():
-        CASES.append((_command, _victim, (*_options, *_words)))
+    for _option, (_victim, _options) in RECIPE.items():
+        if _option not in REFUSED.get(_command, ()):
+            CASES.append((_command, _victim, (*_options, *_words)))
 
 EXTENSIONS = {
     ("sdf", "-o"): ".vdb",
@@ -161,7 +164,7 @@ class Inputs(harness.CliTest):
         maker.ok("fractal", "in.####.obj", "-o", "g.####.vdb", "--frames", "1-2", *LOW)
         maker.ok("fit", "b.obj", "-o", "f.json", "--resolution", 24, "--triangles", 400, "--roots", 8)
         maker.ok("sheet", "b.obj", "-o", "t.png", "--vary", "alpha=20,40", "--size", "16x16", *LOW)
-        maker.ok("plan", "tiles", "b.obj", "-o", "plan", "--tiles", 2, *LOW)
+        maker.ok("plan", "tiles", "b.obj", "-o", "plan", "--tiles", 2, "--make", "vdb,ply,obj", *LOW)
         maker.ok("task", "plan", "--range", "1-2")
         maker.ok("plan", "frames", "in.####.obj", "--frames", "1-2", "-o", "frames", *LOW)
         os.mkdir(cls.folder / "moved")
@@ -209,6 +212,10 @@ class Inputs(harness.CliTest):
                     text = self.ok(command, part, "--describe", "completion", data=True)
                     listed[f"plan {part}"] = [line.split() for line in text.splitlines()]
         covered = {}
+        for command, options in REFUSED.items():
+            for option in options:
+                self.refused(harness.USAGE, command, *RECIPE[option][1], "b.obj", "-o", "p.png", mentions=f"{option} has no")
+            covered[command] = set(options)
         for command, victim, words in CASES:
             done = covered.setdefault(command, set())
             words = ["--output" if word == "-o" else str(word) for word in words]

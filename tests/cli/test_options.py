@@ -16,6 +16,8 @@ import shutil
 import struct
 import subprocess
 
+import pyopenvdb
+
 import harness
 from harness import DONE, USAGE
 
@@ -28,6 +30,9 @@ RUNS = {
         ("t.ply", "--mesh", "f.ply", "--box", BOX, "--alpha", 20, *LOW),
         ("s.obj", "-o", "f.vdb", "--mesh", "f.glb", "--versor", "random", "--attributes", "trap,Cd", "--colour", "trap", *LOW),
         ("open.obj", "--repair", "--mesh", "f.ply", "--versor", "bark", *LOW),
+        ("pair.vdb", "--grid", "phi", "-o", "f.vdb", "--resolution", 14),
+        ("--config", "quadratic.vdb", "-o", "f.vdb"),
+        ("--map", "cross", "--f", "x, y, z", "--g", "cos(x), cos(y), z", "--mesh", "f.ply", "--resolution", 14),
         ("s.obj", "--mesh", "f.stl", "--versor", "random", "--versor-placement", "cluster", "--follow", "--up", "z",
          "--resolution", 60, "--sdf-resolution", 16),
         ("s.vdb", "-o", "f.vdb", "--versor", "swirl.json", "--origin", "centre", "--resolution", 14),
@@ -43,7 +48,8 @@ RUNS = {
     "points": [("ring.vdb", "-o", "p.ply", "--points", 100), ("s.obj", "-o", "p.ply", "--spacing", 0.5),
                ("s.vdb", "-o", "p.vdb", "--points", 100)],
     "print": [("made.vdb", "-o", "p.stl", "--size", 60), ("two.obj", "-o", "p.stl", "--size", 60, "--flat-base", 4, "--resolution", 24),
-              ("s.vdb", "-o", "p.ply", "--size", 60, "--min-thickness", 9, "--resolution", 24)],
+              ("s.vdb", "-o", "p.ply", "--size", 60, "--min-thickness", 9, "--resolution", 24),
+              ("fin.obj", "-o", "p.ply", "--size", 60, "--min-thickness", 6, "--resolution", 24)],
     "versor": [("list",), ("new", "-o", "v.json"), ("new", "--texture", "bark", "-o", "v.json"), ("inspect", "swirl.json"),
                ("new", "--placement", "cluster", "-o", "v.json"), ("add", "swirl.json", "swirl.json", "-o", "v.json"),
                ("scale", "swirl.json", 0.5, "-o", "v.json"), ("translate", "swirl.json", "0.1,0,0", "-o", "v.json")],
@@ -57,6 +63,7 @@ RUNS = {
                ("--field", "s.obj", "-o", "f.png", "--size", "24x24", *LOW),
                ("--field", "--map", "cross", "-o", "f.png", "--size", "24x24", "--resolution", 14)],
     "fit": [("s.obj", "-o", "f.json", "--roots", 9, "--resolution", 17),
+            ("pair.vdb", "--grid", "phi", "-o", "f.json", "--roots", 9, "--resolution", 17),
             ("open.obj", "--repair", "-o", "f.json", "--schedule", "9(VF)", "--resolution", 17)],
     "info": [("s.obj",), ("made.vdb",)],
     "maps": [()],
@@ -66,7 +73,8 @@ RUNS = {
 # Of the options of a fractal those have to act in one of these commands.
 FRACTALS = ("fractal", "sheet", "slice", "study", "render")
 
-# Values that do something, for options whose placeholder says too little: of a command, or of all.
+# Values that do something, for options whose placeholder says too little: of a command, or of all. The second of two is
+# for runs that have the first one.
 LOOK = {"up": "z", "alpha-clarity": "0.02", "delta": "2", "epsilon": "0.05", "azimuth": "50", "elevation": "50", "fov": "50",
         "zoom": "2", "eye": "2,2,4", "look-at": "0.2,0,0", "samples": "1", "size": "20x20"}
 VALUES = {
@@ -80,23 +88,23 @@ VALUES = {
     "sheet": {**LOOK, "vary": "iterations=1,2", "columns": "1"},
     "points": {"points": "80", "spacing": "0.4", "seed": "5"},
     "mesh": {"input": "t.ply"},
-    "versor": {"seed": "5", "roots": "4", "powers": "3:4", "placement": "cluster", "box": "0,0,0,1,1,1", "centre": "1,0,0",
-               "radius": "0.3", "texture": "fins"},
+    "versor": {"seed": "5", "roots": "4", "powers": "3:4", "placement": ("cluster", "inside"), "box": "0,0,0,1,1,1",
+               "centre": "1,0,0", "radius": "0.3", "texture": "fins"},
     "usd": {"frames": "2", "fps": "12", "meters-per-unit": "0.01", "mesh": "t.ply"},
     "sdf": {"band": "5", "config": "half.txt"},
     "": {
         "grid": "surface", "sdf-resolution": "19", "sdf-voxel-size": "0.11", "resolution": "15", "voxel-size": "0.15",
-        "repair-gap": "0.8", "solidify": "0.4", "thicken": "0.7", "points-radius": "0.7", "map": "mandelbulb",
+        "repair-gap": "1.2", "solidify": "0.4", "thicken": "0.7", "points-radius": "0.7", "map": ("mandelbulb", "quadratic"),
         "iterations": "2", "escape": "3", "slice": "0.2", "drop-axis": "j", "rational": "roots.json", "c": "0.3,0.2,0.1",
         "scheme": "3", "pair": "B", "f": "x*x, y, z", "g": "cos(x), y, z", "radius": "3", "power": "5", "theta": "pole",
         "detail": "0.6", "outward": "0.3", "mask": "0.5", "alpha": "15", "beta": "0.03", "sampling": "quadratic",
         "versor": "roots.json", "versor-seed": "9", "versor-roots": "5", "versor-powers": "3:5",
         "versor-placement": "inside", "versor-distance": "0.2", "versor-centre": "0.2,0,0", "versor-radius": "0.3",
         "versor-scale": "1.5", "versor-translate": "0.1,0,0", "origin": "0.1,0,0", "origin-near": "0.4,0,0",
-        "origin-shift": "0.1,0,0", "space": "world", "box": "-0.6,-0.5,-0.3,0.7,0.8,0.9", "seed-stride": "2",
+        "origin-shift": "0.1,0,0", "space": "world", "box": "-0.6,-0.5,-0.3,0.7,0.8,0.9", "seed-stride": "32",
         "tolerance": "0.4", "adaptivity": "2", "largest": "1", "min-size": "0.9", "precision": "double",
         "grids": "surface,density", "lod": "100%,40%", "attributes": "iterations", "colour": "trap:magma",
-        "transfer": "weight", "target-up": "z", "up": "z", "frame": "3", "frames": "1-2", "key": "iterations@1=2",
+        "transfer": "weight", "target-up": "z", "up": ("z", "y"), "frame": "3", "frames": "1-2", "key": "iterations@1=2",
         "ease": "step", "search": ".", "config": "list.txt", "threads": "1", "instructions": "portable", "memory": "64G",
         "progress": "json", "mesh": "g.ply", "curve": "c.png", "csv": "c.csv", "report": "r.csv", "plot": "p.png",
     },
@@ -134,6 +142,12 @@ DEPENDS_ON_DATA = {
     "thin": "nothing may be thin",
     "from-grid": "what holds no recipe is read so in any case",
     "radius": "it bounds the region of a set that it does not change",
+}
+
+# Likewise, in runs with this value.
+DEPENDS_WITH = {
+    ("sdf-resolution", "rational"): "the distances say whether the middle of the target lies inside, and no more",
+    ("sdf-voxel-size", "rational"): "the distances say whether the middle of the target lies inside, and no more",
 }
 
 
@@ -201,6 +215,8 @@ class Options(harness.CliTest):
         self.write("two.obj", harness.obj((ball[0] + more[0],
                                            ball[1] + [tuple(k + len(ball[0]) for k in f) for f in more[1]])))
         self.write("open.obj", harness.obj(harness.with_hole(harness.lumpy())))
+        points, faces = harness.sphere(3)
+        self.write("fin.obj", harness.obj(([(x, 0.05 * y if x > 0.3 else y, z) for x, y, z in points], faces)))
         self.write("swirl.json", harness.rational_json(harness.ROOTS))
         self.write("roots.json", harness.rational_json(harness.ROOTS[:2]))
         self.write("list.txt", "iterations = 2\n")
@@ -208,10 +224,15 @@ class Options(harness.CliTest):
         self.ok("sdf", "s.obj", "-o", "s.vdb", "--resolution", 20)
         self.ok("fractal", "s.obj", "-o", "made.vdb", *LOW)
         self.ok("fractal", "t.ply", "-o", "ring.vdb", *LOW)
+        self.ok("fractal", "--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "-o", "quadratic.vdb", "--resolution", 14)
+        self.ok("sdf", "t.ply", "-o", "t.vdb", "--resolution", 20)
+        phi, other = (pyopenvdb.read(str(self.path(name)), "phi") for name in ("s.vdb", "t.vdb"))
+        other.name = "surface"
+        pyopenvdb.write(str(self.path("pair.vdb")), grids=[phi, other])
         for frame in (1, 2):
             shutil.copy(self.path("made.vdb"), self.path(f"grow.{frame:04d}.vdb"))
-        self.ok("fit", "s.obj", "-o", "fitted.json", "--roots", 5, "--resolution", 15)
-        self.ok("versor", "translate", "fitted.json", "0.7,0,0", "-o", "beside.json")
+        self.ok("fit", "s.obj", "-o", "fitted.json", "--roots", 30, "--resolution", 17)
+        self.ok("versor", "translate", "fitted.json", "0.6,0,0", "-o", "beside.json")
 
     def options_of(self, command):
         """The names of a command's options, and what follows each: None for a flag."""
@@ -223,10 +244,12 @@ class Options(harness.CliTest):
         return options
 
     @staticmethod
-    def value_for(command, name, argument):
+    def value_for(command, words, name, argument):
         for values in (VALUES.get(command, {}), VALUES[""]):
             if name in values:
-                return values[name]
+                first, *others = [values[name]] if isinstance(values[name], str) else values[name]
+                there = f"--{name}" in words and words[words.index(f"--{name}") + 1] == first
+                return others[0] if there and others else first
         choices = [word for word in argument.split("|") if re.fullmatch(r"[a-z-]+", word)]
         return choices[-1] if choices else "1"
 
@@ -236,6 +259,7 @@ class Options(harness.CliTest):
         words = list(map(str, run))
         if argument is None and f"--{name}" in words:
             return [word for word in words if word != f"--{name}"]
+        value = argument and self.value_for(command, words, name, argument)
         rivals = {"voxel-size": "resolution", "sdf-voxel-size": "sdf-resolution", "spacing": "points", "points": "spacing"}
         for other in (name, rivals.get(name, name)):
             if f"--{other}" in words:
@@ -247,7 +271,7 @@ class Options(harness.CliTest):
             del words[at:at + 2]
             return [*words, "-o", f"other{old[old.find('.'):]}"]
         words = [word for word in words if not word.startswith(f"--{name}=")]
-        return [*words, f"--{name}" if argument is None else f"--{name}={self.value_for(command, name, argument)}"]
+        return [*words, f"--{name}" if argument is None else f"--{name}={value}"]
 
     def outcome(self, number, command, words):
         """What a run makes and says, in a folder of its own."""
@@ -256,7 +280,7 @@ class Options(harness.CliTest):
         inputs = [file for file in self.folder.iterdir() if file.is_file()]
         for file in inputs:
             (place / file.name).symlink_to(file)
-        run = subprocess.run([harness.program(), command, *map(str, words)], cwd=place, env=harness.environment(),
+        run = subprocess.run([harness.program(), *map(str, harness.quiet((command, *words)))], cwd=place, env=harness.environment(),
                              stdin=subprocess.DEVNULL, capture_output=True, timeout=harness.TIMEOUT)
         made = {str(file.relative_to(place)): content(file) for file in place.rglob("*")
                 if file.is_file() and not file.is_symlink()}
@@ -265,7 +289,7 @@ class Options(harness.CliTest):
         return run.returncode, made, run.stdout, said
 
     def test_every_option_acts_or_is_refused(self):
-        jobs = []
+        jobs, of_fractals = [], self.options_of("fractal")
         for command, runs in RUNS.items():
             options = self.options_of(command)
             for run in runs:
@@ -281,7 +305,7 @@ class Options(harness.CliTest):
                 self.assertEqual(code, DONE, f"{line}\n{said}")
                 plain[command, run] = code, made, told, said
                 continue
-            scope = FRACTALS if command in FRACTALS and name in VALUES[""] else (command, )
+            scope = FRACTALS if command in FRACTALS and name in of_fractals else (command, )
             given.add((scope, name))
             if (code, made, told, said) != plain[command, run]:
                 acts |= {(scope, name)} if code == DONE or f"--{name}" not in words[-1] else set()
@@ -289,7 +313,7 @@ class Options(harness.CliTest):
                     self.assertNotIn("crashed", said)
                     self.assertTrue(code != USAGE or said.count("\n") == 1, said)
                 continue
-            if name not in CHANGES_NOTHING and name not in DEPENDS_ON_DATA:
+            if not {name, *((name, word) for word in words)} & {*CHANGES_NOTHING, *DEPENDS_ON_DATA, *DEPENDS_WITH}:
                 with self.subTest(line=line):
                     self.fail(f"--{name} is accepted, and changes nothing")
         for scope, name in sorted(given - acts):

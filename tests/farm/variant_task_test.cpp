@@ -32,8 +32,11 @@ class Variants : public testing::Test {
   Variants() { mBall = writeBall("ball.obj", 1); }
 
   std::string writeBall(const std::string& name, double radius) {
+    return writeObj(name, test_meshes::makeSphere(radius, 2));
+  }
+  std::string writeObj(const std::string& name, const Mesh& mesh) {
     std::ostringstream stream;
-    writeMesh(stream, test_meshes::makeSphere(radius, 2), {.format = MeshFormat::Obj});
+    writeMesh(stream, mesh, {.format = MeshFormat::Obj});
     return mFolder.write(name, stream.str()).string();
   }
 
@@ -104,23 +107,41 @@ TEST_F(Variants, FramesShareDistancesAndKeepTheirBytes) {
 
 // Each frame wants a band of another width. Whoever needs a wider one replaces the one that is there.
 TEST_F(Variants, OneBandServesFramesOfAllWidths) {
+  Mesh open = test_meshes::makeSphere(1, 2);
+  open.triangles.resize(open.triangles.size() - 8);
+  writeObj("open.obj", open);
   for (const char* mend : {"", "true"}) {
-    const std::string name = *mend ? "repaired" : "plan";
-    FramePlanOptions options = frames(mBall, {"detail@1=0.1", "detail@5=0.6"}, 1, 5);
+    const std::string name = *mend ? "open" : "ball";
+    FramePlanOptions options =
+        frames((mFolder.path() / (name + ".obj")).string(), {"detail@1=0.1", "detail@5=0.6"}, 1, 5);
     options.base.erase("alpha");
     if (*mend) options.base["repair"] = mend;
     const Manifest manifest = written(planFrames(options), name);
     const fs::path folder = mFolder.path() / name;
     for (const std::uint64_t index : {2, 5, 1, 4, 3}) {
       makeVariant(folder, manifest, index, mMonitor);
-      EXPECT_TRUE(made("out/ball.000" + std::to_string(index) + ".vdb", name) ==
-                  vdbAndPly(taskRecipe(manifest, index)).first)
-          << "frame " << index;
+      const std::string vdb = made("out/" + name + ".000" + std::to_string(index) + ".vdb", name);
+      EXPECT_TRUE(vdb == vdbAndPly(taskRecipe(manifest, index)).first) << "frame " << index;
+      EXPECT_EQ(vdb.find("julia_repair_moved") != std::string::npos, *mend != 0);
       int bands = 0;
       for (const auto& entry : fs::directory_iterator(folder / "targets"))
         bands += entry.path().filename().string().find(".band.vdb") != std::string::npos;
-      EXPECT_EQ(bands, *mend ? 0 : 1) << "what a repair has moved is known in its own band only";
+      EXPECT_EQ(bands, 1);
     }
+  }
+}
+
+// Voxels that are too small for OpenVDB's transforms are kept too.
+TEST_F(Variants, FramesOfAVerySmallMeshShareDistances) {
+  FramePlanOptions options = frames(writeBall("speck.obj", 1e-6), {"alpha@1=20", "alpha@2=60"}, 1, 2);
+  options.makes = {"ply"};
+  const Manifest manifest = written(planFrames(options));
+  for (const std::uint64_t index : {1, 2}) {
+    Phases phases;
+    makeVariant(mFolder.path() / "plan", manifest, index, phases);
+    EXPECT_EQ(phases.names.contains("distance field"), index == 1);
+    EXPECT_TRUE(made("out/speck.000" + std::to_string(index) + ".ply") ==
+                vdbAndPly(taskRecipe(manifest, index)).second);
   }
 }
 

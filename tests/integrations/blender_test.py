@@ -274,7 +274,7 @@ class Addon(unittest.TestCase):
             bpy.ops.juliavdb.make()
 
     def test_more_takes_the_options_of_a_recipe(self):
-        for more in ("--sdf-resolution 60 --iterations 4", "--sdf-resolution=60\n--half --origin-shift -0.01,0,0",
+        for more in ("--sdf-resolution 60 --iterations 4", "--sdf-resolution=60\n--exhaustive --origin-shift -0.01,0,0",
                      "--sdf-resolution 60 --colour 'trap:magma'"):
             with self.subTest(more=more):
                 self.source(more=more)

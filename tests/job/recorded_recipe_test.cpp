@@ -87,7 +87,7 @@ TEST_F(RecordedRecipeTest, ABrokenTargetBoxIsBadData) {
 }
 
 TEST_F(RecordedRecipeTest, AShapeThatNoResolutionServesIsBadData) {
-  const VoxelChoice usual{.resolution = 200}, odd{.resolution = 1e9}, size{.voxelSize = 1e-13};
+  const VoxelChoice usual{.resolution = 200}, odd{.resolution = 1e13}, size{.voxelSize = 1e-13};
   EXPECT_THROW(usual.sizeFor(6e33), DataError);
   EXPECT_THROW(usual.sizeFor(1e-11), DataError);
   EXPECT_THROW(odd.sizeFor(2), std::invalid_argument);

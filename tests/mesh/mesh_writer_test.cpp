@@ -206,6 +206,13 @@ TEST_F(MeshStream, PiecesGiveTheBytesOfTheWhole) {
         MeshWriteOptions options{.format = format, .voxelSize = voxelSize, .comments = {{"julia_alpha", "40"}}};
         // Its middle is what the positions of a GLB are relative to.
         if (format == MeshFormat::Glb) options.box = openvdb::BBoxd(Vec3d(-2), Vec3d(2.5));
+        if (format == MeshFormat::Stl && voxelSize == 1e-5) {
+          // Its floats are too coarse for these voxels, which both know from the box.
+          EXPECT_THROW(wholeBytes(mesh, options), std::invalid_argument);
+          options.box = openvdb::BBoxd(Vec3d(-2), Vec3d(2));
+          EXPECT_THROW(streamedBytes(mesh, options, true, random, points), std::invalid_argument);
+          continue;
+        }
         const std::string whole = wholeBytes(mesh, options);
         if (!options.box) options.box = openvdb::BBoxd(Vec3d(-2), Vec3d(2));
         ASSERT_EQ(wholeBytes(mesh, options), whole);

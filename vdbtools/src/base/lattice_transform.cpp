@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/lattice_transform.h"
 
-#include <openvdb/util/Name.h>
-
 #include <cmath>
 #include <sstream>
 
@@ -17,16 +15,14 @@ bool isOrdinaryScale(const Vec3d& scale) {
 
 Transform::Ptr latticeTransform(double voxelSize) {
   if (isOrdinaryScale(Vec3d(voxelSize))) return Transform::createLinearTransform(voxelSize);
-  // As from a file, for the constructors refuse it.
-  openvdb::initialize();
+  // Its constructors refuse it, but what is read goes unchecked.
   std::stringstream stream(std::ios::in | std::ios::out | std::ios::binary);
-  openvdb::writeString(stream, openvdb::math::UniformScaleMap::mapType());
   const double inverse = 1 / voxelSize;
   for (const double part : {voxelSize, std::abs(voxelSize), inverse, inverse * inverse, inverse / 2})
     Vec3d(part).write(stream);
-  const auto transform = std::make_shared<Transform>();
-  transform->read(stream);
-  return transform;
+  const auto map = openvdb::math::UniformScaleMap::create();
+  map->read(stream);
+  return std::make_shared<Transform>(map);
 }
 
 Transform::Ptr coarserTransform(const Transform& fine) {

@@ -428,7 +428,9 @@ void requireMergeable(const fs::path& folder, const Manifest& manifest, const Me
     if (!makesMesh(manifest))
       throw std::invalid_argument("the tasks of the plan make no mesh, so " + name + " cannot be merged from them" +
                                   planAgainWith(manifest, format));
-    if (!makes(manifest, format) && meshFormat(*options.mesh) != MeshFormat::Ply)
+    // First, so that a format that cannot hold the mesh is called that.
+    const bool needsDoubles = needsDoublePositions(meshOptions(manifest, meshFormat(*options.mesh)));
+    if (needsDoubles && !tilesNeedDoubles(manifest))
       throw std::invalid_argument("the tasks of the plan keep fewer digits than " + name + " needs" +
                                   planAgainWith(manifest, format));
   }

@@ -51,10 +51,7 @@ class KeptTarget final : public TargetInput {
  public:
   KeptTarget(std::unique_ptr<const TargetInput> input, fs::path folder, std::string key,
              std::function<bool(const std::string&)> keeps)
-      : mInput(std::move(input)),
-        mFolder(std::move(folder)),
-        mKey(std::move(key)),
-        mKeeps(std::move(keeps)) {}
+      : mInput(std::move(input)), mFolder(std::move(folder)), mKey(std::move(key)), mKeeps(std::move(keeps)) {}
 
   const openvdb::BBoxd& box() const override { return mInput->box(); }
   double usualDepth() const override { return mInput->usualDepth(); }

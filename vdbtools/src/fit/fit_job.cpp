@@ -372,6 +372,10 @@ std::string idleEpsilon(const OptionRun& run) {
              : "it goes with --start monopoles or --schedule; give one of them too, or leave it out";
 }
 
+std::string idleOfFast(const OptionRun& run) {
+  return run.text("schedule").empty() ? "" : "it is for the fast fit, and --schedule fits in another way; leave it out";
+}
+
 }  // namespace
 
 OptionTable fitOptionTable() {
@@ -391,7 +395,8 @@ OptionTable fitOptionTable() {
       {.name = "target-iou",
        .argument = "X",
        .defaultValue = "1",
-       .help = "stop adding roots when the IoU of the held-out cells reaches this; 1 adds all of them"},
+       .help = "fast fit: stop adding roots when the IoU of the held-out cells reaches this; 1 adds all of them",
+       .idle = idleOfFast},
       {.name = "resolution",
        .argument = "N",
        .defaultValue = "97",
@@ -404,7 +409,8 @@ OptionTable fitOptionTable() {
       {.name = "start",
        .argument = "blue-noise|monopoles",
        .defaultValue = "blue-noise",
-       .help = "fast fit: where the first roots are placed"},
+       .help = "fast fit: where the first roots are placed",
+       .idle = idleOfFast},
       {.name = "epsilon",
        .argument = "E",
        .defaultValue = "0.04",

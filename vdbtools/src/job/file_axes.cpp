@@ -28,8 +28,10 @@ std::string idleTargetUp(const OptionRun& run) {
 
 std::string idleUp(const OptionRun& run) {
   if (run.makesAny({Product::Vdb, Product::Mesh, Product::Stl})) return {};
-  return run.makesAny({Product::Glb}) ? "a GLB has Y up always; leave it out"
-                                      : "it is for a VDB or a mesh, and this run makes none; leave it out";
+  if (!run.makesAny({Product::Glb})) return "it is for a VDB or a mesh, and this run makes none; leave it out";
+  // What asks for Y up gets it.
+  const std::string up = run.text("up");
+  return (up == "keep" ? run.text("target-up") : up) == "z" ? "a GLB has Y up always; leave it out" : "";
 }
 
 }  // namespace

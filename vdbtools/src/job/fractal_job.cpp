@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/job/fractal_job.h"
 
+#include "base/elementary.h"
 #include "job/point_attributes.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/memory.h"
@@ -132,7 +133,7 @@ void requireMemoryForMesh(const Scene& scene) {
   // three shadows (Loomis and Whitney), whose sum is therefore at least 3 V^(2/3). A point lies at each crossing. V is
   // counted in nodes, of which those at its surface have a part outside.
   constexpr double kSure = 0.8;
-  const double points = kSure * 2 * 3 * std::cbrt(volume * volume) / (scene.voxelSize * scene.voxelSize);
+  const double points = kSure * 2 * 3 * elementary::cbrt(volume * volume) / (scene.voxelSize * scene.voxelSize);
   // A closed surface has two triangles for each point.
   constexpr double kBytes = sizeof(openvdb::Vec3d) + sizeof(openvdb::Vec3s) + 2 * sizeof(openvdb::Vec3I);
   requireMemory(points * kBytes, MemoryUse::Field,

@@ -212,13 +212,13 @@ void MeshStreamWriter::addPoints(const PointBatch& unturned) {
 void MeshStreamWriter::addTriangles(std::span<const Vec3I> triangles, std::uint64_t firstPoint) {
   State& s = *mState;
   s.run([&] {
+    // Before any of them is looked at, so those count too that will be left out.
+    s.encoder.requireCounts(s.pointCount, s.triangleCount + triangles.size());
     s.firstPoint = std::max(s.firstPoint, firstPoint);
     requirePoints(triangles, s.firstPoint, s.pointCount);
-    const std::uint64_t count = s.encoder.countOf(triangles, s.window, s.windowStart);
-    s.encoder.requireCounts(s.pointCount, s.triangleCount + count);
     s.encoder.survey(triangles);
     s.encoder.encodeTriangles(triangles, s.window, s.windowStart, s.triangles);
-    s.triangleCount += count;
+    s.triangleCount += s.encoder.countOf(triangles, s.window, s.windowStart);
     if (s.encoder.format() == MeshFormat::Stl) s.trimWindow();
   });
 }

@@ -151,7 +151,9 @@ void placeOnLattice(FloatGrid& grid, const std::string& text) {
     const std::vector<double> numbers = parseNumbers("lattice", text, 4);
     const VoxelChoice voxel{.voxelSize = numbers[0]};
     grid.setTransform(latticeTransform(voxel.sizeFor(1)));
-    grid.transform().postTranslate(Vec3d(numbers[1], numbers[2], numbers[3]));
+    // Beside the smallest voxels OpenVDB takes no translation, not even one of 0.
+    const Vec3d origin(numbers[1], numbers[2], numbers[3]);
+    if (!origin.isZero()) grid.transform().postTranslate(origin);
   } catch (const std::invalid_argument& error) {
     throw DataError("'" + inOneLine(text) + "' is no lattice: " + error.what());
   }
