@@ -48,7 +48,7 @@ constexpr Usage kVersorUsage = {
     "  translate A X,Y,Z[,S] -o F  move the roots",
     "  juliavdb versor list\n"
     "  juliavdb versor new -o swirl.json --seed 3 --roots 12 --powers 2:9 --integer\n"
-    "  juliavdb versor new -o scales.json --texture scales\n"
+    "  juliavdb versor new -o shells.json --texture shells\n"
     "  juliavdb versor inspect swirl.json\n"
     "  juliavdb versor scale swirl.json 0.5 -o fine.json\n"
     "  juliavdb versor translate swirl.json 0.1,0,0 -o moved.json\n"
@@ -87,10 +87,7 @@ void inspect(const std::string& name, const julia::Polynomial& polynomial) {
 }
 
 std::size_t rootCount(const vdbtools::Texture& texture) {
-  if (texture.followsThickness()) return 0;
-  const vdbtools::TextureSite ball{
-      .distance = [](const julia::Point& x) { return julia::elementary::hypot(x[0], x[1], x[2]) - 0.5; }};
-  return vdbtools::placeTexture(texture, ball, 1, {}).top.roots.size();
+  return texture.followsThickness() ? 0 : vdbtools::placeTexture(texture, 1, {}).top.roots.size();
 }
 
 void list(bool asJson) {
@@ -139,18 +136,8 @@ vdbtools::RationalFile newTexture(const CommandLine& line) {
     throw std::invalid_argument("the texture '" + name +
                                 "' consists of waves that follow a target's thickness, and a file holds roots; give it "
                                 "to 'fractal' by --versor");
-  if (vdbtools::surfaceReach(*texture) > 0)
-    throw std::invalid_argument("the roots of the texture '" + name +
-                                "' lie on its target's surface, and a file has none; give it to 'fractal' by --versor");
-  std::string note = "juliavdb versor new --texture " + name;
-  std::uint64_t seed = 1;
-  line.requireUse(texture->varies(), {"seed"}, "the texture '" + name + "' has nothing random; leave it out");
-  if (line.has("seed")) {
-    seed =
-        vdbtools::parseInteger<std::uint64_t>("seed", line.text("seed"), 0, std::numeric_limits<std::uint64_t>::max());
-    note += " --seed " + line.text("seed");
-  }
-  return {vdbtools::placeTexture(*texture, {}, seed, {}), note, {}};
+  line.requireUse(false, {"seed"}, "the texture '" + name + "' has nothing random; leave it out");
+  return {vdbtools::placeTexture(*texture, 1, {}), "juliavdb versor new --texture " + name, {}};
 }
 
 /// What 'new' makes, and the command that makes it again, less its output.

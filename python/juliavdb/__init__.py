@@ -2,7 +2,7 @@
 """Fractals in the shape of a mesh.
 
     import juliavdb
-    bunny = juliavdb.fractal("bunny.obj", detail=0.5, versor="feathers", resolution=200)
+    bunny = juliavdb.fractal("bunny.obj", detail=0.5, versor="quills", resolution=200)
     bunny.vertices, bunny.faces, bunny.normals
     bunny.write("bunny.vdb")
 

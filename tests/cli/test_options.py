@@ -50,7 +50,7 @@ RUNS = {
     "print": [("made.vdb", "-o", "p.stl", "--size", 60), ("two.obj", "-o", "p.stl", "--size", 60, "--flat-base", 4, "--resolution", 24),
               ("s.vdb", "-o", "p.ply", "--size", 60, "--min-thickness", 9, "--resolution", 24),
               ("fin.obj", "-o", "p.ply", "--size", 60, "--min-thickness", 6, "--resolution", 24)],
-    "versor": [("list",), ("new", "-o", "v.json"), ("new", "--texture", "bark", "-o", "v.json"), ("inspect", "swirl.json"),
+    "versor": [("list",), ("new", "-o", "v.json"), ("new", "--texture", "rings", "-o", "v.json"), ("inspect", "swirl.json"),
                ("new", "--placement", "cluster", "-o", "v.json"), ("add", "swirl.json", "swirl.json", "-o", "v.json"),
                ("scale", "swirl.json", 0.5, "-o", "v.json"), ("translate", "swirl.json", "0.1,0,0", "-o", "v.json")],
     "sheet": [("s.obj", "-o", "f.png", "--vary", "versor-seed=1,2", "--size", "24x24", *LOW)],
@@ -89,7 +89,7 @@ VALUES = {
     "points": {"points": "80", "spacing": "0.4", "seed": "5"},
     "mesh": {"input": "t.ply"},
     "versor": {"seed": "5", "roots": "4", "powers": "3:4", "placement": ("cluster", "inside"), "box": "0,0,0,1,1,1",
-               "centre": "1,0,0", "radius": "0.3", "texture": "fins"},
+               "centre": "1,0,0", "radius": "0.3", "texture": "shells"},
     "usd": {"frames": "2", "fps": "12", "meters-per-unit": "0.01", "mesh": "t.ply"},
     "sdf": {"band": "5", "config": "half.txt"},
     "": {

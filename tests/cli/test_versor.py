@@ -62,7 +62,7 @@ class Versor(harness.CliTest):
         self.assertEqual(self.roots("x.json"), [(1, 2, 3, 0, 5)])
 
     def test_the_note_makes_it_again(self):
-        for options in (("--seed", 3), ("--texture", "scales"), ("--texture", "bark", "--seed", 7),
+        for options in (("--seed", 3), ("--texture", "rings"), ("--texture", "shells"),
                         ("--seed", 4, "--roots", 12, "--powers", "2:9", "--integer"),
                         ("--box", "-2,-1,0,1,3,2", "--integer"), ("--placement", "cluster", "--centre", "-1,0,0.5",
                                                                   "--radius", 0.2)):
@@ -82,19 +82,26 @@ class Versor(harness.CliTest):
         default, = [texture["name"] for texture in shelf if texture["default"]]
         self.ok("fractal", "s.obj", *low, "--mesh", "default.ply")
         default_points = harness.read_ply(self.bytes("default.ply")).points
-        for name, seed in ((default, 1), ("scales", 1), ("bark", 5)):
-            varies = {t["name"]: t["seed"] for t in shelf}[name]
-            self.ok("versor", "new", "--texture", name, *(("--seed", seed) if varies else ()), "-o", "t.json")
-            self.assertEqual(len(self.roots("t.json")), {t["name"]: t["roots"] for t in shelf}[name])
-            meshes = []
-            for versor in (("--versor", "t.json"), ("--versor", name, *(("--versor-seed", seed) if varies else ()))):
-                self.ok("fractal", "s.obj", *versor, *low, "--mesh", "m.ply")
-                meshes.append(harness.read_ply(self.bytes("m.ply")).points)
-            self.assertTrue(meshes[0] == meshes[1], name)
-            self.assertEqual(meshes[0] == default_points, name == default)
+        for texture in shelf:
+            name = texture["name"]
+            with self.subTest(texture=name):
+                self.ok("fractal", "s.obj", "--versor", name, *low, "--mesh", "m.ply")
+                points = harness.read_ply(self.bytes("m.ply")).points
+                self.assertEqual(points == default_points, name == default)
+                if texture["seed"]:
+                    self.ok("fractal", "s.obj", "--versor", name, "--versor-seed", 5, *low, "--mesh", "m.ply")
+                    self.assertFalse(points == harness.read_ply(self.bytes("m.ply")).points)
+                if texture["follows_thickness"]:
+                    self.assertEqual(texture["roots"], 0)
+                    self.refused(USAGE, "versor", "new", "--texture", name, "-o", "x.json", mentions="thickness")
+                    continue
+                self.ok("versor", "new", "--texture", name, "-o", "t.json")
+                self.assertEqual(len(self.roots("t.json")), texture["roots"])
+                self.ok("fractal", "s.obj", "--versor", "t.json", *low, "--mesh", "m.ply")
+                self.assertTrue(points == harness.read_ply(self.bytes("m.ply")).points, name)
         for refused in (("versor", "new", "--texture", "feather", "-o", "x.json"),
-                        ("versor", "new", "--texture", "coral", "-o", "x.json"),
-                        ("versor", "new", "--texture", "scales", "--roots", 4, "-o", "x.json"),
+                        ("versor", "new", "--texture", "shells", "--roots", 4, "-o", "x.json"),
+                        ("versor", "new", "--texture", "shells", "--seed", 4, "-o", "x.json"),
                         ("versor", "list", "more"),
                         ("fractal", "s.obj", *low, "-o", "x.vdb", "--versor", "feather"),
                         ("fractal", "s.obj", *low, "-o", "x.vdb", "--versor", "scales", "--versor-powers", "2:3")):

@@ -411,7 +411,7 @@ class Addon(unittest.TestCase):
             self.assertEqual((source.juliavdb.versor, source.juliavdb.texture), (name, name))
         source.juliavdb.versor = "own.json"
         self.assertEqual(source.juliavdb.texture, "OTHER")
-        self.assertFalse(pictures.has_seed(shelf.textures, "scales"))
+        self.assertFalse(pictures.has_seed(shelf.textures, "quills"))
         self.assertTrue(pictures.has_seed(shelf.textures, "bark"))
 
     def test_pictures_of_textures_are_made_once(self):

@@ -151,7 +151,7 @@ class RandomRecipes {
       recipe["versor-seed"] = oneOf<std::string>({"1", "2"});
       maybe(recipe, 0.5, "versor-placement", {"inside", "surface"});
     } else {
-      maybe(recipe, 0.5, "versor", {"scales", "feathers"});
+      maybe(recipe, 0.5, "versor", {"scales", "quills"});
     }
   }
 

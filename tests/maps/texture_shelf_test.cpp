@@ -23,17 +23,6 @@ using namespace vdbtools;
 using julia::Point;
 using julia::Root;
 
-double ball(const Point& x) { return std::hypot(x[0], x[1], x[2]) - 0.4; }
-
-TextureSite site(double size) {
-  return {.boxMin = {-0.5 * size, -0.25 * size, -0.25 * size},
-          .boxMax = {0.5 * size, 0.5 * size, 0.25 * size},
-          .longestSide = size,
-          .distance = [size](const Point& x) {
-            return size * ball({x[0] / size, x[1] / size, x[2] / size});
-          }};
-}
-
 bool isConstant(const Root& root) {
   const auto& t = root.position;
   return std::hypot(std::hypot(t.a, t.b), std::hypot(t.c, t.d)) > 1e5;
@@ -50,15 +39,26 @@ TEST(TextureShelf, saysWhatItHolds) {
     EXPECT_EQ(texture.description.back(), '.');
     EXPECT_EQ(findTexture(texture.name), &texture);
   }
-  EXPECT_GE(names.size(), 12U);
+  EXPECT_GE(names.size(), 10U);
   EXPECT_TRUE(names.contains(defaultTexture().name));
   EXPECT_EQ(findTexture("no-such-texture"), nullptr);
 }
 
-TEST(TextureShelf, hasWholePowersThatFloatsServe) {
+TEST(TextureShelf, isOfRootsOrOfWaves) {
   for (const Texture& texture : textureShelf()) {
     SCOPED_TRACE(texture.name);
-    const julia::Rational rational = placeTexture(texture, site(1), 1, {});
+    EXPECT_NE(texture.strands.empty(), texture.waves.empty());
+    EXPECT_EQ(texture.followsThickness(), texture.strands.empty());
+    if (texture.followsThickness()) EXPECT_NO_THROW(julia::requireValid(placeWaves(texture, 1, 1, {})));
+  }
+  EXPECT_TRUE(defaultTexture().followsThickness());
+}
+
+TEST(TextureShelf, hasWholePowersThatFloatsServe) {
+  for (const Texture& texture : textureShelf()) {
+    if (texture.followsThickness()) continue;
+    SCOPED_TRACE(texture.name);
+    const julia::Rational rational = placeTexture(texture, 1, {});
     EXPECT_TRUE(rational.bottom.roots.empty());
     EXPECT_LE(rational.top.roots.size(), 60U);
     double powers = 0;
@@ -73,8 +73,8 @@ TEST(TextureShelf, hasWholePowersThatFloatsServe) {
 TEST(TextureShelf, growsWithItsTarget) {
   for (const Texture& texture : textureShelf()) {
     SCOPED_TRACE(texture.name);
-    const std::vector<Root> one = placeTexture(texture, site(1), 3, {}).top.roots;
-    const std::vector<Root> two = placeTexture(texture, site(4), 3, {}).top.roots;
+    const std::vector<Root> one = placeTexture(texture, 1, {}).top.roots;
+    const std::vector<Root> two = placeTexture(texture, 4, {}).top.roots;
     ASSERT_EQ(one.size(), two.size());
     for (std::size_t i = 0; i < one.size(); ++i) {
       EXPECT_EQ(two[i].power, one[i].power);
@@ -83,23 +83,47 @@ TEST(TextureShelf, growsWithItsTarget) {
   }
 }
 
+TEST(TextureShelf, wavesGrowWithTheirScale) {
+  for (const Texture& texture : textureShelf()) {
+    SCOPED_TRACE(texture.name);
+    const julia::WaveTexture one = placeWaves(texture, 1, 3, {}), two = placeWaves(texture, 4, 3, {});
+    ASSERT_EQ(one.factors.size(), two.factors.size());
+    for (std::size_t f = 0; f < one.factors.size(); ++f)
+      for (std::size_t i = 0; i < one.factors[f].waves.size(); ++i)
+        EXPECT_EQ(two.factors[f].waves[i].frequency * 4.0, one.factors[f].waves[i].frequency);
+  }
+}
+
 TEST(TextureShelf, seedsVaryWhatSaysSo) {
   bool someVary = false;
   for (const Texture& texture : textureShelf()) {
     SCOPED_TRACE(texture.name);
-    const julia::Rational one = placeTexture(texture, site(1), 1, {});
-    EXPECT_EQ(one, placeTexture(texture, site(1), 1, {}));
-    EXPECT_EQ(one != placeTexture(texture, site(1), 2, {}), texture.varies());
+    const julia::WaveTexture one = placeWaves(texture, 1, 1, {});
+    EXPECT_EQ(one, placeWaves(texture, 1, 1, {}));
+    EXPECT_EQ(one != placeWaves(texture, 1, 2, {}), texture.varies());
     someVary |= texture.varies();
   }
   EXPECT_TRUE(someVary);
+}
+
+/// Waves of many directions have amplitudes c and s of length 1 at right angles, so that none has a zero by itself.
+TEST(TextureShelf, wavesHaveUnitAmplitudes) {
+  for (const Texture& texture : textureShelf())
+    for (std::uint64_t seed = 0; seed < 20; ++seed)
+      for (const julia::WaveFactor& factor : placeWaves(texture, 1, seed, {}).factors)
+        for (const auto& [frequency, c, s] : factor.waves) {
+          EXPECT_NEAR(julia::normSquared(c), 1, 1e-12) << texture.name;
+          EXPECT_NEAR(julia::normSquared(s), 1, 1e-12) << texture.name;
+          EXPECT_NEAR(c.a * s.a + c.b * s.b + c.c * s.c + c.d * s.d, 0, 1e-12) << texture.name;
+          EXPECT_LT(julia::normSquared(frequency), 100) << texture.name;
+        }
 }
 
 TEST(TextureShelf, liesInTheSlice) {
   for (const Texture& texture : textureShelf())
     for (const julia::DropAxis dropped : {julia::DropAxis::I, julia::DropAxis::K}) {
       const julia::Embedding embedding{0.125, dropped};
-      for (const Root& root : placeTexture(texture, site(1), 1, embedding).top.roots) {
+      for (const Root& root : placeTexture(texture, 1, embedding).top.roots) {
         if (isConstant(root)) continue;
         EXPECT_EQ(embedding.slicePart(root.position), 0.125) << texture.name;
       }
@@ -135,33 +159,23 @@ TEST_F(TextureJob, EachMakesAClosedMeshOfABall) {
   }
 }
 
-TEST_F(TextureJob, RootsOnTheSurfaceAreThereToAVoxel) {
-  const std::string input = write("ball.obj", test_meshes::makeSphere(2, 5, {1, 2, 3}));
-  for (const Texture& texture : textureShelf()) {
-    if (surfaceReach(texture) == 0) continue;
-    const Scene there = scene({{"input", input}, {"versor", texture.name}, {"sdf-resolution", "48"}});
-    for (const Root& root : there.map->roots()->top.roots) {
-      if (isConstant(root)) continue;
-      const openvdb::Vec3d world = there.space.toWorld({root.position.a, root.position.b, root.position.c});
-      EXPECT_NEAR((world - openvdb::Vec3d(1, 2, 3)).length(), 2, 4.0 / 48);
-    }
-  }
-}
-
 TEST_F(TextureJob, TheTargetsPlaceDoesNotMatter) {
   const std::string here = write("a.obj", test_meshes::makeSphere(2, 4));
   const std::string there = write("b.obj", test_meshes::makeSphere(2, 4, {64, -32, 8}));
   for (const Texture& texture : textureShelf()) {
     SCOPED_TRACE(texture.name);
     Recipe recipe{{"input", here}, {"versor", texture.name}, {"sdf-resolution", "24"}};
-    const julia::Rational one = *scene(recipe).map->roots();
+    const Scene one = scene(recipe);
     recipe["input"] = there;
-    const julia::Rational two = *scene(recipe).map->roots();
-    ASSERT_EQ(one.top.roots.size(), two.top.roots.size());
-    for (std::size_t i = 0; i < one.top.roots.size(); ++i) {
-      const auto difference = one.top.roots[i].position - two.top.roots[i].position;
-      EXPECT_LT(std::hypot(difference.a, difference.b, difference.c), 1e-4) << i;
-    }
+    const Scene two = scene(recipe);
+    std::vector<julia::Point> points;
+    for (int i = 0; i < 60; ++i)
+      points.push_back({0.4 * std::sin(2.7 * i), 0.4 * std::sin(1.9 * i + 1), 0.4 * std::sin(3.1 * i + 2)});
+    std::vector<julia::Quaternion<double>> atHome(points.size()), tatHome(points.size());
+    one.evaluator->versors(points, atHome);
+    two.evaluator->versors(points, tatHome);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      EXPECT_LT(std::sqrt(normSquared(atHome[i] - tatHome[i])), 0.01) << i;
   }
 }
 
@@ -212,6 +226,14 @@ TEST(TextureOptions, badOnesAreRefused) {
   EXPECT_NE(both.find("scales"), std::string::npos) << both;
   EXPECT_EQ(refusal({{"input", "a.obj"}, {"versor", "scales"}, {"versor-seed", "2"}}), "");
   EXPECT_EQ(refusal({{"input", "a.obj"}, {"versor", "scales.json"}}), "");
+  EXPECT_NE(refusal({{"input", "a.obj"}, {"map", "rational"}, {"versor", "scales"}}).find("thickness"),
+            std::string::npos);
+  EXPECT_NE(refusal({{"input", "a.obj"}, {"versor", "rings"}, {"frequency", "2"}}).find("--frequency"),
+            std::string::npos);
+  for (const char* frequency : {"0", "-1", "inf", "nan", "middling"})
+    EXPECT_NE(refusal({{"input", "a.obj"}, {"frequency", frequency}}).find(frequency), std::string::npos);
+  for (const char* frequency : {"coarse", "medium", "fine", "0.7", "x:1:3", "expr:1 + hy"})
+    EXPECT_EQ(refusal({{"input", "a.obj"}, {"frequency", frequency}}), "");
 }
 
 }  // namespace

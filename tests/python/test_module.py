@@ -79,7 +79,7 @@ class LikeTheCommand(ModuleTest):
 
     def test_files_have_the_bytes_of_the_commands(self):
         cases = [
-            (dict(detail=0.4, versor="feathers"), ("--detail", "0.4", "--versor", "feathers")),
+            (dict(detail=0.4, versor="quills"), ("--detail", "0.4", "--versor", "quills")),
             (dict(alpha=40, beta=0.02, origin_shift=(0.1, 0, 0)), ("--alpha", 40, "--beta", "0.02", "--origin-shift", "0.1,0,0")),
             (dict(min_size=np.int64(1), half=True, cap=False), ("--min-size", 1, "--half")),
             (dict(grids="surface,versor"), ("--grids", "surface,versor")),

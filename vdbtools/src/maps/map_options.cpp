@@ -35,27 +35,22 @@ bool isRandomOnly(const std::string& option) {
   return std::find(std::begin(kRandomOnly), std::end(kRandomOnly), option) != std::end(kRandomOnly);
 }
 
-/// Where roots are placed: in the target's box, or in the usual one without a target. They lie in the target's space,
-/// and moving the dynamics' origin does not place them anew.
-TextureSite siteOf(const MapContext& context) {
-  if (!context.target) return {};
-  const FractalSpace space = context.unmovedSpace;
-  const FloatGrid::ConstPtr phi = context.target->phi;
-  return {.boxMin = space.toFractal(context.target->box.min()),
-          .boxMax = space.toFractal(context.target->box.max()),
-          .longestSide = longestSide(context.target->box) / space.scale,
-          .distance = [phi, space](const julia::Point& x) {
-            return openvdb::tools::BoxSampler::sample(phi->tree(), phi->worldToIndex(space.toWorld(x))) / space.scale;
-          }};
+/// The target's longest side in fractal space; 1 without a target.
+double sideOf(const MapContext& context) {
+  return context.target ? longestSide(context.target->box) / context.unmovedSpace.scale : 1;
 }
 
+/// Placed in the target's box, or in the usual one without a target. Roots lie in the target's space, and moving the
+/// dynamics' origin does not place them anew.
 julia::Rational randomRoots(julia::RandomRootsOptions random, const MapContext& context) {
   if (context.target) {
-    const TextureSite site = siteOf(context);
-    random.boxMin = site.boxMin;
-    random.boxMax = site.boxMax;
-    random.surfaceDistance *= site.longestSide;
-    random.distance = site.distance;
+    const FractalSpace space = context.unmovedSpace;
+    random.boxMin = space.toFractal(context.target->box.min());
+    random.boxMax = space.toFractal(context.target->box.max());
+    random.surfaceDistance *= sideOf(context);
+    random.distance = [phi = FloatGrid::ConstPtr(context.target->phi), space](const julia::Point& x) {
+      return openvdb::tools::BoxSampler::sample(phi->tree(), phi->worldToIndex(space.toWorld(x))) / space.scale;
+    };
   }
   return {0, julia::randomPolynomial(random), {}};
 }
@@ -388,8 +383,7 @@ std::optional<RationalFile> readRoots(const RootsSettings& settings) {
 }
 
 double interiorReachOf(const RootsSettings& settings) {
-  if (settings.texture) return surfaceReach(*settings.texture);
-  const bool onSurface = !settings.file && settings.random.placement == julia::RootPlacement::Surface;
+  const bool onSurface = !settings.texture && !settings.file && settings.random.placement == julia::RootPlacement::Surface;
   return onSurface ? settings.random.surfaceDistance : 0;
 }
 
@@ -418,7 +412,7 @@ PlacedRoots placeRoots(const RootsSettings& settings, const julia::Embedding& em
   } else if (settings.texture && settings.texture->followsThickness()) {
     return roots;
   } else if (settings.texture) {
-    roots.drawn = placeTexture(*settings.texture, siteOf(context), settings.random.seed, embedding);
+    roots.drawn = placeTexture(*settings.texture, sideOf(context), embedding);
   } else {
     roots.drawn = randomRoots(settings.random, context);
   }

@@ -13,12 +13,7 @@ namespace vdbtools {
 namespace {
 
 using julia::Point;
-using enum RootFamily;
 
-constexpr Point kX{1, 0, 0}, kZ{0, 0, 1};
-
-// Enough for a band of a few voxels at every usual resolution, and small against every part of a shape.
-constexpr double kSurfaceReach = 0.02;
 
 /// Bands across a direction, which is as long as they are narrow: their versor turns about an imaginary axis.
 WaveStrand bands(const Point& across, const Point& turn, int power = 1) {
@@ -64,35 +59,14 @@ std::vector<Texture> allTextures() {
        .strands = {{.count = 5, .power = 6, .length = 1}}},
       {.name = "shells",
        .description = "Toothed ridges that wind up like those of an ammonite.",
-       .strands = {{.family = Fan, .count = 20, .axis = kX, .towards = kZ, .angle = 0.15}}},
+       .strands = {{.count = 20, .axis = {1, 0, 0}, .towards = Point{0, 0, 1}, .angle = 0.15}}},
   };
 }
-
-std::vector<Point> pointsOf(const Strand& strand, const TextureSite& site, std::uint64_t seed) {
-  const double unit = site.longestSide;
-  const Point axis = strand.along.value_or(strand.axis);
-  const double shift = strand.shift * unit;
-  const Point middle{shift * axis[0], shift * axis[1], shift * axis[2]};
-  switch (strand.family) {
-    case Line: return julia::pointsOnLine(middle, axis, strand.length * unit, strand.count);
-    case Helix:
-      return julia::pointsOnHelix(middle, axis, strand.radius * unit, strand.length * unit, strand.turns, strand.count);
-    case Lattice: return julia::pointsOfLattice(site.boxMin, site.boxMax, strand.spacing * unit);
-    case Surface:
-      return julia::pointsOnSurface(site.distance, site.boxMin, site.boxMax, kSurfaceReach * unit, strand.count, seed);
-    case Fan: return std::vector<Point>(static_cast<std::size_t>(strand.count), middle);
-  }
-  throw std::logic_error("a family of roots without points");
-}
-
-bool isOnSurface(const Strand& strand) { return strand.family == Surface; }
 
 }  // namespace
 
 bool Texture::varies() const {
-  if (std::any_of(waves.begin(), waves.end(), [](const WaveStrand& strand) { return strand.count > 1; })) return true;
-  return std::any_of(strands.begin(), strands.end(),
-                     [](const Strand& strand) { return strand.jitter > 0 || isOnSurface(strand); });
+  return std::any_of(waves.begin(), waves.end(), [](const WaveStrand& strand) { return strand.count > 1; });
 }
 
 const std::vector<Texture>& textureShelf() {
@@ -107,12 +81,6 @@ const Texture* findTexture(const std::string& name) {
 }
 
 const Texture& defaultTexture() { return textureShelf().front(); }
-
-double surfaceReach(const Texture& texture) {
-  // Newton's steps read the distance a little beyond the points that they begin at.
-  constexpr double kBeyond = 1.5;
-  return std::any_of(texture.strands.begin(), texture.strands.end(), isOnSurface) ? kBeyond * kSurfaceReach : 0;
-}
 
 namespace {
 
@@ -176,21 +144,19 @@ julia::WaveTexture placeWaves(const Texture& texture, double scale, std::uint64_
   return made;
 }
 
-julia::Rational placeTexture(const Texture& texture, const TextureSite& site, std::uint64_t seed,
-                             const julia::Embedding& embedding) {
+julia::Rational placeTexture(const Texture& texture, double longestSide, const julia::Embedding& embedding) {
   julia::Rational rational;
   std::vector<julia::Root>& roots = rational.top.roots;
-  std::uint64_t strandSeed = seed;
   for (const Strand& strand : texture.strands) {
-    std::vector<Point> points = pointsOf(strand, site, strandSeed);
-    if (strand.jitter > 0) points = julia::jittered(std::move(points), strand.jitter * site.longestSide, strandSeed);
-    const bool isFan = strand.family == Fan;
-    const std::vector<Point> axes = isFan ? julia::fanOfAxes(strand.axis, strand.towards, strand.angle, strand.count)
-                                          : std::vector<Point>(points.size(), strand.axis);
-    for (std::size_t i = 0; i < points.size(); ++i)
-      julia::appendRings(roots, points[i], axes[i], strand.power, strand.repeats, embedding);
-    // Strands of one texture are strewn differently, and by other numbers than those of the next seeds.
-    strandSeed += 0x9e3779b97f4a7c15;
+    const auto count = static_cast<std::size_t>(strand.count);
+    const std::vector<Point> points =
+        strand.towards ? std::vector<Point>(count, Point{})
+                       : julia::pointsOnLine({}, strand.axis, strand.length * longestSide, strand.count);
+    const std::vector<Point> axes = strand.towards
+                                        ? julia::fanOfAxes(strand.axis, *strand.towards, strand.angle, strand.count)
+                                        : std::vector<Point>(count, strand.axis);
+    for (std::size_t i = 0; i < count; ++i)
+      julia::appendRings(roots, points[i], axes[i], strand.power, 1, embedding);
   }
   rational.logScale = julia::unitConstants(roots);
   return rational;

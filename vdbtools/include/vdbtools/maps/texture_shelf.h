@@ -13,34 +13,21 @@
 #include "julia/wave_versor.h"
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace vdbtools {
 
-enum class RootFamily {
-  Line,     ///< on a line
-  Helix,    ///< on a helix, or on a circle where it has no length
-  Lattice,  ///< on the nodes of a cubic lattice in the target's box, the others about the dynamics' origin
-  Surface,  ///< on the target's own surface
-  Fan,      ///< in one point, where the axis turns from factor to factor
-};
-
+/// Rings at points on a line through the dynamics' origin, or at the origin alone where the axis turns from factor to
+/// factor.
 struct Strand {
-  RootFamily family = RootFamily::Line;
-  int count = 1;                        ///< of points, and of axes of a fan; of a lattice the spacing decides
-  int power = 1, repeats = 1;           ///< at each point: julia::appendRings()
-  julia::Point axis{1, 0, 0};           ///< of the rings
-  std::optional<julia::Point> along{};  ///< Line, Helix: the pattern's axis, where that is another
-  double length = 0;                    ///< Line, Helix: along the pattern's axis
-  double radius = 0, turns = 1;         ///< Helix
-  double spacing = 0;                   ///< Lattice
-  julia::Point towards{0, 0, 1};        ///< Fan: where to the axis turns
-  double angle = 0;                     ///< Fan: radians from one factor to the next
-  double shift = 0;                     ///< of the pattern's middle from the dynamics' origin, along its axis
-  double jitter = 0;                    ///< standard deviation of a random displacement of each point
+  int count = 1;                           ///< of points or of axes
+  int power = 1;                           ///< at each: julia::appendRings()
+  julia::Point axis{1, 0, 0};              ///< of the rings, and of the line
+  double length = 0;                       ///< of the line
+  std::optional<julia::Point> towards{};   ///< where to the axis turns; then there is no line
+  double angle = 0;                        ///< radians from one factor to the next
 };
 
 /// One factor of a texture of waves (julia/wave_versor.h).
@@ -77,20 +64,8 @@ const Texture& defaultTexture();
 julia::WaveTexture placeWaves(const Texture& texture, double scale, std::uint64_t seed,
                               const julia::Embedding& embedding);
 
-/// Where roots are placed.
-struct TextureSite {
-  julia::Point boxMin{-0.5, -0.5, -0.5}, boxMax{0.5, 0.5, 0.5};  ///< the target's, units of the map's space
-  double longestSide = 1;                                        ///< of that box
-  /// The target's signed distance in the map's space; needed by RootFamily::Surface.
-  std::function<double(const julia::Point&)> distance;
-};
-
-/// How far from its surface the target's distance must be known to place a texture, as a share of its longest side.
-double surfaceReach(const Texture& texture);
-
 /// The texture's roots; C makes the moduli of its constant factors 1.
-/// @throw std::invalid_argument  the texture needs a target and there is none, or the target has no surface
-julia::Rational placeTexture(const Texture& texture, const TextureSite& site, std::uint64_t seed,
-                             const julia::Embedding& embedding);
+/// @param longestSide  of the target, units of the map's space
+julia::Rational placeTexture(const Texture& texture, double longestSide, const julia::Embedding& embedding);
 
 }  // namespace vdbtools
