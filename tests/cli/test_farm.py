@@ -336,7 +336,9 @@ class Parallel(farm.FarmTest):
             time.sleep(0.2)
         _, said = process.communicate(timeout=harness.TIMEOUT)
         self.assertEqual(process.returncode, INTERRUPTED, said)
-        self.assertIn("the same command goes on", said.decode().splitlines()[-1])
+        lines = said.decode().splitlines()
+        self.assertIn("the same command goes on", lines[-1])
+        self.assertEqual([line for line in lines if line.startswith("juliavdb: interrupted")], lines[-1:])
         done, running, failed, missing = self.states()
         self.assertEqual((running, failed), (0, 0))
         self.assertGreater(missing, 0, "what was running was stopped, and not waited for to its end")
@@ -403,6 +405,12 @@ class Parallel(farm.FarmTest):
         self.ended(USAGE, "parallel failed", "words behind --", words=("--", "--no-such-option"))
         self.assertEqual(self.states(), (0, 0, 0, TILES))
 
+    def test_failures_of_an_earlier_submission_say_nothing(self):
+        self.plan()
+        self.ended(harness.INTERNAL, "not done", words=("--memory", "1M"))
+        self.assertEqual(self.states(), (0, 0, TILES, 0))
+        self.ended(USAGE, "parallel failed", "words behind --", words=("--", "--no-such-option"))
+
     def test_a_merge_that_fails(self):
         self.plan(done=True)
         shutil.rmtree(self.path(f"{FARM}/logs"), ignore_errors=True)
@@ -426,6 +434,20 @@ class Parallel(farm.FarmTest):
         self.plan(done=True)
         self.assertIn("nothing to submit", self.ok("submit", FARM, "--engine", "parallel"))
         self.assertFalse(self.path(f"{FARM}/logs").exists())
+
+    def test_nothing_is_left_of_what_no_task_needs(self):
+        """Also where a process that was killed has left it behind the last task."""
+        self.ok("plan", "frames", harness.BUNNY, "-o", "frames", "--frames", "1-2", "--key", "alpha@1=20", "--key",
+                "alpha@2=40", "--resolution", 16, "--sdf-resolution", 20)
+        self.ok("task", "frames", "--index", 1)
+        shutil.copytree(self.path("frames/targets"), self.path("kept"))
+        self.ok("task", "frames", "--index", 2)
+        self.assertFalse(self.path("frames/targets").exists())
+        shutil.copytree(self.path("kept"), self.path("frames/targets"))
+        self.ok("submit", "frames", "--engine", "parallel", "--dry-run", data=True)
+        self.assertTrue(self.path("frames/targets").exists())
+        self.assertIn("nothing to submit", self.ok("submit", "frames", "--engine", "parallel"))
+        self.assertFalse(self.path("frames/targets").exists())
 
     def test_a_dry_run_changes_nothing(self):
         self.plan()
