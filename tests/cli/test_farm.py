@@ -367,6 +367,8 @@ class Parallel(farm.FarmTest):
         self.ended(BAD_DATA, f"tasks 1-{TILES} of {TILES} are not done", "task 1: ", name, "(exit code 65)")
         self.write(f"{FARM}/{name}", original)
         self.assertEqual(self.states(), (0, 0, TILES, 0))
+        # They say nothing of a later submission, of which no task begins.
+        self.ended(USAGE, "parallel failed", "words behind --", words=("--", "--no-such-option"))
 
     def test_a_full_disk(self):
         self.plan()
@@ -404,12 +406,6 @@ class Parallel(farm.FarmTest):
         self.plan()
         self.ended(USAGE, "parallel failed", "words behind --", words=("--", "--no-such-option"))
         self.assertEqual(self.states(), (0, 0, 0, TILES))
-
-    def test_failures_of_an_earlier_submission_say_nothing(self):
-        self.plan()
-        self.ended(harness.INTERNAL, "not done", words=("--memory", "1M"))
-        self.assertEqual(self.states(), (0, 0, TILES, 0))
-        self.ended(USAGE, "parallel failed", "words behind --", words=("--", "--no-such-option"))
 
     def test_a_merge_that_fails(self):
         self.plan(done=True)
