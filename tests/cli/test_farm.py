@@ -426,6 +426,15 @@ class Parallel(farm.FarmTest):
             fcntl.flock(held, fcntl.LOCK_EX)
             self.ended(INTERRUPTED, f"task 3 of {TILES}", "made by others", words=("-o", "m.vdb"))
 
+    def test_progress_of_tasks_stands_within_that_of_the_submission(self):
+        self.plan()
+        run = self.run_program("submit", FARM, "--engine", "parallel", "--jobs", 2, "--mesh", "m.ply", "--progress", "json")
+        events = [json.loads(line) for line in run.stderr.decode().splitlines()]
+        ends = [(event["command"], event["event"]) for event in events if event["event"] in ("start", "end")]
+        self.assertEqual((ends[0], ends[-1]), (("submit", "start"), ("submit", "end")))
+        self.assertEqual(sorted(ends[1:-1]),
+                         [("merge", "end"), ("merge", "start")] + [("task", "end")] * TILES + [("task", "start")] * TILES)
+
     def test_nothing_is_left_to_submit(self):
         self.plan(done=True)
         self.assertIn("nothing to submit", self.ok("submit", FARM, "--engine", "parallel"))
