@@ -518,19 +518,6 @@ class Options(harness.CliTest):
         for word in ("-%canonical_option%", "-h%canonical_option%", "--%canonical_option%", "--=%option%", "-q"):
             self.refused(USAGE, "fractal", "s.obj", "-o", "x.vdb", word, *LOW, mentions="is not an option of")
 
-    def test_a_file_that_is_read_for_its_recipe_alone(self):
-        """Its voxels and triangles are neither read nor judged."""
-        self.ok("fractal", "s.obj", "-o", "x.vdb", "--mesh", "x.ply", *LOW)
-        whole = self.bytes("x.vdb")
-        for name in ("x.vdb", "x.ply"):
-            content = self.bytes(name)
-            middle = len(content) // 2
-            self.write(name, content[:middle] + bytes(b ^ 0xff for b in content[middle:-4]))
-            with self.subTest(name=name):
-                self.refused(BAD_DATA, "points", name, "-o", "p.ply", "--points", 9, "--from-grid")
-                self.ok("fractal", "--config", name, "-o", "y.vdb")
-                self.assertEqual(self.bytes("y.vdb"), whole)
-
     def test_long_values(self):
         """A value may be a whole file; what is said of it stays readable."""
         for value, mention in (("expr:" + "(" * 30000 + "x" + ")" * 30000, "shorter than 20 000 characters"),
