@@ -161,9 +161,9 @@ class Makers(harness.CliTest):
     def test_without_a_thickness_the_surface_is_that_of_the_mesh(self):
         """Of the largest island, scaled, turned and moved, and nothing else."""
         self.fractal()
-        self.ok("fractal", "--config", "f.vdb", "--largest", 1, "-o", "one.vdb", "--mesh", "one.ply")
-        given = harness.read_ply(self.bytes("one.ply"))
-        self.ok("print", "one.vdb", "-o", "p.ply", "--size", 40)
+        self.ok("fractal", "--config", "f.vdb", "--largest", 1, "-o", "f.vdb", "--mesh", "f.ply")
+        given = harness.read_ply(self.bytes("f.ply"))
+        self.ok("print", "f.vdb", "-o", "p.ply", "--size", 40)
         part = harness.read_ply(self.bytes("p.ply"))
         turned = [(x, -z, y) for x, y, z in given.points]
         low, high = ([f(p[k] for p in turned) for k in range(3)] for f in (min, max))
