@@ -8,6 +8,7 @@
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/frame_name.h"
+#include "vdbtools/job/recorded_files.h"
 #include "vdbtools/mesh/mesh_writer.h"
 
 #include <algorithm>
@@ -20,7 +21,7 @@ namespace {
 
 vdbtools::InputFiles allInputs(const CommandLine& line, vdbtools::InputFiles inputs) {
   inputs.add(line.inputs());
-  return inputs;
+  return vdbtools::withRecordedFiles(std::move(inputs));
 }
 
 }  // namespace

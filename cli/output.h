@@ -21,7 +21,8 @@ class CommandLine;
 
 class Outputs {
  public:
-  /// @param inputs  what is read besides CommandLine::inputs(): the files that a recipe names, and those of options
+  /// @param inputs  what is read besides CommandLine::inputs(): the files that a recipe names, and those of options.
+  ///                What the recipes in all these name is added here
   /// @param frame   the frame number for names such as name.####.vdb, if there is one
   explicit Outputs(const CommandLine& line, vdbtools::InputFiles inputs, std::optional<int> frame = {});
 

@@ -198,7 +198,9 @@ std::map<std::uint64_t, int> loggedCodes(const fs::path& joblog, std::uintmax_t 
   return codes;
 }
 
-Outcome outcomeOf(const Submission& s, const vdbtools::Manifest& manifest, const std::map<std::uint64_t, int>& logged) {
+/// @param since  failures of earlier submissions say nothing of this one
+Outcome outcomeOf(const Submission& s, const vdbtools::Manifest& manifest, const std::map<std::uint64_t, int>& logged,
+                  fs::file_time_type since) {
   Outcome outcome;
   for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index) {
     const vdbtools::TaskStatus status = vdbtools::taskStatus(s.folder, manifest, index, vdbtools::FileCheck::Quick);
@@ -208,6 +210,7 @@ Outcome outcomeOf(const Submission& s, const vdbtools::Manifest& manifest, const
       continue;
     }
     outcome.notDone.push_back(index);
+    if (status.failedAt && *status.failedAt < since) continue;
     const auto code = logged.find(index);
     if (status.state == vdbtools::TaskState::Failed) outcome.errors[index] = status.error;
     if (status.exitCode)
@@ -276,13 +279,14 @@ void runScript(const Submission& s, Engine engine, const vdbtools::Manifest& man
   std::error_code error;
   std::uintmax_t logged = fs::file_size(joblog, error);
   if (error) logged = 0;
+  const fs::file_time_type since = fs::last_write_time(script);  // by the clock of the disk that has the records
   std::cout.flush();
   const int code = runProgram({"/bin/sh", script.string()});
   if (engine == Engine::Parallel) vdbtools::removeUnneeded(s.folder, manifest);
   if (code == kDone) return;
   std::map<std::uint64_t, int> codes;
   if (engine == Engine::Parallel && fs::exists(joblog, error)) codes = loggedCodes(joblog, logged);
-  Outcome outcome = outcomeOf(s, manifest, codes);
+  Outcome outcome = outcomeOf(s, manifest, codes, since);
   // A disk may be so full that nothing of what failed could be written down.
   if (outcome.codes.empty() && fs::space(s.folder, error).available == 0) outcome.codes.insert(kInputOutput);
   refuseOutcome(s, engine, outcome, code);
@@ -336,6 +340,7 @@ int runSubmit(const Arguments& arguments) {
     return kDone;
   }
   if (submission.missing.empty() && submission.merge.empty()) {
+    vdbtools::removeUnneeded(submission.folder, manifest);
     report().text() << "there is nothing to submit: every task is done, or is being made\n";
     return kDone;
   }

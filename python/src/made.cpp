@@ -5,6 +5,7 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/output_files.h"
 #include "vdbtools/job/fractal_files.h"
+#include "vdbtools/job/recorded_files.h"
 #include "vdbtools/job/scene_picture.h"
 #include "vdbtools/recipe/option_value.h"
 #include "vdbtools/render/view_options.h"
@@ -114,7 +115,7 @@ std::shared_ptr<const vdbtools::FractalResult> withGrids(MadeFractal& fractal, M
 
 void writeFiles(MadeFractal& fractal, const std::vector<std::string>& paths, Monitor& monitor) {
   for (const std::string& path : paths) requireExtension(path, std::string(".vdb ") + vdbtools::kMeshExtensions);
-  vdbtools::OutputFiles files(fractal.made->inputs);
+  vdbtools::OutputFiles files(vdbtools::withRecordedFiles(fractal.made->inputs));
   vdbtools::FractalFiles wanted;
   for (const std::string& path : paths) {
     vdbtools::AtomicFile& file = files.add(path);
@@ -143,7 +144,7 @@ std::shared_ptr<MadeFit> makeFit(const Recipe& given, std::shared_ptr<const vdbt
 
 void writeFit(const MadeFit& fit, const std::string& path, Monitor& monitor) {
   requireExtension(path, ".json .o3d");
-  vdbtools::OutputFiles files(fit.inputs);
+  vdbtools::OutputFiles files(vdbtools::withRecordedFiles(fit.inputs));
   std::ostream& file = files.add(path).stream();
   monitor.begin("writing", 0);
   const bool json = vdbtools::lowerExtension(path) == ".json";

@@ -123,6 +123,17 @@ class Recipes(harness.CliTest):
                 self.ok("fractal", "--config", config, "-o", "again.vdb", "--mesh", "again.ply")
                 self.same("again.vdb", "again.ply")
 
+    def test_a_file_that_is_read_for_its_recipe_alone(self):
+        """Its voxels and triangles are neither read nor judged."""
+        for name in ("f.vdb", "f.ply"):
+            content = self.bytes(name)
+            middle = len(content) // 2
+            self.write(f"broken-{name}", content[:middle] + bytes(b ^ 0xff for b in content[middle:-4]))
+            with self.subTest(name=name):
+                self.refused(BAD_DATA, "points", f"broken-{name}", "-o", "p.ply", "--points", 9, "--from-grid")
+                self.ok("fractal", "--config", f"broken-{name}", "-o", "again.vdb", "--mesh", "again.ply")
+                self.same("again.vdb", "again.ply")
+
     def test_from_a_text(self):
         self.write("job.cfg", "# a comment\ninput = s.obj\nresolution = 28\nsdf-resolution=28\nalpha = y:20:90@0.7\n"
                    "beta = 0.01\nversor-seed = 11\nslice = 0.1\ngrids = surface,versor\n")

@@ -336,7 +336,9 @@ class Parallel(farm.FarmTest):
             time.sleep(0.2)
         _, said = process.communicate(timeout=harness.TIMEOUT)
         self.assertEqual(process.returncode, INTERRUPTED, said)
-        self.assertIn("the same command goes on", said.decode().splitlines()[-1])
+        lines = said.decode().splitlines()
+        self.assertIn("the same command goes on", lines[-1])
+        self.assertEqual([line for line in lines if line.startswith("juliavdb: interrupted")], lines[-1:])
         done, running, failed, missing = self.states()
         self.assertEqual((running, failed), (0, 0))
         self.assertGreater(missing, 0, "what was running was stopped, and not waited for to its end")
@@ -365,6 +367,8 @@ class Parallel(farm.FarmTest):
         self.ended(BAD_DATA, f"tasks 1-{TILES} of {TILES} are not done", "task 1: ", name, "(exit code 65)")
         self.write(f"{FARM}/{name}", original)
         self.assertEqual(self.states(), (0, 0, TILES, 0))
+        # They say nothing of a later submission, of which no task begins.
+        self.ended(USAGE, "parallel failed", "words behind --", words=("--", "--no-such-option"))
 
     def test_a_full_disk(self):
         self.plan()
@@ -422,10 +426,33 @@ class Parallel(farm.FarmTest):
             fcntl.flock(held, fcntl.LOCK_EX)
             self.ended(INTERRUPTED, f"task 3 of {TILES}", "made by others", words=("-o", "m.vdb"))
 
+    def test_progress_of_tasks_stands_within_that_of_the_submission(self):
+        self.plan()
+        run = self.run_program("submit", FARM, "--engine", "parallel", "--jobs", 2, "--mesh", "m.ply", "--progress", "json")
+        events = [json.loads(line) for line in run.stderr.decode().splitlines()]
+        ends = [(event["command"], event["event"]) for event in events if event["event"] in ("start", "end")]
+        self.assertEqual((ends[0], ends[-1]), (("submit", "start"), ("submit", "end")))
+        self.assertEqual(sorted(ends[1:-1]),
+                         [("merge", "end"), ("merge", "start")] + [("task", "end")] * TILES + [("task", "start")] * TILES)
+
     def test_nothing_is_left_to_submit(self):
         self.plan(done=True)
         self.assertIn("nothing to submit", self.ok("submit", FARM, "--engine", "parallel"))
         self.assertFalse(self.path(f"{FARM}/logs").exists())
+
+    def test_nothing_is_left_of_what_no_task_needs(self):
+        """Also where a process that was killed has left it behind the last task."""
+        self.ok("plan", "frames", harness.BUNNY, "-o", "frames", "--frames", "1-2", "--key", "alpha@1=20", "--key",
+                "alpha@2=40", "--resolution", 16, "--sdf-resolution", 20)
+        self.ok("task", "frames", "--index", 1)
+        shutil.copytree(self.path("frames/targets"), self.path("kept"))
+        self.ok("task", "frames", "--index", 2)
+        self.assertFalse(self.path("frames/targets").exists())
+        shutil.copytree(self.path("kept"), self.path("frames/targets"))
+        self.ok("submit", "frames", "--engine", "parallel", "--dry-run", data=True)
+        self.assertTrue(self.path("frames/targets").exists())
+        self.assertIn("nothing to submit", self.ok("submit", "frames", "--engine", "parallel"))
+        self.assertFalse(self.path("frames/targets").exists())
 
     def test_a_dry_run_changes_nothing(self):
         self.plan()

@@ -54,6 +54,18 @@ CASES = [
     ("mesh", "b.obj", ("x.vdb", "-o", OUT)),
     ("mesh", "c.obj", ("x.vdb", "--input", "c.obj", "-o", OUT)),
     ("mesh", "moved/m.obj", ("far.vdb", "--search", "moved", "-o", OUT)),
+    # Only the voxels or the triangles are used, but the target is the recipe's all the same; y.vdb has it from s.vdb.
+    ("mesh", "b.obj", ("x.vdb", "--from-grid", "-o", OUT)),
+    ("mesh", "b.obj", ("y.vdb", "--from-grid", "-o", OUT)),
+    ("mesh", "b.obj", ("s.vdb", "-o", OUT)),
+    ("fractal", "b.obj", ("s.vdb", "--mesh", OUT)),
+    ("sdf", "b.obj", ("x.ply", "-o", OUT)),
+    ("points", "b.obj", ("x.ply", "--from-grid", "--points", 20, "-o", OUT)),
+    ("print", "b.obj", ("x.vdb", "--from-grid", "--size", 10, "-o", OUT)),
+    ("slice", "b.obj", ("x.vdb", "--field", "grid", "-o", OUT)),
+    ("render", "b.obj", ("x.vdb", "-o", OUT)),
+    ("usd", "b.obj", ("x.vdb", "-o", OUT)),
+    ("usd", "b.obj", ("--mesh", "x.ply", "-o", OUT)),
     ("points", "x.ply", ("x.ply", "--points", 20, "-o", OUT)),
     ("points", "x.vdb", ("x.vdb", "--from-grid", "--points", 20, "-o", OUT)),
     ("points", "b.obj", ("x.vdb", "--points", 20, "-o", OUT)),
@@ -161,6 +173,7 @@ class Inputs(harness.CliTest):
         maker.write("fit.txt", "roots = 8\n")
         maker.ok("sdf", "b.obj", "-o", "s.vdb", "--resolution", 24)
         maker.ok("fractal", "b.obj", "-o", "x.vdb", "--mesh", "x.ply", *LOW)
+        maker.ok("fractal", "s.vdb", "-o", "y.vdb", "--resolution", 20)
         maker.ok("fractal", "in.####.obj", "-o", "g.####.vdb", "--frames", "1-2", *LOW)
         maker.ok("fit", "b.obj", "-o", "f.json", "--resolution", 24, "--triangles", 400, "--roots", 8)
         maker.ok("sheet", "b.obj", "-o", "t.png", "--vary", "alpha=20,40", "--size", "16x16", *LOW)

@@ -228,6 +228,22 @@ class Makers(harness.CliTest):
         self.assertRegex(said, r"stands on a base of \d+ mm2")
         self.assertRegex(said, r"the thinnest place found is more than [\d.]+ mm thick")
 
+    def test_a_part_that_stays_too_thin_is_told(self):
+        """What is below the least thickness by no more than a thickness is measured exactly is said, and more is warned of.
+        On coarse lattices both happen to a rough fractal."""
+        self.write("l.obj", harness.obj(harness.lumpy()))
+        self.ok("fractal", "l.obj", "-o", "g.vdb", "--alpha", 10, "--resolution", 40, "--sdf-resolution", 32)
+        exact, warned = "as exactly as it is measured, within 2 %", re.compile(r"warning: \d+ places? (is|are) thinner than")
+        heard = set()
+        for thickness, resolution in ((2, 20), (2, 30), (4, 20)):
+            said = self.ok("print", "g.vdb", "-o", "p.stl", "--size", 60, "--min-thickness", thickness, "--resolution", resolution)
+            found = float(re.search(r"the thinnest place found is ([\d.]+) mm", said).group(1))
+            with self.subTest(thickness=thickness, resolution=resolution, said=said):
+                self.assertEqual(bool(warned.search(said)), found < 0.98 * thickness)
+                self.assertEqual(exact in said, 0.98 * thickness <= found < thickness)
+            heard.add((bool(warned.search(said)), exact in said))
+        self.assertEqual(heard, {(True, False), (False, True), (False, False)})
+
     def test_parts_refuse_what_makes_no_sense(self):
         part = ("print", "s.obj", "-o", "p.stl")
         self.refused(USAGE, *part, mentions="--size")

@@ -360,7 +360,8 @@ class Refusals(harness.CliTest):
             for option in options:
                 for plan in plans:
                     self.refused(USAGE, *plan, "-o", "plan", "--make", make, *option, mentions=(option[0], "has no effect"))
-        for plan in plans:
+        for plan in plans:  # what they make by default is no GLB either
+            self.refused(USAGE, *plan, "-o", "plan", "--lod", "100%,10%", mentions=("--lod", "GLB"))
             self.ok(*plan, "-o", "plan", "--make", "vdb,ply", "--half", "--cap", "--box", BOX)
             shutil.rmtree(self.path("plan"))
 

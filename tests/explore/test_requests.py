@@ -311,7 +311,42 @@ class Page(harness.CliTest):
             self.assertIn(f"{name}.{kind}", answer["error"])
         self.assertEqual({name: self.bytes(name) for name in before}, before)
 
+    def test_the_targets_of_recipes_are_inputs(self):
+        """Also where only the voxels are used: the target is a level set that a recipe has made."""
+        self.ok("sdf", "s.obj", "-o", "level.vdb", "--resolution", 24)
+        before = self.bytes("s.obj")
+        page = self.serve("level.vdb", *QUICK[2:])
+        body = {"recipe": page.recipe(), "name": "s", "formats": ["obj"], "overwrite": True}
+        status, answer = page.post("make", body)
+        self.assertEqual(status, 400, answer)
+        self.assertIn("s.obj", answer["error"])
+        self.assertEqual(self.bytes("s.obj"), before)
+
     # ---------------------------------------------------------------------------------------------- recipes of files
+
+    def test_a_target_that_has_changed_is_read_again(self):
+        """All that the page shows is of the file as it is now, also where the same look was kept."""
+        first = self.bytes("s.obj")
+        page = self.serve("s.obj", *QUICK)
+        body = {"recipe": page.recipe()}
+
+        def shown():
+            return (page.post("scene", body)[1]["exponent"]["id"], page.post("picture", {**body, "width": 40, "height": 40})[1],
+                    page.get("target")[1])
+
+        before = shown()
+        self.assertEqual(shown(), before)
+        # With the time of the old one, as a copy may have it.
+        times = os.stat(self.path("s.obj"))
+        self.write("s.obj", harness.obj(harness.lumpy()))
+        os.utime(self.path("s.obj"), ns=(times.st_atime_ns, times.st_mtime_ns))
+        after = shown()
+        for old, new in zip(before, after):
+            self.assertNotEqual(old, new)
+        with Server(self.folder, "s.obj", *QUICK) as fresh:
+            self.assertEqual(after[1], fresh.post("picture", {**body, "width": 40, "height": 40})[1])
+        self.write("s.obj", first)
+        self.assertEqual(shown(), before)
 
     def test_the_recipe_of_what_was_made(self):
         page = self.serve("s.obj", *QUICK)

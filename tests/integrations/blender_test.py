@@ -394,6 +394,10 @@ class Addon(unittest.TestCase):
         bpy.ops.juliavdb.update()
         after = {file: (self.folder / file).read_bytes() for file in self.files() if file.endswith(".vdb")}
         self.assertEqual(before, after, "the same recipe gives the same file")
+        recipe.detail = 0.25
+        bpy.ops.juliavdb.update()
+        kept = {file: (self.folder / file).read_bytes() for file in self.files() if file.endswith(".vdb")}
+        self.assertLess(before.items(), kept.items(), "another recipe gives another file, and the first one stays")
         # The program itself finds all in the file that it needs.
         run = subprocess.run([PROGRAM, "fractal", "--config", bpy.path.abspath(result.data.filepath), "-o",
                               str(self.folder / "again.vdb"), "--progress", "none"], capture_output=True, check=False)

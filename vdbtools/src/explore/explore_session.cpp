@@ -11,6 +11,8 @@
 #include "vdbtools/base/errors.h"
 #include "vdbtools/explore/shell_command.h"
 #include "vdbtools/files/file_bytes.h"
+#include "vdbtools/files/file_hash.h"
+#include "vdbtools/job/recorded_files.h"
 #include "vdbtools/surface/grid_mesh.h"
 
 #include <algorithm>
@@ -177,7 +179,7 @@ const char* nameOf(JobState state) {
 InputFiles inputsOf(const ExploreOptions& options) {
   InputFiles inputs = options.inputs;
   inputs.add(inputsOf(parseFractalOptions(options.given)));
-  return inputs;
+  return withRecordedFiles(std::move(inputs));
 }
 
 }  // namespace
@@ -189,9 +191,7 @@ ExploreSession::ExploreSession(const ExploreOptions& options, Monitor& monitor)
       mAccess(parseFractalOptions(options.given)),
       mJobs(mFolder, inputsOf(options), options.makeShare) {
   const Recipe completed = completeRecipe(mGiven, mTable);
-  const auto kept = mScenes.get(completed, parseFractalOptions(completed), SceneStore::Turn::Waits, monitor);
-  const Facts& facts = kept->scene().facts;
-  if (const auto hash = facts.find(metadataName("source-sha256")); hash != facts.end()) mTargetHash = hash->second;
+  mScenes.get(completed, parseFractalOptions(completed), SceneStore::Turn::Waits, monitor);
   makeFolder(mFolder);
 }
 
@@ -269,13 +269,14 @@ std::string ExploreSession::targetMesh(Monitor& monitor) {
   const std::shared_ptr<const TargetInput> input = mScenes.target();
   if (!input) throw NoSuchPath();
   const std::lock_guard lock(mTargetMutex);
-  if (!mTargetMesh.empty()) return mTargetMesh;
+  if (mMeshOf == input) return mTargetMesh;
   const std::shared_ptr<const Mesh> mesh = input->mesh();
   // What is too fine for a browser is shown as its distances have it, which is the shape that the fractal has too.
   if (mesh && mesh->triangles.size() <= kMostTargetTriangles)
     mTargetMesh = meshBytes(*mesh, input->box());
   else
     mTargetMesh = meshBytes(meshOfLevelSet(*input->coarseDistances(monitor), monitor), input->box());
+  mMeshOf = input;
   return mTargetMesh;
 }
 
@@ -317,13 +318,14 @@ json ExploreSession::recipe(const std::string& name, const std::string& bytes) {
   Recipe recorded = recipeOfMadeFile(name, bytes);
   json note;
   const auto hash = recorded.find("source-sha256"), input = recorded.find("input");
-  const bool same = hash != recorded.end() && hash->second == mTargetHash && !mTargetHash.empty();
+  const auto target = mGiven.find("input");
+  const bool same = hash != recorded.end() && target != mGiven.end() && hash->second == sha256OfFile(target->second);
   if (input != recorded.end() && !mGiven.contains("input"))
     throw DataError("'" + inOneLine(name) + "' was made of a target, '" + inOneLine(input->second) +
                     "'; start 'juliavdb explore' with it");
   if (same) {
     // The same file, perhaps under another name.
-    recorded["input"] = mGiven.at("input");
+    recorded["input"] = target->second;
   } else if (input != recorded.end()) {
     note = "it was made of '" + inOneLine(input->second) + "'; this is the same recipe over the target at hand";
     recorded = overTarget(std::move(recorded), mGiven);

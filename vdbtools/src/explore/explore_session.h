@@ -81,10 +81,10 @@ class ExploreSession {
   std::filesystem::path mFolder;
   FileAccess mAccess;
   SceneStore mScenes;
-  std::string mTargetHash;  ///< the SHA-256 of the target's file; empty: there is none
-  std::mutex mMutex;        // of the volumes
+  std::mutex mMutex;  // of the volumes
   std::list<Volume> mVolumes;
   std::mutex mTargetMutex;  // of the mesh
+  std::shared_ptr<const TargetInput> mMeshOf;
   std::string mTargetMesh;
   JobQueue mJobs;
 };

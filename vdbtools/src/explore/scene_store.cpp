@@ -34,6 +34,12 @@ class SharedInput final : public TargetInput {
   std::shared_ptr<const TargetInput> mInput;
 };
 
+std::vector<FileState> statesOf(const FractalOptions& options) {
+  std::vector<FileState> states;
+  for (const NamedFile& file : filesOf(options)) states.push_back(stateOf(file.path));
+  return states;
+}
+
 }  // namespace
 
 KeptScene::KeptScene(Scene made)
@@ -59,9 +65,9 @@ std::shared_ptr<const TargetInput> SceneStore::target() const {
   return mTarget;
 }
 
-std::shared_ptr<KeptScene> SceneStore::find(const Recipe& recipe) {
+std::shared_ptr<KeptScene> SceneStore::find(const Sources& sources) {
   for (auto entry = mKept.begin(); entry != mKept.end(); ++entry)
-    if (entry->recipe == recipe) {
+    if (entry->sources == sources) {
       mKept.splice(mKept.begin(), mKept, entry);
       return entry->scene;
     }
@@ -70,10 +76,11 @@ std::shared_ptr<KeptScene> SceneStore::find(const Recipe& recipe) {
 
 std::shared_ptr<KeptScene> SceneStore::get(const Recipe& recipe, const FractalOptions& options, Turn turn,
                                            Monitor& monitor) {
+  const Sources sources{recipe, statesOf(options)};
   std::unique_lock lock(mMutex);
   const std::uint64_t number = turn == Turn::Latest ? ++mLatest : 0;
   for (;;) {
-    if (std::shared_ptr<KeptScene> kept = find(recipe)) return kept;
+    if (std::shared_ptr<KeptScene> kept = find(sources)) return kept;
     if (!mBusy) break;
     mFree.wait_for(lock, kPatience);
     monitor.throwIfCancelled();
@@ -94,7 +101,9 @@ std::shared_ptr<KeptScene> SceneStore::get(const Recipe& recipe, const FractalOp
     throw;
   }
   release();
-  mKept.push_front({recipe, made});
+  // Of one recipe only the latest is asked for.
+  mKept.remove_if([&](const Entry& entry) { return entry.sources.recipe == recipe; });
+  mKept.push_front({sources, made});
   if (mKept.size() > kMostScenes) mKept.pop_back();
   return made;
 }

@@ -3,6 +3,7 @@
 /// The scenes that the page asks for, made one at a time, and the latest of them kept for pictures.
 #pragma once
 
+#include "files/file_state.h"
 #include "vdbtools/job/scene.h"
 #include "vdbtools/render/view_options.h"
 
@@ -13,6 +14,7 @@
 #include <mutex>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace vdbtools {
 
@@ -52,7 +54,7 @@ class SceneStore {
     Waits    ///< it waits until it is its turn
   };
 
-  /// The scene of a completed recipe: one of those that are kept, or a new one.
+  /// The scene of a completed recipe: one of those that are kept, if none of its files has changed since, or a new one.
   /// @throw Superseded, Interrupted, and as parseFractalOptions() and makeScene()
   std::shared_ptr<KeptScene> get(const Recipe& recipe, const FractalOptions& options, Turn turn, Monitor& monitor);
 
@@ -60,11 +62,18 @@ class SceneStore {
   std::shared_ptr<const TargetInput> target() const;
 
  private:
-  struct Entry {
+  /// What a scene is made from: its recipe, and the files that this names as they were before they were read.
+  struct Sources {
     Recipe recipe;
+    std::vector<FileState> files;
+
+    bool operator==(const Sources&) const = default;
+  };
+  struct Entry {
+    Sources sources;
     std::shared_ptr<KeptScene> scene;
   };
-  std::shared_ptr<KeptScene> find(const Recipe& recipe);
+  std::shared_ptr<KeptScene> find(const Sources& sources);
 
   mutable std::mutex mMutex;  // of everything below but mMaker, which belongs to the thread that has set mBusy
   std::condition_variable mFree;

@@ -12,6 +12,7 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/files/mark_file.h"
+#include "vdbtools/job/recorded_files.h"
 #include "vdbtools/job/scene.h"
 
 #include <sys/resource.h>
@@ -141,7 +142,7 @@ InputFiles planInputs(const fs::path& folder, const Manifest& manifest) {
   for (const fs::path& place : foldersOf(folder, manifest))
     if (place != folder) inputs.addFolder(place);
   inputs.addFolder(folder / kLogsName);
-  return inputs;
+  return withRecordedFiles(std::move(inputs));
 }
 
 void sweepPlan(const fs::path& folder, const Manifest& manifest) {

@@ -256,6 +256,9 @@ TaskStatus taskStatus(const fs::path& folder, const Manifest& manifest, std::uin
       status.exitCode = wholeOf<int>(failure.at("exit"));
       status.error =
           inOneLine(failure.at("error").get<std::string>()) + " (exit code " + std::to_string(*status.exitCode) + ")";
+      std::error_code gone;
+      const fs::file_time_type time = fs::last_write_time(failedPath(folder, index), gone);
+      if (!gone) status.failedAt = time;
     } catch (const nlohmann::json::exception&) {
       status.exitCode.reset();  // it is broken, and says nothing
     }

@@ -9,6 +9,7 @@
 #include "vdbtools/files/io_failure.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -18,6 +19,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <random>
 #include <set>
@@ -280,16 +282,40 @@ void keepOwnerAndMode(int descriptor, const struct stat& status) {
 /// How a rename is undone.
 enum class Undo { Nothing, MoveBack, Exchange };
 
+/// The lock of a file that is about to have a temporary name, which tells others that it is no leftover.
+class HeldLock {
+ public:
+  explicit HeldLock(const fs::path& path)
+      : mDescriptor(::open(path.c_str(), O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC)) {
+    mHeld = mDescriptor >= 0 && ::flock(mDescriptor, LOCK_EX | LOCK_NB) == 0;
+  }
+  ~HeldLock() {
+    if (mDescriptor >= 0) ::close(mDescriptor);
+  }
+  HeldLock(const HeldLock&) = delete;
+  HeldLock& operator=(const HeldLock&) = delete;
+
+  bool held() const { return mHeld; }
+
+ private:
+  int mDescriptor;
+  bool mHeld;
+};
+
 /// Renames @a temporary over @a target.
 /// @param canUndo  keeps what was there, if the file system can
+/// @param old      becomes the lock of what was there, to be held for as long as that has the temporary name: without
+///                 it another process would take the file for a leftover, and this one would then remove by its name
+///                 the temporary file that the other has made anew
 /// @return 0 or errno
-int replace(const fs::path& temporary, const fs::path& target, bool canUndo, Undo& undo) {
+int replace(const fs::path& temporary, const fs::path& target, bool canUndo, Undo& undo,
+            std::unique_ptr<const HeldLock>& old) {
   undo = Undo::Nothing;
   if (canUndo) {
     struct stat status {};
     if (::lstat(target.c_str(), &status) != 0) {
       if (errno == ENOENT) undo = Undo::MoveBack;
-    } else if (S_ISREG(status.st_mode) &&
+    } else if (S_ISREG(status.st_mode) && (old = std::make_unique<const HeldLock>(target))->held() &&
                ::renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, target.c_str(), RENAME_EXCHANGE) == 0) {
       undo = Undo::Exchange;
       return 0;
@@ -415,6 +441,7 @@ void commitAll(std::span<AtomicFile* const> files) {
     if (s->replaces) folders.insert(s->target.parent_path());
   }
   std::vector<Undo> undos(states.size(), Undo::Nothing);
+  std::vector<std::unique_ptr<const HeldLock>> replaced(states.size());
   Registry& live = registry();
   struct Placing {
     explicit Placing(std::atomic<int>& number) : count(number) { ++count; }
@@ -428,7 +455,7 @@ void commitAll(std::span<AtomicFile* const> files) {
       const AtomicFile::State& s = *states[i];
       if (!s.replaces) continue;
       // A temporary file that removeTemporaries() has removed cannot be renamed: ENOENT.
-      const int error = replace(s.temporary, s.target, states.size() > 1, undos[i]);
+      const int error = replace(s.temporary, s.target, states.size() > 1, undos[i], replaced[i]);
       if (error == 0) continue;
       while (i-- > 0) undoReplace(states[i]->temporary, states[i]->target, undos[i]);
       throwIoError("cannot put " + nameOf(s.given) + " in its place", error);

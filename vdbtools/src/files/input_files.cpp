@@ -45,6 +45,12 @@ void InputFiles::add(const InputFiles& others) {
 
 void InputFiles::addFolder(const fs::path& folder) { mFolders.try_emplace(placeOfFile(folder), folder); }
 
+std::vector<fs::path> InputFiles::files() const {
+  std::vector<fs::path> files;
+  for (const auto& [place, name] : mPlaces) files.push_back(name);
+  return files;
+}
+
 void InputFiles::requireNot(const fs::path& output) const {
   if (isNoOrdinaryFile(output)) return;
   const fs::path place = placeOfFile(output);

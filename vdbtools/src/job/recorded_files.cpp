@@ -6,13 +6,18 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/job/fractal_options.h"
+#include "vdbtools/job/recorded_recipe.h"
 #include "vdbtools/job/scene.h"
+#include "vdbtools/job/sdf_job.h"
 #include "vdbtools/recipe/option_value.h"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <optional>
+#include <set>
 #include <stdexcept>
+#include <string_view>
 #include <system_error>
 
 namespace vdbtools {
@@ -44,9 +49,15 @@ std::vector<fs::path> filesBelow(const fs::path& folder, const std::string& exte
   return files;
 }
 
+/// Where a file of a recipe may be without being searched for.
+std::vector<fs::path> usualPlaces(const fs::path& recorded, const fs::path& holder) {
+  const fs::path beside = holder.parent_path();
+  return {recorded, beside / recorded, beside / recorded.filename()};
+}
+
 std::optional<fs::path> find(const fs::path& recorded, const std::string& hash, const FileSearch& search) {
-  const fs::path beside = search.holder.parent_path(), name = recorded.filename();
-  std::vector<fs::path> candidates{recorded, beside / recorded, beside / name};
+  const fs::path name = recorded.filename();
+  std::vector<fs::path> candidates = usualPlaces(recorded, search.holder);
   for (const fs::path& folder : search.folders) {
     if (recorded.is_relative()) candidates.push_back(folder / recorded);
     candidates.push_back(folder / name);
@@ -81,6 +92,23 @@ std::vector<std::pair<fs::path, std::string>> hashedFiles(const Recipe& recipe, 
   return result;
 }
 
+/// The files that the recipe in a file names; none where there is no recipe that could be read.
+std::vector<fs::path> recordedNames(const fs::path& file, const MapRegistry& maps) {
+  constexpr std::string_view kHolders[] = {".vdb", ".ply", ".obj", ".glb"};
+  if (std::ranges::find(kHolders, lowerExtension(file)) == std::end(kHolders) || !isFile(file)) return {};
+  std::vector<fs::path> names;
+  try {
+    const auto [command, recipe] = readRecordedRecipe(file, maps);
+    if (command == "sdf") names.push_back(parseSdfOptions(recipe).input);
+    if (command == "fractal")
+      for (const NamedFile& named : filesOf(parseFractalOptions(recipe, maps))) names.push_back(named.path);
+  } catch (const DataError&) {
+  } catch (const MissingInputError&) {
+  } catch (const IoError&) {
+  }
+  return names;
+}
+
 }  // namespace
 
 FoundFiles findRecordedFiles(const Recipe& recipe, const FileSearch& search, const MapRegistry& maps) {
@@ -108,6 +136,23 @@ FoundFiles findRecordedFiles(const Recipe& recipe, const FileSearch& search, con
           "'" + recorded.string() + "' was found as '" + found.string() +
           "', which cannot stand in the value of an option; move it to a folder without colons");
   return result;
+}
+
+InputFiles withRecordedFiles(InputFiles inputs, const MapRegistry& maps) {
+  std::vector<fs::path> left = inputs.files();
+  std::set<fs::path> seen;
+  while (!left.empty()) {
+    const fs::path holder = std::move(left.back());
+    left.pop_back();
+    if (!seen.insert(holder.lexically_normal()).second) continue;
+    for (const fs::path& recorded : recordedNames(holder, maps))
+      for (const fs::path& place : usualPlaces(recorded, holder)) {
+        if (!isFile(place)) continue;
+        inputs.add(place.lexically_normal());
+        left.push_back(place);
+      }
+  }
+  return inputs;
 }
 
 }  // namespace vdbtools

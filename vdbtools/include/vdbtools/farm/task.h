@@ -60,6 +60,7 @@ struct TaskStatus {
   std::optional<TaskRecord> record;  ///< of Done
   std::string error;                 ///< of Failed: what happened, in one line
   std::optional<int> exitCode{};     ///< of Failed: what the program that failed ended with, if that is recorded
+  std::optional<std::filesystem::file_time_type> failedAt{};  ///< of a failure that is recorded
 };
 
 /// Changes nothing on the disk. A running task whose process was killed is missing: at once where locks of files reach

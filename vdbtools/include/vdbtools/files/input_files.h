@@ -11,6 +11,7 @@
 #include <map>
 #include <span>
 #include <utility>
+#include <vector>
 
 namespace vdbtools {
 
@@ -27,6 +28,9 @@ class InputFiles {
   void add(const InputFiles& others);
   /// Every file in the folder and below it, also those that are not there yet.
   void addFolder(const std::filesystem::path& folder);
+
+  /// Each file by a name under which it was added.
+  std::vector<std::filesystem::path> files() const;
 
   /// @throw std::invalid_argument  the output is one of them; it names both
   void requireNot(const std::filesystem::path& output) const;

@@ -4,6 +4,7 @@
 /// only in the folder of that time; their SHA-256 tells whether a file of the same name elsewhere is the same.
 #pragma once
 
+#include "vdbtools/files/input_files.h"
 #include "vdbtools/maps/map_registry.h"
 #include "vdbtools/recipe/recipe.h"
 
@@ -36,5 +37,11 @@ struct FoundFiles {
 /// @throw std::invalid_argument  an option is refused, one of the folders is none, or a file was found under a name
 ///                               that cannot stand in the recipe
 FoundFiles findRecordedFiles(const Recipe& recipe, const FileSearch& search, const MapRegistry& maps = builtInMaps());
+
+/// With the files that the recipes in @a inputs name, and those that the recipes in these name: whoever reads only the
+/// voxels of a fractal still has its target. Of each, every file that findRecordedFiles() would look at without
+/// folders; their hashes are not asked for. An input that cannot be read, or whose recipe is broken, is left to its
+/// readers.
+InputFiles withRecordedFiles(InputFiles inputs, const MapRegistry& maps = builtInMaps());
 
 }  // namespace vdbtools
