@@ -49,7 +49,9 @@ TEST(TextureShelf, isOfRootsOrOfWaves) {
     SCOPED_TRACE(texture.name);
     EXPECT_NE(texture.strands.empty(), texture.waves.empty());
     EXPECT_EQ(texture.followsThickness(), texture.strands.empty());
-    if (texture.followsThickness()) EXPECT_NO_THROW(julia::requireValid(placeWaves(texture, 1, 1, {})));
+    if (texture.followsThickness()) {
+      EXPECT_NO_THROW(julia::requireValid(placeWaves(texture, 1, 1, {})));
+    }
   }
   EXPECT_TRUE(defaultTexture().followsThickness());
 }

@@ -383,7 +383,8 @@ std::optional<RationalFile> readRoots(const RootsSettings& settings) {
 }
 
 double interiorReachOf(const RootsSettings& settings) {
-  const bool onSurface = !settings.texture && !settings.file && settings.random.placement == julia::RootPlacement::Surface;
+  const bool onSurface =
+      !settings.texture && !settings.file && settings.random.placement == julia::RootPlacement::Surface;
   return onSurface ? settings.random.surfaceDistance : 0;
 }
 

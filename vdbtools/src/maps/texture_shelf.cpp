@@ -14,7 +14,6 @@ namespace {
 
 using julia::Point;
 
-
 /// Bands across a direction, which is as long as they are narrow: their versor turns about an imaginary axis.
 WaveStrand bands(const Point& across, const Point& turn, int power = 1) {
   return {.power = power, .frequency = across, .turn = turn};
@@ -155,8 +154,7 @@ julia::Rational placeTexture(const Texture& texture, double longestSide, const j
     const std::vector<Point> axes = strand.towards
                                         ? julia::fanOfAxes(strand.axis, *strand.towards, strand.angle, strand.count)
                                         : std::vector<Point>(count, strand.axis);
-    for (std::size_t i = 0; i < count; ++i)
-      julia::appendRings(roots, points[i], axes[i], strand.power, 1, embedding);
+    for (std::size_t i = 0; i < count; ++i) julia::appendRings(roots, points[i], axes[i], strand.power, 1, embedding);
   }
   rational.logScale = julia::unitConstants(roots);
   return rational;

@@ -22,12 +22,12 @@ namespace vdbtools {
 /// Rings at points on a line through the dynamics' origin, or at the origin alone where the axis turns from factor to
 /// factor.
 struct Strand {
-  int count = 1;                           ///< of points or of axes
-  int power = 1;                           ///< at each: julia::appendRings()
-  julia::Point axis{1, 0, 0};              ///< of the rings, and of the line
-  double length = 0;                       ///< of the line
-  std::optional<julia::Point> towards{};   ///< where to the axis turns; then there is no line
-  double angle = 0;                        ///< radians from one factor to the next
+  int count = 1;                          ///< of points or of axes
+  int power = 1;                          ///< at each: julia::appendRings()
+  julia::Point axis{1, 0, 0};             ///< of the rings, and of the line
+  double length = 0;                      ///< of the line
+  std::optional<julia::Point> towards{};  ///< where to the axis turns; then there is no line
+  double angle = 0;                       ///< radians from one factor to the next
 };
 
 /// One factor of a texture of waves (julia/wave_versor.h).
