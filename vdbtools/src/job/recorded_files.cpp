@@ -104,7 +104,6 @@ std::vector<fs::path> recordedNames(const fs::path& file, const MapRegistry& map
       for (const NamedFile& named : filesOf(parseFractalOptions(recipe, maps))) names.push_back(named.path);
   } catch (const DataError&) {
   } catch (const MissingInputError&) {
-  } catch (const IoError&) {
   }
   return names;
 }

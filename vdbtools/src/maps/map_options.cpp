@@ -101,10 +101,6 @@ std::uint64_t parseSeed(const RecipeReader& reader) {
   return reader.integer<std::uint64_t>("versor-seed", 0, std::numeric_limits<std::uint64_t>::max());
 }
 
-constexpr const char* kFrequencyNeedsWaves =
-    "--frequency is for textures of waves, and roots lie where they lie; leave it out, or give one of 'juliavdb versor "
-    "list' that follows the thickness";
-
 const Texture* textureOf(const OptionRun& run) { return findTexture(run.text("versor")); }
 
 /// Of --frequency.
@@ -360,8 +356,6 @@ RootsSettings parseRoots(const RecipeReader& reader, const std::string& fileOpti
                                   " follows the local thickness of a target, which only --map shape-modulus has; give "
                                   "that, or --versor random, rings or shells");
     settings.frequency = parseFrequency(reader);
-  } else if (reader.has("frequency")) {
-    throw std::invalid_argument(kFrequencyNeedsWaves);
   }
   settings.random.embedding = parseEmbedding(reader);
   settings.scale = reader.number("versor-scale");

@@ -146,7 +146,7 @@ class ShapeModulusDescriptor final : public MapDescriptor {
     std::vector<OptionSpec> options = shellOptions();
     for (OptionSpec& option : rootsOptions()) options.push_back(std::move(option));
     options.push_back(frequencyOption());
-    options.push_back(iterationsOption("5"));
+    options.push_back(shellIterationsOption());
     options.push_back(shellEscapeOption());
     for (OptionSpec& option : embeddingOptions()) options.push_back(std::move(option));
     return options;

@@ -11,6 +11,8 @@ constexpr const char* kOutward = "0.3";
 constexpr const char* kAlpha = "40";
 constexpr const char* kBeta = "0";
 constexpr const char* kEscapeOfDetail = "2";
+constexpr const char* kIterations = "3";
+constexpr const char* kIterationsOfDetail = "5";
 
 bool isNumeric(const Recipe& recipe) { return recipe.contains("alpha") || recipe.contains("beta"); }
 
@@ -88,6 +90,15 @@ std::vector<OptionSpec> shellOptions() {
        .defaultValue = "trilinear",
        .help = "how the target's distances are interpolated; quadratic shows no creases in deep zooms",
        .kept = true}};
+}
+
+OptionSpec shellIterationsOption() {
+  OptionSpec option = iterationsOption(kIterations);
+  option.defaultFor = [](const Recipe& recipe) -> std::optional<std::string> {
+    return isNumeric(recipe) ? kIterations : kIterationsOfDetail;
+  };
+  option.defaultNote = std::string(kIterations) + ", or " + kIterationsOfDetail + " with detail";
+  return option;
 }
 
 OptionSpec shellEscapeOption() {

@@ -40,6 +40,8 @@ julia::Embedding parseSpatialEmbedding(const RecipeReader& reader);
 
 /// --detail, --outward, --alpha, --beta, --mask and --sampling: the shell of a map over a target.
 std::vector<OptionSpec> shellOptions();
+/// --iterations of such a map: more for a shell of detail, whose default is what more steps hardly change.
+OptionSpec shellIterationsOption();
 /// --escape of such a map: smaller for a shell of detail, where it is the outer end of the shell.
 OptionSpec shellEscapeOption();
 /// @throw std::invalid_argument  naming the option
