@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kLargest = 1e6;
 
-void requireFinite(const Quaternion<double>& q, const char* what) {
+void requireWaveNumbers(const Quaternion<double>& q, const char* what) {
   for (const double x : {q.a, q.b, q.c, q.d})
     if (!(std::abs(x) <= kLargest))
       throw std::invalid_argument("the " + std::string(what) + " of a wave is " + textOf(x) +
@@ -39,7 +39,7 @@ struct FactorBound {
 }  // namespace
 
 void requireValid(const WaveTexture& texture) {
-  requireFinite(texture.origin, "origin");
+  requireWaveNumbers(texture.origin, "origin");
   if (texture.factors.empty()) throw std::invalid_argument("a texture of waves has no factor; it needs one or more");
   for (const WaveFactor& factor : texture.factors) {
     if (factor.waves.empty()) throw std::invalid_argument("a factor has no waves; it needs one or more");
@@ -47,9 +47,9 @@ void requireValid(const WaveTexture& texture) {
       throw std::invalid_argument("the power of a factor of waves is " + std::to_string(factor.power) +
                                   "; it must be from -64 to 64 and not 0");
     for (const Wave& wave : factor.waves) {
-      requireFinite(wave.frequency, "frequency");
-      requireFinite(wave.cosine, "amplitude");
-      requireFinite(wave.sine, "amplitude");
+      requireWaveNumbers(wave.frequency, "frequency");
+      requireWaveNumbers(wave.cosine, "amplitude");
+      requireWaveNumbers(wave.sine, "amplitude");
     }
   }
 }

@@ -10,7 +10,8 @@ import pyopenvdb
 def main():
     mesh, out = sys.argv[1:3]
     resolution = int(sys.argv[3]) if len(sys.argv) > 3 else 200
-    made = juliavdb.fractal(mesh, detail=0.4, resolution=resolution, grids="surface")
+    look = dict(detail=0.4, versor="rings", resolution=resolution)
+    made = juliavdb.fractal(mesh, **look, grids="surface")
     made.write(out)
 
     grid = pyopenvdb.read(out, "surface")
@@ -21,7 +22,7 @@ def main():
     print(f"voxels inside hold {inside:.4f}, the mesh holds {made.info['volume']:.4f}")
 
     # The same question, asked of the map itself at the voxels' places.
-    field = juliavdb.Field(mesh, detail=0.4, resolution=resolution)
+    field = juliavdb.Field(mesh, **look)
     places = np.stack(np.meshgrid(*map(np.arange, values.shape), indexing="ij"), -1).reshape(-1, 3) + low
     same = np.mean(field.inside(places * made.info["voxel_size"]) == (values.ravel() < 0))
     print(f"the map says the same at {100 * same:.2f} % of the voxels")

@@ -91,7 +91,7 @@ class Detail(harness.CliTest):
         self.ok("fractal", "--config", "a.vdb", "--detail", 0.2, "-o", "b.vdb")
         recipe = self.info("b.vdb")["recipe"]
         self.assertNotIn("alpha", recipe)
-        self.assertEqual((recipe["detail"], recipe["outward"]), ("0.2", "0.1"))
+        self.assertEqual((recipe["detail"], recipe["outward"]), ("0.2", "0.3"))
 
     def test_a_wire_thinner_than_its_voxels_is_refused_with_a_way_out(self):
         points, faces = harness.sphere(3)

@@ -97,7 +97,7 @@ VALUES = {
         "repair-gap": "1.2", "solidify": "0.4", "thicken": "0.7", "points-radius": "0.7", "map": ("mandelbulb", "quadratic"),
         "iterations": "2", "escape": "3", "slice": "0.2", "drop-axis": "j", "rational": "roots.json", "c": "0.3,0.2,0.1",
         "scheme": "3", "pair": "B", "f": "x*x, y, z", "g": "cos(x), y, z", "radius": "3", "power": "5", "theta": "pole",
-        "detail": "0.6", "outward": "0.3", "mask": "0.5", "alpha": "15", "beta": "0.03", "sampling": "quadratic",
+        "detail": "0.6", "outward": "0.25", "mask": "0.5", "alpha": "15", "beta": "0.03", "sampling": "quadratic",
         "versor": "roots.json", "versor-seed": "9", "versor-roots": "5", "versor-powers": "3:5",
         "versor-placement": "inside", "versor-distance": "0.2", "versor-centre": "0.2,0,0", "versor-radius": "0.3",
         "versor-scale": "1.5", "versor-translate": "0.1,0,0", "origin": "0.1,0,0", "origin-near": "0.4,0,0",

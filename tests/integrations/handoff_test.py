@@ -199,8 +199,8 @@ class Handoff(unittest.TestCase):
         self.assert_same_box(box, corners(surface_of(volume)), self.voxel, "y.vdb")
 
     def test_volume_to_mesh_meets_the_mesh(self):
-        self.juliavdb("fractal", "pear.obj", "--detail", "0.3", "--resolution", "60", "--sdf-resolution", "60", "--up",
-                      "auto", "-o", "f.vdb", "--mesh", "f.ply")
+        self.juliavdb("fractal", "pear.obj", "--detail", "0.3", "--frequency", "coarse", "--resolution", "60",
+                      "--sdf-resolution", "60", "--up", "auto", "-o", "f.vdb", "--mesh", "f.ply")
         mesh = evaluated(self.bring("f.ply"))
         tree = BVHTree.FromPolygons([mesh.matrix_world @ vertex.co for vertex in mesh.data.vertices],
                                     [tuple(polygon.vertices) for polygon in mesh.data.polygons])

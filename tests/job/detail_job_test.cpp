@@ -113,7 +113,8 @@ TEST_F(DetailJob, TheShellOfABallIsAsDeepAsAskedFor) {
   constexpr double kRadius = 3;
   const std::string ball = write("ball.obj", makeSphere(kRadius, 5, Vec3d(20, -5, 1)));
   for (const double detail : {0.2, 0.5}) {
-    const Scene made = scene({{"input", ball}, {"detail", std::to_string(detail)}, {"versor-seed", "3"}});
+    const Scene made =
+        scene({{"input", ball}, {"detail", std::to_string(detail)}, {"outward", "0.1"}, {"versor-seed", "3"}});
     const Mesh mesh = fractalMesh(made, mMonitor);
     double deepest = 0, highest = -kRadius;
     for (const Vec3d& point : mesh.points) {

@@ -130,7 +130,8 @@ TEST_F(MapJob, TheRecipeSaysWhatWasTaken) {
   EXPECT_EQ(taken(cross, "iterations"), "10");
   EXPECT_EQ(taken(bulb, "iterations"), "10");
   EXPECT_EQ(taken(quadratic, "iterations"), "3");
-  EXPECT_EQ(taken(shape, "iterations"), "3");
+  EXPECT_EQ(taken(shape, "iterations"), "5");
+  EXPECT_EQ(taken({{"beta", "0.1"}}, "iterations"), "3");
   EXPECT_EQ(taken({{"map", "quadratic"}, {"mandelbrot", "true"}}, "iterations"), "10");
   EXPECT_EQ(taken({{"map", "cross"}, {"iterations", "3"}}, "iterations"), "3");
   EXPECT_EQ(taken(cross, "radius"), "2");

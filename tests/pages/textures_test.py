@@ -20,8 +20,8 @@ class TexturesPage(unittest.TestCase):
     maxDiff = None
 
     def test_the_table_is_that_of_the_program(self):
-        rows = re.findall(r"^\| `(\w+)` \| (.*?) \| (\d+) \|$", PAGE.read_text(), re.M)
-        textures = [(t["name"], t["description"], str(t["roots"])) for t in json.loads(listed("--json"))]
+        rows = re.findall(r"^\| `(\w+)` \| (.*?) \| (yes|no) \| 2\.\d\d \|$", PAGE.read_text(), re.M)
+        textures = [(t["name"], t["description"], "yes" if t["follows_thickness"] else "no") for t in json.loads(listed("--json"))]
         self.assertEqual(rows, textures, "copy it from: juliavdb versor list --json")
 
     def test_the_default_is_named(self):

@@ -383,7 +383,7 @@ class FieldTest(ModuleTest):
                 field(bad)
 
     def test_the_surface_lies_where_the_sign_changes(self):
-        options = dict(sdf_resolution=40, resolution=40, detail=0.3)
+        options = dict(sdf_resolution=40, resolution=40, detail=0.3, frequency="coarse")
         made, field = juliavdb.fractal(self.torus, **options), juliavdb.Field(self.torus, **options)
         step = 0.05 * made.info["voxel_size"] * made.normals.astype(float)
         inside = field.inside(made.vertices - step).mean()

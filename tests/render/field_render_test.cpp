@@ -365,21 +365,22 @@ class FieldRenderScene : public testing::Test {
     julia::Rational map{.logScale = 0.3};
     map.top.roots = {{{0.2, 0.1, -0.1, 0}, 3}, {{-0.3, 0.2, 0.1, 0}, 2}};
     const std::string rational = rationalToJson(map);
-    return {{{"map", "quadratic"}, {"c", "-0.2,0.6,0.2,0.2"}, {"iterations", "6"}, {"resolution", "96"}},
-            {{"input", target()}, {"alpha", "30"}, {"resolution", "96"}, {"sdf-resolution", "48"}},
-            {{"map", "rational"},
-             {"rational", write("map.json", rational)},
-             {"box", "-1.5,-1.5,-1.5,1.5,1.5,1.5"},
-             {"resolution", "96"}},
-            // Smooth enough for a lattice: what is finer than its voxels is in one of the pictures only.
-            {{"map", "cross"}, {"iterations", "4"}, {"resolution", "128"}},
-            {{"map", "cross"}, {"pair", "A'"}, {"iterations", "3"}, {"resolution", "128"}},
-            {{"map", "cross"}, {"scheme", "3"}, {"pair", "B"}, {"radius", "6"}, {"resolution", "96"}},
-            {{"map", "cross"}, {"pair", "C"}, {"radius", "5"}, {"iterations", "3"}, {"resolution", "128"}},
-            {{"map", "cross"}, {"pair", "D"}, {"radius", "8"}, {"iterations", "4"}, {"resolution", "96"}},
-            {{"map", "cross"}, {"scheme", "5"}, {"c", "0.39,0.2,0"}, {"iterations", "4"}, {"resolution", "128"}},
-            {{"map", "mandelbulb"}, {"theta", "pole"}, {"iterations", "3"}, {"resolution", "128"}},
-            {{"map", "quadratic"}, {"mandelbrot", "true"}, {"iterations", "5"}, {"resolution", "128"}}};
+    return {
+        {{"map", "quadratic"}, {"c", "-0.2,0.6,0.2,0.2"}, {"iterations", "6"}, {"resolution", "96"}},
+        {{"input", target()}, {"alpha", "30"}, {"frequency", "coarse"}, {"resolution", "96"}, {"sdf-resolution", "48"}},
+        {{"map", "rational"},
+         {"rational", write("map.json", rational)},
+         {"box", "-1.5,-1.5,-1.5,1.5,1.5,1.5"},
+         {"resolution", "96"}},
+        // Smooth enough for a lattice: what is finer than its voxels is in one of the pictures only.
+        {{"map", "cross"}, {"iterations", "4"}, {"resolution", "128"}},
+        {{"map", "cross"}, {"pair", "A'"}, {"iterations", "3"}, {"resolution", "128"}},
+        {{"map", "cross"}, {"scheme", "3"}, {"pair", "B"}, {"radius", "6"}, {"resolution", "96"}},
+        {{"map", "cross"}, {"pair", "C"}, {"radius", "5"}, {"iterations", "3"}, {"resolution", "128"}},
+        {{"map", "cross"}, {"pair", "D"}, {"radius", "8"}, {"iterations", "4"}, {"resolution", "96"}},
+        {{"map", "cross"}, {"scheme", "5"}, {"c", "0.39,0.2,0"}, {"iterations", "4"}, {"resolution", "128"}},
+        {{"map", "mandelbulb"}, {"theta", "pole"}, {"iterations", "3"}, {"resolution", "128"}},
+        {{"map", "quadratic"}, {"mandelbrot", "true"}, {"iterations", "5"}, {"resolution", "128"}}};
   }
 
   const TemporaryFolder mTemporary;

@@ -42,7 +42,8 @@ Quaternion<T> waves(const WaveTexture& texture, const Quaternion<T>& p, T& least
   return product;
 }
 
-/// (1 - t) B(2^k q) + t B(2^(k+1) q) about the origin, whose versor is that of the field. @param least  as above, and of this
+/// (1 - t) B(2^k q) + t B(2^(k+1) q) about the origin, whose versor is that of the field. @param least  as above, and
+/// of this
 template <class T>
 Quaternion<T> wavesAt(const WaveTexture& texture, const Quaternion<T>& q, const T& octave, T& least) {
   using std::exp2;

@@ -235,8 +235,9 @@ OctaveGrid octaveOf(const ControlSetting& frequency, SharedTarget& shared, const
   const Control control = bound(*frequency, context, "the frequency", positive);
   const LocalThickness thickness = shared.survey(monitor).thickness(monitor, slopeOf(target.exponentOf));
   constexpr double kLeast = 2;  // voxels of a feature that shows
+  constexpr double kFine = 4;   // a part may be thinner than the voxels, but more than this is somebody's wish
   const double coarsest = 2 * thickness.greatest / control.range().first;
-  if (!(coarsest >= kLeast * voxel))
+  if (control.range().first > kFine && !(coarsest >= kLeast * voxel))
     throw std::invalid_argument("--frequency is " + frequency->text() + ", whose features are " +
                                 shortText(coarsest / voxel) +
                                 " voxels wide where the target is thickest, so that none of them shows; make the "
