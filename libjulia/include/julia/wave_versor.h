@@ -17,7 +17,7 @@
 ///
 ///   u(q) = the versor of  (1 - t) B(2^k q) + t B(2^(k+1) q),   t = f^2 (3 - 2 f),   f = o - k
 ///
-/// as octaves of noise are blended; compare the phasor noise of [Tricard et al. 2019], whose phases are waves with a
+/// as octaves of noise are blended; compare the phasor noise of [Tri19], whose phases are waves with a
 /// frequency that varies. The waves of the finer octave follow from those of the coarser one by the formulas for
 /// doubled angles.
 #pragma once

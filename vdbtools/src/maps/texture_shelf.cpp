@@ -34,7 +34,7 @@ std::vector<Texture> allTextures() {
        .waves = {bands({0.5, 0.8, 0.3}, kI), bands({0.5, -0.8, 0.3}, kJ), field(4, 1)}},
       {.name = "quills",
        .description = "Fine sharp spines in rows that lie along the body, like those of a hedgehog.",
-       .waves = {bands({0, 1, 0}, kI, 3), bands({1, 0, 0}, kJ, 3)}},
+       .waves = {bands({0, 0.5, 0}, kI, 3), bands({0.5, 0, 0}, kJ, 3)}},
       {.name = "woven",
        .description = "A weave of small studs, where three systems of bands cross.",
        .waves = {bands({1, 0, 1}, kI), bands({1, 0, -1}, kJ), bands({0, 1.4, 0}, kK)}},

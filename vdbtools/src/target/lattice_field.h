@@ -13,7 +13,8 @@
 
 namespace vdbtools {
 
-/// A grid's values at points of fractal space; beyond @a nodes, index space, those of the nearest node. Copies the grid.
+/// A grid's values at points of fractal space; beyond @a nodes, index space, those of the nearest node. Copies the
+/// grid.
 template <class Real>
 std::shared_ptr<const julia::ScalarField<Real>> makeLatticeField(const openvdb::FloatGrid& grid,
                                                                  const openvdb::CoordBBox& nodes,
