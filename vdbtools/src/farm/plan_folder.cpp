@@ -5,7 +5,6 @@
 #include "vdbtools/files/atomic_file.h"
 
 #include <system_error>
-#include <vector>
 
 namespace vdbtools {
 
@@ -13,25 +12,17 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Makes the folder and a file in it, and takes both away again.
+/// Begins a file where the first thing of the plan would be made, and takes it away again: the manifest, or the first
+/// folder that is missing. No folder is made, because another process that tries at the same time could take it for
+/// one that was there.
 void requireWritable(const fs::path& folder) {
   std::error_code error;
-  std::vector<fs::path> made;
-  for (fs::path part = fs::absolute(folder).lexically_normal(); !fs::exists(part, error) && part.has_relative_path();
-       part = part.parent_path())
-    made.push_back(part);
-  fs::create_directories(folder, error);
-  if (error) throw CreateError("cannot make the folder '" + folder.string() + "': " + error.message());
-  const auto takeAway = [&] {
-    for (const fs::path& part : made) fs::remove(part, error);
-  };
-  try {
-    const AtomicFile file(folder / kManifestName);
-  } catch (...) {
-    takeAway();
-    throw;
-  }
-  takeAway();
+  fs::path first = fs::absolute(folder / kManifestName).lexically_normal();
+  while (!fs::exists(first.parent_path(), error) && first.parent_path().has_relative_path()) first = first.parent_path();
+  if (!fs::is_directory(first.parent_path(), error))
+    throw CreateError("cannot make the folder '" + folder.string() + "': '" + first.parent_path().string() +
+                      "' is not a folder");
+  const AtomicFile file(first);
 }
 
 }  // namespace
