@@ -23,7 +23,10 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <charconv>
 #include <iostream>
+#include <iterator>
+#include <string>
 
 namespace po = boost::program_options;
 
@@ -198,6 +201,25 @@ Json infoOf(const std::string& path) {
   return meshInfo(path);
 }
 
+/// A number as people read it. Places have the digits that tell points apart far from the origin; --json has all
+/// digits.
+std::string numberText(double value, bool isPlace) {
+  constexpr int kDigits = 6, kDigitsOfPlaces = 12;
+  char digits[32];
+  return {digits, std::to_chars(digits, std::end(digits), value, std::chars_format::general,
+                                isPlace ? kDigitsOfPlaces : kDigits)
+                      .ptr};
+}
+
+std::string valueText(const Json& value, bool isPlace = false) {
+  if (value.is_number_float()) return numberText(value.get<double>(), isPlace);
+  if (!value.is_array()) return value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  constexpr std::size_t kAxes = 3;
+  std::string text;
+  for (const Json& element : value) text += (text.empty() ? "" : ", ") + valueText(element, value.size() == kAxes);
+  return '[' + text + ']';
+}
+
 void print(const Json& info, int indent) {
   for (const auto& [key, value] : info.items()) {
     std::cout << std::string(static_cast<std::size_t>(indent), ' ') << vdbtools::withoutControls(key) << ':';
@@ -213,7 +235,7 @@ void print(const Json& info, int indent) {
     } else if (value.is_string()) {
       std::cout << ' ' << vdbtools::withoutControls(value.get<std::string>()) << '\n';
     } else {
-      std::cout << ' ' << value.dump(-1, ' ', false, Json::error_handler_t::replace) << '\n';
+      std::cout << ' ' << valueText(value) << '\n';
     }
   }
 }

@@ -87,6 +87,13 @@ int studyDimension(const Arguments& arguments) {
   CommandLine line(kStudyDimensionUsage, vdbtools::fractalOptionTable());
   line.addOptions()("dimension", po::value<std::string>()->value_name("N,N,N"), "the resolutions, the smallest first")(
       "json", "write the numbers as JSON");
+  for (const std::string& word : arguments)
+    for (const char* option : {"-o", "--output", "--curve", "--csv", "--versors", "--axis", "--position", "--size"})
+      if (word == option || word.starts_with(std::string(option) + '='))
+        throw std::invalid_argument(
+            std::string(option) +
+            " has no effect: with --dimension a study makes no picture and no curve, but prints "
+            "its numbers; leave it out");
   if (!line.parse(arguments)) return kDone;
   const std::vector<int> resolutions = parseResolutions(line);
   for (const char* option : {"resolution", "voxel-size"})

@@ -28,6 +28,13 @@ bool isLetter(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0;
 }  // namespace
 
 std::string inPythonsWords(std::string_view message) {
+  constexpr std::string_view kHelp = "is not an option of this command; see --help";
+  if (const std::size_t at = message.find(kHelp); at != std::string_view::npos) {
+    std::string meant(message.substr(at + kHelp.size()));  // the option that it may have been, in quotes
+    if (const std::size_t dashes = meant.find("'--"); dashes != std::string::npos) meant.erase(dashes + 1, 2);
+    std::replace(meant.begin(), meant.end(), '-', '_');
+    return inPythonsWords(message.substr(0, at)) + "is not an option of this function; help() of it lists them" + meant;
+  }
   std::string text;
   bool quoted = false;
   for (std::size_t at = 0; at < message.size();) {

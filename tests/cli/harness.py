@@ -11,6 +11,7 @@ import json
 import math
 import os
 import pathlib
+import resource
 import shutil
 import signal
 import struct
@@ -31,6 +32,10 @@ BUNNY = pathlib.Path("/usr/share/glmark2/models/bunny.obj")
 # Seconds for a run that should take one, on a machine that does other things too. A program that checks itself takes
 # longer; the presets asan and tsan say by what factor.
 TIMEOUT = 120 * int(os.environ.get("JULIAVDB_PATIENCE", 1))
+
+# "Within a second", in seconds of a processor: a second of each, and some slack. By the clock it takes longer where other
+# programs want the processors too, which says nothing about this one.
+SOON = len(os.sched_getaffinity(0)) + 0.5
 
 
 def program():
@@ -54,6 +59,27 @@ def environment(extra=None):
 def restore_interrupt():
     """A test that was started in the background of a shell has SIGINT ignored, and so would its children."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
+def cpu_seconds(process):
+    """Of all threads of a process so far."""
+    fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def ended_children():
+    """The seconds of a processor that all processes took which this one has waited for."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
+def stop(process, by=signal.SIGINT):
+    """Sends the signal to a Popen, and waits for its end; nothing else may be waited for meanwhile.
+    @return what it wrote to stdout and stderr since, and the seconds of a processor that it took, to be held against SOON"""
+    others, before = ended_children(), cpu_seconds(process)
+    process.send_signal(by)
+    stdout, stderr = process.communicate(timeout=TIMEOUT)
+    return stdout, stderr, ended_children() - others - before
 
 
 COMMANDS = ("sdf", "fractal", "fit", "mesh", "versor", "sheet", "slice", "study", "render", "info", "maps",

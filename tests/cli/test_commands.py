@@ -3,6 +3,7 @@
 
 import json
 import os
+import re
 import shlex
 
 import harness
@@ -232,6 +233,20 @@ class InfoOnEveryKind(harness.CliTest):
         text = self.ok("info", "a.obj", data=True)
         self.assertIn("triangles: 20\n", text)
         self.assertIn("closed: true\n", text)
+
+    def test_text_has_the_digits_that_mean_something(self):
+        """All of them are in the JSON; places have those that tell points apart far from the origin."""
+        self.write("a.obj", harness.obj(harness.moved(harness.sphere(2), 1 / 3, (1e6, 0, 1 / 7))))
+        self.ok("fractal", "a.obj", "-o", "a.vdb", "--resolution", 12, "--sdf-resolution", 16)
+        self.ok("versor", "new", "--seed", 4, "-o", "a.json")
+        for name in ("a.obj", "a.vdb", "a.json"):
+            text, said = self.ok("info", name, data=True), self.info(name)
+            measured = re.split(r"^(?:recipe|metadata|note):", text, flags=re.M)[0]
+            for number in re.findall(r"(?<![\w.])-?\d*\.?\d+(?:e[-+]?\d+)?", measured):
+                self.assertLessEqual(len(re.sub(r"e.*|\D", "", number).lstrip("0")), 12, (name, number))
+            if "area" in said:
+                self.assertIn(f"\narea: {said['area']:.6g}\n", text)
+                self.assertIn(f"\nbox min: [{', '.join(f'{x:.12g}' for x in said['box min'])}]\n", text)
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ a shape decide nothing. Text files may begin with a byte order mark."""
 
 import json
 import math
+import re
 import struct
 
 import harness
@@ -286,6 +287,13 @@ class Units(harness.CliTest):
         self.refused(harness.USAGE, "plan", "tiles", "prop.obj", "--resolution", 200, "-o", "plan", "--tiles", 2,
                      "--make", "vdb", mentions="1.45e-05")
         self.ok("fractal", "prop.obj", "--voxel-size", "1.45e-05", "--sdf-resolution", 28, "-o", "prop.vdb")
+        # Points choose no voxels; what would help is another format.
+        self.write("speck.obj", harness.obj(harness.moved(self.shape, 1e-6, (0, 0, 0))))
+        text = self.refused(harness.USAGE, "points", "speck.obj", "--points", 20, "-o", "p.vdb", mentions="1.45e-05")
+        self.assertIn("write a .ply", text)
+        for option in re.findall(r"--[a-z-]+", text):
+            self.assertIn(f"{option} ", self.ok("points", "--help", "all", data=True))
+        self.ok("points", "speck.obj", "--points", 20, "-o", "p.ply")
 
     def test_tiles_of_a_small_shape(self):
         self.write_scaled(2.0**-20)

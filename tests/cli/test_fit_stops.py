@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Ctrl-C and SIGTERM in each phase of fit. Nothing else may want the processors meanwhile."""
+"""Ctrl-C and SIGTERM in each phase of fit."""
 
 import signal
 

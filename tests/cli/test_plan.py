@@ -125,9 +125,13 @@ class Frames(PlanTest):
                      mentions=("frame 2", "--versor-seed", "1.5"))
         self.path("full").mkdir()
         self.write("full/x", "x")
-        for folder in ("full", "s.obj", "s.obj/p"):
+        self.path("astray").symlink_to("nowhere")
+        self.write("hole.obj", harness.obj(harness.with_hole(harness.sphere(2))))
+        for folder in ("full", "s.obj", "s.obj/p", "astray", "astray/p"):
             self.refused(CANNOT_CREATE, "plan", "frames", "s.obj", "--frames", "1-3", *KEYS, "-o", folder,
                          mentions=folder)
+            # Before any work: the target is not looked at.
+            self.refused(CANNOT_CREATE, "plan", "tiles", "hole.obj", *LOW, "-o", folder, mentions=folder)
 
 
 class Cells(PlanTest):

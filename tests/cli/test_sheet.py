@@ -64,6 +64,17 @@ class Cells(SheetTest):
         self.assertEqual(self.bytes("written.vdb"), self.bytes("cell.vdb"))
         self.assertEqual(self.bytes("a.ply"), self.bytes("b.ply"))
 
+    def test_all_cells_have_the_camera_that_is_given(self):
+        camera = ("--eye", "3,1,2", "--look-at", "0.5,0,0")
+        vary = ("--vary", "origin-shift=0,0,0;0.2,0,0")
+        self.ok("sheet", "s.obj", *LOW, *SMALL, *vary, *camera, "-o", "x.png")
+        self.ok("sheet", "s.obj", *LOW, *SMALL, *vary, "-o", "framed.png")
+        pictures, framed = self.places("x.png", 2), self.places("framed.png", 2)
+        for number, picture in enumerate(pictures, 1):
+            self.ok("render", "--field", "--config", f"x.json#{number}", *SMALL, *camera, "--colour", "clay", "-o", "one.png")
+            self.assertEqual(picture, harness.read_png(self.bytes("one.png")))
+            self.assertNotEqual(picture, framed[number - 1], "it frames its own set unless it is told otherwise")
+
     def test_a_cell_does_not_depend_on_its_company(self):
         self.write("m.obj", harness.obj(harness.snowman()))
         # A narrow band, which each depth of detail wants wider by another amount.

@@ -214,6 +214,9 @@ class Dimension(StudyTest):
             ("study", "--dimension", "20,30,40"),
         ])
         self.refused(BAD_DATA, *study, "--dimension", "20,30,40", "--detail", 0.5, "--box", "50,50,50,51,51,51")
+        for option, value in (("--csv", "x.csv"), ("--curve", "x.png"), ("--versors", 9), ("--axis", "x"), ("-o", "x.png")):
+            self.refused(USAGE, *study, "--dimension", "20,30,40", option, value,
+                         mentions=(f"{option} has no effect", "--dimension"))
 
 
 if __name__ == "__main__":

@@ -3,7 +3,6 @@
 
 import http.client
 import json
-import os
 import pathlib
 import signal
 import subprocess
@@ -48,11 +47,9 @@ class Server:
         self.process.stderr.close()
 
     def stop(self, by=signal.SIGINT):
-        """Ends the server as a user does. @return seconds, exit code, what it said"""
-        self.process.send_signal(by)
-        start = time.monotonic()
-        _, errors = self.process.communicate(timeout=harness.TIMEOUT)
-        return time.monotonic() - start, self.process.returncode, errors.decode()
+        """Ends the server as a user does. @return seconds of a processor, exit code, what it said"""
+        _, errors, took = harness.stop(self.process, by)
+        return took, self.process.returncode, errors.decode()
 
     def connect(self, timeout=harness.TIMEOUT):
         return http.client.HTTPConnection(self.host, self.port, timeout=timeout)
@@ -96,9 +93,3 @@ class Server:
                 return job
             time.sleep(0.02)
         raise AssertionError(f"the job is still {job}")
-
-
-def cpu_seconds(process):
-    """Of all threads of a process so far."""
-    fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")

@@ -309,8 +309,10 @@ class Arrays(ModuleTest):
             juliavdb.fractal(points, triangles, input=self.torus)
         with self.assertRaisesRegex(TypeError, "detail"):
             juliavdb.fractal(points, triangles, detail={})
-        with self.assertRaisesRegex(ValueError, "^feathers is not an option"):
+        with self.assertRaisesRegex(ValueError, "^feathers is not an option of this function; help"):
             juliavdb.fractal(points, triangles, feathers=1)
+        with self.assertRaisesRegex(ValueError, "did you mean 'sdf_resolution'"):
+            juliavdb.fractal(points, triangles, sdf_resolutoin=20)
 
     def test_points_need_no_faces(self):
         points, triangles = arrays(self.mesh)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/farm/plan_folder.h"
 
+#include "farm/tile_task.h"
+
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/atomic_file.h"
 
@@ -18,10 +20,14 @@ namespace {
 void requireWritable(const fs::path& folder) {
   std::error_code error;
   fs::path first = fs::absolute(folder / kManifestName).lexically_normal();
-  while (!fs::exists(first.parent_path(), error) && first.parent_path().has_relative_path()) first = first.parent_path();
+  while (!fs::exists(first.parent_path(), error) && first.parent_path().has_relative_path())
+    first = first.parent_path();
   if (!fs::is_directory(first.parent_path(), error))
     throw CreateError("cannot make the folder '" + folder.string() + "': '" + first.parent_path().string() +
                       "' is not a folder");
+  if (fs::is_symlink(fs::symlink_status(first, error)))
+    throw CreateError("cannot make the folder '" + folder.string() + "': '" + first.string() +
+                      "' is a link to what is not there");
   const AtomicFile file(first);
 }
 
@@ -44,6 +50,8 @@ void requireNewPlanFolder(const fs::path& folder) {
 
 void writePlan(const fs::path& folder, const Manifest& manifest) {
   std::error_code error;
+  if (fs::exists(folder / kManifestName, error))
+    throw CreateError("another plan was made in '" + folder.string() + "' meanwhile; give another name");
   const bool made = fs::create_directories(folder, error);
   if (error) throw CreateError("cannot make the folder '" + folder.string() + "': " + error.message());
   try {
@@ -51,6 +59,8 @@ void writePlan(const fs::path& folder, const Manifest& manifest) {
     file.stream() << encodeManifest(manifest);
     file.commit();
   } catch (...) {
+    // Of a plan of tiles; with it the folder would be taken for one that is in use.
+    fs::remove(folder / kPreparedName, error);
     if (made) fs::remove(folder, error);
     throw;
   }

@@ -7,6 +7,7 @@
 
 #include "julia/evaluator.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/farm/plan_folder.h"
 #include "vdbtools/files/atomic_file.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/formats/vdb_file.h"
@@ -272,6 +273,11 @@ TilePlan planTiles(const FractalOptions& options, const Recipe& recipe, const Ti
     manifest.tasks.push_back({.box = box.nodes, .writes = tileNames(files, manifest.tasks.size() + 1)});
     plan.work.push_back({.shell = box.work});
   }
+  if (tiles.survey) surveySurface(scene, *manifest.lattice, boxes, plan, monitor);
+
+  // Last, so that what fails or is interrupted leaves no part of a plan behind; and again, as another plan may have
+  // been made there meanwhile.
+  requireNewPlanFolder(folder);
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw CreateError("cannot make the folder '" + folder.string() + "': " + error.message());
@@ -280,7 +286,6 @@ TilePlan planTiles(const FractalOptions& options, const Recipe& recipe, const Ti
   file.stream().write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   file.commit();
   manifest.inputs.push_back({kPreparedName, sha256Hex(bytes)});
-  if (tiles.survey) surveySurface(scene, *manifest.lattice, boxes, plan, monitor);
   return plan;
 }
 

@@ -226,12 +226,13 @@ auto withBeginning(const std::filesystem::path& path, const Use& use) {
 
 }  // namespace
 
-void requireVdbVoxel(double voxelSize) {
+void requireVdbVoxel(double voxelSize, std::string_view wayOut) {
   if (isOrdinaryScale(openvdb::Vec3d(voxelSize))) return;
   std::ostringstream text;
-  text << "a VDB cannot hold voxels of " << voxelSize
-       << ", as OpenVDB makes no transform for voxels below 1.45e-05; write a mesh instead, choose a --voxel-size of "
-          "1.45e-05 or more or a lower --resolution, or give the shape in smaller units, such as millimetres";
+  text << "a VDB cannot hold voxels of " << voxelSize << ", as OpenVDB makes no transform for voxels below 1.45e-05; "
+       << (wayOut.empty() ? "write a mesh instead, choose a --voxel-size of 1.45e-05 or more or a lower --resolution"
+                          : wayOut)
+       << ", or give the shape in smaller units, such as millimetres";
   throw std::invalid_argument(text.str());
 }
 

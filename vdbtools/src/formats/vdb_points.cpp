@@ -80,7 +80,8 @@ openvdb::GridBase::Ptr pointGrid(const PointBatch& points, const std::vector<Ver
     throw std::invalid_argument("points were given a spacing of " + shortText(spacing) + "; it must be positive");
   if ((!points.normals.empty() && points.normals.size() != count) || points.values.size() != row * count)
     throw std::logic_error("points of a VDB come with another number of normals or values than they need");
-  requireVdbVoxel(2 * spacing);
+  // Others choose a size for the voxels that such points lie in; here it follows from the points.
+  requireVdbVoxel(2 * spacing, "such points lie in voxels of twice their spacing; write a .ply instead");
   const auto transform = latticeTransform(2 * spacing);
   std::vector<Vec3d> positions;
   positions.reserve(count);

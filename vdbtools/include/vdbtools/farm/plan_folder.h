@@ -15,8 +15,9 @@ namespace vdbtools {
 void requireNewPlanFolder(const std::filesystem::path& folder);
 
 /// Makes the folder if there is none and writes the manifest, the last file of a plan. If that fails, a folder that
-/// was made for it is removed again.
-/// @throw CreateError, IoError
+/// was made for it is removed again, and so is what was prepared for its tasks.
+/// @throw CreateError  also where another plan was made there meanwhile
+/// @throw IoError
 void writePlan(const std::filesystem::path& folder, const Manifest& manifest);
 
 }  // namespace vdbtools

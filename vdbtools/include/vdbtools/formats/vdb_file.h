@@ -33,8 +33,9 @@ struct VdbWriteOptions {
 
 /// To be called before grids for other programs are made, for encodeVdb() does not look: what this program keeps for
 /// itself may have voxels of any size.
+/// @param wayOut  what else the caller's options offer; by default the options of voxels
 /// @throw std::invalid_argument  OpenVDB makes no transform for voxels as small as this, nor do programs that use it
-void requireVdbVoxel(double voxelSize);
+void requireVdbVoxel(double voxelSize, std::string_view wayOut = {});
 
 /// The bytes of a file with @a grids, Blosc-compressed. @a options.metadata is added to the grids' own in the file; the
 /// grids themselves stay as they are.

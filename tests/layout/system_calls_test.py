@@ -1,0 +1,65 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Nothing starts another program and nothing opens a connection, but where SECURITY.md says so.
+
+What the libraries, the program and the Python module call is read from their symbols, and who starts programs from the
+sources. Usage: system_calls_test.py NM TARGET=FILE ...
+"""
+import pathlib
+import re
+import subprocess
+import sys
+import unittest
+
+NM, FILES = sys.argv[1], dict(argument.split("=", 1) for argument in sys.argv[2:])
+del sys.argv[1:]
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+STARTS = {"execl", "execle", "execlp", "execv", "execve", "execvp", "execvpe", "fexecve", "fork", "vfork", "clone", "popen",
+          "posix_spawn", "posix_spawnp", "system"}
+CONNECTS = {"socket", "connect", "sendto", "sendmsg", "getaddrinfo", "gethostbyname", "gethostbyname_r"}
+
+# By source: what it starts.
+STARTERS = {
+    "cli/child_process.cpp": "the engine of submit, and this program itself for the sample of an estimate",
+    "cli/commands/explore.cpp": "the browser, with --open yes",
+    "cli/commands/submit.cpp": "scontrol, which is asked how large an array may be",
+}
+
+
+def called(file):
+    output = subprocess.run([NM, "-D", "--undefined-only", file], check=True, capture_output=True, text=True).stdout
+    return {line.split()[-1].split("@")[0] for line in output.splitlines() if line.strip()}
+
+
+def starters():
+    calls = re.compile(r"\b(?:" + "|".join(sorted(STARTS - {"clone"})) + r")\s*\(")
+    return {str(path.relative_to(ROOT)) for layer in ("libjulia", "vdbtools", "cli", "python")
+            for path in (ROOT / layer).rglob("*") if path.suffix in (".cpp", ".h")
+            if calls.search("\n".join(line.partition("//")[0] for line in path.read_text().splitlines()))}
+
+
+class SystemCalls(unittest.TestCase):
+
+    def test_nothing_but_the_program_starts_another(self):
+        for target, file in FILES.items():
+            with self.subTest(target=target):
+                found = called(file) & STARTS
+                self.assertEqual(found, {"popen", "posix_spawn", "posix_spawnp"} if target == "juliavdb_cli" else set())
+        self.assertEqual(starters(), set(STARTERS))
+
+    def test_nothing_opens_a_connection(self):
+        """The server of explore waits for those of others; it is the only class of its library that is used."""
+        classes = set()
+        for target, file in FILES.items():
+            with self.subTest(target=target):
+                symbols = called(file)
+                self.assertGreater(len(symbols), 50, "the symbols cannot be read")
+                self.assertEqual(symbols & CONNECTS, set())
+                classes |= {(target, name) for name in re.findall(r"\b_ZNK?7httplib\d+([A-Z]\w*?)(?:C\d|D\d|\d)", " ".join(symbols))}
+        self.assertLessEqual({name for _, name in classes}, {"Server", "Request", "Response", "Stream", "DataSink"})
+        self.assertLessEqual({target for target, _ in classes}, {"vdbtools"})
+
+
+if __name__ == "__main__":
+    unittest.main()
