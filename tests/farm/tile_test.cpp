@@ -87,8 +87,8 @@ class Tiles : public testing::Test {
       SCOPED_TRACE(cut.tiles ? "tiles " + std::to_string(*cut.tiles) : "nodes " + std::to_string(*cut.tileNodes));
       cut.makes = {"vdb", extension};
       const fs::path folder = made(recipe, cut);
-      const MergeResult result = mergePlan(folder, readManifest(folder),
-                                           {.vdb = inFolder("all.vdb"), .mesh = inFolder("all." + extension)}, mMonitor);
+      const MergeResult result = mergePlan(
+          folder, readManifest(folder), {.vdb = inFolder("all.vdb"), .mesh = inFolder("all." + extension)}, mMonitor);
       EXPECT_EQ(result.crumbs.has_value(), crumbs.has_value());
       if (crumbs && result.crumbs) {
         EXPECT_EQ(result.crumbs->crumbs, crumbs->crumbs);

@@ -54,7 +54,7 @@ struct Tile {
   std::vector<openvdb::GridBase::Ptr> grids;  ///< the parts of those that are wanted and are made of parts
   std::optional<TileIslands> islands;         ///< if some are to be dropped
   std::uint64_t evaluatedNodes = 0;
-  std::optional<CrumbReport> crumbs{};        ///< of the nodes that the tile owns, if they are dropped
+  std::optional<CrumbReport> crumbs{};  ///< of the nodes that the tile owns, if they are dropped
 };
 
 /// @param box  the nodes that the tile owns

@@ -130,7 +130,7 @@ struct CrumbFilter::Signs {
   const InsideBits* find(int y, int z) const {
     const auto at = std::lower_bound(places.begin(), places.end(), std::pair(y, z));
     return at != places.end() && *at == std::pair(y, z) ? &bits[static_cast<std::size_t>(at - places.begin())]
-                                                         : nullptr;
+                                                        : nullptr;
   }
 };
 
@@ -223,7 +223,8 @@ class CrumbFilter::Flood {
   }
   void mark(const Coord& node) { wordOf(node) |= bitOf(node); }
 
-  void visitNeighbours(const Coord& node) {
+  /// @param node  by value, as the nodes grow meanwhile
+  void visitNeighbours(Coord node) {
     for (int axis = 0; axis < 3; ++axis)
       for (const int step : {-1, 1}) {
         Coord next = node;
@@ -280,10 +281,7 @@ class CrumbFilter::Flood {
 };
 
 CrumbFilter::CrumbFilter(const FieldPlan& plan, const FieldSource& source, const Monitor& monitor)
-    : mPlan(plan),
-      mSource(source),
-      mMonitor(monitor),
-      mCounted(plan.crumbs.value().counted.value_or(plan.domain)) {}
+    : mPlan(plan), mSource(source), mMonitor(monitor), mCounted(plan.crumbs.value().counted.value_or(plan.domain)) {}
 
 CrumbFilter::~CrumbFilter() = default;
 

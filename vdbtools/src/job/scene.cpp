@@ -512,7 +512,7 @@ std::unique_ptr<julia::FieldEvaluator> VersorSeeds::evaluator(std::uint64_t seed
 FieldPlan planScene(const Scene& scene, const std::optional<openvdb::CoordBBox>& window) {
   FractalFieldOptions field{.voxelSize = scene.voxelSize, .box = scene.options.lattice.box, .window = window};
   if (!scene.exponent) field.box = scene.region;
-  FieldPlan plan = !scene.exponent                   ? planBox(field)
+  FieldPlan plan = !scene.exponent                    ? planBox(field)
                    : scene.options.lattice.exhaustive ? planExhaustive(*scene.exponent, field)
                                                       : planShell(*scene.exponent, field);
   if (scene.options.surface.keepCrumbs) return plan;

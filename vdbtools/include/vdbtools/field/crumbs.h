@@ -7,9 +7,9 @@
 /// islands are none: those that hold a node which the target decides by itself, such as a small part of the target, and
 /// those at the border of what is known of the target, as they may belong to something larger.
 ///
-/// Islands are here those of the whole lattice, also where a box, a window or a layer of blocks shows a part of it only:
-/// F is evaluated beyond, as far as a small piece reaches. As a crumb is small, whether a node belongs to one depends on
-/// the nodes within kCrumb of it. So crumbs are dropped in layers and tiles as they are in one run.
+/// Islands are here those of the whole lattice, also where a box, a window or a layer of blocks shows a part of it
+/// only: F is evaluated beyond, as far as a small piece reaches. As a crumb is small, whether a node belongs to one
+/// depends on the nodes within kCrumb of it. So crumbs are dropped in layers and tiles as they are in one run.
 #pragma once
 
 #include "vdbtools/base/grids.h"
