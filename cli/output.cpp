@@ -92,6 +92,19 @@ void noteLeftOut(const std::filesystem::path& file, std::span<const vdbtools::Ve
                   << (extension == ".vdb" ? "" : "; a PLY holds all") << '\n';
 }
 
+void tellCrumbs(const vdbtools::CrumbReport& dropped, double voxelSize, std::optional<double> left, bool counts) {
+  const double volume = static_cast<double>(dropped.nodes) * voxelSize * voxelSize * voxelSize;
+  if (counts) {
+    report().count("crumbs", static_cast<double>(dropped.crumbs));
+    report().count("crumbVolume", volume);
+  }
+  if (dropped.crumbs == 0) return;
+  report().text() << ", " << dropped.crumbs << (dropped.crumbs == 1 ? " crumb" : " crumbs") << " of " << dropped.nodes
+                  << (dropped.nodes == 1 ? " voxel" : " voxels");
+  if (left) report().text() << ", " << vdbtools::shortText(100 * volume / (*left + volume)) << " % of the volume,";
+  report().text() << " dropped";
+}
+
 std::optional<int> parseFrame(const std::string& text) {
   if (text.empty()) return std::nullopt;
   const std::optional<int> frame = vdbtools::wholeFromText<int>(text);

@@ -4,6 +4,7 @@
 /// end.
 #pragma once
 
+#include "vdbtools/field/crumbs.h"
 #include "vdbtools/files/output_files.h"
 #include "vdbtools/mesh/vertex_column.h"
 
@@ -59,6 +60,12 @@ std::string formatOf(const std::string& name, const char* usual);
 
 /// Says which attributes a mesh or a VDB has no room for, if there are any.
 void noteLeftOut(const std::filesystem::path& file, std::span<const vdbtools::VertexColumn> columns);
+
+/// Says how many crumbs were dropped, and counts them in the summary.
+/// @param voxelSize  of the lattice, world units
+/// @param left       the volume of what is left, if it is known
+/// @param counts     whether they are counted
+void tellCrumbs(const vdbtools::CrumbReport& dropped, double voxelSize, std::optional<double> left, bool counts = true);
 
 /// The value of an option --frame. @throw std::invalid_argument
 std::optional<int> parseFrame(const std::string& text);

@@ -140,6 +140,9 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
   if (const auto moved = scene.facts.find("julia_repair_moved"); moved != scene.facts.end())
     report().text() << ", the target was repaired and its surface moved by at most "
                     << vdbtools::shortText(vdbtools::parseNumber("moved", moved->second), vdbtools::Rounding::Up);
+  if (result.crumbs)
+    tellCrumbs(*result.crumbs, scene.voxelSize, result.solid ? std::optional(result.solid->volume) : std::nullopt,
+               !isFrame);
   if (result.islands)
     report().text() << ", " << result.islands->kept << " of " << result.islands->islands << " islands kept";
   if (result.follow) report().text() << ", " << followText(*result.follow);

@@ -57,6 +57,7 @@ int runMerge(const Arguments& arguments) {
   report().text() << " from " << manifest.tasks.size() << (manifest.tasks.size() == 1 ? " tile" : " tiles");
   if (result.mesh.triangles > 0) report().text() << ", " << result.mesh.triangles << " triangles";
   if (result.bandVoxels > 0) report().text() << ", " << result.bandVoxels << " voxels in the band";
+  if (result.crumbs) tellCrumbs(*result.crumbs, manifest.lattice.value().voxelSize, std::nullopt);
   if (result.islands)
     report().text() << ", " << result.islands->kept << " of " << result.islands->islands << " islands kept";
   report().text() << '\n';

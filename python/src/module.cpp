@@ -213,6 +213,10 @@ py::dict infoOf(const MadeFractal& fractal) {
     info["islands"] = fractal.result.solid->islands.size();
     info["volume"] = fractal.result.solid->volume;
   }
+  if (const std::optional<vdbtools::CrumbReport>& crumbs = fractal.result.crumbs) {
+    info["crumbs"] = crumbs->crumbs;
+    info["crumb_volume"] = static_cast<double>(crumbs->nodes) * scene.voxelSize * scene.voxelSize * scene.voxelSize;
+  }
   if (scene.targetVolume) info["target_volume"] = *scene.targetVolume;
   return info;
 }
@@ -305,7 +309,8 @@ PYBIND11_MODULE(_juliavdb, m) {
       .def_property_readonly("info", infoOf,
                              "A dict: recipe (the options), facts (what was found on the way), metadata (what files "
                              "hold of both), voxel_size, vertices, triangles, evaluated_nodes, and, where they are "
-                             "known, islands, volume and target_volume.")
+                             "known, islands, volume, target_volume, and of the crumbs that were dropped crumbs and "
+                             "crumb_volume.")
       .def("_write", [](MadeFractal& fractal, const std::vector<std::string>& paths, const py::object& progress) {
         doWatched(progress, fractal.made->memory, [&](Monitor& monitor) { writeFiles(fractal, paths, monitor); });
       });

@@ -3,6 +3,7 @@
 and from every way to them, and moving with their targets."""
 
 import math
+import re
 
 import pyopenvdb
 
@@ -82,6 +83,43 @@ class Closed(Laws):
         self.assertLessEqual(set(largest.points), set(whole.points))
         self.check_closed(self.fractal(*rough, "--min-size", 0.15))
         self.refused(harness.BAD_DATA, "fractal", *rough, "--min-size", 50, "-o", "none.vdb", mentions="min-size")
+
+    def test_crumbs_are_dropped_whole(self):
+        """Small pieces go, and the summary says how many; with --crumbs keep they are there, as in an earlier version's recipe."""
+        rough = ("t.obj", "--alpha", 15, "--versor", "random", "--versor-seed", 3, *LOW)
+        kept = self.fractal(*rough, "--crumbs", "keep")
+        said = self.ok("fractal", *rough, "-o", "f.vdb", "--mesh", "f.ply")
+        count, voxels, islands = map(int, re.search(
+            r"(\d+) crumbs? of (\d+) voxels?, [\d.e-]+ % of the volume, dropped[\s\S]*? in (\d+) island", said).groups())
+        self.assertGreater(count, 3)
+        self.assertGreaterEqual(voxels, count)
+        dropped = harness.read_ply(self.bytes("f.ply"))
+        self.check_closed(dropped)
+        self.assertLess(len(dropped.faces), len(kept.faces))
+        self.assertLess(set(dropped.points), set(kept.points))
+        all_of_them = self.ok("fractal", *rough, "--mesh", "k.ply", "--crumbs", "keep")
+        self.assertEqual(int(re.search(r"in (\d+) islands", all_of_them)[1]), islands + count)
+        self.assertNotIn("crumb", all_of_them)
+        # Streamed, held, and made again from the recipe.
+        self.ok("fractal", *rough, "--mesh", "s.ply")
+        self.assertEqual(self.bytes("s.ply"), self.bytes("f.ply"))
+        self.ok("mesh", "f.vdb", "-o", "again.ply")
+        self.assertEqual(self.bytes("again.ply"), self.bytes("f.ply"))
+        # A file of an earlier version: its recipe has no such option.
+        old = re.sub(rb"comment juliavdb julia_crumbs [^\n]*\n", b"", self.bytes("k.ply"))
+        self.assertLess(len(old), len(self.bytes("k.ply")))
+        self.write("old.ply", old)
+        self.ok("fractal", "--config", "old.ply", "--mesh", "as_old.ply")
+        self.assertEqual(self.bytes("as_old.ply"), self.bytes("k.ply"))
+
+    def test_a_small_target_is_no_crumb(self):
+        for resolution in (3, 6):
+            self.check_closed(self.fractal("s.obj", "--sdf-resolution", 16, "--resolution", resolution))
+        # Nothing but crumbs is no result.
+        dust = ("--map", "quadratic", "--resolution", 4)
+        self.refused(harness.BAD_DATA, "fractal", *dust, "-o", "none.vdb", mentions="--crumbs")
+        self.refused(harness.BAD_DATA, "fractal", *dust, "--mesh", "none.ply", mentions="--crumbs")
+        self.check_closed(self.fractal(*dust, "--crumbs", "keep"))
 
     def test_a_rational_map(self):
         self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))

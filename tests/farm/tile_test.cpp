@@ -69,26 +69,35 @@ class Tiles : public testing::Test {
   std::string inFolder(const std::string& name) const { return (mFolder.path() / name).string(); }
 
   /// One run's files, called one.vdb and one.EXTENSION.
-  void makeOneRun(const Recipe& recipe, const std::string& extension) {
+  FractalResult makeOneRun(const Recipe& recipe, const std::string& extension) {
     AtomicFile vdb(inFolder("one.vdb")), mesh(inFolder("one." + extension));
     const Scene scene = makeScene(parseFractalOptions(recipe), mMonitor);
-    writeFractal(scene, recipe, {.vdb = &vdb, .meshes = {{&mesh, meshFormat("a." + extension)}}}, mMonitor);
+    FractalResult result =
+        writeFractal(scene, recipe, {.vdb = &vdb, .meshes = {{&mesh, meshFormat("a." + extension)}}}, mMonitor);
     vdb.commit();
     mesh.commit();
+    return result;
   }
 
-  void expectOneRun(const Recipe& recipe, const std::vector<TilePlanOptions>& cuts,
-                    const std::string& extension = "ply") {
-    makeOneRun(recipe, extension);
+  /// @return the crumbs that one run has dropped
+  CrumbReport expectOneRun(const Recipe& recipe, const std::vector<TilePlanOptions>& cuts,
+                           const std::string& extension = "ply") {
+    const std::optional<CrumbReport> crumbs = makeOneRun(recipe, extension).crumbs;
     for (TilePlanOptions cut : cuts) {
       SCOPED_TRACE(cut.tiles ? "tiles " + std::to_string(*cut.tiles) : "nodes " + std::to_string(*cut.tileNodes));
       cut.makes = {"vdb", extension};
       const fs::path folder = made(recipe, cut);
-      mergePlan(folder, readManifest(folder), {.vdb = inFolder("all.vdb"), .mesh = inFolder("all." + extension)},
-                mMonitor);
+      const MergeResult result = mergePlan(
+          folder, readManifest(folder), {.vdb = inFolder("all.vdb"), .mesh = inFolder("all." + extension)}, mMonitor);
+      EXPECT_EQ(result.crumbs.has_value(), crumbs.has_value());
+      if (crumbs && result.crumbs) {
+        EXPECT_EQ(result.crumbs->crumbs, crumbs->crumbs);
+        EXPECT_EQ(result.crumbs->nodes, crumbs->nodes);
+      }
       EXPECT_TRUE(readWholeFile(inFolder("all.vdb")) == readWholeFile(inFolder("one.vdb")));
       EXPECT_TRUE(readWholeFile(inFolder("all." + extension)) == readWholeFile(inFolder("one." + extension)));
     }
+    return crumbs.value_or(CrumbReport());
   }
 
   TemporaryFolder mFolder;
@@ -134,6 +143,27 @@ TEST_F(Tiles, RandomCutsAreThoseOfOneRun) {
   for (int i = 0; i < 3; ++i) cuts.push_back({.tiles = 2 + static_cast<int>(random() % 63)});
   for (int i = 0; i < 3; ++i) cuts.push_back({.tileNodes = 9 + static_cast<int>(random() % 40)});
   expectOneRun(shape({{"detail", "0.3"}, {"resolution", "30"}}), cuts);
+}
+
+TEST_F(Tiles, CrumbsAcrossBordersAreThoseOfOneRun) {
+  std::mt19937 random(20261124);
+  const auto cuts = [&] {
+    return std::vector<TilePlanOptions>{{.tiles = 2 + static_cast<int>(random() % 40)},
+                                        {.tileNodes = 7 + static_cast<int>(random() % 9)},
+                                        {.tileNodes = 16 + static_cast<int>(random() % 9)}};
+  };
+  const Recipe dusty = {{"alpha", "8"}, {"versor", "random"}, {"resolution", "40"}};
+  EXPECT_GT(expectOneRun(shape(dusty), cuts()).crumbs, 20U);
+  Recipe box = dusty;
+  box["box"] = "-0.4,-0.9,-0.35,1.5,0.6,0.9";
+  EXPECT_GT(expectOneRun(shape(box), cuts()).crumbs, 10U);
+  box["grids"] = "surface,logmodulus";
+  box["largest"] = "2";
+  expectOneRun(shape(box), {{.tileNodes = 9}});
+  Recipe bulb = {{"map", "mandelbulb"}, {"resolution", "40"}};
+  EXPECT_GT(expectOneRun(completed(bulb), cuts()).crumbs, 20U);
+  bulb["crumbs"] = "keep";
+  EXPECT_EQ(expectOneRun(completed(bulb), {{.tiles = 5}}).crumbs, 0U);
 }
 
 TEST_F(Tiles, ABoxIsThatOfOneRunWithItsCapsOrWithout) {

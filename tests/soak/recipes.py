@@ -159,6 +159,7 @@ class Draw:
             "origin-near": lambda: self.vector(0.2), "origin-shift": lambda: self.vector(0.05),
             "box": self.box, "seed-stride": lambda: str(2 ** chance.randint(0, 5)),
             "tolerance": lambda: self.power_of_ten(-9, -0.35), "adaptivity": lambda: self.power_of_ten(-2, 0.6),
+            "crumbs": lambda: chance.choice(["drop", "keep"]),
             "largest": lambda: str(chance.randint(0, 4)), "min-size": length(0, 0.2), "lod": self.levels,
             "attributes": lambda: self.some(("Cd", "direction", "trap", "iterations", "depth", "tau", "mask"), 4),
             "colour": self.colour, "transfer": self.transferred,

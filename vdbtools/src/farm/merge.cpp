@@ -54,13 +54,29 @@ void requireTiles(const Manifest& manifest) {
         "the plan is not one of tiles: each of its tasks makes files of its own, and nothing is to be merged");
 }
 
+CrumbReport crumbsOf(const TaskRecord& record) {
+  const auto count = [&](const char* name) {
+    const auto found = record.counts.find(name);
+    // A side-car may say anything.
+    constexpr double kMost = 9e15;
+    return found != record.counts.end() && found->second >= 0 && found->second <= kMost
+               ? static_cast<std::uint64_t>(found->second)
+               : 0;
+  };
+  return {count(kCrumbsCount), count(kCrumbNodesCount)};
+}
+
+/// @return the crumbs that the tasks have dropped, if they were to
 /// @throw DataError  naming the tasks that are not done
-void requireDone(const fs::path& folder, const Manifest& manifest, Monitor& monitor) {
+std::optional<CrumbReport> requireDone(const fs::path& folder, const Manifest& manifest, Monitor& monitor) {
   monitor.begin("checking", manifest.tasks.size());
   std::vector<std::uint64_t> missing;
   std::string reason;  // of the first
+  CrumbReport crumbs;
   for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index) {
-    if (!finishedTask(folder, manifest, index, FileCheck::Content)) {
+    if (const std::optional<TaskRecord> record = finishedTask(folder, manifest, index, FileCheck::Content)) {
+      crumbs += crumbsOf(*record);
+    } else {
       if (missing.empty()) reason = taskStatus(folder, manifest, index, FileCheck::Content).error;
       missing.push_back(index);
     }
@@ -72,6 +88,8 @@ void requireDone(const fs::path& folder, const Manifest& manifest, Monitor& moni
                     std::to_string(manifest.tasks.size()) + (missing.size() == 1 ? " is" : " are") +
                     " not done, or not as the plan has them" + (reason.empty() ? "" : " (" + reason + ")") +
                     "; run them and merge again");
+  if (parseFractalOptions(manifest.recipe).surface.keepCrumbs) return std::nullopt;
+  return crumbs;
 }
 
 /// The attributes of a plan's points and voxels, which no tile has: they are computed when the tiles are merged.
@@ -308,6 +326,7 @@ std::vector<openvdb::GridBase::Ptr> mergeGrids(const fs::path& folder, const Man
   const auto wants = [&](const char* name) { return std::find(names.begin(), names.end(), name) != names.end(); };
   if (wants("surface") || wants("density") || wants("versor") || attributes) {
     if (islands) parts.surface = keptSurface(folder, manifest, *islands, monitor);
+    if (!parts.surface && result.crumbs) requireMoreThanCrumbs(*result.crumbs);
     if (!parts.surface) throw DataError("the fractal is empty: no tile has a part of its level set");
     finishLevelSet(*parts.surface);
     result.check = checkSurface(*parts.surface);
@@ -460,14 +479,14 @@ MergeResult mergePlan(const fs::path& folder, const Manifest& manifest, const Me
   OutputFiles files(planInputs(folder, manifest));
   sweepPlan(folder, manifest);
   AtomicFile* const vdb = options.vdb ? &files.add(*options.vdb) : nullptr;
-  requireDone(folder, manifest, monitor);
-  MergeResult result;
+  MergeResult result{.crumbs = requireDone(folder, manifest, monitor)};
   const std::optional<PlanIslands> joined = joinIslands(folder, manifest, monitor);
   const PlanIslands* const islands = joined ? &*joined : nullptr;
   if (islands) result.islands = islands->joined.report;
   const std::unique_ptr<const PlanAttributes> attributes = planAttributes(folder, manifest);
   if (options.mesh) {
     result.mesh = mergeMesh(folder, manifest, options, islands, attributes.get(), files, monitor);
+    if (result.mesh.triangles == 0 && result.crumbs) requireMoreThanCrumbs(*result.crumbs);
     if (result.mesh.triangles == 0)
       throw DataError("the fractal is empty: no tile has a triangle; plan again with less detail or smaller voxels");
   }
@@ -489,8 +508,7 @@ MergeResult writeTileFiles(const fs::path& folder, const Manifest& manifest, con
   OutputFiles files(inputs);
   AtomicFile& file = files.add(index);
   sweepPlan(folder, manifest);
-  requireDone(folder, manifest, monitor);
-  MergeResult result;
+  MergeResult result{.crumbs = requireDone(folder, manifest, monitor)};
   const std::optional<PlanIslands> islands = joinIslands(folder, manifest, monitor);
   if (islands) result.islands = islands->joined.report;
   const std::unique_ptr<const PlanAttributes> attributes = planAttributes(folder, manifest);
@@ -505,6 +523,7 @@ MergeResult writeTileFiles(const fs::path& folder, const Manifest& manifest, con
                                  result, monitor));
     monitor.throwIfCancelled();
   }
+  if (result.files.empty() && result.crumbs) requireMoreThanCrumbs(*result.crumbs);
   if (result.files.empty()) throw DataError("the fractal is empty: no tile has a surface");
   root["points"] = result.mesh.points;
   root["triangles"] = result.mesh.triangles;

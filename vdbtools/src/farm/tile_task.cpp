@@ -223,12 +223,13 @@ Tile makeTile(const Scene& scene, const CoordBBox& box, bool wantsMesh, bool wan
   };
   CoordBBox window = box;
   window.expand(kTileHalo);
-  const FieldPlan plan = planScene(scene, window);
+  FieldPlan plan = planScene(scene, window);
+  if (plan.crumbs) plan.crumbs->counted = box;
   const CoordBBox own = ownNodes(box, plan.domain);
   const FractalField field = evaluateField(
       plan, scene.source(),
       {.keepIterations = wants("iterations"), .everyNode = wants("iterations") || wants("logmodulus")}, monitor);
-  Tile tile{.evaluatedNodes = field.evaluatedNodes};
+  Tile tile{.evaluatedNodes = field.evaluatedNodes, .crumbs = field.crumbs};
   const bool dropped = dropsIslands(scene.options);
   if (dropped) tile.islands.emplace(field, scene.source(), box, monitor);
   const bool wantsSurface = wants("surface") || wants("density") || wants("versor") ||
@@ -287,6 +288,10 @@ TaskCounts makeTile(const std::filesystem::path& folder, const Manifest& manifes
   monitor.begin("writing", 0);
   TaskCounts counts;
   counts.counts["evaluatedNodes"] = static_cast<double>(tile.evaluatedNodes);
+  if (tile.crumbs) {
+    counts.counts[kCrumbsCount] = static_cast<double>(tile.crumbs->crumbs);
+    counts.counts[kCrumbNodesCount] = static_cast<double>(tile.crumbs->nodes);
+  }
   if (mesh) {
     const TileCounts of = writeTile(mesh->stream(), tile.layers, written.cappedMesh || tilesNeedDoubles(manifest));
     counts.counts["points"] = static_cast<double>(of.points);

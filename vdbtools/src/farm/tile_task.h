@@ -22,6 +22,10 @@ std::string tileMeshName(std::uint64_t index);
 std::string tileGridsName(std::uint64_t index);
 std::string tileIslandsName(std::uint64_t index);
 
+/// Of a tile's TaskCounts: CrumbReport.
+inline constexpr const char* kCrumbsCount = "crumbs";
+inline constexpr const char* kCrumbNodesCount = "crumbNodes";
+
 /// Which files the tasks of a plan write. Where islands are dropped the distances of a level set are those to what is
 /// left of the mesh. They are computed when the tiles are merged, and the tiles hold the mesh for that.
 struct TileFiles {
@@ -50,6 +54,7 @@ struct Tile {
   std::vector<openvdb::GridBase::Ptr> grids;  ///< the parts of those that are wanted and are made of parts
   std::optional<TileIslands> islands;         ///< if some are to be dropped
   std::uint64_t evaluatedNodes = 0;
+  std::optional<CrumbReport> crumbs{};  ///< of the nodes that the tile owns, if they are dropped
 };
 
 /// @param box  the nodes that the tile owns

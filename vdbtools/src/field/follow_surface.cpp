@@ -4,6 +4,7 @@
 #include "base/in_parallel.h"
 #include "field/block_evaluator.h"
 #include "field/block_layers.h"
+#include "field/crumb_filter.h"
 #include "field/leaf_signs.h"
 #include "field/undecided_blocks.h"
 
@@ -290,6 +291,7 @@ FractalField followSurface(const FieldPlan& plan, const FieldSource& source, con
   follower.follow(result, report);
   follower.probe(options.probes, report);
   fillTiles(result);
+  dropCrumbs(result, plan, source, monitor);
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include "base/lattice_transform.h"
 #include "field/block_evaluator.h"
 #include "field/block_layers.h"
+#include "field/crumb_filter.h"
 #include "field/undecided_blocks.h"
 #include "target/cell_corners.h"
 #include "vdbtools/base/memory.h"
@@ -55,8 +56,8 @@ void requireValid(const FractalFieldOptions& options) {
     throw std::invalid_argument("the box is empty or not finite; give x0,y0,z0,x1,y1,z1 with the smaller corner first");
 }
 
-/// The domain of a run: the cells of E, clipped by the box.
-CoordBBox shellDomain(const ExponentGrid& exponent, const FractalFieldOptions& options) {
+/// The nodes about the cells of E.
+CoordBBox wholeDomain(const ExponentGrid& exponent, const FractalFieldOptions& options) {
   CoordBBox cells = exponent.grid->evalActiveVoxelBoundingBox();
   if (exponent.denseBox) cells = *exponent.denseBox;
   if (cells.empty())
@@ -66,7 +67,11 @@ CoordBBox shellDomain(const ExponentGrid& exponent, const FractalFieldOptions& o
         Remedy::LargerBeta);
   const openvdb::BBoxd world =
       exponent.grid->transform().indexToWorld(openvdb::BBoxd(cells.min().asVec3d(), cells.max().asVec3d()));
-  CoordBBox domain = latticeNodes(world, options.voxelSize, exponent.denseBox ? 0 : 1);
+  return latticeNodes(world, options.voxelSize, exponent.denseBox ? 0 : 1);
+}
+
+/// The domain of a run: the whole, clipped by the box.
+CoordBBox shellDomain(CoordBBox domain, const FractalFieldOptions& options) {
   if (options.box) {
     const CoordBBox asked = latticeNodes(*options.box, options.voxelSize, 0);
     if (asked.empty())
@@ -219,14 +224,15 @@ void addShellBlocks(BlockSet& blocks, const ExponentGrid& exponent, const CoordB
 }
 
 /// A plan without blocks.
-FieldPlan emptyPlan(const CoordBBox& domain, bool bounded, const FractalFieldOptions& options) {
+FieldPlan emptyPlan(const CoordBBox& domain, const CoordBBox& whole, bool bounded, const FractalFieldOptions& options) {
   CoordBBox window = options.window.value_or(domain);
   window.intersect(domain);
-  return {domain, bounded, options.voxelSize, window, std::make_shared<BlockSet>()};
+  return {domain, bounded, options.voxelSize, window, std::make_shared<BlockSet>(), whole};
 }
 FieldPlan emptyShellPlan(const ExponentGrid& exponent, const FractalFieldOptions& options) {
   requireValid(options);
-  return emptyPlan(shellDomain(exponent, options), options.box || exponent.denseBox, options);
+  const CoordBBox whole = wholeDomain(exponent, options);
+  return emptyPlan(shellDomain(whole, options), whole, options.box || exponent.denseBox, options);
 }
 
 void addEveryBlock(FieldPlan& plan) {
@@ -271,7 +277,8 @@ FieldPlan planExhaustive(const ExponentGrid& exponent, const FractalFieldOptions
 FieldPlan planBox(const FractalFieldOptions& options) {
   requireValid(options);
   if (!options.box) throw std::invalid_argument("a field without a shell needs a box to be evaluated in");
-  FieldPlan plan = emptyPlan(latticeNodes(*options.box, options.voxelSize, 0), true, options);
+  const CoordBBox everywhere(Coord(-static_cast<int>(kMostIndex)), Coord(static_cast<int>(kMostIndex)));
+  FieldPlan plan = emptyPlan(latticeNodes(*options.box, options.voxelSize, 0), everywhere, true, options);
   if (plan.domain.empty())
     throw std::invalid_argument("the box holds no node of the lattice; make it larger, or the voxels smaller");
   addEveryBlock(plan);
@@ -341,6 +348,7 @@ FractalField evaluateField(const FieldPlan& plan, const FieldSource& source, con
     monitor.throwIfCancelled();
   }
   fillTiles(result);
+  dropCrumbs(result, plan, source, monitor);
   result.evaluatedNodes = evaluator.evaluatedNodes();
   return result;
 }

@@ -12,6 +12,7 @@ std::string optionFor(Remedy remedy) {
     case Remedy::GivePointsRadius: return "; see --points-radius";
     case Remedy::FinerDistances: return "; see --sdf-resolution";
     case Remedy::SmallerIslands: return "; see --min-size";
+    case Remedy::KeepCrumbs: return "; see --crumbs";
     case Remedy::LargerBeta: return "; see --detail, --outward and --beta";
     case Remedy::AnotherFieldBox: return "; see --box, and 'juliavdb info' for the target's";
   }

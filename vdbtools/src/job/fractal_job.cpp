@@ -37,6 +37,14 @@ std::string wayOut(const Scene& scene) {
 
 }  // namespace
 
+void requireMoreThanCrumbs(const CrumbReport& dropped) {
+  if (dropped.crumbs == 0) return;
+  throw DataError("the fractal has nothing but crumbs here: " + std::to_string(dropped.crumbs) +
+                      (dropped.crumbs == 1 ? " piece" : " pieces") + " of at most " + std::to_string(kCrumb) +
+                      " voxels along each axis; use smaller voxels, or keep them",
+                  Remedy::KeepCrumbs);
+}
+
 FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGrids, MeshSink* sink, Monitor& monitor) {
   const SurfaceOptions& surfaceOptions = scene.options.surface;
   const std::optional<FollowOptions>& follow = scene.options.lattice.follow;
@@ -44,7 +52,9 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
   const auto wants = [&](const char* name) {
     return wantGrids && std::find(names.begin(), names.end(), name) != names.end();
   };
+  FractalResult result;
   const auto requireSurface = [&](std::uint64_t triangles) {
+    if (triangles == 0 && result.crumbs) requireMoreThanCrumbs(*result.crumbs);
     if (triangles == 0)
       throw DataError("the fractal is empty here: the field changes sign nowhere in the region; try " + wayOut(scene),
                       scene.exponent ? Remedy::LargerBeta : Remedy::None);
@@ -59,7 +69,6 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
   if (sink && surfaceOptions.adaptivity > 0)
     sink = &adaptive.emplace(*sink, surfaceOptions.adaptivity * scene.voxelSize);
   const bool dropsIslands = surfaceOptions.islands.largest > 0 || surfaceOptions.islands.minSize > 0;
-  FractalResult result;
   const auto finishAdaptive = [&] {
     if (!adaptive) return;
     adaptive->finish(monitor);
@@ -72,6 +81,7 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
     result.mesh = streamMesh(plan, scene.source(), asked, meter, monitor);
     if (capMesh || !scene.options.lattice.box) result.solid = meter.measure();
     result.evaluatedNodes = result.mesh.evaluatedNodes;
+    result.crumbs = result.mesh.crumbs;
     requireSurface(result.mesh.triangles);
     finishAdaptive();
     return result;
@@ -82,6 +92,7 @@ FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGri
   FractalField field = follow ? followSurface(plan, scene.source(), evaluate, *follow, result.follow.emplace(), monitor)
                               : evaluateField(plan, scene.source(), evaluate, monitor);
   result.evaluatedNodes = field.evaluatedNodes;
+  result.crumbs = field.crumbs;
   if (dropsIslands) result.islands = dropIslands(field, surfaceOptions.islands, monitor);
   FloatGrid::Ptr surface;
   const bool wantsAttributes = wantGrids && attributes;

@@ -15,7 +15,11 @@ namespace vdbtools {
 RecordedRecipe recordedRecipe(const std::map<std::string, std::string>& metadata, const MapRegistry& maps) {
   const std::string command = commandOfMetadata(metadata);
   if (command.empty()) return {};
-  return {command, recipeFromMetadata(metadata, command == "sdf" ? sdfOptionTable() : fractalOptionTable(maps))};
+  RecordedRecipe recorded{command,
+                          recipeFromMetadata(metadata, command == "sdf" ? sdfOptionTable() : fractalOptionTable(maps))};
+  // Recipes record every option, and versions before this one kept all crumbs.
+  if (command == "fractal") recorded.recipe.try_emplace("crumbs", "keep");
+  return recorded;
 }
 
 RecordedRecipe readRecordedRecipe(const std::filesystem::path& path, const MapRegistry& maps) {

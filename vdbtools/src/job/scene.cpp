@@ -511,11 +511,17 @@ std::unique_ptr<julia::FieldEvaluator> VersorSeeds::evaluator(std::uint64_t seed
 
 FieldPlan planScene(const Scene& scene, const std::optional<openvdb::CoordBBox>& window) {
   FractalFieldOptions field{.voxelSize = scene.voxelSize, .box = scene.options.lattice.box, .window = window};
-  if (scene.exponent)
-    return scene.options.lattice.exhaustive ? planExhaustive(*scene.exponent, field)
-                                            : planShell(*scene.exponent, field);
-  field.box = scene.region;
-  return planBox(field);
+  if (!scene.exponent) field.box = scene.region;
+  FieldPlan plan = !scene.exponent                    ? planBox(field)
+                   : scene.options.lattice.exhaustive ? planExhaustive(*scene.exponent, field)
+                                                      : planShell(*scene.exponent, field);
+  if (scene.options.surface.keepCrumbs) return plan;
+  plan.crumbs.emplace();
+  if (scene.exponent) {
+    plan.crumbs->exponent = scene.exponent->grid;
+    plan.crumbs->decided = scene.exponent->shell.lower;
+  }
+  return plan;
 }
 
 std::map<std::string, std::string> sceneMetadata(const Scene& scene, const Recipe& recipe) {

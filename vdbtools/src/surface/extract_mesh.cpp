@@ -3,11 +3,13 @@
 
 #include "field/block_evaluator.h"
 #include "field/block_layers.h"
+#include "field/crumb_filter.h"
 #include "field/undecided_blocks.h"
 #include "surface/surface_extractor.h"
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -108,27 +110,38 @@ MeshCounts streamMesh(const FieldPlan& plan, const FieldSource& source, const Ex
       source,
       {.extract = options, .domain = plan.domain, .window = plan.window, .voxelSize = plan.voxelSize, .normals = true},
       sink, monitor);
-  const BlockSet blocks = undecidedBlocks(plan, source, monitor);
-  BlockLayers layers(blocks);
+  const BlockSet undecided = undecidedBlocks(plan, source, monitor);
+  BlockLayers layers(undecided);
   BlockEvaluator evaluator(source, {.voxelSize = plan.voxelSize,
                                     .domain = plan.domain,
                                     .window = plan.window,
-                                    .proofs = worthwhileProofs(blocks, plan, source)});
+                                    .proofs = worthwhileProofs(undecided, plan, source)});
+  std::optional<CrumbFilter> crumbs;
+  if (plan.crumbs) crumbs.emplace(plan, source, monitor);
+  const auto extract = [&](std::optional<CrumbFilter::Layer> layer) {
+    if (layer) extractor.add({layer->leaves.begin(), layer->leaves.end()}, std::move(layer->owner));
+  };
   // Every block is evaluated first and searched later.
   monitor.begin("surface", 2 * layers.blockCount());
   while (const auto origins = layers.next()) {
-    const auto layer = std::make_shared<std::vector<EvaluatedBlock>>(evaluator.evaluate(*origins, monitor));
+    const auto blocks = std::make_shared<std::vector<EvaluatedBlock>>(evaluator.evaluate(*origins, monitor));
     monitor.throwIfCancelled();
-    std::vector<const Leaf*> leaves;
-    leaves.reserve(layer->size());
-    for (const EvaluatedBlock& block : *layer)
-      if (block.field) leaves.push_back(block.field.get());
+    CrumbFilter::Layer layer{.owner = blocks};
+    layer.leaves.reserve(blocks->size());
+    for (const EvaluatedBlock& block : *blocks)
+      if (block.field) layer.leaves.push_back(block.field.get());
     // Blocks that are proved to have one sign need no search.
-    monitor.advance(layer->size() - leaves.size());
-    extractor.add(std::move(leaves), layer);
+    monitor.advance(blocks->size() - layer.leaves.size());
+    if (crumbs)
+      extract(crumbs->add(std::move(layer)));
+    else
+      extract(std::move(layer));
   }
+  if (crumbs) extract(crumbs->finish());
   extractor.finish();
-  return {extractor.points(), extractor.triangles(), evaluator.evaluatedNodes()};
+  MeshCounts counts{extractor.points(), extractor.triangles(), evaluator.evaluatedNodes()};
+  if (crumbs) counts.crumbs = crumbs->report();
+  return counts;
 }
 
 openvdb::Vec3s unitNormal(const Vec3d& sum) {

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/surface/surface_options.h"
 
+#include "vdbtools/field/crumbs.h"
+
 #include <limits>
+#include <string>
 
 namespace vdbtools {
 namespace {
@@ -30,6 +33,13 @@ std::vector<OptionSpec> surfaceOptionSpecs() {
        .help = "make triangles of the mesh larger where the surface is flat: neither it nor the full mesh is anywhere "
                "farther than E voxels from the other, which is proved. The mesh is held in memory",
        .idle = noMesh},
+      {.name = "crumbs",
+       .argument = "drop|keep",
+       .defaultValue = "drop",
+       .help = "what happens to pieces of at most " + std::to_string(kCrumb) +
+               " voxels along each axis that hold no part of the target of their own: there are hundreds of them, and "
+               "they have less than a hundredth of the volume",
+       .idle = noSurface},
       {.name = "largest",
        .argument = "N",
        .defaultValue = "0",
@@ -55,6 +65,7 @@ SurfaceOptions parseSurfaceOptions(const RecipeReader& reader) {
   constexpr double kMostAdaptivity = 100;  // voxels
   options.adaptivity = reader.notNegative("adaptivity");
   if (options.adaptivity > kMostAdaptivity) reader.refuse("adaptivity", "a number of voxels from 0 to 100");
+  options.keepCrumbs = reader.choice<bool>("crumbs", {{"drop", false}, {"keep", true}});
   options.islands.largest = reader.integer<std::uint64_t>("largest", 0, std::numeric_limits<std::uint64_t>::max());
   options.islands.minSize = reader.notNegative("min-size");
   options.cap = reader.flag("cap");

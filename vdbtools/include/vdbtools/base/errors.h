@@ -18,6 +18,7 @@ enum class Remedy {
   None,
   RepairMesh,        ///< RepairOptions
   SmallerIslands,    ///< IslandOptions::minSize
+  KeepCrumbs,        ///< SurfaceOptions::keepCrumbs
   LargerBeta,        ///< ExponentGridOptions::beta
   AnotherFieldBox,   ///< FractalFieldOptions::box
   SolidifySheet,     ///< MendOptions::solidify, MendOptions::thicken

@@ -5,6 +5,7 @@
 
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/farm/manifest.h"
+#include "vdbtools/field/crumbs.h"
 #include "vdbtools/field/islands.h"
 #include "vdbtools/surface/extract_mesh.h"
 #include "vdbtools/surface/level_set.h"
@@ -33,6 +34,7 @@ struct MergeResult {
   LevelSetCheck check;                       ///< of the grid "surface", if it was made
   std::uint64_t bandVoxels = 0;              ///< of the same
   std::optional<IslandReport> islands;       ///< if any were to be dropped
+  std::optional<CrumbReport> crumbs;         ///< that the tiles have dropped, if they were to
 };
 
 /// What mergePlan() checks before it looks at a task: that the plan's tasks make what these files need, that the files

@@ -11,6 +11,7 @@
 #include "vdbtools/base/fractal_space.h"
 #include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
+#include "vdbtools/field/crumbs.h"
 #include "vdbtools/target/exponent_grid.h"
 
 #include "julia/evaluator.h"
@@ -34,6 +35,9 @@ struct FieldPlan {
   /// One voxel (i, j, k) for the block whose first node is 8 (i, j, k). F does not change sign within blocks that are
   /// not in here, nor between those and their neighbours.
   openvdb::MaskTree::Ptr blocks;
+  /// The nodes at which F can be evaluated: the domain as it would be without a box.
+  openvdb::CoordBBox whole{};
+  std::optional<CrumbRule> crumbs{};  ///< if they are dropped
 };
 
 struct FractalField {
@@ -46,6 +50,7 @@ struct FractalField {
   bool bounded = false;       ///< as the plan's
   openvdb::CoordBBox window;  ///< as the plan's; nodes beyond have no value, unless they lie beyond the domain, too
   std::uint64_t evaluatedNodes = 0;
+  std::optional<CrumbReport> crumbs;  ///< that were dropped, if the plan has it so
 };
 
 /// The evaluator of F, and the space of its points.
@@ -88,7 +93,7 @@ struct EvaluateFieldOptions {
   bool everyNode = false;
 };
 
-/// The field of a plan, whole in memory.
+/// The field of a plan, whole in memory, without its crumbs where the plan drops them.
 FractalField evaluateField(const FieldPlan& plan, const FieldSource& source, const EvaluateFieldOptions& options,
                            Monitor& monitor);
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "vdbtools/base/grids.h"
+#include "vdbtools/field/crumbs.h"
 #include "vdbtools/field/follow_surface.h"
 #include "vdbtools/field/fractal_field.h"
 #include "vdbtools/field/islands.h"
@@ -30,6 +31,7 @@ struct FractalResult {
   std::uint64_t evaluatedNodes = 0;
   std::optional<FollowReport> follow;   ///< if the surface was followed
   std::optional<IslandReport> islands;  ///< if any were to be dropped
+  std::optional<CrumbReport> crumbs;    ///< if they were dropped; before the islands
   LevelSetCheck check;                  ///< of the grid "surface", if it was made
   std::optional<SolidMeasure> solid;    ///< of the mesh, unless it ends open at a box
   std::vector<MeshLevel> levels;        ///< of detail, in a GLB that was written
@@ -38,8 +40,11 @@ struct FractalResult {
 /// The grids and the mesh of a scene. The field is held in memory for the grids, to find islands, and what is visited
 /// of it to follow the surface; for a mesh alone it is not.
 /// @param sink  takes the mesh, with normals and the columns that meshColumns() names; none: no mesh is wanted
-/// @throw DataError if there is no surface
+/// @throw DataError if there is no surface, or none but that of crumbs
 FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGrids, MeshSink* sink, Monitor& monitor);
+
+/// Of a fractal without a surface. @throw DataError  it would have one if its crumbs had not been dropped
+void requireMoreThanCrumbs(const CrumbReport& dropped);
 
 /// For a mesh that is to be held in memory whole. What is surely inside the set bounds its surface from below.
 /// @throw MemoryError  the mesh will not fit

@@ -55,7 +55,8 @@ struct PlacedMesh {
 
 struct MeshCounts {
   std::uint64_t points = 0, triangles = 0;
-  std::uint64_t evaluatedNodes = 0;  ///< of the lattice; 0 if the field was evaluated before
+  std::uint64_t evaluatedNodes = 0;     ///< of the lattice; 0 if the field was evaluated before
+  std::optional<CrumbReport> crumbs{};  ///< that were dropped meanwhile, if the plan has it so
 };
 
 /// The whole mesh, without normals.
@@ -80,7 +81,8 @@ PlacedMesh extractPlacedMesh(const FractalField& field, const FieldSource& sourc
 MeshCounts extractMesh(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
                        MeshSink& sink, Monitor& monitor);
 
-/// The same mesh, made while F is evaluated. F is never held whole: memory holds a few layers of blocks in x.
+/// The same mesh, made while F is evaluated. F is never held whole: memory holds a few layers of blocks in x. Crumbs
+/// are dropped on the way, where the plan drops them.
 MeshCounts streamMesh(const FieldPlan& plan, const FieldSource& source, const ExtractMeshOptions& options,
                       MeshSink& sink, Monitor& monitor);
 

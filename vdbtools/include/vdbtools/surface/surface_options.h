@@ -12,6 +12,7 @@ namespace vdbtools {
 
 struct SurfaceOptions {
   double tolerance = 1e-3;  ///< how near a vertex lies to the true surface, voxels
+  bool keepCrumbs = false;  ///< as they are otherwise dropped (vdbtools/field/crumbs.h)
   IslandOptions islands;
   /// Voxels: triangles of the mesh are as large as this distance from the whole mesh allows (adaptive_mesh.h). 0: they
   /// all stay.
