@@ -486,7 +486,7 @@ class Versors(ModuleTest):
         made = juliavdb.fractal(self.torus, versor=self.swirl, **SMALL)
         made.write(self.path("own.vdb"))
         self.assertEqual(made.info["recipe"]["versor"], "function")
-        self.refused(harness.USAGE, "fractal", "--config", "own.vdb", "-o", "x.vdb", mentions="Python")
+        self.refused(harness.BAD_DATA, "fractal", "--config", "own.vdb", "-o", "x.vdb", mentions="Python")
         with self.assertRaisesRegex(ValueError, "function of a Python program"):
             juliavdb.fractal(self.torus, versor="function", **SMALL)
 
@@ -495,7 +495,7 @@ class Versors(ModuleTest):
         self.write("cube.obj", harness.obj(harness.cube()))
         turn = {axis: np.roll(np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]]), (axis, axis), (0, 1)) for axis in range(3)}
         mirror = [np.diag([-1 if i == axis else 1 for i in range(3)]) for axis in range(3)]
-        points = np.random.default_rng(2).uniform(-0.7, 0.7, (20000, 3))
+        points = np.random.default_rng(2).uniform(-1.2, 1.2, (20000, 3))
         for symmetry, images in (("mirror:x", [mirror[0]]), ("mirror:xz", [mirror[0], mirror[2]]), ("2:y", [turn[1] @ turn[1]]),
                                  ("4:z", [turn[2]]), ("4:x:mirror", [turn[0], mirror[1], mirror[2]])):
             for versor in ("woven", "coral", "rings", "expr:sin(9*x),y+0.1,cos(8*z)"):
