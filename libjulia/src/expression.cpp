@@ -39,6 +39,19 @@ std::vector<std::string> namesInExpression(const std::string& text) {
   }
 }
 
+std::vector<std::string> componentsOfExpression(const std::string& text) {
+  std::vector<std::string> parts{{}};
+  int depth = 0;
+  for (const char c : text) {
+    depth += c == '(' ? 1 : c == ')' ? -1 : 0;
+    if (c == ',' && depth <= 0)
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  }
+  return parts;
+}
+
 struct Expression::State {
   std::vector<double> values;
   mu::Parser parser;

@@ -4,6 +4,7 @@
 #include "ball_arithmetic.h"
 
 #include "julia/elementary.h"
+#include "julia/rational_versor.h"
 
 #include <algorithm>
 #include <array>
@@ -12,30 +13,6 @@
 #include <vector>
 
 namespace julia {
-
-namespace {
-
-/// The versor of a rational.
-template <class Real>
-class RationalVersor final : public VersorField<Real> {
- public:
-  explicit RationalVersor(const Rational& rational) : mRational(rational) {}
-
-  void versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const override { mRational.versor(q, u); }
-  void cones(std::span<const Ball> balls, std::span<Cone> cones) const override { mRational.cones(balls, cones); }
-  void logLeastParts(const QuaternionBatch<Real>& centres, Real radius, unsigned dropped,
-                     std::span<Real> l) const override {
-    mRational.logLeastParts(centres, radius, dropped, l);
-  }
-  /// Roots are about one unit away.
-  double turning() const override { return mRational.powers(); }
-  std::any describe() const override { return mRational.rational(); }
-
- private:
-  RationalEvaluator<Real> mRational;
-};
-
-}  // namespace
 
 template <class Real>
 ShapeModulus<Real>::ShapeModulus(std::shared_ptr<const ScalarField<Real>> exponent,

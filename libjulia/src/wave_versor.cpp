@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "julia/wave_versor.h"
 
-#include "ball_arithmetic.h"
 #include "batch_view.h"
+#include "cone_arithmetic.h"
 #include "number_text.h"
 
 #include "julia/elementary.h"
@@ -135,12 +135,6 @@ Quaternion<double> sumOfWaves(const WaveFactor& factor, const Quaternion<double>
     sum = sum + wave.cosine * cosine + wave.sine * sine;
   }
   return sum;
-}
-
-/// asin x, or more; infinity from 1 on.
-double arcSine(double x) {
-  if (!(x < 1)) return std::numeric_limits<double>::infinity();
-  return elementary::asin(x) * (1 + kSlack);
 }
 
 double blendAt(double octave, double k) {

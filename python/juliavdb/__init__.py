@@ -10,6 +10,10 @@ The target is a file, or two arrays: vertices of the shape (n, 3) and triangles 
 vertices. With points_radius, vertices alone are points of a surface. The options are those of 'juliavdb fractal', with underscores in their names; numbers, strings, tuples for
 lists, and True for flags. The same options give the same result as the command, to the bit.
 
+versor=FUNCTION takes any function of the place for the texture: it is called with points, an array (n, 3) of float64 in
+the target's coordinates, and returns their directions, an array (n, 3) of vectors or (n, 4) of quaternions, of any
+length. It is called in many threads, one at a time, with batches of points in any order.
+
 While a call works, other threads run. progress=FUNCTION is called in the calling thread with the name of a phase and
 the share of it that is done, from 0 to 1, or None where that is not known; where it returns False, the work is
 cancelled as by Ctrl-C, which is a KeyboardInterrupt. memory="16G" says how much memory the process may take for that
@@ -48,7 +52,8 @@ def _target(vertices, faces, options):
 
 
 def _scene(vertices, faces, progress, memory, options):
-    return _juliavdb.Scene(*_target(vertices, faces, options), memory, progress)
+    options, function = _options.with_function(options)
+    return _juliavdb.Scene(*_target(vertices, faces, options), memory, progress, function)
 
 
 @_options.documented(_options.FRACTAL)

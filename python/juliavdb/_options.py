@@ -33,6 +33,14 @@ def _text(name, value):
     raise TypeError(f"{name} is {value!r}; it must be a number, a string, a path, a list of these, or True for a flag")
 
 
+def with_function(options):
+    """The options with the word "function" for a versor that is one, and that function, or None."""
+    functions = {name: options[name] for name in ("versor", "versor_over") if callable(options.get(name))}
+    if len(functions) > 1:
+        raise ValueError("versor and versor_over are both functions; mix them in one function, and give that as versor")
+    return {**options, **dict.fromkeys(functions, "function")}, next(iter(functions.values()), None)
+
+
 def recipe(options):
     """The given options by their names on the command line. None and False are as good as not given."""
     return {name.replace("_", "-"): _text(name, value) for name, value in options.items()

@@ -22,12 +22,13 @@ using vdbtools::Monitor;
 using vdbtools::Recipe;
 
 std::shared_ptr<MadeScene> makeNamedScene(const Recipe& given, std::shared_ptr<const vdbtools::Mesh> mesh,
-                                          Monitor& monitor) {
+                                          const vdbtools::VersorFunction& function, Monitor& monitor) {
+  const vdbtools::MapRegistry maps = vdbtools::builtInMaps(function);
   auto made = std::make_shared<MadeScene>();
   made->recipe = given;
   if (mesh) made->recipe["input"] = kMemory;
-  made->recipe = vdbtools::completeRecipe(std::move(made->recipe), vdbtools::fractalOptionTable());
-  vdbtools::FractalOptions options = vdbtools::parseFractalOptions(made->recipe);
+  made->recipe = vdbtools::completeRecipe(std::move(made->recipe), vdbtools::fractalOptionTable(maps));
+  vdbtools::FractalOptions options = vdbtools::parseFractalOptions(made->recipe, maps);
   if (mesh) options.target.value().mesh = std::move(mesh);
   made->inputs = vdbtools::inputsOf(options);
   made->scene = vdbtools::makeScene(options, monitor);

@@ -7,6 +7,7 @@
 #include "vdbtools/files/input_files.h"
 #include "vdbtools/fit/fit_job.h"
 #include "vdbtools/job/fractal_job.h"
+#include "vdbtools/maps/map_registry.h"
 #include "vdbtools/mesh/mesh.h"
 #include "vdbtools/picture/image.h"
 #include "vdbtools/recipe/recipe.h"
@@ -30,11 +31,12 @@ struct MadeScene {
   std::optional<double> memory;  ///< bytes that the process may take for it
 };
 
-/// @param mesh  the target, if it is in memory; the recipe must then have no input
+/// @param mesh      the target, if it is in memory; the recipe must then have no input
+/// @param function  the versor that the recipe calls "function", if it does
 /// @throw std::invalid_argument  the options do not fit
 /// @throw as vdbtools::makeScene()
 std::shared_ptr<MadeScene> makeNamedScene(const vdbtools::Recipe& given, std::shared_ptr<const vdbtools::Mesh> mesh,
-                                          vdbtools::Monitor& monitor);
+                                          const vdbtools::VersorFunction& function, vdbtools::Monitor& monitor);
 
 /// F at points, world units, by as many threads as there are.
 /// @throw std::invalid_argument  a coordinate is not finite

@@ -7,6 +7,7 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/memory.h"
+#include "vdbtools/base/number_text.h"
 #include "vdbtools/job/failure_text.h"
 #include "vdbtools/job/fractal_options.h"
 #include "vdbtools/job/scene_picture.h"
@@ -16,6 +17,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
@@ -109,13 +111,62 @@ std::optional<double> memoryOf(const std::optional<std::string>& text) {
   return bytes;
 }
 
+/// "(1, 0.5, nan)"
+std::string tupleText(const double* numbers, std::size_t count) {
+  std::string text;
+  for (std::size_t i = 0; i < count; ++i) text += (i == 0 ? "(" : ", ") + vdbtools::shortText(numbers[i]);
+  return text + ")";
+}
+
+/// Calls a function of Python with the points of a batch, in whichever thread asks: for as long it takes the
+/// interpreter's lock. What the function raises goes its way as an exception of C++ and is raised in the calling
+/// thread.
+std::vector<double> directionsFrom(const py::object& function, std::span<const Vec3d> points) {
+  const py::gil_scoped_acquire lock;
+  const auto count = static_cast<py::ssize_t>(points.size());
+  py::array_t<double> at({count, py::ssize_t{3}});
+  std::copy_n(points.data()->asPointer(), 3 * points.size(), at.mutable_data());
+  const py::array given = arrayOf(function(at), "what the function of versor returns");
+  if (given.ndim() != 2 || given.shape(0) != count || (given.shape(1) != 3 && given.shape(1) != 4))
+    throw std::invalid_argument("the function of versor was given " + std::to_string(count) +
+                                " points and returned an array of the shape " + shapeText(given) +
+                                "; it must be (n, 3) or (n, 4), one row a point");
+  if (const char kind = given.dtype().kind(); kind != 'f' && kind != 'i' && kind != 'u')
+    throw std::invalid_argument("the function of versor must return real numbers");
+  const py::array_t<double, py::array::c_style | py::array::forcecast> directions(given);
+  const double* const first = directions.data();
+  std::vector<double> values(first, first + directions.size());
+  const auto broken = std::find_if(values.begin(), values.end(), [](double x) { return !std::isfinite(x); });
+  if (broken != values.end()) {
+    const auto components = static_cast<std::size_t>(directions.shape(1));
+    const std::size_t row = static_cast<std::size_t>(broken - values.begin()) / components;
+    throw std::invalid_argument("the function of versor returned " + tupleText(&values[row * components], components) +
+                                " at the point " + tupleText(points[row].asPointer(), 3) +
+                                "; directions must be finite");
+  }
+  return values;
+}
+
+/// @param function  None, or what the recipe calls "function"
+vdbtools::VersorFunction versorOf(const py::object& function) {
+  if (function.is_none()) return {};
+  // The last evaluator that has it may end in any thread.
+  const std::shared_ptr<py::object> held(new py::object(function), [](py::object* object) {
+    const py::gil_scoped_acquire lock;
+    delete object;
+  });
+  return [held](std::span<const Vec3d> points) { return directionsFrom(*held, points); };
+}
+
 std::shared_ptr<MadeScene> openScene(const Recipe& recipe, const py::object& vertices, const py::object& faces,
-                                     const std::optional<std::string>& memoryText, const py::object& progress) {
+                                     const std::optional<std::string>& memoryText, const py::object& progress,
+                                     const py::object& function) {
   const std::optional<double> memory = memoryOf(memoryText);
+  const vdbtools::VersorFunction versor = versorOf(function);
   std::shared_ptr<const vdbtools::Mesh> mesh = targetOf(vertices, faces);
   std::shared_ptr<MadeScene> made;
   doWatched(progress, memory,
-            [&](Monitor& monitor) { made = makeNamedScene(recipe, std::exchange(mesh, {}), monitor); });
+            [&](Monitor& monitor) { made = makeNamedScene(recipe, std::exchange(mesh, {}), versor, monitor); });
   made->memory = memory;
   return made;
 }
@@ -222,7 +273,11 @@ py::dict infoOf(const MadeFractal& fractal) {
 }
 
 py::tuple boundsOf(const MadeScene& made) {
-  const openvdb::BBoxd box = vdbtools::pictureRegion(made.scene);
+  openvdb::BBoxd box;
+  {
+    const py::gil_scoped_release release;  // a versor may be a function of Python
+    box = vdbtools::pictureRegion(made.scene);
+  }
   const auto corner = [](const Vec3d& at) { return py::make_tuple(at[0], at[1], at[2]); };
   return py::make_tuple(corner(box.min()), corner(box.max()));
 }
@@ -279,9 +334,10 @@ PYBIND11_MODULE(_juliavdb, m) {
   m.attr("version") = JULIAVDB_VERSION;
 
   py::class_<MadeScene, std::shared_ptr<MadeScene>>(m, "Scene")
-      .def(py::init([](const Recipe& recipe, const py::object& vertices, const py::object& faces,
-                       const std::optional<std::string>& memory,
-                       const py::object& progress) { return openScene(recipe, vertices, faces, memory, progress); }))
+      .def(py::init(
+          [](const Recipe& recipe, const py::object& vertices, const py::object& faces,
+             const std::optional<std::string>& memory, const py::object& progress,
+             const py::object& function) { return openScene(recipe, vertices, faces, memory, progress, function); }))
       .def("evaluate", evaluate)
       .def("render", render)
       .def("fractal",

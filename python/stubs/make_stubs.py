@@ -19,12 +19,14 @@ from numpy.typing import ArrayLike, NDArray
 
 Value = Union[str, float, os.PathLike[str], Sequence[Union[str, float]]]
 Target = Union[str, os.PathLike[str], ArrayLike]
+Directions = Callable[[NDArray[np.float64]], ArrayLike]
 Progress = Callable[[str, Optional[float]], Any]
 __version__: str
 '''
 
 OWN = {"vertices": "Optional[Target]", "faces": "Optional[ArrayLike]", "progress": "Optional[Progress]",
-       "memory": "Optional[str]",
+       "memory": "Optional[str]", "versor": "Optional[Union[Value, Directions]]",
+       "versor_over": "Optional[Union[Value, Directions]]",
        "points": "ArrayLike", "paths": "Union[str, os.PathLike[str]]", "path": "Union[str, os.PathLike[str]]"}
 
 

@@ -23,7 +23,9 @@ OUT = "{output}"  # in the place of the output's name
 RECIPE = {
     "--rational": ("r.json", ("--map", "rational", "--rational", "r.json")),
     "--versor": ("v.json", ("--versor", "v.json")),
+    "--versor-over": ("r.json", ("--versor-over", "r.json")),
     "--config": ("list.txt", ("--config", "list.txt")),
+    "--versor-mix": ("p.png", ("--versor-over", "rings", "--versor-mix", "texture:p.png:0:1")),
     "--mask": ("p.png", ("--mask", "texture:p.png:0:1")),
     "--detail": ("c.obj", ("--detail", "near:c.obj:0.2:0.1:0.6")),
     "--outward": ("c.ply", ("--outward", "paint:red@c.ply:0:1")),

@@ -394,6 +394,124 @@ class FieldTest(ModuleTest):
         self.assertGreater(outside, 0.9)
 
 
+class Versors(ModuleTest):
+    """Versors that are functions of Python."""
+
+    OPTIONS = {"space": "world", "alpha": 10, "precision": "double", **SMALL}
+
+    @staticmethod
+    def swirl(points):
+        x, y, z = points.T
+        return np.column_stack([0.3 + y, z - 0.1, x + 0.2])
+
+    def test_a_function_is_the_formula_of_the_same(self):
+        asked = []
+
+        def function(points):
+            asked.append((points.shape[1:], points.dtype))
+            return self.swirl(points)
+
+        for options in ({}, {"versor_over": "rings"}, {"versor_symmetry": "mirror:x"}):
+            with self.subTest(options=options):
+                own = juliavdb.fractal(self.torus, versor=function, **options, **self.OPTIONS)
+                formula = juliavdb.fractal(self.torus, versor="expr:0.3+y, z-0.1, x+0.2", **options, **self.OPTIONS)
+                self.assertTrue(np.array_equal(own.vertices, formula.vertices))
+        self.assertEqual(set(asked), {((3,), np.dtype("float64"))})
+        four = juliavdb.fractal(self.torus, versor=lambda p: np.column_stack([self.swirl(p), p[:, 0]]), **self.OPTIONS)
+        formula = juliavdb.fractal(self.torus, versor="expr:0.3+y, z-0.1, x+0.2, x", **self.OPTIONS)
+        self.assertTrue(np.array_equal(four.vertices, formula.vertices))
+        over = juliavdb.fractal(self.torus, versor="rings", versor_over=self.swirl, versor_mix=1, **self.OPTIONS)
+        under = juliavdb.fractal(self.torus, versor=self.swirl, **self.OPTIONS)
+        self.assertTrue(np.array_equal(over.vertices, under.vertices))
+
+    def test_points_are_those_of_the_target(self):
+        low, high = np.full(3, np.inf), np.full(3, -np.inf)
+        large = 1000 * np.array(self.mesh[0]) + (5000, 0, 0)
+
+        def function(points):
+            nonlocal low, high
+            near = points[np.abs(points - (5000, 0, 0)).max(axis=1) < 1500]
+            if len(near):
+                low, high = np.minimum(low, near.min(axis=0)), np.maximum(high, near.max(axis=0))
+            return self.swirl(points)
+
+        made = juliavdb.fractal(large, np.array(self.mesh[1]), versor=function, **SMALL)
+        self.assertTrue((low < made.vertices.min(axis=0) + 100).all() and (high > made.vertices.max(axis=0) - 100).all())
+
+    def test_fields_and_pictures_ask_it_too(self):
+        field = juliavdb.Field(self.torus, versor=self.swirl, **self.OPTIONS)
+        same = juliavdb.Field(self.torus, versor="expr:0.3+y, z-0.1, x+0.2", **self.OPTIONS)
+        points = np.random.default_rng(1).uniform(*field.bounds, (2000, 3))
+        self.assertTrue(np.array_equal(field(points), same(points)))
+        alone = np.array([field(point[None])[0] for point in points[:20]])
+        self.assertTrue(np.array_equal(alone, field(points)[:20]))
+        self.assertTrue(np.array_equal(field.render(size=(40, 40), samples=1), same.render(size=(40, 40), samples=1)))
+
+    def test_what_a_function_raises_the_call_raises(self):
+        class Mine(Exception):
+            pass
+
+        def raising(points):
+            raise Mine("of my own")
+
+        for _ in range(3):
+            with self.assertRaisesRegex(Mine, "of my own"):
+                juliavdb.fractal(self.torus, versor=raising, **SMALL)
+        field = juliavdb.Field(self.torus, versor=self.swirl, **SMALL)
+        del field
+        gc.collect()
+        with self.assertRaises(KeyboardInterrupt):
+            juliavdb.fractal(self.torus, versor=self.swirl, progress=lambda phase, share: False, **SMALL)
+
+    def test_what_is_no_direction(self):
+        nan = float("nan")
+        for name, function, words in (("shape", lambda p: p[:, :2], ("(n, 3) or (n, 4)",)),
+                                      ("rows", lambda p: p[1:], ("(n, 3) or (n, 4)",)),
+                                      ("flat", lambda p: p.ravel(), ("(n, 3) or (n, 4)",)),
+                                      ("text", lambda p: "x", ("real numbers", "shape")),
+                                      ("none", lambda p: None, ("real numbers", "shape")),
+                                      ("complex", lambda p: p * 1j, ("real numbers",)),
+                                      ("nan", lambda p: p * (1, nan, 1), ("nan", "at the point (")),
+                                      ("infinite", lambda p: p / 0.0, ("inf", "nan"))):
+            with self.subTest(name=name), np.errstate(all="ignore"):
+                with self.assertRaises(ValueError) as raised:
+                    juliavdb.fractal(self.torus, versor=function, **SMALL)
+                self.assertTrue(any(word in str(raised.exception) for word in words), raised.exception)
+        with self.assertRaisesRegex(ValueError, "both functions"):
+            juliavdb.fractal(self.torus, versor=self.swirl, versor_over=self.swirl, **SMALL)
+        # Of length 0 is the versor 1.
+        zero = juliavdb.fractal(self.torus, versor=lambda p: 0 * p, **SMALL)
+        one = juliavdb.fractal(self.torus, versor="expr:1,0,0,0", **SMALL)
+        self.assertTrue(np.array_equal(zero.vertices, one.vertices))
+
+    def test_a_recipe_cannot_hold_a_function(self):
+        made = juliavdb.fractal(self.torus, versor=self.swirl, **SMALL)
+        made.write(self.path("own.vdb"))
+        self.assertEqual(made.info["recipe"]["versor"], "function")
+        self.refused(harness.BAD_DATA, "fractal", "--config", "own.vdb", "-o", "x.vdb", mentions="Python")
+        with self.assertRaisesRegex(ValueError, "function of a Python program"):
+            juliavdb.fractal(self.torus, versor="function", **SMALL)
+
+    def test_symmetry_leaves_the_set_as_it_is(self):
+        """Over a cube about 0, whose distances have the symmetry too."""
+        self.write("cube.obj", harness.obj(harness.cube()))
+        turn = {axis: np.roll(np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]]), (axis, axis), (0, 1)) for axis in range(3)}
+        mirror = [np.diag([-1 if i == axis else 1 for i in range(3)]) for axis in range(3)]
+        points = np.random.default_rng(2).uniform(-1.2, 1.2, (20000, 3))
+        for symmetry, images in (("mirror:x", [mirror[0]]), ("mirror:xz", [mirror[0], mirror[2]]), ("2:y", [turn[1] @ turn[1]]),
+                                 ("4:z", [turn[2]]), ("4:x:mirror", [turn[0], mirror[1], mirror[2]])):
+            for versor in ("woven", "coral", "rings", "expr:sin(9*x),y+0.1,cos(8*z)"):
+                with self.subTest(symmetry=symmetry, versor=versor):
+                    options = {"precision": "double", "detail": 0.5, **SMALL}
+                    field = juliavdb.Field(str(self.path("cube.obj")), versor=versor, versor_symmetry=symmetry, **options)
+                    plain = juliavdb.Field(str(self.path("cube.obj")), versor=versor, **options)
+                    for image in images:
+                        same = (field.inside(points) == field.inside(points @ image.T)).mean()
+                        self.assertGreater(same, 0.999)
+                        if versor == "coral":
+                            self.assertLess((plain.inside(points) == plain.inside(points @ image.T)).mean(), 0.99)
+
+
 class Words(ModuleTest):
 
     def test_stubs_and_docstrings_name_every_option(self):

@@ -44,6 +44,17 @@ struct Embedding {
     return {q.a, q.b, q.c};
   }
 
+  /// @a q with these components that are not dropped.
+  template <class T>
+  constexpr Quaternion<T> put(const Quaternion<T>& q, const std::array<T, 3>& x) const {
+    switch (dropped) {
+      case DropAxis::I: return {x[0], q.b, x[1], x[2]};
+      case DropAxis::J: return {x[0], x[1], q.c, x[2]};
+      case DropAxis::K: break;
+    }
+    return {x[0], x[1], x[2], q.d};
+  }
+
   /// The component of q that is dropped.
   template <class T>
   constexpr T slicePart(const Quaternion<T>& q) const {

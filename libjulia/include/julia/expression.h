@@ -15,6 +15,9 @@ namespace julia {
 /// @throw std::invalid_argument  it is no formula for one value; says at which character, and why
 std::vector<std::string> namesInExpression(const std::string& text);
 
+/// A formula with several components, cut at the commas that are not within brackets.
+std::vector<std::string> componentsOfExpression(const std::string& text);
+
 /// For one thread at a time.
 class Expression {
  public:

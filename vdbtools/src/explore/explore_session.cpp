@@ -191,7 +191,7 @@ ExploreSession::ExploreSession(const ExploreOptions& options, Monitor& monitor)
       mAccess(parseFractalOptions(options.given)),
       mJobs(mFolder, inputsOf(options), options.makeShare) {
   const Recipe completed = completeRecipe(mGiven, mTable);
-  mScenes.get(completed, parseFractalOptions(completed), SceneStore::Turn::Waits, monitor);
+  requireShown(mScenes.get(completed, parseFractalOptions(completed), SceneStore::Turn::Waits, monitor)->scene());
   makeFolder(mFolder);
 }
 

@@ -163,6 +163,10 @@ json occupancy(const Scene& scene, const openvdb::BBoxd& region, Monitor& monito
           {"bits", base64(bits)}};
 }
 
+constexpr const char* kNotShown =
+    "the page has no live picture of this versor: it shows one texture or roots, without a layer and a symmetry; "
+    "'juliavdb render --field' makes pictures of any";
+
 /// Adds the entries of the map, and the exponent's to @a volume.
 void describeMap(const julia::MapDescription& map, const SceneDataOptions& options, SceneData& data) {
   json& scene = data.description;
@@ -175,7 +179,7 @@ void describeMap(const julia::MapDescription& map, const SceneDataOptions& optio
     else if (const auto* wave = std::any_cast<julia::WaveVersorDescription>(&shape->versor); wave && wave->octave)
       scene["waves"] = waves(*wave);
     else
-      throw std::invalid_argument("the map's versor has no description");
+      throw std::invalid_argument(kNotShown);
     scene["exponent"] = volume.description();
     data.volume = volume.bytes();
   } else if (const auto* rational = std::any_cast<julia::Rational>(&map)) {
@@ -219,6 +223,12 @@ std::string base64(std::string_view bytes) {
       text.push_back(i + k <= bytes.size() ? kAlphabet[triple >> (18 - 6 * k) & 63] : '=');
   }
   return text;
+}
+
+void requireShown(const Scene& scene) {
+  const julia::MapDescription map = scene.evaluator->describe().map;
+  const auto* const shape = std::any_cast<julia::ShapeModulusDescription>(&map);
+  if (shape && !shape->versor.has_value()) throw std::invalid_argument(kNotShown);
 }
 
 SceneData sceneData(const Scene& scene, const SceneDataOptions& options, Monitor& monitor) {

@@ -33,4 +33,7 @@ SceneData sceneData(const Scene& scene, const SceneDataOptions& options, Monitor
 /// In the alphabet of RFC 4648, with padding.
 std::string base64(std::string_view bytes);
 
+/// @throw std::invalid_argument  the page has no shader for the scene's versor: a formula, a field or layers, say
+void requireShown(const Scene& scene);
+
 }  // namespace vdbtools

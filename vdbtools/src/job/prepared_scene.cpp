@@ -141,6 +141,8 @@ void requireSound(const Scene& scene) {
   require(isPlaced(scene.space) && isPlaced(scene.placed.space) && isPlaced(scene.placed.unmoved), "space");
   if (scene.target)
     require(isBox(scene.target->box) && (!scene.target->denseBox || !scene.target->denseBox->empty()), "target");
+  for (const auto& [name, control] : scene.controls)
+    require(isPlaced(control.space) && !control.grid->evalActiveVoxelBoundingBox().empty(), "controls");
   if (!scene.exponent) {
     require(isBox(scene.region), "region");
     return;
@@ -176,6 +178,12 @@ std::string encodePreparedScene(const Scene& scene) {
     grids.push_back(named(scene.exponent->grid, "exponent"));
   }
   if (scene.octave) grids.push_back(named(scene.octave->grid, "octave"));
+  json controls = json::object();
+  for (const auto& [name, control] : scene.controls) {
+    controls[name] = space(control.space);
+    grids.push_back(named(control.grid, ("control-" + name).c_str()));
+  }
+  if (!controls.empty()) entry["controls"] = std::move(controls);
   if (scene.thickness) {
     const FloatGrid::Ptr thickness = scene.thickness->deepCopy();
     thickness->setName("thickness");
@@ -211,6 +219,10 @@ Scene readPreparedScene(const FractalOptions& options, const std::filesystem::pa
     if (entry.contains("exponent")) scene.exponent = exponentOf(entry["exponent"], gridOf(file, "exponent", path));
     // It lies where the map reads the exponent.
     if (options.map->frequency()) scene.octave = OctaveGrid{gridOf(file, "octave", path), scene.placed.space};
+    for (const MapControl& control : options.map->controls()) {
+      const FractalSpace where = spaceOf(entry.at("controls").at(control.name));
+      scene.controls[control.name] = {gridOf(file, ("control-" + control.name).c_str(), path), where};
+    }
     if (options.target && !scene.target) throw DataError("there is no target");
     if (options.map->shell() && !scene.exponent) throw DataError("there is no exponent");
     requireSound(scene);
@@ -225,7 +237,8 @@ Scene readPreparedScene(const FractalOptions& options, const std::filesystem::pa
                                      .space = scene.placed.space,
                                      .unmovedSpace = scene.placed.unmoved,
                                      .exponent = scene.exponent ? &*scene.exponent : nullptr,
-                                     .octave = scene.octave ? &*scene.octave : nullptr});
+                                     .octave = scene.octave ? &*scene.octave : nullptr,
+                                     .controls = &scene.controls});
   scene.evaluator = scene.map->evaluator(scene.arithmetic, scene.orbit);
   return scene;
 }

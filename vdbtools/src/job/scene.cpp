@@ -246,11 +246,40 @@ OctaveGrid octaveOf(const ControlSetting& frequency, SharedTarget& shared, const
   return octaveGrid(thickness, control, target.placed.space);
 }
 
+/// What the map reads over the target, besides the exponent and the octave.
+/// @param voxel  of the result, world units
+ControlGrids controlsOf(const MapSettings& map, SharedTarget& shared, const PlacedTarget& target, double voxel,
+                        Monitor& monitor) {
+  ControlGrids grids;
+  constexpr double kRounding = 1e-5;  // as of the shell's shares
+  const std::pair share(-kRounding, 1 + kRounding);
+  const std::pair any(-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity());
+  for (const MapControl& control : map.controls()) {
+    const std::string option = "--" + control.option;
+    if (control.kind == MapControl::Kind::Frequency) {
+      const OctaveGrid octave = octaveOf(control.control, shared, target, voxel, monitor);
+      grids[control.name] = {octave.grid, octave.space};
+      continue;
+    }
+    const ControlContext context = controlContext(control.control->needsTarget(), shared, target.placed, monitor);
+    const bool isShare = control.kind == MapControl::Kind::Share;
+    try {
+      grids[control.name] = controlGrid(bound(*control.control, context, "the control", isShare ? share : any), context,
+                                        target.placed.space);
+    } catch (const DataError& error) {
+      if (std::string(error.what()).find(option) != std::string::npos) throw;
+      throw DataError(option + " '" + control.control->text() + "': " + error.what(), error.remedy());
+    }
+  }
+  return grids;
+}
+
 PlacedTarget placeShell(const ExponentSources& sources, SharedTarget& shared, Monitor& monitor) {
   if (shared.placed && shared.placed->sources == sources) return shared.placed->target;
   const TargetInput& input = shared.input();
   const bool needsBall = needsInscribedBall(sources.space);
-  PlacedTarget result{.isSurveyed = needsBall || sources.shell.detail || readsTarget(sources.shell)};
+  PlacedTarget result;
+  result.isSurveyed = needsBall || sources.shell.detail || readsTarget(sources.shell);
   const FloatGrid* phi = needsBall ? shared.survey(monitor).phi().get() : nullptr;
   result.placed = placeSpace(sources.space, input.box(), phi);
   result.exponentOf = bindControls(sources, shared, result.placed, monitor);
@@ -446,6 +475,8 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
     const ControlSetting* const frequency = options.map->frequency();
     if (frequency)
       scene.octave = octaveOf(*frequency, shared, target, options.lattice.voxels.sizeFor(longestSide(*shape)), monitor);
+    scene.controls =
+        controlsOf(*options.map, shared, target, options.lattice.voxels.sizeFor(longestSide(*shape)), monitor);
     scene.target = std::move(target.target);
     scene.exponentOf = std::move(target.exponentOf);
     scene.exponent = std::move(target.exponent);
@@ -456,7 +487,8 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
       scene.facts["julia_origin_at"] = originText(options.space, placed.unmoved, *shape);
     }
     const bool wantsThickness = options.output.attributes.has(PointAttribute::Tau);
-    if (wantsThickness || target.isSurveyed || frequency) {
+    const bool followsThickness = frequency || scene.controls.contains("over-octave");
+    if (wantsThickness || target.isSurveyed || followsThickness) {
       const LocalThickness thickness = shared.survey(monitor).thickness(monitor, slopeOf(scene.exponentOf));
       scene.facts["julia_thickness"] = numbersText({thickness.least, thickness.greatest});
       if (wantsThickness) scene.thickness = thickness.tau;
@@ -476,7 +508,8 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
                                      .space = placed.space,
                                      .unmovedSpace = placed.unmoved,
                                      .exponent = scene.exponent ? &*scene.exponent : nullptr,
-                                     .octave = scene.octave ? &*scene.octave : nullptr});
+                                     .octave = scene.octave ? &*scene.octave : nullptr,
+                                     .controls = &scene.controls});
   scene.facts.merge(scene.map->facts());
 
   const Lattice lattice = chooseLattice(options, scene.exponent.has_value(), shape, files, placed.space);

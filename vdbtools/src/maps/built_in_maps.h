@@ -7,7 +7,7 @@
 
 namespace vdbtools {
 
-MapRegistry::Descriptor shapeModulusMap();
+MapRegistry::Descriptor shapeModulusMap(const VersorFunction& function);
 MapRegistry::Descriptor rationalMap();
 MapRegistry::Descriptor quadraticMap();
 MapRegistry::Descriptor crossMap();

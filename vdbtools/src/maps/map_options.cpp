@@ -5,6 +5,7 @@
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/near_words.h"
 #include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/maps/versor_options.h"
 
 #include <openvdb/tools/Interpolation.h>
 
@@ -71,6 +72,7 @@ std::string notRandom(const OptionRun& run) {
   const std::string rational = run.text("map") == "rational" ? run.text("rational") : "";
   const std::string name = rational.empty() ? run.text("versor") : rational;
   if (name.empty() || name == kRandom) return {};
+  if (isDirections(name)) return "--versor " + name + " has no roots";
   return findTexture(name) ? "--versor " + name + " has roots of its own" : "the roots are those of '" + name + "'";
 }
 
@@ -97,11 +99,11 @@ IdleRule idleUnlessPlaced(const char* placement) {
                     }});
 }
 
-std::uint64_t parseSeed(const RecipeReader& reader) {
-  return reader.integer<std::uint64_t>("versor-seed", 0, std::numeric_limits<std::uint64_t>::max());
-}
-
 const Texture* textureOf(const OptionRun& run) { return findTexture(run.text("versor")); }
+
+std::uint64_t parseSeed(const RecipeReader& reader, const std::string& option) {
+  return reader.integer<std::uint64_t>(option, 0, std::numeric_limits<std::uint64_t>::max());
+}
 
 /// Of --frequency.
 std::string idleFrequency(const OptionRun& run) {
@@ -115,25 +117,10 @@ std::string idleFrequency(const OptionRun& run) {
 /// The words for it, by the number of features across the local thickness.
 constexpr std::pair<const char*, double> kFrequencyWords[] = {{"coarse", 1}, {"medium", 2}, {"fine", 4}};
 
-ControlSetting parseFrequency(const RecipeReader& reader) {
-  const std::string text = reader.text("frequency");
-  for (const auto& [word, value] : kFrequencyWords)
-    if (text == word) return numberSource(value, text);
-  if (const std::optional<double> value = numberFromText(text); value && !(*value > 0 && std::isfinite(*value)))
-    reader.refuse("frequency", "above 0, or coarse, medium or fine");
-  return parseControl(reader, "frequency");
-}
-
-std::vector<std::string> textureNames() {
-  std::vector<std::string> names{kRandom};
-  for (const Texture& texture : textureShelf()) names.push_back(texture.name);
-  return names;
-}
-
 std::string knownVersors() {
   std::string names;
   for (const Texture& texture : textureShelf()) names += texture.name + ", ";
-  return names + "random, or a file: .json, .p4d, .poly4d or .o3d";
+  return names + "random, a file: .json, .p4d, .poly4d or .o3d, expr:A,B,C or field:FILE.vdb:GRID";
 }
 
 julia::Rational moved(julia::Rational rational, const RootsSettings& settings, const julia::Embedding& embedding) {
@@ -144,6 +131,21 @@ julia::Rational moved(julia::Rational rational, const RootsSettings& settings, c
 }
 
 }  // namespace
+
+ControlSetting parseFrequency(const RecipeReader& reader, const std::string& option) {
+  const std::string text = reader.text(option);
+  for (const auto& [word, value] : kFrequencyWords)
+    if (text == word) return numberSource(value, text);
+  if (const std::optional<double> value = numberFromText(text); value && !(*value > 0 && std::isfinite(*value)))
+    reader.refuse(option, "above 0, or coarse, medium or fine");
+  return parseControl(reader, option);
+}
+
+std::vector<std::string> textureNames() {
+  std::vector<std::string> names{kRandom};
+  for (const Texture& texture : textureShelf()) names.push_back(texture.name);
+  return names;
+}
 
 OptionSpec frequencyOption() {
   return {.name = "frequency",
@@ -284,9 +286,9 @@ std::vector<OptionSpec> randomRootsOptions() {
 std::vector<OptionSpec> rootsOptions() {
   std::vector<OptionSpec> options{
       kept({.name = "versor",
-            .argument = "NAME|random|FILE",
-            .help = "the texture: one of those that 'juliavdb versor list' shows, random roots, or a .json, .p4d, "
-                    ".poly4d or .o3d file",
+            .argument = "NAME|random|FILE|expr:A,B,C|field:FILE.vdb:GRID",
+            .help = "the texture: one of those that 'juliavdb versor list' shows, random roots, a .json, .p4d, .poly4d "
+                    "or .o3d file, a formula for the direction, or a field of directions (docs/textures.md)",
             .defaultFor = [](const Recipe& recipe) { return usualVersor(recipe); },
             .defaultNote = defaultTexture().name + "; random with any option of random roots",
             .alternative = "rational",
@@ -298,23 +300,24 @@ std::vector<OptionSpec> rootsOptions() {
       // Not recorded with a texture, where they mean nothing.
       option.defaultFor = [usual = option.defaultValue](const Recipe& recipe) {
         const auto versor = recipe.find("versor");
-        return versor != recipe.end() && findTexture(versor->second) ? std::nullopt : usual;
+        return versor != recipe.end() && (findTexture(versor->second) || isDirections(versor->second)) ? std::nullopt
+                                                                                                       : usual;
       };
     }
     options.push_back(std::move(option));
   }
-  options.push_back(
-      kept({.name = "versor-scale", .argument = "F", .defaultValue = "1", .help = "scale the roots about the origin"}));
+  options.push_back(kept(
+      {.name = "versor-scale", .argument = "F", .defaultValue = "1", .help = "scale the versor about the origin"}));
   options.push_back(kept({.name = "versor-translate",
                           .argument = "X,Y,Z",
                           .defaultValue = "0,0,0",
-                          .help = "move the roots alone, also those of a rational map, in fractal space"}));
+                          .help = "move the versor alone, also the roots of a rational map, in fractal space"}));
   return options;
 }
 
 julia::RandomRootsOptions parseRandomRoots(const RecipeReader& reader) {
   julia::RandomRootsOptions options;
-  options.seed = parseSeed(reader);
+  options.seed = parseSeed(reader, "versor-seed");
   options.count = reader.integer("versor-roots", 1, 1'000'000);
   const std::vector<std::string> ends = split(reader.text("versor-powers"), ':');
   if (ends.size() > 2) reader.refuse("versor-powers", "MIN:MAX");
@@ -334,20 +337,45 @@ julia::RandomRootsOptions parseRandomRoots(const RecipeReader& reader) {
   return options;
 }
 
+namespace {
+
+/// What all roots take.
+void parsePlacement(const RecipeReader& reader, RootsSettings& settings) {
+  settings.random.embedding = parseEmbedding(reader);
+  settings.scale = reader.number("versor-scale");
+  if (settings.scale == 0) reader.refuse("versor-scale", "other than 0");
+  settings.translate = reader.vector("versor-translate");
+}
+
+/// @throw std::invalid_argument  it is no name that a file may have
+NamedFile parseRootsFile(const RecipeReader& reader, const std::string& option) {
+  NamedFile file = reader.file(option);
+  if (file.path.extension().empty())
+    reader.refuse(option, "one of " + knownVersors() + didYouMean(reader.text(option), textureNames()));
+  return file;
+}
+
+}  // namespace
+
+void refuseRandomOnly(const RecipeReader& reader) {
+  for (const char* option : kRandomOnly)
+    if (reader.has(option))
+      throw std::invalid_argument("--" + std::string(option) + " belongs to random roots, and --versor " +
+                                  reader.text("versor") + " has its own; leave one of them out");
+}
+
 RootsSettings parseRoots(const RecipeReader& reader, const std::string& fileOption) {
   RootsSettings settings;
   const std::string name = reader.text(fileOption);
   if (fileOption == "versor") settings.texture = findTexture(name);
   if (settings.texture) {
-    for (const char* option : kRandomOnly)
-      if (reader.has(option))
-        throw std::invalid_argument("--" + std::string(option) + " belongs to random roots, and --versor " + name +
-                                    " has its own; leave one of them out");
-    settings.random.seed = parseSeed(reader);
+    refuseRandomOnly(reader);
+    settings.random.seed = parseSeed(reader, "versor-seed");
   } else {
-    if (!name.empty() && name != kRandom) settings.file = reader.file(fileOption);
-    if (settings.file && fileOption == "versor" && settings.file->path.extension().empty())
-      reader.refuse(fileOption, "one of " + knownVersors() + didYouMean(name, textureNames()));
+    if (fileOption == "versor" && isDirections(name))
+      reader.refuse(fileOption, "roots, of which a rational map is made: random, or a file");
+    if (!name.empty() && name != kRandom)
+      settings.file = fileOption == "versor" ? parseRootsFile(reader, fileOption) : reader.file(fileOption);
     settings.random = parseRandomRoots(reader);
   }
   if (settings.texture && settings.texture->followsThickness()) {
@@ -355,12 +383,21 @@ RootsSettings parseRoots(const RecipeReader& reader, const std::string& fileOpti
       throw std::invalid_argument("--versor " + name +
                                   " follows the local thickness of a target, which only --map shape-modulus has; give "
                                   "that, or --versor random, rings or shells");
-    settings.frequency = parseFrequency(reader);
+    settings.frequency = parseFrequency(reader, "frequency");
   }
-  settings.random.embedding = parseEmbedding(reader);
-  settings.scale = reader.number("versor-scale");
-  if (settings.scale == 0) reader.refuse("versor-scale", "other than 0");
-  settings.translate = reader.vector("versor-translate");
+  parsePlacement(reader, settings);
+  return settings;
+}
+
+RootsSettings parseOverRoots(const RecipeReader& reader) {
+  RootsSettings settings;
+  const std::string name = reader.text("versor-over");
+  settings.texture = findTexture(name);
+  if (!settings.texture && name != kRandom) settings.file = parseRootsFile(reader, "versor-over");
+  settings.random.seed = parseSeed(reader, "versor-over-seed");
+  if (settings.texture && settings.texture->followsThickness())
+    settings.frequency = parseFrequency(reader, "versor-over-frequency");
+  parsePlacement(reader, settings);
   return settings;
 }
 
@@ -398,9 +435,9 @@ std::optional<std::uint64_t> seedOf(const RootsSettings& settings) {
   return varies ? std::optional(settings.random.seed) : std::nullopt;
 }
 
-PlacedRoots placeRoots(const RootsSettings& settings, const julia::Embedding& embedding, const MapContext& context) {
+PlacedRoots placeRoots(const RootsSettings& settings, const std::optional<RationalFile>& file,
+                       const julia::Embedding& embedding, const MapContext& context) {
   PlacedRoots roots;
-  const std::optional<RationalFile>& file = context.files.roots;
   if (file) {
     roots.drawn = file->rational;
     roots.fitted = file->target;

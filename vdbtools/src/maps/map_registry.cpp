@@ -44,9 +44,10 @@ std::vector<OptionVariant> MapRegistry::variants() const {
   return variants;
 }
 
-MapRegistry builtInMaps() {
+MapRegistry builtInMaps(const VersorFunction& function) {
   MapRegistry maps;
-  for (const auto& map : {shapeModulusMap(), rationalMap(), quadraticMap(), crossMap(), mandelbulbMap()}) maps.add(map);
+  for (const auto& map : {shapeModulusMap(function), rationalMap(), quadraticMap(), crossMap(), mandelbulbMap()})
+    maps.add(map);
   return maps;
 }
 

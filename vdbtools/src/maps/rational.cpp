@@ -62,7 +62,8 @@ class RationalSettings final : public MapSettings {
   }
   double interiorReach() const override { return interiorReachOf(mRoots); }
   std::shared_ptr<const MapInstance> instance(const MapContext& context) const override {
-    return std::make_shared<RationalInstance>(placeRoots(mRoots, embedding(), context), embedding());
+    return std::make_shared<RationalInstance>(placeRoots(mRoots, context.files.roots, embedding(), context),
+                                              embedding());
   }
 
  private:

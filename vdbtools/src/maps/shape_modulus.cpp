@@ -1,143 +1,108 @@
 // SPDX-License-Identifier: Apache-2.0
 // The shape modulus of [SK23]: the target's exponent for the modulus, a versor for the texture.
 #include "maps/built_in_maps.h"
+#include "maps/placed_versor.h"
 #include "vdbtools/maps/map_options.h"
+#include "vdbtools/maps/versor_options.h"
 
 #include "julia/shape_modulus.h"
-#include "julia/wave_versor.h"
 
-#include <mutex>
+#include <algorithm>
+#include <utility>
 
 namespace vdbtools {
 namespace {
 
-/// A grid as evaluators read it, each arithmetic's field made when it is first needed.
-template <class Grid>
-class Fields {
- public:
-  explicit Fields(const Grid& grid) : mGrid(grid) {}
-
-  template <class Real>
-  std::shared_ptr<const julia::ScalarField<Real>> get() const {
-    if constexpr (std::is_same_v<Real, float>)
-      return made<float>(mFloats);
-    else
-      return made<double>(mDoubles);
-  }
-
- private:
-  template <class Real>
-  std::shared_ptr<const julia::ScalarField<Real>> made(std::shared_ptr<const julia::ScalarField<Real>>& field) const {
-    const std::lock_guard lock(mMutex);
-    if (!field) field = makeField<Real>(mGrid);
-    return field;
-  }
-  template <class Real>
-  static auto makeField(const ExponentGrid& grid) {
-    return makeExponentField<Real>(grid);
-  }
-  template <class Real>
-  static auto makeField(const OctaveGrid& grid) {
-    return makeOctaveField<Real>(grid);
-  }
-
-  Grid mGrid;
-  mutable std::mutex mMutex;
-  mutable std::shared_ptr<const julia::ScalarField<float>> mFloats;
-  mutable std::shared_ptr<const julia::ScalarField<double>> mDoubles;
-};
-
 class ShapeModulusInstance final : public MapInstance {
  public:
-  ShapeModulusInstance(const RootsSettings& settings, const julia::Embedding& embedding, const MapContext& context)
-      : mSettings(settings),
-        mEmbedding(embedding),
-        mFiles(context.files),
+  ShapeModulusInstance(const VersorSettings& settings, const julia::Embedding& embedding, const MapContext& context,
+                       const VersorFunction& function)
+      : mEmbedding(embedding),
+        mFiles{.roots = context.files.roots},
         mTarget(*context.target),
         mSpace(context.space),
         mUnmovedSpace(context.unmovedSpace),
-        mExponent(std::make_shared<const Fields<ExponentGrid>>(*context.exponent)),
-        mOctave(context.octave ? std::make_shared<const Fields<OctaveGrid>>(*context.octave) : nullptr),
-        mRoots(placeRoots(settings, embedding, context)) {}
+        mExponent(sharedField(*context.exponent)),
+        mVersor(settings, embedding, context, function) {}
 
   std::unique_ptr<julia::FieldEvaluator> evaluator(Arithmetic arithmetic,
                                                    const julia::OrbitOptions& orbit) const override {
-    return makeEvaluator(
-        arithmetic, mEmbedding, orbit, [this]<class Real>() -> std::shared_ptr<const julia::Map<Real>> {
-          const auto exponent = mExponent->get<Real>();
-          if (!mOctave) return std::make_shared<julia::ShapeModulus<Real>>(exponent, mRoots.placed, mEmbedding.dropped);
-          auto waves = std::make_shared<julia::WaveVersor<Real>>(placeWaves(mSettings, mEmbedding),
-                                                                 mOctave->get<Real>(), mEmbedding.dropped);
-          return std::make_shared<julia::ShapeModulus<Real>>(exponent, std::move(waves), mEmbedding.dropped);
-        });
+    return makeEvaluator(arithmetic, mEmbedding, orbit,
+                         [this]<class Real>() -> std::shared_ptr<const julia::Map<Real>> {
+                           return std::make_shared<julia::ShapeModulus<Real>>(
+                               mExponent->get<Real>(), mVersor.field<Real>(), mEmbedding.dropped);
+                         });
   }
-  bool floatsServe(const julia::OrbitOptions& orbit) const override {
-    return mOctave ? vdbtools::floatsServe(orbit) : vdbtools::floatsServe(orbit, mRoots.placed);
-  }
-  const julia::Rational* roots() const override { return mOctave ? nullptr : &mRoots.placed; }
-  std::map<std::string, std::string> facts() const override {
-    return mOctave ? std::map<std::string, std::string>() : mRoots.facts();
-  }
+  bool floatsServe(const julia::OrbitOptions& orbit) const override { return mVersor.floatsServe(orbit); }
+  const julia::Rational* roots() const override { return mVersor.roots(); }
+  std::map<std::string, std::string> facts() const override { return mVersor.facts(); }
 
-  std::optional<std::uint64_t> seed() const override { return seedOf(mSettings); }
+  std::optional<std::uint64_t> seed() const override { return mVersor.seed(); }
   std::shared_ptr<const MapInstance> reseeded(std::uint64_t seed) const override {
-    if (!seedOf(mSettings)) return MapInstance::reseeded(seed);
+    if (!mVersor.seed()) return MapInstance::reseeded(seed);
     auto other = std::make_shared<ShapeModulusInstance>(*this);
-    other->mSettings.random.seed = seed;
-    other->mRoots = placeRoots(other->mSettings, mEmbedding,
-                               {.files = mFiles, .target = &mTarget, .space = mSpace, .unmovedSpace = mUnmovedSpace});
+    other->mVersor.reseed(seed, {.files = mFiles, .target = &mTarget, .space = mSpace, .unmovedSpace = mUnmovedSpace});
     return other;
   }
 
  private:
-  RootsSettings mSettings;
   julia::Embedding mEmbedding;
-  MapFiles mFiles;
+  MapFiles mFiles;  ///< with what random roots need of them
   Target mTarget;
   FractalSpace mSpace, mUnmovedSpace;
-  std::shared_ptr<const Fields<ExponentGrid>> mExponent;
-  std::shared_ptr<const Fields<OctaveGrid>> mOctave;  ///< of a texture that follows the thickness; else nullptr
-  PlacedRoots mRoots;                                 ///< of the others
+  SharedFieldPtr mExponent;
+  PlacedVersor mVersor;
 };
 
 class ShapeModulusSettings final : public MapSettings {
  public:
   ShapeModulusSettings(const julia::OrbitOptions& orbit, const julia::Embedding& embedding, ShellSettings shell,
-                       RootsSettings roots)
-      : MapSettings(orbit, embedding), mShell(std::move(shell)), mRoots(std::move(roots)) {}
+                       VersorSettings versor, VersorFunction function)
+      : MapSettings(orbit, embedding),
+        mShell(std::move(shell)),
+        mVersor(std::move(versor)),
+        mFunction(std::move(function)) {}
 
   std::vector<NamedFile> files() const override {
-    std::vector<NamedFile> files;
-    if (mRoots.file) files.push_back(*mRoots.file);
-    std::vector<ControlSetting> controls = mShell.controls();
-    if (mRoots.frequency) controls.push_back(mRoots.frequency);
-    for (const auto& control : controls)
+    std::vector<NamedFile> files = filesOf(mVersor);
+    for (const auto& control : mShell.controls())
       for (NamedFile& file : control->files()) files.push_back(std::move(file));
     return files;
   }
-  MapFiles readFiles() const override { return {.roots = readRoots(mRoots)}; }
+  MapFiles readFiles() const override { return vdbtools::readFiles(mVersor); }
   const ShellSettings* shell() const override { return &mShell; }
-  const ControlSetting* frequency() const override { return mRoots.frequency ? &mRoots.frequency : nullptr; }
-  double interiorReach() const override { return interiorReachOf(mRoots); }
+  const ControlSetting* frequency() const override {
+    const ControlSetting& frequency = mVersor.under.roots.frequency;
+    return frequency ? &frequency : nullptr;
+  }
+  std::vector<MapControl> controls() const override { return controlsOf(mVersor); }
+  double interiorReach() const override {
+    const auto reach = [](const VersorSource& source) { return source.isRoots() ? interiorReachOf(source.roots) : 0; };
+    return std::max(reach(mVersor.under), mVersor.over ? reach(*mVersor.over) : 0);
+  }
 
   std::shared_ptr<const MapInstance> instance(const MapContext& context) const override {
-    return std::make_shared<ShapeModulusInstance>(mRoots, embedding(), context);
+    return std::make_shared<ShapeModulusInstance>(mVersor, embedding(), context, mFunction);
   }
 
  private:
   ShellSettings mShell;
-  RootsSettings mRoots;
+  VersorSettings mVersor;
+  VersorFunction mFunction;
 };
 
 class ShapeModulusDescriptor final : public MapDescriptor {
  public:
+  explicit ShapeModulusDescriptor(VersorFunction function) : mFunction(std::move(function)) {}
+
   std::string name() const override { return "shape-modulus"; }
   std::string summary() const override {
     return "the shape of a target with the texture of a versor [SK23]: f(q) = e^E p(q)/|p(q)|, E = alpha (phi - beta)";
   }
   std::string proofs() const override {
     return "Where E lies outside of the shell's interval the sign is known without an orbit. Inside it, blocks are "
-           "proved by ball arithmetic over E and, with whole powers, over the versor.";
+           "proved by ball arithmetic over E and, with textures, whole powers and fields of directions, over the "
+           "versor.";
   }
   TargetUse targetUse() const override { return TargetUse::Needed; }
   bool hasRoots() const override { return true; }
@@ -146,6 +111,7 @@ class ShapeModulusDescriptor final : public MapDescriptor {
     std::vector<OptionSpec> options = shellOptions();
     for (OptionSpec& option : rootsOptions()) options.push_back(std::move(option));
     options.push_back(frequencyOption());
+    for (OptionSpec& option : layerOptions()) options.push_back(std::move(option));
     options.push_back(shellIterationsOption());
     options.push_back(shellEscapeOption());
     for (OptionSpec& option : embeddingOptions()) options.push_back(std::move(option));
@@ -154,12 +120,18 @@ class ShapeModulusDescriptor final : public MapDescriptor {
 
   std::shared_ptr<const MapSettings> parse(const RecipeReader& reader) const override {
     return std::make_shared<ShapeModulusSettings>(parseOrbit(reader, "escape"), parseEmbedding(reader),
-                                                  parseShell(reader), parseRoots(reader, "versor"));
+                                                  parseShell(reader), parseVersor(reader, static_cast<bool>(mFunction)),
+                                                  mFunction);
   }
+
+ private:
+  VersorFunction mFunction;
 };
 
 }  // namespace
 
-MapRegistry::Descriptor shapeModulusMap() { return std::make_shared<ShapeModulusDescriptor>(); }
+MapRegistry::Descriptor shapeModulusMap(const VersorFunction& function) {
+  return std::make_shared<ShapeModulusDescriptor>(function);
+}
 
 }  // namespace vdbtools

@@ -25,4 +25,9 @@ ControlSourcePtr parseNearControl(const RecipeReader& reader, const std::string&
 /// @throw std::invalid_argument  an expression that cannot be read
 ControlSourcePtr parseExpressionControl(const RecipeReader& reader, const std::string& option);
 
+/// The source of an expression that is a part of what an option says. @throw std::invalid_argument  from julia
+ControlSourcePtr expressionSource(const std::string& expression, const std::string& option);
+/// Whether expressions know a name without the attributes of a mesh.
+bool isExpressionVariable(const std::string& name);
+
 }  // namespace vdbtools

@@ -204,15 +204,11 @@ class ExpressionSource final : public ControlSource {
     };
   }
 
-  static bool isVariable(const std::string& name) {
-    return (", " + std::string(kVariables) + ",").find(", " + name + ",") != std::string::npos;
-  }
-
   /// Of the names that are no variables, in their order.
   std::vector<Values> attributesOf(const ControlLattice& lattice, const ControlContext& context) const {
     std::vector<const VertexAttribute*> attributes;
     for (const std::string& name : mNames) {
-      if (isVariable(name)) continue;
+      if (isExpressionVariable(name)) continue;
       const Mesh* mesh = context.mesh.get();
       const bool isThere =
           mesh && std::any_of(mesh->attributes.begin(), mesh->attributes.end(),
@@ -250,11 +246,19 @@ class ExpressionSource final : public ControlSource {
 
 }  // namespace
 
+bool isExpressionVariable(const std::string& name) {
+  return (", " + std::string(kVariables) + ",").find(", " + name + ",") != std::string::npos;
+}
+
+ControlSourcePtr expressionSource(const std::string& expression, const std::string& option) {
+  return std::make_shared<ExpressionSource>(expression, julia::namesInExpression(expression), option);
+}
+
 ControlSourcePtr parseExpressionControl(const RecipeReader& reader, const std::string& option) {
   const std::optional<std::string> expression = afterPrefix(reader.text(option), "expr:");
   if (!expression) return nullptr;
   try {
-    return std::make_shared<ExpressionSource>(*expression, julia::namesInExpression(*expression), option);
+    return expressionSource(*expression, option);
   } catch (const std::invalid_argument& error) {
     reader.refuse(option, "an expression that can be read; in what follows expr:, " + std::string(error.what()));
   }

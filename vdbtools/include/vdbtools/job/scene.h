@@ -45,6 +45,7 @@ struct Scene {
   std::optional<ExponentGridOptions> exponentOf;  ///< what the exponent was made with: its controls, the orbit
   std::optional<ExponentGrid> exponent;           ///< of a map with a shell
   std::optional<OctaveGrid> octave;               ///< of a map with a frequency
+  ControlGrids controls{};                        ///< of a map that reads some
   std::shared_ptr<const MapInstance> map;
   openvdb::BBoxd region;                       ///< of a map without a shell, world units
   double voxelSize = 0;                        ///< of the result, world units

@@ -16,8 +16,10 @@
 #include "vdbtools/base/grids.h"
 #include "vdbtools/files/named_file.h"
 #include "vdbtools/formats/versor_file.h"
+#include "vdbtools/maps/direction_grids.h"
 #include "vdbtools/recipe/option_table.h"
 #include "vdbtools/recipe/recipe_reader.h"
+#include "vdbtools/target/control_grid.h"
 #include "vdbtools/target/exponent_grid.h"
 #include "vdbtools/target/octave_grid.h"
 
@@ -41,7 +43,9 @@ enum class Arithmetic { Float, Double };
 /// What a map's files hold.
 struct MapFiles {
   std::optional<RationalFile> roots;
-  std::optional<openvdb::BBoxd> region;  ///< where the map's set lies, world units, if a file says so
+  std::optional<RationalFile> overRoots{};                       ///< of the layer over these
+  std::optional<DirectionGrids> directions{}, overDirections{};  ///< instead of roots
+  std::optional<openvdb::BBoxd> region{};  ///< where the map's set lies, world units, if a file says so
 };
 
 /// What of a scene a map is made from.
@@ -52,6 +56,20 @@ struct MapContext {
   const FractalSpace& unmovedSpace;        ///< the same before its origin was moved: where random roots are strewn
   const ExponentGrid* exponent = nullptr;  ///< of a map with MapSettings::shell(); else nullptr
   const OctaveGrid* octave = nullptr;      ///< of a map with MapSettings::frequency(); else nullptr
+  const ControlGrids* controls = nullptr;  ///< those of MapSettings::controls(); nullptr: there are none
+};
+
+/// A control that a map reads at every point, by a name of its own.
+struct MapControl {
+  enum class Kind {
+    Any,
+    Share,      ///< from 0 to 1
+    Frequency,  ///< of a texture: what the map gets is its octave (octave_grid.h)
+  };
+  std::string name;    ///< letters, digits, underscores and dashes
+  std::string option;  ///< without dashes, for errors
+  ControlSetting control;
+  Kind kind = Kind::Any;
 };
 
 /// The map in a scene. Immutable; what it needs of the context it has taken.
@@ -115,6 +133,8 @@ class MapSettings {
   /// Of a map whose texture follows the target's local thickness: the number of its features across that; nullptr for
   /// the others.
   virtual const ControlSetting* frequency() const { return nullptr; }
+  /// Other controls over the target that it reads.
+  virtual std::vector<MapControl> controls() const { return {}; }
   /// How deep inside the target the map must know distances for other reasons, as a share of its longest side.
   virtual double interiorReach() const { return 0; }
 

@@ -50,6 +50,9 @@ ShellSettings parseShell(const RecipeReader& reader);
 /// --frequency: how fine a texture is that follows the target's local thickness.
 OptionSpec frequencyOption();
 
+/// The control that such an option gives. @throw std::invalid_argument
+ControlSetting parseFrequency(const RecipeReader& reader, const std::string& option);
+
 /// Roots as a recipe describes them: those of a file, of a texture of the shelf, or random ones; scaled and moved.
 struct RootsSettings {
   std::optional<NamedFile> file;
@@ -72,6 +75,14 @@ julia::RandomRootsOptions parseRandomRoots(const RecipeReader& reader);
 /// @throw std::invalid_argument  also for a name that no texture has
 RootsSettings parseRoots(const RecipeReader& reader, const std::string& fileOption);
 
+/// @throw std::invalid_argument  an option of random roots is given where --versor says something else
+void refuseRandomOnly(const RecipeReader& reader);
+/// The texture or the roots of a layer over these, for which --versor-over has a name or a file: with a seed and a
+/// frequency of its own, and scaled and moved as they are. @throw std::invalid_argument
+RootsSettings parseOverRoots(const RecipeReader& reader);
+/// The names of all textures, and "random".
+std::vector<std::string> textureNames();
+
 /// Of a `.json`, `.p4d`, `.poly4d` or `.o3d`; or of a VDB that holds the versor that it was made with.
 std::optional<RationalFile> readRoots(const RootsSettings& settings);
 
@@ -93,8 +104,10 @@ std::optional<std::uint64_t> seedOf(const RootsSettings& settings);
 /// The waves of a texture that follows the thickness, scaled and moved.
 julia::WaveTexture placeWaves(const RootsSettings& settings, const julia::Embedding& embedding);
 
+/// @param file  what the settings' file holds, if they name one
 /// @throw std::invalid_argument  as julia::randomPolynomial(), placeTexture(), julia::scaled()
-PlacedRoots placeRoots(const RootsSettings& settings, const julia::Embedding& embedding, const MapContext& context);
+PlacedRoots placeRoots(const RootsSettings& settings, const std::optional<RationalFile>& file,
+                       const julia::Embedding& embedding, const MapContext& context);
 
 /// As docs/precision.md has measured it: few steps.
 bool floatsServe(const julia::OrbitOptions& orbit);

@@ -5,7 +5,9 @@
 
 #include "vdbtools/maps/map_descriptor.h"
 
+#include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,8 +33,13 @@ class MapRegistry {
   std::vector<Descriptor> mMaps;
 };
 
+/// Directions at points, world units: three numbers a point, a vector in space, or four, a quaternion. Called in many
+/// threads at once; the same point must always have the same direction.
+using VersorFunction = std::function<std::vector<double>(std::span<const openvdb::Vec3d> points)>;
+
 /// shape-modulus, rational, quadratic, cross and mandelbulb.
-MapRegistry builtInMaps();
+/// @param function  the program's own versor, which --versor function names; none: that is refused
+MapRegistry builtInMaps(const VersorFunction& function = {});
 
 /// docs/maps.md: the maps, what they need and their options, as Markdown.
 std::string mapsPage(const MapRegistry& maps);

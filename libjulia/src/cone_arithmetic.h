@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file cone_arithmetic.h
+/// Directions of sums, for versors and for their bounds over balls.
+#pragma once
+
+#include "ball_arithmetic.h"
+
+#include "julia/elementary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace julia {
+
+inline constexpr double kQuadrant = 1.57079632679489661923;  ///< pi/2
+
+/// The versor of @a q, also of one whose square is not within Real; 1 where there is none, of 0 and of what is not
+/// finite.
+template <class Real>
+Quaternion<Real> directionOf(const Quaternion<Real>& q) {
+  const Real most = std::max({std::abs(q.a), std::abs(q.b), std::abs(q.c), std::abs(q.d)});
+  if (!(most > 0) || !std::isfinite(q.a) || !std::isfinite(q.b) || !std::isfinite(q.c) || !std::isfinite(q.d))
+    return Quaternion<Real>::one();
+  const Quaternion<Real> scaled{q.a / most, q.b / most, q.c / most, q.d / most};
+  const Real length = std::sqrt(normSquared(scaled));
+  return {scaled.a / length, scaled.b / length, scaled.c / length, scaled.d / length};
+}
+
+/// asin x, or more; infinity from 1 on.
+inline double arcSine(double x) {
+  if (!(x < 1)) return std::numeric_limits<double>::infinity();
+  return elementary::asin(x) * (1 + kSlack);
+}
+
+/// A ball that holds the versors of a cone: about 0 where nothing is known of them.
+inline Ball chordBall(const Cone& cone) {
+  if (!(cone.quadrants < 1)) return {{}, 1 + kSlack};
+  return {cone.axis, std::min(cone.quadrants * kQuadrant, 2.) * (1 + kSlack)};
+}
+
+/// The directions of the quaternions in a ball; nothing where it holds 0.
+/// @param rounding  how far rounding turns a versor and its length
+inline Cone coneOf(const Ball& ball, double rounding) {
+  const double quadrants = (arcSine((ball.radius + rounding) / norm(ball.centre)) + rounding) / kQuadrant;
+  if (!(quadrants < 1)) return {};
+  return {directionOf(ball.centre), quadrants + kSlack};
+}
+
+}  // namespace julia

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "julia/mixed_versor.h"
+
+#include "cone_arithmetic.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+#include <vector>
+
+namespace julia {
+
+template <class Real>
+MixedVersor<Real>::MixedVersor(std::shared_ptr<const VersorField<Real>> under,
+                               std::shared_ptr<const VersorField<Real>> over,
+                               std::shared_ptr<const ScalarField<Real>> mix, DropAxis dropped)
+    : mUnder(std::move(under)), mOver(std::move(over)), mMix(std::move(mix)), mEmbedding{.dropped = dropped} {}
+
+template <class Real>
+void MixedVersor<Real>::versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const {
+  std::vector<Real> mix(q.size());
+  const auto [x, y, z] = mEmbedding.point(Quaternion<std::span<const Real>>{q.a, q.b, q.c, q.d});
+  mMix->sample(x, y, z, mix);
+  if (std::all_of(mix.begin(), mix.end(), [](Real m) { return m <= 0; })) return mUnder->versor(q, u);
+  if (std::all_of(mix.begin(), mix.end(), [](Real m) { return m >= 1; })) return mOver->versor(q, u);
+  QuaternionBatch<Real> v;
+  mUnder->versor(q, u);
+  mOver->versor(q, v);
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    const Real m = mix[i];
+    if (m <= 0) continue;
+    u.set(i, m >= 1 ? v.get(i) : directionOf(u.get(i) * (1 - m) + v.get(i) * m));
+  }
+}
+
+template <class Real>
+void MixedVersor<Real>::cones(std::span<const Ball> balls, std::span<Cone> cones) const {
+  std::vector<std::array<double, 3>> centres(balls.size());
+  std::vector<double> radii(balls.size());
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    const Ball ball = roundedTo<Real>(balls[i]);
+    centres[i] = mEmbedding.point(ball.centre);
+    radii[i] = ball.radius;
+  }
+  std::vector<ValueRange> mixes(balls.size());
+  mMix->ranges(centres, radii, mixes);
+  std::vector<Cone> over(balls.size());
+  mUnder->cones(balls, cones);
+  mOver->cones(balls, over);
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    const auto [low, high] = mixes[i];
+    if (high <= 0) continue;
+    if (low >= 1) {
+      cones[i] = over[i];
+      continue;
+    }
+    const double least = std::max(low, 0.), most = std::min(high, 1.), middle = (least + most) / 2;
+    const Ball u = chordBall(cones[i]), v = chordBall(over[i]);
+    // The mixes of the centres are on a segment, and the others no farther from it than their versors.
+    const double along = norm(v.centre - u.centre) * (most - least) / 2;
+    const auto across = [&](double m) { return u.radius * (1 - m) + v.radius * m; };
+    cones[i] = coneOf(
+        {u.centre * (1 - middle) + v.centre * middle, (along + std::max(across(least), across(most))) * (1 + kSlack)},
+        32 * kEpsilonOf<Real>);
+  }
+}
+
+template class MixedVersor<float>;
+template class MixedVersor<double>;
+
+}  // namespace julia

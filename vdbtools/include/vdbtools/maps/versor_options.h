@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file versor_options.h
+/// The versor of the shape modulus as a recipe describes it: a texture, roots, a formula, a field of directions or a
+/// program's own function; and two of them in layers, with a symmetry.
+#pragma once
+
+#include "vdbtools/maps/direction_grids.h"
+#include "vdbtools/maps/map_descriptor.h"
+#include "vdbtools/maps/map_options.h"
+
+#include "julia/moved_versor.h"
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace vdbtools {
+
+/// A formula of three or four components.
+struct VersorFormula {
+  std::string text;
+  std::vector<std::string> components;
+  std::vector<std::string> names;  ///< of the variables in it, each once
+};
+
+/// A versor as one option names it: exactly one of these.
+struct VersorSource {
+  std::string option;                    ///< without dashes, for errors
+  RootsSettings roots;                   ///< a texture or roots, unless there is one of the others
+  std::optional<VersorFormula> formula;  ///< expr:A,B,C[,D]
+  /// field:FILE.vdb[:GRIDS]
+  struct Field {
+    NamedFile file;
+    std::vector<std::string> grids;
+  };
+  std::optional<Field> field;
+  bool isFunction = false;  ///< the program's own
+
+  bool isRoots() const { return !formula && !field && !isFunction; }
+  bool followsThickness() const { return isRoots() && roots.texture && roots.texture->followsThickness(); }
+};
+
+struct VersorSettings {
+  VersorSource under;
+  std::optional<VersorSource> over;         ///< mixed over it
+  ControlSetting mix;                       ///< how much of it, where there is one
+  std::optional<julia::Symmetry> symmetry;  ///< of each; its centre is the middle of the target
+
+  /// What is not a plain texture or plain roots.
+  bool isComposed() const { return over || symmetry || !under.isRoots(); }
+};
+
+/// Whether the value of --versor is neither a texture nor roots: a formula, a field, or a function.
+bool isDirections(const std::string& versor);
+
+/// --versor-over, --versor-over-seed, --versor-over-frequency, --versor-mix and --versor-symmetry.
+std::vector<OptionSpec> layerOptions();
+
+/// @param hasFunction  whether the program has one of its own for "function"
+/// @throw std::invalid_argument  naming the option
+VersorSettings parseVersor(const RecipeReader& reader, bool hasFunction);
+
+std::vector<NamedFile> filesOf(const VersorSettings& settings);
+/// The controls that are read where the map is evaluated.
+std::vector<MapControl> controlsOf(const VersorSettings& settings);
+/// @throw as readRoots() and readDirectionGrids()
+MapFiles readFiles(const VersorSettings& settings);
+
+}  // namespace vdbtools
