@@ -208,6 +208,47 @@ TEST_F(DetailJob, AThinHandleStaysOnePiece) {
   }
 }
 
+TEST_F(DetailJob, ATreeOfTubesStaysOnePiece) {
+  // Closed tubes of 12 sides that begin inside of others.
+  const auto tube = [](const Vec3d& from, const Vec3d& to, double first, double last) {
+    constexpr std::uint32_t kSides = 12;
+    const Vec3d along = (to - from).unit(), side = along.cross(Vec3d(0.3, 0.5, 0.81)).unit(), up = along.cross(side);
+    Mesh mesh;
+    for (const auto& [middle, radius] : {std::pair{from, first}, {to, last}})
+      for (std::uint32_t k = 0; k < kSides; ++k) {
+        const double angle = 2 * kPi * k / kSides;
+        mesh.points.push_back(middle + (side * std::cos(angle) + up * std::sin(angle)) * radius);
+      }
+    for (std::uint32_t k = 0; k < kSides; ++k) {
+      const std::uint32_t next = (k + 1) % kSides;
+      mesh.triangles.insert(mesh.triangles.end(), {Vec3I(k, next, k + kSides), Vec3I(next, next + kSides, k + kSides)});
+      if (k == 0 || next == 0) continue;
+      mesh.triangles.emplace_back(0, next, k);
+      mesh.triangles.emplace_back(kSides, kSides + k, kSides + next);
+    }
+    return mesh;
+  };
+  Mesh tree = tube(Vec3d(0), Vec3d(0, 0, 1), 0.13, 0.09);
+  std::size_t tubes = 1;
+  for (int i = 0; i < 3; ++i) {
+    const double turn = 2.1 * i;
+    const Vec3d fork(0, 0, 0.6 + 0.15 * i), out(std::cos(turn), std::sin(turn), 0.7), end = fork + out * 0.5;
+    tree = merged(tree, tube(fork, end, 0.075, 0.055));
+    ++tubes;
+    for (const double way : {-1.0, 1.0}) {
+      const Vec3d twig = fork + out * 0.35, across(-out[1] * way, out[0] * way, 0.4);
+      tree = merged(tree, tube(twig, twig + across * 0.4, 0.05, 0.04));
+      ++tubes;
+    }
+  }
+  const std::string path = write("tree.obj", tree);
+  for (const char* detail : {"0.3", "0.6"}) {
+    const Scene made = scene({{"input", path}, {"detail", detail}, {"resolution", "150"}, {"sdf-resolution", "200"}});
+    EXPECT_EQ(made.facts.at("julia_united_parts"), std::to_string(tubes));
+    EXPECT_GT(measureSolid(fractalMesh(made, mMonitor)).shareOfLargest(1), 0.97) << detail;
+  }
+}
+
 TEST_F(DetailJob, MoreDetailIsNowhereLessDeep) {
   const std::string lumpy = writeField("lumpy.vdb", test_fields::lumpy);
   const Scene shallow = scene({{"input", lumpy}, {"detail", "0.2"}}),
