@@ -8,6 +8,7 @@
 #include "products.h"
 #include "report.h"
 #include "sequence.h"
+#include "united_text.h"
 
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/farm/frame_recipes.h"
@@ -154,6 +155,7 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
     if (file) noteLeftOut(file->target(), columns);
   const std::vector<std::string> unused = vdbtools::unusedParts(scene.targetParts, line.recipe());
   if (!unused.empty()) report().text() << "not used of the target: " << joined(unused) << '\n';
+  if (!isFrame) report().text() << unitedText(scene.facts);
   for (std::size_t i = 0; i < result.levels.size(); ++i)
     report().text() << "LOD" << i + 1 << ": " << result.levels[i].triangles << " triangles, some "
                     << vdbtools::shortText(result.levels[i].error / scene.voxelSize) << " voxels from the surface\n";

@@ -163,8 +163,8 @@ Json vdbInfo(const std::string& path) {
     if (!info.contains("recipe") || !name.starts_with("julia_")) rest[name] = value;
   // Facts that the program found out are no options, and worth seeing; the roots themselves are for 'versor inspect'.
   for (const char* fact : {"julia_version", vdbtools::kUpAxis, "julia_target_box", "julia_space_centre",
-                           "julia_space_scale", "julia_shell", "julia_repair_moved", "julia_origin_at",
-                           "julia_thickness", "julia_alpha_range", "julia_beta_range"})
+                           "julia_space_scale", "julia_shell", "julia_repair_moved", "julia_united_parts",
+                           "julia_origin_at", "julia_thickness", "julia_alpha_range", "julia_beta_range"})
     if (const auto found = file.metadata.find(fact); found != file.metadata.end()) rest[fact] = found->second;
   if (!rest.empty()) info["metadata"] = rest;
   return info;

@@ -5,6 +5,7 @@
 #include "options.h"
 #include "output.h"
 #include "report.h"
+#include "united_text.h"
 
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/formats/vdb_file.h"
@@ -66,6 +67,7 @@ int runSdf(const Arguments& arguments) {
     report().text() << "repaired: gaps up to " << vdbtools::shortText(*result.closedGap, vdbtools::Rounding::Up)
                     << " closed, the surface moved by at most "
                     << vdbtools::shortText(*result.moved, vdbtools::Rounding::Up) << '\n';
+  report().text() << unitedText(result.facts);
   return kDone;
 }
 

@@ -3,6 +3,7 @@
 
 #include "julia/elementary.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -32,6 +33,33 @@ double wantedScale(const RadialMaximum& maximum, int maxIterations, double escap
     (traps(middle) ? scale : low) = middle;
   }
   return scale;
+}
+
+DetailLaw wantedLaw(const RadialMaximum& maximum, double surface, int maxIterations, double escapeRadius) {
+  // From what distance on orbits are seen to leave, as a share of the target's depth about the origin.
+  constexpr double kLeaving = 0.7;
+  constexpr double kMost = 100, kPrecision = 1e-3;
+  DetailLaw law{.logEscape = elementary::log(escapeRadius),
+                .scale = wantedScale(maximum, maxIterations, escapeRadius),
+                .plunge = 0};
+  const auto reached = std::find_if(maximum.maximum.begin(), maximum.maximum.end(),
+                                    [surface](double value) { return value >= surface; });
+  const double depth = maximum.step * static_cast<double>(reached - maximum.maximum.begin() + 1);
+  const double gentle = (law.logEscape - elementary::log(kLeaving * depth)) / (1 - DetailLaw::kPlunge);
+  if (!(gentle > 0 && gentle < law.scale)) return law;
+  const auto traps = [&](double plunge) {
+    const DetailLaw tried{law.logEscape, gentle, plunge};
+    RadialMaximum exponent = maximum;
+    for (double& value : exponent.maximum) value = tried.at(value);
+    return tried.at(-1) <= shellInterval(exponent, maxIterations, escapeRadius).lower;
+  };
+  if (!traps(kMost)) return law;
+  double low = 0, high = kMost;
+  while (high - low > kPrecision * (gentle + low)) {
+    const double middle = (low + high) / 2;
+    (traps(middle) ? high : low) = middle;
+  }
+  return {law.logEscape, gentle, high};
 }
 
 }  // namespace julia

@@ -18,6 +18,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <iostream>
 #include <sstream>
 
 namespace {
@@ -85,9 +86,39 @@ class DetailJob : public testing::Test {
     return count;
   }
 
+  /// How deep a point that is not in the set lies at most, as a share of D tau.
+  static double reach(const Scene& scene, double step) {
+    const DetailOptions& detail = *scene.exponentOf->detail;
+    const openvdb::FloatGrid& phi = *scene.target->phi;
+    const Vec3d low = scene.target->box.min(), high = scene.target->box.max();
+    step *= scene.placed.space.scale;
+    double deepest = 0;
+    for (double x = low[0]; x < high[0]; x += step)
+      for (double y = low[1]; y < high[1]; y += step)
+        for (double z = low[2]; z < high[2]; z += step) {
+          const Vec3d point(x, y, z);
+          const double distance = openvdb::tools::BoxSampler::sample(phi.tree(), phi.worldToIndex(point));
+          const double share = -distance / (detail.detail.at(point) * detail.thickness.at(point));
+          if (share > deepest && share < 1.2 && !(fieldAt(scene, point) < 0)) deepest = share;
+        }
+    return deepest;
+  }
+
   TemporaryFolder mFolder;
   Monitor mMonitor;
 };
+
+/// A forked rod that becomes thin.
+double forked(const Vec3d& x) {
+  const auto rod = [&](const Vec3d& from, const Vec3d& to, double first, double last) {
+    const double t = std::clamp((x - from).dot(to - from) / (to - from).lengthSqr(), 0.0, 1.0);
+    return (x - from - (to - from) * t).length() - (first + (last - first) * t);
+  };
+  return std::min({rod(Vec3d(-0.4, 0, 0), Vec3d(0, 0, 0), 0.16, 0.12),
+                   rod(Vec3d(0, 0, 0), Vec3d(0.3, 0.25, 0), 0.1, 0.04),
+                   rod(Vec3d(0, 0, 0), Vec3d(0.35, -0.2, 0.1), 0.08, 0.03),
+                   rod(Vec3d(-0.4, 0, 0), Vec3d(-0.5, 0.1, 0.3), 0.09, 0.035)});
+}
 
 TEST_F(DetailJob, KeepsItsPromiseOverADenseGrid) {
   const std::string lumpy = writeField("lumpy.vdb", test_fields::lumpy);
@@ -95,6 +126,7 @@ TEST_F(DetailJob, KeepsItsPromiseOverADenseGrid) {
   for (const char* detail : {"0.1", "0.5", "0.9"}) {
     recipes.push_back({{"input", lumpy}, {"detail", detail}});
     recipes.push_back({{"input", lumpy}, {"detail", detail}, {"outward", "0"}, {"versor-integer", "true"}});
+    recipes.push_back({{"input", writeField("forked.vdb", forked)}, {"detail", detail}});
     if (hasBunny()) recipes.push_back({{"input", bunnyPath().string()}, {"detail", detail}, {"repair", "true"}});
   }
   recipes.push_back({{"input", lumpy}, {"detail", "x:0.1:0.9:smooth"}, {"outward", "y:0:0.3"}});
@@ -106,6 +138,29 @@ TEST_F(DetailJob, KeepsItsPromiseOverADenseGrid) {
     // At 0.9 little more than the medial axis is promised.
     EXPECT_GT(count.inside, recipe.at("detail") == "0.9" ? 5 : 500) << recipe.at("input") << ' ' << recipe.at("detail");
     EXPECT_GT(count.outside, 500) << recipe.at("input") << ' ' << recipe.at("detail");
+  }
+}
+
+TEST_F(DetailJob, DetailReachesWhatItsNameSays) {
+  const auto torus = [](const Vec3d& x) { return std::hypot(std::hypot(x[0], x[1]) - 0.35, x[2]) - 0.13; };
+  const auto ball = [](const Vec3d& x) { return x.length() - 0.4; };
+  for (const auto& [name, distance] : {std::pair<const char*, test_fields::Distance>{"ball.vdb", ball},
+                                       {"torus.vdb", torus},
+                                       {"lumpy.vdb", test_fields::lumpy},
+                                       {"forked.vdb", forked}}) {
+    const std::string path = writeField(name, distance);
+    for (const char* detail : {"0.3", "0.5", "0.8"}) {
+      std::string measured;
+      double most = 0;
+      for (const char* versor : {"scales", "coral", "random"}) {
+        const double deepest = reach(scene({{"input", path}, {"detail", detail}, {"versor", versor}}), 0.013);
+        measured += std::string(" ") + versor + ' ' + std::to_string(deepest);
+        most = std::max(most, deepest);
+      }
+      std::cout << name << ' ' << detail << measured << '\n';
+      EXPECT_GT(most, 0.8) << name << ' ' << detail << measured;
+      EXPECT_LE(most, 1) << name << ' ' << detail << measured;
+    }
   }
 }
 
@@ -150,6 +205,47 @@ TEST_F(DetailJob, AThinHandleStaysOnePiece) {
     const SolidMeasure solid = measureSolid(fractalMesh(made, mMonitor));
     ASSERT_FALSE(solid.islands.empty());
     EXPECT_GT(solid.shareOfLargest(1), 0.97) << seed;
+  }
+}
+
+TEST_F(DetailJob, ATreeOfTubesStaysOnePiece) {
+  // Closed tubes of 12 sides that begin inside of others.
+  const auto tube = [](const Vec3d& from, const Vec3d& to, double first, double last) {
+    constexpr std::uint32_t kSides = 12;
+    const Vec3d along = (to - from).unit(), side = along.cross(Vec3d(0.3, 0.5, 0.81)).unit(), up = along.cross(side);
+    Mesh mesh;
+    for (const auto& [middle, radius] : {std::pair{from, first}, {to, last}})
+      for (std::uint32_t k = 0; k < kSides; ++k) {
+        const double angle = 2 * kPi * k / kSides;
+        mesh.points.push_back(middle + (side * std::cos(angle) + up * std::sin(angle)) * radius);
+      }
+    for (std::uint32_t k = 0; k < kSides; ++k) {
+      const std::uint32_t next = (k + 1) % kSides;
+      mesh.triangles.insert(mesh.triangles.end(), {Vec3I(k, next, k + kSides), Vec3I(next, next + kSides, k + kSides)});
+      if (k == 0 || next == 0) continue;
+      mesh.triangles.emplace_back(0, next, k);
+      mesh.triangles.emplace_back(kSides, kSides + k, kSides + next);
+    }
+    return mesh;
+  };
+  Mesh tree = tube(Vec3d(0), Vec3d(0, 0, 1), 0.13, 0.09);
+  std::size_t tubes = 1;
+  for (int i = 0; i < 3; ++i) {
+    const double turn = 2.1 * i;
+    const Vec3d fork(0, 0, 0.6 + 0.15 * i), out(std::cos(turn), std::sin(turn), 0.7), end = fork + out * 0.5;
+    tree = merged(tree, tube(fork, end, 0.075, 0.055));
+    ++tubes;
+    for (const double way : {-1.0, 1.0}) {
+      const Vec3d twig = fork + out * 0.35, across(-out[1] * way, out[0] * way, 0.4);
+      tree = merged(tree, tube(twig, twig + across * 0.4, 0.05, 0.04));
+      ++tubes;
+    }
+  }
+  const std::string path = write("tree.obj", tree);
+  for (const char* detail : {"0.3", "0.6"}) {
+    const Scene made = scene({{"input", path}, {"detail", detail}, {"resolution", "150"}, {"sdf-resolution", "200"}});
+    EXPECT_EQ(made.facts.at("julia_united_parts"), std::to_string(tubes));
+    EXPECT_GT(measureSolid(fractalMesh(made, mMonitor)).shareOfLargest(1), 0.97) << detail;
   }
 }
 

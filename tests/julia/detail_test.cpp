@@ -60,4 +60,44 @@ TEST(WantedScale, RefusesAnOriginOutside) {
   EXPECT_THROW(julia::wantedScale(ball(0.3, 0.1), 3, 1), std::invalid_argument);
 }
 
+TEST(WantedLaw, TrapsWhatLiesBelowTheShell) {
+  int plunges = 0;
+  for (const double radius : {0.1, 0.3, 0.5})
+    for (const double detail : {0.1, 0.3, 0.5, 0.8, 0.95})
+      for (const double outward : {0.0, 0.3})
+        for (const int n : {2, 3, 5, 10}) {
+          const double surface = -outward / (detail + outward), width = (detail + outward) * radius;
+          RadialMaximum w{.step = 0.002, .maximum = {}};
+          for (int k = 0; k < 500; ++k) w.maximum.push_back(((k + 1) * w.step - (1 + outward) * radius) / width);
+          const julia::DetailLaw law = julia::wantedLaw(w, surface, n, 2);
+          EXPECT_LE(law.scale, julia::wantedScale(w, n, 2) * 1.0001);
+          plunges += law.plunge > 0;
+          double l = law.at(-1);
+          for (int i = 1; i < n && l < 0; ++i) l = law.at(w.logBound(std::exp(l)));
+          EXPECT_LT(l, 0) << radius << ' ' << detail << ' ' << outward << ' ' << n;
+        }
+  EXPECT_GT(plunges, 10);
+}
+
+TEST(WantedLaw, HoldsBetweenNodesWhatItSaysAtThem) {
+  const julia::DetailLaw law{.logEscape = 0.7, .scale = 1.8, .plunge = 1.1};
+  for (double a = -6; a < 6; a += 0.083)
+    for (double b = a; b < 6; b += 0.091)
+      for (double t = 0; t <= 1; t += 0.03) {
+        const double w = (1 - t) * a + t * b, e = (1 - t) * law.at(a) + t * law.at(b);
+        if (w <= -1) ASSERT_LE(e, law.at(-1) + 1e-12) << a << ' ' << b;
+        if (w >= 0) ASSERT_GE(e, law.at(0) - 1e-12) << a << ' ' << b;
+      }
+  for (double w = -3; w < 3; w += 0.001) ASSERT_LT(law.at(w), law.at(w + 0.001));
+}
+
+TEST(WantedLaw, AShallowShellNeedsNoPlunge) {
+  for (const double depth : {0.03, 0.06, 0.09}) {
+    const RadialMaximum w = ball(0.3, depth);
+    const julia::DetailLaw law = julia::wantedLaw(w, 0, 5, 2);
+    EXPECT_EQ(law.plunge, 0) << depth;
+    EXPECT_EQ(law.scale, julia::wantedScale(w, 5, 2)) << depth;
+  }
+}
+
 }  // namespace

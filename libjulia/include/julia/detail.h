@@ -33,4 +33,34 @@ class NoDetail : public std::invalid_argument {
 /// @throw std::invalid_argument  maxIterations < 1 or escapeRadius <= 1
 double wantedScale(const RadialMaximum& maximum, int maxIterations, double escapeRadius);
 
+/// E as a function of w. The bound of r_in counts with an orbit that takes the worst direction at each step, and few
+/// do: with the law above, and D = 0.8, no point deeper than some 65 % of the shell ever leaves. So where the shell is
+/// deep, E falls slowly first, to where orbits do leave, and plunges to ln r_in in the last kPlunge of the shell:
+///
+///   E = ln(escape) + K w                      for -(1 - kPlunge) <= w <= 0
+///   E = ln(escape) - K + S (w + 1) - P        below, with S = K + P / kPlunge
+///   E = ln(escape) + S w                      above 0, where nothing but its sign counts
+///
+/// Lines of slope S through (-1, E(-1)) and through (0, E(0)) lie above and below E, respectively. Hence a mean of E at
+/// nodes where the same mean of w is <= -1 is at most E(-1), and where it is >= 0 it is at least ln(escape): what is
+/// promised at nodes holds between them.
+struct DetailLaw {
+  double logEscape = 0;
+  double scale = 0;   ///< K
+  double plunge = 0;  ///< P >= 0; 0: E is linear
+  static constexpr double kPlunge = 0.05;
+
+  double at(double w) const {
+    const double steep = scale + plunge / kPlunge;
+    if (w > 0) return logEscape + steep * w;
+    if (w >= kPlunge - 1) return logEscape + scale * w;
+    return logEscape - scale + steep * (w + 1) - plunge;
+  }
+};
+
+/// The law with the smallest scale, and the plunge that it needs.
+/// @param surface  w at the target's surface: how deep the target is about the origin is read from @a maximum
+/// @throw as wantedScale()
+DetailLaw wantedLaw(const RadialMaximum& maximum, double surface, int maxIterations, double escapeRadius);
+
 }  // namespace julia

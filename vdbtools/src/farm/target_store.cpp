@@ -3,6 +3,7 @@
 
 #include "base/elementary.h"
 #include "target/solid_input.h"
+#include "target/united_parts.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/memory.h"
 #include "vdbtools/base/number_text.h"
@@ -67,7 +68,7 @@ class KeptTarget final : public TargetInput {
       const BandWidths wide{generous(widths.exterior, before.exterior), generous(widths.interior, before.interior),
                             widths.wholeInside || before.wholeInside};
       Target target = mInput->distances(wide, monitor);
-      keep(pathOf("band"), target.phi, wide, target.repairMoved);
+      keep(pathOf("band"), target, wide);
       return target;
     } catch (const MemoryError&) {
     } catch (const std::invalid_argument&) {
@@ -83,7 +84,7 @@ class KeptTarget final : public TargetInput {
     const fs::path path = pathOf("coarse");
     if (std::optional<KeptBand> kept = readBand(path)) return kept->target.phi;
     FloatGrid::ConstPtr coarse = mInput->coarseDistances(monitor);
-    keep(path, std::const_pointer_cast<FloatGrid>(coarse), {}, {});
+    keep(path, {.phi = std::const_pointer_cast<FloatGrid>(coarse), .box = {}}, {});
     return coarse;
   }
 
@@ -99,6 +100,8 @@ class KeptTarget final : public TargetInput {
       placeOnLattice(*kept.target.phi, file.metadata.at(kLattice));
       if (const auto moved = file.metadata.find(kMoved); moved != file.metadata.end())
         kept.target.repairMoved = parseNumber(kMoved, moved->second);
+      if (const auto united = file.metadata.find(kUnitedParts); united != file.metadata.end())
+        kept.target.phi->insertMeta(kUnitedParts, openvdb::StringMetadata(united->second));
       if (const auto found = file.metadata.find(kWidths); found != file.metadata.end()) {
         const std::vector<std::string> both = split(found->second, ',');
         const auto width = [&](std::size_t i) { return numberFromText(both.at(i)).value(); };
@@ -110,18 +113,18 @@ class KeptTarget final : public TargetInput {
     }
   }
 
-  void keep(const fs::path& path, const FloatGrid::Ptr& phi, const BandWidths& widths,
-            const std::optional<double>& moved) const {
+  void keep(const fs::path& path, const Target& target, const BandWidths& widths) const {
     if (!mKeeps(mKey)) return;
     try {
       std::error_code error;
       fs::create_directories(mFolder, error);
-      FloatGrid::Ptr grid = phi->copy();
+      FloatGrid::Ptr grid = target.phi->copy();
       grid->setName(kGrid);
-      VdbWriteOptions options{.metadata = {{kLattice, latticeText(*phi)}}};
+      VdbWriteOptions options{.metadata = {{kLattice, latticeText(*target.phi)}}};
       options.metadata[kWidths] =
           numbersText({widths.exterior, widths.interior}) + ',' + (widths.wholeInside ? kWholeInside : kInside);
-      if (moved) options.metadata[kMoved] = numbersText({*moved});
+      if (target.repairMoved) options.metadata[kMoved] = numbersText({*target.repairMoved});
+      if (const auto united = (*target.phi)[kUnitedParts]) options.metadata[kUnitedParts] = united->str();
       const std::string bytes = encodeVdb({grid}, options);
       AtomicFile file(path), hash(hashPathOf(path));
       file.stream() << bytes;

@@ -4,6 +4,7 @@
 #include "job/target_parts.h"
 #include "target/control_lattice.h"
 #include "target/solid_input.h"
+#include "target/united_parts.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/memory.h"
 #include "vdbtools/base/number_text.h"
@@ -397,6 +398,7 @@ Facts shellFacts(const ExponentGrid& exponent) {
 Facts targetFacts(const Target& target) {
   Facts facts{{kTargetBox, boxText(target.box)}};
   if (target.repairMoved) facts["julia_repair_moved"] = numbersText({*target.repairMoved});
+  if (const auto united = (*target.phi)[kUnitedParts]) facts[kUnitedParts] = united->str();
   return facts;
 }
 

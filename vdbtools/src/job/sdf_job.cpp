@@ -2,6 +2,7 @@
 #include "vdbtools/job/sdf_job.h"
 
 #include "target/solid_input.h"
+#include "target/united_parts.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/recipe/recipe_reader.h"
 
@@ -65,6 +66,7 @@ SdfResult runSdf(const SdfOptions& options, Monitor& monitor) {
   // The program reads it back with the grid, and so in the axes of the file.
   result.facts[kTargetBox] = boxText(UpTurn(options.axes.target, options.axes.ofVdb())(source.box));
   if (sdf.moved) result.facts["julia_repair_moved"] = numbersText({*sdf.moved});
+  if (sdf.united > 0) result.facts[kUnitedParts] = std::to_string(sdf.united);
   return result;
 }
 

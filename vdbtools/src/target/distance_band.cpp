@@ -5,6 +5,7 @@
 
 #include "base/in_parallel.h"
 #include "base/openvdb/exterior_trace.h"
+#include "target/outer_surface.h"
 
 #include <openvdb/math/Proximity.h>
 #include <openvdb/tools/SignedFloodFill.h>
@@ -365,8 +366,15 @@ FloatGrid::Ptr unsignedDistances(const TriangleTree& tree, float width, std::str
 }
 
 FloatGrid::Ptr signedDistances(const TriangleTree& tree, float exterior, float interior, std::string_view phase,
-                               Monitor& monitor) {
+                               Monitor& monitor, std::size_t* united) {
   const Sides sides = SideFinder(tree, monitor).find();
+  if (united) {
+    *united = 0;
+    if (const auto outer = outerSurface(tree.points(), tree.triangles(), sides.buriesSurface, monitor)) {
+      *united = outer->parts;
+      return signedDistances(TriangleTree(outer->points, outer->triangles), exterior, interior, phase, monitor);
+    }
+  }
   if (sides.buriesSurface) {
     const std::vector<Vec3I> kept = boundingTriangles(tree, sides, monitor);
     if (!kept.empty() && kept.size() < tree.triangles().size())

@@ -25,9 +25,11 @@ openvdb::FloatGrid::Ptr unsignedDistances(const TriangleTree& tree, float width,
 /// Triangles with no outside within three voxels bound nothing: inner walls, and the parts of overlapping solids that
 /// lie in each other. Distances are those to the other triangles.
 /// @param exterior, interior  widths of the band
+/// @param united  if not null, signs and distances are those of the outer surface of parts that run into each other
+///                (outer_surface.h), and this becomes the number of those parts
 /// @return not pruned, flood filled; the background is @a exterior
 /// @throw Interrupted
 openvdb::FloatGrid::Ptr signedDistances(const TriangleTree& tree, float exterior, float interior,
-                                        std::string_view phase, Monitor& monitor);
+                                        std::string_view phase, Monitor& monitor, std::size_t* united = nullptr);
 
 }  // namespace vdbtools

@@ -314,11 +314,11 @@ class Baker {
     return result;
   }
 
-  /// value -> level + scale value, from the place in the shell of detail to E.
-  void stretch(double level, double scale) {
+  /// From the place in the shell of detail to E.
+  void stretch(const julia::DetailLaw& law) {
     forEach(mLeaves.size(), mMonitor, [&](std::size_t i) {
       for (auto value = mLeaves[i]->beginValueOn(); value; ++value)
-        value.setValue(static_cast<float>(level + scale * static_cast<double>(*value)));
+        value.setValue(static_cast<float>(law.at(static_cast<double>(*value))));
     });
   }
 
@@ -525,11 +525,16 @@ ExponentGrid exponentGrid(const Target& target, const FractalSpace& space, const
   // Where the distances end inside, E is at least as low as at their end.
   const double solidPhi = target.denseBox ? kNowhere : solidBeginsAt(*target.phi, monitor);
   double solid = solidPhi == kNowhere ? kNowhere : law.greatestInside(solidPhi);
+  julia::DetailLaw detail;
   if (options.detail) {
-    result.scale = julia::wantedScale(radialMaximumAbout(options.detail->origin, target, baker, solid, logEscape),
-                                      options.orbit.maxIterations, options.orbit.escapeRadius);
-    baker.stretch(logEscape, *result.scale);
-    solid = logEscape + *result.scale * solid;
+    const Vec3d& origin = options.detail->origin;
+    float surface = 0;
+    law.apply({&origin, 1}, {&surface, 1});
+    detail = julia::wantedLaw(radialMaximumAbout(origin, target, baker, solid, logEscape), static_cast<double>(surface),
+                              options.orbit.maxIterations, options.orbit.escapeRadius);
+    result.scale = detail.scale;
+    baker.stretch(detail);
+    solid = detail.at(solid);
   }
   const double largestStep = baker.largestStep();
   const double difference = largestStep * stepsInReach(options.interpolation);
@@ -541,7 +546,7 @@ ExponentGrid exponentGrid(const Target& target, const FractalSpace& space, const
   if (options.detail && solidPhi != kNowhere) {
     // What is steep elsewhere does not matter here.
     const double near = (stepsInReach(options.interpolation) - 1) * vdbtools::largestStep(target.phi->tree(), monitor);
-    result.tooShallow = logEscape + *result.scale * law.greatestInside(solidPhi + near) > result.shell.lower;
+    result.tooShallow = detail.at(law.greatestInside(solidPhi + near)) > result.shell.lower;
   } else {
     result.tooShallow = solid + difference > result.shell.lower + largestStep;
   }

@@ -126,11 +126,11 @@ FloatGrid::Ptr toWorld(FloatGrid::Ptr grid, double voxelSize) {
 }
 
 FloatGrid::Ptr convert(const std::vector<Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,
-                       const MeshToSdfOptions& options, Monitor& monitor) {
+                       const MeshToSdfOptions& options, Monitor& monitor, std::size_t* united) {
   const TriangleTree tree(points, triangles);
   return toWorld(signedDistances(tree, static_cast<float>(options.exteriorBandWidth),
                                  static_cast<float>(finiteInteriorBand(tree.box(), options.interiorBandWidth)),
-                                 "distance field", monitor),
+                                 "distance field", monitor, united),
                  options.voxelSize);
 }
 

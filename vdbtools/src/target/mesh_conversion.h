@@ -23,9 +23,10 @@ std::vector<openvdb::Vec3d> toIndexSpace(const std::vector<openvdb::Vec3d>& poin
 
 /// The signed distances of a mesh, scaled to world units. Nothing is checked.
 /// @param points  index space
+/// @param united  as of signedDistances()
 /// @throw Interrupted
 openvdb::FloatGrid::Ptr convert(const std::vector<openvdb::Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,
-                                const MeshToSdfOptions& options, Monitor& monitor);
+                                const MeshToSdfOptions& options, Monitor& monitor, std::size_t* united = nullptr);
 
 /// A level set of distances in voxels, in world units; named "phi". Changes the grid that it is given.
 openvdb::FloatGrid::Ptr toWorld(openvdb::FloatGrid::Ptr grid, double voxelSize);

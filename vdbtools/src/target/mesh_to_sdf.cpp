@@ -76,11 +76,14 @@ void requireDistances(const openvdb::FloatGrid& grid, const Mesh& mesh, const st
 
 }  // namespace
 
-openvdb::FloatGrid::Ptr meshToSdf(const Mesh& mesh, const MeshToSdfOptions& options, Monitor& monitor) {
+openvdb::FloatGrid::Ptr meshToSdf(const Mesh& mesh, const MeshToSdfOptions& options, Monitor& monitor,
+                                  std::size_t* united) {
   MeshReport report = reportMesh(mesh);
   checkOptions(report, options);
   const std::vector<openvdb::Vec3d> points = toIndexSpace(mesh.points, options.voxelSize);
-  openvdb::FloatGrid::Ptr grid = convert(points, mesh.triangles, options, monitor);
+  std::size_t parts = 0;
+  openvdb::FloatGrid::Ptr grid = convert(points, mesh.triangles, options, monitor, &parts);
+  if (united) *united = parts;
   // Points that are doubled along seams of texture or normals, or in a soup, open no hole.
   if (!report.closed()) report = reportMesh(weldMesh(mesh));
   requireDistances(*grid, mesh, points, report);

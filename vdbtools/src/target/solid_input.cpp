@@ -89,9 +89,13 @@ MeshToSdfOptions sdfBand(double voxelSize, double exteriorWidth, double interior
 MeshSdf makeSdf(const Mesh& solid, const MeshToSdfOptions& options, const MendOptions& mend, Monitor& monitor) {
   if (mend.offset() > 0)
     return {.grid = meshToSdf(offsetSurface(solid, mend.offset(), options.voxelSize, monitor), options, monitor)};
-  if (!mend.repair || mend.solidify) return {.grid = meshToSdf(solid, options, monitor)};
+  if (!mend.repair || mend.solidify) {
+    MeshSdf sdf;
+    sdf.grid = meshToSdf(solid, options, monitor, &sdf.united);
+    return sdf;
+  }
   RepairedSdf repaired = repairedMeshToSdf(solid, options, {.gap = mend.gap}, monitor);
-  return {repaired.grid, repaired.moved, repaired.closedGap, repaired.caps};
+  return {repaired.grid, repaired.moved, repaired.closedGap, repaired.caps, repaired.united};
 }
 
 namespace {

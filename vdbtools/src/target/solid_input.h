@@ -47,6 +47,7 @@ struct MeshSdf {
   openvdb::FloatGrid::Ptr grid{};
   std::optional<double> moved{}, closedGap{};  ///< of a repair, world units
   std::size_t caps = 0;                        ///< holes that a repair capped
+  std::size_t united = 0;                      ///< parts that run into each other, as of meshToSdf()
 };
 
 /// By meshToSdf() or repairedMeshToSdf(), of the mesh or of the surface at a distance from it.

@@ -5,6 +5,7 @@
 #include "target/band_growth.h"
 #include "target/mesh_conversion.h"
 #include "target/solid_input.h"
+#include "target/united_parts.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/formats/vdb_file.h"
 
@@ -50,6 +51,7 @@ class MeshInput final : public TargetInput {
     const MeshSdf sdf = makeSdfAbout(mSource.box.getCenter(), *mSource.solid, sdfBandOf(widths), mMend, monitor);
     Target target = makeTarget(sdf.grid, mSource.box);
     target.repairMoved = sdf.moved;
+    if (sdf.united > 0) target.phi->insertMeta(kUnitedParts, openvdb::StringMetadata(std::to_string(sdf.united)));
     return target;
   }
 
@@ -58,6 +60,7 @@ class MeshInput final : public TargetInput {
     if (phi == distances.phi) return distances;
     Target target = makeTarget(phi, distances.box);
     target.repairMoved = distances.repairMoved;
+    if (const auto united = (*distances.phi)[kUnitedParts]) target.phi->insertMeta(kUnitedParts, *united);
     return target;
   }
 

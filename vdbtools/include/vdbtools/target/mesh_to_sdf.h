@@ -15,6 +15,8 @@
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/mesh/mesh.h"
 
+#include <cstddef>
+
 namespace vdbtools {
 
 struct MeshToSdfOptions {
@@ -26,12 +28,15 @@ struct MeshToSdfOptions {
 /// @return a level set, with the class, background and flood fill that OpenVDB expects. The background is the exterior
 ///         band width in world units.
 /// A closed mesh may be oriented either way, cross itself, and have inner walls; cavities that it encloses are inside.
-/// An open mesh passes if the voxels span its holes.
+/// Of closed parts that run into each other, the outer surface of their union counts. An open mesh passes if the voxels
+/// span its holes.
+/// @param united  if not null, becomes the number of such parts
 /// @throw std::invalid_argument  options out of their domain, or a grid of more than 2^31 nodes
 /// @throw DataError              the mesh leaks or has no inside at this voxel size; the text gives the numbers (open
 ///                               edges, inside volume against the mesh's own) and a leak has Remedy::RepairMesh
 /// @throw Interrupted
-openvdb::FloatGrid::Ptr meshToSdf(const Mesh& mesh, const MeshToSdfOptions& options, Monitor& monitor);
+openvdb::FloatGrid::Ptr meshToSdf(const Mesh& mesh, const MeshToSdfOptions& options, Monitor& monitor,
+                                  std::size_t* united = nullptr);
 
 struct RepairedSdf {
   openvdb::FloatGrid::Ptr grid;
@@ -41,7 +46,8 @@ struct RepairedSdf {
   double moved = 0;
   /// The widest gap that is certain to be closed, world units.
   double closedGap = 0;
-  std::size_t caps = 0;  ///< holes that were capped
+  std::size_t caps = 0;    ///< holes that were capped
+  std::size_t united = 0;  ///< parts that run into each other, as of meshToSdf()
 };
 
 struct RepairOptions {
