@@ -12,6 +12,7 @@
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/farm/frame_recipes.h"
 #include "vdbtools/job/fractal_files.h"
+#include "vdbtools/job/voxel_advice.h"
 #include "vdbtools/recipe/option_value.h"
 #include "vdbtools/target/target_survey.h"
 
@@ -108,8 +109,16 @@ struct FractalCounts {
   double evaluatedNodes = 0, triangles = 0;
 };
 
+/// What is finer than the voxels. @return whether there was something to say
+bool tellWhatIsFiner(const vdbtools::Scene& scene) {
+  const std::string finer = vdbtools::finerThanVoxelsText(scene);
+  if (!finer.empty()) report().text() << "warning: " << finer << '\n';
+  return !finer.empty();
+}
+
 /// Makes the files of one fractal and says so; of a frame briefly.
-FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtools::SceneMaker& maker,
+/// @param saysFiner  whether it is to say what is finer than the voxels; false once it has
+FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtools::SceneMaker& maker, bool& saysFiner,
                           vdbtools::Monitor& progress) {
   const bool wantVdb = line.has("output"), wantMesh = line.has("mesh"), isFrame = run.frame && line.has("frames");
   const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(run.found);
@@ -154,6 +163,10 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
   for (std::size_t i = 0; i < result.levels.size(); ++i)
     report().text() << "LOD" << i + 1 << ": " << result.levels[i].triangles << " triangles, some "
                     << vdbtools::shortText(result.levels[i].error / scene.voxelSize) << " voxels from the surface\n";
+  if (const std::string chosen = vdbtools::chosenResolutionText(scene); !chosen.empty() && !isFrame)
+    report().text() << chosen << '\n';
+  // Of a sequence once: its frames are much alike.
+  saysFiner = saysFiner && !tellWhatIsFiner(scene);
   if (scene.exponent) {
     if (!isFrame) report().text() << choiceText(scene) << '\n';
     if (result.solid) tellWhatIsLeft(scene, *result.solid, isFrame);
@@ -169,9 +182,10 @@ int makeFrames(const CommandLine& line) {
   requireFramePlaces(line, recipes.inputs(), kOutputOptions, recipes.frames());
   vdbtools::SceneMaker maker;
   FractalCounts total;
+  bool saysFiner = true;
   const SequenceCounts counts =
       makeSequence(line, recipes, kOutputOptions, [&](const FractalRun& run, vdbtools::Monitor& monitor) {
-        const FractalCounts made = makeFractal(line, run, maker, monitor);
+        const FractalCounts made = makeFractal(line, run, maker, saysFiner, monitor);
         total.evaluatedNodes += made.evaluatedNodes;
         total.triangles += made.triangles;
       });
@@ -197,9 +211,10 @@ int runFractal(const Arguments& arguments) {
   if (line.has("frames")) return makeFrames(line);
   line.requireEffect(productsOf(line));
   vdbtools::SceneMaker maker;
+  bool saysFiner = true;
   makeFractal(line,
               {line.recipe(), withFoundFiles(line, line.recipe(), line.configHolder()), parseFrame(line.text("frame"))},
-              maker, line.progress());
+              maker, saysFiner, line.progress());
   return kDone;
 }
 

@@ -2,17 +2,31 @@
 #include "vdbtools/field/lattice_options.h"
 
 #include <stdexcept>
+#include <string>
 
 namespace vdbtools {
+namespace {
+
+constexpr const char* kAutomatic = "auto";
+// A target's texture is half as wide as the voxels of 200 in many places; sets of their own are looked at whole.
+constexpr const char* kResolutionOfTarget = "300";
+constexpr const char* kResolutionOfRegion = "200";
+
+}  // namespace
 
 std::vector<OptionSpec> latticeOptionSpecs() {
   const IdleRule offLattice =
       idleWithout({Product::Vdb, Product::Mesh, Product::Stl, Product::Glb, Product::MeshCount}, "a VDB or a mesh");
   return {
       {.name = "resolution",
-       .argument = "N",
-       .defaultValue = "200",
-       .help = "voxels of the result along the longest side of the target, or of the region if there is no target",
+       .argument = "N|auto",
+       .help = "voxels of the result along the longest side of the target, or of the region if there is no target; "
+               "auto: as many as show nine tenths of the texture with two voxels or more, 200 to 1000, within the "
+               "memory that the run may use",
+       .defaultFor = [](const Recipe& recipe) -> std::optional<std::string> {
+         return recipe.contains("input") ? kResolutionOfTarget : kResolutionOfRegion;
+       },
+       .defaultNote = std::string(kResolutionOfTarget) + ", or " + kResolutionOfRegion + " without a target",
        .alternative = "voxel-size"},
       {.name = "voxel-size",
        .argument = "H",
@@ -34,7 +48,14 @@ std::vector<OptionSpec> latticeOptionSpecs() {
 
 LatticeOptions parseLatticeOptions(const RecipeReader& reader) {
   LatticeOptions options;
-  options.voxels = reader.voxels("resolution", "voxel-size");
+  options.automatic = reader.text("resolution") == kAutomatic;
+  if (options.automatic) {
+    if (reader.has("voxel-size")) reader.voxels("resolution", "voxel-size");  // which refuses it
+  } else {
+    if (reader.has("resolution") && !numberFromText(reader.text("resolution")))
+      reader.refuse("resolution", "a number of voxels, or auto");
+    options.voxels = reader.voxels("resolution", "voxel-size");
+  }
   if (reader.has("box")) options.box = parseBox("box", reader.text("box"));
   options.exhaustive = reader.flag("exhaustive");
   const int stride = reader.integer("seed-stride", 1, 64);
