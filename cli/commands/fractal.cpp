@@ -109,6 +109,15 @@ struct FractalCounts {
   double evaluatedNodes = 0, triangles = 0;
 };
 
+/// The shares of the surface where something is finer than two voxels, 0 to 1, and the resolution that was chosen.
+void countFiner(const vdbtools::Scene& scene) {
+  if (!scene.features) return;
+  const vdbtools::VoxelAdvice advice = vdbtools::adviseVoxels(*scene.features, scene.voxelSize);
+  report().count("textureBelowTwoVoxels", advice.textureShare);
+  if (scene.exponentOf->detail) report().count("coreBelowTwoVoxels", advice.coreShare);
+  if (scene.chosenResolution) report().count("resolution", scene.chosenResolution->resolution);
+}
+
 /// What is finer than the voxels. @return whether there was something to say
 bool tellWhatIsFiner(const vdbtools::Scene& scene) {
   const std::string finer = vdbtools::finerThanVoxelsText(scene);
@@ -136,6 +145,7 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
   if (!isFrame) {
     report().count("voxelSize", scene.voxelSize);
     report().count("evaluatedNodes", counts.evaluatedNodes);
+    countFiner(scene);
     if (wantMesh) report().count("triangles", counts.triangles);
   }
   if (result.solid && !isFrame) report().count("islands", static_cast<double>(result.solid->islands.size()));
@@ -178,8 +188,15 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
 
 /// The frames of a sequence, those left out that are there already.
 int makeFrames(const CommandLine& line) {
-  const vdbtools::FrameRecipes recipes(parseFrameOptions(line, productsOf(line)));
-  requireFramePlaces(line, recipes.inputs(), kOutputOptions, recipes.frames());
+  vdbtools::FramePlanOptions options = parseFrameOptions(line, productsOf(line));
+  // The options and places of all frames are checked before the first of them is looked at.
+  {
+    const vdbtools::FrameRecipes asked(options);
+    requireFramePlaces(line, asked.inputs(), kOutputOptions, asked.frames());
+  }
+  vdbtools::chooseResolution(options, line.progress());
+  if (options.resolution) report().text() << frameResolutionText(options) << '\n';
+  const vdbtools::FrameRecipes recipes(options);
   vdbtools::SceneMaker maker;
   FractalCounts total;
   bool saysFiner = true;

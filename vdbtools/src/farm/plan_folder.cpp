@@ -18,7 +18,8 @@ namespace {
 void requireWritable(const fs::path& folder) {
   std::error_code error;
   fs::path first = fs::absolute(folder / kManifestName).lexically_normal();
-  while (!fs::exists(first.parent_path(), error) && first.parent_path().has_relative_path()) first = first.parent_path();
+  while (!fs::exists(first.parent_path(), error) && first.parent_path().has_relative_path())
+    first = first.parent_path();
   if (!fs::is_directory(first.parent_path(), error))
     throw CreateError("cannot make the folder '" + folder.string() + "': '" + first.parent_path().string() +
                       "' is not a folder");

@@ -8,11 +8,16 @@ namespace vdbtools {
 namespace {
 
 constexpr const char* kAutomatic = "auto";
-// A target's texture is half as wide as the voxels of 200 in many places; sets of their own are looked at whole.
+// What the usual textures need over most shapes (docs/textures.md). Sets of their own have detail of every size.
 constexpr const char* kResolutionOfTarget = "300";
 constexpr const char* kResolutionOfRegion = "200";
 
 }  // namespace
+
+bool hasAutomaticResolution(const Recipe& recipe) {
+  const auto found = recipe.find("resolution");
+  return found != recipe.end() && found->second == kAutomatic;
+}
 
 std::vector<OptionSpec> latticeOptionSpecs() {
   const IdleRule offLattice =
@@ -21,7 +26,7 @@ std::vector<OptionSpec> latticeOptionSpecs() {
       {.name = "resolution",
        .argument = "N|auto",
        .help = "voxels of the result along the longest side of the target, or of the region if there is no target; "
-               "auto: as many as show nine tenths of the texture with two voxels or more, 200 to 1000, within the "
+               "auto: as many as show nine tenths of the texture with two voxels or more, 300 to 1000, within the "
                "memory that the run may use",
        .defaultFor = [](const Recipe& recipe) -> std::optional<std::string> {
          return recipe.contains("input") ? kResolutionOfTarget : kResolutionOfRegion;
@@ -48,7 +53,7 @@ std::vector<OptionSpec> latticeOptionSpecs() {
 
 LatticeOptions parseLatticeOptions(const RecipeReader& reader) {
   LatticeOptions options;
-  options.automatic = reader.text("resolution") == kAutomatic;
+  options.automatic = hasAutomaticResolution(reader.recipe());
   if (options.automatic) {
     if (reader.has("voxel-size")) reader.voxels("resolution", "voxel-size");  // which refuses it
   } else {

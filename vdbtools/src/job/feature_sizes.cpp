@@ -99,7 +99,8 @@ class SurfacePlaces {
     for (int axis = 0; axis < 3; ++axis) {
       Coord one(0);
       one[axis] = 1;
-      place.normal[axis] = static_cast<double>(access.getValue(node + one)) - static_cast<double>(access.getValue(node - one));
+      place.normal[axis] =
+          static_cast<double>(access.getValue(node + one)) - static_cast<double>(access.getValue(node - one));
     }
     const double length = std::sqrt(place.normal.lengthSqr());
     place.normal = length > 0 ? place.normal / length : Vec3d(0);
@@ -107,7 +108,7 @@ class SurfacePlaces {
   }
 
   const FloatGrid& mPhi;
-  double mVoxel;  ///< world units
+  double mVoxel;              ///< world units
   std::optional<BBoxd> mBox;  ///< index space
   std::vector<const Leaf*> mLeaves;
 };

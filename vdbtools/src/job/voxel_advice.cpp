@@ -103,14 +103,16 @@ std::string finerThanVoxelsText(const Scene& scene) {
 double estimatedMemory(const Scene& scene, double voxel) { return memoryAt(extentOf(scene), voxel); }
 
 ChosenResolution chooseResolution(const Scene& scene, bool withinMemory) {
-  constexpr double kLeast = 200, kMost = 1000;  // along the longest side of what is made
+  // Along the longest side of what is made: no less than without the option, and no more than floats serve.
+  constexpr double kLeast = 300, kMost = 1000;
   const double side = longestSide(scene.target->box);
   const double made = scene.options.lattice.box ? std::min(side, longestSide(*scene.options.lattice.box)) : side;
   const double least = upToTens(kLeast * side / made), most = upToTens(kMost * side / made);
   const VoxelAdvice advice = adviseVoxels(*scene.features, side / least);
   double wanted = least;
-  for (const std::optional<double>& voxel : {advice.textureVoxel, advice.coreVoxel})
-    if (voxel) wanted = std::max(wanted, upToTens(side / *voxel));
+  if (advice.coreVoxel && upToTens(side / *advice.coreVoxel) <= most)
+    wanted = std::max(wanted, upToTens(side / *advice.coreVoxel));
+  if (advice.textureVoxel) wanted = std::max(wanted, upToTens(side / *advice.textureVoxel));
   ChosenResolution chosen{.resolution = std::min(wanted, most)};
   if (wanted > most) chosen.limit = ChosenResolution::Limit::Most;
   if (!withinMemory) return chosen;
@@ -133,7 +135,7 @@ std::string chosenResolutionText(const Scene& scene) {
     case ChosenResolution::Limit::Most: return text + "the most that 'auto' takes";
     case ChosenResolution::Limit::Memory: break;
   }
-  return text + "limited by memory; --memory sets another limit";
+  return text + "limited by the memory that is left; --memory sets another limit";
 }
 
 }  // namespace vdbtools

@@ -22,6 +22,9 @@ struct LatticeOptions {
   std::optional<FollowOptions> follow;  ///< if the surface is to be followed
 };
 
+/// Whether a recipe leaves the number of voxels to the program.
+bool hasAutomaticResolution(const Recipe& recipe);
+
 std::vector<OptionSpec> latticeOptionSpecs();
 /// @throw std::invalid_argument
 LatticeOptions parseLatticeOptions(const RecipeReader& reader);

@@ -60,10 +60,10 @@ struct Scene {
   julia::OrbitOptions orbit;                   ///< the evaluator's
   Arithmetic arithmetic = Arithmetic::Double;  ///< as options.precision has it or as it was chosen
   std::unique_ptr<julia::FieldEvaluator> evaluator;
-  FractalSpace space;                  ///< the evaluator's
-  PlacedSpace placed;                  ///< where the options place it, before the lattice's shift
-  std::optional<double> targetVolume;  ///< of a target, world units cubed
-  TargetParts targetParts;             ///< of a mesh
+  FractalSpace space;                    ///< the evaluator's
+  PlacedSpace placed;                    ///< where the options place it, before the lattice's shift
+  std::optional<double> targetVolume;    ///< of a target, world units cubed
+  TargetParts targetParts;               ///< of a mesh
   std::optional<FeatureSizes> features;  ///< of a map with a shell; not of a prepared scene (prepared_scene.h)
   std::optional<ChosenResolution> chosenResolution;  ///< of `auto`; the options have the number
   // For the attributes that are asked for, if these need them.

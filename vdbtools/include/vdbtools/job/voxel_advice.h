@@ -11,9 +11,9 @@
 namespace vdbtools {
 
 /// Of the texture, this share may be finer than two voxels where voxels are said to do; of the core, this one.
-inline constexpr double kTextureLeftOut = 0.1, kCoreLeftOut = 0.01;
+inline constexpr double kTextureLeftOut = 0.1, kCoreLeftOut = 0.02;
 /// From these shares on it is worth saying that something is finer than two voxels.
-inline constexpr double kTextureWorthSaying = 0.25, kCoreWorthSaying = 0.02;
+inline constexpr double kTextureWorthSaying = 0.25, kCoreWorthSaying = 0.03;
 
 /// Two voxels are what a lattice needs to show a wave, or to be sure to have a node in a wall.
 struct VoxelAdvice {
@@ -35,7 +35,8 @@ std::string finerThanVoxelsText(const Scene& scene);
 std::string chosenResolutionText(const Scene& scene);
 
 /// The number that `--resolution auto` stands for, a multiple of 10: the least one whose voxels would do by
-/// adviseVoxels(), and 200 to 1000 voxels along the longest side of the target or of the box, as far as memory allows.
+/// adviseVoxels(), and 300 to 1000 voxels along the longest side of the target or of the box, as far as memory allows.
+/// A core that needs more than 1000 is left out of account.
 /// @param scene  made as far as its features; its options' box counts
 ChosenResolution chooseResolution(const Scene& scene, bool withinMemory);
 
