@@ -160,7 +160,7 @@ Field wideField(const Scene& scene) {
     step = [texture = *scene.waves](const Quaternion<Wide>& q) {
       Wide least = 1;
       const Quaternion<Wide> u = reference::wavesAt<Wide>(texture, q, octave<Wide>(q.a, q.b, q.c), least);
-      return u * Wide(exp(exponent<Wide>(q.a, q.b, q.c)) / norm(u));
+      return u * Wide(exp(exponent<Wide>(q.a, q.b, q.c)) / sqrt(normSquared(u)));
     };
   else
     step = [map = reference::shapeModulus<Wide>(exponentAt, scene.rational)](const Quaternion<Wide>& q) {
@@ -386,7 +386,7 @@ Scene waveScene(int iterations, bool fields) {
       const Quaternion<double> cosine = direction(), other = direction();
       const double along = other.a * cosine.a + other.b * cosine.b + other.c * cosine.c + other.d * cosine.d;
       const Quaternion<double> sine = other - cosine * along;
-      factor.waves.push_back({direction(), cosine, sine * (1 / norm(sine))});
+      factor.waves.push_back({direction(), cosine, sine * (1 / std::sqrt(normSquared(sine)))});
     }
     return factor;
   };
