@@ -5,7 +5,9 @@
 #include "julia/random_roots.h"
 #include "julia/rational_map.h"
 #include "julia/reference.h"
+#include "julia/reference_waves.h"
 #include "julia/shape_modulus.h"
+#include "julia/wave_versor.h"
 
 #include <boost/multiprecision/float128.hpp>
 
@@ -18,6 +20,7 @@
 #include <exception>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <random>
 #include <string>
 #include <thread>
@@ -84,16 +87,34 @@ class BumpyBall final : public julia::ScalarField<Real> {
   }
 };
 
+/// The octave of textures of waves: some 10 of them across the ball, and twice as many on one side as on the other.
+template <class T>
+T octave(const T& x, const T& y, const T& z) {
+  return T(3.5) + x + T(0.25) * y * z;
+}
+
+template <class Real>
+class OctaveField final : public julia::ScalarField<Real> {
+ public:
+  void sample(std::span<const Real> x, std::span<const Real> y, std::span<const Real> z,
+              std::span<Real> out) const override {
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = octave(x[i], y[i], z[i]);
+  }
+};
+
 struct Scene {
   std::string map, roots, powers;
   Rational rational;
+  std::optional<julia::WaveTexture> waves{};  ///< instead, for a shape modulus
   int iterations = 3;
   bool isShapeModulus = true;
   double side = 1;  ///< what is divided into N voxels
 
   /// Powers of quaternions that a point costs at most. The shape modulus needs none in its last step.
   double cost() const {
-    const double count = static_cast<double>(rational.top.roots.size() + rational.bottom.roots.size());
+    double count = static_cast<double>(rational.top.roots.size() + rational.bottom.roots.size());
+    if (waves)
+      for (const julia::WaveFactor& factor : waves->factors) count += 2 * static_cast<double>(factor.waves.size());
     return count * std::max(isShapeModulus ? iterations - 1 : iterations, 1);
   }
   double summed() const { return summedPowers(rational.top) + summedPowers(rational.bottom); }
@@ -102,7 +123,13 @@ struct Scene {
 template <class Real>
 std::unique_ptr<julia::FieldEvaluator> evaluatorOf(const Scene& scene) {
   std::shared_ptr<const julia::Map<Real>> map;
-  if (scene.isShapeModulus)
+  if (scene.waves)
+    map = std::make_shared<julia::ShapeModulus<Real>>(
+        std::make_shared<BumpyBall<Real>>(),
+        std::make_shared<julia::WaveVersor<Real>>(*scene.waves, std::make_shared<OctaveField<Real>>(),
+                                                  julia::DropAxis::K),
+        julia::DropAxis::K);
+  else if (scene.isShapeModulus)
     map = std::make_shared<julia::ShapeModulus<Real>>(std::make_shared<BumpyBall<Real>>(), scene.rational,
                                                       julia::DropAxis::K);
   else
@@ -127,14 +154,25 @@ Field wideField(const Scene& scene) {
       }
     };
   const auto exponentAt = [](const Quaternion<Wide>& q) { return exponent<Wide>(q.a, q.b, q.c); };
-  return [exponentAt, map = reference::shapeModulus<Wide>(exponentAt, scene.rational), n = scene.iterations](
-             auto points, auto field) {
+  using Step = std::function<Quaternion<Wide>(const Quaternion<Wide>&)>;
+  Step step;
+  if (scene.waves)
+    step = [texture = *scene.waves](const Quaternion<Wide>& q) {
+      Wide least = 1;
+      const Quaternion<Wide> u = reference::wavesAt<Wide>(texture, q, octave<Wide>(q.a, q.b, q.c), least);
+      return u * Wide(exp(exponent<Wide>(q.a, q.b, q.c)) / sqrt(normSquared(u)));
+    };
+  else
+    step = [map = reference::shapeModulus<Wide>(exponentAt, scene.rational)](const Quaternion<Wide>& q) {
+      return *map(q);
+    };
+  return [exponentAt, step, n = scene.iterations](auto points, auto field) {
     const Wide logEscape = log(Wide(kEscape));
     for (std::size_t i = 0; i < points.size(); ++i) {
       Quaternion<Wide> q{points[i][0], points[i][1], points[i][2], 0};
       Wide l = exponentAt(q);
-      for (int step = 1; step < n && l < logEscape; ++step) {
-        q = *map(q);
+      for (int i = 1; i < n && l < logEscape; ++i) {
+        q = step(q);
         l = exponentAt(q);
       }
       field[i] = static_cast<double>(l);
@@ -326,6 +364,66 @@ Scene shapeScene(int iterations, int roots, double maxPower, bool integerPowers)
   return scene;
 }
 
+/// Bands of two directions and a field of four waves, as the default of the shelf; or two fields of twelve, squared.
+Scene waveScene(int iterations, bool fields) {
+  Scene scene{.map = "shape modulus",
+              .roots = fields ? "2 x 12 waves" : "6 waves",
+              .powers = fields ? "2" : "1",
+              .rational = {}};
+  scene.iterations = iterations;
+  Random random(7);
+  const auto direction = [&random]() -> Quaternion<double> {
+    for (;;) {
+      const Quaternion<double> q{random.between(-1, 1), random.between(-1, 1), random.between(-1, 1),
+                                 random.between(-1, 1)};
+      const double squared = normSquared(q);
+      if (squared < 1 && squared > 0.01) return q * (1 / std::sqrt(squared));
+    }
+  };
+  const auto field = [&](int count, int power) {
+    julia::WaveFactor factor{{}, power};
+    for (int i = 0; i < count; ++i) {
+      const Quaternion<double> cosine = direction(), other = direction();
+      const double along = other.a * cosine.a + other.b * cosine.b + other.c * cosine.c + other.d * cosine.d;
+      const Quaternion<double> sine = other - cosine * along;
+      factor.waves.push_back({direction(), cosine, sine * (1 / std::sqrt(normSquared(sine)))});
+    }
+    return factor;
+  };
+  julia::WaveTexture texture;
+  if (fields) {
+    texture.factors = {field(12, 2), field(12, 2)};
+  } else {
+    const Quaternion<double> one = Quaternion<double>::one();
+    texture.factors = {
+        {{{{0.5, 0.8, 0.3, 0}, one, {0, 1, 0, 0}}}, 1}, {{{{0.5, -0.8, 0.3, 0}, one, {0, 0, 1, 0}}}, 1}, field(4, 1)};
+  }
+  scene.waves = std::move(texture);
+  return scene;
+}
+
+/// Roots and poles in pairs, as a texture that is spread over a shape has them: the two of a pair are as far apart as
+/// half the distance to the next pair, or so, and far away they cancel.
+Scene pairScene(int iterations, int pairs, double power) {
+  Scene scene{.map = "shape modulus", .roots = std::to_string(pairs) + " pairs", .powers = {}, .rational = {}};
+  scene.powers = std::to_string(static_cast<int>(power));
+  scene.iterations = iterations;
+  Random random(11);
+  const auto inBall = [&random](double radius) -> Quaternion<double> {
+    for (;;) {
+      const Quaternion<double> q{random.between(-1, 1), random.between(-1, 1), random.between(-1, 1), 0};
+      if (normSquared(q) < 1) return q * radius;
+    }
+  };
+  const double apart = 0.5 * std::cbrt(1.0 / pairs);
+  for (int i = 0; i < pairs; ++i) {
+    const Quaternion<double> middle = inBall(0.5), half = inBall(apart / 2);
+    scene.rational.top.roots.push_back({middle + half, power});
+    scene.rational.bottom.roots.push_back({middle - half, power});
+  }
+  return scene;
+}
+
 /// A rational like the bunny of [KD20] Table 1: 178 top roots, 153 bottom ones, near a sphere of radius 4, and the C
 /// that puts the surface there.
 Scene bunnyScene() {
@@ -407,6 +505,12 @@ std::vector<Scene> scenes() {
   result.push_back(shapeScene(3, 10, 50, false));
   result.push_back(shapeScene(3, 10, 50, true));
   for (const int roots : {40, 100, 331, 1000}) result.push_back(shapeScene(3, roots, 13, false));
+  for (const int n : {3, 5, 6, 8, 10})
+    for (const bool fields : {false, true}) result.push_back(waveScene(n, fields));
+  for (const int n : {3, 5, 8}) result.push_back(pairScene(n, 60, 1));
+  for (const int n : {3, 5}) result.push_back(pairScene(n, 241, 1));
+  result.push_back(pairScene(3, 241, 3));
+  result.push_back(pairScene(3, 1000, 1));
   result.push_back(bunnyScene());
   return result;
 }

@@ -13,6 +13,7 @@
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/farm/frame_recipes.h"
 #include "vdbtools/job/fractal_files.h"
+#include "vdbtools/job/voxel_advice.h"
 #include "vdbtools/recipe/option_value.h"
 #include "vdbtools/target/target_survey.h"
 
@@ -109,8 +110,25 @@ struct FractalCounts {
   double evaluatedNodes = 0, triangles = 0;
 };
 
+/// The shares of the surface where something is finer than two voxels, 0 to 1, and the resolution that was chosen.
+void countFiner(const vdbtools::Scene& scene) {
+  if (!scene.features) return;
+  const vdbtools::VoxelAdvice advice = vdbtools::adviseVoxels(*scene.features, scene.voxelSize);
+  report().count("textureBelowTwoVoxels", advice.textureShare);
+  if (scene.exponentOf->detail) report().count("coreBelowTwoVoxels", advice.coreShare);
+  if (scene.chosenResolution) report().count("resolution", scene.chosenResolution->resolution);
+}
+
+/// What is finer than the voxels. @return whether there was something to say
+bool tellWhatIsFiner(const vdbtools::Scene& scene) {
+  const std::string finer = vdbtools::finerThanVoxelsText(scene);
+  if (!finer.empty()) report().text() << "warning: " << finer << '\n';
+  return !finer.empty();
+}
+
 /// Makes the files of one fractal and says so; of a frame briefly.
-FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtools::SceneMaker& maker,
+/// @param saysFiner  whether it is to say what is finer than the voxels; false once it has
+FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtools::SceneMaker& maker, bool& saysFiner,
                           vdbtools::Monitor& progress) {
   const bool wantVdb = line.has("output"), wantMesh = line.has("mesh"), isFrame = run.frame && line.has("frames");
   const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(run.found);
@@ -128,6 +146,7 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
   if (!isFrame) {
     report().count("voxelSize", scene.voxelSize);
     report().count("evaluatedNodes", counts.evaluatedNodes);
+    countFiner(scene);
     if (wantMesh) report().count("triangles", counts.triangles);
   }
   if (result.solid && !isFrame) report().count("islands", static_cast<double>(result.solid->islands.size()));
@@ -159,6 +178,10 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
   for (std::size_t i = 0; i < result.levels.size(); ++i)
     report().text() << "LOD" << i + 1 << ": " << result.levels[i].triangles << " triangles, some "
                     << vdbtools::shortText(result.levels[i].error / scene.voxelSize) << " voxels from the surface\n";
+  if (const std::string chosen = vdbtools::chosenResolutionText(scene); !chosen.empty() && !isFrame)
+    report().text() << chosen << '\n';
+  // Of a sequence once: its frames are much alike.
+  saysFiner = saysFiner && !tellWhatIsFiner(scene);
   if (scene.exponent) {
     if (!isFrame) report().text() << choiceText(scene) << '\n';
     if (result.solid) tellWhatIsLeft(scene, *result.solid, isFrame);
@@ -170,13 +193,21 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
 
 /// The frames of a sequence, those left out that are there already.
 int makeFrames(const CommandLine& line) {
-  const vdbtools::FrameRecipes recipes(parseFrameOptions(line, productsOf(line)));
-  requireFramePlaces(line, recipes.inputs(), kOutputOptions, recipes.frames());
+  vdbtools::FramePlanOptions options = parseFrameOptions(line, productsOf(line));
+  // The options and places of all frames are checked before the first of them is looked at.
+  {
+    const vdbtools::FrameRecipes asked(options);
+    requireFramePlaces(line, asked.inputs(), kOutputOptions, asked.frames());
+  }
+  vdbtools::chooseResolution(options, line.progress());
+  if (options.resolution) report().text() << frameResolutionText(options) << '\n';
+  const vdbtools::FrameRecipes recipes(options);
   vdbtools::SceneMaker maker;
   FractalCounts total;
+  bool saysFiner = true;
   const SequenceCounts counts =
       makeSequence(line, recipes, kOutputOptions, [&](const FractalRun& run, vdbtools::Monitor& monitor) {
-        const FractalCounts made = makeFractal(line, run, maker, monitor);
+        const FractalCounts made = makeFractal(line, run, maker, saysFiner, monitor);
         total.evaluatedNodes += made.evaluatedNodes;
         total.triangles += made.triangles;
       });
@@ -202,9 +233,10 @@ int runFractal(const Arguments& arguments) {
   if (line.has("frames")) return makeFrames(line);
   line.requireEffect(productsOf(line));
   vdbtools::SceneMaker maker;
+  bool saysFiner = true;
   makeFractal(line,
               {line.recipe(), withFoundFiles(line, line.recipe(), line.configHolder()), parseFrame(line.text("frame"))},
-              maker, line.progress());
+              maker, saysFiner, line.progress());
   return kDone;
 }
 

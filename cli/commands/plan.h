@@ -30,6 +30,9 @@ void addFrameOptions(CommandLine& line);
 /// @throw std::invalid_argument  also where an option or a key has an effect in no frame
 vdbtools::FramePlanOptions parseFrameOptions(const CommandLine& line, const std::set<vdbtools::Product>& makes);
 
+/// Of options whose resolution was chosen: what it is, in a sentence.
+std::string frameResolutionText(const vdbtools::FramePlanOptions& options);
+
 /// The options of plans whose tasks are whole fractals: -o, --make and --name.
 void addVariantOptions(CommandLine& line);
 /// The value of -o, where the plan can be written. @throw std::invalid_argument, vdbtools::CreateError  none, or no

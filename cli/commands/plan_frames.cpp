@@ -4,10 +4,13 @@
 #include "exit_code.h"
 #include "options.h"
 #include "products.h"
+#include "report.h"
 
+#include "vdbtools/base/number_text.h"
 #include "vdbtools/farm/frame_plan.h"
 #include "vdbtools/job/fractal_options.h"
 
+#include <ostream>
 #include <stdexcept>
 
 namespace po = boost::program_options;
@@ -65,6 +68,11 @@ vdbtools::FramePlanOptions parseFrameOptions(const CommandLine& line, const std:
   return options;
 }
 
+std::string frameResolutionText(const vdbtools::FramePlanOptions& options) {
+  return "resolution " + vdbtools::shortText(options.resolution.value()) +
+         " for all frames: the most that the first, the middle and the last of them need";
+}
+
 int planFrames(const Arguments& arguments) {
   CommandLine line(kPlanFramesUsage, vdbtools::fractalOptionTable());
   addVariantOptions(line);
@@ -78,6 +86,8 @@ int planFrames(const Arguments& arguments) {
   options.name = line.text("name");
   options.makes = makes;
   const std::filesystem::path folder = newPlanFolder(line);
+  vdbtools::chooseResolution(options, line.progress());
+  if (options.resolution) report().text() << frameResolutionText(options) << '\n';
   return finishPlan(folder, vdbtools::planFrames(options));
 }
 

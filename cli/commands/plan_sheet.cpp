@@ -34,7 +34,7 @@ int planSheet(const Arguments& arguments) {
   if (options.cells.empty()) throw std::invalid_argument("no contact sheet was given, such as sheet.json#3,7");
   options.given.erase("input");
   const std::filesystem::path folder = newPlanFolder(line);
-  const vdbtools::Manifest manifest = vdbtools::planSheetCells(options);
+  const vdbtools::Manifest manifest = vdbtools::planSheetCells(options, line.progress());
   std::vector<vdbtools::OptionRun> runs;
   for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index)
     runs.push_back({vdbtools::taskRecipe(manifest, index), productsOf(options.makes)});

@@ -130,6 +130,8 @@ int planTiles(const Arguments& arguments) {
   if (tiles.tiles && plan.manifest.tasks.size() < static_cast<std::size_t>(*tiles.tiles))
     report().text() << "note: " << plan.manifest.tasks.size() << " tiles are all that the blocks of 8 x 8 x 8 nodes "
                     << "with something to do can be cut into\n";
+  if (!plan.chosenResolution.empty()) report().text() << plan.chosenResolution << '\n';
+  if (!plan.finerThanVoxels.empty()) report().text() << "warning: " << plan.finerThanVoxels << '\n';
   const int code = finishPlan(folder, plan.manifest);
   if (wantsEstimate) tellEstimate(vdbtools::estimatePlan(plan.work, makeSample(line, folder, plan, sampleSize)));
   return code;

@@ -5,8 +5,11 @@
 
 #include "vdbtools/files/frame_name.h"
 #include "vdbtools/job/fractal_options.h"
+#include "vdbtools/job/scene.h"
+#include "vdbtools/recipe/option_value.h"
 
 #include <algorithm>
+#include <set>
 #include <stdexcept>
 
 namespace vdbtools {
@@ -37,7 +40,21 @@ Recipe recipeAt(const FramePlanOptions& options, int frame) {
   Recipe recipe = overridden(options.base, values, table);
   for (const std::string& name : animatedFiles(recipe, table))
     recipe = overridden(recipe, {{name, expandFrame(recipe.at(name), frame)}}, table);
+  if (options.resolution && hasAutomaticResolution(recipe)) recipe["resolution"] = numbersText({*options.resolution});
   return recipe;
+}
+
+void chooseResolution(FramePlanOptions& options, Monitor& monitor) {
+  std::vector<int> frames;
+  for (const int frame : options.frames)
+    if (hasAutomaticResolution(recipeAt(options, frame))) frames.push_back(frame);
+  if (frames.empty()) return;
+  double resolution = 0;
+  for (const int frame : std::set<int>{frames.front(), frames[frames.size() / 2], frames.back()}) {
+    const Recipe recipe = completeRecipe(recipeAt(options, frame), fractalOptionTable());
+    resolution = std::max(resolution, makeScene(parseFractalOptions(recipe), monitor).chosenResolution->resolution);
+  }
+  options.resolution = resolution;
 }
 
 void requireChange(const FramePlanOptions& options) {

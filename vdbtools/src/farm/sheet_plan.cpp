@@ -7,6 +7,7 @@
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/files/frame_name.h"
 #include "vdbtools/job/fractal_options.h"
+#include "vdbtools/job/scene.h"
 #include "vdbtools/job/sheet_file.h"
 #include "vdbtools/recipe/option_value.h"
 
@@ -47,6 +48,11 @@ std::set<std::size_t> cellsWithoutErrors(const std::string& file, const std::vec
 }  // namespace
 
 Manifest planSheetCells(const SheetPlanOptions& options) {
+  Monitor monitor;
+  return planSheetCells(options, monitor);
+}
+
+Manifest planSheetCells(const SheetPlanOptions& options, Monitor& monitor) {
   const std::size_t mark = options.cells.rfind('#');
   const std::string file = options.cells.substr(0, mark);
   const std::vector<SheetCell> cells = readSheetCells(file);
@@ -55,9 +61,14 @@ Manifest planSheetCells(const SheetPlanOptions& options) {
                                            : chosenCells(file, options.cells.substr(mark + 1), cells.size());
   const OptionTable table = fractalOptionTable();
   std::vector<Variant> variants;
-  for (const std::size_t cell : chosen)
-    variants.push_back({static_cast<int>(cell), "cell " + std::to_string(cell),
-                        overridden(cells[cell - 1].recipe, options.given, table)});
+  SceneMaker scenes;
+  for (const std::size_t cell : chosen) {
+    Recipe recipe = overridden(cells[cell - 1].recipe, options.given, table);
+    // Machines with other memory are to make the same files.
+    if (hasAutomaticResolution(recipe))
+      recipe = resolvedRecipe(scenes.make(parseFractalOptions(completeRecipe(recipe, table)), monitor), recipe);
+    variants.push_back({static_cast<int>(cell), "cell " + std::to_string(cell), std::move(recipe)});
+  }
   const std::string stem = stemWithoutFrame(file);
   return planVariants(PlanKind::Sheet, variants,
                       {options.name.empty() ? (stem.empty() ? "cell" : stem) : options.name, options.makes});

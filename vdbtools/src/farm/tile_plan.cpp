@@ -13,6 +13,7 @@
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/job/prepared_scene.h"
+#include "vdbtools/job/voxel_advice.h"
 #include "vdbtools/mesh/mesh_writer.h"
 #include "vdbtools/surface/extract_mesh.h"
 
@@ -230,8 +231,11 @@ void surveySurface(Scene& scene, const TileLattice& lattice, const std::vector<T
 
 }  // namespace
 
-TilePlan planTiles(const FractalOptions& options, const Recipe& recipe, const TilePlanOptions& tiles,
+TilePlan planTiles(const FractalOptions& wanted, const Recipe& asked, const TilePlanOptions& tiles,
                    const std::filesystem::path& folder, Monitor& monitor) {
+  FractalOptions options = wanted;
+  // Tiles are for what no memory holds.
+  options.lattice.withinMemory = false;
   requireMakes(tiles.makes);
   requireCuttable(options);
   if (tiles.tiles.has_value() == tiles.tileNodes.has_value())
@@ -243,6 +247,8 @@ TilePlan planTiles(const FractalOptions& options, const Recipe& recipe, const Ti
     throw std::invalid_argument("a tile has " + std::to_string(*tiles.tileNodes) +
                                 " nodes along its side; it must have 2 or more");
   Scene scene = makeScene(options, monitor);
+  options = scene.options;
+  const Recipe recipe = resolvedRecipe(scene, asked);
   // A window without nodes: the blocks of the whole would be too many for a large lattice.
   FieldPlan whole = planScene(scene, CoordBBox());
   whole.window = whole.domain;
@@ -251,6 +257,8 @@ TilePlan planTiles(const FractalOptions& options, const Recipe& recipe, const Ti
   if (work.empty()) throw DataError("the fractal is empty: no cell of the lattice is undecided", Remedy::LargerBeta);
 
   TilePlan plan;
+  plan.chosenResolution = chosenResolutionText(scene);
+  plan.finerThanVoxels = finerThanVoxelsText(scene);
   Manifest& manifest = plan.manifest;
   manifest.makes = tiles.makes;
   const TileFiles files = tileFiles(manifest, options);

@@ -2,17 +2,36 @@
 #include "vdbtools/field/lattice_options.h"
 
 #include <stdexcept>
+#include <string>
 
 namespace vdbtools {
+namespace {
+
+constexpr const char* kAutomatic = "auto";
+// What the usual textures need over most shapes (docs/textures.md). Sets of their own have detail of every size.
+constexpr const char* kResolutionOfTarget = "300";
+constexpr const char* kResolutionOfRegion = "200";
+
+}  // namespace
+
+bool hasAutomaticResolution(const Recipe& recipe) {
+  const auto found = recipe.find("resolution");
+  return found != recipe.end() && found->second == kAutomatic;
+}
 
 std::vector<OptionSpec> latticeOptionSpecs() {
   const IdleRule offLattice =
       idleWithout({Product::Vdb, Product::Mesh, Product::Stl, Product::Glb, Product::MeshCount}, "a VDB or a mesh");
   return {
       {.name = "resolution",
-       .argument = "N",
-       .defaultValue = "200",
-       .help = "voxels of the result along the longest side of the target, or of the region if there is no target",
+       .argument = "N|auto",
+       .help = "voxels of the result along the longest side of the target, or of the region if there is no target; "
+               "auto: as many as show nine tenths of the texture with two voxels or more, 300 to 1000, within the "
+               "memory that the run may use",
+       .defaultFor = [](const Recipe& recipe) -> std::optional<std::string> {
+         return recipe.contains("input") ? kResolutionOfTarget : kResolutionOfRegion;
+       },
+       .defaultNote = std::string(kResolutionOfTarget) + ", or " + kResolutionOfRegion + " without a target",
        .alternative = "voxel-size"},
       {.name = "voxel-size",
        .argument = "H",
@@ -34,7 +53,14 @@ std::vector<OptionSpec> latticeOptionSpecs() {
 
 LatticeOptions parseLatticeOptions(const RecipeReader& reader) {
   LatticeOptions options;
-  options.voxels = reader.voxels("resolution", "voxel-size");
+  options.automatic = hasAutomaticResolution(reader.recipe());
+  if (options.automatic) {
+    if (reader.has("voxel-size")) reader.voxels("resolution", "voxel-size");  // which refuses it
+  } else {
+    if (reader.has("resolution") && !numberFromText(reader.text("resolution")))
+      reader.refuse("resolution", "a number of voxels, or auto");
+    options.voxels = reader.voxels("resolution", "voxel-size");
+  }
   if (reader.has("box")) options.box = parseBox("box", reader.text("box"));
   options.exhaustive = reader.flag("exhaustive");
   const int stride = reader.integer("seed-stride", 1, 64);

@@ -27,6 +27,7 @@ std::vector<GrowthRow> measureGrowth(FractalOptions options, std::span<const int
   std::vector<GrowthRow> rows;
   for (const int resolution : resolutions) {
     NumberedMonitor numbered(monitor, "resolution", rows.size() + 1, resolutions.size());
+    options.lattice.automatic = false;
     options.lattice.voxels = {.resolution = resolution};
     const Scene scene = scenes.make(options, numbered);
     NoMesh sink;

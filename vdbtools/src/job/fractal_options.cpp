@@ -104,6 +104,8 @@ FractalOptions parseFractalOptions(const Recipe& recipe, const MapRegistry& maps
                     .levels = parseLevels(reader),
                     .attributes = parseAttributeOptions(reader)};
   requireSources(reader, options);
+  if (options.lattice.automatic && !options.map->shell())
+    reader.refuse("resolution", "a number, as only --map shape-modulus has a texture by which to choose it");
   options.precision = reader.choice<Precision>(
       "precision", {{"auto", Precision::Auto}, {"float", Precision::Float}, {"double", Precision::Double}});
   return options;

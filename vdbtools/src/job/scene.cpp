@@ -10,6 +10,8 @@
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/job/voxel_advice.h"
+#include "vdbtools/recipe/option_value.h"
 #include "vdbtools/target/target_survey.h"
 
 #include "julia/detail.h"
@@ -228,9 +230,9 @@ BandWidths widthsOf(const SpaceOptions& space, double mapReach, const TargetInpu
 }
 
 /// How fine the texture is at each place of the target.
-/// @param voxel  of the result, world units
-OctaveGrid octaveOf(const ControlSetting& frequency, SharedTarget& shared, const PlacedTarget& target, double voxel,
-                    Monitor& monitor) {
+/// @param voxel  of the result, world units; none: it is chosen later
+OctaveGrid octaveOf(const ControlSetting& frequency, SharedTarget& shared, const PlacedTarget& target,
+                    const std::optional<double>& voxel, Monitor& monitor) {
   const ControlContext context = controlContext(frequency->needsTarget(), shared, target.placed, monitor);
   const std::pair positive(std::numeric_limits<double>::min(), std::numeric_limits<double>::infinity());
   const Control control = bound(*frequency, context, "the frequency", positive);
@@ -238,9 +240,9 @@ OctaveGrid octaveOf(const ControlSetting& frequency, SharedTarget& shared, const
   constexpr double kLeast = 2;  // voxels of a feature that shows
   constexpr double kFine = 4;   // a part may be thinner than the voxels, but more than this is somebody's wish
   const double coarsest = 2 * thickness.greatest / control.range().first;
-  if (control.range().first > kFine && !(coarsest >= kLeast * voxel))
+  if (voxel && control.range().first > kFine && !(coarsest >= kLeast * *voxel))
     throw std::invalid_argument("--frequency is " + frequency->text() + ", whose features are " +
-                                shortText(coarsest / voxel) +
+                                shortText(coarsest / *voxel) +
                                 " voxels wide where the target is thickest, so that none of them shows; make the "
                                 "frequency lower, or the voxels smaller than " +
                                 shortText(coarsest / kLeast));
@@ -248,9 +250,9 @@ OctaveGrid octaveOf(const ControlSetting& frequency, SharedTarget& shared, const
 }
 
 /// What the map reads over the target, besides the exponent and the octave.
-/// @param voxel  of the result, world units
-ControlGrids controlsOf(const MapSettings& map, SharedTarget& shared, const PlacedTarget& target, double voxel,
-                        Monitor& monitor) {
+/// @param voxel  of the result, world units, if it is known already
+ControlGrids controlsOf(const MapSettings& map, SharedTarget& shared, const PlacedTarget& target,
+                        const std::optional<double>& voxel, Monitor& monitor) {
   ControlGrids grids;
   constexpr double kRounding = 1e-5;  // as of the shell's shares
   const std::pair share(-kRounding, 1 + kRounding);
@@ -382,6 +384,25 @@ Arithmetic chooseArithmetic(const Scene& scene, const MapInstance& map, const Fr
                           space);
 }
 
+/// The evaluator with which the scene's features are measured. It does not depend on the lattice, and is most often the
+/// one that the field has, too.
+Arithmetic measuringArithmetic(const Scene& scene, const FractalSpace& space) {
+  if (scene.options.precision != Precision::Auto)
+    return scene.options.precision == Precision::Float ? Arithmetic::Float : Arithmetic::Double;
+  // A difference over 1/4096 of the longest side is to be well above the rounding of coordinates.
+  constexpr double kMostFar = 8;  // longest sides
+  double largest = 0;
+  for (const Vec3d& corner : {scene.target->box.min(), scene.target->box.max()})
+    for (const double x : space.toFractal(corner)) largest = std::max(largest, std::abs(x));
+  return largest <= kMostFar * longestSide(scene.target->box) / space.scale ? Arithmetic::Float : Arithmetic::Double;
+}
+
+void measureFeatures(Scene& scene, const FractalSpace& space, Monitor& monitor) {
+  const auto evaluator = scene.map->evaluator(measuringArithmetic(scene, space), scene.orbit);
+  scene.features =
+      measureFeatureSizes(*scene.target, *scene.exponentOf, *evaluator, space, scene.options.lattice.box, monitor);
+}
+
 Facts spaceFacts(const FractalSpace& space) {
   const Vec3d& centre = space.centre;
   return {{"julia_space_centre", numbersText({centre[0], centre[1], centre[2]})},
@@ -475,10 +496,10 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
     PlacedTarget target = shell ? placeShell(exponentSources(options, *shell, scene.facts), shared, monitor)
                                 : placeTarget(options, shared, monitor);
     const ControlSetting* const frequency = options.map->frequency();
-    if (frequency)
-      scene.octave = octaveOf(*frequency, shared, target, options.lattice.voxels.sizeFor(longestSide(*shape)), monitor);
-    scene.controls =
-        controlsOf(*options.map, shared, target, options.lattice.voxels.sizeFor(longestSide(*shape)), monitor);
+    std::optional<double> voxel;
+    if (!options.lattice.automatic) voxel = options.lattice.voxels.sizeFor(longestSide(*shape));
+    if (frequency) scene.octave = octaveOf(*frequency, shared, target, voxel, monitor);
+    scene.controls = controlsOf(*options.map, shared, target, voxel, monitor);
     scene.target = std::move(target.target);
     scene.exponentOf = std::move(target.exponentOf);
     scene.exponent = std::move(target.exponent);
@@ -514,7 +535,16 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
                                      .controls = &scene.controls});
   scene.facts.merge(scene.map->facts());
 
-  const Lattice lattice = chooseLattice(options, scene.exponent.has_value(), shape, files, placed.space);
+  if (scene.exponent) {
+    measureFeatures(scene, placed.space, monitor);
+    if (options.lattice.automatic) {
+      scene.chosenResolution = chooseResolution(scene, options.lattice.withinMemory);
+      scene.options.lattice.automatic = false;
+      scene.options.lattice.voxels = {.resolution = scene.chosenResolution->resolution};
+    }
+  }
+
+  const Lattice lattice = chooseLattice(scene.options, scene.exponent.has_value(), shape, files, placed.space);
   scene.voxelSize = lattice.voxelSize;
   scene.region = lattice.region;
 
@@ -559,8 +589,13 @@ FieldPlan planScene(const Scene& scene, const std::optional<openvdb::CoordBBox>&
   return plan;
 }
 
+Recipe resolvedRecipe(const Scene& scene, Recipe recipe) {
+  if (scene.chosenResolution) recipe["resolution"] = numbersText({scene.chosenResolution->resolution});
+  return recipe;
+}
+
 std::map<std::string, std::string> sceneMetadata(const Scene& scene, const Recipe& recipe) {
-  std::map<std::string, std::string> metadata = recipeToMetadata(recipe, "fractal");
+  std::map<std::string, std::string> metadata = recipeToMetadata(resolvedRecipe(scene, recipe), "fractal");
   metadata.insert(scene.facts.begin(), scene.facts.end());
   return metadata;
 }

@@ -14,10 +14,12 @@
 /// must be the same in both keys.
 #pragma once
 
+#include "vdbtools/base/monitor.h"
 #include "vdbtools/farm/manifest.h"
 #include "vdbtools/recipe/option_table.h"
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -56,7 +58,13 @@ struct FramePlanOptions {
   std::vector<int> frames{1};             ///< in the order in which they are made
   std::string name;                       ///< of the files; empty: after the target, or else the map
   std::vector<std::string> makes{"vdb"};  ///< of "vdb" and the formats of meshes
+  std::optional<double> resolution{};     ///< what `--resolution auto` is at every frame that has it
 };
+
+/// Sets options.resolution where a frame has `auto`: to the largest number that the first of these, the one in the
+/// middle and the last would choose by themselves, so that the frames of a sequence have voxels that fit together.
+/// @throw as makeScene()
+void chooseResolution(FramePlanOptions& options, Monitor& monitor);
 
 /// The values of the options at a frame, as far as they are given.
 /// @throw std::invalid_argument  keys cannot be blended, or a name has more than one place for the frame

@@ -3,6 +3,7 @@
 /// Plans of cells of a contact sheet (vdbtools/job/sheet_file.h): the fractal of each.
 #pragma once
 
+#include "vdbtools/base/monitor.h"
 #include "vdbtools/farm/manifest.h"
 
 #include <string>
@@ -21,7 +22,8 @@ struct SheetPlanOptions {
 /// @throw std::invalid_argument  no such cell, or an option is refused, with the cell
 /// @throw DataError              the file is no contact sheet, all its cells have errors, or a file that a cell names
 ///                               has changed
-/// @throw MissingInputError, IoError
+/// @throw MissingInputError, IoError; where a cell has `--resolution auto`, which becomes its number, as makeScene()
+Manifest planSheetCells(const SheetPlanOptions& options, Monitor& monitor);
 Manifest planSheetCells(const SheetPlanOptions& options);
 
 }  // namespace vdbtools

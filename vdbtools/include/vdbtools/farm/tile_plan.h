@@ -45,6 +45,8 @@ std::vector<TileBox> cutIntoCubes(const openvdb::CoordBBox& domain, std::span<co
 struct TilePlan {
   Manifest manifest;
   std::vector<TaskWork> work;  ///< of each tile; without its surface unless TilePlanOptions::survey
+  /// Sentences on its voxels, as job/voxel_advice.h has them; empty where there is nothing to say.
+  std::string chosenResolution{}, finerThanVoxels{};
 };
 
 /// Makes the target and its exponent, cuts the lattice, and writes the prepared scene into @a folder.

@@ -15,10 +15,15 @@ namespace vdbtools {
 
 struct LatticeOptions {
   VoxelChoice voxels;                   ///< of the result
+  bool automatic = false;               ///< instead, whatever shows the texture (job/voxel_advice.h)
+  bool withinMemory = true;             ///< of automatic: no more than what fits into this process' memory
   std::optional<openvdb::BBoxd> box;    ///< only this region, world units
   bool exhaustive = false;              ///< evaluates every node, also where the result is known
   std::optional<FollowOptions> follow;  ///< if the surface is to be followed
 };
+
+/// Whether a recipe leaves the number of voxels to the program.
+bool hasAutomaticResolution(const Recipe& recipe);
 
 std::vector<OptionSpec> latticeOptionSpecs();
 /// @throw std::invalid_argument

@@ -9,6 +9,7 @@
 #include "vdbtools/base/grids.h"
 #include "vdbtools/field/fractal_field.h"
 #include "vdbtools/files/input_files.h"
+#include "vdbtools/job/feature_sizes.h"
 #include "vdbtools/job/fractal_options.h"
 #include "vdbtools/maps/map_descriptor.h"
 #include "vdbtools/target/exponent_grid.h"
@@ -38,6 +39,14 @@ struct TargetParts {
 /// What of this a recipe does not ask for, each in a few words: "texture coordinates", "2 materials".
 std::vector<std::string> unusedParts(const TargetParts& parts, const Recipe& recipe);
 
+/// What `--resolution auto` stands for (voxel_advice.h).
+struct ChosenResolution {
+  enum class Limit { None, Most, Memory };
+
+  double resolution = 0;  ///< voxels along the target's longest side, a whole number
+  Limit limit = Limit::None;
+};
+
 /// Everything that stands before the first node is evaluated.
 struct Scene {
   FractalOptions options;
@@ -52,10 +61,12 @@ struct Scene {
   julia::OrbitOptions orbit;                   ///< the evaluator's
   Arithmetic arithmetic = Arithmetic::Double;  ///< as options.precision has it or as it was chosen
   std::unique_ptr<julia::FieldEvaluator> evaluator;
-  FractalSpace space;                  ///< the evaluator's
-  PlacedSpace placed;                  ///< where the options place it, before the lattice's shift
-  std::optional<double> targetVolume;  ///< of a target, world units cubed
-  TargetParts targetParts;             ///< of a mesh
+  FractalSpace space;                    ///< the evaluator's
+  PlacedSpace placed;                    ///< where the options place it, before the lattice's shift
+  std::optional<double> targetVolume;    ///< of a target, world units cubed
+  TargetParts targetParts;               ///< of a mesh
+  std::optional<FeatureSizes> features;  ///< of a map with a shell; not of a prepared scene (prepared_scene.h)
+  std::optional<ChosenResolution> chosenResolution;  ///< of `auto`; the options have the number
   // For the attributes that are asked for, if these need them.
   std::shared_ptr<const Mesh> targetMesh;  ///< as it was read
   openvdb::FloatGrid::ConstPtr thickness;  ///< the local thickness, world units; every node of its box is active
@@ -112,6 +123,9 @@ class VersorSeeds {
 
 /// What of the scene is evaluated: the options' box or the whole set; of this, with a @a window, only these nodes.
 FieldPlan planScene(const Scene& scene, const std::optional<openvdb::CoordBBox>& window = {});
+
+/// The recipe of what a scene makes: with the number of voxels where it leaves that to the program.
+Recipe resolvedRecipe(const Scene& scene, Recipe recipe);
 
 /// The metadata of what a scene makes: its recipe, the facts, the program's version.
 std::map<std::string, std::string> sceneMetadata(const Scene& scene, const Recipe& recipe);
