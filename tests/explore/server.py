@@ -21,7 +21,7 @@ class Server:
     """A running server. It must have been ended by the end of the test; stop() or the context does that."""
 
     def __init__(self, folder, *arguments, env=None):
-        self.process = subprocess.Popen([harness.program(), "explore", *map(str, arguments)], cwd=folder,
+        self.process = subprocess.Popen([harness.program(), *map(str, harness.quiet(("explore", *arguments)))], cwd=folder,
                                         env=harness.environment(env), stdin=subprocess.DEVNULL,
                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                         preexec_fn=harness.restore_interrupt)
