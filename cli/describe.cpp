@@ -79,7 +79,8 @@ std::string wordsOf(const Option& option) {
       part.erase(0, bracket + 1);
     if (parts.size() > 1 && isWord(part)) words.push_back(part);
   }
-  if (contains(option.argument, "NAME") && (option.name == "versor" || option.name == "versor-over" || option.name == "texture"))
+  if (contains(option.argument, "NAME") &&
+      (option.name == "versor" || option.name == "versor-over" || option.name == "texture"))
     for (const vdbtools::Texture& texture : vdbtools::textureShelf()) words.push_back(texture.name);
   std::string text;
   for (const std::string& word : words) {

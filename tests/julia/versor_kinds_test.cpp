@@ -202,11 +202,11 @@ TYPED_TEST(VersorKinds, layersOf0And1AreTheLayersToTheBit) {
   }
 }
 
-/// The point that a symmetry takes @a q to: after @a turns of its sectors, and mirrored.
-Quaternion<double> image(const Symmetry& symmetry, DropAxis dropped, const Quaternion<double>& q, int turns,
+/// The point that a symmetry takes @a imaged to: after @a turns of its sectors, and mirrored.
+Quaternion<double> image(const Symmetry& symmetry, DropAxis dropped, const Quaternion<double>& imaged, int turns,
                          bool mirrored) {
   const julia::Embedding embedding{0, dropped};
-  julia::Point x = embedding.point(q);
+  julia::Point x = embedding.point(imaged);
   const auto first = static_cast<std::size_t>(symmetry.axis + 1) % 3, second = (first + 1) % 3;
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (symmetry.mirrored[axis] && mirrored) x[axis] = 2 * symmetry.centre[axis] - x[axis];
@@ -215,7 +215,7 @@ Quaternion<double> image(const Symmetry& symmetry, DropAxis dropped, const Quate
   const double angle = 6.283185307179586 * turns / symmetry.fold;
   x[first] = symmetry.centre[first] + a * std::cos(angle) - b * std::sin(angle);
   x[second] = symmetry.centre[second] + a * std::sin(angle) + b * std::cos(angle);
-  return embedding.put(q, x);
+  return embedding.put(imaged, x);
 }
 
 TYPED_TEST(VersorKinds, symmetricOnesAreTheSameAtAllImages) {

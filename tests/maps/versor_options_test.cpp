@@ -102,17 +102,19 @@ TEST(DirectionGrids, keepWhatIsGivenAndFillTheRestWithItsMeans) {
     const Vec3d at = first.indexToWorld(*node);
     for (int axis = 0; axis < 3; ++axis) {
       const float there = filled.components[static_cast<std::size_t>(axis)]->tree().getValue(*node);
-      if (keep(at))
+      if (keep(at)) {
         EXPECT_EQ(there, Vec3s(value(at))[axis]);
-      else
+      } else {
         EXPECT_NEAR(there, axis == 1 ? 2 : axis == 0 ? 1 : 0, axis == 1 ? 1e-6 : 0.51) << *node;
+      }
     }
   }
   // What is filled goes on without a step: neighbours differ by no more than what is given over two voxels.
   auto accessor = filled.components[2]->getConstAccessor();
   for (auto node = filled.nodes.begin(); node; ++node)
-    if (filled.nodes.isInside((*node).offsetBy(0, 0, 1)))
-      EXPECT_LT(std::abs(accessor.getValue(*node) - accessor.getValue((*node).offsetBy(0, 0, 1))), 0.3) << *node;
+    if (const Coord next = (*node).offsetBy(0, 0, 1); filled.nodes.isInside(next)) {
+      EXPECT_LT(std::abs(accessor.getValue(*node) - accessor.getValue(next)), 0.3) << *node;
+    }
 }
 
 TEST(DirectionGrids, refuseWhatIsNoDirectionWithItsPlace) {

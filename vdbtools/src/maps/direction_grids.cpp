@@ -96,7 +96,7 @@ bool beginsZeroCell(const DirectionGrids& grids, const Coord& node) {
   return true;
 }
 
-void requireDirections(const DirectionGrids& grids, const CoordBBox& region, const std::string& option) {
+void requireNoZeroCells(const DirectionGrids& grids, const CoordBBox& region, const std::string& option) {
   const FloatGrid& first = *grids.components.front();
   const auto refuse = [&](const Coord& node) {
     throw DataError(option + ": " + grids.name + " is " + tupleText(valueAt(grids, node)) + " " +
@@ -317,7 +317,7 @@ DirectionGrids filledAbout(const DirectionGrids& grids, const openvdb::BBoxd& bo
                       tupleText({box.max()[0], box.max()[1], box.max()[2]}));
     result.nodes = region;
   }
-  requireDirections(result, region, option);
+  requireNoZeroCells(result, region, option);
   return result;
 }
 

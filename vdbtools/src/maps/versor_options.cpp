@@ -196,7 +196,7 @@ std::vector<OptionSpec> layerOptions() {
            .hash = "versor-mix-sha256",
            .idle = idleWithoutOver},
           {.name = "versor-symmetry",
-           .argument = "N:AXIS|N:AXIS:mirror|mirror:AXES|none",
+           .argument = "N:AXIS|none",
            .defaultValue = kNone,
            .help = "makes the versors symmetric about the middle of the target: 6:y repeats them six times around Y, "
                    "6:y:mirror is a kaleidoscope, mirror:x makes left and right alike, mirror:xz also front and back"}};

@@ -11,8 +11,8 @@
 
 namespace vdbtools {
 
-/// The bytes of a VDB with the grids "phi", "exponent", "octave", "thickness" and those of controls, as far as the scene has
-/// them.
+/// The bytes of a VDB with the grids "phi", "exponent", "octave", "thickness" and those of controls, as far as the
+/// scene has them.
 std::string encodePreparedScene(const Scene& scene);
 
 /// The scene again. Its exponentOf is empty; its target's mesh, controls and controls' files are not opened.
