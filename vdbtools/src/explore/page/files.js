@@ -23,7 +23,7 @@ export function makeFiles(page) {
   };
   const name = element("input", { type: "text", value: "look", id: "make-name", spellcheck: "false", autocomplete: "off" });
   const resolution = element("input", { type: "number", id: "make-resolution", min: 8, step: 1, list: "make-resolutions",
-    value: start.recipe.resolution ?? 200 });
+    value: start.recipe.resolution ?? 300 });
   const formats = start.formats.map((format) => ({
     format, box: element("input", { type: "checkbox", id: `make-${format}`, checked: format === "vdb" }),
   }));
@@ -32,7 +32,7 @@ export function makeFiles(page) {
   const list = element("ul", { class: "jobs", "aria-label": "What was made" });
   const request = () => ({
     recipe: store.state.recipe, name: name.value.trim(), formats: formats.filter((one) => one.box.checked).map((one) => one.format),
-    resolution: String(Math.max(8, Math.round(Number(resolution.value) || 200))),
+    resolution: String(Math.max(8, Math.round(Number(resolution.value) || 300))),
   });
 
   let timer = 0;
