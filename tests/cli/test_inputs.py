@@ -86,6 +86,7 @@ CASES = [
     ("slice", "b.obj", ("x.vdb", "-o", OUT)),
     ("slice", "s.vdb", ("s.vdb", "--field", "grid", "-o", OUT)),
     ("slice", "moved/m.obj", ("far.vdb", "--search", "moved", "-o", OUT)),
+    ("study", "r.json", ("b.obj", "--versor-over", "r.json", "-o", OUT)),
     ("study", "b.obj", ("b.obj", "-o", OUT)),
     ("study", "b.obj", ("b.obj", "-o", "new.png", "--curve", OUT)),
     ("study", "b.obj", ("b.obj", "-o", "new.png", "--csv", OUT)),
