@@ -201,7 +201,8 @@ TEST_F(OuterSurface, BallsThatMeetHaveTheDistancesOfTheirUnion) {
   const Vec3d a(0, 0, 0), b(0.9, 0.2, 0.1);
   const Vec3d way = b - a, along = way.unit();
   const double half = way.length() / 2, ring = std::sqrt(r * r - half * half);
-  const auto exact = [&](const Vec3d& p) {
+  const auto exact = [&](const Vec3d& given) {
+    const Vec3d p = given + Vec3d(1e-9, 2e-9, 3e-9);  // a node may be a centre
     const double da = (p - a).length() - r, db = (p - b).length() - r;
     if (da >= 0 || db >= 0)
       return std::min(da, db) >= 0 ? std::min(da, db) : [&] {
@@ -222,9 +223,9 @@ TEST_F(OuterSurface, BallsThatMeetHaveTheDistancesOfTheirUnion) {
     }
     return -depth;
   };
-  const FloatGrid::Ptr phi = meshToSdf(merged(makeSphere(r, 6, a), makeSphere(r, 6, b)), kWhole, monitor);
-  // The spheres' triangles lie within them by 0.0002.
-  EXPECT_LT(worst(*phi, exact), 0.02);
+  const FloatGrid::Ptr phi = meshToSdf(merged(makeSphere(r, 5, a), makeSphere(r, 5, b)), kWhole, monitor);
+  // The spheres' triangles lie within them by 0.0007.
+  EXPECT_LT(worst(*phi, exact), 0.03);
 }
 
 TEST_F(OuterSurface, WhatDoesNotMeetIsLeftAsItIs) {
