@@ -94,17 +94,17 @@ Mesh turned(Mesh mesh) {
   return mesh;
 }
 
-constexpr double kVoxel = 0.04;
+constexpr double kCell = 0.04;
 const MeshToSdfOptions kWhole{
-    .voxelSize = kVoxel, .exteriorBandWidth = 8, .interiorBandWidth = std::numeric_limits<double>::infinity()};
+    .voxelSize = kCell, .exteriorBandWidth = 8, .interiorBandWidth = std::numeric_limits<double>::infinity()};
 
 /// By how much the distances are off, voxels. Their signs are a flood's: in the corner of a crease, nodes nearer to the
 /// surface than half a voxel may be on either side.
 double worst(const FloatGrid& phi, const std::function<double(const Vec3d&)>& exact) {
   double most = 0;
   for (auto value = phi.cbeginValueOn(); value; ++value) {
-    const double found = static_cast<double>(*value) / kVoxel,
-                 wanted = exact(phi.indexToWorld(value.getCoord())) / kVoxel;
+    const double found = static_cast<double>(*value) / kCell,
+                 wanted = exact(phi.indexToWorld(value.getCoord())) / kCell;
     const bool sameSide = (found < 0) == (wanted < 0) || std::abs(wanted) < 0.5;
     most = std::max(most, std::abs(sameSide ? std::abs(found) - std::abs(wanted) : found - wanted));
   }
@@ -245,7 +245,7 @@ TEST_F(OuterSurface, AHollowBallIsInsideAsBeforeAndItsInnerWallIsNotSeen) {
       const FloatGrid::Ptr hollow = meshToSdf(merged(ball, wall), kWhole, monitor),
                            solid = meshToSdf(ball, kWhole, monitor);
       for (auto value = solid->cbeginValueOn(); value; ++value)
-        ASSERT_NEAR(hollow->tree().getValue(value.getCoord()), *value, 1e-5 * kVoxel) << inner;
+        ASSERT_NEAR(hollow->tree().getValue(value.getCoord()), *value, 1e-5 * kCell) << inner;
     }
   }
 }
