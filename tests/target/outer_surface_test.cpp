@@ -94,17 +94,17 @@ Mesh turned(Mesh mesh) {
   return mesh;
 }
 
-constexpr double kVoxel = 0.04;
+constexpr double kCell = 0.04;
 const MeshToSdfOptions kWhole{
-    .voxelSize = kVoxel, .exteriorBandWidth = 8, .interiorBandWidth = std::numeric_limits<double>::infinity()};
+    .voxelSize = kCell, .exteriorBandWidth = 8, .interiorBandWidth = std::numeric_limits<double>::infinity()};
 
 /// By how much the distances are off, voxels. Their signs are a flood's: in the corner of a crease, nodes nearer to the
 /// surface than half a voxel may be on either side.
 double worst(const FloatGrid& phi, const std::function<double(const Vec3d&)>& exact) {
   double most = 0;
   for (auto value = phi.cbeginValueOn(); value; ++value) {
-    const double found = static_cast<double>(*value) / kVoxel,
-                 wanted = exact(phi.indexToWorld(value.getCoord())) / kVoxel;
+    const double found = static_cast<double>(*value) / kCell,
+                 wanted = exact(phi.indexToWorld(value.getCoord())) / kCell;
     const bool sameSide = (found < 0) == (wanted < 0) || std::abs(wanted) < 0.5;
     most = std::max(most, std::abs(sameSide ? std::abs(found) - std::abs(wanted) : found - wanted));
   }
@@ -201,7 +201,8 @@ TEST_F(OuterSurface, BallsThatMeetHaveTheDistancesOfTheirUnion) {
   const Vec3d a(0, 0, 0), b(0.9, 0.2, 0.1);
   const Vec3d way = b - a, along = way.unit();
   const double half = way.length() / 2, ring = std::sqrt(r * r - half * half);
-  const auto exact = [&](const Vec3d& p) {
+  const auto exact = [&](const Vec3d& given) {
+    const Vec3d p = given + Vec3d(1e-9, 2e-9, 3e-9);  // a node may be a centre
     const double da = (p - a).length() - r, db = (p - b).length() - r;
     if (da >= 0 || db >= 0)
       return std::min(da, db) >= 0 ? std::min(da, db) : [&] {
@@ -222,9 +223,9 @@ TEST_F(OuterSurface, BallsThatMeetHaveTheDistancesOfTheirUnion) {
     }
     return -depth;
   };
-  const FloatGrid::Ptr phi = meshToSdf(merged(makeSphere(r, 6, a), makeSphere(r, 6, b)), kWhole, monitor);
-  // The spheres' triangles lie within them by 0.0002.
-  EXPECT_LT(worst(*phi, exact), 0.02);
+  const FloatGrid::Ptr phi = meshToSdf(merged(makeSphere(r, 5, a), makeSphere(r, 5, b)), kWhole, monitor);
+  // The spheres' triangles lie within them by 0.0007.
+  EXPECT_LT(worst(*phi, exact), 0.03);
 }
 
 TEST_F(OuterSurface, WhatDoesNotMeetIsLeftAsItIs) {
@@ -244,7 +245,7 @@ TEST_F(OuterSurface, AHollowBallIsInsideAsBeforeAndItsInnerWallIsNotSeen) {
       const FloatGrid::Ptr hollow = meshToSdf(merged(ball, wall), kWhole, monitor),
                            solid = meshToSdf(ball, kWhole, monitor);
       for (auto value = solid->cbeginValueOn(); value; ++value)
-        ASSERT_NEAR(hollow->tree().getValue(value.getCoord()), *value, 1e-5 * kVoxel) << inner;
+        ASSERT_NEAR(hollow->tree().getValue(value.getCoord()), *value, 1e-5 * kCell) << inner;
     }
   }
 }
