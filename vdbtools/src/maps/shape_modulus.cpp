@@ -72,7 +72,7 @@ class ShapeModulusInstance final : public MapInstance {
         });
   }
   bool floatsServe(const julia::OrbitOptions& orbit) const override {
-    return mOctave ? vdbtools::floatsServe(orbit) : vdbtools::floatsServe(orbit, mRoots.placed);
+    return mOctave ? floatsServeWaves(orbit) : floatsServeVersor(orbit, mRoots.placed);
   }
   const julia::Rational* roots() const override { return mOctave ? nullptr : &mRoots.placed; }
   std::map<std::string, std::string> facts() const override {
