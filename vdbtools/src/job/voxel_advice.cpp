@@ -30,7 +30,7 @@ double upToTens(double resolution) {
 std::string percent(double share) { return shortText(std::round(1000 * share) / 10) + " %"; }
 
 /// "--resolution 440" or "--voxel-size 0.01", whichever the recipe has; empty where the number is beyond all reason.
-std::string optionFor(const Scene& scene, double voxel) {
+std::string voxelOptionFor(const Scene& scene, double voxel) {
   const double resolution = upToTens(longestSide(scene.target->box) / voxel);
   if (resolution > kMostResolution) return {};
   if (scene.options.lattice.voxels.voxelSize) return "--voxel-size " + shortText(voxel, Rounding::Down);
@@ -38,13 +38,13 @@ std::string optionFor(const Scene& scene, double voxel) {
 }
 
 std::string textureRemedy(const Scene& scene, const VoxelAdvice& advice) {
-  const std::string option = advice.textureVoxel ? optionFor(scene, *advice.textureVoxel) : "";
+  const std::string option = advice.textureVoxel ? voxelOptionFor(scene, *advice.textureVoxel) : "";
   if (!option.empty()) return option + " shows all but " + percent(kTextureLeftOut) + " of it";
   return scene.octave ? "a lower --frequency makes it wider" : "a larger --versor-scale makes it wider";
 }
 
 std::string coreRemedy(const Scene& scene, const VoxelAdvice& advice) {
-  const std::string option = advice.coreVoxel ? optionFor(scene, *advice.coreVoxel) : "";
+  const std::string option = advice.coreVoxel ? voxelOptionFor(scene, *advice.coreVoxel) : "";
   // Where there is no core at all, voxels do not make one.
   const bool voxelsDo = !option.empty() && scene.features->core.shareBelow(2 * *advice.coreVoxel) < kCoreWorthSaying;
   if (voxelsDo) return option + " holds it";

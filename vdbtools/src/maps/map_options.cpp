@@ -452,13 +452,60 @@ PlacedRoots placeRoots(const RootsSettings& settings, const std::optional<Ration
   return roots;
 }
 
+namespace {
+
+constexpr double kMostSummedPowers = 250;
+
+}  // namespace
+
 bool floatsServe(const julia::OrbitOptions& orbit) {
   constexpr int kMostIterations = 5;
   return orbit.maxIterations <= kMostIterations;
 }
 
+bool floatsServeWaves(const julia::OrbitOptions& orbit) {
+  constexpr int kMostIterations = 10;
+  return orbit.maxIterations <= kMostIterations;
+}
+
+bool floatsServeVersor(const julia::OrbitOptions& orbit, const julia::Rational& roots) {
+  if (!floatsServeWaves(orbit)) return false;
+  // Seen from afar, a pair turns the less, the nearer its two are to each other: at the distance r, by their distance
+  // as a share of r. Fractals lie about this far from most of their roots.
+  constexpr double kFar = 0.5;
+  constexpr std::size_t kMostRoots = 4000;  // the search for pairs takes the product of their numbers
+  const std::vector<julia::Root>&top = roots.top.roots, &bottom = roots.bottom.roots;
+  const auto powerOf = [](const julia::Root& root, const julia::Polynomial& in) {
+    return std::abs(root.power * in.powerScale);
+  };
+  double powers = 0;
+  std::vector<char> paired(top.size(), 0);
+  for (const julia::Root& pole : bottom) {
+    double nearest = kFar;
+    std::size_t with = top.size();
+    for (std::size_t i = 0; i < top.size() && std::max(top.size(), bottom.size()) <= kMostRoots; ++i) {
+      if (paired[i]) continue;
+      const double distance = std::sqrt(julia::normSquared(top[i].position - pole.position));
+      if (distance < nearest) {
+        nearest = distance;
+        with = i;
+      }
+    }
+    const double below = powerOf(pole, roots.bottom);
+    if (with == top.size()) {
+      powers += below;
+      continue;
+    }
+    paired[with] = 1;
+    const double above = powerOf(top[with], roots.top), both = std::min(above, below);
+    powers += 2 * both * nearest / kFar + (std::max(above, below) - both);
+  }
+  for (std::size_t i = 0; i < top.size(); ++i)
+    if (!paired[i]) powers += powerOf(top[i], roots.top);
+  return powers <= kMostSummedPowers;
+}
+
 bool floatsServe(const julia::OrbitOptions& orbit, const julia::Rational& roots) {
-  constexpr double kMostSummedPowers = 250;
   if (!floatsServe(orbit)) return false;
   double powers = 0;
   for (const julia::Polynomial* polynomial : {&roots.top, &roots.bottom})

@@ -285,8 +285,8 @@ template std::shared_ptr<const julia::VersorField<double>> PlacedVersor::field()
 
 bool PlacedVersor::floatsServe(const julia::OrbitOptions& orbit) const {
   const auto serves = [&](const PlacedLayer& layer) {
-    return layer.source.isRoots() && !layer.octave ? vdbtools::floatsServe(orbit, layer.roots.placed)
-                                                   : vdbtools::floatsServe(orbit);
+    return layer.source.isRoots() && !layer.octave ? floatsServeVersor(orbit, layer.roots.placed)
+                                                   : floatsServeWaves(orbit);
   };
   return serves(mUnder) && (!mOver || serves(*mOver));
 }

@@ -109,7 +109,13 @@ julia::WaveTexture placeWaves(const RootsSettings& settings, const julia::Embedd
 PlacedRoots placeRoots(const RootsSettings& settings, const std::optional<RationalFile>& file,
                        const julia::Embedding& embedding, const MapContext& context);
 
-/// As docs/precision.md has measured it: few steps.
+/// Whether floats serve for a versor of waves, as docs/precision.md has measured it: few steps.
+bool floatsServeWaves(const julia::OrbitOptions& orbit);
+/// The same for a versor of roots: powers whose sum is not large. A root and a pole that lie near each other nearly
+/// cancel, and count as much less.
+bool floatsServeVersor(const julia::OrbitOptions& orbit, const julia::Rational& roots);
+
+/// The same for a rational map: fewer steps.
 bool floatsServe(const julia::OrbitOptions& orbit);
 /// The same, and powers whose sum is not large.
 bool floatsServe(const julia::OrbitOptions& orbit, const julia::Rational& roots);
