@@ -4,6 +4,7 @@
 #include "vdbtools/field/lattice_options.h"
 #include "vdbtools/maps/map_options.h"
 #include "vdbtools/maps/map_registry.h"
+#include "vdbtools/maps/versor_options.h"
 #include "vdbtools/surface/surface_options.h"
 #include "vdbtools/target/space_options.h"
 #include "vdbtools/target/target_input.h"
@@ -28,6 +29,8 @@ OptionGroups::OptionGroups(const vdbtools::OptionTable& table) : mOthers("What t
   add("Target", vdbtools::targetOptionSpecs());
   add("Detail", vdbtools::shellOptions());
   add("Texture", vdbtools::rootsOptions());
+  add("Texture", {vdbtools::frequencyOption()});
+  add("Texture", vdbtools::layerOptions());
   add("Space", vdbtools::spaceOptionSpecs());
   add("Lattice", vdbtools::latticeOptionSpecs());
   add("Surface", vdbtools::surfaceOptionSpecs());
