@@ -299,11 +299,17 @@ class Similarity(Laws):
         powers = lambda *each: harness.rational_json([(0.1 * k, 0.2, -0.1, 0, p) for k, p in enumerate(each)])
         self.write("most.json", powers(100, 100, 50))
         self.write("more.json", powers(100, 100, 51))
+        # Roots and poles that nearly cancel, and others that do not.
+        for name, apart in (("pairs", 0.02), ("apart", 0.3)):
+            self.write(f"{name}.json", harness.rational_json([(0.1 * k, 0.2, -0.1, 0, 100) for k in range(3)],
+                                                             [(0.1 * k, 0.2, -0.1 - apart, 0, 100) for k in range(3)]))
         # In fractal space a voxel of this ball is half as large.
         part = ("s.obj", "--box=0.6,-0.03,-0.03,1.1,0.03,0.03", "--voxel-size")
-        for arithmetic, options in (("float", ("s.obj", "--iterations", 5)), ("double", ("s.obj", "--iterations", 6)),
+        for arithmetic, options in (("float", ("s.obj", "--iterations", 10)), ("double", ("s.obj", "--iterations", 11)),
                                     ("float", ("s.obj", "--versor", "most.json")),
                                     ("double", ("s.obj", "--versor", "more.json")),
+                                    ("float", ("s.obj", "--versor", "pairs.json")),
+                                    ("double", ("s.obj", "--versor", "apart.json")),
                                     ("float", (*part, 0.0021)), ("double", (*part, 0.0019)),
                                     ("double", ("--map", "mandelbulb")), ("double", ("--map", "cross")),
                                     ("double", ("--map", "quadratic", "--mandelbrot")),
