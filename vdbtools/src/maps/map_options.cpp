@@ -286,9 +286,9 @@ std::vector<OptionSpec> randomRootsOptions() {
 std::vector<OptionSpec> rootsOptions() {
   std::vector<OptionSpec> options{
       kept({.name = "versor",
-            .argument = "NAME|random|FILE|expr:A,B,C|field:FILE.vdb:GRID",
+            .argument = "NAME|random|FILE|expr:...",
             .help = "the texture: one of those that 'juliavdb versor list' shows, random roots, a .json, .p4d, .poly4d "
-                    "or .o3d file, a formula for the direction, or a field of directions (docs/textures.md)",
+                    "or .o3d file, a formula (expr:A,B,C) or a field (field:FILE.vdb:GRID)",
             .defaultFor = [](const Recipe& recipe) { return usualVersor(recipe); },
             .defaultNote = defaultTexture().name + "; random with any option of random roots",
             .alternative = "rational",

@@ -168,7 +168,7 @@ bool isDirections(const std::string& versor) {
 
 std::vector<OptionSpec> layerOptions() {
   return {{.name = "versor-over",
-           .argument = "NAME|random|FILE|expr:A,B,C|field:FILE.vdb:GRID|none",
+           .argument = "NAME|FILE|expr:...|none",
            .defaultValue = kNone,
            .help = "a second versor that is mixed over the first one, given like that",
            .hash = "versor-over-sha256"},
