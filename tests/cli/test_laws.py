@@ -117,9 +117,11 @@ class Closed(Laws):
             self.check_closed(self.fractal("s.obj", "--sdf-resolution", 16, "--resolution", resolution))
         # Nothing but crumbs is no result.
         dust = ("--map", "quadratic", "--resolution", 4)
-        self.refused(harness.BAD_DATA, "fractal", *dust, "-o", "none.vdb", mentions="--crumbs")
-        self.refused(harness.BAD_DATA, "fractal", *dust, "--mesh", "none.ply", mentions="--crumbs")
-        self.check_closed(self.fractal(*dust, "--crumbs", "keep"))
+        self.refused(harness.BAD_DATA, "fractal", *dust, "--crumbs", "drop", "-o", "none.vdb", mentions="--crumbs")
+        self.refused(harness.BAD_DATA, "fractal", *dust, "--crumbs", "drop", "--mesh", "none.ply", mentions="--crumbs")
+        kept = self.fractal(*dust, "--crumbs", "keep")
+        self.check_closed(kept)
+        self.assertEqual(self.fractal(*dust).points, kept.points, "sets without a target keep theirs")
 
     def test_a_rational_map(self):
         self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))

@@ -160,7 +160,7 @@ TEST_F(Tiles, CrumbsAcrossBordersAreThoseOfOneRun) {
   box["grids"] = "surface,logmodulus";
   box["largest"] = "2";
   expectOneRun(shape(box), {{.tileNodes = 9}});
-  Recipe bulb = {{"map", "mandelbulb"}, {"resolution", "40"}};
+  Recipe bulb = {{"map", "mandelbulb"}, {"resolution", "40"}, {"crumbs", "drop"}};
   EXPECT_GT(expectOneRun(completed(bulb), cuts()).crumbs, 20U);
   bulb["crumbs"] = "keep";
   EXPECT_EQ(expectOneRun(completed(bulb), {{.tiles = 5}}).crumbs, 0U);

@@ -88,7 +88,7 @@ std::optional<CrumbReport> requireDone(const fs::path& folder, const Manifest& m
                     std::to_string(manifest.tasks.size()) + (missing.size() == 1 ? " is" : " are") +
                     " not done, or not as the plan has them" + (reason.empty() ? "" : " (" + reason + ")") +
                     "; run them and merge again");
-  if (parseFractalOptions(manifest.recipe).surface.keepCrumbs) return std::nullopt;
+  if (!dropsCrumbs(parseFractalOptions(manifest.recipe))) return std::nullopt;
   return crumbs;
 }
 

@@ -111,6 +111,11 @@ FractalOptions parseFractalOptions(const Recipe& recipe, const MapRegistry& maps
   return options;
 }
 
+bool dropsCrumbs(const FractalOptions& options) {
+  const Crumbs crumbs = options.surface.crumbs;
+  return crumbs == Crumbs::Drop || (crumbs == Crumbs::Auto && options.map->shell());
+}
+
 void requireTarget(const FractalOptions& options) {
   if (options.map->shell() && !options.target)
     throw std::invalid_argument(

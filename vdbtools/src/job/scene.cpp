@@ -580,7 +580,7 @@ FieldPlan planScene(const Scene& scene, const std::optional<openvdb::CoordBBox>&
   FieldPlan plan = !scene.exponent                    ? planBox(field)
                    : scene.options.lattice.exhaustive ? planExhaustive(*scene.exponent, field)
                                                       : planShell(*scene.exponent, field);
-  if (scene.options.surface.keepCrumbs) return plan;
+  if (!dropsCrumbs(scene.options)) return plan;
   plan.crumbs.emplace();
   if (scene.exponent) {
     plan.crumbs->exponent = scene.exponent->grid;

@@ -34,11 +34,12 @@ std::vector<OptionSpec> surfaceOptionSpecs() {
                "farther than E voxels from the other, which is proved. The mesh is held in memory",
        .idle = noMesh},
       {.name = "crumbs",
-       .argument = "drop|keep",
-       .defaultValue = "drop",
+       .argument = "drop|keep|auto",
+       .defaultValue = "auto",
        .help = "what happens to pieces of at most " + std::to_string(kCrumb) +
                " voxels along each axis that hold no part of the target of their own: there are hundreds of them, and "
-               "they have less than a hundredth of the volume",
+               "they have less than a hundredth of the volume. auto drops them around a target; sets without a target "
+               "keep them",
        .idle = noSurface},
       {.name = "largest",
        .argument = "N",
@@ -65,7 +66,8 @@ SurfaceOptions parseSurfaceOptions(const RecipeReader& reader) {
   constexpr double kMostAdaptivity = 100;  // voxels
   options.adaptivity = reader.notNegative("adaptivity");
   if (options.adaptivity > kMostAdaptivity) reader.refuse("adaptivity", "a number of voxels from 0 to 100");
-  options.keepCrumbs = reader.choice<bool>("crumbs", {{"drop", false}, {"keep", true}});
+  options.crumbs =
+      reader.choice<Crumbs>("crumbs", {{"auto", Crumbs::Auto}, {"drop", Crumbs::Drop}, {"keep", Crumbs::Keep}});
   options.islands.largest = reader.integer<std::uint64_t>("largest", 0, std::numeric_limits<std::uint64_t>::max());
   options.islands.minSize = reader.notNegative("min-size");
   options.cap = reader.flag("cap");

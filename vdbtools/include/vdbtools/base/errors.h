@@ -18,7 +18,7 @@ enum class Remedy {
   None,
   RepairMesh,        ///< RepairOptions
   SmallerIslands,    ///< IslandOptions::minSize
-  KeepCrumbs,        ///< SurfaceOptions::keepCrumbs
+  KeepCrumbs,        ///< SurfaceOptions::crumbs
   LargerBeta,        ///< ExponentGridOptions::beta
   AnotherFieldBox,   ///< FractalFieldOptions::box
   SolidifySheet,     ///< MendOptions::solidify, MendOptions::thicken

@@ -47,6 +47,9 @@ OptionTable fractalOptionTable(const MapRegistry& maps = builtInMaps());
 /// @throw std::invalid_argument naming the option and the value
 FractalOptions parseFractalOptions(const Recipe& recipe, const MapRegistry& maps = builtInMaps());
 
+/// What Crumbs::Auto means for the map.
+bool dropsCrumbs(const FractalOptions& options);
+
 /// @throw std::invalid_argument  there is no target, and the map makes its fractal around one
 void requireTarget(const FractalOptions& options);
 

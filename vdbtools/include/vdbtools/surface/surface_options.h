@@ -10,9 +10,13 @@
 
 namespace vdbtools {
 
+/// What happens to crumbs (vdbtools/field/crumbs.h). Auto: those around a target are dropped; sets without one keep
+/// them, as they may consist of nothing else.
+enum class Crumbs { Auto, Drop, Keep };
+
 struct SurfaceOptions {
   double tolerance = 1e-3;  ///< how near a vertex lies to the true surface, voxels
-  bool keepCrumbs = false;  ///< as they are otherwise dropped (vdbtools/field/crumbs.h)
+  Crumbs crumbs = Crumbs::Auto;
   IslandOptions islands;
   /// Voxels: triangles of the mesh are as large as this distance from the whole mesh allows (adaptive_mesh.h). 0: they
   /// all stay.
