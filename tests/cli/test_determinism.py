@@ -45,7 +45,7 @@ class SameBytes(harness.CliTest):
     def test_skipping_changes_no_byte(self):
         """What is skipped, because its fate is proven, would have come out the same."""
         self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))
-        for options in ((), ("--alpha", 6), ("--alpha", 100, "--precision", "double"), ("--alpha", "x:10:100:smooth"),
+        for options in ((), ("--alpha", 6, "--crumbs", "keep"), ("--alpha", 100, "--precision", "double"), ("--alpha", "x:10:100:smooth"),
                         ("--beta", "y:-0.02:0.03", "--versor-integer"), ("--slice", 0.2, "--origin-shift", "-0.1,0,0.05"),
                         ("--drop-axis", "j", "--iterations", 5), ("--sampling", "quadratic"),
                         ("--box", "-0.2,-0.3,-0.2,0.8,0.9,0.7"), ("--map", "rational", "--versor", "v.o3d"),
