@@ -86,7 +86,7 @@ class Closed(Laws):
 
     def test_crumbs_are_dropped_whole(self):
         """Small pieces go, and the summary says how many; with --crumbs keep they are there, as in an earlier version's recipe."""
-        rough = ("t.obj", "--alpha", 15, "--versor", "random", "--versor-seed", 3, *LOW)
+        rough = ("t.obj", "--detail", 0.6, "--versor", "random", "--versor-seed", 3, "--resolution", 90, "--sdf-resolution", 40)
         kept = self.fractal(*rough, "--crumbs", "keep")
         said = self.ok("fractal", *rough, "-o", "f.vdb", "--mesh", "f.ply")
         count, voxels, islands = map(int, re.search(

@@ -55,7 +55,8 @@ class TilesOfIslands : public testing::Test {
   }
 
   Recipe shape(const Recipe& others) const {
-    Recipe recipe = {{"input", mShape}, {"sdf-resolution", "50"}, {"resolution", "44"}, {"alpha", "60"}};
+    Recipe recipe = {
+        {"input", mShape}, {"sdf-resolution", "50"}, {"resolution", "44"}, {"alpha", "60"}, {"crumbs", "keep"}};
     for (const auto& [name, value] : others) recipe[name] = value;
     return completeRecipe(recipe, fractalOptionTable());
   }

@@ -152,7 +152,7 @@ TEST_F(Tiles, CrumbsAcrossBordersAreThoseOfOneRun) {
                                         {.tileNodes = 7 + static_cast<int>(random() % 9)},
                                         {.tileNodes = 16 + static_cast<int>(random() % 9)}};
   };
-  const Recipe dusty = {{"alpha", "8"}, {"versor", "random"}, {"resolution", "40"}};
+  const Recipe dusty = {{"alpha", "8"}, {"versor", "random"}, {"resolution", "40"}, {"crumbs", "drop"}};
   EXPECT_GT(expectOneRun(shape(dusty), cuts()).crumbs, 20U);
   Recipe box = dusty;
   box["box"] = "-0.4,-0.9,-0.35,1.5,0.6,0.9";

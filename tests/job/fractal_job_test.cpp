@@ -133,6 +133,7 @@ TEST_F(FractalJob, AgreesWithAnIndependentMarchingCubes) {
                             {"alpha", std::to_string(alpha)},
                             {"beta", "0.01"},
                             {"precision", "double"},
+                            {"crumbs", "keep"},
                             {"voxel-size", "0.0121"}});
     const auto ours = byEdge(made, 0.0121);
     const auto theirs = Independent(box, sdfVoxel, alpha, 0.01, versor).vertices(0.0121);

@@ -255,7 +255,7 @@ class CrumbFilter::Flood {
 
   void add(const Coord& node) {
     mBox.expand(node);
-    if (longestSide(mBox) > kCrumb) mEndless = true;
+    if (longestSide(mBox) > mPlan.crumbs->longest) mEndless = true;
     mNodes.push_back(node);
     mWaiting.push_back(node);
   }
@@ -345,7 +345,7 @@ void CrumbFilter::clean(const Neighbourhood& around, Leaf& leaf) {
         length += goesOn ? 1 : 0;
         isWhole = isWhole && !goesOn;
       }
-      isLong = isLong || length > kCrumb;
+      isLong = isLong || length > mPlan.crumbs->longest;
     }
     if (isLong) continue;
     std::vector<Coord> nodes;  // of the whole crumb

@@ -585,6 +585,11 @@ FieldPlan planScene(const Scene& scene, const std::optional<openvdb::CoordBBox>&
   if (scene.exponent) {
     plan.crumbs->exponent = scene.exponent->grid;
     plan.crumbs->decided = scene.exponent->shell.lower;
+    // Where the whole target is only some voxels long, so are pieces of it that somebody would keep.
+    constexpr double kShare = 1.0 / 40;  // of the target's longest side
+    if (scene.options.surface.crumbs == Crumbs::Auto)
+      plan.crumbs->longest =
+          static_cast<int>(std::min<double>(kCrumb, kShare * scene.exponent->space.scale / scene.voxelSize));
   }
   return plan;
 }

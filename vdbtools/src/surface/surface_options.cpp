@@ -38,8 +38,8 @@ std::vector<OptionSpec> surfaceOptionSpecs() {
        .defaultValue = "auto",
        .help = "what happens to pieces of at most " + std::to_string(kCrumb) +
                " voxels along each axis that hold no part of the target of their own: there are hundreds of them, and "
-               "they have less than a hundredth of the volume. auto drops them around a target; sets without a target "
-               "keep them",
+               "they have less than a hundredth of the volume. auto drops those around a target that are no longer "
+               "than 1/40 of it; sets without a target keep them",
        .idle = noSurface},
       {.name = "largest",
        .argument = "N",

@@ -30,6 +30,7 @@ struct CrumbRule {
   openvdb::FloatGrid::ConstPtr exponent{};
   /// No crumb has a node where E is this or less: the target alone decides that it is inside (julia/shell.h).
   double decided = -std::numeric_limits<double>::infinity();
+  int longest = kCrumb;  ///< how many nodes a crumb has along an axis at most, 0 to kCrumb; 0: nothing is a crumb
   /// The nodes whose crumbs are counted; all of the domain unless they are given.
   std::optional<openvdb::CoordBBox> counted{};
 };

@@ -10,8 +10,8 @@
 
 namespace vdbtools {
 
-/// What happens to crumbs (vdbtools/field/crumbs.h). Auto: those around a target are dropped; sets without one keep
-/// them, as they may consist of nothing else.
+/// What happens to crumbs (vdbtools/field/crumbs.h). Auto: around a target those are dropped that are no longer than
+/// 1/40 of it; sets without one keep them, as they may consist of nothing else.
 enum class Crumbs { Auto, Drop, Keep };
 
 struct SurfaceOptions {
