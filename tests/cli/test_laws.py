@@ -264,7 +264,7 @@ class Similarity(Laws):
     def test_the_fractal_does_not_depend_on_the_resolution(self):
         """Every node of a lattice is a node of the one that is twice as fine, and has the same value there."""
         self.write("l.obj", harness.obj(harness.lumpy()))
-        low = ("fractal", "l.obj", "--grids", "logmodulus", "--exhaustive")
+        low = ("fractal", "l.obj", "--grids", "logmodulus", "--exhaustive", "--crumbs", "keep")
         for resolution in (20, 40):
             self.ok(*low, "--resolution", resolution, "--sdf-resolution", 40, "-o", f"{resolution}.vdb")
         coarse, fine = (pyopenvdb.read(str(self.path(f"{resolution}.vdb")), "logmodulus") for resolution in (20, 40))
