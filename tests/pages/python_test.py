@@ -55,7 +55,7 @@ class Page(unittest.TestCase):
     @unittest.skipIf(LACKING, f"there is no {', '.join(LACKING)}")
     def test_every_snippet_runs(self):
         names, said, files = run_snippets(PAGE)
-        self.assertEqual(len(said), 10)
+        self.assertEqual(len(said), 11)
         self.assertEqual(files, ["bunny.obj", "bunny.ply", "bunny.vdb", "cube.obj", "shape.json"])
         self.assertEqual(names["strip"].shape, (30, 80, 3))
         self.assertTrue(0.05 < names["share"] < 0.95)
