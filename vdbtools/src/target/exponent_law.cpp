@@ -105,7 +105,9 @@ std::pair<std::pair<double, double>, std::pair<double, double>> ExponentLaw::ran
   const auto beta = [&](double share) {
     return (share - elementary::log(mOptions.orbit.escapeRadius) / *scale) * mMostShell / mScale;
   };
-  return {{*scale * mScale / mMostShell, *scale * mScale / leastH}, std::minmax(beta(leastShare), beta(mostShare))};
+  // Where all shells have one width, rounding may turn the two around.
+  return {std::minmax({*scale * mScale / mMostShell, *scale * mScale / leastH}),
+          std::minmax({beta(leastShare), beta(mostShare)})};
 }
 
 }  // namespace vdbtools
