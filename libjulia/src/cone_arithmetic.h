@@ -6,10 +6,15 @@
 #include "ball_arithmetic.h"
 
 #include "julia/elementary.h"
+#include "julia/embedding.h"
+#include "julia/scalar_field.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <span>
+#include <vector>
 
 namespace julia {
 
@@ -26,6 +31,34 @@ Quaternion<Real> directionOf(const Quaternion<Real>& q) {
   const Real length = std::sqrt(normSquared(scaled));
   return {scaled.a / length, scaled.b / length, scaled.c / length, scaled.d / length};
 }
+
+template <class Real>
+std::vector<Ball> roundedTo(std::span<const Ball> balls) {
+  std::vector<Ball> rounded(balls.size());
+  for (std::size_t i = 0; i < balls.size(); ++i) rounded[i] = roundedTo<Real>(balls[i]);
+  return rounded;
+}
+
+/// Balls without the component at which a scalar field is not read.
+class BallsInSpace {
+ public:
+  BallsInSpace(std::span<const Ball> balls, const Embedding& embedding) {
+    for (const Ball& ball : balls) {
+      mCentres.push_back(embedding.point(ball.centre));
+      mRadii.push_back(ball.radius);
+    }
+  }
+
+  /// What a field takes over each of them.
+  template <class Real>
+  void rangesOf(const ScalarField<Real>& field, std::span<ValueRange> ranges) const {
+    field.ranges(mCentres, mRadii, ranges);
+  }
+
+ private:
+  std::vector<std::array<double, 3>> mCentres;
+  std::vector<double> mRadii;
+};
 
 /// asin x, or more; infinity from 1 on.
 inline double arcSine(double x) {

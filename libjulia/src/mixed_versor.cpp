@@ -4,7 +4,6 @@
 #include "cone_arithmetic.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 #include <vector>
 
@@ -35,15 +34,9 @@ void MixedVersor<Real>::versor(const QuaternionBatch<Real>& q, QuaternionBatch<R
 
 template <class Real>
 void MixedVersor<Real>::cones(std::span<const Ball> balls, std::span<Cone> cones) const {
-  std::vector<std::array<double, 3>> centres(balls.size());
-  std::vector<double> radii(balls.size());
-  for (std::size_t i = 0; i < balls.size(); ++i) {
-    const Ball ball = roundedTo<Real>(balls[i]);
-    centres[i] = mEmbedding.point(ball.centre);
-    radii[i] = ball.radius;
-  }
+  const BallsInSpace space(roundedTo<Real>(balls), mEmbedding);
   std::vector<ValueRange> mixes(balls.size());
-  mMix->ranges(centres, radii, mixes);
+  space.rangesOf(*mMix, mixes);
   std::vector<Cone> over(balls.size());
   mUnder->cones(balls, cones);
   mOver->cones(balls, over);

@@ -37,17 +37,11 @@ void VectorVersor<Real>::versor(const QuaternionBatch<Real>& q, QuaternionBatch<
 
 template <class Real>
 void VectorVersor<Real>::cones(std::span<const Ball> balls, std::span<Cone> cones) const {
-  std::vector<std::array<double, 3>> centres(balls.size());
-  std::vector<double> radii(balls.size());
-  for (std::size_t i = 0; i < balls.size(); ++i) {
-    const Ball ball = roundedTo<Real>(balls[i]);
-    centres[i] = mEmbedding.point(ball.centre);
-    radii[i] = ball.radius;
-  }
+  const BallsInSpace space(roundedTo<Real>(balls), mEmbedding);
   std::vector<std::array<ValueRange, 4>> boxes(balls.size(), {ValueRange{0, 0}, {0, 0}, {0, 0}, {0, 0}});
   std::vector<ValueRange> ranges(balls.size());
   for (std::size_t k = 0; k < mComponents.size(); ++k) {
-    mComponents[k]->ranges(centres, radii, ranges);
+    space.rangesOf(*mComponents[k], ranges);
     for (std::size_t i = 0; i < balls.size(); ++i) boxes[i][mPlaces[k]] = ranges[i];
   }
   for (std::size_t i = 0; i < balls.size(); ++i) {

@@ -148,16 +148,9 @@ template <class Real>
 void WaveVersor<Real>::cones(std::span<const Ball> balls, std::span<Cone> cones) const {
   constexpr double kInfinity = std::numeric_limits<double>::infinity(), kHalfPi = 1.57079632679489661923;
   constexpr double eps = kEpsilonOf<Real>;
-  std::vector<std::array<double, 3>> centres(balls.size());
-  std::vector<double> radii(balls.size());
-  std::vector<Ball> rounded(balls.size());
-  for (std::size_t i = 0; i < balls.size(); ++i) {
-    rounded[i] = roundedTo<Real>(balls[i]);
-    centres[i] = mEmbedding.point(rounded[i].centre);
-    radii[i] = rounded[i].radius;
-  }
+  const std::vector<Ball> rounded = roundedTo<Real>(balls);
   std::vector<ValueRange> octaves(balls.size());
-  mOctave->ranges(centres, radii, octaves);
+  BallsInSpace(rounded, mEmbedding).rangesOf(*mOctave, octaves);
 
   // Versors of unit length are a few units off, as are the factors' products, and the blend.
   double lengths = 16;
