@@ -458,11 +458,6 @@ constexpr double kMostSummedPowers = 250;
 
 }  // namespace
 
-bool floatsServe(const julia::OrbitOptions& orbit) {
-  constexpr int kMostIterations = 5;
-  return orbit.maxIterations <= kMostIterations;
-}
-
 bool floatsServeWaves(const julia::OrbitOptions& orbit) {
   constexpr int kMostIterations = 10;
   return orbit.maxIterations <= kMostIterations;
@@ -506,7 +501,8 @@ bool floatsServeVersor(const julia::OrbitOptions& orbit, const julia::Rational& 
 }
 
 bool floatsServe(const julia::OrbitOptions& orbit, const julia::Rational& roots) {
-  if (!floatsServe(orbit)) return false;
+  constexpr int kMostIterations = 5;
+  if (orbit.maxIterations > kMostIterations) return false;
   double powers = 0;
   for (const julia::Polynomial* polynomial : {&roots.top, &roots.bottom})
     for (const julia::Root& root : polynomial->roots) powers += std::abs(root.power * polynomial->powerScale);

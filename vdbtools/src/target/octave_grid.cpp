@@ -2,10 +2,7 @@
 #include "vdbtools/target/octave_grid.h"
 
 #include "base/elementary.h"
-#include "target/lattice_field.h"
 #include "vdbtools/base/number_text.h"
-
-#include "julia/brick_field.h"
 
 #include <cmath>
 #include <stdexcept>
@@ -38,14 +35,5 @@ OctaveGrid octaveGrid(const LocalThickness& thickness, const Control& frequency,
   }
   return result;
 }
-
-template <class Real>
-std::shared_ptr<const julia::ScalarField<Real>> makeOctaveField(const OctaveGrid& octave) {
-  return makeLatticeField<Real>(*octave.grid, octave.grid->evalActiveVoxelBoundingBox(), octave.space,
-                                julia::Interpolation::Trilinear);
-}
-
-template std::shared_ptr<const julia::ScalarField<float>> makeOctaveField(const OctaveGrid&);
-template std::shared_ptr<const julia::ScalarField<double>> makeOctaveField(const OctaveGrid&);
 
 }  // namespace vdbtools

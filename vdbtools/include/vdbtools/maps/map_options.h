@@ -115,9 +115,7 @@ bool floatsServeWaves(const julia::OrbitOptions& orbit);
 /// cancel, and count as much less.
 bool floatsServeVersor(const julia::OrbitOptions& orbit, const julia::Rational& roots);
 
-/// The same for a rational map: fewer steps.
-bool floatsServe(const julia::OrbitOptions& orbit);
-/// The same, and powers whose sum is not large.
+/// The same for a rational map: fewer steps, and powers whose sum is not large.
 bool floatsServe(const julia::OrbitOptions& orbit, const julia::Rational& roots);
 
 }  // namespace vdbtools

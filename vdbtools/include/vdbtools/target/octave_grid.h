@@ -9,10 +9,6 @@
 #include "vdbtools/target/control.h"
 #include "vdbtools/target/local_thickness.h"
 
-#include "julia/scalar_field.h"
-
-#include <memory>
-
 namespace vdbtools {
 
 /// The octave o at the nodes of the thickness' lattice: with it a wave of one turn a unit makes F turns across the
@@ -25,12 +21,5 @@ struct OctaveGrid {
 /// @param frequency  F, above 0
 /// @throw std::invalid_argument  a frequency that is not above 0 and finite
 OctaveGrid octaveGrid(const LocalThickness& thickness, const Control& frequency, const FractalSpace& space);
-
-/// The octave at points of fractal space; beyond the lattice, that of its nearest point.
-template <class Real>
-std::shared_ptr<const julia::ScalarField<Real>> makeOctaveField(const OctaveGrid& octave);
-
-extern template std::shared_ptr<const julia::ScalarField<float>> makeOctaveField(const OctaveGrid&);
-extern template std::shared_ptr<const julia::ScalarField<double>> makeOctaveField(const OctaveGrid&);
 
 }  // namespace vdbtools
