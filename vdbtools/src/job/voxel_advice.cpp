@@ -72,8 +72,8 @@ Extent extentOf(const Scene& scene) {
 }
 
 double memoryAt(const Extent& extent, double voxel) {
-  // Measured (docs/scale.md): of the process, at most so many bytes for a voxel of the shell, for the surface's area in
-  // voxels, and for the rest.
+  // Estimates, which no measurement holds yet: of the process, so many bytes for a voxel of the shell, for the
+  // surface's area in voxels, and for the rest.
   constexpr double kOfNode = 5, kOfArea = 1200, kOfProcess = 150e6;
   return kOfNode * extent.volume / (voxel * voxel * voxel) + kOfArea * extent.area / (voxel * voxel) + kOfProcess;
 }
