@@ -57,6 +57,24 @@ struct Ball {
   float radius;  ///< voxels
 };
 
+/// A bound of the radius of a ball about the point that is @a t of a line's steps from a node: it sticks out of the target
+/// nowhere near the node. Behind a convex edge the slopes say more, as the distance is not linear there.
+float largestBallAt(const Lattice& depth, const Coord& node, const Line& line, float t) {
+  constexpr int kAround = 2;
+  float radius = std::numeric_limits<float>::infinity();
+  for (int x = -kAround; x <= kAround; ++x)
+    for (int y = -kAround; y <= kAround; ++y)
+      for (int z = -kAround; z <= kAround; ++z) {
+        if (!depth.holds(node[0] + x, node[1] + y, node[2] + z)) continue;
+        const float dx = static_cast<float>(x) - t * static_cast<float>(line.x),
+                    dy = static_cast<float>(y) - t * static_cast<float>(line.y),
+                    dz = static_cast<float>(z) - t * static_cast<float>(line.z);
+        radius = std::min(radius, depth.values[depth.index(node[0] + x, node[1] + y, node[2] + z)] +
+                                      std::sqrt(dx * dx + dy * dy + dz * dz));
+      }
+  return radius;
+}
+
 /// The balls that no ball about a neighbour contains: those about the nodes of the medial axis. A ball's radius is the
 /// depth at the ridge itself, which runs between the nodes: along a line across the ridge the depth rises with one
 /// slope and falls with another, and where the two meet is the ridge. In a wall one voxel thick, too, the slopes are
@@ -93,11 +111,11 @@ std::vector<Ball> ridgeBalls(const Lattice& depth, Monitor& monitor) {
             if (!std::isfinite(rise) || !std::isfinite(fall)) continue;
             // before + rise (t + 1) = after - fall (t - 1)
             const float t = (after + fall - before - rise) / (rise + fall);
-            if (std::abs(t) <= 1) radius = std::max(radius, before + rise * (t + 1));
+            if (!(std::abs(t) <= 1)) continue;
+            const float found = before + rise * (t + 1);
+            if (found > radius) radius = std::max(radius, std::min(found, largestBallAt(depth, {x, y, z}, line, t)));
           }
-          // Noise in the slopes must not make a ball much larger than the distances allow.
-          constexpr float kMost = 0.87f;  // half a cell's diagonal
-          if (!contained) layers[layer].push_back({x, y, z, std::min(radius, here + kMost)});
+          if (!contained) layers[layer].push_back({x, y, z, radius});
         }
     }
   });
