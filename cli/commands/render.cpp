@@ -14,6 +14,7 @@
 #include "vdbtools/job/file_axes.h"
 #include "vdbtools/job/scene_picture.h"
 #include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/render/look.h"
 #include "vdbtools/render/preview.h"
 #include "vdbtools/render/view_options.h"
 
@@ -22,6 +23,7 @@
 #include <memory>
 #include <numeric>
 #include <ostream>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -56,6 +58,22 @@ constexpr Usage kRenderUsage = {
     "up"};
 
 constexpr const char* kSize = "800x800";
+
+/// What a picture of a level set or of a mesh can have.
+const std::set<vdbtools::Pass> kSurfacePasses{vdbtools::Pass::Beauty, vdbtools::Pass::Normal, vdbtools::Pass::Depth,
+                                              vdbtools::Pass::Albedo, vdbtools::Pass::Ao,     vdbtools::Pass::Id};
+
+std::vector<vdbtools::OptionSpec> lookAndPassesSpecs() {
+  std::vector<vdbtools::OptionSpec> options = vdbtools::lookOptionSpecs();
+  options.push_back(vdbtools::passesOptionSpec());
+  return options;
+}
+
+std::vector<vdbtools::OptionSpec> surfaceOptionSpecs() {
+  std::vector<vdbtools::OptionSpec> options = vdbtools::viewOptionSpecs(kSize);
+  for (vdbtools::OptionSpec& option : lookAndPassesSpecs()) options.push_back(std::move(option));
+  return options;
+}
 
 std::vector<vdbtools::PreviewBall> ballsOf(const std::string& name) {
   constexpr double kRadius = 0.008;  // of the target's longest side
@@ -98,10 +116,15 @@ void requireFits(const CommandLine& line, bool field) {
 int renderSurface(const CommandLine& line) {
   const std::string input = line.text("input");
   if (input.empty()) throw std::invalid_argument("no VDB and no mesh was given");
-  const vdbtools::OptionTable table(vdbtools::viewOptionSpecs(kSize));
-  const vdbtools::ViewOptions view = vdbtools::parseViewOptions(vdbtools::RecipeReader(line.given(table), table));
-  vdbtools::PreviewOptions options{
-      .width = view.width, .height = view.height, .samples = view.samples, .view = view.angles};
+  const vdbtools::OptionTable table(surfaceOptionSpecs());
+  const vdbtools::RecipeReader reader(line.given(table), table);
+  const vdbtools::ViewOptions view = vdbtools::parseViewOptions(reader);
+  vdbtools::PreviewOptions options{.width = view.width,
+                                   .height = view.height,
+                                   .samples = view.samples,
+                                   .view = view.angles,
+                                   .look = vdbtools::parseLook(reader),
+                                   .passes = vdbtools::parsePasses(reader, kSurfacePasses, vdbtools::kUsualPasses)};
   if (view.up) throw std::invalid_argument("--up X,Y,Z can be used with --field only; give y or z");
   if (line.has("roots")) options.balls = ballsOf(line.text("roots"));
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
@@ -113,16 +136,23 @@ int renderSurface(const CommandLine& line) {
   const vdbtools::VdbFile vdb = mesh ? vdbtools::VdbFile() : vdbtools::readVdb(input);
   options.up =
       view.upAxis ? *view.upAxis : vdbtools::recordedUpAxis(mesh ? vdbtools::readMeshComments(input) : vdb.metadata);
-  const vdbtools::Image image = mesh
-                                    ? imageOfMesh(line, options)
-                                    : vdbtools::renderPreview(*vdbtools::chooseFloatGrid(vdb, line.text("grid"), input),
-                                                              options, line.progress());
+  const std::string format = formatOf(line.text("output"), ".png");
+  const bool isExr = vdbtools::lowerCase(format) == ".exr";
+  if (!isExr && line.has("passes"))
+    throw std::invalid_argument("--passes are layers of an EXR; give -o a name that ends in .exr, or leave it out");
+  if (!isExr) options.passes = {vdbtools::Pass::Beauty};
+  // Compositors put their own background behind an EXR.
+  if (isExr && options.look.backdrop == vdbtools::Backdrop::Neutral) options.look.backdrop = vdbtools::Backdrop::None;
+  const vdbtools::ShadedImage image =
+      mesh ? imageOfMesh(line, options)
+           : vdbtools::renderPreview(*vdbtools::chooseFloatGrid(vdb, line.text("grid"), input), options,
+                                     line.progress());
   line.progress().begin("writing", 0);
-  file << vdbtools::encodeImage(image, formatOf(line.text("output"), ".png"));
+  file << vdbtools::encodeShadedImage(image, format, options.look.backdrop == vdbtools::Backdrop::None, options.passes);
   outputs.commit();
-  report().count("width", image.width);
-  report().count("height", image.height);
-  report().text() << "wrote " << outputs.names() << ": " << image.width << " x " << image.height << '\n';
+  report().count("width", view.width);
+  report().count("height", view.height);
+  report().text() << "wrote " << outputs.names() << ": " << view.width << " x " << view.height << '\n';
   return kDone;
 }
 
@@ -199,6 +229,7 @@ int runRender(const Arguments& arguments) {
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
   line.addOptions()("output,o", text("F.png"), "the picture to write: .png or .exr");
   line.addOptions(vdbtools::viewOptionSpecs(kSize));
+  line.addOptions(lookAndPassesSpecs());
   line.addOptions()("roots", text("F.json"),
                     "show the roots of a map that 'juliavdb fit' made: top roots in blue, bottom roots in red")(
       "field", po::bool_switch(),

@@ -11,7 +11,7 @@ namespace cli {
 
 bool isMesh(const std::string& input) { return !input.empty() && !vdbtools::isVdbPath(input); }
 
-vdbtools::Image imageOfMesh(const CommandLine& line, const vdbtools::PreviewOptions& picture) {
+vdbtools::ShadedImage imageOfMesh(const CommandLine& line, const vdbtools::PreviewOptions& picture) {
   if (line.has("colour") && line.text("colour") != "clay")
     line.refuse("colour", "clay for a mesh, or left out for the colours that the mesh itself has");
   line.progress().begin("reading", 0);

@@ -16,6 +16,6 @@ bool isMesh(const std::string& input);
 
 /// The picture of the mesh that is the command's input.
 /// @throw std::invalid_argument  a value of --colour that a mesh does not have; what reading the mesh throws
-vdbtools::Image imageOfMesh(const CommandLine& line, const vdbtools::PreviewOptions& picture);
+vdbtools::ShadedImage imageOfMesh(const CommandLine& line, const vdbtools::PreviewOptions& picture);
 
 }  // namespace cli

@@ -236,7 +236,7 @@ TEST(FieldRender, PreviewsHaveTheSameCameraAndBackground) {
   constexpr int kWidth = 90, kHeight = 60;
   Monitor monitor;
   const Image preview =
-      renderPreview(*sphere, {.width = kWidth, .height = kHeight, .samples = 1, .view = view}, monitor);
+      renderPreview(*sphere, {.width = kWidth, .height = kHeight, .samples = 1, .view = view}, monitor).beauty;
   FieldRenderOptions options = small(set, kWidth, kHeight);
   // Previews frame the cells of the surface, up to two voxels more than the sphere.
   options.camera = cameraAround({set.space.centre, radius + voxel}, view, 1.0 * kWidth / kHeight);

@@ -31,7 +31,7 @@ using test_meshes::makeSphere;
 Image picture(Mesh mesh, int samples = 1, bool colours = true) {
   Monitor monitor;
   MeshPreviewOptions options{.picture = {.width = 60, .height = 60, .samples = samples}, .colours = colours};
-  return renderMeshPreview(std::move(mesh), options, monitor);
+  return renderMeshPreview(std::move(mesh), options, monitor).beauty;
 }
 
 double difference(const Image& a, const Image& b) {
@@ -116,7 +116,7 @@ TEST(RayTree, NoRaySlipsThroughAClosedMesh) {
 TEST(MeshPreview, OfASphereIsThatOfItsLevelSet) {
   const auto grid = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(1, openvdb::Vec3f(3, -2, 5), 0.02f, 3);
   Monitor monitor;
-  const Image level = renderPreview(*grid, {.width = 60, .height = 60, .samples = 4}, monitor);
+  const Image level = renderPreview(*grid, {.width = 60, .height = 60, .samples = 4}, monitor).beauty;
   const Image mesh = picture(makeSphere(1, 5, Vec3d(3, -2, 5)), 4);
   // Apart from the outline: a level set is framed with the cells that its surface is in.
   for (int y = 12; y < 48; ++y)

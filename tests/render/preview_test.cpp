@@ -69,7 +69,7 @@ PreviewOptions small(int width, int height, int samples = 1) {
 
 Image render(const FloatGrid& grid, const PreviewOptions& options) {
   Monitor monitor;
-  return renderPreview(grid, options, monitor);
+  return renderPreview(grid, options, monitor).beauty;
 }
 
 /// The background is neutral, the clay is not.

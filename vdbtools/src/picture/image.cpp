@@ -69,6 +69,12 @@ void requirePixels(const Image& image) {
   }
 }
 
+void requireValues(const std::string& channel, std::size_t count, const Image& image) {
+  if (count != image.pixels.size())
+    throw std::invalid_argument("the channel \"" + channel + "\" has " + std::to_string(count) + " values for " +
+                                std::to_string(image.pixels.size()) + " pixels");
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> screenCodes(const Image& image) { return converted<std::uint8_t>(image, srgbCode); }
@@ -83,13 +89,25 @@ std::string encodeImage(const Image& image, const std::string& extension) {
   return write({.width = image.width, .height = image.height, .linear = values.data()});
 }
 
+std::string encodePngWithAlpha(const Image& premultiplied, std::span<const float> coverage) {
+  requirePixels(premultiplied);
+  requireValues("coverage", coverage.size(), premultiplied);
+  constexpr float kLargestCode = 255;
+  std::vector<std::uint8_t> codes;
+  codes.reserve(4 * coverage.size());
+  for (std::size_t i = 0; i < coverage.size(); ++i) {
+    const float alpha = std::clamp(finiteOrZero(coverage[i]), 0.0F, 1.0F);
+    for (const float channel : premultiplied.pixels[i]) codes.push_back(srgbCode(alpha > 0 ? channel / alpha : 0));
+    codes.push_back(static_cast<std::uint8_t>(kLargestCode * alpha + 0.5F));
+  }
+  return encodePng(premultiplied.width, premultiplied.height, codes.data(), true);
+}
+
 std::string encodeExr(const Image& image, std::span<const Channel> channels) {
   requirePixels(image);
   std::vector<const char*> names;
   for (const Channel& channel : channels) {
-    if (channel.values.size() != image.pixels.size())
-      throw std::invalid_argument("the channel \"" + channel.name + "\" has " + std::to_string(channel.values.size()) +
-                                  " values for " + std::to_string(image.pixels.size()) + " pixels");
+    requireValues(channel.name, channel.values.size(), image);
     names.push_back(channel.name.c_str());
   }
   std::vector<float> values;

@@ -13,15 +13,15 @@ constexpr double kMostBytes = 4e9;  ///< libpng counts a picture's bytes in 32 b
 
 }  // namespace
 
-std::string encodePng(int width, int height, const std::uint8_t* codes) {
-  if (3.0 * width * height > kMostBytes)
+std::string encodePng(int width, int height, const std::uint8_t* codes, bool alpha) {
+  if ((alpha ? 4.0 : 3.0) * width * height > kMostBytes)
     throw std::invalid_argument("a picture of " + std::to_string(width) + " x " + std::to_string(height) +
                                 " pixels is too large for a PNG; make it smaller, or write an EXR");
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
   image.width = static_cast<png_uint_32>(width);
   image.height = static_cast<png_uint_32>(height);
-  image.format = PNG_FORMAT_RGB;
+  image.format = alpha ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB;
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
   std::string bytes(size, '\0');
   // The size is known to fit, so nothing but want of memory can make it fail.

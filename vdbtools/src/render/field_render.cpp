@@ -7,8 +7,6 @@
 #include "render/ray_steps.h"
 #include "render/view.h"
 
-#include "vdbtools/files/file_bytes.h"
-
 #include <algorithm>
 #include <atomic>
 #include <bit>
@@ -414,13 +412,7 @@ FieldImage renderField(const FieldSource& source, const BBoxd& region, const Fie
 }
 
 std::string encodeFieldImage(const FieldImage& image, const std::string& extension) {
-  if (!lowerCase(extension).ends_with("exr")) return encodeImage(image.beauty, extension);
-  std::vector<Channel> channels = {{"A", image.coverage}, {"N.x", {}}, {"N.y", {}}, {"N.z", {}}};
-  for (const auto& normal : image.normal.pixels)
-    for (std::size_t axis = 0; axis < 3; ++axis) channels[1 + axis].values.push_back(normal[axis]);
-  channels.push_back({"Z", image.depth});
-  channels.push_back({"id", image.id});
-  return encodeExr(image.beauty, channels);
+  return encodeShadedImage(image, extension, false, kUsualPasses);
 }
 
 }  // namespace vdbtools

@@ -13,6 +13,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -46,6 +47,13 @@ class MeshStage {
   FramedBall ball() const { return {mCentre, mRadius}; }
   Vec3d place(const Vec3d& world) const { return (world - mCentre) / mRadius; }
   const RayTree& tree() const { return *mTree; }
+  /// The least product of a direction with the mesh's points.
+  double lowestAlong(const Vec3d& direction) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Vec3I& triangle : mMesh.triangles)
+      for (int i = 0; i < 3; ++i) least = std::min(least, placed(triangle[i]).dot(direction));
+    return least;
+  }
 
   /// @param direction  from where it is seen
   SurfacePoint pointOf(const RayTree::Hit& hit, const Vec3d& eye, const Vec3d& direction) const {
@@ -146,14 +154,14 @@ class MeshStage {
     return sum.normalize() ? sum : flat;
   }
 
-  Vec3d albedo(const Vec3I& corners, const std::array<double, 3>& weights) const {
-    if (!mChannels[0]) return kClay;
+  std::optional<Vec3d> albedo(const Vec3I& corners, const std::array<double, 3>& weights) const {
+    if (!mChannels[0]) return std::nullopt;
     Vec3d colour(0);
     for (int i = 0; i < 3; ++i) {
       Vec3d linear;
       for (int channel = 0; channel < 3; ++channel) {
         const auto value = static_cast<double>(mChannels[static_cast<std::size_t>(channel)]->values[corners[i]]);
-        if (!std::isfinite(value)) return kClay;
+        if (!std::isfinite(value)) return std::nullopt;
         linear[channel] = linearFromSrgb(std::clamp(value, 0.0, 1.0));
       }
       colour += weights[static_cast<std::size_t>(i)] * linear;
@@ -190,7 +198,7 @@ bool isSoup(const Mesh& mesh) { return mesh.points.size() > mesh.triangles.size(
 
 }  // namespace
 
-Image renderMeshPreview(Mesh mesh, const MeshPreviewOptions& options, Monitor& monitor) {
+ShadedImage renderMeshPreview(Mesh mesh, const MeshPreviewOptions& options, Monitor& monitor) {
   const PreviewOptions& picture = options.picture;
   const PixelSamples samples(picture.width, picture.height, picture.samples);
   requireAngles(picture.view);
@@ -208,10 +216,11 @@ Image renderMeshPreview(Mesh mesh, const MeshPreviewOptions& options, Monitor& m
     ball.centre = surface.place(ball.centre);
     ball.radius /= surface.ball().radius;
   }
-  const PreviewStage stage = previewStage(
-      cameraAround(surface.ball(), picture.view, samples.aspect(), picture.up), picture.up, samples.aspect(),
-      [&](const Vec3d& point) { return surface.place(point); },
+  PreviewStage stage = previewStage(
+      cameraAround(surface.ball(), picture.view, samples.aspect(), picture.up), picture.look, picture.up,
+      samples.aspect(), surface.ball(), [&](const Vec3d& point) { return surface.place(point); },
       [](const Vec3d& direction) { return direction.unit(); });
+  if (picture.look.ground) stage.floor = surface.lowestAlong(stage.sky);
   return renderStage(
       stage, picture, samples, balls, [&] { return MeshSurface(surface); }, monitor);
 }

@@ -7,6 +7,7 @@
 #include "vdbtools/base/errors.h"
 
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -27,7 +28,7 @@ class LevelSetSurface {
     const Vec3d position = eye + *hit * direction;
     Vec3d normal = mTracer.normal(position);
     if (!normal.normalize(0)) normal = -direction;
-    return SurfacePoint{*hit, position + kLeaveSurface * normal, normal, kClay};
+    return SurfacePoint{*hit, position + kLeaveSurface * normal, normal, std::nullopt};
   }
   bool blocked(const Vec3d& origin, const Vec3d& direction) { return mTracer.blocked(origin, direction); }
 
@@ -58,9 +59,21 @@ std::vector<PreviewBall> ballsInIndexSpace(const openvdb::FloatGrid& grid, std::
   return balls;
 }
 
+/// The least product of a direction with the corners of cells.
+double lowestAlong(const Vec3d& direction, const openvdb::MaskTree& cells) {
+  double least = std::numeric_limits<double>::infinity();
+  for (auto cell = cells.cbeginValueOn(); cell; ++cell) {
+    const openvdb::CoordBBox box = cell.getBoundingBox();
+    Vec3d corner;
+    for (int axis = 0; axis < 3; ++axis) corner[axis] = direction[axis] > 0 ? box.min()[axis] : box.max()[axis] + 1;
+    least = std::min(least, corner.dot(direction));
+  }
+  return least;
+}
+
 }  // namespace
 
-Image renderPreview(const openvdb::FloatGrid& levelSet, const PreviewOptions& options, Monitor& monitor) {
+ShadedImage renderPreview(const openvdb::FloatGrid& levelSet, const PreviewOptions& options, Monitor& monitor) {
   const PixelSamples samples(options.width, options.height, options.samples);
   requireAngles(options.view);
   requireLevelSet(levelSet);
@@ -74,9 +87,10 @@ Image renderPreview(const openvdb::FloatGrid& levelSet, const PreviewOptions& op
   const auto turn = [&](const Vec3d& direction) {
     return levelSet.transform().baseMap()->applyInverseJacobian(direction).unit();
   };
-  const PreviewStage stage = previewStage(
-      cameraAround(ball, options.view, samples.aspect(), options.up), options.up, samples.aspect(),
+  PreviewStage stage = previewStage(
+      cameraAround(ball, options.view, samples.aspect(), options.up), options.look, options.up, samples.aspect(), ball,
       [&](const Vec3d& point) { return levelSet.worldToIndex(point); }, turn);
+  if (options.look.ground) stage.floor = lowestAlong(stage.sky, cells);
 
   const SurfaceLattice lattice(levelSet.tree(), cells);
   monitor.throwIfCancelled();

@@ -37,6 +37,11 @@ struct Image {
 /// @throw IoError                OpenImageIO cannot encode it
 std::string encodeImage(const Image& image, const std::string& extension);
 
+/// Encodes the image as a PNG with alpha.
+/// @param premultiplied  by the coverage, which is 0 to 1, one value for each pixel
+/// @throw std::invalid_argument  as encodeImage(), or another number of values
+std::string encodePngWithAlpha(const Image& premultiplied, std::span<const float> coverage);
+
 /// A channel beyond RGB.
 struct Channel {
   std::string name;           ///< as compositors know it: A, Z, N.x

@@ -24,6 +24,7 @@
 #include "vdbtools/picture/image.h"
 #include "vdbtools/render/camera.h"
 #include "vdbtools/render/field_colour.h"
+#include "vdbtools/render/shaded_image.h"
 
 #include "julia/embedding.h"
 #include "julia/orbit.h"
@@ -62,19 +63,11 @@ struct FieldRenderOptions {
   bool skip = true;  ///< changes the speed only
 };
 
-/// Row by row from the top left.
-struct FieldImage {
-  Image beauty;                 ///< linear RGB
-  std::vector<float> coverage;  ///< the part of each pixel's rays that met the set
-  Image normal;                 ///< of the pixel's nearest hit, outward, in world space; 0 where there is none
-  std::vector<float> depth;     ///< of the same hit along the view axis, world units; kNoDepth where there is none
-  std::vector<float> id;        ///< 1 where the set is seen, else 0
-
+/// The usual passes. The coverage is the part of each pixel's rays that met the set.
+struct FieldImage : ShadedImage {
   std::uint64_t rays = 0;         ///< how many were sent
   std::uint64_t evaluations = 0;  ///< how many samples along the rays were evaluated
 };
-
-inline constexpr float kNoDepth = 1e10F;  ///< as in other renderers
 
 class Occupancy;
 

@@ -23,6 +23,6 @@ struct MeshPreviewOptions {
 /// @throw std::invalid_argument  options out of their ranges
 /// @throw DataError              no triangle has an extent, an index is out of range, or a coordinate is not finite
 /// @throw Interrupted
-Image renderMeshPreview(Mesh mesh, const MeshPreviewOptions& options, Monitor& monitor);
+ShadedImage renderMeshPreview(Mesh mesh, const MeshPreviewOptions& options, Monitor& monitor);
 
 }  // namespace vdbtools

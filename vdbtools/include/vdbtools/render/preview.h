@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file preview.h
-/// A shaded picture of a level set, which the camera frames by itself: rays that skip the space without
-/// surface, a key
+/// A shaded picture of a level set, which the camera frames by itself: rays that skip the space without surface, a key
 /// light with soft shadows, and the light of the sky gathered by ambient rays. The surface is where the sign changes,
 /// so fields whose gradient is far from 1 show no holes.
 #pragma once
@@ -10,7 +9,10 @@
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/picture/image.h"
 #include "vdbtools/render/camera.h"
+#include "vdbtools/render/look.h"
+#include "vdbtools/render/shaded_image.h"
 
+#include <set>
 #include <vector>
 
 namespace vdbtools {
@@ -28,13 +30,15 @@ struct PreviewOptions {
   int samples = 4;   ///< rays per pixel: 1, 4, 9 or 16
   ViewAngles view;
   UpAxis up = UpAxis::Y;  ///< of the world: the picture and its lights stand upright
+  Look look{};
+  std::set<Pass> passes{Pass::Beauty};  ///< all but Pass::Trap can be had
   std::vector<PreviewBall> balls;
 };
 
-/// The same picture for any number of threads. Colours lie near [0, 1]; the background is neutral.
+/// The same picture for any number of threads. Colours lie near [0, 1].
 /// @throw std::invalid_argument  options out of their ranges
 /// @throw DataError              it is not a level set, its voxels are not cubes, or it has no surface
 /// @throw Interrupted
-Image renderPreview(const openvdb::FloatGrid& levelSet, const PreviewOptions& options, Monitor& monitor);
+ShadedImage renderPreview(const openvdb::FloatGrid& levelSet, const PreviewOptions& options, Monitor& monitor);
 
 }  // namespace vdbtools
