@@ -8,7 +8,9 @@
 #include "report.h"
 
 #include "vdbtools/base/numbered_monitor.h"
+#include "vdbtools/farm/frame_plan.h"
 #include "vdbtools/files/file_bytes.h"
+#include "vdbtools/files/frame_name.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/versor_file.h"
 #include "vdbtools/job/file_axes.h"
@@ -18,12 +20,14 @@
 #include "vdbtools/render/preview.h"
 #include "vdbtools/render/view_options.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <memory>
-#include <numeric>
 #include <ostream>
 #include <set>
+#include <sstream>
 #include <utility>
 #include <vector>
 
@@ -51,8 +55,8 @@ constexpr Usage kRenderUsage = {
     "  juliavdb render --field bunny.vdb -o field.png --size 400x400\n"
     "  juliavdb render --field --map cross --pair A -o triplex.png --size 400x400\n"
     "  juliavdb render --field --map quadratic --c=-0.2,0.6,0.2,0.2 --iterations 8 -o julia.exr --size 400x400\n"
-    "  juliavdb render --field --map quadratic --c=-1,0.2,0,0 --iterations 8 -o turn.####.png --frames 2 --size "
-    "200x200\n",
+    "  juliavdb render --field --map quadratic --c=-1,0.2,0,0 --iterations 8 -o turn.####.png --frames 1-2 --turn 360 "
+    "--size 200x200\n",
     "fractal",
     nullptr,
     "up"};
@@ -63,15 +67,16 @@ constexpr const char* kSize = "800x800";
 const std::set<vdbtools::Pass> kSurfacePasses{vdbtools::Pass::Beauty, vdbtools::Pass::Normal, vdbtools::Pass::Depth,
                                               vdbtools::Pass::Albedo, vdbtools::Pass::Ao,     vdbtools::Pass::Id};
 
+/// What a picture of a map's set can have.
+const std::set<vdbtools::Pass> kFieldPasses = [] {
+  std::set<vdbtools::Pass> passes = kSurfacePasses;
+  passes.insert(vdbtools::Pass::Trap);
+  return passes;
+}();
+
 std::vector<vdbtools::OptionSpec> lookAndPassesSpecs() {
   std::vector<vdbtools::OptionSpec> options = vdbtools::lookOptionSpecs();
   options.push_back(vdbtools::passesOptionSpec());
-  return options;
-}
-
-std::vector<vdbtools::OptionSpec> surfaceOptionSpecs() {
-  std::vector<vdbtools::OptionSpec> options = vdbtools::viewOptionSpecs(kSize);
-  for (vdbtools::OptionSpec& option : lookAndPassesSpecs()) options.push_back(std::move(option));
   return options;
 }
 
@@ -94,6 +99,25 @@ std::vector<vdbtools::PreviewBall> ballsOf(const std::string& name) {
   return balls;
 }
 
+/// The camera, the light and what is kept of a picture, in one table.
+vdbtools::OptionTable pictureTable(bool field) {
+  std::vector<vdbtools::OptionSpec> options =
+      field ? vdbtools::fieldPictureOptionSpecs(kSize) : vdbtools::viewOptionSpecs(kSize);
+  for (vdbtools::OptionSpec& option : lookAndPassesSpecs()) options.push_back(std::move(option));
+  return vdbtools::OptionTable(std::move(options));
+}
+
+/// Of these, what may change from frame to frame.
+vdbtools::OptionTable keyTable(bool field) {
+  std::vector<vdbtools::OptionSpec> options =
+      field ? vdbtools::fieldPictureOptionSpecs(kSize) : vdbtools::viewOptionSpecs(kSize);
+  for (vdbtools::OptionSpec& option : vdbtools::lookOptionSpecs()) options.push_back(std::move(option));
+  std::erase_if(options, [](const vdbtools::OptionSpec& option) {
+    return option.name == "size" || option.name == "samples" || option.name == "no-skip";
+  });
+  return vdbtools::OptionTable(std::move(options));
+}
+
 /// Refuses the options that only the other way of rendering has.
 void requireFits(const CommandLine& line, bool field) {
   if (field) {
@@ -101,8 +125,7 @@ void requireFits(const CommandLine& line, bool field) {
     return;
   }
   vdbtools::Recipe given = line.given(vdbtools::OptionTable(vdbtools::fieldViewOptionSpecs()));
-  for (const char* option : {"frames", "search"})
-    if (line.has(option)) given[option] = "";
+  if (line.has("search")) given["search"] = "";
   given.insert(line.givenRecipe().begin(), line.givenRecipe().end());
   if (isMesh(line.text("input"))) {
     if (given.contains("grid")) throw std::invalid_argument("--grid chooses a grid of a VDB, and a mesh has none");
@@ -112,112 +135,223 @@ void requireFits(const CommandLine& line, bool field) {
     if (name != "input" && name != "grid") throw std::invalid_argument("--" + name + " can be used with --field only");
 }
 
-/// A picture of a level set or of a mesh.
-int renderSurface(const CommandLine& line) {
+/// A picture to take: a still, or a frame of a sequence.
+struct Shot {
+  std::optional<int> frame;
+  vdbtools::Recipe view;  ///< of pictureTable(): what was given, and what the keys say
+  double turn = 0;        ///< degrees by which the camera has turned
+  std::string input;
+};
+
+/// In the order in which they are made.
+std::vector<Shot> shotsOf(const CommandLine& line, bool field) {
   const std::string input = line.text("input");
-  if (input.empty()) throw std::invalid_argument("no VDB and no mesh was given");
-  const vdbtools::OptionTable table(surfaceOptionSpecs());
-  const vdbtools::RecipeReader reader(line.given(table), table);
-  const vdbtools::ViewOptions view = vdbtools::parseViewOptions(reader);
-  vdbtools::PreviewOptions options{.width = view.width,
-                                   .height = view.height,
-                                   .samples = view.samples,
-                                   .view = view.angles,
-                                   .look = vdbtools::parseLook(reader),
-                                   .passes = vdbtools::parsePasses(reader, kSurfacePasses, vdbtools::kUsualPasses)};
-  if (view.up) throw std::invalid_argument("--up X,Y,Z can be used with --field only; give y or z");
-  if (line.has("roots")) options.balls = ballsOf(line.text("roots"));
+  const vdbtools::Recipe given = line.given(pictureTable(field));
+  line.requireUse(line.has("frames"), {"turn", "key", "ease"}, "it goes with --frames; give that too, or leave it out");
+  line.requireUse(line.has("key"), {"ease"}, "it goes with --key; give that too, or leave it out");
+  if (!line.has("frames")) return {{std::nullopt, given, 0, input}};
+  const bool isSequence = vdbtools::hasFramePattern(input);
+  if (!isSequence && !line.has("turn") && !line.has("key"))
+    throw std::invalid_argument("--frames " + line.text("frames") +
+                                " would make the same picture each time; add --turn 360, --key, or an input such as "
+                                "x.####.vdb");
+  constexpr double kMostDegrees = 1e6;
+  const double turn = line.has("turn") ? line.number("turn") : 0;
+  if (line.has("turn") && !(turn != 0 && std::abs(turn) <= kMostDegrees))
+    line.refuse("turn", "degrees other than 0, such as 360");
+  const std::vector<vdbtools::KeyedOption> keys =
+      vdbtools::parseKeys(line.texts("key"), line.texts("ease"), keyTable(field));
+  for (const vdbtools::KeyedOption& keyed : keys)
+    if (given.contains(keyed.name))
+      throw std::invalid_argument("--" + keyed.name + " is given and has keys; give only one of them");
+  const std::vector<int> frames = vdbtools::parseFrames(line.text("frames"));
+  std::vector<Shot> shots;
+  for (const int frame : frames) {
+    Shot shot{frame, given, 0, isSequence ? vdbtools::expandFrame(input, frame) : input};
+    for (const vdbtools::KeyedOption& keyed : keys) shot.view[keyed.name] = vdbtools::valueAt(keyed, frame);
+    // In the order of time, whatever the order of the list.
+    const auto before = std::count_if(frames.begin(), frames.end(), [&](int other) { return other < frame; });
+    shot.turn = turn * static_cast<double>(before) / static_cast<double>(frames.size());
+    shots.push_back(std::move(shot));
+  }
+  return shots;
+}
+
+/// The light, and what is kept of the picture.
+struct Layers {
+  vdbtools::Look look;
+  std::set<vdbtools::Pass> passes;
+  bool alpha = false;  ///< whether a PNG has it
+};
+
+Layers layersOf(const vdbtools::RecipeReader& reader, const std::string& format,
+                const std::set<vdbtools::Pass>& possible) {
+  Layers layers{vdbtools::parseLook(reader), vdbtools::parsePasses(reader, possible, vdbtools::kUsualPasses)};
+  if (vdbtools::lowerCase(format) != ".exr") {
+    if (reader.has("passes"))
+      throw std::invalid_argument("--passes are layers of an EXR; give -o a name that ends in .exr, or leave it out");
+    layers.passes = {vdbtools::Pass::Beauty};
+  } else if (layers.look.backdrop == vdbtools::Backdrop::Neutral) {
+    // Compositors put a background of their own behind an EXR.
+    layers.look.backdrop = vdbtools::Backdrop::None;
+  }
+  layers.alpha = layers.look.backdrop == vdbtools::Backdrop::None;
+  return layers;
+}
+
+/// Makes the pictures one after the other. All their options and places are checked before the first is made.
+class Shooting {
+ public:
+  /// @param inputs  beside the command's own
+  Shooting(const CommandLine& line, const std::vector<Shot>& shots, vdbtools::InputFiles inputs)
+      : mLine(line), mInputs(std::move(inputs)), mCount(shots.size()) {
+    std::vector<int> frames;
+    for (const Shot& shot : shots) {
+      if (!shot.input.empty()) mInputs.add(shot.input);
+      if (shot.frame) frames.push_back(*shot.frame);
+    }
+    if (!frames.empty()) requireFramePlaces(line, mInputs, std::array{"output"}, frames);
+    // The first place is claimed before the work begins, the others with their frames.
+    claim(shots.front());
+  }
+
+  /// For the next picture; the work that is then done is told with the number of the frame.
+  vdbtools::Monitor& begin(const Shot& shot) {
+    if (mNumber > 0) claim(shot);
+    ++mNumber;
+    if (!shot.frame) return mLine.progress();
+    return mMonitor.emplace(mLine.progress(), "frame", mNumber, mCount);
+  }
+
+  /// @param more  what the summary says of the picture, behind its size
+  void end(const vdbtools::ShadedImage& image, const Layers& layers, const std::string& format,
+           const std::string& more) {
+    mLine.progress().begin("writing", 0);
+    *mFile << vdbtools::encodeShadedImage(image, format, layers.alpha, layers.passes);
+    const bool isLast = mNumber == mCount;
+    mOutputs->commit(isLast);
+    if (isLast) {
+      report().count("width", image.beauty.width);
+      report().count("height", image.beauty.height);
+      report().count("frames", static_cast<int>(mCount));
+    }
+    report().text() << "wrote " << mOutputs->names() << ": " << image.beauty.width << " x " << image.beauty.height
+                    << more << '\n';
+  }
+
+ private:
+  void claim(const Shot& shot) {
+    mOutputs = std::make_unique<Outputs>(mLine, mInputs, shot.frame);
+    mFile = &mOutputs->add("output", mLine.text("output"), ".png .exr").stream();
+  }
+
+  const CommandLine& mLine;
+  vdbtools::InputFiles mInputs;
+  std::size_t mCount, mNumber = 0;
+  std::unique_ptr<Outputs> mOutputs;
+  std::ostream* mFile = nullptr;
+  std::optional<vdbtools::NumberedMonitor> mMonitor;
+};
+
+std::string requireOutput(const CommandLine& line) {
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
+  return formatOf(line.text("output"), ".png");
+}
+
+/// Pictures of level sets or of meshes.
+int renderSurface(const CommandLine& line) {
+  if (line.text("input").empty()) throw std::invalid_argument("no VDB and no mesh was given");
+  const std::vector<Shot> shots = shotsOf(line, false);
+  const vdbtools::OptionTable table = pictureTable(false);
+  std::vector<std::pair<vdbtools::ViewOptions, Layers>> pictures;
+  const std::vector<vdbtools::PreviewBall> balls =
+      line.has("roots") ? ballsOf(line.text("roots")) : std::vector<vdbtools::PreviewBall>();
+  const std::string format = requireOutput(line);
+  for (const Shot& shot : shots) {
+    const vdbtools::RecipeReader reader(shot.view, table);
+    pictures.emplace_back(vdbtools::parseViewOptions(reader), layersOf(reader, format, kSurfacePasses));
+    if (pictures.back().first.up) throw std::invalid_argument("--up X,Y,Z can be used with --field only; give y or z");
+  }
   vdbtools::InputFiles inputs;
   if (line.has("roots")) inputs.add(line.text("roots"));
-  Outputs outputs(line, std::move(inputs));
-  std::ostream& file = outputs.add("output", line.text("output"), ".png .exr").stream();
-  const bool mesh = isMesh(input);
-  const vdbtools::VdbFile vdb = mesh ? vdbtools::VdbFile() : vdbtools::readVdb(input);
-  options.up =
-      view.upAxis ? *view.upAxis : vdbtools::recordedUpAxis(mesh ? vdbtools::readMeshComments(input) : vdb.metadata);
-  const std::string format = formatOf(line.text("output"), ".png");
-  const bool isExr = vdbtools::lowerCase(format) == ".exr";
-  if (!isExr && line.has("passes"))
-    throw std::invalid_argument("--passes are layers of an EXR; give -o a name that ends in .exr, or leave it out");
-  if (!isExr) options.passes = {vdbtools::Pass::Beauty};
-  // Compositors put their own background behind an EXR.
-  if (isExr && options.look.backdrop == vdbtools::Backdrop::Neutral) options.look.backdrop = vdbtools::Backdrop::None;
-  const vdbtools::ShadedImage image =
-      mesh ? imageOfMesh(line, options)
-           : vdbtools::renderPreview(*vdbtools::chooseFloatGrid(vdb, line.text("grid"), input), options,
-                                     line.progress());
-  line.progress().begin("writing", 0);
-  file << vdbtools::encodeShadedImage(image, format, options.look.backdrop == vdbtools::Backdrop::None, options.passes);
-  outputs.commit();
-  report().count("width", view.width);
-  report().count("height", view.height);
-  report().text() << "wrote " << outputs.names() << ": " << view.width << " x " << view.height << '\n';
+  Shooting shooting(line, shots, std::move(inputs));
+  std::optional<vdbtools::VdbFile> vdb;
+  for (std::size_t i = 0; i < shots.size(); ++i) {
+    const Shot& shot = shots[i];
+    const auto& [view, layers] = pictures[i];
+    vdbtools::Monitor& monitor = shooting.begin(shot);
+    vdbtools::PreviewOptions options{.width = view.width,
+                                     .height = view.height,
+                                     .samples = view.samples,
+                                     .view = view.angles,
+                                     .look = layers.look,
+                                     .passes = layers.passes,
+                                     .balls = balls};
+    options.view.azimuth += shot.turn;
+    const bool mesh = isMesh(shot.input);
+    if (!mesh && (!vdb || shot.input != shots[i - 1].input)) vdb = vdbtools::readVdb(shot.input);
+    options.up = view.upAxis ? *view.upAxis
+                             : vdbtools::recordedUpAxis(mesh ? vdbtools::readMeshComments(shot.input) : vdb->metadata);
+    const vdbtools::ShadedImage image =
+        mesh ? imageOfMesh(line, shot.input, options, monitor)
+             : vdbtools::renderPreview(*vdbtools::chooseFloatGrid(*vdb, line.text("grid"), shot.input), options,
+                                       monitor);
+    shooting.end(image, layers, format, "");
+  }
   return kDone;
 }
 
-/// The number of a turntable's frames; none for a single picture.
-std::optional<int> parseFrames(const CommandLine& line) {
-  constexpr int kMost = 100000;
-  return line.has("frames") ? std::optional(line.integer("frames", 1, kMost)) : std::nullopt;
-}
+/// A map's set, and what renders it.
+struct FieldStage {
+  FieldStage(const vdbtools::FractalOptions& options, vdbtools::Monitor& monitor)
+      : scene(vdbtools::makeScene(options, monitor)),
+        region(vdbtools::pictureRegion(scene)),
+        renderer(scene.source(), region) {}
 
+  vdbtools::Scene scene;
+  openvdb::BBoxd region;
+  vdbtools::FieldRenderer renderer;
+};
+
+/// Pictures of a map's set.
 int renderMap(const CommandLine& line) {
-  const vdbtools::OptionTable table(vdbtools::fieldPictureOptionSpecs(kSize));
-  const vdbtools::FieldPicture picture = vdbtools::parseFieldPicture(line.given(table), table);
-  const std::optional<int> frames = parseFrames(line);
-  if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
-  const vdbtools::Recipe recipe = sceneRecipe(line, line.text("input"));
-  const vdbtools::FractalOptions fractal = vdbtools::parseFractalOptions(recipe);
-  line.requireEffect({{recipe, {vdbtools::Product::Picture}}});
-  const std::string output = line.text("output"), format = formatOf(output, ".png");
-  const vdbtools::InputFiles inputs = vdbtools::inputsOf(fractal);
-  const int count = frames.value_or(1);
-  if (frames) {
-    std::vector<int> numbers(static_cast<std::size_t>(count));
-    std::iota(numbers.begin(), numbers.end(), 1);
-    requireFramePlaces(line, inputs, std::array{"output"}, numbers);
+  const std::vector<Shot> shots = shotsOf(line, true);
+  const vdbtools::OptionTable table = pictureTable(true);
+  const std::string format = requireOutput(line);
+  std::vector<std::pair<vdbtools::FieldPicture, Layers>> pictures;
+  std::vector<vdbtools::FractalOptions> fractals;
+  vdbtools::InputFiles inputs;
+  for (std::size_t i = 0; i < shots.size(); ++i) {
+    const vdbtools::RecipeReader reader(shots[i].view, table);
+    pictures.emplace_back(vdbtools::parseFieldPicture(shots[i].view, table), layersOf(reader, format, kFieldPasses));
+    if (i > 0 && shots[i].input == shots[i - 1].input) continue;
+    const vdbtools::Recipe recipe = sceneRecipe(line, shots[i].input);
+    fractals.push_back(vdbtools::parseFractalOptions(recipe));
+    line.requireEffect({{recipe, {vdbtools::Product::Picture}}});
+    inputs.add(vdbtools::inputsOf(fractals.back()));
   }
-  const auto claim = [&](Outputs& outputs) -> std::ostream& {
-    return outputs.add("output", output, ".png .exr").stream();
-  };
-  const auto frameNumber = [&](int frame) { return frames ? std::optional(frame) : std::nullopt; };
-  // The first place is claimed before the work begins, the others with their frames.
-  auto outputs = std::make_unique<Outputs>(line, inputs, frameNumber(1));
-  std::ostream* file = &claim(*outputs);
-
-  const vdbtools::Scene scene = vdbtools::makeScene(fractal, line.progress());
-  const openvdb::BBoxd region = vdbtools::pictureRegion(scene);
-  vdbtools::FieldRenderOptions options = vdbtools::pictureOptions(scene, region, picture);
-  const vdbtools::Camera camera = options.camera;
-  options.background = vdbtools::lowerCase(format) != ".exr";
-  vdbtools::FieldRenderer renderer(scene.source(), region);
-  for (int frame = 1; frame <= count; ++frame) {
-    if (frame > 1) {
-      outputs = std::make_unique<Outputs>(line, inputs, frameNumber(frame));
-      file = &claim(*outputs);
-    }
+  Shooting shooting(line, shots, std::move(inputs));
+  std::optional<FieldStage> stage;
+  auto next = fractals.begin();
+  for (std::size_t i = 0; i < shots.size(); ++i) {
+    const Shot& shot = shots[i];
+    const auto& [picture, layers] = pictures[i];
+    vdbtools::Monitor& monitor = shooting.begin(shot);
+    if (!stage || shot.input != shots[i - 1].input) stage.emplace(*next++, monitor);
+    vdbtools::FieldRenderOptions options =
+        vdbtools::pictureOptions(stage->scene, stage->region, picture, vdbtools::FieldColour::Clay);
     options.camera =
-        vdbtools::turned(camera, picture.view.axis(fractal.output.axes.target), 360.0 * (frame - 1) / count);
-    std::optional<vdbtools::NumberedMonitor> numbered;
-    if (frames)
-      numbered.emplace(line.progress(), "frame", static_cast<std::size_t>(frame), static_cast<std::size_t>(count));
-    vdbtools::Monitor& monitor = numbered ? static_cast<vdbtools::Monitor&>(*numbered) : line.progress();
+        vdbtools::turned(options.camera, picture.view.axis(stage->scene.options.output.axes.target), shot.turn);
+    options.look = layers.look;
+    options.passes = layers.passes;
     const auto start = std::chrono::steady_clock::now();
-    const vdbtools::FieldImage image = renderer.render(options, monitor);
+    const vdbtools::FieldImage image = stage->renderer.render(options, monitor);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    monitor.begin("writing", 0);
-    *file << vdbtools::encodeFieldImage(image, format);
-    outputs->commit(frame == count);
-    if (frame == count) {
-      report().count("width", options.width);
-      report().count("height", options.height);
-      report().count("frames", count);
-    }
-    report().text() << "wrote " << outputs->names() << ": " << options.width << " x " << options.height << ", "
-                    << image.rays << " rays, "
-                    << static_cast<std::uint64_t>(static_cast<double>(image.rays) / seconds.count()) << " a second, "
-                    << image.evaluations << " samples evaluated\n";
+    std::ostringstream more;
+    more << ", " << image.rays << " rays, "
+         << static_cast<std::uint64_t>(static_cast<double>(image.rays) / seconds.count()) << " a second, "
+         << image.evaluations << " samples evaluated";
+    shooting.end(image, layers, format, more.str());
   }
   return kDone;
 }
@@ -227,14 +361,23 @@ int renderMap(const CommandLine& line) {
 int runRender(const Arguments& arguments) {
   CommandLine line(kRenderUsage, vdbtools::fractalOptionTable());
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
+  const auto texts = [](const char* name) { return po::value<std::vector<std::string>>()->value_name(name); };
   line.addOptions()("output,o", text("F.png"), "the picture to write: .png or .exr");
   line.addOptions(vdbtools::viewOptionSpecs(kSize));
   line.addOptions(lookAndPassesSpecs());
   line.addOptions()("roots", text("F.json"),
                     "show the roots of a map that 'juliavdb fit' made: top roots in blue, bottom roots in red")(
       "field", po::bool_switch(),
-      "show the set of the map itself and not the level set of a VDB. The following options go with it:")(
-      "frames", text("N"), "make a turntable of N pictures, with names such as name.####.png");
+      "show the set of the map itself and not the level set of a VDB. --eye, --look-at, --epsilon, --alpha-clarity, "
+      "--delta, --no-skip, --search and the options of 'fractal' go with it")(
+      "frames", text("LIST"),
+      "make a sequence: a list of numbers and ranges such as 1-36 or 1-48x2. Names such as turn.####.png and "
+      "grow.####.vdb have a place for the frame")(
+      "turn", text("DEG"), "the camera turns about the vertical axis by so much over all frames; 360 is a turntable")(
+      "key", texts("NAME@FRAME=VALUE"),
+      "what an option of the camera or the light is at a frame, such as zoom@48=3; any number of times")(
+      "ease", texts("[NAME=]linear|smooth|step"),
+      "how the numbers change between keys: of all options, or of the option NAME; any number of times");
   line.addOptions(vdbtools::fieldViewOptionSpecs());
   addSearchOption(line);
   if (!line.parse(arguments)) return kDone;

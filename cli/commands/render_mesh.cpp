@@ -11,13 +11,13 @@ namespace cli {
 
 bool isMesh(const std::string& input) { return !input.empty() && !vdbtools::isVdbPath(input); }
 
-vdbtools::ShadedImage imageOfMesh(const CommandLine& line, const vdbtools::PreviewOptions& picture) {
+vdbtools::ShadedImage imageOfMesh(const CommandLine& line, const std::string& input,
+                                  const vdbtools::PreviewOptions& picture, vdbtools::Monitor& monitor) {
   if (line.has("colour") && line.text("colour") != "clay")
     line.refuse("colour", "clay for a mesh, or left out for the colours that the mesh itself has");
-  line.progress().begin("reading", 0);
-  vdbtools::Mesh mesh = vdbtools::readMesh(line.text("input"));
-  return vdbtools::renderMeshPreview(std::move(mesh), {.picture = picture, .colours = !line.has("colour")},
-                                     line.progress());
+  monitor.begin("reading", 0);
+  vdbtools::Mesh mesh = vdbtools::readMesh(input);
+  return vdbtools::renderMeshPreview(std::move(mesh), {.picture = picture, .colours = !line.has("colour")}, monitor);
 }
 
 }  // namespace cli

@@ -14,8 +14,9 @@ class CommandLine;
 /// Whether an input is a mesh, and no VDB.
 bool isMesh(const std::string& input);
 
-/// The picture of the mesh that is the command's input.
+/// The picture of a mesh.
 /// @throw std::invalid_argument  a value of --colour that a mesh does not have; what reading the mesh throws
-vdbtools::ShadedImage imageOfMesh(const CommandLine& line, const vdbtools::PreviewOptions& picture);
+vdbtools::ShadedImage imageOfMesh(const CommandLine& line, const std::string& input,
+                                  const vdbtools::PreviewOptions& picture, vdbtools::Monitor& monitor);
 
 }  // namespace cli

@@ -48,7 +48,9 @@ KeptScene::KeptScene(Scene made)
 std::string KeptScene::picture(const FieldPicture& picture, Monitor& monitor) {
   std::unique_lock lock(mRendering, std::defer_lock);
   while (!lock.try_lock_for(kPatience)) monitor.throwIfCancelled();
-  const FieldImage image = mRenderer.render(pictureOptions(mScene, mRegion, picture), monitor);
+  FieldRenderOptions options = pictureOptions(mScene, mRegion, picture);
+  options.look.reset();  // the page's own renderer has this light
+  const FieldImage image = mRenderer.render(options, monitor);
   return encodeFieldImage(image, ".png");
 }
 

@@ -3,8 +3,11 @@
 
 #include "base/in_parallel.h"
 #include "render/field_shading.h"
+#include "render/image_layers.h"
 #include "render/occupancy.h"
 #include "render/ray_steps.h"
+#include "render/shading.h"
+#include "render/shadow_proxy.h"
 #include "render/view.h"
 
 #include <algorithm>
@@ -15,6 +18,7 @@
 #include <numbers>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 
 namespace vdbtools {
 namespace {
@@ -58,6 +62,18 @@ void requireOptions(const FieldRenderOptions& o) {
   julia::requireValid(o.orbit);
 }
 
+/// The lattices that throw the shadows in a picture.
+ShadowProxy::Need shadowsFor(const FieldRenderOptions& options, const FractalSpace& space, const BBoxd& region) {
+  constexpr int kPixels = 3, kFewest = 64, kMost = 256;  // pixels a voxel, where the whole region is seen
+  constexpr double kAround = 1.25;                       // beyond the picture's edges
+  const double distance = (options.camera.lookAt - options.camera.eye).length() / space.scale;
+  const double aspect = static_cast<double>(options.width) / options.height;
+  return {.region = region,
+          .focus = inFractalSpace(space, options.camera.lookAt),
+          .reach = kAround * distance * frameOf(options.camera).tangent * std::max(1.0, aspect),
+          .cells = std::clamp(std::max(options.width, options.height) / kPixels, kFewest, kMost)};
+}
+
 /// 0 inside the box.
 double distanceTo(const BBoxd& box, const Vec3d& x) {
   Vec3d off;
@@ -69,6 +85,7 @@ double distanceTo(const BBoxd& box, const Vec3d& x) {
 struct Ray {
   Vec3d direction;
   std::uint32_t pixel = 0;  ///< in the tile
+  int sample = 0;           ///< of the pixel
   double t = 0, end = 0;    ///< distances of the next sample and of the end of the region
   double before = 0;        ///< distance of the sample before the next one
   bool entering = true;     ///< whether there was no sample before
@@ -115,7 +132,8 @@ class Exposure {
  public:
   /// @param region     fractal space
   /// @param occupancy  nullptr: every sample is evaluated
-  Exposure(const FieldSource& source, const BBoxd& region, const Occupancy* occupancy,
+  /// @param shadows    nullptr if the options have no look
+  Exposure(const FieldSource& source, const BBoxd& region, const Occupancy* occupancy, const ShadowProxy* shadows,
            const FieldRenderOptions& options, Monitor& monitor)
       : mEvaluator(source.evaluator),
         mOptions(options),
@@ -127,7 +145,16 @@ class Exposure {
         mSteps(options.clarity, 2 * mFrame.tangent / options.height,
                (options.camera.lookAt - options.camera.eye).length() / mScale),
         mSamples(options.width, options.height, options.samples),
-        mOccupancy(occupancy) {
+        mOccupancy(occupancy),
+        mShadows(shadows) {
+    if (mShadows) {
+      mStage = previewStage(
+          options.camera, *options.look, options.camera.up.unit(), mSamples.aspect(),
+          {source.space.toWorld(pointOf(mShadows->middle())), mShadows->radius() * mScale},
+          [&](const Vec3d& world) { return inFractalSpace(source.space, world); },
+          [](const Vec3d& direction) { return direction.unit(); });
+      if (options.look->ground) mStage.floor = mShadows->lowestAlong(mStage.sky);
+    }
     // The key light comes over the left shoulder, the head light from the eye.
     mLights.key = (-0.60 * mFrame.right + 0.65 * mFrame.up - 0.47 * mFrame.forward).unit();
     mLights.head = -mFrame.forward;
@@ -142,20 +169,18 @@ class Exposure {
 
   FieldImage render() {
     const auto pixels = static_cast<std::size_t>(mOptions.width) * static_cast<std::size_t>(mOptions.height);
-    FieldImage image;
-    image.beauty = image.normal = Image(mOptions.width, mOptions.height);
-    image.coverage.resize(pixels);
-    image.depth.resize(pixels, kNoDepth);
-    image.id.resize(pixels);
+    preview::Layers layers(mOptions.width, mOptions.height, mOptions.passes);
     const auto tiles = [](int side) { return static_cast<std::size_t>((side + kTile - 1) / kTile); };
     const std::size_t across = tiles(mOptions.width), count = across * tiles(mOptions.height);
     mMonitor.begin("render", count);
     inParallel(count, 1, mMonitor, [&](std::size_t begin, std::size_t end) {
       for (std::size_t tile = begin; tile < end && !mMonitor.cancelled(); ++tile) {
-        renderTile(static_cast<int>(tile % across) * kTile, static_cast<int>(tile / across) * kTile, image);
+        renderTile(static_cast<int>(tile % across) * kTile, static_cast<int>(tile / across) * kTile, layers);
         mMonitor.advance(1);
       }
     });
+    FieldImage image;
+    static_cast<ShadedImage&>(image) = layers.take();
     image.rays = pixels * static_cast<std::uint64_t>(mOptions.samples);
     image.evaluations = mEvaluations;
     return image;
@@ -166,10 +191,14 @@ class Exposure {
     int left, top, width, height;
   };
 
-  void renderTile(int left, int top, FieldImage& image) {
+  void renderTile(int left, int top, preview::Layers& layers) {
     const Tile tile{left, top, std::min(kTile, mOptions.width - left), std::min(kTile, mOptions.height - top)};
     std::vector<Meeting> meetings = march(raysOf(tile));
     bisect(meetings);
+    // The order of the meetings depends on when their rays ended, and the rounding of a sum depends on the order.
+    std::sort(meetings.begin(), meetings.end(), [](const Meeting& a, const Meeting& b) {
+      return std::tie(a.ray.pixel, a.ray.sample) < std::tie(b.ray.pixel, b.ray.sample);
+    });
     std::vector<FieldHit> hits;
     hits.reserve(meetings.size());
     for (const Meeting& m : meetings) {
@@ -184,22 +213,24 @@ class Exposure {
       }
       hits.push_back(hit);
     }
-    std::vector<ShadedHit> shaded(hits.size());
-    shadeHits(mEvaluator, mOptions, mLights, hits, shaded);
-    compose(tile, meetings, shaded, image);
+    const std::vector<FieldPoint> points = fieldPoints(mEvaluator, mOptions, hits);
+    if (mShadows)
+      expose(tile, meetings, hits, points, layers);
+    else
+      exposePlainly(tile, meetings, hits, points, layers);
   }
 
   std::vector<Ray> raysOf(const Tile& tile) const {
     std::vector<Ray> rays;
     rays.reserve(std::size_t(tile.width) * std::size_t(tile.height) * std::size_t(mOptions.samples));
-    const double aspect = mSamples.aspect();
     for (int y = 0; y < tile.height; ++y) {
       for (int x = 0; x < tile.width; ++x) {
         for (int s = 0; s < mOptions.samples; ++s) {
           const auto [u, v] = mSamples.at(tile.left + x, tile.top + y, s);
           Ray ray;
-          ray.direction = (mFrame.forward + mFrame.tangent * (u * aspect * mFrame.right + v * mFrame.up)).unit();
+          ray.direction = directionAt(u, v);
           ray.pixel = static_cast<std::uint32_t>(y * tile.width + x);
+          ray.sample = s;
           if (enter(ray, mEye, mRegion)) rays.push_back(ray);
         }
       }
@@ -296,52 +327,95 @@ class Exposure {
     }
   }
 
-  void compose(const Tile& tile, const std::vector<Meeting>& meetings, const std::vector<ShadedHit>& shaded,
-               FieldImage& image) const {
-    struct Pixel {
-      Vec3d sum{0};
-      int hits = 0;
-      double nearest = kInfinity;
-      std::size_t meeting = 0;
-    };
-    std::vector<Pixel> pixels(static_cast<std::size_t>(tile.width * tile.height));
-    // The order of the meetings depends on when their rays ended, and the rounding of a sum depends on the order.
-    std::vector<std::size_t> order(meetings.size());
-    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      const Ray &left = meetings[a].ray, &right = meetings[b].ray;
-      if (left.pixel != right.pixel) return left.pixel < right.pixel;
-      return std::lexicographical_compare(left.direction.asPointer(), left.direction.asPointer() + 3,
-                                          right.direction.asPointer(), right.direction.asPointer() + 3);
-    });
-    for (const std::size_t i : order) {
-      Pixel& pixel = pixels[meetings[i].ray.pixel];
-      pixel.sum += shaded[i].colour;
-      ++pixel.hits;
-      if (!(meetings[i].inside < pixel.nearest)) continue;
-      pixel.nearest = meetings[i].inside;
-      pixel.meeting = i;
-    }
+  /// What the hits of a pixel have in common, whatever the light.
+  void addHit(preview::Shown& pixel, const Meeting& meeting, const FieldPoint& point, Vec3d& nearest) const {
+    ++pixel.hits;
+    pixel.albedo += point.albedo.value_or(mOptions.look ? mOptions.look->material.albedo : kClay);
+    if (!(meeting.inside < pixel.distance)) return;
+    pixel.distance = meeting.inside;
+    pixel.normal = point.normal;
+    nearest = meeting.ray.direction;
+  }
+
+  void set(preview::Layers& layers, const Tile& tile, int x, int y, const preview::Shown& pixel,
+           const Vec3d& nearest) const {
+    const auto at = static_cast<std::size_t>(tile.top + y) * static_cast<std::size_t>(mOptions.width) +
+                    static_cast<std::size_t>(tile.left + x);
+    layers.set(at, pixel, mFrame.forward.dot(nearest) * mScale, openvdb::Mat3d::identity());
+  }
+
+  /// By the light of previews, with what is behind the set.
+  void expose(const Tile& tile, const std::vector<Meeting>& meetings, const std::vector<FieldHit>& hits,
+              const std::vector<FieldPoint>& points, preview::Layers& layers) const {
+    preview::Shader<ShadowProxy::Surface> shader(ShadowProxy::Surface(*mShadows), mStage, *mOptions.look,
+                                                 mOptions.samples);
+    const std::vector<double> traps = trapsAt(hits);
+    std::size_t next = 0;
     for (int y = 0; y < tile.height; ++y) {
       for (int x = 0; x < tile.width; ++x) {
-        const Pixel& pixel = pixels[std::size_t(y) * std::size_t(tile.width) + std::size_t(x)];
-        const int column = tile.left + x, row = tile.top + y;
-        const std::size_t at =
-            static_cast<std::size_t>(row) * static_cast<std::size_t>(mOptions.width) + static_cast<std::size_t>(column);
-        const double coverage = static_cast<double>(pixel.hits) / mOptions.samples;
-        Vec3d colour = pixel.sum / mOptions.samples;
-        if (mOptions.background && coverage < 1)
-          colour += (1 - coverage) *
-                    background(2 * (column + 0.5) / mOptions.width - 1, 1 - 2 * (row + 0.5) / mOptions.height);
-        image.beauty.pixels[at] = toColour(colour);
-        image.coverage[at] = static_cast<float>(coverage);
-        if (pixel.hits == 0) continue;
-        image.normal.pixels[at] = toColour(shaded[pixel.meeting].normal);
-        image.depth[at] =
-            static_cast<float>(pixel.nearest * mFrame.forward.dot(meetings[pixel.meeting].ray.direction) * mScale);
-        image.id[at] = 1;
+        const preview::PixelSequence sequence(tile.left + x, tile.top + y);
+        preview::Shown pixel;
+        Vec3d nearest(0);
+        for (int s = 0; s < mOptions.samples; ++s) {
+          const bool isHit = next < meetings.size() && meetings[next].ray.sample == s &&
+                             meetings[next].ray.pixel == static_cast<std::uint32_t>(y * tile.width + x);
+          preview::Shown seen;
+          if (isHit) {
+            const FieldHit& hit = hits[next];
+            const FieldPoint& point = points[next];
+            if (!traps.empty() && meetings[next].inside < pixel.distance) pixel.trap = traps[next];
+            addHit(pixel, meetings[next], point, nearest);
+            seen = shader.shade({meetings[next].inside, shader.surface().leave(hit.inside, hit.view, point.normal),
+                                 point.normal, point.albedo},
+                                hit.view, sequence, s);
+            ++next;
+          } else {
+            const auto [u, v] = mSamples.at(tile.left + x, tile.top + y, s);
+            seen = shader.behind(directionAt(u, v), u, v, sequence, s);
+          }
+          pixel.colour += seen.colour;
+          pixel.alpha += seen.alpha;
+          pixel.open += seen.open;
+        }
+        pixel.colour /= mOptions.samples;
+        pixel.alpha /= mOptions.samples;
+        set(layers, tile, x, y, pixel, nearest);
       }
     }
+  }
+
+  /// By a light beside the eye.
+  void exposePlainly(const Tile& tile, const std::vector<Meeting>& meetings, const std::vector<FieldHit>& hits,
+                     const std::vector<FieldPoint>& points, preview::Layers& layers) const {
+    std::size_t next = 0;
+    for (int y = 0; y < tile.height; ++y) {
+      for (int x = 0; x < tile.width; ++x) {
+        preview::Shown pixel{.alpha = 1};
+        Vec3d nearest(0);
+        for (; next < meetings.size() && meetings[next].ray.pixel == static_cast<std::uint32_t>(y * tile.width + x);
+             ++next) {
+          pixel.colour += phong(mLights, points[next], hits[next].view);
+          addHit(pixel, meetings[next], points[next], nearest);
+        }
+        const int column = tile.left + x, row = tile.top + y;
+        pixel.colour += (mOptions.samples - pixel.hits) *
+                        background(2 * (column + 0.5) / mOptions.width - 1, 1 - 2 * (row + 0.5) / mOptions.height);
+        pixel.colour /= mOptions.samples;
+        set(layers, tile, x, y, pixel, nearest);
+      }
+    }
+  }
+
+  /// Empty unless they are asked for.
+  std::vector<double> trapsAt(const std::vector<FieldHit>& hits) const {
+    if (!mOptions.passes.contains(Pass::Trap)) return {};
+    std::vector<julia::Point> points;
+    for (const FieldHit& hit : hits) points.push_back(pointOf(hit.inside));
+    return trapRadii(mEvaluator, points);
+  }
+
+  Vec3d directionAt(double u, double v) const {
+    return (mFrame.forward + mFrame.tangent * (u * mSamples.aspect() * mFrame.right + v * mFrame.up)).unit();
   }
 
   const julia::FieldEvaluator& mEvaluator;
@@ -355,6 +429,8 @@ class Exposure {
   PixelSamples mSamples;
   FieldLights mLights;
   const Occupancy* mOccupancy;
+  const ShadowProxy* mShadows;
+  PreviewStage mStage{};  ///< of a picture with shadows, fractal space
   std::atomic<std::uint64_t> mEvaluations{0};
 };
 
@@ -403,7 +479,14 @@ FieldImage FieldRenderer::render(const FieldRenderOptions& options, Monitor& mon
   monitor.throwIfCancelled();
   if (options.skip && !mOccupancy)
     mOccupancy = std::make_unique<const Occupancy>(mSource.evaluator, mRegion, occupancyCells(options), monitor);
-  return Exposure(mSource, mRegion, options.skip ? mOccupancy.get() : nullptr, options, monitor).render();
+  if (options.look) {
+    const ShadowProxy::Need need = shadowsFor(options, mSource.space, mRegion);
+    if (!mShadows || !(mShadows->need() == need))
+      mShadows = std::make_unique<const ShadowProxy>(mSource.evaluator, need, monitor);
+  }
+  return Exposure(mSource, mRegion, options.skip ? mOccupancy.get() : nullptr, options.look ? mShadows.get() : nullptr,
+                  options, monitor)
+      .render();
 }
 
 FieldImage renderField(const FieldSource& source, const BBoxd& region, const FieldRenderOptions& options,

@@ -3,6 +3,7 @@
 
 #include "base/elementary.h"
 #include "render/neighbourhood.h"
+#include "render/view.h"
 
 #include <algorithm>
 #include <array>
@@ -83,25 +84,33 @@ std::vector<Vec3d> colours(const julia::FieldEvaluator& evaluator, const FieldRe
 
 }  // namespace
 
-void shadeHits(const julia::FieldEvaluator& evaluator, const FieldRenderOptions& options, const FieldLights& lights,
-               std::span<const FieldHit> hits, std::span<ShadedHit> shaded) {
+std::vector<FieldPoint> fieldPoints(const julia::FieldEvaluator& evaluator, const FieldRenderOptions& options,
+                                    std::span<const FieldHit> hits) {
   const std::vector<Neighbourhood> around = neighbourhoods(evaluator, options.orbit.escapeRadius, hits);
-  const std::vector<Vec3d> albedo = colours(evaluator, options, hits, around);
+  std::vector<Vec3d> albedo;
+  if (options.colour.by != FieldColour::Clay) albedo = colours(evaluator, options, hits, around);
+  std::vector<FieldPoint> result(hits.size());
   for (std::size_t i = 0; i < hits.size(); ++i) {
     Vec3d normal = hits[i].normal.value_or(around[i].gradient);
     if (!normal.normalize()) normal = -hits[i].view;
-    double diffuse = kAmbient, shine = 0;
-    const auto add = [&](const Vec3d& light, double strength) {
-      const double facing = normal.dot(light);
-      if (facing <= 0) return;
-      diffuse += strength * facing;
-      const Vec3d mirrored = 2 * facing * normal - light;
-      shine += strength * elementary::pow(std::max(0.0, -mirrored.dot(hits[i].view)), kSharpness);
-    };
-    add(lights.key, kKey);
-    add(lights.head, kHead);
-    shaded[i] = {normal, diffuse * albedo[i] + Vec3d(kShine * shine)};
+    result[i].normal = normal;
+    if (!albedo.empty()) result[i].albedo = albedo[i];
   }
+  return result;
+}
+
+Vec3d phong(const FieldLights& lights, const FieldPoint& point, const Vec3d& view) {
+  double diffuse = kAmbient, shine = 0;
+  const auto add = [&](const Vec3d& light, double strength) {
+    const double facing = point.normal.dot(light);
+    if (facing <= 0) return;
+    diffuse += strength * facing;
+    const Vec3d mirrored = 2 * facing * point.normal - light;
+    shine += strength * elementary::pow(std::max(0.0, -mirrored.dot(view)), kSharpness);
+  };
+  add(lights.key, kKey);
+  add(lights.head, kHead);
+  return diffuse * point.albedo.value_or(kClay) + Vec3d(kShine * shine);
 }
 
 }  // namespace vdbtools

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file field_shading.h
-/// Shades the points where rays meet the set: normals from the field, colours from the map, Phong's model.
+/// The points where rays meet the set: normals from the field, colours from the map, and the light that falls on them.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -22,18 +22,20 @@ struct FieldHit {
   std::optional<openvdb::Vec3d> normal;  ///< known at the faces of the region, which cut the set
 };
 
-struct ShadedHit {
-  openvdb::Vec3d normal;  ///< outward, of length 1
-  openvdb::Vec3d colour;  ///< linear RGB
+struct FieldPoint {
+  openvdb::Vec3d normal;                 ///< outward, of length 1
+  std::optional<openvdb::Vec3d> albedo;  ///< linear RGB; none: the material's
 };
 
-/// Directions to the lights, of length 1.
+std::vector<FieldPoint> fieldPoints(const julia::FieldEvaluator& evaluator, const FieldRenderOptions& options,
+                                    std::span<const FieldHit> hits);
+
+/// Directions to the lights of pictures without shadows, of length 1.
 struct FieldLights {
   openvdb::Vec3d key, head;
 };
 
-/// @param shaded  as long as @a hits
-void shadeHits(const julia::FieldEvaluator& evaluator, const FieldRenderOptions& options, const FieldLights& lights,
-               std::span<const FieldHit> hits, std::span<ShadedHit> shaded);
+/// By Phong's model: linear RGB.
+openvdb::Vec3d phong(const FieldLights& lights, const FieldPoint& point, const openvdb::Vec3d& view);
 
 }  // namespace vdbtools

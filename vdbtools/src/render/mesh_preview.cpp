@@ -217,7 +217,7 @@ ShadedImage renderMeshPreview(Mesh mesh, const MeshPreviewOptions& options, Moni
     ball.radius /= surface.ball().radius;
   }
   PreviewStage stage = previewStage(
-      cameraAround(surface.ball(), picture.view, samples.aspect(), picture.up), picture.look, picture.up,
+      cameraAround(surface.ball(), picture.view, samples.aspect(), picture.up), picture.look, directionOf(picture.up),
       samples.aspect(), surface.ball(), [&](const Vec3d& point) { return surface.place(point); },
       [](const Vec3d& direction) { return direction.unit(); });
   if (picture.look.ground) stage.floor = surface.lowestAlong(stage.sky);

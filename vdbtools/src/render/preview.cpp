@@ -7,7 +7,6 @@
 #include "vdbtools/base/errors.h"
 
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -59,18 +58,6 @@ std::vector<PreviewBall> ballsInIndexSpace(const openvdb::FloatGrid& grid, std::
   return balls;
 }
 
-/// The least product of a direction with the corners of cells.
-double lowestAlong(const Vec3d& direction, const openvdb::MaskTree& cells) {
-  double least = std::numeric_limits<double>::infinity();
-  for (auto cell = cells.cbeginValueOn(); cell; ++cell) {
-    const openvdb::CoordBBox box = cell.getBoundingBox();
-    Vec3d corner;
-    for (int axis = 0; axis < 3; ++axis) corner[axis] = direction[axis] > 0 ? box.min()[axis] : box.max()[axis] + 1;
-    least = std::min(least, corner.dot(direction));
-  }
-  return least;
-}
-
 }  // namespace
 
 ShadedImage renderPreview(const openvdb::FloatGrid& levelSet, const PreviewOptions& options, Monitor& monitor) {
@@ -88,9 +75,9 @@ ShadedImage renderPreview(const openvdb::FloatGrid& levelSet, const PreviewOptio
     return levelSet.transform().baseMap()->applyInverseJacobian(direction).unit();
   };
   PreviewStage stage = previewStage(
-      cameraAround(ball, options.view, samples.aspect(), options.up), options.look, options.up, samples.aspect(), ball,
-      [&](const Vec3d& point) { return levelSet.worldToIndex(point); }, turn);
-  if (options.look.ground) stage.floor = lowestAlong(stage.sky, cells);
+      cameraAround(ball, options.view, samples.aspect(), options.up), options.look, directionOf(options.up),
+      samples.aspect(), ball, [&](const Vec3d& point) { return levelSet.worldToIndex(point); }, turn);
+  if (options.look.ground) stage.floor = lowestCorner(stage.sky, cells);
 
   const SurfaceLattice lattice(levelSet.tree(), cells);
   monitor.throwIfCancelled();

@@ -1,185 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file preview_renderer.h
-/// The light of the shaded pictures, whatever the surface: a key light with soft shadows, and the light of the sky
-/// gathered by ambient rays. preview.cpp renders level sets with it, mesh_preview.cpp meshes.
-///
-/// A surface has
+/// Pictures of surfaces that rays can be followed to, by the light of shading.h. preview.cpp renders level sets with
+/// it, mesh_preview.cpp meshes. Beside what throws shadows, such a surface has
 ///
 ///     std::optional<SurfacePoint> firstHit(const Vec3d& eye, const Vec3d& direction);
-///     bool blocked(const Vec3d& origin, const Vec3d& direction);
-///
-/// in a space of its own, which differs from world space by a similarity. The lights turn with the camera. A floor, if
-/// there is one, is seen by its shadows alone: what is behind it shows through, darkened where the surface stands in
-/// the way of its light.
 #pragma once
 
-#include "base/elementary.h"
-#include "render/view.h"
-#include "vdbtools/base/grids.h"
+#include "render/image_layers.h"
+#include "render/shading.h"
 #include "vdbtools/base/monitor.h"
-#include "vdbtools/picture/image.h"
 #include "vdbtools/render/preview.h"
 #include "vdbtools/render/shaded_image.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <numbers>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace vdbtools {
-
-/// Where a ray first meets a surface.
-struct SurfacePoint {
-  double distance = 0;                   ///< along the ray
-  openvdb::Vec3d origin;                 ///< of the rays that leave the surface there
-  openvdb::Vec3d normal;                 ///< of length 1, towards the side that is seen
-  std::optional<openvdb::Vec3d> albedo;  ///< linear RGB, in the place of the material's
-};
-
-/// Camera and lights in the space of the surface.
-struct PreviewStage {
-  openvdb::Vec3d eye, forward;
-  openvdb::Vec3d right, up;  ///< to the edges of the picture at distance 1
-  openvdb::Vec3d sky, key, rim;
-  openvdb::Mat3d toWorld;  ///< the rotation of directions into world space
-  double scale = 1;        ///< world units a unit of the surface's space
-  /// The floor: points whose product with the sky is this.
-  double floor = -std::numeric_limits<double>::infinity();
-  openvdb::Vec3d middle;  ///< of the ball around the surface
-  double radius = 1;
-};
-
-/// @param look   whose key light stands upright
-/// @param up     of the world
-/// @param ball   around the surface, world space
-/// @param place  world space to the surface's, of a point
-/// @param turn   the same of a direction, giving length 1
-template <class Place, class Turn>
-PreviewStage previewStage(const Camera& camera, const Look& look, UpAxis up, double aspect, const FramedBall& ball,
-                          const Place& place, const Turn& turn) {
-  const CameraFrame frame = frameOf(camera);
-  // The lights turn with the camera, but stay upright.
-  const openvdb::Vec3d sky = directionOf(up), front = frame.right.cross(sky);
-  constexpr double kDegree = std::numbers::pi / 180;
-  const double azimuth = kDegree * look.keyAzimuth, elevation = kDegree * look.keyElevation;
-
-  PreviewStage stage;
-  stage.eye = place(camera.eye);
-  stage.forward = turn(frame.forward);
-  stage.right = turn(frame.right) * (frame.tangent * aspect);
-  stage.up = turn(frame.up) * frame.tangent;
-  stage.sky = turn(sky);
-  stage.key =
-      turn(elementary::cos(elevation) * (elementary::sin(azimuth) * frame.right + elementary::cos(azimuth) * front) +
-           elementary::sin(elevation) * sky);
-  stage.rim = turn(0.95 * frame.right + 0.30 * sky - 0.25 * front);
-  // The images of the axes are the rows of the inverse of a rotation.
-  for (int axis = 0; axis < 3; ++axis) {
-    openvdb::Vec3d direction(0);
-    direction[axis] = 1;
-    stage.toWorld.setRow(axis, turn(direction));
-  }
-  stage.middle = place(ball.centre);
-  const openvdb::Vec3d edge = place(ball.centre + ball.radius * frame.right);
-  stage.radius = (edge - stage.middle).length();
-  stage.scale = ball.radius / stage.radius;
-  return stage;
-}
-
 namespace preview {
-
-using openvdb::Vec3d;
-
-// The lights, in linear RGB. A warm key from the upper left, a cool sky with a warm floor, and a rim from behind.
-inline const Vec3d kKeyColour(1.22, 1.12, 0.97);
-inline const Vec3d kSkyColour(0.44, 0.50, 0.60);
-inline const Vec3d kFloorColour(0.10, 0.08, 0.07);
-inline const Vec3d kRimColour(0.62, 0.70, 0.85);
-inline constexpr double kKeyRadius = 0.07;  ///< of the key's disk at distance 1: soft shadow edges
-/// The part of the sky's light that a blocked ray still brings: light bounced off the clay that it meets.
-inline constexpr double kBounce = 0.25;
-
-inline constexpr int kGatherRaysPerPixel = 32;  ///< fewer leave a visible grain
-inline constexpr int kShadowRaysPerPixel = 16;  ///< likewise, in the soft edges of shadows
-inline constexpr int kMirrorRaysPerPixel = 16;  ///< likewise, of what a material mirrors
-inline constexpr int kFloorRays = 4;            ///< times as many for the floor, which is smooth and shows more grain
-inline constexpr double kFloorEnds = 6;         ///< radii from the middle: beyond, the floor has no shadows
-inline constexpr int kPixelsPerCheck = 16;      ///< between checks of the monitor
-
-/// Two directions that complete @a n to an orthonormal frame (Duff et al., "Building an Orthonormal Basis, Revisited").
-inline std::array<Vec3d, 2> tangents(const Vec3d& n) {
-  const double sign = std::copysign(1.0, n[2]);
-  const double a = -1 / (sign + n[2]), b = n[0] * n[1] * a;
-  return {Vec3d(1 + sign * n[0] * n[0] * a, sign * b, -sign * n[0]), Vec3d(b, sign + n[1] * n[1] * a, -n[1])};
-}
-
-/// @param v  at least 0
-inline double fraction(double v) { return v - static_cast<int>(v); }
-
-/// The cosine and the sine of an angle.
-struct Turn {
-  double cosine, sine;
-  static Turn by(double turns) {
-    const double angle = 2 * std::numbers::pi * turns;
-    return {elementary::cos(angle), elementary::sin(angle)};
-  }
-  Turn after(const Turn& other) const {
-    return {cosine * other.cosine - sine * other.sine, sine * other.cosine + cosine * other.sine};
-  }
-};
-
-/// Low-discrepancy points in a disk, a sequence for each pixel: they depend on the pixel only, hence not on the
-/// threads.
-class PixelSequence {
- public:
-  PixelSequence(int x, int y) {
-    // A hash (splitmix64) gives neighbours unrelated shifts: a fine grain instead of a pattern.
-    std::uint64_t h = (std::uint64_t(std::uint32_t(y)) << 32 | std::uint32_t(x)) + 0x9e3779b97f4a7c15ULL;
-    h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9ULL;
-    h = (h ^ (h >> 27)) * 0x94d049bb133111ebULL;
-    h ^= h >> 31;
-    mShift = double(h >> 32) * 0x1p-32;
-    mTurn = Turn::by(double(h & 0xffffffffU) * 0x1p-32);
-  }
-  struct Point {
-    double square;  ///< of the distance from the centre
-    Turn turn;
-  };
-  /// Point @a i of the R2 sequence, shifted. @param i  below kMost
-  Point operator()(int i) const {
-    static const std::array<Turn, kMost> turns = [] {
-      std::array<Turn, kMost> result;
-      for (std::size_t k = 0; k < result.size(); ++k) result[k] = Turn::by(kStep * static_cast<double>(k));
-      return result;
-    }();
-    return {fraction(mShift + 0.7548776662 * i), mTurn.after(turns[static_cast<std::size_t>(i)])};
-  }
-
-  static constexpr int kMost = 256;
-
- private:
-  static constexpr double kStep = 0.5698402910;
-  double mShift;
-  Turn mTurn;
-};
-
-/// What a ray or a pixel shows.
-struct Shown {
-  Vec3d colour{0};  ///< linear RGB, multiplied by the alpha
-  double alpha = 0;
-  int hits = 0;  ///< rays that met the surface
-  double distance = std::numeric_limits<double>::infinity();
-  Vec3d normal{0};  ///< in the space of the surface, of the nearest point
-  Vec3d albedo{0};  ///< summed over the hits, as is the next
-  double open = 0;  ///< the part of the sky that is not hidden
-};
 
 /// The pixels of a picture, for one thread.
 template <class Surface>
@@ -188,16 +32,11 @@ class Renderer {
   /// @param balls  in the surface's space
   Renderer(Surface surface, const PreviewStage& stage, const PreviewOptions& options, const PixelSamples& samples,
            const std::vector<PreviewBall>& balls)
-      : mSurface(std::move(surface)),
+      : mShader(std::move(surface), stage, options.look, options.samples),
         mStage(stage),
-        mLook(options.look),
         mBalls(balls),
         mSamples(samples),
-        mCount(options.samples),
-        mGatherRays((kGatherRaysPerPixel + options.samples - 1) / options.samples),
-        mShadowRays((kShadowRaysPerPixel + options.samples - 1) / options.samples),
-        mMirrorRays((kMirrorRaysPerPixel + options.samples - 1) / options.samples),
-        mGain(elementary::pow(2, options.look.exposure)) {}
+        mCount(options.samples) {}
 
   Shown pixel(int x, int y) {
     const PixelSequence sequence(x, y);
@@ -205,8 +44,8 @@ class Renderer {
     for (int s = 0; s < mCount; ++s) {
       const auto [u, v] = mSamples.at(x, y, s);
       const Vec3d direction = (mStage.forward + u * mStage.right + v * mStage.up).unit();
-      const std::optional<SurfacePoint> hit = mSurface.firstHit(mStage.eye, direction);
-      Shown seen = hit ? shade(*hit, direction, sequence, s) : behind(direction, u, v, sequence, s);
+      const std::optional<SurfacePoint> hit = mShader.surface().firstHit(mStage.eye, direction);
+      Shown seen = hit ? mShader.shade(*hit, direction, sequence, s) : mShader.behind(direction, u, v, sequence, s);
       addBalls(seen, direction);
       pixel.colour += seen.colour;
       pixel.alpha += seen.alpha;
@@ -246,180 +85,19 @@ class Renderer {
     if (!ball) return;
     const Vec3d normal = (mStage.eye + nearest * direction - ball->centre) / ball->radius;
     const Vec3d colour(ball->colour[0], ball->colour[1], ball->colour[2]);
-    const Vec3d lit = mGain * colour * (environment(normal) + std::max(0.0, normal.dot(mStage.key)) * kKeyColour);
+    const Vec3d lit =
+        mShader.gain() * colour * (mShader.environment(normal) + std::max(0.0, normal.dot(mStage.key)) * kKeyColour);
     const double opacity = nearest <= seen.distance ? 1 : kSeenThrough;
     seen.colour = opacity * lit + (1 - opacity) * seen.colour;
     seen.alpha = opacity + (1 - opacity) * seen.alpha;
   }
 
-  Vec3d environment(const Vec3d& direction) const {
-    const double height = 0.5 * (1 + direction.dot(mStage.sky));
-    const double rim = std::max(0.0, direction.dot(mStage.rim)), square = rim * rim;
-    return mLook.sky * (kFloorColour + height * (kSkyColour - kFloorColour) + square * square * kRimColour);
-  }
-
-  /// A ray that meets no surface.
-  Shown behind(const Vec3d& direction, double u, double v, const PixelSequence& sequence, int sample) {
-    const Vec3d left = lightOfFloor(direction, sequence, sample);
-    Shown seen;
-    switch (mLook.backdrop) {
-      case Backdrop::None:
-        // A shadow is black that covers as much as it takes away.
-        seen.alpha = 1 - (left[0] + left[1] + left[2]) / 3;
-        return seen;
-      case Backdrop::Neutral: seen.colour = left * background(u, v); break;
-      case Backdrop::Plain: seen.colour = left * mLook.plain; break;
-    }
-    seen.alpha = 1;
-    return seen;
-  }
-
-  /// The share of the light that the surface leaves to the floor where a ray meets it; all where there is none.
-  Vec3d lightOfFloor(const Vec3d& direction, const PixelSequence& sequence, int sample) {
-    const double falling = direction.dot(mStage.sky), height = mStage.floor - mStage.eye.dot(mStage.sky);
-    if (!std::isfinite(height) || !(falling < 0) || !(height < 0)) return Vec3d(1);
-    const Vec3d at = mStage.eye + height / falling * direction;
-    const double far = (at - mStage.middle).length() / mStage.radius;
-    if (far > kFloorEnds) return Vec3d(1);
-    Vec3d all(0), left(0);
-    const auto frame = tangents(mStage.sky);
-    const int gatherRays = kFloorRays * mGatherRays, shadowRays = kFloorRays * mShadowRays;
-    for (int i = 0; i < gatherRays; ++i) {
-      const Vec3d towards = gatherDirection(frame, mStage.sky, sequence(sample * gatherRays + i));
-      const Vec3d light = environment(towards) / gatherRays;
-      all += light;
-      if (!mSurface.blocked(at, towards)) left += light;
-    }
-    const auto disk = tangents(mStage.key);
-    for (int i = 0; i < shadowRays; ++i) {
-      const Vec3d key = keyDirection(disk, sequence(sample * shadowRays + i));
-      const Vec3d light = std::max(0.0, key.dot(mStage.sky)) * kKeyColour / shadowRays;
-      all += light;
-      if (!mSurface.blocked(at, key)) left += light;
-    }
-    // The floor ends softly, so that no edge of it is seen.
-    const double fade = std::clamp(2 * far / kFloorEnds - 1, 0.0, 1.0);
-    Vec3d share;
-    for (int i = 0; i < 3; ++i) share[i] = all[i] > 0 ? std::lerp(left[i] / all[i], 1.0, fade) : 1;
-    return share;
-  }
-
-  /// Chosen with the density of the cosine, so that each ray counts the same.
-  static Vec3d gatherDirection(const std::array<Vec3d, 2>& frame, const Vec3d& normal,
-                               const PixelSequence::Point& point) {
-    const double radius = std::sqrt(point.square);
-    return radius * point.turn.cosine * frame[0] + radius * point.turn.sine * frame[1] +
-           std::sqrt(std::max(0.0, 1 - point.square)) * normal;
-  }
-
-  Vec3d keyDirection(const std::array<Vec3d, 2>& disk, const PixelSequence::Point& point) const {
-    const double spread = kKeyRadius * std::sqrt(point.square);
-    return (mStage.key + spread * (point.turn.cosine * disk[0] + point.turn.sine * disk[1])).unit();
-  }
-
-  Shown shade(const SurfacePoint& point, const Vec3d& view, const PixelSequence& sequence, int sample) {
-    const Material& material = mLook.material;
-    const Vec3d &normal = point.normal, &origin = point.origin, albedo = point.albedo.value_or(material.albedo);
-    const auto frame = tangents(normal);
-
-    Vec3d gathered(0);
-    int open = 0;
-    for (int i = 0; i < mGatherRays; ++i) {
-      const Vec3d direction = gatherDirection(frame, normal, sequence(sample * mGatherRays + i));
-      const Vec3d light = environment(direction);
-      const bool blocked = mSurface.blocked(origin, direction);
-      gathered += blocked ? kBounce * light * albedo : light;
-      open += !blocked;
-    }
-    Vec3d radiance = albedo * gathered / mGatherRays;
-
-    // The lobe of a material that mirrors is as bright as it is narrow.
-    const double lobe = material.mirrors ? (material.sharpness + 8) / 8 : 1;
-    const auto disk = tangents(mStage.key);
-    for (int i = 0; i < mShadowRays; ++i) {
-      const Vec3d key = keyDirection(disk, sequence(sample * mShadowRays + i));
-      const double facing = key.dot(normal);
-      if (facing <= 0 || mSurface.blocked(origin, key)) continue;
-      const double glint = std::max(0.0, (key - view).unit().dot(normal));
-      radiance += facing * kKeyColour * (albedo + lobe * elementary::pow(glint, material.sharpness) * material.gloss) /
-                  mShadowRays;
-    }
-    if (material.mirrors) radiance += mirrored(point, albedo, view, frame, sequence, sample);
-    return {.colour = mGain * radiance,
-            .alpha = 1,
-            .hits = 1,
-            .distance = point.distance,
-            .normal = normal,
-            .albedo = albedo,
-            .open = static_cast<double>(open) / mGatherRays};
-  }
-
-  /// The surroundings in a surface that mirrors them: by Blinn's lobe of normals, and Schlick's approximation of how
-  /// much is mirrored at an angle.
-  Vec3d mirrored(const SurfacePoint& point, const Vec3d& albedo, const Vec3d& view, const std::array<Vec3d, 2>& frame,
-                 const PixelSequence& sequence, int sample) {
-    const Material& material = mLook.material;
-    Vec3d sum(0);
-    for (int i = 0; i < mMirrorRays; ++i) {
-      const auto [square, turn] = sequence(sample * mMirrorRays + i);
-      const double cosine = elementary::pow(1 - square, 1 / (material.sharpness + 1));
-      const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
-      const Vec3d half = sine * (turn.cosine * frame[0] + turn.sine * frame[1]) + cosine * point.normal;
-      const double towards = -half.dot(view);
-      if (towards <= 0) continue;
-      const Vec3d direction = view + 2 * towards * half;
-      if (direction.dot(point.normal) <= 0) continue;
-      const double rest = 1 - towards, fifth = rest * rest * rest * rest * rest;
-      const Vec3d share = material.gloss + fifth * (Vec3d(1) - material.gloss);
-      const Vec3d light = environment(direction);
-      sum += share * (mSurface.blocked(point.origin, direction) ? kBounce * light * albedo : light);
-    }
-    return sum / mMirrorRays;
-  }
-
-  Surface mSurface;
+  Shader<Surface> mShader;
   const PreviewStage& mStage;
-  const Look& mLook;
   const std::vector<PreviewBall>& mBalls;
   PixelSamples mSamples;
-  int mCount;                                 ///< of samples in a pixel
-  int mGatherRays, mShadowRays, mMirrorRays;  ///< for each sample
-  double mGain;                               ///< of the exposure
+  int mCount;  ///< of samples in a pixel
   Vec3d mDirection{0};
-};
-
-/// The layers of a picture that are asked for.
-class Layers {
- public:
-  explicit Layers(const PreviewOptions& options) {
-    const auto count = static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height);
-    mImage.beauty = Image(options.width, options.height);
-    mImage.coverage.resize(count);
-    const auto has = [&](Pass pass) { return options.passes.contains(pass); };
-    if (has(Pass::Normal)) mImage.normal = Image(options.width, options.height);
-    if (has(Pass::Albedo)) mImage.albedo = Image(options.width, options.height);
-    if (has(Pass::Depth)) mImage.depth.assign(count, kNoDepth);
-    if (has(Pass::Ao)) mImage.ao.resize(count);
-    if (has(Pass::Id)) mImage.id.resize(count);
-  }
-
-  /// @param direction  of the ray that met the nearest point
-  void set(std::size_t at, const Shown& shown, const Vec3d& direction, const PreviewStage& stage) {
-    mImage.beauty.pixels[at] = toColour(shown.colour);
-    mImage.coverage[at] = static_cast<float>(shown.alpha);
-    if (shown.hits == 0) return;
-    if (!mImage.normal.pixels.empty()) mImage.normal.pixels[at] = toColour(stage.toWorld * shown.normal);
-    if (!mImage.albedo.pixels.empty()) mImage.albedo.pixels[at] = toColour(shown.albedo / shown.hits);
-    if (!mImage.depth.empty())
-      mImage.depth[at] = static_cast<float>(shown.distance * stage.forward.dot(direction) * stage.scale);
-    if (!mImage.ao.empty()) mImage.ao[at] = static_cast<float>(shown.open / shown.hits);
-    if (!mImage.id.empty()) mImage.id[at] = 1;
-  }
-
-  ShadedImage take() { return std::move(mImage); }
-
- private:
-  ShadedImage mImage;
 };
 
 }  // namespace preview
@@ -431,7 +109,7 @@ class Layers {
 template <class MakeSurface>
 ShadedImage renderStage(const PreviewStage& stage, const PreviewOptions& options, const PixelSamples& samples,
                         const std::vector<PreviewBall>& balls, const MakeSurface& makeSurface, Monitor& monitor) {
-  preview::Layers layers(options);
+  preview::Layers layers(options.width, options.height, options.passes);
   monitor.begin("render", static_cast<std::uint64_t>(options.height));
   tbb::parallel_for(tbb::blocked_range<int>(0, options.height), [&](const tbb::blocked_range<int>& rows) {
     preview::Renderer renderer(makeSurface(), stage, options, samples, balls);
@@ -441,7 +119,7 @@ ShadedImage renderStage(const PreviewStage& stage, const PreviewOptions& options
         const preview::Shown shown = renderer.pixel(x, y);
         const auto at =
             static_cast<std::size_t>(y) * static_cast<std::size_t>(options.width) + static_cast<std::size_t>(x);
-        layers.set(at, shown, renderer.direction(), stage);
+        layers.set(at, shown, stage.forward.dot(renderer.direction()) * stage.scale, stage.toWorld);
       }
       monitor.advance(1);
     }

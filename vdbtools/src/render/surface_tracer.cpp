@@ -192,6 +192,17 @@ SurfaceBounds boundsOf(const openvdb::MaskTree& cells) {
   return bounds;
 }
 
+double lowestCorner(const Vec3d& direction, const openvdb::MaskTree& cells) {
+  double least = std::numeric_limits<double>::infinity();
+  for (auto cell = cells.cbeginValueOn(); cell; ++cell) {
+    const openvdb::CoordBBox box = cell.getBoundingBox();
+    Vec3d corner;
+    for (int axis = 0; axis < 3; ++axis) corner[axis] = direction[axis] > 0 ? box.min()[axis] : box.max()[axis] + 1;
+    least = std::min(least, corner.dot(direction));
+  }
+  return least;
+}
+
 SurfaceLattice::SurfaceLattice(const openvdb::FloatTree& field, const openvdb::MaskTree& cells) : mField(field) {
   constexpr std::int64_t kMostCubes = std::int64_t(1) << 22;  // of eight bytes
   openvdb::CoordBBox box;

@@ -26,6 +26,8 @@ struct SurfaceBounds {
   double radius = 0;
 };
 SurfaceBounds boundsOf(const openvdb::MaskTree& cells);
+/// The least product of a direction with the cells' corners; infinity if there is none.
+double lowestCorner(const openvdb::Vec3d& direction, const openvdb::MaskTree& cells);
 
 /// The surface cells in bricks of 4 x 4 x 4, and a lattice of cubes that says how far a ray may go before it can meet a
 /// brick. Nodes count from origin() here. For any number of threads.

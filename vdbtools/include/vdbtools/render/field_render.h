@@ -7,8 +7,9 @@
 /// where t is the distance from the eye: the clarity function of [HSK89] Eq. 16, with the same t_0 for all rays.
 /// Bisection finds the surface between the first sample inside and the one before it. The normal comes from central
 /// differences at the step of the ray there, along 13 axes, of a field that grows monotonically outwards (F itself
-/// jumps back where orbits escape one step earlier). Phong's model shades it, with the clay and the background of
-/// previews. Details between two samples of a ray are missed; a smaller alpha and epsilon find more of them.
+/// jumps back where orbits escape one step earlier). The light is that of previews, with its shadows and its sky; what
+/// throws the shadows is the set on lattices of voxels some pixels wide, which get finer towards the point looked at.
+/// Details between two samples of a ray are missed; a smaller alpha and epsilon find more of them.
 ///
 /// Skipping: before the march the region is divided into cubes, and a VDB mask holds those that
 /// FieldEvaluator::decide() does not prove to be outside. Samples in the others are not evaluated. The remaining
@@ -24,6 +25,7 @@
 #include "vdbtools/picture/image.h"
 #include "vdbtools/render/camera.h"
 #include "vdbtools/render/field_colour.h"
+#include "vdbtools/render/look.h"
 #include "vdbtools/render/shaded_image.h"
 
 #include "julia/embedding.h"
@@ -33,6 +35,8 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
+#include <utility>
 #include <vector>
 
 namespace vdbtools {
@@ -58,18 +62,21 @@ struct FieldRenderOptions {
   FieldColouring colour{};
   julia::OrbitOptions orbit{};                    ///< the evaluator's
   julia::DropAxis dropAxis = julia::DropAxis::K;  ///< the evaluator's
-  /// Whether the beauty has the neutral background. Otherwise it is premultiplied by the coverage, on black.
-  bool background = true;
+  /// The light and the material; for FieldColour::Clay the material's albedo, too. Without a look, a light beside the
+  /// eye shades the set by Phong's model, without shadows and before the neutral background: faster, for what moves.
+  std::optional<Look> look{std::in_place};
+  std::set<Pass> passes = kUsualPasses;
   bool skip = true;  ///< changes the speed only
 };
 
-/// The usual passes. The coverage is the part of each pixel's rays that met the set.
+/// The coverage of a picture without a background is the part of each pixel's rays that met the set or a shadow.
 struct FieldImage : ShadedImage {
   std::uint64_t rays = 0;         ///< how many were sent
   std::uint64_t evaluations = 0;  ///< how many samples along the rays were evaluated
 };
 
 class Occupancy;
+class ShadowProxy;
 
 /// Renders pictures of one set. The space that is proved to be empty is found once for all of them.
 class FieldRenderer {
@@ -88,14 +95,14 @@ class FieldRenderer {
   FieldSource mSource;
   openvdb::BBoxd mRegion;                       ///< fractal space
   std::unique_ptr<const Occupancy> mOccupancy;  ///< made for the first picture that skips
+  std::unique_ptr<const ShadowProxy> mShadows;  ///< made for a picture, and kept for others that need the same
 };
 
 /// Renders a single picture.
 FieldImage renderField(const FieldSource& source, const openvdb::BBoxd& region, const FieldRenderOptions& options,
                        Monitor& monitor);
 
-/// The image as the bytes of a file: an EXR has the channels R, G, B, A, N.x, N.y, N.z, Z and id, linear; a PNG only
-/// RGB. The same exceptions as encodeImage().
+/// encodeShadedImage() without alpha, with the usual passes.
 std::string encodeFieldImage(const FieldImage& image, const std::string& extension);
 
 }  // namespace vdbtools
