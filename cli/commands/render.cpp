@@ -338,8 +338,7 @@ int renderMap(const CommandLine& line) {
     const auto& [picture, layers] = pictures[i];
     vdbtools::Monitor& monitor = shooting.begin(shot);
     if (!stage || shot.input != shots[i - 1].input) stage.emplace(*next++, monitor);
-    vdbtools::FieldRenderOptions options =
-        vdbtools::pictureOptions(stage->scene, stage->region, picture, vdbtools::FieldColour::Clay);
+    vdbtools::FieldRenderOptions options = vdbtools::pictureOptions(stage->scene, stage->region, picture);
     options.camera =
         vdbtools::turned(options.camera, picture.view.axis(stage->scene.options.output.axes.target), shot.turn);
     options.look = layers.look;

@@ -77,7 +77,7 @@ class Interrupt(harness.CliTest):
     def test_what_is_left_of_a_turntable_is_told(self):
         self.ok("sdf", "s.obj", "-o", "s.vdb", "--resolution", 32)
         process = subprocess.Popen(
-            [harness.program(), "render", "--field", "s.obj", "-o", "x.####.png", "--frames", "500", "--size", "64x64",
+            [harness.program(), "render", "--field", "s.obj", "-o", "x.####.png", "--frames", "1-500", "--turn", "360", "--size", "64x64",
              "--sdf-resolution", "24", "--progress", "json"], cwd=self.folder, env=harness.environment(),
             stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, preexec_fn=harness.restore_interrupt)
         end = time.monotonic() + harness.TIMEOUT

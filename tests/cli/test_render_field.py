@@ -63,7 +63,7 @@ class RenderField(harness.CliTest):
                 self.assertEqual(self.bytes("a.exr"), self.bytes("b.exr"))
         for other in (("--alpha-clarity", 0.05), ("--fov", 50), ("--zoom", 2), ("--azimuth", 0), ("--elevation", 50),
                       ("--eye", "3,3,3"), ("--look-at", "0.5,0,0"), ("--up", "1,1,0"), ("--samples", 1),
-                      ("--colour", "clay"), ("--colour", "versor"), ("--colour", "iterations"), ("--colour", "trap"),
+                      ("--colour", "direction"), ("--colour", "versor"), ("--colour", "iterations"), ("--colour", "trap"),
                       ("--slice", 0.2), ("--epsilon", 0.2)):
             with self.subTest(other=other):
                 self.ok(*JULIA, *SMALL, *other, "-o", "b.png")
@@ -85,16 +85,16 @@ class RenderField(harness.CliTest):
         self.assertGreater(len({pixel for row in rows for pixel in row}), 50)
 
     def test_frames(self):
-        self.ok(*JULIA, *SMALL, "--frames", 3, "-o", "turn.####.png")
+        self.ok(*JULIA, *SMALL, "--frames", "1-3", "--turn", 360, "-o", "turn.####.png")
         self.assertEqual(self.listing(), [f"turn.{n:04}.png" for n in (1, 2, 3)])
         self.assertEqual(len({self.bytes(name) for name in self.listing()}), 3)
         self.ok(*JULIA, *SMALL, "-o", "still.png")
         self.assertEqual(self.bytes("still.png"), self.bytes("turn.0001.png"))
-        self.ok(*JULIA, *SMALL, "--frames", 1, "-o", "one.png")
+        self.ok(*JULIA, *SMALL, "--frames", 1, "--turn", 360, "-o", "one.png")
         self.assertEqual(self.bytes("one.0001.png"), self.bytes("still.png"))
 
     def test_progress_names_the_frame(self):
-        text = self.ok(*JULIA, "--size", "150x150", "--alpha-clarity", 0.002, "--frames", 2, "--no-skip",
+        text = self.ok(*JULIA, "--size", "150x150", "--alpha-clarity", 0.002, "--frames", "1-2", "--turn", 90, "--no-skip",
                        "--progress", "json", "-o", "x.png")
         if '"phase"' in text:  # the run took long enough
             self.assertIn("frame 2 of 2", text)
@@ -105,7 +105,7 @@ class RenderField(harness.CliTest):
             ("--eye", "1,2"), ("--eye", "a,b,c"), ("--eye", "1,1,1", "--look-at", "1,1,1"),
             ("--eye", "1,1,1", "--azimuth", 3), ("--eye", "1,1,1", "--zoom", 3), ("--up", "0,0,0"), ("--fov", 0), ("--fov", 180),
             ("--elevation", 91), ("--zoom", 0), ("--samples", 3), ("--epsilon", 0), ("--epsilon", -1),
-            ("--alpha-clarity", -1), ("--delta", 3), ("--delta", 0.5), ("--frames", 0), ("--frames", 1.5),
+            ("--alpha-clarity", -1), ("--delta", 3), ("--delta", 0.5), ("--frames", "a", "--turn", 9), ("--frames", 1.5, "--turn", 9),
             ("--colour", "pink"), ("--roots", "x.json"), ("--map", "nothing"))]
         cases += [JULIA, (*JULIA, "-o", "x.jpg"), (*JULIA, "-o", "x.####.png"), ("render", "--field", "-o", "x.png"),
                   ("render", "--field", "--map", "rational", "-o", "x.png")]
@@ -115,7 +115,7 @@ class RenderField(harness.CliTest):
         self.write("s.obj", harness.obj(harness.sphere(2)))
         self.ok("sdf", "s.obj", "-o", "s.vdb", "--resolution", 24)
         self.all_refused(USAGE, [("render", "s.vdb", *option, "-o", "x.png") for option in (
-            ("--eye", "1,1,1"), ("--look-at", "0,0,0"), ("--frames", 2), ("--alpha", 3), ("--map", "quadratic"),
+            ("--eye", "1,1,1"), ("--look-at", "0,0,0"), ("--alpha", 3), ("--map", "quadratic"),
             ("--colour", "clay"), ("--no-skip",))], mentions="--field")
 
     def test_bad_input(self):

@@ -164,8 +164,6 @@ TEST_F(PointAttributesTest, ColoursAreTheRenderersAlbedo) {
     const Scene set = scene(shape({{"alpha", "20"}, {"colour", colour}}));
     const Attributed fractal = made(set);
     ASSERT_EQ(fractal.columns.size(), 1u);
-    // Without lights nothing but the ambient tenth of the albedo is left.
-    constexpr double kAmbient = 0.10;
     const FieldRenderOptions options = pictureOptions(set, pictureRegion(set), FieldPicture{});
     std::vector<FieldHit> hits;
     for (const Vec3d& point : fractal.mesh.points) {
@@ -175,13 +173,12 @@ TEST_F(PointAttributesTest, ColoursAreTheRenderersAlbedo) {
                       .step = set.voxelSize / set.space.scale,
                       .normal = Vec3d(0, 0, -1)});
     }
-    std::vector<ShadedHit> shaded(hits.size());
-    shadeHits(*set.evaluator, options, {.key = Vec3d(0), .head = Vec3d(0)}, hits, shaded);
+    const std::vector<FieldPoint> seen = fieldPoints(*set.evaluator, options, hits);
     Vec3d low(1), high(0);
     for (std::size_t i = 0; i < hits.size(); ++i)
       for (int c = 0; c < 3; ++c) {
         const double value = fractal.at("Cd", i)[c];
-        ASSERT_NEAR(value, shaded[i].colour[c] / kAmbient, 1e-6) << i;
+        ASSERT_NEAR(value, seen[i].albedo.value_or(Material{}.albedo)[c], 1e-6) << i;
         low[c] = std::min(low[c], value);
         high[c] = std::max(high[c], value);
       }

@@ -256,7 +256,7 @@ TEST(FieldRender, PreviewsHaveTheSameCameraAndBackground) {
 TEST(FieldRender, AnExrHasItsChannels) {
   const Quadratic set;
   FieldRenderOptions options = small(set, 24, 16, 4);
-  options.background = false;
+  options.look->backdrop = Backdrop::None;
   const FieldImage image = render(set, options);
   const std::string bytes = encodeFieldImage(image, ".exr");
   EXPECT_EQ(bytes, encodeFieldImage(image, "EXR"));
@@ -438,9 +438,8 @@ TEST_F(FieldRenderScene, CrossProductsAreTheColours) {
   for (const std::string pair : {"A", "C", "D"}) {
     const Scene made = scene({{"map", "cross"}, {"pair", pair}, {"iterations", "3"}, {"scheme", "4"}});
     FieldRenderOptions options = optionsFor(made, made.region, 48);
-    options.background = false;
+    options.passes.insert(Pass::Albedo);
     const FieldImage direction = renderField(made.source(), made.region, options, mMonitor);
-    // The lights are white: they multiply a colour, and what shines is added to all three alike.
     const ViewFrame frame(options.camera);
     int compared = 0;
     for (std::size_t i = 0; i < direction.id.size(); ++i) {
@@ -451,7 +450,7 @@ TEST_F(FieldRenderScene, CrossProductsAreTheColours) {
       made.source().evaluator.versors(std::span(&point, 1), std::span(&u, 1));
       const double length = std::sqrt(normSquared(u));
       EXPECT_NEAR(length, 1, 1e-6);
-      const auto& rgb = direction.beauty.pixels[i];
+      const auto& rgb = direction.albedo.pixels[i];
       const double entries[] = {u.a, u.b, u.c};
       for (std::size_t one = 0; one < 3; ++one)
         for (std::size_t other = 0; other < 3; ++other)

@@ -16,6 +16,6 @@ openvdb::BBoxd pictureRegion(const Scene& scene);
 /// @param usual   the colours where neither the picture nor the recipe says any
 /// @throw what reading the gradient of the colours throws
 FieldRenderOptions pictureOptions(const Scene& scene, const openvdb::BBoxd& region, const FieldPicture& picture,
-                                  FieldColour usual = FieldColour::Direction);
+                                  FieldColour usual = FieldColour::Clay);
 
 }  // namespace vdbtools
