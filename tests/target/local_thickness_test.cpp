@@ -94,8 +94,7 @@ TEST(LocalThickness, NoPartOfABoxIsThickerThanTheBallThatFits) {
           const Vec3d outside(std::max(beyond[0], 0.0), std::max(beyond[1], 0.0), std::max(beyond[2], 0.0));
           return outside.length() + std::min(0.0, std::max({beyond[0], beyond[1], beyond[2]}));
         });
-        EXPECT_LE(localThickness(*box, monitor).greatest, half + 0.05 * kVoxel)
-            << angle << ' ' << half << ' ' << sides;
+        EXPECT_LE(localThickness(*box, monitor).greatest, half + 0.05 * kVoxel) << angle << ' ' << half << ' ' << sides;
       }
 }
 

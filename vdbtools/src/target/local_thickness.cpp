@@ -57,8 +57,8 @@ struct Ball {
   float radius;  ///< voxels
 };
 
-/// A bound of the radius of a ball about the point that is @a t of a line's steps from a node: it sticks out of the target
-/// nowhere near the node. Behind a convex edge the slopes say more, as the distance is not linear there.
+/// A bound of the radius of a ball about the point that is @a t of a line's steps from a node: it sticks out of the
+/// target nowhere near the node. Behind a convex edge the slopes say more, as the distance is not linear there.
 float largestBallAt(const Lattice& depth, const Coord& node, const Line& line, float t) {
   constexpr int kAround = 2;
   float radius = std::numeric_limits<float>::infinity();
