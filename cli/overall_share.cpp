@@ -60,6 +60,15 @@ constexpr auto kExplore = scenePhases({{"writing", 5}});
 constexpr auto kSlice = scenePhases({{"slice", 20}, {"writing", 5}});
 constexpr auto kStudy = scenePhases({{"distances", 5}, {"first versor", 2}, {"versors", 60}, {"writing", 2}});
 constexpr auto kRender = scenePhases({{"ray tree", 5}, {"render", 60}, {"writing", 2}});
+/// Of a cell; one that shows the field has only the last of these.
+constexpr auto kSheet = scenePhases({{"proofs", 5},
+                                     {"field", 15},
+                                     {"islands", 3},
+                                     {"surface", 15},
+                                     {"adapting", 10},
+                                     {"ray tree", 5},
+                                     {"render", 60},
+                                     {"writing", 2}});
 constexpr PhaseWeight kUsd[] = {{"reading", 80}, {"writing", 20}};
 constexpr PhaseWeight kFit[] = {{"reading", 1},   {"thickening", 3}, {"sides", 2},           {"distance field", 3},
                                 {"surface", 2},   {"distances", 5},  {"electrostatics", 10}, {"monopoles", 5},
@@ -81,7 +90,8 @@ std::span<const PhaseWeight> phasesOf(std::string_view command) {
   if (command == "explore") return kExplore;
   if (command == "slice") return kSlice;
   if (command == "study") return kStudy;
-  if (command == "render" || command == "sheet") return kRender;
+  if (command == "render") return kRender;
+  if (command == "sheet") return kSheet;
   if (command == "fit") return kFit;
   if (command == "usd") return kUsd;
   return {};

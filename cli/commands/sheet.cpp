@@ -24,7 +24,12 @@ constexpr Usage kSheetUsage = {
     "two\n"
     "options. Of one option the cells fill row after row; of two, the first varies from row to row and the second "
     "from\n"
-    "column to column. A cell whose options are refused, or which shows nothing, shows its error.\n"
+    "column to column, unless the page were a strip then. A cell whose options are refused, or which shows nothing,\n"
+    "shows its error.\n"
+    "\n"
+    "A cell shows the set itself, and says if much of it is finer than the voxels of its --resolution. With "
+    "--preview\n"
+    "mesh it shows the mesh that 'fractal' makes at that resolution, as 'render' does.\n"
     "\n"
     "  NAME=A,B,C       these values; with semicolons between them the values themselves may hold commas\n"
     "  NAME=A:B:STEP    the values A, A + STEP and so on, up to B\n"
@@ -32,11 +37,12 @@ constexpr Usage kSheetUsage = {
     "F.json beside the picture holds the recipe of each cell. Cells count from 1, row by row, and the number stands "
     "in\n"
     "the caption: 'juliavdb fractal --config F.json#7 -o out.vdb' makes the fractal of cell 7, and\n"
-    "'juliavdb render --field --config F.json#7 -o large.png' shows it at a larger size.\n"
+    "'juliavdb render --field --config F.json#7 -o large.png' shows the set at a larger size.\n"
     "Finished cells are kept in the folder F.cells. The next run makes only those that are not there, also after an\n"
     "interruption or for a sheet with more values. Remove the folder when you no longer need it.",
     "  juliavdb sheet bunny.obj -o alpha.png --vary alpha=10,20,40,80\n"
     "  juliavdb sheet bunny.obj -o seeds.png --vary alpha=20:60:20 --vary versor-seed=1:4:1 --size 160x160\n"
+    "  juliavdb sheet bunny.obj -o meshes.png --vary detail=0.1,0.3,0.5 --preview mesh --resolution 80\n"
     "  juliavdb sheet --config seeds.json#3 -o next.png --vary \"versor-translate=0,0,0;0.1,0,0;0.2,0,0\"\n",
     "fractal",
     nullptr,
@@ -79,6 +85,18 @@ void requireEffects(const CommandLine& line, const vdbtools::SheetOptions& optio
   line.requireEffect(std::move(names), runs);
 }
 
+/// Says once what several cells show and their voxels do not.
+void tellFiner(const std::vector<vdbtools::SheetCell>& cells) {
+  const auto isFiner = [](const vdbtools::SheetCell& cell) { return !cell.finer.empty(); };
+  const auto count = std::count_if(cells.begin(), cells.end(), isFiner);
+  report().count("finerCells", static_cast<double>(count));
+  if (count == 0) return;
+  const auto first = std::find_if(cells.begin(), cells.end(), isFiner);
+  report().text() << "warning: " << count << (count == 1 ? " cell shows" : " cells show")
+                  << " more than voxels will; cell " << first - cells.begin() + 1 << ": " << first->finer
+                  << "; --preview mesh shows what the voxels hold\n";
+}
+
 }  // namespace
 
 int runSheet(const Arguments& arguments) {
@@ -88,7 +106,7 @@ int runSheet(const Arguments& arguments) {
       "vary", po::value<std::vector<std::string>>()->value_name("NAME=VALUES"),
       "an option of 'fractal' and its values; once or twice")(
       "columns", po::value<std::string>()->value_name("N"),
-      "how many cells stand in a row, where one option varies (default: about as many as there are rows)");
+      "how many cells stand in a row, where one option varies (default: so many that the page is about square)");
   line.addOptions(vdbtools::sheetViewOptionSpecs());
   addSearchOption(line);
   if (!line.parse(arguments)) return kDone;
@@ -107,7 +125,10 @@ int runSheet(const Arguments& arguments) {
 
   Progress& progress = line.progress();
   report().keep("finished cells are kept in '" + folder.string() + "', and the same command goes on from there");
-  const vdbtools::SheetPage made = vdbtools::makeSheet(options, folder, progress);
+  const vdbtools::SheetPage made =
+      vdbtools::makeSheet(options, folder, progress, {.tell = [](const std::string& words) {
+                            report().text() << "warning: " << words << '\n' << std::flush;
+                          }});
   progress.begin("writing", 0);
   page << made.picture;
   recipes << vdbtools::encodeSheet(made.sheet);
@@ -120,6 +141,7 @@ int runSheet(const Arguments& arguments) {
   report().count("failedCells", static_cast<double>(failed));
   for (std::size_t i = 0; i < cells.size(); ++i)
     if (!cells[i].error.empty()) report().text() << "warning: cell " << i + 1 << " failed: " << cells[i].error << '\n';
+  tellFiner(cells);
   report().text() << "wrote " << outputs.names() << ": " << made.sheet.rows << " x " << made.sheet.columns << " cells, "
                   << made.kept << " of " << cells.size() << " cells kept\n";
   return kDone;

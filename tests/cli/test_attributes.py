@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Colours and other attributes: what the files hold of them, and that pictures of the set have the same colours."""
 
+import re
+import struct
+
 import harness
 from harness import BAD_DATA, USAGE
 
@@ -12,6 +15,15 @@ def header(data):
     """The properties of a PLY's vertices: (type, name)."""
     lines = data[:data.index(b"end_header")].decode().splitlines()
     return [tuple(line.split()[1:]) for line in lines if line.startswith("property") and "list" not in line]
+
+
+def points(data):
+    """The vertices of a PLY, each as a dict of its numbers by their names."""
+    columns = header(data)
+    layout = struct.Struct("<" + "".join({"float": "f", "double": "d", "uchar": "B"}[kind] for kind, _ in columns))
+    count, = re.findall(rb"element vertex (\d+)", data[:data.index(b"end_header")])
+    body = data[data.index(b"end_header\n") + len(b"end_header\n"):][:int(count) * layout.size]
+    return [dict(zip((name for _, name in columns), row)) for row in layout.iter_unpack(body)]
 
 
 class Attributes(harness.CliTest):
@@ -65,13 +77,58 @@ class Attributes(harness.CliTest):
     def test_bad_options(self):
         self.all_refused(USAGE, [("fractal", "s.obj", *option, "-o", "f.vdb") for option in (
             ("--attributes", "colour"), ("--attributes", "trap,trap"), ("--colour", "pink"), ("--colour", "clay:magma"),
-            ("--colour", "trap:jet"), ("--transfer", "uv,uv"), ("--transfer", "surface"),
+            ("--colour", "trap:jet"), ("--colour", "clay:0:1"), ("--colour", "trap:"), ("--colour", "trap:magma:"),
+            ("--colour", "trap:000000"), ("--colour", "trap:000000,12345g"), ("--colour", "trap:000000,"),
+            ("--transfer", "uv,uv"), ("--transfer", "surface"),
             ("--attributes", "iterations", "--grids", "surface,iterations"))])
         self.refused(USAGE, "fractal", "--map", "mandelbulb", "--attributes", "depth", "-o", "f.vdb", mentions="no target")
         self.refused(BAD_DATA, "fractal", "s.obj", "--transfer", "uv", "-o", "f.vdb", mentions="texture coordinates")
         self.refused(BAD_DATA, "fractal", "s.obj", "--transfer", "wet", "-o", "f.vdb", mentions="wet")
         self.refused(USAGE, "plan", "tiles", "s.obj", *SMALL, "--attributes", "mask", "-o", "farm", mentions="mask")
         self.refused(USAGE, "render", "s.obj", "--colour", "trap", "-o", "x.png", mentions="clay")
+
+    def test_bad_colours_are_refused_with_a_way_out(self):
+        def refused(colour, *mentions):
+            self.refused(USAGE, "fractal", "s.obj", "--colour", colour, "-o", "f.vdb", mentions=(f"'{colour}'", *mentions))
+        refused("trap:infern", "viridis, magma, inferno", "did you mean 'inferno'?")
+        refused("trapp", "did you mean 'trap'?")
+        for text in ("trap:magma:0.5:0.5", "trap:0.5:0.5", "trap:magma:0.9:0.1", "depth:1:-1", "trap:0:inf", "trap:nan:1"):
+            refused(text, "LOW:HIGH", "lower to a higher")
+        for text in ("trap:magma:0.5", "trap:0.5", "trap:magma:0.5:x", "trap:magma:x:0.5"):
+            refused(text, "LOW:HIGH")
+
+
+class Ranges(harness.CliTest):
+    """Which numbers get the ends of a gradient."""
+
+    def setUp(self):
+        super().setUp()
+        self.write("s.obj", harness.obj(harness.sphere(3, 2.0, (3, -2, 5))))
+
+    def greys(self, colour, *more):
+        self.ok("fractal", "s.obj", *SMALL, "--attributes", "Cd,trap,depth,iterations", "--colour", colour, *more, "--mesh", "g.ply")
+        return points(self.bytes("g.ply"))
+
+    def test_a_range_has_the_ends_of_the_gradient(self):
+        for name, low, high in (("trap", 0.3, 0.6), ("depth", -0.2, 0.1), ("iterations", 1.2, 2.5)):
+            for point in self.greys(f"{name}:grey:{low}:{high}"):
+                wanted = 255 * min(max((point[name] - low) / (high - low), 0), 1)
+                self.assertAlmostEqual(point["red"], wanted, delta=1)
+            self.assertEqual(self.greys(f"{name}:000000,ffffff:{low}:{high}"), self.greys(f"{name}:grey:{low}:{high}"))
+        self.assertEqual(self.greys("trap:viridis:0:1"), self.greys("trap:0:1"))
+
+    def test_a_list_of_colours_is_a_ramp(self):
+        for point in self.greys("trap:#ff0000,00ff00,#0000ff:0.2:0.8"):
+            place = 2 * min(max((point["trap"] - 0.2) / 0.6, 0), 1)
+            for name, wanted in (("red", 1 - place), ("green", 1 - abs(place - 1)), ("blue", place - 1)):
+                self.assertAlmostEqual(point[name], 255 * max(wanted, 0), delta=1)
+
+    def test_without_a_range_the_colours_are_spread_over_the_numbers(self):
+        for name in ("trap", "depth"):
+            greys = sorted(point["red"] for point in self.greys(f"{name}:grey"))
+            self.assertLess(greys[len(greys) // 10], 110)
+            self.assertGreater(greys[-len(greys) // 10], 145)
+            self.assertLess(greys.count(0) + greys.count(255), len(greys) / 5)
 
 
 if __name__ == "__main__":

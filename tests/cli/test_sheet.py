@@ -7,7 +7,7 @@ import subprocess
 import time
 
 import harness
-from harness import BAD_DATA, CANNOT_CREATE, INTERRUPTED, NO_INPUT, USAGE
+from harness import BAD_DATA, CANNOT_CREATE, INTERNAL, INTERRUPTED, NO_INPUT, USAGE
 
 LOW = ("--sdf-resolution", 20, "--resolution", 20)
 SMALL = ("--size", "32x32", "--samples", 1)
@@ -139,6 +139,127 @@ class Cells(SheetTest):
         self.assertIn("word", cells[2]["error"])
         self.assertEqual(len(self.cells()), 1)
         self.refused(BAD_DATA, "fractal", "--config", "x.json#3", "-o", "f.vdb", mentions="word")
+
+
+class Meshes(SheetTest):
+    """--preview mesh: what is chosen is what is made."""
+
+    def cells_are_what_render_shows(self, count, sheet, view=()):
+        self.ok("sheet", *sheet, *SMALL, *view, "--preview", "mesh", "-o", "x.png")
+        pictures = self.places("x.png", count)
+        self.assertEqual(len(pictures), count)
+        for number, picture in enumerate(pictures, 1):
+            with self.subTest(sheet=sheet, view=view, cell=number):
+                self.ok("fractal", "--config", f"x.json#{number}", "--mesh", "x.ply")
+                self.ok("render", "x.ply", *SMALL, *view, "-o", "one.png")
+                self.assertEqual(picture, harness.read_png(self.bytes("one.png")))
+        return pictures
+
+    def test_each_cell_is_the_picture_of_its_mesh(self):
+        self.write("t.obj", harness.obj(harness.torus()))
+        framed = self.cells_are_what_render_shows(4, ("s.obj", *LOW, *VARY))
+        self.assertNotEqual(framed[0], framed[2])
+        turned = self.cells_are_what_render_shows(2, ("s.obj", *LOW[:2], "--vary", "resolution=12,24"),
+                                                  ("--azimuth", 40, "--elevation", 50, "--zoom", 0.8, "--fov", 50, "--up", "z"))
+        self.assertNotEqual(*turned)
+        box = ("--box", "-0.4,-0.5,-0.3,0.7,0.8,0.9")
+        self.write("up.txt", "target-up = y\nup = auto\n")
+        for more in (("--target-up", "z"), ("--config", "up.txt"), (*box, "--cap"), box, ("--adaptivity", 0.5, "--largest", 1),
+                     ("--attributes", "trap,Cd", "--follow", "--seed-stride", 2)):
+            self.cells_are_what_render_shows(2, ("--vary", "input=s.obj,t.obj", *LOW, *more))
+        self.cells_are_what_render_shows(2, ("--map", "mandelbulb", "--resolution", 20, "--vary", "power=3,8"))
+
+    def test_the_points_have_the_colours_of_the_recipe(self):
+        clay, trap, direction = self.cells_are_what_render_shows(
+            3, ("s.obj", *LOW, "--vary", "colour=clay,trap:magma,direction"))
+        self.assertTrue(clay != trap != direction)
+        def gaudiest(rows):
+            return max(max(p) - min(p) for row in rows for p in row)
+        self.assertLess(gaudiest(clay), gaudiest(direction))
+
+    def test_the_field_is_another_picture_and_another_cell(self):
+        run = ("sheet", "s.obj", *LOW, *SMALL, "--vary", "alpha=20,60", "-o", "x.png")
+        self.ok(*run)
+        field = self.bytes("x.png"), self.bytes("x.json")
+        self.assertIn("2 of 2 cells kept", self.ok(*run, "--preview", "field"))
+        self.assertEqual((self.bytes("x.png"), self.bytes("x.json")), field)
+        self.assertIn("0 of 2 cells kept", self.ok(*run, "--preview", "mesh"))
+        self.assertNotEqual(self.bytes("x.png"), field[0])
+        self.assertEqual(json.loads(self.bytes("x.json"))["view"]["preview"], "mesh")
+        self.assertIn("2 of 2 cells kept", self.ok(*run, "--preview", "mesh"))
+
+    def test_the_number_of_auto_is_recorded(self):
+        self.ok("sheet", "s.obj", "--sdf-resolution", 20, "--resolution", "auto", "--box", "0.9,-0.1,-0.1,1.1,0.1,0.1", *SMALL, "--preview",
+                "mesh", "--vary", "versor=scales", "-o", "x.png")
+        self.assertRegex(json.loads(self.bytes("x.json"))["cells"][0]["recipe"]["resolution"], r"\A\d+\Z")
+
+    def test_same_bytes(self):
+        results = set()
+        for number, options in enumerate((("--threads", 1), ("--threads", 2), ("--instructions", "portable"))):
+            name = f"x{number}.png"
+            self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "colour=trap,depth", "--preview", "mesh", *options, "-o", name)
+            results.add((self.bytes(name), self.bytes(f"x{number}.json")))
+        self.assertEqual(len(results), 1)
+
+    def test_what_only_the_field_has_is_refused(self):
+        run = ("sheet", "s.obj", *LOW, "--vary", "alpha=20,60", "--preview", "mesh", "-o", "x.png")
+        for option in (("--eye", "3,1,2"), ("--look-at", "0,0,0"), ("--epsilon", 0.1), ("--alpha-clarity", 0.1), ("--delta", 2),
+                       ("--no-skip", )):
+            self.refused(USAGE, *run, *option, mentions=(option[0], "has no effect", "--preview"))
+        self.refused(USAGE, *run, "--up", "1,0,0", mentions=("--up", "--preview field"))
+        self.refused(USAGE, *run[:-4], "--preview", "meshes", "-o", "x.png", mentions=("--preview", "'meshes'", "field", "mesh"))
+        self.assertEqual(self.listing(), ["s.obj"])
+
+    def test_a_mesh_that_memory_does_not_hold_is_refused_at_once(self):
+        self.refused(INTERNAL, "sheet", "s.obj", "--sdf-resolution", 20, "--resolution", 20000, "--preview", "mesh", *SMALL,
+                     "--memory", "2G", "--vary", "alpha=20,60", "-o", "x.png", mentions=("memory", "--resolution"))
+
+
+class FinerThanVoxels(SheetTest):
+    """A cell of the field says what of it the voxels of its recipe do not show."""
+
+    def test_it_says_what_fractal_warns_of(self):
+        vary = ("--vary", "resolution=16,400", "--versor", "random", "--versor-seed", 3)
+        said = self.ok("sheet", "s.obj", "--sdf-resolution", 40, *SMALL, *vary, "-o", "x.png")
+        coarse, fine = json.loads(self.bytes("x.json"))["cells"]
+        self.assertRegex(coarse["finer"], r"\A\d.* % of the texture is finer than two voxels; ")
+        self.assertNotIn("finer", fine)
+        self.assertIn(f"warning: 1 cell shows more than voxels will; cell 1: {coarse['finer']}; ", said)
+        self.assertIn(f"warning: {coarse['finer']}\n", self.ok("fractal", "--config", "x.json#1", "-o", "f.vdb"))
+        # A line of the caption, also when the cells are kept; the pictures are those of the set in any case.
+        page = harness.read_png(self.bytes("x.png"))
+        pictures = self.places("x.png", 2)
+        again = self.ok("sheet", "s.obj", "--sdf-resolution", 40, *SMALL, *vary, "-o", "x.png")
+        self.assertIn("2 of 2 cells kept", again)
+        self.assertIn(coarse["finer"], again)
+        self.assertEqual(harness.read_png(self.bytes("x.png")), page)
+        self.ok("sheet", "s.obj", "--sdf-resolution", 40, *SMALL, *vary[2:], "--vary", "resolution=400,401", "-o", "y.png")
+        self.assertLess(len(harness.read_png(self.bytes("y.png"))), len(page))
+        self.assertEqual(self.places("y.png", 1), pictures[1:])
+
+    def test_a_mesh_shows_its_voxels_and_says_nothing(self):
+        said = self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "versor=scales", "--preview", "mesh", "-o", "x.png")
+        self.assertNotIn("warning", said)
+        self.assertNotIn("finer", json.loads(self.bytes("x.json"))["cells"][0])
+
+
+class Layout(SheetTest):
+
+    def test_many_columns_are_folded_and_the_cells_stay_in_order(self):
+        """Two values by seven: rows of four, three, four and three cells instead of a strip."""
+        vary = ("--vary", "alpha=20,60", "--vary", "versor-seed=1:7:1")
+        said = self.ok("sheet", "s.obj", *LOW, *SMALL, *vary, "-o", "x.png")
+        self.assertIn("4 x 4 cells", said)
+        pictures = self.places("x.png", 14)
+        self.assertEqual(len(pictures), 14)
+        for number in (1, 4, 5, 7, 8, 14):
+            self.ok("render", "--field", "--config", f"x.json#{number}", *SMALL, "--colour", "clay", "-o", "one.png")
+            self.assertEqual(pictures[number - 1], harness.read_png(self.bytes("one.png")), number)
+
+    def test_a_page_beyond_memory_is_refused_before_the_work(self):
+        self.refused(INTERNAL, "sheet", "s.obj", *LOW, "--vary", "versor-seed=1:100:1", "--size", "3000x3000", "--memory", "1G",
+                     "-o", "x.png", mentions=("a page of", "--size"))
+        self.assertEqual(self.listing(), ["s.obj"])
 
 
 class Resuming(SheetTest):

@@ -377,6 +377,50 @@ TEST_F(PointAttributesTest, APictureIsAGradientAndItsHashIsRecorded) {
   EXPECT_THROW(made(scene(shape({{"colour", "trap:none.png"}}))), MissingInputError);
 }
 
+TEST_F(PointAttributesTest, TheRangeOfAGradientDependsOnTheMapAlone) {
+  const auto range = [&](const Recipe& recipe, const std::string& colour) {
+    Recipe coloured = recipe;
+    coloured["colour"] = colour;
+    const Scene set = scene(coloured);
+    return sceneColouring(set, set.options.output.attributes.colour.value()).range;
+  };
+  const Recipe bulb = {{"map", "mandelbulb"}, {"resolution", "20"}};
+  for (const char* colour : {"trap", "iterations", "depth"}) {
+    SCOPED_TRACE(colour);
+    const std::optional<GradientRange> usual = range(shape({{"detail", "0.3"}}), colour);
+    ASSERT_TRUE(usual);
+    EXPECT_LT(usual->low, usual->high);
+    for (const auto& [name, value] :
+         {std::pair("resolution", "20"), std::pair("precision", "float"), std::pair("box", "0,-1,-1,1,1,1"),
+          std::pair("tolerance", "0.3"), std::pair("crumbs", "keep")})
+      EXPECT_EQ(range(shape({{"detail", "0.3"}, {name, value}}), colour), usual) << name;
+    EXPECT_NE(range(shape({{"detail", "0.6"}}), colour), usual) << "the numbers of another set are others";
+    EXPECT_EQ(range(shape({}), colour + std::string(":-2:7.5")), (GradientRange{-2, 7.5}));
+  }
+  const std::optional<GradientRange> whole = range(bulb, "trap");
+  ASSERT_TRUE(whole);
+  Recipe part = bulb;
+  part["box"] = "0,0,0,1,1,1";
+  EXPECT_EQ(range(part, "trap"), whole);
+  EXPECT_FALSE(range(bulb, "direction"));
+}
+
+TEST_F(PointAttributesTest, AGradientIsSpreadOverTheNumbersOfTheSurface) {
+  const Scene set = scene(shape({{"attributes", "trap"}}));
+  const GradientRange range = sceneColouring(set, {.by = FieldColour::Trap}).range.value();
+  const Attributed fractal = made(set);
+  double within = 0, lowest = 1, highest = 0;
+  for (std::size_t i = 0; i < fractal.mesh.points.size(); ++i) {
+    const double trap = *fractal.at("trap", i);
+    within += trap >= range.low && trap <= range.high ? 1 : 0;
+    lowest = std::min(lowest, trap), highest = std::max(highest, trap);
+  }
+  // The places of the sample are others than the vertices, and no vertex lies on the surface but near it.
+  EXPECT_GT(within / static_cast<double>(fractal.mesh.points.size()), 0.75) << "most vertices are within the range";
+  EXPECT_GT(range.low, lowest - 0.02) << "the range is no wider than the numbers";
+  EXPECT_LT(range.high, highest + 0.02);
+}
+
 TEST_F(PointAttributesTest, ColourAloneMeansCd) {
   const auto columns = [&](const Recipe& recipe) {
     return meshColumns(parseFractalOptions(shape(recipe)).output.attributes);

@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <set>
 #include <sstream>
@@ -55,6 +56,33 @@ TEST(SheetPlan, TwoOptionsAreRowsAndColumns) {
   for (std::size_t i = 0; i < 6; ++i)
     EXPECT_EQ(sheet.cells[i].varied,
               (Recipe{{"alpha", i < 3 ? "10" : "20"}, {"versor-seed", std::to_string(i % 3 + 1)}}));
+}
+
+/// The values "1,2,...".
+std::string upTo(int count) { return "1:" + std::to_string(count) + ":1"; }
+
+TEST(SheetPlan, NoSheetIsAStrip) {
+  constexpr int kLongest = 3;
+  const std::vector<std::array<int, 2>> sizes{{256, 256}, {300, 100}, {100, 300}, {300, 300}};
+  for (const auto& [width, height] : sizes)
+    for (const int first : {1, 2, 3, 5, 7, 14})
+      for (const int second : {1, 2, 4, 5, 10, 25}) {
+        SCOPED_TRACE(std::to_string(first) + " x " + std::to_string(second) + " of " + std::to_string(width) + "x" +
+                     std::to_string(height));
+        SheetOptions options{.varied = {varied("iterations=" + upTo(first)), varied("versor-seed=" + upTo(second))},
+                             .base = {{"input", "a.obj"}},
+                             .view = {{"size", std::to_string(width) + "x" + std::to_string(height)}}};
+        for (const bool both : {true, false}) {
+          if (!both) options.varied.erase(options.varied.begin());
+          const Sheet sheet = planSheet(options);
+          EXPECT_GE(sheet.rows * sheet.columns, static_cast<int>(sheet.cells.size()));
+          // Cells that are strips themselves stand one above the other, or side by side.
+          EXPECT_TRUE(sheet.columns == 1 || sheet.columns * width <= kLongest * sheet.rows * height)
+              << sheet.columns << " columns, " << sheet.rows << " rows";
+          EXPECT_TRUE(sheet.rows == 1 || sheet.rows * height <= kLongest * sheet.columns * width)
+              << sheet.columns << " columns, " << sheet.rows << " rows";
+        }
+      }
 }
 
 TEST(SheetPlan, RefusesWhatIsNoSheet) {
@@ -197,6 +225,40 @@ TEST_F(SheetJob, IfAllFailTheirErrorIsTheSheets) {
 TEST_F(SheetJob, TheFolderCanBeRefused) {
   mFolder.write("cells", "in the way");
   EXPECT_THROW(make(options({"alpha=20,40"})), CreateError);
+}
+
+TEST_F(SheetJob, MeshesThatTakeLongAreToldBeforeTheFirstOfThem) {
+  /// Notes whether the work on a mesh has begun.
+  class Watching final : public Monitor {
+   public:
+    void begin(std::string_view phase, std::uint64_t) override {
+      if (phase.starts_with("surface")) mAnyMesh = true;
+    }
+    bool anyMesh() const { return mAnyMesh; }
+
+   private:
+    std::atomic<bool> mAnyMesh{false};
+  } watching;
+  SheetOptions what = options({"alpha=20,40,60"});
+  std::vector<std::string> told;
+  LongWork longWork{.seconds = 0, .tell = [&](const std::string& words) {
+                      EXPECT_FALSE(watching.anyMesh());
+                      told.push_back(words);
+                    }};
+  makeSheet(what, mFolder.path() / "fields", watching, longWork);
+  EXPECT_TRUE(told.empty()) << "no mesh is made for a picture of the field";
+  what.view["preview"] = "mesh";
+  make({.varied = {varied("alpha=20")}, .base = what.base, .view = what.view});
+  makeSheet(what, mFolder.path() / "cells", watching, longWork);
+  EXPECT_TRUE(watching.anyMesh());
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_NE(told[0].find("of 2 cells"), std::string::npos) << "one of the three is there already: " << told[0];
+  EXPECT_NE(told[0].find("hours"), std::string::npos);
+  makeSheet(what, mFolder.path() / "cells", watching, longWork);
+  EXPECT_EQ(told.size(), 1U) << "nothing is left to do";
+  longWork.seconds = 1e9;
+  makeSheet(what, mFolder.path() / "elsewhere", watching, longWork);
+  EXPECT_EQ(told.size(), 1U);
 }
 
 TEST_F(SheetJob, AnInterruptionKeepsWhatIsFinished) {

@@ -48,6 +48,18 @@ TEST(Gradient, TheDivergingOneIsLightestInTheMiddleAndAlikeOnBothSides) {
   EXPECT_GT(gradient.at(1)[0], gradient.at(1)[2]);
 }
 
+TEST(Gradient, AListOfCodesIsARamp) {
+  for (const char* list : {"ff0000,00ff00,0000ff", "#FF0000,#00FF00,#0000FF"}) {
+    const Gradient ramp = Gradient::ofCodes(list).value();
+    EXPECT_EQ(ramp.at(0), Vec3d(1, 0, 0)) << list;
+    EXPECT_EQ(ramp.at(0.5), Vec3d(0, 1, 0)) << list;
+    EXPECT_EQ(ramp.at(1), Vec3d(0, 0, 1)) << list;
+  }
+  for (const char* none : {"", ",", "ff0000", "ff0000,", "ff0000,00ff0", "ff0000,00ff000", "ff0000,-0ff00", "magma",
+                           "ff0000,00ff00,", "##ff0000,00ff00", "0xff00,00ff00", "ff0000 ,00ff00"})
+    EXPECT_FALSE(Gradient::ofCodes(none)) << none;
+}
+
 TEST(Gradient, InterpolatesCodesAndHoldsItsEnds) {
   const Gradient grey = Gradient::named("grey").value();
   for (int c = 0; c < 3; ++c) {

@@ -46,6 +46,7 @@ std::string encodeSheet(const Sheet& sheet) {
   for (const SheetCell& cell : sheet.cells) {
     Json entry{{"number", cells.size() + 1}, {"varied", cell.varied}, {"recipe", cell.recipe}};
     if (!cell.error.empty()) entry["error"] = cell.error;
+    if (!cell.finer.empty()) entry["finer"] = cell.finer;
     cells.push_back(std::move(entry));
   }
   const Json json{{"juliavdb", kKind},  {"version", kVersion},      {"program", JULIAVDB_VERSION},
@@ -76,7 +77,8 @@ std::vector<SheetCell> readSheetCells(const std::filesystem::path& path) {
                       "' is a contact sheet of another version of juliavdb; make the sheet again");
     std::vector<SheetCell> cells;
     for (const Json& cell : json.at("cells"))
-      cells.push_back({recipeOf(cell.at("varied")), recipeOf(cell.at("recipe")), cell.value("error", "")});
+      cells.push_back(
+          {recipeOf(cell.at("varied")), recipeOf(cell.at("recipe")), cell.value("error", ""), cell.value("finer", "")});
     return cells;
   } catch (const nlohmann::json::exception&) {
     throw DataError("'" + path.string() + "' is a broken contact sheet; make the sheet again");

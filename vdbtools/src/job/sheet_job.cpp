@@ -2,35 +2,62 @@
 #include "vdbtools/job/sheet_job.h"
 
 #include "job/file_hashes.h"
+#include "job/mesh_picture.h"
+#include "picture/png_text.h"
 
+#include "vdbtools/base/number_text.h"
 #include "vdbtools/base/numbered_monitor.h"
+#include "vdbtools/field/lattice_options.h"
 #include "vdbtools/files/atomic_file.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/job/scene_picture.h"
+#include "vdbtools/job/voxel_advice.h"
 #include "vdbtools/picture/contact_sheet.h"
 
+#include <tbb/task_arena.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <exception>
 #include <map>
+#include <optional>
+#include <set>
 #include <stdexcept>
+#include <utility>
 
 namespace vdbtools {
 namespace {
 
-/// A cell, and what it failed of.
+constexpr const char* kCellSize = "256x256";
+constexpr const char* kPreview = "preview";
+constexpr const char* kMesh = "mesh";
+/// Under these, the PNG of a finished cell holds what its caption and SheetCell::finer say.
+constexpr const char* kFinerCaption = "finer-caption";
+constexpr const char* kFiner = "finer";
+
+/// A cell, what it failed of, and its picture.
 struct PlannedCell {
   SheetCell cell;
-  std::exception_ptr failure;
+  std::exception_ptr failure{};
+  std::string png{};
+};
+
+/// How the cells are shown.
+struct CellView {
+  FieldPicture field;
+  std::optional<ViewOptions> mesh;  ///< the meshes are shown instead
+
+  int width() const { return field.render.width; }
+  int height() const { return field.render.height; }
 };
 
 struct Plan {
   Sheet sheet;  ///< without its cells
   std::vector<PlannedCell> cells;
-  FieldPicture picture;
+  CellView view;
 };
 
 /// Runs the work on a cell. What goes wrong with its options, its set and its files is the cell's failure; other errors
@@ -52,31 +79,65 @@ void guarded(PlannedCell& planned, const Work& work) {
   }
 }
 
-/// As many columns as rows or a few more, so that few places stay empty; a few cells stand in one row.
-int columnsFor(int cells) {
-  constexpr int kOneRow = 5, kMore = 2;
-  if (cells <= kOneRow) return cells;
-  const int square = static_cast<int>(std::ceil(std::sqrt(cells)));
-  const auto empty = [&](int columns) { return (columns - cells % columns) % columns; };
-  int best = square;
-  for (int columns = square + 1; columns <= square + kMore; ++columns)
-    if (empty(columns) < empty(best)) best = columns;
+/// A page is at most so many times wider than high, or higher than wide, wherever its cells can be laid out otherwise.
+constexpr std::int64_t kLongestPage = 3;
+
+/// Of pages as wide as high those columns, or a few more, that leave the fewest places empty.
+int columnsFor(int cells, int width, int height) {
+  constexpr int kMore = 2;
+  const auto rowsOf = [&](int columns) { return (cells + columns - 1) / columns; };
+  const auto empty = [&](int columns) { return rowsOf(columns) * columns - cells; };
+  const double square = std::ceil(std::sqrt(static_cast<double>(cells) * height / width));
+  int best = static_cast<int>(std::clamp(square, 1.0, static_cast<double>(cells)));
+  for (int columns = best + 1, most = std::min(best + kMore, cells); columns <= most; ++columns)
+    if (empty(columns) < empty(best) &&
+        std::int64_t{columns} * width <= kLongestPage * rowsOf(columns) * std::int64_t{height})
+      best = columns;
   return best;
 }
 
-void layOut(const SheetOptions& options, Sheet& sheet) {
+/// How many rows of the page each value of the first of two varied options takes.
+int rowsOfEach(const Sheet& sheet) {
+  if (sheet.varied.size() == 1) return 1;
+  const auto count = static_cast<int>(sheet.varied[1].values.size());
+  return (count + sheet.columns - 1) / sheet.columns;
+}
+
+/// Where a cell stands on the page, row by row.
+int placeOf(const Sheet& sheet, int cell) {
+  if (sheet.varied.size() == 1) return cell;
+  const auto count = static_cast<int>(sheet.varied[1].values.size());
+  // Several values of the first option may share a row, or one of them fill several.
+  return sheet.columns >= count ? cell : cell / count * rowsOfEach(sheet) * sheet.columns + cell % count;
+}
+
+/// Two options: each value of the first has a row and each of the second a column, unless that were a strip. Where it
+/// were too wide, each value of the first has several rows; where it were too high, several of them share a row.
+void layOutPairs(int first, int second, int width, int height, Sheet& sheet) {
+  const auto isStrip = [&](std::int64_t one, int size, std::int64_t other, int otherSize) {
+    return one * size > kLongestPage * other * otherSize;
+  };
+  const auto ceiling = [](int count, int parts) { return (count + parts - 1) / parts; };
+  int folds = 1, groups = 1;
+  while (ceiling(second, folds) > 1 && isStrip(ceiling(second, folds), width, std::int64_t{first} * folds, height))
+    ++folds;
+  while (groups < first && isStrip(ceiling(first, groups), height, std::int64_t{groups} * second, width)) ++groups;
+  if (folds > 1) groups = 1;
+  sheet.columns = groups * ceiling(second, folds);
+  sheet.rows = ceiling(first, groups) * ceiling(second, ceiling(second, folds));
+}
+
+/// @param width, height  of a cell's picture, pixels
+void layOut(const SheetOptions& options, int width, int height, Sheet& sheet) {
   const std::vector<VariedOption>& varied = options.varied;
   const auto count = [&](std::size_t i) { return static_cast<int>(varied[i].values.size()); };
-  if (varied.size() == 1) {
-    sheet.columns = std::min(options.columns.value_or(columnsFor(count(0))), count(0));
-    sheet.rows = (count(0) + sheet.columns - 1) / sheet.columns;
-    return;
-  }
-  if (options.columns)
+  if (options.columns && varied.size() != 1)
     throw std::invalid_argument("--columns is " + std::to_string(*options.columns) +
                                 "; it goes with one varied option only, for the values of the second are the columns");
-  sheet.rows = count(0);
-  sheet.columns = count(1);
+  if (varied.size() == 2 && count(0) > 1 && count(1) > 1) return layOutPairs(count(0), count(1), width, height, sheet);
+  const int cells = varied.size() == 1 ? count(0) : count(0) * count(1);
+  sheet.columns = std::min(options.columns.value_or(columnsFor(cells, width, height)), cells);
+  sheet.rows = (cells + sheet.columns - 1) / sheet.columns;
 }
 
 void requireVaried(const SheetOptions& options) {
@@ -117,13 +178,35 @@ Recipe cellRecipe(const SheetOptions& options, const Recipe& varied, const Optio
   return completeRecipe(overridden(options.base, given, table), table);
 }
 
+CellView parseView(const Recipe& given) {
+  const OptionTable table(sheetViewOptionSpecs());
+  const RecipeReader reader(given, table);
+  CellView view{.field = parseFieldPicture(given, table), .mesh = {}};
+  if (!reader.has(kPreview) || !reader.choice<bool>(kPreview, {{"field", false}, {kMesh, true}})) return view;
+  std::set<std::string> names;
+  for (const auto& [name, value] : given) names.insert(name);
+  RequiredEffects effects(table, std::move(names));
+  effects.add({completeRecipe(given, table), {}});
+  effects.require();
+  view.mesh = parseViewOptions(reader);
+  requireMeshView(*view.mesh);
+  return view;
+}
+
+/// What is recorded of a view, and what finished cells are found by: pictures of the field have no name for that.
+Recipe recordedView(Recipe given, const CellView& view) {
+  if (!view.mesh) given.erase(kPreview);
+  const std::vector<OptionSpec> specs = view.mesh ? viewOptionSpecs(kCellSize) : fieldPictureOptionSpecs(kCellSize);
+  return completeRecipe(std::move(given), OptionTable(specs));
+}
+
 Plan plan(const SheetOptions& options) {
   requireVaried(options);
-  const OptionTable fractal = fractalOptionTable(), view(sheetViewOptionSpecs());
-  Plan result{.picture = parseFieldPicture(options.view, view)};
+  const OptionTable fractal = fractalOptionTable();
+  Plan result{.sheet = {}, .cells = {}, .view = parseView(options.view)};
   result.sheet.varied = options.varied;
-  result.sheet.view = completeRecipe(options.view, view);
-  layOut(options, result.sheet);
+  result.sheet.view = recordedView(options.view, result.view);
+  layOut(options, result.view.width(), result.view.height(), result.sheet);
   FileHashes hashes;
   for (const Recipe& varied : combinations(options.varied)) {
     PlannedCell& planned = result.cells.emplace_back();
@@ -150,14 +233,43 @@ std::string captionOf(const std::string& option, const std::string& value) {
   return option + " " + (slash == std::string::npos ? value : value.substr(slash + 1));
 }
 
-std::string makePicture(SceneMaker& scenes, const SheetCell& cell, const FieldPicture& picture, Monitor& monitor) {
-  const Scene scene = scenes.make(parseFractalOptions(cell.recipe), monitor);
+/// What stands in the caption of a cell; empty where there is nothing to say.
+std::string finerCaption(const Scene& scene) {
+  if (!scene.features) return {};
+  const VoxelAdvice advice = adviseVoxels(*scene.features, scene.voxelSize);
+  if (advice.textureShare > kTextureWorthSaying)
+    return shortText(std::round(100 * advice.textureShare)) + " % finer than 2 voxels";
+  return advice.coreShare > kCoreWorthSaying ? "core thinner than 2 voxels" : "";
+}
+
+/// With what is finer than the voxels as texts in the file.
+std::string fieldPng(const Scene& scene, const FieldPicture& picture, Monitor& monitor) {
   const openvdb::BBoxd region = pictureRegion(scene);
   const FieldImage image =
       renderField(scene.source(), region, pictureOptions(scene, region, picture, FieldColour::Clay), monitor);
   if (std::all_of(image.id.begin(), image.id.end(), [](float id) { return id == 0; }))
     throw DataError("no ray of the picture meets the set: the set is empty, or out of view");
-  return encodeFieldImage(image, "png");
+  std::string png = encodeFieldImage(image, "png");
+  for (const auto& [key, text] :
+       {std::pair(kFiner, finerThanVoxelsText(scene)), std::pair(kFinerCaption, finerCaption(scene))})
+    if (!text.empty()) png = withPngText(png, key, text);
+  return png;
+}
+
+/// Tells that so many meshes like this one take long, if they do.
+void tellLongWork(const Scene& scene, std::size_t meshes, const LongWork& longWork, Monitor& monitor) {
+  if (!longWork.tell) return;
+  // The slowest maps need that long for a node, seconds.
+  constexpr double kSlowest = 2e-5, kNodesOfBlock = 512, kHour = 3600;
+  const double count = static_cast<double>(meshes);
+  const double nodes = kNodesOfBlock * static_cast<double>(planScene(scene).blocks->activeVoxelCount());
+  if (count * nodes * kSlowest < longWork.seconds) return;
+  const double seconds =
+      count * estimatedMeshSeconds(scene, monitor) / static_cast<double>(tbb::this_task_arena::max_concurrency());
+  if (seconds < longWork.seconds) return;
+  longWork.tell("the meshes of " + std::to_string(meshes) + (meshes == 1 ? " cell" : " cells") + " will take some " +
+                shortText(seconds / kHour) + " hours at this resolution, by a small part of the first; a lower " +
+                "--resolution takes less, and --preview field does without meshes");
 }
 
 /// The finished cells of this sheet and of others.
@@ -202,7 +314,21 @@ std::vector<Recipe> cellRecipes(const SheetOptions& options) {
   return recipes;
 }
 
-std::vector<OptionSpec> sheetViewOptionSpecs() { return fieldPictureOptionSpecs("256x256"); }
+std::vector<OptionSpec> sheetViewOptionSpecs() {
+  std::vector<OptionSpec> specs = viewOptionSpecs(kCellSize);
+  specs.push_back({.name = kPreview,
+                   .argument = "field|mesh",
+                   .help = "what a cell shows: the set itself, finer than any voxels, or the mesh that 'fractal' makes "
+                           "of the cell",
+                   .defaultNote = "field"});
+  for (OptionSpec& spec : fieldViewOptionSpecs()) {
+    spec.idle = [](const OptionRun& run) {
+      return run.text(kPreview) == kMesh ? "it is for pictures of the field, and --preview is mesh; leave it out" : "";
+    };
+    specs.push_back(std::move(spec));
+  }
+  return specs;
+}
 
 InputFiles inputsOf(const SheetOptions& options) {
   requireVaried(options);
@@ -223,45 +349,76 @@ Sheet planSheet(const SheetOptions& options) {
   return std::move(planned.sheet);
 }
 
-SheetPage makeSheet(const SheetOptions& options, const std::filesystem::path& folder, Monitor& monitor) {
+SheetPage makeSheet(const SheetOptions& options, const std::filesystem::path& folder, Monitor& monitor,
+                    const LongWork& longWork) {
   Plan planned = plan(options);
   SheetPage page{.sheet = std::move(planned.sheet)};
-  ContactSheet drawing({.rows = page.sheet.rows,
-                        .columns = page.sheet.columns,
-                        .cellWidth = planned.picture.render.width,
-                        .cellHeight = planned.picture.render.height,
-                        .captionLines = static_cast<int>(options.varied.size())});
+  const CellView& view = planned.view;
+  const auto makePage = [&](bool saysFiner) {
+    return ContactSheet({.rows = page.sheet.rows,
+                         .columns = page.sheet.columns,
+                         .cellWidth = view.width(),
+                         .cellHeight = view.height(),
+                         .captionLines = static_cast<int>(options.varied.size()) + (saysFiner ? 1 : 0)});
+  };
+  // A page that cannot be made is refused before the work.
+  makePage(!view.mesh);
+  ContactSheet single({.cellWidth = view.width(), .cellHeight = view.height()});
   const CellFolder finished(folder);
   SceneMaker scenes;
-  for (std::size_t i = 0; i < planned.cells.size(); ++i) {
-    PlannedCell& cell = planned.cells[i];
-    const int place = static_cast<int>(i);
-    const std::string name = fileNameOf(cell.cell, page.sheet.view);
-    if (!cell.failure && drawing.setPicture(place, finished.find(name))) {
+  std::vector<PlannedCell*> missing;
+  for (PlannedCell& cell : planned.cells) {
+    // Machines with other memory are to make the same meshes of the recipe.
+    if (view.mesh && !cell.failure && hasAutomaticResolution(cell.cell.recipe))
+      guarded(cell, [&] {
+        Recipe& recipe = cell.cell.recipe;
+        recipe = resolvedRecipe(scenes.make(parseFractalOptions(recipe), monitor), recipe);
+      });
+    if (cell.failure) continue;
+    cell.png = finished.find(fileNameOf(cell.cell, page.sheet.view));
+    if (single.setPicture(0, cell.png)) {
       ++page.kept;
-      continue;
+    } else {
+      cell.png.clear();
+      missing.push_back(&cell);
     }
+  }
+  bool isTold = !view.mesh;
+  for (PlannedCell* const each : missing) {
+    PlannedCell& cell = *each;
     guarded(cell, [&] {
-      if (cell.failure) std::rethrow_exception(cell.failure);
-      NumberedMonitor numbered(monitor, "cell", i + 1, planned.cells.size());
-      const std::string png = makePicture(scenes, cell.cell, planned.picture, numbered);
+      const auto number = static_cast<std::size_t>(each - planned.cells.data()) + 1;
+      NumberedMonitor numbered(monitor, "cell", number, planned.cells.size());
+      const Scene scene = scenes.make(parseFractalOptions(cell.cell.recipe), numbered);
+      if (!isTold) tellLongWork(scene, missing.size(), longWork, numbered);
+      isTold = true;
+      std::string png = view.mesh ? encodeImage(meshPicture(scene, *view.mesh, numbered), "png")
+                                  : fieldPng(scene, view.field, numbered);
       monitor.throwIfCancelled();
-      finished.add(name, png);
-      drawing.setPicture(place, png);
+      finished.add(fileNameOf(cell.cell, page.sheet.view), png);
+      cell.png = std::move(png);
     });
-    if (cell.failure) drawing.setMessage(place, cell.cell.error);
   }
   const auto failed = [](const PlannedCell& cell) { return cell.failure != nullptr; };
   if (std::all_of(planned.cells.begin(), planned.cells.end(), failed))
     std::rethrow_exception(planned.cells.front().failure);
 
+  const auto isFiner = [](const PlannedCell& cell) { return !pngText(cell.png, kFinerCaption).empty(); };
+  ContactSheet drawing = makePage(std::any_of(planned.cells.begin(), planned.cells.end(), isFiner));
   for (std::size_t i = 0; i < planned.cells.size(); ++i) {
-    SheetCell& cell = planned.cells[i].cell;
+    PlannedCell& cell = planned.cells[i];
+    const int number = static_cast<int>(i) + 1, place = placeOf(page.sheet, static_cast<int>(i));
+    if (cell.failure)
+      drawing.setMessage(place, cell.cell.error);
+    else
+      drawing.setPicture(place, cell.png);
+    cell.cell.finer = pngText(cell.png, kFiner);
     std::vector<std::string> caption;
     for (const VariedOption& option : page.sheet.varied)
-      caption.push_back(captionOf(option.name, cell.varied.at(option.name)));
-    drawing.setCaption(static_cast<int>(i), static_cast<int>(i) + 1, caption);
-    page.sheet.cells.push_back(std::move(cell));
+      caption.push_back(captionOf(option.name, cell.cell.varied.at(option.name)));
+    if (isFiner(cell)) caption.push_back(pngText(cell.png, kFinerCaption));
+    drawing.setCaption(place, number, caption);
+    page.sheet.cells.push_back(std::move(cell.cell));
   }
   page.picture = drawing.encode("png");
   return page;

@@ -5,6 +5,7 @@
 #include "picture/embedded_fonts.h"
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/memory.h"
 #include "vdbtools/files/file_bytes.h"
 
 #include <cairo-ft.h>
@@ -177,6 +178,10 @@ Canvas::Canvas(CanvasKind kind, int width, int height, const Colour& background)
     mState->surface.reset(cairo_svg_surface_create_for_stream(append, &mState->svg, width, height));
     cairo_svg_surface_set_document_unit(mState->surface.get(), CAIRO_SVG_UNIT_PX);
   } else {
+    // Codes of Cairo, and then colours as floats and codes for the file.
+    constexpr double kBytesOfPixel = 19;
+    requireMemory(kBytesOfPixel * width * height, MemoryUse::Picture,
+                  "a page of " + std::to_string(width) + " x " + std::to_string(height) + " pixels");
     mState->surface.reset(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height));
   }
   require(cairo_surface_status(mState->surface.get()));

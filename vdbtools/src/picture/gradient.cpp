@@ -2,10 +2,14 @@
 #include "vdbtools/picture/gradient.h"
 
 #include "base/srgb.h"
+#include "vdbtools/base/near_words.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cstdint>
 #include <stdexcept>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
 namespace vdbtools {
@@ -45,6 +49,24 @@ Gradient::Gradient(std::vector<Stop> stops) : mStops(std::move(stops)) {
   if (mStops.empty()) throw std::invalid_argument("a gradient has no colour; give it one or more");
 }
 
+std::optional<Gradient> Gradient::ofCodes(const std::string& list) {
+  constexpr std::size_t kDigits = 6;
+  constexpr int kHexadecimal = 16;
+  NamedGradient codes{"", {}};
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const std::size_t end = std::min(list.find(',', begin), list.size());
+    std::string_view code = std::string_view(list).substr(begin, end - begin);
+    if (code.starts_with('#')) code.remove_prefix(1);
+    std::uint32_t value = 0;
+    const auto [rest, error] = std::from_chars(code.data(), code.data() + code.size(), value, kHexadecimal);
+    if (code.size() != kDigits || error != std::errc() || rest != code.data() + code.size()) return std::nullopt;
+    codes.stops.push_back(value);
+    begin = end + 1;
+  }
+  if (codes.stops.size() < 2) return std::nullopt;
+  return Gradient(stopsOf(codes));
+}
+
 std::optional<Gradient> Gradient::named(const std::string& name) {
   for (const NamedGradient& gradient : namedGradients())
     if (name == gradient.name) return Gradient(stopsOf(gradient));
@@ -68,6 +90,12 @@ std::string gradientNames() {
   for (const NamedGradient& gradient : namedGradients())
     names += (names.empty() ? "" : ", ") + std::string(gradient.name);
   return names;
+}
+
+std::string gradientMeant(const std::string& name) {
+  std::vector<std::string> names;
+  for (const NamedGradient& gradient : namedGradients()) names.emplace_back(gradient.name);
+  return didYouMean(name, names);
 }
 
 }  // namespace vdbtools

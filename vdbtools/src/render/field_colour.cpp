@@ -7,6 +7,8 @@
 #include "render/neighbourhood.h"
 #include "render/view.h"
 
+#include "vdbtools/base/near_words.h"
+#include "vdbtools/base/number_text.h"
 #include "vdbtools/files/file_bytes.h"
 
 #include <algorithm>
@@ -69,23 +71,38 @@ Gradient rowOf(const std::filesystem::path& path) {
 
 }  // namespace
 
+std::vector<double> colourNumbers(const FieldColouring& colouring, const julia::FieldEvaluator& evaluator,
+                                  std::span<const julia::Point> points, std::span<const double> iterations) {
+  switch (colouring.by) {
+    case FieldColour::Iterations: return {iterations.begin(), iterations.end()};
+    case FieldColour::Trap: return trapRadii(evaluator, points);
+    case FieldColour::Depth:
+      if (!colouring.depth) throw std::logic_error("colours by depth need the target's distances");
+      return depthsOf(*colouring.depth, points);
+    case FieldColour::Clay:
+    case FieldColour::Direction:
+    case FieldColour::Versor: break;
+  }
+  return {};
+}
+
 std::vector<Vec3d> fieldColours(const FieldColouring& colouring, const julia::FieldEvaluator& evaluator,
                                 const ColourContext& context, std::span<const julia::Point> points,
                                 std::span<const double> iterations) {
   std::vector<Vec3d> result(points.size(), kClay);
-  const auto through = [&](std::span<const double> numbers, double low, double high) {
+  const auto through = [&](const GradientRange& usual) {
+    const std::vector<double> numbers = colourNumbers(colouring, evaluator, points, iterations);
+    const auto [low, high] = colouring.range.value_or(usual);
     for (std::size_t i = 0; i < result.size(); ++i)
       result[i] = colouring.gradient.at((numbers[i] - low) / (high - low));
   };
   switch (colouring.by) {
     case FieldColour::Clay: break;
-    case FieldColour::Iterations: through(iterations, 0, context.maxIterations); break;
-    case FieldColour::Trap: through(trapRadii(evaluator, points), 0, 1); break;
-    case FieldColour::Depth: {
-      if (!colouring.depth) throw std::logic_error("colours by depth need the target's distances");
-      through(depthsOf(*colouring.depth, points), colouring.depth->low, colouring.depth->high);
+    case FieldColour::Iterations: through({0, static_cast<double>(context.maxIterations)}); break;
+    case FieldColour::Trap: through({0, 1}); break;
+    case FieldColour::Depth:
+      through(colouring.depth ? GradientRange{colouring.depth->low, colouring.depth->high} : GradientRange());
       break;
-    }
     case FieldColour::Direction:
     case FieldColour::Versor: {
       const std::vector<julia::Quaternion<double>> versors = versorsOf(evaluator, points);
@@ -134,45 +151,88 @@ std::vector<double> meanIterations(const julia::FieldEvaluator& evaluator, std::
 
 OptionSpec colourOptionSpec() {
   return {.name = "colour",
-          .argument = "WHAT[:GRADIENT]",
+          .argument = "WHAT[:GRADIENT][:LOW:HIGH]",
           .help =
               "colours, in pictures of the set and as Cd in files: direction (of the first step, as RGB), versor, "
               "clay, or trap, iterations or depth through a gradient: one of " +
-              gradientNames() + ", or the first row of a picture. gradient:NAME is trap:NAME",
+              gradientNames() +
+              ", a list of colours (000000,ff8800,ffffff), or the first row of a picture. The gradient runs from LOW "
+              "to HIGH, or over the numbers that occur. gradient:NAME is trap:NAME",
           .defaultNote = "direction; contact sheets: clay",
           .hash = "colour-sha256"};
 }
 
-std::optional<ColourChoice> parseColour(const RecipeReader& reader) {
-  if (!reader.has("colour")) return std::nullopt;
-  static const std::map<std::string, FieldColour> kKinds = {
+namespace {
+
+const std::map<std::string, FieldColour>& colourKinds() {
+  static const std::map<std::string, FieldColour> kinds = {
       {"direction", FieldColour::Direction}, {"versor", FieldColour::Versor}, {"clay", FieldColour::Clay},
       {"trap", FieldColour::Trap},           {"depth", FieldColour::Depth},   {"iterations", FieldColour::Iterations},
       {"gradient", FieldColour::Trap}};
-  const std::string text = reader.text("colour");
-  const std::size_t colon = text.find(':');
-  const std::string name = text.substr(0, colon);
-  const auto kind = kKinds.find(name);
-  if (kind == kKinds.end() || (name == "gradient" && colon == std::string::npos))
+  return kinds;
+}
+
+/// Takes LOW:HIGH, if it is there, from the end of what stands behind the kind.
+std::optional<GradientRange> takeRange(const RecipeReader& reader, std::vector<std::string>& parts) {
+  const auto numberAt = [&](std::size_t back) {
+    return parts.size() >= back ? numberFromText(parts[parts.size() - back]) : std::nullopt;
+  };
+  const std::optional<double> low = numberAt(2), high = numberAt(1);
+  // Six digits may be a colour.
+  const bool isCode = parts.size() == 1 && parts[0].size() == 6;
+  if (!high) {
+    if (low) reader.refuse("colour", "with two numbers at its end, LOW:HIGH, such as trap:inferno:0.1:0.9");
+    return std::nullopt;
+  }
+  if (!low && isCode) return std::nullopt;
+  if (!low) reader.refuse("colour", "with two numbers at its end, LOW:HIGH, such as trap:inferno:0.1:0.9");
+  if (!std::isfinite(*low) || !std::isfinite(*high) || !(*low < *high) || !std::isfinite(*high - *low))
+    reader.refuse("colour", "with a range LOW:HIGH from a lower to a higher number, such as trap:inferno:0.1:0.9");
+  parts.resize(parts.size() - 2);
+  return GradientRange{*low, *high};
+}
+
+}  // namespace
+
+std::optional<ColourChoice> parseColour(const RecipeReader& reader) {
+  if (!reader.has("colour")) return std::nullopt;
+  std::vector<std::string> parts = split(reader.text("colour"), ':');
+  const std::string name = parts.front();
+  parts.erase(parts.begin());
+  const auto kind = colourKinds().find(name);
+  if (kind == colourKinds().end() || (name == "gradient" && parts.empty())) {
+    std::vector<std::string> names;
+    for (const auto& [each, unused] : colourKinds()) names.push_back(each);
     reader.refuse("colour",
-                  "direction, versor, clay, or trap, iterations or depth, behind which :GRADIENT may stand, such as "
-                  "trap:magma");
+                  "direction, versor, clay, or trap, iterations or depth, behind which :GRADIENT and :LOW:HIGH may "
+                  "stand, such as trap:magma or trap:magma:0.1:0.9" +
+                      (kind == colourKinds().end() ? didYouMean(name, names) : ""));
+  }
   ColourChoice choice{.by = kind->second};
-  if (colon == std::string::npos) return choice;
+  if (parts.empty()) return choice;
   if (choice.by == FieldColour::Direction || choice.by == FieldColour::Versor || choice.by == FieldColour::Clay)
     reader.refuse("colour", "'" + name + "' without a gradient, as it has colours of its own");
-  choice.gradient = text.substr(colon + 1);
-  if (Gradient::named(choice.gradient)) return choice;
+  choice.range = takeRange(reader, parts);
+  if (parts.empty()) return choice;
+  // The name of a file may hold colons.
+  for (const std::string& part : parts) choice.gradient += (&part == &parts.front() ? "" : ":") + part;
+  if (Gradient::named(choice.gradient) || Gradient::ofCodes(choice.gradient)) return choice;
   if (lowerExtension(choice.gradient).empty())
-    reader.refuse("colour", "'" + name + ":' and one of " + gradientNames() + ", or the name of a picture");
+    reader.refuse("colour", "'" + name + ":' and one of " + gradientNames() +
+                                ", a list of two colours or more such as 000000,ff8800,ffffff, or the name of a "
+                                "picture" +
+                                gradientMeant(choice.gradient));
   choice.picture = reader.file("colour", choice.gradient);
   return choice;
 }
 
 FieldColouring colouringOf(const ColourChoice& choice) {
   FieldColouring colouring(choice.by);
+  colouring.range = choice.range;
   if (choice.picture)
     colouring.gradient = rowOf(choice.picture->path);
+  else if (const std::optional<Gradient> own = Gradient::ofCodes(choice.gradient))
+    colouring.gradient = *own;
   else if (!choice.gradient.empty())
     colouring.gradient = Gradient::named(choice.gradient).value();
   return colouring;

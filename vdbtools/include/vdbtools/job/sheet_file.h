@@ -17,6 +17,7 @@ struct SheetCell {
   Recipe varied;      ///< the varied options alone
   Recipe recipe;      ///< complete, with the hashes of its files where these could be read
   std::string error;  ///< why there is no picture; empty: there is one
+  std::string finer;  ///< what the picture shows and the voxels of the recipe do not; empty: little or nothing
 };
 
 struct Sheet {

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file sheet_job.h
 /// Contact sheets: the fractals of one option's values, or of all pairs of two options' values, as small pictures on
-/// one page. Each cell is what the field renderer (vdbtools/render/field_render.h) makes of the cell's recipe.
+/// one page. Each cell is what the field renderer (vdbtools/render/field_render.h) makes of the cell's recipe or, with
+/// `--preview mesh`, what `render` shows of the mesh that `fractal` makes of it.
+///
+/// The field is finer than any voxels. A cell of it says where much of what it shows is finer than the voxels of its
+/// recipe (vdbtools/job/voxel_advice.h).
 ///
 /// A finished cell is a PNG in a folder of its own, under a name that is a hash of everything that it depends on: the
 /// complete recipe with the hashes of its files, the view, and the program's version. The next sheet that has the same
@@ -15,6 +19,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,15 +28,17 @@ namespace vdbtools {
 
 inline constexpr std::size_t kMostSheetCells = 400;
 
-/// The options of the cells' pictures: those of vdbtools/render/view_options.h, with the size of a cell for --size.
+/// The options of the cells' pictures: --preview, and those of vdbtools/render/view_options.h, with the size of a cell
+/// for --size.
 std::vector<OptionSpec> sheetViewOptionSpecs();
 
 struct SheetOptions {
-  std::vector<VariedOption> varied;  ///< one, whose cells fill row after row; or two, the rows and the columns
-  std::optional<int> columns;        ///< of a sheet that varies one option; none: about as many as rows
-  Recipe base;   ///< what the cells have in common; where a varied option says otherwise, that holds
-  Recipe given;  ///< of these, what was asked for as firmly as what is varied
-  Recipe view;   ///< by sheetViewOptionSpecs(), not completed
+  /// One, whose cells fill row after row; or two, the rows and the columns, as far as that makes no strip.
+  std::vector<VariedOption> varied;
+  std::optional<int> columns;  ///< of a sheet that varies one option; none: the page is about square
+  Recipe base;                 ///< what the cells have in common; where a varied option says otherwise, that holds
+  Recipe given;                ///< of these, what was asked for as firmly as what is varied
+  Recipe view;                 ///< by sheetViewOptionSpecs(), not completed
 };
 
 /// The files that the cells name, as far as their options can be read.
@@ -46,6 +53,12 @@ std::vector<Recipe> cellRecipes(const SheetOptions& options);
 /// @throw std::invalid_argument  none or too many varied options, one that is given too, too many cells, a bad view
 Sheet planSheet(const SheetOptions& options);
 
+/// Who is told, before the first mesh is made, that all of them will take long.
+struct LongWork {
+  double seconds = 3600;                                 ///< from here on it is long
+  std::function<void(const std::string& words)> tell{};  ///< not set: nobody
+};
+
 struct SheetPage {
   Sheet sheet;           ///< with the errors of all cells that failed
   std::string picture;   ///< the page, as a PNG
@@ -59,6 +72,8 @@ struct SheetPage {
 ///                                                             cells failed
 /// @throw CreateError, IoError   the folder cannot be written
 /// @throw Interrupted            the cells that were finished are in the folder
-SheetPage makeSheet(const SheetOptions& options, const std::filesystem::path& folder, Monitor& monitor);
+/// @throw MemoryError            the page, or a cell's mesh, will not fit
+SheetPage makeSheet(const SheetOptions& options, const std::filesystem::path& folder, Monitor& monitor,
+                    const LongWork& longWork = {});
 
 }  // namespace vdbtools

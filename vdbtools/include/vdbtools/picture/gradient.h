@@ -25,6 +25,10 @@ class Gradient {
   /// At equal distances, the first for 0 and the last for 1. @throw std::invalid_argument  there is none
   explicit Gradient(std::vector<Stop> stops);
 
+  /// Of two or more colours as "000000,ff8800,ffffff": red, green and blue in hexadecimal, with or without a # before
+  /// each. None if the text is no such list.
+  static std::optional<Gradient> ofCodes(const std::string& list);
+
   /// By one of gradientNames(); none if there is no such name.
   static std::optional<Gradient> named(const std::string& name);
 
@@ -38,5 +42,7 @@ class Gradient {
 
 /// "viridis, magma, ...".
 std::string gradientNames();
+/// "; did you mean 'inferno'?", or nothing.
+std::string gradientMeant(const std::string& name);
 
 }  // namespace vdbtools

@@ -35,12 +35,21 @@ struct DepthColouring {
   double low = -1, high = 1;  ///< the distances that get the two ends of the gradient, low < high
 };
 
+/// The numbers that get the two ends of a gradient: low < high.
+struct GradientRange {
+  double low = 0, high = 1;
+
+  bool operator==(const GradientRange&) const = default;
+};
+
 struct FieldColouring {
   FieldColouring(FieldColour what = FieldColour::Direction) : by(what) {}
 
   FieldColour by;
   Gradient gradient{};                    ///< of Iterations, Trap and Depth
   std::optional<DepthColouring> depth{};  ///< of Depth, which needs it
+  /// Of the gradient. None: 0 to 1 for Trap, 0 to the largest number of steps for Iterations, and that of @a depth.
+  std::optional<GradientRange> range{};
 };
 
 /// The evaluator's: what its answers mean.
@@ -54,6 +63,10 @@ struct ColourContext {
 std::vector<openvdb::Vec3d> fieldColours(const FieldColouring& colouring, const julia::FieldEvaluator& evaluator,
                                          const ColourContext& context, std::span<const julia::Point> points,
                                          std::span<const double> iterations);
+
+/// The numbers of Iterations, Trap and Depth, which go through the gradient; none of the others.
+std::vector<double> colourNumbers(const FieldColouring& colouring, const julia::FieldEvaluator& evaluator,
+                                  std::span<const julia::Point> points, std::span<const double> iterations);
 
 /// The directions of the first step from points of fractal space, as FieldColour::Direction has them.
 std::vector<openvdb::Vec3s> firstDirections(const julia::FieldEvaluator& evaluator, julia::DropAxis dropAxis,
@@ -70,8 +83,9 @@ std::vector<double> meanIterations(const julia::FieldEvaluator& evaluator, std::
 /// What --colour says, before anything is read.
 struct ColourChoice {
   FieldColour by = FieldColour::Direction;
-  std::string gradient{};              ///< its name; empty: the usual one
-  std::optional<NamedFile> picture{};  ///< whose first row is the gradient instead
+  std::string gradient{};                ///< its name, or a list of colours; empty: the usual one
+  std::optional<NamedFile> picture{};    ///< whose first row is the gradient instead
+  std::optional<GradientRange> range{};  ///< none: that of the numbers that occur
 };
 
 /// --colour; it has no default.
@@ -79,7 +93,8 @@ OptionSpec colourOptionSpec();
 /// @throw std::invalid_argument naming the option and the value
 std::optional<ColourChoice> parseColour(const RecipeReader& reader);
 
-/// The choice without what the target adds. The first row of a picture runs from 0 at its left to 1 at its right.
+/// The choice without what the target and the set add. The first row of a picture runs from 0 at its left to 1 at its
+/// right.
 /// @throw MissingInputError, DataError, IoError  of the picture
 FieldColouring colouringOf(const ColourChoice& choice);
 

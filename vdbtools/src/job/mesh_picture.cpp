@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "job/mesh_picture.h"
+
+#include "mesh/format_readers.h"
+#include "vdbtools/job/file_axes.h"
+#include "vdbtools/job/fractal_files.h"
+#include "vdbtools/job/fractal_job.h"
+#include "vdbtools/mesh/mesh_sink.h"
+#include "vdbtools/render/mesh_preview.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <ctime>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+namespace vdbtools {
+namespace {
+
+using openvdb::Coord;
+using openvdb::CoordBBox;
+
+constexpr int kBlock = 8;  // nodes along each axis
+
+/// The mesh as it comes back from a PLY: the file turns it, rounds its places and its colours, and welds nothing.
+Mesh meshOfFile(const Scene& scene, Monitor& monitor) {
+  requireMemoryForMesh(scene);
+  const FieldPlan plan = planScene(scene);
+  Mesh mesh;
+  std::vector<float> values;
+  MeshCollector collector(mesh, &values);
+  runFractal(scene, plan, false, &collector, monitor);
+  MeshWriteOptions options = meshWriteOptions(MeshFormat::Ply, scene.options.output, {});
+  options.voxelSize = scene.voxelSize;
+  options.box = meshBox(plan);
+  std::ostringstream file;
+  writeMesh(file, mesh, options, values);
+  mesh = {};
+  values = {};
+  return readPly("mesh.ply", file.view());
+}
+
+/// Takes a mesh and forgets it.
+class NoMesh final : public MeshSink {
+ public:
+  void addPoints(const PointBatch&) override {}
+  void addTriangles(std::span<const openvdb::Vec3I>, std::uint64_t) override {}
+};
+
+/// Passes nothing on but the wish to stop.
+class QuietMonitor final : public Monitor {
+ public:
+  explicit QuietMonitor(const Monitor& monitor) : mMonitor(monitor) {}
+  bool cancelled() const override { return mMonitor.cancelled(); }
+
+ private:
+  const Monitor& mMonitor;
+};
+
+/// Of all threads of the process.
+double cpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+}  // namespace
+
+void requireMeshView(const ViewOptions& view) {
+  if (view.up) throw std::invalid_argument("--up X,Y,Z can be used with --preview field only; give y or z");
+}
+
+Image meshPicture(const Scene& scene, const ViewOptions& view, Monitor& monitor) {
+  requireMeshView(view);
+  const UpAxis up = view.upAxis.value_or(scene.options.output.axes.ofMesh(MeshFormat::Ply));
+  const PreviewOptions picture{
+      .width = view.width, .height = view.height, .samples = view.samples, .view = view.angles, .up = up};
+  return renderMeshPreview(meshOfFile(scene, monitor), {.picture = picture}, monitor);
+}
+
+double estimatedMeshSeconds(const Scene& scene, Monitor& monitor) {
+  constexpr int kSamples = 8, kAround = 2;  // blocks of the plan, and the blocks around each that are made with it
+  const FieldPlan plan = planScene(scene);
+  const std::uint64_t blocks = plan.blocks->activeVoxelCount();
+  QuietMonitor quiet(monitor);
+  double seconds = 0;
+  std::uint64_t made = 0, index = 0;
+  const std::uint64_t step = std::max<std::uint64_t>(1, blocks / kSamples);
+  // The active values come in an order of their own, in which neighbours are near each other.
+  for (auto block = plan.blocks->cbeginValueOn(); block; ++block) {
+    const std::uint64_t first = index, count = block.getVoxelCount();
+    index += count;
+    // The next multiple of the step, within this value.
+    if ((first + step - 1) / step * step >= index) continue;
+    monitor.throwIfCancelled();
+    const Coord at = block.getCoord();
+    const auto nodeOf = [&](int away, int within) {
+      return Coord((at[0] + away) * kBlock + within, (at[1] + away) * kBlock + within,
+                   (at[2] + away) * kBlock + within);
+    };
+    CoordBBox nodes(nodeOf(-kAround, 0), nodeOf(kAround, kBlock - 1));
+    nodes.intersect(plan.window);
+    const FieldPlan part = planScene(scene, nodes);
+    made += part.blocks->activeVoxelCount();
+    NoMesh none;
+    const double start = cpuSeconds();
+    try {
+      streamMesh(part, scene.source(), {.tolerance = scene.options.surface.tolerance, .border = Border::Open}, none,
+                 quiet);
+    } catch (const DataError&) {
+      // Nothing but crumbs there, which takes time too.
+    }
+    seconds += cpuSeconds() - start;
+  }
+  return made == 0 ? 0 : seconds * static_cast<double>(blocks) / static_cast<double>(made);
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file mesh_picture.h
+/// What the mesh of a scene looks like, without a file between the two.
+#pragma once
+
+#include "vdbtools/job/scene.h"
+#include "vdbtools/picture/image.h"
+#include "vdbtools/render/view_options.h"
+
+namespace vdbtools {
+
+/// The picture that `render` makes of the PLY that `fractal` makes of this scene.
+/// @throw std::invalid_argument  a view that meshes do not have
+/// @throw DataError              there is no surface, or none but that of crumbs
+/// @throw MemoryError            the mesh will not fit
+/// @throw Interrupted
+Image meshPicture(const Scene& scene, const ViewOptions& view, Monitor& monitor);
+
+/// A view that pictures of meshes have, too. @throw std::invalid_argument
+void requireMeshView(const ViewOptions& view);
+
+/// What the field and the mesh of a scene will take, about: CPU seconds of all threads. Makes a small part of it.
+double estimatedMeshSeconds(const Scene& scene, Monitor& monitor);
+
+}  // namespace vdbtools
