@@ -73,7 +73,7 @@ Image meshPicture(const Scene& scene, const ViewOptions& view, Monitor& monitor)
   const UpAxis up = view.upAxis.value_or(scene.options.output.axes.ofMesh(MeshFormat::Ply));
   const PreviewOptions picture{
       .width = view.width, .height = view.height, .samples = view.samples, .view = view.angles, .up = up};
-  return renderMeshPreview(meshOfFile(scene, monitor), {.picture = picture}, monitor);
+  return renderMeshPreview(meshOfFile(scene, monitor), {.picture = picture}, monitor).beauty;
 }
 
 double estimatedMeshSeconds(const Scene& scene, Monitor& monitor) {
