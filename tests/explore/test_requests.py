@@ -89,6 +89,18 @@ class Page(harness.CliTest):
         x, y, z = exponent["dims"]
         self.assertEqual(len(volume), 2 * x * y * z)
         self.assertEqual(page.get("volume/" + "0" * 32)[0], 404)
+        # A smaller one for a small picture: the same scene but for its volume.
+        status, small = page.post("scene", {"recipe": page.recipe(detail="0.3"), "side": 16})
+        self.assertEqual(status, 200, small)
+        self.assertLessEqual(max(small["exponent"]["dims"]), 16)
+        self.assertLess(max(small["exponent"]["dims"]), max(exponent["dims"]))
+        x, y, z = small["exponent"]["dims"]
+        self.assertEqual(len(page.get("volume/" + small["exponent"]["id"])[1]), 2 * x * y * z)
+        for entry in scene.keys() - {"exponent"}:
+            self.assertEqual(small[entry], scene[entry], entry)
+        for side in (15, 257, -1, 2.5, "64", 10 ** 30, True):
+            status, answer = page.post("scene", {"recipe": page.recipe(), "side": side})
+            self.assertEqual((status, answer["error"]), (400, "'side' must be a whole number of nodes from 16 to 256"), side)
 
     def test_a_scene_does_not_depend_on_those_before_it(self):
         self.write("m.obj", harness.obj(harness.snowman()))

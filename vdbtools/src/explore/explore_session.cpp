@@ -57,6 +57,17 @@ bool flagOf(const json& object, const char* name) {
   return entry->get<bool>();
 }
 
+/// The most nodes of a scene's volume along an axis: a small picture needs fewer than a large one.
+SceneDataOptions volumeOf(const json& object) {
+  SceneDataOptions options;
+  const auto entry = object.find("side");
+  if (entry == object.end() || entry->is_null()) return options;
+  if (!entry->is_number_unsigned() || *entry < 16 || *entry > options.side)
+    throw std::invalid_argument("'side' must be a whole number of nodes from 16 to 256");
+  options.side = entry->get<int>();
+  return options;
+}
+
 /// A number, or a list of them, as the text of an option.
 std::string numberText(const json& value, const std::string& name) {
   if (value.is_string()) return value.get<std::string>();
@@ -243,8 +254,9 @@ json ExploreSession::start() {
 
 json ExploreSession::scene(const json& body, Monitor& monitor) {
   const auto turn = flagOf(body, "wait") ? SceneStore::Turn::Waits : SceneStore::Turn::Latest;
+  const SceneDataOptions volume = volumeOf(body);
   const std::shared_ptr<KeptScene> kept = sceneOf(lookOf(body), turn, monitor);
-  SceneData data = sceneData(kept->scene(), {}, monitor);
+  SceneData data = sceneData(kept->scene(), volume, monitor);
   if (data.volume.empty()) return std::move(data.description);
   const std::string id = data.description.at("exponent").at("id").get<std::string>();
   const std::lock_guard lock(mMutex);

@@ -8,9 +8,9 @@
 ///
 ///     GET    page/NAME   a file of the page; the address itself is page/index.html
 ///     GET    start       what the page needs to know at first: options, maps, textures, the target, the first recipe
-///     POST   scene       {recipe, wait}: the scene's data (explore/scene_data.h). One scene is made at a time; a
-///     request
-///                        that still waits when a later one comes is answered 409, unless it has "wait": true
+///     POST   scene       {recipe, wait, side}: the scene's data (explore/scene_data.h), with at most `side` nodes along
+///                        an axis of its volume. One scene is made at a time; a request that still waits when a later
+///                        one comes is answered 409, unless it has "wait": true
 ///     GET    volume/ID   the exponent of one of the latest scenes, by the ID in its data
 ///     GET    target      the target's surface: the numbers of points and triangles (32 bits each), three floats for
 ///     each
