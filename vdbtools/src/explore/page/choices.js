@@ -5,7 +5,7 @@ import { CHOICES, EVERYTHING, recipeKey } from "./variations.js";
 import { button, element } from "./widgets.js";
 
 const KEPT_PAGES = 12, MOST_COMPARED = 4;
-const OWNER = "choices";
+const CHOICES_OWNER = "choices";
 const MOST_SIDE = 1200;  // pixels of a picture
 
 // page: {store, stage, variations, kept, sceneFor(recipe, side, signal), scene(), shotOf(scene, state), say(text, isError)}
@@ -61,7 +61,7 @@ export class Choices {
     if (this.isOpen) this.leave();
     one.at = 0;
     one.element = element("div", { class: `choices-grid ${one.isComparison ? `compared of-${one.looks.length}` : ""}`, role: "group", "aria-label": one.title });
-    one.cells = one.looks.map((look) => this.cellOf(look, one));
+    one.cells = one.looks.map((look, i) => this.cellOf(look, one, i));
     one.element.append(...one.cells.map((cell) => cell.element));
     this.pages.push(one);
     if (this.pages.length > KEPT_PAGES) this.pages.shift();
@@ -98,7 +98,7 @@ export class Choices {
   leave() {
     ++this.run;
     this.asking?.abort();
-    this.page.stage.dropSmalls(OWNER);
+    this.page.stage.dropSmalls(CHOICES_OWNER);
   }
 
   close() {
@@ -114,12 +114,14 @@ export class Choices {
 
   // ---- a look ----
 
-  cellOf({ label, recipe }, one) {
+  cellOf({ label, recipe }, one, i) {
     const cell = { label, recipe, isDone: false, isMarked: false };
     cell.canvas = element("canvas", { width: 1, height: 1, "aria-hidden": "true" });
     cell.picture = button("", () => this.use(cell), { class: "choice-picture", "aria-label": `Use ${label}`, title: `${label}: use this look (Enter)` });
     cell.error = element("span", { class: "choice-error", role: "status", hidden: true });
-    cell.picture.append(cell.canvas, element("span", { class: "choice-label" }, label), cell.error);
+    // All that a neighbour has of its own would hide the picture: it is shown where somebody points.
+    const short = one.name === EVERYTHING && !one.isComparison ? element("span", { class: "choice-label short" }, String(i + 1)) : null;
+    cell.picture.append(cell.canvas, ...(short ? [short] : []), element("span", { class: `choice-label ${short ? "long" : ""}` }, label), cell.error);
     cell.keep = button("Keep", () => this.keep(cell, one), { "aria-pressed": "false", "aria-label": `Keep ${label}`, title: "K" });
     cell.mark = button("Compare", () => this.markToCompare(cell), { "aria-pressed": "false", "aria-label": `Compare ${label}`, title: "C" });
     cell.again = button("Vary", () => this.varyAgain(cell), { "aria-label": `Vary ${label}`, title: "V" });
@@ -224,7 +226,7 @@ export class Choices {
         const { canvas } = cell, shrink = Math.min(ratio, MOST_SIDE / Math.max(1, canvas.clientWidth, canvas.clientHeight));
         const width = Math.max(16, Math.round(canvas.clientWidth * shrink)), height = Math.max(16, Math.round(canvas.clientHeight * shrink));
         const shot = page.shotOf(scene, { ...one.state, recipe: cell.recipe });
-        const made = await page.stage.drawSmall(shot, width, height, { owner: OWNER, isFiner: true });
+        const made = await page.stage.drawSmall(shot, width, height, { owner: CHOICES_OWNER, isFiner: true });
         if (!made || mine !== this.run) return;
         Object.assign(canvas, { width, height });
         canvas.getContext("2d").putImageData(made.image, 0, 0);

@@ -261,7 +261,9 @@ export function makeControls(page) {
     }));
     const part = group("Scale and place of the texture",
       when(isRandomVersor, number("versor-roots", "Roots", { min: 1, max: 60, step: 1 }), powers("Least power", 0), powers("Greatest power", 1),
-        flag("versor-integer", "Whole powers"), chosen("versor-placement", "Placed", ["box", "inside", "surface", "cluster"])),
+        flag("versor-integer", "Whole powers"), chosen("versor-placement", "Placed", ["box", "inside", "surface", "cluster"]),
+        when((recipe) => recipe["versor-placement"] === "surface", line("versor-distance", "How far from it")),
+        when((recipe) => recipe["versor-placement"] === "cluster", line("versor-centre", "Centre of the cluster"), line("versor-radius", "Its radius"))),
       ...rootPlaces());
     updates.push((state) => { part.hidden = !options.has("versor", state.recipe); });
     return part;

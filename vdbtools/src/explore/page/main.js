@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page of `juliavdb explore`, and the one that it exports: puts the parts together.
-import { attachCamera, viewAround } from "./camera.js";
+import { attachCamera, turnedView, viewAround } from "./camera.js";
 import { colourOf, makeControls, Options } from "./controls.js";
 import { Choices } from "./choices.js";
 import { makeFiles } from "./files.js";
 import { KeptLooks } from "./kept.js";
+import { KeyStrip } from "./keys.js";
 import { cameraFrame, clipPlace, GRADIENTS, Renderer } from "./renderer.js";
 import { bytesOfBase64, liveValues, makeScene } from "./scene.js";
 import { server } from "./server.js";
@@ -18,6 +19,8 @@ import { button, element } from "./widgets.js";
 
 const WHOLE = 256;  // nodes along an axis
 const SCENES_KEPT = 40, VOLUMES_KEPT = 5, WAIT = 150;  // milliseconds after the last movement of a slider
+
+const TURN = 12000;  // milliseconds of a turn
 
 const EXACT_BEGUN = "The exact picture is being made.";
 const EXACT_SHOWN = "This is the exact picture. Any change goes back to the live one.";
@@ -73,7 +76,7 @@ function buildPage(parts) {
     element("div", { class: "toolbar", role: "toolbar", "aria-label": "Page" }, element("h1", {}, parts.title), ...parts.tools),
     element("div", { class: "stage" },
       element("div", { class: "views" }, element("div", { class: "view" }, parts.canvas, parts.exact), parts.targetBox),
-      element("div", { class: "line" }, parts.status, parts.progress), parts.strip, parts.choices),
+      element("div", { class: "line" }, parts.status, parts.progress), parts.strip, ...parts.keys ? [parts.keys] : [], parts.choices),
     element("div", { class: "panel" }, ...parts.panel));
 }
 
@@ -131,6 +134,7 @@ async function run() {
   page.variations = new Variations(page);
   page.kept = new KeptLooks(page);
   const choices = page.choices = new Choices(page);
+  page.keys = isExported ? null : new KeyStrip(page);
 
   // ---- scenes ----
 
@@ -227,6 +231,31 @@ async function run() {
   const reset = () => {
     if (scene) store.change((state) => { state.view = { ...viewAround(scene.frame, {}, stage.aspect), of: scene.map }; });
   };
+  // A turn about what the camera looks at, until somebody does something else.
+  let turning = 0;
+  const turntable = button("Turntable", () => {
+    if (turning) return stopTurning();
+    turntable.setAttribute("aria-pressed", "true");
+    let before = performance.now();
+    const step = (now) => {
+      turning = requestAnimationFrame(step);
+      if (stage.isDrawing || !store.state.view) return;
+      const view = turnedView(store.state.view, Math.min(500, Math.max(0, now - before)) / TURN * 360, 0);
+      before = now;
+      isTurn = true;
+      store.change((state) => { state.view = view; }, true);
+      isTurn = false;
+    };
+    turning = requestAnimationFrame(step);
+  }, { "aria-pressed": "false" });
+  let isTurn = false;
+  const stopTurning = () => {
+    if (!turning) return;
+    cancelAnimationFrame(turning);
+    turning = 0;
+    turntable.setAttribute("aria-pressed", "false");
+    store.change(() => {});
+  };
   const frameButton = button("Whole set", reset, { title: "Home" });
   const savePicture = button("Save picture", () => {
     const image = stage.image();
@@ -242,9 +271,9 @@ async function run() {
   page.isBusy = () => Boolean(asking) || Boolean(exposing) || choices.isWorking;
   const thumbnails = page.tiles && start.target ? new Thumbnails(page, page.tiles) : null;
   const parts = {
-    canvas, exact, targetBox, status, progress, strip: strip.element, choices: choices.element,
+    canvas, exact, targetBox, status, progress, strip: strip.element, keys: page.keys?.element ?? null, choices: choices.element,
     title: isExported ? "A look of JuliaVDB" : start.target?.name ?? "JuliaVDB",
-    tools: [undo, redo, frameButton, savePicture, ...(isExported ? [] : [exactButton, ...(start.target ? [compare] : [])])],
+    tools: [undo, redo, frameButton, turntable, savePicture, ...(isExported ? [] : [exactButton, ...(start.target ? [compare] : [])])],
     panel: files ? [controls.element, files.element] : [exportNote(scene, start), controls.element],
   };
   buildPage(parts);
@@ -262,6 +291,7 @@ async function run() {
   }
 
   store.listen((state, isMoving) => {
+    if (turning && !isTurn) return stopTurning();  // which tells it again
     choices.close();
     hideExact();
     controls.update(state);
@@ -316,7 +346,7 @@ async function run() {
   thumbnails?.make();
   // For tests, and for scripts in the browser's console.
   window.explore = {
-    store, stage, renderer, choices, scene: () => scene,
+    store, stage, renderer, choices, keys: page.keys, scene: () => scene,
     isBusy: () => Boolean(asking) || scenes.key(store.state.recipe) !== shownOf && !isExported,
     settled: () => stage.settled(),
     // A picture apart from that on the page, without the camera of the state: linear colours and coverage.

@@ -38,5 +38,6 @@ export const server = {
     method: "POST", headers: { "Content-Type": "application/octet-stream" }, body: bytes,
   })).json(),
   command: async (body) => (await (await post("command", body)).json()).command,
+  sequence: async (body) => (await post("sequence", body)).json(),
   exported: async (recipe, look) => (await post("export", { recipe, look })).blob(),
 };

@@ -41,6 +41,8 @@ export class Stage {
     this.waiting = [];
   }
 
+  // Whether what moves is not yet to be seen.
+  get isDrawing() { return this.isDirty || Boolean(this.coarse); }
   get aspect() { return this.canvas.width / this.canvas.height; }
 
   // Takes the size of the element on the page.

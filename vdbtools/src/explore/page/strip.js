@@ -16,8 +16,12 @@ export function makeStrip(page) {
     picture.getContext("2d").putImageData(image, 0, 0);
     kept.add({ label: nameOf(store.state.recipe), state: store.state }, picture);
   }, { "aria-pressed": "false" });
+  const keys = page.keys ? button("Key frames", () => {
+    page.keys.toggle();
+    keys.setAttribute("aria-pressed", String(!page.keys.element.hidden));
+  }, { "aria-pressed": "false" }) : null;
   const whole = element("section", { class: "strip", "aria-label": "Other looks" },
-    element("div", { class: "buttons" }, select, make, again, keep), kept.element);
+    element("div", { class: "buttons" }, select, make, again, keep, keys), kept.element);
 
   function nameOf(recipe) {
     const names = Object.entries(recipe).filter(([name, value]) => name !== "input" && value !== page.first.recipe[name]);

@@ -4,7 +4,7 @@ import { viewAround } from "./camera.js";
 import { chooseTexture } from "./controls.js";
 import { usualLook } from "./store.js";
 
-const OWNER = "thumbnails", RANK = 9;
+const THUMBNAILS_OWNER = "thumbnails", RANK = 9;
 const NODES = 64, SIDE = 80;  // of the exponent, and pixels of the page
 const PATIENCE_EACH = 8000;   // milliseconds; where a scene takes longer, the pictures stay those of another target
 const REST = 300;
@@ -20,7 +20,7 @@ export class Thumbnails {
   // Whoever asks for something else is not to wait for a thumbnail.
   giveWay() {
     this.asking?.abort();
-    this.page.stage.dropSmalls(OWNER);
+    this.page.stage.dropSmalls(THUMBNAILS_OWNER);
   }
 
   async make() {
@@ -39,7 +39,7 @@ export class Thumbnails {
         if (signal.aborted) continue;
         const side = Math.max(16, Math.round(SIDE * Math.min(2, window.devicePixelRatio || 1)));
         const shot = page.shotOf(scene, { recipe, view: viewAround(scene.frame), look: usualLook() });
-        const made = await page.stage.drawSmall(shot, side, side, { owner: OWNER, rank: RANK });
+        const made = await page.stage.drawSmall(shot, side, side, { owner: THUMBNAILS_OWNER, rank: RANK });
         if (!made) continue;
         const canvas = document.createElement("canvas");
         Object.assign(canvas, { width: side, height: side });
