@@ -338,6 +338,7 @@ class Browser(browser.BrowserTest):
 
     def test_looks_are_compared(self):
         self.open_page()
+        self.size(1280, 800, 0.1)
         self.settle()
         self.show_sixteen("Detail")
         looks, small = self.looks(), self.boxes(".choice-picture")
@@ -350,6 +351,12 @@ class Browser(browser.BrowserTest):
             self.wait_for_looks()
             self.assertEqual([recipe for _, recipe, _ in self.looks()], [now if i is None else looks[i][1] for i in shown])
             self.assertGreater(self.boxes(".choice-picture")[0][2], 1.9 * (small[0][2] - small[0][0]))
+            # Also where the pictures are narrow nothing is lost at their sides, where the background is grey.
+            sides = self.run_script("""
+                return explore.choices.top.cells.map(({ canvas }) => [0, canvas.width - 1].map((x) =>
+                  [...canvas.getContext("2d").getImageData(x, 0, 1, canvas.height).data]).flat());""")
+            for pixels in sides:
+                self.assertLessEqual(max(max(pixels[at:at + 3]) - min(pixels[at:at + 3]) for at in range(0, len(pixels), 4)), 8)
             if marked == (2,):
                 self.choice(1, "Keep").click()
             self.button("Back").click()

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sixteen looks over the stage, to choose from: each can be used, kept, compared with others, or varied again. Every
 // such page of looks stays as it is, so that going back shows it again at once.
-import { CHOICES, EVERYTHING, recipeKey } from "./variations.js";
+import { nearerView } from "./camera.js";
+import { EVERYTHING, recipeKey } from "./variations.js";
 import { button, element } from "./widgets.js";
 
 const KEPT_PAGES = 12, MOST_COMPARED = 4;
@@ -225,7 +226,9 @@ export class Choices {
         next = sceneOf(cells[i + 1]);
         const { canvas } = cell, shrink = Math.min(ratio, MOST_SIDE / Math.max(1, canvas.clientWidth, canvas.clientHeight));
         const width = Math.max(16, Math.round(canvas.clientWidth * shrink)), height = Math.max(16, Math.round(canvas.clientHeight * shrink));
-        const shot = page.shotOf(scene, { ...one.state, recipe: cell.recipe });
+        // A narrow picture is seen from farther away: nothing at the sides is lost.
+        const shot = page.shotOf(scene, { ...one.state, recipe: cell.recipe }), aspect = Math.min(1, page.stage.aspect);
+        if (width / height < aspect) shot.view = nearerView(shot.view, aspect * height / width);
         const made = await page.stage.drawSmall(shot, width, height, { owner: CHOICES_OWNER, isFiner: true });
         if (!made || mine !== this.run) return;
         Object.assign(canvas, { width, height });
