@@ -124,8 +124,8 @@ class Browser(browser.BrowserTest):
         self.wait_until(lambda: self.find("img.exact").is_displayed(), "the exact picture")
         exact = self.fetched(self.find("img.exact").get_attribute("src"))
         self.button("Copy command").click()
-        self.wait_until(lambda: self.find("textarea").is_displayed(), "the command")
-        words = shlex.split(self.find("textarea").get_property("value"))
+        self.wait_until(lambda: self.find(".files textarea").is_displayed(), "the command")
+        words = shlex.split(self.find(".files textarea").get_property("value"))
         self.assertEqual(words[:2], ["juliavdb", "fractal"])
         self.ok(*words[1:])
         made = words[words.index("-o") + 1]
@@ -325,8 +325,8 @@ class Browser(browser.BrowserTest):
         self.assertEqual(self.state()["recipe"], looks[3][1])
         self.settle()
         self.button("Copy command").click()
-        self.wait_until(lambda: self.find("textarea").is_displayed(), "the command")
-        words = shlex.split(self.find("textarea").get_property("value"))
+        self.wait_until(lambda: self.find(".files textarea").is_displayed(), "the command")
+        words = shlex.split(self.find(".files textarea").get_property("value"))
         made = words[words.index("-o") + 1]
         self.ok(*words[1:])
         status, job = self.page.post("make", {"recipe": looks[3][1], "name": "kept", "formats": ["vdb"], "resolution": "30"})
