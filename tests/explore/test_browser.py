@@ -244,6 +244,16 @@ class Browser(browser.BrowserTest):
         buttons, (finder,) = self.boxes(".strip button"), self.boxes(".finder input")
         self.assertLessEqual(finder[1] - max(bottom for _, _, _, bottom in buttons), 24)
         self.assertLessEqual(self.run_script("return document.documentElement.scrollWidth"), 390)
+        # The picture stays in sight over the controls, and leaves them half of the screen, also with the key frames open.
+        self.button("Key frames").click()
+        self.run_script("document.querySelector('.finder').scrollIntoView(); scrollBy(0, -document.querySelector('.views').clientHeight)")
+        (picture,), (finder,) = self.boxes("#picture"), self.boxes(".finder input")
+        self.assertAlmostEqual(picture[1], 0, delta=1)
+        self.assertLessEqual(picture[3], 844 / 2)
+        self.assertGreaterEqual(finder[1], picture[3] - 1)
+        self.assertLessEqual(finder[3], 844 / 2 + 40)
+        self.run_script("scrollTo(0, 0)")
+        self.button("Key frames").click()
         self.size(1280, 800, 0.1)
         # What is below the picture has something in every part of its width.
         parts, (strip,) = self.boxes(".strip .buttons, .strip .kept"), self.boxes(".strip")
