@@ -124,8 +124,8 @@ class Browser(browser.BrowserTest):
         self.wait_until(lambda: self.find("img.exact").is_displayed(), "the exact picture")
         exact = self.fetched(self.find("img.exact").get_attribute("src"))
         self.button("Copy command").click()
-        self.wait_until(lambda: self.find("textarea").is_displayed(), "the command")
-        words = shlex.split(self.find("textarea").get_property("value"))
+        self.wait_until(lambda: self.find(".files textarea").is_displayed(), "the command")
+        words = shlex.split(self.find(".files textarea").get_property("value"))
         self.assertEqual(words[:2], ["juliavdb", "fractal"])
         self.ok(*words[1:])
         made = words[words.index("-o") + 1]
@@ -160,23 +160,398 @@ class Browser(browser.BrowserTest):
         self.assertEqual(self.state()["look"], state["look"])
         self.assertEqual(self.errors(), [])
 
+    # ---------------------------------------------------------------------------------------------- sixteen looks
+
+    def size(self, width, height, scale=None):
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+            "width": width, "height": height, "deviceScaleFactor": scale or self.SCALE, "mobile": False})
+
+    def show_sixteen(self, what):
+        self.run_script("""const select = document.querySelector(".strip select");
+            select.value = [...select.options].find((one) => one.text === arguments[0]).value;""", what)
+        self.button("Show sixteen").click()
+        self.wait_for_looks()
+
+    def wait_for_looks(self):
+        self.wait_until(lambda: not self.run_script("return explore.choices.isWorking"), "the looks")
+        self.assertEqual(self.run_script("return [...document.querySelectorAll('.choice-error')].map((one) => one.textContent).join('')"), "")
+
+    def looks(self):
+        """Of the page of looks that is shown: what they are called, their recipes and their pictures."""
+        return self.run_script("return explore.choices.top.cells.map((one) => [one.label, one.recipe, one.canvas.toDataURL()])")
+
+    def choice(self, i, text=None):
+        """The picture of a look, or another button of it."""
+        buttons = self.finds(".choice")[i].find_elements("css selector", "button")
+        return buttons[0] if text is None else next(one for one in buttons if one.text == text)
+
+    def press(self, key):
+        """In what has the focus."""
+        self.run_script("document.activeElement.dispatchEvent(new KeyboardEvent('keydown', "
+                        "{key: arguments[0], bubbles: true, cancelable: true}))", key)
+
+    def is_open(self):
+        return self.find(".choices").is_displayed()
+
+    def boxes(self, selector):
+        """Left, top, right and bottom of elements, pixels of the layout."""
+        return self.run_script("return [...document.querySelectorAll(arguments[0])].map((one) => one.getBoundingClientRect())"
+                               ".map((box) => [box.left, box.top, box.right, box.bottom])", selector)
+
     def test_sixteen_looks_to_choose_from(self):
         self.open_page()
         self.settle()
         # From some iterations on nothing changes any more at this size.
-        for strip, option, least in (("Seeds", "versor-seed", 16), ("Iterations", "iterations", 5)):
-            self.run_script("""const select = document.querySelector(".strip select");
-                select.value = [...select.options].find((one) => one.text === arguments[0]).value;""", strip)
-            self.button("Show sixteen").click()
-            self.wait_until(lambda: self.find(".strip .note").text == "" and self.finds(".cell"), "the strip")
-            cells = self.finds(".cell")
-            self.assertEqual(len(cells), 16)
-            self.assertEqual(self.finds(".cell.failed"), [])
-            pictures = self.run_script("return [...document.querySelectorAll('.cell canvas')].map((one) => one.toDataURL())")
-            self.assertGreaterEqual(len(set(pictures)), least)
-            cells[4].click()
-            self.assertEqual(self.state()["recipe"][option], cells[4].text)
+        for what, option, least in (("Seeds", "versor-seed", 16), ("Iterations", "iterations", 5)):
+            self.show_sixteen(what)
+            looks = self.looks()
+            self.assertEqual(len(looks), 16)
+            self.assertGreaterEqual(len({picture for _, _, picture in looks}), least)
+            self.choice(4).click()
+            self.assertFalse(self.is_open())
+            self.assertEqual(self.state()["recipe"][option], looks[4][0])
+            self.assertEqual(self.state()["recipe"], looks[4][1])
             self.settle()
+            # A way back to the choice.
+            self.button("Back to the sixteen").click()
+            self.assertEqual(self.looks(), looks)
+            self.button("Close").click()
+        self.assertEqual(self.errors(), [])
+
+    def test_the_looks_are_large_and_on_the_stage(self):
+        self.open_page()
+        self.settle()
+        for width, height, columns, least in ((1280, 800, 4, 220), (1920, 1080, 4, 380), (390, 844, 2, 170)):
+            self.size(width, height, 0.1)
+            self.show_sixteen("Iterations")
+            pictures, (stage,) = self.boxes(".choice-picture"), self.boxes(".choices")
+            self.assertEqual(len(pictures), 16)
+            self.assertEqual(len({round(left) for left, _, _, _ in pictures}), columns)
+            self.assertEqual(len({round(top) for _, top, _, _ in pictures}), 16 // columns)
+            for left, top, right, bottom in pictures:
+                self.assertGreaterEqual(right - left, least)
+                self.assertGreaterEqual(bottom - top, 120)
+                self.assertGreaterEqual(left, stage[0])
+                self.assertLessEqual(right, stage[2])
+                self.assertGreaterEqual(top, stage[1])
+                if columns == 4:
+                    self.assertLessEqual(bottom, stage[3])
+            (controls,) = self.boxes(".panel")
+            if columns == 4:
+                self.assertLessEqual(stage[2], controls[0])
+            self.button("Close").click()
+        # On a telephone the controls follow the picture without a gap, and nothing is wider than the screen.
+        buttons, (finder,) = self.boxes(".strip button"), self.boxes(".finder input")
+        self.assertLessEqual(finder[1] - max(bottom for _, _, _, bottom in buttons), 24)
+        self.assertLessEqual(self.run_script("return document.documentElement.scrollWidth"), 390)
+        # The picture stays in sight over the controls, and leaves them half of the screen, also with the key frames open.
+        self.button("Key frames").click()
+        self.run_script("document.querySelector('.finder').scrollIntoView(); scrollBy(0, -document.querySelector('.views').clientHeight)")
+        (picture,), (finder,) = self.boxes("#picture"), self.boxes(".finder input")
+        self.assertAlmostEqual(picture[1], 0, delta=1)
+        self.assertLessEqual(picture[3], 844 / 2)
+        self.assertGreaterEqual(finder[1], picture[3] - 1)
+        self.assertLessEqual(finder[3], 844 / 2 + 40)
+        self.run_script("scrollTo(0, 0)")
+        self.button("Key frames").click()
+        self.size(1280, 800, 0.1)
+        # What is below the picture has something in every part of its width.
+        parts, (strip,) = self.boxes(".strip .buttons, .strip .kept"), self.boxes(".strip")
+        self.assertLessEqual(parts[0][0] - strip[0], 12)
+        self.assertLessEqual(parts[1][0] - parts[0][2], 12)
+        self.assertLessEqual(strip[2] - parts[1][2], 12)
+        self.assertEqual(self.errors(), [])
+
+    def test_the_looks_arrive_one_by_one(self):
+        self.open_page()
+        self.settle()
+        self.run_script("""
+            window.arrived = [];
+            new MutationObserver((changes) => {
+              const cells = [...document.querySelectorAll(".choice")];
+              arrived.push(changes.map(({ target }) => cells.indexOf(target)).filter((i) => i >= 0));
+            }).observe(document.querySelector(".choices-holder"), { subtree: true, attributeFilter: ["class"] });""")
+        self.show_sixteen("Detail")
+        self.assertEqual([some for some in self.run_script("return arrived") if some], [[i] for i in range(16)])
+
+    def test_a_look_is_varied_again_and_there_is_a_way_back(self):
+        self.open_page()
+        self.settle()
+        self.run_script("window.asked = 0; const ask = fetch; window.fetch = (...all) => { ++asked; return ask(...all); };")
+        self.show_sixteen("Detail")
+        first = self.looks()
+        pages = [first]
+        for what, option in (("Detail", "detail"), ("Outward", "outward"), ("Seeds", "versor-seed"), ("A little of everything", None)):
+            self.run_script("""const select = document.querySelector(".choices-vary select");
+                select.value = [...select.options].find((one) => one.text === arguments[0]).value;""", what)
+            chosen = pages[-1][5][1]
+            self.choice(5, "Vary").click()
+            self.wait_for_looks()
+            looks = self.looks()
+            self.assertEqual(len(looks), 16)
+            recipes = [recipe for _, recipe, _ in looks]
+            for recipe in recipes:
+                changed = {name for name in {*recipe, *chosen} if recipe.get(name) != chosen.get(name)}
+                self.assertTrue(changed)
+                # The seed alone would mean random roots.
+                self.assertLessEqual(changed, {option, "versor"} if option == "versor-seed" else {option} if option
+                                     else {"detail", "outward", "frequency", "versor-scale", "versor-translate", "slice"})
+                self.assertEqual(recipes.count(recipe), 1)
+            if what == "Detail":
+                # Nearer to the chosen one than the looks among which it was.
+                spread = lambda some: max(float(one[1]["detail"]) for one in some) - min(float(one[1]["detail"]) for one in some)  # noqa: E731
+                self.assertLess(spread(looks), spread(first))
+            pages.append(looks)
+        # The same look has the same neighbours, and they are not asked for again.
+        again = pages[-1]
+        self.button("Back").click()
+        asked = self.run_script("return asked")
+        self.choice(5, "Vary").click()
+        self.wait_for_looks()
+        self.assertEqual([recipe for _, recipe, _ in self.looks()], [recipe for _, recipe, _ in again])
+        asked = self.run_script("return asked")
+        for looks in pages[-2::-1]:
+            self.button("Back").click()
+            self.assertEqual(self.looks(), looks)
+            self.assertFalse(self.run_script("return explore.choices.isWorking"))
+        self.assertEqual(self.run_script("return asked"), asked)
+        self.assertFalse(self.button("Back").is_enabled())
+        self.assertEqual(self.errors(), [])
+
+    def test_a_look_that_is_kept_is_that_of_the_command(self):
+        self.open_page()
+        self.settle()
+        self.show_sixteen("A little of everything")
+        looks = self.looks()
+        self.choice(3, "Keep").click()
+        self.choice(7, "Keep").click()
+        self.choice(7, "Keep").click()
+        self.button("Close").click()
+        self.driver.refresh()
+        self.prepare()
+        self.settle()
+        self.assertEqual(len(self.finds(".kept-look")), 1)
+        self.find(".kept-picture").click()
+        self.assertEqual(self.state()["recipe"], looks[3][1])
+        self.settle()
+        self.button("Copy command").click()
+        self.wait_until(lambda: self.find(".files textarea").is_displayed(), "the command")
+        words = shlex.split(self.find(".files textarea").get_property("value"))
+        made = words[words.index("-o") + 1]
+        self.ok(*words[1:])
+        status, job = self.page.post("make", {"recipe": looks[3][1], "name": "kept", "formats": ["vdb"], "resolution": "30"})
+        self.assertEqual((status, self.page.wait_for(job["job"])["state"]), (200, "done"))
+        self.assertEqual(self.bytes("kept.vdb"), self.bytes(made))
+        self.find(".kept-remove").click()
+        self.assertEqual(self.finds(".kept-look"), [])
+        self.assertEqual(self.errors(), [])
+
+    def test_looks_are_compared(self):
+        self.open_page()
+        self.size(1280, 800, 0.1)
+        self.settle()
+        self.show_sixteen("Detail")
+        looks, small = self.looks(), self.boxes(".choice-picture")
+        now = self.state()["recipe"]
+        for marked, shown in (((2,), (None, 2)), ((2, 9), (2, 9)), ((0, 2, 9, 15), (0, 2, 9, 15))):
+            for i in marked:
+                if self.choice(i, "Compare").get_attribute("aria-pressed") == "false":
+                    self.choice(i, "Compare").click()
+            self.find(".choices-compare").click()
+            self.wait_for_looks()
+            self.assertEqual([recipe for _, recipe, _ in self.looks()], [now if i is None else looks[i][1] for i in shown])
+            self.assertGreater(self.boxes(".choice-picture")[0][2], 1.9 * (small[0][2] - small[0][0]))
+            # Also where the pictures are narrow nothing is lost at their sides, where the background is grey.
+            sides = self.run_script("""
+                return explore.choices.top.cells.map(({ canvas }) => [0, canvas.width - 1].map((x) =>
+                  [...canvas.getContext("2d").getImageData(x, 0, 1, canvas.height).data]).flat());""")
+            for pixels in sides:
+                self.assertLessEqual(max(max(pixels[at:at + 3]) - min(pixels[at:at + 3]) for at in range(0, len(pixels), 4)), 8)
+            if marked == (2,):
+                self.choice(1, "Keep").click()
+            self.button("Back").click()
+            self.assertEqual(self.looks(), looks)
+        self.assertEqual(self.choice(2, "Keep").get_attribute("aria-pressed"), "true")
+        self.choice(9).click()
+        self.assertEqual(self.state()["recipe"], looks[9][1])
+        self.assertEqual(self.errors(), [])
+
+    def test_the_looks_by_keys(self):
+        self.open_page()
+        self.settle()
+        self.show_sixteen("Detail")
+        looks = self.looks()
+        focused = lambda: self.run_script("return explore.choices.top.cells.findIndex((one) => one.picture === document.activeElement)")  # noqa: E731
+        self.assertEqual(focused(), 0)
+        for key, at in (("ArrowRight", 1), ("ArrowDown", 5), ("ArrowDown", 9), ("ArrowLeft", 8), ("ArrowUp", 4), ("ArrowUp", 0), ("ArrowUp", 0)):
+            self.press(key)
+            self.assertEqual(focused(), at)
+        # Tab reaches the buttons of one look only.
+        self.assertEqual(self.run_script("return document.querySelectorAll('.choice button[tabindex=\"0\"]').length"), 4)
+        self.press("ArrowRight")
+        self.press("k")
+        self.assertEqual(len(self.finds(".kept-look")), 1)
+        self.press("v")
+        self.wait_for_looks()
+        self.assertNotEqual(self.looks(), looks)
+        self.press("Backspace")
+        self.assertEqual(self.looks(), looks)
+        self.assertEqual(focused(), 1)
+        self.press("c")
+        self.assertTrue(self.find(".choices-compare").is_enabled())
+        self.press("Escape")
+        self.assertFalse(self.is_open())
+        self.assertEqual(self.run_script("return document.activeElement.textContent"), "Show sixteen")
+        # Whoever changes a control wants to see it.
+        self.button("Back to the sixteen").click()
+        self.run_script("explore.store.change((state) => { state.recipe.slice = '0.1'; })")
+        self.assertFalse(self.is_open())
+        self.assertEqual(self.errors(), [])
+
+    def test_a_look_that_cannot_be_says_so_in_its_place(self):
+        self.open_page()
+        self.settle()
+        self.page.kill()
+        self.run_script("document.querySelector('.strip select').value = 'detail'")
+        self.button("Show sixteen").click()
+        self.wait_until(lambda: not self.run_script("return explore.choices.isWorking"), "the errors")
+        errors = self.run_script("return [...document.querySelectorAll('.choice-error')].map((one) => one.textContent)")
+        # The look at hand is one of them, and is there.
+        self.assertEqual(errors.count(""), 1)
+        self.assertEqual(set(errors), {"", "The server does not answer. Is 'juliavdb explore' still running?"})
+        self.assertFalse(self.choice(0, "Keep").is_enabled())
+
+    # --------------------------------------------------------------------------------------------- turns and keys
+
+    def test_the_turntable(self):
+        self.open_page()
+        self.settle()
+        eye = lambda: self.state()["view"]["eye"]  # noqa: E731
+        first, middle, address = eye(), self.state()["view"]["lookAt"], self.run_script("return location.hash")
+        self.button("Turntable").click()
+        self.wait_until(lambda: math.dist(eye(), first) > 0.3 * math.dist(first, middle), "the turn")
+        self.assertEqual(self.run_script("return location.hash"), address)
+        self.button("Turntable").click()
+        turned = eye()
+        self.assertEqual(self.state()["view"]["lookAt"], middle)
+        self.assertAlmostEqual(turned[1], first[1], delta=1e-6)
+        self.assertAlmostEqual(math.dist(turned, middle), math.dist(first, middle), delta=1e-6)
+        self.settle()
+        self.assertEqual(eye(), turned)
+        # The whole turn is one step back.
+        self.button("Undo").click()
+        self.assertEqual(eye(), first)
+        # Whoever does something else ends it.
+        self.button("Turntable").click()
+        self.wait_until(lambda: eye() != first, "the turn")
+        self.run_script("explore.store.change((state) => { state.recipe.slice = '0.1'; })")
+        self.assertEqual(self.button("Turntable").get_attribute("aria-pressed"), "false")
+        stopped = eye()
+        self.settle()
+        self.assertEqual(eye(), stopped)
+        self.assertEqual(self.errors(), [])
+
+    def test_from_key_frames_to_a_sequence(self):
+        self.open_page()
+        self.settle()
+        self.button("Key frames").click()
+        keys = self.find(".keys")
+
+        def set_key(frame, **options):
+            number = keys.find_element("css selector", "input[aria-label='The number of the frame']")
+            self.run_script("arguments[0].value = arguments[1]; arguments[0].dispatchEvent(new Event('change'))", number, frame)
+            self.wait_until(lambda: self.run_script("return document.querySelector('.keys input[type=range]').value") == str(frame), "the frame")
+            self.run_script("explore.store.change((state) => { Object.assign(state.recipe, arguments[0]); })", options)
+            self.settle()
+            self.button("Set a key").click()
+
+        self.assertFalse(self.button("Play").is_enabled())
+        set_key(1, detail="0.2")
+        first = self.state()["recipe"]
+        set_key(3, detail="0.6")
+        self.assertEqual(len(keys.find_elements("css selector", ".key")), 2)
+        # Between them, as the program blends them.
+        self.run_script("const at = document.querySelector('.keys input[type=range]'); at.value = 2; at.dispatchEvent(new Event('change'))")
+        self.wait_until(lambda: self.state()["recipe"]["detail"] not in ("0.2", "0.6"), "the frame between")
+        self.assertEqual(float(self.state()["recipe"]["detail"]), 0.4)
+        self.settle()
+        keys.find_element("css selector", ".key").click()
+        self.wait_until(lambda: self.state()["recipe"] == first, "the key")
+        self.button("Play").click()
+        self.wait_until(lambda: self.finds(".keys") and self.button("Play").is_enabled() and self.state()["recipe"]["detail"] == "0.6", "the end")
+        self.button("Copy the command").click()
+        self.wait_until(lambda: self.find(".keys textarea").is_displayed(), "the command")
+        words = shlex.split(self.find(".keys textarea").get_property("value"))
+        self.assertEqual(words[:4], ["juliavdb", "plan", "frames", "s.obj"])
+        self.assertEqual(words[words.index("--frames") + 1], "1-3")
+        self.assertEqual([word for word in words if "@" in word], ["detail@1=0.2", "detail@3=0.6"])
+        self.assertEqual(self.find(".keys .note").get_attribute("class"), "note")
+        # What the program refuses is said beside the buttons.
+        keys.find_elements("css selector", ".kept-remove")[1].click()
+        set_key(3, detail="0.2")
+        self.button("Copy the command").click()
+        self.wait_until(lambda: "all keys have the same look" in self.find(".keys .note").text, "the refusal")
+        self.driver.get_log("browser")  # a refused request is told there
+
+    # ---------------------------------------------------------------------------------------------- the controls
+
+    def test_what_matters_first_is_first(self):
+        self.open_page()
+        self.settle()
+        labels = [one.text for one in self.finds(".control label") if one.is_displayed()]
+        self.assertEqual(labels[:5], ["Seed", "Frequency", "Detail", "Outward", "Colour"])
+        tiles = self.finds(".tile")
+        self.assertEqual(tiles[0].text, "random")
+        self.assertEqual(len(tiles), 11)
+        self.assertTrue(self.run_script("return [...document.querySelectorAll('.tile img')].every((one) => one.naturalWidth > 0)"))
+        # Another seed is another scales, not other roots.
+        self.button("next seed →").click()
+        self.assertEqual([self.state()["recipe"].get(name) for name in ("versor", "versor-seed")], ["scales", "2"])
+        # What the texture at hand cannot have does not stay behind.
+        self.run_script("explore.store.change((state) => { state.recipe.frequency = 'fine'; })")
+        tiles[0].click()
+        self.settle()
+        self.assertNotIn("error", self.find(".status").get_attribute("class"))
+        self.assertEqual(self.errors(), [])
+
+    def test_a_control_is_found_by_typing(self):
+        self.open_page()
+        self.settle()
+        shown = lambda: [one.text for one in self.finds(".controls .control label") if one.is_displayed()]  # noqa: E731
+        before, field = shown(), self.find(".finder input")
+        field.send_keys("mask")
+        self.assertIn("Mask", shown())
+        self.assertNotIn("Colour", shown())
+        self.assertLess(len(shown()), 12)
+        field.send_keys(" nosuch")
+        self.assertEqual(shown(), [])
+        self.assertEqual(self.find(".finder .note").text, "No control of this map has these words.")
+        field.send_keys("\ue00c")  # Escape
+        self.assertEqual(shown(), before)
+        # By the name of the option, in any group.
+        for option in self.run_script("return fetch('start').then((one) => one.json()).then((one) => one.options.filter((option) =>"
+                                      " option.maps.includes('shape-modulus') && option.group !== 'target').map((option) => option.name))"):
+            if option in ("alpha", "beta", "resolution", "box", "map", "versor"):
+                continue  # not with detail, elsewhere on the page, or a shelf
+            self.run_script("const field = document.querySelector('.finder input'); field.value = arguments[0]; field.dispatchEvent(new Event('input'))", option)
+            self.assertTrue(self.run_script("return [...document.querySelectorAll('.control')].some((one) => one.dataset.name === arguments[0]"
+                                            " && (!one.closest('.unfound') || one.closest('[hidden]')))", option), option)
+        self.assertEqual(self.errors(), [])
+
+    def test_the_shelf_shows_the_target(self):
+        pictures = "return [...document.querySelectorAll('.tile img')].filter((one) => one.dataset.own).map((one) => one.src)"
+        self.open_page()
+        self.wait_until(lambda: len(self.run_script(pictures)) == 11, "the pictures of the shelf")
+        first = self.run_script(pictures)
+        self.assertEqual(len(set(first)), 11)
+        self.driver.refresh()
+        self.wait_until(lambda: len(self.run_script(pictures)) == 11, "the pictures of the shelf")
+        self.assertEqual(self.run_script(pictures), first)
+        self.write("m.obj", harness.obj(harness.snowman()))
+        with Server(self.folder, "m.obj", "--sdf-resolution", "40", "--resolution", "30", "--detail", "0.4") as other:
+            self.driver.get(other.url)
+            self.wait_until(lambda: len(self.run_script(pictures)) == 11, "the pictures of the shelf")
+            self.assertEqual(set(self.run_script(pictures)) & set(first), set())
         self.assertEqual(self.errors(), [])
 
     def test_drags(self):
@@ -199,6 +574,7 @@ class Browser(browser.BrowserTest):
         self.assertAlmostEqual(distance(), far / 2, delta=0.01 * far)
         self.button("Whole set").click()
         before = eye()
+        self.run_script("for (const part of document.querySelectorAll('.group')) part.open = true;")
         self.button("Drag the origin in the picture").click()
         for kind, x in (("pointerdown", 0.5), ("pointermove", 0.55), ("pointerup", 0.55)):
             self.pointer(kind, x, 0.5)

@@ -7,6 +7,7 @@ import json
 import os
 import pathlib
 import re
+import shlex
 import struct
 import subprocess
 import time
@@ -89,6 +90,18 @@ class Page(harness.CliTest):
         x, y, z = exponent["dims"]
         self.assertEqual(len(volume), 2 * x * y * z)
         self.assertEqual(page.get("volume/" + "0" * 32)[0], 404)
+        # A smaller one for a small picture: the same scene but for its volume.
+        status, small = page.post("scene", {"recipe": page.recipe(detail="0.3"), "side": 16})
+        self.assertEqual(status, 200, small)
+        self.assertLessEqual(max(small["exponent"]["dims"]), 16)
+        self.assertLess(max(small["exponent"]["dims"]), max(exponent["dims"]))
+        x, y, z = small["exponent"]["dims"]
+        self.assertEqual(len(page.get("volume/" + small["exponent"]["id"])[1]), 2 * x * y * z)
+        for entry in scene.keys() - {"exponent"}:
+            self.assertEqual(small[entry], scene[entry], entry)
+        for side in (15, 257, -1, 2.5, "64", 10 ** 30, True):
+            status, answer = page.post("scene", {"recipe": page.recipe(), "side": side})
+            self.assertEqual((status, answer["error"]), (400, "'side' must be a whole number of nodes from 16 to 256"), side)
 
     def test_a_scene_does_not_depend_on_those_before_it(self):
         self.write("m.obj", harness.obj(harness.snowman()))
@@ -241,6 +254,56 @@ class Page(harness.CliTest):
         subprocess.run(["sh", "-c", script], cwd=self.folder, env=harness.environment({"JULIAVDB": harness.program()}),
                        check=True, stderr=subprocess.PIPE)
         self.assertEqual({name: self.path("out").joinpath(name).read_bytes() for name in made}, made)
+
+    def test_a_sequence_is_that_of_the_command_that_the_page_shows(self):
+        page = self.serve("s.obj", *QUICK)
+        keys = [{"frame": frame, "recipe": page.recipe(**options)} for frame, options in
+                ((2, {"detail": "0.2", "versor": "fur", "origin_shift": "0,0,0"}),
+                 (4, {"detail": "0.5", "versor": "fur", "versor_seed": "8", "origin_shift": "0,0.1,0"}),
+                 (5, {"detail": "0.5", "versor": "coral", "versor_seed": "8", "origin_shift": "0,0.1,0"}))]
+        for key in keys:
+            status, answer = page.post("sequence", {"keys": keys, "frame": key["frame"]})
+            self.assertEqual((status, answer["recipe"]), (200, key["recipe"]))
+        status, answer = page.post("sequence", {"keys": keys, "frame": 3, "ease": "smooth", "name": "a b"})
+        self.assertEqual((status, answer["frames"]), (200, "2-5"), answer)
+        between = answer["recipe"]
+        self.assertEqual((between["detail"], between["origin-shift"]), ("0.35", "0,0.05,0"))
+        # What cannot be between stays until the next key.
+        self.assertEqual((between["versor"], between["versor-seed"]), ("fur", "3"))
+        words = shlex.split(answer["command"])
+        self.assertEqual(words[:3], ["juliavdb", "plan", "frames"])
+        self.ok(*words[1:])
+        folder = words[words.index("-o") + 1]
+        for index, frame in enumerate((2, 3, 4, 5), 1):
+            self.ok("task", folder, "--index", index)
+            recipe = page.post("sequence", {"keys": keys, "frame": frame, "ease": "smooth"})[1]["recipe"]
+            status, job = page.post("make", {"recipe": recipe, "name": f"frame{frame}", "formats": ["vdb"]})
+            self.assertEqual((status, page.wait_for(job["job"])["state"]), (200, "done"))
+            # The files hold the same grids; their recipes name the same numbers.
+            made, planned = self.path(f"frame{frame}.vdb"), self.path(folder) / "out" / f"a b.{frame:04}.vdb"
+            self.assertEqual(made.read_bytes(), planned.read_bytes())
+
+    def test_sequences_that_cannot_be(self):
+        page = self.serve("s.obj", *QUICK)
+        a, b = page.recipe(detail="0.2", versor="fur"), page.recipe(detail="0.5", versor="fur")
+        both = [{"frame": 1, "recipe": a}, {"frame": 9, "recipe": b}]
+        for body, words in (({"keys": both[:1]}, "2 to 100 keys"), ({"keys": both * 51}, "2 to 100 keys"), ({}, "2 to 100 keys"),
+                            ({"keys": [both[0], {"frame": 1, "recipe": b}]}, "two keys"),
+                            ({"keys": [both[0], {"frame": 9, "recipe": a}]}, "all keys have the same look"),
+                            ({"keys": [both[0], {"frame": -1, "recipe": b}]}, "'frame' must be"),
+                            ({"keys": [both[0], {"frame": 100000, "recipe": b}]}, "'frame' must be"),
+                            ({"keys": [both[0], 7]}, "a key must be an object"),
+                            ({"keys": [both[0], {"frame": 9, "recipe": page.recipe(detail="7")}]}, "--detail"),
+                            ({"keys": both, "ease": "bouncy"}, "linear, smooth, step"), ({"keys": both, "name": "../x"}, "../x"),
+                            ({"keys": both, "frame": "3"}, "'frame' must be")):
+            status, answer = page.post("sequence", body)
+            self.assertEqual(status, 400, answer)
+            self.assertIn(words, answer["error"])
+        # Another file than those of the command line.
+        self.write("t.obj", harness.obj(harness.snowman()))
+        other = [both[0], {"frame": 9, "recipe": {**b, "input": "t.obj"}}]
+        self.assertEqual(page.post("sequence", {"keys": other})[0], page.post("scene", {"recipe": other[1]["recipe"]})[0])
+        self.assertNotEqual(page.post("sequence", {"keys": other})[0], 200)
 
     def test_two_jobs_one_after_the_other(self):
         page = self.serve("s.obj", *QUICK)

@@ -10,6 +10,7 @@
 #include "target/solid_input.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/explore/shell_command.h"
+#include "vdbtools/farm/frame_plan.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/job/recorded_files.h"
@@ -19,6 +20,9 @@
 #include <bit>
 #include <cstdint>
 #include <initializer_list>
+#include <iterator>
+#include <map>
+#include <set>
 #include <stdexcept>
 
 namespace vdbtools {
@@ -27,7 +31,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kMostBody = 64 << 10, kMostFile = std::size_t(256) << 20;  // bytes
-constexpr std::size_t kMostVolumes = 4, kMostEntries = 300;
+constexpr std::size_t kMostVolumes = 4, kMostEntries = 300, kMostKeys = 100;
 constexpr std::size_t kMostTargetTriangles = 100'000;
 constexpr double kMostPictureSide = 4096;  // pixels
 
@@ -55,6 +59,17 @@ bool flagOf(const json& object, const char* name) {
   if (entry == object.end() || entry->is_null()) return false;
   if (!entry->is_boolean()) throw std::invalid_argument("'" + std::string(name) + "' must be true or false");
   return entry->get<bool>();
+}
+
+/// The most nodes of a scene's volume along an axis: a small picture needs fewer than a large one.
+SceneDataOptions volumeOf(const json& object) {
+  SceneDataOptions options;
+  const auto entry = object.find("side");
+  if (entry == object.end() || entry->is_null()) return options;
+  if (!entry->is_number_unsigned() || *entry < 16 || *entry > options.side)
+    throw std::invalid_argument("'side' must be a whole number of nodes from 16 to 256");
+  options.side = entry->get<int>();
+  return options;
 }
 
 /// A number, or a list of them, as the text of an option.
@@ -121,6 +136,63 @@ FieldPicture pictureOf(const json& body) {
     given["size"] = width.dump() + 'x' + height.dump();
   }
   return parseFieldPicture(given, table);
+}
+
+int frameOf(const json& object) {
+  const auto frame = object.find("frame");
+  if (frame == object.end() || !frame->is_number_unsigned() || *frame >= kMostFrames)
+    throw std::invalid_argument("'frame' must be a whole number from 0 to " + std::to_string(kMostFrames - 1));
+  return frame->get<int>();
+}
+
+/// What all recipes of keys say alike, whether it was given or follows from the rest of them.
+Recipe sharedBy(const std::map<int, const Recipe*>& given, const std::map<int, const Recipe*>& completed) {
+  Recipe shared;
+  for (const auto& [frame, recipe] : given)
+    for (const auto& [name, value] : *recipe)
+      if (std::all_of(completed.begin(), completed.end(), [&](const auto& key) {
+            const auto entry = key.second->find(name);
+            return entry != key.second->end() && entry->second == value;
+          }))
+        shared[name] = value;
+  return shared;
+}
+
+/// Whether an option may be between the values of two keys: the seed, which is a whole number, may not.
+bool isSmooth(const KeyedOption& option, const Recipe& recipe) {
+  constexpr int kSpan = 1'000'003;  // a prime: no frame between lies at a round share
+  for (auto key = option.keys.begin(); std::next(key) != option.keys.end(); ++key) {
+    Recipe between = recipe;
+    between[option.name] = valueAt({option.name, {{0, key->second}, {kSpan, std::next(key)->second}}}, kSpan / 3);
+    try {
+      parseFractalOptions(between);
+    } catch (const std::invalid_argument&) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// An option as its keys have it: in steps where it cannot change gradually.
+KeyedOption keyedOption(const std::string& name, const std::map<int, const Recipe*>& recipes, const std::string& ease,
+                        const OptionTable& table) {
+  std::vector<std::string> keys;
+  for (const auto& [frame, recipe] : recipes) {
+    const auto entry = recipe->find(name);
+    if (entry == recipe->end())
+      throw std::invalid_argument("the look of frame " + std::to_string(frame) + " has no --" + name +
+                                  ", which those of other keys have; give it to all of them or to none");
+    keys.push_back(name + '@' + std::to_string(frame) + '=' + entry->second);
+  }
+  KeyedOption option = parseKeys(keys, {"step"}, table).front();
+  if (ease == "step") return option;
+  try {
+    option = parseKeys(keys, {ease}, table).front();
+    if (!isSmooth(option, *recipes.begin()->second)) option.ease = Ease::Step;
+  } catch (const std::invalid_argument&) {
+    if (ease != "linear" && ease != "smooth") throw;
+  }
+  return option;
 }
 
 void appendNumber(std::string& bytes, std::uint32_t number) {
@@ -243,8 +315,9 @@ json ExploreSession::start() {
 
 json ExploreSession::scene(const json& body, Monitor& monitor) {
   const auto turn = flagOf(body, "wait") ? SceneStore::Turn::Waits : SceneStore::Turn::Latest;
+  const SceneDataOptions volume = volumeOf(body);
   const std::shared_ptr<KeptScene> kept = sceneOf(lookOf(body), turn, monitor);
-  SceneData data = sceneData(kept->scene(), {}, monitor);
+  SceneData data = sceneData(kept->scene(), volume, monitor);
   if (data.volume.empty()) return std::move(data.description);
   const std::string id = data.description.at("exponent").at("id").get<std::string>();
   const std::lock_guard lock(mMutex);
@@ -360,6 +433,43 @@ json ExploreSession::command(const json& body) {
   return {{"command", commands}};
 }
 
+/// The command of a sequence between looks, and the look at one of its frames.
+json ExploreSession::sequence(const json& body) {
+  const auto keys = body.find("keys");
+  if (keys == body.end() || !keys->is_array() || keys->size() < 2 || keys->size() > kMostKeys)
+    throw std::invalid_argument("'keys' must be a list of 2 to 100 keys");
+  std::map<int, Look> looks;
+  for (const json& key : *keys) {
+    if (!key.is_object()) throw std::invalid_argument("a key must be an object");
+    if (!looks.emplace(frameOf(key), lookOf(key)).second)
+      throw std::invalid_argument("frame " + std::to_string(frameOf(key)) + " has two keys");
+  }
+  const int first = looks.begin()->first, last = looks.rbegin()->first;
+  const std::string frames = std::to_string(first) + '-' + std::to_string(last);
+  FramePlanOptions options{.frames = parseFrames(frames), .name = textOf(body, "name")};
+  if (!options.name.empty()) requireFileName(options.name);
+  std::map<int, const Recipe*> given, completed;
+  for (const auto& [frame, look] : looks) {
+    given[frame] = &look.given;
+    completed[frame] = &look.completed;
+  }
+  options.base = sharedBy(given, completed);
+  std::set<std::string> changing;
+  for (const auto& [frame, recipe] : given)
+    for (const auto& [name, value] : *recipe)
+      if (!options.base.contains(name)) changing.insert(name);
+  if (changing.empty()) throw std::invalid_argument("all keys have the same look; change it between two of them");
+  const std::string ease = textOf(body, "ease", "linear");
+  for (const std::string& name : changing) options.keys.push_back(keyedOption(name, completed, ease, mTable));
+  if (const auto resolution = body.find("resolution"); resolution != body.end() && !resolution->is_null())
+    options.base = overridden(options.base, {{"resolution", numberText(*resolution, "resolution")}}, mTable);
+  for (const auto& [frame, recipe] : given) parseFractalOptions(completeRecipe(recipeAt(options, frame), mTable));
+  const std::string folder = (options.name.empty() ? "look" : options.name) + "-frames";
+  json answer = {{"frames", frames}, {"command", framesCommand(options, frames, mTable, (mFolder / folder).string())}};
+  if (body.contains("frame")) answer["recipe"] = recipeAt(options, frameOf(body));
+  return answer;
+}
+
 std::string ExploreSession::exported(const json& body, Monitor& monitor) {
   const Look look = lookOf(body);
   const std::shared_ptr<KeptScene> kept = sceneOf(look, SceneStore::Turn::Waits, monitor);
@@ -388,6 +498,7 @@ ExploreAnswer ExploreSession::answer(const ExploreRequest& request, Monitor& mon
     if (post && path == "picture") return {200, "image/png", picture(objectOf(request.body), monitor)};
     if (post && path == "make") return jsonAnswer(make(objectOf(request.body)));
     if (post && path == "command") return jsonAnswer(command(objectOf(request.body)));
+    if (post && path == "sequence") return jsonAnswer(sequence(objectOf(request.body)));
     if (post && path == "export") return {200, "text/html; charset=utf-8", exported(objectOf(request.body), monitor)};
     throw NoSuchPath();
   } catch (const NoSuchPath& error) {

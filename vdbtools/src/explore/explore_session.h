@@ -74,6 +74,7 @@ class ExploreSession {
   json jobs();
   json recipe(const std::string& name, const std::string& bytes);
   json command(const json& body);
+  json sequence(const json& body);
   std::string exported(const json& body, Monitor& monitor);
 
   OptionTable mTable;

@@ -2,6 +2,7 @@
 #include "vdbtools/explore/shell_command.h"
 
 #include <algorithm>
+#include <set>
 
 namespace vdbtools {
 namespace {
@@ -10,6 +11,30 @@ namespace {
 bool isPlain(char c) {
   constexpr std::string_view kOthers = "%+,-./:@_";
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || kOthers.find(c) != kOthers.npos;
+}
+
+void appendOption(std::string& command, const std::string& name, const std::string& value) {
+  // A value that begins with a dash would be taken for an option.
+  command += ' ' + name + (value.starts_with('-') ? '=' : ' ') + shellWord(value);
+}
+
+/// The target, and the options that have an effect in any of the runs.
+void appendRecipe(std::string& command, const Recipe& recipe, const OptionTable& table,
+                  const std::vector<OptionRun>& runs) {
+  if (const auto input = recipe.find("input"); input != recipe.end())
+    command += ' ' + (input->second.starts_with('-') ? "--input=" : std::string()) + shellWord(input->second);
+  for (const std::string& name : table.names()) {
+    const auto entry = recipe.find(name);
+    const OptionSpec* spec = table.find(name, recipe);
+    if (name == "input" || entry == recipe.end() || !spec) continue;
+    if (std::all_of(runs.begin(), runs.end(), [&](const OptionRun& run) { return !table.idle(name, run).empty(); }))
+      continue;
+    if (!spec->argument.empty()) {
+      if (!entry->second.empty()) appendOption(command, "--" + name, entry->second);
+    } else if (entry->second == "true") {
+      command += " --" + name;
+    }
+  }
 }
 
 }  // namespace
@@ -28,27 +53,33 @@ std::string shellWord(std::string_view word) {
 
 std::string fractalCommand(const Recipe& recipe, const OptionTable& table,
                            const std::vector<std::pair<std::string, std::string>>& outputs) {
-  std::string command = "juliavdb fractal";
-  if (const auto input = recipe.find("input"); input != recipe.end())
-    command += ' ' + (input->second.starts_with('-') ? "--input=" : std::string()) + shellWord(input->second);
-  const auto option = [&](const std::string& name, const std::string& value) {
-    // A value that begins with a dash would be taken for an option.
-    command += ' ' + name + (value.starts_with('-') ? '=' : ' ') + shellWord(value);
-  };
   std::vector<std::string> files;
   for (const auto& [name, file] : outputs) files.push_back(file);
-  const OptionRun run{completeRecipe(recipe, table), productsOf(files)};
-  for (const std::string& name : table.names()) {
-    const auto entry = recipe.find(name);
-    const OptionSpec* spec = table.find(name, recipe);
-    if (name == "input" || entry == recipe.end() || !spec || !table.idle(name, run).empty()) continue;
-    if (!spec->argument.empty()) {
-      if (!entry->second.empty()) option("--" + name, entry->second);
-    } else if (entry->second == "true") {
-      command += " --" + name;
-    }
+  std::string command = "juliavdb fractal";
+  appendRecipe(command, recipe, table, {{completeRecipe(recipe, table), productsOf(files)}});
+  for (const auto& [name, file] : outputs) appendOption(command, name, file.starts_with('-') ? "./" + file : file);
+  return command;
+}
+
+std::string framesCommand(const FramePlanOptions& options, const std::string& list, const OptionTable& table,
+                          const std::string& folder) {
+  std::string command = "juliavdb plan frames";
+  const std::vector<std::string> files{"frame.vdb"};
+  std::set<int> frames;
+  for (const KeyedOption& option : options.keys)
+    for (const auto& [frame, value] : option.keys) frames.insert(frame);
+  std::vector<OptionRun> runs;
+  for (const int frame : frames) runs.push_back({completeRecipe(recipeAt(options, frame), table), productsOf(files)});
+  appendRecipe(command, options.base, table, runs);
+  appendOption(command, "--frames", list);
+  for (const KeyedOption& option : options.keys) {
+    for (const auto& [frame, value] : option.keys)
+      appendOption(command, "--key", option.name + '@' + std::to_string(frame) + '=' + value);
+    if (option.ease != Ease::Linear)
+      appendOption(command, "--ease", option.name + (option.ease == Ease::Smooth ? "=smooth" : "=step"));
   }
-  for (const auto& [name, file] : outputs) option(name, file.starts_with('-') ? "./" + file : file);
+  if (!options.name.empty()) appendOption(command, "--name", options.name);
+  appendOption(command, "-o", folder.starts_with('-') ? "./" + folder : folder);
   return command;
 }
 

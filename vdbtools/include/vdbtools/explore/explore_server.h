@@ -8,25 +8,25 @@
 ///
 ///     GET    page/NAME   a file of the page; the address itself is page/index.html
 ///     GET    start       what the page needs to know at first: options, maps, textures, the target, the first recipe
-///     POST   scene       {recipe, wait}: the scene's data (explore/scene_data.h). One scene is made at a time; a
-///     request
-///                        that still waits when a later one comes is answered 409, unless it has "wait": true
+///     POST   scene       {recipe, wait, side}: the scene's data (explore/scene_data.h), its volume with at most
+///                        `side` nodes along an axis. One scene is made at a time; a request that still waits when a
+///                        later one comes is answered 409, unless it has "wait": true
 ///     GET    volume/ID   the exponent of one of the latest scenes, by the ID in its data
-///     GET    target      the target's surface: the numbers of points and triangles (32 bits each), three floats for
-///     each
-///                        point, in shares of the longest side of the target's box, about its middle, and three 32-bit
-///                        indices for each triangle; all little-endian
-///     POST   picture     {recipe, view: {eye, lookAt, up, fov}, width, height, samples, colour}: a PNG by the renderer
-///     of
-///                        `juliavdb render --field`. A connection that is dropped cancels it
+///     GET    target      the target's surface: the numbers of points and triangles (32 bits each), three floats
+///                        for each point, in shares of the longest side of the target's box, about its middle, and
+///                        three 32-bit indices for each triangle; all little-endian
+///     POST   picture     {recipe, view: {eye, lookAt, up, fov}, width, height, samples, colour}: a PNG by the
+///                        renderer of `juliavdb render --field`. A connection that is dropped cancels it
 ///     POST   make        {recipe, name, formats, resolution, overwrite}: {job}
 ///     GET    jobs        [{job, name, state, phase, share, left, files, error, recipe}]
 ///     DELETE jobs/N      cancels a job
 ///     POST   recipe      the first bytes of a file that this program made, its name in the query "name": {recipe,
-///     note} POST   command     {recipe, name, formats, resolution}: {command}, for a POSIX shell: a line, and another
-///     one for
-///                        each mesh beyond the first POST   export
-///     {recipe, look}: the page of --export
+///                        note}
+///     POST   command     {recipe, name, formats, resolution}: {command}, for a POSIX shell: a line, and another one
+///                        for each mesh beyond the first
+///     POST   sequence    {keys: [{frame, recipe}], ease, name, resolution, frame}: {frames, command}, the command of
+///                        `juliavdb plan frames`; with a frame also its recipe. What is no number changes in steps
+///     POST   export      {recipe, look}: the page of --export
 #pragma once
 
 #include "vdbtools/base/monitor.h"

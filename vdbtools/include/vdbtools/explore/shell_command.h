@@ -3,6 +3,7 @@
 /// Recipes as commands that can be pasted into a shell.
 #pragma once
 
+#include "vdbtools/farm/frame_plan.h"
 #include "vdbtools/recipe/option_table.h"
 
 #include <string>
@@ -22,6 +23,13 @@ std::string shellWord(std::string_view word);
 /// @param outputs  options and files, such as ("-o", "look.vdb")
 std::string fractalCommand(const Recipe& recipe, const OptionTable& table,
                            const std::vector<std::pair<std::string, std::string>>& outputs);
+
+/// The command that plans a sequence: "juliavdb plan frames bunny.obj --frames 1-48 --key detail@1=0.2 ... -o look".
+/// @param options  what changes by keys, and the rest as their base
+/// @param list     the list of the frames as text, from which options.frames was read
+/// @param folder   of the plan
+std::string framesCommand(const FramePlanOptions& options, const std::string& list, const OptionTable& table,
+                          const std::string& folder);
 
 /// What of a recipe has to be given for it to be completed to the same.
 Recipe shortestRecipe(const Recipe& recipe, const OptionTable& table);

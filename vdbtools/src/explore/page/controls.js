@@ -10,6 +10,10 @@ const OWN_CONTROLS = ["map", "input", "detail", "outward", "alpha", "beta", "ori
   "versor-translate", "iterations", "slice", "c", "power", "pair", "scheme", "f", "g", "theta", "mandelbrot", "resolution", "box",
   "colour"];
 
+// The rest of the options, by the groups of the program's help.
+const OTHER_GROUPS = [["More of the map and the texture", "map"], ["Space", "space"], ["Lattice", "lattice"], ["Surface", "surface"],
+  ["Files", "output"]];
+
 // What the program says of its options. An exported page has none, and shows the options that need no server.
 export class Options {
   constructor(start) {
@@ -45,6 +49,29 @@ export function isRandomVersor(recipe) {
   return recipe.versor === "random" || (!recipe.versor && RANDOM_ROOTS.some((name) => name in recipe));
 }
 
+// Takes a texture of the shelf, or random roots, and leaves nothing that only the one before could have.
+export function chooseTexture(page, recipe, name, seed) {
+  for (const option of RANDOM_ROOTS) delete recipe[option];
+  page.options.set(recipe, "versor", name);
+  if (seed !== undefined) recipe["versor-seed"] = seed;
+  if (!followsThickness(page, recipe)) delete recipe.frequency;
+}
+
+export function variesBySeed({ options, start }, recipe) {
+  const name = recipe.versor ?? options.usual("versor", recipe);
+  return isRandomVersor(recipe) || start.textures.some((texture) => texture.varies && texture.name === name);
+}
+
+// Another seed of the same texture; of random roots where the texture has nothing random. A seed alone would mean
+// random roots.
+export function setSeed(page, recipe, seed) {
+  if (!isRandomVersor(recipe)) {
+    if (!variesBySeed(page, recipe)) return chooseTexture(page, recipe, "random", seed);
+    recipe.versor ??= page.options.usual("versor", recipe);
+  }
+  page.options.set(recipe, "versor-seed", seed);
+}
+
 // Whether the texture is one whose detail is as fine as its target is thin.
 export function followsThickness({ options, start }, recipe) {
   if (isRandomVersor(recipe)) return false;
@@ -63,7 +90,7 @@ export function makeControls(page) {
   const usualOf = (name, live) => (state) => options.usual(name, state.recipe) ?? (live && page.scene() ? String(page.scene()[live]) : fallbacks[name] ?? "");
   // A slider of an option.
   const number = (name, label, limits, live) => add(slider(store, {
-    label, help: options.help(name), ...limits, usual: usualOf(name, live), read: (state) => state.recipe[name],
+    label, name, help: options.help(name), ...limits, usual: usualOf(name, live), read: (state) => state.recipe[name],
     write: (state, value) => options.set(state.recipe, name, value),
   }));
   // The components of an option that is a list of numbers.
@@ -74,7 +101,7 @@ export function makeControls(page) {
       return labels.map((_, k) => Number.isFinite(numbers[k]) ? numbers[k] : 0);
     };
     return add(slider(store, {
-      label, help: options.help(name), ...limits, usual: (state) => String(parts(state)[i]),
+      label, name, help: options.help(name), ...limits, usual: (state) => String(parts(state)[i]),
       read: (state) => state.recipe[name] === undefined ? undefined : String(parts(state)[i]),
       write: (state, value) => {
         if (value === undefined) return options.set(state.recipe, name, undefined);
@@ -85,15 +112,15 @@ export function makeControls(page) {
     }));
   });
   const chosen = (name, label, values) => add(choice(store, {
-    label, help: options.help(name), values, usual: usualOf(name), read: (state) => state.recipe[name],
+    label, name, help: options.help(name), values, usual: usualOf(name), read: (state) => state.recipe[name],
     write: (state, value) => options.set(state.recipe, name, value === usualOf(name)(state) ? undefined : value),
   }));
   const flag = (name, label) => add(tick(store, {
-    label, help: options.help(name), usual: () => "", read: (state) => state.recipe[name],
+    label, name, help: options.help(name), usual: () => "", read: (state) => state.recipe[name],
     write: (state, value) => options.set(state.recipe, name, value),
   }));
   const line = (name, label) => add(text(store, {
-    label, help: options.help(name), usual: usualOf(name), read: (state) => state.recipe[name],
+    label, name, help: options.help(name), usual: usualOf(name), read: (state) => state.recipe[name],
     write: (state, value) => options.set(state.recipe, name, value),
   }));
   // Shown only for some recipes.
@@ -107,23 +134,29 @@ export function makeControls(page) {
 
   const all = [];
   if (!page.isExported) {
-    all.push(shapeControls());
-    all.push(textureControls());
+    if (!start.target) all.push(mapControls());
+    all.push(group("Look", ...textureControls(), ...depthControls(), ...colourControls()));
+    all.push(originControls(), rootControls());
+    if (start.target) all.push(mapControls());
+  } else {
+    const scene = page.scene();
+    all.push(group("Look", ...colourControls()));
+    if (scene.constant && scene.map !== "shape-modulus")
+      all.push(group("Map", ...vector("c", ["c 1", "c 2", "c 3", "c 4"].slice(0, scene.constant.length), { min: -1.5, max: 1.5, step: 0.005 }, "constant")));
+    if (scene.map === "mandelbulb") all.push(group("Power", number("power", "Power", { min: 1, max: 16, step: 0.25 }, "power")));
+    if (scene.factors ?? scene.waves) all.push(group("Texture", ...rootPlaces()));
+  }
+
+  function mapControls() {
     const isOpen = (one) => one.target !== "needed" || start.target;
-    all.push(group("Map", chosen("map", "Map", start.maps.filter(isOpen).map((one) => one.name)),
+    return group("Map", chosen("map", "Map", start.maps.filter(isOpen).map((one) => one.name)),
       when(isMap("cross"), chosen("pair", "Pair", ["A", "A'", "B", "C", "D", "E", "user"]), chosen("scheme", "Scheme", ["3", "4", "5"]),
         when((recipe) => recipe.pair === "user" || recipe.f || recipe.g, line("f", "f"), line("g", "g")),
         when((recipe) => recipe.scheme === "5", ...vector("c", ["c x", "c y", "c z"], { min: -2, max: 2, step: 0.01 }))),
       when(isMap("quadratic"), flag("mandelbrot", "Mandelbrot set"),
         when((recipe) => !recipe.mandelbrot, ...vector("c", ["c real", "c i", "c j", "c k"], { min: -1.5, max: 1.5, step: 0.005 }))),
       when(isMap("mandelbulb"), number("power", "Power", { min: 1, max: 16, step: 0.25 }), chosen("theta", "Second angle from", ["plane", "pole"]),
-        line("c", "Constant of a Julia set"))));
-  } else {
-    const scene = page.scene();
-    if (scene.constant && scene.map !== "shape-modulus")
-      all.push(group("Map", ...vector("c", ["c 1", "c 2", "c 3", "c 4"].slice(0, scene.constant.length), { min: -1.5, max: 1.5, step: 0.005 }, "constant")));
-    if (scene.map === "mandelbulb") all.push(group("Power", number("power", "Power", { min: 1, max: 16, step: 0.25 }, "power")));
-    if (scene.factors ?? scene.waves) all.push(group("Texture", ...rootPlaces()));
+        line("c", "Constant of a Julia set")));
   }
 
   function rootPlaces() {
@@ -131,12 +164,42 @@ export function makeControls(page) {
       ...vector("versor-translate", ["Move the roots X", "Move the roots Y", "Move the roots Z"], { min: -0.5, max: 0.5, step: 0.005 })];
   }
 
-  function shapeControls() {
-    const byAlpha = (recipe) => "alpha" in recipe || "beta" in recipe;
+  function colourControls() {
+    const byGradient = (recipe) => ["iterations", "trap", "depth"].includes(colourOf(recipe).by);
+    const setColour = (recipe, by, gradient) => {
+      const named = ["iterations", "trap", "depth"].includes(by) && gradient !== "viridis" ? `${by}:${gradient}` : by;
+      if (named === "direction") delete recipe.colour;
+      else recipe.colour = named;
+    };
+    return [add(choice(store, {
+      label: "Colour", name: "colour", help: options.help("colour"), values: start.colours ?? COLOURS, usual: () => "direction",
+      read: (state) => state.recipe.colour && colourOf(state.recipe).by,
+      write: (state, value) => setColour(state.recipe, value ?? "direction", colourOf(state.recipe).gradient),
+    })),
+    when(byGradient, add(choice(store, {
+      label: "Gradient", name: "colour", values: page.gradients, usual: () => "viridis",
+      read: (state) => colourOf(state.recipe).gradient === "viridis" ? undefined : colourOf(state.recipe).gradient,
+      write: (state, value) => setColour(state.recipe, colourOf(state.recipe).by, value ?? "viridis"),
+    })))];
+  }
+
+  function byAlpha(recipe) { return "alpha" in recipe || "beta" in recipe; }
+
+  // How deep the texture goes.
+  function depthControls() {
+    return [when(isMap("shape-modulus"),
+      when((recipe) => !byAlpha(recipe), number("detail", "Detail", { min: 0, max: 1, step: 0.01 }),
+        number("outward", "Outward", { min: 0, max: 0.5, step: 0.01 })),
+      when(byAlpha, number("alpha", "Alpha", { min: 1, max: 400, scale: "log" }), number("beta", "Beta", { min: -0.2, max: 0.2, step: 0.002 })))];
+  }
+
+  function originControls() {
     const drag = button("Drag the origin in the picture", () => page.dragOrigin(drag.getAttribute("aria-pressed") !== "true"),
       { "aria-pressed": "false", class: "wide" });
     page.onDragOrigin = (on) => drag.setAttribute("aria-pressed", String(on));
-    const part = group("Shape",
+    const part = group("Mask and origin",
+      line("mask", "Mask"),
+      ...vector("origin-shift", ["Origin X", "Origin Y", "Origin Z"], { min: -0.4, max: 0.4, step: 0.005 }), drag,
       add(choice(store, {
         label: "Depth given by", values: [{ value: "detail", text: "detail, outward" }, { value: "alpha", text: "alpha, beta" }],
         usual: () => "detail", read: (state) => byAlpha(state.recipe) ? "alpha" : undefined,
@@ -144,26 +207,21 @@ export function makeControls(page) {
           for (const name of ["detail", "outward", "alpha", "beta"]) delete state.recipe[name];
           if (value === "alpha") Object.assign(state.recipe, { alpha: "40", beta: "0" });
         },
-      })),
-      when((recipe) => !byAlpha(recipe), number("detail", "Detail", { min: 0, max: 1, step: 0.01 }),
-        number("outward", "Outward", { min: 0, max: 0.5, step: 0.01 })),
-      when(byAlpha, number("alpha", "Alpha", { min: 1, max: 400, scale: "log" }), number("beta", "Beta", { min: -0.2, max: 0.2, step: 0.002 })),
-      line("mask", "Mask"),
-      ...vector("origin-shift", ["Origin X", "Origin Y", "Origin Z"], { min: -0.4, max: 0.4, step: 0.005 }), drag);
+      })));
     updates.push((state) => { part.hidden = !isMap("shape-modulus")(state.recipe); });
     return part;
   }
 
+  // The shelf, the seed and the frequency.
   function textureControls() {
-    const choose = (name) => store.change((state) => {
-      for (const option of RANDOM_ROOTS) delete state.recipe[option];
-      options.set(state.recipe, "versor", name);
-    });
-    const tiles = [...start.textures, { name: "random", description: "Roots at random: every seed is another texture." }].map((texture) => {
+    const choose = (name) => store.change((state) => chooseTexture(page, state.recipe, name));
+    const random = { name: "random", description: "Roots at random: every seed is another texture.", thumbnail: "page/texture-random.jpg" };
+    page.tiles = new Map();
+    const tiles = [random, ...start.textures].map((texture) => {
+      const image = element("img", { src: texture.thumbnail, alt: "", width: 64, height: 64 });
+      page.tiles.set(texture.name, image);
       const tile = button("", () => choose(texture.name), { class: "tile", title: texture.description, "aria-pressed": "false" });
-      if (texture.thumbnail) tile.append(element("img", { src: texture.thumbnail, alt: "", width: 64, height: 64, loading: "lazy" }));
-      else tile.append(element("span", { class: "blank", "aria-hidden": "true" }, "?"));
-      tile.append(element("span", {}, texture.name));
+      tile.append(image, element("span", {}, texture.name));
       updates.push((state) => {
         const usual = options.usual("versor", state.recipe) ?? "scales";
         const now = isRandomVersor(state.recipe) ? "random" : state.recipe.versor ?? usual;
@@ -171,13 +229,28 @@ export function makeControls(page) {
       });
       return tile;
     });
-    const varies = (recipe) => isRandomVersor(recipe) || start.textures.some((texture) => texture.varies && texture.name === recipe.versor);
-    const follows = (recipe) => followsThickness(page, recipe);
     const seedBy = (by) => () => store.change((state) => {
-      options.set(state.recipe, "versor-seed", String(Math.max(0, Number(state.recipe["versor-seed"] ?? 1) + by)));
+      setSeed(page, state.recipe, String(Math.max(0, Number(state.recipe["versor-seed"] ?? 1) + by)));
     });
+    const seed = add(slider(store, {
+      label: "Seed", name: "versor-seed", help: options.help("versor-seed"), min: 0, max: 200, step: 1, usual: usualOf("versor-seed"),
+      read: (state) => state.recipe["versor-seed"],
+      write: (state, value) => {
+        if (value === undefined) options.set(state.recipe, "versor-seed", undefined);
+        else setSeed(page, state.recipe, value);
+      },
+    }));
+    return [when((recipe) => options.has("versor", recipe),
+      element("div", { class: "shelf", role: "group", "aria-label": "Textures" }, ...tiles),
+      when((recipe) => variesBySeed(page, recipe), seed,
+        element("div", { class: "buttons" }, button("← previous seed", seedBy(-1)), button("next seed →", seedBy(1)))),
+      when((recipe) => followsThickness(page, recipe), chosen("frequency", "Frequency", ["coarse", "medium", "fine"])))];
+  }
+
+  // What else there is to a texture.
+  function rootControls() {
     const powers = (label, i) => add(slider(store, {
-      label, help: options.help("versor-powers"), min: 1, max: 20, step: 1, usual: () => String([2, 11][i]),
+      label, name: "versor-powers", help: options.help("versor-powers"), min: 1, max: 20, step: 1, usual: () => String([2, 11][i]),
       read: (state) => state.recipe["versor-powers"]?.split(":")[i],
       write: (state, value) => {
         if (value === undefined) return options.set(state.recipe, "versor-powers", undefined);
@@ -186,12 +259,11 @@ export function makeControls(page) {
         options.set(state.recipe, "versor-powers", i === 0 ? `${range[0]}:${Math.max(...range)}` : `${Math.min(...range)}:${range[1]}`);
       },
     }));
-    const part = group("Texture", element("div", { class: "shelf", role: "group", "aria-label": "Textures" }, ...tiles),
-      when(varies, number("versor-seed", "Seed", { min: 0, max: 200, step: 1 }),
-        element("div", { class: "buttons" }, button("← previous seed", seedBy(-1)), button("next seed →", seedBy(1)))),
-      when(follows, chosen("frequency", "Frequency", ["coarse", "medium", "fine"])),
+    const part = group("Scale and place of the texture",
       when(isRandomVersor, number("versor-roots", "Roots", { min: 1, max: 60, step: 1 }), powers("Least power", 0), powers("Greatest power", 1),
-        flag("versor-integer", "Whole powers"), chosen("versor-placement", "Placed", ["box", "inside", "surface", "cluster"])),
+        flag("versor-integer", "Whole powers"), chosen("versor-placement", "Placed", ["box", "inside", "surface", "cluster"]),
+        when((recipe) => recipe["versor-placement"] === "surface", line("versor-distance", "How far from it")),
+        when((recipe) => recipe["versor-placement"] === "cluster", line("versor-centre", "Centre of the cluster"), line("versor-radius", "Its radius"))),
       ...rootPlaces());
     updates.push((state) => { part.hidden = !options.has("versor", state.recipe); });
     return part;
@@ -201,23 +273,7 @@ export function makeControls(page) {
     when((recipe) => ["shape-modulus", "rational", "quadratic"].includes(map(recipe)), number("slice", "Slice", { min: -1, max: 1, step: 0.01 }, "slice"))));
 
   const look = (name, read, write) => ({ read: (state) => read(state.look), write: (state, value) => write(state.look, value) });
-  const byGradient = (recipe) => ["iterations", "trap", "depth"].includes(colourOf(recipe).by);
-  const setColour = (recipe, by, gradient) => {
-    const text = ["iterations", "trap", "depth"].includes(by) && gradient !== "viridis" ? `${by}:${gradient}` : by;
-    if (text === "direction") delete recipe.colour;
-    else recipe.colour = text;
-  };
   all.push(group("Picture",
-    add(choice(store, {
-      label: "Colour", help: options.help("colour"), values: start.colours ?? COLOURS, usual: () => "direction",
-      read: (state) => state.recipe.colour && colourOf(state.recipe).by,
-      write: (state, value) => setColour(state.recipe, value ?? "direction", colourOf(state.recipe).gradient),
-    })),
-    when(byGradient, add(choice(store, {
-      label: "Gradient", values: page.gradients, usual: () => "viridis",
-      read: (state) => colourOf(state.recipe).gradient === "viridis" ? undefined : colourOf(state.recipe).gradient,
-      write: (state, value) => setColour(state.recipe, colourOf(state.recipe).by, value ?? "viridis"),
-    }))),
     ...[["Light from the side", 0, -180, 180], ["Light from above", 1, -90, 90]].map(([label, i, min, max]) => add(slider(store, {
       label, min, max, step: 1, help: "Degrees from the direction of the view. The exact picture has its own light.", usual: () => String(USUAL_LIGHT[i]),
       ...look("light", (it) => it.light === null ? undefined : String(it.light[i]), (it, value) => {
@@ -246,10 +302,65 @@ export function makeControls(page) {
 
   if (!page.isExported) {
     const others = options.list.filter((option) => !OWN_CONTROLS.includes(option.name) && option.group !== "target");
-    const part = group("All other options", ...others.map((option) =>
-      when((recipe) => options.has(option.name, recipe), option.argument ? line(option.name, option.name) : flag(option.name, option.name))));
-    part.open = false;
-    all.push(part);
+    for (const [title, name] of OTHER_GROUPS) {
+      const own = others.filter((option) => option.group === name);
+      if (own.length === 0) continue;
+      const part = group(title, ...own.map((option) =>
+        when((recipe) => options.has(option.name, recipe), option.argument ? line(option.name, option.name) : flag(option.name, option.name))));
+      updates.push((state) => { part.hidden = !own.some((option) => options.has(option.name, state.recipe)); });
+      all.push(part);
+    }
+    // What matters first is open; the rest is found by its title, or by typing.
+    for (const part of all) part.open = part === all[0] || (!start.target && part === all[1]);
   }
-  return { element: element("div", { class: "controls" }, ...all), update: (state) => updates.forEach((update) => update(state)) };
+  const list = element("div", { class: "controls" }, ...all), found = page.isExported ? null : finder(all);
+  return {
+    element: found ? element("div", { class: "controls-box" }, found.element, list) : list,
+    update: (state) => {
+      for (const update of updates) update(state);
+      found?.update();
+    },
+  };
+}
+
+// A field in which words are typed: only the controls that have all of them, in their label, their option or its help, stay.
+function finder(groups) {
+  const input = element("input", { type: "search", placeholder: "Find a control: mask, iterations, tolerance …", "aria-label": "Find a control",
+    spellcheck: "false", autocomplete: "off" });
+  const note = element("span", { class: "note", role: "status" });
+  let wasOpen = null;
+  const find = () => {
+    const words = input.value.toLowerCase().split(/\s+/).filter(Boolean), isFinding = words.length > 0;
+    if (isFinding && !wasOpen) wasOpen = groups.map((part) => part.open);
+    let count = 0;
+    groups.forEach((part, i) => {
+      const title = part.querySelector("summary").textContent.toLowerCase();
+      let found = 0;
+      for (const control of part.querySelectorAll(".control, .shelf, .buttons, .wide")) {
+        const says = `${title} ${control.textContent} ${control.title} ${control.dataset.name ?? ""}`.toLowerCase();
+        const isFound = words.every((word) => says.includes(word));
+        control.classList.toggle("unfound", isFinding && !isFound);
+        if (isFound && !control.closest("[hidden]")) ++found;
+      }
+      part.classList.toggle("unfound", isFinding && found === 0);
+      if (isFinding) part.open = found > 0;
+      else if (wasOpen) part.open = wasOpen[i];
+      count += found;
+    });
+    if (!isFinding) wasOpen = null;
+    note.textContent = !isFinding ? "" : count === 0 ? "No control of this map has these words." : "";
+  };
+  input.addEventListener("input", find);
+  input.addEventListener("keydown", (event) => {
+    if (event.key !== "Escape" || input.value === "") return;
+    input.value = "";
+    find();
+  });
+  return {
+    element: element("div", { class: "finder" }, input, note),
+    // Another map has other controls.
+    update: () => {
+      if (wasOpen) find();
+    },
+  };
 }

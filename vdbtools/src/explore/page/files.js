@@ -35,6 +35,8 @@ export function makeFiles(page) {
     resolution: String(Math.max(8, Math.round(Number(resolution.value) || 300))),
   });
 
+  page.named = () => ({ name: request().name, resolution: request().resolution });
+
   let timer = 0;
   async function poll() {
     clearTimeout(timer);

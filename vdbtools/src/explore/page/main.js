@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page of `juliavdb explore`, and the one that it exports: puts the parts together.
-import { attachCamera, viewAround } from "./camera.js";
+import { attachCamera, turnedView, viewAround } from "./camera.js";
 import { colourOf, makeControls, Options } from "./controls.js";
+import { Choices } from "./choices.js";
 import { makeFiles } from "./files.js";
+import { KeptLooks } from "./kept.js";
+import { KeyStrip } from "./keys.js";
 import { cameraFrame, clipPlace, GRADIENTS, Renderer } from "./renderer.js";
 import { bytesOfBase64, liveValues, makeScene } from "./scene.js";
 import { server } from "./server.js";
@@ -10,9 +13,14 @@ import { Stage } from "./stage.js";
 import { stateOfHash, Store, usualLook, checkedLook } from "./store.js";
 import { makeStrip } from "./strip.js";
 import { TargetView } from "./target.js";
+import { Thumbnails } from "./thumbnails.js";
+import { Variations } from "./variations.js";
 import { button, element } from "./widgets.js";
 
+const WHOLE = 256;  // nodes along an axis
 const SCENES_KEPT = 40, VOLUMES_KEPT = 5, WAIT = 150;  // milliseconds after the last movement of a slider
+
+const TURN = 12000;  // milliseconds of a turn
 
 const EXACT_BEGUN = "The exact picture is being made.";
 const EXACT_SHOWN = "This is the exact picture. Any change goes back to the live one.";
@@ -26,10 +34,11 @@ class Scenes {
   // What is the same scene: colours are the page's affair.
   key(recipe) { return JSON.stringify(Object.entries(recipe).filter(([name]) => !name.startsWith("colour")).sort()); }
 
-  async get(recipe, wait, signal) {
-    const key = this.key(recipe), known = this.kept.get(key);
+  // side: of the volume, where fewer nodes will do
+  async get(recipe, wait, signal, side = WHOLE) {
+    const whole = this.key(recipe), key = side === WHOLE ? whole : `${side} ${whole}`, known = this.kept.get(whole) ?? this.kept.get(key);
     if (known) return known;
-    const description = await server.scene(recipe, wait, signal), id = description.exponent?.id;
+    const description = await server.scene(recipe, wait, signal, side), id = description.exponent?.id;
     const same = [...this.kept.values()].find((scene) => id && scene.exponent?.id === id);
     const scene = makeScene(description, id ? same?.volume ?? await server.volume(id, signal) : null, recipe);
     this.kept.set(key, scene);
@@ -67,7 +76,7 @@ function buildPage(parts) {
     element("div", { class: "toolbar", role: "toolbar", "aria-label": "Page" }, element("h1", {}, parts.title), ...parts.tools),
     element("div", { class: "stage" },
       element("div", { class: "views" }, element("div", { class: "view" }, parts.canvas, parts.exact), parts.targetBox),
-      element("div", { class: "line" }, parts.status, parts.progress), parts.strip),
+      element("div", { class: "line" }, parts.status, parts.progress), parts.strip, ...parts.keys ? [parts.keys] : [], parts.choices),
     element("div", { class: "panel" }, ...parts.panel));
 }
 
@@ -113,14 +122,19 @@ async function run() {
   };
 
   const page = {
-    store, options, start, isExported, stage, shotOf, gradients: start.gradients ?? Object.keys(GRADIENTS), say, scene: () => scene,
-    sceneFor: (recipe) => scenes.get(recipe, true),
+    store, options, start, first, isExported, stage, shotOf, gradients: start.gradients ?? Object.keys(GRADIENTS), say, scene: () => scene,
+    sceneFor: (recipe, side, signal) => scenes.get(recipe, true, signal, side),
     dragOrigin: (on) => {
       dragsOrigin = on;
       page.onDragOrigin?.(on);
       if (on) say("Drag in the picture: the shape stays and the texture moves through it.");
     },
   };
+
+  page.variations = new Variations(page);
+  page.kept = new KeptLooks(page);
+  const choices = page.choices = new Choices(page);
+  page.keys = isExported ? null : new KeyStrip(page);
 
   // ---- scenes ----
 
@@ -134,6 +148,7 @@ async function run() {
     const recipe = { ...store.state.recipe }, key = scenes.key(recipe);
     if (asking && askedFor === key) return;
     asking?.abort();
+    thumbnails?.giveWay();
     const mine = asking = new AbortController();
     askedFor = key;
     say(scene ? "The scene is being made." : "The target is being prepared.");
@@ -216,6 +231,31 @@ async function run() {
   const reset = () => {
     if (scene) store.change((state) => { state.view = { ...viewAround(scene.frame, {}, stage.aspect), of: scene.map }; });
   };
+  // A turn about what the camera looks at, until somebody does something else.
+  let turning = 0;
+  const turntable = button("Turntable", () => {
+    if (turning) return stopTurning();
+    turntable.setAttribute("aria-pressed", "true");
+    let before = performance.now();
+    const step = (now) => {
+      turning = requestAnimationFrame(step);
+      if (stage.isDrawing || !store.state.view) return;
+      const view = turnedView(store.state.view, Math.min(500, Math.max(0, now - before)) / TURN * 360, 0);
+      before = now;
+      isTurn = true;
+      store.change((state) => { state.view = view; }, true);
+      isTurn = false;
+    };
+    turning = requestAnimationFrame(step);
+  }, { "aria-pressed": "false" });
+  let isTurn = false;
+  const stopTurning = () => {
+    if (!turning) return;
+    cancelAnimationFrame(turning);
+    turning = 0;
+    turntable.setAttribute("aria-pressed", "false");
+    store.change(() => {});
+  };
   const frameButton = button("Whole set", reset, { title: "Home" });
   const savePicture = button("Save picture", () => {
     const image = stage.image();
@@ -228,10 +268,12 @@ async function run() {
     });
   });
   const controls = makeControls(page), strip = makeStrip(page), files = isExported ? null : makeFiles(page);
+  page.isBusy = () => Boolean(asking) || Boolean(exposing) || choices.isWorking;
+  const thumbnails = page.tiles && start.target ? new Thumbnails(page, page.tiles) : null;
   const parts = {
-    canvas, exact, targetBox, status, progress, strip: strip.element,
+    canvas, exact, targetBox, status, progress, strip: strip.element, keys: page.keys?.element ?? null, choices: choices.element,
     title: isExported ? "A look of JuliaVDB" : start.target?.name ?? "JuliaVDB",
-    tools: [undo, redo, frameButton, savePicture, ...(isExported ? [] : [exactButton, ...(start.target ? [compare] : [])])],
+    tools: [undo, redo, frameButton, turntable, savePicture, ...(isExported ? [] : [exactButton, ...(start.target ? [compare] : [])])],
     panel: files ? [controls.element, files.element] : [exportNote(scene, start), controls.element],
   };
   buildPage(parts);
@@ -249,6 +291,8 @@ async function run() {
   }
 
   store.listen((state, isMoving) => {
+    if (turning && !isTurn) return stopTurning();  // which tells it again
+    choices.close();
     hideExact();
     controls.update(state);
     if (!isMoving) strip.update(state);
@@ -299,15 +343,16 @@ async function run() {
   if (scene) frameScene();
   store.tell(false);
   if (!scene) await ask();
+  thumbnails?.make();
   // For tests, and for scripts in the browser's console.
   window.explore = {
-    store, stage, renderer, scene: () => scene,
+    store, stage, renderer, choices, keys: page.keys, scene: () => scene,
     isBusy: () => Boolean(asking) || scenes.key(store.state.recipe) !== shownOf && !isExported,
     settled: () => stage.settled(),
     // A picture apart from that on the page, without the camera of the state: linear colours and coverage.
     render: (width, height) => new Promise((resolve) => {
       const shot = shotOf(scene, { ...store.state, view: viewAround(scene.frame, {}, width / height) });
-      stage.drawSmall(shot, width, height, (_, values) => resolve(Array.from(values)));
+      stage.drawSmall(shot, width, height).then((made) => resolve(Array.from(made.values)));
     }),
   };
 }

@@ -27,7 +27,7 @@ const post = (path, body, signal) => request(path, {
 
 export const server = {
   start: async () => (await request("start")).json(),
-  scene: async (recipe, wait, signal) => (await post("scene", { recipe, wait }, signal)).json(),
+  scene: async (recipe, wait, signal, side) => (await post("scene", { recipe, wait, side }, signal)).json(),
   volume: async (id, signal) => new Uint16Array(await (await request(`volume/${id}`, { signal })).arrayBuffer()),
   target: async () => (await request("target")).arrayBuffer(),
   picture: async (body, signal) => (await post("picture", body, signal)).blob(),
@@ -38,5 +38,6 @@ export const server = {
     method: "POST", headers: { "Content-Type": "application/octet-stream" }, body: bytes,
   })).json(),
   command: async (body) => (await (await post("command", body)).json()).command,
+  sequence: async (body) => (await post("sequence", body)).json(),
   exported: async (recipe, look) => (await post("export", { recipe, look })).blob(),
 };

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is drawn when: a coarse picture at once while something moves, a fine one at rest, and small pictures for the
-// strip when there is nothing else to do.
+// What is drawn when: a coarse picture at once while something moves, a fine one at rest, and the pictures of other
+// looks when there is nothing else to do, or before all else while they cover the stage.
 import { Exposure } from "./renderer.js";
 
 const FRAME = 30;           // milliseconds that a coarse picture may take
 const STRIP = 40;           // and the rows of a fine one that are handed over at once
+const SMALL = 300;          // what a picture of another look may take, if the graphics are fast enough for finer ones
 const PATIENCE = 3000;      // how long the picture at rest becomes finer, if nobody says otherwise
 const MOST_PIXELS = 2.5e6;
 
@@ -35,10 +36,13 @@ export class Stage {
     this.isDirty = false;
     this.coarse = this.fine = this.shown = this.small = null;
     this.smalls = [];
+    this.isCovered = false;
     this.frame = 0;
     this.waiting = [];
   }
 
+  // Whether what moves is not yet to be seen.
+  get isDrawing() { return this.isDirty || Boolean(this.coarse); }
   get aspect() { return this.canvas.width / this.canvas.height; }
 
   // Takes the size of the element on the page.
@@ -65,16 +69,30 @@ export class Stage {
     this.schedule();
   }
 
-  // A small picture of a shot, when there is time: done(image, values), where values are linear with the coverage, from
-  // the lowest row up.
-  drawSmall(shot, width, height, done) {
-    this.smalls.push({ shot, width, height, done });
-    this.schedule();
+  // The picture of a shot apart from that on the stage: {image, values}, where values are linear with the coverage, from
+  // the lowest row up; null: it was dropped. owner: whom it is for; those of lower rank come first.
+  // isFiner: with more rays a pixel, where the graphics are fast.
+  drawSmall(shot, width, height, { owner = "", rank = 0, isFiner = false } = {}) {
+    return new Promise((resolve, reject) => {
+      const at = this.smalls.findIndex((one) => one.rank > rank);
+      this.smalls.splice(at < 0 ? this.smalls.length : at, 0, { shot, width, height, owner, rank, isFiner, resolve, reject });
+      this.schedule();
+    });
   }
-  dropSmalls() {
-    this.smalls = [];
-    this.small?.exposure.free();
-    this.small = null;
+  dropSmalls(owner) {
+    const dropped = this.smalls.filter((one) => one.owner === owner);
+    this.smalls = this.smalls.filter((one) => one.owner !== owner);
+    if (this.small?.owner === owner) {
+      this.small.exposure.free();
+      dropped.push(this.small);
+      this.small = null;
+    }
+    for (const { resolve } of dropped) resolve(null);
+  }
+  // While other pictures cover the stage they come first.
+  cover(on) {
+    this.isCovered = on;
+    this.schedule();
   }
 
   // Once the picture is as fine as it gets.
@@ -101,6 +119,7 @@ export class Stage {
   // Whether there is more to do.
   tick() {
     if (!this.renderer.isIdle()) return true;
+    if (this.isCovered && (this.small || this.smalls.length > 0)) return this.tickSmall();
     const { width, height } = this.canvas;
     if (this.isDirty && !this.coarse && this.wanted) {
       const divisor = [1, 2, 4, 8].find((by) => width * height / (by * by) / this.renderer.rate < FRAME) ?? 8;
@@ -148,18 +167,26 @@ export class Stage {
   }
 
   tickSmall() {
-    if (!this.small) {
-      const next = this.smalls.shift();
-      if (!next) return false;
-      this.small = { ...next, exposure: new Exposure(this.renderer, next.width, next.height, next.shot, { samples: 1, axes: 13 }) };
-    }
-    const { exposure, width, height, done } = this.small;
-    this.renderer.handOver(exposure.advance(STRIP));
-    if (exposure.isDone) {
-      const values = this.renderer.read(exposure.picture);
-      done(imageOf(values, width, height), values);
-      exposure.free();
+    const next = this.small ?? this.smalls.shift();
+    if (!next) return false;
+    const { shot, width, height, isFiner, resolve, reject } = next;
+    try {
+      if (!this.small) {
+        const samples = isFiner ? Math.min(8, Math.max(1, Math.floor(SMALL * this.renderer.rate / (width * height)))) : 1;
+        this.small = { ...next, exposure: new Exposure(this.renderer, width, height, shot, { samples, axes: 13 }) };
+      }
+      const { exposure } = this.small;
+      this.renderer.handOver(exposure.advance(STRIP));
+      if (exposure.isDone) {
+        const values = this.renderer.read(exposure.picture);
+        exposure.free();
+        this.small = null;
+        resolve({ image: imageOf(values, width, height), values });
+      }
+    } catch (error) {
+      this.small?.exposure.free();
       this.small = null;
+      reject(error);
     }
     return true;
   }

@@ -24,13 +24,13 @@ export function group(title, ...children) {
 const tidy = (value) => String(Number(value.toPrecision(6)));
 
 // A control is {element, update(state)}. Its value is a text of the recipe or a part of the look.
-// read(state): the value, or undefined if it is the usual one; write(state, value): undefined sets it back.
-function row(label, help, read, write, usual, store, input, extra = []) {
+// name: the option that it belongs to. read(state): the value, or undefined if it is the usual one; write(state, value): undefined sets it back.
+function row({ label, name: option, help = "", read, write }, store, input, extra = []) {
   const id = `control-${++lastId}`;
   input.id = id;
   const name = element("label", { for: id }, label);
   const reset = () => store.change((state) => write(state, undefined));
-  const line = element("div", { class: "control", title: help, ondblclick: (event) => {
+  const line = element("div", { class: "control", title: help, "data-name": option, ondblclick: (event) => {
     if (event.target === name || event.target.type === "range") reset();
   } }, name, ...extra, input);
   const back = button("↺", reset, { class: "reset", "aria-label": `Set ${label} back`, title: "Set back" });
@@ -42,7 +42,8 @@ function row(label, help, read, write, usual, store, input, extra = []) {
 }
 
 // A number with a slider. scale "log": each step multiplies.
-export function slider(store, { label, help = "", min, max, step, scale = "linear", read, write, usual }) {
+export function slider(store, control) {
+  const { label, min, max, step, scale = "linear", read, write, usual } = control;
   const log = scale === "log", at = (value) => log ? Math.log(Math.max(value, 1e-9)) : value;
   const number = element("input", { type: "number", class: "number", step: "any", inputmode: "decimal" });
   const range = element("input", { type: "range", min: at(min), max: at(max), step: log ? (at(max) - at(min)) / 200 : step, "aria-label": label });
@@ -59,7 +60,7 @@ export function slider(store, { label, help = "", min, max, step, scale = "linea
   number.addEventListener("change", () => {
     if (number.value !== "") put(Number(number.value), false);
   });
-  const line = row(label, help, read, write, usual, store, number, [range]);
+  const line = row(control, store, number, [range]);
   return {
     element: line.element,
     update: (state) => {
@@ -75,10 +76,11 @@ export function slider(store, { label, help = "", min, max, step, scale = "linea
   };
 }
 
-export function choice(store, { label, help = "", values, read, write, usual }) {
+export function choice(store, control) {
+  const { values, read, write, usual } = control;
   const select = element("select", {}, values.map((value) => element("option", { value: value.value ?? value }, value.text ?? value)));
   select.addEventListener("change", () => store.change((state) => write(state, select.value)));
-  const line = row(label, help, read, write, usual, store, select);
+  const line = row(control, store, select);
   return {
     element: line.element,
     update: (state) => {
@@ -88,10 +90,11 @@ export function choice(store, { label, help = "", values, read, write, usual }) 
   };
 }
 
-export function tick(store, { label, help = "", read, write, usual }) {
+export function tick(store, control) {
+  const { read, write } = control;
   const box = element("input", { type: "checkbox" });
   box.addEventListener("change", () => store.change((state) => write(state, box.checked ? "true" : undefined)));
-  const line = row(label, help, read, write, usual, store, box);
+  const line = row(control, store, box);
   return {
     element: line.element,
     update: (state) => {
@@ -101,10 +104,11 @@ export function tick(store, { label, help = "", read, write, usual }) {
   };
 }
 
-export function text(store, { label, help = "", read, write, usual }) {
+export function text(store, control) {
+  const { read, write, usual } = control;
   const input = element("input", { type: "text", spellcheck: "false", autocomplete: "off" });
   input.addEventListener("change", () => store.change((state) => write(state, input.value.trim() === "" ? undefined : input.value.trim())));
-  const line = row(label, help, read, write, usual, store, input);
+  const line = row(control, store, input);
   return {
     element: line.element,
     update: (state) => {
