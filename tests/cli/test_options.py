@@ -47,7 +47,7 @@ RUNS = {
     "mesh": [("made.vdb", "-o", "m.ply"), ("s.vdb", "-o", "m.ply"), ("made.vdb", "-o", "m.obj", "--from-grid")],
     "points": [("ring.vdb", "-o", "p.ply", "--points", 100), ("s.obj", "-o", "p.ply", "--spacing", 0.5),
                ("s.vdb", "-o", "p.vdb", "--points", 100)],
-    "print": [("made.vdb", "-o", "p.stl", "--size", 60), ("two.obj", "-o", "p.stl", "--size", 60, "--flat-base", 4, "--resolution", 24),
+    "print": [("made.vdb", "-o", "p.stl", "--size", 60, "--islands", 3, "--resolution", 24), ("two.obj", "-o", "p.stl", "--size", 60, "--flat-base", 4, "--resolution", 24),
               ("s.vdb", "-o", "p.ply", "--size", 60, "--min-thickness", 9, "--resolution", 24),
               ("fin.obj", "-o", "p.ply", "--size", 60, "--min-thickness", 6, "--resolution", 24)],
     "versor": [("list",), ("new", "-o", "v.json"), ("new", "--texture", "rings", "-o", "v.json"), ("inspect", "swirl.json"),

@@ -45,7 +45,7 @@ class Slurm(farm.FarmTest):
     def test_a_job_whose_time_is_over_is_missing(self):
         """Slurm sends --signal=B:TERM@60 to the batch shell alone, which has become the program. It does so at its next look
         at the time, every 30 seconds, for a job of a minute. One task, on one processor, leaves the others to other tests meanwhile."""
-        self.ok("plan", "tiles", harness.BUNNY, "-o", FARM, "--tiles", 1, "--resolution", 1600, "--alpha", 12,
+        self.ok("plan", "tiles", harness.BUNNY, "-o", FARM, "--tiles", 1, "--resolution", 1300, "--alpha", 12,
                 "--sdf-resolution", 60)
         with self.node() as node:
             self.submit(node, "--", "--time=00:01:00")

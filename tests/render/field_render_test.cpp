@@ -256,7 +256,7 @@ TEST(FieldRender, PreviewsHaveTheSameCameraAndBackground) {
 TEST(FieldRender, AnExrHasItsChannels) {
   const Quadratic set;
   FieldRenderOptions options = small(set, 24, 16, 4);
-  options.look->backdrop = Backdrop::None;
+  options.look.backdrop = Backdrop::None;
   const FieldImage image = render(set, options);
   const std::string bytes = encodeFieldImage(image, ".exr");
   EXPECT_EQ(bytes, encodeFieldImage(image, "EXR"));

@@ -48,8 +48,7 @@ KeptScene::KeptScene(Scene made)
 std::string KeptScene::picture(const FieldPicture& picture, Monitor& monitor) {
   std::unique_lock lock(mRendering, std::defer_lock);
   while (!lock.try_lock_for(kPatience)) monitor.throwIfCancelled();
-  FieldRenderOptions options = pictureOptions(mScene, mRegion, picture, FieldColour::Direction);
-  options.look.reset();  // the page's own renderer has this light
+  const FieldRenderOptions options = pictureOptions(mScene, mRegion, picture, FieldColour::Direction);
   const FieldImage image = mRenderer.render(options, monitor);
   return encodeFieldImage(image, ".png");
 }

@@ -132,8 +132,7 @@ class Exposure {
  public:
   /// @param region     fractal space
   /// @param occupancy  nullptr: every sample is evaluated
-  /// @param shadows    nullptr if the options have no look
-  Exposure(const FieldSource& source, const BBoxd& region, const Occupancy* occupancy, const ShadowProxy* shadows,
+  Exposure(const FieldSource& source, const BBoxd& region, const Occupancy* occupancy, const ShadowProxy& shadows,
            const FieldRenderOptions& options, Monitor& monitor)
       : mEvaluator(source.evaluator),
         mOptions(options),
@@ -147,17 +146,12 @@ class Exposure {
         mSamples(options.width, options.height, options.samples),
         mOccupancy(occupancy),
         mShadows(shadows) {
-    if (mShadows) {
-      mStage = previewStage(
-          options.camera, *options.look, options.camera.up.unit(), mSamples.aspect(),
-          {source.space.toWorld(pointOf(mShadows->middle())), mShadows->radius() * mScale},
-          [&](const Vec3d& world) { return inFractalSpace(source.space, world); },
-          [](const Vec3d& direction) { return direction.unit(); });
-      if (options.look->ground) mStage.floor = mShadows->lowestAlong(mStage.sky);
-    }
-    // The key light comes over the left shoulder, the head light from the eye.
-    mLights.key = (-0.60 * mFrame.right + 0.65 * mFrame.up - 0.47 * mFrame.forward).unit();
-    mLights.head = -mFrame.forward;
+    mStage = previewStage(
+        options.camera, options.look, options.camera.up.unit(), mSamples.aspect(),
+        {source.space.toWorld(pointOf(mShadows.middle())), mShadows.radius() * mScale},
+        [&](const Vec3d& world) { return inFractalSpace(source.space, world); },
+        [](const Vec3d& direction) { return direction.unit(); });
+    if (options.look.ground) mStage.floor = mShadows.lowestAlong(mStage.sky);
     const double farthest = (mRegion.getCenter() - mEye).length() + mRegion.extents().length();
     if (!mSteps.servesUpTo(farthest))
       throw std::invalid_argument(
@@ -214,10 +208,7 @@ class Exposure {
       hits.push_back(hit);
     }
     const std::vector<FieldPoint> points = fieldPoints(mEvaluator, mOptions, hits);
-    if (mShadows)
-      expose(tile, meetings, hits, points, layers);
-    else
-      exposePlainly(tile, meetings, hits, points, layers);
+    expose(tile, meetings, hits, points, layers);
   }
 
   std::vector<Ray> raysOf(const Tile& tile) const {
@@ -330,7 +321,7 @@ class Exposure {
   /// What the hits of a pixel have in common, whatever the light.
   void addHit(preview::Shown& pixel, const Meeting& meeting, const FieldPoint& point, Vec3d& nearest) const {
     ++pixel.hits;
-    pixel.albedo += point.albedo.value_or(mOptions.look ? mOptions.look->material.albedo : kClay);
+    pixel.albedo += point.albedo.value_or(mOptions.look.material.albedo);
     if (!(meeting.inside < pixel.distance)) return;
     pixel.distance = meeting.inside;
     pixel.normal = point.normal;
@@ -344,10 +335,10 @@ class Exposure {
     layers.set(at, pixel, mFrame.forward.dot(nearest) * mScale, openvdb::Mat3d::identity());
   }
 
-  /// By the light of previews, with what is behind the set.
+  /// Puts the light on the hits, and what is behind the set in the place of the other rays.
   void expose(const Tile& tile, const std::vector<Meeting>& meetings, const std::vector<FieldHit>& hits,
               const std::vector<FieldPoint>& points, preview::Layers& layers) const {
-    preview::Shader<ShadowProxy::Surface> shader(ShadowProxy::Surface(*mShadows), mStage, *mOptions.look,
+    preview::Shader<ShadowProxy::Surface> shader(ShadowProxy::Surface(mShadows), mStage, mOptions.look,
                                                  mOptions.samples);
     const std::vector<double> traps = trapsAt(hits);
     std::size_t next = 0;
@@ -384,28 +375,6 @@ class Exposure {
     }
   }
 
-  /// By a light beside the eye.
-  void exposePlainly(const Tile& tile, const std::vector<Meeting>& meetings, const std::vector<FieldHit>& hits,
-                     const std::vector<FieldPoint>& points, preview::Layers& layers) const {
-    std::size_t next = 0;
-    for (int y = 0; y < tile.height; ++y) {
-      for (int x = 0; x < tile.width; ++x) {
-        preview::Shown pixel{.alpha = 1};
-        Vec3d nearest(0);
-        for (; next < meetings.size() && meetings[next].ray.pixel == static_cast<std::uint32_t>(y * tile.width + x);
-             ++next) {
-          pixel.colour += phong(mLights, points[next], hits[next].view);
-          addHit(pixel, meetings[next], points[next], nearest);
-        }
-        const int column = tile.left + x, row = tile.top + y;
-        pixel.colour += (mOptions.samples - pixel.hits) *
-                        background(2 * (column + 0.5) / mOptions.width - 1, 1 - 2 * (row + 0.5) / mOptions.height);
-        pixel.colour /= mOptions.samples;
-        set(layers, tile, x, y, pixel, nearest);
-      }
-    }
-  }
-
   /// Empty unless they are asked for.
   std::vector<double> trapsAt(const std::vector<FieldHit>& hits) const {
     if (!mOptions.passes.contains(Pass::Trap)) return {};
@@ -427,10 +396,9 @@ class Exposure {
   CameraFrame mFrame;
   RaySteps mSteps;
   PixelSamples mSamples;
-  FieldLights mLights;
   const Occupancy* mOccupancy;
-  const ShadowProxy* mShadows;
-  PreviewStage mStage{};  ///< of a picture with shadows, fractal space
+  const ShadowProxy& mShadows;
+  PreviewStage mStage{};  ///< fractal space
   std::atomic<std::uint64_t> mEvaluations{0};
 };
 
@@ -479,14 +447,10 @@ FieldImage FieldRenderer::render(const FieldRenderOptions& options, Monitor& mon
   monitor.throwIfCancelled();
   if (options.skip && !mOccupancy)
     mOccupancy = std::make_unique<const Occupancy>(mSource.evaluator, mRegion, occupancyCells(options), monitor);
-  if (options.look) {
-    const ShadowProxy::Need need = shadowsFor(options, mSource.space, mRegion);
-    if (!mShadows || !(mShadows->need() == need))
-      mShadows = std::make_unique<const ShadowProxy>(mSource.evaluator, need, monitor);
-  }
-  return Exposure(mSource, mRegion, options.skip ? mOccupancy.get() : nullptr, options.look ? mShadows.get() : nullptr,
-                  options, monitor)
-      .render();
+  const ShadowProxy::Need need = shadowsFor(options, mSource.space, mRegion);
+  if (!mShadows || !(mShadows->need() == need))
+    mShadows = std::make_unique<const ShadowProxy>(mSource.evaluator, need, monitor);
+  return Exposure(mSource, mRegion, options.skip ? mOccupancy.get() : nullptr, *mShadows, options, monitor).render();
 }
 
 FieldImage renderField(const FieldSource& source, const BBoxd& region, const FieldRenderOptions& options,

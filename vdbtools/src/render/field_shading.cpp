@@ -3,7 +3,6 @@
 
 #include "base/elementary.h"
 #include "render/neighbourhood.h"
-#include "render/view.h"
 
 #include <algorithm>
 #include <array>
@@ -13,10 +12,6 @@ namespace vdbtools {
 namespace {
 
 using openvdb::Vec3d;
-
-// Phong's model, in linear RGB.
-constexpr double kAmbient = 0.10, kKey = 1.00, kHead = 0.14;
-constexpr double kShine = 0.22, kSharpness = 36;
 
 /// A field that grows outwards from the surface like a distance. F itself is a sawtooth there: it falls back wherever
 /// orbits escape one step earlier, and for a map that squares, each such step doubles the distance. This field is
@@ -97,20 +92,6 @@ std::vector<FieldPoint> fieldPoints(const julia::FieldEvaluator& evaluator, cons
     if (!albedo.empty()) result[i].albedo = albedo[i];
   }
   return result;
-}
-
-Vec3d phong(const FieldLights& lights, const FieldPoint& point, const Vec3d& view) {
-  double diffuse = kAmbient, shine = 0;
-  const auto add = [&](const Vec3d& light, double strength) {
-    const double facing = point.normal.dot(light);
-    if (facing <= 0) return;
-    diffuse += strength * facing;
-    const Vec3d mirrored = 2 * facing * point.normal - light;
-    shine += strength * elementary::pow(std::max(0.0, -mirrored.dot(view)), kSharpness);
-  };
-  add(lights.key, kKey);
-  add(lights.head, kHead);
-  return diffuse * point.albedo.value_or(kClay) + Vec3d(kShine * shine);
 }
 
 }  // namespace vdbtools

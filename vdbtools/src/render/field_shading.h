@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file field_shading.h
-/// The points where rays meet the set: normals from the field, colours from the map, and the light that falls on them.
+/// The points where rays meet the set: normals from the field, and colours from the map.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -29,13 +29,5 @@ struct FieldPoint {
 
 std::vector<FieldPoint> fieldPoints(const julia::FieldEvaluator& evaluator, const FieldRenderOptions& options,
                                     std::span<const FieldHit> hits);
-
-/// Directions to the lights of pictures without shadows, of length 1.
-struct FieldLights {
-  openvdb::Vec3d key, head;
-};
-
-/// By Phong's model: linear RGB.
-openvdb::Vec3d phong(const FieldLights& lights, const FieldPoint& point, const openvdb::Vec3d& view);
 
 }  // namespace vdbtools

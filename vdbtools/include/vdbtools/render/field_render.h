@@ -36,7 +36,6 @@
 #include <memory>
 #include <optional>
 #include <set>
-#include <utility>
 #include <vector>
 
 namespace vdbtools {
@@ -62,9 +61,7 @@ struct FieldRenderOptions {
   FieldColouring colour{};
   julia::OrbitOptions orbit{};                    ///< the evaluator's
   julia::DropAxis dropAxis = julia::DropAxis::K;  ///< the evaluator's
-  /// The light and the material; for FieldColour::Clay the material's albedo, too. Without a look, a light beside the
-  /// eye shades the set by Phong's model, without shadows and before the neutral background: faster, for what moves.
-  std::optional<Look> look{std::in_place};
+  Look look{};  ///< the light and the material; for FieldColour::Clay the material's albedo, too
   std::set<Pass> passes = kUsualPasses;
   bool skip = true;  ///< changes the speed only
 };
