@@ -77,7 +77,8 @@ void expectSame(const FieldImage& a, const FieldImage& b) {
 TEST(FieldRender, ABallIsACircleWithItsNormalsAndDepth) {
   const Quadratic set;
   constexpr int kSide = 160;
-  const FieldRenderOptions options = small(set, kSide, kSide);
+  FieldRenderOptions options = small(set, kSide, kSide);
+  options.look.backdrop = Backdrop::None;
   const FieldImage image = render(set, options);
   const double tangent = std::tan(options.camera.fieldOfView * std::numbers::pi / 360);
   const double radius = std::tan(std::asin(kBall / 6)) / tangent * kSide / 2;  // pixels
