@@ -226,7 +226,7 @@ class Shooting {
   /// @param more  what the summary says of the picture, behind its size
   void end(const vdbtools::ShadedImage& image, const Layers& layers, const std::string& format,
            const std::string& more) {
-    mLine.progress().begin("writing", 0);
+    (mMonitor ? static_cast<vdbtools::Monitor&>(*mMonitor) : mLine.progress()).begin("writing", 0);
     *mFile << vdbtools::encodeShadedImage(image, format, layers.alpha, layers.passes);
     const bool isLast = mNumber == mCount;
     mOutputs->commit(isLast);

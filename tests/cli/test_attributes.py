@@ -61,7 +61,7 @@ class Attributes(harness.CliTest):
         self.ok("fractal", "s.obj", *SMALL, "--colour", "trap:magma", "-o", "f.vdb")
         self.ok("render", "--field", "f.vdb", *PICTURE, "-o", "recipe.png")
         self.ok("render", "--field", "s.obj", *SMALL, "--colour", "trap:magma", *PICTURE, "-o", "given.png")
-        self.ok("render", "--field", "f.vdb", "--colour", "direction", *PICTURE, "-o", "other.png")
+        self.ok("render", "--field", "f.vdb", "--colour", "clay", *PICTURE, "-o", "other.png")
         self.ok("render", "--field", "s.obj", *SMALL, *PICTURE, "-o", "usual.png")
         self.assertEqual(self.bytes("recipe.png"), self.bytes("given.png"))
         self.assertEqual(self.bytes("other.png"), self.bytes("usual.png"))

@@ -293,7 +293,7 @@ class Inputs(harness.CliTest):
             ("later.0002.obj", "in.0001.obj",
              ("fractal", "in.####.obj", "--mesh", "later.####.obj", "--keep-going", *sequence)),
             ("turn.0002.png", "p.png", ("render", "--field", "b.obj", "--mask", "texture:p.png:0:1", "-o",
-                                        "turn.####.png", "--frames", 2, "--size", "16x16", *LOW)),
+                                        "turn.####.png", "--frames", "1-2", "--turn", 90, "--size", "16x16", *LOW)),
             ("scene.usda", "g.0002.vdb", ("usd", "g.####.vdb", "--frames", "1-2", "-o", "scene.usda")),
         ])
 

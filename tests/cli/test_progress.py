@@ -88,11 +88,11 @@ class Progress(harness.CliTest):
 
     def test_pieces(self):
         end = self.finished(["t.0001.png", "t.0002.png", "t.0003.png"][:1], "render", "--field", "--map", "quadratic",
-                            "--c=-0.2,0.6,0.2,0.2", "--iterations", 6, "--size", "40x40", "--frames", 1, "-o",
+                            "--c=-0.2,0.6,0.2,0.2", "--iterations", 6, "--size", "40x40", "--frames", "1", "--turn", "90", "-o",
                             "t.####.png")
         self.assertEqual(end["counts"]["frames"], 1)
         events = self.events(DONE, "render", "--field", "--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "--iterations", 6,
-                             "--size", "40x40", "--frames", 4, "-o", "t.####.png")
+                             "--size", "40x40", "--frames", "1-4", "--turn", "360", "-o", "t.####.png")
         self.assertEqual(events[-1]["written"], [f"t.{n:04}.png" for n in (1, 2, 3, 4)])
         # After a frame of four, a quarter of the pictures is done.
         for event in events:
