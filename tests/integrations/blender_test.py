@@ -223,7 +223,7 @@ class Addon(unittest.TestCase):
     def test_paint_decides_where_the_detail_goes(self):
         for domain, kind in (("POINT", "FLOAT_COLOR"), ("CORNER", "BYTE_COLOR")):
             with self.subTest(domain=domain):
-                source = self.source(hide_source=False, detail=0.8, outward=0.5, resolution=2 * RESOLUTION)
+                source = self.source(hide_source=False, detail=0.8, outward=0.5, resolution=3 * RESOLUTION)
                 self.paint(source, domain, kind)
                 source.juliavdb.paint = "MASK"
                 result = self.make()
@@ -231,7 +231,7 @@ class Addon(unittest.TestCase):
 
                 def distances(sign):
                     """From the painted torus, for some vertices on one side of it, in voxels."""
-                    return [2 * (source.closest_point_on_mesh(vertex.co)[1] - vertex.co).length / self.voxel(source)
+                    return [3 * (source.closest_point_on_mesh(vertex.co)[1] - vertex.co).length / self.voxel(source)
                             for vertex in result.data.vertices[:][::8] if sign * (vertex.co.x - 0.3) > 0.3]
                 self.assertLess(max(distances(-1)), 1, "black stays as it is")
                 self.assertGreater(max(distances(1)), 2, "white does not")
