@@ -63,7 +63,7 @@ RUNS = {
     "render": [("made.vdb", "-o", "f.png", "--size", "24x24"), ("s.obj", "-o", "f.png", "--size", "24x24"),
                ("--field", "s.obj", "-o", "f.png", "--size", "24x24", *LOW),
                ("--field", "--map", "cross", "-o", "f.exr", "--size", "24x24", "--resolution", 14),
-               ("made.vdb", "-o", "f.####.png", "--size", "24x24", "--frames", "1-2", "--key", "zoom@1=1", "--key", "zoom@2=1.5")],
+               ("made.vdb", "-o", "f.####.png", "--size", "24x24", "--frames", "1-2", "--key", "zoom@1=1", "--key", "zoom@4=1.5")],
     "fit": [("s.obj", "-o", "f.json", "--roots", 9, "--resolution", 17),
             ("pair.vdb", "--grid", "phi", "-o", "f.json", "--roots", 9, "--resolution", 17),
             ("open.obj", "--repair", "-o", "f.json", "--schedule", "9(VF)", "--resolution", 17)],
