@@ -99,21 +99,21 @@ std::vector<vdbtools::PreviewBall> ballsOf(const std::string& name) {
   return balls;
 }
 
-/// The camera, the light and what is kept of a picture, in one table.
-vdbtools::OptionTable pictureTable(bool field) {
+std::vector<vdbtools::OptionSpec> pictureSpecs(bool field) {
   std::vector<vdbtools::OptionSpec> options =
       field ? vdbtools::fieldPictureOptionSpecs(kSize) : vdbtools::viewOptionSpecs(kSize);
   for (vdbtools::OptionSpec& option : lookAndPassesSpecs()) options.push_back(std::move(option));
-  return vdbtools::OptionTable(std::move(options));
+  return options;
 }
+
+/// The camera, the light and what is kept of a picture, in one table.
+vdbtools::OptionTable pictureTable(bool field) { return vdbtools::OptionTable(pictureSpecs(field)); }
 
 /// Of these, what may change from frame to frame.
 vdbtools::OptionTable keyTable(bool field) {
-  std::vector<vdbtools::OptionSpec> options =
-      field ? vdbtools::fieldPictureOptionSpecs(kSize) : vdbtools::viewOptionSpecs(kSize);
-  for (vdbtools::OptionSpec& option : vdbtools::lookOptionSpecs()) options.push_back(std::move(option));
+  std::vector<vdbtools::OptionSpec> options = pictureSpecs(field);
   std::erase_if(options, [](const vdbtools::OptionSpec& option) {
-    return option.name == "size" || option.name == "samples" || option.name == "no-skip";
+    return option.name == "size" || option.name == "samples" || option.name == "no-skip" || option.name == "passes";
   });
   return vdbtools::OptionTable(std::move(options));
 }
@@ -165,12 +165,14 @@ std::vector<Shot> shotsOf(const CommandLine& line, bool field) {
     if (given.contains(keyed.name))
       throw std::invalid_argument("--" + keyed.name + " is given and has keys; give only one of them");
   const std::vector<int> frames = vdbtools::parseFrames(line.text("frames"));
+  std::vector<int> inTime = frames;
+  std::sort(inTime.begin(), inTime.end());
   std::vector<Shot> shots;
   for (const int frame : frames) {
     Shot shot{frame, given, 0, isSequence ? vdbtools::expandFrame(input, frame) : input};
     for (const vdbtools::KeyedOption& keyed : keys) shot.view[keyed.name] = vdbtools::valueAt(keyed, frame);
     // In the order of time, whatever the order of the list.
-    const auto before = std::count_if(frames.begin(), frames.end(), [&](int other) { return other < frame; });
+    const auto before = std::lower_bound(inTime.begin(), inTime.end(), frame) - inTime.begin();
     shot.turn = turn * static_cast<double>(before) / static_cast<double>(frames.size());
     shots.push_back(std::move(shot));
   }

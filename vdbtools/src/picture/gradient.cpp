@@ -32,12 +32,14 @@ const std::vector<NamedGradient>& namedGradients() {
   return all;
 }
 
-std::vector<Gradient::Stop> stopsOf(const NamedGradient& gradient) {
+Gradient::Stop stopOfNumber(std::uint32_t code) {
   constexpr double kLargestCode = 255;
+  return {(code >> 16 & 0xff) / kLargestCode, (code >> 8 & 0xff) / kLargestCode, (code & 0xff) / kLargestCode};
+}
+
+std::vector<Gradient::Stop> stopsOf(const NamedGradient& gradient) {
   std::vector<Gradient::Stop> stops;
-  for (const std::uint32_t code : gradient.stops)
-    stops.push_back(
-        {(code >> 16 & 0xff) / kLargestCode, (code >> 8 & 0xff) / kLargestCode, (code & 0xff) / kLargestCode});
+  for (const std::uint32_t code : gradient.stops) stops.push_back(stopOfNumber(code));
   return stops;
 }
 
@@ -49,22 +51,28 @@ Gradient::Gradient(std::vector<Stop> stops) : mStops(std::move(stops)) {
   if (mStops.empty()) throw std::invalid_argument("a gradient has no colour; give it one or more");
 }
 
-std::optional<Gradient> Gradient::ofCodes(const std::string& list) {
+std::optional<Gradient::Stop> Gradient::stopOf(std::string_view code) {
   constexpr std::size_t kDigits = 6;
   constexpr int kHexadecimal = 16;
-  NamedGradient codes{"", {}};
+  std::uint32_t value = 0;
+  const auto [rest, error] = std::from_chars(code.data(), code.data() + code.size(), value, kHexadecimal);
+  if (code.size() != kDigits || error != std::errc() || rest != code.data() + code.size()) return std::nullopt;
+  return stopOfNumber(value);
+}
+
+std::optional<Gradient> Gradient::ofCodes(const std::string& list) {
+  std::vector<Stop> stops;
   for (std::size_t begin = 0; begin <= list.size();) {
     const std::size_t end = std::min(list.find(',', begin), list.size());
     std::string_view code = std::string_view(list).substr(begin, end - begin);
     if (code.starts_with('#')) code.remove_prefix(1);
-    std::uint32_t value = 0;
-    const auto [rest, error] = std::from_chars(code.data(), code.data() + code.size(), value, kHexadecimal);
-    if (code.size() != kDigits || error != std::errc() || rest != code.data() + code.size()) return std::nullopt;
-    codes.stops.push_back(value);
+    const std::optional<Stop> stop = stopOf(code);
+    if (!stop) return std::nullopt;
+    stops.push_back(*stop);
     begin = end + 1;
   }
-  if (codes.stops.size() < 2) return std::nullopt;
-  return Gradient(stopsOf(codes));
+  if (stops.size() < 2) return std::nullopt;
+  return Gradient(std::move(stops));
 }
 
 std::optional<Gradient> Gradient::named(const std::string& name) {

@@ -5,7 +5,7 @@
 #include "base/srgb.h"
 #include "formats/picture_file.h"
 #include "render/neighbourhood.h"
-#include "render/view.h"
+#include "vdbtools/render/look.h"
 
 #include "vdbtools/base/near_words.h"
 #include "vdbtools/base/number_text.h"
@@ -89,7 +89,7 @@ std::vector<double> colourNumbers(const FieldColouring& colouring, const julia::
 std::vector<Vec3d> fieldColours(const FieldColouring& colouring, const julia::FieldEvaluator& evaluator,
                                 const ColourContext& context, std::span<const julia::Point> points,
                                 std::span<const double> iterations) {
-  std::vector<Vec3d> result(points.size(), kClay);
+  std::vector<Vec3d> result(points.size(), Material{}.albedo);
   const auto through = [&](const GradientRange& usual) {
     const std::vector<double> numbers = colourNumbers(colouring, evaluator, points, iterations);
     const auto [low, high] = colouring.range.value_or(usual);

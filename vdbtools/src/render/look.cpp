@@ -4,9 +4,12 @@
 #include "base/srgb.h"
 
 #include "vdbtools/base/near_words.h"
+#include "vdbtools/picture/gradient.h"
 
 #include <array>
 #include <cmath>
+#include <string_view>
+#include <tuple>
 #include <utility>
 
 namespace vdbtools {
@@ -42,25 +45,13 @@ std::optional<Material> finished(const std::string& finish, const Vec3d& colour)
   return std::nullopt;
 }
 
-std::optional<int> hexDigit(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return std::nullopt;
-}
-
 /// "#rrggbb" or "R,G,B" in sRGB, each 0 to 1, as linear RGB.
 std::optional<Vec3d> colourFromText(const std::string& text) {
   Vec3d codes;
   if (text.starts_with('#')) {
-    constexpr std::size_t kDigits = 6;
-    if (text.size() != 1 + kDigits) return std::nullopt;
-    for (int i = 0; i < 3; ++i) {
-      const auto at = static_cast<std::size_t>(1 + 2 * i);
-      const std::optional<int> high = hexDigit(text[at]), low = hexDigit(text[at + 1]);
-      if (!high || !low) return std::nullopt;
-      codes[i] = (16 * *high + *low) / 255.0;
-    }
+    const std::optional<Gradient::Stop> code = Gradient::stopOf(std::string_view(text).substr(1));
+    if (!code) return std::nullopt;
+    codes = Vec3d((*code)[0], (*code)[1], (*code)[2]);
   } else {
     const std::vector<std::string> parts = split(text, ',');
     if (parts.size() != 3) return std::nullopt;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file view.h
-/// What the two renderers share beside the camera: its frame, the rays of a pixel, clay and background.
+/// What the two renderers share beside the camera: its frame, the rays of a pixel and background.
 #pragma once
 
 #include "vdbtools/picture/image.h"
@@ -41,9 +41,6 @@ class PixelSamples {
   int mWidth, mHeight;
   int mGrid;  ///< samples along the side of a pixel
 };
-
-/// The albedo of surfaces that have no colour of their own.
-inline const openvdb::Vec3d kClay(0.55, 0.32, 0.21);
 
 /// The neutral background at (u, v): lighter at the top, darker towards the corners.
 inline openvdb::Vec3d background(double u, double v) {

@@ -10,6 +10,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdbtools {
@@ -24,6 +25,9 @@ class Gradient {
 
   /// At equal distances, the first for 0 and the last for 1. @throw std::invalid_argument  there is none
   explicit Gradient(std::vector<Stop> stops);
+
+  /// Six digits, "ff8800": red, green and blue in hexadecimal. None if the text is something else.
+  static std::optional<Stop> stopOf(std::string_view code);
 
   /// Of two or more colours as "000000,ff8800,ffffff": red, green and blue in hexadecimal, with or without a # before
   /// each. None if the text is no such list.
