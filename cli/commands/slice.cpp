@@ -10,12 +10,17 @@
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/picture/slice_image.h"
+#include "vdbtools/recipe/option_value.h"
+
+#include "julia/elementary.h"
 
 #include <openvdb/tools/Interpolation.h>
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
+#include <memory>
 #include <optional>
 #include <ostream>
 
@@ -36,7 +41,7 @@ constexpr Usage kSliceUsage = {
     "mesh or a signed distance, they are those of 'fractal'.\n"
     "\n"
     "  phi         the target's signed distance: blue inside, red outside, the surface dark\n"
-    "  e           the exponent of the shape modulus, in the same colours\n"
+    "  e           ln |f(x)| of the first step, in the same colours: for the shape modulus, its exponent\n"
     "  f           the log-modulus after the last step, in the same colours; also called logmodulus\n"
     "  membership  the fractal itself: black inside\n"
     "  iterations  how many steps the orbit took, from white (none) to black (all of them)\n"
@@ -44,7 +49,8 @@ constexpr Usage kSliceUsage = {
     "  grid        the voxels of a VDB as they are",
     "  juliavdb slice bunny.vdb -o membership.png --field membership\n"
     "  juliavdb slice bunny.vdb -o versor.png --field versor --axis x\n"
-    "  juliavdb slice bunny.obj -o e.exr --field e --alpha 40 --position 0.1 --size 400\n"};
+    "  juliavdb slice bunny.obj -o e.exr --field e --alpha 40 --position 0.1 --size 400\n"
+    "  juliavdb slice bunny.obj -o first_step.png --field e --arrow 0,0,0.2 --arrow 0.5,0.6,0\n"};
 
 enum class SliceField { Phi, Exponent, Field, Membership, Iterations, Versor, Grid };
 
@@ -112,6 +118,58 @@ FieldSamples sampleField(const SlicePlane& plane, const Scene& scene, Progress& 
   return samples;
 }
 
+/// The evaluator of the orbit's first step alone.
+std::unique_ptr<julia::FieldEvaluator> firstStep(const Scene& scene) {
+  julia::OrbitOptions orbit = scene.orbit;
+  orbit.maxIterations = 1;
+  return scene.map->evaluator(scene.arithmetic, orbit);
+}
+
+/// ln |f|.
+std::vector<float> sampleFirstStep(const SlicePlane& plane, const Scene& scene, Progress& progress) {
+  const auto step = firstStep(scene);
+  std::vector<float> values(rowStart(plane, plane.height()));
+  forEachRow(plane, progress, [&](int y) {
+    const std::vector<julia::Point> points = pointsOfRow(plane, y, scene.space);
+    std::vector<double> logModuli(points.size());
+    step->orbitTraps(points, logModuli);
+    std::transform(logModuli.begin(), logModuli.end(), values.begin() + static_cast<std::ptrdiff_t>(rowStart(plane, y)),
+                   [](double value) { return static_cast<float>(value); });
+  });
+  return values;
+}
+
+/// The first steps from these points, world units.
+/// @throw std::invalid_argument  the map is not one of quaternions
+std::vector<vdbtools::SliceArrow> arrowsFrom(const std::vector<openvdb::Vec3d>& positions, const Scene& scene) {
+  if (scene.evaluator->dimension() != 4)
+    throw std::invalid_argument("--arrow is for maps of quaternions, and this map is one of R^3; leave it out");
+  std::vector<julia::Point> points;
+  for (const openvdb::Vec3d& position : positions) points.push_back(scene.space.toFractal(position));
+  std::vector<double> field(points.size()), logModuli(points.size());
+  std::vector<julia::Quaternion<double>> versors(points.size());
+  scene.evaluator->evaluate(points, field, {});
+  scene.evaluator->versors(points, versors);
+  firstStep(scene)->orbitTraps(points, logModuli);
+  const julia::Embedding embedding = scene.options.map->embedding();
+  std::vector<vdbtools::SliceArrow> arrows;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    // A picture needs no step further than this; it also keeps the drawing's numbers finite.
+    constexpr double kFarthest = 1e6;
+    const double modulus = std::min(julia::elementary::exp(logModuli[i]), kFarthest);
+    const julia::Point direction = embedding.point(versors[i]);
+    const julia::Point end{modulus * direction[0], modulus * direction[1], modulus * direction[2]};
+    // The ball of quaternions is cut by the space of the points at the slice.
+    const double radius = std::sqrt(std::max(0.0, modulus * modulus - embedding.slice * embedding.slice));
+    arrows.push_back({.from = positions[i],
+                      .to = scene.space.toWorld(end),
+                      .centre = scene.space.toWorld({0, 0, 0}),
+                      .radius = radius * scene.space.scale,
+                      .inside = field[i] < 0});
+  }
+  return arrows;
+}
+
 std::vector<openvdb::Vec3s> sampleVersor(const SlicePlane& plane, const Scene& scene, Progress& progress) {
   std::vector<openvdb::Vec3s> values(rowStart(plane, plane.height()));
   forEachRow(plane, progress, [&](int y) {
@@ -122,20 +180,17 @@ std::vector<openvdb::Vec3s> sampleVersor(const SlicePlane& plane, const Scene& s
   return values;
 }
 
-vdbtools::Image sliceOfScene(const Scene& scene, SliceField field, const PlanePlacement& placement, double range,
+vdbtools::Image sliceOfScene(const Scene& scene, SliceField field, const SlicePlane& plane, double range,
                              Progress& progress) {
-  const openvdb::BBoxd frame = frameOf(scene);
-  const SlicePlane plane = placement.plane(frame, frame.getCenter());
-  const auto need = [](bool there, const char* what) {
-    if (!there) throw std::invalid_argument(std::string("there is no ") + what + " without a target");
-  };
   switch (field) {
     case SliceField::Phi:
-      need(scene.target.has_value(), "phi");
+      if (!scene.target) throw std::invalid_argument("there is no phi without a target");
       return vdbtools::signedSlice(plane, sampleGrid(plane, *scene.target->phi, progress), range);
     case SliceField::Exponent:
-      need(scene.exponent.has_value(), "exponent");
-      return vdbtools::signedSlice(plane, sampleGrid(plane, *scene.exponent->grid, progress), range);
+      return vdbtools::signedSlice(
+          plane,
+          scene.exponent ? sampleGrid(plane, *scene.exponent->grid, progress) : sampleFirstStep(plane, scene, progress),
+          range);
     case SliceField::Field: return vdbtools::signedSlice(plane, sampleField(plane, scene, progress).field, range);
     case SliceField::Iterations:
       return vdbtools::countSlice(plane, sampleField(plane, scene, progress).iterations, scene.orbit.maxIterations);
@@ -144,6 +199,16 @@ vdbtools::Image sliceOfScene(const Scene& scene, SliceField field, const PlanePl
     case SliceField::Grid: break;
   }
   return vdbtools::membershipSlice(plane, sampleField(plane, scene, progress).field);
+}
+
+vdbtools::Image sliceOfScene(const Scene& scene, SliceField field, const PlanePlacement& placement, double range,
+                             const std::vector<openvdb::Vec3d>& arrows, Progress& progress) {
+  const openvdb::BBoxd frame = frameOf(scene);
+  const SlicePlane plane = placement.plane(frame, frame.getCenter());
+  const std::vector<vdbtools::SliceArrow> steps =
+      arrows.empty() ? std::vector<vdbtools::SliceArrow>() : arrowsFrom(arrows, scene);
+  const vdbtools::Image image = sliceOfScene(scene, field, plane, range, progress);
+  return steps.empty() ? image : vdbtools::withArrows(plane, image, steps);
 }
 
 vdbtools::Image sliceOfGrid(const std::string& input, const std::string& name, const PlanePlacement& placement,
@@ -173,6 +238,11 @@ int runSlice(const Arguments& arguments) {
   addPlaneOptions(line, "its middle");
   line.addOptions()("range", po::value<std::string>()->value_name("R"),
                     "phi, e, f, grid: the value that is shown in full colour (default: chosen from the data)");
+  line.addOptions()(
+      "arrow", po::value<std::vector<std::string>>()->value_name("X,Y,Z"),
+      "draw the first step from this point, in the target's units: an arrow to f(x), and the circle about "
+      "the origin of the dynamics on which the texture places it. White if the point belongs to the set, "
+      "black if not; any number of times");
   addSearchOption(line);
   if (!line.parse(arguments)) return kDone;
   const SliceField field = parseField(line);
@@ -182,6 +252,8 @@ int runSlice(const Arguments& arguments) {
   const bool isSigned =
       field != SliceField::Membership && field != SliceField::Iterations && field != SliceField::Versor;
   line.requireUse(isSigned, {"range"}, "it is for --field phi, e, f and grid; leave it out");
+  std::vector<openvdb::Vec3d> arrows;
+  for (const std::string& point : line.texts("arrow")) arrows.push_back(vdbtools::parseVector("arrow", point));
   const std::string input = line.text("input");
   if (field == SliceField::Grid) requireGridOptions(line);
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
@@ -194,9 +266,9 @@ int runSlice(const Arguments& arguments) {
   }
   Outputs outputs(line, options ? vdbtools::inputsOf(*options) : vdbtools::InputFiles());
   std::ostream& file = outputs.add("output", line.text("output"), ".png .exr").stream();
-  const vdbtools::Image image =
-      options ? sliceOfScene(vdbtools::makeScene(*options, line.progress()), field, placement, range, line.progress())
-              : sliceOfGrid(input, line.text("grid"), placement, range, line.progress());
+  const vdbtools::Image image = options ? sliceOfScene(vdbtools::makeScene(*options, line.progress()), field, placement,
+                                                       range, arrows, line.progress())
+                                        : sliceOfGrid(input, line.text("grid"), placement, range, line.progress());
   line.progress().begin("writing", 0);
   file << vdbtools::encodeImage(image, formatOf(line.text("output"), ".png"));
   outputs.commit();

@@ -79,6 +79,40 @@ class Pictures(harness.CliTest):
         red, _, blue = rows[1][1]
         self.assertGreater(red, blue)
 
+    def test_an_arrow_is_the_first_step(self):
+        """f(q) = q q + c takes (0.3, 0.2) to (0.335, 0.605) and the far point (0.8, 0.6) to (0.565, 1.445)."""
+        command = ("slice", "--map", "quadratic", "--c", "0.285,0.485,0,0", "--box=-1,-1,-1,1,1,1", "--resolution", 20, "--iterations", 40,
+                   "--size", 200, "--field", "iterations")
+        self.ok(*command, "-o", "plain.png")
+        self.ok(*command, "--arrow", "0.3,0.2,0", "-o", "in.png")
+        self.ok(*command, "--arrow", "0.8,0.6,0", "-o", "out.png")
+        plain, inside, outside = (harness.read_png(self.bytes(name)) for name in ("plain.png", "in.png", "out.png"))
+
+        def pixel(rows, x, y):
+            return rows[100 - round(y * 100)][100 + round(x * 100)]
+        self.assertEqual(pixel(inside, 0.3, 0.2), WHITE)
+        self.assertEqual(pixel(inside, 0.331, 0.55), WHITE, "it ends where the map takes the point")
+        self.assertEqual(pixel(outside, 0.8, 0.6), BLACK)
+        radius = (0.335 ** 2 + 0.605 ** 2) ** 0.5
+        for x, y in ((-radius, 0), (0, -radius)):
+            ring = {tuple(pixel(inside, x + dx, y + dy)) for dx in (-0.01, 0, 0.01) for dy in (-0.01, 0, 0.01)}
+            self.assertNotEqual(ring, {tuple(pixel(plain, x + dx, y + dy)) for dx in (-0.01, 0, 0.01) for dy in (-0.01, 0, 0.01)})
+        self.refused(USAGE, "slice", "--map", "cross", "--arrow", "0,0,0", "-o", "x.png", mentions="--arrow")
+        self.refused(USAGE, *command, "--arrow", "0,0", "-o", "x.png", mentions="--arrow")
+
+    def test_the_exponent_is_the_first_log_modulus(self):
+        """With a target the grid E is shown, and without one the map is asked; both are ln |f|."""
+        self.ok("slice", "s.obj", *LOW, "--alpha", 12, "--field", "f", "--iterations", 1, "--size", 60, "--range", 1, "-o", "f.png")
+        self.ok("slice", "s.obj", *LOW, "--alpha", 12, "--field", "e", "--size", 60, "--range", 1, "-o", "e.png")
+        differences = [abs(x - y) for f, e in zip(harness.read_png(self.bytes("f.png")), harness.read_png(self.bytes("e.png")))
+                       for a, b in zip(f, e) for x, y in zip(a, b)]
+        self.assertLess(sum(differences) / len(differences), 2)
+        quadratic = ("slice", "--map", "quadratic", "--c", "0.2,0,0,0", "--box=-2,-2,-2,2,2,2", "--resolution", 20, "--size", 40,
+                     "--escape", 50, "--range", 3)
+        self.ok(*quadratic, "--field", "e", "-o", "e.png")
+        self.ok(*quadratic, "--field", "e", "--iterations", 2, "-o", "e2.png")
+        self.assertEqual(self.bytes("e.png"), self.bytes("e2.png"))
+
     def test_a_fractal_brings_its_recipe(self):
         self.ok("fractal", "s.obj", *LOW, "--alpha", 12, "-o", "f.vdb")
         self.ok("slice", "f.vdb", "--size", 40, "-o", "recipe.png")
@@ -105,7 +139,7 @@ class Pictures(harness.CliTest):
         self.assertGreater(covered[0], 2 * covered[1], "a smaller zoom shows a smaller ball")
 
     def test_what_there_is_not(self):
-        for field in ("phi", "e"):
+        for field in ("phi",):
             self.refused(USAGE, "slice", "--map", "quadratic", "--field", field, "-o", "x.png", mentions=field[:1])
 
 

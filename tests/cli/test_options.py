@@ -86,7 +86,7 @@ VALUES = {
               "min-thickness": "8", "thin": "drop"},
     "render": {**LOOK, "material": "bronze", "light": "60,20", "sky": "0.2", "background": "#203040", "exposure": "1",
                "passes": "ao", "frames": ("1-2", "1-3"), "turn": "90", "key": "zoom@1=3", "ease": "zoom=smooth", "roots": "beside.json"},
-    "slice": {"size": "20", "field": "iterations", "range": "0.5", "axis": "x", "position": "0.1"},
+    "slice": {"size": "20", "field": "iterations", "range": "0.5", "axis": "x", "position": "0.1", "arrow": "0.1,0.2,0"},
     "study": {"size": "12", "dimension": "11,12,13", "axis": "x", "position": "0.1", "versors": "3"},
     "sheet": {**LOOK, "vary": "iterations=1,2", "columns": "1", "preview": ("mesh", "field")},
     "points": {"points": "80", "spacing": "0.4", "seed": "5"},

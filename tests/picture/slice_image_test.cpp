@@ -228,4 +228,44 @@ TEST(VersorSlice, ComponentsBecomeSrgb) {
   EXPECT_NEAR(image.at(1, 0)[2], 0.52252F, 1e-4F);
 }
 
+TEST(SlicePlane, ProjectsToTheCentresOfItsPixels) {
+  for (const Axis axis : {Axis::X, Axis::Y, Axis::Z}) {
+    const SlicePlane plane(axis, 0.25, BBoxd(Vec3d(-1, -2, -3), Vec3d(2, 1, 4)), 40);
+    for (const auto& [x, y] : {std::pair{0, 0}, {7, 3}, {plane.width() - 1, plane.height() - 1}}) {
+      Vec3d position = plane.position(x, y);
+      position[static_cast<int>(axis)] += 5;  // off the plane
+      const vdbtools::CanvasPoint point = plane.project(position);
+      EXPECT_NEAR(point.x, x + 0.5, 1e-9);
+      EXPECT_NEAR(point.y, y + 0.5, 1e-9);
+    }
+  }
+}
+
+TEST(SlicePlane, CutsABallInItsCircle) {
+  const SlicePlane plane(Axis::Y, 1, kUnitBox, 20);  // 10 pixels a unit
+  EXPECT_NEAR(plane.circle({0.3, 1, -0.2}, 0.5), 5, 1e-9);
+  EXPECT_NEAR(plane.circle({0, 4, 0}, 5), 40, 1e-9);
+  EXPECT_EQ(plane.circle({0, 4, 0}, 2), 0);
+}
+
+TEST(SliceArrows, LieBetweenTheirEndsAndOnTheCircle) {
+  const SlicePlane plane(Axis::Z, 0, kUnitBox, 100);  // 50 pixels a unit
+  const Colour grey{0.2F, 0.2F, 0.2F};
+  Image field(100, 100);
+  std::fill(field.pixels.begin(), field.pixels.end(), grey);
+  for (const bool inside : {true, false}) {
+    const vdbtools::SliceArrow arrow{
+        .from = {-0.5, 0.5, 0}, .to = {0.3, -0.4, 0}, .centre = {0, 0, 0}, .radius = 0.5, .inside = inside};
+    const Image drawn = withArrows(plane, field, {&arrow, 1});
+    const Colour colour = inside ? Colour{1, 1, 1} : Colour{0, 0, 0};
+    EXPECT_EQ(drawn.at(25, 25), colour);                                // its start
+    EXPECT_EQ(drawn.at(44, 46), colour);                                // on the way
+    EXPECT_EQ(drawn.at(63, 67), colour);                                // inside the head
+    for (const auto& [x, y] : {std::pair{50, 25}, {25, 50}, {74, 50}})  // the circle, half a pixel from each
+      EXPECT_NE(drawn.at(x, y), drawn.at(5, 5)) << x << ' ' << y;
+    EXPECT_NEAR(drawn.at(5, 5)[0], grey[0], 0.01);
+    EXPECT_NEAR(drawn.at(90, 90)[0], grey[0], 0.01);
+  }
+}
+
 }  // namespace

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/picture/slice_image.h"
 
+#include "base/elementary.h"
 #include "base/srgb.h"
 #include "vdbtools/base/memory.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -47,6 +49,43 @@ Colour divergingColour(float t) {
   const Oklab& end = t < 0 ? kInside : kOutside;
   const float w = std::abs(t);
   return toLinearRgb({kMiddle.lightness + w * (end.lightness - kMiddle.lightness), w * end.a, w * end.b});
+}
+
+/// Lines of arrows and circles, each in a wider one of the other colour, so that they show on any field.
+void outlined(Canvas& canvas, std::span<const CanvasPoint> points, bool inside, double width) {
+  canvas.line(points, {inside ? kBlack : kWhite, width + 2});
+  canvas.line(points, {inside ? kWhite : kBlack, width});
+}
+
+void drawCircle(Canvas& canvas, const CanvasPoint& centre, double radius, bool inside) {
+  constexpr int kSides = 180;
+  std::vector<CanvasPoint> points;
+  for (int i = 0; i <= kSides; ++i) {
+    const double angle = 2 * std::numbers::pi * (i % kSides) / kSides;
+    points.push_back({centre.x + radius * elementary::cos(angle), centre.y + radius * elementary::sin(angle)});
+  }
+  outlined(canvas, points, inside, 1);
+}
+
+/// Cairo draws no line beyond 32768 pixels.
+constexpr double kFarthest = 2e4;
+
+void drawArrow(Canvas& canvas, const CanvasPoint& from, CanvasPoint to, bool inside) {
+  constexpr double kHead = 9, kHalfHead = 0.45, kDot = 7, kShaft = 2;  // pixels; kHalfHead is a slope
+  const double x = to.x - from.x, y = to.y - from.y, length = std::sqrt(x * x + y * y);
+  if (!(length > 1)) return outlined(canvas, {&from, 1}, inside, kDot);
+  const double dx = x / length, dy = y / length, head = std::min(kHead, length);
+  if (length > kFarthest) to = {from.x + kFarthest * dx, from.y + kFarthest * dy};
+  const CanvasPoint foot{to.x - head * dx, to.y - head * dy};
+  const double side = kHalfHead * head;
+  const std::array shaft{from, foot};
+  const std::array tip{CanvasPoint{foot.x - side * dy, foot.y + side * dx}, to,
+                       CanvasPoint{foot.x + side * dy, foot.y - side * dx},
+                       CanvasPoint{foot.x - side * dy, foot.y + side * dx}};
+  outlined(canvas, shaft, inside, kShaft);
+  outlined(canvas, tip, inside, 1);
+  canvas.fill(tip, inside ? kWhite : kBlack);
+  outlined(canvas, {&from, 1}, inside, kDot);
 }
 
 void requireSize(const SlicePlane& plane, std::size_t size) {
@@ -118,6 +157,16 @@ SlicePlane::SlicePlane(Axis axis, double position, const openvdb::BBoxd& box, in
 
 openvdb::Vec3d SlicePlane::position(int x, int y) const { return mTopLeft + mRight * x + mDown * y; }
 
+CanvasPoint SlicePlane::project(const openvdb::Vec3d& world) const {
+  const openvdb::Vec3d offset = world - mTopLeft;
+  return {0.5 + offset.dot(mRight) / mRight.lengthSqr(), 0.5 + offset.dot(mDown) / mDown.lengthSqr()};
+}
+
+double SlicePlane::circle(const openvdb::Vec3d& centre, double radius) const {
+  const double height = (centre - mTopLeft).dot(mRight.cross(mDown).unit());
+  return std::sqrt(std::max(0.0, radius * radius - height * height)) / mRight.length();
+}
+
 Image signedSlice(const SlicePlane& plane, std::span<const float> values, double range) {
   requireSize(plane, values.size());
   if (!std::isfinite(range)) throw std::invalid_argument("the range of a slice must be finite; 0 chooses one");
@@ -168,6 +217,18 @@ Image versorSlice(const SlicePlane& plane, std::span<const openvdb::Vec3s> verso
     return Colour{channel(v[0]), channel(v[1]), channel(v[2])};
   });
   return image;
+}
+
+Image withArrows(const SlicePlane& plane, const Image& image, std::span<const SliceArrow> arrows) {
+  Canvas canvas(CanvasKind::Pixels, image.width, image.height);
+  canvas.image(image, 0, 0);
+  for (const SliceArrow& arrow : arrows) {
+    if (const double radius = plane.circle(arrow.centre, arrow.radius); radius > 0 && radius < kFarthest)
+      drawCircle(canvas, plane.project(arrow.centre), radius, arrow.inside);
+  }
+  for (const SliceArrow& arrow : arrows)
+    drawArrow(canvas, plane.project(arrow.from), plane.project(arrow.to), arrow.inside);
+  return canvas.pixels();
 }
 
 }  // namespace vdbtools

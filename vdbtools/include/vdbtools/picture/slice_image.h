@@ -4,6 +4,7 @@
 /// SlicePlane::position() of every pixel; these functions turn the values into colours.
 #pragma once
 
+#include "vdbtools/picture/canvas.h"
 #include "vdbtools/picture/image.h"
 
 #include <openvdb/Types.h>
@@ -31,10 +32,24 @@ class SlicePlane {
   int height() const { return mHeight; }
   /// The world position of a pixel's centre; (0, 0) is top left.
   openvdb::Vec3d position(int x, int y) const;
+  /// Where the projection of a world position on the plane lies in the picture: in pixels from its top left corner, so
+  /// that the centre of pixel (0, 0) is (0.5, 0.5).
+  CanvasPoint project(const openvdb::Vec3d& world) const;
+  /// @param centre, radius  of a ball, world units. @return the radius in pixels of the circle in which the plane cuts
+  /// its surface; 0 if it does not
+  double circle(const openvdb::Vec3d& centre, double radius) const;
 
  private:
   openvdb::Vec3d mTopLeft, mRight, mDown;  ///< world position of pixel (0, 0), and the steps per pixel
   int mWidth = 0, mHeight = 0;
+};
+
+/// The first step of a point's orbit, world units.
+struct SliceArrow {
+  openvdb::Vec3d from, to;
+  openvdb::Vec3d centre;  ///< the origin of the dynamics
+  double radius = 0;      ///< of the ball about it, in world units, on which the step ends
+  bool inside = false;    ///< the point belongs to the set
 };
 
 /// A signed scalar (phi, E, F) in a perceptually even diverging map: blue inside (negative), white at 0, red outside.
@@ -51,5 +66,10 @@ Image countSlice(const SlicePlane& plane, std::span<const int> counts, int most)
 
 /// The imaginary components of a versor, mapped from [-1, 1] to sRGB in [0, 1] ([SK23] Fig. 2).
 Image versorSlice(const SlicePlane& plane, std::span<const openvdb::Vec3s> versors);
+
+/// Draws each arrow from a dot at its start to its end, projected on the plane, and the circle in which the plane cuts
+/// the ball on which it ends: white if the point is inside, black if not ([SK23] Fig. 3).
+/// @param image  of the plane; its colours come back in the 256 levels of sRGB
+Image withArrows(const SlicePlane& plane, const Image& image, std::span<const SliceArrow> arrows);
 
 }  // namespace vdbtools
