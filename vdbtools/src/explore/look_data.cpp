@@ -48,7 +48,7 @@ std::vector<std::string> namesIn(const std::string& list) {
   return names;
 }
 
-const char* nameOf(FieldColour by) {
+const char* kindOf(FieldColour by) {
   switch (by) {
     case FieldColour::Direction: return "direction";
     case FieldColour::Versor: return "versor";
@@ -165,7 +165,7 @@ json gradientData() { return namesIn(gradientNames()); }
 json colouringData(const Scene& scene, const ColourChoice& choice, Monitor& monitor) {
   const FieldColouring colouring = sceneColouring(scene, choice);
   monitor.throwIfCancelled();
-  json data = {{"by", nameOf(colouring.by)}, {"stops", json::array()}};
+  json data = {{"by", kindOf(colouring.by)}, {"stops", json::array()}};
   GradientRange range = colouring.range.value_or(GradientRange{});
   switch (colouring.by) {
     case FieldColour::Clay:
