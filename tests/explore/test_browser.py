@@ -111,6 +111,7 @@ class Browser(browser.BrowserTest):
         self.open_page()
         self.run_script("""explore.store.change((state) => {
             Object.assign(state.recipe, { versor: "thorns", detail: "0.6", slice: "0.1", colour: "trap:magma" });
+            state.look.options = { material: "slate", light: "30,20" };
             Object.assign(state.view, { eye: state.view.eye.map((value, i) => value + [0.2, 0.1, 0.4][i]) });
           });""")
         self.settle()
@@ -133,7 +134,7 @@ class Browser(browser.BrowserTest):
         listed = lambda numbers: ",".join(map(repr, numbers))  # noqa: E731
         self.ok("render", "--field", made, "-o", "exact.png", f"--eye={listed(view['eye'])}",
                 f"--look-at={listed(view['lookAt'])}", f"--up={listed(view['up'])}", "--fov", view["fov"],
-                "--size", f"{width}x{height}", "--samples", "4")
+                "--size", f"{width}x{height}", "--samples", "4", "--material", "slate", "--light", "30,20")
         self.assertEqual(self.bytes("exact.png"), exact)
 
         self.button("Save recipe").click()
@@ -512,6 +513,65 @@ class Browser(browser.BrowserTest):
         tiles[0].click()
         self.settle()
         self.assertNotIn("error", self.find(".status").get_attribute("class"))
+        self.assertEqual(self.errors(), [])
+
+    def test_what_is_wrong_is_answered_beside_its_control(self):
+        self.open_page()
+        self.settle()
+        beside = lambda: self.run_script("return [...document.querySelectorAll('.control-error')].map((one) => [one.textContent, "  # noqa: E731
+                                         "(one.previousElementSibling.dataset.name ?? one.previousElementSibling.firstElementChild.dataset.name)])")
+        for change, option, words in (("state.look.options.material = 'brnze'", "material", "did you mean 'bronze'?"),
+                                      ("state.look.options.background = 'red'", "background", "--background is 'red'"),
+                                      ("state.recipe.colour = 'trap:inferno:0.9:0.1'", "colour", "from a lower to a higher number"),
+                                      ("state.recipe.colour = 'trap:inferno:0.5:0.5'", "colour", "from a lower to a higher number"),
+                                      ("state.recipe.colour = 'trap:infrno'", "colour", "did you mean 'inferno'?"),
+                                      ("state.recipe.detail = '2'", "detail", "--detail")):
+            self.run_script(f"explore.store.change((state) => {{ {change}; }})")
+            self.wait_until(beside, f"words about {change}")
+            ((said, place),) = beside()
+            self.assertIn(words, said)
+            self.assertEqual(place, option)
+            self.button("Undo").click()
+            self.wait_until(lambda: not beside(), "the end of it")
+        self.driver.get_log("browser")  # refused requests are told there
+
+    def test_a_range_and_a_ramp_of_ones_own(self):
+        self.open_page()
+        self.settle()
+        self.run_script("explore.store.change((state) => { state.recipe.colour = 'trap'; })")
+        self.settle()
+        ends = lambda: self.run_script("return [...document.querySelectorAll('.pair input')].map((one) => [one.value, one.placeholder])")  # noqa: E731
+        self.wait_until(lambda: ends()[0][1] != "", "the range that occurs")
+        (_, low), (_, high) = ends()
+        self.assertLess(float(low), float(high))
+        self.run_script("const end = document.querySelectorAll('.pair input')[1]; end.value = 0.9; end.dispatchEvent(new Event('change'))")
+        self.assertEqual(self.state()["recipe"]["colour"], f"trap:viridis:{low}:0.9")
+        self.run_script("explore.store.change((state) => { state.recipe.colour = 'trap:#102030,#ffffff'; })")
+        self.settle()
+        self.assertEqual([one.get_property("value") for one in self.finds("[data-name=colour] input[type=text]") if one.is_displayed()], ["#102030,#ffffff"])
+        self.assertEqual(self.errors(), [])
+
+    def test_the_mesh_and_what_was_made_are_shown(self):
+        self.open_page()
+        self.settle()
+        self.run_script("explore.store.change((state) => { state.look.options = { material: 'jade' }; });"
+                        "document.getElementById('make-resolution').value = 20; document.getElementById('make-ply').click()")
+        self.settle()
+        self.button("Mesh preview").click()
+        self.wait_until(lambda: self.find("img.exact").is_displayed(), "the mesh")
+        self.assertIn("This is the mesh at resolution 20", self.status())
+        mesh = self.fetched(self.find("img.exact").get_attribute("src"))
+        self.button("Make").click()
+        self.wait_until(lambda: self.finds(".jobs .made"), "the picture of what was made")
+        self.button("Show").click()
+        self.wait_until(lambda: "as it was made" in self.status() and self.find("img.exact").is_displayed(), "what was made")
+        self.assertEqual(self.fetched(self.find("img.exact").get_attribute("src")), mesh)
+        self.button("Exact picture").click()
+        self.wait_until(lambda: "exact picture" in self.status() and self.find("img.exact").is_displayed(), "the exact picture")
+        self.assertNotEqual(self.fetched(self.find("img.exact").get_attribute("src")), mesh)
+        self.button("Copy picture command").click()
+        self.wait_until(lambda: "render --field" in self.find(".files textarea").get_property("value"), "the command")
+        self.assertIn("--material jade", self.find(".files textarea").get_property("value"))
         self.assertEqual(self.errors(), [])
 
     def test_a_control_is_found_by_typing(self):

@@ -84,6 +84,36 @@ class Page(browser.BrowserTest):
         self.assertGreaterEqual(self.silhouettes("--map", "mandelbulb", "--theta", "pole", "--iterations", "3"), 0.97)
         self.assertGreaterEqual(self.silhouettes("--map", "quadratic", "--c=-0.2,0.6,0.2,0.2"), 0.97)
 
+    def test_the_light_and_the_colours_are_those_of_the_exact_picture(self):
+        """The mean colour over the set, as sRGB, for each material and in other light; and a gradient over its range."""
+        self.show(*TORUS, "--detail", "0.2")
+
+        def difference(options, colour):
+            self.run_script("explore.store.change((state) => { state.look.options = arguments[0]; "
+                            "if (arguments[1] === 'clay') delete state.recipe.colour; else state.recipe.colour = arguments[1]; })", options, colour)
+            seen = self.picture()
+            words = [f"--{name}={value}" for name, value in options.items()]
+            self.ok("render", "--field", *TORUS, "--detail", "0.2", *words, "--colour", colour, "--size", f"{SIDE}x{SIDE}", "--samples", "1", "-o", "exact.png")
+            rows, sums, count = harness.read_png(self.bytes("exact.png")), [0.0] * 3, 0
+            for y in range(SIDE):
+                for x in range(SIDE):
+                    at = 4 * (y * SIDE + x)
+                    if seen[at + 3] < 0.5:
+                        continue
+                    count += 1
+                    for c in range(3):
+                        linear = min(1.0, max(0.0, seen[at + c]))
+                        code = 12.92 * linear if linear <= 0.0031308 else 1.055 * linear ** (1 / 2.4) - 0.055
+                        sums[c] += 255 * code - rows[SIDE - 1 - y][x][c]
+            self.assertGreater(count, 500)
+            return max(abs(one) / count for one in sums)
+
+        for options, colour in (({}, "clay"), ({"material": "porcelain"}, "clay"), ({"material": "slate", "light": "60,25"}, "clay"),
+                                ({"material": "bronze", "sky": "2"}, "clay"), ({"exposure": "-1"}, "clay"), ({}, "direction"),
+                                ({}, "trap"), ({}, "iterations"), ({}, "depth")):
+            self.assertLess(difference(options, colour), 12, (options, colour))
+        self.assertEqual(self.errors(), [])
+
     # --------------------------------------------------------------------------------------------- the controls
 
     def test_every_control_changes_the_picture_and_can_be_undone(self):
@@ -97,7 +127,8 @@ class Page(browser.BrowserTest):
                 const name = control.querySelector("label").textContent;
                 if (control.closest("[hidden]") || !input || name === "Rays a pixel") return null;
                 if (input.type === "range") input.value = Number(input.min) + 0.8 * (input.max - input.min);
-                else if (input.tagName === "SELECT") input.selectedIndex = 2;
+                else if (input.tagName === "SELECT") input.selectedIndex = Math.min(2, input.options.length - 1);
+                else input.checked = !input.checked;
                 input.dispatchEvent(new Event("change"));
                 return name;""", i)
             if name is None:
@@ -108,7 +139,8 @@ class Page(browser.BrowserTest):
             self.assertEqual(self.state(), state, name)
             changed.append(name)
         self.assertEqual(self.picture(), first)
-        for name in ("Scale of the texture", "Iterations", "Slice", "Colour", "Light from above", "Cut open along"):
+        for name in ("Scale of the texture", "Iterations", "Slice", "Colour", "Material", "Light from the side", "Light from above", "Sky", "Exposure", "Ground",
+                     "Background", "Cut open along"):
             self.assertIn(name, changed)
         self.assertEqual(self.errors(), [])
 

@@ -205,6 +205,107 @@ class Page(harness.CliTest):
             status, answer = page.post("picture", {**good, **wrong})
             self.assertEqual(status, 400, (wrong, answer))
 
+    LOOK = {"material": "bronze", "light": "60,25", "sky": "0.6", "exposure": "0.5", "ground": "true", "background": "#203040"}
+    VIEW = {"eye": [1.5, 1.2, -2], "lookAt": [0, 0.1, 0], "up": [0, 1, 0], "fov": 40}
+
+    def test_the_light_of_a_picture_is_that_of_the_command(self):
+        page = self.serve("s.obj", *QUICK)
+        body = {"recipe": page.recipe(), "width": 60, "height": 40, "view": self.VIEW}
+        plain = page.post("picture", body)[1]
+        shown = {plain}
+        for name, value in self.LOOK.items():
+            status, picture = page.post("picture", {**body, "look": {name: value}})
+            self.assertEqual(status, 200, picture)
+            self.assertNotIn(picture, shown, name)
+            shown.add(picture)
+        # The page gives the command of the same picture.
+        status, answer = page.post("command", {**body, "look": self.LOOK, "name": "a"})
+        self.assertEqual(status, 200, answer)
+        words = shlex.split(answer["picture"])
+        self.assertEqual(words[:3], ["juliavdb", "render", "--field"])
+        self.ok(*words[1:])
+        self.assertEqual(self.bytes("a.png"), page.post("picture", {**body, "look": self.LOOK})[1])
+        # Without a background a picture has alpha.
+        cut = page.post("picture", {**body, "look": {"background": "none"}})[1]
+        self.assertEqual((cut[25], plain[25]), (6, 2))
+
+    def test_what_a_look_says_is_read_by_the_program(self):
+        page = self.serve("s.obj", *QUICK)
+        usual = page.post("look", {"look": {}})[1]
+        self.assertEqual(usual["material"], page.get("start")[1]["materials"]["clay"])
+        self.assertEqual(usual["light"], [-48, 41])
+        for name, value in self.LOOK.items():
+            self.assertNotEqual(page.post("look", {"look": {name: value}})[1], usual, name)
+        for name, wrong in (("material", "brnze"), ("light", "1"), ("light", "0,100"), ("sky", "-1"), ("exposure", "11"), ("background", "red")):
+            status, answer = page.post("look", {"look": {name: wrong}})
+            self.assertEqual(status, 400, answer)
+            self.assertIn(f"--{name}", answer["error"])
+            self.assertIn(wrong, answer["error"])
+            # The same words as of the command.
+            run = self.run_program("render", "--field", "s.obj", f"--{name}={wrong}", "-o", "x.png")
+            self.assertEqual(f"juliavdb: {answer['error']}", run.stderr.decode().strip())
+        for wrong in (7, [], {"nosuch": "1"}, {"sky": 1}):
+            self.assertEqual(page.post("look", {"look": wrong})[0], 400, wrong)
+
+    def test_the_colours_of_a_scene_have_the_range_of_the_command(self):
+        """A range that the page is told makes the picture that has none."""
+        page = self.serve("s.obj", *QUICK)
+        self.assertEqual(page.post("colouring", {"recipe": page.recipe()})[1], {"by": "clay", "stops": []})
+        body = {"width": 40, "height": 40}
+        for by in ("trap", "iterations", "depth"):
+            status, found = page.post("colouring", {"recipe": page.recipe(colour=f"{by}:inferno")})
+            self.assertEqual(status, 200, found)
+            self.assertLess(found["low"], found["high"])
+            self.assertEqual(len(found["stops"]), 10)
+            self.assertEqual("distance" in found, by == "depth")
+            pictures = [page.post("picture", {**body, "recipe": page.recipe(colour=text)})[1] for text in
+                        (f"{by}:inferno", f"{by}:inferno:{found['low']!r}:{found['high']!r}", by)]
+            self.assertTrue(pictures[0] == pictures[1] != pictures[2], by)
+        given = page.post("colouring", {"recipe": page.recipe(colour="trap:#102030,#ffffff:0.1:0.9")})[1]
+        self.assertEqual((given["low"], given["high"]), (0.1, 0.9))
+        self.assertEqual(given["stops"], [[0x10 / 255, 0x20 / 255, 0x30 / 255], [1, 1, 1]])
+        for wrong in ("trap:inferno:0.9:0.1", "trap:inferno:0.5:0.5", "trap:infrno", "trap:#12,#ffffff", "clay:inferno"):
+            status, answer = page.post("colouring", {"recipe": page.recipe(colour=wrong)})
+            self.assertEqual(status, 400, answer)
+            self.assertIn(f"--colour is '{wrong}'", answer["error"])
+
+    def test_the_mesh_and_what_was_made_are_seen_by_the_same_camera(self):
+        page = self.serve("s.obj", *QUICK)
+        frame = page.post("scene", {"recipe": page.recipe()})[1]["frame"]
+        centre, radius = frame["centre"], frame["radius"]
+        body = {"width": 60, "height": 60, "look": {"material": "jade"},
+                "view": {"eye": [centre[0], centre[1] + radius, centre[2] + 4 * radius], "lookAt": centre, "up": [0, 1, 0], "fov": 30}}
+        coarse = {**body, "recipe": page.recipe(), "mesh": True, "resolution": "20"}
+        status, mesh = page.post("picture", coarse)
+        self.assertEqual(status, 200, mesh)
+        self.assertNotEqual(mesh, page.post("picture", {**coarse, "resolution": "40"})[1])
+
+        def covered(picture):
+            return {(x, y) for y, row in enumerate(harness.read_png(picture)) for x, pixel in enumerate(row) if max(pixel[:3]) - min(pixel[:3]) > 12}
+
+        self.assertGreater(len(covered(mesh)), 200)
+        field = covered(page.post("picture", {**body, "recipe": page.recipe()})[1])
+        self.assertGreater(len(field & covered(mesh)) / len(field | covered(mesh)), 0.8)
+        # Files in which another axis points up are turned back.
+        for name, recipe, formats in (("a", {}, ["vdb", "ply"]), ("b", {"up": "z"}, ["ply"]), ("c", {"up": "z"}, ["vdb"]), ("d", {}, ["stl"])):
+            job = self.make(page, recipe=page.recipe(resolution="20", **recipe), name=name, formats=formats)
+            self.assertEqual(page.wait_for(job)["state"], "done")
+            status, made = page.post("made", {**body, "job": job})
+            self.assertEqual(status, 200, made)
+            if name == "a":
+                self.assertTrue(made == mesh, "the file holds that mesh")
+            self.assertGreater(len(covered(made) & covered(mesh)) / len(covered(made) | covered(mesh)), 0.95, name)
+        self.path("b.ply").unlink()
+        status, answer = page.post("made", {**body, "job": 2})
+        self.assertEqual(status, 422, answer)
+        self.assertIn("b.ply", answer["error"])
+        for nothing in (99, "1", None, -1):
+            self.assertEqual(page.post("made", {**body, "job": nothing})[0], 404)
+        # What is finer than the voxels, in the words of the command.
+        finer = page.post("advice", {"recipe": page.recipe(versor="fur"), "resolution": "16"})[1]["finer"]
+        run = self.run_program("fractal", "s.obj", *QUICK[:2], *QUICK[4:], "--versor", "fur", "--resolution", "16", "-o", "x.vdb", "--progress", "none")
+        self.assertIn(finer or "wrote", run.stderr.decode() + run.stdout.decode())
+
     def test_a_dropped_connection_ends_its_picture(self):
         page = self.serve("s.obj", "--detail", "0.5", "--resolution", "30", "--sdf-resolution", "40")
         body = json.dumps({"recipe": page.recipe(iterations=20), "width": 4000, "height": 4000, "samples": 16,

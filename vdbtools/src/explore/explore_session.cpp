@@ -4,6 +4,8 @@
 #include "base/json_text.h"
 #include "explore/export_page.h"
 #include "explore/failure_answer.h"
+#include "explore/look_data.h"
+#include "explore/made_picture.h"
 #include "explore/made_recipe.h"
 #include "explore/scene_data.h"
 #include "explore/start_data.h"
@@ -14,6 +16,7 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/job/recorded_files.h"
+#include "vdbtools/job/voxel_advice.h"
 #include "vdbtools/surface/grid_mesh.h"
 
 #include <algorithm>
@@ -33,7 +36,6 @@ using nlohmann::json;
 constexpr std::size_t kMostBody = 64 << 10, kMostFile = std::size_t(256) << 20;  // bytes
 constexpr std::size_t kMostVolumes = 4, kMostEntries = 300, kMostKeys = 100;
 constexpr std::size_t kMostTargetTriangles = 100'000;
-constexpr double kMostPictureSide = 4096;  // pixels
 
 /// There is nothing at this path.
 class NoSuchPath : public std::runtime_error {
@@ -72,19 +74,6 @@ SceneDataOptions volumeOf(const json& object) {
   return options;
 }
 
-/// A number, or a list of them, as the text of an option.
-std::string numberText(const json& value, const std::string& name) {
-  if (value.is_string()) return value.get<std::string>();
-  if (value.is_number()) return numbersText({value.get<double>()});
-  std::vector<double> numbers;
-  for (const json& part : value.is_array() ? value : json::array()) {
-    if (!part.is_number()) throw std::invalid_argument("'" + name + "' must be a list of numbers");
-    numbers.push_back(part.get<double>());
-  }
-  if (numbers.empty()) throw std::invalid_argument("'" + name + "' must be a number or a list of numbers");
-  return numbersText(numbers);
-}
-
 Recipe recipeOf(const json& body) {
   const auto entry = body.find("recipe");
   if (entry == body.end() || !entry->is_object() || entry->size() > kMostEntries)
@@ -106,36 +95,6 @@ std::vector<std::string> formatsOf(const json& body) {
     formats.push_back(format.get<std::string>());
   }
   return formats;
-}
-
-/// The options of a picture by `juliavdb render --field`.
-FieldPicture pictureOf(const json& body) {
-  static const OptionTable table = [] {
-    std::vector<OptionSpec> options = fieldPictureOptionSpecs("800x600");
-    options.push_back(colourOptionSpec());
-    return OptionTable(std::move(options));
-  }();
-  Recipe given;
-  const auto take = [&](const json& object, const char* entry, const char* option) {
-    if (const auto found = object.find(entry); found != object.end() && !found->is_null())
-      given[option] = numberText(*found, entry);
-  };
-  const json view = body.value("view", json());
-  if (!view.is_object() && !view.is_null()) throw std::invalid_argument("'view' must be an object");
-  if (view.is_object()) {
-    take(view, "lookAt", "look-at");
-    for (const char* name : {"eye", "up", "fov", "azimuth", "elevation", "zoom"}) take(view, name, name);
-  }
-  for (const char* name : {"samples", "colour", "epsilon", "delta"}) take(body, name, name);
-  take(body, "alphaClarity", "alpha-clarity");
-  if (body.contains("width") || body.contains("height")) {
-    const json width = body.value("width", json(800)), height = body.value("height", json(600));
-    if (!width.is_number_unsigned() || !height.is_number_unsigned() || width > kMostPictureSide ||
-        height > kMostPictureSide)
-      throw std::invalid_argument("'width' and 'height' must be whole numbers of pixels, at most 4096");
-    given["size"] = width.dump() + 'x' + height.dump();
-  }
-  return parseFieldPicture(given, table);
 }
 
 int frameOf(const json& object) {
@@ -356,7 +315,34 @@ std::string ExploreSession::targetMesh(Monitor& monitor) {
 std::string ExploreSession::picture(const json& body, Monitor& monitor) {
   const FieldPicture picture = pictureOf(body);
   if (picture.colour && picture.colour->picture) mAccess.require(*picture.colour->picture);
+  if (flagOf(body, "mesh"))
+    return pictureOfMesh(sceneOf(lookToMake(body), SceneStore::Turn::Waits, monitor)->scene(), picture, monitor);
   return sceneOf(lookOf(body), SceneStore::Turn::Waits, monitor)->picture(picture, monitor);
+}
+
+/// The numbers of a look, of which the page makes its live picture.
+json ExploreSession::look(const json& body) { return lookData(lookTexts(body)); }
+
+/// How a recipe colours its scene.
+json ExploreSession::colouring(const json& body, Monitor& monitor) {
+  const Look look = lookOf(body);
+  const std::shared_ptr<KeptScene> kept = sceneOf(look, SceneStore::Turn::Waits, monitor);
+  return colouringData(kept->scene(),
+                       look.options.output.attributes.colour.value_or(ColourChoice{.by = FieldColour::Clay}), monitor);
+}
+
+/// What of a recipe is finer than its voxels.
+json ExploreSession::advice(const json& body, Monitor& monitor) {
+  const std::shared_ptr<KeptScene> kept = sceneOf(lookToMake(body), SceneStore::Turn::Waits, monitor);
+  return {{"finer", finerThanVoxelsText(kept->scene())}};
+}
+
+std::string ExploreSession::made(const json& body, Monitor& monitor) {
+  const auto number = body.find("job");
+  const std::optional<MadeFiles> files =
+      number != body.end() && number->is_number_integer() ? mJobs.madeFiles(number->get<int>()) : std::nullopt;
+  if (!files) throw NoSuchPath();
+  return pictureOfMade(*files, pictureOf(body), monitor);
 }
 
 json ExploreSession::make(const json& body) {
@@ -430,7 +416,10 @@ json ExploreSession::command(const json& body) {
   std::string commands;
   for (const auto& files : outputs)
     commands += (commands.empty() ? "" : "\n") + fractalCommand(look.given, mTable, files);
-  return {{"command", commands}};
+  if (!body.contains("view")) return {{"command", commands}};
+  pictureOf(body);  // for its checks
+  return {{"command", commands},
+          {"picture", pictureCommand(look.given, mTable, pictureTexts(body), (mFolder / (name + ".png")).string())}};
 }
 
 /// The command of a sequence between looks, and the look at one of its frames.
@@ -496,6 +485,10 @@ ExploreAnswer ExploreSession::answer(const ExploreRequest& request, Monitor& mon
     if (post && path == "recipe") return jsonAnswer(recipe(request.name, request.body));
     if (post && path == "scene") return jsonAnswer(scene(objectOf(request.body), monitor));
     if (post && path == "picture") return {200, "image/png", picture(objectOf(request.body), monitor)};
+    if (post && path == "look") return jsonAnswer(this->look(objectOf(request.body)));
+    if (post && path == "colouring") return jsonAnswer(colouring(objectOf(request.body), monitor));
+    if (post && path == "advice") return jsonAnswer(advice(objectOf(request.body), monitor));
+    if (post && path == "made") return {200, "image/png", made(objectOf(request.body), monitor)};
     if (post && path == "make") return jsonAnswer(make(objectOf(request.body)));
     if (post && path == "command") return jsonAnswer(command(objectOf(request.body)));
     if (post && path == "sequence") return jsonAnswer(sequence(objectOf(request.body)));

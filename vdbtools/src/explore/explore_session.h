@@ -70,6 +70,10 @@ class ExploreSession {
   std::string volume(const std::string& id);
   std::string targetMesh(Monitor& monitor);
   std::string picture(const json& body, Monitor& monitor);
+  json look(const json& body);
+  json colouring(const json& body, Monitor& monitor);
+  json advice(const json& body, Monitor& monitor);
+  std::string made(const json& body, Monitor& monitor);
   json make(const json& body);
   json jobs();
   json recipe(const std::string& name, const std::string& bytes);

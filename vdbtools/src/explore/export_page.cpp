@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "explore/export_page.h"
 
+#include "explore/look_data.h"
 #include "explore/scene_data.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/explore/embedded_page.h"
 
 #include <zlib.h>
 
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 namespace vdbtools {
 namespace {
@@ -74,6 +77,24 @@ void appendModule(std::string_view name, std::set<std::string_view>& done, std::
   script += own;
 }
 
+/// What the page has of the light and the material, {look: {options}}; null if it does not say.
+json optionsOf(const json& page) {
+  if (!page.is_object()) return {};
+  const json look = page.value("look", json());
+  return look.is_object() ? look.value("options", json()) : json();
+}
+
+/// Of the scene's own colours, and of all others, by the texts of --colour.
+json colourings(const Scene& scene, Monitor& monitor) {
+  json all = json::object();
+  if (const std::optional<ColourChoice>& own = scene.options.output.attributes.colour)
+    all["own"] = colouringData(scene, *own, monitor);
+  for (const auto& [name, by] : {std::pair("trap", FieldColour::Trap), std::pair("iterations", FieldColour::Iterations),
+                                 std::pair("depth", FieldColour::Depth)})
+    if (by != FieldColour::Depth || scene.target) all[name] = colouringData(scene, {.by = by}, monitor);
+  return all;
+}
+
 }  // namespace
 
 std::string bundledScript() {
@@ -90,6 +111,10 @@ std::string exportPage(const Scene& scene, const Recipe& recipe, const json& loo
                       {"version", JULIAVDB_VERSION},
                       {"recipe", recipe},
                       {"look", look},
+                      {"lookData", lookData(lookTexts({{"look", optionsOf(look)}}))},
+                      {"materials", materialData()},
+                      {"looks", lookOptionData()},
+                      {"colourings", colourings(scene, monitor)},
                       {"scene", data.description}};
   monitor.throwIfCancelled();
   std::string page(pageFile("index.html"));

@@ -172,6 +172,16 @@ std::vector<JobStatus> JobQueue::list() const {
   return jobs;
 }
 
+std::optional<MadeFiles> JobQueue::madeFiles(int number) const {
+  for (const JobStatus& status : list()) {
+    if (status.number != number || status.state != JobState::Done) continue;
+    MadeFiles made{.recipe = status.request.recipe, .files = {}};
+    for (const std::string& format : status.request.formats) made.files.push_back(fileOf(status.request, format));
+    return made;
+  }
+  return std::nullopt;
+}
+
 bool JobQueue::cancel(int number) {
   const std::lock_guard lock(mMutex);
   for (const auto& job : mJobs) {

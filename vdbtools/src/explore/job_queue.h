@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -40,6 +41,12 @@ struct JobStatus {
   std::string error;               ///< of a job that failed
 };
 
+/// What a job has made.
+struct MadeFiles {
+  Recipe recipe;  ///< completed
+  std::vector<std::filesystem::path> files;
+};
+
 /// The names of the formats that files may have.
 std::vector<std::string> fileFormats();
 
@@ -61,6 +68,8 @@ class JobQueue {
   int add(const JobRequest& request);
   /// All that are known: the last hundred or so, in the order in which they were added.
   std::vector<JobStatus> list() const;
+  /// None: there is no such job, or it has not made its files.
+  std::optional<MadeFiles> madeFiles(int number) const;
   /// @return false: there is no such job
   bool cancel(int number);
   /// No job begins after this, and the one that is running is asked to end.

@@ -22,6 +22,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -163,6 +164,41 @@ json occupancy(const Scene& scene, const openvdb::BBoxd& region, Monitor& monito
           {"bits", base64(bits)}};
 }
 
+/// The lowest places of the set along Y and Z, as a lattice finds them that is finer along the axis; fractal space.
+json lowest(const Scene& scene, const openvdb::BBoxd& region) {
+  constexpr int kCells = 48, kFiner = 8;
+  const Vec3d cell = region.extents() / kCells;
+  json places = json::array();
+  for (const int axis : {1, 2}) {
+    const int across[] = {(axis + 1) % 3, (axis + 2) % 3};
+    std::vector<julia::Point> points(std::size_t(kCells) * kCells);
+    std::vector<double> field(points.size());
+    // Of a layer across the axis: a place within the set.
+    const auto within = [&](double height) -> std::optional<Vec3d> {
+      for (int j = 0; j < kCells; ++j)
+        for (int i = 0; i < kCells; ++i) {
+          Vec3d at = region.min();
+          at[axis] += height * cell[axis];
+          at[across[0]] += (i + 0.5) * cell[across[0]];
+          at[across[1]] += (j + 0.5) * cell[across[1]];
+          points[static_cast<std::size_t>(j * kCells + i)] = {at[0], at[1], at[2]};
+        }
+      scene.evaluator->evaluate(points, field, {});
+      const auto found = std::find_if(field.begin(), field.end(), [](double f) { return f < 0; });
+      if (found == field.end()) return std::nullopt;
+      return Vec3d(points[static_cast<std::size_t>(found - field.begin())].data());
+    };
+    int layer = 0;
+    while (layer < kCells && !within(layer + 0.5)) ++layer;
+    for (int part = 0; part <= kFiner; ++part)
+      if (const std::optional<Vec3d> place = within(layer - 0.5 + static_cast<double>(part) / kFiner)) {
+        places.push_back(vector(*place));
+        break;
+      }
+  }
+  return places;
+}
+
 constexpr const char* kNotShown =
     "the page has no live picture of this versor: it shows one texture or roots, without a layer and a symmetry; "
     "'juliavdb render --field' makes pictures of any";
@@ -255,6 +291,7 @@ SceneData sceneData(const Scene& scene, const SceneDataOptions& options, Monitor
   const openvdb::BBoxd region(inFractalSpace(world.min()), inFractalSpace(world.max()));
   description["region"] = {{"min", vector(region.min())}, {"max", vector(region.max())}};
   if (!scene.exponent) description["occupancy"] = occupancy(scene, region, monitor);
+  description["lowest"] = lowest(scene, region);
   const FramedBall ball = frameSet(scene.source(), world);
   description["frame"] = {{"centre", vector(ball.centre)}, {"radius", ball.radius}};
   if (scene.target)

@@ -48,9 +48,8 @@ KeptScene::KeptScene(Scene made)
 std::string KeptScene::picture(const FieldPicture& picture, Monitor& monitor) {
   std::unique_lock lock(mRendering, std::defer_lock);
   while (!lock.try_lock_for(kPatience)) monitor.throwIfCancelled();
-  const FieldRenderOptions options = pictureOptions(mScene, mRegion, picture, FieldColour::Direction);
-  const FieldImage image = mRenderer.render(options, monitor);
-  return encodeFieldImage(image, ".png");
+  const FieldImage image = mRenderer.render(pictureOptions(mScene, mRegion, picture), monitor);
+  return encodeShadedImage(image, ".png", picture.render.look.backdrop == Backdrop::None, {Pass::Beauty});
 }
 
 SceneStore::SceneStore()

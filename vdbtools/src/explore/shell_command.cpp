@@ -61,6 +61,20 @@ std::string fractalCommand(const Recipe& recipe, const OptionTable& table,
   return command;
 }
 
+std::string pictureCommand(const Recipe& recipe, const OptionTable& table, const Recipe& picture,
+                           const std::string& file) {
+  std::string command = "juliavdb render --field";
+  appendRecipe(command, recipe, table, {{completeRecipe(recipe, table), {Product::Picture}}});
+  for (const auto& [name, value] : picture) {
+    if (value == "true")
+      command += " --" + name;
+    else if (value != "false" && !value.empty())
+      appendOption(command, "--" + name, value);
+  }
+  appendOption(command, "-o", file.starts_with('-') ? "./" + file : file);
+  return command;
+}
+
 std::string framesCommand(const FramePlanOptions& options, const std::string& list, const OptionTable& table,
                           const std::string& folder) {
   std::string command = "juliavdb plan frames";

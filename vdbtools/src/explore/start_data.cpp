@@ -2,10 +2,10 @@
 #include "explore/start_data.h"
 
 #include "explore/job_queue.h"
+#include "explore/look_data.h"
 #include "vdbtools/explore/embedded_page.h"
 #include "vdbtools/job/fractal_options.h"
 #include "vdbtools/maps/texture_shelf.h"
-#include "vdbtools/picture/gradient.h"
 
 #include <algorithm>
 #include <string>
@@ -71,13 +71,6 @@ json textureData() {
   return textures;
 }
 
-json gradientData() {
-  json names = json::array();
-  for (const std::string& name : split(gradientNames(), ','))
-    names.push_back(name.substr(std::min(name.find_first_not_of(' '), name.size())));
-  return names;
-}
-
 json mapData(const MapRegistry& maps) {
   json all = json::array();
   for (const MapRegistry::Descriptor& map : maps.maps()) {
@@ -101,8 +94,10 @@ json programData() {
           {"options", optionData(fractalOptionTable(maps), maps)},
           {"maps", mapData(maps)},
           {"textures", textureData()},
-          {"colours", {"direction", "versor", "iterations", "trap", "depth", "clay"}},
+          {"colours", {"clay", "trap", "depth", "iterations", "direction", "versor"}},
           {"gradients", gradientData()},
+          {"materials", materialData()},
+          {"looks", lookOptionData()},
           {"resolutions", {60, 100, 150, 200, 300, 400, 600, 800}},
           {"formats", fileFormats()}};
 }

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <ctime>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -25,14 +26,14 @@ using openvdb::CoordBBox;
 constexpr int kBlock = 8;  // nodes along each axis
 
 /// The mesh as it comes back from a PLY: the file turns it, rounds its places and its colours, and welds nothing.
-Mesh meshOfFile(const Scene& scene, Monitor& monitor) {
+Mesh meshOfFile(const Scene& scene, const OutputOptions& output, Monitor& monitor) {
   requireMemoryForMesh(scene);
   const FieldPlan plan = planScene(scene);
   Mesh mesh;
   std::vector<float> values;
   MeshCollector collector(mesh, &values);
   runFractal(scene, plan, false, &collector, monitor);
-  MeshWriteOptions options = meshWriteOptions(MeshFormat::Ply, scene.options.output, {});
+  MeshWriteOptions options = meshWriteOptions(MeshFormat::Ply, output, {});
   options.voxelSize = scene.voxelSize;
   options.box = meshBox(plan);
   std::ostringstream file;
@@ -73,7 +74,15 @@ Image meshPicture(const Scene& scene, const ViewOptions& view, Monitor& monitor)
   const UpAxis up = view.upAxis.value_or(scene.options.output.axes.ofMesh(MeshFormat::Ply));
   const PreviewOptions picture{
       .width = view.width, .height = view.height, .samples = view.samples, .view = view.angles, .up = up};
-  return renderMeshPreview(meshOfFile(scene, monitor), {.picture = picture}, monitor).beauty;
+  return renderMeshPreview(meshOfFile(scene, scene.options.output, monitor), {.picture = picture}, monitor).beauty;
+}
+
+ShadedImage meshPicture(const Scene& scene, const PreviewOptions& picture, Monitor& monitor) {
+  OutputOptions output = scene.options.output;
+  output.axes.rule = UpRule::Keep;
+  const std::optional<ColourChoice>& colour = output.attributes.colour;
+  return renderMeshPreview(meshOfFile(scene, output, monitor),
+                           {.picture = picture, .colours = !colour || colour->by != FieldColour::Clay}, monitor);
 }
 
 double estimatedMeshSeconds(const Scene& scene, Monitor& monitor) {

@@ -5,6 +5,7 @@
 
 #include "vdbtools/job/scene.h"
 #include "vdbtools/picture/image.h"
+#include "vdbtools/render/preview.h"
 #include "vdbtools/render/view_options.h"
 
 namespace vdbtools {
@@ -15,6 +16,11 @@ namespace vdbtools {
 /// @throw MemoryError            the mesh will not fit
 /// @throw Interrupted
 Image meshPicture(const Scene& scene, const ViewOptions& view, Monitor& monitor);
+
+/// The same mesh with a light and a camera of its own, in the target's coordinates, whatever axis points up in files.
+/// A recipe in which the colours are clay leaves the colour to the material.
+/// @throw as above
+ShadedImage meshPicture(const Scene& scene, const PreviewOptions& picture, Monitor& monitor);
 
 /// A view that pictures of meshes have, too. @throw std::invalid_argument
 void requireMeshView(const ViewOptions& view);

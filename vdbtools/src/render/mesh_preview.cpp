@@ -216,9 +216,10 @@ ShadedImage renderMeshPreview(Mesh mesh, const MeshPreviewOptions& options, Moni
     ball.centre = surface.place(ball.centre);
     ball.radius /= surface.ball().radius;
   }
+  const auto [camera, sky] = cameraAndSky(picture, surface.ball(), samples.aspect());
   PreviewStage stage = previewStage(
-      cameraAround(surface.ball(), picture.view, samples.aspect(), picture.up), picture.look, directionOf(picture.up),
-      samples.aspect(), surface.ball(), [&](const Vec3d& point) { return surface.place(point); },
+      camera, picture.look, sky, samples.aspect(), surface.ball(),
+      [&](const Vec3d& point) { return surface.place(point); },
       [](const Vec3d& direction) { return direction.unit(); });
   if (picture.look.ground) stage.floor = surface.lowestAlong(stage.sky);
   return renderStage(

@@ -74,9 +74,10 @@ ShadedImage renderPreview(const openvdb::FloatGrid& levelSet, const PreviewOptio
   const auto turn = [&](const Vec3d& direction) {
     return levelSet.transform().baseMap()->applyInverseJacobian(direction).unit();
   };
+  const auto [camera, sky] = cameraAndSky(options, ball, samples.aspect());
   PreviewStage stage = previewStage(
-      cameraAround(ball, options.view, samples.aspect(), options.up), options.look, directionOf(options.up),
-      samples.aspect(), ball, [&](const Vec3d& point) { return levelSet.worldToIndex(point); }, turn);
+      camera, options.look, sky, samples.aspect(), ball,
+      [&](const Vec3d& point) { return levelSet.worldToIndex(point); }, turn);
   if (options.look.ground) stage.floor = lowestCorner(stage.sky, cells);
 
   const SurfaceLattice lattice(levelSet.tree(), cells);

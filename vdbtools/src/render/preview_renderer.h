@@ -23,6 +23,14 @@
 #include <vector>
 
 namespace vdbtools {
+
+/// The camera of a picture, and the direction from which the light of its sky comes. @param ball  around the surface
+inline std::pair<Camera, openvdb::Vec3d> cameraAndSky(const PreviewOptions& options, const FramedBall& ball,
+                                                      double aspect) {
+  if (options.camera) return {*options.camera, options.camera->up.unit()};
+  return {cameraAround(ball, options.view, aspect, options.up), directionOf(options.up)};
+}
+
 namespace preview {
 
 /// The pixels of a picture, for one thread.

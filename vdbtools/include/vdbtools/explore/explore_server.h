@@ -15,15 +15,23 @@
 ///     GET    target      the target's surface: the numbers of points and triangles (32 bits each), three floats
 ///                        for each point, in shares of the longest side of the target's box, about its middle, and
 ///                        three 32-bit indices for each triangle; all little-endian
-///     POST   picture     {recipe, view: {eye, lookAt, up, fov}, width, height, samples, colour}: a PNG by the
-///                        renderer of `juliavdb render --field`. A connection that is dropped cancels it
+///     POST   picture     {recipe, view: {eye, lookAt, up, fov}, width, height, samples, colour, look}: a PNG by the
+///                        renderer of `juliavdb render --field`; a look is an object of the options of the material
+///                        and the light, all text. With {mesh: true, resolution} of the mesh that `fractal` makes. A
+///                        connection that is dropped cancels it
+///     POST   look        {look}: the numbers behind its texts (explore/look_data.h)
+///     POST   colouring   {recipe}: its colours on its scene, with the range of the gradient
+///     POST   advice      {recipe, resolution}: {finer}, a sentence about what is finer than the voxels, or ""
+///     POST   made        {job, view, width, height, samples, look}: a PNG of the mesh, or else the level set, that a
+///                        job has made
 ///     POST   make        {recipe, name, formats, resolution, overwrite}: {job}
 ///     GET    jobs        [{job, name, state, phase, share, left, files, error, recipe}]
 ///     DELETE jobs/N      cancels a job
 ///     POST   recipe      the first bytes of a file that this program made, its name in the query "name": {recipe,
 ///                        note}
 ///     POST   command     {recipe, name, formats, resolution}: {command}, for a POSIX shell: a line, and another one
-///                        for each mesh beyond the first
+///                        for each mesh beyond the first. With a view, and the other entries of a picture, also
+///                        {picture}: the command of that picture
 ///     POST   sequence    {keys: [{frame, recipe}], ease, name, resolution, frame}: {frames, command}, the command of
 ///                        `juliavdb plan frames`; with a frame also its recipe. What is no number changes in steps
 ///     POST   export      {recipe, look}: the page of --export

@@ -24,6 +24,12 @@ std::string shellWord(std::string_view word);
 std::string fractalCommand(const Recipe& recipe, const OptionTable& table,
                            const std::vector<std::pair<std::string, std::string>>& outputs);
 
+/// The command that makes a picture of what a recipe describes:
+/// "juliavdb render --field bunny.obj --detail 0.6 --material bronze -o look.png".
+/// @param picture  the options of the camera and the light
+std::string pictureCommand(const Recipe& recipe, const OptionTable& table, const Recipe& picture,
+                           const std::string& file);
+
 /// The command that plans a sequence: "juliavdb plan frames bunny.obj --frames 1-48 --key detail@1=0.2 ... -o look".
 /// @param options  what changes by keys, and the rest as their base
 /// @param list     the list of the frames as text, from which options.frames was read

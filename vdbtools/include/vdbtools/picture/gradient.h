@@ -40,6 +40,8 @@ class Gradient {
   /// last.
   openvdb::Vec3d at(double value) const;
 
+  const std::vector<Stop>& stops() const { return mStops; }
+
  private:
   std::vector<Stop> mStops;
 };

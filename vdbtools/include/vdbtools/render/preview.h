@@ -12,6 +12,7 @@
 #include "vdbtools/render/look.h"
 #include "vdbtools/render/shaded_image.h"
 
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -30,6 +31,8 @@ struct PreviewOptions {
   int samples = 4;   ///< rays per pixel: 1, 4, 9 or 16
   ViewAngles view;
   UpAxis up = UpAxis::Y;  ///< of the world: the picture and its lights stand upright
+  /// In the place of the one that follows from the view and the axis; the lights stand upright by its own up.
+  std::optional<Camera> camera{};
   Look look{};
   std::set<Pass> passes{Pass::Beauty};  ///< all but Pass::Trap can be had
   std::vector<PreviewBall> balls;

@@ -141,8 +141,9 @@ export class Choices {
 
   keep(cell, one) {
     const { kept } = this.page;
-    if (kept.has(cell.recipe)) kept.remove(cell.recipe);
-    else kept.add({ label: cell.label, state: { ...one.state, recipe: { ...cell.recipe } } }, cell.canvas);
+    const state = { ...one.state, recipe: { ...cell.recipe } };
+    if (kept.has(state)) kept.remove(state);
+    else kept.add({ label: cell.label, state }, cell.canvas);
     this.update();
   }
 
@@ -157,7 +158,7 @@ export class Choices {
   update() {
     if (!this.top) return;
     for (const cell of this.top.cells) {
-      cell.keep.setAttribute("aria-pressed", String(this.page.kept.has(cell.recipe)));
+      cell.keep.setAttribute("aria-pressed", String(this.page.kept.has({ ...this.top.state, recipe: cell.recipe })));
       cell.mark.setAttribute("aria-pressed", String(cell.isMarked));
       const isUsable = cell.isDone && !cell.hasFailed;
       for (const one of [cell.keep, cell.mark, cell.again]) one.disabled = !isUsable;
@@ -224,6 +225,8 @@ export class Choices {
         const scene = await next;
         if (mine !== this.run) return;
         next = sceneOf(cells[i + 1]);
+        await page.colourings.read(scene, cell.recipe, signal);
+        if (mine !== this.run) return;
         const { canvas } = cell, shrink = Math.min(ratio, MOST_SIDE / Math.max(1, canvas.clientWidth, canvas.clientHeight));
         const width = Math.max(16, Math.round(canvas.clientWidth * shrink)), height = Math.max(16, Math.round(canvas.clientHeight * shrink));
         // A narrow picture is seen from farther away: nothing at the sides is lost.

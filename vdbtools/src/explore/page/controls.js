@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The controls, as the program's options describe them. A recipe is an object of names and texts; what is not in it has
 // its default.
-import { COLOURS, USUAL_LIGHT } from "./renderer.js";
+import { BY_GRADIENT, colourOf, colourText } from "./colours.js";
+import { lightAngles } from "./lighting.js";
+import { COLOURS } from "./renderer.js";
 import { button, choice, element, group, slider, text, tick } from "./widgets.js";
 
 const RANDOM_ROOTS = ["versor-seed", "versor-roots", "versor-powers", "versor-integer", "versor-placement", "versor-distance",
@@ -9,6 +11,8 @@ const RANDOM_ROOTS = ["versor-seed", "versor-roots", "versor-powers", "versor-in
 const OWN_CONTROLS = ["map", "input", "detail", "outward", "alpha", "beta", "origin-shift", "versor", ...RANDOM_ROOTS, "frequency", "versor-scale",
   "versor-translate", "iterations", "slice", "c", "power", "pair", "scheme", "f", "g", "theta", "mandelbrot", "resolution", "box",
   "colour"];
+
+const OWN_RAMP = "#101820,#c0392b,#f7dc6f";
 
 // The rest of the options, by the groups of the program's help.
 const OTHER_GROUPS = [["More of the map and the texture", "map"], ["Space", "space"], ["Lattice", "lattice"], ["Surface", "surface"],
@@ -37,12 +41,6 @@ export class Options {
     for (const other of [option?.alternative, ...(option?.displaces ?? [])]) if (other) delete recipe[other];
     recipe[name] = value;
   }
-}
-
-// What --colour says: {by, gradient}.
-export function colourOf(recipe) {
-  const [by, ...gradient] = (recipe.colour ?? "direction").split(":");
-  return { by: by === "gradient" ? "trap" : by, gradient: gradient.join(":") || "viridis" };
 }
 
 export function isRandomVersor(recipe) {
@@ -135,12 +133,12 @@ export function makeControls(page) {
   const all = [];
   if (!page.isExported) {
     if (!start.target) all.push(mapControls());
-    all.push(group("Look", ...textureControls(), ...depthControls(), ...colourControls()));
+    all.push(group("Look", ...textureControls(), ...depthControls(), ...colourControls(), ...lightControls()));
     all.push(originControls(), rootControls());
     if (start.target) all.push(mapControls());
   } else {
     const scene = page.scene();
-    all.push(group("Look", ...colourControls()));
+    all.push(group("Look", ...colourControls(), ...lightControls()));
     if (scene.constant && scene.map !== "shape-modulus")
       all.push(group("Map", ...vector("c", ["c 1", "c 2", "c 3", "c 4"].slice(0, scene.constant.length), { min: -1.5, max: 1.5, step: 0.005 }, "constant")));
     if (scene.map === "mandelbulb") all.push(group("Power", number("power", "Power", { min: 1, max: 16, step: 0.25 }, "power")));
@@ -164,23 +162,90 @@ export function makeControls(page) {
       ...vector("versor-translate", ["Move the roots X", "Move the roots Y", "Move the roots Z"], { min: -0.5, max: 0.5, step: 0.005 })];
   }
 
+  // The colour, its gradient and its range.
   function colourControls() {
-    const byGradient = (recipe) => ["iterations", "trap", "depth"].includes(colourOf(recipe).by);
-    const setColour = (recipe, by, gradient) => {
-      const named = ["iterations", "trap", "depth"].includes(by) && gradient !== "viridis" ? `${by}:${gradient}` : by;
-      if (named === "direction") delete recipe.colour;
-      else recipe.colour = named;
+    const byGradient = (recipe) => BY_GRADIENT.includes(colourOf(recipe).by), isOwn = (recipe) => !page.gradients.includes(colourOf(recipe).gradient);
+    const set = (recipe, changes) => {
+      const text = colourText({ ...colourOf(recipe), ...changes });
+      if (text === undefined) delete recipe.colour;
+      else recipe.colour = text;
     };
+    const hasTarget = Boolean(start.target ?? page.scene()?.targetBox), kinds = (start.colours ?? COLOURS).filter((by) => by !== "depth" || hasTarget);
+    // The numbers that occur stand in the empty fields.
+    const occurs = (state, end) => {
+      const known = page.scene() ? page.colourings.of(page.scene(), state.recipe)[end] : undefined;
+      return known === undefined ? "" : String(Number(known.toPrecision(4)));
+    };
+    const end = (label, i, name) => add(text(store, {
+      label, name: "colour", type: "number", help: "The number that has this end of the gradient. Empty: the gradient is spread over the numbers that occur.",
+      usual: (state) => occurs(state, name), read: (state) => colourOf(state.recipe).range?.[i].toString(),
+      write: (state, value) => {
+        const range = colourOf(state.recipe).range ?? [occurs(state, "low"), occurs(state, "high")].map(Number);
+        if (value !== undefined) range[i] = Number(value);
+        set(state.recipe, { range: value === undefined ? null : range });
+      },
+    }));
     return [add(choice(store, {
-      label: "Colour", name: "colour", help: options.help("colour"), values: start.colours ?? COLOURS, usual: () => "direction",
+      label: "Colour", name: "colour", help: options.help("colour"), values: kinds, usual: () => "clay",
       read: (state) => state.recipe.colour && colourOf(state.recipe).by,
-      write: (state, value) => setColour(state.recipe, value ?? "direction", colourOf(state.recipe).gradient),
+      write: (state, value) => set(state.recipe, { by: value ?? "clay", range: null }),
     })),
     when(byGradient, add(choice(store, {
-      label: "Gradient", name: "colour", values: page.gradients, usual: () => "viridis",
-      read: (state) => colourOf(state.recipe).gradient === "viridis" ? undefined : colourOf(state.recipe).gradient,
-      write: (state, value) => setColour(state.recipe, colourOf(state.recipe).by, value ?? "viridis"),
-    })))];
+      label: "Gradient", name: "colour", help: options.help("colour"), values: [...page.gradients, { value: "own", text: "own ramp" }], usual: () => "viridis",
+      read: (state) => isOwn(state.recipe) ? "own" : colourOf(state.recipe).gradient === "viridis" ? undefined : colourOf(state.recipe).gradient,
+      write: (state, value) => set(state.recipe, { gradient: value === "own" ? OWN_RAMP : value ?? "viridis" }),
+    })),
+    when(isOwn, add(text(store, {
+      label: "Its colours", name: "colour", help: "Two colours or more, from the lowest number to the highest: #101820,#c0392b,#f7dc6f.", usual: () => OWN_RAMP,
+      read: (state) => colourOf(state.recipe).gradient, write: (state, value) => set(state.recipe, { gradient: value ?? "viridis" }),
+    }))),
+    element("div", { class: "pair" }, end("From", 0, "low"), end("to", 1, "high")))];
+  }
+
+  // The material and the light, as the options of `juliavdb render` have them.
+  function lightControls() {
+    const { lighting } = page, read = (name) => (state) => state.look.options[name];
+    const set = (name) => (state, value) => {
+      state.look.options = { ...state.look.options };
+      if (value === undefined || value === lighting.usual(name)) delete state.look.options[name];
+      else state.look.options[name] = value;
+    };
+    const numbered = (name, label, limits) => add(slider(store, {
+      label, name, help: lighting.help(name), ...limits, usual: () => lighting.usual(name), read: read(name), write: set(name),
+    }));
+    // One of some names, or a text of one's own.
+    const named = (name, label, values, { own, ownLabel, isNamed }) => {
+      const isOwn = (state) => state.look.options[name] !== undefined && !isNamed(state.look.options[name]);
+      return [add(choice(store, {
+        label, name, help: lighting.help(name), values: [...values, ...(page.isExported ? [] : [{ value: "own", text: "own colour" }])],
+        usual: () => lighting.usual(name), read: (state) => isOwn(state) ? "own" : state.look.options[name],
+        write: (state, value) => set(name)(state, value === "own" ? own : value),
+      })),
+      when((_, state) => isOwn(state) && !page.isExported, add(text(store, {
+        label: ownLabel, name, help: lighting.help(name), usual: () => own, read: read(name), write: set(name),
+      })))];
+    };
+    return [
+      ...named("material", "Material", [lighting.usual("material"), ...[...lighting.materials.keys()].sort().filter((one) => one !== lighting.usual("material"))], { own: "#c08040:satin", ownLabel: "Its colour", isNamed: (value) => lighting.isNamed(value) }),
+      ...[["Light from the side", 0, -180, 180], ["Light from above", 1, -90, 90]].map(([label, i, min, max]) => {
+        const usual = lightAngles(lighting.usual("light"));
+        return add(slider(store, {
+          label, name: "light", min, max, step: 1, help: lighting.help("light"), usual: () => String(usual[i]),
+          read: (state) => {
+            const angles = lightAngles(state.look.options.light);
+            return angles && angles[i] !== usual[i] ? String(angles[i]) : undefined;
+          },
+          write: (state, value) => {
+            const angles = lightAngles(state.look.options.light) ?? [...usual];
+            angles[i] = value === undefined ? usual[i] : Number(value);
+            set("light")(state, angles.join(","));
+          },
+        }));
+      }),
+      numbered("sky", "Sky", { min: 0, max: 3, step: 0.05 }), numbered("exposure", "Exposure", { min: -3, max: 3, step: 0.1 }),
+      add(tick(store, { label: "Ground", name: "ground", help: lighting.help("ground"), usual: () => "", read: read("ground"), write: set("ground") })),
+      ...named("background", "Background", [{ value: "", text: "neutral" }, { value: "none", text: "none" }], { own: "#203040", ownLabel: "Its colour", isNamed: (value) => value === "none" }),
+    ];
   }
 
   function byAlpha(recipe) { return "alpha" in recipe || "beta" in recipe; }
@@ -274,14 +339,6 @@ export function makeControls(page) {
 
   const look = (name, read, write) => ({ read: (state) => read(state.look), write: (state, value) => write(state.look, value) });
   all.push(group("Picture",
-    ...[["Light from the side", 0, -180, 180], ["Light from above", 1, -90, 90]].map(([label, i, min, max]) => add(slider(store, {
-      label, min, max, step: 1, help: "Degrees from the direction of the view. The exact picture has its own light.", usual: () => String(USUAL_LIGHT[i]),
-      ...look("light", (it) => it.light === null ? undefined : String(it.light[i]), (it, value) => {
-        if (value === undefined) { it.light = null; return; }
-        it.light = [...(it.light ?? USUAL_LIGHT)];
-        it.light[i] = Number(value);
-      }),
-    }))),
     add(choice(store, {
       label: "Cut open along", values: [{ value: "", text: "nothing" }, { value: "x", text: "X" }, { value: "y", text: "Y" }, { value: "z", text: "Z" }],
       usual: () => "", ...look("clip", (it) => it.clip.axis || undefined, (it, value) => { it.clip.axis = value ?? ""; }),
@@ -320,6 +377,25 @@ export function makeControls(page) {
       for (const update of updates) update(state);
       found?.update();
     },
+    tell: tellBeside(list),
+  };
+}
+
+// Says what the program refuses beside the control of the option that it names. about: of whom the words are; "" takes
+// them back.
+function tellBeside(list) {
+  const told = new Map();
+  return (about, words) => {
+    told.get(about)?.remove();
+    told.delete(about);
+    const name = /--([a-z][a-z0-9-]*)/.exec(words)?.[1];
+    if (!name) return;
+    const all = [...list.querySelectorAll(`.control[data-name="${name}"]`)], shown = all.filter((one) => !one.closest("[hidden]"));
+    const place = shown.at(-1) ?? all.at(-1);
+    if (!place) return;
+    const note = element("p", { class: "control-error", role: "alert" }, words);
+    (place.closest(".pair") ?? place).after(note);
+    told.set(about, note);
   };
 }
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // From the look to files: making them, the history of what was made, the command, and recipes in and out.
 import { server } from "./server.js";
+import { checkedLook } from "./store.js";
 import { button, element, group } from "./widgets.js";
+
+const PICTURE = 480;  // pixels of the width of what was made
 
 function download(blob, name) {
   const link = element("a", { href: URL.createObjectURL(blob), download: name });
@@ -55,7 +58,7 @@ export function makeFiles(page) {
 
   // The line of a job stays the same element while the job is queued or runs: a new one would take the focus from its
   // button, and a click that had begun.
-  const lines = new Map();
+  const lines = new Map(), asked = new Map();
   function lineOf(job) {
     const isOpen = job.state === "queued" || job.state === "running";
     const before = lines.get(job.job);
@@ -67,11 +70,26 @@ export function makeFiles(page) {
       : job.state === "done" ? job.files.join(", ") : job.state;
     line.element.className = job.state;
     line.what.textContent = what;
+    // What this page has made is shown as it was to be seen when that was asked for.
+    if (job.state === "done" && asked.has(job.job)) {
+      const body = asked.get(job.job);
+      asked.delete(job.job);
+      showIn(line, job, body);
+    }
     if (line.progress) {
       line.progress.hidden = job.state !== "running";
       line.progress.value = job.share ?? 0;
     }
     return line.element;
+  }
+
+  async function showIn(line, job, body) {
+    try {
+      const image = element("img", { class: "made", alt: `${job.name}, as it was made`, src: URL.createObjectURL(await server.made({ job: job.job, ...body })) });
+      line.element.append(image);
+    } catch (error) {
+      line.element.append(element("span", { class: "note error" }, error.message));
+    }
   }
 
   function newLine(job, isOpen) {
@@ -82,7 +100,8 @@ export function makeFiles(page) {
         await server.cancel(job.job);
         await poll();
       }), { "aria-label": `Cancel ${job.name}` }) : button("Go there", () => store.change((state) => { state.recipe = { ...job.recipe }; }),
-        { "aria-label": `Go to the look of ${job.name}` }));
+        { "aria-label": `Go to the look of ${job.name}` }),
+      job.state === "done" ? [" ", button("Show", () => page.showMade(job), { "aria-label": `Show ${job.name} as it was made`, title: "By the camera at hand" })] : null);
     return { element: made, what, progress };
   }
 
@@ -102,6 +121,9 @@ export function makeFiles(page) {
             const { input } = state.recipe;
             state.recipe = { ...read.recipe };
             if (input) state.recipe.input = input;
+            // An exported page has its camera beside its look.
+            const look = read.look?.look ?? read.look;
+            if (look && typeof look === "object") state.look = checkedLook(look);
           });
           return say(`The recipe of ${file.name}.`);
         }
@@ -113,6 +135,12 @@ export function makeFiles(page) {
     })();
   }
 
+  async function copy(text) {
+    command.value = text;
+    command.hidden = false;
+    await navigator.clipboard?.writeText(text).then(() => say("The command was copied."), () => command.select());
+  }
+
   const field = (label, input) => element("div", { class: "control" }, element("label", { for: input.id }, label), input);
   const whole = group("Make files, and recipes",
     field("Name", name), field("Resolution", resolution),
@@ -122,16 +150,18 @@ export function makeFiles(page) {
     element("label", { class: "control" }, overwrite, "Replace files of that name"),
     element("div", { class: "buttons" },
       button("Make", attempt(async () => {
-        await server.make({ ...request(), overwrite: overwrite.checked });
+        const body = store.state.view ? page.pictureBody(store.state, PICTURE) : null;
+        const { job } = await server.make({ ...request(), overwrite: overwrite.checked });
+        if (body) asked.set(job, body);
         say(`In ${start.folder}.`);
         await poll();
       }), { class: "main" }),
       button("Copy command", attempt(async () => {
-        const asked = request();
-        command.value = await server.command(asked);
-        command.hidden = false;
-        await navigator.clipboard?.writeText(command.value).then(() => say("The command was copied."), () => command.select());
-      }))),
+        await copy((await server.command(request())).command);
+      })),
+      button("Copy picture command", attempt(async () => {
+        await copy((await server.command({ ...request(), ...page.pictureBody(store.state) })).picture);
+      }), { title: "Of the exact picture by this camera, in this light" })),
     command,
     element("div", { class: "buttons" },
       button("Save recipe", () => download(new Blob([JSON.stringify({ command: "fractal", version: start.version, ...store.state }, null, 1)],

@@ -7,6 +7,8 @@ import { button, element } from "./widgets.js";
 
 const WIDTH = 96, HEIGHT = 72, MOST_KEPT = 60;
 
+const sameLook = (a, b) => recipeKey(a.recipe) === recipeKey(b.recipe) && recipeKey(a.look.options) === recipeKey(b.look.options);
+
 // page: {store, first}
 export class KeptLooks {
   constructor(page) {
@@ -18,11 +20,12 @@ export class KeptLooks {
   }
 
   listen(listener) { this.listeners.push(listener); }
-  has(recipe) { return this.looks.some((look) => recipeKey(look.state.recipe) === recipeKey(recipe)); }
+  // Of two states that differ in the camera alone one is kept.
+  has(state) { return this.looks.some((look) => sameLook(look.state, state)); }
 
   // picture: a canvas that shows it
   add({ label, state }, picture) {
-    if (this.has(state.recipe)) return;
+    if (this.has(state)) return;
     const small = element("canvas", { width: WIDTH, height: HEIGHT }), share = Math.max(WIDTH / picture.width, HEIGHT / picture.height);
     const [width, height] = [picture.width * share, picture.height * share];
     small.getContext("2d").drawImage(picture, (WIDTH - width) / 2, (HEIGHT - height) / 2, width, height);
@@ -31,8 +34,8 @@ export class KeptLooks {
     this.changed();
   }
 
-  remove(recipe) {
-    this.looks = this.looks.filter((look) => recipeKey(look.state.recipe) !== recipeKey(recipe));
+  remove(state) {
+    this.looks = this.looks.filter((look) => !sameLook(look.state, state));
     this.changed();
   }
 
@@ -52,7 +55,7 @@ export class KeptLooks {
       { class: "kept-picture", "aria-label": `Go to the kept look ${look.label}`, title: look.label });
     go.append(element("img", { src: look.picture, alt: "", width: WIDTH, height: HEIGHT }));
     return element("div", { class: "kept-look" }, go,
-      button("×", () => this.remove(look.state.recipe), { class: "kept-remove", "aria-label": `Keep ${look.label} no longer`, title: "Keep it no longer" }));
+      button("×", () => this.remove(look.state), { class: "kept-remove", "aria-label": `Keep ${look.label} no longer`, title: "Keep it no longer" }));
   }
 
   // As addresses, which are checked where they are read.

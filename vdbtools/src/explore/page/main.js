@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page of `juliavdb explore`, and the one that it exports: puts the parts together.
 import { attachCamera, turnedView, viewAround } from "./camera.js";
-import { colourOf, makeControls, Options } from "./controls.js";
 import { Choices } from "./choices.js";
+import { Colourings } from "./colours.js";
+import { makeControls, Options } from "./controls.js";
 import { makeFiles } from "./files.js";
 import { KeptLooks } from "./kept.js";
 import { KeyStrip } from "./keys.js";
+import { Lighting } from "./lighting.js";
 import { cameraFrame, clipPlace, GRADIENTS, Renderer } from "./renderer.js";
 import { bytesOfBase64, liveValues, makeScene } from "./scene.js";
 import { server } from "./server.js";
@@ -22,8 +24,7 @@ const SCENES_KEPT = 40, VOLUMES_KEPT = 5, WAIT = 150;  // milliseconds after the
 
 const TURN = 12000;  // milliseconds of a turn
 
-const EXACT_BEGUN = "The exact picture is being made.";
-const EXACT_SHOWN = "This is the exact picture. Any change goes back to the live one.";
+const BACK = "Any change goes back to the live one.";
 
 // The latest scenes. isUsed(scene): it must stay; forget(scene) frees what the GPU has of it.
 class Scenes {
@@ -111,18 +112,42 @@ async function run() {
   });
   const scenes = new Scenes((one) => one === scene, (one) => renderer.forget(one));
 
+  const lighting = new Lighting(start, first.look.options), colourings = new Colourings(start, (recipe) => scenes.key(recipe));
   const shotOf = (which, state) => ({
     scene: which, live: liveValues(which, state.recipe), view: state.view ?? viewAround(which.frame, {}, stage.aspect),
-    look: { ...state.look, colour: colourOf(state.recipe).by, stops: GRADIENTS[colourOf(state.recipe).gradient] ?? GRADIENTS.viridis },
+    look: { ...state.look, light: lighting.numbersOf(state.look.options), colouring: colourings.of(which, state.recipe) },
   });
   const draw = (isMoving) => {
     if (!scene) return;
     stage.draw(shotOf(scene, store.state), isMoving);
-    if (store.state.compare && targetView && store.state.view) targetView.draw(store.state.view);
+    if (store.state.compare && targetView && store.state.view) targetView.draw(store.state.view, lighting.numbersOf(store.state.look.options));
   };
+  // What the server has to read of the light and the colours; the picture is drawn again where that changes it.
+  let reading = null;
+  async function readLook() {
+    reading?.abort();
+    const mine = reading = new AbortController(), { state } = store, shown = scene;
+    const read = async (about, work) => {
+      try {
+        const isNew = await work();
+        controls.tell(about, "");
+        return isNew;
+      } catch (error) {
+        if (mine === reading && error.name !== "AbortError" && error.status !== 409) controls.tell(about, error.message);
+        return false;
+      }
+    };
+    const news = await Promise.all([read("look", () => lighting.read(state.look.options)),
+      read("colour", () => shown ? colourings.read(shown, state.recipe, mine.signal) : false)]);
+    if (mine !== reading) return;
+    reading = null;
+    if (!news.some(Boolean)) return;
+    controls.update(store.state);
+    draw(false);
+  }
 
   const page = {
-    store, options, start, first, isExported, stage, shotOf, gradients: start.gradients ?? Object.keys(GRADIENTS), say, scene: () => scene,
+    store, options, start, first, isExported, stage, shotOf, lighting, colourings, gradients: start.gradients ?? Object.keys(GRADIENTS), say, scene: () => scene,
     sceneFor: (recipe, side, signal) => scenes.get(recipe, true, signal, side),
     dragOrigin: (on) => {
       dragsOrigin = on;
@@ -161,10 +186,13 @@ async function run() {
       if (said === "The scene is being made." || said === "The target is being prepared.") say("");
       controls.update(store.state);
       strip.update(store.state);
+      controls.tell("scene", "");
       draw(false);
+      readLook();
     } catch (error) {
       if (mine !== asking || error.name === "AbortError" || error.status === 409) return;
       say(error.message, true);
+      controls.tell("scene", error.message);
     } finally {
       if (mine === asking) asking = null;
     }
@@ -174,21 +202,54 @@ async function run() {
     if (isExported || !scene) return;
     if (scenes.key(store.state.recipe) === shownOf && !asking) {
       if (status.classList.contains("error")) say("");
+      controls.tell("scene", "");
       return;
     }
     timer = setTimeout(ask, isMoving ? WAIT : 20);
   };
 
-  // ---- the exact picture ----
+  // ---- the program's own pictures ----
 
-  let exposing = null;
+  let exposing = null, exposed = "";
   const hideExact = () => {
     exposing?.abort();
     exposing = null;
-    if (said === EXACT_BEGUN || said === EXACT_SHOWN) say("");
+    if (exposed && said === exposed) say("");
+    exposed = "";
     exact.hidden = true;
-    exactButton.setAttribute("aria-pressed", "false");
+    for (const one of [exactButton, meshButton]) one.setAttribute("aria-pressed", "false");
   };
+  const tellOfExact = (text) => say(exposed = text);
+  // The camera, the light and the size of the live picture. most: pixels of the width
+  const pictureBody = (state, most = canvas.width) => {
+    const { eye, lookAt, up, fov } = state.view, shrink = Math.min(1, most / canvas.width);
+    return { view: { eye, lookAt, up, fov }, look: state.look.options, samples: "4",
+      width: Math.max(16, Math.round(canvas.width * shrink)), height: Math.max(16, Math.round(canvas.height * shrink)) };
+  };
+  // One of the program's pictures over the live one, until something changes. ask(state, signal) gives {picture, words}.
+  async function showOver(pressed, begun, ask) {
+    const isShown = pressed?.getAttribute("aria-pressed") === "true";
+    hideExact();
+    if (isShown || !store.state.view) return;
+    pressed?.setAttribute("aria-pressed", "true");
+    const mine = exposing = new AbortController();
+    tellOfExact(begun);
+    try {
+      const { picture, words } = await ask(store.state, mine.signal);
+      if (mine !== exposing) return;
+      URL.revokeObjectURL(exact.src);
+      exact.src = URL.createObjectURL(picture);
+      await exact.decode();
+      exact.hidden = false;
+      tellOfExact(`${words} ${BACK}`);
+    } catch (error) {
+      if (mine !== exposing || error.name === "AbortError") return;
+      hideExact();
+      say(error.message, true);
+    } finally {
+      if (mine === exposing) exposing = null;
+    }
+  }
   // The exact renderer cuts at the faces of a box.
   const cutRecipe = ({ recipe, look }) => {
     if (!look.clip.axis) return recipe;
@@ -198,36 +259,29 @@ async function run() {
     (look.clip.flip ? min : max)[axis] = at;
     return { ...recipe, box: [...min, ...max].join(",") };
   };
-  async function showExact() {
-    if (!exact.hidden || exposing) return hideExact();
-    exactButton.setAttribute("aria-pressed", "true");
-    const mine = exposing = new AbortController(), { state } = store;
-    say(EXACT_BEGUN);
-    try {
-      const { eye, lookAt, up, fov } = state.view;
-      const picture = await server.picture({
-        recipe: cutRecipe(state), view: { eye, lookAt, up, fov }, width: canvas.width, height: canvas.height, samples: "4",
-        colour: state.recipe.colour ?? "direction",
-      }, mine.signal);
-      if (mine !== exposing) return;
-      exact.src = URL.createObjectURL(picture);
-      await exact.decode();
-      exact.hidden = false;
-      say(EXACT_SHOWN);
-    } catch (error) {
-      if (mine !== exposing || error.name === "AbortError") return;
-      hideExact();
-      say(error.message, true);
-    } finally {
-      if (mine === exposing) exposing = null;
-    }
-  }
+  const showExact = () => showOver(exactButton, "The exact picture is being made.", async (state, signal) => ({
+    picture: await server.picture({ recipe: cutRecipe(state), ...pictureBody(state) }, signal), words: "This is the exact picture.",
+  }));
+  // The mesh that Make would make, and what of the picture is finer than it.
+  const showMesh = () => {
+    const { resolution } = page.named();
+    return showOver(meshButton, `The mesh at resolution ${resolution} is being made.`, async ({ recipe, ...state }, signal) => {
+      const picture = await server.picture({ recipe, resolution, mesh: true, ...pictureBody(state) }, signal);
+      const { finer } = await server.advice({ recipe, resolution }, signal);
+      return { picture, words: `This is the mesh at resolution ${resolution}${finer ? `: ${finer}` : ""}.` };
+    });
+  };
+  page.showMade = ({ job, name }) => showOver(null, `The picture of ${name} is being made.`, async (state, signal) => ({
+    picture: await server.made({ job, ...pictureBody(state) }, signal), words: `This is ${name}, as it was made.`,
+  }));
+  page.pictureBody = pictureBody;
 
   // ---- the parts ----
 
   const undo = button("Undo", () => store.go(-1), { title: "Ctrl+Z" }), redo = button("Redo", () => store.go(1), { title: "Ctrl+Y" });
   const compare = button("Beside the target", () => store.change((state) => { state.compare = !state.compare; }), { "aria-pressed": "false" });
-  const exactButton = button("Exact picture", showExact, { "aria-pressed": "false" });
+  const exactButton = button("Exact picture", showExact, { "aria-pressed": "false", title: "The set itself, by the program's renderer" });
+  const meshButton = button("Mesh preview", showMesh, { "aria-pressed": "false", title: "The mesh that Make makes, at its resolution" });
   const reset = () => {
     if (scene) store.change((state) => { state.view = { ...viewAround(scene.frame, {}, stage.aspect), of: scene.map }; });
   };
@@ -273,7 +327,7 @@ async function run() {
   const parts = {
     canvas, exact, targetBox, status, progress, strip: strip.element, keys: page.keys?.element ?? null, choices: choices.element,
     title: isExported ? "A look of JuliaVDB" : start.target?.name ?? "JuliaVDB",
-    tools: [undo, redo, frameButton, turntable, savePicture, ...(isExported ? [] : [exactButton, ...(start.target ? [compare] : [])])],
+    tools: [undo, redo, frameButton, turntable, savePicture, ...(isExported ? [] : [exactButton, meshButton, ...(start.target ? [compare] : [])])],
     panel: files ? [controls.element, files.element] : [exportNote(scene, start), controls.element],
   };
   buildPage(parts);
@@ -284,7 +338,7 @@ async function run() {
     if (!on || !start.target) return;
     try {
       targetView ??= new TargetView(targetCanvas, await server.target(), start.target);
-      if (store.state.view) targetView.draw(store.state.view);
+      if (store.state.view) targetView.draw(store.state.view, lighting.numbersOf(store.state.look.options));
     } catch (error) {
       say(error.message, true);
     }
@@ -301,6 +355,7 @@ async function run() {
     if (targetBox.hidden === state.compare) showTarget(state.compare);
     draw(isMoving);
     askLater(isMoving);
+    if (!isMoving) readLook();
   });
   const setView = (view, isMoving) => store.change((state) => { state.view = view; }, isMoving);
   attachCamera(canvas, {
@@ -347,7 +402,7 @@ async function run() {
   // For tests, and for scripts in the browser's console.
   window.explore = {
     store, stage, renderer, choices, keys: page.keys, scene: () => scene,
-    isBusy: () => Boolean(asking) || scenes.key(store.state.recipe) !== shownOf && !isExported,
+    isBusy: () => Boolean(asking) || Boolean(reading) || scenes.key(store.state.recipe) !== shownOf && !isExported,
     settled: () => stage.settled(),
     // A picture apart from that on the page, without the camera of the state: linear colours and coverage.
     render: (width, height) => new Promise((resolve) => {

@@ -5,7 +5,9 @@
 import { bytesOfBase64 } from "./scene.js";
 import { DISPLAY_SHADER, fragmentShader, VERTEX_SHADER } from "./shaders.js";
 
-export const COLOURS = ["direction", "versor", "iterations", "trap", "clay", "depth"];
+// In the order of the shader's numbers.
+const COLOURINGS = ["direction", "versor", "iterations", "trap", "clay", "depth"];
+export const COLOURS = ["clay", "trap", "depth", "iterations", "direction", "versor"];
 // The gradients of vdbtools/picture/gradient.h: colours at equal distances.
 const codes = (text) => text.split(" ").map((code) => [0, 2, 4].map((at) => parseInt(code.slice(at, at + 2), 16) / 255));
 export const GRADIENTS = {
@@ -17,8 +19,6 @@ export const GRADIENTS = {
   grey: codes("000000 ffffff"),
 };
 const LEAST_PIXELS = 2000;  // to hand over at once
-// Degrees to the right of the view and above it: over the left shoulder, as in the exact picture.
-export const USUAL_LIGHT = [-51.93, 40.46];
 
 const subtract = (a, b) => a.map((value, i) => value - b[i]);
 const scaledBy = (a, k) => a.map((value) => value * k);
@@ -33,6 +33,14 @@ export function cameraFrame(view) {
   if (Math.hypot(...crossOf(forward, up)) < 1e-6) up = Math.abs(forward[2]) < 0.5 ? [0, 0, -1] : [0, 1, 0];
   const right = unitOf(crossOf(forward, up));
   return { forward, right, up: crossOf(right, forward), tangent: Math.tan(view.fov * Math.PI / 360) };
+}
+
+// From where the light comes: see previewStage() in vdbtools/render/shading.h.
+export function lightDirections(light, view, frame) {
+  const sky = unitOf(view.up), front = unitOf(crossOf(frame.right, sky));
+  const [azimuth, elevation] = light.light.map((degrees) => degrees * Math.PI / 180);
+  const sum = (right, above, ahead) => unitOf([0, 1, 2].map((i) => right * frame.right[i] + above * sky[i] + ahead * front[i]));
+  return { sky, key: sum(Math.sin(azimuth) * Math.cos(elevation), Math.sin(elevation), Math.cos(azimuth) * Math.cos(elevation)), rim: sum(0.95, 0.30, -0.25) };
 }
 
 // The Halton sequence, in which any number of samples covers a pixel evenly.
@@ -169,14 +177,26 @@ export class Renderer {
     return textures.factors;
   }
 
+  // Distances from the target; one at a time is kept.
+  distanceTexture(distance) {
+    if (!distance) return null;
+    if (this.distancesOf !== distance) {
+      const { gl } = this, bytes = bytesOfBase64(distance.values);
+      gl.deleteTexture(this.distances ?? null);
+      this.distances = this.texture3D(distance.dims, new Uint16Array(bytes.buffer, bytes.byteOffset, bytes.length / 2), gl.R16F, gl.HALF_FLOAT, gl.LINEAR);
+      this.distancesOf = distance;
+    }
+    return this.distances;
+  }
+
   gradientTexture(stops) {
     const key = JSON.stringify(stops);
     if (!this.gradients.has(key)) {
       const bytes = new Uint8Array(256 * 4);
       for (let i = 0; i < 256; ++i) {
-        const at = i / 255 * (stops.length - 1), low = Math.min(stops.length - 2, Math.floor(at));
+        const at = i / 255 * (stops.length - 1), low = Math.max(0, Math.min(stops.length - 2, Math.floor(at)));
         for (let c = 0; c < 3; ++c)
-          bytes[4 * i + c] = Math.round(255 * (stops[low][c] * (low + 1 - at) + stops[low + 1][c] * (at - low)));
+          bytes[4 * i + c] = Math.round(255 * (stops[low][c] * (low + 1 - at) + stops[Math.min(stops.length - 1, low + 1)][c] * (at - low)));
       }
       this.gradients.set(key, this.texture2D(256, 1, bytes, this.gl.RGBA8, this.gl.UNSIGNED_BYTE, this.gl.LINEAR));
     }
@@ -207,7 +227,9 @@ export class Renderer {
   drawRows(shot, target, sample, y0, y1) {
     const gl = this.gl, { scene, live, view, look } = shot;
     // All of them are there before any is bound: making one binds it.
-    const textures = this.texturesOf(scene), gradient = this.gradientTexture(look.stops ?? GRADIENTS.viridis);
+    const textures = this.texturesOf(scene), { colouring } = look, { light } = look;
+    const gradient = this.gradientTexture(colouring.stops?.length ? colouring.stops : GRADIENTS.viridis);
+    const distances = this.distanceTexture(colouring.distance);
     const factors = scene.factors ? this.factorTexture(scene, live.factors) : null;
     const { program, at } = this.program(textures.source);
     gl.useProgram(program);
@@ -250,13 +272,12 @@ export class Renderer {
       gl.uniform3fv(at("octaveCount"), dims);
     }
     if (scene.exponent) {
-      const { matrix, offset, dims, low } = scene.exponent;
+      const { matrix, offset, dims } = scene.exponent;
       bind("exponent", gl.TEXTURE_3D, textures.exponent);
       gl.uniformMatrix3fv(at("toNode"), false, columnsOf(matrix));
       gl.uniform3fv(at("nodeOffset"), offset);
       gl.uniform3fv(at("nodeCount"), dims);
       gl.uniform3fv(at("originShift"), live.originShift);
-      gl.uniform2f(at("shellDepth"), Math.max(scene.logTrap ?? low, low), scene.logEscape);
     }
 
     const { centre, scale } = scene.space, frame = cameraFrame(view);
@@ -277,11 +298,20 @@ export class Renderer {
     const off = [0, 1, 2].map((i) => Math.max(shifted(region.min)[i] - eye[i], eye[i] - shifted(region.max)[i], 0));
     gl.uniform1f(at("stepFirst"), Math.hypot(...off) * (1 - 1e-9));
     gl.uniform1i(at("axisCount"), sample.axes);
-    gl.uniform1i(at("colourBy"), Math.max(0, COLOURS.indexOf(look.colour)));
-    const [azimuth, elevation] = (look.light ?? USUAL_LIGHT).map((degrees) => degrees * Math.PI / 180);
-    const towards = [Math.sin(azimuth) * Math.cos(elevation), Math.sin(elevation), Math.cos(azimuth) * Math.cos(elevation)];
-    gl.uniform3fv(at("keyLight"), [0, 1, 2].map((i) => towards[0] * frame.right[i] + towards[1] * frame.up[i] -
-      towards[2] * frame.forward[i]));
+    gl.uniform1i(at("colourBy"), colouring.by === "depth" && !distances ? COLOURINGS.indexOf("clay") : COLOURINGS.indexOf(colouring.by));
+    // Depths are lengths of the world.
+    const length = colouring.by === "depth" ? scale : 1;
+    gl.uniform2f(at("gradientRange"), (colouring.low ?? 0) / length, (colouring.high ?? (colouring.by === "iterations" ? live.iterations : 1)) / length);
+    bind("distances", gl.TEXTURE_3D, distances ?? this.nothing3D);
+    gl.uniform3fv(at("distanceOrigin"), shifted(colouring.distance?.origin ?? [0, 0, 0]));
+    gl.uniform3fv(at("distanceCount"), colouring.distance?.dims ?? [1, 1, 1]);
+    gl.uniform1f(at("distanceStep"), colouring.distance?.step ?? 1);
+    this.setLight(at, light, view, frame, sample);
+    const ball = scaledBy(subtract(scene.frame.centre, centre), 1 / scale), sky = unitOf(view.up);
+    gl.uniform3fv(at("middle"), shifted(ball));
+    gl.uniform1f(at("radius"), scene.frame.radius / scale);
+    gl.uniform1i(at("ground"), light.ground && scene.lowest?.length ? 1 : 0);
+    gl.uniform1f(at("floorHeight"), scene.lowest?.length ? lowestAlong(scene.lowest, sky) - dotOf(live.originShift, sky) : 0);
     bind("gradient", gl.TEXTURE_2D, gradient);
     bind("before", gl.TEXTURE_2D, sample.before ?? this.nothing);
     gl.uniform1f(at("share"), sample.share);
@@ -295,8 +325,30 @@ export class Renderer {
     gl.disable(gl.SCISSOR_TEST);
   }
 
+  // The light of vdbtools/render/shading.h, which turns with the camera and stays upright.
+  setLight(at, light, view, frame, sample) {
+    const { gl } = this, { material } = light, directions = lightDirections(light, view, frame);
+    gl.uniform3fv(at("sky"), directions.sky);
+    gl.uniform3fv(at("keyLight"), directions.key);
+    gl.uniform3fv(at("rim"), directions.rim);
+    gl.uniform1f(at("skyStrength"), light.sky);
+    gl.uniform1f(at("gain"), 2 ** light.exposure);
+    gl.uniform3fv(at("albedoOf"), material.albedo);
+    gl.uniform3fv(at("gloss"), material.gloss);
+    gl.uniform1f(at("sharpness"), material.sharpness);
+    gl.uniform1i(at("mirrors"), material.mirrors ? 1 : 0);
+    // What moves is lit by fewer rays.
+    const isCoarse = sample.axes === 3;
+    gl.uniform1i(at("openRays"), isCoarse ? 3 : 6);
+    gl.uniform1i(at("openPlaces"), isCoarse ? 4 : 7);
+    gl.uniform1f(at("keyGrowth"), isCoarse ? 1.35 : 1.12);
+    gl.uniform3fv(at("lightJitter"), sample.lightJitter);
+    gl.uniform1i(at("backdrop"), light.background === "none" ? 2 : light.background ? 1 : 0);
+    gl.uniform3fv(at("plain"), Array.isArray(light.background) ? light.background : [0, 0, 0]);
+  }
+
   // Shows a picture on the canvas, or only so many of its rows, from the lowest.
-  show(target, rows = target.height) {
+  show(target, rows = target.height, isClear = false) {
     const gl = this.gl, { program, at } = this.display;
     gl.useProgram(program);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
@@ -305,6 +357,7 @@ export class Renderer {
     gl.bindTexture(gl.TEXTURE_2D, target.texture);
     gl.uniform1i(at("picture"), 0);
     gl.uniform2f(at("pixels"), this.canvas.width, this.canvas.height);
+    gl.uniform1i(at("clear"), isClear ? 1 : 0);
     gl.enable(gl.SCISSOR_TEST);
     gl.scissor(0, 0, this.canvas.width, Math.floor(rows / target.height * this.canvas.height));
     gl.drawArrays(gl.TRIANGLES, 0, 3);
@@ -374,6 +427,7 @@ export class Exposure {
     const rows = Math.min(this.height - this.row, this.renderer.rowsFor(milliseconds, this.width, this.height));
     const sample = {
       jitter: this.pass === 0 ? [0.5, 0.5] : [halton(this.pass, 2), halton(this.pass, 3)],
+      lightJitter: [2, 3, 5].map((base, i) => this.pass === 0 ? [0, 0.5, 0.5][i] : halton(this.pass, base)),
       share: 1 / (this.pass + 1), before: this.picture?.texture ?? null, axes: this.axes,
     };
     this.renderer.drawRows(this.shot, this.targets[this.pass % 2], sample, this.row, this.row + rows);
@@ -393,6 +447,9 @@ export class Exposure {
     this.targets = [null, null];
   }
 }
+
+// How low a set is along a direction, by places around it.
+function lowestAlong(places, direction) { return Math.min(...places.map((place) => dotOf(place, direction))); }
 
 function regionOf(scene, live) {
   if (scene.exponent || live.exact) return scene.region;

@@ -30,6 +30,10 @@ export const server = {
   scene: async (recipe, wait, signal, side) => (await post("scene", { recipe, wait, side }, signal)).json(),
   volume: async (id, signal) => new Uint16Array(await (await request(`volume/${id}`, { signal })).arrayBuffer()),
   target: async () => (await request("target")).arrayBuffer(),
+  look: async (look) => (await post("look", { look })).json(),
+  colouring: async (recipe, signal) => (await post("colouring", { recipe }, signal)).json(),
+  advice: async (body, signal) => (await post("advice", body, signal)).json(),
+  made: async (body, signal) => (await post("made", body, signal)).blob(),
   picture: async (body, signal) => (await post("picture", body, signal)).blob(),
   make: async (body) => (await post("make", body)).json(),
   jobs: async () => (await request("jobs")).json(),
@@ -37,7 +41,7 @@ export const server = {
   recipe: async (name, bytes) => (await request(`recipe?name=${encodeURIComponent(name)}`, {
     method: "POST", headers: { "Content-Type": "application/octet-stream" }, body: bytes,
   })).json(),
-  command: async (body) => (await (await post("command", body)).json()).command,
+  command: async (body) => (await post("command", body)).json(),
   sequence: async (body) => (await post("sequence", body)).json(),
   exported: async (recipe, look) => (await post("export", { recipe, look })).blob(),
 };

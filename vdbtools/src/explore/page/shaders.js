@@ -365,8 +365,23 @@ uniform vec4 clip;                  // what has dot(clip.xyz, x) > clip.w is cut
 uniform float stepAlpha, stepLeast, stepFirst;
 uniform int axisCount;              // of the differences for normals: 13, or 3 for a coarse picture
 uniform int colourBy;               // 0 direction, 1 versor, 2 iterations, 3 trap, 4 clay, 5 depth
-uniform vec3 keyLight;
 uniform sampler2D gradient;
+uniform vec2 gradientRange;         // the numbers at its two ends
+// The light: see vdbtools/render/shading.h. All directions have length 1.
+uniform vec3 sky, keyLight, rim;
+uniform float skyStrength, gain;
+uniform vec3 albedoOf, gloss;       // of the material
+uniform float sharpness;
+uniform bool mirrors;
+uniform int openRays, openPlaces;   // that look for the sky, and the places along each
+uniform float keyGrowth;            // of the steps towards the key light
+uniform vec3 lightJitter;           // another one for each picture of the mean, each part 0 to 1
+uniform vec3 middle;                // of the ball around the set
+uniform float radius;
+uniform bool ground;
+uniform float floorHeight;          // along the sky
+uniform int backdrop;               // 0 neutral, 1 plain, 2 none
+uniform vec3 plain;
 uniform sampler2D before;           // the mean of the pictures so far
 uniform float share;                // of this one in the new mean
 
@@ -377,9 +392,10 @@ uniform ivec3 cubeCount;            // 0: there are none
 
 out vec4 result;
 
-const int MARCH = 0, BISECT = 1, AROUND = 2, COLOUR = 3, DONE = 4;
-const float SATURATION = 0.85, AMBIENT = 0.10, KEY = 1.00, HEAD = 0.14, SHINE = 0.22, SHARPNESS = 36.0;
-const vec3 CLAY = vec3(0.55, 0.32, 0.21);
+const int MARCH = 0, BISECT = 1, AROUND = 2, COLOUR = 3, OPEN = 4, KEY = 5, DONE = 6;
+const float SATURATION = 0.85, BOUNCE = 0.25, KEY_RADIUS = 0.07, FLOOR_ENDS = 6.0, LEAVES = 2.25;
+const vec3 KEY_COLOUR = vec3(1.22, 1.12, 0.97), SKY_COLOUR = vec3(0.44, 0.50, 0.60), FLOOR_COLOUR = vec3(0.10, 0.08, 0.07),
+  RIM_COLOUR = vec3(0.62, 0.70, 0.85);
 const int STEPS = 6000, BISECTIONS = 12;
 
 float stepAt(float t) { return max(stepAlpha * t, stepLeast); }
@@ -412,7 +428,43 @@ vec3 backgroundAt(vec2 uv) {
   return vec3(mix(0.64, 0.86, 0.5 * (uv.y + 1.0)) - 0.05 * dot(uv, uv));
 }
 
-vec3 rampAt(float v) { return linearOf(textureLod(gradient, vec2((clamp(v, 0.0, 1.0) * 255.0 + 0.5) / 256.0, 0.5), 0.0).rgb); }
+vec3 rampAt(float number) {
+  float v = (number - gradientRange.x) / (gradientRange.y - gradientRange.x);
+  return linearOf(textureLod(gradient, vec2((clamp(v, 0.0, 1.0) * 255.0 + 0.5) / 256.0, 0.5), 0.0).rgb);
+}
+
+// The light from a direction, but for the key's.
+vec3 environment(vec3 towards) {
+  float height = 0.5 * (1.0 + dot(towards, sky)), edge = square(max(0.0, dot(towards, rim)));
+  return skyStrength * (FLOOR_COLOUR + height * (SKY_COLOUR - FLOOR_COLOUR) + edge * edge * RIM_COLOUR);
+}
+// Its mean over the directions about a normal, by their cosines. That of the rim, the fourth power of a cosine, is exact
+// where the normal goes along it, across it and against it.
+vec3 gathered(vec3 n) {
+  float height = 0.5 + dot(n, sky) / 3.0;
+  return skyStrength * (FLOOR_COLOUR + height * (SKY_COLOUR - FLOOR_COLOUR) +
+    pow(max(0.0, 0.5 + 0.5 * dot(n, rim)), 2.415) / 3.0 * RIM_COLOUR);
+}
+float brightness(vec3 c) { return (c.r + c.g + c.b) / 3.0; }
+
+mat3 frameOf(vec3 n) {
+  float side = n.z < 0.0 ? -1.0 : 1.0, a = -1.0 / (side + n.z), b = n.x * n.y * a;
+  return mat3(vec3(1.0 + side * n.x * n.x * a, side * b, -side * n.x), vec3(b, side + n.y * n.y * a, -n.y), n);
+}
+
+// A direction about a normal with the density of the cosine, number i of openRays.
+vec3 openDirection(mat3 about, int i, float grain) {
+  float area = (float(i) + lightJitter.z) / float(openRays), angle = 6.2831853 * fract(0.618034 * float(i) + lightJitter.x + grain);
+  return about * vec3(sqrt(area) * vec2(cos(angle), sin(angle)), sqrt(1.0 - area));
+}
+
+// Whether the set may be at a place: within the region, on the side of the cut that stays, and not in an empty cube.
+bool mayBe(vec3 x) {
+  if (any(lessThan(x, regionMin)) || any(greaterThan(x, regionMax)) || dot(clip.xyz, x) > clip.w) return false;
+  if (cubeCount.x == 0) return true;
+  ivec3 cube = clamp(ivec3(floor((x - cubeOrigin) / cubeSide)), ivec3(0), cubeCount - 1);
+  return texelFetch(emptiness, cube, 0).r < 0.5 / 255.0;
+}
 
 void main() {
   vec2 uv = 2.0 * (gl_FragCoord.xy - 0.5 + jitter) / pixels - 1.0;
@@ -444,7 +496,19 @@ void main() {
   vec3 gradientOutside = vec3(0.0), gradientInside = vec3(0.0);
   int firstSteps = -1, lastSteps = 0, outsideCount = 0;
   float stepSum = 0.0;
-  vec3 albedo = CLAY, normal = -direction;
+  vec3 albedo = albedoOf, normal = -direction;
+
+  // The rays of the light: towards the sky, one that the surface mirrors, and towards the key.
+  vec3 origin = vec3(0.0), towards = vec3(0.0);
+  mat3 about = mat3(1.0);
+  vec2 keyDisk = KEY_RADIUS * sqrt(lightJitter.y) * vec2(cos(6.2831853 * lightJitter.x), sin(6.2831853 * lightJitter.x));
+  mat3 aboutKey = frameOf(keyLight);
+  vec3 key = normalize(keyLight + aboutKey[0] * keyDisk.x + aboutKey[1] * keyDisk.y);
+  float along = 0.0, firstAlong = 0.0, growth = 1.0, openLight = 0.0, allLight = 0.0, mirrorOpen = 1.0, keyOpen = 0.0, away = 0.0;
+  int ray = 0, place = 0;
+  // The floor is smooth: few rays in the same directions would draw copies of the surface on it.
+  float grain = 0.0;
+  bool isFloor = phase == DONE && ground, begins = isFloor;
 
   // All samples of a ray, whatever they are for, are taken at one place of the program: the lanes of a GPU then stay
   // together, and compilers see the orbit once.
@@ -462,6 +526,7 @@ void main() {
         }
       }
       if (t > end) phase = DONE;
+      if (phase == DONE && ground) begins = isFloor = true;
       x = eye + t * direction;
     } else if (phase == BISECT) {
       x = eye + 0.5 * (outside + inside) * direction;
@@ -472,6 +537,66 @@ void main() {
       x = eye + inside * direction + ((count & 1) == 0 ? width : -width) * offset;
     } else if (phase == COLOUR) {
       x = eye + inside * direction;
+    }
+    if (isFloor && begins) {
+      // The floor is seen where a ray goes down and meets no surface, up to where it ends.
+      float falling = dot(direction, sky), height = floorHeight - dot(eye, sky);
+      vec3 at = eye + height / falling * direction;
+      away = distance(at, middle) / radius;
+      if (!(falling < 0.0) || !(height < 0.0) || away > FLOOR_ENDS) {
+        isFloor = begins = false;
+        break;
+      }
+      width = stepAt(height / falling);
+      normal = sky;
+      origin = at;
+      grain = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
+      phase = OPEN;
+    } else if (begins) {
+      origin = eye + inside * direction + LEAVES * width * (normal - direction);
+      phase = OPEN;
+    }
+    if (begins) {
+      begins = false;
+      about = frameOf(normal);
+      firstAlong = width;
+      growth = pow(max(2.0 * radius / firstAlong, 2.0), 1.0 / float(openPlaces));
+      along = firstAlong * pow(growth, fract(lightJitter.y + grain));
+    }
+    if (phase == OPEN) {
+      // On to the next place on one of these rays where the set may be.
+      int rays = openRays + (mirrors && !isFloor ? 1 : 0);
+      while (ray < rays) {
+        towards = ray < openRays ? openDirection(about, ray, grain) : reflect(direction, normal);
+        x = origin + along * towards;
+        if (place < openPlaces && mayBe(x)) break;
+        if (place < openPlaces) {
+          along *= growth;
+          ++place;
+          continue;
+        }
+        if (ray < openRays) {
+          float light = brightness(environment(towards));
+          allLight += light;
+          openLight += light;
+        }
+        ++ray;
+        place = 0;
+        along = firstAlong * pow(growth, fract(lightJitter.y + grain + 0.38 * float(ray)));
+      }
+      if (ray == rays) {
+        phase = dot(key, normal) > 0.0 ? KEY : DONE;
+        along = firstAlong * (1.0 + lightJitter.z);
+        place = 0;
+      }
+    }
+    if (phase == KEY) {
+      while (along < 4.0 * radius && !mayBe(origin + along * key)) along = max(along * keyGrowth, along + 2.0 * width);
+      x = origin + along * key;
+      if (along >= 4.0 * radius) {
+        keyOpen = 1.0;
+        phase = DONE;
+      }
     }
     if (phase == DONE) break;
 
@@ -515,45 +640,72 @@ void main() {
         vec3 gradientThere = gradientOutside * exp2(float(clamp(lastSteps - firstSteps, -60, 60))) + gradientInside;
         normal = dot(gradientThere, gradientThere) > 0.0 ? normalize(gradientThere) : -direction;
         if (atFace) normal = faceNormal;
-        albedo = CLAY;
         phase = COLOUR;
-        if (colourBy == 2) albedo = rampAt(stepSum / float(max(outsideCount, 1)) / float(iterationLimit));
-        if (colourBy == 2 || colourBy == 4) phase = DONE;
+        if (colourBy == 2) albedo = rampAt(stepSum / float(max(outsideCount, 1)));
+        if (colourBy == 2 || colourBy == 4) begins = true;
       }
     } else if (phase == COLOUR) {
       if (colourBy == 3) albedo = rampAt(exp(orbitNearest));
       else if (colourBy == 5) albedo = rampAt(depthAt(x));
       else {
-        vec3 towards = colourBy == 1 ? orbitVersor.yzw : kept(orbitVersor);
-        albedo = linearOf(clamp(0.5 + 0.5 * SATURATION * towards, 0.0, 1.0));
+        vec3 turnedTo = colourBy == 1 ? orbitVersor.yzw : kept(orbitVersor);
+        albedo = linearOf(clamp(0.5 + 0.5 * SATURATION * turnedTo, 0.0, 1.0));
       }
-      phase = DONE;
+      begins = true;
+    } else if (phase == OPEN) {
+      if (f < 0.0) {
+        if (ray < openRays) allLight += brightness(environment(towards));
+        else mirrorOpen = 0.0;
+        ++ray;
+        place = 0;
+        along = firstAlong * pow(growth, fract(lightJitter.y + grain + 0.38 * float(ray)));
+      } else {
+        along *= growth;
+        ++place;
+      }
+    } else if (phase == KEY) {
+      if (f < 0.0) phase = DONE;
+      else along = max(along * keyGrowth, along + 2.0 * width);
     }
   }
 
-  vec4 picture = vec4(backgroundAt(uv), 0.0);
+  float open = allLight > 0.0 ? openLight / allLight : 1.0;
+  float left = 1.0;
+  if (isFloor) {
+    // The share of the light that the surface leaves to the floor, which ends softly.
+    float fromSky = brightness(gathered(sky)), fromKey = max(0.0, dot(key, sky)) * brightness(KEY_COLOUR);
+    if (fromSky + fromKey > 0.0) left = (open * fromSky + keyOpen * fromKey) / (fromSky + fromKey);
+    left = mix(left, 1.0, clamp(2.0 * away / FLOOR_ENDS - 1.0, 0.0, 1.0));
+  }
+  vec4 picture = backdrop == 2 ? vec4(vec3(0.0), 1.0 - left) : vec4(left * (backdrop == 1 ? plain : backgroundAt(uv)), 0.0);
   if (met) {
-    float diffuse = AMBIENT, shine = 0.0;
-    for (int i = 0; i < 2; ++i) {
-      vec3 light = i == 0 ? keyLight : -forward;
-      float strength = i == 0 ? KEY : HEAD, facing = dot(normal, light);
-      if (facing <= 0.0) continue;
-      diffuse += strength * facing;
-      shine += strength * pow(max(0.0, -dot(2.0 * facing * normal - light, direction)), SHARPNESS);
+    vec3 radiance = albedo * gathered(normal) * (open + (1.0 - open) * BOUNCE * albedo);
+    float facing = dot(key, normal);
+    if (facing > 0.0 && keyOpen > 0.0) {
+      float lobe = mirrors ? (sharpness + 8.0) / 8.0 : 1.0;
+      float glint = pow(max(0.0, dot(normalize(key - direction), normal)), sharpness);
+      radiance += facing * KEY_COLOUR * (albedo + lobe * glint * gloss);
     }
-    picture = vec4(diffuse * albedo + SHINE * shine, 1.0);
+    if (mirrors) {
+      float rest = 1.0 - clamp(-dot(normal, direction), 0.0, 1.0);
+      vec3 light = environment(reflect(direction, normal));
+      radiance += (gloss + square(square(rest)) * rest * (1.0 - gloss)) * mix(BOUNCE * light * albedo, light, mirrorOpen);
+    }
+    picture = vec4(gain * radiance, 1.0);
   }
   if (share < 1.0) picture = mix(texelFetch(before, ivec2(gl_FragCoord.xy), 0), picture, share);
   result = picture;
 }
 `;
 
-const DEPTH_IN_SHELL = `
-uniform vec2 shellDepth;  // E at the two ends of the gradient
-float depthAt(vec3 x) { return (exponentAt(x) - shellDepth.x) / (shellDepth.y - shellDepth.x); }
-`;
-const NO_DEPTH = `
-float depthAt(vec3 x) { return clamp(length(x), 0.0, 1.0); }
+const DEPTH = `
+uniform sampler3D distances;  // from the target's surface
+uniform vec3 distanceOrigin, distanceCount;
+uniform float distanceStep;
+float depthAt(vec3 x) {
+  vec3 node = clamp((x - distanceOrigin) / distanceStep, vec3(0.0), distanceCount - 1.0);
+  return textureLod(distances, (node + 0.5) / distanceCount, 0.0).r;
+}
 `;
 
 // The whole fragment shader for a scene. Throws an Error in words for the user where a pair cannot be translated.
@@ -561,14 +713,14 @@ export function fragmentShader(scene) {
   switch (scene.map) {
     case "shape-modulus":
       return HEADER + PRODUCT + EXPONENT + (scene.waves ? WAVES : FACTORS + ROOTS_VERSOR) + SHAPE_STEP + LOG_POLAR_ORBIT +
-        DEPTH_IN_SHELL + RAYS;
+        DEPTH + RAYS;
     case "rational":
-      return HEADER + PRODUCT + FACTORS + RATIONAL_STEP + LOG_POLAR_ORBIT + NO_DEPTH + RAYS;
+      return HEADER + PRODUCT + FACTORS + RATIONAL_STEP + LOG_POLAR_ORBIT + DEPTH + RAYS;
     case "quadratic":
     case "mandelbulb":
     case "cross": {
       const step = { quadratic: () => QUADRATIC_STEP, mandelbulb: () => MANDELBULB_STEP, cross: crossStep }[scene.map];
-      return HEADER + UNDEFINED_ITERATE + step(scene) + CARTESIAN_ORBIT + NO_DEPTH + RAYS;
+      return HEADER + UNDEFINED_ITERATE + step(scene) + CARTESIAN_ORBIT + DEPTH + RAYS;
     }
     default:
       throw new Error(`The page does not know the map ${scene.map}.`);
@@ -580,9 +732,13 @@ export const DISPLAY_SHADER = `#version 300 es
 precision highp float;
 uniform sampler2D picture;
 uniform vec2 pixels;
+uniform bool clear;  // what is behind is shown as the squares of nothing
 out vec4 result;
 void main() {
-  vec3 c = clamp(textureLod(picture, gl_FragCoord.xy / pixels, 0.0).rgb, 0.0, 1.0);
+  vec4 seen = textureLod(picture, gl_FragCoord.xy / pixels, 0.0);
+  vec2 squares = floor(gl_FragCoord.xy / 12.0);
+  if (clear) seen.rgb += (1.0 - seen.a) * (mod(squares.x + squares.y, 2.0) < 0.5 ? 0.20 : 0.27);
+  vec3 c = clamp(seen.rgb, 0.0, 1.0);
   result = vec4(mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, vec3(greaterThan(c, vec3(0.0031308)))), 1.0);
 }
 `;

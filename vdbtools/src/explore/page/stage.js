@@ -9,19 +9,23 @@ const SMALL = 300;          // what a picture of another look may take, if the g
 const PATIENCE = 3000;      // how long the picture at rest becomes finer, if nobody says otherwise
 const MOST_PIXELS = 2.5e6;
 
+const isClear = (shot) => shot?.look.light.background === "none";
+
 const srgbOf = (linear) => {
   const value = Math.min(1, Math.max(0, linear));
   return Math.round(255 * (value <= 0.0031308 ? 12.92 * value : 1.055 * value ** (1 / 2.4) - 0.055));
 };
 
 // Linear values from the lowest row up, as an image.
-export function imageOf(values, width, height) {
+// isClear: what is behind has no colour, and the colours are multiplied by the coverage.
+export function imageOf(values, width, height, isClear = false) {
   const image = new ImageData(width, height);
   for (let y = 0; y < height; ++y)
     for (let x = 0; x < width; ++x) {
       const from = 4 * ((height - 1 - y) * width + x), to = 4 * (y * width + x);
-      for (let c = 0; c < 3; ++c) image.data[to + c] = srgbOf(values[from + c]);
-      image.data[to + 3] = 255;
+      const cover = isClear ? Math.min(1, Math.max(0, values[from + 3])) : 1;
+      for (let c = 0; c < 3; ++c) image.data[to + c] = srgbOf(values[from + c] / (cover || 1));
+      image.data[to + 3] = Math.round(255 * cover);
     }
   return image;
 }
@@ -181,7 +185,7 @@ export class Stage {
         const values = this.renderer.read(exposure.picture);
         exposure.free();
         this.small = null;
-        resolve({ image: imageOf(values, width, height), values });
+        resolve({ image: imageOf(values, width, height, isClear(shot)), values });
       }
     } catch (error) {
       this.small?.exposure.free();
@@ -194,14 +198,15 @@ export class Stage {
   // The finest rows that there are.
   show() {
     const fine = this.fine;
-    if (fine?.picture) return this.renderer.show(fine.picture);
-    if (this.shown?.picture) this.renderer.show(this.shown.picture);
-    if (fine) this.renderer.show(fine.targets[0], fine.row);
+    const show = (one, ...rows) => this.renderer.show(one, rows[0], isClear(this.wanted));
+    if (fine?.picture) return show(fine.picture);
+    if (this.shown?.picture) show(this.shown.picture);
+    if (fine) show(fine.targets[0], fine.row);
   }
 
   // The finest picture as an image, for a file.
   image() {
     const from = this.fine?.picture ?? this.shown?.picture;
-    return from ? imageOf(this.renderer.read(from), from.width, from.height) : null;
+    return from ? imageOf(this.renderer.read(from), from.width, from.height, isClear(this.wanted)) : null;
   }
 }

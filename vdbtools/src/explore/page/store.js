@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The state of the page: what the recipe and the picture are. It can be undone, and it lives in the address, so that a
 // link is a look.
+import { LOOK_OPTIONS } from "./lighting.js";
 
 const KEPT_STEPS = 300;
 
@@ -38,7 +39,8 @@ export function stateOfHash(hash, first) {
 
 export function checkedLook(look) {
   const checked = { ...usualLook() };
-  if (isNumbers(look.light, 2)) checked.light = look.light;
+  for (const name of LOOK_OPTIONS)
+    if (typeof look.options?.[name] === "string" && look.options[name].length < 200) checked.options[name] = look.options[name];
   if (Number.isInteger(look.samples)) checked.samples = Math.min(64, Math.max(0, look.samples));
   const clip = look.clip;
   if (clip && ["x", "y", "z"].includes(clip.axis))
@@ -46,9 +48,9 @@ export function checkedLook(look) {
   return checked;
 }
 
-// samples: rays a pixel at rest; 0 leaves it to the speed of the GPU.
+// options: of the material and the light, all text; samples: rays a pixel at rest; 0 leaves it to the speed of the GPU.
 export function usualLook() {
-  return { light: null, samples: 0, clip: { axis: "", at: 0.5, flip: false } };
+  return { options: {}, samples: 0, clip: { axis: "", at: 0.5, flip: false } };
 }
 
 export class Store {

@@ -9,12 +9,12 @@ export function makeStrip(page) {
   const make = button("Show sixteen", () => choices.show(select.value, select.selectedOptions[0].label), { class: "main" });
   const again = button("Back to the sixteen", () => choices.open(), { disabled: true, title: "The looks that were shown last" });
   const keep = button("Keep this look", async () => {
-    if (kept.has(store.state.recipe)) return kept.remove(store.state.recipe);
+    if (kept.has(store.state)) return kept.remove(store.state);
     const image = page.stage.image();
     if (!image) return;
     const picture = element("canvas", { width: image.width, height: image.height });
     picture.getContext("2d").putImageData(image, 0, 0);
-    kept.add({ label: nameOf(store.state.recipe), state: store.state }, picture);
+    kept.add({ label: nameOf(store.state), state: store.state }, picture);
   }, { "aria-pressed": "false" });
   const keys = page.keys ? button("Key frames", () => {
     page.keys.toggle();
@@ -23,9 +23,9 @@ export function makeStrip(page) {
   const whole = element("section", { class: "strip", "aria-label": "Other looks" },
     element("div", { class: "buttons" }, select, make, again, keep, keys), kept.element);
 
-  function nameOf(recipe) {
+  function nameOf({ recipe, look }) {
     const names = Object.entries(recipe).filter(([name, value]) => name !== "input" && value !== page.first.recipe[name]);
-    return names.map(([name, value]) => `${name} ${value}`).join(", ") || "the first look";
+    return [...names, ...Object.entries(look.options)].map(([name, value]) => `${name} ${value}`).join(", ") || "the first look";
   }
 
   // What can be varied goes with the map at hand.
@@ -38,7 +38,7 @@ export function makeStrip(page) {
       if (fits.some((one) => one.name === before)) select.value = before;
     }
     again.disabled = !choices.top;
-    keep.setAttribute("aria-pressed", String(kept.has(state.recipe)));
+    keep.setAttribute("aria-pressed", String(kept.has(state)));
   }
   choices.listen(() => update(store.state));
   kept.listen(() => {

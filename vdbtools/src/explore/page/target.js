@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The target beside the fractal: its triangles in clay, by the same camera and light.
-import { cameraFrame } from "./renderer.js";
+// The target beside the fractal: its triangles by the same camera, light and material, without shadows.
+import { cameraFrame, lightDirections } from "./renderer.js";
 
 const VERTEX = `#version 300 es
 in vec3 position;
@@ -17,14 +17,18 @@ void main() {
 const FRAGMENT = `#version 300 es
 precision highp float;
 in vec3 place;
-uniform vec3 eye, right, up, forward;
+uniform vec3 sky, key, rim, albedo;
+uniform vec3 eye;
+uniform float strength, gain;
 out vec4 result;
 void main() {
   vec3 normal = normalize(cross(dFdx(place), dFdy(place))), view = normalize(place - eye);
   if (dot(normal, view) > 0.0) normal = -normal;
-  vec3 key = normalize(-0.60 * right + 0.65 * up - 0.47 * forward);
-  vec3 c = vec3(0.55, 0.32, 0.21) * (0.10 + max(0.0, dot(normal, key)) + 0.14 * max(0.0, -dot(normal, forward)));
-  result = vec4(pow(c, vec3(1.0 / 2.2)), 1.0);
+  float height = 0.5 + dot(normal, sky) / 3.0;
+  vec3 light = strength * (vec3(0.10, 0.08, 0.07) + height * vec3(0.34, 0.42, 0.53) + pow(max(0.0, 0.5 + 0.5 * dot(normal, rim)), 2.415) / 3.0 * vec3(0.62, 0.70, 0.85));
+  vec3 c = albedo * (light + max(0.0, dot(normal, key)) * vec3(1.22, 1.12, 0.97));
+  c = clamp(gain * c, 0.0, 1.0);
+  result = vec4(mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, vec3(greaterThan(c, vec3(0.0031308)))), 1.0);
 }
 `;
 
@@ -54,7 +58,8 @@ export class TargetView {
     gl.clearColor(0.87, 0.87, 0.87, 1);
   }
 
-  draw(view) {
+  // light: numbers, as lighting.js has them
+  draw(view, light) {
     const { gl, canvas, program, target } = this, ratio = Math.min(2, window.devicePixelRatio || 1);
     canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));
     canvas.height = Math.max(1, Math.round(canvas.clientHeight * ratio));
@@ -66,6 +71,12 @@ export class TargetView {
     const set = (name, value) => gl[`uniform${value.length}fv`](gl.getUniformLocation(program, name), value);
     set("eye", eye);
     for (const name of ["right", "up", "forward"]) set(name, frame[name]);
+    const directions = lightDirections(light, view, frame);
+    for (const name of ["sky", "key", "rim"]) set(name, directions[name]);
+    const { albedo, gloss, mirrors } = light.material;
+    set("albedo", mirrors ? albedo.map((part, i) => part + 0.6 * gloss[i]) : albedo);
+    set("strength", [light.sky]);
+    set("gain", [2 ** light.exposure]);
     set("scale", [canvas.height / canvas.width / frame.tangent, 1 / frame.tangent]);
     set("depth", [(far + near) / (far - near), -2 * far * near / (far - near)]);
     gl.drawElements(gl.TRIANGLES, this.indices, gl.UNSIGNED_INT, 0);

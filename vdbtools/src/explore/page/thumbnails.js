@@ -34,6 +34,7 @@ export class Thumbnails {
       const name = this.left[0], begun = performance.now(), { signal } = this.asking = new AbortController();
       try {
         const recipe = { ...page.start.recipe };
+        delete recipe.colour;
         chooseTexture(page, recipe, name);
         const scene = await page.sceneFor(recipe, NODES, signal);
         if (signal.aborted) continue;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sixteen looks around one: the values of a control, or neighbours in which several controls differ a little. The same
 // look always has the same neighbours.
-import { chooseTexture, colourOf, followsThickness, isRandomVersor, setSeed } from "./controls.js";
+import { BY_GRADIENT, colourOf, colourText } from "./colours.js";
+import { chooseTexture, followsThickness, isRandomVersor, setSeed } from "./controls.js";
 import { GRADIENTS } from "./renderer.js";
 
 export const CHOICES = 16;
@@ -118,7 +119,7 @@ export class Variations {
     const other = { ...recipe }, { options } = this.page;
     if (name === "versor") chooseTexture(this.page, other, ...text.split(" "));
     else if (name === "versor-seed") setSeed(this.page, other, text);
-    else if (name === "colour" && text === "direction") delete other.colour;
+    else if (name === "colour" && text === "clay") delete other.colour;
     else options.set(other, name, text);
     return other;
   }
@@ -134,9 +135,10 @@ export class Variations {
   }
 
   colours(recipe, isAround) {
-    const { by, gradient } = colourOf(recipe), now = ["iterations", "trap", "depth"].includes(by) && gradient !== "viridis" ? `${by}:${gradient}` : by;
-    const shades = Object.keys(GRADIENTS).flatMap((name) => ["iterations", "trap", "depth"].map((what) => name === "viridis" ? what : `${what}:${name}`));
-    return ["direction", "versor", "clay", ...shades].filter((text) => !isAround || text !== now).slice(0, CHOICES);
+    const now = colourText({ ...colourOf(recipe), range: null }) ?? "clay", hasTarget = Boolean(this.page.start.target ?? this.page.scene()?.targetBox);
+    const kinds = BY_GRADIENT.filter((by) => by !== "depth" || hasTarget);
+    const shades = Object.keys(GRADIENTS).flatMap((gradient) => kinds.map((by) => colourText({ by, gradient, range: null })));
+    return ["clay", ...shades.slice(0, 12), "direction", "versor", ...shades.slice(12)].filter((text) => !isAround || text !== now).slice(0, CHOICES);
   }
 
   seeds(recipe, isAround) {

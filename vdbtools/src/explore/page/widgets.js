@@ -105,8 +105,8 @@ export function tick(store, control) {
 }
 
 export function text(store, control) {
-  const { read, write, usual } = control;
-  const input = element("input", { type: "text", spellcheck: "false", autocomplete: "off" });
+  const { read, write, usual, type = "text" } = control;
+  const input = element("input", { type, spellcheck: "false", autocomplete: "off", ...(type === "number" ? { step: "any", class: "number" } : {}) });
   input.addEventListener("change", () => store.change((state) => write(state, input.value.trim() === "" ? undefined : input.value.trim())));
   const line = row(control, store, input);
   return {

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "explore/made_picture.h"
+
+#include "job/mesh_picture.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/job/fractal_options.h"
+#include "vdbtools/mesh/mesh.h"
+#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/render/mesh_preview.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+#include <system_error>
+
+namespace vdbtools {
+namespace {
+
+/// @param up  the axis that points up where the picture does not say it
+PreviewOptions previewOf(const FieldPicture& picture, UpAxis up, const UpTurn& turn) {
+  const FieldView& view = picture.view;
+  PreviewOptions options{.width = picture.render.width,
+                         .height = picture.render.height,
+                         .samples = picture.render.samples,
+                         .view = view.angles,
+                         .up = up,
+                         .look = picture.render.look};
+  if (!view.eye) return options;
+  if (!view.lookAt)
+    throw std::invalid_argument("'view' has an eye and no 'lookAt'; give the point in the middle of the picture");
+  options.camera = Camera{.eye = turn(*view.eye),
+                          .lookAt = turn(*view.lookAt),
+                          .up = turn(view.up.value_or(directionOf(up))),
+                          .fieldOfView = view.angles.fieldOfView};
+  return options;
+}
+
+std::string encoded(const ShadedImage& image, const FieldPicture& picture) {
+  return encodeShadedImage(image, ".png", picture.render.look.backdrop == Backdrop::None, {Pass::Beauty});
+}
+
+bool isVdb(const std::filesystem::path& file) { return isVdbPath(file.string()); }
+
+/// The colours of clay leave the colour to the material.
+bool hasOwnColours(const FractalOptions& options) {
+  const std::optional<ColourChoice>& colour = options.output.attributes.colour;
+  return !colour || colour->by != FieldColour::Clay;
+}
+
+}  // namespace
+
+std::string pictureOfMesh(const Scene& scene, const FieldPicture& picture, Monitor& monitor) {
+  return encoded(meshPicture(scene, previewOf(picture, scene.options.output.axes.target, {}), monitor), picture);
+}
+
+std::string pictureOfMade(const MadeFiles& made, const FieldPicture& picture, Monitor& monitor) {
+  const auto mesh = std::find_if_not(made.files.begin(), made.files.end(), isVdb);
+  const std::filesystem::path& file = mesh != made.files.end() ? *mesh : made.files.at(0);
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(file, ignored)))
+    throw MissingInputError("'" + file.filename().string() + "' is no longer there");
+  const FractalOptions options = parseFractalOptions(made.recipe);
+  const FileAxes& axes = options.output.axes;
+  const UpAxis up = mesh != made.files.end() ? axes.ofMesh(meshFormat(file)) : axes.ofVdb();
+  const PreviewOptions preview = previewOf(picture, up, UpTurn(axes.target, up));
+  monitor.begin("reading", 0);
+  if (mesh == made.files.end())
+    return encoded(renderPreview(*chooseFloatGrid(readVdb(file), "", file.string()), preview, monitor), picture);
+  return encoded(renderMeshPreview(readMesh(file), {.picture = preview, .colours = hasOwnColours(options)}, monitor),
+                 picture);
+}
+
+}  // namespace vdbtools
