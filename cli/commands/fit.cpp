@@ -8,6 +8,7 @@
 
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/fit/fit_job.h"
+#include "vdbtools/mesh/mesh_writer.h"
 
 #include <ostream>
 #include <utility>
@@ -35,7 +36,9 @@ int runFit(const Arguments& arguments) {
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.json"), "the map to write: .json or .o3d")(
       "report", po::value<std::string>()->value_name("F.csv"),
       "a table of every accepted step: energies, IoU, distances, powers")(
-      "plot", po::value<std::string>()->value_name("F.png"), "the same as a picture: .png, .svg or .exr");
+      "plot", po::value<std::string>()->value_name("F.png"), "the same as a picture: .png, .svg or .exr")(
+      "charge", po::value<std::string>()->value_name("F.ply"),
+      "the surface that roots are placed on, with its electrostatic charge as a grey: .ply, .obj or .glb");
   if (!line.parse(arguments)) return kDone;
   const vdbtools::FitOptions options = vdbtools::parseFitOptions(line.recipe());
   line.requireEffect({vdbtools::Product::Recipe});
@@ -49,6 +52,10 @@ int runFit(const Arguments& arguments) {
   std::ostream* const plot =
       line.has("plot") ? &outputs.add("plot", line.text("plot"), ".png .svg .exr").stream() : nullptr;
 
+  const std::string charge = line.text("charge");
+  std::ostream* const chargeFile =
+      line.has("charge") ? &outputs.add("charge", charge, ".ply .obj .glb").stream() : nullptr;
+
   const vdbtools::FitResult fit = vdbtools::runFit(options, reportFile != nullptr, line.progress());
   line.progress().begin("writing", 0);
   if (formatOf(line.text("output"), ".json") == ".o3d")
@@ -57,6 +64,11 @@ int runFit(const Arguments& arguments) {
     file << vdbtools::fitToJson(fit, line.recipe());
   if (reportFile) *reportFile << vdbtools::fitReportCsv(fit.rows);
   if (plot) *plot << vdbtools::encodePlot(vdbtools::fitReportPlot(fit.rows), formatOf(line.text("plot"), ".png"));
+  if (chargeFile) {
+    const vdbtools::ChargedSurface surface = vdbtools::chargedSurface(fit.target, line.progress());
+    vdbtools::writeMesh(*chargeFile, surface.mesh, {.format = vdbtools::meshFormat(charge), .columns = surface.columns},
+                        surface.values);
+  }
   line.progress().throwIfCancelled();
   outputs.commit();
   const vdbtools::FitMeasure& measure = fit.measure;

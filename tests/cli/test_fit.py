@@ -97,6 +97,16 @@ class Fit(FitTest):
         self.assertEqual(harness.png_size(self.bytes("fit.png")), (900, 600))
         self.assertGreater(len({pixel for row in harness.read_png(self.bytes("fit.png")) for pixel in row}), 4)
 
+    def test_charge(self):
+        """The surface with its charge is a mesh that render shows, with the roots on it."""
+        self.ok("fit", "m.obj", "-o", "c.json", *LOW, *ROOTS, "--charge", "charge.ply")
+        self.assertEqual(self.bytes("c.json"), self.bytes("shape.json"), "the map does not depend on it")
+        info = self.info("charge.ply")
+        self.assertEqual(info["open edges"], 0)
+        self.ok("render", "charge.ply", "--roots", "c.json", "--size", "60x60", "-o", "roots.png")
+        self.ok("render", "charge.ply", "--size", "60x60", "-o", "charge.png")
+        self.assertNotEqual(self.bytes("roots.png"), self.bytes("charge.png"))
+
     def test_schedule(self):
         text = self.ok("fit", "m.obj", "-o", "paper.json", *LOW, *ROOTS, *SCHEDULE, "--report", "paper.csv")
         self.assertRegex(text, r"electrostatics: \d+ monopoles, capacitance 0\.\d+")

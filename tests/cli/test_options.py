@@ -110,7 +110,7 @@ VALUES = {
         "grids": "surface,density", "lod": "100%,40%", "attributes": "iterations", "colour": "trap:magma",
         "transfer": "weight", "target-up": "z", "up": ("z", "y"), "frame": "3", "frames": "1-2", "key": "iterations@1=2",
         "ease": "step", "search": ".", "config": "list.txt", "threads": "1", "instructions": "portable", "memory": "64G",
-        "progress": "json", "mesh": "g.ply", "curve": "c.png", "csv": "c.csv", "report": "r.csv", "plot": "p.png",
+        "progress": "json", "mesh": "g.ply", "curve": "c.png", "csv": "c.csv", "report": "r.csv", "plot": "p.png", "charge": "c.ply",
     },
 }
 

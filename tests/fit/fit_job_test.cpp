@@ -434,6 +434,36 @@ TEST(FitJob, MonopolesCanBeTheStart) {
   EXPECT_GT(fit.measure.iou, 0.98);
 }
 
+TEST(FitJob, ChargeIsEvenOnABallAndLargeOnWhatSticksOut) {
+  Monitor monitor;
+  const FitTarget ball = files().ball({}).target();
+  const ChargedSurface even = chargedSurface(ball, monitor);
+  ASSERT_EQ(even.mesh.points.size(), ball.surface.points.size());
+  ASSERT_EQ(even.values.size(), even.mesh.points.size() * rowLength(even.columns));
+  for (std::size_t i = 0; i < even.mesh.points.size(); ++i) {
+    EXPECT_NEAR(even.values[4 * i + 3], 1, 0.15);
+    EXPECT_NEAR((even.mesh.points[i] - Vec3d(10, -20, 30)).length(), 2, 0.1) << "world units";
+  }
+  // The whole charge is spread: the mean over the area is 1.
+  const ChargedSurface dumbbell = chargedSurface(files().dumbbell({}).target(), monitor);
+  double ends = 0, rod = 1e9, charge = 0, area = 0;
+  for (std::size_t i = 0; i < dumbbell.mesh.points.size(); ++i) {
+    const double x = std::abs(dumbbell.mesh.points[i][0]), value = dumbbell.values[4 * i + 3];
+    if (x > 0.45) ends = std::max(ends, value);
+    if (x < 0.12) rod = std::min(rod, value);
+    EXPECT_TRUE(0 <= dumbbell.values[4 * i] && dumbbell.values[4 * i] <= 1);
+  }
+  EXPECT_GT(ends, 1.2);
+  EXPECT_LT(rod, 0.9 * ends);
+  for (const openvdb::Vec3I& t : dumbbell.mesh.triangles) {
+    const Vec3d a = dumbbell.mesh.points[t[0]], b = dumbbell.mesh.points[t[1]], c = dumbbell.mesh.points[t[2]];
+    const double size = 0.5 * (b - a).cross(c - a).length();
+    area += size;
+    for (int k = 0; k < 3; ++k) charge += size / 3 * dumbbell.values[4 * t[k] + 3];
+  }
+  EXPECT_NEAR(charge / area, 1, 0.02);
+}
+
 TEST(FitJob, O3dReadsBack) {
   const FitOptions options = files().box({{"roots", "20"}}).options();
   Monitor monitor;

@@ -179,17 +179,21 @@ julia::MonopoleFit monopolesOf(const FitTarget& target, const FitOptions& option
   return fit;
 }
 
-/// The target's electrostatic potential at many points: 1 on its surface, 0 at infinity.
-std::vector<double> potentialAt(const julia::TriangleSurface& surface, std::span<const Point> points,
-                                Monitor& monitor) {
+/// @throw Interrupted
+julia::SurfaceCharge chargeOf(const julia::TriangleSurface& surface, Monitor& monitor) {
   monitor.begin("electrostatics", 0);
-  julia::SurfaceCharge charge;
   try {
-    charge = julia::solveExteriorDirichlet(surface, {.cancelled = [&monitor] { return monitor.cancelled(); }});
+    return julia::solveExteriorDirichlet(surface, {.cancelled = [&monitor] { return monitor.cancelled(); }});
   } catch (const julia::Cancelled&) {
     monitor.throwIfCancelled();
     throw;
   }
+}
+
+/// The target's electrostatic potential at many points: 1 on its surface, 0 at infinity.
+std::vector<double> potentialAt(const julia::TriangleSurface& surface, std::span<const Point> points,
+                                Monitor& monitor) {
+  const julia::SurfaceCharge charge = chargeOf(surface, monitor);
   constexpr std::size_t kBatch = 4096;
   std::vector<double> result(points.size());
   monitor.begin("potential", points.size());
@@ -552,6 +556,39 @@ std::string fitToJson(const FitResult& fit, const Recipe& recipe) {
   for (const auto& [name, value] : recipe)
     if (name != "input" && !value.empty()) note += " --" + name + (value == "true" ? "" : " " + value);
   return rationalToJson(fit.rational, note, FittedTo{fit.target.space, fit.target.box});
+}
+
+ChargedSurface chargedSurface(const FitTarget& target, Monitor& monitor) {
+  const julia::TriangleSurface& surface = target.surface;
+  const julia::SurfaceCharge charge = chargeOf(surface, monitor);
+  ChargedSurface result;
+  for (const Point& point : surface.points) result.mesh.points.push_back(target.space.toWorld(point));
+  for (const auto& [a, b, c] : surface.triangles) result.mesh.triangles.emplace_back(a, b, c);
+
+  // The mean of the triangles at each point, weighted by their areas.
+  std::vector<double> charges(surface.points.size()), areas(charges.size());
+  double whole = 0;
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const auto corner = [&](int i) { return openvdb::Vec3d(surface.points[surface.triangles[t][i]].data()); };
+    const double area = 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).length();
+    whole += area;
+    for (const std::uint32_t point : surface.triangles[t]) {
+      charges[point] += area * charge.density[t];
+      areas[point] += area;
+    }
+  }
+  const double even = charge.capacitance / whole;
+  for (std::size_t i = 0; i < charges.size(); ++i) charges[i] = areas[i] > 0 ? charges[i] / areas[i] / even : 0;
+  // Nineteen points in twenty are darker than white.
+  std::vector<double> sorted = charges;
+  const auto bright = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() * 19 / 20);
+  std::nth_element(sorted.begin(), bright, sorted.end());
+  result.columns = {{"colour", ColumnKind::LinearRgb}, {"charge", ColumnKind::Number}};
+  for (const double value : charges) {
+    const auto grey = static_cast<float>(std::clamp(value / *bright, 0.0, 1.0));
+    result.values.insert(result.values.end(), {grey, grey, grey, static_cast<float>(value)});
+  }
+  return result;
 }
 
 std::string fitToO3d(const FitResult& fit, Monitor& monitor) {

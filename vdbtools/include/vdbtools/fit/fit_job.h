@@ -6,6 +6,8 @@
 
 #include "vdbtools/fit/fit_measure.h"
 #include "vdbtools/fit/fit_target.h"
+#include "vdbtools/mesh/mesh.h"
+#include "vdbtools/mesh/vertex_column.h"
 #include "vdbtools/picture/plot.h"
 #include "vdbtools/recipe/recipe.h"
 
@@ -79,6 +81,15 @@ Plot fitReportPlot(std::span<const FitRow> rows);
 /// The fit as JSON (versor_file.h), with where it lies in the world and a note of the command that makes it again.
 /// @param recipe  what was asked for, completed
 std::string fitToJson(const FitResult& fit, const Recipe& recipe);
+
+/// The surface that the roots are placed on, with its electrostatic charge ([Kim15] Fig. 8): large on what sticks out,
+/// small in hollows.
+struct ChargedSurface {
+  Mesh mesh;                          ///< world units
+  std::vector<VertexColumn> columns;  ///< the charge as a grey, black where there is none; and the charge itself
+  std::vector<float> values;          ///< row by row; charges are per unit of area, 1 if spread evenly
+};
+ChargedSurface chargedSurface(const FitTarget& target, Monitor& monitor);
 
 /// The fit as an `.o3d`, with the fields that belong to it on the cells of the target's cube.
 /// @throw std::invalid_argument  e^C does not fit a double
