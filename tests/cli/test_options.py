@@ -78,14 +78,14 @@ FRACTALS = ("fractal", "sheet", "slice", "study", "render")
 # Values that do something, for options whose placeholder says too little: of a command, or of all. The second of two is
 # for runs that have the first one.
 LOOK = {"up": "z", "alpha-clarity": "0.02", "delta": "2", "epsilon": "0.05", "azimuth": "50", "elevation": "50", "fov": "50",
-        "zoom": "2", "eye": "2,2,4", "look-at": "0.2,0,0", "samples": "1", "size": "20x20"}
+        "zoom": "2", "eye": "2,2,4", "look-at": "0.2,0,0", "samples": "1", "size": "20x20", "material": "bronze", "light": "60,20",
+        "sky": "0.2", "background": "#203040", "exposure": "1"}
 VALUES = {
     "fit": {"resolution": "15", "alpha": "30", "epsilon": "0.3", "roots": "7", "weights": "layers", "schedule": "11(VF)",
             "smooth": "2", "triangles": "300", "target-iou": "0.3", "seed": "5", "start": "monopoles", "power-penalty": "0.01"},
     "print": {"size": "50", "up": "z", "resolution": "22", "tolerance": "0.7", "islands": "2", "flat-base": "5",
               "min-thickness": "8", "thin": "drop"},
-    "render": {**LOOK, "material": "bronze", "light": "60,20", "sky": "0.2", "background": "#203040", "exposure": "1",
-               "passes": "ao", "frames": ("1-2", "1-3"), "turn": "90", "key": "zoom@1=3", "ease": "zoom=smooth", "roots": "beside.json"},
+    "render": {**LOOK, "passes": "ao", "frames": ("1-2", "1-3"), "turn": "90", "key": "zoom@1=3", "ease": "zoom=smooth", "roots": "beside.json"},
     "slice": {"size": "20", "field": "iterations", "range": "0.5", "axis": "x", "position": "0.1"},
     "study": {"size": "12", "dimension": "11,12,13", "axis": "x", "position": "0.1", "versors": "3"},
     "sheet": {**LOOK, "vary": "iterations=1,2", "columns": "1", "preview": ("mesh", "field")},

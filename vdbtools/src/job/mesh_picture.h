@@ -14,7 +14,7 @@ namespace vdbtools {
 /// @throw DataError              there is no surface, or none but that of crumbs
 /// @throw MemoryError            the mesh will not fit
 /// @throw Interrupted
-Image meshPicture(const Scene& scene, const ViewOptions& view, Monitor& monitor);
+Image meshPicture(const Scene& scene, const ViewOptions& view, const Look& look, Monitor& monitor);
 
 /// A view that pictures of meshes have, too. @throw std::invalid_argument
 void requireMeshView(const ViewOptions& view);
