@@ -14,6 +14,7 @@
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/versor_file.h"
 #include "vdbtools/job/file_axes.h"
+#include "vdbtools/job/recorded_recipe.h"
 #include "vdbtools/job/scene_picture.h"
 #include "vdbtools/mesh/mesh_writer.h"
 #include "vdbtools/render/look.h"
@@ -99,22 +100,17 @@ std::vector<vdbtools::PreviewBall> ballsOf(const std::string& name) {
   return balls;
 }
 
-std::vector<vdbtools::OptionSpec> pictureSpecs(bool field) {
-  std::vector<vdbtools::OptionSpec> options =
-      field ? vdbtools::fieldPictureOptionSpecs(kSize) : vdbtools::viewOptionSpecs(kSize);
-  for (vdbtools::OptionSpec& option : lookAndPassesSpecs()) options.push_back(std::move(option));
-  return options;
-}
-
 /// The camera, the light and what is kept of a picture, in one table.
-vdbtools::OptionTable pictureTable(bool field) { return vdbtools::OptionTable(pictureSpecs(field)); }
+vdbtools::OptionTable pictureTable(bool field) {
+  std::vector<vdbtools::OptionSpec> options = vdbtools::pictureOptionSpecs(kSize, field);
+  options.push_back(vdbtools::passesOptionSpec());
+  return vdbtools::OptionTable(std::move(options));
+}
 
 /// Of these, what may change from frame to frame.
 vdbtools::OptionTable keyTable(bool field) {
-  std::vector<vdbtools::OptionSpec> options = pictureSpecs(field);
-  std::erase_if(options, [](const vdbtools::OptionSpec& option) {
-    return option.name == "size" || option.name == "samples" || option.name == "no-skip" || option.name == "passes";
-  });
+  std::vector<vdbtools::OptionSpec> options = vdbtools::pictureOptionSpecs(kSize, field);
+  std::erase_if(options, [](const vdbtools::OptionSpec& option) { return !vdbtools::isAppearance(option.name); });
   return vdbtools::OptionTable(std::move(options));
 }
 
@@ -147,9 +143,12 @@ struct Shot {
 std::vector<Shot> shotsOf(const CommandLine& line, bool field) {
   const std::string input = line.text("input");
   const vdbtools::Recipe given = line.given(pictureTable(field));
+  // A cell of a sheet is shown as it is there.
+  const vdbtools::Recipe base =
+      field && line.has("config") ? vdbtools::readRecordedView(line.text("config")) : vdbtools::Recipe();
   line.requireUse(line.has("frames"), {"turn", "key", "ease"}, "it goes with --frames; give that too, or leave it out");
   line.requireUse(line.has("key"), {"ease"}, "it goes with --key; give that too, or leave it out");
-  if (!line.has("frames")) return {{std::nullopt, given, 0, input}};
+  if (!line.has("frames")) return {{std::nullopt, vdbtools::overriddenView(base, given), 0, input}};
   const bool isSequence = vdbtools::hasFramePattern(input);
   if (!isSequence && !line.has("turn") && !line.has("key"))
     throw std::invalid_argument("--frames " + line.text("frames") +
@@ -173,6 +172,7 @@ std::vector<Shot> shotsOf(const CommandLine& line, bool field) {
     for (const vdbtools::KeyedOption& keyed : keys) shot.view[keyed.name] = vdbtools::valueAt(keyed, frame);
     // In the order of time, whatever the order of the list.
     const auto before = std::lower_bound(inTime.begin(), inTime.end(), frame) - inTime.begin();
+    shot.view = vdbtools::overriddenView(base, shot.view);
     shot.turn = turn * static_cast<double>(before) / static_cast<double>(frames.size());
     shots.push_back(std::move(shot));
   }

@@ -7,6 +7,7 @@
 #include "report.h"
 
 #include "vdbtools/job/fractal_options.h"
+#include "vdbtools/job/recorded_recipe.h"
 #include "vdbtools/job/sheet_job.h"
 
 #include <algorithm>
@@ -37,12 +38,15 @@ constexpr Usage kSheetUsage = {
     "F.json beside the picture holds the recipe of each cell. Cells count from 1, row by row, and the number stands "
     "in\n"
     "the caption: 'juliavdb fractal --config F.json#7 -o out.vdb' makes the fractal of cell 7, and\n"
-    "'juliavdb render --field --config F.json#7 -o large.png' shows the set at a larger size.\n"
+    "'juliavdb render --field --config F.json#7 -o large.png' shows the set at a larger size, from the same side and "
+    "in\n"
+    "the same light.\n"
     "Finished cells are kept in the folder F.cells. The next run makes only those that are not there, also after an\n"
     "interruption or for a sheet with more values. Remove the folder when you no longer need it.",
     "  juliavdb sheet bunny.obj -o alpha.png --vary alpha=10,20,40,80\n"
     "  juliavdb sheet bunny.obj -o seeds.png --vary alpha=20:60:20 --vary versor-seed=1:4:1 --size 160x160\n"
     "  juliavdb sheet bunny.obj -o meshes.png --vary detail=0.1,0.3,0.5 --preview mesh --resolution 80\n"
+    "  juliavdb sheet bunny.obj -o looks.png --vary material=clay,bronze,jade --ground --light 60,25\n"
     "  juliavdb sheet --config seeds.json#3 -o next.png --vary \"versor-translate=0,0,0;0.1,0,0;0.2,0,0\"\n",
     "fractal",
     nullptr,
@@ -61,7 +65,7 @@ std::filesystem::path recipesBeside(const std::filesystem::path& picture) {
 
 /// What stands on the command line or comes from --config or from the target's own recipe.
 vdbtools::SheetOptions parseSheet(const CommandLine& line) {
-  const vdbtools::OptionTable table = vdbtools::fractalOptionTable();
+  const vdbtools::OptionTable table = vdbtools::variedOptionTable();
   vdbtools::SheetOptions options;
   for (const std::string& text : line.texts("vary"))
     options.varied.push_back(vdbtools::parseVaried(text, table, vdbtools::kMostSheetCells));
@@ -71,6 +75,7 @@ vdbtools::SheetOptions parseSheet(const CommandLine& line) {
   // A fractal's file as the target stands for its recipe, and the target is the one in there.
   const auto target = options.base.find("input");
   if (target == options.base.end() || target->second != line.text("input")) options.given.erase("input");
+  if (line.has("config")) options.baseView = vdbtools::readRecordedView(line.text("config"));
   options.view = line.given(vdbtools::OptionTable(vdbtools::sheetViewOptionSpecs()));
   return options;
 }
@@ -78,7 +83,9 @@ vdbtools::SheetOptions parseSheet(const CommandLine& line) {
 /// What is typed or varied has to have an effect in a cell.
 void requireEffects(const CommandLine& line, const vdbtools::SheetOptions& options) {
   std::set<std::string> names = line.typedNames();
-  for (const vdbtools::VariedOption& varied : options.varied) names.insert(varied.name);
+  const vdbtools::OptionTable fractal = vdbtools::fractalOptionTable();
+  for (const vdbtools::VariedOption& varied : options.varied)
+    if (fractal.knows(varied.name)) names.insert(varied.name);
   std::vector<vdbtools::OptionRun> runs;
   for (const vdbtools::Recipe& recipe : vdbtools::cellRecipes(options))
     runs.push_back({recipe, {vdbtools::Product::Recipe}});
@@ -104,7 +111,7 @@ int runSheet(const Arguments& arguments) {
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.png"),
                     "the picture to write; F.json goes with it")(
       "vary", po::value<std::vector<std::string>>()->value_name("NAME=VALUES"),
-      "an option of 'fractal' and its values; once or twice")(
+      "an option of 'fractal', or of the camera and the light, and its values; once or twice")(
       "columns", po::value<std::string>()->value_name("N"),
       "how many cells stand in a row, where one option varies (default: so many that the page is about square)");
   line.addOptions(vdbtools::sheetViewOptionSpecs());

@@ -61,15 +61,27 @@ void evaluateAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, s
 }
 
 vdbtools::OptionTable viewTable() {
-  std::vector<vdbtools::OptionSpec> options = vdbtools::fieldPictureOptionSpecs("800x800");
+  std::vector<vdbtools::OptionSpec> options = vdbtools::pictureOptionSpecs("800x800", true);
   options.push_back(vdbtools::colourOptionSpec());
   return vdbtools::OptionTable(std::move(options));
 }
 
-void checkView(const Recipe& view) { vdbtools::parseFieldPicture(view, viewTable()); }
+namespace {
+
+/// @throw std::invalid_argument
+vdbtools::FieldPicture parseView(const Recipe& view) {
+  vdbtools::FieldPicture picture = vdbtools::parseFieldPicture(view, viewTable());
+  if (picture.render.look.backdrop == vdbtools::Backdrop::None)
+    throw std::invalid_argument("--background is none, and the array has no alpha; give a colour, or leave it out");
+  return picture;
+}
+
+}  // namespace
+
+void checkView(const Recipe& view) { parseView(view); }
 
 vdbtools::Image pictureOf(const MadeScene& made, const Recipe& view, Monitor& monitor) {
-  const vdbtools::FieldPicture picture = vdbtools::parseFieldPicture(view, viewTable());
+  const vdbtools::FieldPicture picture = parseView(view);
   const openvdb::BBoxd region = vdbtools::pictureRegion(made.scene);
   const vdbtools::FieldRenderOptions options = vdbtools::pictureOptions(made.scene, region, picture);
   return vdbtools::renderField(made.scene.source(), region, options, monitor).beauty;

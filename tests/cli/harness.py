@@ -96,6 +96,43 @@ def quiet(arguments):
     return (*words[:named], "--progress", "none", *arguments[named:])
 
 
+class Copies:
+    """Runs of the program as copies of one that has been started (tests/faults/started.cpp): each a process of its own, with
+    one thread, and without the start, which costs more than a short run. Without the library they are started as ever.
+
+    In a process that is short, fresh pages cost most of what is left, so they are large ones. No bit depends on any of this.
+    One thread of a test may use it at a time.
+    """
+
+    def __init__(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="juliavdb_copies_"))
+        self.server = None
+        library = os.environ.get("JULIAVDB_STARTED")
+        if library:
+            large = str(10**9)
+            self.server = subprocess.Popen([program()], stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment({
+                "LD_PRELOAD": library, "LD_BIND_NOW": "1", "SLURM_CPUS_PER_TASK": "1", "MALLOC_MMAP_THRESHOLD_": large,
+                "MALLOC_TRIM_THRESHOLD_": large, "MALLOC_TOP_PAD_": str(1 << 25), "GLIBC_TUNABLES": "glibc.malloc.hugetlb=1"}))
+
+    def close(self):
+        if self.server:
+            self.server.communicate()
+        shutil.rmtree(self.folder)
+
+    def run(self, words, place):
+        """@return the exit code, or less than 0 for a signal, and what is on stdout and stderr"""
+        if not self.server:
+            run = subprocess.run([program(), *map(str, words)], cwd=place, env=environment(), stdin=subprocess.DEVNULL,
+                                 capture_output=True, timeout=TIMEOUT)
+            return run.returncode, run.stdout, run.stderr
+        said = [self.folder / "stdout", self.folder / "stderr"]
+        strings = [place, *said, TIMEOUT, *words]
+        self.server.stdin.write(b"%d\n" % len(strings) + b"".join(os.fsencode(str(each)) + b"\0" for each in strings))
+        self.server.stdin.flush()
+        status = int(self.server.stdout.readline())
+        return os.waitstatus_to_exitcode(status), *(file.read_bytes() for file in said)
+
+
 class CliTest(unittest.TestCase):
     """A test in a folder of its own, which it leaves behind nowhere."""
 

@@ -11,10 +11,10 @@ What is compared are the files without the recipe in them, which says of every o
 import concurrent.futures
 import json
 import os
+import queue
 import re
 import shutil
 import struct
-import subprocess
 
 import pyopenvdb
 
@@ -47,9 +47,9 @@ RUNS = {
     "mesh": [("made.vdb", "-o", "m.ply"), ("s.vdb", "-o", "m.ply"), ("made.vdb", "-o", "m.obj", "--from-grid")],
     "points": [("ring.vdb", "-o", "p.ply", "--points", 100), ("s.obj", "-o", "p.ply", "--spacing", 0.5),
                ("s.vdb", "-o", "p.vdb", "--points", 100)],
-    "print": [("made.vdb", "-o", "p.stl", "--size", 60, "--islands", 3, "--resolution", 24), ("two.obj", "-o", "p.stl", "--size", 60, "--flat-base", 4, "--resolution", 24),
-              ("s.vdb", "-o", "p.ply", "--size", 60, "--min-thickness", 9, "--resolution", 24),
-              ("fin.obj", "-o", "p.ply", "--size", 60, "--min-thickness", 6, "--resolution", 24)],
+    "print": [("made.vdb", "-o", "p.stl", "--size", 60, "--islands", 3, "--resolution", 20), ("two.obj", "-o", "p.stl", "--size", 60, "--flat-base", 4, "--resolution", 20),
+              ("s.vdb", "-o", "p.ply", "--size", 60, "--min-thickness", 9, "--resolution", 20),
+              ("fin.obj", "-o", "p.ply", "--size", 60, "--min-thickness", 6, "--resolution", 20)],
     "versor": [("list",), ("new", "-o", "v.json"), ("new", "--texture", "rings", "-o", "v.json"), ("inspect", "swirl.json"),
                ("new", "--placement", "cluster", "-o", "v.json"), ("add", "swirl.json", "swirl.json", "-o", "v.json"),
                ("scale", "swirl.json", 0.5, "-o", "v.json"), ("translate", "swirl.json", "0.1,0,0", "-o", "v.json")],
@@ -62,7 +62,7 @@ RUNS = {
               ("s.obj", "--dimension", "10,12,14", "--sdf-resolution", 16)],
     "render": [("made.vdb", "-o", "f.png", "--size", "24x24"), ("s.obj", "-o", "f.png", "--size", "24x24"),
                ("--field", "s.obj", "-o", "f.png", "--size", "24x24", *LOW),
-               ("--field", "--map", "cross", "-o", "f.exr", "--size", "24x24", "--resolution", 14),
+               ("--field", "--map", "cross", "-o", "f.exr", "--size", "12x12", "--resolution", 14),
                ("made.vdb", "-o", "f.####.png", "--size", "24x24", "--frames", "1-2", "--key", "zoom@1=1", "--key", "zoom@4=1.5")],
     "fit": [("s.obj", "-o", "f.json", "--roots", 9, "--resolution", 17),
             ("pair.vdb", "--grid", "phi", "-o", "f.json", "--roots", 9, "--resolution", 17),
@@ -78,14 +78,14 @@ FRACTALS = ("fractal", "sheet", "slice", "study", "render")
 # Values that do something, for options whose placeholder says too little: of a command, or of all. The second of two is
 # for runs that have the first one.
 LOOK = {"up": "z", "alpha-clarity": "0.02", "delta": "2", "epsilon": "0.05", "azimuth": "50", "elevation": "50", "fov": "50",
-        "zoom": "2", "eye": "2,2,4", "look-at": "0.2,0,0", "samples": "1", "size": "20x20"}
+        "zoom": "2", "eye": "2,2,4", "look-at": "0.2,0,0", "samples": "1", "size": "20x20", "material": "bronze", "light": "60,20",
+        "sky": "0.2", "background": "#203040", "exposure": "1"}
 VALUES = {
     "fit": {"resolution": "15", "alpha": "30", "epsilon": "0.3", "roots": "7", "weights": "layers", "schedule": "11(VF)",
             "smooth": "2", "triangles": "300", "target-iou": "0.3", "seed": "5", "start": "monopoles", "power-penalty": "0.01"},
-    "print": {"size": "50", "up": "z", "resolution": "26", "tolerance": "0.7", "islands": "2", "flat-base": "5",
+    "print": {"size": "50", "up": "z", "resolution": "22", "tolerance": "0.7", "islands": "2", "flat-base": "5",
               "min-thickness": "8", "thin": "drop"},
-    "render": {**LOOK, "material": "bronze", "light": "60,20", "sky": "0.2", "background": "#203040", "exposure": "1",
-               "passes": "ao", "frames": ("1-2", "1-3"), "turn": "90", "key": "zoom@1=3", "ease": "zoom=smooth", "roots": "beside.json"},
+    "render": {**LOOK, "passes": "ao", "frames": ("1-2", "1-3"), "turn": "90", "key": "zoom@1=3", "ease": "zoom=smooth", "roots": "beside.json"},
     "slice": {"size": "20", "field": "iterations", "range": "0.5", "axis": "x", "position": "0.1", "arrow": "0.1,0.2,0"},
     "study": {"size": "12", "dimension": "11,12,13", "axis": "x", "position": "0.1", "versors": "3"},
     "sheet": {**LOOK, "vary": "iterations=1,2", "columns": "1", "preview": ("mesh", "field")},
@@ -278,20 +278,37 @@ class Options(harness.CliTest):
         words = [word for word in words if not word.startswith(f"--{name}=")]
         return [*words, f"--{name}" if argument is None else f"--{name}={value}"]
 
-    def outcome(self, number, command, words):
+    def outcome(self, copies, number, command, words):
         """What a run makes and says, in a folder of its own."""
         place = self.path(f"run{number}")
         place.mkdir()
         inputs = [file for file in self.folder.iterdir() if file.is_file()]
         for file in inputs:
             (place / file.name).symlink_to(file)
-        run = subprocess.run([harness.program(), *map(str, harness.quiet((command, *words)))], cwd=place, env=harness.environment(),
-                             stdin=subprocess.DEVNULL, capture_output=True, timeout=harness.TIMEOUT)
+        code, told, said = copies.run(harness.quiet((command, *words)), place)
         made = {str(file.relative_to(place)): content(file) for file in place.rglob("*")
                 if file.is_file() and not file.is_symlink()}
         shutil.rmtree(place)
-        said = re.sub(r"\d+ rays, \d+ a second", "", run.stderr.decode(errors="replace"))
-        return run.returncode, made, run.stdout, said
+        return code, made, told, re.sub(r"\d+ rays, \d+ a second", "", said.decode(errors="replace"))
+
+    def outcomes(self, jobs):
+        """Of all, in their order, by as many at once as there are processors."""
+        workers = max(2, os.cpu_count() or 1)
+        free = queue.SimpleQueue()
+        for copies in [harness.Copies() for _ in range(workers)]:
+            self.addCleanup(copies.close)
+            free.put(copies)
+
+        def work(job):
+            number, (command, words) = job
+            copies = free.get()
+            try:
+                return self.outcome(copies, number, command, words)
+            finally:
+                free.put(copies)
+
+        with concurrent.futures.ThreadPoolExecutor(workers) as pool:
+            return list(pool.map(work, enumerate(jobs)))
 
     def test_every_option_acts_or_is_refused(self):
         jobs, of_fractals = [], self.options_of("fractal")
@@ -301,8 +318,7 @@ class Options(harness.CliTest):
                 jobs.append((command, None, run, run))
                 jobs += [(command, name, run, self.words_with(command, run, name, argument))
                          for name, argument in options.items()]
-        with concurrent.futures.ThreadPoolExecutor(max(2, os.cpu_count() or 1)) as pool:
-            results = list(pool.map(lambda job: self.outcome(job[0], job[1][0], job[1][3]), enumerate(jobs)))
+        results = self.outcomes([(command, words) for command, name, run, words in jobs])
         plain, given, acts = {}, set(), set()
         for (command, name, run, words), (code, made, told, said) in zip(jobs, results):
             line = f"juliavdb {command} {' '.join(map(str, words))}"

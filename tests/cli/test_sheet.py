@@ -75,6 +75,51 @@ class Cells(SheetTest):
             self.assertEqual(picture, harness.read_png(self.bytes("one.png")))
             self.assertNotEqual(picture, framed[number - 1], "it frames its own set unless it is told otherwise")
 
+    def test_a_cell_shows_its_look_and_render_takes_it_from_there(self):
+        """--config x.json#2 shows the cell, in its light and from its side; what is typed stands over that."""
+        look = ("--light", "60,30", "--sky", 0.4, "--ground", "--background", "#203040", "--exposure", 0.5, "--azimuth", 70)
+        self.ok("sheet", "s.obj", *LOW, *SMALL, *look, "--vary", "material=clay,bronze,#3060c0:glossy", "-o", "x.png")
+        sheet, pictures = json.loads(self.bytes("x.json")), self.places("x.png", 3)
+        self.assertEqual([cell["view"]["material"] for cell in sheet["cells"]], ["clay", "bronze", "#3060c0:glossy"])
+        self.assertEqual(sheet["view"]["light"], "60,30")
+        self.assertNotIn("material", sheet["view"])
+        for number, (cell, picture) in enumerate(zip(sheet["cells"], pictures, strict=True), 1):
+            self.ok("render", "--field", "s.obj", *LOW, *SMALL, *look, "--material", cell["view"]["material"], "-o", "one.png")
+            self.assertEqual(picture, harness.read_png(self.bytes("one.png")))
+            self.ok("render", "--field", "--config", f"x.json#{number}", *SMALL, "-o", "two.png")
+            self.assertEqual(self.bytes("two.png"), self.bytes("one.png"))
+        place = ("--eye", "3,1,2", "--material", "jade")
+        self.ok("render", "--field", "--config", "x.json#2", *SMALL, *place, "-o", "typed.png")
+        self.ok("render", "--field", "s.obj", *LOW, *SMALL, *look[:-2], *place, "-o", "same.png")
+        self.assertEqual(self.bytes("typed.png"), self.bytes("same.png"))
+        # A sheet goes on from a cell with its look, too.
+        self.ok("sheet", "--config", "x.json#2", *SMALL, "--vary", "iterations=4", "-o", "y.png")
+        self.ok("sheet", "s.obj", *LOW, *SMALL, *look, "--material", "bronze", "--vary", "iterations=4", "-o", "z.png")
+        self.assertEqual(self.places("y.png", 1), self.places("z.png", 1))
+        self.assertEqual(json.loads(self.bytes("y.json"))["cells"][0]["view"], sheet["cells"][1]["view"])
+        # The recipe of a fractal is none of this.
+        self.assertEqual(sheet["cells"][0]["recipe"], sheet["cells"][1]["recipe"])
+
+    def test_cells_differ_in_what_is_seen(self):
+        """The camera varies as the light does, beside an option of the fractal or alone."""
+        self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "light=-48,41;60,20", "--vary", "versor-seed=1,2", "-o", "x.png")
+        self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "eye=3,1,2;0,3,1", "-o", "y.png")
+        for name, count in (("x", 4), ("y", 2)):
+            pictures = self.places(f"{name}.png", count)
+            self.assertEqual(len({str(picture) for picture in pictures}), count)
+            for number, picture in enumerate(pictures, 1):
+                self.ok("render", "--field", "--config", f"{name}.json#{number}", *SMALL, "-o", "one.png")
+                self.assertEqual(picture, harness.read_png(self.bytes("one.png")), (name, number))
+        said = self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "light=-48,41;60,20", "--vary", "versor-seed=1,2,3", "-o", "x.png")
+        self.assertIn("4 of 6 cells kept", said)
+        said = self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "background=none,#203040", "-o", "x.png")
+        self.assertRegex(said, r"(?m)^warning: cell 1 failed: .*--background is none")
+
+    def test_a_cell_with_a_broken_view_is_bad_data(self):
+        self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "material=clay", "-o", "x.png")
+        self.write("y.json", self.bytes("x.json").replace(b'"material": "clay"', b'"material": "mud"'))
+        self.refused(BAD_DATA, "render", "--field", "--config", "y.json#1", *SMALL, "-o", "y.png", mentions=("y.json#1", "mud"))
+
     def test_a_cell_does_not_depend_on_its_company(self):
         self.write("m.obj", harness.obj(harness.snowman()))
         # A narrow band, which each depth of detail wants wider by another amount.
@@ -168,6 +213,15 @@ class Meshes(SheetTest):
                      ("--attributes", "trap,Cd", "--follow", "--seed-stride", 2)):
             self.cells_are_what_render_shows(2, ("--vary", "input=s.obj,t.obj", *LOW, *more))
         self.cells_are_what_render_shows(2, ("--map", "mandelbulb", "--resolution", 20, "--vary", "power=3,8"))
+
+    def test_meshes_have_the_look_of_a_picture(self):
+        look = ("--light", "60,30", "--sky", 0.4, "--ground", "--background", "#203040", "--exposure", 0.5, "--material", "bronze")
+        lit = self.cells_are_what_render_shows(2, ("s.obj", *LOW, "--vary", "versor-seed=1,2"), look)
+        self.ok("sheet", "s.obj", *LOW, *SMALL, "--preview", "mesh", "--versor-seed", 1, "--vary", "material=clay,bronze",
+                *look[:-2], "-o", "x.png")
+        varied = self.places("x.png", 2)
+        self.assertEqual(varied[1], lit[0])
+        self.assertNotEqual(varied[0], lit[0])
 
     def test_the_points_have_the_colours_of_the_recipe(self):
         clay, trap, direction = self.cells_are_what_render_shows(
@@ -315,7 +369,10 @@ class Refusals(SheetTest):
             ("--vary", "alpha=20", "--vary", "beta=0", "--vary", "versor-seed=1"), ("--vary", "alpha=20,30", "--alpha", 5),
             ("--vary", "input=s.obj"), ("--vary", "alpha=20,30", "--columns", 0),
             ("--vary", "alpha=20,30", "--vary", "versor-seed=1,2", "--columns", 2),
-            ("--vary", "alpha=20,30", "--colour", "pink"), ("--vary", "alpha=20,30", "--eye", "1,1,1", "--zoom", 2),
+            ("--vary", "alpha=20,30", "--colour", "pink"), ("--vary", "alpha=20,30", "--background", "none"),
+            ("--vary", "alpha=20,30", "--material", "mud"), ("--vary", "material=mud"), ("--vary", "size=20x20,30x30"),
+            ("--vary", "material=clay,bone", "--material", "clay"), ("--vary", "preview=mesh,field"), ("--vary", "samples=1,4"),
+            ("--vary", "alpha=20,30", "--light", "20,-10", "--ground"), ("--vary", "alpha=20,30", "--eye", "1,1,1", "--zoom", 2),
             ("--vary", "alpha=-1,-2"), ("--vary", "sdf-voxel-size=0.1,0.2"), ("--vary", "map=one,two"))]
         cases += [(*base, "--vary", "alpha=20,30"), (*base, "--vary", "alpha=20,30", "-o", "x.jpg"),
                   (*base, "--vary", "alpha=20,30", "-o", "x.exr"), (*base, "--vary", "alpha=20,30", "-o", "/dev/null"),

@@ -40,6 +40,25 @@ class Gallery(unittest.TestCase):
             for picture in pathlib.Path(folder).iterdir():
                 self.assertEqual(picture.read_bytes()[:4], b"\x89PNG", picture)
 
+    def test_stored_pictures_are_what_their_commands_make(self):
+        """Pixel for pixel; of some figures, and before a release `docs/make-gallery --check` compares all. Another texture, as when a
+        default has changed, is found."""
+        def check(*options):
+            return subprocess.run([sys.executable, ROOT / "docs/make-gallery", "--check", *options], capture_output=True,
+                                  text=True)
+        done = check("sk23-10", "zb25-1", "zb25-2")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with tempfile.TemporaryDirectory() as folder:
+            stored = pathlib.Path(folder)
+            for name in ("zb25-2a", "zb25-2b", "zb25-2c", "zb25-2d"):
+                other = "zb25-2a" if name == "zb25-2b" else name
+                (stored / f"{name}.png").write_bytes((ROOT / f"docs/images/gallery/{other}.png").read_bytes())
+            done = check("zb25-2", "--into", folder)
+            self.assertEqual(done.returncode, 1)
+            said = done.stderr.splitlines()[-1]
+            self.assertIn("zb25-2b", said)
+            self.assertNotIn("zb25-2c", said)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -172,6 +172,29 @@ class LikeTheCommand(ModuleTest):
         again = field.render(size="40x24", samples=1, colour="clay")
         self.assertTrue(np.array_equal(picture, again))
 
+    def test_pictures_have_the_look_of_the_commands(self):
+        field = juliavdb.Field(self.torus, sdf_resolution=30)
+        seen = {field.render(size=(40, 24), samples=1).tobytes()}
+        looks = [dict(material="gold"), dict(material=(0.2, 0.4, 0.8)), dict(light=(60, 20)), dict(sky=0.3), dict(ground=True),
+                 dict(exposure=1.5), dict(background="#203040"),
+                 dict(material="jade", light=(60, 20), sky=0.3, ground=True, exposure=-0.5, background=(0.1, 0.2, 0.3))]
+        for look in looks:
+            words = [word for name, value in look.items() for word in (
+                [f"--{name}"] if value is True else [f"--{name}", ",".join(map(str, value)) if isinstance(value, tuple) else value])]
+            self.ok("render", "--field", self.torus, "--sdf-resolution", 30, "--size", "40x24", "--samples", 1, *words, "-o", "p.png")
+            picture = field.render(size=(40, 24), samples=1, **look)
+            self.assertEqual(picture.tobytes(), pixels(self.bytes("p.png")), look)
+            seen.add(picture.tobytes())
+        self.assertEqual(len(seen), len(looks) + 1)
+        one = juliavdb.render(self.torus, sdf_resolution=30, size=(40, 24), samples=1, **looks[-1])
+        self.assertTrue(np.array_equal(one, picture))
+        for wrong in (dict(material="mud"), dict(light=3), dict(background="none"), dict(exposure=99), dict(ground=True, light=(0, -5))):
+            for make in (field.render, lambda **look: juliavdb.render(self.torus, sdf_resolution=30, **look)):
+                with self.assertRaises(ValueError) as raised:
+                    make(**wrong)
+                self.assertIn(next(reversed(wrong)), str(raised.exception))
+                self.assertNotIn("--", str(raised.exception))
+
     def test_errors_have_the_words_of_the_command(self):
         self.write("open.obj", harness.obj(harness.with_hole(harness.sphere())))
         self.write("text.obj", "hello")

@@ -69,11 +69,11 @@ void requireMeshView(const ViewOptions& view) {
   if (view.up) throw std::invalid_argument("--up X,Y,Z can be used with --preview field only; give y or z");
 }
 
-Image meshPicture(const Scene& scene, const ViewOptions& view, Monitor& monitor) {
+Image meshPicture(const Scene& scene, const ViewOptions& view, const Look& look, Monitor& monitor) {
   requireMeshView(view);
   const UpAxis up = view.upAxis.value_or(scene.options.output.axes.ofMesh(MeshFormat::Ply));
   const PreviewOptions picture{
-      .width = view.width, .height = view.height, .samples = view.samples, .view = view.angles, .up = up};
+      .width = view.width, .height = view.height, .samples = view.samples, .view = view.angles, .up = up, .look = look};
   return renderMeshPreview(meshOfFile(scene, scene.options.output, monitor), {.picture = picture}, monitor).beauty;
 }
 

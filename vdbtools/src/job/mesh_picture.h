@@ -15,7 +15,7 @@ namespace vdbtools {
 /// @throw DataError              there is no surface, or none but that of crumbs
 /// @throw MemoryError            the mesh will not fit
 /// @throw Interrupted
-Image meshPicture(const Scene& scene, const ViewOptions& view, Monitor& monitor);
+Image meshPicture(const Scene& scene, const ViewOptions& view, const Look& look, Monitor& monitor);
 
 /// The same mesh with a light and a camera of its own, in the target's coordinates, whatever axis points up in files.
 /// A recipe in which the colours are clay leaves the colour to the material.

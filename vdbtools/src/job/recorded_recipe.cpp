@@ -7,6 +7,7 @@
 #include "vdbtools/job/sdf_job.h"
 #include "vdbtools/job/sheet_file.h"
 #include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/render/view_options.h"
 
 #include <stdexcept>
 
@@ -25,7 +26,7 @@ RecordedRecipe recordedRecipe(const std::map<std::string, std::string>& metadata
 RecordedRecipe readRecordedRecipe(const std::filesystem::path& path, const MapRegistry& maps) {
   RecordedRecipe recorded =
       isSheetCell(path.string())
-          ? RecordedRecipe{"fractal", readSheetCell(path.string())}
+          ? RecordedRecipe{"fractal", readSheetCell(path.string()).recipe}
           : recordedRecipe(isVdbPath(path) ? readVdbMetadata(path) : readMeshComments(path), maps);
   try {
     if (recorded.command == "fractal") requireTarget(parseFractalOptions(recorded.recipe, maps));
@@ -34,6 +35,19 @@ RecordedRecipe readRecordedRecipe(const std::filesystem::path& path, const MapRe
     throw DataError("the recipe in '" + path.string() + "' is broken: " + error.what());
   }
   return recorded;
+}
+
+Recipe readRecordedView(const std::filesystem::path& path) {
+  if (!isSheetCell(path.string())) return {};
+  const OptionTable table(pictureOptionSpecs("1x1", true));
+  Recipe view = readSheetCell(path.string()).view;
+  std::erase_if(view, [&](const auto& entry) { return !table.knows(entry.first) || !isAppearance(entry.first); });
+  try {
+    parseFieldPicture(view, table);
+  } catch (const std::invalid_argument& error) {
+    throw DataError("the view in '" + path.string() + "' is broken: " + error.what());
+  }
+  return view;
 }
 
 }  // namespace vdbtools

@@ -45,6 +45,7 @@ std::string encodeSheet(const Sheet& sheet) {
   for (const VariedOption& option : sheet.varied) vary.push_back({{"option", option.name}, {"values", option.values}});
   for (const SheetCell& cell : sheet.cells) {
     Json entry{{"number", cells.size() + 1}, {"varied", cell.varied}, {"recipe", cell.recipe}};
+    if (!cell.view.empty()) entry["view"] = cell.view;
     if (!cell.error.empty()) entry["error"] = cell.error;
     if (!cell.finer.empty()) entry["finer"] = cell.finer;
     cells.push_back(std::move(entry));
@@ -77,23 +78,23 @@ std::vector<SheetCell> readSheetCells(const std::filesystem::path& path) {
                       "' is a contact sheet of another version of juliavdb; make the sheet again");
     std::vector<SheetCell> cells;
     for (const Json& cell : json.at("cells"))
-      cells.push_back(
-          {recipeOf(cell.at("varied")), recipeOf(cell.at("recipe")), cell.value("error", ""), cell.value("finer", "")});
+      cells.push_back({recipeOf(cell.at("varied")), recipeOf(cell.at("recipe")), cell.value("error", ""),
+                       cell.value("finer", ""), recipeOf(cell.value("view", Json::object()))});
     return cells;
   } catch (const nlohmann::json::exception&) {
     throw DataError("'" + path.string() + "' is a broken contact sheet; make the sheet again");
   }
 }
 
-Recipe readSheetCell(const std::string& name) {
+SheetCell readSheetCell(const std::string& name) {
   const auto [file, number] = partsOf(name);
-  const std::vector<SheetCell> cells = readSheetCells(file);
+  std::vector<SheetCell> cells = readSheetCells(file);
   const std::string which = "'" + file + "' has the cells 1 to " + std::to_string(cells.size());
   if (number.empty()) throw std::invalid_argument(which + "; name one of them, as in " + file + "#1");
   const std::optional<std::size_t> cell = wholeFromText<std::size_t>(number);
   if (!cell || *cell < 1 || *cell > cells.size())
     throw std::invalid_argument(which + "; there is no cell '" + number + "'");
-  return cells[*cell - 1].recipe;
+  return std::move(cells[*cell - 1]);
 }
 
 }  // namespace vdbtools

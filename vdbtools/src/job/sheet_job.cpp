@@ -38,26 +38,28 @@ constexpr const char* kMesh = "mesh";
 constexpr const char* kFinerCaption = "finer-caption";
 constexpr const char* kFiner = "finer";
 
-/// A cell, what it failed of, and its picture.
-struct PlannedCell {
-  SheetCell cell;
-  std::exception_ptr failure{};
-  std::string png{};
-};
-
-/// How the cells are shown.
+/// How a cell is shown.
 struct CellView {
-  FieldPicture field;
-  std::optional<ViewOptions> mesh;  ///< the meshes are shown instead
+  FieldPicture field;               ///< with the light
+  std::optional<ViewOptions> mesh;  ///< the mesh is shown instead
+  Recipe recorded{};                ///< complete; what a finished cell is found by
 
   int width() const { return field.render.width; }
   int height() const { return field.render.height; }
 };
 
+/// A cell, what it failed of, and its picture.
+struct PlannedCell {
+  SheetCell cell;
+  CellView view;
+  std::exception_ptr failure{};
+  std::string png{};
+};
+
 struct Plan {
   Sheet sheet;  ///< without its cells
   std::vector<PlannedCell> cells;
-  CellView view;
+  CellView view;  ///< of a cell, but for what varies
 };
 
 /// Runs the work on a cell. What goes wrong with its options, its set and its files is the cell's failure; other errors
@@ -150,7 +152,7 @@ void requireVaried(const SheetOptions& options) {
   if (varied.size() == 2 && varied[0].name == varied[1].name)
     throw std::invalid_argument("--vary is given twice for '" + varied[0].name + "'; give all its values at once");
   for (const VariedOption& option : varied)
-    if (options.given.contains(option.name))
+    if (options.given.contains(option.name) || options.view.contains(option.name))
       throw std::invalid_argument("--" + option.name + " is given and varied; give only one of them");
   std::size_t cells = 1;
   for (const VariedOption& option : varied) cells *= option.values.size();
@@ -174,38 +176,49 @@ std::vector<Recipe> combinations(const std::vector<VariedOption>& varied) {
 /// Complete, without the hashes of its files.
 Recipe cellRecipe(const SheetOptions& options, const Recipe& varied, const OptionTable& table) {
   Recipe given = options.given;
-  for (const auto& [name, value] : varied) given[name] = value;
+  for (const auto& [name, value] : varied)
+    if (table.knows(name)) given[name] = value;
   return completeRecipe(overridden(options.base, given, table), table);
 }
 
-CellView parseView(const Recipe& given) {
+/// @param varied  of the view
+CellView parseView(const SheetOptions& options, const Recipe& varied) {
   const OptionTable table(sheetViewOptionSpecs());
-  const RecipeReader reader(given, table);
-  CellView view{.field = parseFieldPicture(given, table), .mesh = {}};
-  if (!reader.has(kPreview) || !reader.choice<bool>(kPreview, {{"field", false}, {kMesh, true}})) return view;
-  std::set<std::string> names;
-  for (const auto& [name, value] : given) names.insert(name);
-  RequiredEffects effects(table, std::move(names));
-  effects.add({completeRecipe(given, table), {}});
-  effects.require();
-  view.mesh = parseViewOptions(reader);
-  requireMeshView(*view.mesh);
-  return view;
-}
-
-/// What is recorded of a view, and what finished cells are found by: pictures of the field have no name for that.
-Recipe recordedView(Recipe given, const CellView& view) {
-  if (!view.mesh) given.erase(kPreview);
-  const std::vector<OptionSpec> specs = view.mesh ? viewOptionSpecs(kCellSize) : fieldPictureOptionSpecs(kCellSize);
-  return completeRecipe(std::move(given), OptionTable(specs));
+  Recipe given = options.view;
+  for (const auto& [name, value] : varied) given[name] = value;
+  const RecipeReader preview(given, table);
+  const bool isMesh = preview.has(kPreview) && preview.choice<bool>(kPreview, {{"field", false}, {kMesh, true}});
+  Recipe base = options.baseView;
+  if (isMesh)
+    for (const OptionSpec& spec : fieldViewOptionSpecs()) base.erase(spec.name);
+  Recipe view = overriddenView(std::move(base), given);
+  CellView result{.field = parseFieldPicture(view, table), .mesh = {}};
+  if (result.field.render.look.backdrop == Backdrop::None)
+    throw std::invalid_argument(
+        "--background is none, and the page of a sheet has no alpha; give a colour, or leave it out");
+  if (isMesh) {
+    std::set<std::string> names;
+    for (const auto& [name, value] : given) names.insert(name);
+    RequiredEffects effects(table, std::move(names));
+    effects.add({completeRecipe(view, table), {}});
+    effects.require();
+    result.mesh = parseViewOptions(RecipeReader(view, table));
+    requireMeshView(*result.mesh);
+  } else {
+    view.erase(kPreview);  // pictures of the field have no name for that
+  }
+  result.recorded = completeView(std::move(view), OptionTable(pictureOptionSpecs(kCellSize, !isMesh)));
+  return result;
 }
 
 Plan plan(const SheetOptions& options) {
   requireVaried(options);
   const OptionTable fractal = fractalOptionTable();
-  Plan result{.sheet = {}, .cells = {}, .view = parseView(options.view)};
+  Plan result{.sheet = {}, .cells = {}, .view = parseView(options, {})};
   result.sheet.varied = options.varied;
-  result.sheet.view = recordedView(options.view, result.view);
+  result.sheet.view = result.view.recorded;
+  for (const VariedOption& option : options.varied)
+    if (!fractal.knows(option.name)) result.sheet.view.erase(option.name);
   layOut(options, result.view.width(), result.view.height(), result.sheet);
   FileHashes hashes;
   for (const Recipe& varied : combinations(options.varied)) {
@@ -214,6 +227,12 @@ Plan plan(const SheetOptions& options) {
     Recipe& recipe = planned.cell.recipe;
     recipe = cellRecipe(options, varied, fractal);
     guarded(planned, [&] {
+      Recipe ofView = varied;
+      std::erase_if(ofView, [&](const auto& entry) { return fractal.knows(entry.first); });
+      planned.view = ofView.empty() ? result.view : parseView(options, ofView);
+      planned.cell.view = planned.view.recorded;
+      std::erase_if(planned.cell.view,
+                    [](const auto& entry) { return entry.first == kPreview || !isAppearance(entry.first); });
       for (const auto& [name, hash] : hashes.of(parseFractalOptions(recipe))) recipe[name] = hash;
     });
   }
@@ -221,9 +240,10 @@ Plan plan(const SheetOptions& options) {
 }
 
 /// What a finished cell is called.
-std::string fileNameOf(const SheetCell& cell, const Recipe& view) {
+std::string fileNameOf(const PlannedCell& planned) {
   constexpr std::size_t kDigits = 32;  // 128 bits
-  const nlohmann::json all{{"program", JULIAVDB_VERSION}, {"recipe", cell.recipe}, {"view", view}};
+  const nlohmann::json all{
+      {"program", JULIAVDB_VERSION}, {"recipe", planned.cell.recipe}, {"view", planned.view.recorded}};
   return sha256Hex(all.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)).substr(0, kDigits) + ".png";
 }
 
@@ -315,7 +335,7 @@ std::vector<Recipe> cellRecipes(const SheetOptions& options) {
 }
 
 std::vector<OptionSpec> sheetViewOptionSpecs() {
-  std::vector<OptionSpec> specs = viewOptionSpecs(kCellSize);
+  std::vector<OptionSpec> specs = pictureOptionSpecs(kCellSize, false);
   specs.push_back({.name = kPreview,
                    .argument = "field|mesh",
                    .help = "what a cell shows: the set itself, finer than any voxels, or the mesh that 'fractal' makes "
@@ -328,6 +348,14 @@ std::vector<OptionSpec> sheetViewOptionSpecs() {
     specs.push_back(std::move(spec));
   }
   return specs;
+}
+
+OptionTable variedOptionTable() {
+  std::vector<OptionSpec> specs;
+  for (const std::string& name : fractalOptionTable().names()) specs.push_back({.name = name});
+  for (const OptionSpec& spec : pictureOptionSpecs(kCellSize, true))
+    if (isAppearance(spec.name)) specs.push_back({.name = spec.name});
+  return OptionTable(std::move(specs));
 }
 
 InputFiles inputsOf(const SheetOptions& options) {
@@ -375,7 +403,7 @@ SheetPage makeSheet(const SheetOptions& options, const std::filesystem::path& fo
         recipe = resolvedRecipe(scenes.make(parseFractalOptions(recipe), monitor), recipe);
       });
     if (cell.failure) continue;
-    cell.png = finished.find(fileNameOf(cell.cell, page.sheet.view));
+    cell.png = finished.find(fileNameOf(cell));
     if (single.setPicture(0, cell.png)) {
       ++page.kept;
     } else {
@@ -392,10 +420,11 @@ SheetPage makeSheet(const SheetOptions& options, const std::filesystem::path& fo
       const Scene scene = scenes.make(parseFractalOptions(cell.cell.recipe), numbered);
       if (!isTold) tellLongWork(scene, missing.size(), longWork, numbered);
       isTold = true;
-      std::string png = view.mesh ? encodeImage(meshPicture(scene, *view.mesh, numbered), "png")
-                                  : fieldPng(scene, view.field, numbered);
+      const auto& [field, mesh, recorded] = cell.view;
+      std::string png = mesh ? encodeImage(meshPicture(scene, *mesh, field.render.look, numbered), "png")
+                             : fieldPng(scene, field, numbered);
       monitor.throwIfCancelled();
-      finished.add(fileNameOf(cell.cell, page.sheet.view), png);
+      finished.add(fileNameOf(cell), png);
       cell.png = std::move(png);
     });
   }

@@ -77,7 +77,8 @@ VariedOption parseVaried(const std::string& text, const OptionTable& table, std:
     refuse(kOption, text, "NAME=VALUES, such as alpha=10,20,40 or alpha=10:40:10");
   VariedOption option{text.substr(0, equals), {}};
   if (!table.knows(option.name))
-    refuse(kOption, text, "an option of a fractal; there is none with the name '" + option.name + "'");
+    refuse(kOption, text,
+           "an option of a fractal or of its picture; there is none with the name '" + option.name + "'");
   const std::string list = text.substr(equals + 1);
   const char separator = list.find(';') == std::string::npos ? ',' : ';';
   std::vector<std::string> parts = split(list, separator);

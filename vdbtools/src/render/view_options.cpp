@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/render/view_options.h"
 
+#include <algorithm>
+#include <array>
 #include <stdexcept>
+#include <utility>
 
 namespace vdbtools {
 namespace {
 
 constexpr int kLargestSide = 32768;  // pixels
+
+/// What a place of the eye takes the place of.
+constexpr std::array kAnglesOfEye{"azimuth", "elevation", "zoom"};
 
 void parseSize(const RecipeReader& reader, ViewOptions& options) {
   const std::vector<std::string> sides = split(reader.text("size"), 'x');
@@ -125,7 +131,7 @@ FieldPicture parseFieldPicture(const Recipe& given, const OptionTable& table) {
   const RecipeReader reader(given, table);
   const ViewOptions common = parseViewOptions(reader);
   FieldPicture picture{.view = parseView(reader, common)};
-  for (const char* name : {"azimuth", "elevation", "zoom"})
+  for (const char* name : kAnglesOfEye)
     if (picture.view.eye && given.contains(name))
       throw std::invalid_argument(std::string("--eye and --") + name +
                                   " both set the position of the eye; give only one of them");
@@ -142,7 +148,33 @@ FieldPicture parseFieldPicture(const Recipe& given, const OptionTable& table) {
   }
   render.clarity.delta = reader.choice<int>("delta", {{"0", 0}, {"1", 1}, {"2", 2}});
   render.skip = !reader.flag("no-skip");
+  if (table.knows("material")) render.look = parseLook(reader);
   return picture;
+}
+
+std::vector<OptionSpec> pictureOptionSpecs(const std::string& size, bool field) {
+  std::vector<OptionSpec> options = field ? fieldPictureOptionSpecs(size) : viewOptionSpecs(size);
+  for (OptionSpec& option : lookOptionSpecs()) options.push_back(std::move(option));
+  return options;
+}
+
+bool isAppearance(const std::string& option) { return option != "size" && option != "samples" && option != "no-skip"; }
+
+Recipe overriddenView(Recipe base, const Recipe& given) {
+  const auto isGiven = [&](const char* name) { return given.contains(name); };
+  if (isGiven("eye"))
+    for (const char* name : kAnglesOfEye) base.erase(name);
+  if (std::any_of(kAnglesOfEye.begin(), kAnglesOfEye.end(), isGiven)) base.erase("eye");
+  for (const auto& [name, value] : given) base[name] = value;
+  return base;
+}
+
+Recipe completeView(Recipe view, const OptionTable& table) {
+  const bool hasPlace = view.contains("eye");
+  view = completeRecipe(std::move(view), table);
+  if (hasPlace)
+    for (const char* name : kAnglesOfEye) view.erase(name);
+  return view;
 }
 
 }  // namespace vdbtools

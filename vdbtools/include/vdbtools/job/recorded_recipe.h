@@ -27,4 +27,9 @@ RecordedRecipe recordedRecipe(const std::map<std::string, std::string>& metadata
 /// @throw std::invalid_argument  there is no such cell
 RecordedRecipe readRecordedRecipe(const std::filesystem::path& path, const MapRegistry& maps = builtInMaps());
 
+/// Where a cell of a contact sheet is seen from and in which light, by pictureOptionSpecs(), checked. Empty for any
+/// other file, and for sheets that do not say it.
+/// @throw as readRecordedRecipe()
+Recipe readRecordedView(const std::filesystem::path& path);
+
 }  // namespace vdbtools

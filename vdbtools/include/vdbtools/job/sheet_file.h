@@ -18,12 +18,15 @@ struct SheetCell {
   Recipe recipe;      ///< complete, with the hashes of its files where these could be read
   std::string error;  ///< why there is no picture; empty: there is one
   std::string finer;  ///< what the picture shows and the voxels of the recipe do not; empty: little or nothing
+  /// Where the picture is seen from and in which light, complete, as options of `render`; empty where these are
+  /// refused.
+  Recipe view{};
 };
 
 struct Sheet {
   std::vector<VariedOption> varied;
   int rows = 0, columns = 0;
-  Recipe view;                   ///< what the pictures are taken with, complete
+  Recipe view;                   ///< what the pictures are taken with, complete but for what varies
   std::vector<SheetCell> cells;  ///< row by row
 };
 
@@ -45,6 +48,6 @@ std::vector<SheetCell> readSheetCells(const std::filesystem::path& path);
 /// @throw std::invalid_argument  no number, or none of a cell
 /// @throw DataError              the file is no contact sheet, or broken
 /// @throw MissingInputError, IoError
-Recipe readSheetCell(const std::string& name);
+SheetCell readSheetCell(const std::string& name);
 
 }  // namespace vdbtools

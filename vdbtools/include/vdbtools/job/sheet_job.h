@@ -31,6 +31,8 @@ inline constexpr std::size_t kMostSheetCells = 400;
 /// The options of the cells' pictures: --preview, and those of vdbtools/render/view_options.h, with the size of a cell
 /// for --size.
 std::vector<OptionSpec> sheetViewOptionSpecs();
+/// By its names, what may vary: the options of a fractal, and those of what its picture shows (isAppearance()).
+OptionTable variedOptionTable();
 
 struct SheetOptions {
   /// One, whose cells fill row after row; or two, the rows and the columns, as far as that makes no strip.
@@ -38,7 +40,8 @@ struct SheetOptions {
   std::optional<int> columns;  ///< of a sheet that varies one option; none: the page is about square
   Recipe base;                 ///< what the cells have in common; where a varied option says otherwise, that holds
   Recipe given;                ///< of these, what was asked for as firmly as what is varied
-  Recipe view;                 ///< by sheetViewOptionSpecs(), not completed
+  Recipe baseView;             ///< of the cell of another sheet that this one goes on from, as it is recorded
+  Recipe view;                 ///< what was given over it, by sheetViewOptionSpecs(), not completed
 };
 
 /// The files that the cells name, as far as their options can be read.

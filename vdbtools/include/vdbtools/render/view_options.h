@@ -58,8 +58,20 @@ std::vector<OptionSpec> fieldViewOptionSpecs();
 /// All options of a picture of a map's set. @param size  the default of --size
 std::vector<OptionSpec> fieldPictureOptionSpecs(const std::string& size);
 /// @param given  not completed: what is given decides what may stand beside it
-/// @param table  of fieldPictureOptionSpecs(), perhaps with colourOptionSpec()
+/// @param table  of fieldPictureOptionSpecs(), perhaps with colourOptionSpec() and lookOptionSpecs()
 /// @throw std::invalid_argument naming the option and the value
 FieldPicture parseFieldPicture(const Recipe& given, const OptionTable& table);
+
+/// All options of a picture, the camera's and the light's: of a map's set, or of meshes and level sets.
+/// @param size  the default of --size
+std::vector<OptionSpec> pictureOptionSpecs(const std::string& size, bool field);
+/// Of the names of options those of what a picture shows: where it is seen from and in which light. The others say how
+/// many pixels and samples it has, which is one choice for all pictures of a sequence or of a sheet.
+bool isAppearance(const std::string& option);
+/// The view @a base with @a given over it: a given place of the eye displaces angles around the set, and these a place.
+Recipe overriddenView(Recipe base, const Recipe& given);
+/// Complete, for a record of what the picture shows: without the angles that a place of the eye leaves without a
+/// meaning.
+Recipe completeView(Recipe view, const OptionTable& table);
 
 }  // namespace vdbtools
