@@ -100,12 +100,11 @@ class EveryMap(Maps):
                 self.ok("mesh", "m.vdb", "-o", "again.ply")
                 self.assertTrue(self.bytes("again.ply") == self.bytes("m.ply"), "the recipe gives another mesh")
                 self.ok("render", "one.vdb", "-o", "x.png", "--size", "24x16")
-                for field in ("membership", "iterations", "logmodulus", "versor"):
+                for field in ("membership", "iterations", "logmodulus", "e", "versor"):
                     self.ok("slice", "m.vdb", "-o", "x.png", "--field", field, "--size", 24)
                     rows = harness.read_png(self.bytes("x.png"))
                     self.assertGreater(len({pixel for row in rows for pixel in row}), 1, f"{field} shows nothing")
-                for field in ("phi", "e"):
-                    self.refused(USAGE, "slice", "m.vdb", "-o", "y.png", "--field", field, mentions="target")
+                self.refused(USAGE, "slice", "m.vdb", "-o", "y.png", "--field", "phi", mentions="target")
 
     def test_the_same_bytes(self):
         for options in MAPS:
