@@ -226,7 +226,7 @@ vdbtools::Image sliceOfGrid(const std::string& input, const std::string& name, c
 void requireGridOptions(const CommandLine& line) {
   const std::string why = "it is for the fields of a fractal, and --field is grid; leave it out";
   for (const std::string& name : line.typedNames()) line.requireUse(name == "grid", {name.c_str()}, why);
-  line.requireUse(false, {"config", "search"}, why);
+  line.requireUse(false, {"config", "search", "arrow"}, why);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ from shell import put_bunny
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 PAGE = (ROOT / "docs/gallery.md").read_text()
-PICTURES = re.findall(r"images/gallery/([\w-]+\.png)", PAGE + (ROOT / "README.md").read_text())
+PICTURES = set(re.findall(r"images/gallery/([\w-]+\.png)", PAGE + (ROOT / "README.md").read_text()))
 FIGURES = {"SK23": tuple(range(2, 14)), "Kim15": (2, 3, 4, 5, 6, 8, 11), "ZB25": tuple(range(1, 8))}
 
 
@@ -46,7 +46,7 @@ class Gallery(unittest.TestCase):
         def check(*options):
             return subprocess.run([sys.executable, ROOT / "docs/make-gallery", "--check", *options], capture_output=True,
                                   text=True)
-        done = check("hero-1", "sk23-10", "zb25-1", "zb25-2")
+        done = check("hero-1", "zb25-1", "zb25-2")
         self.assertEqual(done.returncode, 0, done.stderr)
         with tempfile.TemporaryDirectory() as folder:
             stored = pathlib.Path(folder)
