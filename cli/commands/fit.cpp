@@ -65,7 +65,7 @@ int runFit(const Arguments& arguments) {
   if (reportFile) *reportFile << vdbtools::fitReportCsv(fit.rows);
   if (plot) *plot << vdbtools::encodePlot(vdbtools::fitReportPlot(fit.rows), formatOf(line.text("plot"), ".png"));
   if (chargeFile) {
-    const vdbtools::ChargedSurface surface = vdbtools::chargedSurface(fit.target, line.progress());
+    const vdbtools::ChargedSurface surface = vdbtools::chargedSurface(fit, line.progress());
     vdbtools::writeMesh(*chargeFile, surface.mesh, {.format = vdbtools::meshFormat(charge), .columns = surface.columns},
                         surface.values);
   }
@@ -85,8 +85,8 @@ int runFit(const Arguments& arguments) {
                   << number(julia::summedPowers(fit.rational.bottom)) << "; as thin as --alpha " << number(fit.slope)
                   << "; " << fit.rows.size() << " steps\n";
   if (fit.monopoles > 0)
-    report().text() << "electrostatics: " << fit.monopoles << " monopoles, capacitance " << number(fit.capacitance)
-                    << '\n';
+    report().text() << "electrostatics: " << fit.monopoles << " monopoles, capacitance "
+                    << number(fit.charge.capacitance) << '\n';
   return kDone;
 }
 

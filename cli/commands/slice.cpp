@@ -23,6 +23,7 @@
 #include <memory>
 #include <optional>
 #include <ostream>
+#include <span>
 
 namespace po = boost::program_options;
 
@@ -87,6 +88,22 @@ std::size_t rowStart(const SlicePlane& plane, int y) {
   return static_cast<std::size_t>(y) * static_cast<std::size_t>(plane.width());
 }
 
+/// Numbers of points of a scene, in 32 bits. @param evaluate  (points, values, number of the first one)
+template <class Evaluate>
+std::vector<float> sampleNumbers(const SlicePlane& plane, const Scene& scene, Progress& progress,
+                                 const Evaluate& evaluate) {
+  std::vector<float> numbers(rowStart(plane, plane.height()));
+  forEachRow(plane, progress, [&](int y) {
+    const std::vector<julia::Point> points = pointsOfRow(plane, y, scene.space);
+    std::vector<double> values(points.size());
+    const std::size_t start = rowStart(plane, y);
+    evaluate(points, values, start);
+    std::transform(values.begin(), values.end(), numbers.begin() + static_cast<std::ptrdiff_t>(start),
+                   [](double value) { return static_cast<float>(value); });
+  });
+  return numbers;
+}
+
 std::vector<float> sampleGrid(const SlicePlane& plane, const openvdb::FloatGrid& grid, Progress& progress) {
   std::vector<float> values(rowStart(plane, plane.height()));
   forEachRow(plane, progress, [&](int y) {
@@ -105,16 +122,11 @@ struct FieldSamples {
 
 FieldSamples sampleField(const SlicePlane& plane, const Scene& scene, Progress& progress) {
   FieldSamples samples;
-  samples.field.resize(rowStart(plane, plane.height()));
-  samples.iterations.resize(samples.field.size());
-  forEachRow(plane, progress, [&](int y) {
-    const std::vector<julia::Point> points = pointsOfRow(plane, y, scene.space);
-    std::vector<double> field(points.size());
-    const std::size_t start = rowStart(plane, y);
-    scene.evaluator->evaluate(points, field, std::span(samples.iterations).subspan(start, points.size()));
-    std::transform(field.begin(), field.end(), samples.field.begin() + static_cast<std::ptrdiff_t>(start),
-                   [](double value) { return static_cast<float>(value); });
-  });
+  samples.iterations.resize(rowStart(plane, plane.height()));
+  samples.field = sampleNumbers(
+      plane, scene, progress, [&](std::span<const julia::Point> points, std::span<double> values, std::size_t start) {
+        scene.evaluator->evaluate(points, values, std::span(samples.iterations).subspan(start, points.size()));
+      });
   return samples;
 }
 
@@ -128,15 +140,10 @@ std::unique_ptr<julia::FieldEvaluator> firstStep(const Scene& scene) {
 /// ln |f|.
 std::vector<float> sampleFirstStep(const SlicePlane& plane, const Scene& scene, Progress& progress) {
   const auto step = firstStep(scene);
-  std::vector<float> values(rowStart(plane, plane.height()));
-  forEachRow(plane, progress, [&](int y) {
-    const std::vector<julia::Point> points = pointsOfRow(plane, y, scene.space);
-    std::vector<double> logModuli(points.size());
-    step->orbitTraps(points, logModuli);
-    std::transform(logModuli.begin(), logModuli.end(), values.begin() + static_cast<std::ptrdiff_t>(rowStart(plane, y)),
-                   [](double value) { return static_cast<float>(value); });
-  });
-  return values;
+  return sampleNumbers(plane, scene, progress,
+                       [&](std::span<const julia::Point> points, std::span<double> values, std::size_t) {
+                         step->orbitTraps(points, values);
+                       });
 }
 
 /// The first steps from these points, world units.

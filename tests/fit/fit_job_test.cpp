@@ -430,22 +430,25 @@ TEST(FitJob, MonopolesCanBeTheStart) {
   const FitResult fit = files().ball({{"roots", "16"}, {"start", "monopoles"}, {"epsilon", "0.02"}}).run();
   EXPECT_GT(fit.monopoles, 0u);
   EXPECT_LE(fit.monopoles, 8u);
-  EXPECT_NEAR(fit.capacitance, 0.5, 0.02) << "a ball's is its radius";
+  EXPECT_NEAR(fit.charge.capacitance, 0.5, 0.02) << "a ball's is its radius";
   EXPECT_GT(fit.measure.iou, 0.98);
 }
 
 TEST(FitJob, ChargeIsEvenOnABallAndLargeOnWhatSticksOut) {
   Monitor monitor;
-  const FitTarget ball = files().ball({}).target();
+  FitResult ball;
+  ball.target = files().ball({}).target();
   const ChargedSurface even = chargedSurface(ball, monitor);
-  ASSERT_EQ(even.mesh.points.size(), ball.surface.points.size());
+  ASSERT_EQ(even.mesh.points.size(), ball.target.surface.points.size());
   ASSERT_EQ(even.values.size(), even.mesh.points.size() * rowLength(even.columns));
   for (std::size_t i = 0; i < even.mesh.points.size(); ++i) {
     EXPECT_NEAR(even.values[4 * i + 3], 1, 0.15);
     EXPECT_NEAR((even.mesh.points[i] - Vec3d(10, -20, 30)).length(), 2, 0.1) << "world units";
   }
   // The whole charge is spread: the mean over the area is 1.
-  const ChargedSurface dumbbell = chargedSurface(files().dumbbell({}).target(), monitor);
+  FitResult thin;
+  thin.target = files().dumbbell({}).target();
+  const ChargedSurface dumbbell = chargedSurface(thin, monitor);
   double ends = 0, rod = 1e9, charge = 0, area = 0;
   for (std::size_t i = 0; i < dumbbell.mesh.points.size(); ++i) {
     const double x = std::abs(dumbbell.mesh.points[i][0]), value = dumbbell.values[4 * i + 3];

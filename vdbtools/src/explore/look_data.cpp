@@ -7,12 +7,9 @@
 #include "vdbtools/picture/gradient.h"
 #include "vdbtools/recipe/recipe_reader.h"
 
-#include <openvdb/math/Half.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -96,11 +93,7 @@ json distanceData(const Scene& scene, const DepthColouring& depth, double around
         places[i] = space.toWorld({at[0], at[1], at[2]});
       }
       depth.distance.sample(places, values);
-      for (const double value : values) {
-        const std::uint16_t bits = openvdb::math::half(static_cast<float>(value / space.scale)).bits();
-        bytes.push_back(static_cast<char>(bits & 0xff));
-        bytes.push_back(static_cast<char>(bits >> 8));
-      }
+      for (const double value : values) appendHalf(bytes, static_cast<float>(value / space.scale));
     }
   }
   return {{"dims", dims}, {"origin", numbersOf(box.min())}, {"step", step}, {"values", base64(bytes)}};
@@ -215,15 +208,11 @@ Recipe pictureTexts(const json& body) {
 
 FieldPicture pictureOf(const json& body) {
   static const OptionTable table = [] {
-    std::vector<OptionSpec> options = fieldPictureOptionSpecs("800x600");
-    for (OptionSpec& option : lookOptionSpecs()) options.push_back(std::move(option));
+    std::vector<OptionSpec> options = pictureOptionSpecs("800x600", true);
     options.push_back(colourOptionSpec());
     return OptionTable(std::move(options));
   }();
-  const Recipe given = pictureTexts(body);
-  FieldPicture picture = parseFieldPicture(given, table);
-  picture.render.look = parseLook(RecipeReader(given, table));
-  return picture;
+  return parseFieldPicture(pictureTexts(body), table);
 }
 
 }  // namespace vdbtools

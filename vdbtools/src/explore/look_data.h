@@ -31,7 +31,7 @@ nlohmann::json lookOptionData();
 nlohmann::json gradientData();
 
 /// How a scene is coloured: {by, low, high, stops}. Stops are sRGB, 0 to 1, at equal distances; none for colours
-/// without a gradient. For depth also {distance}: the target's distances, world units, on a lattice over fractal space.
+/// without a gradient. For depth also {distance}: the target's distances on a lattice, all in fractal space.
 /// @throw as sceneColouring()
 nlohmann::json colouringData(const Scene& scene, const ColourChoice& choice, Monitor& monitor);
 

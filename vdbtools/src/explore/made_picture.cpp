@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <optional>
 #include <stdexcept>
 #include <system_error>
 
@@ -43,12 +42,6 @@ std::string encoded(const ShadedImage& image, const FieldPicture& picture) {
 
 bool isVdb(const std::filesystem::path& file) { return isVdbPath(file.string()); }
 
-/// The colours of clay leave the colour to the material.
-bool hasOwnColours(const FractalOptions& options) {
-  const std::optional<ColourChoice>& colour = options.output.attributes.colour;
-  return !colour || colour->by != FieldColour::Clay;
-}
-
 }  // namespace
 
 std::string pictureOfMesh(const Scene& scene, const FieldPicture& picture, Monitor& monitor) {
@@ -68,8 +61,9 @@ std::string pictureOfMade(const MadeFiles& made, const FieldPicture& picture, Mo
   monitor.begin("reading", 0);
   if (mesh == made.files.end())
     return encoded(renderPreview(*chooseFloatGrid(readVdb(file), "", file.string()), preview, monitor), picture);
-  return encoded(renderMeshPreview(readMesh(file), {.picture = preview, .colours = hasOwnColours(options)}, monitor),
-                 picture);
+  return encoded(
+      renderMeshPreview(readMesh(file), {.picture = preview, .colours = showsOwnColours(options.output)}, monitor),
+      picture);
 }
 
 }  // namespace vdbtools

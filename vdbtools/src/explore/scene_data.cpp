@@ -91,14 +91,10 @@ class Volume {
   }
 
   void append(float value) {
-    constexpr float kMost = 65000;  // of a half
-    const openvdb::math::half rounded(std::clamp(value, -kMost, kMost));
-    const std::uint16_t bits = rounded.bits();
-    mBytes.push_back(static_cast<char>(bits & 0xff));
-    mBytes.push_back(static_cast<char>(bits >> 8));
-    mError = std::max(mError, std::abs(static_cast<float>(rounded) - value));
-    mLow = std::min(mLow, static_cast<float>(rounded));
-    mHigh = std::max(mHigh, static_cast<float>(rounded));
+    const float rounded = appendHalf(mBytes, value);
+    mError = std::max(mError, std::abs(rounded - value));
+    mLow = std::min(mLow, rounded);
+    mHigh = std::max(mHigh, rounded);
   }
 
   void describe(const julia::BrickPlacement& placement) {
@@ -246,6 +242,15 @@ void describeMap(const julia::MapDescription& map, const SceneDataOptions& optio
 }
 
 }  // namespace
+
+float appendHalf(std::string& bytes, float value) {
+  constexpr float kMost = 65000;  // of a half
+  const openvdb::math::half rounded(std::clamp(value, -kMost, kMost));
+  const std::uint16_t bits = rounded.bits();
+  bytes.push_back(static_cast<char>(bits & 0xff));
+  bytes.push_back(static_cast<char>(bits >> 8));
+  return rounded;
+}
 
 std::string base64(std::string_view bytes) {
   constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

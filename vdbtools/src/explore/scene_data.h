@@ -30,6 +30,9 @@ struct SceneData {
 /// @throw Interrupted
 SceneData sceneData(const Scene& scene, const SceneDataOptions& options, Monitor& monitor);
 
+/// A 16-bit float, little-endian; values beyond those that it can hold become the largest. @return it as a float
+float appendHalf(std::string& bytes, float value);
+
 /// In the alphabet of RFC 4648, with padding.
 std::string base64(std::string_view bytes);
 

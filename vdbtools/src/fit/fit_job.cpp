@@ -13,7 +13,6 @@
 #include "vdbtools/target/target_input.h"
 
 #include "julia/fit/cancelled.h"
-#include "julia/fit/electrostatics.h"
 #include "julia/fit/fast_fit.h"
 #include "julia/fit/minimise.h"
 #include "julia/fit/monopoles.h"
@@ -161,24 +160,6 @@ class Report {
   std::vector<FitRow> mRows;
 };
 
-/// The monopoles of the target's electrostatic potential.
-julia::MonopoleFit monopolesOf(const FitTarget& target, const FitOptions& options, std::size_t most, FitResult& result,
-                               Monitor& monitor) {
-  monitor.begin("electrostatics", 0);
-  const auto cancelled = [&monitor] { return monitor.cancelled(); };
-  const julia::SurfaceCharge charge = julia::solveExteriorDirichlet(target.surface, {.cancelled = cancelled});
-  const std::vector<Point> samples = offsetPoints(target, kPotentialSamples, kOffset, options.seed);
-  std::vector<double> potentials(samples.size());
-  julia::potential(target.surface, charge, samples, potentials);
-  monitor.begin("monopoles", 0);
-  julia::MonopoleFit fit =
-      julia::fitMonopoles(target.surface, samples, potentials,
-                          {.epsilon = options.epsilon, .maxCount = most, .seed = options.seed, .cancelled = cancelled});
-  result.capacitance = charge.capacitance;
-  result.monopoles = fit.monopoles.size();
-  return fit;
-}
-
 /// @throw Interrupted
 julia::SurfaceCharge chargeOf(const julia::TriangleSurface& surface, Monitor& monitor) {
   monitor.begin("electrostatics", 0);
@@ -190,16 +171,36 @@ julia::SurfaceCharge chargeOf(const julia::TriangleSurface& surface, Monitor& mo
   }
 }
 
+/// The monopoles of the target's electrostatic potential.
+julia::MonopoleFit monopolesOf(const FitTarget& target, const FitOptions& options, std::size_t most, FitResult& result,
+                               Monitor& monitor) {
+  result.charge = chargeOf(target.surface, monitor);
+  const std::vector<Point> samples = offsetPoints(target, kPotentialSamples, kOffset, options.seed);
+  std::vector<double> potentials(samples.size());
+  julia::potential(target.surface, result.charge, samples, potentials);
+  monitor.begin("monopoles", 0);
+  const auto cancelled = [&monitor] { return monitor.cancelled(); };
+  julia::MonopoleFit fit =
+      julia::fitMonopoles(target.surface, samples, potentials,
+                          {.epsilon = options.epsilon, .maxCount = most, .seed = options.seed, .cancelled = cancelled});
+  result.monopoles = fit.monopoles.size();
+  return fit;
+}
+
+/// What the fit found, or else is found now.
+julia::SurfaceCharge chargeOf(const FitResult& fit, Monitor& monitor) {
+  return fit.charge.density.empty() ? chargeOf(fit.target.surface, monitor) : fit.charge;
+}
+
 /// The target's electrostatic potential at many points: 1 on its surface, 0 at infinity.
-std::vector<double> potentialAt(const julia::TriangleSurface& surface, std::span<const Point> points,
-                                Monitor& monitor) {
-  const julia::SurfaceCharge charge = chargeOf(surface, monitor);
+std::vector<double> potentialAt(const FitResult& fit, std::span<const Point> points, Monitor& monitor) {
+  const julia::SurfaceCharge charge = chargeOf(fit, monitor);
   constexpr std::size_t kBatch = 4096;
   std::vector<double> result(points.size());
   monitor.begin("potential", points.size());
   for (std::size_t first = 0; first < points.size(); first += kBatch) {
     const std::size_t size = std::min(kBatch, points.size() - first);
-    julia::potential(surface, charge, points.subspan(first, size), std::span(result).subspan(first, size));
+    julia::potential(fit.target.surface, charge, points.subspan(first, size), std::span(result).subspan(first, size));
     monitor.throwIfCancelled();
     monitor.advance(size);
   }
@@ -558,11 +559,11 @@ std::string fitToJson(const FitResult& fit, const Recipe& recipe) {
   return rationalToJson(fit.rational, note, FittedTo{fit.target.space, fit.target.box});
 }
 
-ChargedSurface chargedSurface(const FitTarget& target, Monitor& monitor) {
-  const julia::TriangleSurface& surface = target.surface;
-  const julia::SurfaceCharge charge = chargeOf(surface, monitor);
+ChargedSurface chargedSurface(const FitResult& fit, Monitor& monitor) {
+  const julia::TriangleSurface& surface = fit.target.surface;
+  const julia::SurfaceCharge charge = chargeOf(fit, monitor);
   ChargedSurface result;
-  for (const Point& point : surface.points) result.mesh.points.push_back(target.space.toWorld(point));
+  for (const Point& point : surface.points) result.mesh.points.push_back(fit.target.space.toWorld(point));
   for (const auto& [a, b, c] : surface.triangles) result.mesh.triangles.emplace_back(a, b, c);
 
   // The mean of the triangles at each point, weighted by their areas.
@@ -605,7 +606,7 @@ std::string fitToO3d(const FitResult& fit, Monitor& monitor) {
             cells[i];
   const std::vector<Point> points = pointsOf(ordered);
   const std::vector<double> fractal = logModuli(fit.rational, points, monitor);
-  const std::vector<double> potential = potentialAt(target.surface, points, monitor);
+  const std::vector<double> potential = potentialAt(fit, points, monitor);
   std::vector<double> distance;
   for (const FitCell& cell : ordered) distance.push_back(cell.phi);
   const double side = target.cell * n;

@@ -80,9 +80,13 @@ Image meshPicture(const Scene& scene, const ViewOptions& view, const Look& look,
 ShadedImage meshPicture(const Scene& scene, const PreviewOptions& picture, Monitor& monitor) {
   OutputOptions output = scene.options.output;
   output.axes.rule = UpRule::Keep;
+  return renderMeshPreview(meshOfFile(scene, output, monitor), {.picture = picture, .colours = showsOwnColours(output)},
+                           monitor);
+}
+
+bool showsOwnColours(const OutputOptions& output) {
   const std::optional<ColourChoice>& colour = output.attributes.colour;
-  return renderMeshPreview(meshOfFile(scene, output, monitor),
-                           {.picture = picture, .colours = !colour || colour->by != FieldColour::Clay}, monitor);
+  return !colour || colour->by != FieldColour::Clay;
 }
 
 double estimatedMeshSeconds(const Scene& scene, Monitor& monitor) {

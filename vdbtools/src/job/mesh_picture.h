@@ -22,6 +22,9 @@ Image meshPicture(const Scene& scene, const ViewOptions& view, const Look& look,
 /// @throw as above
 ShadedImage meshPicture(const Scene& scene, const PreviewOptions& picture, Monitor& monitor);
 
+/// Whether pictures of a mesh show the colours of its points: those of clay leave the colour to the material.
+bool showsOwnColours(const OutputOptions& output);
+
 /// A view that pictures of meshes have, too. @throw std::invalid_argument
 void requireMeshView(const ViewOptions& view);
 

@@ -11,6 +11,7 @@
 #include "vdbtools/picture/plot.h"
 #include "vdbtools/recipe/recipe.h"
 
+#include "julia/fit/electrostatics.h"
 #include "julia/fit/schedule.h"
 #include "julia/fit/shape_energy.h"
 
@@ -63,8 +64,8 @@ struct FitResult {
   FitMeasure measure;  ///< on the cells of the cube
   double slope = 0;    ///< median of |L / phi| near the surface
   std::vector<FitRow> rows;
-  std::size_t monopoles = 0;  ///< if electrostatics had a part
-  double capacitance = 0;     ///< likewise, fractal space
+  std::size_t monopoles = 0;    ///< if electrostatics had a part
+  julia::SurfaceCharge charge;  ///< of the target's surface, likewise; without densities if it had none
 };
 
 /// @param wantDistances  measures distances at the end of every round or pass, which takes about a second each
@@ -89,7 +90,8 @@ struct ChargedSurface {
   std::vector<VertexColumn> columns;  ///< the charge as a grey, black where there is none; and the charge itself
   std::vector<float> values;          ///< row by row; charges are per unit of area, 1 if spread evenly
 };
-ChargedSurface chargedSurface(const FitTarget& target, Monitor& monitor);
+/// @throw Interrupted
+ChargedSurface chargedSurface(const FitResult& fit, Monitor& monitor);
 
 /// The fit as an `.o3d`, with the fields that belong to it on the cells of the target's cube.
 /// @throw std::invalid_argument  e^C does not fit a double
