@@ -329,6 +329,7 @@ int renderMap(const CommandLine& line) {
     if (i > 0 && shots[i].input == shots[i - 1].input) continue;
     const vdbtools::Recipe recipe = sceneRecipe(line, shots[i].input);
     fractals.push_back(vdbtools::parseFractalOptions(recipe));
+    fractals.back().picture = true;
     line.requireEffect({{recipe, {vdbtools::Product::Picture}}});
     inputs.add(vdbtools::inputsOf(fractals.back()));
   }

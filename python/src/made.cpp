@@ -28,12 +28,11 @@ std::shared_ptr<MadeScene> makeNamedScene(const Recipe& given, std::shared_ptr<c
   made->recipe = given;
   if (mesh) made->recipe["input"] = kMemory;
   made->recipe = vdbtools::completeRecipe(std::move(made->recipe), vdbtools::fractalOptionTable(maps));
-  vdbtools::FractalOptions options = vdbtools::parseFractalOptions(made->recipe, maps);
+  vdbtools::FractalOptions& options = made->options;
+  options = vdbtools::parseFractalOptions(made->recipe, maps);
   if (mesh) options.target.value().mesh = std::move(mesh);
   made->inputs = vdbtools::inputsOf(options);
-  made->scene = vdbtools::makeScene(options, monitor);
-  // The fields and files of the scene need the mesh no more, and the caller may want its memory.
-  if (made->scene.options.target) made->scene.options.target->mesh.reset();
+  made->scene = made->scenes.make(options, monitor);
   return made;
 }
 
@@ -68,6 +67,26 @@ vdbtools::OptionTable viewTable() {
 
 namespace {
 
+/// Waits for another thread that holds the mutex and may work for long.
+std::unique_lock<std::timed_mutex> lockPatiently(std::timed_mutex& mutex, const Monitor& monitor) {
+  constexpr std::chrono::milliseconds kStep(50);
+  std::unique_lock lock(mutex, std::defer_lock);
+  while (!lock.try_lock_for(kStep)) monitor.throwIfCancelled();
+  return lock;
+}
+
+const vdbtools::Scene& pictureScene(const MadeScene& made, Monitor& monitor) {
+  const vdbtools::ShellSettings* const shell = made.options.map->shell();
+  if (!shell || shell->interpolation) return made.scene;
+  const auto lock = lockPatiently(made.pictureMutex, monitor);
+  if (!made.pictureScene) {
+    vdbtools::FractalOptions options = made.options;
+    options.picture = true;
+    made.pictureScene = made.scenes.make(options, monitor);
+  }
+  return *made.pictureScene;
+}
+
 /// @throw std::invalid_argument
 vdbtools::FieldPicture parseView(const Recipe& view) {
   vdbtools::FieldPicture picture = vdbtools::parseFieldPicture(view, viewTable());
@@ -82,9 +101,10 @@ void checkView(const Recipe& view) { parseView(view); }
 
 vdbtools::Image pictureOf(const MadeScene& made, const Recipe& view, Monitor& monitor) {
   const vdbtools::FieldPicture picture = parseView(view);
-  const openvdb::BBoxd region = vdbtools::pictureRegion(made.scene);
-  const vdbtools::FieldRenderOptions options = vdbtools::pictureOptions(made.scene, region, picture);
-  return vdbtools::renderField(made.scene.source(), region, options, monitor).beauty;
+  const vdbtools::Scene& scene = pictureScene(made, monitor);
+  const openvdb::BBoxd region = vdbtools::pictureRegion(scene);
+  const vdbtools::FieldRenderOptions options = vdbtools::pictureOptions(scene, region, picture);
+  return vdbtools::renderField(scene.source(), region, options, monitor).beauty;
 }
 
 std::shared_ptr<MadeFractal> makeFractal(std::shared_ptr<const MadeScene> made, bool wantGrids, Monitor& monitor) {
@@ -109,10 +129,7 @@ void requireExtension(const std::string& path, const std::string& known) {
 
 /// What files hold besides the mesh, with the grids. @throw vdbtools::Interrupted
 std::shared_ptr<const vdbtools::FractalResult> withGrids(MadeFractal& fractal, Monitor& monitor) {
-  // Another thread may be making them, which takes long.
-  constexpr std::chrono::milliseconds kStep(50);
-  std::unique_lock lock(fractal.gridsMutex, std::defer_lock);
-  while (!lock.try_lock_for(kStep)) monitor.throwIfCancelled();
+  const auto lock = lockPatiently(fractal.gridsMutex, monitor);
   if (!fractal.grids) {
     const vdbtools::Scene& scene = fractal.made->scene;
     vdbtools::FractalResult made = vdbtools::runFractal(scene, vdbtools::planScene(scene), true, nullptr, monitor);

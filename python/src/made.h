@@ -29,6 +29,12 @@ struct MadeScene {
   vdbtools::Scene scene;
   vdbtools::InputFiles inputs;   ///< what was read: nothing that is written may replace one of them
   std::optional<double> memory;  ///< bytes that the process may take for it
+
+  /// For the first picture, made by whichever thread comes first: the scene as FractalOptions::picture has it.
+  vdbtools::FractalOptions options;
+  mutable std::timed_mutex pictureMutex;
+  mutable vdbtools::SceneMaker scenes;
+  mutable std::optional<vdbtools::Scene> pictureScene;
 };
 
 /// @param mesh      the target, if it is in memory; the recipe must then have no input
@@ -48,7 +54,8 @@ void evaluateAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, s
 void checkView(const vdbtools::Recipe& view);
 /// The options of pictures and their defaults.
 vdbtools::OptionTable viewTable();
-/// A picture of the set itself, before the neutral background.
+/// A picture of the set itself, before the neutral background. May be called in several threads at once.
+/// @throw as vdbtools::makeScene(), for the first picture
 vdbtools::Image pictureOf(const MadeScene& made, const vdbtools::Recipe& view, vdbtools::Monitor& monitor);
 
 /// A recipe of `juliavdb fit` and what it gave.

@@ -79,6 +79,19 @@ class RenderField(harness.CliTest):
         self.assertNotEqual(self.bytes("recipe.png"), self.bytes("other.png"))
         harness.read_png(self.bytes("recipe.png"))
 
+    def test_pictures_read_the_distances_quadratically_and_meshes_trilinearly(self):
+        self.write("s.obj", harness.obj(harness.sphere(3, 2.0, (3, -2, 5))))
+        self.ok("fractal", "s.obj", *LOW, "--alpha", 12, "-o", "f.vdb")
+        pictures, meshes = {}, {}
+        for sampling, words in ((None, ()), *((name, ("--sampling", name)) for name in ("quadratic", "trilinear"))):
+            self.ok("render", "--field", "f.vdb", *SMALL, *words, "-o", "p.png")
+            self.ok("fractal", "s.obj", *LOW, "--alpha", 12, *words, "--mesh", "m.stl")
+            pictures[sampling], meshes[sampling] = self.bytes("p.png"), self.bytes("m.stl")
+        self.assertEqual(pictures[None], pictures["quadratic"])
+        self.assertNotEqual(pictures[None], pictures["trilinear"])
+        self.assertEqual(meshes[None], meshes["trilinear"])
+        self.assertNotEqual(meshes[None], meshes["quadratic"])
+
     def test_a_rational_map(self):
         self.write("r.json", harness.rational_json(harness.ROOTS, log_scale=0.5))
         rows = self.render("render", "--field", "--map", "rational", "--rational", "r.json", "--box=-2,-2,-2,2,2,2", *SMALL)

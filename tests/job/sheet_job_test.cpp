@@ -227,26 +227,36 @@ TEST_F(SheetJob, TheFolderCanBeRefused) {
   EXPECT_THROW(make(options({"alpha=20,40"})), CreateError);
 }
 
-TEST_F(SheetJob, MeshesThatTakeLongAreToldBeforeTheFirstOfThem) {
-  /// Notes whether the work on a mesh has begun.
+TEST_F(SheetJob, WhatTakesLongIsToldBeforeTheFirstCell) {
+  /// Notes whether the work on a cell has begun.
   class Watching final : public Monitor {
    public:
     void begin(std::string_view phase, std::uint64_t) override {
       if (phase.starts_with("surface")) mAnyMesh = true;
+      if (phase.starts_with("render")) mAnyPicture = true;
     }
     bool anyMesh() const { return mAnyMesh; }
+    bool anyPicture() const { return mAnyPicture; }
 
    private:
-    std::atomic<bool> mAnyMesh{false};
+    std::atomic<bool> mAnyMesh{false}, mAnyPicture{false};
   } watching;
   SheetOptions what = options({"alpha=20,40,60"});
   std::vector<std::string> told;
   LongWork longWork{.seconds = 0, .tell = [&](const std::string& words) {
                       EXPECT_FALSE(watching.anyMesh());
                       told.push_back(words);
+                      told.back() += watching.anyPicture() ? " (late)" : " (in time)";
                     }};
   makeSheet(what, mFolder.path() / "fields", watching, longWork);
-  EXPECT_TRUE(told.empty()) << "no mesh is made for a picture of the field";
+  EXPECT_TRUE(watching.anyPicture());
+  EXPECT_FALSE(watching.anyMesh());
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_NE(told[0].find("the pictures of 3 cells will take some"), std::string::npos) << told[0];
+  EXPECT_TRUE(told[0].ends_with("(in time)")) << told[0];
+  makeSheet(what, mFolder.path() / "fields", watching, longWork);
+  EXPECT_EQ(told.size(), 1U) << "nothing is left to do";
+  told.clear();
   what.view["preview"] = "mesh";
   make({.varied = {varied("alpha=20")}, .base = what.base, .view = what.view});
   makeSheet(what, mFolder.path() / "cells", watching, longWork);

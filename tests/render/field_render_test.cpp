@@ -107,6 +107,40 @@ TEST(FieldRender, ABallIsACircleWithItsNormalsAndDepth) {
   }
 }
 
+TEST(FieldRender, AnEdgeGetsMoreRaysAndIsSmoother) {
+  const Quadratic set;
+  constexpr int kSide = 120;
+  FieldRenderOptions options = small(set, kSide, kSide, 4);
+  options.look.backdrop = Backdrop::None;
+  const FieldImage image = render(set, options);
+  const double tangent = std::tan(options.camera.fieldOfView * std::numbers::pi / 360);
+  const double radius = std::tan(std::asin(kBall / 6)) / tangent * kSide / 2;  // pixels
+  /// The part of a pixel in the circle, by n x n places.
+  const auto covered = [&](int x, int y, int n) {
+    int in = 0;
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j)
+        in += std::hypot(x + (i + 0.5) / n - kSide / 2, y + (j + 0.5) / n - kSide / 2) < radius;
+    return static_cast<double>(in) / (n * n);
+  };
+  double error = 0, ofLattice = 0;
+  std::uint64_t edges = 0;
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      const double truth = covered(x, y, 32), lattice = covered(x, y, 2);
+      edges += lattice > 0 && lattice < 1;
+      error += std::pow(image.coverage[static_cast<std::size_t>(y * kSide + x)] - truth, 2);
+      ofLattice += std::pow(lattice - truth, 2);
+    }
+  }
+  EXPECT_LT(error, 0.6 * ofLattice);
+  EXPECT_NEAR(static_cast<double>(image.rays), static_cast<double>(4 * kSide * kSide + 4 * edges),
+              0.05 * static_cast<double>(4 * edges))
+      << "a ball in even light is rough at its edge alone";
+  options.samples = 1;
+  EXPECT_EQ(render(set, options).rays, static_cast<std::uint64_t>(kSide * kSide));
+}
+
 TEST(FieldRender, SkippingSavesMostAndChangesNothing) {
   for (const auto& c : {julia::Quaternion<double>{}, kRough}) {
     const Quadratic set(c);

@@ -317,7 +317,9 @@ std::string ExploreSession::picture(const json& body, Monitor& monitor) {
   if (picture.colour && picture.colour->picture) mAccess.require(*picture.colour->picture);
   if (flagOf(body, "mesh"))
     return pictureOfMesh(sceneOf(lookToMake(body), SceneStore::Turn::Waits, monitor)->scene(), picture, monitor);
-  return sceneOf(lookOf(body), SceneStore::Turn::Waits, monitor)->picture(picture, monitor);
+  Look look = lookOf(body);
+  look.options.picture = true;
+  return sceneOf(look, SceneStore::Turn::Waits, monitor)->picture(picture, monitor);
 }
 
 /// The numbers of a look, of which the page makes its live picture.

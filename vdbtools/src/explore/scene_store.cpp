@@ -9,7 +9,7 @@ namespace vdbtools {
 namespace {
 
 // For the look at hand, and a few before it for undo. A scene of the bunny takes some 30 MB.
-constexpr std::size_t kMostScenes = 6;
+constexpr std::size_t kMostScenes = 8;
 constexpr std::chrono::milliseconds kPatience(50);  // how soon a waiting request sees that nobody waits for it
 
 /// A target that the scenes and the page share.
@@ -76,7 +76,7 @@ std::shared_ptr<KeptScene> SceneStore::find(const Sources& sources) {
 
 std::shared_ptr<KeptScene> SceneStore::get(const Recipe& recipe, const FractalOptions& options, Turn turn,
                                            Monitor& monitor) {
-  const Sources sources{recipe, statesOf(options)};
+  const Sources sources{recipe, options.picture, statesOf(options)};
   std::unique_lock lock(mMutex);
   const std::uint64_t number = turn == Turn::Latest ? ++mLatest : 0;
   for (;;) {
@@ -102,7 +102,8 @@ std::shared_ptr<KeptScene> SceneStore::get(const Recipe& recipe, const FractalOp
   }
   release();
   // Of one recipe only the latest is asked for.
-  mKept.remove_if([&](const Entry& entry) { return entry.sources.recipe == recipe; });
+  mKept.remove_if(
+      [&](const Entry& entry) { return entry.sources.recipe == recipe && entry.sources.picture == options.picture; });
   mKept.push_front({sources, made});
   if (mKept.size() > kMostScenes) mKept.pop_back();
   return made;

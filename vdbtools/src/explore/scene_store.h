@@ -65,6 +65,7 @@ class SceneStore {
   /// What a scene is made from: its recipe, and the files that this names as they were before they were read.
   struct Sources {
     Recipe recipe;
+    bool picture = false;  ///< as FractalOptions has it
     std::vector<FileState> files;
 
     bool operator==(const Sources&) const = default;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "job/mesh_picture.h"
 
+#include "base/timed_part.h"
 #include "mesh/format_readers.h"
 #include "vdbtools/job/file_axes.h"
 #include "vdbtools/job/fractal_files.h"
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <ctime>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
@@ -49,19 +49,6 @@ class NoMesh final : public MeshSink {
   void addPoints(const PointBatch&) override {}
   void addTriangles(std::span<const openvdb::Vec3I>, std::uint64_t) override {}
 };
-
-/// Passes nothing on but the wish to stop.
-class QuietMonitor final : public Monitor {
- public:
-  explicit QuietMonitor(const Monitor& monitor) : mMonitor(monitor) {}
-  bool cancelled() const override { return mMonitor.cancelled(); }
-
- private:
-  const Monitor& mMonitor;
-};
-
-/// Of all threads of the process.
-double cpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 }  // namespace
 

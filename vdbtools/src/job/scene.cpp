@@ -67,6 +67,8 @@ ExponentSources exponentSources(const FractalOptions& options, const ShellSettin
                           .controlFiles = {},
                           .orbit = orbitOf(options),
                           .interiorReach = options.map->interiorReach()};
+  if (!shell.interpolation)
+    sources.shell.interpolation = options.picture ? julia::Interpolation::Quadratic : julia::Interpolation::Trilinear;
   for (const ControlSetting& control : shell.controls())
     for (const NamedFile& file : control->files())
       sources.controlFiles[metadataName(file.recordedAs)] = hashes.at(metadataName(file.recordedAs));
@@ -197,7 +199,7 @@ ExponentGridOptions bindControls(const ExponentSources& sources, SharedTarget& s
   constexpr double kRounding = 1e-5;  // of what is read between nodes
   const std::pair share(-kRounding, 1 + kRounding);
   ExponentGridOptions exponent{.orbit = sources.orbit,
-                               .interpolation = shell.interpolation,
+                               .interpolation = shell.interpolation.value(),
                                .mask = bound(*shell.mask, context, "the mask", share)};
   if (!shell.detail) {
     exponent.alpha = bound(*shell.alpha, context, "alpha", positive);

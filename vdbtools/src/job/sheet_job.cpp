@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/job/sheet_job.h"
 
+#include "base/timed_part.h"
 #include "job/file_hashes.h"
 #include "job/mesh_picture.h"
 #include "picture/png_text.h"
@@ -262,11 +263,13 @@ std::string finerCaption(const Scene& scene) {
   return advice.coreShare > kCoreWorthSaying ? "core thinner than 2 voxels" : "";
 }
 
+FieldRenderOptions fieldOptions(const Scene& scene, const FieldPicture& picture) {
+  return pictureOptions(scene, pictureRegion(scene), picture, FieldColour::Clay);
+}
+
 /// With what is finer than the voxels as texts in the file.
 std::string fieldPng(const Scene& scene, const FieldPicture& picture, Monitor& monitor) {
-  const openvdb::BBoxd region = pictureRegion(scene);
-  const FieldImage image =
-      renderField(scene.source(), region, pictureOptions(scene, region, picture, FieldColour::Clay), monitor);
+  const FieldImage image = renderField(scene.source(), pictureRegion(scene), fieldOptions(scene, picture), monitor);
   if (std::all_of(image.id.begin(), image.id.end(), [](float id) { return id == 0; }))
     throw DataError("no ray of the picture meets the set: the set is empty, or out of view");
   std::string png = encodeFieldImage(image, "png");
@@ -276,20 +279,45 @@ std::string fieldPng(const Scene& scene, const FieldPicture& picture, Monitor& m
   return png;
 }
 
-/// Tells that so many meshes like this one take long, if they do.
-void tellLongWork(const Scene& scene, std::size_t meshes, const LongWork& longWork, Monitor& monitor) {
-  if (!longWork.tell) return;
+/// Whether so many meshes like this one may take @a seconds, so that it is worth finding out.
+bool mayTakeLong(const Scene& scene, double meshes, double seconds) {
   // The slowest maps need that long for a node, seconds.
-  constexpr double kSlowest = 2e-5, kNodesOfBlock = 512, kHour = 3600;
-  const double count = static_cast<double>(meshes);
-  const double nodes = kNodesOfBlock * static_cast<double>(planScene(scene).blocks->activeVoxelCount());
-  if (count * nodes * kSlowest < longWork.seconds) return;
-  const double seconds =
-      count * estimatedMeshSeconds(scene, monitor) / static_cast<double>(tbb::this_task_arena::max_concurrency());
-  if (seconds < longWork.seconds) return;
-  longWork.tell("the meshes of " + std::to_string(meshes) + (meshes == 1 ? " cell" : " cells") + " will take some " +
-                shortText(seconds / kHour) + " hours at this resolution, by a small part of the first; a lower " +
-                "--resolution takes less, and --preview field does without meshes");
+  constexpr double kSlowest = 2e-5, kNodesOfBlock = 512;
+  return meshes * kNodesOfBlock * static_cast<double>(planScene(scene).blocks->activeVoxelCount()) * kSlowest >=
+         seconds;
+}
+
+/// The same of pictures of the field.
+bool mayTakeLong(const FieldRenderOptions& picture, double pictures, double seconds) {
+  // Few maps need that long for a ray, seconds; but short steps have no bound.
+  constexpr double kSlowest = 1e-3;
+  if (picture.clarity.alpha) return true;
+  return pictures * picture.samples * picture.width * picture.height * kSlowest >= seconds;
+}
+
+/// Tells that so many cells like this one take long, if they do.
+void tellLongWork(const Scene& scene, const CellView& view, std::size_t cells, const LongWork& longWork,
+                  Monitor& monitor) {
+  if (!longWork.tell) return;
+  constexpr double kHour = 3600;
+  const double threads = static_cast<double>(tbb::this_task_arena::max_concurrency());
+  const double parts = static_cast<double>(cells) / threads;
+  const double limit = longWork.seconds * threads;
+  double seconds = 0;
+  if (view.mesh) {
+    if (mayTakeLong(scene, static_cast<double>(cells), limit)) seconds = parts * estimatedMeshSeconds(scene, monitor);
+  } else {
+    const FieldRenderOptions picture = fieldOptions(scene, view.field);
+    QuietMonitor quiet(monitor);
+    if (mayTakeLong(picture, static_cast<double>(cells), limit))
+      seconds = parts * FieldRenderer(scene.source(), pictureRegion(scene)).estimatedSeconds(picture, quiet);
+  }
+  if (seconds == 0 || seconds < longWork.seconds) return;
+  longWork.tell((view.mesh ? "the meshes of " : "the pictures of ") + std::to_string(cells) +
+                (cells == 1 ? " cell" : " cells") + " will take some " + shortText(seconds / kHour) + " hours " +
+                (view.mesh ? "at this resolution, by a small part of the first; a lower --resolution takes less, and "
+                             "--preview field does without meshes"
+                           : "by a small part of the first; a smaller --size or fewer --samples take less"));
 }
 
 /// The finished cells of this sheet and of others.
@@ -411,14 +439,16 @@ SheetPage makeSheet(const SheetOptions& options, const std::filesystem::path& fo
       missing.push_back(&cell);
     }
   }
-  bool isTold = !view.mesh;
+  bool isTold = false;
   for (PlannedCell* const each : missing) {
     PlannedCell& cell = *each;
     guarded(cell, [&] {
       const auto number = static_cast<std::size_t>(each - planned.cells.data()) + 1;
       NumberedMonitor numbered(monitor, "cell", number, planned.cells.size());
-      const Scene scene = scenes.make(parseFractalOptions(cell.cell.recipe), numbered);
-      if (!isTold) tellLongWork(scene, missing.size(), longWork, numbered);
+      FractalOptions fractal = parseFractalOptions(cell.cell.recipe);
+      fractal.picture = !cell.view.mesh;
+      const Scene scene = scenes.make(fractal, numbered);
+      if (!isTold) tellLongWork(scene, cell.view, missing.size(), longWork, numbered);
       isTold = true;
       const auto& [field, mesh, recorded] = cell.view;
       std::string png = mesh ? encodeImage(meshPicture(scene, *mesh, field.render.look, numbered), "png")

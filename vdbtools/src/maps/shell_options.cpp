@@ -86,9 +86,10 @@ std::vector<OptionSpec> shellOptions() {
        .hash = "beta-sha256",
        .kept = true},
       {.name = "sampling",
-       .argument = "trilinear|quadratic",
-       .defaultValue = "trilinear",
-       .help = "how the target's distances are interpolated; quadratic shows no creases in deep zooms",
+       .argument = "auto|trilinear|quadratic",
+       .defaultValue = "auto",
+       .help = "how the target's distances are interpolated; quadratic shows no creases in deep zooms. auto: quadratic "
+               "for pictures of the set itself, trilinear, which is faster, for meshes and VDBs",
        .kept = true}};
 }
 
@@ -123,8 +124,9 @@ ShellSettings parseShell(const RecipeReader& reader) {
   const bool numeric = reader.has("alpha");
   ShellSettings shell{
       .mask = parseShare(reader, "mask"),
-      .interpolation = reader.choice<Interpolation>(
-          "sampling", {{"trilinear", Interpolation::Trilinear}, {"quadratic", Interpolation::Quadratic}})};
+      .interpolation = reader.choice<std::optional<Interpolation>>(
+          "sampling",
+          {{"auto", std::nullopt}, {"trilinear", Interpolation::Trilinear}, {"quadratic", Interpolation::Quadratic}})};
   if (numeric) {
     shell.alpha = parseControl(reader, "alpha");
     shell.beta = parseControl(reader, "beta");

@@ -2,6 +2,7 @@
 #include "vdbtools/render/field_render.h"
 
 #include "base/in_parallel.h"
+#include "base/timed_part.h"
 #include "render/field_shading.h"
 #include "render/image_layers.h"
 #include "render/occupancy.h"
@@ -16,6 +17,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <tuple>
@@ -162,22 +164,34 @@ class Exposure {
   }
 
   FieldImage render() {
-    const auto pixels = static_cast<std::size_t>(mOptions.width) * static_cast<std::size_t>(mOptions.height);
     preview::Layers layers(mOptions.width, mOptions.height, mOptions.passes);
-    const auto tiles = [](int side) { return static_cast<std::size_t>((side + kTile - 1) / kTile); };
-    const std::size_t across = tiles(mOptions.width), count = across * tiles(mOptions.height);
-    mMonitor.begin("render", count);
-    inParallel(count, 1, mMonitor, [&](std::size_t begin, std::size_t end) {
+    mMonitor.begin("render", tileCount());
+    inParallel(tileCount(), 1, mMonitor, [&](std::size_t begin, std::size_t end) {
       for (std::size_t tile = begin; tile < end && !mMonitor.cancelled(); ++tile) {
-        renderTile(static_cast<int>(tile % across) * kTile, static_cast<int>(tile / across) * kTile, layers);
+        renderTile(tile, layers);
         mMonitor.advance(1);
       }
     });
     FieldImage image;
     static_cast<ShadedImage&>(image) = layers.take();
-    image.rays = pixels * static_cast<std::uint64_t>(mOptions.samples);
+    image.rays = mRays;
     image.evaluations = mEvaluations;
     return image;
+  }
+
+  /// CPU seconds of render(), by some tiles that lie everywhere in the picture.
+  double estimatedSeconds() {
+    constexpr std::size_t kTimed = 16;
+    const std::size_t count = tileCount(), timed = std::min(kTimed, count);
+    preview::Layers layers(mOptions.width, mOptions.height, mOptions.passes);
+    const double start = cpuSeconds();
+    inParallel(timed, 1, mMonitor, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end && !mMonitor.cancelled(); ++i) {
+        const double place = std::numbers::phi * (static_cast<double>(i) + 0.5);
+        renderTile(static_cast<std::size_t>((place - std::floor(place)) * static_cast<double>(count)), layers);
+      }
+    });
+    return (cpuSeconds() - start) * static_cast<double>(count) / static_cast<double>(timed);
   }
 
  private:
@@ -185,9 +199,34 @@ class Exposure {
     int left, top, width, height;
   };
 
-  void renderTile(int left, int top, preview::Layers& layers) {
+  /// What the pixels of a tile show, row by row.
+  using Pixels = std::vector<preview::Pixel>;
+
+  static std::size_t tilesAlong(int side) { return static_cast<std::size_t>((side + kTile - 1) / kTile); }
+  std::size_t tileCount() const { return tilesAlong(mOptions.width) * tilesAlong(mOptions.height); }
+
+  /// @param number  of the tile, row by row
+  void renderTile(std::size_t number, preview::Layers& layers) {
+    const int left = static_cast<int>(number % tilesAlong(mOptions.width)) * kTile;
+    const int top = static_cast<int>(number / tilesAlong(mOptions.width)) * kTile;
     const Tile tile{left, top, std::min(kTile, mOptions.width - left), std::min(kTile, mOptions.height - top)};
-    std::vector<Meeting> meetings = march(raysOf(tile));
+    Pixels pixels(std::size_t(tile.width) * std::size_t(tile.height));
+    std::vector<std::uint32_t> chosen(pixels.size());
+    std::iota(chosen.begin(), chosen.end(), 0U);
+    sample(tile, chosen, 0, mSamples.usual(), pixels);
+    std::erase_if(chosen, [&](std::uint32_t pixel) { return !pixels[pixel].isRough(); });
+    if (!chosen.empty()) sample(tile, chosen, mSamples.usual(), 2 * mSamples.usual(), pixels);
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      const auto at = (std::size_t(tile.top) + i / std::size_t(tile.width)) * std::size_t(mOptions.width) +
+                      std::size_t(tile.left) + i % std::size_t(tile.width);
+      layers.set(at, pixels[i].shown(), mFrame.forward.dot(pixels[i].direction()) * mScale, openvdb::Mat3d::identity());
+    }
+  }
+
+  /// Adds the samples from @a begin to @a end to the chosen pixels of a tile.
+  void sample(const Tile& tile, const std::vector<std::uint32_t>& chosen, int begin, int end, Pixels& pixels) {
+    mRays += chosen.size() * static_cast<std::uint64_t>(end - begin);
+    std::vector<Meeting> meetings = march(raysOf(tile, chosen, begin, end));
     bisect(meetings);
     // The order of the meetings depends on when their rays ended, and the rounding of a sum depends on the order.
     std::sort(meetings.begin(), meetings.end(), [](const Meeting& a, const Meeting& b) {
@@ -208,22 +247,44 @@ class Exposure {
       hits.push_back(hit);
     }
     const std::vector<FieldPoint> points = fieldPoints(mEvaluator, mOptions, hits);
-    expose(tile, meetings, hits, points, layers);
+    preview::Shader<ShadowProxy::Surface> shader(ShadowProxy::Surface(mShadows), mStage, mOptions.look,
+                                                 mOptions.samples);
+    const std::vector<double> traps = trapsAt(hits);
+    std::size_t next = 0;
+    for (const std::uint32_t at : chosen) {
+      const int x = tile.left + int(at) % tile.width, y = tile.top + int(at) / tile.width;
+      const preview::PixelSequence sequence(x, y);
+      for (int s = begin; s < end; ++s) {
+        if (next < meetings.size() && meetings[next].ray.pixel == at && meetings[next].ray.sample == s) {
+          const FieldHit& hit = hits[next];
+          const FieldPoint& point = points[next];
+          preview::Shown seen =
+              shader.shade({meetings[next].inside, shader.surface().leave(hit.inside, hit.view, point.normal),
+                            point.normal, point.albedo},
+                           hit.view, sequence, s, pixels[at].key);
+          if (!traps.empty()) seen.trap = traps[next];
+          pixels[at].add(seen, hit.view);
+          ++next;
+        } else {
+          const auto [u, v] = mSamples.at(x, y, s);
+          const Vec3d direction = directionAt(u, v);
+          pixels[at].add(shader.behind(direction, u, v, sequence, s), direction);
+        }
+      }
+    }
   }
 
-  std::vector<Ray> raysOf(const Tile& tile) const {
+  std::vector<Ray> raysOf(const Tile& tile, const std::vector<std::uint32_t>& chosen, int begin, int end) const {
     std::vector<Ray> rays;
-    rays.reserve(std::size_t(tile.width) * std::size_t(tile.height) * std::size_t(mOptions.samples));
-    for (int y = 0; y < tile.height; ++y) {
-      for (int x = 0; x < tile.width; ++x) {
-        for (int s = 0; s < mOptions.samples; ++s) {
-          const auto [u, v] = mSamples.at(tile.left + x, tile.top + y, s);
-          Ray ray;
-          ray.direction = directionAt(u, v);
-          ray.pixel = static_cast<std::uint32_t>(y * tile.width + x);
-          ray.sample = s;
-          if (enter(ray, mEye, mRegion)) rays.push_back(ray);
-        }
+    rays.reserve(chosen.size() * std::size_t(end - begin));
+    for (const std::uint32_t at : chosen) {
+      for (int s = begin; s < end; ++s) {
+        const auto [u, v] = mSamples.at(tile.left + int(at) % tile.width, tile.top + int(at) / tile.width, s);
+        Ray ray;
+        ray.direction = directionAt(u, v);
+        ray.pixel = at;
+        ray.sample = s;
+        if (enter(ray, mEye, mRegion)) rays.push_back(ray);
       }
     }
     return rays;
@@ -318,63 +379,6 @@ class Exposure {
     }
   }
 
-  /// What the hits of a pixel have in common, whatever the light.
-  void addHit(preview::Shown& pixel, const Meeting& meeting, const FieldPoint& point, Vec3d& nearest) const {
-    ++pixel.hits;
-    pixel.albedo += point.albedo.value_or(mOptions.look.material.albedo);
-    if (!(meeting.inside < pixel.distance)) return;
-    pixel.distance = meeting.inside;
-    pixel.normal = point.normal;
-    nearest = meeting.ray.direction;
-  }
-
-  void set(preview::Layers& layers, const Tile& tile, int x, int y, const preview::Shown& pixel,
-           const Vec3d& nearest) const {
-    const auto at = static_cast<std::size_t>(tile.top + y) * static_cast<std::size_t>(mOptions.width) +
-                    static_cast<std::size_t>(tile.left + x);
-    layers.set(at, pixel, mFrame.forward.dot(nearest) * mScale, openvdb::Mat3d::identity());
-  }
-
-  /// Puts the light on the hits, and what is behind the set in the place of the other rays.
-  void expose(const Tile& tile, const std::vector<Meeting>& meetings, const std::vector<FieldHit>& hits,
-              const std::vector<FieldPoint>& points, preview::Layers& layers) const {
-    preview::Shader<ShadowProxy::Surface> shader(ShadowProxy::Surface(mShadows), mStage, mOptions.look,
-                                                 mOptions.samples);
-    const std::vector<double> traps = trapsAt(hits);
-    std::size_t next = 0;
-    for (int y = 0; y < tile.height; ++y) {
-      for (int x = 0; x < tile.width; ++x) {
-        const preview::PixelSequence sequence(tile.left + x, tile.top + y);
-        preview::Shown pixel;
-        Vec3d nearest(0);
-        for (int s = 0; s < mOptions.samples; ++s) {
-          const bool isHit = next < meetings.size() && meetings[next].ray.sample == s &&
-                             meetings[next].ray.pixel == static_cast<std::uint32_t>(y * tile.width + x);
-          preview::Shown seen;
-          if (isHit) {
-            const FieldHit& hit = hits[next];
-            const FieldPoint& point = points[next];
-            if (!traps.empty() && meetings[next].inside < pixel.distance) pixel.trap = traps[next];
-            addHit(pixel, meetings[next], point, nearest);
-            seen = shader.shade({meetings[next].inside, shader.surface().leave(hit.inside, hit.view, point.normal),
-                                 point.normal, point.albedo},
-                                hit.view, sequence, s);
-            ++next;
-          } else {
-            const auto [u, v] = mSamples.at(tile.left + x, tile.top + y, s);
-            seen = shader.behind(directionAt(u, v), u, v, sequence, s);
-          }
-          pixel.colour += seen.colour;
-          pixel.alpha += seen.alpha;
-          pixel.open += seen.open;
-        }
-        pixel.colour /= mOptions.samples;
-        pixel.alpha /= mOptions.samples;
-        set(layers, tile, x, y, pixel, nearest);
-      }
-    }
-  }
-
   /// Empty unless they are asked for.
   std::vector<double> trapsAt(const std::vector<FieldHit>& hits) const {
     if (!mOptions.passes.contains(Pass::Trap)) return {};
@@ -399,7 +403,7 @@ class Exposure {
   const Occupancy* mOccupancy;
   const ShadowProxy& mShadows;
   PreviewStage mStage{};  ///< fractal space
-  std::atomic<std::uint64_t> mEvaluations{0};
+  std::atomic<std::uint64_t> mRays{0}, mEvaluations{0};
 };
 
 }  // namespace
@@ -442,7 +446,7 @@ FieldRenderer::FieldRenderer(const FieldSource& source, const BBoxd& region)
 
 FieldRenderer::~FieldRenderer() = default;
 
-FieldImage FieldRenderer::render(const FieldRenderOptions& options, Monitor& monitor) {
+void FieldRenderer::prepare(const FieldRenderOptions& options, Monitor& monitor) {
   requireOptions(options);
   monitor.throwIfCancelled();
   if (options.skip && !mOccupancy)
@@ -450,6 +454,18 @@ FieldImage FieldRenderer::render(const FieldRenderOptions& options, Monitor& mon
   const ShadowProxy::Need need = shadowsFor(options, mSource.space, mRegion);
   if (!mShadows || !(mShadows->need() == need))
     mShadows = std::make_unique<const ShadowProxy>(mSource.evaluator, need, monitor);
+}
+
+double FieldRenderer::estimatedSeconds(const FieldRenderOptions& options, Monitor& monitor) {
+  const double start = cpuSeconds();
+  prepare(options, monitor);
+  const double lattices = cpuSeconds() - start;
+  Exposure exposure(mSource, mRegion, options.skip ? mOccupancy.get() : nullptr, *mShadows, options, monitor);
+  return lattices + exposure.estimatedSeconds();
+}
+
+FieldImage FieldRenderer::render(const FieldRenderOptions& options, Monitor& monitor) {
+  prepare(options, monitor);
   return Exposure(mSource, mRegion, options.skip ? mOccupancy.get() : nullptr, *mShadows, options, monitor).render();
 }
 

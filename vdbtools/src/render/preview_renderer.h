@@ -43,35 +43,26 @@ class Renderer {
       : mShader(std::move(surface), stage, options.look, options.samples),
         mStage(stage),
         mBalls(balls),
-        mSamples(samples),
-        mCount(options.samples) {}
+        mSamples(samples) {}
 
-  Shown pixel(int x, int y) {
+  Pixel pixel(int x, int y) {
     const PixelSequence sequence(x, y);
-    Shown pixel;
-    for (int s = 0; s < mCount; ++s) {
-      const auto [u, v] = mSamples.at(x, y, s);
-      const Vec3d direction = (mStage.forward + u * mStage.right + v * mStage.up).unit();
-      const std::optional<SurfacePoint> hit = mShader.surface().firstHit(mStage.eye, direction);
-      Shown seen = hit ? mShader.shade(*hit, direction, sequence, s) : mShader.behind(direction, u, v, sequence, s);
-      addBalls(seen, direction);
-      pixel.colour += seen.colour;
-      pixel.alpha += seen.alpha;
-      pixel.hits += seen.hits;
-      pixel.albedo += seen.albedo;
-      pixel.open += seen.open;
-      if (!(seen.distance < pixel.distance)) continue;
-      pixel.distance = seen.distance;
-      pixel.normal = seen.normal;
-      mDirection = direction;
-    }
-    pixel.colour /= mCount;
-    pixel.alpha /= mCount;
+    Pixel pixel;
+    const auto look = [&](int begin, int end) {
+      for (int s = begin; s < end; ++s) {
+        const auto [u, v] = mSamples.at(x, y, s);
+        const Vec3d direction = (mStage.forward + u * mStage.right + v * mStage.up).unit();
+        const std::optional<SurfacePoint> hit = mShader.surface().firstHit(mStage.eye, direction);
+        Shown seen =
+            hit ? mShader.shade(*hit, direction, sequence, s, pixel.key) : mShader.behind(direction, u, v, sequence, s);
+        addBalls(seen, direction);
+        pixel.add(seen, direction);
+      }
+    };
+    look(0, mSamples.usual());
+    if (pixel.isRough()) look(mSamples.usual(), 2 * mSamples.usual());
     return pixel;
   }
-
-  /// Of the ray whose point a pixel's distance and normal are of.
-  const Vec3d& direction() const { return mDirection; }
 
  private:
   /// Puts the nearest ball before what is seen, or lets it shine through from not far behind.
@@ -104,8 +95,6 @@ class Renderer {
   const PreviewStage& mStage;
   const std::vector<PreviewBall>& mBalls;
   PixelSamples mSamples;
-  int mCount;  ///< of samples in a pixel
-  Vec3d mDirection{0};
 };
 
 }  // namespace preview
@@ -124,10 +113,10 @@ ShadedImage renderStage(const PreviewStage& stage, const PreviewOptions& options
     for (int y = rows.begin(); y != rows.end(); ++y) {
       for (int x = 0; x < options.width; ++x) {
         if (x % preview::kPixelsPerCheck == 0) monitor.throwIfCancelled();
-        const preview::Shown shown = renderer.pixel(x, y);
+        const preview::Pixel pixel = renderer.pixel(x, y);
         const auto at =
             static_cast<std::size_t>(y) * static_cast<std::size_t>(options.width) + static_cast<std::size_t>(x);
-        layers.set(at, shown, stage.forward.dot(renderer.direction()) * stage.scale, stage.toWorld);
+        layers.set(at, pixel.shown(), stage.forward.dot(pixel.direction()) * stage.scale, stage.toWorld);
       }
       monitor.advance(1);
     }

@@ -155,7 +155,7 @@ class PixelSequence {
     return {fraction(mShift + 0.7548776662 * i), mTurn.after(turns[static_cast<std::size_t>(i)])};
   }
 
-  static constexpr int kMost = 256;
+  static constexpr int kMost = 512;
 
  private:
   static constexpr double kStep = 0.5698402910;
@@ -173,6 +173,73 @@ struct Shown {
   Vec3d albedo{0};  ///< summed over the hits, as is the next
   double open = 0;  ///< the part of the sky that is not hidden
   double trap = 0;  ///< of the nearest point
+};
+
+/// What the rays of a pixel have met on their way to the key light.
+class KeyLight {
+ public:
+  void add(bool isBlocked) { ++(isBlocked ? mBlocked : mClear); }
+  /// Whether so many rays agree that the edge of no shadow is near.
+  bool isSettled() const {
+    constexpr int kEnough = 8;
+    return mBlocked + mClear >= kEnough && (mBlocked == 0 || mClear == 0);
+  }
+
+ private:
+  int mBlocked = 0, mClear = 0;
+};
+
+/// A pixel: the mean of what its rays show.
+class Pixel {
+ public:
+  KeyLight key;
+
+  void add(const Shown& seen, const Vec3d& direction) {
+    ++mCount;
+    mSum.colour += seen.colour;
+    mSum.alpha += seen.alpha;
+    mSum.hits += seen.hits;
+    mSum.albedo += seen.albedo;
+    mSum.open += seen.open;
+    if (seen.hits > 0) {
+      const double lightness = lightnessOf(seen.colour);
+      mDarkest = std::min(mDarkest, lightness);
+      mLightest = std::max(mLightest, lightness);
+    }
+    if (!(seen.distance < mSum.distance)) return;
+    mSum.distance = seen.distance;
+    mSum.normal = seen.normal;
+    mSum.trap = seen.trap;
+    mDirection = direction;
+  }
+
+  /// Whether more rays would be seen: the surface ends in the pixel, or its lightness varies there. What is behind the
+  /// surface does not count, so that a picture has the same rays before any background.
+  bool isRough() const {
+    constexpr double kSeen = 0.3;  // of lightness
+    if (mSum.hits == 0) return false;
+    return mSum.hits < mCount || mLightest - mDarkest > kSeen;
+  }
+
+  Shown shown() const {
+    Shown mean = mSum;
+    mean.colour /= mCount;
+    mean.alpha /= mCount;
+    return mean;
+  }
+  /// Of the ray to the nearest point.
+  const Vec3d& direction() const { return mDirection; }
+
+ private:
+  /// From 0 to 1, about as the eye judges it.
+  static double lightnessOf(const Vec3d& colour) {
+    return std::sqrt(std::clamp(0.2126 * colour[0] + 0.7152 * colour[1] + 0.0722 * colour[2], 0.0, 1.0));
+  }
+
+  Shown mSum;
+  Vec3d mDirection{0};
+  int mCount = 0;
+  double mDarkest = 1, mLightest = 0;
 };
 
 /// Shades points of a surface and what is behind it, for one thread.
@@ -217,7 +284,8 @@ class Shader {
   }
 
   /// @param view  the direction of the ray, of length 1
-  Shown shade(const SurfacePoint& point, const Vec3d& view, const PixelSequence& sequence, int sample) {
+  /// @param seen  by the other rays of the pixel
+  Shown shade(const SurfacePoint& point, const Vec3d& view, const PixelSequence& sequence, int sample, KeyLight& seen) {
     const Material& material = mLook.material;
     const Vec3d &normal = point.normal, &origin = point.origin, albedo = point.albedo.value_or(material.albedo);
     const auto frame = tangents(normal);
@@ -236,14 +304,19 @@ class Shader {
     // The lobe of a material that mirrors is as bright as it is narrow.
     const double lobe = material.mirrors ? (material.sharpness + 8) / 8 : 1;
     const auto disk = tangents(mStage.key);
-    for (int i = 0; i < mShadowRays; ++i) {
-      const Vec3d key = keyDirection(disk, sequence(sample * mShadowRays + i));
+    Vec3d lit(0);
+    int shadowRays = 0;
+    while (shadowRays < mShadowRays && (shadowRays == 0 || !seen.isSettled())) {
+      const Vec3d key = keyDirection(disk, sequence(sample * mShadowRays + shadowRays++));
       const double facing = key.dot(normal);
-      if (facing <= 0 || mSurface.blocked(origin, key)) continue;
+      if (facing <= 0) continue;
+      const bool blocked = mSurface.blocked(origin, key);
+      seen.add(blocked);
+      if (blocked) continue;
       const double glint = std::max(0.0, (key - view).unit().dot(normal));
-      radiance += facing * kKeyColour * (albedo + lobe * elementary::pow(glint, material.sharpness) * material.gloss) /
-                  mShadowRays;
+      lit += facing * kKeyColour * (albedo + lobe * elementary::pow(glint, material.sharpness) * material.gloss);
     }
+    radiance += lit / shadowRays;
     if (material.mirrors) radiance += mirrored(point, albedo, view, frame, sequence, sample);
     return {.colour = mGain * radiance,
             .alpha = 1,

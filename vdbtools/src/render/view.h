@@ -23,18 +23,25 @@ void requireAngles(const ViewAngles& angles);
 /// @throw std::invalid_argument  the eye is at the look-at point, or something is not finite or out of its range
 CameraFrame frameOf(const Camera& camera);
 
-/// The rays of a picture: a lattice of n x n in each pixel.
+/// The rays of a picture: a lattice of n x n in each pixel. A rough pixel gets as many again, one in each row and in
+/// each column of the n^2 x n^2 parts of the pixel (K. Chiu, P. Shirley, C. Wang, "Multi-jittered sampling", Graphics
+/// Gems IV, 1994), so that its edges are read at other heights.
 class PixelSamples {
  public:
   /// @throw std::invalid_argument  a side that is not 1 to 32768, samples that are not 1, 4, 9 or 16
   PixelSamples(int width, int height, int samples);
 
   double aspect() const { return static_cast<double>(mWidth) / mHeight; }
+  /// How many a smooth pixel has. A rough one has twice as many.
+  int usual() const { return mGrid * mGrid; }
 
   /// Where sample @a s of a pixel lies in the picture: u to the right and v up, from -1 to 1.
+  /// @param s  below 2 * usual()
   std::array<double, 2> at(int x, int y, int s) const {
-    const int column = s % mGrid, row = s / mGrid;
-    return {2 * (x + (column + 0.5) / mGrid) / mWidth - 1, 1 - 2 * (y + (row + 0.5) / mGrid) / mHeight};
+    const bool isMore = s >= usual();
+    const int i = isMore ? s - usual() : s, column = i % mGrid, row = i / mGrid;
+    const double right = isMore ? (row + 0.5) / mGrid : 0.5, down = isMore ? (mGrid - column - 0.5) / mGrid : 0.5;
+    return {2 * (x + (column + right) / mGrid) / mWidth - 1, 1 - 2 * (y + (row + down) / mGrid) / mHeight};
   }
 
  private:

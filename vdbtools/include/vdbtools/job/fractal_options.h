@@ -39,6 +39,9 @@ struct FractalOptions {
   SurfaceOptions surface;
   OutputOptions output;
   Precision precision = Precision::Auto;
+  /// Whether the scene is for pictures of the set itself; parseFractalOptions() says no. The eye sees creases of the
+  /// distances that voxels hide, so `--sampling auto` is quadratic then.
+  bool picture = false;
 };
 
 /// The options that affect the result, --map among them with those of each of the maps.

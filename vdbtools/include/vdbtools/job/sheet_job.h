@@ -56,7 +56,7 @@ std::vector<Recipe> cellRecipes(const SheetOptions& options);
 /// @throw std::invalid_argument  none or too many varied options, one that is given too, too many cells, a bad view
 Sheet planSheet(const SheetOptions& options);
 
-/// Who is told, before the first mesh is made, that all of them will take long.
+/// Who is told, before the first cell is made, that all of them will take long.
 struct LongWork {
   double seconds = 3600;                                 ///< from here on it is long
   std::function<void(const std::string& words)> tell{};  ///< not set: nobody

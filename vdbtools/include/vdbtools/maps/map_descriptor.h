@@ -104,8 +104,8 @@ class MapInstance {
 struct ShellSettings {
   ControlSetting alpha, beta;
   ControlSetting detail, outward;
-  ControlSetting mask;  ///< always there
-  julia::Interpolation interpolation = julia::Interpolation::Trilinear;
+  ControlSetting mask;                                ///< always there
+  std::optional<julia::Interpolation> interpolation;  ///< none: as FractalOptions::picture needs it
 
   /// Those of the five that are there.
   std::vector<ControlSetting> controls() const;

@@ -9,7 +9,8 @@
 /// differences at the step of the ray there, along 13 axes, of a field that grows monotonically outwards (F itself
 /// jumps back where orbits escape one step earlier). The light is that of previews, with its shadows and its sky; what
 /// throws the shadows is the set on lattices of voxels some pixels wide, which get finer towards the point looked at.
-/// Details between two samples of a ray are missed; a smaller alpha and epsilon find more of them.
+/// Details between two samples of a ray are missed; a smaller alpha and epsilon find more of them. A pixel in which the
+/// surface ends, or whose lightness varies much, gets as many rays again.
 ///
 /// Skipping: before the march the region is divided into cubes, and a VDB mask holds those that
 /// FieldEvaluator::decide() does not prove to be outside. Samples in the others are not evaluated. The remaining
@@ -56,7 +57,7 @@ struct Clarity {
 struct FieldRenderOptions {
   Camera camera;
   int width = 800, height = 800;  ///< pixels
-  int samples = 4;                ///< rays per pixel: 1, 4, 9 or 16
+  int samples = 4;                ///< rays per pixel: 1, 4, 9 or 16; twice as many where the pixel is rough
   Clarity clarity;
   FieldColouring colour{};
   julia::OrbitOptions orbit{};                    ///< the evaluator's
@@ -88,7 +89,13 @@ class FieldRenderer {
   /// @throw Interrupted
   FieldImage render(const FieldRenderOptions& options, Monitor& monitor);
 
+  /// CPU seconds that the first such picture will take, by a few parts of it.
+  /// @throw  as render()
+  double estimatedSeconds(const FieldRenderOptions& options, Monitor& monitor);
+
  private:
+  void prepare(const FieldRenderOptions& options, Monitor& monitor);
+
   FieldSource mSource;
   openvdb::BBoxd mRegion;                       ///< fractal space
   std::unique_ptr<const Occupancy> mOccupancy;  ///< made for the first picture that skips

@@ -28,7 +28,7 @@ struct PreviewBall {
 struct PreviewOptions {
   int width = 800;   ///< pixels
   int height = 800;  ///< pixels
-  int samples = 4;   ///< rays per pixel: 1, 4, 9 or 16
+  int samples = 4;   ///< rays per pixel: 1, 4, 9 or 16; twice as many where the pixel is rough
   ViewAngles view;
   UpAxis up = UpAxis::Y;  ///< of the world: the picture and its lights stand upright
   /// In the place of the one that follows from the view and the axis; the lights stand upright by its own up.
