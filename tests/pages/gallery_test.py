@@ -41,7 +41,7 @@ class Gallery(unittest.TestCase):
                 self.assertEqual(picture.read_bytes()[:4], b"\x89PNG", picture)
 
     def test_stored_pictures_are_what_their_commands_make(self):
-        """Pixel for pixel; of some figures, and before a release `docs/make-gallery --check` compares all. Another texture, as when a
+        """Pixel for pixel; of some figures, and before a release docs/check-pictures compares all. Another texture, as when a
         default has changed, is found."""
         def check(*options):
             return subprocess.run([sys.executable, ROOT / "docs/make-gallery", "--check", *options], capture_output=True,
