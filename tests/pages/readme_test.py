@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The README is true: its commands run as they stand, its options exist, its pictures are there, and quickstart works."""
+"""The README and the pages that it leads to first are true: their commands run as they stand, their options exist, the README
+is short, and quickstart works."""
 import os
 import pathlib
 import re
@@ -11,7 +12,11 @@ from shell import BUNNY, PROGRAM, put_bunny, run, with_bunny
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 README = (ROOT / "README.md").read_text()
-BLOCKS = re.findall(r"```sh\n(.*?)```", README, re.S)
+PAGES = {"README": README, **{name: (ROOT / f"docs/{name}.md").read_text() for name in ("usage", "options", "study", "sets")}}
+
+
+def blocks_of(page):
+    return re.findall(r"```sh\n(.*?)```", PAGES[page], re.S)
 
 
 # Enough to see that a command does what it should.
@@ -28,18 +33,22 @@ def small(block):
 
 class Readme(unittest.TestCase):
     def test_every_command_of_it_runs(self):
-        self.assertEqual([b.strip() for b in BLOCKS[:2]], ["./quickstart", "./run-tests"])
-        self.assertGreater(len(BLOCKS), 2)
-        with tempfile.TemporaryDirectory() as folder:
-            put_bunny(folder)
-            for block in BLOCKS[2:]:
-                # What serves until it is stopped is run by explore_test.py.
-                block = re.sub(r"^juliavdb explore .*$", "", block, flags=re.M)
-                done = run(small(with_bunny(block, folder)), folder)
-                self.assertEqual(done.returncode, 0, f"{block}\n{done.stderr}")
-            made = set(os.listdir(folder))
-        for name in set(re.findall(r"(?:-o|--mesh) (\S+\.\w+)", BLOCKS[2])):
-            self.assertIn(name.replace("####", "0001"), made)
+        self.assertEqual([b.strip() for b in blocks_of("README")[:2]], ["./quickstart", "./run-tests"])
+        for page in PAGES:
+            blocks = [block for block in blocks_of(page) if not block.startswith("./")]
+            with self.subTest(page=page), tempfile.TemporaryDirectory() as folder:
+                put_bunny(folder)
+                for block in blocks:
+                    # What serves until it is stopped is run by explore_test.py.
+                    block = re.sub(r"^juliavdb explore .*$", "", block, flags=re.M)
+                    done = run(small(with_bunny(block, folder)), folder)
+                    self.assertEqual(done.returncode, 0, f"{block}\n{done.stderr}")
+                made = set(os.listdir(folder))
+                for name in set(re.findall(r"(?:-o|--mesh) (\S+\.\w+)", "".join(blocks))):
+                    self.assertIn(name.replace("####", "0001"), made)
+
+    def test_it_is_short(self):
+        self.assertLessEqual(len(README.splitlines()), 150)
 
     def test_quickstart_writes_its_three_files_and_three_commands_that_work(self):
         self.assertTrue(os.access(ROOT / "run-tests", os.X_OK))
@@ -77,8 +86,9 @@ exec {PROGRAM} "${{words[@]/#250/60}}"
                                    check=True).stdout
         # Those of CMake stand beside ours.
         known = set(re.findall(r"--[a-z][a-z0-9-]*", text)) | {"--help", "--build", "--target"}
-        for option in set(re.findall(r"--[a-z][a-z0-9-]*", README)):
-            self.assertIn(option, known)
+        for page, words in PAGES.items():
+            for option in set(re.findall(r"--[a-z][a-z0-9-]*", words)):
+                self.assertIn(option, known, page)
 
     def test_every_file_it_names_is_there(self):
         for link in re.findall(r"\]\(([^)#:]+)\)", README):
