@@ -9,7 +9,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
+#include <memory>
 #include <random>
 #include <string>
 #include <vector>
@@ -107,6 +109,29 @@ TEST_F(BandOfATarget, OfVdbs) {
     std::ofstream(options.input.path, std::ios::binary) << encodeVdb({grid}, {});
     expectOneBandFor(*openTarget(options));
   }
+}
+
+// Where a cloud has a hole, coarse voxels close it and fine ones do not.
+TEST_F(BandOfATarget, TheSurveyOfACloudEnclosesWhatTheDistancesEnclose) {
+  const Mesh sphere = makeSphere(1, 5);
+  int open = 0, closed = 0;
+  for (const double hole : {0.05, 0.16, 0.22, 0.28, 0.34, 0.5}) {
+    Mesh cloud;
+    for (const Vec3d& point : sphere.points)
+      if (std::hypot(point[0], point[1]) > hole || point[2] < 0) cloud.points.push_back(point);
+    TargetOptions options = optionsOf(cloud, {.pointsRadius = 0.15});
+    options.sdfVoxels.resolution = 60;
+    const std::unique_ptr<const TargetInput> input = openTarget(options);
+    const FloatGrid::ConstPtr fine = input->distances({0.1, 0.1, true}, mMonitor).phi,
+                              coarse = input->coarseDistances(mMonitor);
+    const auto at = [](const FloatGrid& grid) {
+      return grid.tree().getValue(openvdb::Coord::round(grid.worldToIndex(Vec3d(0))));
+    };
+    EXPECT_EQ(at(*fine) < 0, at(*coarse) < 0) << hole;
+    ++(at(*fine) < 0 ? closed : open);
+  }
+  EXPECT_GT(open, 0);
+  EXPECT_GT(closed, 0);
 }
 
 }  // namespace

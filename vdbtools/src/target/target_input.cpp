@@ -32,6 +32,28 @@ constexpr double kSurveyMargin = 4;  ///< voxels of the survey known outside
 /// @param voxel  of the target's distances, world units
 double surveyVoxel(double voxel, const BBoxd& box) { return std::max(2 * voxel, longestSide(box) / kMostSurveyVoxels); }
 
+/// Distances on the lattice of a survey. @param deep  known in the whole inside, and as far outside as the survey
+/// reaches
+FloatGrid::ConstPtr resampled(const Target& deep, double voxel) {
+  const FloatGrid::Ptr coarse = FloatGrid::create(static_cast<float>(kSurveyMargin * voxel));
+  coarse->setTransform(latticeTransform(voxel));
+  const BBoxd at = coarse->transform().worldToIndex(deep.box);
+  openvdb::CoordBBox nodes(openvdb::Coord::floor(at.min()), openvdb::Coord::ceil(at.max()));
+  nodes.expand(static_cast<int>(kSurveyMargin));
+  coarse->denseFill(nodes, 0.0f, true);
+  coarse->tree().voxelizeActiveTiles();
+  const auto accessor = deep.phi->getConstAccessor();
+  for (auto value = coarse->beginValueOn(); value; ++value) {
+    Vec3d point = deep.phi->worldToIndex(coarse->indexToWorld(value.getCoord()));
+    // Past the faces of a dense field the nearest face's value holds.
+    if (deep.denseBox)
+      for (int axis = 0; axis < 3; ++axis)
+        point[axis] = std::clamp<double>(point[axis], deep.denseBox->min()[axis], deep.denseBox->max()[axis]);
+    value.setValue(openvdb::tools::BoxSampler::sample(accessor, point));
+  }
+  return coarse;
+}
+
 class MeshInput final : public TargetInput {
  public:
   explicit MeshInput(const TargetOptions& options)
@@ -66,6 +88,14 @@ class MeshInput final : public TargetInput {
 
   FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const override {
     const double voxel = surveyVoxel(mVoxel, mSource.box);
+    // Coarse voxels would close holes between points, or in a sheet, that the distances leave open, and what a surface
+    // with a hole encloses is not inside.
+    if (mMend.offset() > 0) {
+      const MeshToSdfOptions deep = sdfBand(mVoxel, 2 * kSurveyMargin * voxel / mVoxel, kWholeInside);
+      return resampled(
+          makeTarget(makeSdfAbout(mSource.box.getCenter(), *mSource.solid, deep, mMend, monitor).grid, mSource.box),
+          voxel);
+    }
     return makeSdfAbout(mSource.box.getCenter(), *mSource.solid, sdfBand(voxel, kSurveyMargin, kWholeInside), mMend,
                         monitor)
         .grid;
@@ -104,23 +134,7 @@ class VdbInput final : public TargetInput {
     const double finest = std::min({size[0], size[1], size[2]}), voxel = surveyVoxel(finest, mTarget.box);
     Target deep = mTarget;
     extendBand(deep, kSurveyMargin * voxel, kWholeInside, monitor);
-    const FloatGrid::Ptr coarse = FloatGrid::create(static_cast<float>(kSurveyMargin * voxel));
-    coarse->setTransform(latticeTransform(voxel));
-    const openvdb::BBoxd at = coarse->transform().worldToIndex(mTarget.box);
-    openvdb::CoordBBox nodes(openvdb::Coord::floor(at.min()), openvdb::Coord::ceil(at.max()));
-    nodes.expand(static_cast<int>(kSurveyMargin));
-    coarse->denseFill(nodes, 0.0f, true);
-    coarse->tree().voxelizeActiveTiles();
-    const auto accessor = deep.phi->getConstAccessor();
-    for (auto value = coarse->beginValueOn(); value; ++value) {
-      Vec3d point = deep.phi->worldToIndex(coarse->indexToWorld(value.getCoord()));
-      // Past the faces of a dense field the nearest face's value holds.
-      if (deep.denseBox)
-        for (int axis = 0; axis < 3; ++axis)
-          point[axis] = std::clamp<double>(point[axis], deep.denseBox->min()[axis], deep.denseBox->max()[axis]);
-      value.setValue(openvdb::tools::BoxSampler::sample(accessor, point));
-    }
-    return coarse;
+    return resampled(deep, voxel);
   }
 
  private:
