@@ -180,7 +180,7 @@ CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions
                         "the number of threads (default: SLURM_CPUS_PER_TASK or SLURM_CPUS_ON_NODE, or else all that "
                         "this process may use)")(
       "instructions", po::value<std::string>()->value_name("auto|portable|avx2|avx512"),
-      "the vector instructions to use; they change the speed and no bit of the result (default auto, the widest)")(
+      "the vector instructions to use; the result is the same with all of them (default auto, the widest)")(
       "memory", po::value<std::string>()->value_name("SIZE"),
       "how much memory this run may take, such as 16G or 500M: work that is known to need more is refused before it "
       "begins. unlimited tries everything (default: JULIAVDB_MEMORY, or else what the machine, the control group and "

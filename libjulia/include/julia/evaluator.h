@@ -54,7 +54,7 @@ class FieldEvaluator {
   /// is not empty.
   virtual void evaluate(std::span<const Point> points, std::span<double> field, std::span<int> iterations) const = 0;
 
-  /// How many points evaluate() should get at a time. Fewer leave vector lanes or a device idle; more gain nothing.
+  /// How many points evaluate() should get at a time. Smaller batches waste vector lanes; larger ones do not help.
   virtual std::size_t preferredBatch() const { return 2048; }
 
   /// What is evaluated; its map is empty if the evaluator cannot describe it.

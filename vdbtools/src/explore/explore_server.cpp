@@ -89,7 +89,7 @@ std::string machineName() {
 /// As it stands in an address.
 std::string inAddress(const std::string& address) { return isIp6(address) ? '[' + address + ']' : address; }
 
-/// The body of a request is more than it may be.
+/// Content-Length, if it is there and valid.
 std::optional<std::size_t> bodyLength(const httplib::Request& request) {
   if (!request.has_header("Content-Length")) return std::nullopt;
   return wholeFromText<std::size_t>(request.get_header_value("Content-Length"));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file voxel_advice.h
-/// What of a scene is finer than its voxels, which voxels would show it, and the choice of `--resolution auto`.
+/// Measures how much of a scene is finer than its voxels, says which voxels would show it, and chooses `--resolution auto`.
 #pragma once
 
 #include "vdbtools/job/scene.h"

@@ -48,7 +48,7 @@ struct MapFiles {
   std::optional<openvdb::BBoxd> region{};  ///< where the map's set lies, world units, if a file says so
 };
 
-/// What of a scene a map is made from.
+/// The parts of a scene that a map is made from.
 struct MapContext {
   const MapFiles& files;
   const Target* target = nullptr;          ///< nullptr: none
