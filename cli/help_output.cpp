@@ -3,11 +3,63 @@
 
 #include "vdbtools/base/errors.h"
 
+#include <algorithm>
 #include <cerrno>
+#include <sstream>
 
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 namespace cli {
+
+std::size_t helpWidth() {
+  constexpr std::size_t kLeast = 60, kMost = 120, kUsual = 110;
+  winsize size{};
+  if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return kUsual;
+  return std::clamp<std::size_t>(size.ws_col, kLeast, kMost);
+}
+
+std::string wrapped(std::string_view text, std::size_t width) {
+  std::string result, line;
+  std::size_t indent = 0;  // of the lines that follow the first of a paragraph
+  const auto finish = [&] {
+    if (!line.empty()) result += line + '\n';
+    line.clear();
+  };
+  std::istringstream lines{std::string(text)};
+  for (std::string next; std::getline(lines, next);) {
+    const std::size_t begin = next.find_first_not_of(' ');
+    if (begin == std::string::npos) {
+      finish();
+      result += '\n';
+      indent = 0;
+      continue;
+    }
+    const bool isRow = begin == 2;
+    if (isRow || (begin == 0 && indent > 0)) {
+      finish();
+      const std::size_t gap = isRow ? next.find("  ", begin) : std::string::npos;
+      indent = isRow ? std::min(gap == std::string::npos ? begin : next.find_first_not_of(' ', gap), width / 2) : 0;
+      if (isRow) line = next.substr(0, gap == std::string::npos ? begin : next.find_first_not_of(' ', gap));
+      if (isRow) next.erase(0, line.size());
+    }
+    std::istringstream words(next);
+    for (std::string word; words >> word;) {
+      if (!line.empty() && line.back() != ' ') {
+        if (line.size() + 1 + word.size() > width) {
+          result += line + '\n';
+          line.assign(indent, ' ');
+        } else {
+          line += ' ';
+        }
+      }
+      line += word;
+    }
+  }
+  finish();
+  while (result.ends_with("\n\n") || (!text.ends_with('\n') && result.ends_with('\n'))) result.pop_back();
+  return result;
+}
 
 void writeHelp(std::string_view text) {
   while (!text.empty()) {

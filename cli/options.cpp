@@ -38,9 +38,11 @@ namespace {
 
 // Guessing abbreviations would make every new option a change of the command line.
 constexpr int kStyle = po::command_line_style::unix_style & ~po::command_line_style::allow_guessing;
-constexpr unsigned kLineLength = 110;
 constexpr int kMostThreads = 4096;
 constexpr std::size_t kMostAtOnce = 30;  ///< a command with more options shows groups of them
+
+/// Of help, in letters.
+unsigned lineLength() { return static_cast<unsigned>(helpWidth()); }
 
 constexpr const char* kOwn = "Options";
 constexpr const char* kCommon = "Common options";
@@ -155,9 +157,9 @@ po::value_semantic* valueOf(const vdbtools::OptionListing& option) {
 CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions)
     : mUsage(usage),
       mTable(std::move(recipeOptions)),
-      mOwn("Options", kLineLength),
-      mFromRecipe("What to make", kLineLength),
-      mCommon("Common options", kLineLength) {
+      mOwn("Options", lineLength()),
+      mFromRecipe("What to make", lineLength()),
+      mCommon("Common options", lineLength()) {
   const std::vector<vdbtools::OptionListing> options = mTable.listing();
   // For 'juliavdb man' and 'juliavdb completion'.
   mHidden.add_options()("describe", po::value<std::string>());
@@ -367,7 +369,7 @@ std::vector<CommandLine::Group> CommandLine::groups() const {
   const auto add = [&](const std::string& heading, const boost::shared_ptr<po::option_description>& option) {
     auto group = std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.heading == heading; });
     if (group == groups.end()) {
-      groups.push_back({heading, po::options_description(heading, kLineLength)});
+      groups.push_back({heading, po::options_description(heading, lineLength())});
       group = groups.end() - 1;
     }
     group->options.add(option);
@@ -424,7 +426,8 @@ void CommandLine::printHelp(const std::string& topic) const {
   for (const Group& group : all) count += group.options.options().size();
   std::ostringstream text;
   if (topic.empty() || lowerCase(topic) == "all") {
-    text << "Usage: juliavdb " << mUsage.command << ' ' << mUsage.synopsis << "\n\n" << mUsage.description << "\n\n";
+    text << "Usage: juliavdb " << mUsage.command << ' ' << mUsage.synopsis << "\n\n"
+         << wrapped(mUsage.description, helpWidth()) << "\n\n";
     if (topic.empty() && count > kMostAtOnce)
       text << shortHelp(all);
     else
@@ -442,7 +445,7 @@ void CommandLine::printHelp(const std::string& topic) const {
     for (const auto& option : group.options.options()) {
       topics.push_back(option->long_name());
       if (option->long_name() != name) continue;
-      po::options_description one(group.heading, kLineLength);
+      po::options_description one(group.heading, lineLength());
       one.add(option);
       text << one;
       return writeHelp(text.str());
@@ -455,7 +458,7 @@ void CommandLine::printHelp(const std::string& topic) const {
 /// The command's own options and the basic ones of its recipe; of the others the names, by groups.
 std::string CommandLine::shortHelp(const std::vector<Group>& groups) const {
   std::ostringstream text;
-  po::options_description basics("Basics", kLineLength);
+  po::options_description basics("Basics", lineLength());
   for (const Group& group : groups)
     for (const auto& option : group.options.options()) {
       if (group.heading == kOwn || isBasic(option->long_name())) basics.add(option);
@@ -468,7 +471,7 @@ std::string CommandLine::shortHelp(const std::vector<Group>& groups) const {
     line.resize(std::max(kIndent, line.size() + 2), ' ');
     for (const auto& option : group.options.options()) {
       const std::string name = "--" + option->long_name();
-      if (line.size() + name.size() > kLineLength) {
+      if (line.size() + 1 + name.size() > lineLength()) {
         text << line << '\n';
         line.assign(kIndent, ' ');
       }
@@ -476,8 +479,10 @@ std::string CommandLine::shortHelp(const std::vector<Group>& groups) const {
     }
     text << line << '\n';
   }
-  text << "'juliavdb " << mUsage.command << " --help GROUP' describes a group, as in '--help "
-       << topicOf(groups.at(1).heading) << "', '--help NAME' an option, and '--help all' everything.\n\n";
+  text << wrapped(std::string("'juliavdb ") + mUsage.command + " --help GROUP' describes a group, as in '--help " +
+                      topicOf(groups.at(1).heading) + "', '--help NAME' an option, and '--help all' everything.",
+                  helpWidth())
+       << "\n\n";
   return text.str();
 }
 

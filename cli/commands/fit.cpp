@@ -21,10 +21,9 @@ namespace {
 constexpr Usage kFitUsage = {
     "fit", "MESH|SDF.vdb -o shape.json [--roots N | --target-iou X] [--schedule S] [options]",
     "Finds a rational quaternion map whose Julia set has the shape of a target. 'juliavdb fractal --map rational "
-    "--rational\n"
-    "shape.json' makes the set, for any number of iterations; the map can also be used as a versor. The fast fit is "
-    "the\n"
-    "default. --schedule runs the method of Kim (2015): electrostatics, monopoles, and the passes that it lists.",
+    "--rational shape.json' makes the set, for any number of iterations; the map can also be used as a versor. The "
+    "fast fit is the default. --schedule runs the method of Kim (2015): electrostatics, monopoles, and the passes that "
+    "it lists.",
     "  juliavdb fit bunny.obj -o shape.json --roots 331 --report fit.csv --plot fit.png\n"
     "  juliavdb fit bunny.obj -o paper.json --schedule '25(VFRF) 50(V)' --epsilon 0.04\n"
     "  juliavdb fractal --map rational --rational shape.json -o bunny.vdb --mesh bunny.ply --resolution 300\n"};

@@ -27,16 +27,12 @@ namespace {
 
 constexpr Usage kFractalUsage = {
     "fractal", "MESH|SDF.vdb -o F.vdb [--mesh F.ply] [--detail D] [--resolution N | --voxel-size H] [options]",
-    "Turns a target into a fractal of the same shape: a level set for Houdini or Blender, and the mesh of its true\n"
-    "surface. The distances of a VDB input are used as they are. The maps quadratic, cross and mandelbulb make sets "
-    "of\n"
-    "their own, without a target, within the ball from which no orbit has escaped, or within a --box.\n"
-    "\n"
+    "Turns a target into a fractal of the same shape: a level set for Houdini or Blender, and the mesh of its true "
+    "surface. The distances of a VDB input are used as they are. The maps quadratic, cross and mandelbulb make sets of "
+    "their own, without a target, within the ball from which no orbit has escaped, or within a --box.\n\n"
     "With --frames it makes a sequence, one frame after the other. Names such as in.####.obj and out.####.vdb have a "
-    "place\n"
-    "for the frame, and --key says what an option is at some frames ('juliavdb plan frames --help'). A frame whose "
-    "files\n"
-    "are there and were made by the same options from the same inputs is kept.",
+    "place for the frame, and --key says what an option is at some frames ('juliavdb plan frames --help'). A frame "
+    "whose files are there and were made by the same options from the same inputs is kept.",
     "  juliavdb fractal bunny.obj -o bunny.vdb --mesh bunny.ply --resolution 150\n"
     "  juliavdb fractal bunny.obj -o deep.vdb --detail 0.6 --versor-seed 7 --resolution 100\n"
     "  juliavdb fractal bunny.obj -o ramp.vdb --detail x:0.05:0.6:smooth --resolution 100\n"

@@ -37,9 +37,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr Usage kInfoUsage = {
     "info", "FILE... [--json]",
-    "Shows what is in a mesh (.obj, .ply, .stl, .off, .glb, .gltf), in a VDB, with the recipe it was made "
-    "by, or in a versor (.json,\n"
-    ".p4d, .poly4d, .o3d). A file that cannot be read does not keep the others from being shown.",
+    "Shows what is in a mesh (.obj, .ply, .stl, .off, .glb, .gltf), in a VDB, with the recipe it was made by, or in a "
+    "versor (.json, .p4d, .poly4d, .o3d). A file that cannot be read does not keep the others from being shown.",
     "  juliavdb info bunny.obj\n"
     "  juliavdb info bunny.vdb --json\n"};
 

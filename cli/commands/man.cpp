@@ -27,7 +27,7 @@ namespace {
 
 constexpr Usage kManUsage = {
     "man", "[COMMAND] | -o DIR",
-    "Writes a manual page for 'man': that of the program, or that of a command. They are made from what --help says.\n"
+    "Writes a manual page for 'man': that of the program, or that of a command. They are made from what --help says. "
     "With -o the pages of all commands go into a folder, as juliavdb.1, juliavdb-fractal.1 and so on.",
     "  juliavdb man fractal > juliavdb-fractal.1\n"
     "  juliavdb man plan frames > juliavdb-plan-frames.1\n"
@@ -35,8 +35,8 @@ constexpr Usage kManUsage = {
 
 constexpr Usage kCompletionUsage = {
     "completion", "",
-    "Writes the completion of command lines for bash: commands, their options, and the values that these may have.\n"
-    "An installed package has it already; otherwise 'source' it in ~/.bashrc.",
+    "Writes the completion of command lines for bash: commands, their options, and the values that these may have. An "
+    "installed package has it already; otherwise 'source' it in ~/.bashrc.",
     "  juliavdb completion > juliavdb.bash\n"};
 
 constexpr std::pair<ExitCode, const char*> kExits[] = {

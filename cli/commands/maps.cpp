@@ -19,9 +19,8 @@ namespace {
 
 constexpr Usage kMapsUsage = {
     "maps", "[--markdown | --json]",
-    "Lists the maps that 'juliavdb fractal --map' iterates. --markdown writes them with their "
-    "options, as in docs/maps.md. --json writes, for other programs, the names of the maps and the options of a "
-    "recipe.",
+    "Lists the maps that 'juliavdb fractal --map' iterates. --markdown writes them with their options, as in "
+    "docs/maps.md. --json writes, for other programs, the names of the maps and the options of a recipe.",
     "  juliavdb maps\n"
     "  juliavdb maps --markdown\n"};
 

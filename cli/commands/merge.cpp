@@ -19,10 +19,9 @@ namespace {
 
 constexpr Usage kMergeUsage = {
     "merge", "DIR [-o F.vdb] [--mesh F.ply] [--index F.json]",
-    "Puts the tiles of a plan together, once all tasks are done: the same bytes as 'juliavdb fractal' would have\n"
-    "written. The mesh is written while the tiles are read, so it may be far larger than the memory; a VDB is held in\n"
-    "memory whole. A fractal that is too large for one file can stay in pieces: --index writes each tile as a mesh "
-    "and\n"
+    "Puts the tiles of a plan together, once all tasks are done: the same bytes as 'juliavdb fractal' would have "
+    "written. The mesh is written while the tiles are read, so it may be far larger than the memory; a VDB is held in "
+    "memory whole. A fractal that is too large for one file can stay in pieces: --index writes each tile as a mesh and "
     "a VDB of its own, F.0001.ply and F.0001.vdb and so on, and a JSON file that lists them.",
     "  juliavdb merge farm -o bunny.vdb --mesh bunny.ply\n"
     "  juliavdb merge farm --index pieces.json\n"};

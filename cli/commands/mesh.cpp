@@ -25,9 +25,8 @@ namespace {
 
 constexpr Usage kMeshUsage = {"mesh", "F.vdb -o F.ply [--from-grid] [options]",
                               "Makes a mesh from a VDB. If the VDB is a fractal that this program made, the vertices "
-                              "lie on the true surface, which\n"
-                              "is computed again from the recipe in the file. With --from-grid, and for any other "
-                              "level set, the voxels are used.",
+                              "lie on the true surface, which is computed again from the recipe in the file. With "
+                              "--from-grid, and for any other level set, the voxels are used.",
                               "  juliavdb mesh bunny.vdb -o bunny.ply\n"
                               "  juliavdb mesh bunny.vdb -o same.ply --input bunny.obj\n"
                               "  juliavdb mesh bunny_sdf.vdb -o bunny.stl\n"

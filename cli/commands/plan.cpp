@@ -26,13 +26,11 @@ constexpr Command kPlans[] = {
 constexpr Usage kPlanUsage = {
     "plan",
     "tiles|frames|sheet ... -o DIR [options]",
-    "Cuts a large job into tasks that any number of machines can do in any order: DIR/manifest.json says what each\n"
-    "task makes. 'juliavdb task' does a task, and 'juliavdb submit' hands all of them to Slurm or to GNU parallel.\n"
-    "\n"
+    "Cuts a large job into tasks that any number of machines can do in any order: DIR/manifest.json says what each "
+    "task makes. 'juliavdb task' does a task, and 'juliavdb submit' hands all of them to Slurm or to GNU parallel.\n\n"
     "  tiles     one fractal, cut into tiles that are merged\n"
     "  frames    a fractal for each frame, with options and inputs that change\n"
-    "  sheet     the fractals of cells of a contact sheet\n"
-    "\n"
+    "  sheet     the fractals of cells of a contact sheet\n\n"
     "'juliavdb plan tiles --help' and so on describe them.",
     "  juliavdb plan tiles bunny.obj -o tiles --tiles 16 --resolution 400\n"
     "  juliavdb plan frames bunny.obj -o grow --frames 1-48 --key alpha@1=20 --key alpha@48=120\n"

@@ -21,15 +21,13 @@ namespace {
 constexpr Usage kPlanFramesUsage = {
     "plan frames",
     "MESH|SDF.vdb --frames LIST -o DIR [--key NAME@FRAME=VALUE ...] [--ease smooth] [--make LIST] [options]",
-    "Plans a fractal for each frame. The keys of an option say what it is at some frames; between them its numbers\n"
-    "change gradually, and before the first key and after the last they stay. Of a list such as --origin-shift 0,0,1\n"
-    "or a ramp such as --detail x:0.05:0.6:smooth each number is blended by itself.\n"
-    "\n"
+    "Plans a fractal for each frame. The keys of an option say what it is at some frames; between them its numbers "
+    "change gradually, and before the first key and after the last they stay. Of a list such as --origin-shift 0,0,1 "
+    "or a ramp such as --detail x:0.05:0.6:smooth each number is blended by itself.\n\n"
     "  --ease linear    a + (b - a) t between the values a and b, at the share t of the way (the default)\n"
     "  --ease smooth    a + (b - a) (3 t^2 - 2 t^3), which starts and ends at rest\n"
-    "  --ease step      a, up to the frame of b; for options that are no numbers\n"
-    "\n"
-    "The name of a target, a versor or another file may hold a place for the frame, as in in.####.obj, in.$F4.obj or\n"
+    "  --ease step      a, up to the frame of b; for options that are no numbers\n\n"
+    "The name of a target, a versor or another file may hold a place for the frame, as in in.####.obj, in.$F4.obj or "
     "in.%04d.obj. All files must exist; the plan holds their hashes, and a task whose file has changed fails.",
     "  juliavdb plan frames bunny.obj --frames 1-48 -o grow --key alpha@1=20 --key alpha@48=120 --resolution 100\n"
     "  juliavdb plan frames bunny.obj --frames 1-24 -o turn --key versor-translate@1=0,0,0 \\\n"

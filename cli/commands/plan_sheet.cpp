@@ -13,13 +13,12 @@
 namespace cli {
 namespace {
 
-constexpr Usage kPlanSheetUsage = {
-    "plan sheet", "SHEET.json[#CELLS] -o DIR [--make LIST] [options]",
-    "Plans the fractals of cells of a contact sheet, which 'juliavdb sheet' has made. CELLS is a list such as\n"
-    "3,7,10-12; without it every cell without an error is planned. Options stand over those of all cells, such as a\n"
-    "higher --resolution.",
-    "  juliavdb plan sheet seeds.json#3,5-7 -o chosen --resolution 200 --make vdb,ply\n"
-    "  juliavdb plan sheet seeds.json -o all\n"};
+constexpr Usage kPlanSheetUsage = {"plan sheet", "SHEET.json[#CELLS] -o DIR [--make LIST] [options]",
+                                   "Plans the fractals of cells of a contact sheet, which 'juliavdb sheet' has made. "
+                                   "CELLS is a list such as 3,7,10-12; without it every cell without an error is "
+                                   "planned. Options stand over those of all cells, such as a higher --resolution.",
+                                   "  juliavdb plan sheet seeds.json#3,5-7 -o chosen --resolution 200 --make vdb,ply\n"
+                                   "  juliavdb plan sheet seeds.json -o all\n"};
 
 }  // namespace
 

@@ -26,15 +26,12 @@ namespace {
 
 constexpr Usage kPlanTilesUsage = {
     "plan tiles", "MESH|SDF.vdb -o DIR [--tiles N | --tile-nodes K] [--make LIST] [options of fractal]",
-    "Cuts one fractal into tiles, boxes of lattice nodes. Any number of machines make them, and 'juliavdb merge' puts\n"
-    "them together into the files that one run would have made, byte for byte. The distances and the exponent are "
-    "made\n"
-    "once, here, and the tasks read them.\n"
-    "\n"
-    "--tiles cuts the lattice into tiles of about equal work. --tile-nodes cuts it into cubes and leaves out those in\n"
-    "which there is nothing to do.\n"
-    "\n"
-    "--estimate makes some tiles at random, which then are done, and tells from them what all of them will take, with\n"
+    "Cuts one fractal into tiles, boxes of lattice nodes. Any number of machines make them, and 'juliavdb merge' puts "
+    "them together into the files that one run would have made, byte for byte. The distances and the exponent are made "
+    "once, here, and the tasks read them.\n\n"
+    "--tiles cuts the lattice into tiles of about equal work. --tile-nodes cuts it into cubes and leaves out those in "
+    "which there is nothing to do.\n\n"
+    "--estimate makes some tiles at random, which then are done, and tells from them what all of them will take, with "
     "the 95 % interval of each number.",
     "  juliavdb plan tiles bunny.obj -o farm --tiles 16 --resolution 150\n"
     "  juliavdb plan tiles bunny.obj -o cubes --tile-nodes 64 --make ply --resolution 150 --detail 0.4\n"

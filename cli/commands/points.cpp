@@ -29,13 +29,10 @@ namespace {
 
 constexpr Usage kPointsUsage = {
     "points", "F.vdb|MESH -o P.ply|P.vdb (--points N | --spacing S) [options]",
-    "Spreads oriented points over a surface as blue noise, and writes them as a PLY without "
-    "faces or as OpenVDB points.\n"
-    "If the input is a fractal that this program made, VDB, PLY or OBJ, they lie on the true "
-    "surface, which is computed\n"
-    "again from the recipe in the file. With --from-grid the voxels or triangles themselves "
-    "are used, as they are of any\n"
-    "other level set or mesh.",
+    "Spreads oriented points over a surface as blue noise, and writes them as a PLY without faces or as OpenVDB "
+    "points. If the input is a fractal that this program made, VDB, PLY or OBJ, they lie on the true surface, which is "
+    "computed again from the recipe in the file. With --from-grid the voxels or triangles themselves are used, as they "
+    "are of any other level set or mesh.",
     "  juliavdb points bunny.vdb -o bunny_points.ply --points 20000\n"
     "  juliavdb points bunny.vdb -o bunny_points.vdb --spacing 0.02\n"
     "  juliavdb points bunny.obj -o even.ply --spacing 0.05 --seed 7\n"};

@@ -28,12 +28,10 @@ namespace {
 
 constexpr Usage kPrintUsage = {
     "print", "F.vdb|MESH -o PART.stl|PART.3mf|PART.ply|PART.obj --size MM [--min-thickness MM] [options]",
-    "Makes a part for 3D printing: one closed piece without cavities, in millimetres, with z up, standing on z = 0 "
-    "and\n"
+    "Makes a part for 3D printing: one closed piece without cavities, in millimetres, with z up, standing on z = 0 and "
     "centred in x and y. With --min-thickness hairs and walls that are thinner are thickened, or taken off. If the "
-    "input\n"
-    "is a fractal that this program made, VDB, PLY or OBJ, its true surface is computed again from the recipe in the "
-    "file.",
+    "input is a fractal that this program made, VDB, PLY or OBJ, its true surface is computed again from the recipe in "
+    "the file.",
     "  juliavdb print bunny.vdb -o bunny.stl --size 60\n"
     "  juliavdb print bunny.vdb -o bunny.3mf --size 60 --min-thickness 1.2 --flat-base 0.5\n"
     "  juliavdb print bunny.vdb -o plain.stl --size 60 --min-thickness 1.2 --thin drop --tolerance 0.05\n"};

@@ -41,15 +41,12 @@ constexpr Usage kRenderUsage = {
     "render",
     "F.vdb|MESH -o F.png [--size WxH] [--azimuth DEG] [--elevation DEG] [options]\n"
     "       juliavdb render --field [MESH|SDF.vdb|FRACTAL.vdb] -o F.png [options]",
-    "Makes a shaded picture of a level set or of a mesh, framed automatically. A mesh may be open, and has the "
-    "colours\n"
+    "Makes a shaded picture of a level set or of a mesh, framed automatically. A mesh may be open, and has the colours "
     "of its points if they have any, or with --colour clay none. With --field it sends rays through a map itself "
-    "instead\n"
-    "of through a grid, which shows the set finer than any voxels. The map is that of a fractal that this program "
-    "made, or\n"
-    "is given by the options of 'fractal', with or without a target. An EXR then holds R, G, B (premultiplied, without "
-    "a\n"
-    "background), A, the normal N.x, N.y, N.z, the depth Z along the view axis (1e10 where there is nothing), and id.",
+    "instead of through a grid, which shows the set finer than any voxels. The map is that of a fractal that this "
+    "program made, or is given by the options of 'fractal', with or without a target. An EXR then holds R, G, B "
+    "(premultiplied, without a background), A, the normal N.x, N.y, N.z, the depth Z along the view axis (1e10 where "
+    "there is nothing), and id.",
     "  juliavdb render bunny.vdb -o bunny.png\n"
     "  juliavdb render bunny.obj -o mesh.png --size 400x400\n"
     "  juliavdb render bunny.vdb -o back.exr --size 1280x720 --azimuth 200 --zoom 1.5\n"

@@ -21,14 +21,12 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-constexpr Usage kSdfUsage = {
-    "sdf", "MESH -o F.vdb [--resolution N | --voxel-size H] [--repair] [options]",
-    "Makes a signed distance field of a mesh: a narrow-band level set, negative inside. A mesh that leaks is refused;\n"
-    "--repair closes it. --solidify makes a block of terrain, --thicken a plate of a sheet, and --points-radius a "
-    "solid\n"
-    "of a cloud of points.",
-    "  juliavdb sdf bunny.obj -o bunny_sdf.vdb --resolution 200\n"
-    "  juliavdb sdf scan.ply -o scan_sdf.vdb --voxel-size 0.01 --repair\n"};
+constexpr Usage kSdfUsage = {"sdf", "MESH -o F.vdb [--resolution N | --voxel-size H] [--repair] [options]",
+                             "Makes a signed distance field of a mesh: a narrow-band level set, negative inside. A "
+                             "mesh that leaks is refused; --repair closes it. --solidify makes a block of terrain, "
+                             "--thicken a plate of a sheet, and --points-radius a solid of a cloud of points.",
+                             "  juliavdb sdf bunny.obj -o bunny_sdf.vdb --resolution 200\n"
+                             "  juliavdb sdf scan.ply -o scan_sdf.vdb --voxel-size 0.01 --repair\n"};
 
 }  // namespace
 

@@ -38,9 +38,7 @@ constexpr Usage kSliceUsage = {
     "MESH|SDF.vdb|FRACTAL.vdb -o F.png [--field phi|e|f|membership|iterations|versor|grid] [--axis x|y|z] "
     "[options]",
     "Makes a picture of a field on a plane. For a fractal that this program made, the options come from its recipe; "
-    "for a\n"
-    "mesh or a signed distance, they are those of 'fractal'.\n"
-    "\n"
+    "for a mesh or a signed distance, they are those of 'fractal'.\n\n"
     "  phi         the target's signed distance: blue inside, red outside, the surface dark\n"
     "  e           ln |f(x)| of the first step, in the same colours: for the shape modulus, its exponent\n"
     "  f           the log-modulus after the last step, in the same colours; also called logmodulus\n"

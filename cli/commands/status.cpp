@@ -21,10 +21,8 @@ namespace {
 constexpr Usage kStatusUsage = {
     "status", "DIR [--missing [--lines]] [options]",
     "Shows how many tasks of the plan in the folder DIR are done, are being made, have failed, or are missing, and "
-    "what\n"
-    "they took. What is to come is told from the tasks that are done, as if the others were like them.\n"
-    "\n"
-    "With --missing, nothing is printed but the numbers of the tasks that are neither done nor being made, in the\n"
+    "what they took. What is to come is told from the tasks that are done, as if the others were like them.\n\n"
+    "With --missing, nothing is printed but the numbers of the tasks that are neither done nor being made, in the "
     "notation of Slurm's arrays, such as 3,7,10-12; failed tasks are among them.",
     "  juliavdb status farm\n"
     "  juliavdb status farm --missing\n"};

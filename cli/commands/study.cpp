@@ -23,13 +23,10 @@ namespace {
 
 constexpr Usage kStudyUsage = {
     "study", "MESH|SDF.vdb|FRACTAL.vdb -o F.png [--curve F.png] [--csv F.csv] [--versors N] [--axis x|y|z] [options]",
-    "Shows on a plane what a target decides by itself and what is left to the versor: the average of the sets of many\n"
+    "Shows on a plane what a target decides by itself and what is left to the versor: the average of the sets of many "
     "random versors. It is black where all sets contain the pixel and white where none does (Schor and Kim 2023, Fig. "
-    "8).\n"
-    "Versors are counted from 0; versor k has the seed S + k if S is --versor-seed, and 'juliavdb slice --versor "
-    "random' "
-    "shows it\nalone.\n"
-    "\n"
+    "8). Versors are counted from 0; versor k has the seed S + k if S is --versor-seed, and 'juliavdb slice --versor "
+    "random' shows it alone.\n\n"
     "  --curve  the target's distance phi on circles about the dynamics' origin: mean, least and greatest, by radius.\n"
     "           Where phi lies in the shaded range, the versor decides\n"
     "  --csv    the same as numbers, in the target's units: radius; mean, least and greatest phi on the circle; mean "

@@ -24,12 +24,9 @@ namespace {
 constexpr Usage kStudyDimensionUsage = {
     "study", "MESH|SDF.vdb --dimension N,N,N[,...] [--json] [options]",
     "Measures how the mesh of a fractal grows with the resolution N. The slope of log(triangles) over log N is an "
-    "estimate\n"
-    "of the surface's fractal dimension over that range of N (Kim and Duff 2020); a smooth surface has 2. Shown are "
-    "the\n"
-    "triangles at each N, the slope between each N and the one before, and the slope over all by least squares, with "
-    "its\n"
-    "standard error and its 95 % interval.",
+    "estimate of the surface's fractal dimension over that range of N (Kim and Duff 2020); a smooth surface has 2. "
+    "Shown are the triangles at each N, the slope between each N and the one before, and the slope over all by least "
+    "squares, with its standard error and its 95 % interval.",
     "  juliavdb study bunny.obj --dimension 40,80,160\n"
     "  juliavdb study bunny.obj --detail 0.8 --iterations 8 --dimension 40,60,80,120 --json\n",
     "fractal"};

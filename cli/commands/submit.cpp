@@ -41,17 +41,13 @@ namespace fs = std::filesystem;
 constexpr Usage kSubmitUsage = {
     "submit", "DIR --engine slurm|parallel [-o F.vdb] [--mesh F.ply] [options] [-- ENGINE ARGS]",
     "Gives the missing tasks of the plan in the folder DIR to Slurm, as the jobs of an array, or to GNU parallel on "
-    "this\n"
-    "machine. With -o or --mesh, 'juliavdb merge' follows once they are all done; under Slurm as a job that depends "
-    "on\n"
-    "them. The words behind -- go to sbatch or to parallel, as in '-- --partition=long --mem=8G'.\n"
-    "\n"
+    "this machine. With -o or --mesh, 'juliavdb merge' follows once they are all done; under Slurm as a job that "
+    "depends on them. The words behind -- go to sbatch or to parallel, as in '-- --partition=long --mem=8G'.\n\n"
     "This is done by a short script, DIR/logs/submit.sh; --dry-run prints it instead. After a failure, or if tasks "
-    "were\n"
-    "killed, give the same command again: only tasks that are neither done nor being made are submitted. GNU parallel\n"
-    "is waited for, and the exit code is that of the tasks: the one that all failed ones share, or else the gravest.\n"
-    "--threads N is the number of processors of each task, and not of this command; --memory, --instructions and\n"
-    "--progress are handed on to each task and to the merge.",
+    "were killed, give the same command again: only tasks that are neither done nor being made are submitted. GNU "
+    "parallel is waited for, and the exit code is that of the tasks: the one that all failed ones share, or else the "
+    "gravest. --threads N is the number of processors of each task, and not of this command; --memory, --instructions "
+    "and --progress are handed on to each task and to the merge.",
     "  juliavdb submit farm --engine parallel --jobs 2 -o bunny.vdb --mesh bunny.ply\n"
     "  juliavdb submit farm --engine slurm --dry-run -- --partition=long --time=02:00:00\n"};
 

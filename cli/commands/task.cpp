@@ -26,16 +26,11 @@ namespace {
 constexpr Usage kTaskUsage = {
     "task", "DIR [--index I | --range A-B] [options]",
     "Makes one of the tasks of the plan in the folder DIR. Tasks count from 1. The number is that of --index or "
-    "--range,\n"
-    "else SLURM_ARRAY_TASK_ID, which Slurm sets for each job of an array, and with SLURM_ARRAY_TASK_STEP so many "
-    "tasks\n"
-    "from there on; else PARALLEL_SEQ, which GNU parallel sets for each of its jobs.\n"
-    "\n"
-    "A task that is done already is checked and left as it is, and beyond the last task there is nothing to do. A "
-    "task\n"
+    "--range, else SLURM_ARRAY_TASK_ID, which Slurm sets for each job of an array, and with SLURM_ARRAY_TASK_STEP so "
+    "many tasks from there on; else PARALLEL_SEQ, which GNU parallel sets for each of its jobs.\n\n"
+    "A task that is done already is checked and left as it is, and beyond the last task there is nothing to do. A task "
     "may be stopped or killed at any moment and made again, on any machine that sees DIR. Exit code 75 says that it "
-    "was\n"
-    "stopped by a signal, or that the disk of another machine did not answer; then the task is worth another try.",
+    "was stopped by a signal, or that the disk of another machine did not answer; then the task is worth another try.",
     "  juliavdb task farm --index 7\n"
     "  juliavdb task farm --range 7-12\n"};
 

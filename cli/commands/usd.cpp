@@ -21,7 +21,7 @@ namespace {
 
 constexpr Usage kUsdUsage = {
     "usd", "[F.vdb | F.####.vdb --frames A-B] [--mesh F.ply] -o F.usda [options]",
-    "Writes a scene of USD (.usda) beside files that were made before: a Volume that refers to the grids of a VDB, or\n"
+    "Writes a scene of USD (.usda) beside files that were made before: a Volume that refers to the grids of a VDB, or "
     "of one VDB for each frame, by relative paths, and a mesh, which is part of the scene.",
     "  juliavdb usd bunny.vdb -o bunny.usda --mesh bunny.ply\n"
     "  juliavdb usd grow.####.vdb --frames 1-48 -o grow.usda\n"};

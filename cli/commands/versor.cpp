@@ -33,15 +33,11 @@ namespace {
 constexpr Usage kVersorUsage = {
     "versor",
     "list|new|inspect|add|scale|translate [FILES] [-o F.json] [options]",
-    "Makes, shows and changes versors, the texture of a fractal. A versor is a quaternion "
-    "polynomial or rational, given by\n"
-    "its roots and powers in fractal space, where the target's longest side is 1. Reads "
-    ".json, .p4d, .poly4d and .o3d;\n"
-    "writes .json and, for polynomials, .p4d.\n"
-    "\n"
+    "Makes, shows and changes versors, the texture of a fractal. A versor is a quaternion polynomial or rational, "
+    "given by its roots and powers in fractal space, where the target's longest side is 1. Reads .json, .p4d, .poly4d "
+    "and .o3d; writes .json and, for polynomials, .p4d.\n\n"
     "  list                        show the textures that have a name\n"
-    "  new -o F                    make random roots in a box or about a point, or those of "
-    "a texture\n"
+    "  new -o F                    make random roots in a box or about a point, or those of a texture\n"
     "  inspect F                   show what is in a file\n"
     "  add A B -o F                make the ordered product of two versors\n"
     "  scale A FACTOR -o F         scale the roots about the origin\n"

@@ -1,8 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Help in parts, and what the program says to words that were misspelt or left out."""
 
+import fcntl
 import os
+import pty
 import re
+import struct
+import subprocess
+import termios
 
 import harness
 from harness import DONE, USAGE
@@ -56,6 +61,35 @@ class Help(harness.CliTest):
     def test_a_small_command_shows_all(self):
         for command in ("sdf", "mesh", "info", "merge"):
             self.assertEqual(self.ok(command, "--help", data=True), self.ok(command, "--help", "all", data=True))
+
+    def test_it_is_as_wide_as_the_terminal(self):
+        def shown(columns, *arguments):
+            ours, theirs = pty.openpty()
+            fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 50, columns, 0, 0))
+            process = subprocess.Popen([harness.program(), *arguments], stdout=theirs, stdin=subprocess.DEVNULL)
+            os.close(theirs)
+            text = b""
+            while True:
+                try:
+                    piece = os.read(ours, 65536)
+                except OSError:  # how a terminal ends
+                    break
+                if not piece:
+                    break
+                text += piece
+            os.close(ours)
+            self.assertEqual(process.wait(), 0)
+            return text.decode().replace("\r\n", "\n")
+
+        for command in ("sheet", "plan", "render"):
+            piped = self.ok(command, "--help", data=True)
+            for columns in (60, 72, 100, 120, 300):
+                with self.subTest(command=command, columns=columns):
+                    text = shown(columns, command, "--help")
+                    self.assertEqual(text.split(), piped.split())
+                    prose = text.split("\nExamples:\n")[0].split("\n\n", 1)[1]
+                    self.assertLessEqual(max(len(line.rstrip()) for line in prose.splitlines()), min(columns, 120))
+                    self.assertGreater(max(len(line.rstrip()) for line in prose.splitlines()), min(columns, 120) - 20)
 
     def test_topics_that_are_none(self):
         self.refused(USAGE, "fractal", "--help", "tagret", mentions=["tagret", "'target'"])

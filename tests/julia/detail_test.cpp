@@ -85,8 +85,12 @@ TEST(WantedLaw, HoldsBetweenNodesWhatItSaysAtThem) {
     for (double b = a; b < 6; b += 0.091)
       for (double t = 0; t <= 1; t += 0.03) {
         const double w = (1 - t) * a + t * b, e = (1 - t) * law.at(a) + t * law.at(b);
-        if (w <= -1) ASSERT_LE(e, law.at(-1) + 1e-12) << a << ' ' << b;
-        if (w >= 0) ASSERT_GE(e, law.at(0) - 1e-12) << a << ' ' << b;
+        if (w <= -1) {
+          ASSERT_LE(e, law.at(-1) + 1e-12) << a << ' ' << b;
+        }
+        if (w >= 0) {
+          ASSERT_GE(e, law.at(0) - 1e-12) << a << ' ' << b;
+        }
       }
   for (double w = -3; w < 3; w += 0.001) ASSERT_LT(law.at(w), law.at(w + 0.001));
 }
