@@ -123,4 +123,6 @@ void doWatched(const py::object& progress, std::optional<double> memory,
   }
   if (stopped) std::rethrow_exception(stopped);
   if (failure) std::rethrow_exception(failure);
+  // Small work may end before it sees that it is to stop.
+  monitor.throwIfCancelled();
 }

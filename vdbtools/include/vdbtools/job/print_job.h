@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file print_job.h
 /// From a closed mesh to a part that can be printed, as `juliavdb print` makes it: closed, of one or a few pieces,
-/// without cavities, with a minimum wall thickness, in millimetres, with z up, standing on z = 0 and centred in x and y.
+/// without cavities, with a minimum wall thickness, in millimetres, with z up, standing on z = 0 and centred in x and
+/// y.
 #pragma once
 
 #include "vdbtools/base/monitor.h"

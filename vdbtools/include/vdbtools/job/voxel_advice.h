@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file voxel_advice.h
-/// Measures how much of a scene is finer than its voxels, says which voxels would show it, and chooses `--resolution auto`.
+/// Measures how much of a scene is finer than its voxels, says which voxels would show it, and chooses `--resolution
+/// auto`.
 #pragma once
 
 #include "vdbtools/job/scene.h"
