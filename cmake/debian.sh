@@ -15,6 +15,12 @@ TEST_PACKAGES=(dpkg-dev file groff-base libgtest-dev libbenchmark-dev libopenvdb
   pybind11-dev python3-numpy libtinygltf-dev clang-format doxygen git ca-certificates slurm-wlm munge parallel blender
   chromium chromium-driver python3-selenium)
 
+as_root() {
+  local sudo=()
+  [ "$(id -u)" -eq 0 ] || sudo=(sudo)
+  "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive "$@"
+}
+
 # Installs those of the given packages that are missing.
 install_packages() {
   local missing=() package
@@ -23,10 +29,8 @@ install_packages() {
   done
   [ ${#missing[@]} -eq 0 ] && return
   echo "== installing ${missing[*]}"
-  local sudo=()
-  [ "$(id -u)" -eq 0 ] || sudo=(sudo)
-  "${sudo[@]}" apt-get update -qq
-  "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+  as_root apt-get update -qq
+  as_root apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 }
 
 # Builds build/release with the given CMake options.

@@ -78,14 +78,39 @@ exec {PROGRAM} "${{words[@]/#250/60}}"
                 done = run(re.sub(r"--size \S+", "--size 40x40 --sdf-resolution 60", small), folder)
                 self.assertEqual(done.returncode, 0, f"{command}\n{done.stderr}")
 
+    def test_quickstart_installs_a_package(self):
+        with tempfile.TemporaryDirectory() as folder:
+            tools = pathlib.Path(folder) / "tools"
+            tools.mkdir()
+            # What would change this machine only writes down what it is asked for.
+            for name, text in (("apt-get", 'echo "$@" >> "$LOG"'), ("sudo", 'exec "$@"'), ("dpkg-query", "echo install ok installed"),
+                               ("juliavdb", f'exec {PROGRAM} "${{@/#250/40}}" $([ "$1" = render ] || echo --sdf-resolution 48)')):
+                (tools / name).write_text(f"#!/usr/bin/env bash\n{text}\n")
+                (tools / name).chmod(0o755)
+            (pathlib.Path(folder) / "x.deb").write_text("a package")
+            environment = {name: value for name, value in os.environ.items() if name != "JULIAVDB"}
+            environment.update(PATH=f"{tools}:{os.environ['PATH']}", LOG=f"{folder}/log", OUT=f"{folder}/out")
+
+            def quickstart(*words):
+                return subprocess.run([ROOT / "quickstart", *words], capture_output=True, text=True, env=environment, cwd=folder)
+
+            done = quickstart("--deb", "x.deb")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn(f"install -y -qq --no-install-recommends {os.path.realpath(folder)}/x.deb", pathlib.Path(folder, "log").read_text())
+            self.assertTrue(pathlib.Path(folder, "out/bunny_fractal.png").is_file())
+            for words, code, mention in ((("--deb", "y.deb"), 66, "y.deb"), (("--dev", "x.deb"), 2, "--dev"), (("--deb",), 1, "needs the file")):
+                done = quickstart(*words)
+                self.assertEqual(done.returncode, code, words)
+                self.assertIn(mention, done.stderr)
+
     def test_every_option_it_names_exists(self):
         text = ""
         for command in ("sdf", "fractal", "fit", "mesh", "points", "print", "versor", "sheet", "slice", "study", "render", "explore", "info",
                         "plan tiles", "submit", "merge"):
             text += subprocess.run([PROGRAM, *command.split(), "--help", "all"], capture_output=True, text=True,
                                    check=True).stdout
-        # Those of CMake stand beside ours.
-        known = set(re.findall(r"--[a-z][a-z0-9-]*", text)) | {"--help", "--build", "--target"}
+        # Those of CMake and of quickstart stand beside ours.
+        known = set(re.findall(r"--[a-z][a-z0-9-]*", text)) | {"--help", "--build", "--target", "--deb"}
         for page, words in PAGES.items():
             for option in set(re.findall(r"--[a-z][a-z0-9-]*", words)):
                 self.assertIn(option, known, page)
