@@ -46,6 +46,12 @@ inline float storedField(double field) {
 
 /// Evaluates F. Evaluation is const, so one evaluator serves many threads; a point's value does not depend on the batch
 /// in which it came.
+///
+///     const auto evaluator = julia::makeFieldEvaluator<float>(map, {}, {.maxIterations = 5});
+///     const std::vector<julia::Point> points = {{0.1, 0.2, 0.3}, {0.4, 0.5, 0.6}};
+///     std::vector<double> field(points.size());
+///     evaluator->evaluate(points, field, {});
+///     const bool isInside = field[0] < 0;
 class FieldEvaluator {
  public:
   virtual ~FieldEvaluator() = default;

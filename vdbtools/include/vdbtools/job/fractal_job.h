@@ -24,6 +24,12 @@ namespace vdbtools {
 /// Holds every vertex of the plan's mesh, world units.
 openvdb::BBoxd meshBox(const FieldPlan& plan);
 
+/// What runFractal() makes beside the mesh that goes to its sink.
+///
+///     Mesh mesh;
+///     MeshCollector collector(mesh);
+///     const FractalResult result = runFractal(scene, planScene(scene), true, &collector, monitor);
+///     const openvdb::GridBase::Ptr surface = result.grids.front();
 struct FractalResult {
   /// Those of OutputOptions::grids, and those of its attributes over the band of the grid "surface", if @a wantGrids.
   std::vector<openvdb::GridBase::Ptr> grids;

@@ -47,7 +47,12 @@ struct ChosenResolution {
   Limit limit = Limit::None;
 };
 
-/// Everything that stands before the first node is evaluated.
+/// Everything that is made ready before the first node is evaluated.
+///
+///     const Recipe recipe = completeRecipe({{"input", "bunny.obj"}, {"detail", "0.4"}}, fractalOptionTable());
+///     const Scene scene = makeScene(parseFractalOptions(recipe), monitor);
+///     std::vector<double> field(1);
+///     scene.evaluator->evaluate(std::vector{scene.space.toFractal({0, 0.1, 0})}, field, {});
 struct Scene {
   FractalOptions options;
   std::optional<Target> target;                   ///< none if no input was given
