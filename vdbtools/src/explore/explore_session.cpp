@@ -222,7 +222,9 @@ ExploreSession::ExploreSession(const ExploreOptions& options, Monitor& monitor)
       mAccess(parseFractalOptions(options.given)),
       mJobs(mFolder, inputsOf(options), options.makeShare) {
   const Recipe completed = completeRecipe(mGiven, mTable);
-  requireShown(mScenes.get(completed, parseFractalOptions(completed), SceneStore::Turn::Waits, monitor)->scene());
+  FractalOptions shown = parseFractalOptions(completed);
+  shown.picture = true;
+  requireShown(mScenes.get(completed, shown, SceneStore::Turn::Waits, monitor)->scene());
   makeFolder(mFolder);
 }
 
@@ -232,6 +234,7 @@ ExploreSession::Look ExploreSession::lookOf(const json& body) const {
   Look look{.given = recipeOf(body)};
   look.completed = completeRecipe(look.given, mTable);
   look.options = parseFractalOptions(look.completed);
+  look.options.picture = true;
   mAccess.require(look.options);
   return look;
 }
@@ -315,11 +318,12 @@ std::string ExploreSession::targetMesh(Monitor& monitor) {
 std::string ExploreSession::picture(const json& body, Monitor& monitor) {
   const FieldPicture picture = pictureOf(body);
   if (picture.colour && picture.colour->picture) mAccess.require(*picture.colour->picture);
-  if (flagOf(body, "mesh"))
-    return pictureOfMesh(sceneOf(lookToMake(body), SceneStore::Turn::Waits, monitor)->scene(), picture, monitor);
-  Look look = lookOf(body);
-  look.options.picture = true;
-  return sceneOf(look, SceneStore::Turn::Waits, monitor)->picture(picture, monitor);
+  if (flagOf(body, "mesh")) {
+    Look look = lookToMake(body);
+    look.options.picture = false;
+    return pictureOfMesh(sceneOf(look, SceneStore::Turn::Waits, monitor)->scene(), picture, monitor);
+  }
+  return sceneOf(lookOf(body), SceneStore::Turn::Waits, monitor)->picture(picture, monitor);
 }
 
 /// The numbers of a look, of which the page makes its live picture.

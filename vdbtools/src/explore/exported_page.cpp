@@ -6,7 +6,9 @@ namespace vdbtools {
 
 std::string exportedPage(const Recipe& given, Monitor& monitor) {
   const Recipe completed = completeRecipe(given, fractalOptionTable());
-  const Scene scene = makeScene(parseFractalOptions(completed), monitor);
+  FractalOptions options = parseFractalOptions(completed);
+  options.picture = true;
+  const Scene scene = makeScene(options, monitor);
   return exportPage(scene, given, {}, monitor);
 }
 

@@ -187,8 +187,11 @@ class Exposure {
     const double start = cpuSeconds();
     inParallel(timed, 1, mMonitor, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end && !mMonitor.cancelled(); ++i) {
-        const double place = std::numbers::phi * (static_cast<double>(i) + 0.5);
-        renderTile(static_cast<std::size_t>((place - std::floor(place)) * static_cast<double>(count)), layers);
+        // One of each row of tiles or so, in columns that have nothing to do with each other.
+        const std::size_t low = i * count / timed, high = (i + 1) * count / timed;
+        const double place = std::numbers::phi * static_cast<double>(i);
+        renderTile(low + static_cast<std::size_t>((place - std::floor(place)) * static_cast<double>(high - low)),
+                   layers);
       }
     });
     return (cpuSeconds() - start) * static_cast<double>(count) / static_cast<double>(timed);
