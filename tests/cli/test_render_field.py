@@ -92,6 +92,14 @@ class RenderField(harness.CliTest):
         self.assertEqual(meshes[None], meshes["trilinear"])
         self.assertNotEqual(meshes[None], meshes["quadratic"])
 
+    def test_distances_too_coarse_for_a_spline_are_read_as_meshes_read_them(self):
+        self.write("t.obj", harness.obj(harness.torus()))
+        field = ("render", "--field", "t.obj", "--sdf-resolution", 16, *SMALL)
+        self.refused(BAD_DATA, *field, "--sampling", "quadratic", "-o", "q.png", mentions="no room for detail")
+        self.ok(*field, "-o", "a.png")
+        self.ok(*field, "--sampling", "trilinear", "-o", "t.png")
+        self.assertEqual(self.bytes("a.png"), self.bytes("t.png"))
+
     def test_a_rational_map(self):
         self.write("r.json", harness.rational_json(harness.ROOTS, log_scale=0.5))
         rows = self.render("render", "--field", "--map", "rational", "--rational", "r.json", "--box=-2,-2,-2,2,2,2", *SMALL)

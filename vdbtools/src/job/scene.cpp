@@ -57,6 +57,7 @@ struct ExponentSources {
   Facts controlFiles;  ///< the SHA-256 of the files that the shell's controls read
   julia::OrbitOptions orbit;
   double interiorReach = 0;  ///< as MapSettings has it
+  bool isSmooth = false;     ///< E is read quadratically unless the distances are too coarse for that
 
   bool operator==(const ExponentSources&) const = default;
 };
@@ -67,8 +68,9 @@ ExponentSources exponentSources(const FractalOptions& options, const ShellSettin
                           .controlFiles = {},
                           .orbit = orbitOf(options),
                           .interiorReach = options.map->interiorReach()};
+  sources.isSmooth = options.picture && !shell.interpolation;
   if (!shell.interpolation)
-    sources.shell.interpolation = options.picture ? julia::Interpolation::Quadratic : julia::Interpolation::Trilinear;
+    sources.shell.interpolation = sources.isSmooth ? julia::Interpolation::Quadratic : julia::Interpolation::Trilinear;
   for (const ControlSetting& control : shell.controls())
     for (const NamedFile& file : control->files())
       sources.controlFiles[metadataName(file.recordedAs)] = hashes.at(metadataName(file.recordedAs));
@@ -291,8 +293,16 @@ PlacedTarget placeShell(const ExponentSources& sources, SharedTarget& shared, Mo
   BandWidths widths = widthsOf(sources.space, sources.interiorReach, input, *result.exponentOf);
   const auto make = [&] {
     result.target = shared.band(widths, monitor);
+    const auto exponent = [&] { return exponentGrid(result.target, result.placed.space, *result.exponentOf, monitor); };
     try {
-      result.exponent = exponentGrid(result.target, result.placed.space, *result.exponentOf, monitor);
+      try {
+        result.exponent = exponent();
+      } catch (const julia::NoDetail&) {
+        // A B-spline reads farther about the origin, for which coarse distances may have no room.
+        if (!sources.isSmooth) throw;
+        result.exponentOf->interpolation = julia::Interpolation::Trilinear;
+        result.exponent = exponent();
+      }
     } catch (const julia::NoDetail&) {
       if (sources.space.origin != OriginKind::Auto) throw;  // another would do
       throw DataError(
