@@ -12,11 +12,11 @@
 
 namespace cli {
 
-std::size_t helpWidth() {
-  constexpr std::size_t kLeast = 60, kMost = 120, kUsual = 110;
+unsigned helpWidth() {
+  constexpr unsigned kLeast = 60, kMost = 120, kUsual = 110;
   winsize size{};
   if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return kUsual;
-  return std::clamp<std::size_t>(size.ws_col, kLeast, kMost);
+  return std::clamp<unsigned>(size.ws_col, kLeast, kMost);
 }
 
 std::string wrapped(std::string_view text, std::size_t width) {
@@ -38,10 +38,14 @@ std::string wrapped(std::string_view text, std::size_t width) {
     const bool isRow = begin == 2;
     if (isRow || (begin == 0 && indent > 0)) {
       finish();
-      const std::size_t gap = isRow ? next.find("  ", begin) : std::string::npos;
-      indent = isRow ? std::min(gap == std::string::npos ? begin : next.find_first_not_of(' ', gap), width / 2) : 0;
-      if (isRow) line = next.substr(0, gap == std::string::npos ? begin : next.find_first_not_of(' ', gap));
-      if (isRow) next.erase(0, line.size());
+      indent = 0;
+      if (isRow) {
+        const std::size_t gap = next.find("  ", begin);
+        const std::size_t meaning = gap == std::string::npos ? begin : next.find_first_not_of(' ', gap);
+        indent = std::min(meaning, width / 2);
+        line = next.substr(0, meaning);
+        next.erase(0, line.size());
+      }
     }
     std::istringstream words(next);
     for (std::string word; words >> word;) {

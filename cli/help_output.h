@@ -10,7 +10,7 @@
 namespace cli {
 
 /// How long lines of help may be: as wide as the terminal, between 60 and 120 letters; 110 where there is none.
-std::size_t helpWidth();
+unsigned helpWidth();
 
 /// Text with its lines broken anew. An empty line ends a paragraph. A line that begins with two spaces is a row of a
 /// table, "  NAME   meaning"; lines that begin with more of them continue the meaning.

@@ -41,9 +41,6 @@ constexpr int kStyle = po::command_line_style::unix_style & ~po::command_line_st
 constexpr int kMostThreads = 4096;
 constexpr std::size_t kMostAtOnce = 30;  ///< a command with more options shows groups of them
 
-/// Of help, in letters.
-unsigned lineLength() { return static_cast<unsigned>(helpWidth()); }
-
 constexpr const char* kOwn = "Options";
 constexpr const char* kCommon = "Common options";
 
@@ -157,9 +154,9 @@ po::value_semantic* valueOf(const vdbtools::OptionListing& option) {
 CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions)
     : mUsage(usage),
       mTable(std::move(recipeOptions)),
-      mOwn("Options", lineLength()),
-      mFromRecipe("What to make", lineLength()),
-      mCommon("Common options", lineLength()) {
+      mOwn("Options", helpWidth()),
+      mFromRecipe("What to make", helpWidth()),
+      mCommon("Common options", helpWidth()) {
   const std::vector<vdbtools::OptionListing> options = mTable.listing();
   // For 'juliavdb man' and 'juliavdb completion'.
   mHidden.add_options()("describe", po::value<std::string>());
@@ -369,7 +366,7 @@ std::vector<CommandLine::Group> CommandLine::groups() const {
   const auto add = [&](const std::string& heading, const boost::shared_ptr<po::option_description>& option) {
     auto group = std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.heading == heading; });
     if (group == groups.end()) {
-      groups.push_back({heading, po::options_description(heading, lineLength())});
+      groups.push_back({heading, po::options_description(heading, helpWidth())});
       group = groups.end() - 1;
     }
     group->options.add(option);
@@ -445,7 +442,7 @@ void CommandLine::printHelp(const std::string& topic) const {
     for (const auto& option : group.options.options()) {
       topics.push_back(option->long_name());
       if (option->long_name() != name) continue;
-      po::options_description one(group.heading, lineLength());
+      po::options_description one(group.heading, helpWidth());
       one.add(option);
       text << one;
       return writeHelp(text.str());
@@ -458,7 +455,7 @@ void CommandLine::printHelp(const std::string& topic) const {
 /// The command's own options and the basic ones of its recipe; of the others the names, by groups.
 std::string CommandLine::shortHelp(const std::vector<Group>& groups) const {
   std::ostringstream text;
-  po::options_description basics("Basics", lineLength());
+  po::options_description basics("Basics", helpWidth());
   for (const Group& group : groups)
     for (const auto& option : group.options.options()) {
       if (group.heading == kOwn || isBasic(option->long_name())) basics.add(option);
@@ -471,7 +468,7 @@ std::string CommandLine::shortHelp(const std::vector<Group>& groups) const {
     line.resize(std::max(kIndent, line.size() + 2), ' ');
     for (const auto& option : group.options.options()) {
       const std::string name = "--" + option->long_name();
-      if (line.size() + 1 + name.size() > lineLength()) {
+      if (line.size() + 1 + name.size() > helpWidth()) {
         text << line << '\n';
         line.assign(kIndent, ' ');
       }

@@ -44,7 +44,7 @@ class ExplorePages(unittest.TestCase):
                         server.kill()
                     served += 1
         self.assertGreaterEqual(served, 3)
-        self.assertGreaterEqual(exported, 1)
+        self.assertGreaterEqual(exported, 2)
 
 
 if __name__ == "__main__":

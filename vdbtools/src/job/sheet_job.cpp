@@ -263,13 +263,11 @@ std::string finerCaption(const Scene& scene) {
   return advice.coreShare > kCoreWorthSaying ? "core thinner than 2 voxels" : "";
 }
 
-FieldRenderOptions fieldOptions(const Scene& scene, const FieldPicture& picture) {
-  return pictureOptions(scene, pictureRegion(scene), picture, FieldColour::Clay);
-}
-
 /// With what is finer than the voxels as texts in the file.
 std::string fieldPng(const Scene& scene, const FieldPicture& picture, Monitor& monitor) {
-  const FieldImage image = renderField(scene.source(), pictureRegion(scene), fieldOptions(scene, picture), monitor);
+  const openvdb::BBoxd region = pictureRegion(scene);
+  const FieldImage image =
+      renderField(scene.source(), region, pictureOptions(scene, region, picture, FieldColour::Clay), monitor);
   if (std::all_of(image.id.begin(), image.id.end(), [](float id) { return id == 0; }))
     throw DataError("no ray of the picture meets the set: the set is empty, or out of view");
   std::string png = encodeFieldImage(image, "png");
@@ -307,10 +305,11 @@ void tellLongWork(const Scene& scene, const CellView& view, std::size_t cells, c
   if (view.mesh) {
     if (mayTakeLong(scene, static_cast<double>(cells), limit)) seconds = parts * estimatedMeshSeconds(scene, monitor);
   } else {
-    const FieldRenderOptions picture = fieldOptions(scene, view.field);
+    const openvdb::BBoxd region = pictureRegion(scene);
+    const FieldRenderOptions picture = pictureOptions(scene, region, view.field, FieldColour::Clay);
     QuietMonitor quiet(monitor);
     if (mayTakeLong(picture, static_cast<double>(cells), limit))
-      seconds = parts * FieldRenderer(scene.source(), pictureRegion(scene)).estimatedSeconds(picture, quiet);
+      seconds = parts * FieldRenderer(scene.source(), region).estimatedSeconds(picture, quiet);
   }
   if (seconds == 0 || seconds < longWork.seconds) return;
   longWork.tell((view.mesh ? "the meshes of " : "the pictures of ") + std::to_string(cells) +
