@@ -4,7 +4,7 @@
 #include "vdbtools/base/grids.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/sdf_job.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
 
 #include "julia/instruction_set.h"
 

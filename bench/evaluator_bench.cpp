@@ -62,7 +62,7 @@ void versors(benchmark::State& state) {
 BENCHMARK(versors<float>)->ArgNames({"integer", "set"})->ArgsProduct({{0, 1}, {0, 1, 2}});
 BENCHMARK(versors<double>)->ArgNames({"integer", "set"})->ArgsProduct({{0, 1}, {0, 1, 2}});
 
-void reference(benchmark::State& state) {
+void referenceOfRational(benchmark::State& state) {
   const julia::Rational rational = versor(state.range(0) != 0);
   const std::vector<julia::Point> at = points();
   for (auto _ : state)
@@ -70,7 +70,7 @@ void reference(benchmark::State& state) {
       benchmark::DoNotOptimize(julia::reference::evaluate<double>(rational.top, {x[0], x[1], x[2], 0}));
   countRoots(state, rational.top.roots.size());
 }
-BENCHMARK(reference)->ArgName("integer")->Arg(0)->Arg(1);
+BENCHMARK(referenceOfRational)->Name("reference")->ArgName("integer")->Arg(0)->Arg(1);
 
 /// Whole orbits, ten steps at most.
 void orbits(benchmark::State& state, std::shared_ptr<const julia::CartesianMap<double>> map) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads a second at scattered points: OpenVDB's sampler with a leaf-caching accessor against bricks; and of bricks at
 // the nodes of blocks in their order.
-#include "vdbtools/target/grid_sampler.h"
+#include "vdbtools/base/grid_sampler.h"
 
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/LevelSetSphere.h>
@@ -15,7 +15,7 @@
 
 namespace {
 
-constexpr std::size_t kPoints = 512;  // a batch of the evaluator
+constexpr std::size_t kBatchPoints = 512;  // a batch of the evaluator
 constexpr std::size_t kBatches = 512;
 
 /// The band of a sphere of 100 voxels radius, 15 voxels to each side: the shell of alpha = 40 at 200 voxels.
@@ -29,7 +29,7 @@ Points scattered() {
   std::normal_distribution<float> direction;
   std::uniform_real_distribution<float> radius(86, 114);
   Points result;
-  for (std::size_t i = 0; i < kPoints * kBatches; ++i) {
+  for (std::size_t i = 0; i < kBatchPoints * kBatches; ++i) {
     const openvdb::Vec3f d(direction(random), direction(random), direction(random));
     const openvdb::Vec3f p = d / d.length() * radius(random);
     for (int axis = 0; axis < 3; ++axis) result[static_cast<std::size_t>(axis)].push_back(p[axis]);
@@ -41,8 +41,8 @@ Points scattered() {
 Points inOrder() {
   const auto grid = shell();
   Points result;
-  for (auto leaf = grid->tree().cbeginLeaf(); leaf && result[0].size() < kPoints * kBatches; ++leaf)
-    for (std::size_t i = 0; i < kPoints; ++i) {
+  for (auto leaf = grid->tree().cbeginLeaf(); leaf && result[0].size() < kBatchPoints * kBatches; ++leaf)
+    for (std::size_t i = 0; i < kBatchPoints; ++i) {
       const std::size_t node[3] = {i >> 6, i >> 3 & 7, i & 7};
       for (int axis = 0; axis < 3; ++axis)
         result[static_cast<std::size_t>(axis)].push_back(static_cast<float>(leaf->origin()[axis]) +
@@ -52,8 +52,8 @@ Points inOrder() {
 }
 
 void countReads(benchmark::State& state) {
-  state.counters["reads/s"] = benchmark::Counter(static_cast<double>(state.iterations()) * static_cast<double>(kPoints),
-                                                 benchmark::Counter::kIsRate);
+  state.counters["reads/s"] = benchmark::Counter(
+      static_cast<double>(state.iterations()) * static_cast<double>(kBatchPoints), benchmark::Counter::kIsRate);
 }
 
 void accessor(benchmark::State& state) {
@@ -62,10 +62,10 @@ void accessor(benchmark::State& state) {
   const auto reader = grid->getConstAccessor();
   std::size_t begin = 0;
   for (auto _ : state) {
-    for (std::size_t i = begin; i < begin + kPoints; ++i)
+    for (std::size_t i = begin; i < begin + kBatchPoints; ++i)
       benchmark::DoNotOptimize(
           openvdb::tools::BoxSampler::sample(reader, openvdb::Vec3d(at[0][i], at[1][i], at[2][i])));
-    begin = (begin + kPoints) % (kPoints * kBatches);
+    begin = (begin + kBatchPoints) % (kBatchPoints * kBatches);
   }
   countReads(state);
 }
@@ -83,13 +83,13 @@ void readBricks(benchmark::State& state, const Points& at, julia::Interpolation 
     placement.high[k] = made.nodes.max()[axis] - made.origin[axis];
   }
   const julia::BrickField<float> field(made.bricks, placement);
-  std::vector<float> out(kPoints);
+  std::vector<float> out(kBatchPoints);
   std::size_t begin = 0;
   for (auto _ : state) {
-    const auto part = [&](std::size_t axis) { return std::span(at[axis]).subspan(begin, kPoints); };
+    const auto part = [&](std::size_t axis) { return std::span(at[axis]).subspan(begin, kBatchPoints); };
     field.sample(part(0), part(1), part(2), out);
     benchmark::DoNotOptimize(out.data());
-    begin = (begin + kPoints) % at[0].size();
+    begin = (begin + kBatchPoints) % at[0].size();
   }
   countReads(state);
 }

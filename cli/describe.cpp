@@ -25,7 +25,7 @@ struct Option {
   std::string help;
 };
 
-Option optionOf(const po::option_description& description) {
+Option describedOption(const po::option_description& description) {
   Option option{.name = description.long_name(), .help = description.description()};
   // "-o [ --output ]" has a short form.
   if (const std::string names = description.format_name(); names.size() > 1 && names[0] == '-' && names[1] != '-')
@@ -41,7 +41,7 @@ Option optionOf(const po::option_description& description) {
 
 std::vector<Option> optionsOf(const OptionGroup& group) {
   std::vector<Option> options;
-  for (const auto& description : group.options->options()) options.push_back(optionOf(*description));
+  for (const auto& description : group.options->options()) options.push_back(describedOption(*description));
   return options;
 }
 

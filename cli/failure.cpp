@@ -8,7 +8,7 @@
 #include "vdbtools/base/utf8.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/io_failure.h"
-#include "vdbtools/job/failure_text.h"
+#include "vdbtools/records/failure_text.h"
 
 #include <algorithm>
 #include <new>

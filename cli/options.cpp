@@ -13,10 +13,10 @@
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/job/fractal_options.h"
-#include "vdbtools/job/recorded_files.h"
-#include "vdbtools/job/recorded_recipe.h"
 #include "vdbtools/job/sheet_file.h"
+#include "vdbtools/records/recorded_files.h"
+#include "vdbtools/records/recorded_recipe.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include "julia/instruction_set.h"
 

@@ -133,7 +133,7 @@ class CommandLine {
 /// --search, for commands that take a recipe from a file that was made.
 void addSearchOption(CommandLine& line);
 /// A fractal's recipe with its files where they are today, for opening them: with what --search says, and a note of
-/// each file that is elsewhere (vdbtools/job/recorded_files.h). What is recorded keeps the names that it has.
+/// each file that is elsewhere (vdbtools/records/recorded_files.h). What is recorded keeps the names that it has.
 /// @param holder  the file that has the recipe; empty: it was typed, and stays as it is
 /// @param wayOut  what else the user can do where a file is missing
 /// @throw as vdbtools::findRecordedFiles()

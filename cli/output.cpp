@@ -8,8 +8,8 @@
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/frame_name.h"
-#include "vdbtools/job/recorded_files.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
+#include "vdbtools/records/recorded_files.h"
 
 #include <algorithm>
 #include <stdexcept>

@@ -5,8 +5,8 @@
 
 #include "options.h"
 
-#include "vdbtools/job/scene.h"
 #include "vdbtools/picture/slice_image.h"
+#include "vdbtools/scene/scene.h"
 
 #include <optional>
 

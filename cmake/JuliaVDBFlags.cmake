@@ -89,18 +89,26 @@ function(juliavdb_precompile target)
 endfunction()
 
 # For unity builds (CMAKE_UNITY_BUILD=ON, as `quickstart` and `run-tests` do), which compile several sources as one file:
-# most of the time goes into what OpenVDB's and JSON's headers bring to each. A folder is one file, except for what a
-# UNITY_GROUP or SKIP_UNITY_BUILD_INCLUSION has been set for before: a source must not see a name of another's unnamed
-# namespace, and nothing should take more than half a minute. Call this last.
+# most of the time goes into what OpenVDB's and JSON's headers bring to each. The sources of a folder are taken together,
+# in the order of the list, as long as they are not too large for a file that is compiled in half a minute. Two of them
+# that define the same private function do not compile. Call this last.
 function(juliavdb_unity target)
+  set(most 70000)  # bytes
   set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
   get_target_property(sources ${target} SOURCES)
   foreach(source IN LISTS sources)
-    get_source_file_property(group ${source} UNITY_GROUP)
-    if(NOT group)
-      get_filename_component(folder ${source} DIRECTORY)
-      get_filename_component(folder "${folder}" NAME)
-      set_source_files_properties(${source} PROPERTIES UNITY_GROUP "${folder}_sources")
+    if(NOT source MATCHES "\\.cpp$")
+      continue()
     endif()
+    get_filename_component(path ${source} ABSOLUTE)
+    get_filename_component(folder ${source} DIRECTORY)
+    string(MAKE_C_IDENTIFIER "${folder}" folder)
+    file(SIZE ${path} bytes)
+    math(EXPR total_${folder} "0${total_${folder}} + ${bytes}")
+    if(NOT DEFINED number_${folder} OR total_${folder} GREATER most)
+      math(EXPR number_${folder} "0${number_${folder}} + 1")
+      set(total_${folder} ${bytes})
+    endif()
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP "${folder}_${number_${folder}}")
   endforeach()
 endfunction()

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# find_package(JuliaVDB) provides juliavdb::julia and juliavdb::vdbtools.
+# find_package(JuliaVDB) provides juliavdb::julia and juliavdb::vdbtools; and vdbtools::fit, vdbtools::farm and
+# vdbtools::explore, which are built on them.
 include(CMakePackageConfigHelpers)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/JuliaVDB)
@@ -23,6 +24,10 @@ install(TARGETS julia vdbtools juliavdb_cli juliavdb_flags juliavdb_warnings EXP
 if(TARGET vdbtools_images)
   install(TARGETS vdbtools_images LIBRARY DESTINATION ${JULIAVDB_LIBDIR} COMPONENT Runtime)
 endif()
+install(TARGETS vdbtools_fit vdbtools_farm vdbtools_explore EXPORT VdbtoolsTargets
+        ARCHIVE DESTINATION ${JULIAVDB_LIBDIR} COMPONENT Development
+        LIBRARY DESTINATION ${JULIAVDB_LIBDIR} COMPONENT Runtime)
+install(EXPORT VdbtoolsTargets NAMESPACE vdbtools:: DESTINATION ${package_dir} COMPONENT Development)
 install(EXPORT JuliaVDBTargets NAMESPACE juliavdb:: DESTINATION ${package_dir} COMPONENT Development)
 install(DIRECTORY libjulia/include/julia vdbtools/include/vdbtools DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
         COMPONENT Development)

@@ -3,9 +3,9 @@
 // scene -> VDB and mesh. Nothing but this file knows of it.
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_job.h"
-#include "vdbtools/job/recorded_recipe.h"
 #include "vdbtools/maps/map_options.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
+#include "vdbtools/records/recorded_recipe.h"
 
 #include "julia/cartesian_map.h"
 #include "julia/log_polar.h"

@@ -9,7 +9,7 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/explore/explore_server.h"
-#include "vdbtools/job/scene.h"
+#include "vdbtools/scene/scene.h"
 
 #include <csignal>
 #include <iostream>
@@ -36,7 +36,7 @@ constexpr Usage kExploreUsage = {
     "fractal"};
 
 /// Shares by the weights of 'juliavdb fractal'.
-class FractalShare final : public vdbtools::WorkShare {
+class FractalShare final : public vdbtools::explore::WorkShare {
  public:
   FractalShare() { mShare.begin("reading"); }
   void begin(std::string_view phase) override { mShare.begin(phase); }
@@ -78,7 +78,7 @@ void openBrowser(const std::string& url) {
 int exportLook(const CommandLine& line, const vdbtools::Recipe& given, Progress& progress) {
   Outputs outputs(line, vdbtools::inputsOf(vdbtools::parseFractalOptions(given)));
   std::ostream& file = outputs.add("export", line.text("export"), ".html").stream();
-  const std::string page = vdbtools::exportedPage(given, progress);
+  const std::string page = vdbtools::explore::exportedPage(given, progress);
   progress.begin("writing", 0);
   file << page;
   outputs.commit();
@@ -114,16 +114,16 @@ int runExplore(const Arguments& arguments) {
         throw std::invalid_argument(std::string("--") + option + " is for the server, and --export needs none");
     return exportLook(line, given, line.progress());
   }
-  vdbtools::ExploreOptions options{
+  vdbtools::explore::ExploreOptions options{
       .given = given, .inputs = line.inputs(), .folder = line.text("folder"), .makeShare = [] {
         return std::make_unique<FractalShare>();
       }};
   if (line.has("port")) options.port = line.integer("port", 0, 65535);
   if (line.has("bind")) options.address = line.text("bind");
-  if (!vdbtools::isLoopback(options.address))
+  if (!vdbtools::explore::isLoopback(options.address))
     report().text()
         << "warning: the page is served to the network, without encryption; whoever reads along has its key\n";
-  auto server = std::make_unique<vdbtools::ExploreServer>(options, line.progress());
+  auto server = std::make_unique<vdbtools::explore::ExploreServer>(options, line.progress());
   line.endProgress();
   std::cout << server->url() << std::endl;
   if (!std::cout) throw vdbtools::IoError("writing to the standard output failed");

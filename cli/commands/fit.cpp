@@ -8,7 +8,7 @@
 
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/fit/fit_job.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
 
 #include <ostream>
 #include <utility>
@@ -31,7 +31,7 @@ constexpr Usage kFitUsage = {
 }  // namespace
 
 int runFit(const Arguments& arguments) {
-  CommandLine line(kFitUsage, vdbtools::fitOptionTable());
+  CommandLine line(kFitUsage, vdbtools::fit::fitOptionTable());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.json"), "the map to write: .json or .o3d")(
       "report", po::value<std::string>()->value_name("F.csv"),
       "a table of every accepted step: energies, IoU, distances, powers")(
@@ -39,7 +39,7 @@ int runFit(const Arguments& arguments) {
       "charge", po::value<std::string>()->value_name("F.ply"),
       "the surface that roots are placed on, with its electrostatic charge as a grey: .ply, .obj or .glb");
   if (!line.parse(arguments)) return kDone;
-  const vdbtools::FitOptions options = vdbtools::parseFitOptions(line.recipe());
+  const vdbtools::fit::FitOptions options = vdbtools::fit::parseFitOptions(line.recipe());
   line.requireEffect({vdbtools::Product::Recipe});
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.json");
   vdbtools::InputFiles inputs;
@@ -55,22 +55,22 @@ int runFit(const Arguments& arguments) {
   std::ostream* const chargeFile =
       line.has("charge") ? &outputs.add("charge", charge, ".ply .obj .glb").stream() : nullptr;
 
-  const vdbtools::FitResult fit = vdbtools::runFit(options, reportFile != nullptr, line.progress());
+  const vdbtools::fit::FitResult fit = vdbtools::fit::runFit(options, reportFile != nullptr, line.progress());
   line.progress().begin("writing", 0);
   if (formatOf(line.text("output"), ".json") == ".o3d")
-    file << vdbtools::fitToO3d(fit, line.progress());
+    file << vdbtools::fit::fitToO3d(fit, line.progress());
   else
-    file << vdbtools::fitToJson(fit, line.recipe());
-  if (reportFile) *reportFile << vdbtools::fitReportCsv(fit.rows);
-  if (plot) *plot << vdbtools::encodePlot(vdbtools::fitReportPlot(fit.rows), formatOf(line.text("plot"), ".png"));
+    file << vdbtools::fit::fitToJson(fit, line.recipe());
+  if (reportFile) *reportFile << vdbtools::fit::fitReportCsv(fit.rows);
+  if (plot) *plot << vdbtools::encodePlot(vdbtools::fit::fitReportPlot(fit.rows), formatOf(line.text("plot"), ".png"));
   if (chargeFile) {
-    const vdbtools::ChargedSurface surface = vdbtools::chargedSurface(fit, line.progress());
+    const vdbtools::fit::ChargedSurface surface = vdbtools::fit::chargedSurface(fit, line.progress());
     vdbtools::writeMesh(*chargeFile, surface.mesh, {.format = vdbtools::meshFormat(charge), .columns = surface.columns},
                         surface.values);
   }
   line.progress().throwIfCancelled();
   outputs.commit();
-  const vdbtools::FitMeasure& measure = fit.measure;
+  const vdbtools::fit::FitMeasure& measure = fit.measure;
   const auto number = [](double value) { return vdbtools::shortText(value); };
   report().count("topRoots", static_cast<double>(fit.rational.top.roots.size()));
   report().count("bottomRoots", static_cast<double>(fit.rational.bottom.roots.size()));

@@ -13,8 +13,8 @@
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/farm/frame_recipes.h"
 #include "vdbtools/job/fractal_files.h"
-#include "vdbtools/job/voxel_advice.h"
 #include "vdbtools/recipe/option_value.h"
+#include "vdbtools/scene/voxel_advice.h"
 #include "vdbtools/target/target_survey.h"
 
 #include <ostream>
@@ -189,15 +189,15 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
 
 /// The frames of a sequence, those left out that are there already.
 int makeFrames(const CommandLine& line) {
-  vdbtools::FramePlanOptions options = parseFrameOptions(line, productsOf(line));
+  vdbtools::farm::FramePlanOptions options = parseFrameOptions(line, productsOf(line));
   // The options and places of all frames are checked before the first of them is looked at.
   {
-    const vdbtools::FrameRecipes asked(options);
+    const vdbtools::farm::FrameRecipes asked(options);
     requireFramePlaces(line, asked.inputs(), kOutputOptions, asked.frames());
   }
-  vdbtools::chooseResolution(options, line.progress());
+  vdbtools::farm::chooseResolution(options, line.progress());
   if (options.resolution) report().text() << frameResolutionText(options) << '\n';
-  const vdbtools::FrameRecipes recipes(options);
+  const vdbtools::farm::FrameRecipes recipes(options);
   vdbtools::SceneMaker maker;
   FractalCounts total;
   bool saysFiner = true;

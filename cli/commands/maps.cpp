@@ -4,8 +4,8 @@
 #include "exit_code.h"
 #include "options.h"
 
-#include "vdbtools/job/fractal_options.h"
 #include "vdbtools/maps/map_registry.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include <nlohmann/json.hpp>
 

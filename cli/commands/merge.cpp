@@ -9,8 +9,8 @@
 #include "report.h"
 
 #include "vdbtools/farm/merge.h"
-#include "vdbtools/job/fractal_options.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include <stdexcept>
 
@@ -38,11 +38,11 @@ int runMerge(const Arguments& arguments) {
   const MergeRequest request = parseMergeRequest(line);
   if (request.empty())
     throw std::invalid_argument("no output was given; use -o F.vdb, --mesh F.ply, both, or --index F.json");
-  const vdbtools::MergeOptions& options = request.files;
-  const vdbtools::Manifest manifest = vdbtools::readManifest(folder);
-  const vdbtools::MergeResult result = request.index
-                                           ? vdbtools::writeTileFiles(folder, manifest, *request.index, line.progress())
-                                           : vdbtools::mergePlan(folder, manifest, options, line.progress());
+  const vdbtools::farm::MergeOptions& options = request.files;
+  const vdbtools::farm::Manifest manifest = vdbtools::farm::readManifest(folder);
+  const vdbtools::farm::MergeResult result =
+      request.index ? vdbtools::farm::writeTileFiles(folder, manifest, *request.index, line.progress())
+                    : vdbtools::farm::mergePlan(folder, manifest, options, line.progress());
 
   for (const std::filesystem::path& file : result.files) report().wrote(file);
   workIsDone();

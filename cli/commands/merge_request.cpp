@@ -4,7 +4,7 @@
 #include "output.h"
 
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
 
 #include <stdexcept>
 #include <string_view>
@@ -32,12 +32,13 @@ void addMergeOptions(CommandLine& line) {
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
   line.addOptions()("output,o", text("F.vdb"), "the VDB to merge the tiles into")("mesh", text("F.ply"), kMeshHelp)(
       "index", text("F.json"), "writes each tile as files of its own, and this list of them")(
-      kMostPoints, text("N")->default_value(std::to_string(vdbtools::kMostMeshPoints)),
+      kMostPoints, text("N")->default_value(std::to_string(vdbtools::farm::kMostMeshPoints)),
       "the most points that one mesh file is to have; a larger mesh is cut into F.1.ply, F.2.ply and so on");
 }
 
 MergeRequest parseMergeRequest(const CommandLine& line) {
-  MergeRequest request{.files = {.mostPoints = line.integer<std::uint64_t>(kMostPoints, 3, vdbtools::kMostMeshPoints)}};
+  MergeRequest request{
+      .files = {.mostPoints = line.integer<std::uint64_t>(kMostPoints, 3, vdbtools::farm::kMostMeshPoints)}};
   if (line.has("output")) request.files.vdb = nameWith(line, "output", ".vdb");
   if (line.has("mesh")) request.files.mesh = nameWith(line, "mesh", vdbtools::kMeshExtensions);
   if (line.has("index")) request.index = nameWith(line, "index", ".json");
@@ -48,12 +49,12 @@ MergeRequest parseMergeRequest(const CommandLine& line) {
   return request;
 }
 
-void requireMergeable(const std::filesystem::path& folder, const vdbtools::Manifest& manifest,
+void requireMergeable(const std::filesystem::path& folder, const vdbtools::farm::Manifest& manifest,
                       const MergeRequest& request) {
   if (request.index)
-    vdbtools::requireMergeable(folder, manifest, *request.index);
+    vdbtools::farm::requireMergeable(folder, manifest, *request.index);
   else
-    vdbtools::requireMergeable(folder, manifest, request.files);
+    vdbtools::farm::requireMergeable(folder, manifest, request.files);
 }
 
 std::vector<std::string> mergeWords(const CommandLine& line) {

@@ -15,7 +15,7 @@
 namespace cli {
 
 struct MergeRequest {
-  vdbtools::MergeOptions files;
+  vdbtools::farm::MergeOptions files;
   std::optional<std::filesystem::path> index;  ///< instead: the tiles as files of their own, and this list of them
 
   bool empty() const { return !index && !files.vdb && !files.mesh; }
@@ -28,8 +28,8 @@ void addMergeOptions(CommandLine& line);
 MergeRequest parseMergeRequest(const CommandLine& line);
 
 /// Refuses at once what merging would refuse once all tasks are done.
-/// @throw as vdbtools::requireMergeable()
-void requireMergeable(const std::filesystem::path& folder, const vdbtools::Manifest& manifest,
+/// @throw as vdbtools::farm::requireMergeable()
+void requireMergeable(const std::filesystem::path& folder, const vdbtools::farm::Manifest& manifest,
                       const MergeRequest& request);
 
 /// The words for 'juliavdb merge DIR', with the names that the files have from everywhere.

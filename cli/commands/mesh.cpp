@@ -6,13 +6,13 @@
 #include "output.h"
 #include "report.h"
 
+#include "vdbtools/decimation/adaptive_mesh.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/job/file_axes.h"
 #include "vdbtools/job/fractal_files.h"
-#include "vdbtools/job/recorded_recipe.h"
-#include "vdbtools/mesh/adaptive_mesh.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
+#include "vdbtools/records/recorded_recipe.h"
+#include "vdbtools/scene/file_axes.h"
 #include "vdbtools/surface/grid_mesh.h"
 
 #include <ostream>
@@ -53,14 +53,14 @@ MeshRecipe recipeFor(const CommandLine& line, const std::string& vdb, const vdbt
   return {isTheSame ? recorded : other, found};
 }
 
-vdbtools::MeshCounts fromRecipe(const MeshRecipe& recipe, vdbtools::AtomicFile& file, vdbtools::MeshFormat format,
-                                Progress& progress) {
+vdbtools::MeshCounts meshFromRecipe(const MeshRecipe& recipe, vdbtools::AtomicFile& file, vdbtools::MeshFormat format,
+                                    Progress& progress) {
   const vdbtools::Scene scene = vdbtools::makeScene(vdbtools::parseFractalOptions(recipe.found), progress);
   return vdbtools::writeFractal(scene, recipe.recorded, {.meshes = {{&file, format}}}, progress).mesh;
 }
 
-vdbtools::MeshCounts fromGrid(const std::string& input, const CommandLine& line, vdbtools::AtomicFile& file,
-                              vdbtools::MeshFormat format, double adaptivity, Progress& progress) {
+vdbtools::MeshCounts meshFromGrid(const std::string& input, const CommandLine& line, vdbtools::AtomicFile& file,
+                                  vdbtools::MeshFormat format, double adaptivity, Progress& progress) {
   const vdbtools::VdbFile vdb = vdbtools::readVdb(input);
   const auto levelSet = vdbtools::chooseFloatGrid(vdb, line.text("grid"), input);
   const vdbtools::FileAxes axes{
@@ -121,8 +121,8 @@ int runMesh(const Arguments& arguments) {
                   isFractal ? vdbtools::inputsOf(vdbtools::parseFractalOptions(recipe.found)) : vdbtools::InputFiles());
   vdbtools::AtomicFile& file = outputs.add("output", line.text("output"), vdbtools::kMeshExtensions);
   const vdbtools::MeshFormat format = vdbtools::meshFormat("mesh" + formatOf(line.text("output"), ".ply"));
-  const vdbtools::MeshCounts counts = isFractal ? fromRecipe(recipe, file, format, line.progress())
-                                                : fromGrid(input, line, file, format, adaptivity, line.progress());
+  const vdbtools::MeshCounts counts = isFractal ? meshFromRecipe(recipe, file, format, line.progress())
+                                                : meshFromGrid(input, line, file, format, adaptivity, line.progress());
   line.progress().throwIfCancelled();
   outputs.commit();
   report().count("points", static_cast<double>(counts.points));

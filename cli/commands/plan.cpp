@@ -8,7 +8,7 @@
 
 #include "vdbtools/base/near_words.h"
 #include "vdbtools/farm/plan_folder.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
 
 #include <stdexcept>
 
@@ -52,18 +52,18 @@ void addVariantOptions(CommandLine& line) {
 std::filesystem::path newPlanFolder(const CommandLine& line) {
   if (!line.has("output")) throw std::invalid_argument("no folder was given for the plan; use -o DIR");
   std::filesystem::path folder = line.text("output");
-  vdbtools::requireNewPlanFolder(folder);
+  vdbtools::farm::requireNewPlanFolder(folder);
   return folder;
 }
 
 std::vector<std::string> parseMakes(const CommandLine& line) { return vdbtools::split(line.text("make"), ','); }
 
-int finishPlan(const std::filesystem::path& folder, const vdbtools::Manifest& manifest) {
-  vdbtools::writePlan(folder, manifest);
-  report().wrote(folder / vdbtools::kManifestName);
+int finishPlan(const std::filesystem::path& folder, const vdbtools::farm::Manifest& manifest) {
+  vdbtools::farm::writePlan(folder, manifest);
+  report().wrote(folder / vdbtools::farm::kManifestName);
   workIsDone();
   report().count("tasks", static_cast<double>(manifest.tasks.size()));
-  report().text() << "wrote " << (folder / vdbtools::kManifestName).string() << ": " << manifest.tasks.size()
+  report().text() << "wrote " << (folder / vdbtools::farm::kManifestName).string() << ": " << manifest.tasks.size()
                   << (manifest.tasks.size() == 1 ? " task\n" : " tasks\n");
   return kDone;
 }

@@ -28,10 +28,10 @@ int planSheet(const Arguments& arguments);
 void addFrameOptions(CommandLine& line);
 /// Their values. @param makes  what is made of each frame
 /// @throw std::invalid_argument  also where an option or a key has an effect in no frame
-vdbtools::FramePlanOptions parseFrameOptions(const CommandLine& line, const std::set<vdbtools::Product>& makes);
+vdbtools::farm::FramePlanOptions parseFrameOptions(const CommandLine& line, const std::set<vdbtools::Product>& makes);
 
 /// Of options whose resolution was chosen: what it is, in a sentence.
-std::string frameResolutionText(const vdbtools::FramePlanOptions& options);
+std::string frameResolutionText(const vdbtools::farm::FramePlanOptions& options);
 
 /// The options of plans whose tasks are whole fractals: -o, --make and --name.
 void addVariantOptions(CommandLine& line);
@@ -42,6 +42,6 @@ std::filesystem::path newPlanFolder(const CommandLine& line);
 std::vector<std::string> parseMakes(const CommandLine& line);
 
 /// Writes the plan and says so. @return the exit code
-int finishPlan(const std::filesystem::path& folder, const vdbtools::Manifest& manifest);
+int finishPlan(const std::filesystem::path& folder, const vdbtools::farm::Manifest& manifest);
 
 }  // namespace cli

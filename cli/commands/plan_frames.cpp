@@ -8,7 +8,7 @@
 
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/farm/frame_plan.h"
-#include "vdbtools/job/fractal_options.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include <ostream>
 #include <stdexcept>
@@ -45,15 +45,15 @@ void addFrameOptions(CommandLine& line) {
       "how the numbers change between keys: of all options, or of the option NAME; any number of times");
 }
 
-vdbtools::FramePlanOptions parseFrameOptions(const CommandLine& line, const std::set<vdbtools::Product>& makes) {
-  vdbtools::FramePlanOptions options{
+vdbtools::farm::FramePlanOptions parseFrameOptions(const CommandLine& line, const std::set<vdbtools::Product>& makes) {
+  vdbtools::farm::FramePlanOptions options{
       .base = withFoundFiles(line, line.givenRecipe(), line.configHolder()),
-      .keys = vdbtools::parseKeys(line.texts("key"), line.texts("ease"), vdbtools::fractalOptionTable()),
-      .frames = vdbtools::parseFrames(line.text("frames"))};
+      .keys = vdbtools::farm::parseKeys(line.texts("key"), line.texts("ease"), vdbtools::fractalOptionTable()),
+      .frames = vdbtools::farm::parseFrames(line.text("frames"))};
   const vdbtools::OptionTable table = vdbtools::fractalOptionTable();
   const vdbtools::Recipe typed = line.given();
   std::set<std::string> names = line.typedNames();
-  for (const vdbtools::KeyedOption& keyed : options.keys) {
+  for (const vdbtools::farm::KeyedOption& keyed : options.keys) {
     if (typed.contains(keyed.name))
       throw std::invalid_argument("--" + keyed.name + " is given and has keys; give only one of them");
     names.insert(keyed.name);
@@ -61,12 +61,12 @@ vdbtools::FramePlanOptions parseFrameOptions(const CommandLine& line, const std:
   for (const std::string& name : line.typedNames()) options.given[name] = options.base.at(name);
   vdbtools::RequiredEffects effects(table, std::move(names));
   for (const int frame : options.frames)
-    if (effects.add({vdbtools::completeRecipe(vdbtools::recipeAt(options, frame), table), makes})) return options;
+    if (effects.add({vdbtools::completeRecipe(vdbtools::farm::recipeAt(options, frame), table), makes})) return options;
   effects.require();
   return options;
 }
 
-std::string frameResolutionText(const vdbtools::FramePlanOptions& options) {
+std::string frameResolutionText(const vdbtools::farm::FramePlanOptions& options) {
   return "resolution " + vdbtools::shortText(options.resolution.value()) +
          " for all frames: the most that the first, the middle and the last of them need";
 }
@@ -80,13 +80,13 @@ int planFrames(const Arguments& arguments) {
   if (!line.has("frames"))
     throw std::invalid_argument("no frames were given; use --frames LIST, such as --frames 1-48");
   const std::vector<std::string> makes = parseMakes(line);
-  vdbtools::FramePlanOptions options = parseFrameOptions(line, productsOf(makes));
+  vdbtools::farm::FramePlanOptions options = parseFrameOptions(line, productsOf(makes));
   options.name = line.text("name");
   options.makes = makes;
   const std::filesystem::path folder = newPlanFolder(line);
-  vdbtools::chooseResolution(options, line.progress());
+  vdbtools::farm::chooseResolution(options, line.progress());
   if (options.resolution) report().text() << frameResolutionText(options) << '\n';
-  return finishPlan(folder, vdbtools::planFrames(options));
+  return finishPlan(folder, vdbtools::farm::planFrames(options));
 }
 
 }  // namespace cli

@@ -6,7 +6,7 @@
 #include "products.h"
 
 #include "vdbtools/farm/sheet_plan.h"
-#include "vdbtools/job/fractal_options.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include <stdexcept>
 
@@ -28,15 +28,15 @@ int planSheet(const Arguments& arguments) {
   if (!line.parse(arguments)) return kDone;
   if (line.has("config"))
     throw std::invalid_argument("--config is given, but each cell has a recipe of its own; leave it out");
-  vdbtools::SheetPlanOptions options{
+  vdbtools::farm::SheetPlanOptions options{
       .cells = line.text("input"), .given = line.given(), .name = line.text("name"), .makes = parseMakes(line)};
   if (options.cells.empty()) throw std::invalid_argument("no contact sheet was given, such as sheet.json#3,7");
   options.given.erase("input");
   const std::filesystem::path folder = newPlanFolder(line);
-  const vdbtools::Manifest manifest = vdbtools::planSheetCells(options, line.progress());
+  const vdbtools::farm::Manifest manifest = vdbtools::farm::planSheetCells(options, line.progress());
   std::vector<vdbtools::OptionRun> runs;
   for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index)
-    runs.push_back({vdbtools::taskRecipe(manifest, index), productsOf(options.makes)});
+    runs.push_back({vdbtools::farm::taskRecipe(manifest, index), productsOf(options.makes)});
   line.requireEffect(line.typedNames(), runs);
   return finishPlan(folder, manifest);
 }

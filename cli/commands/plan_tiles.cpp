@@ -10,8 +10,8 @@
 #include "vdbtools/farm/estimate.h"
 #include "vdbtools/farm/plan_folder.h"
 #include "vdbtools/farm/tile_plan.h"
-#include "vdbtools/job/fractal_options.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include <cstdlib>
 #include <limits>
@@ -49,8 +49,8 @@ std::string amount(double value, std::initializer_list<std::pair<double, const c
   return "";
 }
 
-void tell(const char* what, const char* name, const vdbtools::Estimated& estimated,
-          std::initializer_list<std::pair<double, const char*>> units) {
+void tellEstimate(const char* what, const char* name, const vdbtools::farm::Estimated& estimated,
+                  std::initializer_list<std::pair<double, const char*>> units) {
   report().count(name, estimated.value);
   report().count(name + std::string("Low"), estimated.low);
   report().count(name + std::string("High"), estimated.high);
@@ -59,41 +59,42 @@ void tell(const char* what, const char* name, const vdbtools::Estimated& estimat
 }
 
 /// Makes some of the tasks, each as a process of its own, as a farm would.
-std::vector<vdbtools::SampledTask> makeSample(const CommandLine& line, const std::filesystem::path& folder,
-                                              const vdbtools::TilePlan& plan, std::uint64_t count) {
+std::vector<vdbtools::farm::SampledTask> makeSample(const CommandLine& line, const std::filesystem::path& folder,
+                                                    const vdbtools::farm::TilePlan& plan, std::uint64_t count) {
   constexpr std::uint64_t kSeed = 1;
   // With the hash that only the written one has.
-  const vdbtools::Manifest manifest = vdbtools::readManifest(folder);
-  const std::vector<std::uint64_t> indices = vdbtools::sampleTasks(manifest.tasks.size(), count, kSeed);
+  const vdbtools::farm::Manifest manifest = vdbtools::farm::readManifest(folder);
+  const std::vector<std::uint64_t> indices = vdbtools::farm::sampleTasks(manifest.tasks.size(), count, kSeed);
   vdbtools::Monitor& monitor = line.progress();
   monitor.begin("sample", indices.size());
-  std::vector<vdbtools::SampledTask> sample;
+  std::vector<vdbtools::farm::SampledTask> sample;
   for (const std::uint64_t index : indices) {
     std::vector<std::string> words = {"task", folder.string(), "--index", std::to_string(index), "--progress", "none"};
     if (line.has("threads")) words.insert(words.end(), {"--threads", line.text("threads")});
     const int code = runThisProgram(words, [&] { return monitor.cancelled(); });
     monitor.throwIfCancelled();
-    const std::optional<vdbtools::TaskRecord> record =
-        vdbtools::finishedTask(folder, manifest, index, vdbtools::FileCheck::Quick);
+    const std::optional<vdbtools::farm::TaskRecord> record =
+        vdbtools::farm::finishedTask(folder, manifest, index, vdbtools::farm::FileCheck::Quick);
     if (!record)
-      throw vdbtools::DataError("task " + std::to_string(index) + " of the sample failed with exit code " +
-                                std::to_string(code) + ": " +
-                                vdbtools::taskStatus(folder, manifest, index, vdbtools::FileCheck::Quick).error);
+      throw vdbtools::DataError(
+          "task " + std::to_string(index) + " of the sample failed with exit code " + std::to_string(code) + ": " +
+          vdbtools::farm::taskStatus(folder, manifest, index, vdbtools::farm::FileCheck::Quick).error);
     sample.push_back({plan.work[index - 1], *record});
     monitor.advance(1);
   }
   return sample;
 }
 
-void tellEstimate(const vdbtools::PlanEstimate& estimate) {
+void tellEstimate(const vdbtools::farm::PlanEstimate& estimate) {
   report().text() << "from " << estimate.sampled << " of " << estimate.tasks
                   << " tiles, which are done now, with 95 % intervals:\n";
-  tell("  triangles         ", "estimatedTriangles", estimate.triangles,
-       {{1e9, " billion"}, {1e6, " million"}, {1e3, " thousand"}, {1, ""}});
-  tell("  CPU time          ", "estimatedCpuSeconds", estimate.cpuSeconds, {{3600, " h"}, {60, " min"}, {1, " s"}});
-  tell("  memory of a task  ", "estimatedPeakBytes", estimate.peakBytes, {{0x1p30, " GiB"}, {0x1p20, " MiB"}});
-  tell("  disk              ", "estimatedDiskBytes", estimate.diskBytes,
-       {{0x1p40, " TiB"}, {0x1p30, " GiB"}, {0x1p20, " MiB"}, {0x1p10, " KiB"}});
+  tellEstimate("  triangles         ", "estimatedTriangles", estimate.triangles,
+               {{1e9, " billion"}, {1e6, " million"}, {1e3, " thousand"}, {1, ""}});
+  tellEstimate("  CPU time          ", "estimatedCpuSeconds", estimate.cpuSeconds,
+               {{3600, " h"}, {60, " min"}, {1, " s"}});
+  tellEstimate("  memory of a task  ", "estimatedPeakBytes", estimate.peakBytes, {{0x1p30, " GiB"}, {0x1p20, " MiB"}});
+  tellEstimate("  disk              ", "estimatedDiskBytes", estimate.diskBytes,
+               {{0x1p40, " TiB"}, {0x1p30, " GiB"}, {0x1p20, " MiB"}, {0x1p10, " KiB"}});
 }
 
 }  // namespace
@@ -110,27 +111,28 @@ int planTiles(const Arguments& arguments) {
       "sample", text("M")->default_value("24"), "how many tiles --estimate makes");
   if (!line.parse(arguments)) return kDone;
   const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(line.recipe());
-  vdbtools::TilePlanOptions tiles{.makes = parseMakes(line)};
+  vdbtools::farm::TilePlanOptions tiles{.makes = parseMakes(line)};
   if (line.has("tiles") && line.has("tile-nodes"))
     throw std::invalid_argument("--tiles and --tile-nodes exclude each other");
   if (line.has("tile-nodes"))
     tiles.tileNodes = line.integer<int>("tile-nodes", 2, std::numeric_limits<int>::max() / 4);
   else
-    tiles.tiles = line.has("tiles") ? line.integer<int>("tiles", 1, vdbtools::kMostTiles) : 16;
+    tiles.tiles = line.has("tiles") ? line.integer<int>("tiles", 1, vdbtools::farm::kMostTiles) : 16;
   const bool wantsEstimate = line.values()["estimate"].as<bool>();
-  const auto sampleSize = line.integer<std::uint64_t>("sample", 2, vdbtools::kMostTiles);
+  const auto sampleSize = line.integer<std::uint64_t>("sample", 2, vdbtools::farm::kMostTiles);
   tiles.survey = wantsEstimate;
   line.requireUse(wantsEstimate, {"sample"}, "it goes with --estimate; give that too, or leave it out");
   line.requireEffect(productsOf(tiles.makes));
   const std::filesystem::path folder = newPlanFolder(line);
-  const vdbtools::TilePlan plan = vdbtools::planTiles(options, line.recipe(), tiles, folder, line.progress());
+  const vdbtools::farm::TilePlan plan =
+      vdbtools::farm::planTiles(options, line.recipe(), tiles, folder, line.progress());
   if (tiles.tiles && plan.manifest.tasks.size() < static_cast<std::size_t>(*tiles.tiles))
     report().text() << "note: " << plan.manifest.tasks.size() << " tiles are all that the blocks of 8 x 8 x 8 nodes "
                     << "with something to do can be cut into\n";
   if (!plan.chosenResolution.empty()) report().text() << plan.chosenResolution << '\n';
   if (!plan.finerThanVoxels.empty()) report().text() << "warning: " << plan.finerThanVoxels << '\n';
   const int code = finishPlan(folder, plan.manifest);
-  if (wantsEstimate) tellEstimate(vdbtools::estimatePlan(plan.work, makeSample(line, folder, plan, sampleSize)));
+  if (wantsEstimate) tellEstimate(vdbtools::farm::estimatePlan(plan.work, makeSample(line, folder, plan, sampleSize)));
   return code;
 }
 

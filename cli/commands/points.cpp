@@ -10,11 +10,12 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/vdb_points.h"
-#include "vdbtools/job/attribute_options.h"
-#include "vdbtools/job/file_axes.h"
 #include "vdbtools/job/points_job.h"
-#include "vdbtools/job/recorded_recipe.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
+#include "vdbtools/records/recorded_recipe.h"
+#include "vdbtools/scene/attribute_options.h"
+#include "vdbtools/scene/file_axes.h"
 #include "vdbtools/surface/grid_mesh.h"
 
 #include <cmath>
@@ -64,15 +65,15 @@ const vdbtools::OptionTable& attributeTable() {
   return table;
 }
 
-Made fromRecipe(const vdbtools::Recipe& recipe, const vdbtools::FractalOptions& fractal,
-                const vdbtools::PointsOptions& options, Progress& progress) {
+Made pointsFromRecipe(const vdbtools::Recipe& recipe, const vdbtools::FractalOptions& fractal,
+                      const vdbtools::PointsOptions& options, Progress& progress) {
   const vdbtools::Scene scene = vdbtools::makeScene(fractal, progress);
   return {vdbtools::fractalPoints(scene, options, progress), vdbtools::sceneMetadata(scene, recipe), scene.voxelSize,
           scene.options.output.axes};
 }
 
-Made fromShape(const std::string& input, const std::string& grid, const vdbtools::PointsOptions& options,
-               Progress& progress) {
+Made pointsFromShape(const std::string& input, const std::string& grid, const vdbtools::PointsOptions& options,
+                     Progress& progress) {
   if (!vdbtools::isVdbPath(input)) {
     return {vdbtools::meshPoints(vdbtools::readMesh(input), options, progress), {}, 0};
   }
@@ -125,8 +126,8 @@ int runPoints(const Arguments& arguments) {
   }
   Outputs outputs(line, fractal ? vdbtools::inputsOf(*fractal) : vdbtools::InputFiles());
   vdbtools::AtomicFile& file = outputs.add("output", line.text("output"), ".ply .vdb");
-  const Made made = fractal ? fromRecipe(recipe, *fractal, options, line.progress())
-                            : fromShape(input, line.text("grid"), options, line.progress());
+  const Made made = fractal ? pointsFromRecipe(recipe, *fractal, options, line.progress())
+                            : pointsFromShape(input, line.text("grid"), options, line.progress());
   const vdbtools::OrientedPoints& points = made.points;
   line.progress().begin("writing", 0);
   if (formatOf(line.text("output"), ".ply") == ".vdb") {

@@ -10,10 +10,11 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_job.h"
-#include "vdbtools/job/print_job.h"
-#include "vdbtools/job/recorded_recipe.h"
-#include "vdbtools/mesh/mesh_writer.h"
-#include "vdbtools/mesh/three_mf.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
+#include "vdbtools/mesh_files/three_mf.h"
+#include "vdbtools/print/print_job.h"
+#include "vdbtools/records/recorded_recipe.h"
 #include "vdbtools/surface/grid_mesh.h"
 
 #include <cmath>
@@ -97,7 +98,7 @@ std::string counted(std::uint64_t count, const char* one, const char* several) {
   return std::to_string(count) + ' ' + (count == 1 ? one : several);
 }
 
-void tell(const vdbtools::PrintedPart& part, const vdbtools::PrintOptions& options, const std::string& names) {
+void tellPart(const vdbtools::PrintedPart& part, const vdbtools::PrintOptions& options, const std::string& names) {
   std::ostream& text = report().text();
   constexpr double kCubicCentimetre = 1000;  // cubic millimetres
   text << "wrote " << names << ": " << vdbtools::shortText(part.extents[0]) << " x "
@@ -192,7 +193,7 @@ int runPrint(const Arguments& arguments) {
   report().count("cavities", static_cast<double>(part.cavities));
   report().count("thinnest", part.thinnest);
   report().count("thinPlaces", static_cast<double>(part.thinPlaces));
-  tell(part, options, outputs.names());
+  tellPart(part, options, outputs.names());
   return kDone;
 }
 

@@ -13,13 +13,13 @@
 #include "vdbtools/files/frame_name.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/versor_file.h"
-#include "vdbtools/job/file_axes.h"
-#include "vdbtools/job/recorded_recipe.h"
-#include "vdbtools/job/scene_picture.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
+#include "vdbtools/records/recorded_recipe.h"
 #include "vdbtools/render/look.h"
 #include "vdbtools/render/preview.h"
 #include "vdbtools/render/view_options.h"
+#include "vdbtools/scene/file_axes.h"
+#include "vdbtools/scene/scene_picture.h"
 
 #include <algorithm>
 #include <array>
@@ -155,18 +155,18 @@ std::vector<Shot> shotsOf(const CommandLine& line, bool field) {
   const double turn = line.has("turn") ? line.number("turn") : 0;
   if (line.has("turn") && !(turn != 0 && std::abs(turn) <= kMostDegrees))
     line.refuse("turn", "degrees other than 0, such as 360");
-  const std::vector<vdbtools::KeyedOption> keys =
-      vdbtools::parseKeys(line.texts("key"), line.texts("ease"), keyTable(field));
-  for (const vdbtools::KeyedOption& keyed : keys)
+  const std::vector<vdbtools::farm::KeyedOption> keys =
+      vdbtools::farm::parseKeys(line.texts("key"), line.texts("ease"), keyTable(field));
+  for (const vdbtools::farm::KeyedOption& keyed : keys)
     if (given.contains(keyed.name))
       throw std::invalid_argument("--" + keyed.name + " is given and has keys; give only one of them");
-  const std::vector<int> frames = vdbtools::parseFrames(line.text("frames"));
+  const std::vector<int> frames = vdbtools::farm::parseFrames(line.text("frames"));
   std::vector<int> inTime = frames;
   std::sort(inTime.begin(), inTime.end());
   std::vector<Shot> shots;
   for (const int frame : frames) {
     Shot shot{frame, given, 0, isSequence ? vdbtools::expandFrame(input, frame) : input};
-    for (const vdbtools::KeyedOption& keyed : keys) shot.view[keyed.name] = vdbtools::valueAt(keyed, frame);
+    for (const vdbtools::farm::KeyedOption& keyed : keys) shot.view[keyed.name] = vdbtools::farm::valueAt(keyed, frame);
     // In the order of time, whatever the order of the list.
     const auto before = std::lower_bound(inTime.begin(), inTime.end(), frame) - inTime.begin();
     shot.view = vdbtools::overriddenView(base, shot.view);

@@ -5,6 +5,7 @@
 
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/mesh/mesh.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
 #include "vdbtools/render/mesh_preview.h"
 
 namespace cli {

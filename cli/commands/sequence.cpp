@@ -48,7 +48,7 @@ void requireSequenceFits(const CommandLine& line) {
     if (line.has(name)) throw std::invalid_argument("--" + std::string(name) + " can be used with --frames only");
 }
 
-SequenceCounts makeSequence(const CommandLine& line, const vdbtools::FrameRecipes& recipes,
+SequenceCounts makeSequence(const CommandLine& line, const vdbtools::farm::FrameRecipes& recipes,
                             std::span<const char* const> outputs, const FrameMaker& make) {
   const std::vector<int>& frames = recipes.frames();
   SequenceCounts counts{.frames = frames.size()};

@@ -42,7 +42,7 @@ using FrameMaker = std::function<void(const FractalRun&, vdbtools::Monitor&)>;
 /// a failure, which ends the sequence, or with --keep-going that frame alone.
 /// @param outputs  the options that name the files of a frame
 /// @throw FailedWith, vdbtools::Interrupted
-SequenceCounts makeSequence(const CommandLine& line, const vdbtools::FrameRecipes& recipes,
+SequenceCounts makeSequence(const CommandLine& line, const vdbtools::farm::FrameRecipes& recipes,
                             std::span<const char* const> outputs, const FrameMaker& make);
 
 /// Says what has become of the frames. @return the exit code @throw FailedWith  some have failed

@@ -6,9 +6,9 @@
 #include "output.h"
 #include "report.h"
 
-#include "vdbtools/job/fractal_options.h"
-#include "vdbtools/job/recorded_recipe.h"
 #include "vdbtools/job/sheet_job.h"
+#include "vdbtools/records/recorded_recipe.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include <algorithm>
 #include <ostream>

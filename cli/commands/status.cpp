@@ -27,7 +27,7 @@ constexpr Usage kStatusUsage = {
     "  juliavdb status farm\n"
     "  juliavdb status farm --missing\n"};
 
-using vdbtools::TaskState;
+using vdbtools::farm::TaskState;
 
 /// What all tasks of one state have in common.
 struct Sums {
@@ -70,7 +70,7 @@ std::string count(double value) {
 
 void printLists(const std::vector<std::uint64_t>& missing, bool lines) {
   if (!lines) {
-    if (!missing.empty()) std::cout << vdbtools::taskList(missing) << '\n';
+    if (!missing.empty()) std::cout << vdbtools::farm::taskList(missing) << '\n';
     return;
   }
   for (const std::uint64_t index : missing) std::cout << index << '\n';
@@ -90,18 +90,19 @@ int runStatus(const Arguments& arguments) {
   if (!line.has("folder")) throw std::invalid_argument("no plan was given; name its folder");
   const bool onlyMissing = line.values()["missing"].as<bool>(), lines = line.values()["lines"].as<bool>();
   if (lines && !onlyMissing) throw std::invalid_argument("--lines goes with --missing only");
-  const auto check = line.values()["verify"].as<bool>() ? vdbtools::FileCheck::Content : vdbtools::FileCheck::Quick;
+  const auto check =
+      line.values()["verify"].as<bool>() ? vdbtools::farm::FileCheck::Content : vdbtools::farm::FileCheck::Quick;
 
   const std::filesystem::path folder = line.text("folder");
-  const vdbtools::Manifest manifest = vdbtools::readManifest(folder);
-  const bool meshes = vdbtools::makesMesh(manifest);
+  const vdbtools::farm::Manifest manifest = vdbtools::farm::readManifest(folder);
+  const bool meshes = vdbtools::farm::makesMesh(manifest);
   Sums done;
   std::uint64_t running = 0, failed = 0;
   std::vector<std::uint64_t> missing;
   std::string failures;
   for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index) {
     line.progress().throwIfCancelled();
-    const vdbtools::TaskStatus status = vdbtools::taskStatus(folder, manifest, index, check);
+    const vdbtools::farm::TaskStatus status = vdbtools::farm::taskStatus(folder, manifest, index, check);
     switch (status.state) {
       case TaskState::Done: {
         ++done.tasks;
@@ -110,7 +111,7 @@ int runStatus(const Arguments& arguments) {
         done.cpuSeconds += status.record->cpuSeconds;
         done.wallSeconds += status.record->wallSeconds;
         done.peakBytes = std::max(done.peakBytes, status.record->peakBytes);
-        for (const vdbtools::TaskFile& file : status.record->files) done.bytes += file.bytes;
+        for (const vdbtools::farm::TaskFile& file : status.record->files) done.bytes += file.bytes;
         break;
       }
       case TaskState::Running: ++running; break;
@@ -130,7 +131,7 @@ int runStatus(const Arguments& arguments) {
   std::cout << manifest.tasks.size() << " tasks: " << done.tasks << " done, " << running << " running, " << failed
             << " failed, " << missing.size() - failed << " missing\n"
             << failures;
-  if (!missing.empty()) std::cout << "to be made: " << vdbtools::taskList(missing) << '\n';
+  if (!missing.empty()) std::cout << "to be made: " << vdbtools::farm::taskList(missing) << '\n';
   if (done.tasks == 0) return kDone;
   const double left = static_cast<double>(manifest.tasks.size() - done.tasks);
   const double part = left / static_cast<double>(done.tasks);

@@ -9,9 +9,9 @@
 #include "study_dimension.h"
 
 #include "vdbtools/base/number_text.h"
-#include "vdbtools/job/fractal_options.h"
-#include "vdbtools/job/study.h"
 #include "vdbtools/maps/texture_shelf.h"
+#include "vdbtools/scene/fractal_options.h"
+#include "vdbtools/study/study.h"
 
 #include <algorithm>
 #include <ostream>

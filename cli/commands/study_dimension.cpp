@@ -5,7 +5,7 @@
 #include "options.h"
 #include "report.h"
 
-#include "vdbtools/job/dimension.h"
+#include "vdbtools/study/dimension.h"
 
 #include "julia/elementary.h"
 

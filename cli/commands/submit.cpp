@@ -135,7 +135,7 @@ std::string slurmScript(const Submission& s) {
                                         : "--range \"$((SLURM_ARRAY_TASK_ID * " + std::to_string(each) + " - " +
                                               std::to_string(each - 1) + "))-$((SLURM_ARRAY_TASK_ID * " +
                                               std::to_string(each) + "))\"";
-    script += "tasks=$(sbatch --parsable --array=" + vdbtools::taskList(array) + "%" + std::to_string(s.jobs) +
+    script += "tasks=$(sbatch --parsable --array=" + vdbtools::farm::taskList(array) + "%" + std::to_string(s.jobs) +
               " --requeue --signal=B:TERM@60 \\\n    --cpus-per-task=" + std::to_string(s.threads) +
               " --output=logs/%A_%a.log " + common +
               " \\\n    --wrap=" + quoted("exec " + program + " task ." + quoted(s.common) + " " + which) +
@@ -195,20 +195,21 @@ std::map<std::uint64_t, int> loggedCodes(const fs::path& joblog, std::uintmax_t 
 }
 
 /// @param since  failures of earlier submissions say nothing of this one
-Outcome outcomeOf(const Submission& s, const vdbtools::Manifest& manifest, const std::map<std::uint64_t, int>& logged,
-                  fs::file_time_type since) {
+Outcome outcomeOf(const Submission& s, const vdbtools::farm::Manifest& manifest,
+                  const std::map<std::uint64_t, int>& logged, fs::file_time_type since) {
   Outcome outcome;
   for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index) {
-    const vdbtools::TaskStatus status = vdbtools::taskStatus(s.folder, manifest, index, vdbtools::FileCheck::Quick);
-    if (status.state == vdbtools::TaskState::Done) continue;
-    if (status.state == vdbtools::TaskState::Running) {
+    const vdbtools::farm::TaskStatus status =
+        vdbtools::farm::taskStatus(s.folder, manifest, index, vdbtools::farm::FileCheck::Quick);
+    if (status.state == vdbtools::farm::TaskState::Done) continue;
+    if (status.state == vdbtools::farm::TaskState::Running) {
       outcome.running.push_back(index);
       continue;
     }
     outcome.notDone.push_back(index);
     if (status.failedAt && *status.failedAt < since) continue;
     const auto code = logged.find(index);
-    if (status.state == vdbtools::TaskState::Failed) outcome.errors[index] = status.error;
+    if (status.state == vdbtools::farm::TaskState::Failed) outcome.errors[index] = status.error;
     if (status.exitCode)
       outcome.codes.insert(*status.exitCode);
     else if (code != logged.end() && code->second != kDone)
@@ -225,7 +226,7 @@ int codeOf(const std::set<int>& codes) {
 }
 
 std::string tasksText(const std::vector<std::uint64_t>& tasks) {
-  return (tasks.size() == 1 ? "task " : "tasks ") + vdbtools::taskList(tasks);
+  return (tasks.size() == 1 ? "task " : "tasks ") + vdbtools::farm::taskList(tasks);
 }
 
 /// What the engine's failure means. What failed has said why, but among the lines of all others.
@@ -270,7 +271,7 @@ std::string tasksText(const std::vector<std::uint64_t>& tasks) {
 }
 
 /// Waits for the script.
-void runScript(const Submission& s, Engine engine, const vdbtools::Manifest& manifest, const fs::path& script) {
+void runScript(const Submission& s, Engine engine, const vdbtools::farm::Manifest& manifest, const fs::path& script) {
   const fs::path joblog = s.folder / "logs" / "joblog";
   std::error_code error;
   std::uintmax_t logged = fs::file_size(joblog, error);
@@ -278,7 +279,7 @@ void runScript(const Submission& s, Engine engine, const vdbtools::Manifest& man
   const fs::file_time_type since = fs::last_write_time(script);  // by the clock of the disk that has the records
   std::cout.flush();
   const int code = runProgram({"/bin/sh", script.string()});
-  if (engine == Engine::Parallel) vdbtools::removeUnneeded(s.folder, manifest);
+  if (engine == Engine::Parallel) vdbtools::farm::removeUnneeded(s.folder, manifest);
   if (code == kDone) return;
   std::map<std::uint64_t, int> codes;
   if (engine == Engine::Parallel && fs::exists(joblog, error)) codes = loggedCodes(joblog, logged);
@@ -305,13 +306,13 @@ int runSubmit(const Arguments& arguments) {
   if (!line.has("engine")) throw std::invalid_argument("no engine was given; use --engine slurm or --engine parallel");
   const auto engine = line.choice<Engine>("engine", {{"slurm", Engine::Slurm}, {"parallel", Engine::Parallel}});
 
-  const vdbtools::Manifest manifest = vdbtools::readManifest(line.text("folder"));
+  const vdbtools::farm::Manifest manifest = vdbtools::farm::readManifest(line.text("folder"));
   Submission submission;
   submission.folder = fs::canonical(line.text("folder"));
   submission.tasks = manifest.tasks.size();
   const MergeRequest merge = parseMergeRequest(line);
   if (!merge.empty()) {
-    if (manifest.kind != vdbtools::PlanKind::Tiles)
+    if (manifest.kind != vdbtools::farm::PlanKind::Tiles)
       throw std::invalid_argument("only a plan of tiles is merged; leave out -o, --mesh and --index");
     requireMergeable(submission.folder, manifest, merge);
     submission.merge = mergeWords(line);
@@ -325,8 +326,9 @@ int runSubmit(const Arguments& arguments) {
                     : engine == Engine::Slurm ? kUsualJobs
                                               : std::max(1, processors / submission.threads);
   for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index) {
-    const auto state = vdbtools::taskStatus(submission.folder, manifest, index, vdbtools::FileCheck::Quick).state;
-    if (state == vdbtools::TaskState::Missing || state == vdbtools::TaskState::Failed)
+    const auto state =
+        vdbtools::farm::taskStatus(submission.folder, manifest, index, vdbtools::farm::FileCheck::Quick).state;
+    if (state == vdbtools::farm::TaskState::Missing || state == vdbtools::farm::TaskState::Failed)
       submission.missing.push_back(index);
   }
 
@@ -336,7 +338,7 @@ int runSubmit(const Arguments& arguments) {
     return kDone;
   }
   if (submission.missing.empty() && submission.merge.empty()) {
-    vdbtools::removeUnneeded(submission.folder, manifest);
+    vdbtools::farm::removeUnneeded(submission.folder, manifest);
     report().text() << "there is nothing to submit: every task is done, or is being made\n";
     return kDone;
   }
@@ -345,7 +347,7 @@ int runSubmit(const Arguments& arguments) {
     throw vdbtools::MissingInputError("there is no program '" + program + "' in PATH; install it (Debian: " +
                                       (engine == Engine::Slurm ? "slurm-client" : "parallel") +
                                       "), or choose another --engine");
-  const fs::path logs = submission.folder / vdbtools::kLogsName;
+  const fs::path logs = submission.folder / vdbtools::farm::kLogsName;
   std::error_code error;
   fs::create_directories(logs, error);
   if (error) throw vdbtools::CreateError("cannot create '" + logs.string() + "': " + error.message());

@@ -91,11 +91,11 @@ int runTask(const Arguments& arguments) {
   if (!line.has("folder")) throw std::invalid_argument("no plan was given; name its folder");
   const Range range = rangeOf(line);
 
-  vdbtools::TaskRunner runner(line.text("folder"));
+  vdbtools::farm::TaskRunner runner(line.text("folder"));
   const Number count = runner.manifest().tasks.size();
   if (range.last > count)
     report().text() << "the plan has the tasks 1 to " << count << "; there is nothing to do for "
-                    << vdbtools::taskList({std::max(range.first, count + 1)})
+                    << vdbtools::farm::taskList({std::max(range.first, count + 1)})
                     << (range.last > std::max(range.first, count + 1) ? " and later ones" : "") << '\n';
   std::vector<Failure> failures;
   Number failed = 0;

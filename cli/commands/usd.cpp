@@ -8,7 +8,7 @@
 
 #include "vdbtools/farm/frame_plan.h"
 #include "vdbtools/files/frame_name.h"
-#include "vdbtools/job/usd_job.h"
+#include "vdbtools/usd/usd_job.h"
 
 #include <ostream>
 #include <stdexcept>
@@ -46,7 +46,7 @@ int runUsd(const Arguments& arguments) {
   if (!(options.metersPerUnit > 0)) line.refuse("meters-per-unit", "above 0");
   if (!(options.framesPerSecond > 0)) line.refuse("fps", "above 0");
   if (line.has("mesh")) options.mesh = line.text("mesh");
-  if (line.has("frames")) options.frames = vdbtools::parseFrames(line.text("frames"));
+  if (line.has("frames")) options.frames = vdbtools::farm::parseFrames(line.text("frames"));
   line.requireUse(line.has("frames"), {"fps"}, "it is for a sequence; give --frames too, or leave it out");
   line.requireUse(!options.vdb.empty(), {"frames"}, "it is for a sequence of VDBs, and none is given; leave it out");
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.usda");

@@ -11,7 +11,7 @@
 namespace julia {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 /// Roundings of Real in a product of the kernels, as a multiple of the largest that it adds: a dozen, and cosines that
 /// are right to 8 units of 1.
@@ -66,7 +66,7 @@ struct Spherical {
 /// @param size     what the roundings are multiples of
 template <class Real>
 Ball image(const Ball& ball, const Quaternion<double>& centre, double stretch, double size, double roundings,
-           double about0 = kInfinity) {
+           double about0 = kUnbounded) {
   const double rounding = (roundings * kEpsilonOf<Real> + roundings * kSlack) * size + kVanishing<Real>;
   const double radius = (1 + kSlack) * stretch * ball.radius + rounding;
   if (radius < about0) return {centre, radius};
@@ -124,7 +124,7 @@ Ball productD(const Ball& ball) {
   const double square = at.r * at.r, most = at.most * at.most;
   const Complex twice = power(at.phi, 2);
   return image<Real>(ball, {square * twice.a, square * twice.b, 0, 0},
-                     at.leastCosine > 0 ? 2 * at.most / at.leastCosine : kInfinity, most, kRoundings, most);
+                     at.leastCosine > 0 ? 2 * at.most / at.leastCosine : kUnbounded, most, kRoundings, most);
 }
 
 template <class Real>
@@ -160,7 +160,7 @@ Ball triplexPowerOf(int n, TriplexAngle angle, const Ball& ball) {
   const Complex around = power(at.phi, n);
   const Complex above = power(fromPole ? Complex{z, at.level} : Complex{at.level, z}, n);
   const double across = fromPole ? above.b : above.a, height = fromPole ? above.a : above.b;
-  double turn = c > 0 ? 1 / c : kInfinity;
+  double turn = c > 0 ? 1 / c : kUnbounded;
   if (n == 2 && !fromPole && c > 0) turn -= 2 * c;
   if (fromPole || n % 2 == 1) turn = std::min(turn, static_cast<double>(n));
   const double most = power(at.most, n - 1), stretch = n * most * std::max(1., turn);

@@ -56,7 +56,7 @@ struct Split {
 };
 
 /// @pre x is finite and above 0
-Split split(double x) {
+Split splitExponent(double x) {
   int exponent = 0;
   const double half = std::frexp(x, &exponent);  // 1/2 to 1
   return half < std::numbers::sqrt2 / 2 ? Split{2 * half, exponent - 1} : Split{half, exponent};
@@ -82,7 +82,7 @@ Pair logOfMantissa(double m) {
 
 /// ln x, with a relative error of 2^-64 or so. @pre x is finite and above 0
 Pair logOf(double x) {
-  const Split parts = split(x);
+  const Split parts = splitExponent(x);
   const Pair mantissa = logOfMantissa(parts.mantissa);
   // The first product is exact, and the larger of the two unless it is 0.
   const Pair whole = fastSum(parts.exponent * Double::kLn2High, mantissa.high);
@@ -237,7 +237,7 @@ double log(double x) {
 double log2(double x) {
   if (!isRegular(x)) return specialLog(x);
   constexpr Pair kLog2E{0x1.71547652b82fep+0, 0x1.777d0ffda0d24p-56};
-  const Split parts = split(x);
+  const Split parts = splitExponent(x);
   const Pair mantissa = product(logOfMantissa(parts.mantissa), kLog2E);
   const Pair result = fastSum(parts.exponent, mantissa.high);
   return result.high + (result.low + mantissa.low);
@@ -293,7 +293,7 @@ double pow(double x, double y) {
   const double sign = x < 0 && isOdd ? -1 : 1;
   constexpr double kMostByProducts = 1024, kBeyond = 800;
   if (isWhole && std::abs(y) <= kMostByProducts) {
-    const Split parts = split(std::abs(x));
+    const Split parts = splitExponent(std::abs(x));
     const auto n = static_cast<int>(y);
     return sign * Scaled{wholePower(parts.mantissa, n), parts.exponent * n}.rounded();
   }
@@ -305,7 +305,7 @@ double pow(double x, double y) {
 
 double cbrt(double x) {
   if (x == 0 || !std::isfinite(x)) return x;
-  const Split parts = split(std::abs(x));
+  const Split parts = splitExponent(std::abs(x));
   const int thirds = static_cast<int>(std::floor(parts.exponent / 3.));
   const double size = std::ldexp(parts.mantissa, parts.exponent - 3 * thirds);
   const double root = kernels::exponential(kernels::logarithm(size) / 3);

@@ -31,7 +31,7 @@ struct Component {
 }
 
 /// At the commas that stand in no parenthesis.
-std::vector<Component> split(const char* function, const std::string& whole) {
+std::vector<Component> componentsOf(const char* function, const std::string& whole) {
   std::vector<Component> components;
   std::size_t begin = 0;
   int depth = 0;
@@ -53,21 +53,21 @@ std::vector<Component> split(const char* function, const std::string& whole) {
 }
 
 /// @param place  in the component, from 0
-[[noreturn]] void refuseAt(const Component& component, std::size_t place, const std::string& token,
-                           const std::string& why) {
+[[noreturn]] void refuseComponentAt(const Component& component, std::size_t place, const std::string& token,
+                                    const std::string& why) {
   const std::size_t character = std::min(component.offset + place, component.whole.size()) + 1;
   refuse(component.function, component.whole, "character " + std::to_string(character) + quoted(token) + ": " + why);
 }
 
-[[noreturn]] void refuseAs(const Component& component, const mu::ParserError& error) {
-  refuseAt(component, placeOf(error, component.text), tokenOf(error, component.text),
-           meaningOf(error, std::string("the variables and constants are ") + kKnown));
+[[noreturn]] void refuseComponentAs(const Component& component, const mu::ParserError& error) {
+  refuseComponentAt(component, placeOf(error, component.text), tokenOf(error, component.text),
+                    meaningOf(error, std::string("the variables and constants are ") + kKnown));
 }
 
 /// muParser would change a variable under the other components.
 void refuseAssignment(const Component& component) {
   if (const std::optional<std::size_t> place = assignmentIn(component.text))
-    refuseAt(component, *place, "=", kAssignment);
+    refuseComponentAt(component, *place, "=", kAssignment);
 }
 
 /// The six expressions over variables of their own. muParser's objects are for one thread each; its bulk mode starts
@@ -95,7 +95,7 @@ class Expressions {
         mValues[i] = parser.Eval();
         mIsConstant[i] = parser.GetUsedVar().empty();
       } catch (const mu::ParserError& error) {
-        refuseAs(components[i], error);
+        refuseComponentAs(components[i], error);
       }
     }
   }
@@ -122,7 +122,7 @@ class Expressions {
 
 /// Tries the expressions at points in cubes of a few sizes, which additive recurrences with irrational steps fill
 /// evenly.
-void requireFinite(Expressions& expressions, const std::vector<Component>& components) {
+void requireFiniteValues(Expressions& expressions, const std::vector<Component>& components) {
   std::array<bool, 6> finite{};
   for (const double size : {0.5, 2., 10., 57.})
     for (int k = 1; k <= 32; ++k) {
@@ -133,9 +133,9 @@ void requireFinite(Expressions& expressions, const std::vector<Component>& compo
     }
   for (std::size_t i = 0; i < finite.size(); ++i)
     if (!finite[i])
-      refuseAt(components[i], components[i].text.find_first_not_of(" \t\r\n"), "",
-               "component " + std::to_string(i % 3 + 1) +
-                   " has a finite value at none of the points where it was tried; does it divide by 0?");
+      refuseComponentAt(components[i], components[i].text.find_first_not_of(" \t\r\n"), "",
+                        "component " + std::to_string(i % 3 + 1) +
+                            " has a finite value at none of the points where it was tried; does it divide by 0?");
 }
 
 template <class Real>
@@ -151,13 +151,13 @@ class ExpressionPair::Pool : public ObjectPool<Expressions> {
  public:
   explicit Pool(const std::vector<Component>& components)
       : ObjectPool([components] { return std::make_unique<Expressions>(components); }) {
-    requireFinite(*borrow(), components);
+    requireFiniteValues(*borrow(), components);
   }
 };
 
 ExpressionPair::ExpressionPair(const std::string& f, const std::string& g) {
-  std::vector<Component> components = split("f", f);
-  for (Component& component : split("g", g)) components.push_back(std::move(component));
+  std::vector<Component> components = componentsOf("f", f);
+  for (Component& component : componentsOf("g", g)) components.push_back(std::move(component));
   mPool = std::make_unique<Pool>(components);
 }
 

@@ -22,7 +22,7 @@ double sine(double x) {
   kernels::sineCosineOfRadians(x, result, other);
   return result;
 }
-double cosine(double x) { return std::abs(x) < kMostAngle ? kernels::cosineOfRadians(x) : elementary::cos(x); }
+double cosineOfAny(double x) { return std::abs(x) < kMostAngle ? kernels::cosineOfRadians(x) : elementary::cos(x); }
 
 // muParser computes ^ with the C library's power, and does not let that be replaced. So it reads another character in
 // its place, which has no other meaning.
@@ -40,7 +40,7 @@ void defineFunctions(mu::Parser& parser) {
   using Many = double (*)(const double*, int);
   parser.ClearFun();
   parser.DefineFun("sin", &sine);
-  parser.DefineFun("cos", &cosine);
+  parser.DefineFun("cos", &cosineOfAny);
   const std::pair<const char*, One> functions[] = {
       {"tan", &elementary::tan},
       {"asin", &elementary::asin},

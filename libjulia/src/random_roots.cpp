@@ -3,6 +3,7 @@
 
 #include "number_text.h"
 #include "random_numbers.h"
+#include "require.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,18 +16,14 @@ namespace {
 // A target that fills less of its box than this is called empty.
 constexpr int kMostTries = 10'000'000;
 constexpr int kMostRoots = 1'000'000;
-constexpr double kMostPower = 1e6;
+constexpr double kMostRandomPower = 1e6;
 // The largest component of a root that a rational accepts; see requireFinite(const Rational&).
 constexpr double kFarthest = 1e9;
-
-void require(bool good, const std::string& text) {
-  if (!good) throw std::invalid_argument(text);
-}
 
 void requireValid(const RandomRootsOptions& options) {
   require(options.count >= 1 && options.count <= kMostRoots,
           "the number of roots is " + std::to_string(options.count) + "; it must be 1 to 1000000");
-  require(std::abs(options.minPower) <= kMostPower && std::abs(options.maxPower) <= kMostPower &&
+  require(std::abs(options.minPower) <= kMostRandomPower && std::abs(options.maxPower) <= kMostRandomPower &&
               options.minPower <= options.maxPower,
           "the powers run from " + textOf(options.minPower) + " to " + textOf(options.maxPower) +
               "; give the smaller first, both within 1e6");

@@ -3,6 +3,7 @@
 
 #include "number_text.h"
 #include "random_numbers.h"
+#include "require.h"
 
 #include "julia/elementary.h"
 
@@ -17,15 +18,11 @@ namespace julia {
 namespace {
 
 constexpr int kMostPoints = 1'000'000;
-constexpr int kMostPower = 1000;
+constexpr int kMostFactorPower = 1000;
 // Far against every shape, so that (q - t) hardly turns, and within the 1e9 that a rational accepts.
 constexpr double kFar = 1e6;
 
-void require(bool good, const std::string& text) {
-  if (!good) throw std::invalid_argument(text);
-}
-
-void requireFinite(const Point& point, const char* what) {
+void requireFinitePoint(const Point& point, const char* what) {
   for (const double x : point) require(std::isfinite(x), std::string(what) + " is not finite");
 }
 
@@ -40,7 +37,7 @@ Point plus(const Point& a, const Point& b, double factor = 1) {
 
 double dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-Point cross(const Point& a, const Point& b) {
+Point crossProduct(const Point& a, const Point& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
@@ -49,8 +46,8 @@ double squaredDistance(const Point& a, const Point& b) {
   return dot(d, d);
 }
 
-Point unit(const Point& axis) {
-  requireFinite(axis, "the axis");
+Point unitVector(const Point& axis) {
+  requireFinitePoint(axis, "the axis");
   const double length = elementary::hypot(axis[0], axis[1], axis[2]);
   require(length > 0 && std::isfinite(length), "the axis has no direction; give one of a length above 0");
   return {axis[0] / length, axis[1] / length, axis[2] / length};
@@ -68,8 +65,8 @@ Frame frameOf(const Point& axis) {
     if (std::abs(axis[i]) < std::abs(axis[least])) least = i;
   Point other{0, 0, 0};
   other[least] = 1;
-  const Point u = unit(plus(other, axis, -dot(other, axis)));
-  return {u, cross(axis, u)};
+  const Point u = unitVector(plus(other, axis, -dot(other, axis)));
+  return {u, crossProduct(axis, u)};
 }
 
 /// A point of the surface near x, by Newton's steps along the gradient.
@@ -123,9 +120,9 @@ std::vector<Point> pointsOnCircle(const Point& centre, const Point& axis, double
 std::vector<Point> pointsOnHelix(const Point& centre, const Point& axis, double radius, double length, double turns,
                                  int count) {
   requireCount(count);
-  requireFinite(centre, "the centre");
-  requireFinite({radius, length, turns}, "the radius, the length or the number of turns");
-  const Point along = unit(axis);
+  requireFinitePoint(centre, "the centre");
+  requireFinitePoint({radius, length, turns}, "the radius, the length or the number of turns");
+  const Point along = unitVector(axis);
   const Frame frame = frameOf(along);
   std::vector<Point> points;
   for (int i = 0; i < count; ++i) {
@@ -138,8 +135,8 @@ std::vector<Point> pointsOnHelix(const Point& centre, const Point& axis, double 
 }
 
 std::vector<Point> pointsOfLattice(const Point& boxMin, const Point& boxMax, double spacing) {
-  requireFinite(boxMin, "the box");
-  requireFinite(boxMax, "the box");
+  requireFinitePoint(boxMin, "the box");
+  requireFinitePoint(boxMax, "the box");
   require(spacing > 0 && std::isfinite(spacing),
           "the lattice's spacing is " + textOf(spacing) + "; it must be above 0");
   std::array<int, 3> count{};
@@ -192,8 +189,8 @@ std::vector<Point> jittered(std::vector<Point> points, double deviation, std::ui
 std::vector<Point> fanOfAxes(const Point& from, const Point& to, double angle, int count) {
   requireCount(count);
   require(std::isfinite(angle), "the angle is not finite");
-  const Point u = unit(from), towards = unit(to);
-  const Point v = unit(plus(towards, u, -dot(towards, u)));
+  const Point u = unitVector(from), towards = unitVector(to);
+  const Point v = unitVector(plus(towards, u, -dot(towards, u)));
   std::vector<Point> axes;
   for (int i = 0; i < count; ++i) {
     Point axis{};
@@ -210,14 +207,14 @@ Root constantFactor(const Quaternion<double>& c) {
 
 void appendRings(std::vector<Root>& roots, const Point& point, const Point& axis, int power, int repeats,
                  const Embedding& embedding) {
-  require(power != 0 && std::abs(power) <= kMostPower,
+  require(power != 0 && std::abs(power) <= kMostFactorPower,
           "the power is " + std::to_string(power) + "; it must be 1 to 1000, or -1 to -1000");
-  require(repeats >= 1 && repeats <= kMostPower,
+  require(repeats >= 1 && repeats <= kMostFactorPower,
           "the number of repetitions is " + std::to_string(repeats) + "; it must be 1 to 1000");
   const Quaternion<double> t = embedding.quaternion<double>(point);
   Embedding unsliced = embedding;
   unsliced.slice = 0;
-  const Quaternion<double> n = unsliced.quaternion<double>(unit(axis));
+  const Quaternion<double> n = unsliced.quaternion<double>(unitVector(axis));
   if (n == Quaternion<double>::one()) {
     roots.push_back({t, static_cast<double>(power) * repeats});
     return;

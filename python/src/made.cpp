@@ -5,10 +5,10 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/output_files.h"
 #include "vdbtools/job/fractal_files.h"
-#include "vdbtools/job/recorded_files.h"
-#include "vdbtools/job/scene_picture.h"
 #include "vdbtools/recipe/option_value.h"
+#include "vdbtools/records/recorded_files.h"
 #include "vdbtools/render/view_options.h"
+#include "vdbtools/scene/scene_picture.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -164,11 +164,11 @@ std::shared_ptr<MadeFit> makeFit(const Recipe& given, std::shared_ptr<const vdbt
   auto fit = std::make_shared<MadeFit>();
   fit->recipe = given;
   if (mesh) fit->recipe["input"] = kMemory;
-  fit->recipe = vdbtools::completeRecipe(std::move(fit->recipe), vdbtools::fitOptionTable());
-  vdbtools::FitOptions options = vdbtools::parseFitOptions(fit->recipe);
+  fit->recipe = vdbtools::completeRecipe(std::move(fit->recipe), vdbtools::fit::fitOptionTable());
+  vdbtools::fit::FitOptions options = vdbtools::fit::parseFitOptions(fit->recipe);
   if (!mesh) fit->inputs.add(options.target.input);
   options.target.mesh = std::move(mesh);
-  fit->result = vdbtools::runFit(options, false, monitor);
+  fit->result = vdbtools::fit::runFit(options, false, monitor);
   return fit;
 }
 
@@ -178,7 +178,7 @@ void writeFit(const MadeFit& fit, const std::string& path, Monitor& monitor) {
   std::ostream& file = files.add(path).stream();
   monitor.begin("writing", 0);
   const bool json = vdbtools::lowerExtension(path) == ".json";
-  file << (json ? vdbtools::fitToJson(fit.result, fit.recipe) : vdbtools::fitToO3d(fit.result, monitor));
+  file << (json ? vdbtools::fit::fitToJson(fit.result, fit.recipe) : vdbtools::fit::fitToO3d(fit.result, monitor));
   monitor.throwIfCancelled();
   files.commit();
 }

@@ -61,12 +61,12 @@ vdbtools::Image pictureOf(const MadeScene& made, const vdbtools::Recipe& view, v
 /// A recipe of `juliavdb fit` and what it gave.
 struct MadeFit {
   vdbtools::Recipe recipe;  ///< completed
-  vdbtools::FitResult result;
+  vdbtools::fit::FitResult result;
   vdbtools::InputFiles inputs;  ///< as of a scene
 };
 
 /// @param mesh  as that of makeNamedScene()
-/// @throw as vdbtools::parseFitOptions() and vdbtools::runFit()
+/// @throw as vdbtools::fit::parseFitOptions() and vdbtools::fit::runFit()
 std::shared_ptr<MadeFit> makeFit(const vdbtools::Recipe& given, std::shared_ptr<const vdbtools::Mesh> mesh,
                                  vdbtools::Monitor& monitor);
 

@@ -8,10 +8,10 @@
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/memory.h"
 #include "vdbtools/base/number_text.h"
-#include "vdbtools/job/failure_text.h"
-#include "vdbtools/job/fractal_options.h"
-#include "vdbtools/job/scene_picture.h"
 #include "vdbtools/picture/screen_codes.h"
+#include "vdbtools/records/failure_text.h"
+#include "vdbtools/scene/fractal_options.h"
+#include "vdbtools/scene/scene_picture.h"
 
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
@@ -181,7 +181,7 @@ std::shared_ptr<MadeFit> openFit(const Recipe& recipe, const py::object& vertice
 }
 
 py::dict infoOfFit(const MadeFit& fit) {
-  const vdbtools::FitMeasure& measure = fit.result.measure;
+  const vdbtools::fit::FitMeasure& measure = fit.result.measure;
   py::dict info;
   info["recipe"] = fit.recipe;
   info["top_roots"] = fit.result.rational.top.roots.size();
@@ -328,7 +328,7 @@ PYBIND11_MODULE(_juliavdb, m) {
   py::register_exception_translator(translate);
 
   m.def("options", [] { return listingOf(vdbtools::fractalOptionTable()); });
-  m.def("fit_options", [] { return listingOf(vdbtools::fitOptionTable()); });
+  m.def("fit_options", [] { return listingOf(vdbtools::fit::fitOptionTable()); });
   m.def("view_options", [] { return listingOf(viewTable()); });
   m.def("check_view", checkView);
   m.attr("version") = JULIAVDB_VERSION;

@@ -4,7 +4,7 @@
 #include "made.h"
 
 #include "vdbtools/fit/fit_job.h"
-#include "vdbtools/job/fractal_options.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include <algorithm>
 #include <cctype>
@@ -16,7 +16,8 @@ namespace {
 const std::set<std::string, std::less<>>& namesInPython() {
   static const std::set<std::string, std::less<>> all = [] {
     std::set<std::string, std::less<>> names{"memory"};
-    for (const vdbtools::OptionTable& table : {vdbtools::fractalOptionTable(), vdbtools::fitOptionTable(), viewTable()})
+    for (const vdbtools::OptionTable& table :
+         {vdbtools::fractalOptionTable(), vdbtools::fit::fitOptionTable(), viewTable()})
       for (const vdbtools::OptionListing& option : table.listing()) names.insert(option.name);
     return names;
   }();

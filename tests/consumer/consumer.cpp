@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <julia/random_roots.h>
-#include <vdbtools/mesh/mesh_writer.h>
+#include <vdbtools/mesh_files/mesh_writer.h>
 
 #include <sstream>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "explore/file_access.h"
 
-#include "vdbtools/job/fractal_options.h"
-#include "vdbtools/job/scene.h"
+#include "vdbtools/scene/fractal_options.h"
+#include "vdbtools/scene/scene.h"
 
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ TEST(FileAccess, NoOptionThatNamesAFileIsForgotten) {
     if (map->targetUse() != vdbtools::TargetUse::None) base["input"] = "mine.obj";
     if (map->name() == "rational") base["rational"] = "mine.json";
     if (map->name() == "shape-modulus") base["versor-over"] = "coral";  // its seed, frequency and share are read then
-    const vdbtools::FileAccess access(optionsOf(base));
+    const vdbtools::explore::FileAccess access(optionsOf(base));
     EXPECT_NO_THROW(access.require(optionsOf(base)));
     for (const vdbtools::OptionSpec* spec : table.optionsOf(base)) {
       if (spec->argument.empty()) continue;
@@ -63,8 +63,8 @@ TEST(FileAccess, NoOptionThatNamesAFileIsForgotten) {
           continue;
         }
         ++named;
-        EXPECT_THROW(access.require(*options), vdbtools::FileRefused) << "--" << spec->name << ' ' << text;
-        EXPECT_NO_THROW(vdbtools::FileAccess(*options).require(*options)) << "--" << spec->name << ' ' << text;
+        EXPECT_THROW(access.require(*options), vdbtools::explore::FileRefused) << "--" << spec->name << ' ' << text;
+        EXPECT_NO_THROW(vdbtools::explore::FileAccess(*options).require(*options)) << "--" << spec->name << ' ' << text;
       }
       if (!spec->hash.empty() && !spec->kept) {
         EXPECT_TRUE(takesFile) << map->name() << " --" << spec->name << " has a hash of a file, and no file";
@@ -76,12 +76,12 @@ TEST(FileAccess, NoOptionThatNamesAFileIsForgotten) {
 
 TEST(FileAccess, NamesThatCannotLeaveAFolder) {
   for (const char* name : {"a", "look-1", "My look.2", "_x", "a..b", "0"})
-    EXPECT_NO_THROW(vdbtools::requireFileName(name));
+    EXPECT_NO_THROW(vdbtools::explore::requireFileName(name));
   for (const char* name :
        {"", ".", "..", "../a", "a/b", "/a", ".a", "-a", " a", "a\nb", "a\\b", "\xc3\xbc", "a:b", "a*"})
-    EXPECT_THROW(vdbtools::requireFileName(name), std::invalid_argument) << name;
-  EXPECT_THROW(vdbtools::requireFileName(std::string("a\0b", 3)), std::invalid_argument);
-  EXPECT_THROW(vdbtools::requireFileName(std::string(101, 'a')), std::invalid_argument);
+    EXPECT_THROW(vdbtools::explore::requireFileName(name), std::invalid_argument) << name;
+  EXPECT_THROW(vdbtools::explore::requireFileName(std::string("a\0b", 3)), std::invalid_argument);
+  EXPECT_THROW(vdbtools::explore::requireFileName(std::string(101, 'a')), std::invalid_argument);
 }
 
 }  // namespace

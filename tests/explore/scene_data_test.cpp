@@ -33,6 +33,7 @@
 namespace {
 
 using namespace vdbtools;
+using namespace vdbtools::explore;
 using nlohmann::json;
 
 class SceneDataTest : public testing::Test {

@@ -2,7 +2,7 @@
 #include "support/temporary_folder.h"
 
 #include "vdbtools/explore/shell_command.h"
-#include "vdbtools/job/fractal_options.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include <gtest/gtest.h>
 
@@ -47,7 +47,7 @@ TEST(ShellCommand, AShellReadsTheWordsThatWereMeant) {
     words.push_back(word);
   }
   std::string command;
-  for (const std::string& word : words) command += vdbtools::shellWord(word) + ' ';
+  for (const std::string& word : words) command += vdbtools::explore::shellWord(word) + ' ';
   EXPECT_EQ(wordsOfShell(command), words);
 }
 
@@ -61,7 +61,8 @@ TEST(ShellCommand, EveryOptionIsInTheCommand) {
                          {"versor-translate", "-0.1,0,0"},
                          {"grid", ""},
                          {"source-sha256", "01234567"}};
-  const std::string command = vdbtools::fractalCommand(recipe, table, {{"-o", "-a b.vdb"}, {"--mesh", "c.ply"}});
+  const std::string command =
+      vdbtools::explore::fractalCommand(recipe, table, {{"-o", "-a b.vdb"}, {"--mesh", "c.ply"}});
   const std::vector<std::string> words = wordsOfShell(command);
   const auto has = [&](std::initializer_list<const char*> part) {
     return std::search(words.begin(), words.end(), part.begin(), part.end()) != words.end();
@@ -72,7 +73,7 @@ TEST(ShellCommand, EveryOptionIsInTheCommand) {
   EXPECT_TRUE(has({"--repair"})) << command;
   EXPECT_TRUE(has({"-o", "./-a b.vdb", "--mesh", "c.ply"})) << command;
   EXPECT_EQ(words.size(), 3U + 2 + 2 + 1 + 1 + 4) << command;
-  EXPECT_EQ(wordsOfShell(vdbtools::fractalCommand({{"input", "-x.obj"}}, table, {})),
+  EXPECT_EQ(wordsOfShell(vdbtools::explore::fractalCommand({{"input", "-x.obj"}}, table, {})),
             (std::vector<std::string>{"juliavdb", "fractal", "--input=-x.obj"}));
 }
 
@@ -87,7 +88,7 @@ TEST(ShellCommand, TheShortestRecipeIsCompletedToTheSame) {
       {{"input", "a.obj"}, {"map", "rational"}, {"rational", "f.json"}, {"rational-sha256", "0123"}}};
   for (const Recipe& given : recipes) {
     const Recipe completed = vdbtools::completeRecipe(given, table);
-    const Recipe shortest = vdbtools::shortestRecipe(completed, table);
+    const Recipe shortest = vdbtools::explore::shortestRecipe(completed, table);
     EXPECT_EQ(vdbtools::completeRecipe(shortest, table), completed);
     EXPECT_LE(shortest.size(), given.size()) << given.rbegin()->first;
     for (const auto& [name, value] : shortest) {

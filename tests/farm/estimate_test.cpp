@@ -12,6 +12,7 @@
 namespace {
 
 using namespace vdbtools;
+using namespace vdbtools::farm;
 
 using Pairs = std::vector<std::pair<TaskWork, double>>;
 

@@ -2,8 +2,8 @@
 // Keys: what an option is at each frame.
 #include "vdbtools/farm/frame_plan.h"
 #include "vdbtools/base/number_text.h"
-#include "vdbtools/job/fractal_options.h"
 #include "vdbtools/recipe/option_value.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include <gtest/gtest.h>
 
@@ -13,6 +13,7 @@
 namespace {
 
 using namespace vdbtools;
+using namespace vdbtools::farm;
 
 KeyedOption keyed(const std::vector<std::string>& keys, const std::vector<std::string>& eases = {}) {
   const std::vector<KeyedOption> options = parseKeys(keys, eases, fractalOptionTable());

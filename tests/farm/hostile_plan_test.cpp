@@ -13,9 +13,9 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/job/fractal_options.h"
 #include "vdbtools/job/sheet_job.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -26,6 +26,7 @@
 namespace {
 
 using namespace vdbtools;
+using namespace vdbtools::farm;
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 

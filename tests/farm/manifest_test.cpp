@@ -4,7 +4,7 @@
 #include "vdbtools/farm/manifest.h"
 
 #include "vdbtools/base/errors.h"
-#include "vdbtools/job/fractal_options.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include <gtest/gtest.h>
 

@@ -13,8 +13,8 @@
 #include "vdbtools/farm/tile_plan.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/job/fractal_files.h"
-#include "vdbtools/mesh/mesh_file.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_file.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
 
 #include <gtest/gtest.h>
 
@@ -27,6 +27,7 @@
 namespace {
 
 using namespace vdbtools;
+using namespace vdbtools::farm;
 namespace fs = std::filesystem;
 using openvdb::Coord;
 using openvdb::CoordBBox;

@@ -13,8 +13,9 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_files.h"
-#include "vdbtools/job/prepared_scene.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
+#include "vdbtools/scene/prepared_scene.h"
 
 #include <gtest/gtest.h>
 
@@ -29,6 +30,7 @@
 namespace {
 
 using namespace vdbtools;
+using namespace vdbtools::farm;
 namespace fs = std::filesystem;
 using openvdb::Coord;
 using openvdb::CoordBBox;

@@ -14,7 +14,7 @@
 #include "vdbtools/job/fractal_files.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/job/sheet_job.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
 
 #include <gtest/gtest.h>
 
@@ -25,6 +25,7 @@
 namespace {
 
 using namespace vdbtools;
+using namespace vdbtools::farm;
 namespace fs = std::filesystem;
 
 class Variants : public testing::Test {

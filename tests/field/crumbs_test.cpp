@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Crumbs: those of a plain flood over a dense array, whatever boxes, windows, layers and threads show of the lattice.
 #include "support/mesh_laws.h"
-#include "support/test_fields.h"
+#include "support/speck_fields.h"
 
 #include "vdbtools/field/crumbs.h"
 #include "vdbtools/field/follow_surface.h"
@@ -27,15 +27,11 @@ using openvdb::BBoxd;
 using openvdb::Coord;
 using openvdb::CoordBBox;
 using openvdb::Vec3d;
+using test_fields::longestSide;
+using test_fields::monitor;
 using test_fields::NodeEvaluator;
 using test_fields::noise;
-
-Monitor monitor;
-
-/// Below 0 with probability @a density, at each node by itself.
-NodeEvaluator specks(double density, unsigned seed) {
-  return NodeEvaluator([=](const Coord& node) { return noise(node, seed) + 1 - 2 * density; });
-}
+using test_fields::specks;
 
 FieldPlan planOf(const CoordBBox& domain) {
   FieldPlan plan = planBox({.voxelSize = 1, .box = BBoxd(domain.min().asVec3d(), domain.max().asVec3d())});
@@ -51,7 +47,7 @@ FieldPlan planOf(const CoordBBox& domain, const CoordBBox& window) {
   return plan;
 }
 
-FractalField evaluated(const julia::FieldEvaluator& evaluator, const FieldPlan& plan) {
+FractalField evaluatedAsPlanned(const julia::FieldEvaluator& evaluator, const FieldPlan& plan) {
   return evaluateField(plan, {evaluator, {}}, {}, monitor);
 }
 
@@ -81,12 +77,6 @@ std::vector<std::vector<Coord>> islandsIn(const julia::FieldEvaluator& evaluator
     islands.push_back(std::move(island));
   }
   return islands;
-}
-
-int longestSide(const std::vector<Coord>& island) {
-  CoordBBox box;
-  for (const Coord& node : island) box.expand(node);
-  return std::max({box.dim()[0], box.dim()[1], box.dim()[2]});
 }
 
 struct Expected {
@@ -126,18 +116,18 @@ void expectSame(const FractalField& field, const CoordBBox& nodes, const std::se
 }
 
 // Sparse specks, a sponge about to hang together (at 0.31 of the nodes), and one that does, with specks in its holes.
-constexpr double kDensities[] = {0.02, 0.15, 0.22, 0.27, 0.31, 0.4};
+constexpr double kCrumbDensities[] = {0.02, 0.15, 0.22, 0.27, 0.31, 0.4};
 
 TEST(Crumbs, AreTheSmallIslandsOfADenseFlood) {
   unsigned seed = 0;
   std::uint64_t large = 0;
   for (const Coord& middle : {Coord(0), Coord(68, -60, 4100)})
-    for (const double density : kDensities) {
+    for (const double density : kCrumbDensities) {
       SCOPED_TRACE(testing::Message() << "density " << density << " about " << middle);
       const NodeEvaluator evaluator = specks(density, ++seed);
       const CoordBBox domain(middle.offsetBy(-13), middle.offsetBy(11));
       const Expected expected = expectedOf(evaluator, domain);
-      const FractalField field = evaluated(evaluator, planOf(domain));
+      const FractalField field = evaluatedAsPlanned(evaluator, planOf(domain));
       expectSame(field, domain, expected.inside);
       EXPECT_EQ(field.crumbs.value().crumbs, expected.dropped.crumbs);
       EXPECT_EQ(field.crumbs.value().nodes, expected.dropped.nodes);
@@ -157,7 +147,7 @@ TEST(Crumbs, AreAsLongAsTheLongestAndNoLonger) {
           return node[(axis + 1) % 3] == 5 && node[(axis + 2) % 3] == -8 && at >= 0 && at < length;
         };
         const NodeEvaluator evaluator([&](const Coord& node) { return isRod(node) ? -1.0 : 1.0; });
-        const FractalField field = evaluated(evaluator, planOf({Coord(-12), Coord(26)}));
+        const FractalField field = evaluatedAsPlanned(evaluator, planOf({Coord(-12), Coord(26)}));
         EXPECT_EQ(field.crumbs->crumbs, length <= kCrumb ? 1u : 0u) << axis << ' ' << begin << ' ' << length;
         EXPECT_EQ(field.crumbs->nodes, length <= kCrumb ? static_cast<unsigned>(length) : 0u);
       }
@@ -166,7 +156,7 @@ TEST(Crumbs, AreAsLongAsTheLongestAndNoLonger) {
 TEST(Crumbs, OfWindowsAreThoseOfTheWholeAndAddUp) {
   std::mt19937 random(20261124);
   const CoordBBox domain(Coord(-17, -9, -21), Coord(20, 19, 16));
-  for (const double density : kDensities) {
+  for (const double density : kCrumbDensities) {
     SCOPED_TRACE(density);
     const NodeEvaluator evaluator = specks(density, static_cast<unsigned>(100 * density));
     const Expected expected = expectedOf(evaluator, domain);
@@ -196,7 +186,7 @@ TEST(Crumbs, OfWindowsAreThoseOfTheWholeAndAddUp) {
       window.expand(static_cast<int>(random() % 6));
       FieldPlan plan = planOf(domain, window);
       plan.crumbs->counted = tile;
-      const FractalField field = evaluated(evaluator, plan);
+      const FractalField field = evaluatedAsPlanned(evaluator, plan);
       expectSame(field, plan.window, expected.inside);
       sum += field.crumbs.value();
     }
@@ -218,7 +208,7 @@ TEST(Crumbs, StayWhereTheTargetDecidesANode) {
     });
     FieldPlan plan = planOf(domain);
     plan.crumbs = CrumbRule{.exponent = exponent, .decided = -2};
-    const FractalField field = evaluated(evaluator, plan);
+    const FractalField field = evaluatedAsPlanned(evaluator, plan);
     expectSame(field, domain, expected.inside);
     EXPECT_EQ(field.crumbs->crumbs, expected.dropped.crumbs);
     EXPECT_GT(expected.inside.size(), 50u);
@@ -240,14 +230,14 @@ TEST(Crumbs, StayAtTheBorderOfWhatIsKnown) {
       inside.insert(island.begin(), island.end());
   FieldPlan plan = planOf(domain);
   plan.whole = domain;
-  const FractalField field = evaluated(evaluator, plan);
+  const FractalField field = evaluatedAsPlanned(evaluator, plan);
   expectSame(field, domain, inside);
   EXPECT_GT(field.crumbs->crumbs, 100u);
 }
 
 /// A fractal of a lumpy ball, with dust.
-struct Fractal {
-  Fractal() {
+struct DustyFractal {
+  DustyFractal() {
     constexpr double kVoxel = 1.0 / 40;
     const ExponentGridOptions options{12.0, -0.01, {3, 20}};
     const auto phi = test_fields::bandGrid(test_fields::lumpy, kVoxel, exteriorReach(options) + 8 * kVoxel);
@@ -270,7 +260,7 @@ struct Fractal {
 const BBoxd kBox(Vec3d(-0.2, -0.5, 0.0), Vec3d(0.25, 0.11, 0.43));
 
 TEST(Crumbs, AreDroppedFromAStreamedMeshAsFromAHeldOne) {
-  const Fractal fractal;
+  const DustyFractal fractal;
   for (const auto& box : {std::optional<BBoxd>(), std::optional(kBox)})
     for (const Border border : {Border::Cap, Border::Open}) {
       const FieldPlan plan = fractal.plan(box);
@@ -297,7 +287,7 @@ TEST(Crumbs, AreDroppedFromAStreamedMeshAsFromAHeldOne) {
 }
 
 TEST(Crumbs, LeaveABoxTheWholeCutOut) {
-  const Fractal fractal;
+  const DustyFractal fractal;
   const FractalField whole = evaluateField(fractal.plan(), fractal.source(), {}, monitor);
   // The box's border goes through crumbs.
   std::mt19937 random(7);
@@ -312,7 +302,7 @@ TEST(Crumbs, LeaveABoxTheWholeCutOut) {
 }
 
 TEST(Crumbs, TheExhaustiveFieldHasTheSameOnes) {
-  const Fractal fractal;
+  const DustyFractal fractal;
   FieldPlan every = planExhaustive(fractal.exponent, {.voxelSize = 1.0 / 90});
   every.crumbs = fractal.plan().crumbs;
   const FractalField fast = evaluateField(fractal.plan(), fractal.source(), {}, monitor),
@@ -324,7 +314,7 @@ TEST(Crumbs, TheExhaustiveFieldHasTheSameOnes) {
 }
 
 TEST(Crumbs, AreDroppedFromWhatIsFollowed) {
-  const Fractal fractal;
+  const DustyFractal fractal;
   const FieldPlan plan = fractal.plan();
   FieldPlan all = plan;
   all.crumbs.reset();

@@ -25,8 +25,8 @@ using openvdb::BBoxd;
 using openvdb::Vec3d;
 
 /// A fractal of a lumpy ball, from target to evaluator.
-struct Fractal {
-  explicit Fractal(double alpha, unsigned seed = 3) {
+struct LumpyFractal {
+  explicit LumpyFractal(double alpha, unsigned seed = 3) {
     constexpr double kVoxel = 1.0 / 40;
     const ExponentGridOptions options{alpha, 0.0, {3, 20}};
     const auto phi = test_fields::bandGrid(test_fields::lumpy, kVoxel, exteriorReach(options) + 8 * kVoxel);
@@ -59,7 +59,7 @@ Positions positions(const Mesh& mesh) {
 }
 
 TEST(StreamMesh, IsTheMeshOfTheWholeField) {
-  Fractal fractal(20);
+  LumpyFractal fractal(20);
   for (const auto& box :
        {std::optional<BBoxd>(), std::optional(BBoxd(Vec3d(-0.2, -0.5, 0.0), Vec3d(0.25, 0.11, 0.43)))})
     for (const Border border : {Border::Cap, Border::Open}) {
@@ -112,7 +112,7 @@ TEST(StreamMesh, ItsProgressEndsAtAll) {
 }
 
 TEST(StreamMesh, ATriangleUsesNoPointBeforeItsFirst) {
-  Fractal fractal(20);
+  LumpyFractal fractal(20);
   struct Checker final : MeshSink {
     std::uint64_t points = 0, first = 0;
     void addPoints(const PointBatch& batch) override {
@@ -138,7 +138,7 @@ TEST(StreamMesh, ATriangleUsesNoPointBeforeItsFirst) {
 TEST(FollowSurface, FindsNearlyAllAndNothingElse) {
   for (const double alpha : {12.0, 40.0}) {
     SCOPED_TRACE(alpha);
-    Fractal fractal(alpha);
+    LumpyFractal fractal(alpha);
     const FieldPlan plan = planShell(fractal.exponent, {.voxelSize = 1.0 / 100});
     const Mesh exact =
         extractMesh(evaluateField(plan, fractal.source(), {}, fractal.monitor), fractal.source(), {}, fractal.monitor);
@@ -165,7 +165,7 @@ TEST(FollowSurface, FindsNearlyAllAndNothingElse) {
 }
 
 TEST(FollowSurface, LooksAtASmallPartOfALargeShell) {
-  Fractal fractal(12);
+  LumpyFractal fractal(12);
   const FieldPlan plan = planShell(fractal.exponent, {.voxelSize = 1.0 / 200});
   FollowReport report;
   followSurface(plan, fractal.source(), {}, {}, report, fractal.monitor);
@@ -187,7 +187,7 @@ TEST(FollowSurface, IsClosedInABoxThatCutsTheSet) {
 }
 
 TEST(FollowSurface, RefusesAStride) {
-  Fractal fractal(40);
+  LumpyFractal fractal(40);
   const FieldPlan plan = planShell(fractal.exponent, {.voxelSize = 1.0 / 20});
   FollowReport report;
   for (const int stride : {-1, 0, 3, 12, 128})

@@ -3,10 +3,10 @@
 #include "support/mesh_laws.h"
 #include "support/test_fields.h"
 
+#include "vdbtools/exponent/exponent_grid.h"
 #include "vdbtools/field/fractal_field.h"
 #include "vdbtools/surface/extract_mesh.h"
 #include "vdbtools/surface/level_set.h"
-#include "vdbtools/target/exponent_grid.h"
 
 #include "julia/quadratic_map.h"
 #include "julia/rational_map.h"

@@ -2,12 +2,12 @@
 // Islands: the same as OpenVDB's segments, whatever tiles and threads there are; and the mesh without them is the mesh
 // from before without their triangles.
 #include "support/mesh_laws.h"
-#include "support/test_fields.h"
+#include "support/speck_fields.h"
 
+#include "vdbtools/exponent/exponent_grid.h"
 #include "vdbtools/field/islands.h"
 #include "vdbtools/surface/extract_mesh.h"
 #include "vdbtools/surface/level_set.h"
-#include "vdbtools/target/exponent_grid.h"
 
 #include "julia/shape_modulus.h"
 
@@ -31,21 +31,17 @@ using openvdb::FloatGrid;
 using openvdb::FloatTree;
 using openvdb::Index;
 using openvdb::Vec3d;
+using test_fields::boxOf;
+using test_fields::longestSide;
+using test_fields::monitor;
 using test_fields::NodeEvaluator;
 using test_fields::noise;
+using test_fields::speck;
+using test_fields::specks;
 
-Monitor monitor;
-
-FractalField evaluated(const julia::FieldEvaluator& evaluator, const CoordBBox& domain) {
+FractalField evaluatedEverywhere(const julia::FieldEvaluator& evaluator, const CoordBBox& domain) {
   const BBoxd box(domain.min().asVec3d(), domain.max().asVec3d());
   return fractalFieldEverywhere({evaluator, {}}, {.voxelSize = 1, .box = box}, monitor);
-}
-
-/// Below 0 with probability @a density, at each node by itself.
-double speck(const Coord& node, double density, unsigned seed) { return noise(node, seed) + 1 - 2 * density; }
-
-NodeEvaluator specks(double density, unsigned seed) {
-  return NodeEvaluator([=](const Coord& node) { return speck(node, density, seed); });
 }
 
 /// A field of chosen inside nodes.
@@ -101,17 +97,6 @@ Nodes unionOf(const std::vector<Nodes>& islands) {
   return all;
 }
 
-CoordBBox boxOf(const Nodes& island) {
-  CoordBBox box;
-  for (const Coord& node : island) box.expand(node);
-  return box;
-}
-
-int longestSide(const Nodes& island) {
-  const Coord sides = boxOf(island).dim();
-  return std::max({sides[0], sides[1], sides[2]});
-}
-
 /// Everything that must hold of a field from which all but @a kept were dropped.
 void expectKept(const FractalField& before, const FractalField& after, const IslandReport& report,
                 const std::vector<Nodes>& all, const std::vector<Nodes>& kept, const CoordBBox& box) {
@@ -133,17 +118,17 @@ void expectKept(const FractalField& before, const FractalField& after, const Isl
 }
 
 // Sparse specks, a sponge about to hang together (at 0.31 of the nodes), and one that does, with specks in its holes.
-constexpr double kDensities[] = {0.02, 0.15, 0.25, 0.31, 0.4, 0.6};
+constexpr double kIslandDensities[] = {0.02, 0.15, 0.25, 0.31, 0.4, 0.6};
 
 TEST(Islands, AreOpenVdbsSegments) {
   openvdb::initialize();
   // Across the corners of leaves, and of the largest nodes below the root.
   for (const Coord& middle : {Coord(0), Coord(68, -60, 4100)}) {
     unsigned seed = 0;
-    for (const double density : kDensities) {
+    for (const double density : kIslandDensities) {
       SCOPED_TRACE(testing::Message() << "density " << density << " about " << middle);
       const CoordBBox domain(middle.offsetBy(-11), middle.offsetBy(13));
-      const FractalField field = evaluated(specks(density, ++seed), domain);
+      const FractalField field = evaluatedEverywhere(specks(density, ++seed), domain);
       CoordBBox box = domain;
       box.expand(10);
       const std::vector<Nodes> all = segments(insideNodes(field, box));
@@ -170,7 +155,7 @@ TEST(Islands, AreOpenVdbsSegments) {
 
 TEST(Islands, WithoutOptionsAreCountedOnly) {
   const CoordBBox domain(Coord(-9), Coord(9));
-  const FractalField field = evaluated(specks(0.2, 3), domain);
+  const FractalField field = evaluatedEverywhere(specks(0.2, 3), domain);
   FractalField after = copyOf(field);
   const std::vector<Nodes> all = segments(insideNodes(field, domain));
   expectKept(field, after, drop(after, {}), all, all, domain);
@@ -375,7 +360,7 @@ TEST(Islands, EachHasItsOwnTrianglesInEveryCell) {
       const NodeEvaluator evaluator(
           [&](const Coord& node) { return std::find(nodes.begin(), nodes.end(), node) != nodes.end() ? -1.0 : 1.0; });
       const CoordBBox domain(Coord(5), Coord(10));
-      return extractMesh(evaluated(evaluator, domain), {evaluator, {}}, {}, monitor);
+      return extractMesh(evaluatedEverywhere(evaluator, domain), {evaluator, {}}, {}, monitor);
     };
     Nodes corners;
     for (int corner = 0; corner < 8; ++corner)
@@ -392,10 +377,10 @@ TEST(Islands, EachHasItsOwnTrianglesInEveryCell) {
 TEST(Islands, TheMeshOfTheRestIsTheRestOfTheMesh) {
   unsigned seed = 40;
   for (const Border border : {Border::Cap, Border::Open})
-    for (const double density : kDensities) {
+    for (const double density : kIslandDensities) {
       const NodeEvaluator evaluator = specks(density, ++seed);
       const CoordBBox domain(Coord(-9), Coord(10));
-      const FractalField field = evaluated(evaluator, domain);
+      const FractalField field = evaluatedEverywhere(evaluator, domain);
       const FieldSource source{evaluator, {}};
       const Mesh before = extractMesh(field, source, {.border = border}, monitor);
       const std::vector<Nodes> all = segments(insideNodes(field, domain));
@@ -535,7 +520,7 @@ TEST(Islands, OfAFractalLeaveAMeshAndALevelSet) {
 // ---- and how it behaves
 
 TEST(Islands, DroppingTwiceChangesNothing) {
-  const FractalField field = evaluated(specks(0.25, 8), {Coord(-20), Coord(20)});
+  const FractalField field = evaluatedEverywhere(specks(0.25, 8), {Coord(-20), Coord(20)});
   for (const IslandOptions options : {IslandOptions{.largest = 4}, {.minSize = 3}, {.largest = 9, .minSize = 2}}) {
     FractalField once = copyOf(field);
     const IslandReport first = drop(once, options);
@@ -550,7 +535,7 @@ TEST(Islands, DroppingTwiceChangesNothing) {
 }
 
 TEST(Islands, ThreadsDoNotMatter) {
-  const FractalField field = evaluated(specks(0.3, 21), {Coord(-40), Coord(40)});
+  const FractalField field = evaluatedEverywhere(specks(0.3, 21), {Coord(-40), Coord(40)});
   FractalField results[2];
   IslandReport reports[2];
   for (const std::size_t threads : {1u, 2u}) {

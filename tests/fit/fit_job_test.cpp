@@ -8,7 +8,7 @@
 #include "vdbtools/formats/peer_formats.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/versor_file.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -26,6 +26,7 @@
 namespace {
 
 using namespace vdbtools;
+using namespace vdbtools::fit;
 using openvdb::Vec3d;
 
 /// Two balls and the rod between them, along x: waists are what one root cannot have.

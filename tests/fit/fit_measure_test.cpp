@@ -4,7 +4,7 @@
 #include "support/test_meshes.h"
 
 #include "vdbtools/fit/fit_measure.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -14,11 +14,12 @@
 namespace {
 
 using namespace vdbtools;
+using namespace vdbtools::fit;
 
 constexpr double kSharpness = 100;
 
 /// A sphere of diameter 1 in fractal space.
-const FitTarget& sphere() {
+const FitTarget& measuredSphere() {
   static const FitTarget target = [] {
     const TemporaryFolder folder;
     std::ostringstream obj;
@@ -31,7 +32,7 @@ const FitTarget& sphere() {
 
 FitMeasure measure(const julia::Rational& rational) {
   Monitor monitor;
-  return measureFit(sphere(), rational, kSharpness, monitor);
+  return measureFit(measuredSphere(), rational, kSharpness, monitor);
 }
 
 /// |q| / r to the power: inside of a sphere for 1, outside of it for -1.
@@ -45,8 +46,8 @@ julia::Rational ball(double radius, double power = 1) {
 TEST(FitMeasure, SphereFitsItself) {
   const FitMeasure fit = measure(ball(0.5));
   EXPECT_GT(fit.iou, 0.99);
-  EXPECT_LT(fit.meanDistance, 0.2 * sphere().cell);
-  EXPECT_LT(fit.hausdorff, sphere().cell);
+  EXPECT_LT(fit.meanDistance, 0.2 * measuredSphere().cell);
+  EXPECT_LT(fit.hausdorff, measuredSphere().cell);
   EXPECT_LT(fit.psi, -0.9);
   EXPECT_GE(fit.psi, -1);
 }
@@ -62,8 +63,8 @@ TEST(FitMeasure, OppositeIsWorst) {
 TEST(FitMeasure, SmallerSphereByItsVolumeAndDistance) {
   const FitMeasure fit = measure(ball(0.4));
   EXPECT_NEAR(fit.iou, 0.512, 0.01);
-  EXPECT_NEAR(fit.meanDistance, 0.1, 0.2 * sphere().cell);
-  EXPECT_NEAR(fit.hausdorff, 0.1, sphere().cell);
+  EXPECT_NEAR(fit.meanDistance, 0.1, 0.2 * measuredSphere().cell);
+  EXPECT_NEAR(fit.hausdorff, 0.1, measuredSphere().cell);
 }
 
 TEST(FitMeasure, NoSurfaceIsInfinitelyFar) {
@@ -90,7 +91,7 @@ TEST(FitMeasure, SameForAnyThreads) {
 
 TEST(FitMeasure, RefusesABadSharpness) {
   Monitor monitor;
-  EXPECT_THROW(measureFit(sphere(), ball(0.5), 0, monitor), std::invalid_argument);
+  EXPECT_THROW(measureFit(measuredSphere(), ball(0.5), 0, monitor), std::invalid_argument);
 }
 
 }  // namespace

@@ -4,12 +4,12 @@
 #include "support/test_fields.h"
 #include "support/test_meshes.h"
 
+#include "vdbtools/distance/mesh_to_sdf.h"
 #include "vdbtools/fit/fit_target.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/versor_file.h"
 #include "vdbtools/job/fractal_job.h"
-#include "vdbtools/mesh/mesh_writer.h"
-#include "vdbtools/target/mesh_to_sdf.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -21,6 +21,7 @@
 namespace {
 
 using namespace vdbtools;
+using namespace vdbtools::fit;
 using julia::Point;
 using openvdb::Vec3d;
 
@@ -40,7 +41,7 @@ FitTarget targetOf(const Mesh& mesh, FitTargetOptions options) {
   return makeFitTarget(options, monitor);
 }
 
-const FitTarget& sphere() {
+const FitTarget& sphereTarget() {
   static const FitTarget target =
       targetOf(test_meshes::makeSphere(kRadius, 5, kCentre), {.resolution = 49, .triangles = 2000});
   return target;
@@ -56,7 +57,7 @@ Mesh meshOf(const julia::TriangleSurface& surface) {
 }
 
 TEST(FitTarget, CubeIsAboutTheBox) {
-  const FitTarget& target = sphere();
+  const FitTarget& target = sphereTarget();
   EXPECT_NEAR(target.space.scale, 2 * kRadius, 1e-9);
   EXPECT_NEAR((target.space.centre - kCentre).length(), 0, 1e-9);
   EXPECT_NEAR(target.cell, 1.2 / 49, 1e-12);
@@ -64,7 +65,7 @@ TEST(FitTarget, CubeIsAboutTheBox) {
 }
 
 TEST(FitTarget, DistancesNearAndFar) {
-  const FitTarget& target = sphere();
+  const FitTarget& target = sphereTarget();
   std::mt19937 random(1);
   const auto coordinate = [&] { return 2.4 * random() / 4294967295.0 - 1.2; };
   for (int n = 0; n < 20000; ++n) {
@@ -83,14 +84,14 @@ TEST(FitTarget, DistancesNearAndFar) {
 }
 
 TEST(FitTarget, DistancesGoOnBeyond) {
-  const FitTarget& target = sphere();
+  const FitTarget& target = sphereTarget();
   EXPECT_NEAR(target.distance({5, 0, 0}), 4.5, 0.1);
   EXPECT_GE(target.distance({3, 4, 5}), length({3, 4, 5}) - 0.6);
   EXPECT_TRUE(std::isnan(target.distance({NAN, 0, 0})));
 }
 
 TEST(FitTarget, LevelsKeepTheFinerValues) {
-  const FitTarget& target = sphere();
+  const FitTarget& target = sphereTarget();
   ASSERT_GT(target.levels.size(), 2u);
   for (std::size_t l = 1; l < target.levels.size(); ++l)
     for (auto value = target.levels[l - 1]->cbeginValueOn(); value; ++value) {
@@ -102,13 +103,13 @@ TEST(FitTarget, LevelsKeepTheFinerValues) {
 
 TEST(FitTarget, AdaptiveCellsFillTheCube) {
   for (const double bandWidth : {2.0, 3.0, 5.0}) {
-    const std::vector<julia::FitCell> cells = adaptiveCells(sphere(), bandWidth);
-    const double cube = std::pow(2 * 49, 3), ball = 4 * test_meshes::kPi / 3 * std::pow(0.5 / sphere().cell, 3);
+    const std::vector<julia::FitCell> cells = adaptiveCells(sphereTarget(), bandWidth);
+    const double cube = std::pow(2 * 49, 3), ball = 4 * test_meshes::kPi / 3 * std::pow(0.5 / sphereTarget().cell, 3);
     double all = 0, within = 0;
     for (const julia::FitCell& cell : cells) {
       all += cell.volume;
       if (cell.phi < 0) within += cell.volume;
-      EXPECT_NEAR(cell.phi, sphere().distance(cell.x), 0.02 * sphere().cell + 0.05 * std::abs(cell.phi));
+      EXPECT_NEAR(cell.phi, sphereTarget().distance(cell.x), 0.02 * sphereTarget().cell + 0.05 * std::abs(cell.phi));
     }
     EXPECT_NEAR(all, cube, 0.03 * cube) << bandWidth;
     EXPECT_NEAR(within, ball, 0.03 * ball) << bandWidth;
@@ -117,7 +118,7 @@ TEST(FitTarget, AdaptiveCellsFillTheCube) {
 }
 
 TEST(FitTarget, DenseCellsAreTheFinestNodes) {
-  const FitTarget& target = sphere();
+  const FitTarget& target = sphereTarget();
   const std::vector<julia::FitCell> cells = denseCells(target, 49);
   ASSERT_EQ(cells.size(), 49u * 49u * 49u);
   EXPECT_NEAR(cells[0].x[0], -0.6 + target.cell / 2, 1e-12);
@@ -136,7 +137,7 @@ TEST(FitTarget, DenseCellsAreTheFinestNodes) {
 }
 
 TEST(FitTarget, SurfaceIsClosedAndNearTheSphere) {
-  const Mesh mesh = meshOf(sphere().surface);
+  const Mesh mesh = meshOf(sphereTarget().surface);
   const MeshReport report = reportMesh(mesh);
   EXPECT_LE(report.triangles, 2000u);
   EXPECT_GE(report.triangles, 1900u);
@@ -144,12 +145,12 @@ TEST(FitTarget, SurfaceIsClosedAndNearTheSphere) {
   EXPECT_EQ(report.degenerateFaces, 0u);
   EXPECT_EQ(report.components, 1u);
   EXPECT_NEAR(report.volume, test_meshes::kPi / 6, 0.02);
-  for (const Vec3d& p : mesh.points) EXPECT_NEAR(p.length(), 0.5, 0.5 * sphere().cell);
-  EXPECT_NO_THROW(julia::requireValid(sphere().surface));
+  for (const Vec3d& p : mesh.points) EXPECT_NEAR(p.length(), 0.5, 0.5 * sphereTarget().cell);
+  EXPECT_NO_THROW(julia::requireValid(sphereTarget().surface));
 }
 
 TEST(FitTarget, OffsetPointsAreAtTheirDistance) {
-  const FitTarget& target = sphere();
+  const FitTarget& target = sphereTarget();
   for (const double distance : {-2 * target.cell, 0.0, 2 * target.cell, 10 * target.cell}) {
     const std::vector<Point> points = offsetPoints(target, 300, distance, 7);
     EXPECT_EQ(points.size(), 300u);
@@ -188,8 +189,8 @@ TEST(FitTarget, VdbIsLikeItsMesh) {
   const auto phi = meshToSdf(mesh, {.voxelSize = 0.04}, monitor);
   const auto path = folder.write("sphere.vdb", encodeVdb({phi}, {}));
   const FitTarget target = makeFitTarget({.input = path, .resolution = 49, .triangles = 2000}, monitor);
-  EXPECT_NEAR(target.space.scale, sphere().space.scale, 0.01);
-  for (const julia::FitCell& cell : adaptiveCells(sphere()))
+  EXPECT_NEAR(target.space.scale, sphereTarget().space.scale, 0.01);
+  for (const julia::FitCell& cell : adaptiveCells(sphereTarget()))
     ASSERT_NEAR(target.distance(cell.x), cell.phi, 0.1 * target.cell + 0.05 * std::abs(cell.phi));
 }
 
@@ -258,8 +259,8 @@ TEST(FitTarget, RefusesBadOptions) {
   EXPECT_THROW(makeFitTarget({.input = folder.path() / "none.obj"}, monitor), MissingInputError);
   const auto open = folder.write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   EXPECT_THROW(makeFitTarget({.input = open}, monitor), DataError);
-  EXPECT_THROW(adaptiveCells(sphere(), 6), std::invalid_argument);
-  EXPECT_THROW(denseCells(sphere(), 0), std::invalid_argument);
+  EXPECT_THROW(adaptiveCells(sphereTarget(), 6), std::invalid_argument);
+  EXPECT_THROW(denseCells(sphereTarget(), 0), std::invalid_argument);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "support/limits.h"
 #include "support/temporary_folder.h"
 
 #include "vdbtools/formats/peer_formats.h"
@@ -23,9 +24,8 @@ namespace vdbtools {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using test_limits::kInfinity;
+using test_limits::kNan;
 
 std::string int32(std::int32_t value) {
   std::string bytes;
@@ -114,7 +114,7 @@ struct PeerShape {
 
 /// The message of the DataError that reading @a bytes throws; it must be one line and name the file.
 template <class Read>
-std::string refusal(Read read, const std::string& bytes) {
+std::string peerRefusal(Read read, const std::string& bytes) {
   try {
     read(bytes, "folder/some file");
   } catch (const DataError& error) {
@@ -150,13 +150,13 @@ TEST(P4d, RefusesEveryPrefixAndEveryTail) {
   const std::string bytes = PeerPolynomial().bytes();
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     SCOPED_TRACE(size);
-    refusal(polynomialFromP4d, bytes.substr(0, size));
+    peerRefusal(polynomialFromP4d, bytes.substr(0, size));
   }
   for (const std::size_t size : {1, 3, 8, 32}) {
     SCOPED_TRACE(size);
-    EXPECT_TRUE(contains(refusal(polynomialFromP4d, bytes + std::string(size, '\0')), "bytes follow"));
+    EXPECT_TRUE(contains(peerRefusal(polynomialFromP4d, bytes + std::string(size, '\0')), "bytes follow"));
   }
-  refusal(polynomialFromP4d, bytes + bytes);
+  peerRefusal(polynomialFromP4d, bytes + bytes);
 }
 
 TEST(P4d, RefusesCountsThatLie) {
@@ -166,7 +166,7 @@ TEST(P4d, RefusesCountsThatLie) {
     const auto refused = [](const std::function<void(PeerPolynomial&)>& change) {
       PeerPolynomial peer;
       change(peer);
-      return refusal(polynomialFromP4d, peer.bytes());
+      return peerRefusal(polynomialFromP4d, peer.bytes());
     };
     refused([lie](PeerPolynomial& peer) { peer.rootsStated = lie; });
     refused([lie](PeerPolynomial& peer) { peer.powersStated = lie; });
@@ -175,11 +175,12 @@ TEST(P4d, RefusesCountsThatLie) {
   }
   PeerPolynomial peer;
   peer.rootsStated = -7;
-  EXPECT_TRUE(contains(refusal(polynomialFromP4d, peer.bytes()), "the number of roots of the top polynomial is -7"));
+  EXPECT_TRUE(
+      contains(peerRefusal(polynomialFromP4d, peer.bytes()), "the number of roots of the top polynomial is -7"));
 }
 
 TEST(P4d, RefusesCoefficientsWithoutRoots) {
-  EXPECT_TRUE(contains(refusal(polynomialFromP4d, emptyPeer(2).bytes()), "factored"));
+  EXPECT_TRUE(contains(peerRefusal(polynomialFromP4d, emptyPeer(2).bytes()), "factored"));
 }
 
 TEST(P4d, RefusesNumbersThatCannotBeUsed) {
@@ -188,18 +189,18 @@ TEST(P4d, RefusesNumbersThatCannotBeUsed) {
     for (std::size_t component = 0; component < 4; ++component) {
       PeerPolynomial peer;
       peer.roots[1][component] = bad;
-      EXPECT_TRUE(contains(refusal(polynomialFromP4d, peer.bytes()), "top root 1"));
+      EXPECT_TRUE(contains(peerRefusal(polynomialFromP4d, peer.bytes()), "top root 1"));
     }
     PeerPolynomial peer;
     peer.powers[2] = bad;
-    EXPECT_TRUE(contains(refusal(polynomialFromP4d, peer.bytes()), "top root 2"));
+    EXPECT_TRUE(contains(peerRefusal(polynomialFromP4d, peer.bytes()), "top root 2"));
     peer = {};
     peer.scalar = bad;
-    EXPECT_TRUE(contains(refusal(polynomialFromP4d, peer.bytes()), "power scale"));
+    EXPECT_TRUE(contains(peerRefusal(polynomialFromP4d, peer.bytes()), "power scale"));
   }
   PeerPolynomial peer;
   peer.powers[0] = peer.scalar = 1e6;  // each is in bounds, their product is not
-  refusal(polynomialFromP4d, peer.bytes());
+  peerRefusal(polynomialFromP4d, peer.bytes());
 }
 
 TEST(P4d, ComesBackAsItWasWritten) {
@@ -253,10 +254,10 @@ TEST(O3d, RefusesEveryPrefixAndEveryTail) {
   const std::string bytes = PeerShape().bytes();
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     SCOPED_TRACE(size);
-    refusal(optimisedShapeFromO3d, bytes.substr(0, size));
+    peerRefusal(optimisedShapeFromO3d, bytes.substr(0, size));
   }
-  refusal(optimisedShapeFromO3d, bytes + '\0');
-  refusal(optimisedShapeFromO3d, bytes + float64(0));
+  peerRefusal(optimisedShapeFromO3d, bytes + '\0');
+  peerRefusal(optimisedShapeFromO3d, bytes + float64(0));
 }
 
 TEST(O3d, RefusesFieldsThatLie) {
@@ -278,7 +279,7 @@ TEST(O3d, RefusesFieldsThatLie) {
     for (PeerField PeerShape::*const field : {&PeerShape::fractal, &PeerShape::distance, &PeerShape::potential}) {
       PeerShape peer;
       (peer.*field).resolutions = lie;
-      refusal(optimisedShapeFromO3d, peer.bytes());
+      peerRefusal(optimisedShapeFromO3d, peer.bytes());
     }
   }
 }
@@ -287,7 +288,7 @@ TEST(O3d, RefusesNumbersThatCannotBeUsed) {
   const auto refused = [](const std::function<void(PeerShape&)>& change) {
     PeerShape peer;
     change(peer);
-    return refusal(optimisedShapeFromO3d, peer.bytes());
+    return peerRefusal(optimisedShapeFromO3d, peer.bytes());
   };
   for (const double bad : {0.0, -0.0, -1.0, kNan, kInfinity}) {
     SCOPED_TRACE(bad);

@@ -25,7 +25,7 @@ using vdbtools::DecodedImage;
 using vdbtools::readPicture;
 
 /// Noise, as a file of this format.
-std::string encoded(const char* format, int channels, OIIO::TypeDesc type, const char* compression = nullptr) {
+std::string encodedNoise(const char* format, int channels, OIIO::TypeDesc type, const char* compression = nullptr) {
   constexpr int kWidth = 37, kHeight = 23;
   std::mt19937 random(5);
   std::vector<std::uint16_t> values(std::size_t{kWidth} * kHeight * channels);
@@ -53,7 +53,7 @@ class PictureFile : public testing::Test {
 TEST_F(PictureFile, PngHasTheValuesThatOpenImageIoFinds) {
   for (const int channels : {1, 2, 3, 4})
     for (const OIIO::TypeDesc& type : {OIIO::TypeDesc(OIIO::TypeDesc::UINT8), OIIO::TypeDesc(OIIO::TypeDesc::UINT16)}) {
-      const std::filesystem::path path = mFolder.write("a.png", encoded("png", channels, type));
+      const std::filesystem::path path = mFolder.write("a.png", encodedNoise("png", channels, type));
       const DecodedImage image = readPicture(path);
       OIIO::ImageSpec config;
       config.attribute("oiio:UnassociatedAlpha", 1);
@@ -73,14 +73,14 @@ TEST_F(PictureFile, PngHasTheValuesThatOpenImageIoFinds) {
 /// A host's lines all arrive, and the libraries that decode add none, whatever is wrong with the pictures.
 TEST_F(PictureFile, StderrBelongsToTheHost) {
   const OIIO::TypeDesc byte(OIIO::TypeDesc::UINT8);
-  const std::vector<std::string> pictures = {encoded("png", 4, byte),
-                                             encoded("png", 1, OIIO::TypeDesc(OIIO::TypeDesc::UINT16)),
-                                             encoded("jpeg", 3, byte),
-                                             encoded("tiff", 3, byte, "lzw"),
-                                             encoded("tiff", 3, byte, "jpeg"),
-                                             encoded("tiff", 3, byte, "zip"),
-                                             encoded("exr", 3, OIIO::TypeDesc(OIIO::TypeDesc::HALF), "zip"),
-                                             encoded("exr", 3, OIIO::TypeDesc(OIIO::TypeDesc::HALF), "piz")};
+  const std::vector<std::string> pictures = {encodedNoise("png", 4, byte),
+                                             encodedNoise("png", 1, OIIO::TypeDesc(OIIO::TypeDesc::UINT16)),
+                                             encodedNoise("jpeg", 3, byte),
+                                             encodedNoise("tiff", 3, byte, "lzw"),
+                                             encodedNoise("tiff", 3, byte, "jpeg"),
+                                             encodedNoise("tiff", 3, byte, "zip"),
+                                             encodedNoise("exr", 3, OIIO::TypeDesc(OIIO::TypeDesc::HALF), "zip"),
+                                             encodedNoise("exr", 3, OIIO::TypeDesc(OIIO::TypeDesc::HALF), "piz")};
   testing::internal::CaptureStderr();
   std::atomic<bool> over{false};
   std::string expected;

@@ -61,7 +61,7 @@ std::vector<Storage> storages() {
   return all;
 }
 
-std::string encoded(const std::vector<GridBase::Ptr>& grids, const Storage& storage) {
+std::string encodedVdb(const std::vector<GridBase::Ptr>& grids, const Storage& storage) {
   openvdb::GridCPtrVec out;
   for (const GridBase::Ptr& grid : grids) {
     grid->setSaveFloatAsHalf(storage.half);
@@ -105,7 +105,7 @@ GridBase::Ptr scattered(const char* name) {
   return named(grid, name);
 }
 
-GridBase::Ptr ball() {
+GridBase::Ptr coarseBall() {
   return named(test_fields::bandGrid([](const openvdb::Vec3d& x) { return x.length() - 0.4; }, 0.2, 0.6, 0.6),
                "surface");
 }
@@ -173,8 +173,8 @@ std::vector<std::vector<GridBase::Ptr>> samples() {
   using namespace openvdb;
   const GridBase::Ptr unnamed = rootTiles();
   unnamed->setName("");
-  return {{ball()},
-          {ball(), fog(), scattered<Vec3SGrid>("colour")},
+  return {{coarseBall()},
+          {coarseBall(), fog(), scattered<Vec3SGrid>("colour")},
           {named(FloatGrid::create(1), "empty")},
           {rootTiles(), rootTiles(), unnamed},
           {turned(), stretched(), frustum()},
@@ -216,7 +216,7 @@ TEST(VdbCheck, WhatOpenVdbWritesIsReadAsOpenVdbReadsIt) {
   for (const std::vector<GridBase::Ptr>& grids : samples())
     for (const Storage& storage : storages()) {
       if (holdsPoints(grids) && !storage.offsets) continue;
-      const std::string bytes = encoded(grids, storage);
+      const std::string bytes = encodedVdb(grids, storage);
       SCOPED_TRACE(grids.front()->getName() + ", compression " + std::to_string(storage.flags) +
                    (storage.half ? ", half" : "") + (storage.offsets ? "" : ", a stream"));
       std::vector<GridBase::Ptr> ours = decodeVdb(bytes).grids, theirs = readByOpenVdb(bytes);
@@ -247,7 +247,7 @@ TEST(VdbCheck, TypesOfTheSameSizeAreReadAlike) {
   const auto expectRead = [](const GridBase::Ptr& grid, const std::string& type) {
     for (const Storage& storage : storages()) {
       if (storage.half) continue;
-      const std::string bytes = retyped(encoded({grid}, storage), grid->type(), type);
+      const std::string bytes = retyped(encodedVdb({grid}, storage), grid->type(), type);
       const std::vector<GridBase::Ptr> ours = decodeVdb(bytes).grids;
       EXPECT_EQ(ours.at(0)->type(), type);
       EXPECT_EQ(content(ours), content(readByOpenVdb(bytes)));
@@ -258,16 +258,16 @@ TEST(VdbCheck, TypesOfTheSameSizeAreReadAlike) {
 }
 
 TEST(VdbCheck, InstancesShareTheirTree) {
-  const VdbFile file = decodeVdb(encoded(instances(), {openvdb::io::COMPRESS_ZIP, false, true}));
+  const VdbFile file = decodeVdb(encodedVdb(instances(), {openvdb::io::COMPRESS_ZIP, false, true}));
   ASSERT_EQ(file.grids.size(), 2u);
   EXPECT_EQ(file.grids[0]->baseTreePtr(), file.grids[1]->baseTreePtr());
   EXPECT_EQ(file.grids[1]->voxelSize()[0], 3);
 }
 
 TEST(VdbCheck, GridsOfUnknownTypesArePassedOver) {
-  const std::vector<GridBase::Ptr> grids = {ball(), fog()};
+  const std::vector<GridBase::Ptr> grids = {coarseBall(), fog()};
   for (const bool offsets : {true, false}) {
-    const std::string bytes = retyped(encoded(grids, {0, false, offsets}), "Tree_float_5_4_3", "Tree_flaot_5_4_3");
+    const std::string bytes = retyped(encodedVdb(grids, {0, false, offsets}), "Tree_float_5_4_3", "Tree_flaot_5_4_3");
     if (offsets) {
       const VdbFile file = decodeVdb(bytes);
       ASSERT_EQ(file.grids.size(), 1u);
@@ -279,18 +279,19 @@ TEST(VdbCheck, GridsOfUnknownTypesArePassedOver) {
       EXPECT_THROW(decodeVdb(bytes), DataError);
     }
   }
-  const std::string alone = retyped(encoded({ball()}, {0, false, true}), "Tree_float_5_4_3", "Tree_flaot_5_4_3");
+  const std::string alone =
+      retyped(encodedVdb({coarseBall()}, {0, false, true}), "Tree_float_5_4_3", "Tree_flaot_5_4_3");
   EXPECT_THROW(decodeVdb(alone), DataError);
 }
 
 TEST(VdbCheck, EveryCutIsRefused) {
   const auto expectRefused = [](const std::vector<GridBase::Ptr>& grids, std::size_t step) {
-    const std::string bytes = encoded(grids, {openvdb::io::COMPRESS_BLOSC, false, true});
+    const std::string bytes = encodedVdb(grids, {openvdb::io::COMPRESS_BLOSC, false, true});
     for (std::size_t length = 0; length < bytes.size(); length += step)
       ASSERT_THROW(decodeVdb(bytes.substr(0, length)), DataError) << length << " of " << bytes.size() << " bytes";
   };
   expectRefused({rootTiles(), frustum()}, 1);
-  expectRefused({ball()}, 37);
+  expectRefused({coarseBall()}, 37);
 }
 
 /// A part of a file that OpenVDB reads at once: a number, a name, a mask, compressed values.
@@ -398,7 +399,7 @@ TEST(VdbCheck, NoMutantDoesHarm) {
   for (const std::vector<GridBase::Ptr>& grids : samples())
     for (const Storage& storage : storages()) {
       if (holdsPoints(grids) && !storage.offsets) continue;
-      const std::string bytes = encoded(grids, storage);
+      const std::string bytes = encodedVdb(grids, storage);
       const std::vector<Field> fields = fieldsOf(bytes);
       ASSERT_GT(fields.size(), 20u);
       for (int i = 0; i < mutants; ++i) {

@@ -3,9 +3,9 @@
 #include "support/test_fields.h"
 
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/job/fractal_options.h"
-#include "vdbtools/job/recorded_recipe.h"
 #include "vdbtools/job/sdf_job.h"
+#include "vdbtools/records/recorded_recipe.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ namespace {
 using namespace vdbtools;
 using openvdb::Coord;
 
-openvdb::FloatGrid::Ptr ball() {
+openvdb::FloatGrid::Ptr fineBall() {
   const auto grid = test_fields::bandGrid([](const openvdb::Vec3d& x) { return x.length() - 0.4; }, 0.05, 0.15, 0.15);
   grid->setName("surface");
   return grid;
@@ -32,7 +32,7 @@ class VdbFileTest : public testing::Test {
 };
 
 TEST_F(VdbFileTest, ComesBackAsItWas) {
-  const auto grid = ball();
+  const auto grid = fineBall();
   const auto versor = openvdb::Vec3SGrid::create();
   versor->setName("versor");
   versor->tree().setValue(Coord(1, 2, 3), openvdb::Vec3s(0.5f, -1, 0));
@@ -49,16 +49,16 @@ TEST_F(VdbFileTest, ComesBackAsItWas) {
 }
 
 TEST_F(VdbFileTest, SameGridsSameBytes) {
-  const std::string once = encodeVdb({ball()}, {});
-  EXPECT_EQ(encodeVdb({ball()}, {}), once);
+  const std::string once = encodeVdb({fineBall()}, {});
+  EXPECT_EQ(encodeVdb({fineBall()}, {}), once);
   // And other grids another identifier: programs tell files apart by it.
-  const auto other = ball();
+  const auto other = fineBall();
   other->tree().setValue(Coord(0), -0.125f);
   EXPECT_NE(encodeVdb({other}, {}).substr(21, 36), once.substr(21, 36));
 }
 
 TEST_F(VdbFileTest, CanBeReadGridByGrid) {
-  write(encodeVdb({ball()}, {}));
+  write(encodeVdb({fineBall()}, {}));
   openvdb::io::File file(mPath.string());
   file.open();
   EXPECT_TRUE(file.hasGrid("surface"));
@@ -67,7 +67,7 @@ TEST_F(VdbFileTest, CanBeReadGridByGrid) {
 }
 
 TEST_F(VdbFileTest, HalfIsSmallerAndNearlyTheSame) {
-  const auto grid = ball();
+  const auto grid = fineBall();
   const std::string full = encodeVdb({grid}, {}), half = encodeVdb({grid}, {.half = true});
   EXPECT_LT(half.size(), full.size());
   write(half);
@@ -77,7 +77,7 @@ TEST_F(VdbFileTest, HalfIsSmallerAndNearlyTheSame) {
 }
 
 TEST_F(VdbFileTest, TwoGridsOfOneNameAreRefused) {
-  EXPECT_THROW(encodeVdb({ball(), ball()}, {}), std::invalid_argument);
+  EXPECT_THROW(encodeVdb({fineBall(), fineBall()}, {}), std::invalid_argument);
 }
 
 TEST_F(VdbFileTest, BrokenFilesAreRefused) {
@@ -90,7 +90,7 @@ TEST_F(VdbFileTest, BrokenFilesAreRefused) {
   write(encodeVdb({}, {}));
   EXPECT_THROW(readVdb(mPath), DataError);
   // Cut off anywhere.
-  const std::string bytes = encodeVdb({ball()}, {.metadata = {{"julia_alpha", "40"}}});
+  const std::string bytes = encodeVdb({fineBall()}, {.metadata = {{"julia_alpha", "40"}}});
   for (std::size_t length = 0; length < bytes.size(); length += 1 + bytes.size() / 97) {
     write(bytes.substr(0, length));
     EXPECT_THROW(readVdb(mPath), DataError) << length << " of " << bytes.size() << " bytes";
@@ -98,7 +98,7 @@ TEST_F(VdbFileTest, BrokenFilesAreRefused) {
 }
 
 TEST_F(VdbFileTest, AGridIsChosenByNameOrRefusedWithTheList) {
-  const auto phi = ball(), density = ball();
+  const auto phi = fineBall(), density = fineBall();
   phi->setName("phi");
   density->setName("density");
   const VdbFile file{{phi, density}, {}};
@@ -110,7 +110,7 @@ TEST_F(VdbFileTest, AGridIsChosenByNameOrRefusedWithTheList) {
   } catch (const DataError& error) {
     EXPECT_NE(std::string(error.what()).find("'density'"), std::string::npos) << error.what();
   }
-  const auto a = ball(), b = ball();
+  const auto a = fineBall(), b = fineBall();
   a->setName("a");
   b->setName("b");
   EXPECT_THROW(chooseFloatGrid({{a, b}, {}}, "", "x.vdb"), DataError);

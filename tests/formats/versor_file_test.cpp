@@ -59,7 +59,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(at, from.size(), to);
 }
 
-std::string refusal(const std::string& text) {
+std::string versorRefusal(const std::string& text) {
   try {
     rationalFromJson(text, "folder/a\nfile.json");
   } catch (const DataError& error) {
@@ -124,12 +124,12 @@ TEST(VersorFile, RefusesEveryPrefixAndEveryTail) {
   const std::string text = kText.substr(0, kText.size() - 1);  // without the last line end, which nobody misses
   for (std::size_t size = 0; size < text.size(); ++size) {
     SCOPED_TRACE(size);
-    refusal(text.substr(0, size));
+    versorRefusal(text.substr(0, size));
   }
   for (const std::string& tail : {std::string("x"), std::string("{}"), std::string(","), std::string("\0", 1),
                                   std::string("\0garbage", 8), std::string("// comment"), kText}) {
     SCOPED_TRACE(tail);
-    refusal(kText + tail);
+    versorRefusal(kText + tail);
   }
   EXPECT_EQ(rationalFromJson(kText + "  \n", "x"), example());
 }
@@ -174,11 +174,11 @@ TEST(VersorFile, RefusesWhatIsNotTheFormat) {
   };
   for (const auto& [from, to] : changes) {
     SCOPED_TRACE(from + " -> " + to);
-    refusal(replaced(kText, from, to));
+    versorRefusal(replaced(kText, from, to));
   }
   for (const char* text : {"", " ", "null", "1", "[]", "{}", "\"rational\"", "not json", "\xEF\xBB\xBF"}) {
     SCOPED_TRACE(text);
-    refusal(text);
+    versorRefusal(text);
   }
 }
 
@@ -186,22 +186,24 @@ TEST(VersorFile, NamesThePlace) {
   const auto contains = [](const std::string& text, const std::string& part) {
     EXPECT_NE(text.find(part), std::string::npos) << text;
   };
-  contains(refusal(replaced(kText, "[0.1, 0.2,", "[0.1, \"two\",")),
+  contains(versorRefusal(replaced(kText, "[0.1, 0.2,", "[0.1, \"two\",")),
            "top.roots[1].position[1] is \"two\"; it must be a number");
-  contains(refusal(replaced(kText, "\"power\": 5", "\"Power\": 5")), "bottom.roots[0] has the unknown key \"Power\"");
-  contains(refusal(replaced(kText, "-0.4", "1e999")), "line 10");
-  contains(refusal(replaced(kText, "-0.4", "1e999")), "1e999");
-  contains(refusal(replaced(kText, "-0.4", "1e10")), "top root 1");
-  contains(refusal(replaced(kText, "\"power\": 5", "\"power\": 5, \"power\": 6")), "bottom.roots.power occurs twice");
-  contains(refusal(replaced(kText, "\"version\": 1", "\"version\": 2, \"new\": 0")),
+  contains(versorRefusal(replaced(kText, "\"power\": 5", "\"Power\": 5")),
+           "bottom.roots[0] has the unknown key \"Power\"");
+  contains(versorRefusal(replaced(kText, "-0.4", "1e999")), "line 10");
+  contains(versorRefusal(replaced(kText, "-0.4", "1e999")), "1e999");
+  contains(versorRefusal(replaced(kText, "-0.4", "1e10")), "top root 1");
+  contains(versorRefusal(replaced(kText, "\"power\": 5", "\"power\": 5, \"power\": 6")),
+           "bottom.roots.power occurs twice");
+  contains(versorRefusal(replaced(kText, "\"version\": 1", "\"version\": 2, \"new\": 0")),
            "version is 2; this program reads 1");
 }
 
 TEST(VersorFile, SurvivesDeepNesting) {
   const std::string deep(1000000, '[');
-  refusal(deep);
-  refusal(deep + std::string(deep.size(), ']'));
-  refusal(replaced(kText, "\"power\": 5", "\"power\": " + deep + std::string(deep.size(), ']')));
+  versorRefusal(deep);
+  versorRefusal(deep + std::string(deep.size(), ']'));
+  versorRefusal(replaced(kText, "\"power\": 5", "\"power\": " + deep + std::string(deep.size(), ']')));
 }
 
 TEST(VersorFile, DoesNotWriteWhatCannotBeRead) {
@@ -285,7 +287,7 @@ TEST(VersorFile, RefusesABadTargetAndNamesThePlace) {
   };
   for (const auto& [from, to, words] : changes) {
     SCOPED_TRACE(from + " -> " + to);
-    const std::string message = refusal(replaced(kFitted, from, to));
+    const std::string message = versorRefusal(replaced(kFitted, from, to));
     EXPECT_NE(message.find(words), std::string::npos) << message;
   }
 }

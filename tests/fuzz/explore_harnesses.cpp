@@ -8,7 +8,7 @@
 #endif
 
 #include "vdbtools/explore/shell_command.h"
-#include "vdbtools/job/recorded_recipe.h"
+#include "vdbtools/records/recorded_recipe.h"
 
 #include <array>
 #include <stdexcept>
@@ -18,6 +18,7 @@ namespace fuzz {
 namespace {
 
 using namespace vdbtools;
+using namespace vdbtools::explore;
 
 /// Nobody waits: what would take long ends at once.
 class NoPatience final : public Monitor {

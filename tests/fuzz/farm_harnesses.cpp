@@ -8,8 +8,8 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_hash.h"
-#include "vdbtools/job/recorded_recipe.h"
 #include "vdbtools/job/sheet_file.h"
+#include "vdbtools/records/recorded_recipe.h"
 
 #include <nlohmann/json.hpp>
 
@@ -21,6 +21,7 @@ namespace fuzz {
 namespace {
 
 using namespace vdbtools;
+using namespace vdbtools::farm;
 
 /// The text with the hash that belongs to it: changed plans would all be refused for theirs.
 std::string withItsHash(std::string_view text) {

@@ -9,9 +9,9 @@
 namespace fuzz {
 
 /// Its first task writes one file, of the bytes "abc".
-inline vdbtools::Manifest plan() {
-  vdbtools::Manifest manifest;
-  manifest.kind = vdbtools::PlanKind::Frames;
+inline vdbtools::farm::Manifest plan() {
+  vdbtools::farm::Manifest manifest;
+  manifest.kind = vdbtools::farm::PlanKind::Frames;
   manifest.recipe = {{"map", "quadratic"}, {"resolution", "16"}};
   manifest.makes = {"vdb"};
   manifest.facts = {{"folder", "/"}};

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Meshes: what the readers give must be a mesh that the program can work with.
 #include "harness.h"
-#include "mesh/format_readers.h"
+#include "mesh_files/format_readers.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/mesh/mesh.h"
-#include "vdbtools/mesh/point_cloud.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
+#include "vdbtools/mesh_files/point_cloud.h"
 
 #include <array>
 #include <cstring>

@@ -10,10 +10,10 @@
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/vdb_points.h"
 #include "vdbtools/formats/versor_file.h"
-#include "vdbtools/job/fractal_options.h"
 #include "vdbtools/job/sheet_file.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/picture/image.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include <openvdb/io/Stream.h>
 
@@ -27,6 +27,7 @@ namespace fuzz {
 namespace {
 
 using namespace vdbtools;
+using namespace vdbtools::farm;
 using openvdb::Vec3d;
 
 using Seeds = std::vector<Seed>;

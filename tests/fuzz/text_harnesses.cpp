@@ -5,12 +5,12 @@
 #include "config_list.h"
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/control/control.h"
 #include "vdbtools/farm/frame_plan.h"
-#include "vdbtools/job/fractal_options.h"
 #include "vdbtools/job/sdf_job.h"
 #include "vdbtools/recipe/recipe_reader.h"
 #include "vdbtools/recipe/varied_option.h"
-#include "vdbtools/target/control.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include "julia/expression.h"
 #include "julia/expression_pair.h"
@@ -24,6 +24,7 @@ namespace fuzz {
 namespace {
 
 using namespace vdbtools;
+using namespace vdbtools::farm;
 
 /// Longer texts than these say nothing new, and take the time of their parsers' squares.
 constexpr std::size_t kMostText = 4096;

@@ -6,9 +6,9 @@
 
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_job.h"
-#include "vdbtools/mesh/mesh_writer.h"
-#include "vdbtools/mesh/solid_meter.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/recipe/option_value.h"
+#include "vdbtools/search/solid_meter.h"
 #include "vdbtools/surface/grid_mesh.h"
 #include "vdbtools/target/target_survey.h"
 

@@ -9,8 +9,8 @@
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/versor_file.h"
 #include "vdbtools/job/fractal_job.h"
-#include "vdbtools/job/recorded_recipe.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
+#include "vdbtools/records/recorded_recipe.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_job.h"
-#include "vdbtools/job/recorded_recipe.h"
+#include "vdbtools/records/recorded_recipe.h"
 
 #include <gtest/gtest.h>
 

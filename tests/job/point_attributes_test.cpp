@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What meshes and grids carry: the values are those of the slow evaluator, and the colours those of the renderer.
 #include "job/point_attributes.h"
-#include "job/scene_colouring.h"
 #include "render/field_shading.h"
+#include "scene/scene_colouring.h"
 #include "support/temporary_folder.h"
 #include "support/test_fields.h"
 #include "support/test_meshes.h"
@@ -13,9 +13,9 @@
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/versor_file.h"
 #include "vdbtools/job/fractal_files.h"
-#include "vdbtools/job/scene_picture.h"
-#include "vdbtools/mesh/mesh_file.h"
+#include "vdbtools/mesh_files/mesh_file.h"
 #include "vdbtools/picture/image.h"
+#include "vdbtools/scene/scene_picture.h"
 
 #include <gtest/gtest.h>
 

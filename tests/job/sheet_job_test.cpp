@@ -4,10 +4,10 @@
 #include "support/test_meshes.h"
 
 #include "vdbtools/files/file_hash.h"
-#include "vdbtools/job/fractal_options.h"
-#include "vdbtools/job/recorded_recipe.h"
 #include "vdbtools/job/sheet_job.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
+#include "vdbtools/records/recorded_recipe.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include <gtest/gtest.h>
 

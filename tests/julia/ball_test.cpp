@@ -9,6 +9,7 @@
 #include "julia/rational_map.h"
 #include "julia/shape_modulus.h"
 #include "support/float128.h"
+#include "support/limits.h"
 #include "support/random_waves.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +18,6 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -41,21 +41,18 @@ using julia::Rational;
 using law_tests::kEpsilon;
 using law_tests::Random;
 using law_tests::text;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-std::string text(const Point& x) { return text(Quaternion<double>{x[0], x[1], x[2], 0}); }
+using test_limits::kInfinity;
 
 double logUniform(Random& random, double low, double high) {
   return std::exp(random.between(std::log(low), std::log(high)));
 }
 
 /// A point of the ball; every third on its surface.
-Quaternion<double> pointOf(Random& random, const Ball& ball, int number) {
+Quaternion<double> pointInBall(Random& random, const Ball& ball, int number) {
   const Quaternion<double> way = number % 3 == 0 ? random.direction() : random.inBall();
   return ball.centre + way * ball.radius;
 }
-Point pointOf(Random& random, const Point& centre, double radius, int number) {
+Point pointInBall(Random& random, const Point& centre, double radius, int number) {
   Quaternion<double> way = random.inBall();
   way.d = 0;
   const double length = std::sqrt(normSquared(way));
@@ -74,8 +71,8 @@ double lumpy(double x, double y, double z) {
 
 /// A function of fractal space from -half to half, sampled every @a spacing.
 template <class Real>
-std::shared_ptr<BrickField<Real>> bricksOf(const Function& value, Interpolation interpolation, double half,
-                                           double spacing) {
+std::shared_ptr<BrickField<Real>> brickFieldOf(const Function& value, Interpolation interpolation, double half,
+                                               double spacing) {
   auto bricks = std::make_shared<Bricks>();
   bricks->interpolation = interpolation;
   const auto nodes = static_cast<std::uint32_t>(2 * half / spacing) + 1;
@@ -120,7 +117,7 @@ TYPED_TEST(BallLaws, rangeOfBricksHoldsEverySample) {
         if (kind == 0) return 40 * lumpy(x, y, z);
         return kind == 1 ? 5 * std::sin(1e5 * (x + 1.7 * y + 2.3 * z)) : (x + 0.3 * y > 0.1 ? 7. : -1e6);
       };
-      const auto field = bricksOf<Real>(function, interpolation, 0.5, 1. / 48);
+      const auto field = brickFieldOf<Real>(function, interpolation, 0.5, 1. / 48);
       double tightest = kInfinity;
       for (int i = 0; i < 6000; ++i) {
         // Also beyond the box, and at its faces.
@@ -131,7 +128,7 @@ TYPED_TEST(BallLaws, rangeOfBricksHoldsEverySample) {
         const julia::ValueRange range = field->range(centre, radius);
         std::vector<Real> x, y, z;
         for (int k = 0; k < 20; ++k) {
-          const Point p = pointOf(random, centre, radius, k);
+          const Point p = pointInBall(random, centre, radius, k);
           x.push_back(static_cast<Real>(p[0]));
           y.push_back(static_cast<Real>(p[1]));
           z.push_back(static_cast<Real>(p[2]));
@@ -157,9 +154,9 @@ TYPED_TEST(BallLaws, lowestBeyondBoundsEverySample) {
   for (const Interpolation interpolation : {Interpolation::Trilinear, Interpolation::Quadratic}) {
     // The least of all is at one face; then the distance cannot help, but for the other field.
     for (const bool lowFace : {false, true}) {
-      const auto field =
-          bricksOf<Real>([&](double x, double y, double z) { return lumpy(x, y, z) - (lowFace && z > 0.48 ? 1 : 0); },
-                         interpolation, 0.5, 1. / 48);
+      const auto field = brickFieldOf<Real>(
+          [&](double x, double y, double z) { return lumpy(x, y, z) - (lowFace && z > 0.48 ? 1 : 0); }, interpolation,
+          0.5, 1. / 48);
       EXPECT_EQ(field->lowestBeyond(0.8) > 0, !lowFace);
       for (const double distance : {0., 0.1, 0.3, 0.4, 0.45, 0.5, 0.6, 0.8, 2., 100.}) {
         const double bound = field->lowestBeyond(distance);
@@ -203,7 +200,7 @@ TYPED_TEST(BallLaws, rangeFollowsThePlacement) {
       const double radius = logUniform(random, 1e-7, 1);
       const julia::ValueRange range = field.range(centre, radius);
       for (int k = 0; k < 20; ++k) {
-        const Point p = pointOf(random, centre, radius, k);
+        const Point p = pointInBall(random, centre, radius, k);
         const Real x = static_cast<Real>(p[0]), y = static_cast<Real>(p[1]), z = static_cast<Real>(p[2]);
         Real v = 0;
         field.sample({&x, 1}, {&y, 1}, {&z, 1}, {&v, 1});
@@ -217,7 +214,7 @@ TYPED_TEST(BallLaws, rangeFollowsThePlacement) {
 // ------------------------------------------------------------------------------------------------------- one step
 
 /// Roots in a ball of radius 1/2, powers whole and real, and a constant that makes |f| about 1 somewhere.
-Rational randomRational(Random& random, int mostBottom) {
+Rational randomRationalNearOne(Random& random, int mostBottom) {
   Rational rational;
   const auto roots = [&](julia::Polynomial& polynomial, int count) {
     for (int i = 0; i < count; ++i) {
@@ -275,7 +272,7 @@ double expectHolds(const Map<Real>& map, Random& random, const std::vector<Ball>
     const std::optional<Ball> image = map.image(ball, range);
     q.resize(30);
     for (int i = 0; i < 30; ++i)
-      q.set(static_cast<std::size_t>(i), (i == 0 ? ball.centre : pointOf(random, ball, i)).template as<Real>());
+      q.set(static_cast<std::size_t>(i), (i == 0 ? ball.centre : pointInBall(random, ball, i)).template as<Real>());
     step(map, q, l, next);
     for (std::size_t i = 0; i < q.size(); ++i) {
       EXPECT_TRUE(range.low <= l[i] && l[i] <= range.high)
@@ -301,7 +298,7 @@ TYPED_TEST(BallLaws, stepOfARationalHoldsEveryPoint) {
   Random random(902);
   double useful = 0;
   for (int round = 0; round < 300; ++round) {
-    const Rational rational = randomRational(random, 5);
+    const Rational rational = randomRationalNearOne(random, 5);
     std::vector<Ball> balls;
     for (int i = 0; i < 60; ++i) {
       const double radius = i % 10 == 0 ? 0 : logUniform(random, 1e-9, 0.3);
@@ -317,11 +314,11 @@ TYPED_TEST(BallLaws, stepOfARationalHoldsEveryPoint) {
 TYPED_TEST(BallLaws, stepOfAShapeModulusHoldsEveryPoint) {
   using Real = TypeParam;
   Random random(910);
-  const auto field = bricksOf<Real>([&](double x, double y, double z) { return 10 * lumpy(x, y, z); },
-                                    Interpolation::Trilinear, 0.6, 1. / 64);
+  const auto field = brickFieldOf<Real>([&](double x, double y, double z) { return 10 * lumpy(x, y, z); },
+                                        Interpolation::Trilinear, 0.6, 1. / 64);
   int hollows = 0;
   for (int round = 0; round < 300; ++round) {
-    const Rational versor = randomRational(random, round % 2);
+    const Rational versor = randomRationalNearOne(random, round % 2);
     const DropAxis dropped = std::array{DropAxis::I, DropAxis::J, DropAxis::K}[static_cast<std::size_t>(round) % 3];
     const julia::ShapeModulus<Real> map(field, versor, dropped);
     std::vector<Ball> balls;
@@ -341,10 +338,10 @@ TYPED_TEST(BallLaws, stepOfAShapeModulusHoldsEveryPoint) {
 TYPED_TEST(BallLaws, stepOfWavesHoldsEveryPoint) {
   using Real = TypeParam;
   Random random(912);
-  const auto field = bricksOf<Real>([&](double x, double y, double z) { return 10 * lumpy(x, y, z); },
-                                    Interpolation::Trilinear, 0.6, 1. / 64);
-  const auto octave = bricksOf<Real>([&](double x, double y, double z) { return 1.5 + 20 * lumpy(z, x, y); },
-                                     Interpolation::Trilinear, 0.6, 1. / 32);
+  const auto field = brickFieldOf<Real>([&](double x, double y, double z) { return 10 * lumpy(x, y, z); },
+                                        Interpolation::Trilinear, 0.6, 1. / 64);
+  const auto octave = brickFieldOf<Real>([&](double x, double y, double z) { return 1.5 + 20 * lumpy(z, x, y); },
+                                         Interpolation::Trilinear, 0.6, 1. / 32);
   double useful = 0;
   for (int round = 0; round < 200; ++round) {
     const julia::WaveTexture texture = law_tests::randomWaves(random);
@@ -364,11 +361,11 @@ TYPED_TEST(BallLaws, stepOfWavesHoldsEveryPoint) {
 TYPED_TEST(BallLaws, boundsOfTheShapeModulusHoldAtEveryPoint) {
   using Real = TypeParam;
   Random random(911);
-  const auto field = bricksOf<Real>([&](double x, double y, double z) { return 10 * lumpy(x, y, z); },
-                                    Interpolation::Trilinear, 0.6, 1. / 64);
+  const auto field = brickFieldOf<Real>([&](double x, double y, double z) { return 10 * lumpy(x, y, z); },
+                                        Interpolation::Trilinear, 0.6, 1. / 64);
   int known = 0, total = 0;
   for (int round = 0; round < 400; ++round) {
-    const Rational versor = randomRational(random, round % 2);
+    const Rational versor = randomRationalNearOne(random, round % 2);
     const DropAxis dropped = std::array{DropAxis::I, DropAxis::J, DropAxis::K}[static_cast<std::size_t>(round) % 3];
     const julia::ShapeModulus<Real> map(field, versor, dropped);
     const double wanted = random.between(-1, 1.5);
@@ -392,7 +389,7 @@ TYPED_TEST(BallLaws, boundsOfTheShapeModulusHoldAtEveryPoint) {
       for (std::size_t k = 0; k < points.size(); ++k) {
         // A point whose rounding leaves the ball says nothing.
         Quaternion<Real> q;
-        do q = pointOf(random, ball, static_cast<int>(k)).template as<Real>();
+        do q = pointInBall(random, ball, static_cast<int>(k)).template as<Real>();
         while (std::sqrt(normSquared(q.template as<double>() - ball.centre)) > static_cast<double>(radius));
         points.set(k, q);
       }
@@ -478,7 +475,7 @@ Count expectDecisionsHold(const FieldEvaluator& evaluator, Random& random, const
                                            : count.undecided);
     if (decisions[i] == Decision::Undecided) continue;
     for (int k = 0; k < kPointsOfBall; ++k) {
-      points.push_back(k == 0 ? centres[i] : pointOf(random, centres[i], radius, k));
+      points.push_back(k == 0 ? centres[i] : pointInBall(random, centres[i], radius, k));
       ballOf.push_back(i);
     }
   }
@@ -539,7 +536,7 @@ Count expectSound(const FieldEvaluator& evaluator, Random& random, double half, 
   // Beside the surface by as much as the ball is wide.
   for (const double radius : {1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3}) {
     std::vector<Point> beside;
-    for (const Point& x : surface) beside.push_back(pointOf(random, x, 3 * radius, 1));
+    for (const Point& x : surface) beside.push_back(pointInBall(random, x, 3 * radius, 1));
     add(beside, radius);
   }
   return sum;
@@ -561,11 +558,11 @@ TYPED_TEST(BallLaws, decisionsOfTheShapeModulusHold) {
   Random random(905);
   for (const double alpha : {6., 40., 300.})
     for (const Interpolation interpolation : {Interpolation::Trilinear, Interpolation::Quadratic}) {
-      const auto field = bricksOf<Real>([&](double x, double y, double z) { return alpha * lumpy(x, y, z); },
-                                        interpolation, 0.6, 1. / 64);
+      const auto field = brickFieldOf<Real>([&](double x, double y, double z) { return alpha * lumpy(x, y, z); },
+                                            interpolation, 0.6, 1. / 64);
       Count sum;
       for (int round = 0; round < 25; ++round) {
-        const Rational versor = randomRational(random, round % 3 == 0 ? 3 : 0);
+        const Rational versor = randomRationalNearOne(random, round % 3 == 0 ? 3 : 0);
         const OrbitOptions options = randomOptions(random);
         const Embedding embedding = randomEmbedding(random);
         const auto evaluator = julia::makeFieldEvaluator<Real>(
@@ -594,9 +591,9 @@ TYPED_TEST(BallLaws, blocksHaveTheSignsOfTheirNodes) {
   for (int round = 0; round < 60; ++round) {
     const double alpha = std::array{6., 40., 300.}[static_cast<std::size_t>(round) % 3];
     const auto field =
-        bricksOf<Real>([&](double x, double y, double z) { return std::min(alpha * lumpy(x, y, z), 5.); },
-                       Interpolation::Trilinear, 0.6, 1. / 32);
-    const Rational versor = randomRational(random, round % 4 == 0 ? 3 : 0);
+        brickFieldOf<Real>([&](double x, double y, double z) { return std::min(alpha * lumpy(x, y, z), 5.); },
+                           Interpolation::Trilinear, 0.6, 1. / 32);
+    const Rational versor = randomRationalNearOne(random, round % 4 == 0 ? 3 : 0);
     OrbitOptions options = randomOptions(random);
     if (round % 10 == 0) options.escapeRadius = 1.01;
     const Embedding embedding = randomEmbedding(random);
@@ -650,7 +647,7 @@ TYPED_TEST(BallLaws, decisionsOfRationalsHold) {
   Random random(906);
   Count sum;
   for (int round = 0; round < 150; ++round) {
-    const Rational rational = randomRational(random, 4);
+    const Rational rational = randomRationalNearOne(random, 4);
     const OrbitOptions options = randomOptions(random);
     const Embedding embedding = randomEmbedding(random);
     std::vector<Point> risky;
@@ -696,8 +693,8 @@ template <class Real>
 std::unique_ptr<FieldEvaluator> usual(double alpha, bool integers, const OrbitOptions& options) {
   const double beyond = std::log(options.escapeRadius) + 1;
   const auto field =
-      bricksOf<Real>([&](double x, double y, double z) { return std::min(alpha * lumpy(x, y, z), beyond); },
-                     Interpolation::Trilinear, 0.5 + beyond / alpha, alpha < 20 ? 1. / 48 : 1. / 128);
+      brickFieldOf<Real>([&](double x, double y, double z) { return std::min(alpha * lumpy(x, y, z), beyond); },
+                         Interpolation::Trilinear, 0.5 + beyond / alpha, alpha < 20 ? 1. / 48 : 1. / 128);
   const Rational versor{.top = julia::randomPolynomial({.integerPowers = integers})};
   return julia::makeFieldEvaluator<Real>(std::make_shared<julia::ShapeModulus<Real>>(field, versor, DropAxis::K), {},
                                          options);

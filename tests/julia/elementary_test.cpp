@@ -3,6 +3,7 @@
 #include "julia/elementary.h"
 
 #include "support/float128.h"
+#include "support/limits.h"
 
 #include <gtest/gtest.h>
 
@@ -17,8 +18,8 @@ namespace {
 namespace elementary = julia::elementary;
 using law_tests::Random;
 using law_tests::Wide;
+using test_limits::kInfinity;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kTries = 4000;
 
 /// The distance of a result from the truth, in units of the last place.

@@ -44,8 +44,6 @@ using law_tests::StepBound;
 using law_tests::text;
 using law_tests::Wide;
 
-std::string text(const Point& x) { return text(Quaternion<double>{x[0], x[1], x[2], 0}); }
-
 struct Field {
   std::vector<double> value;
   std::vector<int> iterations;
@@ -148,7 +146,7 @@ std::vector<Point> grid(int n, double spacing) {
   return points;
 }
 
-std::vector<Point> randomPoints(Random& random, int count, double halfWidth) {
+std::vector<Point> randomPointsInBox(Random& random, int count, double halfWidth) {
   std::vector<Point> points;
   const auto coordinate = [&] {
     return static_cast<double>(static_cast<float>(random.between(-halfWidth, halfWidth)));
@@ -283,7 +281,7 @@ TEST(FloatOrbit, flipsFewSigns) {
 TYPED_TEST(OrbitLaws, squaringIsTheUnitBall) {
   using Real = TypeParam;
   Random random(55);
-  std::vector<Point> points = randomPoints(random, 2000, 1.5);
+  std::vector<Point> points = randomPointsInBox(random, 2000, 1.5);
   // Close to the sphere too. Rounding moves l by a few eps a step, and each step doubles what was there: in terms of
   // ln|x| that is at most (4 + 13 + 13/2 + ...) eps.
   const double closest = 32 * this->eps;
@@ -320,7 +318,7 @@ TYPED_TEST(OrbitLaws, quadraticWithoutConstantIsABall) {
       const double radius = std::pow(escape, std::pow(0.5, n));
       const auto evaluator = evaluatorOf<Real, QuadraticMap>({.maxIterations = n, .escapeRadius = escape}, Embedding{},
                                                              Quaternion<double>{});
-      const std::vector<Point> points = randomPoints(random, 2000, 1.2 * radius);
+      const std::vector<Point> points = randomPointsInBox(random, 2000, 1.2 * radius);
       const Field field = evaluate(*evaluator, points);
       for (std::size_t i = 0; i < points.size(); ++i) {
         const double l = std::log(std::hypot(points[i][0], points[i][1], points[i][2]));
@@ -360,7 +358,7 @@ TYPED_TEST(OrbitLaws, firstStepIsTheExponent) {
   using Real = TypeParam;
   Random random(58);
   const Lumpy lumpy{.alpha = 16, .height = 0.0625};
-  const std::vector<Point> points = randomPoints(random, 200, 0.7);
+  const std::vector<Point> points = randomPointsInBox(random, 200, 0.7);
   for (const DropAxis axis : {DropAxis::I, DropAxis::J, DropAxis::K})
     for (const double slice : {0., 0.5}) {
       const Field field = evaluate(
@@ -402,7 +400,7 @@ TEST(Embedding, slicesAlongTheDroppedAxis) {
 TYPED_TEST(OrbitLaws, versorsAreThoseOfTheFirstStep) {
   using Real = TypeParam;
   Random random(61);
-  const std::vector<Point> points = randomPoints(random, 100, 0.8);
+  const std::vector<Point> points = randomPointsInBox(random, 100, 0.8);
   std::vector<Quaternion<double>> versors(points.size());
   const Rational rational = tenRoots(62, false);
   shapeEvaluator<Real>({}, rational, {})->versors(points, versors);
@@ -431,7 +429,7 @@ TYPED_TEST(OrbitLaws, aPointKnowsNothingOfItsBatch) {
   }();
   for (const auto& evaluator : evaluators) {
     EXPECT_TRUE(evaluate(*evaluator, {}).value.empty());
-    const std::vector<Point> points = randomPoints(random, 500, 1);
+    const std::vector<Point> points = randomPointsInBox(random, 500, 1);
     const Field together = evaluate(*evaluator, points);
     const Field backwards = evaluate(*evaluator, {points.rbegin(), points.rend()});
     std::vector<double> withoutIterations(points.size());

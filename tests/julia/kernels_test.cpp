@@ -28,7 +28,7 @@ using julia::Rational;
 using law_tests::expectSameBits;
 using law_tests::KeepInstructionSet;
 
-Rational randomRational(std::uint64_t seed, int count, double maxPower, bool integer) {
+Rational seededRational(std::uint64_t seed, int count, double maxPower, bool integer) {
   Rational rational{
       0.25, julia::randomPolynomial({.seed = seed, .count = count, .maxPower = maxPower, .integerPowers = integer}),
       julia::randomPolynomial({.seed = seed + 1, .count = count / 2, .maxPower = 3, .integerPowers = integer})};
@@ -75,7 +75,7 @@ TYPED_TEST(Kernels, rationalsAreTheSameOnAllInstructionSets) {
   for (const bool integer : {false, true})
     for (const double maxPower : {11., 50., 300.})
       for (const std::size_t count : {1u, 15u, 127u, 128u, 129u, 700u}) {
-        const Rational rational = randomRational(count, 12, maxPower, integer);
+        const Rational rational = seededRational(count, 12, maxPower, integer);
         const julia::RationalEvaluator<Real> evaluator(rational);
         const QuaternionBatch<Real> q = trickyPoints<Real>(rational, count);
         expectSameBits<Real>([&] {
@@ -97,7 +97,7 @@ TYPED_TEST(Kernels, orbitsAreTheSameOnAllInstructionSets) {
   std::vector<julia::Point> points(1000);
   for (julia::Point& x : points) x = {place(random), place(random), place(random)};
   const std::vector<std::shared_ptr<const julia::Map<Real>>> maps = {
-      std::make_shared<julia::RationalMap<Real>>(randomRational(9, 6, 4, false)),
+      std::make_shared<julia::RationalMap<Real>>(seededRational(9, 6, 4, false)),
       std::make_shared<julia::QuadraticMap<Real>>(Quaternion<double>{-0.2, 0.6, 0.2, 0.1})};
   for (const auto& map : maps) {
     const auto evaluator = julia::makeFieldEvaluator<Real>(map, {0.1, julia::DropAxis::K}, {.maxIterations = 8});
@@ -111,7 +111,7 @@ TYPED_TEST(Kernels, orbitsAreTheSameOnAllInstructionSets) {
 
 TYPED_TEST(Kernels, aPointDoesNotDependOnItsBatch) {
   using Real = TypeParam;
-  const Rational rational = randomRational(3, 9, 11, false);
+  const Rational rational = seededRational(3, 9, 11, false);
   const julia::RationalEvaluator<Real> evaluator(rational);
   const QuaternionBatch<Real> q = trickyPoints<Real>(rational, 300);
   QuaternionBatch<Real> together;
@@ -130,7 +130,7 @@ TYPED_TEST(Kernels, agreeWithTheCarefulPath) {
   using Real = TypeParam;
   const double eps = std::numeric_limits<Real>::epsilon();
   for (const bool integer : {false, true}) {
-    const Rational rational = randomRational(5, 20, 13, integer);
+    const Rational rational = seededRational(5, 20, 13, integer);
     double powers = 0;
     for (const auto* polynomial : {&rational.top, &rational.bottom}) powers += julia::summedPowers(*polynomial);
     const julia::RationalEvaluator<Real> evaluator(rational);
@@ -149,7 +149,7 @@ TYPED_TEST(Kernels, agreeWithTheCarefulPath) {
 
 /// Bricks of a function of the node, over a few bricks in each direction.
 template <class Function>
-std::shared_ptr<const julia::Bricks> bricksOf(julia::Interpolation interpolation, const Function& f) {
+std::shared_ptr<const julia::Bricks> bricksOfNodes(julia::Interpolation interpolation, const Function& f) {
   auto bricks = std::make_shared<julia::Bricks>();
   bricks->interpolation = interpolation;
   bricks->count = {3, 2, 4};
@@ -199,7 +199,7 @@ TYPED_TEST(Kernels, bricksReproduceLinearFunctions) {
   points.push_back({0, 0, 0});
   points.push_back({8, 8, 8});
   for (const auto interpolation : {julia::Interpolation::Trilinear, julia::Interpolation::Quadratic}) {
-    const julia::BrickField<Real> field(bricksOf(interpolation, f), indexPlacement());
+    const julia::BrickField<Real> field(bricksOfNodes(interpolation, f), indexPlacement());
     const std::vector<Real> values = sampled(field, points);
     for (std::size_t i = 0; i < points.size(); ++i)
       EXPECT_NEAR(values[i], f(points[i][0], points[i][1], points[i][2]), 500 * std::numeric_limits<Real>::epsilon())
@@ -214,7 +214,7 @@ TYPED_TEST(Kernels, quadraticReadingHasNoCreases) {
   const auto f = [](int x, int y, int z) { return std::sin(1.7 * x) + std::cos(2.3 * y + z); };
   // The change of slope where the stencil moves on, against its change over as short a way within.
   const auto jump = [&](julia::Interpolation interpolation, double at) {
-    const julia::BrickField<Real> field(bricksOf(interpolation, f), indexPlacement());
+    const julia::BrickField<Real> field(bricksOfNodes(interpolation, f), indexPlacement());
     constexpr double h = 1.0 / 64;
     const std::vector<Real> v = sampled(field, {{at - h, 5.3, 9.1}, {at, 5.3, 9.1}, {at + h, 5.3, 9.1}});
     return std::abs(double(v[2]) - 2 * double(v[1]) + double(v[0])) / h;
@@ -387,7 +387,7 @@ TYPED_TEST(Kernels, tilesAreMultiplied) {
 
 TEST(BrickField, positionsBeyondTheBoxAreThoseOfItsFace) {
   const auto f = [](int x, int y, int z) { return x + 100 * y + 10000 * z; };
-  const julia::BrickField<double> field(bricksOf(julia::Interpolation::Trilinear, f), indexPlacement());
+  const julia::BrickField<double> field(bricksOfNodes(julia::Interpolation::Trilinear, f), indexPlacement());
   const auto values = sampled<double>(field, {{-5, 2, 3}, {1e30, 2, 3}, {4, -1e300, 31}, {23, 15, 99}});
   EXPECT_EQ(values, (std::vector<double>{f(0, 2, 3), f(23, 2, 3), f(4, 0, 31), f(23, 15, 31)}));
 }

@@ -4,6 +4,7 @@
 
 #include "julia/reference.h"
 #include "support/float128.h"
+#include "support/limits.h"
 #include "support/rounding_bounds.h"
 
 #include <gtest/gtest.h>
@@ -30,8 +31,7 @@ using law_tests::text;
 using law_tests::Tolerance;
 using law_tests::tolerance;
 using law_tests::Wide;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using test_limits::kInfinity;
 
 template <class Real>
 class RationalLaws : public testing::Test {
@@ -65,7 +65,7 @@ double randomPower(Random& random, Powers powers) {
   return kind == 0 ? 0 : kind < 4 ? random.integer(-6, 13) : random.between(-6, 13);
 }
 
-Polynomial randomPolynomial(Random& random, int count, Powers powers, double radius = 1) {
+Polynomial polynomialOf(Random& random, int count, Powers powers, double radius = 1) {
   Polynomial polynomial;
   for (int i = 0; i < count; ++i)
     polynomial.roots.push_back({floatExact(random.inBall() * radius), randomPower(random, powers)});
@@ -78,8 +78,8 @@ TYPED_TEST(RationalLaws, agreesWithTheReference) {
     const Powers powers = std::array{Powers::Positive, Powers::Whole, Powers::Any}[round % 3];
     const int roots = random.integer(1, 40);
     const int top = round % 4 == 0 ? roots : random.integer(0, roots);
-    Rational rational{random.between(-5, 5), randomPolynomial(random, top, powers),
-                      randomPolynomial(random, roots - top, powers)};
+    Rational rational{random.between(-5, 5), polynomialOf(random, top, powers),
+                      polynomialOf(random, roots - top, powers)};
     if (round % 2 == 1) rational.top.powerScale = random.between(-1, 2), rational.bottom.powerScale = 0.375;
     for (int i = 0; i < 5; ++i)
       this->expectAgrees(rational, floatExact(random.inBall() * random.between(0.1, 20)),
@@ -105,7 +105,7 @@ TYPED_TEST(RationalLaws, thousandRootsWithPowersToFifty) {
 TYPED_TEST(RationalLaws, closeToARoot) {
   Random random(12);
   for (const double gap : {1e-30, 1e-36, 1e-42}) {
-    Rational rational{0.5, randomPolynomial(random, 3, Powers::Any), randomPolynomial(random, 2, Powers::Any)};
+    Rational rational{0.5, polynomialOf(random, 3, Powers::Any), polynomialOf(random, 2, Powers::Any)};
     rational.top.roots.push_back({{}, 2.5});
     for (int i = 0; i < 10; ++i) {
       const Quaternion<double> q = floatExact(random.direction() * gap);
@@ -163,7 +163,7 @@ TYPED_TEST(RationalLaws, orderTurnsTheVersorOnly) {
   Random random(13);
   int turned = 0;
   for (int round = 0; round < 50; ++round) {
-    const Rational rational{0, randomPolynomial(random, 6, Powers::Any), randomPolynomial(random, 4, Powers::Any)};
+    const Rational rational{0, polynomialOf(random, 6, Powers::Any), polynomialOf(random, 4, Powers::Any)};
     Rational permuted = rational;
     std::reverse(permuted.top.roots.begin(), permuted.top.roots.end());
     std::rotate(permuted.bottom.roots.begin(), permuted.bottom.roots.begin() + 1, permuted.bottom.roots.end());
@@ -191,7 +191,7 @@ TYPED_TEST(RationalLaws, aPolynomialOverItselfIsOne) {
   using Real = TypeParam;
   Random random(14);
   for (int round = 0; round < 50; ++round) {
-    const Polynomial p = randomPolynomial(random, random.integer(1, 20), Powers::Any);
+    const Polynomial p = polynomialOf(random, random.integer(1, 20), Powers::Any);
     const Rational one{0, p, p};
     const Quaternion<double> q = floatExact(random.inBall() * 2.0);
     const auto value = RationalEvaluator<Real>(one)(q.template as<Real>());
@@ -255,7 +255,7 @@ TEST(Rational, summedPowers) {
   EXPECT_EQ(julia::summedPowers({{{{}, 2}, {{1, 0, 0, 0}, -0.5}}, -4}), -6);
   // It is the slope of l in ln|q| far away.
   Random random(17);
-  const Rational rational{1, randomPolynomial(random, 9, Powers::Any), randomPolynomial(random, 5, Powers::Any)};
+  const Rational rational{1, polynomialOf(random, 9, Powers::Any), polynomialOf(random, 5, Powers::Any)};
   const RationalEvaluator<double> evaluator(rational);
   const Quaternion<double> u = random.direction();
   const double slope = (evaluator.logModulus(u * 1e16) - evaluator.logModulus(u * 1e8)) / std::log(1e8);
@@ -306,11 +306,11 @@ TEST(Rational, scaledIsHomogeneous) {
 TEST(Rational, productOfValues) {
   Random random(20);
   for (int round = 0; round < 60; ++round) {
-    Rational left{random.between(-1, 1), randomPolynomial(random, random.integer(0, 5), Powers::Any), {}};
-    Rational right{random.between(-1, 1), randomPolynomial(random, random.integer(0, 5), Powers::Any),
-                   randomPolynomial(random, random.integer(0, 5), Powers::Any)};
+    Rational left{random.between(-1, 1), polynomialOf(random, random.integer(0, 5), Powers::Any), {}};
+    Rational right{random.between(-1, 1), polynomialOf(random, random.integer(0, 5), Powers::Any),
+                   polynomialOf(random, random.integer(0, 5), Powers::Any)};
     // In one order the left bottom must be 1: the bottoms of a product stand behind all tops.
-    if (round % 2 == 1) left.bottom = randomPolynomial(random, 3, Powers::Any);
+    if (round % 2 == 1) left.bottom = polynomialOf(random, 3, Powers::Any);
     for (Polynomial* polynomial : {&left.top, &left.bottom, &right.top, &right.bottom})
       if (random.integer(0, 2) != 0) polynomial->powerScale = std::array{0., 0.5, -2., 0.3}[random.integer(0, 3)];
     const Rational both = product(left, right);

@@ -22,8 +22,8 @@ const Point kAxes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, -2}, {0.5, 0.8, 0.3}, {-1, 1
 
 Point minus(const Point& a, const Point& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 double dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-double length(const Point& a) { return std::sqrt(dot(a, a)); }
-Point unit(const Point& a) { return {a[0] / length(a), a[1] / length(a), a[2] / length(a)}; }
+double lengthOf(const Point& a) { return std::sqrt(dot(a, a)); }
+Point unit(const Point& a) { return {a[0] / lengthOf(a), a[1] / lengthOf(a), a[2] / lengthOf(a)}; }
 
 /// x turned about a unit vector by Rodrigues' formula.
 Point turned(const Point& x, const Point& n, double angle) {
@@ -36,7 +36,7 @@ Point turned(const Point& x, const Point& n, double angle) {
 
 double nearest(const Point& x, const std::vector<Point>& points) {
   double least = std::numeric_limits<double>::infinity();
-  for (const Point& point : points) least = std::min(least, length(minus(x, point)));
+  for (const Point& point : points) least = std::min(least, lengthOf(minus(x, point)));
   return least;
 }
 
@@ -48,7 +48,7 @@ TEST(RootPatterns, lineHasEqualStepsAlongItsAxis) {
     for (int i = 0; i < 5; ++i) {
       const Point offset = minus(points[static_cast<std::size_t>(i)], centre);
       EXPECT_NEAR(dot(offset, unit(axis)), 0.16 * (i - 2), 1e-14);
-      EXPECT_NEAR(length(offset), std::abs(0.16 * (i - 2)), 1e-14);
+      EXPECT_NEAR(lengthOf(offset), std::abs(0.16 * (i - 2)), 1e-14);
     }
   }
 }
@@ -62,7 +62,7 @@ TEST(RootPatterns, circleHasSymmetryOfItsOrder) {
       ASSERT_EQ(points.size(), static_cast<std::size_t>(order));
       for (const Point& point : points) {
         const Point offset = minus(point, centre);
-        EXPECT_NEAR(length(offset), 0.25, 1e-14);
+        EXPECT_NEAR(lengthOf(offset), 0.25, 1e-14);
         EXPECT_NEAR(dot(offset, unit(axis)), 0, 1e-14);
         Point image = turned(offset, unit(axis), 2 * std::numbers::pi / order);
         for (std::size_t i = 0; i < 3; ++i) image[i] += centre[i];
@@ -84,10 +84,10 @@ TEST(RootPatterns, helixScrewsIntoItself) {
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
       Point next = turned(points[i], n, 2 * std::numbers::pi * 3 / count);
       for (std::size_t k = 0; k < 3; ++k) next[k] += 0.9 / count * n[k];
-      EXPECT_LT(length(minus(next, points[i + 1])), 1e-13);
+      EXPECT_LT(lengthOf(minus(next, points[i + 1])), 1e-13);
       const Point foot =
           minus(points[i], {dot(points[i], n) * n[0], dot(points[i], n) * n[1], dot(points[i], n) * n[2]});
-      EXPECT_NEAR(length(foot), 0.1, 1e-13);
+      EXPECT_NEAR(lengthOf(foot), 0.1, 1e-13);
     }
   }
 }

@@ -3,6 +3,7 @@
 #include "julia/shell.h"
 
 #include "support/float128.h"
+#include "support/limits.h"
 
 #include <gtest/gtest.h>
 
@@ -16,10 +17,9 @@ namespace {
 using julia::RadialMaximum;
 using julia::shellInterval;
 using law_tests::Random;
+using test_limits::kInfinity;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-std::string text(const RadialMaximum& table) {
+std::string tableText(const RadialMaximum& table) {
   std::ostringstream out;
   out << "step " << table.step << ':';
   for (const double bound : table.maximum) out << ' ' << bound;
@@ -68,7 +68,7 @@ TEST(ShellInterval, originOutsideTrapsNothing) {
 
 TEST(ShellInterval, oneStepKnowsEverySign) {
   for (const RadialMaximum& table : {RadialMaximum{0.25, {-1}}, RadialMaximum{0.25, {5}}, RadialMaximum{0.25, {}}})
-    EXPECT_EQ(shellInterval(table, 1, 20).lower, 0) << text(table);
+    EXPECT_EQ(shellInterval(table, 1, 20).lower, 0) << tableText(table);
 }
 
 TEST(ShellInterval, upperIsLogEscape) {
@@ -113,14 +113,16 @@ TEST(ShellInterval, soundAndTightForRandomTables) {
     const double r = std::exp(lower);
     if (lower > -kInfinity) {
       ++trapped;
-      ASSERT_LT(lower, 0) << text(table);
+      ASSERT_LT(lower, 0) << tableText(table);
       for (const double part : {1e-9, 0.1, 0.5, 0.9, 0.999, 1.})
-        ASSERT_TRUE(worstOrbitStays(table, part * r * kInward, n - 1)) << part * r << ' ' << n << ' ' << text(table);
-      ASSERT_TRUE(worstOrbitStays(table, random.unit() * r, n - 1)) << n << ' ' << text(table);
+        ASSERT_TRUE(worstOrbitStays(table, part * r * kInward, n - 1))
+            << part * r << ' ' << n << ' ' << tableText(table);
+      ASSERT_TRUE(worstOrbitStays(table, random.unit() * r, n - 1)) << n << ' ' << tableText(table);
     }
     // The next ball of the table leaves, or is not below 1.
     const double next = (std::round(r / table.step) + 1) * table.step;
-    ASSERT_FALSE(next < 1 && worstOrbitStays(table, next * kInward, n - 1)) << next << ' ' << n << ' ' << text(table);
+    ASSERT_FALSE(next < 1 && worstOrbitStays(table, next * kInward, n - 1))
+        << next << ' ' << n << ' ' << tableText(table);
   }
   EXPECT_GE(trapped, 1000) << "of 4000: the tables are too wild to test anything";
 }
@@ -132,7 +134,7 @@ TEST(ShellInterval, neverGrowsWithTheSteps) {
     double before = shellInterval(table, 1, 20).lower;
     for (int n = 2; n < 12; ++n) {
       const double lower = shellInterval(table, n, 20).lower;
-      ASSERT_LE(lower, before) << n << ' ' << text(table);
+      ASSERT_LE(lower, before) << n << ' ' << tableText(table);
       before = lower;
     }
   }

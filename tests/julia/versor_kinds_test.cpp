@@ -8,6 +8,7 @@
 #include "julia/vector_versor.h"
 #include "julia/wave_versor.h"
 #include "support/float128.h"
+#include "support/limits.h"
 #include "support/random_waves.h"
 
 #include <gtest/gtest.h>
@@ -31,6 +32,7 @@ using julia::Symmetry;
 using julia::VersorField;
 using law_tests::Random;
 using law_tests::Wide;
+using test_limits::kInfinity;
 
 template <class Real>
 using VersorPointer = std::shared_ptr<const VersorField<Real>>;
@@ -76,20 +78,20 @@ std::shared_ptr<const julia::ScalarField<Real>> randomField(Random& random, doub
 }
 
 template <class Real>
-VersorPointer<Real> randomWaves(Random& random, DropAxis dropped) {
+VersorPointer<Real> randomWaveVersor(Random& random, DropAxis dropped) {
   return std::make_shared<julia::WaveVersor<Real>>(
       law_tests::randomWaves(random), std::make_shared<law_tests::SameOctave<Real>>(random.between(-2, 1)), dropped);
 }
 
 template <class Real>
-VersorPointer<Real> randomVectors(Random& random, DropAxis dropped) {
+VersorPointer<Real> randomVectorVersor(Random& random, DropAxis dropped) {
   std::vector<std::shared_ptr<const julia::ScalarField<Real>>> components(random.integer(0, 1) ? 3 : 4);
   for (auto& component : components) component = randomField<Real>(random, 1, -1, 1);
   return std::make_shared<julia::VectorVersor<Real>>(components, dropped);
 }
 
 template <class Real>
-VersorPointer<Real> randomRoots(Random& random) {
+VersorPointer<Real> randomRootVersor(Random& random) {
   julia::Rational rational;
   for (int i = random.integer(1, 4); i > 0; --i)
     rational.top.roots.push_back({random.inBall(), static_cast<double>(random.integer(1, 3))});
@@ -99,8 +101,8 @@ VersorPointer<Real> randomRoots(Random& random) {
 template <class Real>
 VersorPointer<Real> randomVersor(Random& random, DropAxis dropped) {
   const int kind = random.integer(0, 2);
-  if (kind == 0) return randomWaves<Real>(random, dropped);
-  return kind == 1 ? randomVectors<Real>(random, dropped) : randomRoots<Real>(random);
+  if (kind == 0) return randomWaveVersor<Real>(random, dropped);
+  return kind == 1 ? randomVectorVersor<Real>(random, dropped) : randomRootVersor<Real>(random);
 }
 
 Symmetry randomSymmetry(Random& random) {
@@ -164,7 +166,7 @@ TYPED_TEST(VersorKinds, theirConesHoldTheirVersors) {
   for (int round = 0; round < kRounds; ++round) {
     const DropAxis dropped = kDropped[round % 3];
     const std::string name = " " + std::to_string(round);
-    known[0] += expectConesHold(*randomVectors<Real>(random, dropped), random, "vectors" + name);
+    known[0] += expectConesHold(*randomVectorVersor<Real>(random, dropped), random, "vectors" + name);
     const julia::MixedVersor<Real> mixed(randomVersor<Real>(random, dropped), randomVersor<Real>(random, dropped),
                                          randomField<Real>(random, 0.5, -0.3, 1.3), dropped);
     known[1] += expectConesHold(mixed, random, "layers" + name);
@@ -181,7 +183,7 @@ TYPED_TEST(VersorKinds, theirConesHoldTheirVersors) {
 TYPED_TEST(VersorKinds, layersOf0And1AreTheLayersToTheBit) {
   using Real = TypeParam;
   Random random(72);
-  const VersorPointer<Real> under = randomWaves<Real>(random, DropAxis::K), over = randomRoots<Real>(random);
+  const VersorPointer<Real> under = randomWaveVersor<Real>(random, DropAxis::K), over = randomRootVersor<Real>(random);
   for (int i = 0; i < 300; ++i) {
     // Of the plane x = 0.5 the mix is 0 on one side, and of x = 0.6 it is 1 on the other.
     const julia::MixedVersor<Real> mixed(
@@ -225,7 +227,7 @@ TYPED_TEST(VersorKinds, symmetricOnesAreTheSameAtAllImages) {
   for (int round = 0; round < 100; ++round) {
     const DropAxis dropped = kDropped[round % 3];
     const Symmetry symmetry = randomSymmetry(random);
-    const julia::SymmetricVersor<Real> field(randomWaves<Real>(random, dropped), symmetry, dropped);
+    const julia::SymmetricVersor<Real> field(randomWaveVersor<Real>(random, dropped), symmetry, dropped);
     for (int i = 0; i < 20; ++i) {
       const Quaternion<double> q = random.inBall().template as<Real>().template as<double>();
       // Where it turns slowly, so that the rounding of the images does not show.
@@ -248,7 +250,7 @@ TYPED_TEST(VersorKinds, symmetricOnesAreTheSameAtAllImages) {
 TYPED_TEST(VersorKinds, mirrorsAskOnOneSideAlone) {
   using Real = TypeParam;
   Random random(74);
-  const VersorPointer<Real> waves = randomWaves<Real>(random, DropAxis::K);
+  const VersorPointer<Real> waves = randomWaveVersor<Real>(random, DropAxis::K);
   const julia::SymmetricVersor<Real> field(waves, {.mirrored = {true, false, true}}, DropAxis::K);
   for (int i = 0; i < 100; ++i) {
     const Quaternion<Real> q = random.inBall().template as<Real>();
@@ -259,7 +261,7 @@ TYPED_TEST(VersorKinds, mirrorsAskOnOneSideAlone) {
 TYPED_TEST(VersorKinds, movedOnesAreAskedElsewhere) {
   using Real = TypeParam;
   Random random(75);
-  const VersorPointer<Real> waves = randomWaves<Real>(random, DropAxis::K);
+  const VersorPointer<Real> waves = randomWaveVersor<Real>(random, DropAxis::K);
   const julia::MovedVersor<Real> field(waves, 2, {0.5, 0.25, 0, 0});
   for (int i = 0; i < 100; ++i) {
     const Quaternion<Real> q = random.inBall().template as<Real>();
@@ -289,7 +291,6 @@ TYPED_TEST(VersorKinds, vectorsLieWhereTheyAreRead) {
 
 TYPED_TEST(VersorKinds, areOfLength1WhateverTheLengthsAre) {
   using Real = TypeParam;
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const Quaternion<double> none[] = {{}, {kInfinity, 0, 0, 0}, {0, std::nan(""), 1, 0}, {0, 0, -kInfinity, 1}};
   for (const Quaternion<double>& q : none) {
     const julia::FunctionVersor<Real> field([&](auto, auto directions) { directions[0] = q; });
@@ -303,7 +304,7 @@ TYPED_TEST(VersorKinds, areOfLength1WhateverTheLengthsAre) {
 
 TEST(VersorsOfAllKinds, refuseWhatIsNone) {
   Random random(77);
-  const VersorPointer<double> waves = randomWaves<double>(random, DropAxis::K);
+  const VersorPointer<double> waves = randomWaveVersor<double>(random, DropAxis::K);
   EXPECT_THROW(julia::FunctionVersor<double>({}), std::invalid_argument);
   EXPECT_THROW(julia::VectorVersor<double>({}, DropAxis::K), std::invalid_argument);
   for (const double scale : {0., std::nan(""), std::numeric_limits<double>::infinity()})

@@ -39,7 +39,7 @@ WaveVersor<Real> atOctave(const WaveTexture& texture, double octave) {
 }
 
 template <class Real>
-Quaternion<Real> versorOf(const WaveVersor<Real>& field, const Quaternion<double>& q) {
+Quaternion<Real> computedVersor(const WaveVersor<Real>& field, const Quaternion<double>& q) {
   QuaternionBatch<Real> points, u;
   points.resize(1);
   points.set(0, q.as<Real>());
@@ -48,7 +48,7 @@ Quaternion<Real> versorOf(const WaveVersor<Real>& field, const Quaternion<double
 }
 
 template <class Real>
-QuaternionBatch<Real> randomPoints(Random& random, std::size_t count) {
+QuaternionBatch<Real> randomQuaternions(Random& random, std::size_t count) {
   QuaternionBatch<Real> q;
   q.resize(count);
   for (std::size_t i = 0; i < count; ++i) q.set(i, (random.inBall() * 2.0).template as<Real>());
@@ -78,7 +78,7 @@ TYPED_TEST(WaveVersors, areWhatTheDefinitionSays) {
       ++compared;
       // Angles of up to 2^6 * 2.5 turns, whose rounding is multiplied by powers of up to 3 * 4.
       const double tolerance = eps * 40 * (10 + 2.5 * std::exp2(octave + 1) * 7) / static_cast<double>(smallest);
-      EXPECT_LT(static_cast<double>(law_tests::distance(versorOf(field, q), wanted.template as<double>())),
+      EXPECT_LT(static_cast<double>(law_tests::distance(computedVersor(field, q), wanted.template as<double>())),
                 12 * tolerance)
           << "octave " << octave << " at " << law_tests::text(q);
     }
@@ -99,8 +99,8 @@ TYPED_TEST(WaveVersors, oneOctaveMoreIsThePointsDoubled) {
     const WaveVersor<Real> coarse = atOctave<Real>(texture, octave), fine = atOctave<Real>(texture, higher);
     const Quaternion<double> q = random.inBall();
     const Quaternion<Real> at = q.as<Real>();
-    const Quaternion<Real> one = versorOf(fine, at.template as<double>());
-    const Quaternion<Real> two = versorOf(coarse, (at * Real(2)).template as<double>());
+    const Quaternion<Real> one = computedVersor(fine, at.template as<double>());
+    const Quaternion<Real> two = computedVersor(coarse, (at * Real(2)).template as<double>());
     if (std::floor(higher) - higher == std::floor(octave) - octave) {
       EXPECT_EQ(one, two) << octave;
       ++compared;
@@ -119,8 +119,8 @@ TYPED_TEST(WaveVersors, haveNoSeamBetweenOctaves) {
     Wide smallest = 1;
     versorAt(texture, q, k, smallest);
     if (smallest < 0.1) continue;
-    const Quaternion<Real> below = versorOf(atOctave<Real>(texture, k - 1e-4), q);
-    const Quaternion<Real> above = versorOf(atOctave<Real>(texture, k), q);
+    const Quaternion<Real> below = computedVersor(atOctave<Real>(texture, k - 1e-4), q);
+    const Quaternion<Real> above = computedVersor(atOctave<Real>(texture, k), q);
     EXPECT_LT(static_cast<double>(law_tests::distance(below, above.template as<double>())),
               1e-5 + 4000 * law_tests::kEpsilon<Real> / static_cast<double>(smallest));
   }
@@ -136,7 +136,7 @@ TYPED_TEST(WaveVersors, areOfUnitLengthAlsoWhereASumVanishes) {
     for (const double octave : {-40., 0., 0.5, 3.7, 40., 1e9}) {
       const WaveVersor<Real> field = atOctave<Real>(texture, octave);
       for (const Quaternion<double>& q : {Quaternion<double>{}, Quaternion<double>{0.3, -0.2, 0.1, 4}}) {
-        const Quaternion<Real> u = versorOf(field, q);
+        const Quaternion<Real> u = computedVersor(field, q);
         EXPECT_NEAR(std::sqrt(static_cast<double>(normSquared(u))), 1, 1e-5) << octave;
       }
     }
@@ -147,7 +147,7 @@ TYPED_TEST(WaveVersors, areTheSameOnAllInstructionSetsAndInAllBatches) {
   Random random(44);
   for (int round = 0; round < 20; ++round) {
     const WaveVersor<Real> field = atOctave<Real>(randomWaves(random), random.between(-3, 6));
-    const QuaternionBatch<Real> q = randomPoints<Real>(random, 300);
+    const QuaternionBatch<Real> q = randomQuaternions<Real>(random, 300);
     const auto flat = [](const QuaternionBatch<Real>& batch) {
       std::vector<Real> all;
       for (const std::vector<Real>* part : {&batch.a, &batch.b, &batch.c, &batch.d})
@@ -160,7 +160,7 @@ TYPED_TEST(WaveVersors, areTheSameOnAllInstructionSetsAndInAllBatches) {
       return flat(together);
     });
     for (std::size_t i = 0; i < q.size(); i += 7)
-      EXPECT_EQ(versorOf(field, q.get(i).template as<double>()), together.get(i));
+      EXPECT_EQ(computedVersor(field, q.get(i).template as<double>()), together.get(i));
   }
 }
 

@@ -58,7 +58,7 @@ class SystemCalls(unittest.TestCase):
                 self.assertEqual(symbols & CONNECTS, set())
                 classes |= {(target, name) for name in re.findall(r"\b_ZNK?7httplib\d+([A-Z]\w*?)(?:C\d|D\d|\d)", " ".join(symbols))}
         self.assertLessEqual({name for _, name in classes}, {"Server", "Request", "Response", "Stream", "DataSink"})
-        self.assertLessEqual({target for target, _ in classes}, {"vdbtools"})
+        self.assertLessEqual({target for target, _ in classes}, {"vdbtools_explore"})
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What every registered map promises: its options have defaults that it takes, in words that stand for one thing.
-#include "vdbtools/job/fractal_options.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include <gtest/gtest.h>
 

@@ -6,9 +6,9 @@
 #include "support/test_meshes.h"
 
 #include "vdbtools/job/fractal_job.h"
-#include "vdbtools/job/fractal_options.h"
 #include "vdbtools/maps/texture_shelf.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/job/fractal_options.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include "support/temporary_folder.h"
 

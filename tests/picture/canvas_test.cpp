@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/picture/canvas.h"
 
+#include "support/test_images.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,8 +16,9 @@
 namespace {
 
 using namespace vdbtools;
-
-constexpr Colour kWhite{1, 1, 1}, kBlack{}, kRed{1, 0, 0};
+using test_images::kBlack;
+using test_images::kRed;
+using test_images::kWhite;
 
 /// The smallest box around what is not white, in whole pixels: left, top, right and bottom, the last two exclusive.
 struct Ink {

@@ -2,13 +2,13 @@
 #include "vdbtools/picture/image.h"
 
 #include "picture/png_encoder.h"
+#include "support/limits.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 using vdbtools::encodeImage;
@@ -16,8 +16,8 @@ using vdbtools::Image;
 
 namespace {
 
-constexpr float kInf = std::numeric_limits<float>::infinity();
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+using test_limits::kFloatInfinity;
+using test_limits::kFloatNan;
 
 struct Decoded {
   OIIO::ImageSpec spec;
@@ -85,7 +85,8 @@ TEST(Image, ExrHoldsLinearHalves) {
 
 TEST(Image, ExrTakesFurtherChannelsAsFloats) {
   const Image image = ramp(3, 2);
-  const vdbtools::Channel depth{"Z", {1e10F, 0.1F, kNaN, -3, 70000, 1e-7F}}, alpha{"A", {0, 0.25F, 0.5F, 0.75F, 1, 1}};
+  const vdbtools::Channel depth{"Z", {1e10F, 0.1F, kFloatNan, -3, 70000, 1e-7F}},
+      alpha{"A", {0, 0.25F, 0.5F, 0.75F, 1, 1}};
   const std::vector<vdbtools::Channel> channels = {depth, alpha};
   const std::string bytes = vdbtools::encodeExr(image, channels);
   EXPECT_EQ(bytes, vdbtools::encodeExr(image, channels));
@@ -119,7 +120,7 @@ TEST(Image, RowsRunFromTheTopLeft) {
 
 TEST(Image, WhatIsNotFiniteBecomesZero) {
   Image image(2, 1);
-  image.at(0, 0) = {kNaN, kInf, -kInf};
+  image.at(0, 0) = {kFloatNan, kFloatInfinity, -kFloatInfinity};
   image.at(1, 0) = {1, 1, 1};
   for (const char* extension : {"png", "exr"}) {
     const Decoded decoded = decode(encodeImage(image, extension), extension);

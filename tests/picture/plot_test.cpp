@@ -1,18 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/picture/plot.h"
 
+#include "support/limits.h"
+#include "support/test_images.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <set>
 #include <stdexcept>
 #include <string>
 
 namespace {
 
+using test_images::kRed;
+using test_images::kWhite;
+using test_limits::kInfinity;
+using test_limits::kNan;
 using vdbtools::Colour;
 using vdbtools::encodePlot;
 using vdbtools::Image;
@@ -21,8 +27,7 @@ using vdbtools::PlotBand;
 using vdbtools::plotImage;
 using vdbtools::PlotSeries;
 
-constexpr Colour kWhite{1, 1, 1}, kRed{1, 0, 0}, kBlue{0, 0, 1};
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
+constexpr Colour kBlue{0, 0, 1};
 
 struct Spot {
   double x = 0, y = 0;  ///< the mean of its pixels
@@ -116,7 +121,7 @@ TEST(Plot, ALogarithmLeavesGapsOnly) {
 
 TEST(Plot, PointsThatAreNotFiniteAreGaps) {
   const Image image =
-      plotImage({.series = {{"", {{0, 0}, {1, 1}, {2, kNaN}, {3, 1}, {4, 0}, {kNaN, 0}, {5, kInfinity}}, kRed}}});
+      plotImage({.series = {{"", {{0, 0}, {1, 1}, {2, kNan}, {3, 1}, {4, 0}, {kNan, 0}, {5, kInfinity}}, kRed}}});
   const std::set<int> columns = spotOf(image, kRed).columns;
   const int middle = (*columns.begin() + *columns.rbegin()) / 2;
   EXPECT_EQ(columns.count(middle), 0u);
@@ -250,7 +255,7 @@ TEST(Plot, RefusesNothingToDraw) {
   const auto refused = [](const Plot& plot) { EXPECT_THROW(plotImage(plot), std::invalid_argument); };
   refused({});
   refused({.series = {{"empty", {}, kRed}}});
-  refused({.series = {{"nothing", {{kNaN, 1}}, kRed}}});
+  refused({.series = {{"nothing", {{kNan, 1}}, kRed}}});
   refused({.series = {{"negative", {{1, -1}}, kRed}}, .logY = true});
   refused({.series = {{"small", {{1, 1}}, kRed}}, .width = 10});
   refused({.series = {{"band", {{1, 1}}, kRed}}, .logY = true, .band = PlotBand{}});

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/picture/slice_image.h"
 
+#include "support/limits.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <vector>
 
@@ -18,10 +19,10 @@ using vdbtools::SlicePlane;
 
 namespace {
 
-using Colour = std::array<float, 3>;
+using test_limits::kFloatInfinity;
+using test_limits::kFloatNan;
+using vdbtools::Colour;
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInf = std::numeric_limits<float>::infinity();
 const BBoxd kUnitBox(Vec3d(-1), Vec3d(1));
 
 Vec3d sign(const Vec3d& v) {
@@ -102,8 +103,8 @@ TEST(SlicePlane, RefusesWhatItCannotFrame) {
   EXPECT_THROW(SlicePlane(Axis::Z, 0, BBoxd(), 10), std::invalid_argument);
   EXPECT_THROW(SlicePlane(Axis::Z, 0, BBoxd(Vec3d(2), Vec3d(2)), 10), std::invalid_argument);
   EXPECT_THROW(SlicePlane(Axis::Z, 0, BBoxd(Vec3d(0), Vec3d(0, 0, 5)), 10), std::invalid_argument);
-  EXPECT_THROW(SlicePlane(Axis::Z, 0, BBoxd(Vec3d(0), Vec3d(kInf, 1, 1)), 10), std::invalid_argument);
-  EXPECT_THROW(SlicePlane(Axis::Z, kNaN, kUnitBox, 10), std::invalid_argument);
+  EXPECT_THROW(SlicePlane(Axis::Z, 0, BBoxd(Vec3d(0), Vec3d(kFloatInfinity, 1, 1)), 10), std::invalid_argument);
+  EXPECT_THROW(SlicePlane(Axis::Z, kFloatNan, kUnitBox, 10), std::invalid_argument);
 }
 
 TEST(SlicePlane, OneValueForEachPixel) {
@@ -113,7 +114,7 @@ TEST(SlicePlane, OneValueForEachPixel) {
   EXPECT_THROW(vdbtools::signedSlice(plane, values, 1), std::invalid_argument);
   EXPECT_THROW(vdbtools::membershipSlice(plane, values), std::invalid_argument);
   EXPECT_THROW(vdbtools::versorSlice(plane, versors), std::invalid_argument);
-  EXPECT_THROW(vdbtools::signedSlice(plane, std::vector<float>(16), kNaN), std::invalid_argument);
+  EXPECT_THROW(vdbtools::signedSlice(plane, std::vector<float>(16), kFloatNan), std::invalid_argument);
 }
 
 TEST(SignedSlice, BlueInsideWhiteAtZeroRedOutside) {
@@ -149,9 +150,9 @@ TEST(SignedSlice, ColoursAreEvenAndSymmetricInLightness) {
 }
 
 TEST(SignedSlice, ClampsBeyondTheRange) {
-  const Image image = row({2.0F, 5.0F, 1e30F, kInf}, 2);
+  const Image image = row({2.0F, 5.0F, 1e30F, kFloatInfinity}, 2);
   for (int x = 1; x < 4; ++x) EXPECT_EQ(image.at(x, 0), image.at(0, 0));
-  const Image inside = row({-2.0F, -kInf}, 2);
+  const Image inside = row({-2.0F, -kFloatInfinity}, 2);
   EXPECT_EQ(inside.at(0, 0), inside.at(1, 0));
 }
 
@@ -166,7 +167,8 @@ TEST(SignedSlice, AutomaticRangeIsThe95thPercentile) {
   sparse[7] = 3;
   EXPECT_EQ(row(sparse, 0).pixels, row(sparse, 3).pixels);
   for (const Colour& c : row(std::vector<float>(5, 0.0F), 0).pixels) EXPECT_NEAR(luminance(c), 1, 1e-3);
-  for (const Colour& c : row({kInf, kNaN, kInf}, 0).pixels) EXPECT_TRUE(std::isfinite(luminance(c)));
+  for (const Colour& c : row({kFloatInfinity, kFloatNan, kFloatInfinity}, 0).pixels)
+    EXPECT_TRUE(std::isfinite(luminance(c)));
 }
 
 TEST(SignedSlice, DrawsTheZeroSetOnce) {
@@ -193,7 +195,7 @@ TEST(SignedSlice, DrawsTheZeroSetOnce) {
 }
 
 TEST(SignedSlice, NaNIsGreyAndHasNoSign) {
-  const Image image = row({1.0F, kNaN, -1.0F, -1.0F}, 1);
+  const Image image = row({1.0F, kFloatNan, -1.0F, -1.0F}, 1);
   EXPECT_EQ(image.at(1, 0)[0], image.at(1, 0)[2]);
   EXPECT_GT(luminance(image.at(0, 0)), 0.05F);
   EXPECT_GT(luminance(image.at(1, 0)), 0.05F);
@@ -201,7 +203,7 @@ TEST(SignedSlice, NaNIsGreyAndHasNoSign) {
 
 TEST(MembershipSlice, BlackInside) {
   const SlicePlane plane(Axis::Z, 0, BBoxd(Vec3d(0), Vec3d(4, 1, 1)), 4);
-  const Image image = vdbtools::membershipSlice(plane, std::vector<float>{-1.0F, -kInf, 0.0F, kNaN});
+  const Image image = vdbtools::membershipSlice(plane, std::vector<float>{-1.0F, -kFloatInfinity, 0.0F, kFloatNan});
   const std::vector<float> expected = {0, 0, 1, 1};
   for (int x = 0; x < 4; ++x) EXPECT_EQ(luminance(image.at(x, 0)), expected[x]) << x;
 }

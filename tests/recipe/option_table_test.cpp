@@ -10,7 +10,7 @@ namespace {
 
 using namespace vdbtools;
 
-OptionTable table() {
+OptionTable tableOfShapes() {
   return OptionTable(
       {{.name = "input", .argument = "FILE", .hash = "input-sha256"},
        {.name = "shape", .argument = "ball|box", .defaultValue = "ball", .help = "the shape"},
@@ -44,7 +44,7 @@ OptionTable table() {
 
 std::string refusal(const Recipe& recipe) {
   try {
-    const OptionTable options = table();
+    const OptionTable options = tableOfShapes();
     RecipeReader(recipe, options);
   } catch (const std::invalid_argument& error) {
     return error.what();
@@ -55,12 +55,13 @@ std::string refusal(const Recipe& recipe) {
 bool holds(const std::string& text, const char* part) { return text.find(part) != std::string::npos; }
 
 TEST(OptionTable, CompletesByTheVariantAndOnce) {
-  EXPECT_EQ(completeRecipe({}, table()), (Recipe{{"shape", "ball"}, {"size", "1"}, {"radius", "2"}, {"steps", "3"}}));
-  EXPECT_EQ(completeRecipe({{"shape", "box"}, {"width", "4"}}, table()),
+  EXPECT_EQ(completeRecipe({}, tableOfShapes()),
+            (Recipe{{"shape", "ball"}, {"size", "1"}, {"radius", "2"}, {"steps", "3"}}));
+  EXPECT_EQ(completeRecipe({{"shape", "box"}, {"width", "4"}}, tableOfShapes()),
             (Recipe{{"shape", "box"}, {"width", "4"}, {"steps", "10"}, {"style", "sharp"}}));
-  const Recipe round = completeRecipe({{"shape", "box"}, {"style", "round"}}, table());
+  const Recipe round = completeRecipe({{"shape", "box"}, {"style", "round"}}, tableOfShapes());
   EXPECT_EQ(round.at("bevel"), "0.1");
-  EXPECT_EQ(completeRecipe(round, table()), round);
+  EXPECT_EQ(completeRecipe(round, tableOfShapes()), round);
 }
 
 TEST(OptionTable, RefusesWhatDoesNotApplyAndSaysWhy) {
@@ -74,9 +75,9 @@ TEST(OptionTable, RefusesWhatDoesNotApplyAndSaysWhy) {
 }
 
 TEST(OptionTable, OverridingDisplacesWhatLostItsMeaning) {
-  const Recipe box = completeRecipe({{"shape", "box"}, {"style", "round"}, {"sides", "1,2,3"}}, table());
+  const Recipe box = completeRecipe({{"shape", "box"}, {"style", "round"}, {"sides", "1,2,3"}}, tableOfShapes());
   const auto over = [&](const Recipe& base, const Recipe& given) {
-    return completeRecipe(overridden(base, given, table()), table());
+    return completeRecipe(overridden(base, given, tableOfShapes()), tableOfShapes());
   };
   EXPECT_FALSE(over(box, {{"style", "sharp"}}).contains("bevel"));
   EXPECT_EQ(over(box, {{"style", "round"}}), box) << "the same value changes nothing";
@@ -92,13 +93,13 @@ TEST(OptionTable, OverridingDisplacesWhatLostItsMeaning) {
 }
 
 TEST(OptionTable, ListsEveryOptionOnceWithWhoHasIt) {
-  const auto listing = table().listing();
+  const auto listing = tableOfShapes().listing();
   const auto help = [&](const char* name) {
     const auto found =
         std::find_if(listing.begin(), listing.end(), [&](const auto& each) { return each.name == name; });
     return found == listing.end() ? std::string("none") : found->help;
   };
-  EXPECT_EQ(listing.size(), table().names().size());
+  EXPECT_EQ(listing.size(), tableOfShapes().names().size());
   EXPECT_EQ(help("radius"), "from the middle (default 2)");
   EXPECT_EQ(help("sides"), "box: its sides");
   EXPECT_EQ(help("steps"), "how many (default 3; box: 10)");

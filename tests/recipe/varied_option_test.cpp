@@ -11,7 +11,7 @@ namespace {
 
 using namespace vdbtools;
 
-const OptionTable& table() {
+const OptionTable& variedTable() {
   static const OptionTable kTable({{.name = "alpha", .argument = "A"}, {.name = "shift", .argument = "X,Y,Z"}});
   return kTable;
 }
@@ -19,7 +19,7 @@ const OptionTable& table() {
 constexpr std::size_t kMost = 400;
 
 std::vector<std::string> values(const std::string& list) {
-  const VariedOption option = parseVaried("alpha=" + list, table(), kMost);
+  const VariedOption option = parseVaried("alpha=" + list, variedTable(), kMost);
   EXPECT_EQ(option.name, "alpha");
   return option.values;
 }
@@ -87,14 +87,14 @@ TEST(VariedOption, RefusesWhatIsNoList) {
                            "alpha=0:1:0.0000000001",
                            "alpha=1:401:1",
                            "alpha=0:999999999:0.000000001"}) {
-    EXPECT_THROW(parseVaried(text, table(), kMost), std::invalid_argument) << text;
+    EXPECT_THROW(parseVaried(text, variedTable(), kMost), std::invalid_argument) << text;
   }
   EXPECT_EQ(values("1:400:1").size(), kMost);
 }
 
 TEST(VariedOption, RefusalsNameTheOptionAndTheValue) {
   try {
-    parseVaried("alhpa=1,2", table(), kMost);
+    parseVaried("alhpa=1,2", variedTable(), kMost);
     FAIL();
   } catch (const std::invalid_argument& error) {
     EXPECT_NE(std::string(error.what()).find("--vary is 'alhpa=1,2'"), std::string::npos) << error.what();

@@ -6,7 +6,7 @@
 
 #include "vdbtools/formats/versor_file.h"
 #include "vdbtools/job/fractal_job.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/render/preview.h"
 
 #include "julia/quadratic_map.h"
@@ -51,7 +51,7 @@ struct Quadratic {
 
 const julia::Quaternion<double> kRough{-0.2, 0.6, 0.2, 0.2};
 
-FieldRenderOptions small(const Quadratic& set, int width, int height, int samples = 1) {
+FieldRenderOptions smallFieldRender(const Quadratic& set, int width, int height, int samples = 1) {
   FieldRenderOptions options;
   options.width = width;
   options.height = height;
@@ -61,7 +61,7 @@ FieldRenderOptions small(const Quadratic& set, int width, int height, int sample
   return options;
 }
 
-FieldImage render(const Quadratic& set, const FieldRenderOptions& options) {
+FieldImage renderedField(const Quadratic& set, const FieldRenderOptions& options) {
   Monitor monitor;
   return renderField(set.source(), set.region(), options, monitor);
 }
@@ -77,9 +77,9 @@ void expectSame(const FieldImage& a, const FieldImage& b) {
 TEST(FieldRender, ABallIsACircleWithItsNormalsAndDepth) {
   const Quadratic set;
   constexpr int kSide = 160;
-  FieldRenderOptions options = small(set, kSide, kSide);
+  FieldRenderOptions options = smallFieldRender(set, kSide, kSide);
   options.look.backdrop = Backdrop::None;
-  const FieldImage image = render(set, options);
+  const FieldImage image = renderedField(set, options);
   const double tangent = std::tan(options.camera.fieldOfView * std::numbers::pi / 360);
   const double radius = std::tan(std::asin(kBall / 6)) / tangent * kSide / 2;  // pixels
   for (int y = 0; y < kSide; ++y) {
@@ -110,9 +110,9 @@ TEST(FieldRender, ABallIsACircleWithItsNormalsAndDepth) {
 TEST(FieldRender, AnEdgeGetsMoreRaysAndIsSmoother) {
   const Quadratic set;
   constexpr int kSide = 120;
-  FieldRenderOptions options = small(set, kSide, kSide, 4);
+  FieldRenderOptions options = smallFieldRender(set, kSide, kSide, 4);
   options.look.backdrop = Backdrop::None;
-  const FieldImage image = render(set, options);
+  const FieldImage image = renderedField(set, options);
   const double tangent = std::tan(options.camera.fieldOfView * std::numbers::pi / 360);
   const double radius = std::tan(std::asin(kBall / 6)) / tangent * kSide / 2;  // pixels
   /// The part of a pixel in the circle, by n x n places.
@@ -138,18 +138,18 @@ TEST(FieldRender, AnEdgeGetsMoreRaysAndIsSmoother) {
               0.05 * static_cast<double>(4 * edges))
       << "a ball in even light is rough at its edge alone";
   options.samples = 1;
-  EXPECT_EQ(render(set, options).rays, static_cast<std::uint64_t>(kSide * kSide));
+  EXPECT_EQ(renderedField(set, options).rays, static_cast<std::uint64_t>(kSide * kSide));
 }
 
 TEST(FieldRender, SkippingSavesMostAndChangesNothing) {
   for (const auto& c : {julia::Quaternion<double>{}, kRough}) {
     const Quadratic set(c);
     for (const int delta : {0, 1, 2}) {
-      FieldRenderOptions options = small(set, 60, 40, 4);
+      FieldRenderOptions options = smallFieldRender(set, 60, 40, 4);
       options.clarity.delta = delta;
-      const FieldImage skipped = render(set, options);
+      const FieldImage skipped = renderedField(set, options);
       options.skip = false;
-      const FieldImage all = render(set, options);
+      const FieldImage all = renderedField(set, options);
       expectSame(skipped, all);
       EXPECT_LT(2 * skipped.evaluations, all.evaluations);
     }
@@ -158,7 +158,7 @@ TEST(FieldRender, SkippingSavesMostAndChangesNothing) {
 
 TEST(FieldRender, SkippingSeesTheInsideAndCutsAsItIs) {
   const Quadratic set(kRough);
-  FieldRenderOptions options = small(set, 40, 40);
+  FieldRenderOptions options = smallFieldRender(set, 40, 40);
   const BBoxd half(set.region().min(), Vec3d(set.region().max()[0], set.region().max()[1], set.space.centre[2]));
   for (const Vec3d& eye : {set.space.toWorld({0.3, 0.2, 6}), set.space.toWorld({1.2, 0.1, -0.3}), set.space.centre}) {
     options.camera = {.eye = eye, .lookAt = set.space.toWorld({0.01, 0.02, -0.4})};
@@ -170,7 +170,7 @@ TEST(FieldRender, SkippingSeesTheInsideAndCutsAsItIs) {
   }
   // The cut faces the eye.
   const Quadratic ball;
-  options = small(ball, 40, 40);
+  options = smallFieldRender(ball, 40, 40);
   Monitor monitor;
   const FieldImage cut = renderField(ball.source(), half, options, monitor);
   EXPECT_EQ(cut.normal.at(20, 20), (std::array<float, 3>{0, 0, 1}));
@@ -191,17 +191,17 @@ TEST(FieldRender, AMapThatProvesNothingIsShownAsWell) {
   };
   const Quadratic set(kRough);
   const Silent silent(*set.evaluator);
-  const FieldRenderOptions options = small(set, 40, 30);
+  const FieldRenderOptions options = smallFieldRender(set, 40, 30);
   Monitor monitor;
-  expectSame(render(set, options), renderField({silent, set.space}, set.region(), options, monitor));
+  expectSame(renderedField(set, options), renderField({silent, set.space}, set.region(), options, monitor));
 }
 
 TEST(FieldRender, SamePictureForAnyNumberOfThreads) {
   const Quadratic set(kRough);
-  const FieldRenderOptions options = small(set, 90, 70, 4);
+  const FieldRenderOptions options = smallFieldRender(set, 90, 70, 4);
   const auto with = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    return render(set, options);
+    return renderedField(set, options);
   };
   const FieldImage one = with(1);
   expectSame(one, with(2));
@@ -211,7 +211,8 @@ TEST(FieldRender, SamePictureForAnyNumberOfThreads) {
 TEST(FieldRender, APartOfAPictureIsThatPartOfIt) {
   // A ray's samples are its own: in a picture of another shape, other rays march beside it.
   const Quadratic set(kRough);
-  const FieldImage wide = render(set, small(set, 100, 50)), narrow = render(set, small(set, 50, 50));
+  const FieldImage wide = renderedField(set, smallFieldRender(set, 100, 50)),
+                   narrow = renderedField(set, smallFieldRender(set, 50, 50));
   for (int y = 0; y < 50; ++y)
     for (int x = 0; x < 50; ++x)
       ASSERT_NEAR(wide.depth[static_cast<std::size_t>(y * 100 + x + 25)],
@@ -221,20 +222,20 @@ TEST(FieldRender, APartOfAPictureIsThatPartOfIt) {
 
 TEST(FieldRender, ColoursAreThoseOfTheMap) {
   const Quadratic set;  // q^2 of a unit imaginary is -1, of 1 is 1
-  FieldRenderOptions options = small(set, 41, 41);
+  FieldRenderOptions options = smallFieldRender(set, 41, 41);
   options.colour = FieldColour::Direction;
   options.camera = {.eye = set.space.toWorld({0, 6, 0}), .lookAt = set.space.centre};
-  const auto pole = render(set, options).beauty.at(20, 20);
+  const auto pole = renderedField(set, options).beauty.at(20, 20);
   EXPECT_LT(pole[0], pole[1]);  // (-1, 0, 0)
   EXPECT_NEAR(pole[1], pole[2], 0.02);
   options.camera = {.eye = set.space.toWorld({6, 0, 0}), .lookAt = set.space.centre};
-  const auto front = render(set, options).beauty.at(20, 20);
+  const auto front = renderedField(set, options).beauty.at(20, 20);
   EXPECT_GT(front[0], front[1]);  // (1, 0, 0)
   std::vector<Image> images;
   for (const FieldColour colour :
        {FieldColour::Direction, FieldColour::Iterations, FieldColour::Trap, FieldColour::Clay}) {
     options.colour = colour;
-    images.push_back(render(set, options).beauty);
+    images.push_back(renderedField(set, options).beauty);
     for (std::size_t i = 0; i + 1 < images.size(); ++i) EXPECT_NE(images[i].pixels, images.back().pixels);
   }
 }
@@ -245,9 +246,9 @@ TEST(FieldRender, TheFrameHoldsTheSet) {
   EXPECT_LT((ball.centre - set.space.centre).length(), 0.1);
   EXPECT_NEAR(ball.radius, 2.5 * kBall, 0.2);
   for (const double aspect : {0.5, 1.0, 2.0}) {
-    FieldRenderOptions options = small(set, static_cast<int>(80 * aspect), 80);
+    FieldRenderOptions options = smallFieldRender(set, static_cast<int>(80 * aspect), 80);
     options.camera = cameraAround(ball, {.azimuth = 25, .elevation = -40, .fieldOfView = 35}, aspect);
-    const FieldImage image = render(set, options);
+    const FieldImage image = renderedField(set, options);
     int covered = 0;
     for (int y = 0; y < options.height; ++y)
       for (int x = 0; x < options.width; ++x) {
@@ -272,10 +273,10 @@ TEST(FieldRender, PreviewsHaveTheSameCameraAndBackground) {
   Monitor monitor;
   const Image preview =
       renderPreview(*sphere, {.width = kWidth, .height = kHeight, .samples = 1, .view = view}, monitor).beauty;
-  FieldRenderOptions options = small(set, kWidth, kHeight);
+  FieldRenderOptions options = smallFieldRender(set, kWidth, kHeight);
   // Previews frame the cells of the surface, up to two voxels more than the sphere.
   options.camera = cameraAround({set.space.centre, radius + voxel}, view, 1.0 * kWidth / kHeight);
-  const FieldImage field = render(set, options);
+  const FieldImage field = renderedField(set, options);
   int differently = 0, outside = 0;
   for (std::size_t i = 0; i < field.id.size(); ++i) {
     const bool seen = preview.pixels[i][0] != preview.pixels[i][2];  // the background is neutral
@@ -290,9 +291,9 @@ TEST(FieldRender, PreviewsHaveTheSameCameraAndBackground) {
 
 TEST(FieldRender, AnExrHasItsChannels) {
   const Quadratic set;
-  FieldRenderOptions options = small(set, 24, 16, 4);
+  FieldRenderOptions options = smallFieldRender(set, 24, 16, 4);
   options.look.backdrop = Backdrop::None;
-  const FieldImage image = render(set, options);
+  const FieldImage image = renderedField(set, options);
   const std::string bytes = encodeFieldImage(image, ".exr");
   EXPECT_EQ(bytes, encodeFieldImage(image, "EXR"));
   OIIO::Filesystem::IOMemReader source(bytes.data(), bytes.size());
@@ -337,12 +338,12 @@ TEST(FieldRender, RefusesOptionsOutOfTheirDomain) {
                                                                         [](auto& o) { o.orbit.maxIterations = 0; },
                                                                         [](auto& o) { o.orbit.escapeRadius = 1; }};
   for (std::size_t i = 0; i < faults.size(); ++i) {
-    FieldRenderOptions options = small(set, 8, 8);
+    FieldRenderOptions options = smallFieldRender(set, 8, 8);
     faults[i](options);
-    EXPECT_THROW(render(set, options), std::invalid_argument) << "fault " << i;
+    EXPECT_THROW(renderedField(set, options), std::invalid_argument) << "fault " << i;
   }
   Monitor monitor;
-  EXPECT_THROW(renderField(set.source(), BBoxd(), small(set, 8, 8), monitor), std::invalid_argument);
+  EXPECT_THROW(renderField(set.source(), BBoxd(), smallFieldRender(set, 8, 8), monitor), std::invalid_argument);
 }
 
 TEST(FieldRender, StopsWhenCancelled) {
@@ -352,7 +353,7 @@ TEST(FieldRender, StopsWhenCancelled) {
     bool cancelled() const override { return advanced > 1; }
   } stopper;
   const Quadratic set(kRough);
-  EXPECT_THROW(renderField(set.source(), set.region(), small(set, 400, 400), stopper), Interrupted);
+  EXPECT_THROW(renderField(set.source(), set.region(), smallFieldRender(set, 400, 400), stopper), Interrupted);
   EXPECT_LT(stopper.advanced, 20);
 }
 

@@ -74,7 +74,7 @@ TEST(Look, RefusesWhatIsNone) {
 /// Three pictures of one ball, about a point away from the origin.
 constexpr double kRadius = 0.8;
 const Vec3d kCentre(3, -2, 5);
-constexpr int kSide = 72;
+constexpr int kPictureSide = 72;
 constexpr double kVoxel = 0.02;
 
 struct Picture {
@@ -89,8 +89,8 @@ openvdb::FloatGrid::Ptr ball() {
 }
 
 PreviewOptions previewOptions(const Look& look, const std::set<Pass>& passes) {
-  return {.width = kSide,
-          .height = kSide,
+  return {.width = kPictureSide,
+          .height = kPictureSide,
           .samples = 4,
           .view = {.azimuth = 20, .elevation = 10, .zoom = 0.5},
           .look = look,
@@ -123,7 +123,7 @@ std::vector<Picture> pictures() {
         std::make_shared<julia::QuadraticMap<double>>(julia::Quaternion<double>{}), {}, {.maxIterations = kSteps});
     const FractalSpace space{kCentre, kRadius / std::pow(20.0, 1.0 / 64)};
     FieldRenderOptions options;
-    options.width = options.height = kSide;
+    options.width = options.height = kPictureSide;
     options.camera = cameraAround({kCentre, kRadius + kVoxel}, previewOptions(look, passes).view, 1);
     options.orbit.maxIterations = kSteps;
     options.colour = FieldColour::Clay;
@@ -169,7 +169,7 @@ TEST(Look, ABallHasTheLayersOfABall) {
       EXPECT_GT(image.ao[i], 0.97F) << i;
       for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(image.albedo.pixels[i][c], Material{}.albedo[int(c)], 1e-6);
     }
-    EXPECT_GT(seen, kSide * kSide / 8);
+    EXPECT_GT(seen, kPictureSide * kPictureSide / 8);
   }
 }
 
@@ -231,7 +231,7 @@ TEST(Look, AFloorIsSeenByItsShadowsAlone) {
       }
       EXPECT_EQ(with.id[i], without.id[i]);
     }
-    EXPECT_GT(darker, kSide * kSide / 100);
+    EXPECT_GT(darker, kPictureSide * kPictureSide / 100);
   }
 }
 
@@ -245,9 +245,10 @@ TEST(Look, TheBrighterSideIsThatOfTheKeyLight) {
       look.backdrop = Backdrop::None;
       const ShadedImage image = picture.make(look, kAll);
       Vec3d towards(0);
-      for (int y = 0; y < kSide; ++y)
-        for (int x = 0; x < kSide; ++x)
-          towards += brightness(image.beauty.at(x, y)) * Vec3d(x + 0.5 - kSide / 2.0, kSide / 2.0 - y - 0.5, 0);
+      for (int y = 0; y < kPictureSide; ++y)
+        for (int x = 0; x < kPictureSide; ++x)
+          towards +=
+              brightness(image.beauty.at(x, y)) * Vec3d(x + 0.5 - kPictureSide / 2.0, kPictureSide / 2.0 - y - 0.5, 0);
       if (azimuth != 0) {
         EXPECT_GT(towards[0] * azimuth, 2 * std::abs(towards[1] * azimuth)) << picture.name << ' ' << azimuth;
       } else {

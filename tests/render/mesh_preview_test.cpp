@@ -3,6 +3,7 @@
 #include "vdbtools/render/mesh_preview.h"
 
 #include "render/ray_tree.h"
+#include "support/test_images.h"
 #include "support/test_meshes.h"
 
 #include "vdbtools/base/errors.h"
@@ -25,6 +26,7 @@ using namespace vdbtools;
 using openvdb::Vec3d;
 using openvdb::Vec3I;
 using openvdb::Vec3s;
+using test_images::difference;
 using test_meshes::makeBox;
 using test_meshes::makeSphere;
 
@@ -32,13 +34,6 @@ Image picture(Mesh mesh, int samples = 1, bool colours = true) {
   Monitor monitor;
   MeshPreviewOptions options{.picture = {.width = 60, .height = 60, .samples = samples}, .colours = colours};
   return renderMeshPreview(std::move(mesh), options, monitor).beauty;
-}
-
-double difference(const Image& a, const Image& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.pixels.size(); ++i)
-    for (std::size_t c = 0; c < 3; ++c) sum += std::abs(a.pixels[i][c] - b.pixels[i][c]);
-  return sum / (3.0 * static_cast<double>(a.pixels.size()));
 }
 
 /// Where a ray meets a triangle, by Cramer's rule in long doubles.

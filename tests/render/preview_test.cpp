@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/render/preview.h"
 
+#include "support/test_images.h"
+
 #include "vdbtools/base/errors.h"
 
 #include <gtest/gtest.h>
@@ -24,6 +26,7 @@
 using openvdb::FloatGrid;
 using openvdb::Vec3d;
 using openvdb::Vec3f;
+using test_images::difference;
 using vdbtools::Image;
 using vdbtools::Monitor;
 using vdbtools::PreviewOptions;
@@ -57,7 +60,7 @@ FloatGrid::Ptr levelSet(double extent, double voxelSize, const std::function<dou
   return grid;
 }
 
-PreviewOptions small(int width, int height, int samples = 1) {
+PreviewOptions smallPreview(int width, int height, int samples = 1) {
   PreviewOptions options;
   options.width = width;
   options.height = height;
@@ -67,7 +70,7 @@ PreviewOptions small(int width, int height, int samples = 1) {
   return options;
 }
 
-Image render(const FloatGrid& grid, const PreviewOptions& options) {
+Image renderedBeauty(const FloatGrid& grid, const PreviewOptions& options) {
   Monitor monitor;
   return renderPreview(grid, options, monitor).beauty;
 }
@@ -79,22 +82,14 @@ int area(const Image& image) {
   return static_cast<int>(std::count_if(image.pixels.begin(), image.pixels.end(), isClay));
 }
 
-/// The mean difference of the pixels' channels.
-double difference(const Image& a, const Image& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.pixels.size(); ++i)
-    for (std::size_t c = 0; c < 3; ++c) sum += std::abs(a.pixels[i][c] - b.pixels[i][c]);
-  return sum / (3.0 * static_cast<double>(a.pixels.size()));
-}
-
 TEST(Preview, SphereFillsTheFrameByItsSilhouette) {
   const double radius = 1, voxel = 1.0 / 40;
   const auto grid = sphere(radius, voxel);
   for (const double fieldOfView : {10.0, 30.0, 90.0}) {
     for (const auto& [width, height] : std::vector<std::pair<int, int>>{{120, 120}, {200, 120}, {120, 200}}) {
-      PreviewOptions options = small(width, height);
+      PreviewOptions options = smallPreview(width, height);
       options.view.fieldOfView = fieldOfView;
-      const Image image = render(*grid, options);
+      const Image image = renderedBeauty(*grid, options);
       // The camera's distance is that of a ball that holds the sphere and reaches at most two voxels beyond it.
       const double perPixel = std::tan(fieldOfView * std::numbers::pi / 360) / (0.5 * height);
       const double half = std::atan(perPixel * 0.5 * std::min(width, height));
@@ -112,12 +107,12 @@ TEST(Preview, SphereFillsTheFrameByItsSilhouette) {
 
 TEST(Preview, ZoomMagnifies) {
   const auto grid = sphere(1, 1.0 / 30);
-  PreviewOptions options = small(160, 160);
-  const double whole = area(render(*grid, options));
+  PreviewOptions options = smallPreview(160, 160);
+  const double whole = area(renderedBeauty(*grid, options));
   options.view.zoom = 0.5;
-  EXPECT_NEAR(area(render(*grid, options)) / whole, 0.25, 0.01);
+  EXPECT_NEAR(area(renderedBeauty(*grid, options)) / whole, 0.25, 0.01);
   options.view.zoom = 3;
-  EXPECT_EQ(area(render(*grid, options)), 160 * 160);
+  EXPECT_EQ(area(renderedBeauty(*grid, options)), 160 * 160);
 }
 
 /// A large ball in the middle and a small one in the given direction.
@@ -135,10 +130,10 @@ TEST(Preview, CameraStandsWhereTheAnglesSay) {
   for (const Case& c : {Case{{1, 0, 0}, 0, 0, 1, 0}, Case{{0, 1, 0}, 0, 0, 0, -1}, Case{{1, 0, 0}, 180, 0, -1, 0},
                         Case{{0, 0, 1}, 90, 0, -1, 0}, Case{{0, 0, 1}, -90, 0, 1, 0}, Case{{0, 0, 1}, 0, 90, 0, 1},
                         Case{{0, 0, 1}, 0, -90, 0, -1}, Case{{0, 1, 0}, 77, 0, 0, -1}}) {
-    PreviewOptions options = small(80, 80);
+    PreviewOptions options = smallPreview(80, 80);
     options.view.azimuth = c.azimuth;
     options.view.elevation = c.elevation;
-    const Image image = render(*ballWithSatellite(c.satellite), options);
+    const Image image = renderedBeauty(*ballWithSatellite(c.satellite), options);
     // The frame's centre is that of both balls, so the large one weighs down the other side.
     double x = 0, y = 0;
     for (int j = 0; j < 80; ++j) {
@@ -161,12 +156,12 @@ TEST(Preview, MirroredAzimuthMirrorsTheSilhouette) {
     const double ears = std::min((p - Vec3d(0.6, 0.5, 0.2)).length(), (p - Vec3d(-0.6, 0.5, 0.2)).length()) - 0.35;
     return std::min({p.length() - 0.5, ears, (p - Vec3d(0, -0.2, 0.7)).length() - 0.3});
   });
-  PreviewOptions options = small(120, 120);
+  PreviewOptions options = smallPreview(120, 120);
   options.view.elevation = 20;
   options.view.azimuth = 35;
-  const Image left = render(*grid, options);
+  const Image left = renderedBeauty(*grid, options);
   options.view.azimuth = -35;
-  const Image right = render(*grid, options);
+  const Image right = renderedBeauty(*grid, options);
   int different = 0, unlike = 0;
   for (int y = 0; y < 120; ++y) {
     for (int x = 0; x < 120; ++x) {
@@ -179,7 +174,7 @@ TEST(Preview, MirroredAzimuthMirrorsTheSilhouette) {
 }
 
 TEST(Preview, LightComesFromTheUpperLeft) {
-  const Image image = render(*sphere(1, 1.0 / 30), small(100, 100, 4));
+  const Image image = renderedBeauty(*sphere(1, 1.0 / 30), smallPreview(100, 100, 4));
   const auto red = [&](int x, int y) { return image.at(x, y)[0]; };
   EXPECT_GT(red(35, 30), 1.5F * red(70, 75));
   for (const auto& pixel : image.pixels) {
@@ -198,9 +193,9 @@ TEST(Preview, WhatStandsBeforeTheLightCastsAShadow) {
       return std::min({p.length() - 0.5, (p - lid).length() - 0.2, (p + lid).length() - 0.2});
     });
   };
-  const PreviewOptions options = small(200, 200, 4);
+  const PreviewOptions options = smallPreview(200, 200, 4);
   const int x = 76, y = 72;  // the point of the ball towards the light
-  const Image shaded = render(*scene(1), options), lit = render(*scene(-1), options);
+  const Image shaded = renderedBeauty(*scene(1), options), lit = renderedBeauty(*scene(-1), options);
   ASSERT_TRUE(isClay(shaded.at(x, y)));
   EXPECT_LT(shaded.at(x, y)[0], 0.6F * lit.at(x, y)[0]);
 }
@@ -220,8 +215,8 @@ TEST(Preview, SteepRoughFieldHasNoHoles) {
   const auto grid = levelSet(1.4, voxel, [&](const Vec3d& p) {
     return 10 * (p.length() - 1 + 3 * voxel * noise(openvdb::Coord::round(p / voxel)));
   });
-  PreviewOptions options = small(200, 200);
-  const Image image = render(*grid, options);
+  PreviewOptions options = smallPreview(200, 200);
+  const Image image = renderedBeauty(*grid, options);
   int holes = 0;
   for (int y = 0; y < 200; ++y) {
     for (int x = 0; x < 200; ++x) {
@@ -233,16 +228,16 @@ TEST(Preview, SteepRoughFieldHasNoHoles) {
 
 TEST(Preview, ASimilarityOfTheWorldChangesNothing) {
   // Turned about y by the azimuth's own step, scaled and moved far away: the same picture, up to the voxels.
-  const PreviewOptions options = small(90, 90, 4);
+  const PreviewOptions options = smallPreview(90, 90, 4);
   const auto grid = ballWithSatellite(Vec3d(1, 0, 0));
-  const Image expected = render(*grid, options);
+  const Image expected = renderedBeauty(*grid, options);
 
   auto moved = grid->deepCopy();
   auto transform = grid->transform().copy();
   transform->postScale(250.0);
   transform->postTranslate(Vec3d(1e4, -2e4, 3e4));
   moved->setTransform(transform);
-  EXPECT_LT(difference(render(*moved, options), expected), 1e-4);
+  EXPECT_LT(difference(renderedBeauty(*moved, options), expected), 1e-4);
 
   auto turned = grid->deepCopy();
   transform = grid->transform().copy();
@@ -252,8 +247,8 @@ TEST(Preview, ASimilarityOfTheWorldChangesNothing) {
   PreviewOptions fromThere = options;
   fromThere.view.azimuth = direction[2] < 0 ? 90 : -90;  // where that direction is to the right again
   // The noise of the shading is laid out in the grid's axes.
-  EXPECT_LT(difference(render(*turned, fromThere), expected), 5e-3);
-  EXPECT_GT(difference(render(*turned, options), expected), 5e-2);
+  EXPECT_LT(difference(renderedBeauty(*turned, fromThere), expected), 5e-3);
+  EXPECT_GT(difference(renderedBeauty(*turned, options), expected), 5e-2);
 }
 
 TEST(Preview, SamePictureForAnyNumberOfThreads) {
@@ -263,7 +258,7 @@ TEST(Preview, SamePictureForAnyNumberOfThreads) {
   options.height = 70;
   const auto with = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    return render(*grid, options).pixels;
+    return renderedBeauty(*grid, options).pixels;
   };
   const auto one = with(1);
   EXPECT_EQ(one, with(2));
@@ -273,22 +268,22 @@ TEST(Preview, SamePictureForAnyNumberOfThreads) {
 TEST(Preview, SamplesSmoothTheEdge) {
   const auto grid = sphere(1, 1.0 / 20);
   for (const int samples : {1, 4, 9, 16}) {
-    const Image image = render(*grid, small(64, 64, samples));
+    const Image image = renderedBeauty(*grid, smallPreview(64, 64, samples));
     int between = 0;  // pixels of the silhouette's edge: neither neutral nor as coloured as the clay's own shades
     for (const auto& c : image.pixels) between += isClay(c) && c[2] > 0.8F * c[0];
     EXPECT_EQ(between > 0, samples > 1) << samples;
   }
   // One pixel is a picture too.
-  EXPECT_EQ(area(render(*grid, small(1, 1))), 1);
+  EXPECT_EQ(area(renderedBeauty(*grid, smallPreview(1, 1))), 1);
 }
 
 TEST(Preview, BallsAreMarksThatShowThrough) {
   const auto grid = sphere(1, 1.0 / 30, Vec3f(5, 0, 0));
-  PreviewOptions options = small(101, 101);
-  const Image bare = render(*grid, options);
+  PreviewOptions options = smallPreview(101, 101);
+  const Image bare = renderedBeauty(*grid, options);
   const auto with = [&](const Vec3d& centre, double radius) {
     options.balls = {{centre, radius, {0, 0, 1}}};
-    return render(*grid, options);
+    return renderedBeauty(*grid, options);
   };
   const auto isBlue = [](const auto& c) { return c[2] > c[0]; };
   // Before the surface: a disc of its size, and nothing else changes.
@@ -328,7 +323,7 @@ TEST(Preview, ReportsProgress) {
     void begin(std::string_view name, std::uint64_t steps) override { phase = name, total = steps; }
     void advance(std::uint64_t steps) override { done += steps; }
   } monitor;
-  renderPreview(*sphere(1, 0.1), small(31, 17), monitor);
+  renderPreview(*sphere(1, 0.1), smallPreview(31, 17), monitor);
   EXPECT_EQ(monitor.phase, "render");
   EXPECT_EQ(monitor.total, 17U);
   EXPECT_EQ(monitor.done, 17U);
@@ -342,10 +337,10 @@ TEST(Preview, StopsSoonWhenCancelled) {
   const auto grid = sphere(1, 1.0 / 40);
   Stopper before;
   before.stop = true;
-  EXPECT_THROW(renderPreview(*grid, small(20, 20), before), vdbtools::Interrupted);
+  EXPECT_THROW(renderPreview(*grid, smallPreview(20, 20), before), vdbtools::Interrupted);
 
   Stopper during;
-  PreviewOptions large = small(4000, 4000, 16);  // a matter of minutes
+  PreviewOptions large = smallPreview(4000, 4000, 16);  // a matter of minutes
   // In seconds of a processor, as the machine may be busy.
   std::clock_t stopped = 0;
   std::thread stopper([&] {
@@ -376,28 +371,28 @@ TEST(Preview, RefusesOptionsOutOfTheirDomain) {
                                                                     [](auto& o) { o.view.zoom = -1; },
                                                                     [](auto& o) { o.view.zoom = 1.0 / 0.0; }};
   for (std::size_t i = 0; i < faults.size(); ++i) {
-    PreviewOptions options = small(8, 8);
+    PreviewOptions options = smallPreview(8, 8);
     faults[i](options);
-    EXPECT_THROW(render(*grid, options), std::invalid_argument) << "fault " << i;
+    EXPECT_THROW(renderedBeauty(*grid, options), std::invalid_argument) << "fault " << i;
   }
 }
 
 TEST(Preview, RefusesWhatIsNoLevelSet) {
   const auto fog = sphere(1, 0.1);
   fog->setGridClass(openvdb::GRID_FOG_VOLUME);
-  EXPECT_THROW(render(*fog, small(8, 8)), vdbtools::DataError);
+  EXPECT_THROW(renderedBeauty(*fog, smallPreview(8, 8)), vdbtools::DataError);
 
   const auto stretched = sphere(1, 0.1);
   stretched->transform().preScale(Vec3d(1, 2, 1));
-  EXPECT_THROW(render(*stretched, small(8, 8)), vdbtools::DataError);
+  EXPECT_THROW(renderedBeauty(*stretched, smallPreview(8, 8)), vdbtools::DataError);
 
   const auto empty = FloatGrid::create(0.3F);
   empty->setGridClass(openvdb::GRID_LEVEL_SET);
-  EXPECT_THROW(render(*empty, small(8, 8)), vdbtools::DataError);
+  EXPECT_THROW(renderedBeauty(*empty, smallPreview(8, 8)), vdbtools::DataError);
 
   const auto positive = empty->deepCopy();
   positive->fill(openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(20)), 0.1F);
-  EXPECT_THROW(render(*positive, small(8, 8)), vdbtools::DataError);
+  EXPECT_THROW(renderedBeauty(*positive, smallPreview(8, 8)), vdbtools::DataError);
 }
 
 }  // namespace

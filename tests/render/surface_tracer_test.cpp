@@ -17,16 +17,16 @@ using vdbtools::SurfaceTracer;
 
 namespace {
 
-constexpr int kSide = 44;  ///< voxels: several bricks, and no whole number of leaves
+constexpr int kLumpSide = 44;  ///< voxels: several bricks, and no whole number of leaves
 
 /// A lumpy ball with a hollow, and thin threads around it, some on the faces of leaves.
 FloatGrid::Ptr lumps(const Coord& at) {
   auto grid = FloatGrid::create(3.0F);
   auto accessor = grid->getAccessor();
-  for (int x = 0; x < kSide; ++x)
-    for (int y = 0; y < kSide; ++y)
-      for (int z = 0; z < kSide; ++z) {
-        const Vec3d p = Vec3d(x, y, z) - Vec3d(0.5 * kSide);
+  for (int x = 0; x < kLumpSide; ++x)
+    for (int y = 0; y < kLumpSide; ++y)
+      for (int z = 0; z < kLumpSide; ++z) {
+        const Vec3d p = Vec3d(x, y, z) - Vec3d(0.5 * kLumpSide);
         const double ball = p.length() - 13 - 2 * std::sin(0.9 * p[0]) * std::sin(0.7 * p[1] + 1) * std::sin(p[2]);
         const double thread = std::hypot(x - 8.0, y - 31.5) - 0.8;
         const double value = std::min(std::max(ball, 6 - p.length()), thread);
@@ -35,8 +35,8 @@ FloatGrid::Ptr lumps(const Coord& at) {
   return grid;
 }
 
-struct Scene {
-  explicit Scene(FloatGrid::Ptr made)
+struct TracedScene {
+  explicit TracedScene(FloatGrid::Ptr made)
       : grid(std::move(made)),
         cells(vdbtools::surfaceCells(grid->tree(), vdbtools::Monitor())),
         lattice(grid->tree(), cells) {}
@@ -52,11 +52,11 @@ struct Ray {
 /// From all around and from within, some of them along axes and through nodes.
 std::vector<Ray> rays(int count) {
   std::mt19937 random(7);
-  std::uniform_real_distribution<double> place(-10, kSide + 10), part(-1, 1);
+  std::uniform_real_distribution<double> place(-10, kLumpSide + 10), part(-1, 1);
   std::vector<Ray> result;
   for (int i = 0; i < count; ++i) {
     Vec3d origin(place(random), place(random), place(random)), direction(part(random), part(random), part(random));
-    if (i % 2 == 0) direction = Vec3d(0.5 * kSide) + 12.0 * direction - origin;  // so that most are hits
+    if (i % 2 == 0) direction = Vec3d(0.5 * kLumpSide) + 12.0 * direction - origin;  // so that most are hits
     if (i % 3 == 0) direction[i / 3 % 3] = 0;
     if (i % 9 == 0) direction[(i / 9 + 1) % 3] = 0;
     if (i % 5 == 0) origin = Vec3d(std::round(origin[0]), std::round(origin[1]), std::round(origin[2]));
@@ -76,7 +76,7 @@ std::optional<double> slowFirstHit(const FloatGrid& grid, const Ray& ray) {
 }
 
 TEST(SurfaceTracer, HitsWhatSmallStepsHit) {
-  const Scene scene(lumps(Coord(0)));
+  const TracedScene scene(lumps(Coord(0)));
   SurfaceTracer tracer(scene.lattice);
   constexpr int kRays = 800;
   int hits = 0, compared = 0, grazes = 0;
@@ -98,11 +98,11 @@ TEST(SurfaceTracer, HitsWhatSmallStepsHit) {
 
 TEST(SurfaceTracer, SomethingFarAwayChangesNoHit) {
   const Coord at(-1203, 57, 2004);
-  const Scene alone(lumps(at));
+  const TracedScene alone(lumps(at));
   // The lattice's cubes become larger than bricks.
   const FloatGrid::Ptr both = lumps(at);
   both->tree().merge(lumps(at + Coord(1500, -1800, 1700))->tree());
-  const Scene together(both);
+  const TracedScene together(both);
   ASSERT_EQ(alone.lattice.shift(), SurfaceLattice::kBrickShift);
   ASSERT_GT(together.lattice.shift(), SurfaceLattice::kBrickShift + 1);
   SurfaceTracer one(alone.lattice), other(together.lattice);
@@ -123,7 +123,7 @@ TEST(SurfaceTracer, SomethingFarAwayChangesNoHit) {
   // Rays that are aimed at the far one find it.
   for (const Ray& ray : rays(200)) {
     const Vec3d origin = ray.origin + at.asVec3d();
-    const Vec3d centre = at.asVec3d() + Vec3d(1500, -1800, 1700) + Vec3d(0.5 * kSide) + Vec3d(9.5, 0, 0);
+    const Vec3d centre = at.asVec3d() + Vec3d(1500, -1800, 1700) + Vec3d(0.5 * kLumpSide) + Vec3d(9.5, 0, 0);
     EXPECT_TRUE(other.blocked(origin, (centre - origin).unit()));
   }
 }

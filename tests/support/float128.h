@@ -3,6 +3,7 @@
 /// What the law tests of libjulia share: a 128-bit number to compare with, seeded random quaternions, and distances.
 #pragma once
 
+#include "julia/embedding.h"
 #include "julia/quaternion.h"
 #include "julia/rational.h"
 
@@ -69,6 +70,8 @@ std::string text(const Quaternion<Real>& q) {
   out << '[' << q.a << ' ' << q.b << ' ' << q.c << ' ' << q.d << ']';
   return out.str();
 }
+
+inline std::string text(const julia::Point& p) { return text(Quaternion<double>{p[0], p[1], p[2], 0}); }
 
 inline std::string text(const julia::Rational& rational) {
   std::ostringstream out;

@@ -24,8 +24,6 @@ using Long = long double;
 using LongVector = julia::reference::Vector<Long>;
 using julia::Point;
 
-inline std::string text(const Point& p) { return text(Quaternion<double>{p[0], p[1], p[2], 0}); }
-
 inline LongVector longVector(const Point& p) { return {p[0], p[1], p[2]}; }
 
 inline Long length(const LongVector& p) { return std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]); }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "vdbtools/mesh/mesh.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
 
 #include <gtest/gtest.h>
 

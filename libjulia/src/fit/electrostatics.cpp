@@ -120,7 +120,7 @@ class ScaledInfluence {
   VectorXd mDiagonal;
 };
 
-void requireValid(const ElectrostaticsOptions& options) {
+void requireValidElectrostatics(const ElectrostaticsOptions& options) {
   if (!(options.tolerance >= 1e-7 && options.tolerance < 1))
     throw std::invalid_argument("the tolerance of the charge is " + textOf(options.tolerance) +
                                 "; it must be from 1e-7 to below 1");
@@ -132,7 +132,7 @@ void requireValid(const ElectrostaticsOptions& options) {
 }  // namespace
 
 SurfaceCharge solveExteriorDirichlet(const TriangleSurface& surface, const ElectrostaticsOptions& options) {
-  requireValid(options);
+  requireValidElectrostatics(options);
   const Panels panels(surface);
   if (panels.size() == 0)
     throw std::invalid_argument("a surface needs a triangle with area to be charged; none of its " +

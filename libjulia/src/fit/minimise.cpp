@@ -81,9 +81,10 @@ VectorXd unitsOf(const Rational& rational, FitVariables kind) {
 }
 
 /// The energy of the optimiser's variables. Remembers the best of them, and what went wrong.
-class Objective {
+class EnergyObjective {
  public:
-  Objective(const ShapeEnergy& energy, const Rational& rational, FitVariables kind, const MinimiseOptions& options)
+  EnergyObjective(const ShapeEnergy& energy, const Rational& rational, FitVariables kind,
+                  const MinimiseOptions& options)
       : mEnergy(energy),
         mOptions(options),
         mVariables{kind, unitsOf(rational, kind)},
@@ -159,7 +160,7 @@ void requireValid(const MinimiseOptions& options) {
 double minimise(const ShapeEnergy& energy, Rational& rational, FitVariables kind, const MinimiseOptions& options) {
   requireFinite(rational);
   requireValid(options);
-  Objective objective(energy, rational, kind, options);
+  EnergyObjective objective(energy, rational, kind, options);
   LBFGSpp::LBFGSBParam<double> parameters = parametersOf(options);
   const VectorXd high = VectorXd::Constant(objective.low().size(), std::numeric_limits<double>::infinity());
   bool settled = false;

@@ -42,7 +42,8 @@ void requireCount(std::size_t value, std::size_t most, const char* what) {
                                 std::to_string(most));
 }
 
-void requireValid(std::span<const Point> samples, std::span<const double> potentials, const MonopoleOptions& options) {
+void requireValidMonopoles(std::span<const Point> samples, std::span<const double> potentials,
+                           const MonopoleOptions& options) {
   if (!(options.epsilon > 0 && options.epsilon < 1))
     throw std::invalid_argument("epsilon of the monopoles is " + textOf(options.epsilon) +
                                 "; it must be between 0 and 1");
@@ -185,7 +186,7 @@ std::vector<std::size_t> ranked(std::span<const Point> candidates, const Columns
 
 MonopoleFit fitMonopoles(const TriangleSurface& surface, std::span<const Point> samples,
                          std::span<const double> potentials, const MonopoleOptions& options) {
-  requireValid(samples, potentials, options);
+  requireValidMonopoles(samples, potentials, options);
   const Columns columns(samples);
   const VectorXd p = Eigen::Map<const VectorXd>(potentials.data(), static_cast<Index>(potentials.size()));
   const double whole = p.norm();

@@ -17,14 +17,14 @@
 namespace julia {
 namespace {
 
-constexpr double kFarthest = 1e9;  // as in requireFinite(const Rational&)
+constexpr double kFarthestSample = 1e9;  // as in requireFinite(const Rational&)
 constexpr std::size_t kMostPoints = 100'000'000;
 // Candidates for each point that is kept; with more, the distances hardly grow.
 constexpr std::size_t kOversampling = 5;
 // Along an axis, so that indices fit 64 bits.
-constexpr double kMostCells = 0x1p60;
+constexpr double kMostGridCells = 0x1p60;
 
-using Index = std::uint32_t;
+using SampleIndex = std::uint32_t;
 
 double areaOf(const TriangleSurface& surface, const std::array<std::uint32_t, 3>& triangle) {
   const Point& a = surface.points[triangle[0]];
@@ -53,24 +53,24 @@ std::vector<Point> stratifiedSamples(const TriangleSurface& surface, double whol
 /// Finds the neighbours of points within a radius, with the points sorted by their cells in a grid.
 class HashGrid {
  public:
-  HashGrid(std::span<const Point> samples, std::span<const Index> members, double radius)
+  HashGrid(std::span<const Point> samples, std::span<const SampleIndex> members, double radius)
       : mSamples(samples), mRadius(radius), mLow(samples[members[0]]) {
     Point high = mLow;
-    for (const Index i : members)
+    for (const SampleIndex i : members)
       for (int axis = 0; axis < 3; ++axis) {
         mLow[axis] = std::min(mLow[axis], samples[i][axis]);
         high[axis] = std::max(high[axis], samples[i][axis]);
       }
-    mCell = std::max(
-        {radius, (high[0] - mLow[0]) / kMostCells, (high[1] - mLow[1]) / kMostCells, (high[2] - mLow[2]) / kMostCells});
+    mCell = std::max({radius, (high[0] - mLow[0]) / kMostGridCells, (high[1] - mLow[1]) / kMostGridCells,
+                      (high[2] - mLow[2]) / kMostGridCells});
     mEntries.reserve(members.size());
-    for (const Index i : members) mEntries.emplace_back(cellOf(samples[i]), i);
+    for (const SampleIndex i : members) mEntries.emplace_back(cellOf(samples[i]), i);
     std::sort(mEntries.begin(), mEntries.end());
   }
 
   /// Calls visit(j, distance) for each other member, always in the same order.
   template <class Visit>
-  void forNeighbours(Index i, Visit visit) const {
+  void forNeighbours(SampleIndex i, Visit visit) const {
     const auto [cz, cy, cx] = cellOf(mSamples[i]);
     for (std::int64_t z = cz - 1; z <= cz + 1; ++z)
       for (std::int64_t y = cy - 1; y <= cy + 1; ++y) {
@@ -86,7 +86,7 @@ class HashGrid {
  private:
   /// The order is z, y, x, so that neighbours along x follow each other.
   using Cell = std::array<std::int64_t, 3>;
-  using Entry = std::pair<Cell, Index>;
+  using Entry = std::pair<Cell, SampleIndex>;
 
   Cell cellOf(const Point& x) const {
     Cell cell;
@@ -102,8 +102,8 @@ class HashGrid {
 
 /// Removes from @a members, one after another, the one most crowded by the others, until @a count are left.
 /// @return those removed, in that order
-std::vector<Index> eliminate(std::span<const Point> samples, std::vector<Index>& members, std::size_t count,
-                             double wholeArea) {
+std::vector<SampleIndex> eliminate(std::span<const Point> samples, std::vector<SampleIndex>& members, std::size_t count,
+                                   double wholeArea) {
   // Yuksel's Eq. 3: half the distance of points in the densest packing; his weights, with alpha = 8, beta = 0.65 and
   // gamma = 1.5, tell apart no distances below a part of it.
   const auto kept = static_cast<double>(count);
@@ -118,16 +118,16 @@ std::vector<Index> eliminate(std::span<const Point> samples, std::vector<Index>&
 
   std::vector<double> weights(samples.size());
   std::vector<bool> gone(samples.size());
-  using Entry = std::pair<double, Index>;
+  using Entry = std::pair<double, SampleIndex>;
   std::vector<Entry> entries;
   entries.reserve(members.size());
-  for (const Index i : members) {
-    grid.forNeighbours(i, [&](Index, double distance) { weights[i] += crowding(distance); });
+  for (const SampleIndex i : members) {
+    grid.forNeighbours(i, [&](SampleIndex, double distance) { weights[i] += crowding(distance); });
     entries.emplace_back(weights[i], i);
   }
   std::priority_queue<Entry> queue(std::less<Entry>(), std::move(entries));
 
-  std::vector<Index> removed;
+  std::vector<SampleIndex> removed;
   while (removed.size() + count < members.size()) {
     const auto [weight, i] = queue.top();
     queue.pop();
@@ -138,9 +138,9 @@ std::vector<Index> eliminate(std::span<const Point> samples, std::vector<Index>&
     }
     gone[i] = true;
     removed.push_back(i);
-    grid.forNeighbours(i, [&](Index j, double distance) { weights[j] -= crowding(distance); });
+    grid.forNeighbours(i, [&](SampleIndex j, double distance) { weights[j] -= crowding(distance); });
   }
-  std::erase_if(members, [&](Index i) { return gone[i]; });
+  std::erase_if(members, [&](SampleIndex i) { return gone[i]; });
   return removed;
 }
 
@@ -154,7 +154,7 @@ void requireValid(const TriangleSurface& surface) {
                                     " of a surface with " + std::to_string(surface.points.size()) + " points");
   for (std::size_t i = 0; i < surface.points.size(); ++i)
     for (const double coordinate : surface.points[i])
-      if (!(std::abs(coordinate) <= kFarthest))
+      if (!(std::abs(coordinate) <= kFarthestSample))
         throw std::invalid_argument("a coordinate of point " + std::to_string(i) + " of the surface is " +
                                     textOf(coordinate) + "; it must be a number between -1e9 and 1e9");
 }
@@ -175,15 +175,15 @@ std::vector<Point> blueNoise(const TriangleSurface& surface, std::size_t count, 
     throw std::invalid_argument("points cannot be spread over a surface without area; it has " +
                                 std::to_string(surface.triangles.size()) + " triangles");
   const std::vector<Point> samples = stratifiedSamples(surface, wholeArea, kOversampling * count, seed);
-  std::vector<Index> members(samples.size());
-  for (std::size_t i = 0; i < members.size(); ++i) members[i] = static_cast<Index>(i);
+  std::vector<SampleIndex> members(samples.size());
+  for (std::size_t i = 0; i < members.size(); ++i) members[i] = static_cast<SampleIndex>(i);
   eliminate(samples, members, count, wholeArea);
 
   // Points that are removed first come last. Each round halves what is left, with the larger radius of fewer points.
   std::vector<Point> points(count);
   while (members.size() > 1) {
     std::size_t place = members.size();
-    for (const Index i : eliminate(samples, members, members.size() / 2, wholeArea)) points[--place] = samples[i];
+    for (const SampleIndex i : eliminate(samples, members, members.size() / 2, wholeArea)) points[--place] = samples[i];
   }
   points[0] = samples[members[0]];
   return points;

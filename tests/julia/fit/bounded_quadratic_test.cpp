@@ -56,7 +56,7 @@ std::vector<char> randomGuess(Random& random, Index n) {
 }
 
 /// The least value over all sets of variables that are at their bound.
-VectorXd bruteForce(const Program& program) {
+VectorXd leastOverAllSets(const Program& program) {
   const Index n = program.size();
   VectorXd best;
   double lowest = std::numeric_limits<double>::infinity();
@@ -112,7 +112,7 @@ TEST(BoundedQuadratic, isTheBestOfAllActiveSets) {
     std::vector<char> passive = randomGuess(random, n);
     const VectorXd x = minimiseBounded(program.H, program.b, program.bounded, passive).value();
     expectOptimal(program, x, passive, 1e-9);
-    const VectorXd expected = bruteForce(program);
+    const VectorXd expected = leastOverAllSets(program);
     for (Index i = 0; i < n; ++i) EXPECT_NEAR(x[i], expected[i], 1e-9 / diagonal) << round << ": " << i << " of " << n;
   }
 }

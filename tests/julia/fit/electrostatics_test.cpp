@@ -57,7 +57,7 @@ double integral(const Triangle& t, const Point& x) {
 }
 
 /// The same by quartering triangles until the mean at seven inner points agrees with that of the parts.
-double bruteForce(const Triangle& t, double wholeArea, const Point& x, double tolerance, int depth = 0) {
+double integralByQuartering(const Triangle& t, double wholeArea, const Point& x, double tolerance, int depth = 0) {
   const auto rule = [&](const Triangle& part) {
     const auto at = [&](double a, double b, double c) { return 1 / std::max(1e-300, distance(mix(part, a, b, c), x)); };
     double sum = 0.225 * at(1. / 3, 1. / 3, 1. / 3);
@@ -73,7 +73,7 @@ double bruteForce(const Triangle& t, double wholeArea, const Point& x, double to
   for (const Triangle& part : parts) fine += wholeArea / 4 * rule(part);
   if (depth > 2 && (std::abs(fine - wholeArea * rule(t)) < tolerance || depth > 35)) return fine;
   double sum = 0;
-  for (const Triangle& part : parts) sum += bruteForce(part, wholeArea / 4, x, tolerance, depth + 1);
+  for (const Triangle& part : parts) sum += integralByQuartering(part, wholeArea / 4, x, tolerance, depth + 1);
   return sum;
 }
 
@@ -97,7 +97,7 @@ TEST(PanelIntegral, isThatOfBruteForce) {
       for (const double height : {0., 1e-12, 1e-4, 0.03, 0.5, 2., -2., 5., 11.}) {
         Point x = mix(t, foot[0], foot[1], foot[2]);
         for (int axis = 0; axis < 3; ++axis) x[axis] += height * n[axis] / norm(n);
-        const double expected = bruteForce(t, areaOf(t), x, 1e-11 * areaOf(t));
+        const double expected = integralByQuartering(t, areaOf(t), x, 1e-11 * areaOf(t));
         EXPECT_NEAR(integral(t, x) / expected, 1, 3e-7)
             << "foot " << foot[0] << ' ' << foot[1] << ' ' << foot[2] << ", height " << height;
       }

@@ -5,6 +5,7 @@
 #include "julia/fit/cancelled.h"
 #include "julia/instruction_set.h"
 #include "support/float128.h"
+#include "support/limits.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -32,22 +33,24 @@ using julia::Root;
 using julia::RootCandidate;
 using law_tests::Random;
 using law_tests::text;
+using test_limits::kNan;
 using Distance = std::function<double(const Point&)>;
 
 constexpr double kReach = 0.7;  // half the edge of the cube of cells
 constexpr int kSide = 18;       // large cells along it
 constexpr double kLargeCell = 2 * kReach / kSide, kCellSize = kLargeCell / 2;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-Distance ball(const Point& centre, double radius) {
+Distance ballDistance(const Point& centre, double radius) {
   return [=](const Point& x) { return std::hypot(x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]) - radius; };
 }
 
-Distance twoBalls() {
-  return [a = ball({0.2, 0, 0}, 0.3), b = ball({-0.2, 0, 0}, 0.3)](const Point& x) { return std::min(a(x), b(x)); };
+Distance twoBallsDistance() {
+  return [a = ballDistance({0.2, 0, 0}, 0.3), b = ballDistance({-0.2, 0, 0}, 0.3)](const Point& x) {
+    return std::min(a(x), b(x));
+  };
 }
 
-Distance box(const Point& half) {
+Distance boxDistance(const Point& half) {
   return [=](const Point& x) {
     double square = 0, most = -1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -64,15 +67,15 @@ Point placeOf(int i, int side, double reach) {
   return {-reach + h * (i % side + 0.5), -reach + h * (i / side % side + 0.5), -reach + h * (i / side / side + 0.5)};
 }
 
-struct Target {
+struct CellTarget {
   std::vector<FitCell> cells;
   std::vector<RootCandidate> candidates;
 };
 
 /// Cells with a point somewhere in each, so that a face between two layers of them is known too; eight for one near
 /// the surface.
-Target targetOf(const Distance& phi, std::size_t candidates) {
-  Target target;
+CellTarget targetOf(const Distance& phi, std::size_t candidates) {
+  CellTarget target;
   Random random(3);
   const auto add = [&](Point x, double size) {
     for (double& coordinate : x) coordinate += size * random.between(-0.5, 0.5);
@@ -106,7 +109,7 @@ FastFitOptions optionsOf(std::size_t maxRoots) {
   return options;
 }
 
-FastFit fit(const Target& target, const FastFitOptions& options) {
+FastFit fastFitOf(const CellTarget& target, const FastFitOptions& options) {
   return fastFit(target.cells, target.candidates, options);
 }
 
@@ -135,10 +138,10 @@ double measuredIou(const Distance& phi, const Rational& rational, int iterations
 TEST(FastFit, aSphereNeedsOneRoot) {
   for (const double radius : {0.25, 0.4, 0.55})
     for (const julia::CellWeights weights : {julia::CellWeights::InverseDistance, julia::CellWeights::Layers}) {
-      const Distance sphere = ball({0, 0, 0}, radius);
+      const Distance sphere = ballDistance({0, 0, 0}, radius);
       FastFitOptions options = optionsOf(1);
       options.weights = weights;
-      const FastFit found = fit(targetOf(sphere, 0), options);
+      const FastFit found = fastFitOf(targetOf(sphere, 0), options);
       ASSERT_EQ(rootCount(found.rational), 1U);
       EXPECT_EQ(found.rational.top.roots.at(0).position, julia::Quaternion<double>{});
       EXPECT_NEAR(std::exp(-found.rational.logScale / found.rational.top.roots[0].power), radius, 0.1 * kCellSize);
@@ -154,7 +157,9 @@ struct Known {
 };
 
 std::vector<Known> knownTargets() {
-  return {{"two balls", twoBalls(), 0.95}, {"box", box({0.45, 0.3, 0.25}), 0.9}, {"cube", box({0.4, 0.4, 0.4}), 0.9}};
+  return {{"two balls", twoBallsDistance(), 0.95},
+          {"box", boxDistance({0.45, 0.3, 0.25}), 0.9},
+          {"cube", boxDistance({0.4, 0.4, 0.4}), 0.9}};
 }
 
 /// The fits that the laws below look at, made once.
@@ -162,7 +167,7 @@ const FastFit& knownFit(const Known& known) {
   static std::map<std::string, FastFit> fits;
   const auto at = fits.find(known.name);
   if (at != fits.end()) return at->second;
-  return fits.emplace(known.name, fit(targetOf(known.phi, 600), optionsOf(60))).first->second;
+  return fits.emplace(known.name, fastFitOf(targetOf(known.phi, 600), optionsOf(60))).first->second;
 }
 
 TEST(FastFit, findsShapes) {
@@ -173,7 +178,7 @@ TEST(FastFit, findsShapes) {
     EXPECT_GT(iou, known.iou) << known.name;
     EXPECT_NEAR(found.iou, iou, 0.05) << known.name;  // a tenth of the cells, and coarser ones
     // psi is that of [Kim15], on the cells that were not held out.
-    const Target target = targetOf(known.phi, 0);
+    const CellTarget target = targetOf(known.phi, 0);
     std::vector<Point> places;
     for (const FitCell& cell : target.cells) places.push_back(cell.x);
     const julia::ShapeEnergy energy(places, cellWeights(target.cells, julia::CellWeights::InverseDistance, kCellSize),
@@ -227,14 +232,14 @@ TEST(FastFit, rootsKeepToTheirSides) {
 
 // Where the candidates leave it open, a root may be on the other side, and often there is a gain in it.
 TEST(FastFit, candidatesMayLeaveTheSideOpen) {
-  Target target = targetOf(twoBalls(), 300);
+  CellTarget target = targetOf(twoBallsDistance(), 300);
   for (RootCandidate& candidate : target.candidates) candidate.side = RootCandidate::Side::Either;
-  EXPECT_GT(measuredIou(twoBalls(), fit(target, optionsOf(40)).rational, 1), 0.9);
+  EXPECT_GT(measuredIou(twoBallsDistance(), fastFitOf(target, optionsOf(40)).rational, 1), 0.9);
 }
 
 TEST(FastFit, energiesNeverRiseWithinARound) {
   for (const double penalty : {0., 1e-5}) {
-    const Target target = targetOf(box({0.45, 0.3, 0.25}), 300);
+    const CellTarget target = targetOf(boxDistance({0.45, 0.3, 0.25}), 300);
     FastFitOptions options = optionsOf(30);
     options.powerPenalty = penalty;
     std::string stage;
@@ -268,7 +273,7 @@ TEST(FastFit, energiesNeverRiseWithinARound) {
       }
       last = *step.rational;
     };
-    const FastFit found = fit(target, options);
+    const FastFit found = fastFitOf(target, options);
     EXPECT_GT(rounds[0], 2);
     EXPECT_EQ(rounds[1], 4);  // sharpnesses
     EXPECT_GT(falls, 20);
@@ -278,12 +283,12 @@ TEST(FastFit, energiesNeverRiseWithinARound) {
 }
 
 TEST(FastFit, penaltiesLowerThePowers) {
-  const Target target = targetOf(twoBalls(), 300);
+  const CellTarget target = targetOf(twoBallsDistance(), 300);
   FastFitOptions options = optionsOf(30);
   double before = std::numeric_limits<double>::infinity();
   for (const double penalty : {0., 1e-4, 1e-3}) {
     options.powerPenalty = penalty;
-    const FastFit found = fit(target, options);
+    const FastFit found = fastFitOf(target, options);
     const double powers = summedPowers(found.rational.top) + summedPowers(found.rational.bottom);
     EXPECT_LT(powers, before) << penalty;
     before = powers;
@@ -291,21 +296,21 @@ TEST(FastFit, penaltiesLowerThePowers) {
 }
 
 TEST(FastFit, stopsAddingRootsAtTheTarget) {
-  const Target target = targetOf(twoBalls(), 600);
+  const CellTarget target = targetOf(twoBallsDistance(), 600);
   FastFitOptions options = optionsOf(60);
-  const FastFit all = fit(target, options);
+  const FastFit all = fastFitOf(target, options);
   options.targetIou = 0.8;
-  const FastFit enough = fit(target, options);
+  const FastFit enough = fastFitOf(target, options);
   EXPECT_GT(enough.iou, 0.75);
   EXPECT_LT(rootCount(enough.rational), rootCount(all.rational) / 2);
 }
 
 TEST(FastFit, beginsWithTheRootsItIsGiven) {
-  const Distance phi = twoBalls();
-  const Target target = targetOf(phi, 0);
+  const Distance phi = twoBallsDistance();
+  const CellTarget target = targetOf(phi, 0);
   FastFitOptions options = optionsOf(7);
   options.start = {{0.2, 0, 0}, {-0.2, 0, 0}, {0, 0.35, 0}, {0, -0.35, 0}, {0, 0, 0.35}, {0, 0, -0.35}};
-  const FastFit found = fit(target, options);
+  const FastFit found = fastFitOf(target, options);
   EXPECT_GT(rootCount(found.rational), 3U);
   for (const Polynomial* polynomial : {&found.rational.top, &found.rational.bottom})
     for (const Root& root : polynomial->roots) {
@@ -313,18 +318,18 @@ TEST(FastFit, beginsWithTheRootsItIsGiven) {
       EXPECT_TRUE(x == (Point{}) || std::count(options.start.begin(), options.start.end(), x) == 1);
       EXPECT_EQ(phi(x) < 0, polynomial == &found.rational.top) << text(root.position);
     }
-  EXPECT_GT(found.iou, fit(target, optionsOf(1)).iou + 0.1);
+  EXPECT_GT(found.iou, fastFitOf(target, optionsOf(1)).iou + 0.1);
   // Those that there is no room for are left out.
   options.maxRoots = 3;
-  EXPECT_LE(rootCount(fit(target, options).rational), 3U);
+  EXPECT_LE(rootCount(fastFitOf(target, options).rational), 3U);
 }
 
 TEST(FastFit, seedDecidesAndNothingElse) {
-  const Target target = targetOf(box({0.45, 0.3, 0.25}), 200);
+  const CellTarget target = targetOf(boxDistance({0.45, 0.3, 0.25}), 200);
   FastFitOptions options = optionsOf(20);
-  const FastFit one = fit(target, options);
+  const FastFit one = fastFitOf(target, options);
   const auto expectSame = [&](const std::string& what) {
-    const FastFit again = fit(target, options);
+    const FastFit again = fastFitOf(target, options);
     EXPECT_EQ(again.rational, one.rational) << what;
     EXPECT_EQ(again.iou, one.iou) << what;
     EXPECT_EQ(again.psi, one.psi) << what;
@@ -347,11 +352,11 @@ TEST(FastFit, seedDecidesAndNothingElse) {
   expectSame("logs stored at first");
 
   options.seed = 2;
-  const FastFit other = fit(target, options);
+  const FastFit other = fastFitOf(target, options);
   EXPECT_NE(other.rational, one.rational);
   EXPECT_NEAR(other.psi, one.psi, 0.05);
-  EXPECT_NEAR(measuredIou(box({0.45, 0.3, 0.25}), other.rational, 1),
-              measuredIou(box({0.45, 0.3, 0.25}), one.rational, 1), 0.08);
+  EXPECT_NEAR(measuredIou(boxDistance({0.45, 0.3, 0.25}), other.rational, 1),
+              measuredIou(boxDistance({0.45, 0.3, 0.25}), one.rational, 1), 0.08);
 }
 
 // A cell or two a side, a root in each cell: nothing to fit, but nothing to fall over either.
@@ -375,38 +380,38 @@ TEST(FastFit, survivesTheSmallest) {
 }
 
 TEST(FastFit, canBeCancelled) {
-  const Target target = targetOf(twoBalls(), 100);
+  const CellTarget target = targetOf(twoBallsDistance(), 100);
   for (const int after : {0, 1, 12}) {
     FastFitOptions options = optionsOf(10);
     int asked = 0;
     options.cancelled = [&] { return asked++ == after; };
-    EXPECT_THROW(fit(target, options), julia::Cancelled) << after;
+    EXPECT_THROW(fastFitOf(target, options), julia::Cancelled) << after;
     EXPECT_EQ(asked, after + 1);
   }
 }
 
 TEST(FastFit, refusesNonsense) {
-  const auto refused = [](const std::function<void(Target&, FastFitOptions&)>& change, const std::string& word) {
-    Target target = targetOf(twoBalls(), 20);
+  const auto refused = [](const std::function<void(CellTarget&, FastFitOptions&)>& change, const std::string& word) {
+    CellTarget target = targetOf(twoBallsDistance(), 20);
     FastFitOptions options = optionsOf(5);
     change(target, options);
     try {
-      fit(target, options);
+      fastFitOf(target, options);
       ADD_FAILURE() << "accepted: " << word;
     } catch (const std::invalid_argument& error) {
       EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << word << " is not in: " << error.what();
     }
   };
-  refused([](Target& t, auto&) { t.cells.clear(); }, " 0 cells 0 are inside");
-  const auto keepSide = [](Target& t, bool inside) {
+  refused([](CellTarget& t, auto&) { t.cells.clear(); }, " 0 cells 0 are inside");
+  const auto keepSide = [](CellTarget& t, bool inside) {
     std::erase_if(t.cells, [&](const FitCell& cell) { return (cell.phi < 0) != inside; });
   };
-  refused([&](Target& t, auto&) { keepSide(t, true); }, "are inside");
-  refused([&](Target& t, auto&) { keepSide(t, false); }, " 0 are inside");
-  refused([](Target& t, auto&) { t.cells[9].phi = static_cast<float>(kNan); }, "nan");
-  refused([](Target& t, auto&) { t.cells[9].x[2] = kNan; }, "nan");
-  refused([](Target& t, auto&) { t.cells[9].volume = -3; }, "-3");
-  refused([](Target& t, auto&) { t.candidates[9].x[0] = std::numeric_limits<double>::infinity(); }, "inf");
+  refused([&](CellTarget& t, auto&) { keepSide(t, true); }, "are inside");
+  refused([&](CellTarget& t, auto&) { keepSide(t, false); }, " 0 are inside");
+  refused([](CellTarget& t, auto&) { t.cells[9].phi = static_cast<float>(kNan); }, "nan");
+  refused([](CellTarget& t, auto&) { t.cells[9].x[2] = kNan; }, "nan");
+  refused([](CellTarget& t, auto&) { t.cells[9].volume = -3; }, "-3");
+  refused([](CellTarget& t, auto&) { t.candidates[9].x[0] = std::numeric_limits<double>::infinity(); }, "inf");
   refused([](auto&, FastFitOptions& o) { o.start = {{0, kNan, 0}}; }, "nan");
   refused([](auto&, FastFitOptions& o) { o.maxRoots = 0; }, "maxRoots is 0");
   for (const double bad : {0., -1., 2., kNan})

@@ -158,7 +158,8 @@ TEST(LogMatrix, extendedGramIsAsFresh) {
   }
 }
 
-std::vector<std::uint64_t> everything(const LogMatrix& matrix) {
+/// Everything that a matrix computes.
+std::vector<std::uint64_t> bitsOfMatrix(const LogMatrix& matrix) {
   std::vector<double> weights(matrix.rootCount()), d(matrix.cellCount());
   for (std::size_t j = 0; j < weights.size(); ++j) weights[j] = std::sin(1.0 + static_cast<double>(j));
   for (std::size_t i = 0; i < d.size(); ++i) d[i] = 1 + std::sin(static_cast<double>(i));
@@ -195,17 +196,17 @@ TEST(LogMatrix, appendedAndKeptIsAsFresh) {
     changed.append(std::span(roots).first(7));
     EXPECT_EQ(changed.stored(), memoryLimit > 0);
     changed.append(std::span(roots).subspan(7));
-    EXPECT_EQ(everything(changed), everything(fresh)) << memoryLimit;
+    EXPECT_EQ(bitsOfMatrix(changed), bitsOfMatrix(fresh)) << memoryLimit;
     LogMatrix freshKept(cells, kUnlimited);
     freshKept.append(keptRoots);
     changed.keep(kept);
     EXPECT_EQ(changed.roots(), keptRoots);
-    EXPECT_EQ(everything(changed), everything(freshKept)) << memoryLimit;
+    EXPECT_EQ(bitsOfMatrix(changed), bitsOfMatrix(freshKept)) << memoryLimit;
     freshKept.append(more);
     changed.append(more);
     changed.append(roots);
     freshKept.append(roots);
-    EXPECT_EQ(everything(changed), everything(freshKept)) << memoryLimit;
+    EXPECT_EQ(bitsOfMatrix(changed), bitsOfMatrix(freshKept)) << memoryLimit;
     EXPECT_EQ(changed.stored(), memoryLimit == kUnlimited);
     changed.keep({});
     EXPECT_EQ(changed.rootCount(), 0U);
@@ -220,10 +221,10 @@ TEST(LogMatrix, threadsChangeNoBit) {
   for (const std::size_t memoryLimit : {std::size_t{0}, kUnlimited}) {
     LogMatrix matrix(cells, memoryLimit);
     matrix.append(randomRoots(15, 150));
-    const std::vector<std::uint64_t> expected = everything(matrix);
+    const std::vector<std::uint64_t> expected = bitsOfMatrix(matrix);
     for (const std::size_t threads : {1, 3}) {
       const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-      EXPECT_EQ(everything(matrix), expected) << threads;
+      EXPECT_EQ(bitsOfMatrix(matrix), expected) << threads;
     }
   }
 }

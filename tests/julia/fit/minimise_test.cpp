@@ -28,7 +28,7 @@ using law_tests::Random;
 using law_tests::text;
 
 /// A lattice of n^3 cells in [-1, 1]^3 about a ball of the radius.
-std::vector<FitCell> ball(int n, double radius) {
+std::vector<FitCell> cellsAboutBall(int n, double radius) {
   std::vector<FitCell> cells;
   const double h = 2.0 / n;
   for (int i = 0; i < n * n * n; ++i) {
@@ -45,7 +45,7 @@ std::vector<Point> placesOf(const std::vector<FitCell>& cells) {
 }
 
 ShapeEnergy ballEnergy(int n, double radius, const Rational& rational, const julia::ShapeEnergyOptions& options = {}) {
-  const std::vector<FitCell> cells = ball(n, radius);
+  const std::vector<FitCell> cells = cellsAboutBall(n, radius);
   return ShapeEnergy(placesOf(cells), cellWeights(cells, julia::CellWeights::InverseDistance, 2.0 / n), rational,
                      options);
 }

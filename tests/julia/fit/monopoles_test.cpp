@@ -31,15 +31,15 @@ using law_tests::norm;
 using law_tests::sphere;
 using law_tests::stretched;
 
-struct Target {
+struct PotentialTarget {
   TriangleSurface surface;
   std::vector<Point> samples;
   std::vector<double> potentials;
 };
 
 /// A unit sphere's own potential, a little outside.
-Target ball() {
-  Target target{sphere(3), sphere(3).points, {}};
+PotentialTarget ballTarget() {
+  PotentialTarget target{sphere(3), sphere(3).points, {}};
   for (Point& x : target.samples) {
     for (double& coordinate : x) coordinate *= 1.1;
     target.potentials.push_back(1 / norm(x));
@@ -48,8 +48,8 @@ Target ball() {
 }
 
 /// A long box, whose potential needs boundary elements.
-Target box() {
-  Target target{stretched(cube(5, 2), {1, 2, 4}), {}, {}};
+PotentialTarget boxTarget() {
+  PotentialTarget target{stretched(cube(5, 2), {1, 2, 4}), {}, {}};
   target.samples = julia::blueNoise(stretched(cube(1), {1.2, 2.2, 4.2}), 900, 5);
   for (Point& x : target.samples)
     for (double& coordinate : x) coordinate -= 0.1;
@@ -58,11 +58,11 @@ Target box() {
   return target;
 }
 
-MonopoleFit fit(const Target& target, const MonopoleOptions& options = {}) {
+MonopoleFit monopoleFitOf(const PotentialTarget& target, const MonopoleOptions& options = {}) {
   return fitMonopoles(target.surface, target.samples, target.potentials, options);
 }
 
-std::vector<double> residualOf(const Target& target, const std::vector<Monopole>& monopoles) {
+std::vector<double> residualOf(const PotentialTarget& target, const std::vector<Monopole>& monopoles) {
   std::vector<double> residual;
   for (std::size_t i = 0; i < target.samples.size(); ++i) {
     double sum = target.potentials[i];
@@ -79,7 +79,7 @@ double dot(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 /// The weights of the same places from the normal equations, in 128 bits and by elimination.
-std::vector<double> freshWeights(const Target& target, const std::vector<Monopole>& monopoles) {
+std::vector<double> freshWeights(const PotentialTarget& target, const std::vector<Monopole>& monopoles) {
   using Wide = __float128;
   const std::size_t n = monopoles.size();
   std::vector<std::vector<Wide>> rows(n, std::vector<Wide>(n + 1));
@@ -101,11 +101,11 @@ std::vector<double> freshWeights(const Target& target, const std::vector<Monopol
 }
 
 TEST(Monopoles, residualsFallToEpsilon) {
-  for (const Target& target : {ball(), box()})
+  for (const PotentialTarget& target : {ballTarget(), boxTarget()})
     for (const double epsilon : {0.2, 0.04, 0.01}) {
       MonopoleOptions options;
       options.epsilon = epsilon;
-      const MonopoleFit result = fit(target, options);
+      const MonopoleFit result = monopoleFitOf(target, options);
       ASSERT_EQ(result.residuals.size(), result.monopoles.size());
       double before = 1;
       for (const double residual : result.residuals) {
@@ -120,11 +120,11 @@ TEST(Monopoles, residualsFallToEpsilon) {
 }
 
 TEST(Monopoles, weightsAreThoseOfAFreshSolution) {
-  const Target target = box();
+  const PotentialTarget target = boxTarget();
   MonopoleOptions options;
   options.epsilon = 1e-3;
   options.maxCount = 60;
-  const MonopoleFit result = fit(target, options);
+  const MonopoleFit result = monopoleFitOf(target, options);
   ASSERT_GT(result.monopoles.size(), 30U);
   const std::vector<double> expected = freshWeights(target, result.monopoles);
   double largest = 0;
@@ -135,13 +135,13 @@ TEST(Monopoles, weightsAreThoseOfAFreshSolution) {
 
 // The residual after fewer steps is that of the fewer: what is added later moves no place found before.
 TEST(Monopoles, stepsAppend) {
-  const Target target = ball();
+  const PotentialTarget target = ballTarget();
   MonopoleOptions options;
   options.epsilon = 1e-3;
   options.maxCount = 20;
-  const MonopoleFit many = fit(target, options);
+  const MonopoleFit many = monopoleFitOf(target, options);
   options.maxCount = 7;
-  const MonopoleFit few = fit(target, options);
+  const MonopoleFit few = monopoleFitOf(target, options);
   ASSERT_EQ(many.monopoles.size(), 20U);
   ASSERT_EQ(few.monopoles.size(), 7U);
   for (std::size_t i = 0; i < 7; ++i) {
@@ -151,7 +151,7 @@ TEST(Monopoles, stepsAppend) {
 }
 
 TEST(Monopoles, aSphereNeedsFew) {
-  const MonopoleFit result = fit(ball());
+  const MonopoleFit result = monopoleFitOf(ballTarget());
   EXPECT_LT(result.monopoles.size(), 100U);
   // Their weights add up to the charge, seen from outside.
   double charge = 0;
@@ -178,7 +178,7 @@ TriangleSurface specks(const std::vector<Point>& places, double size) {
 // Columns from within one speck are the same but for rounding; none is taken twice.
 TEST(Monopoles, findsThoseThatAreThere) {
   const std::vector<Monopole> truth{{{0.5, 0, 0}, 1}, {{-0.5, 0.1, 0}, -0.75}, {{0, -0.3, 0.4}, 2.5}};
-  Target target;
+  PotentialTarget target;
   std::vector<Point> places;
   for (const Monopole& monopole : truth) places.push_back(monopole.position);
   places.push_back({0.1, 0.2, 0.3});  // nothing is there
@@ -190,7 +190,7 @@ TEST(Monopoles, findsThoseThatAreThere) {
 
   MonopoleOptions options;
   options.epsilon = 1e-12;
-  const MonopoleFit result = fit(target, options);
+  const MonopoleFit result = monopoleFitOf(target, options);
   ASSERT_LE(result.monopoles.size(), 4U);
   EXPECT_LT(result.residuals.back(), 1e-8);
   for (std::size_t place = 0; place < places.size(); ++place) {
@@ -204,13 +204,13 @@ TEST(Monopoles, findsThoseThatAreThere) {
 // A ring at distance 1 of one speck is matched by it alone; but the other is so near one sample that its column is
 // longer than all of it.
 TEST(Monopoles, columnsAreNotNormalised) {
-  Target target;
+  PotentialTarget target;
   target.surface = specks({{0, 0, 0}, {1.01, 0, 0}}, 1e-6);
   for (int i = 0; i < 10; ++i) target.samples.push_back({std::cos(0.6 * i), std::sin(0.6 * i), 0});
   target.potentials.assign(10, 1);
   MonopoleOptions options;
   options.epsilon = 0.001;
-  const MonopoleFit result = fit(target, options);
+  const MonopoleFit result = monopoleFitOf(target, options);
   ASSERT_GE(result.monopoles.size(), 2U);
   EXPECT_NEAR(result.monopoles[0].position[0], 1.01, 1e-5);
   EXPECT_GT(result.residuals[0], 0.5);
@@ -218,35 +218,35 @@ TEST(Monopoles, columnsAreNotNormalised) {
 
 // A candidate on a sample would be infinite, here and there.
 TEST(Monopoles, samplesOnTheSurfaceAreSurvived) {
-  Target target{specks({{0, 0, 0}, {1, 0, 0}}, 1e-320), {{0, 0, 0}, {0, 2, 0}, {3, 3, 3}}, {1, 2, 3}};
+  PotentialTarget target{specks({{0, 0, 0}, {1, 0, 0}}, 1e-320), {{0, 0, 0}, {0, 2, 0}, {3, 3, 3}}, {1, 2, 3}};
   target.surface.triangles.push_back({0, 3, 4});
   target.surface.points[4] = {0.5, 1e-200, 1e-12};
-  const MonopoleFit result = fit(target);
+  const MonopoleFit result = monopoleFitOf(target);
   for (const Monopole& monopole : result.monopoles) EXPECT_TRUE(std::isfinite(monopole.weight));
 }
 
 TEST(Monopoles, seedDecidesAndThreadsDoNot) {
-  const Target target = box();
+  const PotentialTarget target = boxTarget();
   MonopoleOptions options;
-  const MonopoleFit one = fit(target, options);
+  const MonopoleFit one = monopoleFitOf(target, options);
   for (const std::size_t threads : {1, 3}) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    const MonopoleFit again = fit(target, options);
+    const MonopoleFit again = monopoleFitOf(target, options);
     EXPECT_EQ(again.monopoles, one.monopoles) << threads;
     EXPECT_EQ(again.residuals, one.residuals) << threads;
   }
   options.seed = 2;
-  EXPECT_NE(fit(target, options).monopoles, one.monopoles);
+  EXPECT_NE(monopoleFitOf(target, options).monopoles, one.monopoles);
 }
 
 // A pool holds 10000 candidates; steps of 4000 use up several.
 TEST(Monopoles, poolsAreDrawnAnew) {
-  const Target target = ball();
+  const PotentialTarget target = ballTarget();
   for (const std::size_t candidates : {1, 4000, 15000}) {
     MonopoleOptions options;
     options.candidatesPerStep = candidates;
     options.maxCount = 3;
-    const MonopoleFit result = fit(target, options);
+    const MonopoleFit result = monopoleFitOf(target, options);
     EXPECT_EQ(result.monopoles.size(), 3U);
     for (std::size_t i = 0; i < result.monopoles.size(); ++i)
       for (std::size_t j = 0; j < i; ++j)
@@ -255,11 +255,11 @@ TEST(Monopoles, poolsAreDrawnAnew) {
 }
 
 TEST(Monopoles, refusesNonsense) {
-  const auto expectThrow = [](const std::function<void(Target&, MonopoleOptions&)>& change, const char* what) {
-    Target target = ball();
+  const auto expectThrow = [](const std::function<void(PotentialTarget&, MonopoleOptions&)>& change, const char* what) {
+    PotentialTarget target = ballTarget();
     MonopoleOptions options;
     change(target, options);
-    EXPECT_THROW(fit(target, options), std::invalid_argument) << what;
+    EXPECT_THROW(monopoleFitOf(target, options), std::invalid_argument) << what;
   };
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   for (const double bad : {0., 1., -0.1, 2., nan}) expectThrow([bad](auto&, auto& o) { o.epsilon = bad; }, "epsilon");
@@ -278,7 +278,7 @@ TEST(Monopoles, canBeCancelled) {
   int asked = 0;
   MonopoleOptions options;
   options.cancelled = [&] { return asked++ == 3; };
-  EXPECT_THROW(fit(ball(), options), julia::Cancelled);
+  EXPECT_THROW(monopoleFitOf(ballTarget(), options), julia::Cancelled);
 }
 
 TEST(RationalFromMonopoles, signsDecideTheSide) {

@@ -6,6 +6,7 @@
 #include "julia/instruction_set.h"
 #include "julia/reference.h"
 #include "support/float128.h"
+#include "support/limits.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -16,7 +17,6 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <numeric>
 #include <stdexcept>
 #include <string>
@@ -39,9 +39,9 @@ using law_tests::floatExact;
 using law_tests::Random;
 using law_tests::text;
 using law_tests::Wide;
+using test_limits::kInfinity;
+using test_limits::kNan;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 /// What is done in doubles, sums of a few hundred terms of about 1.
 constexpr double kDoubles = 1e-12;
 
@@ -386,7 +386,7 @@ std::vector<std::uint64_t> bitsOf(const std::vector<double>& values) {
 }
 
 /// Energy, gradient and every log-modulus.
-std::vector<std::uint64_t> everything(const Scene& scene) {
+std::vector<std::uint64_t> bitsOfEnergy(const Scene& scene) {
   const ShapeEnergy energy = energyOf(scene);
   RationalGradient gradient;
   std::vector<double> all{energy.evaluate(scene.rational, &gradient), energy.evaluate(scene.rational, nullptr)};
@@ -400,10 +400,10 @@ std::vector<std::uint64_t> everything(const Scene& scene) {
 
 TEST(ShapeEnergy, scalingAllWeightsChangesNothing) {
   Scene scene = randomScene(22, 500, 5, 4, false);
-  const std::vector<std::uint64_t> expected = everything(scene);
+  const std::vector<std::uint64_t> expected = bitsOfEnergy(scene);
   const double energy = energyOf(scene).evaluate(scene.rational, nullptr);
   for (double& weight : scene.weights) weight *= 0x1p-40;
-  EXPECT_EQ(everything(scene), expected);
+  EXPECT_EQ(bitsOfEnergy(scene), expected);
   for (double& weight : scene.weights) weight *= 12345.678;
   EXPECT_NEAR(energyOf(scene).evaluate(scene.rational, nullptr), energy, kDoubles);
 }
@@ -429,19 +429,19 @@ TEST(ShapeEnergy, otherWeightsAreAsAnotherEnergy) {
 TEST(ShapeEnergy, memoryThreadsAndInstructionSetsChangeNoBit) {
   for (const int cells : {1, 256, 5000}) {
     Scene scene = randomScene(23, cells, 9, 6, true);
-    const std::vector<std::uint64_t> expected = everything(scene);
+    const std::vector<std::uint64_t> expected = bitsOfEnergy(scene);
     scene.options.memoryLimit = 0;
-    EXPECT_EQ(everything(scene), expected) << cells << " cells, logs made anew";
+    EXPECT_EQ(bitsOfEnergy(scene), expected) << cells << " cells, logs made anew";
     for (const std::size_t memoryLimit : {std::size_t{0}, std::size_t{1} << 30}) {
       scene.options.memoryLimit = memoryLimit;
       for (const std::size_t threads : {1, 2, 5}) {
         const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-        EXPECT_EQ(everything(scene), expected) << cells << " cells, threads: " << threads;
+        EXPECT_EQ(bitsOfEnergy(scene), expected) << cells << " cells, threads: " << threads;
       }
       const julia::InstructionSet before = julia::instructionSet();
       for (const julia::InstructionSet set : julia::availableInstructionSets()) {
         julia::setInstructionSet(set);
-        EXPECT_EQ(everything(scene), expected) << cells << " cells, " << julia::nameOf(set);
+        EXPECT_EQ(bitsOfEnergy(scene), expected) << cells << " cells, " << julia::nameOf(set);
       }
       julia::setInstructionSet(before);
     }

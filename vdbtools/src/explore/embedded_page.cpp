@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 namespace {
 
 struct EmbeddedBytes {
@@ -51,4 +51,4 @@ const PageFile* findPageFile(std::string_view name) {
   return nullptr;
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

@@ -26,7 +26,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 namespace {
 
 using std::chrono::milliseconds;
@@ -341,4 +341,4 @@ ExploreServer::~ExploreServer() = default;
 std::string ExploreServer::url() const { return mState->url(); }
 void ExploreServer::serve(const Monitor& monitor) { mState->serve(monitor); }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

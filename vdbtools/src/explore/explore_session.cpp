@@ -9,14 +9,14 @@
 #include "explore/made_recipe.h"
 #include "explore/scene_data.h"
 #include "explore/start_data.h"
-#include "target/solid_input.h"
+#include "repair/solid_input.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/explore/shell_command.h"
 #include "vdbtools/farm/frame_plan.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
-#include "vdbtools/job/recorded_files.h"
-#include "vdbtools/job/voxel_advice.h"
+#include "vdbtools/records/recorded_files.h"
+#include "vdbtools/scene/voxel_advice.h"
 #include "vdbtools/surface/grid_mesh.h"
 
 #include <algorithm>
@@ -28,7 +28,7 @@
 #include <set>
 #include <stdexcept>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 namespace {
 
 using nlohmann::json;
@@ -99,8 +99,8 @@ std::vector<std::string> formatsOf(const json& body) {
 
 int frameOf(const json& object) {
   const auto frame = object.find("frame");
-  if (frame == object.end() || !frame->is_number_unsigned() || *frame >= kMostFrames)
-    throw std::invalid_argument("'frame' must be a whole number from 0 to " + std::to_string(kMostFrames - 1));
+  if (frame == object.end() || !frame->is_number_unsigned() || *frame >= farm::kMostFrames)
+    throw std::invalid_argument("'frame' must be a whole number from 0 to " + std::to_string(farm::kMostFrames - 1));
   return frame->get<int>();
 }
 
@@ -118,11 +118,11 @@ Recipe sharedBy(const std::map<int, const Recipe*>& given, const std::map<int, c
 }
 
 /// Whether an option may be between the values of two keys: the seed, which is a whole number, may not.
-bool isSmooth(const KeyedOption& option, const Recipe& recipe) {
+bool isSmooth(const farm::KeyedOption& option, const Recipe& recipe) {
   constexpr int kSpan = 1'000'003;  // a prime: no frame between lies at a round share
   for (auto key = option.keys.begin(); std::next(key) != option.keys.end(); ++key) {
     Recipe between = recipe;
-    between[option.name] = valueAt({option.name, {{0, key->second}, {kSpan, std::next(key)->second}}}, kSpan / 3);
+    between[option.name] = farm::valueAt({option.name, {{0, key->second}, {kSpan, std::next(key)->second}}}, kSpan / 3);
     try {
       parseFractalOptions(between);
     } catch (const std::invalid_argument&) {
@@ -133,8 +133,8 @@ bool isSmooth(const KeyedOption& option, const Recipe& recipe) {
 }
 
 /// An option as its keys have it: in steps where it cannot change gradually.
-KeyedOption keyedOption(const std::string& name, const std::map<int, const Recipe*>& recipes, const std::string& ease,
-                        const OptionTable& table) {
+farm::KeyedOption keyedOption(const std::string& name, const std::map<int, const Recipe*>& recipes,
+                              const std::string& ease, const OptionTable& table) {
   std::vector<std::string> keys;
   for (const auto& [frame, recipe] : recipes) {
     const auto entry = recipe->find(name);
@@ -143,11 +143,11 @@ KeyedOption keyedOption(const std::string& name, const std::map<int, const Recip
                                   ", which those of other keys have; give it to all of them or to none");
     keys.push_back(name + '@' + std::to_string(frame) + '=' + entry->second);
   }
-  KeyedOption option = parseKeys(keys, {"step"}, table).front();
+  farm::KeyedOption option = farm::parseKeys(keys, {"step"}, table).front();
   if (ease == "step") return option;
   try {
-    option = parseKeys(keys, {ease}, table).front();
-    if (!isSmooth(option, *recipes.begin()->second)) option.ease = Ease::Step;
+    option = farm::parseKeys(keys, {ease}, table).front();
+    if (!isSmooth(option, *recipes.begin()->second)) option.ease = farm::Ease::Step;
   } catch (const std::invalid_argument&) {
     if (ease != "linear" && ease != "smooth") throw;
   }
@@ -441,7 +441,7 @@ json ExploreSession::sequence(const json& body) {
   }
   const int first = looks.begin()->first, last = looks.rbegin()->first;
   const std::string frames = std::to_string(first) + '-' + std::to_string(last);
-  FramePlanOptions options{.frames = parseFrames(frames), .name = textOf(body, "name")};
+  farm::FramePlanOptions options{.frames = farm::parseFrames(frames), .name = textOf(body, "name")};
   if (!options.name.empty()) requireFileName(options.name);
   std::map<int, const Recipe*> given, completed;
   for (const auto& [frame, look] : looks) {
@@ -458,10 +458,10 @@ json ExploreSession::sequence(const json& body) {
   for (const std::string& name : changing) options.keys.push_back(keyedOption(name, completed, ease, mTable));
   if (const auto resolution = body.find("resolution"); resolution != body.end() && !resolution->is_null())
     options.base = overridden(options.base, {{"resolution", numberText(*resolution, "resolution")}}, mTable);
-  for (const auto& [frame, recipe] : given) parseFractalOptions(completeRecipe(recipeAt(options, frame), mTable));
+  for (const auto& [frame, recipe] : given) parseFractalOptions(completeRecipe(farm::recipeAt(options, frame), mTable));
   const std::string folder = (options.name.empty() ? "look" : options.name) + "-frames";
   json answer = {{"frames", frames}, {"command", framesCommand(options, frames, mTable, (mFolder / folder).string())}};
-  if (body.contains("frame")) answer["recipe"] = recipeAt(options, frameOf(body));
+  if (body.contains("frame")) answer["recipe"] = farm::recipeAt(options, frameOf(body));
   return answer;
 }
 
@@ -508,4 +508,4 @@ ExploreAnswer ExploreSession::answer(const ExploreRequest& request, Monitor& mon
   }
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

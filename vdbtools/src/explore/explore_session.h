@@ -17,7 +17,7 @@
 #include <string>
 #include <utility>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 
 struct ExploreRequest {
   std::string method;  ///< GET, POST or DELETE
@@ -94,4 +94,4 @@ class ExploreSession {
   JobQueue mJobs;
 };
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

@@ -14,7 +14,7 @@
 #include <string_view>
 #include <utility>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 namespace {
 
 using nlohmann::json;
@@ -128,4 +128,4 @@ std::string exportPage(const Scene& scene, const Recipe& recipe, const json& loo
                       "</script>\n<script type=\"module\">\n" + bundledScript() + "</script>");
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

@@ -5,14 +5,14 @@
 #pragma once
 
 #include "vdbtools/base/monitor.h"
-#include "vdbtools/job/scene.h"
 #include "vdbtools/recipe/option_table.h"
+#include "vdbtools/scene/scene.h"
 
 #include <nlohmann/json.hpp>
 
 #include <string>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 
 /// The exponent is stored coarser than the server gives it, at most 160 nodes along an axis, as 16-bit floats; the page
 /// says so.
@@ -26,4 +26,4 @@ std::string exportPage(const Scene& scene, const Recipe& recipe, const nlohmann:
 /// their top level.
 std::string bundledScript();
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

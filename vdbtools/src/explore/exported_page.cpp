@@ -2,7 +2,7 @@
 #include "explore/export_page.h"
 #include "vdbtools/explore/explore_server.h"
 
-namespace vdbtools {
+namespace vdbtools::explore {
 
 std::string exportedPage(const Recipe& given, Monitor& monitor) {
   const Recipe completed = completeRecipe(given, fractalOptionTable());
@@ -12,4 +12,4 @@ std::string exportedPage(const Recipe& given, Monitor& monitor) {
   return exportPage(scene, given, {}, monitor);
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

@@ -4,13 +4,13 @@
 #include "explore/file_access.h"
 #include "explore/scene_store.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/job/failure_text.h"
+#include "vdbtools/records/failure_text.h"
 
 #include <algorithm>
 #include <new>
 #include <stdexcept>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 namespace {
 
 FailureAnswer answerOf() {
@@ -50,4 +50,4 @@ FailureAnswer currentFailureAnswer() {
   return answer;
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

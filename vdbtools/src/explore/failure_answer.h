@@ -5,7 +5,7 @@
 
 #include <string>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 
 struct FailureAnswer {
   int status = 500;
@@ -15,4 +15,4 @@ struct FailureAnswer {
 /// Of the exception that is being handled.
 FailureAnswer currentFailureAnswer();
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

@@ -2,12 +2,12 @@
 #include "explore/file_access.h"
 
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/job/scene.h"
+#include "vdbtools/scene/scene.h"
 
 #include <algorithm>
 #include <string_view>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 
 FileAccess::FileAccess(const FractalOptions& given) {
   for (const NamedFile& file : filesOf(given)) mAllowed.insert(file.path);
@@ -37,4 +37,4 @@ void requireFileName(const std::string& name) {
                                 "begin with a letter, a digit or an underscore");
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

@@ -4,14 +4,14 @@
 /// named them before.
 #pragma once
 
-#include "vdbtools/job/fractal_options.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include <filesystem>
 #include <set>
 #include <stdexcept>
 #include <string>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 
 /// A recipe names a file that is not for the page.
 class FileRefused : public std::runtime_error {
@@ -37,4 +37,4 @@ class FileAccess {
 /// @throw std::invalid_argument
 void requireFileName(const std::string& name);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

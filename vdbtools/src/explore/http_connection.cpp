@@ -14,7 +14,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 namespace {
 
 using std::chrono::milliseconds;
@@ -190,4 +190,4 @@ void HttpConnection::get_local_ip_and_port(std::string& address, int& port) cons
   port = 0;
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

@@ -16,7 +16,7 @@
 #include <string>
 #include <string_view>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 
 /// The head of a request with only the headers that the server uses: everything up to and including the empty line.
 /// Nothing if it is not well formed: a line without a colon, a continued line, a control character.
@@ -73,4 +73,4 @@ class HttpConnection final : public httplib::Stream {
   bool mEnds = false;
 };
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

@@ -13,7 +13,7 @@
 #include <chrono>
 #include <stdexcept>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -242,4 +242,4 @@ void JobQueue::run(Job& job) {
   }
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

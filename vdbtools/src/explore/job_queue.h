@@ -17,7 +17,7 @@
 #include <thread>
 #include <vector>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 
 struct JobRequest {
   Recipe recipe;                     ///< completed, with the resolution
@@ -93,4 +93,4 @@ class JobQueue {
   std::thread mThread;
 };
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

@@ -2,7 +2,7 @@
 #include "explore/look_data.h"
 
 #include "explore/scene_data.h"
-#include "job/scene_colouring.h"
+#include "scene/scene_colouring.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/picture/gradient.h"
 #include "vdbtools/recipe/recipe_reader.h"
@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 namespace {
 
 using nlohmann::json;
@@ -215,4 +215,4 @@ FieldPicture pictureOf(const json& body) {
   return parseFieldPicture(pictureTexts(body), table);
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

@@ -4,14 +4,14 @@
 /// program reads the texts, and the page has the numbers from it.
 #pragma once
 
-#include "vdbtools/job/scene.h"
 #include "vdbtools/render/field_colour.h"
 #include "vdbtools/render/look.h"
 #include "vdbtools/render/view_options.h"
+#include "vdbtools/scene/scene.h"
 
 #include <nlohmann/json.hpp>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 
 /// The entry "look" of a request: an object of options of vdbtools/render/look.h, all text.
 /// @throw std::invalid_argument  it is something else, or has other options
@@ -45,4 +45,4 @@ Recipe pictureTexts(const nlohmann::json& body);
 /// A number, or a list of them, as the text of an option. @throw std::invalid_argument
 std::string numberText(const nlohmann::json& value, const std::string& name);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

@@ -4,17 +4,18 @@
 #include "job/mesh_picture.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/job/fractal_options.h"
 #include "vdbtools/mesh/mesh.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/render/mesh_preview.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 #include <system_error>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 namespace {
 
 /// @param up  the axis that points up where the picture does not say it
@@ -66,4 +67,4 @@ std::string pictureOfMade(const MadeFiles& made, const FieldPicture& picture, Mo
       picture);
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

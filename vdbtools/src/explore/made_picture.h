@@ -6,12 +6,12 @@
 
 #include "explore/job_queue.h"
 #include "vdbtools/base/monitor.h"
-#include "vdbtools/job/scene.h"
 #include "vdbtools/render/view_options.h"
+#include "vdbtools/scene/scene.h"
 
 #include <string>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 
 /// A PNG of the mesh that `fractal` makes of a scene. @throw as meshPicture()
 std::string pictureOfMesh(const Scene& scene, const FieldPicture& picture, Monitor& monitor);
@@ -21,4 +21,4 @@ std::string pictureOfMesh(const Scene& scene, const FieldPicture& picture, Monit
 /// @throw DataError          they hold no surface
 std::string pictureOfMade(const MadeFiles& made, const FieldPicture& picture, Monitor& monitor);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

@@ -3,12 +3,12 @@
 
 #include "base/json_text.h"
 #include "formats/vdb_head.h"
-#include "mesh/mesh_comments.h"
+#include "mesh_files/mesh_comments.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/job/fractal_options.h"
-#include "vdbtools/job/recorded_recipe.h"
 #include "vdbtools/recipe/option_list.h"
+#include "vdbtools/records/recorded_recipe.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include <nlohmann/json.hpp>
 
@@ -18,7 +18,7 @@
 #include <sstream>
 #include <stdexcept>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 namespace {
 
 Recipe recipeOfText(std::string_view text) {
@@ -103,4 +103,4 @@ Recipe overTarget(Recipe recorded, const Recipe& target) {
   return recorded;
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

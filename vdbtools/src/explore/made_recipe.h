@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 
 /// Of a VDB, PLY, OBJ or GLB that 'juliavdb fractal' made, or of a text of lines NAME = VALUE as --config takes them.
 /// @param name  of the file: its extension says what it is
@@ -23,4 +23,4 @@ Recipe recipeOfMadeFile(const std::string& name, std::string_view bytes);
 /// @param target  options of the target at hand, as they were given
 Recipe overTarget(Recipe recorded, const Recipe& target);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

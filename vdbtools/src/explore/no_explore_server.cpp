@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 
 class ExploreServer::State {};
 
@@ -18,4 +18,4 @@ ExploreServer::~ExploreServer() = default;
 std::string ExploreServer::url() const { return {}; }
 void ExploreServer::serve(const Monitor&) {}
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

@@ -3,7 +3,7 @@
 
 #include "render/occupancy.h"
 #include "vdbtools/files/file_hash.h"
-#include "vdbtools/job/scene_picture.h"
+#include "vdbtools/scene/scene_picture.h"
 
 #include "julia/brick_field.h"
 #include "julia/cross_map.h"
@@ -27,7 +27,7 @@
 #include <utility>
 #include <vector>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 namespace {
 
 using nlohmann::json;
@@ -305,4 +305,4 @@ SceneData sceneData(const Scene& scene, const SceneDataOptions& options, Monitor
   return data;
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

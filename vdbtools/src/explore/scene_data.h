@@ -5,13 +5,13 @@
 #pragma once
 
 #include "vdbtools/base/monitor.h"
-#include "vdbtools/job/scene.h"
+#include "vdbtools/scene/scene.h"
 
 #include <nlohmann/json.hpp>
 
 #include <string>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 
 struct SceneDataOptions {
   /// The most nodes of the volume along any axis, from 16 to 256, which every implementation of WebGL 2 can hold. A
@@ -39,4 +39,4 @@ std::string base64(std::string_view bytes);
 /// @throw std::invalid_argument  the page has no shader for the scene's versor: a formula, a field or layers, say
 void requireShown(const Scene& scene);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

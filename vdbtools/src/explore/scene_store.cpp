@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "explore/scene_store.h"
 
-#include "vdbtools/job/scene_picture.h"
+#include "vdbtools/scene/scene_picture.h"
 
 #include <chrono>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 namespace {
 
 // For the look at hand, and a few before it for undo. A scene of the bunny takes some 30 MB.
@@ -109,4 +109,4 @@ std::shared_ptr<KeptScene> SceneStore::get(const Recipe& recipe, const FractalOp
   return made;
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

@@ -4,8 +4,8 @@
 #pragma once
 
 #include "files/file_state.h"
-#include "vdbtools/job/scene.h"
 #include "vdbtools/render/view_options.h"
+#include "vdbtools/scene/scene.h"
 
 #include <condition_variable>
 #include <cstdint>
@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 
 /// A later request has taken this one's place.
 class Superseded : public std::runtime_error {
@@ -85,4 +85,4 @@ class SceneStore {
   SceneMaker mMaker;
 };
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

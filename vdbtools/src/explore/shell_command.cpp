@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <set>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 namespace {
 
 /// Characters that mean themselves to every shell, wherever they stand.
@@ -75,22 +75,23 @@ std::string pictureCommand(const Recipe& recipe, const OptionTable& table, const
   return command;
 }
 
-std::string framesCommand(const FramePlanOptions& options, const std::string& list, const OptionTable& table,
+std::string framesCommand(const farm::FramePlanOptions& options, const std::string& list, const OptionTable& table,
                           const std::string& folder) {
   std::string command = "juliavdb plan frames";
   const std::vector<std::string> files{"frame.vdb"};
   std::set<int> frames;
-  for (const KeyedOption& option : options.keys)
+  for (const farm::KeyedOption& option : options.keys)
     for (const auto& [frame, value] : option.keys) frames.insert(frame);
   std::vector<OptionRun> runs;
-  for (const int frame : frames) runs.push_back({completeRecipe(recipeAt(options, frame), table), productsOf(files)});
+  for (const int frame : frames)
+    runs.push_back({completeRecipe(farm::recipeAt(options, frame), table), productsOf(files)});
   appendRecipe(command, options.base, table, runs);
   appendOption(command, "--frames", list);
-  for (const KeyedOption& option : options.keys) {
+  for (const farm::KeyedOption& option : options.keys) {
     for (const auto& [frame, value] : option.keys)
       appendOption(command, "--key", option.name + '@' + std::to_string(frame) + '=' + value);
-    if (option.ease != Ease::Linear)
-      appendOption(command, "--ease", option.name + (option.ease == Ease::Smooth ? "=smooth" : "=step"));
+    if (option.ease != farm::Ease::Linear)
+      appendOption(command, "--ease", option.name + (option.ease == farm::Ease::Smooth ? "=smooth" : "=step"));
   }
   if (!options.name.empty()) appendOption(command, "--name", options.name);
   appendOption(command, "-o", folder.starts_with('-') ? "./" + folder : folder);
@@ -111,4 +112,4 @@ Recipe shortestRecipe(const Recipe& recipe, const OptionTable& table) {
   return shortest;
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

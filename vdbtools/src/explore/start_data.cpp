@@ -4,13 +4,13 @@
 #include "explore/job_queue.h"
 #include "explore/look_data.h"
 #include "vdbtools/explore/embedded_page.h"
-#include "vdbtools/job/fractal_options.h"
 #include "vdbtools/maps/texture_shelf.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include <algorithm>
 #include <string>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 namespace {
 
 using nlohmann::json;
@@ -102,4 +102,4 @@ json programData() {
           {"formats", fileFormats()}};
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

@@ -5,11 +5,11 @@
 
 #include <nlohmann/json.hpp>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 
 /// {version, options: [{name, argument, help, group, maps, default, defaults: {map: text}, alternative, displaces}],
 /// maps: [{name, summary, target, roots, dimension}], textures: [{name, description, varies, thumbnail}], colours,
 /// resolutions, formats}.
 nlohmann::json programData();
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 namespace {
 
 double countOf(const TaskRecord& record, const char* name) {
@@ -155,4 +155,4 @@ PlanEstimate estimatePlan(std::span<const TaskWork> work, std::span<const Sample
   return estimate;
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

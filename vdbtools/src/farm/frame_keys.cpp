@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 namespace {
 
 /// A value in parts that separators part.
@@ -142,4 +142,4 @@ std::string valueAt(const KeyedOption& option, int frame) {
   return blended(option.name, *last, *next, shareAt(option.ease, t));
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

@@ -4,15 +4,15 @@
 #include "farm/variant_plan.h"
 
 #include "vdbtools/files/frame_name.h"
-#include "vdbtools/job/fractal_options.h"
-#include "vdbtools/job/scene.h"
 #include "vdbtools/recipe/option_value.h"
+#include "vdbtools/scene/fractal_options.h"
+#include "vdbtools/scene/scene.h"
 
 #include <algorithm>
 #include <set>
 #include <stdexcept>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 namespace {
 
 /// The options of a recipe that name files of which each frame has its own.
@@ -77,4 +77,4 @@ Manifest planFrames(const FramePlanOptions& options) {
   return planVariants(PlanKind::Frames, variants, {nameFor(options, fractalOptionTable()), options.makes});
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

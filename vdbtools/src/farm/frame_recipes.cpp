@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/farm/frame_recipes.h"
 
-#include "job/file_hashes.h"
+#include "scene/file_hashes.h"
 
 #include "vdbtools/base/errors.h"
-#include "vdbtools/job/fractal_options.h"
-#include "vdbtools/job/scene.h"
+#include "vdbtools/scene/fractal_options.h"
+#include "vdbtools/scene/scene.h"
 
 #include <filesystem>
 #include <set>
@@ -13,7 +13,7 @@
 #include <system_error>
 #include <utility>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 namespace {
 
 /// The files of all frames, and of those that are not there the first frame that names each.
@@ -79,4 +79,4 @@ Recipe FrameRecipes::at(int frame) const {
   return recipe;
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

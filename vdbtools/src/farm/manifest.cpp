@@ -7,7 +7,7 @@
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
-#include "vdbtools/job/fractal_options.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include <nlohmann/json.hpp>
 
@@ -19,7 +19,7 @@
 #include <string_view>
 #include <utility>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -311,4 +311,4 @@ Recipe taskRecipe(const Manifest& manifest, std::uint64_t index) {
   return completeRecipe(overridden(manifest.recipe, task.recipe, table), table);
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

@@ -18,8 +18,8 @@
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_files.h"
 #include "vdbtools/job/fractal_job.h"
-#include "vdbtools/job/prepared_scene.h"
-#include "vdbtools/mesh/mesh_file.h"
+#include "vdbtools/mesh_files/mesh_file.h"
+#include "vdbtools/scene/prepared_scene.h"
 
 #include <nlohmann/json.hpp>
 
@@ -32,7 +32,7 @@
 #include <string>
 #include <utility>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 namespace {
 
 namespace fs = std::filesystem;
@@ -44,7 +44,7 @@ bool writes(const Manifest& manifest, std::uint64_t index, const std::string& na
   const std::vector<std::string>& names = manifest.tasks.at(index - 1).writes;
   return std::find(names.begin(), names.end(), name) != names.end();
 }
-bool dropsIslands(const Manifest& manifest) {
+bool planDropsIslands(const Manifest& manifest) {
   return !manifest.tasks.empty() && writes(manifest, 1, tileIslandsName(1));
 }
 
@@ -180,7 +180,7 @@ struct PlanIslands {
 };
 
 std::optional<PlanIslands> joinIslands(const fs::path& folder, const Manifest& manifest, Monitor& monitor) {
-  if (!dropsIslands(manifest)) return std::nullopt;
+  if (!planDropsIslands(manifest)) return std::nullopt;
   const SurfaceOptions options = parseFractalOptions(manifest.recipe).surface;
   PlanIslands islands{.options = options.islands, .capMesh = options.cap || !manifest.lattice.value().bounded};
   for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index)
@@ -463,7 +463,7 @@ void requireMergeable(const fs::path& folder, const Manifest& manifest, const Me
 
 void requireMergeable(const fs::path& folder, const Manifest& manifest, const fs::path& index) {
   requireTiles(manifest);
-  if (dropsIslands(manifest) && makes(manifest, "vdb"))
+  if (planDropsIslands(manifest) && makes(manifest, "vdb"))
     throw std::invalid_argument(
         "islands are dropped, and the distances to what is left of them are not known tile by tile; merge into one "
         "VDB, or plan again with --make ply alone");
@@ -533,4 +533,4 @@ MergeResult writeTileFiles(const fs::path& folder, const Manifest& manifest, con
   return result;
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

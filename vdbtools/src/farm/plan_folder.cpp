@@ -8,7 +8,7 @@
 
 #include <system_error>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 
 namespace fs = std::filesystem;
 
@@ -66,4 +66,4 @@ void writePlan(const fs::path& folder, const Manifest& manifest) {
   }
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

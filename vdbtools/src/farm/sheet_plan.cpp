@@ -6,16 +6,16 @@
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/files/frame_name.h"
-#include "vdbtools/job/fractal_options.h"
-#include "vdbtools/job/scene.h"
 #include "vdbtools/job/sheet_file.h"
 #include "vdbtools/recipe/option_value.h"
+#include "vdbtools/scene/fractal_options.h"
+#include "vdbtools/scene/scene.h"
 
 #include <optional>
 #include <set>
 #include <stdexcept>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 namespace {
 
 /// The cells of a list such as "3,7-9".
@@ -74,4 +74,4 @@ Manifest planSheetCells(const SheetPlanOptions& options, Monitor& monitor) {
                       {options.name.empty() ? (stem.empty() ? "cell" : stem) : options.name, options.makes});
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

@@ -2,8 +2,8 @@
 #include "farm/target_store.h"
 
 #include "base/elementary.h"
-#include "target/solid_input.h"
-#include "target/united_parts.h"
+#include "distance/united_parts.h"
+#include "repair/solid_input.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/memory.h"
 #include "vdbtools/base/number_text.h"
@@ -20,7 +20,7 @@
 #include <system_error>
 #include <utility>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 namespace {
 
 namespace fs = std::filesystem;
@@ -186,4 +186,4 @@ void removeKeptTargets(const fs::path& folder, const std::set<std::string>& keys
   fs::remove(folder, error);
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

@@ -5,14 +5,14 @@
 /// so that nothing depends on who did, or how wide the band is that is kept.
 #pragma once
 
-#include "vdbtools/job/scene.h"
+#include "vdbtools/scene/scene.h"
 
 #include <filesystem>
 #include <functional>
 #include <set>
 #include <string>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 
 inline constexpr const char* kTargetsName = "targets";
 
@@ -32,4 +32,4 @@ std::set<std::string> keptTargets(const std::filesystem::path& folder);
 /// Removes what is kept of these keys, and the folder once it is empty. Whoever reads them meanwhile makes them again.
 void removeKeptTargets(const std::filesystem::path& folder, const std::set<std::string>& keys);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

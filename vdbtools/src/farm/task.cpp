@@ -12,8 +12,8 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/files/mark_file.h"
-#include "vdbtools/job/recorded_files.h"
-#include "vdbtools/job/scene.h"
+#include "vdbtools/records/recorded_files.h"
+#include "vdbtools/scene/scene.h"
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -33,7 +33,7 @@
 #include <thread>
 #include <utility>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 namespace {
 
 namespace fs = std::filesystem;
@@ -210,4 +210,4 @@ void TaskRunner::recordFailure(std::uint64_t index, int exitCode, const std::str
   }
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

@@ -18,7 +18,7 @@
 #include <csignal>
 #include <ctime>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 namespace {
 
 namespace fs = std::filesystem;
@@ -267,4 +267,4 @@ TaskStatus taskStatus(const fs::path& folder, const Manifest& manifest, std::uin
   return status;
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

@@ -12,7 +12,7 @@
 #include <string>
 #include <string_view>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 
 inline constexpr std::string_view kRunningSuffix = ".running.json";
 
@@ -34,4 +34,4 @@ std::string encodeFailure(std::uint64_t index, const std::string& hash, int exit
 /// A file's size and time, without its hash; nothing if there is no such file.
 std::optional<TaskFile> presentFile(const std::filesystem::path& path);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <utility>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "tiles are written as numbers lie in memory");
@@ -202,4 +202,4 @@ TileLayer TileReader::next() {
   return layer;
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

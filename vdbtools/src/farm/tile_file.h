@@ -28,7 +28,7 @@
 #include <ostream>
 #include <vector>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 
 inline constexpr std::uint16_t kGuest = 0x8000;  ///< of a point
 inline constexpr std::uint16_t kOnCap = 0x4000;  ///< of a point, and of a triangle's cell
@@ -106,4 +106,4 @@ class TileReader {
   std::optional<std::int32_t> mNextX;
 };
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

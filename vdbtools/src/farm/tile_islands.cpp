@@ -17,7 +17,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 namespace {
 
 using openvdb::Coord;
@@ -27,13 +27,13 @@ using Leaf = FloatTree::LeafNodeType;
 
 constexpr unsigned kAll = 0xff;
 
-int blockOf(int node) { return node & ~(kBlock - 1); }
+int blockStart(int node) { return node & ~(kBlock - 1); }
 
 /// The inside nodes of a column of blocks along z.
 class Column {
  public:
   /// @param nodes  those of the column that are wanted
-  Column(const FloatTree& tree, const CoordBBox& nodes) : mNodes(nodes), mFirst(blockOf(nodes.min()[2])) {
+  Column(const FloatTree& tree, const CoordBBox& nodes) : mNodes(nodes), mFirst(blockStart(nodes.min()[2])) {
     const openvdb::tree::ValueAccessor<const FloatTree> leaves(tree);
     const Coord first = nodes.min() & ~(kBlock - 1);
     for (int z = mFirst; z <= nodes.max()[2]; z += kBlock) {
@@ -145,16 +145,16 @@ TileIslands::TileIslands(const FractalField& field, const FieldSource& source, c
 
 void TileIslands::findRuns(const FractalField& field, const FieldSource& source, Monitor& monitor) {
   const Coord low = mLabelled.min(), high = mLabelled.max();
-  const auto columnCount = static_cast<std::size_t>((blockOf(high[1]) - blockOf(low[1])) / kBlock) + 1;
+  const auto columnCount = static_cast<std::size_t>((blockStart(high[1]) - blockStart(low[1])) / kBlock) + 1;
   monitor.begin("islands", static_cast<std::uint64_t>(high[0] - low[0]) + 1);
-  for (int x = blockOf(low[0]); x <= high[0]; x += kBlock) {
+  for (int x = blockStart(low[0]); x <= high[0]; x += kBlock) {
     CoordBBox layer = mLabelled;
     layer.min()[0] = std::max(low[0], x);
     layer.max()[0] = std::min(high[0], x + kBlock - 1);
     std::vector<std::vector<InsideRun>> columns(columnCount);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, columnCount), [&](const auto& range) {
       for (std::size_t i = range.begin(); i != range.end() && !monitor.cancelled(); ++i) {
-        const int y = blockOf(low[1]) + kBlock * static_cast<int>(i);
+        const int y = blockStart(low[1]) + kBlock * static_cast<int>(i);
         CoordBBox nodes = layer;
         nodes.min()[1] = std::max(low[1], y);
         nodes.max()[1] = std::min(high[1], y + kBlock - 1);
@@ -173,7 +173,7 @@ void TileIslands::findRuns(const FractalField& field, const FieldSource& source,
     for (int row = layer.min()[0]; row <= layer.max()[0]; ++row) {
       for (int y = low[1]; y <= high[1]; ++y) {
         mRows.push_back(mRuns.size());
-        const auto i = static_cast<std::size_t>((blockOf(y) - blockOf(low[1])) / kBlock);
+        const auto i = static_cast<std::size_t>((blockStart(y) - blockStart(low[1])) / kBlock);
         for (; next[i] < columns[i].size() && columns[i][next[i]].x == row && columns[i][next[i]].y == y; ++next[i])
           mRuns.push_back(columns[i][next[i]]);
       }
@@ -303,4 +303,4 @@ JoinedIslands joinIslands(std::span<const TileIslandsReader> tiles, const Island
   return joined;
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

@@ -30,7 +30,7 @@
 #include <span>
 #include <vector>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 
 /// Inside nodes side by side along z.
 struct InsideRun {
@@ -109,4 +109,4 @@ struct JoinedIslands {
 JoinedIslands joinIslands(std::span<const TileIslandsReader> tiles, const IslandOptions& options, double voxelSize,
                           Monitor& monitor);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <utility>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 namespace {
 
 using openvdb::Coord;
@@ -20,15 +20,15 @@ using openvdb::Coord;
 static_assert(std::endian::native == std::endian::little, "islands are written as numbers lie in memory");
 static_assert(sizeof(InsideRun) == 20);
 
-constexpr std::string_view kMagic = "JVDBISLE";
-constexpr std::uint32_t kVersion = 1;
+constexpr std::string_view kIslandsMagic = "JVDBISLE";
+constexpr std::uint32_t kIslandsVersion = 1;
 
-struct Header {
+struct IslandsHeader {
   char magic[8];
   std::uint32_t version, none;
   std::uint64_t parts, faces, beyond, own;
 };
-static_assert(sizeof(Header) == 48);
+static_assert(sizeof(IslandsHeader) == 48);
 
 struct PartRecord {
   std::uint64_t nodes, points, capPoints;
@@ -38,7 +38,7 @@ struct PartRecord {
 static_assert(sizeof(PartRecord) == 64);
 
 template <class Value>
-void put(std::ostream& stream, const std::vector<Value>& values) {
+void putAll(std::ostream& stream, const std::vector<Value>& values) {
   stream.write(reinterpret_cast<const char*>(values.data()),
                static_cast<std::streamsize>(values.size() * sizeof(Value)));
 }
@@ -53,14 +53,14 @@ PartRecord recordOf(const TilePart& part) {
   return record;
 }
 
-TilePart partOf(const PartRecord& record) {
+TilePart partOfRecord(const PartRecord& record) {
   return {
       .island = {.nodes = record.nodes, .box = {Coord(record.low), Coord(record.high)}, .first = Coord(record.first)},
       .points = record.points,
       .capPoints = record.capPoints};
 }
 
-[[noreturn]] void refuse(const std::filesystem::path& path, const char* why) {
+[[noreturn]] void refuseIslands(const std::filesystem::path& path, const char* why) {
   throw DataError("the islands '" + inOneLine(path.string()) + "' cannot be used: " + why);
 }
 
@@ -71,7 +71,7 @@ void read(std::ifstream& stream, const std::filesystem::path& path, void* to, st
 
 void requireParts(std::span<const InsideRun> runs, std::size_t parts, const std::filesystem::path& path) {
   if (std::any_of(runs.begin(), runs.end(), [&](const InsideRun& run) { return run.part >= parts; }))
-    refuse(path, "a run belongs to a part that is not there");
+    refuseIslands(path, "a run belongs to a part that is not there");
 }
 
 }  // namespace
@@ -91,22 +91,22 @@ void TileIslands::write(std::ostream& stream) const {
     if (run.x > mBox.min()[0] && run.y > mBox.min()[1]) face.last = mBox.min()[2];
     if (face.first <= face.last) faces.push_back(face);
   }
-  Header header{.magic = {},
-                .version = kVersion,
-                .none = 0,
-                .parts = mParts.size(),
-                .faces = faces.size(),
-                .beyond = beyond.size(),
-                .own = own.size()};
-  std::memcpy(header.magic, kMagic.data(), kMagic.size());
+  IslandsHeader header{.magic = {},
+                       .version = kIslandsVersion,
+                       .none = 0,
+                       .parts = mParts.size(),
+                       .faces = faces.size(),
+                       .beyond = beyond.size(),
+                       .own = own.size()};
+  std::memcpy(header.magic, kIslandsMagic.data(), kIslandsMagic.size());
   stream.write(reinterpret_cast<const char*>(&header), sizeof header);
   std::vector<PartRecord> records;
   records.reserve(mParts.size());
   for (const TilePart& part : mParts) records.push_back(recordOf(part));
-  put(stream, records);
-  put(stream, faces);
-  put(stream, beyond);
-  put(stream, own);
+  putAll(stream, records);
+  putAll(stream, faces);
+  putAll(stream, beyond);
+  putAll(stream, own);
 }
 
 TileIslandsReader::TileIslandsReader(std::filesystem::path path) : mPath(std::move(path)) {
@@ -114,16 +114,16 @@ TileIslandsReader::TileIslandsReader(std::filesystem::path path) : mPath(std::mo
   std::error_code error;
   std::uint64_t left = std::filesystem::file_size(mPath, error);
   if (error) throw MissingInputError("cannot open the islands '" + inOneLine(mPath.string()) + "'");
-  Header header{};
-  if (left < sizeof header) refuse(mPath, "it is truncated");
+  IslandsHeader header{};
+  if (left < sizeof header) refuseIslands(mPath, "it is truncated");
   read(stream, mPath, &header, sizeof header);
   left -= sizeof header;
-  if (std::string_view(header.magic, kMagic.size()) != kMagic || header.version != kVersion)
-    refuse(mPath, "it is not a file of islands of this version");
+  if (std::string_view(header.magic, kIslandsMagic.size()) != kIslandsMagic || header.version != kIslandsVersion)
+    refuseIslands(mPath, "it is not a file of islands of this version");
   // Counts are held against what is left of the file before memory is taken for them.
   const auto take = [&](auto& values, std::uint64_t count) {
     using Value = typename std::remove_reference_t<decltype(values)>::value_type;
-    if (count > left / sizeof(Value)) refuse(mPath, "it is truncated");
+    if (count > left / sizeof(Value)) refuseIslands(mPath, "it is truncated");
     values.resize(count);
     read(stream, mPath, values.data(), count * sizeof(Value));
     left -= count * sizeof(Value);
@@ -132,10 +132,10 @@ TileIslandsReader::TileIslandsReader(std::filesystem::path path) : mPath(std::mo
   take(records, header.parts);
   take(mFaces, header.faces);
   take(mBeyond, header.beyond);
-  for (const PartRecord& record : records) mParts.push_back(partOf(record));
+  for (const PartRecord& record : records) mParts.push_back(partOfRecord(record));
   requireParts(mFaces, mParts.size(), mPath);
   requireParts(mBeyond, mParts.size(), mPath);
-  if (header.own != left / sizeof(InsideRun) || left % sizeof(InsideRun) != 0) refuse(mPath, "it is truncated");
+  if (header.own != left / sizeof(InsideRun) || left % sizeof(InsideRun) != 0) refuseIslands(mPath, "it is truncated");
   mOwn = header.own;
   mOwnAt = stream.tellg();
 }
@@ -153,4 +153,4 @@ void TileIslandsReader::forEachOwn(const std::function<void(std::span<const Insi
   }
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

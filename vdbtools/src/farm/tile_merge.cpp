@@ -12,7 +12,7 @@
 #include <string>
 #include <utility>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 namespace {
 
 using openvdb::Index;
@@ -42,7 +42,7 @@ struct Part {
   std::size_t point, points, triangle, triangles;
 };
 
-[[noreturn]] void refuse(std::int32_t x, const Place& place, const char* what) {
+[[noreturn]] void refuseBlock(std::int32_t x, const Place& place, const char* what) {
   throw DataError("the tiles do not fit together: the block at node " + std::to_string(x) + ", " +
                   std::to_string(place.first) + ", " + std::to_string(place.second) + " " + what +
                   "; make the tiles again");
@@ -74,7 +74,7 @@ void addBlock(const Place& place, const std::vector<Part>& parts, bool keepGuest
   }
   block.edges.reserve(points.size());
   for (const Point& point : points) {
-    if (!block.edges.empty() && point.edge <= block.edges.back()) refuse(layer.x, place, "has a point twice");
+    if (!block.edges.empty() && point.edge <= block.edges.back()) refuseBlock(layer.x, place, "has a point twice");
     block.edges.push_back(point.edge);
     layer.positions.push_back(point.from->positions[point.at]);
     layer.normals.push_back(point.from->normals[point.at]);
@@ -166,7 +166,7 @@ class LayerWriter {
         openvdb::Vec3I corners;
         for (unsigned k = 0; k < 3; ++k) {
           const std::optional<Index> index = indexOf(t[k + 1], around);
-          if (!index) refuse(layer.x, place, "has a triangle with a corner that no tile has");
+          if (!index) refuseBlock(layer.x, place, "has a triangle with a corner that no tile has");
           corners[static_cast<int>(k)] = *index;
         }
         triangles.push_back(corners);
@@ -217,4 +217,4 @@ MeshCounts mergeTiles(std::vector<TileReader>& tiles, const TileMergeOptions& op
   return writer.finish();
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

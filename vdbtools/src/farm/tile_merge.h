@@ -13,7 +13,7 @@
 #include <functional>
 #include <vector>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 
 struct TileMergeOptions {
   /// Takes the points, too, that other tiles own: what is left out of the mesh is a tile by itself.
@@ -30,4 +30,4 @@ struct TileMergeOptions {
 MeshCounts mergeTiles(std::vector<TileReader>& tiles, const TileMergeOptions& options,
                       const std::function<MeshSink&()>& nextMesh, Monitor& monitor);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

@@ -12,9 +12,9 @@
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_job.h"
-#include "vdbtools/job/prepared_scene.h"
-#include "vdbtools/job/voxel_advice.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
+#include "vdbtools/scene/prepared_scene.h"
+#include "vdbtools/scene/voxel_advice.h"
 #include "vdbtools/surface/extract_mesh.h"
 
 #include <algorithm>
@@ -25,7 +25,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 namespace {
 
 using openvdb::Coord;
@@ -297,4 +297,4 @@ TilePlan planTiles(const FractalOptions& wanted, const Recipe& asked, const Tile
   return plan;
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

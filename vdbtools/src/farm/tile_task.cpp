@@ -7,14 +7,14 @@
 #include "vdbtools/files/output_files.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_job.h"
-#include "vdbtools/job/prepared_scene.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
+#include "vdbtools/scene/prepared_scene.h"
 
 #include <openvdb/tree/ValueAccessor.h>
 
 #include <algorithm>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 namespace {
 
 using openvdb::Coord;
@@ -148,7 +148,7 @@ class LayerMaker {
 };
 
 /// The evaluated nodes of a grid within a box; its leaves stay, even those without an evaluated node.
-FloatGrid::Ptr partOf(const FloatGrid& whole, const CoordBBox& own) {
+FloatGrid::Ptr ownPart(const FloatGrid& whole, const CoordBBox& own) {
   FloatGrid::Ptr part = FloatGrid::create(whole.background());
   part->setTransform(whole.transform().copy());
   part->setName(whole.getName());
@@ -244,8 +244,8 @@ Tile makeTile(const Scene& scene, const CoordBBox& box, bool wantsMesh, bool wan
     surface->setName("surface");
     tile.grids.push_back(surface);
   }
-  if (wants("logmodulus")) tile.grids.push_back(partOf(*field.field, own));
-  if (wants("iterations")) tile.grids.push_back(partOf(*field.iterations, own));
+  if (wants("logmodulus")) tile.grids.push_back(ownPart(*field.field, own));
+  if (wants("iterations")) tile.grids.push_back(ownPart(*field.iterations, own));
   if (!wantsMesh && !(wantsSurface && dropped)) return tile;
   if (wantsSurface && !capMesh) {
     if (dropped)
@@ -305,4 +305,4 @@ TaskCounts makeTile(const std::filesystem::path& folder, const Manifest& manifes
   return counts;
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

@@ -8,13 +8,13 @@
 #include "farm/tile_islands.h"
 
 #include "vdbtools/farm/task.h"
-#include "vdbtools/job/scene.h"
+#include "vdbtools/scene/scene.h"
 
 #include <optional>
 #include <string>
 #include <vector>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 
 /// The names of a plan's files, relative to its folder.
 inline constexpr const char* kPreparedName = "prepared.vdb";
@@ -66,4 +66,4 @@ TaskCounts makeTile(const std::filesystem::path& folder, const Manifest& manifes
 /// Whether the mesh of a plan has to keep doubles until it is merged.
 bool tilesNeedDoubles(const Manifest& manifest);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

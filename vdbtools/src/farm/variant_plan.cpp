@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "farm/variant_plan.h"
 
-#include "job/file_hashes.h"
-#include "job/file_names.h"
+#include "records/file_names.h"
+#include "scene/file_hashes.h"
 
 #include "vdbtools/files/frame_name.h"
-#include "vdbtools/job/fractal_options.h"
-#include "vdbtools/job/scene.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/recipe/option_value.h"
+#include "vdbtools/scene/fractal_options.h"
+#include "vdbtools/scene/scene.h"
 
 #include <algorithm>
 #include <map>
 #include <stdexcept>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 namespace {
 
 constexpr const char* kOut = "out/";
@@ -113,4 +113,4 @@ Recipe withAbsoluteNames(const Recipe& recipe, const std::filesystem::path& fold
   return result;
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

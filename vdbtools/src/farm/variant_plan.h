@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 
 struct Variant {
   int number = 1;      ///< in the names of its files
@@ -39,4 +39,4 @@ std::filesystem::path folderOfNames(const Manifest& manifest);
 /// @a recipe with the relative names of its files made absolute. @throw std::invalid_argument  where that fails
 Recipe withAbsoluteNames(const Recipe& recipe, const std::filesystem::path& folder);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

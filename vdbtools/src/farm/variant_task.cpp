@@ -15,7 +15,7 @@
 #include <system_error>
 #include <utility>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 namespace {
 
 /// The files of a task, not yet in their places.
@@ -126,4 +126,4 @@ void removeUnneededTargets(const std::filesystem::path& folder, const Manifest& 
   if (!unneeded.empty()) removeKeptTargets(targets, unneeded);
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

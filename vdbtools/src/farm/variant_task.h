@@ -5,11 +5,11 @@
 
 #include "vdbtools/farm/task.h"
 
-#include "vdbtools/job/scene.h"
+#include "vdbtools/scene/scene.h"
 
 #include <string>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 
 /// Makes the tasks of one plan, one after another; what they share of a target is made once.
 class VariantMaker {
@@ -40,4 +40,4 @@ TaskCounts makeVariant(const std::filesystem::path& folder, const Manifest& mani
 /// task that is made again makes them again.
 void removeUnneededTargets(const std::filesystem::path& folder, const Manifest& manifest);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

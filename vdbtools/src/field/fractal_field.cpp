@@ -3,11 +3,11 @@
 
 #include "base/elementary.h"
 #include "base/lattice_transform.h"
+#include "distance/cell_corners.h"
 #include "field/block_evaluator.h"
 #include "field/block_layers.h"
 #include "field/crumb_filter.h"
 #include "field/undecided_blocks.h"
-#include "target/cell_corners.h"
 #include "vdbtools/base/memory.h"
 #include "vdbtools/base/number_text.h"
 

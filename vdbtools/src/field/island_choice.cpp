@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "field/island_choice.h"
 
-#include "target/mesh_conversion.h"
+#include "distance/mesh_conversion.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/number_text.h"

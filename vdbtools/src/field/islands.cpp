@@ -3,8 +3,8 @@
 #include "vdbtools/base/number_text.h"
 
 #include "base/disjoint_sets.h"
+#include "distance/mesh_conversion.h"
 #include "field/island_choice.h"
-#include "target/mesh_conversion.h"
 
 #include <openvdb/tree/ValueAccessor.h>
 

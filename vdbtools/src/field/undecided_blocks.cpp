@@ -17,20 +17,20 @@ using openvdb::Coord;
 using openvdb::CoordBBox;
 using MaskLeaf = BlockSet::LeafNodeType;
 
-struct Cube {
+struct BlockCube {
   MaskLeaf* leaf;
   Coord corner;  // blocks
 };
 
 /// The blocks of the leaf in a cube of so many a side.
 template <class Body>
-void forEachBlock(const Cube& cube, int blocks, const Body& body) {
+void forEachBlock(const BlockCube& cube, int blocks, const Body& body) {
   for (int x = 0; x < blocks; ++x)
     for (int y = 0; y < blocks; ++y)
       for (int z = 0; z < blocks; ++z) body(MaskLeaf::coordToOffset(cube.corner.offsetBy(x, y, z)));
 }
 
-bool holdsBlocks(const Cube& cube, int blocks) {
+bool holdsBlocks(const BlockCube& cube, int blocks) {
   bool any = false;
   forEachBlock(cube, blocks, [&](openvdb::Index at) { any = any || cube.leaf->isValueOn(at); });
   return any;
@@ -92,13 +92,13 @@ BlockSet undecidedBlocks(const FieldPlan& plan, const FieldSource& source, Monit
   blocks.getNodes(leaves);
   monitor.begin("proofs", leaves.size());
   inParallel(leaves.size(), 32, monitor, [&](std::size_t begin, std::size_t end) {
-    std::vector<Cube> cubes, rest;
+    std::vector<BlockCube> cubes, rest;
     for (std::size_t i = begin; i != end; ++i) cubes.push_back({leaves[i], leaves[i]->origin()});
     std::vector<Coord> corners;
     std::vector<julia::Decision> decisions;
     for (int side = MaskLeaf::DIM; side > 1 && !cubes.empty(); side /= 2) {
       corners.clear();
-      for (const Cube& cube : cubes) corners.push_back(cube.corner << kBlockLog2);
+      for (const BlockCube& cube : cubes) corners.push_back(cube.corner << kBlockLog2);
       decideCubes(corners, side * kBlock, plan.voxelSize, plan.domain, source, decisions);
       rest.clear();
       for (std::size_t i = 0; i < cubes.size(); ++i) {
@@ -108,8 +108,8 @@ BlockSet undecidedBlocks(const FieldPlan& plan, const FieldSource& source, Monit
         }
         const int half = side / 2;
         for (int k = 0; k < 8; ++k) {
-          const Cube part{cubes[i].leaf,
-                          cubes[i].corner.offsetBy(k & 4 ? half : 0, k & 2 ? half : 0, k & 1 ? half : 0)};
+          const BlockCube part{cubes[i].leaf,
+                               cubes[i].corner.offsetBy(k & 4 ? half : 0, k & 2 ? half : 0, k & 1 ? half : 0)};
           if (holdsBlocks(part, half)) rest.push_back(part);
         }
       }

@@ -38,8 +38,6 @@ constexpr std::size_t kBufferSize = std::size_t{1} << 20;
 constexpr int kMostLinks = 40;            ///< as Linux follows
 constexpr std::uint32_t kAttempts = 100;  ///< at finding an unused name; the first nearly always succeeds
 
-std::string textOf(int error) { return std::generic_category().message(error); }
-
 std::string nameOf(const fs::path& path) { return inOneLine(path.native()); }
 
 [[noreturn]] void cannotCreate(const fs::path& path, const std::string& reason) {
@@ -208,7 +206,7 @@ Place placeOf(const fs::path& path) {
   Place place;
   place.target = path;
   place.exists = ::stat(path.c_str(), &place.status) == 0;
-  if (!place.exists && errno != ENOENT) cannotCreate(path, textOf(errno));
+  if (!place.exists && errno != ENOENT) cannotCreate(path, errorText(errno));
   if (place.exists && S_ISDIR(place.status.st_mode)) cannotCreate(path, "it is a directory; give the name of a file");
   if (place.exists && !S_ISREG(place.status.st_mode)) {
     place.replaces = false;
@@ -228,7 +226,7 @@ Place placeOf(const fs::path& path) {
     }
     // A rename would replace it all the same.
     if (::faccessat(AT_FDCWD, target.c_str(), W_OK, AT_EACCESS) != 0) {
-      cannotCreate(path, "the existing file may not be written: " + textOf(errno));
+      cannotCreate(path, "the existing file may not be written: " + errorText(errno));
     }
   }
   if (!target.has_filename()) cannotCreate(path, "it does not name a file");
@@ -263,7 +261,7 @@ int createTemporary(const Place& place, const fs::path& path, fs::path& temporar
     if (descriptor >= 0) ::close(descriptor);
     live.targets.erase(entry);
     if (error != EEXIST)
-      cannotCreate(path, "no file can be made in " + nameOf(temporary.parent_path()) + ": " + textOf(error));
+      cannotCreate(path, "no file can be made in " + nameOf(temporary.parent_path()) + ": " + errorText(error));
   }
   cannotCreate(path, "no free name for a temporary file in " + nameOf(place.target.parent_path()));
 }
@@ -380,14 +378,14 @@ AtomicFile::AtomicFile(const fs::path& target) : mState(std::make_unique<State>(
   mState->replaces = place.replaces;
   if (!place.replaces) {
     const int descriptor = openRetrying([&] { return ::open(target.c_str(), O_WRONLY | O_NOCTTY | O_CLOEXEC); });
-    if (descriptor < 0) cannotCreate(target, textOf(errno));
+    if (descriptor < 0) cannotCreate(target, errorText(errno));
     mState->buffer.attach(descriptor, false);
     return;
   }
   const int descriptor = createTemporary(place, target, mState->temporary);
   mState->buffer.attach(descriptor, true);
   mState->lockHolder = ::fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
-  if (mState->lockHolder < 0) cannotCreate(target, textOf(errno));
+  if (mState->lockHolder < 0) cannotCreate(target, errorText(errno));
   if (place.exists) keepOwnerAndMode(descriptor, place.status);
 }
 

@@ -21,10 +21,8 @@ namespace {
 constexpr std::size_t kPieceSize = std::size_t{1} << 20;
 constexpr std::size_t kLongestInMessage = 400;
 
-std::string textOf(int error) { return std::generic_category().message(error); }
-
 [[noreturn]] void cannotOpen(const std::string& name, int error) {
-  throw MissingInputError("cannot open " + name + ": " + textOf(error));
+  throw MissingInputError("cannot open " + name + ": " + errorText(error));
 }
 
 // A directory can be opened; only reading it would fail.

@@ -6,8 +6,10 @@
 
 namespace vdbtools {
 
+std::string errorText(int error) { return std::generic_category().message(error); }
+
 void throwIoError(const std::string& what, int error) {
-  const std::string text = what + ": " + std::generic_category().message(error);
+  const std::string text = what + ": " + errorText(error);
   switch (error) {
     case ESTALE:
     case ETIMEDOUT:

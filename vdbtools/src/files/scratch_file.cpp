@@ -3,6 +3,7 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
+#include "vdbtools/files/io_failure.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -11,15 +12,12 @@
 #include <cerrno>
 #include <cstdlib>
 #include <ostream>
-#include <system_error>
 #include <vector>
 
 namespace vdbtools {
 namespace {
 
-constexpr std::size_t kPieceSize = std::size_t{1} << 20;
-
-std::string textOf(int error) { return std::generic_category().message(error); }
+constexpr std::size_t kCopiedAtOnce = std::size_t{1} << 20;
 
 /// @return its descriptor, or -1 with errno
 int openNameless(const std::filesystem::path& folder) {
@@ -38,7 +36,7 @@ ScratchFile::ScratchFile(const std::filesystem::path& folder) {
   const std::filesystem::path place = folder.empty() ? "." : folder;
   mFolder = inOneLine(place.native());
   mDescriptor = openNameless(place);
-  if (mDescriptor < 0) throw CreateError("cannot create a temporary file in " + mFolder + ": " + textOf(errno));
+  if (mDescriptor < 0) throw CreateError("cannot create a temporary file in " + mFolder + ": " + errorText(errno));
 }
 
 ScratchFile::~ScratchFile() { ::close(mDescriptor); }
@@ -47,18 +45,18 @@ void ScratchFile::append(std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t count = ::pwrite(mDescriptor, bytes.data(), bytes.size(), mSize);
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) fail("cannot be written: " + textOf(count < 0 ? errno : EIO));
+    if (count <= 0) fail("cannot be written: " + errorText(count < 0 ? errno : EIO));
     bytes.remove_prefix(static_cast<std::size_t>(count));
     mSize += count;
   }
 }
 
 void ScratchFile::moveTo(std::ostream& stream) {
-  std::vector<char> piece(kPieceSize);
+  std::vector<char> piece(kCopiedAtOnce);
   for (std::int64_t at = 0; at < mSize && stream;) {
     const ssize_t count = ::pread(mDescriptor, piece.data(), piece.size(), at);
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) fail("cannot be read: " + (count < 0 ? textOf(errno) : "it ends at byte " + std::to_string(at)));
+    if (count <= 0) fail("cannot be read: " + (count < 0 ? errorText(errno) : "it ends at byte " + std::to_string(at)));
     stream.write(piece.data(), count);
     // Two copies need not fit on the disk. Where the file system cannot do it, nothing is lost.
     [[maybe_unused]] const int result = ::fallocate(mDescriptor, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, at, count);

@@ -24,7 +24,7 @@
 #include <random>
 #include <sstream>
 
-namespace vdbtools {
+namespace vdbtools::fit {
 namespace {
 
 using julia::FitCell;
@@ -74,13 +74,13 @@ std::vector<FitCell> jittered(const FitTarget& target, std::vector<FitCell> cell
 }
 
 /// L of many points, in parallel.
-std::vector<double> logModuli(const Rational& rational, std::span<const Point> points, const Monitor& monitor) {
+std::vector<double> logModuliAt(const Rational& rational, std::span<const Point> points, const Monitor& monitor) {
   constexpr std::size_t kBatch = 4096;
   const julia::RationalEvaluator<float> evaluator(rational);
   std::vector<float> l(points.size());
   inParallel((points.size() + kBatch - 1) / kBatch, 1, monitor, [&](std::size_t begin, std::size_t end) {
     const std::size_t first = begin * kBatch, size = std::min(end * kBatch, points.size()) - first;
-    vdbtools::logModuli(evaluator, points.subspan(first, size), std::span(l).subspan(first, size));
+    logModuli(evaluator, points.subspan(first, size), std::span(l).subspan(first, size));
   });
   return {l.begin(), l.end()};
 }
@@ -102,7 +102,7 @@ class Judge {
   }
 
   void judge(const Rational& rational, FitRow& row, const Monitor& monitor) const {
-    const std::vector<double> l = logModuli(rational, pointsOf(mCells), monitor);
+    const std::vector<double> l = logModuliAt(rational, pointsOf(mCells), monitor);
     double both = 0, either = 0, psi = 0;
     for (std::size_t i = 0; i < l.size(); ++i) {
       const bool target = mCells[i].phi < 0, fractal = l[i] < 0;
@@ -306,16 +306,16 @@ Rational initialRational(const FitTarget& target, const julia::MonopoleFit& mono
   };
   const std::vector<Point>& surface = target.surface.points;
   Rational rational = julia::rationalFromMonopoles(monopoles.monopoles, 1, false);
-  std::vector<double> l = logModuli(rational, surface, monitor);
+  std::vector<double> l = logModuliAt(rational, surface, monitor);
   rational.logScale = -median(l);
   std::vector<FitCell> near;
   for (const FitCell& cell : cells)
     if (std::abs(cell.phi) < cellSize) near.push_back(cell);
   double square = 0;
-  for (const double value : logModuli(rational, pointsOf(near), monitor)) square += value * value;
+  for (const double value : logModuliAt(rational, pointsOf(near), monitor)) square += value * value;
   const double scale = near.empty() || !(square > 0) ? 1 : std::sqrt(static_cast<double>(near.size()) / square);
   Rational scaled = julia::rationalFromMonopoles(monopoles.monopoles, scale, true);
-  l = logModuli(scaled, surface, monitor);
+  l = logModuliAt(scaled, surface, monitor);
   scaled.logScale = -median(l);
   return scaled;
 }
@@ -364,7 +364,7 @@ double surfaceSlope(const Rational& rational, const std::vector<FitCell>& cells,
   for (const FitCell& cell : cells)
     if (std::abs(cell.phi) < 2 * cellSize && std::abs(cell.phi) > 0.5 * cellSize) near.push_back(cell);
   if (near.empty()) return 0;
-  std::vector<double> slopes = logModuli(rational, pointsOf(near), monitor);
+  std::vector<double> slopes = logModuliAt(rational, pointsOf(near), monitor);
   for (std::size_t i = 0; i < near.size(); ++i) slopes[i] = std::abs(slopes[i] / near[i].phi);
   const auto middle = slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2);
   std::nth_element(slopes.begin(), middle, slopes.end());
@@ -605,7 +605,7 @@ std::string fitToO3d(const FitResult& fit, Monitor& monitor) {
         ordered[(static_cast<std::size_t>(z) * n + static_cast<std::size_t>(y)) * n + static_cast<std::size_t>(x)] =
             cells[i];
   const std::vector<Point> points = pointsOf(ordered);
-  const std::vector<double> fractal = logModuli(fit.rational, points, monitor);
+  const std::vector<double> fractal = logModuliAt(fit.rational, points, monitor);
   const std::vector<double> potential = potentialAt(fit, points, monitor);
   std::vector<double> distance;
   for (const FitCell& cell : ordered) distance.push_back(cell.phi);
@@ -614,4 +614,4 @@ std::string fitToO3d(const FitResult& fit, Monitor& monitor) {
   return optimisedShapeToO3d(shape, fractal, distance, potential);
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::fit

@@ -17,7 +17,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace vdbtools {
+namespace vdbtools::fit {
 namespace {
 
 using julia::Point;
@@ -179,4 +179,4 @@ FitMeasure measureFit(const FitTarget& target, const julia::Rational& rational, 
   return measure;
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::fit

@@ -4,15 +4,15 @@
 #include "base/elementary.h"
 #include "base/in_parallel.h"
 #include "base/openvdb/level_set_filter.h"
-#include "mesh/decimate.h"
-#include "target/known_distance.h"
-#include "target/solid_input.h"
-#include "target/wide_distance.h"
+#include "decimation/decimate.h"
+#include "distance/known_distance.h"
+#include "distance/wide_distance.h"
+#include "repair/solid_input.h"
 #include "vdbtools/base/number_text.h"
+#include "vdbtools/distance/fit_space.h"
+#include "vdbtools/distance/mesh_to_sdf.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/surface/grid_mesh.h"
-#include "vdbtools/target/fit_space.h"
-#include "vdbtools/target/mesh_to_sdf.h"
 
 #include <openvdb/tools/Composite.h>
 #include <openvdb/tools/Interpolation.h>
@@ -24,7 +24,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace vdbtools {
+namespace vdbtools::fit {
 namespace {
 
 using julia::Point;
@@ -318,4 +318,4 @@ std::vector<Point> offsetPoints(const FitTarget& target, std::size_t count, doub
   return points;
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::fit

@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <span>
 
-namespace vdbtools {
+namespace vdbtools::fit {
 
 /// @pre one size
 inline void logModuli(const julia::RationalEvaluator<float>& evaluator, std::span<const julia::Point> points,
@@ -20,4 +20,4 @@ inline void logModuli(const julia::RationalEvaluator<float>& evaluator, std::spa
   evaluator.logModulus(q, l);
 }
 
-}  // namespace vdbtools
+}  // namespace vdbtools::fit

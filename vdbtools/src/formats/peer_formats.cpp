@@ -164,7 +164,7 @@ void appendInt(std::string& bytes, int value) {
 }
 
 /// @param format  the file's, for the message
-void appendPolynomial(std::string& bytes, const julia::Polynomial& polynomial, const char* format) {
+void appendRoots(std::string& bytes, const julia::Polynomial& polynomial, const char* format) {
   const std::size_t count = polynomial.roots.size();
   if (count > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
     throw std::invalid_argument("a polynomial with " + std::to_string(count) + " roots cannot be written as " + format +
@@ -294,7 +294,7 @@ std::string rationalToP4d(const julia::Polynomial& polynomial) {
   rational.top = polynomial;
   julia::requireFinite(rational);
   std::string bytes;
-  appendPolynomial(bytes, polynomial, "p4d");
+  appendRoots(bytes, polynomial, "p4d");
   return bytes;
 }
 
@@ -307,8 +307,8 @@ std::string optimisedShapeToO3d(const OptimisedShape& shape, std::span<const dou
 
   std::string bytes;
   appendBox(bytes, shape);
-  appendPolynomial(bytes, shape.rational.top, "o3d");
-  appendPolynomial(bytes, shape.rational.bottom, "o3d");
+  appendRoots(bytes, shape.rational.top, "o3d");
+  appendRoots(bytes, shape.rational.bottom, "o3d");
   appendDouble(bytes, elementary::exp(shape.rational.logScale));
   appendInt(bytes, 0);
   for (const std::span<const double> field : {fractal, distance, potential}) {

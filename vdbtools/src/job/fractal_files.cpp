@@ -2,7 +2,7 @@
 #include "vdbtools/job/fractal_files.h"
 
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/mesh/mesh_file.h"
+#include "vdbtools/mesh_files/mesh_file.h"
 
 #include <list>
 #include <stdexcept>

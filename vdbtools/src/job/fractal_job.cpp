@@ -5,7 +5,7 @@
 #include "job/point_attributes.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/memory.h"
-#include "vdbtools/mesh/adaptive_mesh.h"
+#include "vdbtools/decimation/adaptive_mesh.h"
 #include "vdbtools/mesh/mesh_sink.h"
 
 #include <algorithm>
@@ -17,12 +17,6 @@ namespace vdbtools {
 
 using openvdb::BBoxd;
 using openvdb::FloatGrid;
-
-BBoxd meshBox(const FieldPlan& plan) {
-  openvdb::CoordBBox nodes = plan.domain;
-  nodes.expand(1);
-  return {nodes.min().asVec3d() * plan.voxelSize, nodes.max().asVec3d() * plan.voxelSize};
-}
 
 namespace {
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/job/made_fractal.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
 
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/job/fractal_options.h"
 #include "vdbtools/mesh/mesh.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include <algorithm>
 #include <exception>

@@ -2,12 +2,12 @@
 #include "job/mesh_picture.h"
 
 #include "base/timed_part.h"
-#include "mesh/format_readers.h"
-#include "vdbtools/job/file_axes.h"
+#include "mesh_files/format_readers.h"
 #include "vdbtools/job/fractal_files.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh/mesh_sink.h"
 #include "vdbtools/render/mesh_preview.h"
+#include "vdbtools/scene/file_axes.h"
 
 #include <algorithm>
 #include <cstdint>

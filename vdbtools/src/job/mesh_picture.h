@@ -3,10 +3,10 @@
 /// What the mesh of a scene looks like, without a file between the two.
 #pragma once
 
-#include "vdbtools/job/scene.h"
 #include "vdbtools/picture/image.h"
 #include "vdbtools/render/preview.h"
 #include "vdbtools/render/view_options.h"
+#include "vdbtools/scene/scene.h"
 
 namespace vdbtools {
 

@@ -3,11 +3,11 @@
 
 #include "base/in_parallel.h"
 #include "base/srgb.h"
-#include "job/scene_colouring.h"
-#include "mesh/surface_search.h"
-#include "target/clamped_control.h"
-#include "target/control_lattice.h"
-#include "target/solid_input.h"
+#include "control/clamped_control.h"
+#include "control/control_lattice.h"
+#include "repair/solid_input.h"
+#include "scene/scene_colouring.h"
+#include "search/surface_search.h"
 
 #include <openvdb/tree/LeafManager.h>
 

@@ -5,7 +5,7 @@
 #include "job/point_attributes.h"
 #include "surface/true_surface.h"
 #include "vdbtools/job/fractal_job.h"
-#include "vdbtools/mesh/spaced_points.h"
+#include "vdbtools/search/spaced_points.h"
 #include "vdbtools/surface/extract_mesh.h"
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/job/sdf_job.h"
 
-#include "target/solid_input.h"
-#include "target/united_parts.h"
+#include "distance/united_parts.h"
+#include "repair/solid_input.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/recipe/recipe_reader.h"
 

@@ -2,9 +2,9 @@
 #include "vdbtools/job/sheet_job.h"
 
 #include "base/timed_part.h"
-#include "job/file_hashes.h"
 #include "job/mesh_picture.h"
 #include "picture/png_text.h"
+#include "scene/file_hashes.h"
 
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/base/numbered_monitor.h"
@@ -12,9 +12,9 @@
 #include "vdbtools/files/atomic_file.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
-#include "vdbtools/job/scene_picture.h"
-#include "vdbtools/job/voxel_advice.h"
 #include "vdbtools/picture/contact_sheet.h"
+#include "vdbtools/scene/scene_picture.h"
+#include "vdbtools/scene/voxel_advice.h"
 
 #include <tbb/task_arena.h>
 #include <nlohmann/json.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/maps/direction_grids.h"
 
-#include "target/solid_input.h"
+#include "repair/solid_input.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/memory.h"
 #include "vdbtools/base/number_text.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/maps/map_options.h"
 
-#include "target/solid_input.h"
+#include "repair/solid_input.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/near_words.h"
 #include "vdbtools/formats/vdb_file.h"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "maps/placed_versor.h"
 
-#include "target/control_lattice.h"
-#include "target/lattice_field.h"
-#include "target/solid_input.h"
+#include "base/lattice_field.h"
+#include "control/control_lattice.h"
+#include "repair/solid_input.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/number_text.h"
 

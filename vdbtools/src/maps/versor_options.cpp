@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/maps/versor_options.h"
 
-#include "target/control_kinds.h"
-#include "target/control_lattice.h"
+#include "control/control_kinds.h"
+#include "control/control_lattice.h"
 #include "vdbtools/formats/vdb_file.h"
 
 #include "julia/expression.h"

@@ -10,9 +10,9 @@
 namespace vdbtools {
 namespace {
 
-constexpr int kMargin = 20, kGap = 16;  ///< around the page and between cells, pixels
+constexpr int kMargin = 20, kCellGap = 16;  ///< around the page and between cells, pixels
 constexpr Colour kPage{0.93F, 0.93F, 0.92F}, kBlank{0.78F, 0.78F, 0.77F};
-constexpr Colour kInk{0.015F, 0.015F, 0.015F}, kError{0.33F, 0.02F, 0.015F};
+constexpr Colour kLabelInk{0.015F, 0.015F, 0.015F}, kError{0.33F, 0.02F, 0.015F};
 constexpr const char* kEllipsis = "\u2026";
 
 double fontFor(const ContactSheetOptions& options) {
@@ -26,7 +26,7 @@ int captionHeight(const ContactSheetOptions& options) {
   return options.captionLines * lineFor(options) + lineFor(options) / 3;
 }
 
-int side(int cells, int size) { return 2 * kMargin + cells * size + (cells - 1) * kGap; }
+int side(int cells, int size) { return 2 * kMargin + cells * size + (cells - 1) * kCellGap; }
 
 /// @a text without its last character.
 std::string_view shorter(std::string_view text) { return text.substr(0, characterAt(text, text.size() - 1)); }
@@ -67,8 +67,8 @@ ContactSheet::ContactSheet(const ContactSheetOptions& options)
 CanvasBox ContactSheet::boxOf(int cell) const {
   const int column = cell % mOptions.columns, row = cell / mOptions.columns;
   const int height = mOptions.cellHeight + captionHeight(mOptions);
-  return {static_cast<double>(kMargin + column * (mOptions.cellWidth + kGap)),
-          static_cast<double>(kMargin + row * (height + kGap)), static_cast<double>(mOptions.cellWidth),
+  return {static_cast<double>(kMargin + column * (mOptions.cellWidth + kCellGap)),
+          static_cast<double>(kMargin + row * (height + kCellGap)), static_cast<double>(mOptions.cellWidth),
           static_cast<double>(mOptions.cellHeight)};
 }
 
@@ -96,7 +96,7 @@ void ContactSheet::setCaption(int cell, int number, std::span<const std::string>
   const CanvasBox box = boxOf(cell);
   const double top = box.top + box.height;
   mCanvas.fill(CanvasBox{box.left, top, box.width, static_cast<double>(captionHeight(mOptions))}, kPage);
-  const TextStyle bold{.size = mFont, .bold = true, .colour = kInk}, plain{.size = mFont, .colour = kInk};
+  const TextStyle bold{.size = mFont, .bold = true, .colour = kLabelInk}, plain{.size = mFont, .colour = kLabelInk};
   const std::string mark = std::to_string(number);
   const double indent = mCanvas.textWidth(mark, bold) + 0.6 * mFont;
   double y = top + mLine;

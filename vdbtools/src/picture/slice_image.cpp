@@ -23,7 +23,7 @@ struct Oklab {
 };
 
 constexpr Colour kBlack{0, 0, 0};
-constexpr Colour kWhite{1, 1, 1};
+constexpr Colour kPaper{1, 1, 1};
 constexpr Colour kZeroLine{0.01F, 0.01F, 0.01F};
 constexpr Colour kUndefined{0.214F, 0.214F, 0.214F};  ///< middle grey for values that are not a number
 
@@ -53,8 +53,8 @@ Colour divergingColour(float t) {
 
 /// Lines of arrows and circles, each in a wider one of the other colour, so that they show on any field.
 void outlined(Canvas& canvas, std::span<const CanvasPoint> points, bool inside, double width) {
-  canvas.line(points, {inside ? kBlack : kWhite, width + 2});
-  canvas.line(points, {inside ? kWhite : kBlack, width});
+  canvas.line(points, {inside ? kBlack : kPaper, width + 2});
+  canvas.line(points, {inside ? kPaper : kBlack, width});
 }
 
 void drawCircle(Canvas& canvas, const CanvasPoint& centre, double radius, bool inside) {
@@ -84,7 +84,7 @@ void drawArrow(Canvas& canvas, const CanvasPoint& from, CanvasPoint to, bool ins
                        CanvasPoint{foot.x - side * dy, foot.y + side * dx}};
   outlined(canvas, shaft, inside, kShaft);
   outlined(canvas, tip, inside, 1);
-  canvas.fill(tip, inside ? kWhite : kBlack);
+  canvas.fill(tip, inside ? kPaper : kBlack);
   outlined(canvas, {&from, 1}, inside, kDot);
 }
 
@@ -191,7 +191,7 @@ Image signedSlice(const SlicePlane& plane, std::span<const float> values, double
 Image membershipSlice(const SlicePlane& plane, std::span<const float> values) {
   requireSize(plane, values.size());
   Image image(plane.width(), plane.height());
-  std::transform(values.begin(), values.end(), image.pixels.begin(), [](float v) { return v < 0 ? kBlack : kWhite; });
+  std::transform(values.begin(), values.end(), image.pixels.begin(), [](float v) { return v < 0 ? kBlack : kPaper; });
   return image;
 }
 

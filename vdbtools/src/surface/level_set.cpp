@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/surface/level_set.h"
 
+#include "distance/distance_band.h"
+#include "distance/mesh_conversion.h"
 #include "surface/band_distances.h"
-#include "target/distance_band.h"
-#include "target/mesh_conversion.h"
 
 #include <openvdb/tools/Diagnostics.h>
 #include <openvdb/tools/LevelSetUtil.h>

@@ -3,8 +3,8 @@
 
 #include "base/in_parallel.h"
 #include "base/lattice_transform.h"
-#include "target/distance_band.h"
-#include "target/mesh_conversion.h"
+#include "distance/distance_band.h"
+#include "distance/mesh_conversion.h"
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/surface/extract_mesh.h"
 #include "vdbtools/surface/grid_mesh.h"

@@ -3,8 +3,8 @@
 
 #include "base/counter_random.h"
 #include "base/in_parallel.h"
-#include "target/distance_band.h"
-#include "target/mesh_conversion.h"
+#include "distance/distance_band.h"
+#include "distance/mesh_conversion.h"
 
 #include <algorithm>
 #include <atomic>

@@ -11,7 +11,7 @@
 /// found is there; one that exists may seldom be missed, so thicknesses are never too large.
 #pragma once
 
-#include "mesh/surface_search.h"
+#include "search/surface_search.h"
 #include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/mesh/mesh.h"

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "vdbtools/field/fractal_field.h"
-#include "vdbtools/mesh/spaced_points.h"
+#include "vdbtools/search/spaced_points.h"
 
 namespace vdbtools {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/target/space_options.h"
 
-#include "target/solid_input.h"
-#include "vdbtools/target/fit_space.h"
+#include "repair/solid_input.h"
+#include "vdbtools/distance/fit_space.h"
 #include "vdbtools/target/inscribed_ball.h"
 
 #include <stdexcept>

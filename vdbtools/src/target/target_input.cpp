@@ -2,10 +2,10 @@
 #include "vdbtools/target/target_input.h"
 
 #include "base/lattice_transform.h"
-#include "target/band_growth.h"
-#include "target/mesh_conversion.h"
-#include "target/solid_input.h"
-#include "target/united_parts.h"
+#include "distance/band_growth.h"
+#include "distance/mesh_conversion.h"
+#include "distance/united_parts.h"
+#include "repair/solid_input.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/formats/vdb_file.h"
 

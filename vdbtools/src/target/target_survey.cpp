@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/target/target_survey.h"
 
-#include "target/solid_input.h"
+#include "repair/solid_input.h"
 #include "vdbtools/base/errors.h"
 
 #include <openvdb/tools/Interpolation.h>

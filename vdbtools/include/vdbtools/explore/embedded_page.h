@@ -9,7 +9,7 @@
 #include <span>
 #include <string_view>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 
 struct PageFile {
   std::string_view name;         ///< of the file, without a folder
@@ -23,4 +23,4 @@ std::span<const PageFile> embeddedPage();
 /// nullptr: there is none of that name.
 const PageFile* findPageFile(std::string_view name);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

@@ -47,7 +47,7 @@
 #include <string>
 #include <string_view>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 
 /// Knows which share of a job is done from the phases that it goes through.
 class WorkShare {
@@ -95,4 +95,4 @@ class ExploreServer {
 /// @throw as makeScene()
 std::string exportedPage(const Recipe& given, Monitor& monitor);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

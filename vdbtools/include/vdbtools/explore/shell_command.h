@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace vdbtools {
+namespace vdbtools::explore {
 
 /// One word of a POSIX shell that stands for exactly @a word, in quotes where they are needed.
 std::string shellWord(std::string_view word);
@@ -34,10 +34,10 @@ std::string pictureCommand(const Recipe& recipe, const OptionTable& table, const
 /// @param options  what changes by keys, and the rest as their base
 /// @param list     the list of the frames as text, from which options.frames was read
 /// @param folder   of the plan
-std::string framesCommand(const FramePlanOptions& options, const std::string& list, const OptionTable& table,
+std::string framesCommand(const farm::FramePlanOptions& options, const std::string& list, const OptionTable& table,
                           const std::string& folder);
 
 /// What of a recipe has to be given for it to be completed to the same.
 Recipe shortestRecipe(const Recipe& recipe, const OptionTable& table);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::explore

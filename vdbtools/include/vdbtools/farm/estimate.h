@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 
 struct Estimated {
   double value = 0;
@@ -53,4 +53,4 @@ Estimated estimateTotal(std::span<const TaskWork> work, std::span<const std::pai
 /// @throw as estimateTotal()
 PlanEstimate estimatePlan(std::span<const TaskWork> work, std::span<const SampledTask> sample);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

@@ -23,7 +23,7 @@
 #include <string>
 #include <vector>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 
 enum class Ease { Linear, Smooth, Step };
 
@@ -80,4 +80,4 @@ void requireChange(const FramePlanOptions& options);
 /// @throw DataError, IoError
 Manifest planFrames(const FramePlanOptions& options);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

@@ -8,7 +8,7 @@
 
 #include <memory>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 
 class FrameRecipes {
  public:
@@ -35,4 +35,4 @@ class FrameRecipes {
   std::unique_ptr<Hashes> mHashes;
 };
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

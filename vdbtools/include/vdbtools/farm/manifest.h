@@ -18,7 +18,7 @@
 #include <string_view>
 #include <vector>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 
 enum class PlanKind {
   Tiles,   ///< one fractal, cut into boxes of nodes, to be merged
@@ -77,4 +77,4 @@ std::string taskHash(const Manifest& manifest, std::uint64_t index);
 /// The complete recipe of task @a index.
 Recipe taskRecipe(const Manifest& manifest, std::uint64_t index);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

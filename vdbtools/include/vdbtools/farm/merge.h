@@ -15,7 +15,7 @@
 #include <optional>
 #include <vector>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 
 /// Many readers of PLY count points in 32 bits with a sign.
 inline constexpr std::uint64_t kMostMeshPoints = 0x7fffffff;
@@ -66,4 +66,4 @@ MergeResult mergePlan(const std::filesystem::path& folder, const Manifest& manif
 MergeResult writeTileFiles(const std::filesystem::path& folder, const Manifest& manifest,
                            const std::filesystem::path& index, Monitor& monitor);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

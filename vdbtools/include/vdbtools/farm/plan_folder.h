@@ -7,7 +7,7 @@
 
 #include <filesystem>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 
 /// Makes sure that a plan can be put there: the folder does not exist, or is empty, and takes files. It is made by
 /// writePlan(); what is made to try is removed again.
@@ -20,4 +20,4 @@ void requireNewPlanFolder(const std::filesystem::path& folder);
 /// @throw IoError
 void writePlan(const std::filesystem::path& folder, const Manifest& manifest);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

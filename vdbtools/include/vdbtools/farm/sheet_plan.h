@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 
 struct SheetPlanOptions {
   std::string cells;                      ///< "sheet.json#3,7-9", or "sheet.json" for every cell without an error
@@ -26,4 +26,4 @@ struct SheetPlanOptions {
 Manifest planSheetCells(const SheetPlanOptions& options, Monitor& monitor);
 Manifest planSheetCells(const SheetPlanOptions& options);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

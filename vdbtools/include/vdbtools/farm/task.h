@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 
 /// What the maker of a task gives back, its files being in their places.
 struct TaskCounts {
@@ -123,4 +123,4 @@ std::string taskName(std::uint64_t index);
 /// Ascending numbers in the notation of Slurm's arrays: "3,7,10-12".
 std::string taskList(const std::vector<std::uint64_t>& indices);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

@@ -6,7 +6,7 @@
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/farm/estimate.h"
 #include "vdbtools/farm/manifest.h"
-#include "vdbtools/job/fractal_options.h"
+#include "vdbtools/scene/fractal_options.h"
 
 #include <filesystem>
 #include <optional>
@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace vdbtools {
+namespace vdbtools::farm {
 
 inline constexpr int kMostTiles = 1'000'000;
 
@@ -45,7 +45,7 @@ std::vector<TileBox> cutIntoCubes(const openvdb::CoordBBox& domain, std::span<co
 struct TilePlan {
   Manifest manifest;
   std::vector<TaskWork> work;  ///< of each tile; without its surface unless TilePlanOptions::survey
-  /// Sentences on its voxels, as job/voxel_advice.h has them; empty where there is nothing to say.
+  /// Sentences on its voxels, as scene/voxel_advice.h has them; empty where there is nothing to say.
   std::string chosenResolution{}, finerThanVoxels{};
 };
 
@@ -58,4 +58,4 @@ struct TilePlan {
 TilePlan planTiles(const FractalOptions& options, const Recipe& recipe, const TilePlanOptions& tiles,
                    const std::filesystem::path& folder, Monitor& monitor);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::farm

@@ -11,8 +11,8 @@
 #include "vdbtools/base/fractal_space.h"
 #include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
+#include "vdbtools/exponent/exponent_grid.h"
 #include "vdbtools/field/crumbs.h"
-#include "vdbtools/target/exponent_grid.h"
 
 #include "julia/evaluator.h"
 

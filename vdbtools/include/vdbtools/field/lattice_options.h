@@ -15,7 +15,7 @@ namespace vdbtools {
 
 struct LatticeOptions {
   VoxelChoice voxels;                   ///< of the result
-  bool automatic = false;               ///< instead, whatever shows the texture (job/voxel_advice.h)
+  bool automatic = false;               ///< instead, whatever shows the texture (scene/voxel_advice.h)
   bool withinMemory = true;             ///< of automatic: no more than what fits into this process' memory
   std::optional<openvdb::BBoxd> box;    ///< only this region, world units
   bool exhaustive = false;              ///< evaluates every node, also where the result is known

@@ -14,6 +14,9 @@ class UnreachableError : public IoError {
   using IoError::IoError;
 };
 
+/// The system's words for an error. @param error  errno
+std::string errorText(int error);
+
 /// @param error  errno
 /// @throw UnreachableError  for ESTALE, ETIMEDOUT, ECONNRESET, ECONNABORTED, ENOTCONN, ESHUTDOWN, EHOSTDOWN,
 ///                          EHOSTUNREACH, ENETDOWN, ENETUNREACH, ENETRESET and EREMOTEIO

@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-namespace vdbtools {
+namespace vdbtools::fit {
 
 /// The options of `juliavdb fit` that affect its result.
 OptionTable fitOptionTable();
@@ -97,4 +97,4 @@ ChargedSurface chargedSurface(const FitResult& fit, Monitor& monitor);
 /// @throw std::invalid_argument  e^C does not fit a double
 std::string fitToO3d(const FitResult& fit, Monitor& monitor);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::fit

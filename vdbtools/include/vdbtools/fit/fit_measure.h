@@ -10,7 +10,7 @@
 
 #include <cstdint>
 
-namespace vdbtools {
+namespace vdbtools::fit {
 
 /// Over the cells of the target's cube. A cell is inside the map where L = ln|R| < 0 at its middle, slice 0, k dropped.
 struct FitMeasure {
@@ -30,4 +30,4 @@ struct FitMeasure {
 /// @throw Interrupted
 FitMeasure measureFit(const FitTarget& target, const julia::Rational& rational, double sharpness, Monitor& monitor);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::fit

@@ -12,7 +12,7 @@
 #include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/mesh/mesh.h"
-#include "vdbtools/target/mend_options.h"
+#include "vdbtools/repair/mend_options.h"
 
 #include "julia/embedding.h"
 #include "julia/fit/shape_energy.h"
@@ -27,7 +27,7 @@
 #include <string>
 #include <vector>
 
-namespace vdbtools {
+namespace vdbtools::fit {
 
 struct FitTargetOptions {
   std::filesystem::path input;       ///< a mesh, or a VDB with a signed distance; cavities count as inside
@@ -94,4 +94,4 @@ std::optional<julia::Point> movedTo(const FitTarget& target, julia::Point x, dou
 /// @throw std::invalid_argument  as julia::blueNoise()
 std::vector<julia::Point> offsetPoints(const FitTarget& target, std::size_t count, double distance, std::uint64_t seed);
 
-}  // namespace vdbtools
+}  // namespace vdbtools::fit

@@ -5,7 +5,7 @@
 
 #include "vdbtools/files/atomic_file.h"
 #include "vdbtools/job/fractal_job.h"
-#include "vdbtools/mesh/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
 
 #include <map>
 #include <span>

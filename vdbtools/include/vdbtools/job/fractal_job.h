@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file fractal_job.h
+/// The room `job` puts the other rooms together into the work of one command: fractals, distances, points and sheets.
+/// It uses the rooms up to `scene`.
+///
 /// The main job from end to end: a scene in (scene.h); field, mesh and hand-off grids out.
 #pragma once
 
@@ -8,10 +11,10 @@
 #include "vdbtools/field/follow_surface.h"
 #include "vdbtools/field/fractal_field.h"
 #include "vdbtools/field/islands.h"
-#include "vdbtools/job/scene.h"
 #include "vdbtools/mesh/mesh.h"
-#include "vdbtools/mesh/mesh_writer.h"
-#include "vdbtools/mesh/solid_meter.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
+#include "vdbtools/scene/scene.h"
+#include "vdbtools/search/solid_meter.h"
 #include "vdbtools/surface/extract_mesh.h"
 #include "vdbtools/surface/level_set.h"
 
@@ -20,9 +23,6 @@
 #include <vector>
 
 namespace vdbtools {
-
-/// Holds every vertex of the plan's mesh, world units.
-openvdb::BBoxd meshBox(const FieldPlan& plan);
 
 /// What runFractal() makes beside the mesh that goes to its sink.
 ///

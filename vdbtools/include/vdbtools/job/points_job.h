@@ -5,10 +5,10 @@
 
 #include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
-#include "vdbtools/job/scene.h"
 #include "vdbtools/mesh/mesh.h"
 #include "vdbtools/mesh/mesh_sink.h"
 #include "vdbtools/mesh/vertex_column.h"
+#include "vdbtools/scene/scene.h"
 
 #include <cstdint>
 #include <optional>

@@ -6,10 +6,10 @@
 #include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/base/voxel_choice.h"
-#include "vdbtools/job/file_axes.h"
 #include "vdbtools/mesh/mesh.h"
 #include "vdbtools/recipe/recipe.h"
-#include "vdbtools/target/mend_options.h"
+#include "vdbtools/repair/mend_options.h"
+#include "vdbtools/scene/file_axes.h"
 
 #include <cstddef>
 #include <filesystem>

@@ -5,7 +5,7 @@
 /// `--preview mesh`, what `render` shows of the mesh that `fractal` makes of it.
 ///
 /// The field is finer than any voxels. A cell of it says where much of what it shows is finer than the voxels of its
-/// recipe (vdbtools/job/voxel_advice.h).
+/// recipe (vdbtools/scene/voxel_advice.h).
 ///
 /// A finished cell is a PNG in a folder of its own, under a name that is a hash of everything that it depends on: the
 /// complete recipe with the hashes of its files, the view, and the program's version. The next sheet that has the same
@@ -13,6 +13,7 @@
 #pragma once
 
 #include "vdbtools/base/monitor.h"
+#include "vdbtools/files/input_files.h"
 #include "vdbtools/job/sheet_file.h"
 #include "vdbtools/recipe/recipe.h"
 #include "vdbtools/recipe/varied_option.h"

@@ -14,14 +14,14 @@
 #pragma once
 
 #include "vdbtools/base/grids.h"
+#include "vdbtools/control/control_grid.h"
+#include "vdbtools/exponent/exponent_grid.h"
+#include "vdbtools/exponent/octave_grid.h"
 #include "vdbtools/files/named_file.h"
 #include "vdbtools/formats/versor_file.h"
 #include "vdbtools/maps/direction_grids.h"
 #include "vdbtools/recipe/option_table.h"
 #include "vdbtools/recipe/recipe_reader.h"
-#include "vdbtools/target/control_grid.h"
-#include "vdbtools/target/exponent_grid.h"
-#include "vdbtools/target/octave_grid.h"
 
 #include "julia/embedding.h"
 #include "julia/evaluator.h"

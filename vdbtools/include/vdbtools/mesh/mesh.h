@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file mesh.h
-/// The room `mesh` reads, checks, writes and decimates triangle meshes. It uses the rooms `base` and `files`.
+/// The room `mesh` holds triangle meshes as values, and the interface through which a mesh is handed on in pieces
+/// (mesh_sink.h). It uses the rooms `base` and `files`.
 ///
-/// Here: the indexed triangles that the project passes around, a report on them, and reading them from a file.
+/// Here: the indexed triangles that the project passes around, and a report on them.
 /// Positions are in the mesh's own units, called world units. A closed mesh is oriented outward if its signed volume is
 /// positive: seen from outside, corners run counter-clockwise.
 #pragma once
@@ -11,7 +12,6 @@
 #include <openvdb/math/BBox.h>
 
 #include <cstdint>
-#include <filesystem>
 #include <iosfwd>
 #include <string>
 #include <string_view>
@@ -55,24 +55,6 @@ struct MeshReport {
 
 /// @throw DataError  an index out of range
 MeshReport reportMesh(const Mesh& mesh);
-
-/// Reads OBJ, PLY, STL, OFF or glTF (.glb, .gltf), by the file's extension in any case. Polygons are split into
-/// triangles: convex ones into fans, others by ear clipping. Normals are skipped; unused points are kept; STL and glTF
-/// are welded. Coordinates are read in double precision, except those of STL and glTF, which are floats. In OBJ,
-/// corners that a face repeats are dropped. Of glTF, all triangles of the default scene are joined, where their nodes
-/// place them; skins, morph targets and materials are not looked at, and a .gltf may name buffers beside it only.
-///
-/// Attributes are, of PLY, all single numbers of the vertices but x, y, z, nx, ny, nz and texture coordinates; integers
-/// that are channels of a colour (red, green, blue, alpha) are scaled to 0..1. Of OBJ, red, green and blue where they
-/// follow the three coordinates (and 1 at points without, if others have them). Texture coordinates are those of OBJ's
-/// corners, of PLY's vertices where they have s and t, u and v, or texture_u and texture_v, and the first ones of glTF,
-/// turned so that v counts from the bottom. Of glTF, COLOR_0 gives red, green, blue and perhaps alpha as they are,
-/// which is linear light, and _NAME the attribute NAME, or NAME_x, NAME_y and so on.
-/// @throw MissingInputError  there is no such file, it is not an ordinary file, or it may not be opened
-/// @throw IoError            reading broke off
-/// @throw DataError          unknown format, empty, truncated, counts that do not fit the file, an index out of range,
-///                           coordinates that are not finite, no triangle
-Mesh readMesh(const std::filesystem::path& path);
 
 /// Merges points of equal position (bit for bit, except that 0 equals -0) and drops the triangles that then repeat a
 /// corner. A soup such as STL needs this before its edges mean anything. Points keep the order of their first

@@ -5,10 +5,10 @@
 
 #include "vdbtools/base/fractal_space.h"
 #include "vdbtools/base/grids.h"
+#include "vdbtools/control/control.h"
 #include "vdbtools/files/named_file.h"
 #include "vdbtools/picture/gradient.h"
 #include "vdbtools/recipe/recipe_reader.h"
-#include "vdbtools/target/control.h"
 
 #include "julia/evaluator.h"
 

@@ -4,8 +4,8 @@
 #pragma once
 
 #include "vdbtools/base/fractal_space.h"
+#include "vdbtools/distance/target.h"
 #include "vdbtools/recipe/recipe_reader.h"
-#include "vdbtools/target/exponent_grid.h"
 
 #include <optional>
 #include <vector>

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file target_input.h
+/// The room `target` opens the target that a recipe names, surveys it, and places the space in which maps are iterated.
+/// It uses the rooms up to `exponent`.
+///
 /// The target of a job: what a recipe says of it, and its distances, made as far from the surface as they are wanted.
 #pragma once
 
 #include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/base/voxel_choice.h"
+#include "vdbtools/distance/target.h"
 #include "vdbtools/files/named_file.h"
 #include "vdbtools/mesh/mesh.h"
 #include "vdbtools/recipe/recipe_reader.h"
-#include "vdbtools/target/exponent_grid.h"
-#include "vdbtools/target/mend_options.h"
+#include "vdbtools/repair/mend_options.h"
 
 #include <memory>
 #include <optional>

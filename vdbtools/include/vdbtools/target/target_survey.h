@@ -7,9 +7,9 @@
 
 #include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
-#include "vdbtools/target/control.h"
+#include "vdbtools/control/control.h"
+#include "vdbtools/exponent/local_thickness.h"
 #include "vdbtools/target/inscribed_ball.h"
-#include "vdbtools/target/local_thickness.h"
 
 #include <map>
 #include <optional>

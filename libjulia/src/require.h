@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file require.h
+/// Checks of what a caller gives.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace julia {
+
+/// @throw std::invalid_argument  with @a text, unless @a good
+inline void require(bool good, const std::string& text) {
+  if (!good) throw std::invalid_argument(text);
+}
+
+}  // namespace julia

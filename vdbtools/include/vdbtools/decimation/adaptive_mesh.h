@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file adaptive_mesh.h
+/// The room `decimation` makes meshes of fewer triangles. It uses the rooms up to `search`.
+///
+/// A mesh with triangles as large as a given deviation allows: large where the surface is flat, small where it is not.
+///
+/// Points are only taken away, never moved, so what is known of those that stay remains exact. Edges are collapsed in
+/// the order of the quadric error [Garland and Heckbert, SIGGRAPH 1997], by OpenMesh, whose link condition keeps closed
+/// 2-manifolds closed 2-manifolds. Afterwards it is proved that no point of either surface is farther from the other
+/// than the bound; where the proof fails, the points around are kept, and the mesh is made again.
+#pragma once
+
+#include "vdbtools/base/monitor.h"
+#include "vdbtools/mesh/mesh_sink.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace vdbtools {
+
+struct AdaptedMesh {
+  std::vector<std::uint32_t> points;      ///< those of the given mesh that remain, ascending
+  std::vector<openvdb::Vec3I> triangles;  ///< indices into points
+};
+
+/// @param bound  world units, > 0: the largest distance (Hausdorff, so of each surface from the other). It is proved,
+///               and holds for whole surfaces, not for samples of them
+/// @throw std::invalid_argument  a bound that is not positive
+/// @throw DataError              an edge of more than two triangles, or of two that run the same way
+/// @throw Interrupted
+AdaptedMesh adaptedMesh(const Mesh& mesh, double bound, Monitor& monitor);
+
+/// Takes a mesh in pieces, keeps it until all of it is there, and hands on the adapted one. Normals and the rows of
+/// columns of the points that remain are those that came.
+class AdaptiveMeshSink final : public MeshSink {
+ public:
+  /// @param next  takes the adapted mesh; outlives this
+  AdaptiveMeshSink(MeshSink& next, double bound) : mNext(next), mBound(bound) {}
+
+  void addPoints(const PointBatch& batch) override;
+  void addTriangles(std::span<const openvdb::Vec3I> triangles, std::uint64_t firstPoint) override;
+
+  /// Call once, when the mesh is complete.
+  /// @throw as adaptedMesh()
+  void finish(Monitor& monitor);
+
+  std::uint64_t pointsBefore() const { return mMesh.points.size(); }
+  std::uint64_t trianglesBefore() const { return mMesh.triangles.size(); }
+  std::uint64_t pointsAfter() const { return mPointsAfter; }
+  std::uint64_t trianglesAfter() const { return mTrianglesAfter; }
+
+ private:
+  MeshSink& mNext;
+  double mBound;
+  Mesh mMesh;
+  std::vector<float> mValues;
+  std::uint64_t mPointsAfter = 0, mTrianglesAfter = 0;
+};
+
+}  // namespace vdbtools

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file fractal_options.h
+/// The options of `juliavdb fractal` as values: a part for each room that the job goes through. Text is read here and
+/// nowhere later; files are named, not yet opened.
+#pragma once
+
+#include "vdbtools/field/lattice_options.h"
+#include "vdbtools/maps/map_registry.h"
+#include "vdbtools/recipe/recipe.h"
+#include "vdbtools/scene/attribute_options.h"
+#include "vdbtools/scene/file_axes.h"
+#include "vdbtools/surface/surface_options.h"
+#include "vdbtools/target/space_options.h"
+#include "vdbtools/target/target_input.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdbtools {
+
+enum class Precision { Auto, Float, Double };
+
+/// What is made of the field.
+struct OutputOptions {
+  std::vector<std::string> grids;  ///< of surface, density, logmodulus, iterations, versor; each once
+  bool half = false;               ///< 16-bit floats in the VDB
+  FileAxes axes;
+  std::vector<double> levels{};  ///< of detail in a GLB besides the mesh itself: shares of its triangles, falling
+  AttributeOptions attributes;   ///< of the mesh and, by the same names, of the VDB
+};
+
+struct FractalOptions {
+  std::optional<TargetOptions> target;
+  SpaceOptions space;
+  std::shared_ptr<const MapSettings> map;
+  LatticeOptions lattice;
+  SurfaceOptions surface;
+  OutputOptions output;
+  Precision precision = Precision::Auto;
+  /// Whether the scene is for pictures of the set itself; parseFractalOptions() says no. The eye sees creases of the
+  /// distances that voxels hide, so `--sampling auto` is quadratic then.
+  bool picture = false;
+};
+
+/// The options that affect the result, --map among them with those of each of the maps.
+OptionTable fractalOptionTable(const MapRegistry& maps = builtInMaps());
+
+/// @throw std::invalid_argument naming the option and the value
+FractalOptions parseFractalOptions(const Recipe& recipe, const MapRegistry& maps = builtInMaps());
+
+/// What Crumbs::Auto means for the map.
+bool dropsCrumbs(const FractalOptions& options);
+
+/// @throw std::invalid_argument  there is no target, and the map makes its fractal around one
+void requireTarget(const FractalOptions& options);
+
+}  // namespace vdbtools

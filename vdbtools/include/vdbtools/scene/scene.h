@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file scene.h
+/// The room `scene` makes ready what a job evaluates, step by step: target -> space -> exponent -> map -> lattice ->
+/// evaluator. The options of a fractal are read here, too, and features are measured that voxels are chosen by.
+#pragma once
+
+#include "vdbtools/base/grids.h"
+#include "vdbtools/exponent/exponent_grid.h"
+#include "vdbtools/field/fractal_field.h"
+#include "vdbtools/files/input_files.h"
+#include "vdbtools/maps/map_descriptor.h"
+#include "vdbtools/scene/feature_sizes.h"
+#include "vdbtools/scene/fractal_options.h"
+
+#include "julia/evaluator.h"
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdbtools {
+
+/// Facts that were found out on the way, by the names of metadata: hashes, the space, the shell, the versor's roots.
+using Facts = std::map<std::string, std::string>;
+
+/// What the file of a mesh says besides its surface.
+struct TargetParts {
+  std::vector<std::string> attributes{};
+  bool uvs = false;
+  std::size_t materials = 0, groups = 0;
+};
+
+/// What of this a recipe does not ask for, each in a few words: "texture coordinates", "2 materials".
+std::vector<std::string> unusedParts(const TargetParts& parts, const Recipe& recipe);
+
+/// What `--resolution auto` stands for (voxel_advice.h).
+struct ChosenResolution {
+  enum class Limit { None, Most, Memory };
+
+  double resolution = 0;  ///< voxels along the target's longest side, a whole number
+  Limit limit = Limit::None;
+};
+
+/// Everything that is made ready before the first node is evaluated.
+///
+///     const Recipe recipe = completeRecipe({{"input", "bunny.obj"}, {"detail", "0.4"}}, fractalOptionTable());
+///     const Scene scene = makeScene(parseFractalOptions(recipe), monitor);
+///     std::vector<double> field(1);
+///     scene.evaluator->evaluate(std::vector{scene.space.toFractal({0, 0.1, 0})}, field, {});
+struct Scene {
+  FractalOptions options;
+  std::optional<Target> target;                   ///< none if no input was given
+  std::optional<ExponentGridOptions> exponentOf;  ///< what the exponent was made with: its controls, the orbit
+  std::optional<ExponentGrid> exponent;           ///< of a map with a shell
+  std::optional<OctaveGrid> octave;               ///< of a map with a frequency
+  ControlGrids controls{};                        ///< of a map that reads some
+  std::shared_ptr<const MapInstance> map;
+  openvdb::BBoxd region;                       ///< of a map without a shell, world units
+  double voxelSize = 0;                        ///< of the result, world units
+  julia::OrbitOptions orbit;                   ///< the evaluator's
+  Arithmetic arithmetic = Arithmetic::Double;  ///< as options.precision has it or as it was chosen
+  std::unique_ptr<julia::FieldEvaluator> evaluator;
+  FractalSpace space;                    ///< the evaluator's
+  PlacedSpace placed;                    ///< where the options place it, before the lattice's shift
+  std::optional<double> targetVolume;    ///< of a target, world units cubed
+  TargetParts targetParts;               ///< of a mesh
+  std::optional<FeatureSizes> features;  ///< of a map with a shell; not of a prepared scene (prepared_scene.h)
+  std::optional<ChosenResolution> chosenResolution;  ///< of `auto`; the options have the number
+  // For the attributes that are asked for, if these need them.
+  std::shared_ptr<const Mesh> targetMesh;  ///< as it was read
+  openvdb::FloatGrid::ConstPtr thickness;  ///< the local thickness, world units; every node of its box is active
+  Facts facts;
+
+  FieldSource source() const { return {*evaluator, space}; }
+};
+
+/// Opens the target that options name.
+using TargetOpener = std::function<std::unique_ptr<const TargetInput>(const TargetOptions&)>;
+
+/// Makes scenes one after another; what they share of a target is made once.
+class SceneMaker {
+ public:
+  explicit SceneMaker(TargetOpener open = openTarget);
+  ~SceneMaker();
+
+  /// @throw what reading, repairing and the options' checks throw
+  Scene make(const FractalOptions& options, Monitor& monitor);
+
+ private:
+  struct Shared;
+  std::unique_ptr<Shared> mShared;
+};
+
+/// One scene.
+Scene makeScene(const FractalOptions& options, Monitor& monitor);
+
+/// The target's mesh, for the attributes of it that are transferred; nullptr if none is.
+/// @throw DataError  the target is a VDB, or its mesh has no such attribute at each point
+std::shared_ptr<const Mesh> transferredMesh(const FractalOptions& options, const TargetInput& input);
+
+/// The files that the options name: those whose hashes are recorded.
+std::vector<NamedFile> filesOf(const FractalOptions& options);
+/// The same, so that none of them becomes an output.
+InputFiles inputsOf(const FractalOptions& options);
+
+/// A scene's evaluators with other random versors: what its target gives is made once and shared.
+class VersorSeeds {
+ public:
+  /// @param scene  must outlive this
+  /// @throw std::invalid_argument  the scene's map has no random roots over a target
+  explicit VersorSeeds(const Scene& scene);
+
+  std::uint64_t first() const;  ///< the scene's own
+
+  /// The evaluator that makeScene() would make for this seed: the same bits.
+  /// @throw as julia::randomPolynomial()
+  std::unique_ptr<julia::FieldEvaluator> evaluator(std::uint64_t seed) const;
+
+ private:
+  const Scene& mScene;
+};
+
+/// What of the scene is evaluated: the options' box or the whole set; of this, with a @a window, only these nodes.
+FieldPlan planScene(const Scene& scene, const std::optional<openvdb::CoordBBox>& window = {});
+
+/// Holds every vertex of the plan's mesh, world units.
+openvdb::BBoxd meshBox(const FieldPlan& plan);
+
+/// The recipe of what a scene makes: with the number of voxels where it leaves that to the program.
+Recipe resolvedRecipe(const Scene& scene, Recipe recipe);
+
+/// The metadata of what a scene makes: its recipe, the facts, the program's version.
+std::map<std::string, std::string> sceneMetadata(const Scene& scene, const Recipe& recipe);
+
+}  // namespace vdbtools

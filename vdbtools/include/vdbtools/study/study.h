@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file study.h
+/// The room `study` measures fractals as [SK23] does: likelihoods, circles, dimensions. It uses the rooms up to `job`.
+///
+/// What a target alone decides about its fractals, whatever the versor ([SK23] 3.3.1, Fig. 8): the likelihood that a
+/// point lies in the set, counted over many random versors, and the target's distance on circles about the origin of
+/// the dynamics. Where alpha (phi - beta) is low or high enough, the target decides; in between, the versor does.
+#pragma once
+
+#include "vdbtools/job/fractal_job.h"
+#include "vdbtools/picture/image.h"
+#include "vdbtools/picture/plot.h"
+#include "vdbtools/picture/slice_image.h"
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace vdbtools {
+
+/// The options of `juliavdb study` that affect its result: those options of `juliavdb fractal` that describe the sets
+/// of a target and random versors.
+OptionTable studyOptionTable();
+
+inline constexpr int kMostVersors = 1'000'000;
+
+struct StudyOptions {
+  int versors = 1000;    ///< how many, 1 to kMostVersors
+  bool circles = false;  ///< whether the circles are wanted
+};
+
+/// A circle in the plane, about the origin of the dynamics or its foot on the plane.
+struct StudyCircle {
+  double radius = 0;                         ///< world units
+  double mean = 0, least = 0, greatest = 0;  ///< phi over the circle, world units
+  double sphereMean = 0;                     ///< mean of phi over the sphere of that radius about the origin itself
+  double membership = 0;  ///< the share of the circle that lies in the set, averaged over the versors
+};
+
+struct Study {
+  int versors = 0;
+  std::vector<int> inside;  ///< for each pixel, row by row: how many of the sets hold it
+  std::vector<StudyCircle> circles;
+  /// Between these values (world units) phi leaves the membership of a point open. The lower one is -inf if phi alone
+  /// never puts a point inside. There is no range if alpha or beta varies, or with one iteration, which leaves nothing
+  /// open.
+  std::optional<std::pair<double, double>> undecided;
+  bool originInside = false;  ///< whether phi < 0 at the dynamics' origin
+};
+
+/// Counts over the versors of the seeds S, S + 1 and so on, where S is the seed in the options of the scene: the k-th
+/// set is what makeScene() evaluates with the seed S + k. The circles reach from the origin to the farthest pixel of
+/// the plane. The result is the same for any number of threads.
+/// @throw std::invalid_argument  as VersorSeeds; a number of versors out of its range or past the last seed
+/// @throw DataError, Interrupted
+Study runStudy(const Scene& scene, const SlicePlane& plane, const StudyOptions& options, Monitor& monitor);
+
+/// Black where all of the sets hold the pixel, white where none does.
+Image studyImage(const SlicePlane& plane, const Study& study);
+
+/// The circles as CSV, with a line of names.
+std::string studyCsv(const Study& study);
+
+/// phi against the radius, with the undecided range shaded.
+Plot studyPlot(const Study& study);
+
+}  // namespace vdbtools

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/lattice_field.h"
+
+#include "vdbtools/base/grid_sampler.h"
+
+#include "julia/brick_field.h"
+
+namespace vdbtools {
+
+using openvdb::Vec3d;
+
+template <class Real>
+std::shared_ptr<const julia::ScalarField<Real>> makeLatticeField(const openvdb::FloatGrid& grid,
+                                                                 const openvdb::CoordBBox& nodes,
+                                                                 const FractalSpace& space,
+                                                                 julia::Interpolation interpolation) {
+  const GridBricks made = makeBricks(grid, nodes, interpolation);
+  const auto position = [&](double x, double y, double z) {
+    return grid.worldToIndex(space.toWorld({x, y, z})) - made.origin.asVec3d();
+  };
+  const Vec3d zero = position(0, 0, 0);
+  const Vec3d columns[3] = {position(1, 0, 0) - zero, position(0, 1, 0) - zero, position(0, 0, 1) - zero};
+  julia::BrickPlacement placement;
+  for (int row = 0; row < 3; ++row) {
+    const auto r = static_cast<std::size_t>(row);
+    for (std::size_t column = 0; column < 3; ++column) placement.matrix[r][column] = columns[column][row];
+    placement.offset[r] = zero[row];
+    placement.low[r] = nodes.min()[row] - made.origin[row];
+    placement.high[r] = nodes.max()[row] - made.origin[row];
+  }
+  return std::make_shared<julia::BrickField<Real>>(made.bricks, placement);
+}
+
+template std::shared_ptr<const julia::ScalarField<float>> makeLatticeField(const openvdb::FloatGrid&,
+                                                                           const openvdb::CoordBBox&,
+                                                                           const FractalSpace&, julia::Interpolation);
+template std::shared_ptr<const julia::ScalarField<double>> makeLatticeField(const openvdb::FloatGrid&,
+                                                                            const openvdb::CoordBBox&,
+                                                                            const FractalSpace&, julia::Interpolation);
+
+}  // namespace vdbtools

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "control/clamped_control.h"
+
+#include "vdbtools/distance/target.h"
+
+#include <openvdb/tools/Interpolation.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace vdbtools {
+namespace {
+
+using openvdb::FloatGrid;
+using openvdb::Vec3d;
+
+class ClampedField final : public ControlField {
+ public:
+  ClampedField(FloatGrid::ConstPtr grid, const std::optional<openvdb::CoordBBox>& nodes)
+      : mGrid(std::move(grid)), mNodes(nodes) {
+    double low = mGrid->background(), high = low;
+    for (auto value = mGrid->tree().cbeginValueAll(); value; ++value) {
+      low = std::min<double>(low, *value);
+      high = std::max<double>(high, *value);
+    }
+    mRange = {low, high};
+  }
+
+  void sample(std::span<const Vec3d> points, std::span<double> values) const override {
+    const FloatGrid::ConstAccessor accessor = mGrid->getConstAccessor();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      Vec3d at = mGrid->worldToIndex(points[i]);
+      for (int axis = 0; mNodes && axis < 3; ++axis)
+        at[axis] = std::clamp<double>(at[axis], mNodes->min()[axis], mNodes->max()[axis]);
+      // Interpolation may leave the range by a rounding.
+      values[i] = std::clamp<double>(openvdb::tools::BoxSampler::sample(accessor, at), mRange.first, mRange.second);
+    }
+  }
+  std::pair<double, double> range() const override { return mRange; }
+
+ private:
+  FloatGrid::ConstPtr mGrid;
+  std::optional<openvdb::CoordBBox> mNodes;
+  std::pair<double, double> mRange;
+};
+
+}  // namespace
+
+Control clampedControl(FloatGrid::ConstPtr grid, const std::optional<openvdb::CoordBBox>& nodes) {
+  return Control(std::make_shared<ClampedField>(std::move(grid), nodes));
+}
+
+Control clampedControl(const FloatGrid::ConstPtr& grid) {
+  return clampedControl(grid, grid->evalActiveVoxelBoundingBox());
+}
+
+Control distanceControl(const Target& target) { return clampedControl(target.phi, target.denseBox); }
+
+}  // namespace vdbtools

@@ -1,0 +1,386 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A band is filled from the top down: cubes of 64^3 nodes that it may reach, then ever smaller ones, until blocks of
+/// 8^3 are left, which become leaves. For signs, a narrow band is made first and flooded from outside.
+#include "distance/distance_band.h"
+
+#include "base/in_parallel.h"
+#include "base/openvdb/exterior_trace.h"
+#include "distance/outer_surface.h"
+
+#include <openvdb/math/Proximity.h>
+#include <openvdb/tools/SignedFloodFill.h>
+#include <openvdb/tree/LeafManager.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <functional>
+#include <iterator>
+#include <memory>
+#include <vector>
+
+namespace vdbtools {
+namespace {
+
+using openvdb::Coord;
+using openvdb::FloatGrid;
+using openvdb::FloatTree;
+using openvdb::Index;
+using openvdb::Vec3d;
+using openvdb::Vec3I;
+using Leaf = FloatTree::LeafNodeType;
+using TriangleLeaf = openvdb::Int32Tree::LeafNodeType;
+
+constexpr int kBlock = BlockDistances::kSide;
+constexpr int kCube = 64;  ///< what a thread works on
+static_assert(Leaf::DIM == kBlock);
+
+/// Squared distances up to this are crossed by the surface, as far as a flood is concerned: half a voxel's diagonal.
+constexpr float kCrossed = 0.75F;
+
+/// Where signs are found out node by node: all neighbours of crossed nodes.
+constexpr float kNarrow = 2.6F;
+
+constexpr float kFar = 1e30F;
+
+/// Square voxels: a node is beside the surface only if more than a rounding says so.
+constexpr double kOnePlane = 1e-6;
+
+double halfDiagonal(int side) { return 0.5 * (side - 1) * std::sqrt(3.0); }
+
+Vec3d middleOf(const Coord& origin, int side) { return origin.asVec3d() + Vec3d(0.5 * (side - 1)); }
+
+Coord eighthOf(const Coord& origin, int side, int n) {
+  const int half = side / 2;
+  return origin.offsetBy((n >> 2) * half, (n >> 1 & 1) * half, (n & 1) * half);
+}
+
+/// The distances at a block's nodes, and where they are asked for the nearest triangles.
+struct Made {
+  std::unique_ptr<Leaf> leaf;
+  std::unique_ptr<TriangleLeaf> triangles;
+};
+
+/// Makes the leaves of a band.
+class Band {
+ public:
+  /// Whether a cube of @a side nodes, which lies farther than kNarrow from the surface, belongs to the band.
+  using Belongs = std::function<bool(const Coord& origin, int side, float least)>;
+  /// Fills a leaf, and says whether it belongs to the band.
+  using Fill = std::function<bool(const BlockDistances& block, Leaf& leaf)>;
+
+  Band(const TriangleTree& tree, float width, Belongs belongs, Fill fill, bool keepsTriangles = false)
+      : mTree(tree),
+        mWidth(width),
+        mBelongs(std::move(belongs)),
+        mFill(std::move(fill)),
+        mKeepsTriangles(keepsTriangles) {}
+
+  /// The leaves, in an order that depends on the mesh alone.
+  std::vector<Made> make(std::string_view phase, Monitor& monitor) {
+    const std::vector<Coord> cubes = findCubes();
+    std::vector<std::vector<Made>> parts(cubes.size());
+    monitor.begin(phase, cubes.size());
+    inParallel(cubes.size(), 1, monitor, [&](std::size_t begin, std::size_t end) {
+      BlockDistances distances(mTree);
+      for (std::size_t i = begin; i < end; ++i) {
+        fillCube(cubes[i], kCube, distances, parts[i]);
+        monitor.advance(1);
+      }
+    });
+    std::vector<Made> all;
+    for (std::vector<Made>& part : parts)
+      all.insert(all.end(), std::make_move_iterator(part.begin()), std::make_move_iterator(part.end()));
+    return all;
+  }
+
+ private:
+  bool reaches(const Coord& origin, int side, BlockDistances& distances) const {
+    const auto half = static_cast<float>(halfDiagonal(side) * 1.0001 + 1e-3);
+    const std::optional<float> distance = distances.distance(middleOf(origin, side), mWidth + half);
+    if (!distance) return false;
+    const float least = *distance - half;
+    return least <= kNarrow || mBelongs(origin, side, least);
+  }
+
+  std::vector<Coord> findCubes() const {
+    const Coord low = Coord::floor(mTree.box().min() - Vec3d(mWidth)),
+                high = Coord::ceil(mTree.box().max() + Vec3d(mWidth));
+    // 64 bits, as the box may be as large as coordinates allow.
+    std::int64_t side = kCube;
+    const auto cubesAlong = [&](int axis) { return (std::int64_t{high[axis]} - low[axis]) / side + 2; };
+    while (std::max({cubesAlong(0), cubesAlong(1), cubesAlong(2)}) > 4) side *= 2;
+    std::vector<Coord> cubes;
+    BlockDistances distances(mTree);
+    const auto first = [&](int axis) { return std::int64_t{low[axis]} & ~(side - 1); };
+    for (std::int64_t x = first(0); x <= high[0]; x += side)
+      for (std::int64_t y = first(1); y <= high[1]; y += side)
+        for (std::int64_t z = first(2); z <= high[2]; z += side)
+          findCubes(Coord(static_cast<int>(x), static_cast<int>(y), static_cast<int>(z)), static_cast<int>(side),
+                    distances, cubes);
+    return cubes;
+  }
+
+  void findCubes(const Coord& origin, int side, BlockDistances& distances, std::vector<Coord>& cubes) const {
+    if (!reaches(origin, side, distances)) return;
+    if (side == kCube) {
+      cubes.push_back(origin);
+      return;
+    }
+    for (int n = 0; n < 8; ++n) findCubes(eighthOf(origin, side, n), side / 2, distances, cubes);
+  }
+
+  void fillCube(const Coord& origin, int side, BlockDistances& distances, std::vector<Made>& made) const {
+    if (!reaches(origin, side, distances)) return;
+    if (side == kBlock) {
+      distances.evaluate(origin, mWidth);
+      auto leaf = std::make_unique<Leaf>(origin);
+      if (!mFill(distances, *leaf)) return;
+      made.push_back({std::move(leaf), nullptr});
+      if (!mKeepsTriangles) return;
+      made.back().triangles = std::make_unique<TriangleLeaf>(origin, 0, true);
+      std::copy_n(distances.triangles(), Leaf::SIZE, made.back().triangles->buffer().data());
+      return;
+    }
+    for (int n = 0; n < 8; ++n) fillCube(eighthOf(origin, side, n), side / 2, distances, made);
+  }
+
+  const TriangleTree& mTree;
+  float mWidth;
+  Belongs mBelongs;
+  Fill mFill;
+  bool mKeepsTriangles;
+};
+
+FloatGrid::Ptr gridOf(std::vector<Made> all, float background) {
+  FloatGrid::Ptr grid = FloatGrid::create(background);
+  openvdb::tree::ValueAccessor<FloatTree> accessor(grid->tree());
+  for (Made& made : all) accessor.addLeaf(made.leaf.release());
+  return grid;
+}
+
+/// Where the mesh's outside is.
+struct Sides {
+  FloatTree sign;              ///< below 0 inside, above 0 outside, at every node
+  bool buriesSurface = false;  ///< triangles lie where there is no outside
+};
+
+class SideFinder {
+ public:
+  SideFinder(const TriangleTree& tree, Monitor& monitor) : mTree(tree), mMonitor(monitor) {}
+
+  Sides find() {
+    makeSquares();
+    traceExterior(mSquares);
+    mMonitor.throwIfCancelled();
+    Sides sides{FloatTree(1.0F)};
+    resolveCrossed(sides);
+    return sides;
+  }
+
+ private:
+  void makeSquares() {
+    Band band(
+        mTree, kNarrow, [](const Coord&, int, float) { return false; },
+        [](const BlockDistances& block, Leaf& leaf) {
+          float* const values = leaf.buffer().data();
+          bool any = false;
+          for (Index i = 0; i < Leaf::SIZE; ++i) {
+            const float d = block.distances()[i];
+            any |= d <= kNarrow;
+            values[i] = d <= kNarrow ? d * d : kFar;
+          }
+          leaf.setValuesOn();
+          return any;
+        },
+        /*keepsTriangles=*/true);
+    openvdb::tree::ValueAccessor<FloatTree> squares(mSquares);
+    openvdb::tree::ValueAccessor<openvdb::Int32Tree> triangles(mTriangles);
+    for (Made& made : band.make("sides", mMonitor)) {
+      squares.addLeaf(made.leaf.release());
+      triangles.addLeaf(made.triangles.release());
+    }
+  }
+
+  using Squares = openvdb::tree::ValueAccessor<const FloatTree>;
+  using Triangles = openvdb::tree::ValueAccessor<const openvdb::Int32Tree>;
+
+  /// Whether a crossed node is outside. If the surface passes between two nodes, their distances add up to no more than
+  /// the way between them. So a node is on the same side as a neighbour if they add up to more. Where this decides
+  /// nothing, the node is outside if it is on the outer side of the triangle that is nearest to an outer neighbour.
+  bool isOutside(const Coord& node, float square, const Squares& squares, const Triangles& triangles) const {
+    const float distance = std::sqrt(square);
+    const std::vector<Vec3d>& points = mTree.localPoints();
+    bool besideInside = false, seemsOutside = false;
+    for (int k = 0; k < 27; ++k) {
+      const Coord offset(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1), next = node + offset;
+      const float other = squares.getValue(next);
+      if (std::abs(other) <= kCrossed || std::abs(other) >= kFar) continue;
+      const auto way =
+          std::sqrt(static_cast<float>(offset[0] * offset[0] + offset[1] * offset[1] + offset[2] * offset[2]));
+      const bool sameSide = distance + std::sqrt(std::abs(other)) > way * 1.00001F;
+      if (sameSide && other < 0) return true;
+      besideInside |= sameSide;
+      if (other > 0 || seemsOutside) continue;
+      const Vec3I& t = mTree.triangles()[static_cast<std::size_t>(triangles.getValue(next))];
+      Vec3d weights;
+      const Vec3d nearest = openvdb::math::closestPointOnTriangleToPoint(points[t[0]], points[t[1]], points[t[2]],
+                                                                         (next - mTree.origin()).asVec3d(), weights);
+      seemsOutside =
+          ((node - mTree.origin()).asVec3d() - nearest).dot((next - mTree.origin()).asVec3d() - nearest) > kOnePlane;
+    }
+    return seemsOutside && !besideInside;
+  }
+
+  void resolveCrossed(Sides& sides) {
+    openvdb::tree::LeafManager<const FloatTree> leaves(mSquares);
+    std::vector<std::unique_ptr<Leaf>> signs(leaves.leafCount());
+    inParallel(signs.size(), 16, mMonitor, [&](std::size_t begin, std::size_t end) {
+      const Squares squares(mSquares);
+      const Triangles triangles(mTriangles);
+      for (std::size_t i = begin; i < end; ++i) {
+        const Leaf& leaf = leaves.leaf(i);
+        signs[i] = std::make_unique<Leaf>(leaf.origin(), 1.0F, true);
+        for (Index n = 0; n < Leaf::SIZE; ++n) {
+          const float square = leaf.getValue(n);
+          const bool outside =
+              square < 0 || (square <= kCrossed && isOutside(leaf.offsetToGlobalCoord(n), square, squares, triangles));
+          signs[i]->setValueOnly(n, outside ? 1.0F : -1.0F);
+        }
+      }
+    });
+    openvdb::tree::ValueAccessor<FloatTree> accessor(sides.sign);
+    for (std::unique_ptr<Leaf>& sign : signs) accessor.addLeaf(sign.release());
+    openvdb::tools::signedFloodFillWithValues(sides.sign, 1.0F, -1.0F);
+    std::atomic<bool> buries = false;
+    inParallel(leaves.leafCount(), 16, mMonitor, [&](std::size_t begin, std::size_t end) {
+      const openvdb::tree::ValueAccessor<const FloatTree> sign(sides.sign);
+      for (std::size_t i = begin; i < end && !buries; ++i) {
+        const Leaf& leaf = leaves.leaf(i);
+        for (Index n = 0; n < Leaf::SIZE; ++n) {
+          if (!(std::abs(leaf.getValue(n)) <= kCrossed)) continue;
+          const Coord node = leaf.offsetToGlobalCoord(n);
+          bool hasOutside = false;
+          for (int k = 0; k < 27 && !hasOutside; ++k)
+            hasOutside = sign.getValue(node.offsetBy(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1)) > 0;
+          if (!hasOutside) buries = true;
+        }
+      }
+    });
+    sides.buriesSurface = buries;
+  }
+
+  const TriangleTree& mTree;
+  Monitor& mMonitor;
+  FloatTree mSquares{kFar};
+  openvdb::Int32Tree mTriangles{0};
+};
+
+/// Whether a node near the position is outside.
+bool hasOutside(const openvdb::tree::ValueAccessor<const FloatTree>& sign, const Vec3d& position) {
+  // Narrow grooves are not resolved by the lattice; their walls stay as far as this.
+  constexpr int kReach = 3;
+  const Coord base = Coord::floor(position).offsetBy(1 - kReach);
+  for (int x = 0; x < 2 * kReach; ++x)
+    for (int y = 0; y < 2 * kReach; ++y)
+      for (int z = 0; z < 2 * kReach; ++z)
+        if (sign.getValue(base.offsetBy(x, y, z)) > 0) return true;
+  return false;
+}
+
+/// Whether some part of a triangle has an outside next to it, as seen at points a voxel apart.
+bool boundsSomething(const openvdb::tree::ValueAccessor<const FloatTree>& sign, const Vec3d& a, const Vec3d& b,
+                     const Vec3d& c) {
+  constexpr double kMostSteps = 4096;
+  const double longest = std::max({(b - a).length(), (c - a).length(), (c - b).length()});
+  const int steps = static_cast<int>(std::clamp(std::ceil(longest), 1.0, kMostSteps));
+  for (int i = 0; i <= steps; ++i)
+    for (int j = 0; i + j <= steps; ++j)
+      if (hasOutside(sign, a + (b - a) * (double(i) / steps) + (c - a) * (double(j) / steps))) return true;
+  return false;
+}
+
+/// The triangles that have an outside next to them.
+std::vector<Vec3I> boundingTriangles(const TriangleTree& tree, const Sides& sides, const Monitor& monitor) {
+  std::vector<char> bounds(tree.triangles().size(), 0);
+  inParallel(bounds.size(), 256, monitor, [&](std::size_t begin, std::size_t end) {
+    const openvdb::tree::ValueAccessor<const FloatTree> sign(sides.sign);
+    for (std::size_t i = begin; i < end; ++i) {
+      const Vec3I& t = tree.triangles()[i];
+      bounds[i] = boundsSomething(sign, tree.points()[t[0]], tree.points()[t[1]], tree.points()[t[2]]);
+    }
+  });
+  std::vector<Vec3I> kept;
+  for (std::size_t i = 0; i < bounds.size(); ++i)
+    if (bounds[i]) kept.push_back(tree.triangles()[i]);
+  return kept;
+}
+
+/// Fills a leaf with the distances up to the band's widths, negative inside.
+/// @param isOutside  of a node of the leaf, by its number
+/// @return whether any node belongs to the band
+template <class IsOutside>
+bool fillLeaf(const BlockDistances& block, float exterior, float interior, const IsOutside& isOutside, Leaf& leaf) {
+  float* const values = leaf.buffer().data();
+  openvdb::util::NodeMask<Leaf::LOG2DIM> active;
+  for (Index i = 0; i < Leaf::SIZE; ++i) {
+    const float d = block.distances()[i];
+    const bool outside = isOutside(i);
+    values[i] = outside ? std::min(d, exterior) : -std::min(d, interior);
+    if (d < (outside ? exterior : interior)) active.setOn(i);
+  }
+  leaf.setValueMask(active);
+  return !active.isOff();
+}
+
+FloatGrid::Ptr signedBand(const TriangleTree& tree, const FloatTree& sign, float exterior, float interior,
+                          std::string_view phase, Monitor& monitor) {
+  const auto isOutside = [&](const Coord& node) { return sign.getValue(node) > 0; };
+  Band band(
+      tree, std::max(exterior, interior),
+      [&](const Coord& origin, int side, float least) {
+        // So far from the surface, all its nodes lie on one side.
+        return least < (isOutside(origin + Coord(side / 2)) ? exterior : interior);
+      },
+      [&](const BlockDistances& block, Leaf& leaf) {
+        const Leaf* const signs = sign.probeConstLeaf(leaf.origin());
+        const bool allOutside = !signs && isOutside(leaf.origin());
+        return fillLeaf(
+            block, exterior, interior, [&](Index i) { return signs ? signs->getValue(i) > 0 : allOutside; }, leaf);
+      });
+  FloatGrid::Ptr grid = gridOf(band.make(phase, monitor), exterior);
+  openvdb::tools::signedFloodFillWithValues(grid->tree(), exterior, -interior);
+  return grid;
+}
+
+}  // namespace
+
+FloatGrid::Ptr unsignedDistances(const TriangleTree& tree, float width, std::string_view phase, Monitor& monitor) {
+  Band band(
+      tree, width, [&](const Coord&, int, float least) { return least < width; },
+      [&](const BlockDistances& block, Leaf& leaf) {
+        return fillLeaf(
+            block, width, width, [](Index) { return true; }, leaf);
+      });
+  return gridOf(band.make(phase, monitor), width);
+}
+
+FloatGrid::Ptr signedDistances(const TriangleTree& tree, float exterior, float interior, std::string_view phase,
+                               Monitor& monitor, std::size_t* united) {
+  const Sides sides = SideFinder(tree, monitor).find();
+  if (united) {
+    *united = 0;
+    if (const auto outer = outerSurface(tree.points(), tree.triangles(), sides.buriesSurface, monitor)) {
+      *united = outer->parts;
+      return signedDistances(TriangleTree(outer->points, outer->triangles), exterior, interior, phase, monitor);
+    }
+  }
+  if (sides.buriesSurface) {
+    const std::vector<Vec3I> kept = boundingTriangles(tree, sides, monitor);
+    if (!kept.empty() && kept.size() < tree.triangles().size())
+      return signedBand(TriangleTree(tree.points(), kept), sides.sign, exterior, interior, phase, monitor);
+  }
+  return signedBand(tree, sides.sign, exterior, interior, phase, monitor);
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/distance/target.h"
+
+#include "base/grid_memory.h"
+#include "base/openvdb/fast_sweeping.h"
+#include "distance/band_growth.h"
+#include "distance/cell_corners.h"
+#include "distance/leaves.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/base/number_text.h"
+#include "vdbtools/distance/fit_space.h"
+
+#include <openvdb/tools/Morphology.h>
+#include <openvdb/tree/ValueAccessor.h>
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace vdbtools {
+namespace {
+
+using openvdb::Coord;
+using openvdb::CoordBBox;
+using openvdb::FloatGrid;
+using openvdb::FloatTree;
+using Leaf = FloatTree::LeafNodeType;
+using Accessor = openvdb::tree::ValueAccessor<const FloatTree>;
+
+void requireFiniteValues(const FloatGrid& phi) {
+  const auto refuse = [&](const Coord& node) {
+    throw DataError("the signed distance field '" + phi.getName() + "' holds a value that is not finite near index " +
+                    std::to_string(node[0]) + ", " + std::to_string(node[1]) + ", " + std::to_string(node[2]));
+  };
+  for (auto leaf = phi.tree().cbeginLeaf(); leaf; ++leaf) {
+    const float* values = leaf->buffer().data();
+    for (openvdb::Index i = 0; i < Leaf::SIZE; ++i)
+      if (!std::isfinite(values[i])) refuse(leaf->offsetToGlobalCoord(i));
+  }
+  auto tile = phi.tree().cbeginValueAll();
+  tile.setMaxDepth(FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
+  for (; tile; ++tile)
+    if (!std::isfinite(*tile)) refuse(tile.getCoord());
+}
+
+/// The largest value of an active node of the leaf, or beside its active nodes, that has an inactive negative face
+/// neighbour; -inf: there is none.
+float solidBeginsIn(const CellCorners& corners) {
+  constexpr unsigned kSide = CellCorners::kSide;
+  float most = -std::numeric_limits<float>::infinity();
+  for (unsigned x = 0; x < kSide; ++x)
+    for (unsigned y = 0; y < kSide; ++y) {
+      const float* const here = corners.row(x, y);
+      const unsigned on = corners.active(x, y);
+      const auto include = [&](const float* other, unsigned otherOn) {
+        for (unsigned differ = (on ^ otherOn) & 0xff; differ != 0; differ &= differ - 1) {
+          const auto z = static_cast<unsigned>(std::countr_zero(differ));
+          const bool isOn = on >> z & 1;
+          const float active = isOn ? here[z] : other[z], inactive = isOn ? other[z] : here[z];
+          if (inactive < 0) most = std::max(most, active);
+        }
+      };
+      include(corners.row(x + 1, y), corners.active(x + 1, y));
+      include(corners.row(x, y + 1), corners.active(x, y + 1));
+      include(here + 1, on >> 1);
+    }
+  return most;
+}
+
+/// Whether the leaf and its three neighbours behind it hold active nodes only.
+bool isDenseThere(const Leaf& leaf, const Accessor& accessor) {
+  if (!leaf.isDense()) return false;
+  for (int axis = 0; axis < 3; ++axis) {
+    Coord next = leaf.origin();
+    next[axis] += static_cast<int>(Leaf::DIM);
+    const Leaf* neighbour = accessor.probeConstLeaf(next);
+    if (!neighbour || !neighbour->isDense()) return false;
+  }
+  return true;
+}
+
+/// The leaves that hold nodes of the band, of the whole inside where this is asked for, and layers of leaves around.
+openvdb::MaskGrid::Ptr sweepingMask(const FloatGrid& phi, const BandGrowth& growth) {
+  // One voxel a leaf.
+  openvdb::MaskTree coarse;
+  for (auto leaf = phi.tree().cbeginLeaf(); leaf; ++leaf)
+    if (!leaf->isEmpty() || growth.wholeInside) coarse.setValueOn(leaf->origin() >> Leaf::LOG2DIM);
+  if (growth.wholeInside) {
+    auto tile = phi.tree().cbeginValueAll();
+    tile.setMaxDepth(FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
+    for (; tile; ++tile) {
+      const CoordBBox box = tile.getBoundingBox();
+      if (*tile < 0) coarse.fill({box.min() >> Leaf::LOG2DIM, box.max() >> Leaf::LOG2DIM}, true);
+    }
+  }
+  requireRoomForLeaves(phi, static_cast<double>(coarse.activeVoxelCount()));
+  if (growth.leaves > 0)
+    openvdb::tools::dilateActiveValues(coarse, growth.leaves, openvdb::tools::NN_FACE_EDGE_VERTEX,
+                                       openvdb::tools::EXPAND_TILES);
+  requireRoomForLeaves(phi, static_cast<double>(coarse.activeVoxelCount()));
+  coarse.voxelizeActiveTiles();
+  auto mask = openvdb::MaskGrid::create();
+  mask->setTransform(phi.transform().copy());
+  for (auto place = coarse.cbeginValueOn(); place; ++place)
+    mask->tree().touchLeaf(place.getCoord() << Leaf::LOG2DIM)->setValuesOn();
+  return mask;
+}
+
+}  // namespace
+
+float solidBeginsAt(const FloatGrid& grid, Monitor& monitor) {
+  const std::vector<const Leaf*> leaves = leavesOf(grid.tree());
+  constexpr float kNever = -std::numeric_limits<float>::infinity();
+  tbb::enumerable_thread_specific<float> begins(kNever);
+  forEachLeaf(leaves.size(), monitor, [&](std::size_t i) {
+    const Accessor accessor(grid.tree());
+    float& most = begins.local();
+    // A solid tile before the leaf has no pairs of its own.
+    for (int axis = 0; axis < 3; ++axis) {
+      Coord before = leaves[i]->origin();
+      --before[axis];
+      if (accessor.probeConstLeaf(before) || !(accessor.getValue(before) < 0)) continue;
+      for (auto value = leaves[i]->cbeginValueOn(); value; ++value)
+        if (value.getCoord()[axis] == leaves[i]->origin()[axis]) most = std::max(most, *value);
+    }
+    if (isDenseThere(*leaves[i], accessor)) return;
+    most = std::max(most, solidBeginsIn(CellCorners(*leaves[i], accessor)));
+  });
+  return *std::max_element(begins.begin(), begins.end());
+}
+
+Target makeTarget(FloatGrid::Ptr phi, std::optional<openvdb::BBoxd> box) {
+  if (phi->activeVoxelCount() == 0) throw DataError("the signed distance field '" + phi->getName() + "' is empty");
+  requireFiniteValues(*phi);
+  const CoordBBox active = phi->evalActiveVoxelBoundingBox();
+  Target target;
+  if (active.volume() == phi->activeVoxelCount()) {
+    target.denseBox = active;
+  } else if (!(phi->background() > 0)) {
+    throw DataError("the signed distance field '" + phi->getName() +
+                    "' is neither dense nor a narrow band: its background is " + shortText(phi->background()) +
+                    " and must be positive, the outside");
+  }
+  // What has no inside is refused before its tiles take memory as voxels. Without tiles, insideBox() sees it below.
+  if (!box && phi->tree().activeTileCount() > 0) insideNodeBox(*phi);
+  voxelizeActiveTiles(*phi);
+  target.box = box ? *box : insideBox(*phi);
+  target.phi = std::move(phi);
+  return target;
+}
+
+std::optional<BandGrowth> bandGrowth(const Target& target, double exteriorWidth, double interiorWidth,
+                                     Monitor& monitor) {
+  if (target.denseBox) return std::nullopt;
+  const FloatGrid::Ptr phi = target.phi;
+  const double voxel = phi->voxelSize()[0];
+  const double wanted = exteriorWidth + kExponentMargin * voxel, wantedInside = interiorWidth + kExponentMargin * voxel;
+  const bool widen = phi->background() < wanted * (1 - 1e-6);
+  const double known = -solidBeginsAt(*phi, monitor);
+  const bool deepen = known < wantedInside * (1 - 1e-6);
+  if (!deepen && !widen) return std::nullopt;
+  if (!phi->hasUniformVoxels())
+    throw DataError(
+        "the narrow band of '" + phi->getName() +
+        "' must be widened, which needs voxels of one size in all directions; resample it, or make it dense");
+  const double layers =
+      std::ceil(std::max(widen ? (wanted - phi->background()) / voxel : 0.0,
+                         deepen && std::isfinite(interiorWidth) ? (wantedInside - known) / voxel : 0.0));
+  // Not even a ball with a band of so many voxels would fit into a memory.
+  constexpr double kMostLayers = 8192;
+  if (!(layers <= kMostLayers))
+    throw DataError("the narrow band of '" + phi->getName() + "' would have to be " + std::to_string(layers) +
+                    " voxels wider; that is too much for voxels so small beside the whole");
+  // A little more rather than less.
+  constexpr int kSide = Leaf::DIM;
+  return BandGrowth{.leaves = (static_cast<int>(layers) + kSide - 1) / kSide,
+                    .wholeInside = deepen && !std::isfinite(interiorWidth)};
+}
+
+void growBand(Target& target, const BandGrowth& growth, Monitor& monitor) {
+  const FloatGrid::Ptr phi = target.phi;
+  monitor.begin("widening the band", 0);
+  // Distances about one surface need no second round of the eight directions.
+  constexpr int kSweeps = 1;
+  target.phi = extendSdf(*phi, *sweepingMask(*phi, growth), kSweeps);
+  // Sweeping touches the outermost of the values that it starts from; what was read stays what it was.
+  auto accessor = target.phi->getAccessor();
+  for (auto value = phi->cbeginValueOn(); value; ++value) accessor.setValue(value.getCoord(), *value);
+  monitor.throwIfCancelled();
+}
+
+void extendBand(Target& target, double exteriorWidth, double interiorWidth, Monitor& monitor) {
+  if (const std::optional<BandGrowth> growth = bandGrowth(target, exteriorWidth, interiorWidth, monitor))
+    growBand(target, *growth, monitor);
+}
+
+}  // namespace vdbtools

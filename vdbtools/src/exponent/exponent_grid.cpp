@@ -1,0 +1,387 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/exponent/exponent_grid.h"
+
+#include "base/elementary.h"
+#include "base/lattice_field.h"
+#include "distance/band_growth.h"
+#include "distance/cell_corners.h"
+#include "distance/leaves.h"
+#include "exponent/exponent_law.h"
+#include "vdbtools/base/grid_sampler.h"
+#include "vdbtools/base/number_text.h"
+
+#include "julia/detail.h"
+
+#include <openvdb/tools/SignedFloodFill.h>
+#include <openvdb/tree/ValueAccessor.h>
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+namespace vdbtools {
+namespace {
+
+using openvdb::Coord;
+using openvdb::CoordBBox;
+using openvdb::FloatGrid;
+using openvdb::FloatTree;
+using openvdb::Vec3d;
+using Leaf = FloatTree::LeafNodeType;
+
+using Accessor = openvdb::tree::ValueAccessor<const FloatTree>;
+
+// Bit z of a row along z, in a form that compilers vectorise.
+constexpr unsigned kBit[Leaf::DIM] = {1, 2, 4, 8, 16, 32, 64, 128};
+
+/// The largest |difference| between a leaf's nodes and their face neighbours behind, where both are active.
+float largestStepOf(const CellCorners& corners) {
+  constexpr unsigned kSide = CellCorners::kSide;
+  float most[kSide] = {};
+  for (unsigned x = 0; x < kSide; ++x)
+    for (unsigned y = 0; y < kSide; ++y) {
+      const float* const here = corners.row(x, y);
+      const unsigned on = corners.active(x, y);
+      const auto include = [&](const float* other, unsigned otherOn) {
+        const unsigned both = on & otherOn;
+        for (unsigned z = 0; z < kSide; ++z) {
+          const float step = both & kBit[z] ? std::abs(other[z] - here[z]) : 0;
+          most[z] = step > most[z] ? step : most[z];
+        }
+      };
+      include(corners.row(x + 1, y), corners.active(x + 1, y));
+      include(corners.row(x, y + 1), corners.active(x, y + 1));
+      include(here + 1, on >> 1);
+    }
+  return *std::max_element(most, most + kSide);
+}
+
+/// The largest value of an active node; -inf if there is none.
+float greatestOf(const Leaf& leaf) {
+  constexpr float kNone = -std::numeric_limits<float>::infinity();
+  float most[Leaf::DIM];
+  std::fill_n(most, Leaf::DIM, kNone);
+  for (openvdb::Index row = 0; row < Leaf::DIM * Leaf::DIM; ++row) {
+    const float* const values = leaf.buffer().data() + row * Leaf::DIM;
+    const unsigned on = activeInRow(leaf, row);
+    for (unsigned z = 0; z < Leaf::DIM; ++z) {
+      const float value = on & kBit[z] ? values[z] : kNone;
+      most[z] = value > most[z] ? value : most[z];
+    }
+  }
+  return *std::max_element(most, most + Leaf::DIM);
+}
+
+/// A bound of how much active face neighbours differ.
+double largestStep(const FloatTree& tree, Monitor& monitor) {
+  const std::vector<const Leaf*> leaves = leavesOf(tree);
+  tbb::enumerable_thread_specific<float> largest(0.0f);
+  forEachLeaf(leaves.size(), monitor, [&](std::size_t i) {
+    float& most = largest.local();
+    most = std::max(most, largestStepOf(CellCorners(*leaves[i], Accessor(tree))));
+  });
+  constexpr double kRounding = 1 + 1e-6;
+  return kRounding * *std::max_element(largest.begin(), largest.end());
+}
+
+/// How many steps between face neighbours lie between two nodes that one point's reading may use: three for the corners
+/// of a cell, three times that for the quadratic B-spline's wider reach.
+int stepsInReach(julia::Interpolation interpolation) {
+  return interpolation == julia::Interpolation::Quadratic ? 9 : 3;
+}
+
+/// E on the nodes of phi, and what is found out about it.
+class Baker {
+ public:
+  Baker(const Target& target, const FractalSpace& space, const ExponentGridOptions& options, Monitor& monitor)
+      : mSpace(space),
+        mOptions(options),
+        mLaw(options, space.scale, target.phi->voxelSize()[0]),
+        mMonitor(monitor),
+        mTransform(target.phi->transform()) {
+    const std::vector<const Leaf*> leaves = leavesOf(target.phi->tree());
+    mLeaves.resize(leaves.size());
+    monitor.begin("exponent", 2 * leaves.size());
+    try {
+      forEachLeaf(leaves.size(), monitor, [&](std::size_t i) { mLeaves[i] = bake(*leaves[i]); });
+    } catch (...) {
+      for (Leaf* leaf : mLeaves) delete leaf;
+      throw;
+    }
+    for (Leaf* leaf : mLeaves) mTree.addLeaf(leaf);
+  }
+
+  double largestStep() const { return vdbtools::largestStep(mTree, mMonitor); }
+  const ExponentLaw& law() const { return mLaw; }
+
+  /// How far the nodes of a leaf are from its middle at most, world units.
+  double leafRadius() const {
+    constexpr double kHalf = 0.5 * (Leaf::DIM - 1);
+    const Vec3d zero = mTransform.indexToWorld(Vec3d(0));
+    double most = 0;
+    for (const double y : {-kHalf, kHalf})
+      for (const double z : {-kHalf, kHalf})
+        most = std::max(most, (mTransform.indexToWorld(Vec3d(kHalf, y, z)) - zero).length());
+    return most;
+  }
+  /// Half a cell's diagonal, units of fractal space.
+  double radialStep() const { return mTransform.voxelSize().length() / mSpace.scale / 2; }
+  /// A node at distance d is read at points that come as near as d less a cell's diagonal, or one and a half for the
+  /// quadratic B-spline.
+  double radialReach() const {
+    return radialStep() * (mOptions.interpolation == julia::Interpolation::Quadratic ? 3 : 2);
+  }
+
+  /// m(r) of shell.h about @a origin, world units, from the nodes.
+  julia::RadialMaximum radialMaximum(const Vec3d& origin, double atOrigin) const {
+    constexpr double kNone = -std::numeric_limits<double>::infinity();
+    const double step = radialStep(), reach = radialReach();
+    const std::size_t count = static_cast<std::size_t>(std::ceil(1 / step));
+    // The ball that a distance from the origin, units of fractal space, belongs to. A hair of slack against rounding at
+    // a ball's edge.
+    const auto ballAt = [=](double distance) { return (distance - reach) / step - 1e-9; };
+    // Nearest leaves first: the others seldom hold more than what is nearer than they are.
+    const double radius = leafRadius();
+    std::vector<std::pair<double, std::size_t>> order(mLeaves.size());
+    for (std::size_t i = 0; i < mLeaves.size(); ++i) {
+      const Vec3d middle = mTransform.indexToWorld(mLeaves[i]->origin().asVec3d() + Vec3d(0.5 * (Leaf::DIM - 1)));
+      const double nearest = ballAt(((middle - origin).length() - radius) / mSpace.scale * (1 - 1e-6)) - 1;
+      order[i] = {std::max(0.0, nearest), i};
+    }
+    std::sort(order.begin(), order.end());
+    const std::vector<double> nothing(count, kNone);
+    tbb::enumerable_thread_specific<std::vector<double>> parts(nothing);
+    forEachLeaf(mLeaves.size(), mMonitor, [&](std::size_t i) {
+      const auto& [first, number] = order[i];
+      if (!(first < static_cast<double>(count))) return;
+      std::vector<double>& maximum = parts.local();
+      const auto known = maximum.begin() + static_cast<std::ptrdiff_t>(first);
+      const Leaf& leaf = *mLeaves[number];
+      if (static_cast<double>(greatestOf(leaf)) <= *std::max_element(maximum.begin(), known + 1)) return;
+      const Axes at(leaf.origin(), mTransform);
+      const float* values = leaf.buffer().data();
+      for (openvdb::Index row = 0; row < Leaf::SIZE; row += Leaf::DIM) {
+        double ball[Leaf::DIM];
+        const Vec3d base = (at.x[row / Leaf::DIM / Leaf::DIM] + at.y[row / Leaf::DIM % Leaf::DIM] - origin);
+        for (unsigned z = 0; z < Leaf::DIM; ++z) {
+          const double x = (base[0] + at.z[z][0]) / mSpace.scale, y = (base[1] + at.z[z][1]) / mSpace.scale,
+                       w = (base[2] + at.z[z][2]) / mSpace.scale;
+          ball[z] = ballAt(std::sqrt(x * x + y * y + w * w));
+        }
+        const unsigned on = activeInRow(leaf, row / Leaf::DIM);
+        for (unsigned z = 0; z < Leaf::DIM; ++z) {
+          if (!(on >> z & 1) || !(ball[z] < static_cast<double>(count))) continue;
+          double& most = maximum[static_cast<std::size_t>(std::max(0.0, ball[z]))];
+          most = std::max(most, static_cast<double>(values[row + z]));
+        }
+      }
+    });
+    julia::RadialMaximum result{step, nothing};
+    for (const std::vector<double>& part : parts)
+      for (std::size_t i = 0; i < count; ++i) result.maximum[i] = std::max(result.maximum[i], part[i]);
+    double running = atOrigin;
+    for (double& maximum : result.maximum) running = maximum = std::max(running, maximum);
+    return result;
+  }
+
+  /// From the place in the shell of detail to E.
+  void stretch(const julia::DetailLaw& law) {
+    forEachLeaf(mLeaves.size(), mMonitor, [&](std::size_t i) {
+      for (auto value = mLeaves[i]->beginValueOn(); value; ++value)
+        value.setValue(static_cast<float>(law.at(static_cast<double>(*value))));
+    });
+  }
+
+  /// The grid, what is farther outside the interval than any cell that touches it replaced by a constant.
+  FloatGrid::Ptr narrowed(const julia::ShellInterval& shell, double differenceInReach) {
+    const float outside = static_cast<float>(shell.upper + 1);
+    const bool hasLower = std::isfinite(shell.lower);
+    const float inside = hasLower ? static_cast<float>(shell.lower - 1) : -1.0f;
+    const double highest = shell.upper + differenceInReach,
+                 lowest = hasLower ? shell.lower - differenceInReach : -std::numeric_limits<double>::infinity();
+    std::vector<std::uint8_t> keeps(mLeaves.size());
+    forEachLeaf(mLeaves.size(), mMonitor, [&](std::size_t i) {
+      Leaf& leaf = *mLeaves[i];
+      float* values = leaf.buffer().data();
+      for (openvdb::Index row = 0; row < Leaf::DIM * Leaf::DIM; ++row) {
+        const unsigned on = activeInRow(leaf, row);
+        unsigned stays = 0;
+        for (unsigned z = 0; z < Leaf::DIM; ++z) {
+          float& value = values[row * Leaf::DIM + z];
+          const bool active = on >> z & 1, kept = active && value <= highest && value >= lowest;
+          stays |= static_cast<unsigned>(kept) << z;
+          if (!kept) value = (active ? value > highest : !(value < 0)) ? outside : inside;
+        }
+        leaf.getValueMask().getWord<openvdb::Byte>(row) = static_cast<openvdb::Byte>(stays);
+      }
+      keeps[i] = !leaf.isEmpty();
+    });
+    FloatGrid::Ptr grid = FloatGrid::create(outside);
+    grid->setTransform(mTransform.copy());
+    grid->setName("exponent");
+    for (std::size_t i = 0; i < mLeaves.size(); ++i)
+      if (keeps[i]) grid->tree().addLeaf(mTree.stealNode<Leaf>(mLeaves[i]->origin(), outside, false));
+    openvdb::tools::signedFloodFillWithValues(grid->tree(), outside, inside);
+    return grid;
+  }
+
+ private:
+  /// The world positions of a leaf's nodes, as sums of one part an axis; the first holds the offset.
+  struct Axes {
+    Axes(const Coord& origin, const openvdb::math::Transform& transform) {
+      const Vec3d zero = transform.indexToWorld(Vec3d(0));
+      for (int k = 0; k < static_cast<int>(Leaf::DIM); ++k) {
+        x[k] = transform.indexToWorld(Vec3d(origin[0] + k, 0, 0));
+        y[k] = transform.indexToWorld(Vec3d(0, origin[1] + k, 0)) - zero;
+        z[k] = transform.indexToWorld(Vec3d(0, 0, origin[2] + k)) - zero;
+      }
+    }
+    Vec3d x[Leaf::DIM], y[Leaf::DIM], z[Leaf::DIM];
+  };
+
+  /// What the law makes of phi. Inactive nodes keep a value of phi's sign.
+  Leaf* bake(const Leaf& phi) const {
+    auto leaf = std::make_unique<Leaf>(phi);
+    float* values = leaf->buffer().data();
+    if (mLaw.isUniform()) {
+      for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) values[i] = mLaw.uniform(values[i]);
+    } else {
+      std::vector<Vec3d> points;
+      std::vector<float> active;
+      points.reserve(leaf->onVoxelCount());
+      active.reserve(leaf->onVoxelCount());
+      for (auto value = leaf->cbeginValueOn(); value; ++value) {
+        points.push_back(mTransform.indexToWorld(value.getCoord()));
+        active.push_back(*value);
+      }
+      mLaw.apply(points, active);
+      std::size_t i = 0;
+      for (auto value = leaf->beginValueOn(); value; ++value, ++i) value.setValue(active[i]);
+    }
+    for (auto value = leaf->beginValueOff(); value; ++value)
+      value.setValue(phi.getValue(value.pos()) < 0 ? -1.0f : 1.0f);
+    return leaf.release();
+  }
+
+  FractalSpace mSpace;
+  const ExponentGridOptions& mOptions;
+  ExponentLaw mLaw;
+  Monitor& mMonitor;
+  const openvdb::math::Transform& mTransform;
+  FloatTree mTree{1.0f};
+  std::vector<Leaf*> mLeaves;  // mTree's
+};
+
+}  // namespace
+
+double exteriorReach(const ExponentGridOptions& options) {
+  const double least = options.alpha.range().first;
+  if (!(least > 0))
+    throw std::invalid_argument("alpha is " + shortText(least) + " somewhere; it must be above 0 everywhere");
+  return std::max(0.0, elementary::log(options.orbit.escapeRadius) / least + options.beta.range().second);
+}
+
+double interiorReach(const ExponentGridOptions& options, double depth) {
+  return std::max(0.0, depth / options.alpha.range().first - options.beta.range().first);
+}
+
+DetailReach detailReach(const ExponentGridOptions& options) {
+  const double tau = options.detail->greatestThickness * options.mask.range().second;
+  return {tau * options.detail->outward.range().second, tau * options.detail->detail.range().second};
+}
+
+namespace {
+
+/// Where a point of the world is in the field.
+enum class Place { Inside, Known, Outside, PastTheFaces };
+
+Place placeOf(const Target& target, const Vec3d& point) {
+  const Vec3d at = target.phi->worldToIndex(point);
+  // Past the faces of a dense field the nearest face's value holds; that is no farther from the origin than the point
+  // itself only where the box holds the origin.
+  if (target.denseBox &&
+      !openvdb::BBoxd(target.denseBox->min().asVec3d(), target.denseBox->max().asVec3d()).isInside(at))
+    return Place::PastTheFaces;
+  const Coord node = Coord::round(at);
+  if (target.phi->tree().isValueOn(node)) return Place::Known;
+  return target.phi->tree().getValue(node) < 0 ? Place::Inside : Place::Outside;
+}
+
+/// m(r) about a point. @param solid, outside  bounds of E where the distances end, inside and outside
+julia::RadialMaximum radialMaximumAbout(const Vec3d& origin, const Target& target, const Baker& baker, double solid,
+                                        double outside) {
+  const Place place = placeOf(target, origin);
+  if (place == Place::PastTheFaces) return {.step = 1, .maximum = {}};
+  return baker.radialMaximum(origin, place == Place::Outside ? outside : solid);
+}
+
+}  // namespace
+
+ExponentGrid exponentGrid(const Target& target, const FractalSpace& space, const ExponentGridOptions& options,
+                          Monitor& monitor) {
+  ExponentGrid result;
+  result.space = space;
+  result.interpolation = options.interpolation;
+  result.denseBox = target.denseBox;
+  Baker baker(target, space, options, monitor);
+  const ExponentLaw& law = baker.law();
+  const double logEscape = elementary::log(options.orbit.escapeRadius);
+  constexpr double kNowhere = -std::numeric_limits<double>::infinity();
+  // Where the distances end inside, E is at least as low as at their end.
+  const double solidPhi = target.denseBox ? kNowhere : solidBeginsAt(*target.phi, monitor);
+  double solid = solidPhi == kNowhere ? kNowhere : law.greatestInside(solidPhi);
+  julia::DetailLaw detail;
+  if (options.detail) {
+    const Vec3d& origin = options.detail->origin;
+    float surface = 0;
+    law.apply({&origin, 1}, {&surface, 1});
+    detail = julia::wantedLaw(radialMaximumAbout(origin, target, baker, solid, logEscape), static_cast<double>(surface),
+                              options.orbit.maxIterations, options.orbit.escapeRadius);
+    result.scale = detail.scale;
+    baker.stretch(detail);
+    solid = detail.at(solid);
+  }
+  const double largestStep = baker.largestStep();
+  const double difference = largestStep * stepsInReach(options.interpolation);
+  const julia::RadialMaximum maximum = radialMaximumAbout(space.centre, target, baker, solid, logEscape + 1);
+  result.shell = julia::shellInterval(maximum, options.orbit.maxIterations, options.orbit.escapeRadius);
+  result.orbit = options.orbit;
+  result.orbit.logTrap = result.shell.lower;
+  // Of the nodes that are read with a solid one, one lies next to it; all must be trapped.
+  if (options.detail && solidPhi != kNowhere) {
+    // What is steep elsewhere does not matter here.
+    const double near = (stepsInReach(options.interpolation) - 1) * vdbtools::largestStep(target.phi->tree(), monitor);
+    result.tooShallow = detail.at(law.greatestInside(solidPhi + near)) > result.shell.lower;
+  } else {
+    result.tooShallow = solid + difference > result.shell.lower + largestStep;
+  }
+  std::tie(result.alphaRange, result.betaRange) = law.ranges(result.scale);
+  result.grid = baker.narrowed(result.shell, difference);
+  return result;
+}
+
+template <class Real>
+std::shared_ptr<const julia::ScalarField<Real>> makeExponentField(const ExponentGrid& exponent) {
+  CoordBBox nodes = exponent.grid->evalActiveVoxelBoundingBox();
+  if (nodes.empty()) nodes = CoordBBox(Coord(0), Coord(0));
+  // A narrow band is surrounded by one value; with a rim of it, the nearest node is right everywhere beyond.
+  constexpr int kRim = 2;
+  if (exponent.denseBox)
+    nodes = *exponent.denseBox;
+  else
+    nodes.expand(kRim);
+  return makeLatticeField<Real>(*exponent.grid, nodes, exponent.space, exponent.interpolation);
+}
+
+template std::shared_ptr<const julia::ScalarField<float>> makeExponentField(const ExponentGrid&);
+template std::shared_ptr<const julia::ScalarField<double>> makeExponentField(const ExponentGrid&);
+
+}  // namespace vdbtools

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "exponent/exponent_law.h"
+#include "vdbtools/base/number_text.h"
+
+#include "base/elementary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace vdbtools {
+namespace {
+
+// The shell of detail is nowhere thinner than this, voxels of the target's distances: thinner ones would not be seen
+// between their nodes.
+constexpr double kLeastShell = 0.25;
+// This share of the shell is left free at either of its ends, so that what is promised of phi holds between the nodes
+// of E, too.
+constexpr double kEndOfShell = 0.02;
+
+// A control that is interpolated may leave its range by a rounding.
+constexpr double kRounding = 1e-5;
+
+double clamped(double share) { return std::clamp(share, 0.0, 1.0); }
+
+/// The range of a control that must be a share. @throw std::invalid_argument  it is not
+std::pair<double, double> shareRange(const Control& control, const std::string& name) {
+  const auto [least, most] = control.range();
+  if (least < -kRounding || most > 1 + kRounding)
+    throw std::invalid_argument(name + " is " + shortText(least < 0 ? least : most) +
+                                " somewhere; it must be from 0 to 1 everywhere");
+  return {clamped(least), clamped(most)};
+}
+
+}  // namespace
+
+ExponentLaw::ExponentLaw(const ExponentGridOptions& options, double scale, double voxel)
+    : mOptions(options), mScale(scale), mLeastShell(kLeastShell * voxel) {
+  const double mask = shareRange(options.mask, "the mask").second;
+  if (const std::optional<DetailOptions>& detail = options.detail) {
+    const double tau = detail->greatestThickness * mask;
+    mMostInward = std::max(tau * shareRange(detail->detail, "the detail").second, mLeastShell);
+    mMostShell = mMostInward + std::max(tau * shareRange(detail->outward, "the outward reach").second, mLeastShell);
+    return;
+  }
+  exteriorReach(options);  // its checks
+  if (options.mask.constant() != 1.0) return;
+  mAlpha = options.alpha.constant();
+  mBeta = options.beta.constant();
+}
+
+void ExponentLaw::apply(std::span<const openvdb::Vec3d> points, std::span<float> values) const {
+  const std::size_t n = points.size();
+  const std::optional<DetailOptions>& detail = mOptions.detail;
+  std::vector<double> mask(n), first(n), second(n);
+  mOptions.mask.sample(points, mask);
+  (detail ? detail->detail : mOptions.alpha).sample(points, first);
+  (detail ? detail->outward : mOptions.beta).sample(points, second);
+  for (double& m : mask) m = clamped(m);
+  if (!detail) {
+    for (std::size_t i = 0; i < n; ++i) {
+      // With a mask of 0 the shell is as thin as its distances can show.
+      const double m = std::max(mask[i], std::min(1.0, mLeastShell / mScale * first[i]));
+      values[i] = static_cast<float>(first[i] / m * (values[i] / mScale - second[i] * mask[i]));
+    }
+    return;
+  }
+  std::vector<double> tau(n);
+  detail->thickness.sample(points, tau);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double outward = clamped(second[i]), sum = clamped(first[i]) + outward;
+    // Where neither reach is wanted, what is left of the shell lies on both sides.
+    const double outside = sum > 0 ? (outward / sum - kEndOfShell) / (1 - 2 * kEndOfShell) : 0.5;
+    const double h = std::max(mask[i] * sum * (1 - 2 * kEndOfShell) * tau[i], mLeastShell);
+    values[i] = static_cast<float>(values[i] / h - outside);
+  }
+}
+
+double ExponentLaw::greatestInside(double phi) const {
+  if (mOptions.detail) {
+    // w = -1 - (|phi| - m D tau) / h
+    const double beyond = -phi - mMostInward;
+    return beyond >= 0 ? -1 - beyond / mMostShell : -1 - beyond / mLeastShell;
+  }
+  const auto [leastMask, mostMask] = shareRange(mOptions.mask, "the mask");
+  const double beta = mOptions.beta.range().first, moved = phi / mScale - std::min(beta * leastMask, beta * mostMask);
+  const auto [least, most] = mOptions.alpha.range();
+  // The mask makes alpha larger, up to where the shell is thinnest.
+  const double steepest = leastMask == 1 ? most : std::max(most, mScale / mLeastShell);
+  return moved < 0 ? least * moved : steepest * moved;
+}
+
+std::pair<std::pair<double, double>, std::pair<double, double>> ExponentLaw::ranges(std::optional<double> scale) const {
+  if (!scale) return {mOptions.alpha.range(), mOptions.beta.range()};
+  // E = (scale / h) (phi - (O / (D + O) - ln(escape) / scale) h)
+  const DetailOptions& detail = *mOptions.detail;
+  const auto [leastD, mostD] = shareRange(detail.detail, "the detail");
+  const auto [leastO, mostO] = shareRange(detail.outward, "the outward reach");
+  const double leastH = std::max(
+      shareRange(mOptions.mask, "the mask").first * (leastD + leastO) * detail.thickness.range().first, mLeastShell);
+  const double leastShare = leastO + mostD > 0 ? leastO / (leastO + mostD) : 0,
+               mostShare = mostO + leastD > 0 ? mostO / (mostO + leastD) : 1;
+  const auto beta = [&](double share) {
+    return (share - elementary::log(mOptions.orbit.escapeRadius) / *scale) * mMostShell / mScale;
+  };
+  // Where all shells have one width, rounding may turn the two around.
+  return {std::minmax({*scale * mScale / mMostShell, *scale * mScale / leastH}),
+          std::minmax({beta(leastShare), beta(mostShare)})};
+}
+
+}  // namespace vdbtools

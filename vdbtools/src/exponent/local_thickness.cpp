@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/exponent/local_thickness.h"
+
+#include "base/in_parallel.h"
+#include "vdbtools/distance/fit_space.h"
+
+#include <openvdb/tools/Dense.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace vdbtools {
+namespace {
+
+using openvdb::Coord;
+using openvdb::CoordBBox;
+using openvdb::FloatGrid;
+
+/// A dense lattice of floats, z fastest.
+struct Lattice {
+  explicit Lattice(const CoordBBox& nodes, float value)
+      : box(nodes), size(nodes.dim()), values(nodes.volume(), value) {}
+
+  std::size_t index(int x, int y, int z) const {
+    return (static_cast<std::size_t>(x) * static_cast<std::size_t>(size[1]) + static_cast<std::size_t>(y)) *
+               static_cast<std::size_t>(size[2]) +
+           static_cast<std::size_t>(z);
+  }
+  bool holds(int x, int y, int z) const {
+    return x >= 0 && y >= 0 && z >= 0 && x < size[0] && y < size[1] && z < size[2];
+  }
+
+  CoordBBox box;
+  Coord size;
+  std::vector<float> values;
+};
+
+/// One of the 13 lines through a node and its neighbours.
+struct Line {
+  int x, y, z;
+  float length;
+};
+std::vector<Line> linesOfNeighbours() {
+  std::vector<Line> lines;
+  for (int i = 14; i < 27; ++i) {
+    const int x = i / 9 - 1, y = i / 3 % 3 - 1, z = i % 3 - 1;
+    lines.push_back({x, y, z, std::sqrt(static_cast<float>(x * x + y * y + z * z))});
+  }
+  return lines;
+}
+
+struct Ball {
+  int x, y, z;
+  float radius;  ///< voxels
+};
+
+/// A bound of the radius of a ball about the point that is @a t of a line's steps from a node: it sticks out of the
+/// target nowhere near the node. Behind a convex edge the slopes say more, as the distance is not linear there.
+float largestBallAt(const Lattice& depth, const Coord& node, const Line& line, float t) {
+  constexpr int kAround = 2;
+  float radius = std::numeric_limits<float>::infinity();
+  for (int x = -kAround; x <= kAround; ++x)
+    for (int y = -kAround; y <= kAround; ++y)
+      for (int z = -kAround; z <= kAround; ++z) {
+        if (!depth.holds(node[0] + x, node[1] + y, node[2] + z)) continue;
+        const float dx = static_cast<float>(x) - t * static_cast<float>(line.x),
+                    dy = static_cast<float>(y) - t * static_cast<float>(line.y),
+                    dz = static_cast<float>(z) - t * static_cast<float>(line.z);
+        radius = std::min(radius, depth.values[depth.index(node[0] + x, node[1] + y, node[2] + z)] +
+                                      std::sqrt(dx * dx + dy * dy + dz * dz));
+      }
+  return radius;
+}
+
+/// The balls that no ball about a neighbour contains: those about the nodes of the medial axis. A ball's radius is the
+/// depth at the ridge itself, which runs between the nodes: along a line across the ridge the depth rises with one
+/// slope and falls with another, and where the two meet is the ridge. In a wall one voxel thick, too, the slopes are
+/// there to be read, as phi goes on beyond the surface.
+std::vector<Ball> ridgeBalls(const Lattice& depth, Monitor& monitor) {
+  // A ball that sticks out by less than this counts as contained, voxels.
+  constexpr float kSlack = 0.1f;
+  // Slopes below this share of a voxel a voxel do not say where they meet.
+  constexpr float kLeastSlope = 0.3f;
+  static const std::vector<Line> lines = linesOfNeighbours();
+  const Coord size = depth.size;
+  std::vector<std::vector<Ball>> layers(static_cast<std::size_t>(size[0]));
+  inParallel(layers.size(), 1, monitor, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t layer = begin; layer != end; ++layer) {
+      const int x = static_cast<int>(layer);
+      for (int y = 0; y < size[1]; ++y)
+        for (int z = 0; z < size[2]; ++z) {
+          const float here = depth.values[depth.index(x, y, z)];
+          if (!(here > 0)) continue;
+          const auto at = [&](const Line& line, int steps) {
+            const int i = x + steps * line.x, j = y + steps * line.y, k = z + steps * line.z;
+            return depth.holds(i, j, k) ? depth.values[depth.index(i, j, k)] : -std::numeric_limits<float>::infinity();
+          };
+          float radius = here;
+          bool contained = false;
+          for (const Line& line : lines) {
+            const float before = at(line, -1), after = at(line, 1);
+            if (std::max(before, after) >= here + line.length - kSlack) {
+              contained = true;
+              break;
+            }
+            const float rise = before - at(line, -2), fall = after - at(line, 2);
+            if (!(rise > kLeastSlope * line.length && fall > kLeastSlope * line.length)) continue;
+            if (!std::isfinite(rise) || !std::isfinite(fall)) continue;
+            // before + rise (t + 1) = after - fall (t - 1)
+            const float t = (after + fall - before - rise) / (rise + fall);
+            if (!(std::abs(t) <= 1)) continue;
+            const float found = before + rise * (t + 1);
+            if (found > radius) radius = std::max(radius, std::min(found, largestBallAt(depth, {x, y, z}, line, t)));
+          }
+          if (!contained) layers[layer].push_back({x, y, z, radius});
+        }
+    }
+  });
+  std::vector<Ball> balls;
+  for (const std::vector<Ball>& layer : layers) balls.insert(balls.end(), layer.begin(), layer.end());
+  return balls;
+}
+
+/// At each node the largest radius of the balls that hold it; a ball holds the nodes within half a voxel of it, too.
+Lattice paint(const Lattice& depth, const std::vector<Ball>& balls, Monitor& monitor) {
+  Lattice tau(depth.box, 0);
+  inParallel(static_cast<std::size_t>(depth.size[0]), 1, monitor, [&](std::size_t begin, std::size_t end) {
+    for (const Ball& ball : balls) {
+      const float reach = ball.radius + 0.5f;
+      const int r = static_cast<int>(reach);
+      const int first = std::max(static_cast<int>(begin), ball.x - r),
+                last = std::min(static_cast<int>(end) - 1, ball.x + r);
+      for (int x = first; x <= last; ++x) {
+        const float dx = static_cast<float>(x - ball.x);
+        const float restX = reach * reach - dx * dx;
+        if (restX < 0) continue;
+        const int ry = static_cast<int>(std::sqrt(restX));
+        for (int y = std::max(0, ball.y - ry); y <= std::min(depth.size[1] - 1, ball.y + ry); ++y) {
+          const float dy = static_cast<float>(y - ball.y);
+          const int rz = static_cast<int>(std::sqrt(restX - dy * dy));
+          const int low = std::max(0, ball.z - rz), high = std::min(depth.size[2] - 1, ball.z + rz);
+          float* row = &tau.values[tau.index(x, y, 0)];
+          for (int z = low; z <= high; ++z) row[z] = std::max(row[z], ball.radius);
+        }
+      }
+    }
+  });
+  return tau;
+}
+
+/// Near the surface of a part that holds no node: kLeastThickness.
+void markThinParts(const Lattice& depth, Lattice& tau) {
+  // No farther than this from a node, there is a surface in one of its cells.
+  constexpr float kNear = 0.87f;  // half a cell's diagonal
+  const Coord size = depth.size;
+  for (int x = 1; x < size[0] - 1; ++x)
+    for (int y = 1; y < size[1] - 1; ++y)
+      for (int z = 1; z < size[2] - 1; ++z) {
+        const std::size_t here = depth.index(x, y, z);
+        if (depth.values[here] > 0 || depth.values[here] < -kNear) continue;
+        bool besideInside = false;
+        for (int i = 0; i < 27 && !besideInside; ++i)
+          besideInside = depth.values[depth.index(x + i / 9 - 1, y + i / 3 % 3 - 1, z + i % 3 - 1)] > 0;
+        if (!besideInside) tau.values[here] = static_cast<float>(kLeastThickness);
+      }
+}
+
+/// Calls body(here, neighbour, distance) for each node and its 26 neighbours, in two sweeps through the lattice: what
+/// is handed from neighbour to neighbour gets everywhere.
+template <class Body>
+void sweep(const Lattice& lattice, const Body& body) {
+  static const std::vector<Line> lines = linesOfNeighbours();
+  const Coord size = lattice.size;
+  for (const int direction : {-1, 1}) {
+    const auto order = [&](int i, int n) { return direction < 0 ? i : n - 1 - i; };
+    for (int i = 0; i < size[0]; ++i)
+      for (int j = 0; j < size[1]; ++j)
+        for (int k = 0; k < size[2]; ++k) {
+          const int x = order(i, size[0]), y = order(j, size[1]), z = order(k, size[2]);
+          for (const Line& line : lines) {
+            const int a = x + direction * line.x, b = y + direction * line.y, c = z + direction * line.z;
+            if (lattice.holds(a, b, c)) body(lattice.index(x, y, z), lattice.index(a, b, c), line.length);
+          }
+        }
+  }
+}
+
+/// Nodes where tau is infinite get that of the nearest one where it is not.
+void extend(Lattice& tau) {
+  Lattice distance(tau.box, 0);
+  for (std::size_t i = 0; i < tau.values.size(); ++i)
+    if (!std::isfinite(tau.values[i])) distance.values[i] = std::numeric_limits<float>::infinity();
+  sweep(tau, [&](std::size_t here, std::size_t neighbour, float length) {
+    const float through = distance.values[neighbour] + length;
+    if (!(through < distance.values[here])) return;
+    distance.values[here] = through;
+    tau.values[here] = tau.values[neighbour];
+  });
+}
+
+/// tau(x) <- the least of tau(y) + slope |x - y| over all nodes y, along steps between neighbours.
+void limitSlope(Lattice& tau, float slope) {
+  sweep(tau, [&](std::size_t here, std::size_t neighbour, float length) {
+    tau.values[here] = std::min(tau.values[here], tau.values[neighbour] + slope * length);
+  });
+}
+
+/// The mean over 3 nodes along each axis, which rounds the creases that the limit leaves.
+void smooth(Lattice& tau, Monitor& monitor) {
+  const Coord size = tau.size;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Lattice from = tau;
+    inParallel(static_cast<std::size_t>(size[0]), 4, monitor, [&](std::size_t begin, std::size_t end) {
+      for (int x = static_cast<int>(begin); x < static_cast<int>(end); ++x)
+        for (int y = 0; y < size[1]; ++y)
+          for (int z = 0; z < size[2]; ++z) {
+            int before[3] = {x, y, z}, after[3] = {x, y, z};
+            before[axis] = std::max(before[axis] - 1, 0);
+            after[axis] = std::min(after[axis] + 1, size[axis] - 1);
+            const std::size_t here = from.index(x, y, z);
+            tau.values[here] =
+                0.5f * from.values[here] + 0.25f * (from.values[from.index(before[0], before[1], before[2])] +
+                                                    from.values[from.index(after[0], after[1], after[2])]);
+          }
+    });
+  }
+}
+
+}  // namespace
+
+double thicknessSlope(double detail) {
+  constexpr double kDepthSlope = 0.16;
+  return std::min(kThicknessSlope, kDepthSlope / std::max(detail, kDepthSlope));
+}
+
+struct ThicknessFinder::Found {
+  CoordBBox nodes;
+  double voxel = 0;    ///< world units
+  Lattice depth, tau;  ///< voxels; tau is not limited yet
+  openvdb::math::Transform::Ptr transform;
+};
+
+ThicknessFinder::ThicknessFinder(const FloatGrid& phi, Monitor& monitor) {
+  const double voxel = phi.voxelSize()[0];
+  CoordBBox nodes = insideNodeBox(phi);
+  // Slopes are read two nodes beyond the inside, and what is read farther away is the nearest face's value.
+  constexpr int kMargin = 5;
+  nodes.expand(kMargin);
+  monitor.begin("local thickness", 0);
+  Lattice depth(nodes, 0);
+  {
+    // Dense in OpenVDB's own order, z fastest.
+    openvdb::tools::Dense<float> dense(nodes, depth.values.data());
+    openvdb::tools::copyToDense(phi, dense);
+  }
+  for (float& value : depth.values) value = static_cast<float>(-value / voxel);
+  const std::vector<Ball> balls = ridgeBalls(depth, monitor);
+  Lattice tau = paint(depth, balls, monitor);
+  for (std::size_t i = 0; i < tau.values.size(); ++i) {
+    // Outside, and where no ball reaches, the neighbours decide.
+    tau.values[i] = depth.values[i] > 0 && tau.values[i] > 0
+                        ? std::max(tau.values[i], static_cast<float>(kLeastThickness))
+                        : std::numeric_limits<float>::infinity();
+  }
+  markThinParts(depth, tau);
+  extend(tau);
+  mFound = std::make_shared<const Found>(Found{nodes, voxel, std::move(depth), std::move(tau), phi.transform().copy()});
+}
+
+LocalThickness ThicknessFinder::limitedTo(double slope, Monitor& monitor) const {
+  const double voxel = mFound->voxel;
+  const Lattice& depth = mFound->depth;
+  Lattice tau = mFound->tau;
+  limitSlope(tau, static_cast<float>(slope));
+  monitor.throwIfCancelled();
+  smooth(tau, monitor);
+  float least = std::numeric_limits<float>::infinity(), greatest = 0, leastAnywhere = least;
+  for (std::size_t i = 0; i < tau.values.size(); ++i) {
+    tau.values[i] *= static_cast<float>(voxel);
+    leastAnywhere = std::min(leastAnywhere, tau.values[i]);
+    if (!(depth.values[i] > 0)) continue;
+    least = std::min(least, tau.values[i]);
+    greatest = std::max(greatest, tau.values[i]);
+  }
+  // Nothing outside is thicker than the inside.
+  for (float& value : tau.values) value = std::min(value, greatest);
+  LocalThickness result;
+  result.least = least;
+  result.greatest = greatest;
+  result.leastAnywhere = leastAnywhere;
+  result.tau = FloatGrid::create(greatest);
+  result.tau->setTransform(mFound->transform->copy());
+  result.tau->setName("tau");
+  // A tolerance of -1 keeps every node active.
+  openvdb::tools::copyFromDense(openvdb::tools::Dense<float>(mFound->nodes, tau.values.data()), *result.tau, -1.0f);
+  return result;
+}
+
+LocalThickness localThickness(const FloatGrid& phi, Monitor& monitor, double slope) {
+  return ThicknessFinder(phi, monitor).limitedTo(slope, monitor);
+}
+
+}  // namespace vdbtools

@@ -1,9 +1,0 @@
-// SPDX-License-Identifier: Apache-2.0
-#define JULIA_FLOATS 4
-#include "mesh/kernels/triangle_bodies.h"
-
-namespace vdbtools::kernels {
-
-const Kernels kPortable = {nearest, collect, resolve};
-
-}  // namespace vdbtools::kernels

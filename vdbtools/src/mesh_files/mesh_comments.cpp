@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mesh_files/mesh_comments.h"
+
+#include "mesh_files/mesh_encoder.h"
+#include "vdbtools/base/utf8.h"
+
+namespace vdbtools {
+
+std::map<std::string, std::string> readMeshComments(std::istream& stream, const std::string& extension) {
+  std::map<std::string, std::string> comments;
+  if (extension != ".ply" && extension != ".obj") return comments;
+  const std::string prefix = (extension == ".ply" ? "comment " : "# ") + std::string(kCommentMark);
+  bool first = true;
+  for (std::string line; std::getline(stream, line);) {
+    if (first) line = withoutByteOrderMark(line);
+    first = false;
+    // The comments stand at the head of the file: magic and format before them, geometry after.
+    if (line.rfind(prefix, 0) == 0) {
+      const std::size_t space = line.find(' ', prefix.size());
+      if (space != std::string::npos)
+        comments[line.substr(prefix.size(), space - prefix.size())] = line.substr(space + 1);
+    } else if (line.rfind("ply", 0) != 0 && line.rfind("format", 0) != 0) {
+      break;
+    }
+  }
+  return comments;
+}
+
+}  // namespace vdbtools

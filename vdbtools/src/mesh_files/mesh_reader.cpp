@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/mesh_files/mesh_reader.h"
+#include "mesh_files/format_readers.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/files/file_bytes.h"
+#include "vdbtools/mesh/mesh.h"
+#include "vdbtools/mesh_files/point_cloud.h"
+
+#include <string>
+
+namespace vdbtools {
+namespace {
+
+std::string contentsOf(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status)) throw MissingInputError(path.string() + ": no such file; check its name");
+  if (!std::filesystem::is_regular_file(status)) {
+    throw MissingInputError(path.string() + ": this is " +
+                            (std::filesystem::is_directory(status) ? "a folder" : "not an ordinary file") +
+                            "; name a mesh file");
+  }
+  return readWholeFile(path);
+}
+
+/// With triangles or without.
+Mesh readAny(const std::filesystem::path& path) {
+  const std::string contents = contentsOf(path);
+  const std::string extension = lowerExtension(path);
+  const auto reader = extension == ".obj"                           ? readObj
+                      : extension == ".off"                         ? readOff
+                      : extension == ".ply"                         ? readPly
+                      : extension == ".stl"                         ? readStl
+                      : extension == ".glb" || extension == ".gltf" ? readGltf
+                                                                    : nullptr;
+  if (!reader) {
+    throw DataError(path.string() + ": the format '" + extension +
+                    "' cannot be read; name a file that ends in .obj, .ply, .stl, .off, .glb or .gltf");
+  }
+  if (contents.empty()) throw DataError(path.string() + ": the file is empty (0 bytes); export the mesh again");
+
+  Mesh mesh = reader(path, contents);
+  if (reader == readStl || reader == readGltf) mesh = weldMesh(mesh);
+  return mesh;
+}
+
+}  // namespace
+
+Mesh readMesh(const std::filesystem::path& path) {
+  Mesh mesh = readAny(path);
+  if (mesh.triangles.empty()) {
+    const std::string points = path.string() + ": it has " + std::to_string(mesh.points.size()) + " points, ";
+    if (mesh.points.empty()) throw DataError(points + "and no triangle; export the mesh again");
+    throw DataError(points + "but no triangle; export the mesh with its faces, or give the points a radius",
+                    Remedy::GivePointsRadius);
+  }
+  return mesh;
+}
+
+Mesh readPoints(const std::filesystem::path& path) {
+  Mesh mesh = asPoints(readAny(path));
+  if (mesh.points.empty()) throw DataError(path.string() + ": there is no point in it; export the points again");
+  return mesh;
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/mesh_files/mesh_writer.h"
+
+#include "mesh_files/gltf_file.h"
+#include "mesh_files/mesh_comments.h"
+#include "mesh_files/mesh_encoder.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/files/file_bytes.h"
+
+#include <algorithm>
+#include <fstream>
+#include <stdexcept>
+#include <vector>
+
+namespace vdbtools {
+namespace {
+
+using openvdb::Vec3d;
+using openvdb::Vec3I;
+using openvdb::Vec3s;
+
+void requireFits(const PointBatch& batch, std::size_t rowLength) {
+  const std::size_t points = batch.positions.size(), normals = batch.normals.size(), values = batch.values.size();
+  if (normals != 0 && normals != points)
+    throw std::logic_error(std::to_string(normals) + " normals were given for " + std::to_string(points) + " points");
+  if (values != points * rowLength)
+    throw std::logic_error(std::to_string(values) + " values were given for " + std::to_string(points) +
+                           " points, each of which has " + std::to_string(rowLength));
+}
+
+/// Triangles use points from @a first to before @a end.
+void requirePoints(std::span<const Vec3I> triangles, std::uint64_t first, std::uint64_t end) {
+  for (const Vec3I& triangle : triangles)
+    for (int k = 0; k < 3; ++k)
+      if (triangle[k] < first || triangle[k] >= end)
+        throw std::logic_error("a triangle uses point " + std::to_string(triangle[k]) + ", which is not from " +
+                               std::to_string(first) + " to before " + std::to_string(end));
+}
+
+/// Batches in the axes of the file, one at a time.
+class BatchTurner {
+ public:
+  explicit BatchTurner(const UpTurn& turn) : mTurn(turn) {}
+
+  /// Lives until the next call.
+  PointBatch operator()(const PointBatch& batch) {
+    if (!mTurn.turns()) return batch;
+    mPositions.assign(batch.positions.begin(), batch.positions.end());
+    mNormals.assign(batch.normals.begin(), batch.normals.end());
+    for (Vec3d& position : mPositions) position = mTurn(position);
+    for (Vec3s& normal : mNormals) normal = mTurn(normal);
+    return {mPositions, mNormals, batch.values};
+  }
+
+ private:
+  UpTurn mTurn;
+  std::vector<Vec3d> mPositions;
+  std::vector<Vec3s> mNormals;
+};
+
+}  // namespace
+
+MeshFormat meshFormat(const std::filesystem::path& path) {
+  const std::string extension = lowerExtension(path);
+  if (extension == ".ply") return MeshFormat::Ply;
+  if (extension == ".obj") return MeshFormat::Obj;
+  if (extension == ".stl") return MeshFormat::Stl;
+  if (extension == ".glb") return MeshFormat::Glb;
+  throw std::invalid_argument("'" + path.string() + "' is not a mesh format that can be written; use one of " +
+                              kMeshExtensions);
+}
+
+std::vector<std::string> columnsLeftOut(MeshFormat format, std::span<const VertexColumn> columns) {
+  std::vector<std::string> names;
+  for (const VertexColumn& column : columns) {
+    const bool fitsObj = column.kind == ColumnKind::LinearRgb || column.kind == ColumnKind::TextureCoordinate;
+    if (format == MeshFormat::Stl || (format == MeshFormat::Obj && !fitsObj)) names.push_back(column.name);
+  }
+  return names;
+}
+
+std::vector<MeshLevel> writeMesh(std::ostream& stream, const Mesh& mesh, const MeshWriteOptions& options,
+                                 std::span<const float> values) {
+  requirePoints(mesh.triangles, 0, mesh.points.size());
+  MeshWriteOptions complete = options;
+  if (!complete.box) {
+    complete.box.emplace();
+    for (const Vec3d& point : mesh.points) complete.box->expand(point);
+  }
+  MeshEncoder encoder(complete);
+  BatchTurner turner(options.turn);
+  const PointBatch points = turner({mesh.points, mesh.normals, values});
+  requireFits(points, encoder.rowLength());
+  encoder.setNormals(!mesh.normals.empty());
+  encoder.survey(points);
+  encoder.survey(mesh.triangles);
+  encoder.finishSurvey();
+  const std::uint64_t triangles = encoder.countOf(mesh.triangles, points.positions, 0);
+  encoder.requireCounts(mesh.points.size(), triangles);
+  stream << encoder.header(mesh.points.size(), triangles);
+  MeshPart whole(stream);
+  encoder.encodePoints(points, whole);
+  encoder.encodeCoordinates(points, whole);
+  encoder.encodeNormals(points, whole);
+  encoder.encodeTriangles(mesh.triangles, points.positions, 0, whole);
+  encoder.encodeLevels(whole);
+  whole.finish();
+  return encoder.levels();
+}
+
+struct MeshStreamWriter::State {
+  State(std::ostream& target, const std::filesystem::path& folder, const MeshWriteOptions& options)
+      : stream(target),
+        encoder(options),
+        turner(options.turn),
+        seekable(stream.tellp() != std::ostream::pos_type(-1)),
+        points(stream,
+               scratch(folder, !seekable && (options.format == MeshFormat::Ply || options.format == MeshFormat::Glb))),
+        coordinates(stream, scratch(folder, options.format == MeshFormat::Obj)),
+        normals(stream, scratch(folder, options.format == MeshFormat::Obj)),
+        triangles(stream, scratch(folder, options.format != MeshFormat::Stl || !seekable)) {}
+
+  static std::unique_ptr<ScratchFile> scratch(const std::filesystem::path& folder, bool needed) {
+    return needed ? std::make_unique<ScratchFile>(folder) : nullptr;
+  }
+
+  /// Runs one call of the writer. Once a call has thrown, the mesh cannot be completed any more.
+  template <class Act>
+  void run(const Act& act) {
+    if (!usable) throw std::logic_error("a mesh writer was used after it was finished, or after an error");
+    usable = false;
+    act();
+    if (!stream) throw IoError("writing a mesh broke off, because its stream takes no more; is the disk full?");
+    usable = true;
+  }
+
+  /// What stands before the points, or room for it.
+  void begin(bool withNormals) {
+    encoder.setNormals(withNormals);
+    const std::string header = encoder.header(0, 0);
+    if (!encoder.headerHasCounts()) {
+      stream << header;
+    } else if (seekable) {
+      start = stream.tellp();
+      stream << std::string(header.size(), ' ');  // no header at all, lest it pass for an empty mesh
+    }
+  }
+
+  void finish() {
+    if (pointCount == 0) begin(false);
+    encoder.finishSurvey();
+    encoder.encodeLevels(triangles);
+    encoder.requireCounts(pointCount, triangleCount);
+    const std::string header = encoder.header(pointCount, triangleCount);
+    if (encoder.headerHasCounts() && !seekable) stream << header;
+    points.finish();
+    coordinates.finish();
+    normals.finish();
+    triangles.finish();
+    if (!encoder.headerHasCounts() || !seekable) return;
+    const std::ostream::pos_type end = stream.tellp();
+    stream.seekp(start) << header;
+    stream.seekp(end);
+  }
+
+  /// Drops the points that no triangle will use, once they are so many that moving the others costs no more.
+  void trimWindow() {
+    const std::uint64_t unused = std::min(firstPoint, pointCount) - windowStart;
+    if (2 * unused < window.size()) return;
+    window.erase(window.begin(), window.begin() + static_cast<std::ptrdiff_t>(unused));
+    windowStart += unused;
+  }
+
+  std::ostream& stream;
+  MeshEncoder encoder;
+  BatchTurner turner;
+  bool seekable;
+  MeshPart points, coordinates, normals, triangles;
+  std::ostream::pos_type start = 0;  ///< of the header
+  std::uint64_t pointCount = 0, triangleCount = 0, firstPoint = 0;
+  std::vector<Vec3d> window;  ///< points from windowStart on, for STL
+  std::uint64_t windowStart = 0;
+  bool usable = true;
+};
+
+MeshStreamWriter::MeshStreamWriter(std::ostream& stream, const std::filesystem::path& scratchFolder,
+                                   const MeshWriteOptions& options)
+    : mState(std::make_unique<State>(stream, scratchFolder, options)) {}
+
+MeshStreamWriter::~MeshStreamWriter() = default;
+
+void MeshStreamWriter::addPoints(const PointBatch& unturned) {
+  State& s = *mState;
+  s.run([&] {
+    requireFits(unturned, s.encoder.rowLength());
+    if (unturned.positions.empty()) return;
+    const PointBatch batch = s.turner(unturned);
+    s.encoder.requireCounts(s.pointCount + batch.positions.size(), s.triangleCount);
+    if (s.pointCount == 0) s.begin(!batch.normals.empty());
+    if (s.encoder.hasNormals() == batch.normals.empty())
+      throw std::logic_error("some points of a mesh were given with normals, and some without");
+    s.encoder.survey(batch);
+    s.encoder.encodePoints(batch, s.points);
+    s.encoder.encodeCoordinates(batch, s.coordinates);
+    s.encoder.encodeNormals(batch, s.normals);
+    s.pointCount += batch.positions.size();
+    if (s.encoder.format() == MeshFormat::Stl)
+      s.window.insert(s.window.end(), batch.positions.begin(), batch.positions.end());
+  });
+}
+
+void MeshStreamWriter::addTriangles(std::span<const Vec3I> triangles, std::uint64_t firstPoint) {
+  State& s = *mState;
+  s.run([&] {
+    // Before any of them is looked at, so those count too that will be left out.
+    s.encoder.requireCounts(s.pointCount, s.triangleCount + triangles.size());
+    s.firstPoint = std::max(s.firstPoint, firstPoint);
+    requirePoints(triangles, s.firstPoint, s.pointCount);
+    s.encoder.survey(triangles);
+    s.encoder.encodeTriangles(triangles, s.window, s.windowStart, s.triangles);
+    s.triangleCount += s.encoder.countOf(triangles, s.window, s.windowStart);
+    if (s.encoder.format() == MeshFormat::Stl) s.trimWindow();
+  });
+}
+
+void MeshStreamWriter::finish() {
+  mState->run([&] { mState->finish(); });
+  mState->usable = false;
+}
+
+const std::vector<MeshLevel>& MeshStreamWriter::levels() const { return mState->encoder.levels(); }
+
+std::map<std::string, std::string> readMeshComments(const std::filesystem::path& path) {
+  std::ifstream file = openToRead(path);
+  const std::string extension = lowerExtension(path);
+  if (extension == ".glb") return readGltfExtras(path);
+  std::map<std::string, std::string> comments = readMeshComments(file, extension);
+  if (file.bad()) throw IoError("reading '" + path.string() + "' broke off");
+  return comments;
+}
+
+}  // namespace vdbtools

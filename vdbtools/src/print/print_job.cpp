@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/print/print_job.h"
+
+#include "base/disjoint_sets.h"
+#include "distance/mesh_conversion.h"
+#include "repair/solid_input.h"
+#include "surface/part_shape.h"
+#include "surface/part_thickness.h"
+#include "vdbtools/base/number_text.h"
+#include "vdbtools/decimation/adaptive_mesh.h"
+#include "vdbtools/surface/extract_mesh.h"
+#include "vdbtools/surface/grid_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace vdbtools {
+namespace {
+
+using openvdb::Vec3d;
+using openvdb::Vec3I;
+
+constexpr std::uint64_t kUsualResolution = 400;
+
+void requireOptions(const PrintOptions& options) {
+  const auto refuse = [](const char* what, double value, const char* wanted) {
+    throw std::invalid_argument(std::string("a ") + what + " of " + shortText(value) +
+                                " mm cannot be made; it must be " + wanted);
+  };
+  const auto positive = [](double value) { return value > 0 && std::isfinite(value); };
+  if (!positive(options.size) || options.size > 1e5) refuse("size", options.size, "above 0 and at most 100000 mm");
+  if (options.minThickness && !(positive(*options.minThickness) && *options.minThickness <= options.size / 4))
+    refuse("least thickness", *options.minThickness, "above 0 and at most a quarter of the size");
+  if (options.flatBase && !(positive(*options.flatBase) && *options.flatBase < options.size))
+    refuse("flat base", *options.flatBase, "above 0 and less than the size");
+  if (!(options.tolerance >= 0 && std::isfinite(options.tolerance)))
+    refuse("tolerance", options.tolerance, "0 or above");
+  if (options.islands == 0) throw std::invalid_argument("0 islands cannot be printed; keep 1 or more");
+}
+
+openvdb::BBoxd boxOf(const Mesh& mesh) {
+  openvdb::BBoxd box;
+  for (const Vec3d& point : mesh.points) box.expand(point);
+  return box;
+}
+
+/// The surfaces of a closed mesh that its points connect.
+struct Shells {
+  std::vector<std::uint32_t> ofTriangle;
+  std::vector<double> volumes;  ///< negative: the surface of a cavity
+};
+
+Shells shellsOf(const Mesh& mesh) {
+  constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  DisjointSets<std::uint32_t> sets(mesh.points.size());
+  for (const Vec3I& t : mesh.triangles) {
+    sets.join(t[0], t[1]);
+    sets.join(t[1], t[2]);
+  }
+  Shells shells;
+  std::vector<std::uint32_t> numbers(mesh.points.size(), kNone);
+  const Vec3d origin = mesh.points.front();  // near the triangles, so that little is lost to rounding
+  for (const Vec3I& t : mesh.triangles) {
+    std::uint32_t& number = numbers[sets.find(t[0])];
+    if (number == kNone) {
+      number = static_cast<std::uint32_t>(shells.volumes.size());
+      shells.volumes.push_back(0);
+    }
+    shells.ofTriangle.push_back(number);
+    shells.volumes[number] +=
+        (mesh.points[t[0]] - origin).dot((mesh.points[t[1]] - origin).cross(mesh.points[t[2]] - origin)) / 6;
+  }
+  return shells;
+}
+
+/// The triangles for which @a keep(triangle) holds, and their points.
+template <class Keep>
+Mesh partOf(const Mesh& mesh, const Keep& keep) {
+  constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  std::vector<std::uint32_t> numbers(mesh.points.size(), kNone);
+  Mesh part;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (!keep(i)) continue;
+    Vec3I triangle = mesh.triangles[i];
+    for (int c = 0; c < 3; ++c) {
+      std::uint32_t& number = numbers[triangle[c]];
+      if (number == kNone) {
+        number = static_cast<std::uint32_t>(part.points.size());
+        part.points.push_back(mesh.points[triangle[c]]);
+      }
+      triangle[c] = number;
+    }
+    part.triangles.push_back(triangle);
+  }
+  return part;
+}
+
+/// Keeps the largest islands and fills the cavities in them. @param report  whether what is dropped is told
+Mesh keepIslands(const Mesh& mesh, std::uint64_t count, PrintedPart* report) {
+  const Shells shells = shellsOf(mesh);
+  std::vector<std::uint32_t> order;
+  double all = 0, cavities = 0;
+  std::uint64_t cavityCount = 0;
+  for (std::size_t i = 0; i < shells.volumes.size(); ++i) {
+    if (shells.volumes[i] > 0) {
+      order.push_back(static_cast<std::uint32_t>(i));
+      all += shells.volumes[i];
+    } else {
+      ++cavityCount;
+      cavities -= shells.volumes[i];
+    }
+  }
+  if (order.empty()) throw DataError("the mesh encloses no volume; are its triangles turned inside out?");
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return shells.volumes[a] != shells.volumes[b] ? shells.volumes[a] > shells.volumes[b] : a < b;
+  });
+  std::vector<char> kept(shells.volumes.size(), 0);
+  double keptVolume = 0;
+  for (std::size_t i = 0; i < std::min<std::size_t>(order.size(), count); ++i) {
+    kept[order[i]] = 1;
+    keptVolume += shells.volumes[order[i]];
+  }
+  if (report) {
+    report->islands = order.size();
+    report->droppedShare = 1 - keptVolume / all;
+    report->cavities = cavityCount;
+    report->cavityShare = cavities / all;
+  }
+  return partOf(mesh, [&](std::size_t i) { return kept[shells.ofTriangle[i]] != 0; });
+}
+
+/// @throw as openSolid()
+MeshReport checkedReport(const Mesh& mesh) {
+  return openSolid("the mesh", std::shared_ptr<const Mesh>(std::shared_ptr<const Mesh>(), &mesh), {}).report;
+}
+
+/// On its feet: what points up points along z, and the middle of its base is at 0.
+void stand(Mesh& mesh) {
+  const openvdb::BBoxd box = boxOf(mesh);
+  const Vec3d middle = box.getCenter(), base(middle[0], middle[1], box.min()[2]);
+  for (Vec3d& point : mesh.points) point -= base;
+}
+
+void scaleTo(Mesh& mesh, double size) {
+  const double scale = size / longestSide(boxOf(mesh));
+  for (Vec3d& point : mesh.points) point *= scale;
+}
+
+/// The solid with thin parts made thick or taken off, and its base cut. @param solid  with normals
+Mesh shaped(const Mesh& solid, const PrintOptions& options, double voxel, double thickness, PrintedPart& part,
+            Monitor& monitor) {
+  openvdb::FloatGrid::Ptr grid = partLevelSet(solid, voxel, monitor);
+  std::optional<double> floor;
+  if (options.flatBase) {
+    const openvdb::BBoxd box = boxOf(solid);
+    floor = box.min()[2] + *options.flatBase;
+    if (*floor > box.max()[2] - voxel)
+      throw std::invalid_argument("a flat base of " + shortText(*options.flatBase) +
+                                  " mm cuts off all of the part, which is " + shortText(box.extents()[2]) +
+                                  " mm high; cut off less, or make the part larger");
+    cutBelow(*grid, *floor, monitor);
+  }
+  if (thickness > 0) {
+    if (options.thin == ThinParts::Thicken) {
+      part.thinPoints = thicken(*grid, solid, thickness, floor, monitor);
+      // What is added may itself be thin where balls meet the solid at a slant.
+      constexpr int kMostPasses = 3;
+      bool changed = part.thinPoints > 0;
+      for (int pass = 1; pass < kMostPasses && changed; ++pass) {
+        Mesh now = meshOfLevelSet(*grid, monitor);
+        computeNormals(now);
+        changed = thicken(*grid, now, thickness, floor, monitor) > 0;
+      }
+    } else if (floor) {
+      dropThin(*grid, meshOfLevelSet(*grid, monitor), thickness, monitor);
+    } else {
+      dropThin(*grid, solid, thickness, monitor);
+    }
+  }
+  return keepIslands(meshOfLevelSet(*grid, monitor), options.islands, nullptr);
+}
+
+std::uint64_t resolutionOf(const PrintOptions& options) {
+  if (options.resolution > 0) return options.resolution;
+  constexpr double kVoxelsAcross = 5, kLeast = 250, kMost = 600;
+  const double wanted = options.minThickness ? kVoxelsAcross * options.size / *options.minThickness : kLeast;
+  return static_cast<std::uint64_t>(std::ceil(std::clamp(wanted, kLeast, kMost)));
+}
+
+/// The area of what faces down at z = 0.
+double baseAreaOf(const Mesh& mesh, double near) {
+  double area = 0;
+  for (const Vec3I& t : mesh.triangles) {
+    const Vec3d &a = mesh.points[t[0]], &b = mesh.points[t[1]], &c = mesh.points[t[2]];
+    if (std::max({a[2], b[2], c[2]}) <= near) area += std::abs((b - a).cross(c - a)[2]) / 2;
+  }
+  return area;
+}
+
+}  // namespace
+
+Mesh closedMesh(const Mesh& mesh, std::uint64_t resolution, bool repair, Monitor& monitor) {
+  openvdb::initialize();
+  const MeshReport report = checkedReport(mesh);
+  if (!repair && report.closed()) return mesh;
+  const double voxel = longestSide(report.box) / static_cast<double>(resolution > 0 ? resolution : kUsualResolution);
+  const MeshSdf sdf = makeSdf(mesh, sdfBand(voxel, kPartBand, kPartBand), {.repair = repair}, monitor);
+  return meshOfLevelSet(*sdf.grid, monitor);
+}
+
+PrintedPart printedPart(const Mesh& mesh, const PrintOptions& options, Monitor& monitor) {
+  requireOptions(options);
+  openvdb::initialize();
+  const MeshReport report = checkedReport(mesh);
+  if (!report.closed())
+    throw DataError("the mesh is not closed: " +
+                    std::to_string(report.openEdges + report.nonManifoldEdges + report.misorientedEdges) +
+                    " of its edges are not shared by two triangles of one orientation");
+  PrintedPart part;
+  monitor.begin("islands", 0);
+  Mesh upright = mesh;
+  if (report.volume < 0)
+    for (Vec3I& t : upright.triangles) std::swap(t[1], t[2]);
+  const UpTurn turn(options.up, UpAxis::Z);
+  for (Vec3d& point : upright.points) point = turn(point);
+  Mesh solid = keepIslands(upright, options.islands, &part);
+  stand(solid);
+  const double given = longestSide(boxOf(solid));
+  if (!(given > 0)) throw DataError("the mesh has no extent");
+  scaleTo(solid, options.size);
+  computeNormals(solid);
+
+  double scale = options.size / given;
+  // Nested surfaces of several islands may lie in filled cavities of each other; the lattice unites them.
+  const bool nested = options.islands > 1 && part.cavities > 0;
+  if (options.minThickness || options.flatBase || nested) {
+    part.voxelSize = options.size / static_cast<double>(resolutionOf(options));
+    // What is added and cut off changes the size; the part is made again until it has the one that is wanted.
+    constexpr int kMostTries = 4;
+    constexpr double kNearEnough = 0.002;
+    // Room for the last, small change of the size, and for the lattice.
+    const double thickness = options.minThickness ? *options.minThickness * (1 + 2 * kNearEnough) : 0;
+    Mesh made;
+    double change = 1;
+    for (int attempt = 0; attempt < kMostTries; ++attempt) {
+      Mesh next = shaped(solid, options, part.voxelSize, thickness, part, monitor);
+      const double needed = options.size / longestSide(boxOf(next));
+      if (change > 1 + kNearEnough && needed < 1 - kNearEnough) {
+        // What is thin at one size is thick at the next, so no size is right by itself. The smaller part is enlarged,
+        // which makes nothing thinner.
+        scale /= change;
+        break;
+      }
+      made = std::move(next);
+      change = needed;
+      if (std::abs(change - 1) < kNearEnough || attempt + 1 == kMostTries) break;
+      for (Vec3d& point : solid.points) point *= change;
+      scale *= change;
+    }
+    scale *= options.size / longestSide(boxOf(made));
+    solid = std::move(made);
+    stand(solid);
+    scaleTo(solid, options.size);
+  }
+  part.scale = scale;
+  if (options.tolerance > 0) {
+    const AdaptedMesh adapted = adaptedMesh(solid, options.tolerance, monitor);
+    Mesh coarse;
+    for (const std::uint32_t point : adapted.points) coarse.points.push_back(solid.points[point]);
+    coarse.triangles = adapted.triangles;
+    solid = std::move(coarse);
+    stand(solid);
+  }
+  part.extents = boxOf(solid).extents();
+  const std::vector<double> volumes = shellsOf(solid).volumes;
+  part.volume = std::accumulate(volumes.begin(), volumes.end(), 0.);
+  part.kept = volumes.size();
+  const double voxel = part.voxelSize > 0 ? part.voxelSize : options.size / 1000;
+  part.baseArea = baseAreaOf(solid, voxel / 100);
+
+  monitor.begin("thickness", 0);
+  computeNormals(solid);
+  constexpr std::size_t kMostPlaces = 20000;
+  const double asked = options.minThickness.value_or(1.0);
+  const ThinPlaces found = findThinPlaces(solid, asked, kThicknessRounding, kMostPlaces, monitor);
+  part.places = found.places;
+  part.thinPlaces = found.thin;
+  part.thinnest = found.thinnest;
+  solid.normals.clear();
+  part.mesh = std::move(solid);
+  return part;
+}
+
+}  // namespace vdbtools

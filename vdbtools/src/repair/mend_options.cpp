@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/repair/mend_options.h"
+
+#include "vdbtools/formats/vdb_file.h"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace vdbtools {
+namespace {
+
+constexpr const char* kWays[] = {"solidify", "thicken", "points-radius"};
+
+/// "DEPTH" or "AXIS:DEPTH".
+SolidifyOptions parseSolidify(const RecipeReader& reader) {
+  const char* const kName = "solidify";
+  const std::string text = reader.text(kName);
+  const std::vector<std::string> parts = split(text, ':');
+  SolidifyOptions options;
+  if (parts.size() == 2) {
+    options.up = parts[0] == "x" ? 0 : parts[0] == "y" ? 1 : parts[0] == "z" ? 2 : -1;
+    if (*options.up < 0) reader.refuse(kName, "DEPTH, or the axis that is up and DEPTH, as in z:0.5");
+  }
+  const std::optional<double> depth = numberFromText(parts.back());
+  if (parts.size() > 2 || !depth || !std::isfinite(*depth) || !(*depth > 0))
+    reader.refuse(kName, "a depth above 0, or the axis that is up and a depth, as in z:0.5");
+  options.depth = *depth;
+  return options;
+}
+
+}  // namespace
+
+std::vector<OptionSpec> mendOptionSpecs() {
+  std::vector<OptionSpec> options = {
+      {.name = "repair",
+       .help = "close holes and gaps of an open mesh or a triangle soup: loops of open edges are capped, and what they "
+               "leave open is spanned"},
+      {.name = "repair-gap",
+       .argument = "W",
+       .defaultValue = "0",
+       .help = "close gaps up to this width, in the mesh's units, and cap nothing else; 0 caps loops, and uses the "
+               "smallest width that closes the mesh where that is not enough"},
+      {.name = "solidify",
+       .argument = "[x|y|z:]DEPTH",
+       .help = "make a block of open terrain: walls go from its open edges straight down to a flat base, DEPTH below "
+               "its lowest point in the mesh's units. The axis that is up is found, or given as in z:0.5"},
+      {.name = "thicken",
+       .argument = "W",
+       .help = "make a plate of a sheet: everything within half of W from the mesh, in its units"},
+      {.name = "points-radius",
+       .argument = "R",
+       .help = "make a solid of a cloud of points: everything within R of a point of the file, in its units; faces are "
+               "not used"},
+  };
+  for (OptionSpec& option : options) option.idle = idleWithoutMesh;
+  options[1].idle = idleByAny({idleWithoutMesh, idleWithoutFlag("repair")});
+  return options;
+}
+
+MendOptions parseMendOptions(const RecipeReader& reader) {
+  MendOptions options{.repair = reader.flag("repair"), .gap = reader.notNegative("repair-gap")};
+  const char* first = nullptr;
+  for (const char* way : kWays) {
+    if (!reader.has(way)) continue;
+    if (first)
+      throw std::invalid_argument("--" + std::string(first) + " and --" + way +
+                                  " both make a solid of the mesh; give only one of them");
+    first = way;
+  }
+  if (reader.has("solidify")) options.solidify = parseSolidify(reader);
+  if (reader.has("thicken")) options.thicken = reader.positive("thicken");
+  if (reader.has("points-radius")) options.pointsRadius = reader.positive("points-radius");
+  return options;
+}
+
+std::string idleWithoutMesh(const OptionRun& run) {
+  const std::string input = run.text("input");
+  if (input.empty()) return "it is for a mesh as the target, and there is no target; leave it out";
+  if (!isVdbPath(input)) return {};
+  return "it is for a mesh as the target, and the distances of a VDB are used as they are; leave it out, or give the "
+         "mesh instead of '" +
+         input + "'";
+}
+
+std::string mendText(const MendOptions& options) {
+  std::string text;
+  if (options.repair) text += numbersText({options.gap});
+  if (options.solidify)
+    text +=
+        " solidify " + std::to_string(options.solidify->up.value_or(-1)) + ' ' + numbersText({options.solidify->depth});
+  if (options.thicken > 0) text += " thicken " + numbersText({options.thicken});
+  if (options.pointsRadius > 0) text += " points " + numbersText({options.pointsRadius});
+  return text;
+}
+
+}  // namespace vdbtools

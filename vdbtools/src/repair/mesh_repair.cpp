@@ -1,0 +1,356 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A ball of the gap's width rolls over the outside of the mesh. What it cannot reach is closed (the morphological
+/// closing of the mesh); where its envelope bridges a hole, the envelope becomes part of the mesh, a lid. meshToSdf's
+/// own conversion then makes the field, so that it is the mesh's true distance field wherever the mesh was whole. The
+/// ball also bridges grooves that are too narrow for it. Such an envelope touches no open edge, so it is not a lid, and
+/// it is left out unless the mesh leaks without it.
+#include "vdbtools/repair/mesh_repair.h"
+#include "base/disjoint_sets.h"
+#include "distance/distance_band.h"
+#include "distance/hole_caps.h"
+#include "distance/level_surface.h"
+#include "distance/mesh_conversion.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/base/number_text.h"
+
+#include <openvdb/tools/Interpolation.h>
+#include <openvdb/tools/LevelSetUtil.h>
+#include <openvdb/tools/SignedFloodFill.h>
+#include <openvdb/tree/LeafManager.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+namespace vdbtools {
+namespace {
+
+using openvdb::BoolTree;
+using openvdb::FloatGrid;
+using openvdb::FloatTree;
+using openvdb::Vec3d;
+using openvdb::Vec3I;
+
+/// A wide gap is closed on a coarser lattice with this many nodes across it; on the grid's own lattice the bands would
+/// take too much time and memory. If the resulting lids do not fit their rims closely enough, the lattice is refined.
+constexpr double kNodesAcrossGap = 4;
+constexpr double kMostLatticeNodes = 2e8;
+
+/// By how much the gap grows when nothing was enclosed.
+constexpr double kGapGrowth = 1.5;
+
+/// Lattice units: an envelope nearer to the mesh than this is the mesh itself, seen through the lattice's error.
+constexpr double kTouching = 0.75;
+
+/// Lattice units kept on the far side of every offset: a cell's diagonal, and what tells a wall from an inner one.
+constexpr double kMargin = 2.5;
+
+/// Lattice units: an open sheet is its own closing, and the lattice's error about it must not pass for an inside.
+constexpr double kNoInside = 0.5;
+
+constexpr std::size_t kSamples = 20000;
+
+/// The share of the surface that may bound nothing. Up to the first, all is well. Up to the second, the next wider gap
+/// is tried too: a ball that barely fits a hole dents it deeply, and may touch the other side. More is a leak.
+constexpr double kLostWell = 0.01;
+constexpr double kLostAtMost = 0.05;
+
+/// On the lattice, which may be coarser than the grid, only a clear verdict counts.
+constexpr double kLostClearly = 0.5;
+
+constexpr float kTiny = 1e-3F;  ///< lattice units; what an enclosed node is inside by, at least
+
+/// The lattice: node (i, j, k) lies at middle + spacing (i, j, k). About the mesh's own middle, because OpenVDB's
+/// mesher gives its points in single precision.
+struct Lattice {
+  Vec3d middle;
+  double spacing = 0;
+
+  Vec3d toLattice(const Vec3d& world) const { return (world - middle) / spacing; }
+  Vec3d toWorld(const Vec3d& p) const { return middle + p * spacing; }
+};
+
+/// The ball's centres: from the distance to the mesh, negative where the ball cannot be.
+/// @param distance  unsigned; is changed
+void floodFromOutside(FloatGrid& distance, double radius) {
+  const openvdb::BoolGrid::Ptr enclosed = openvdb::tools::extractEnclosedRegion(distance, static_cast<float>(radius));
+  const BoolTree& mask = enclosed->constTree();
+  openvdb::tree::LeafManager<FloatTree> leaves(distance.tree());
+  leaves.foreach ([&mask, radius](FloatTree::LeafNodeType& leaf, std::size_t) {
+    const openvdb::tree::ValueAccessor<const BoolTree> inside(mask);
+    for (auto it = leaf.beginValueAll(); it; ++it) {
+      const float offset = *it - static_cast<float>(radius);
+      // A pocket that the flood did not reach is inside, however far from the mesh.
+      const bool closed = inside.getValue(it.getCoord()) || offset <= 0;
+      it.setValue(closed ? -std::max(std::abs(offset), kTiny) : offset);
+    }
+  });
+  distance.tree().root().setBackground(distance.background() - static_cast<float>(radius), true);
+  openvdb::tools::signedFloodFill(distance.tree());
+  distance.setGridClass(openvdb::GRID_LEVEL_SET);
+}
+
+/// @return for each triangle, whether one of its edges is open
+std::vector<bool> findOpenTriangles(const Mesh& mesh) {
+  std::vector<bool> open(mesh.triangles.size(), false);
+  for (const OpenEdge& edge : openEdges(mesh)) open[edge.triangle] = true;
+  return open;
+}
+
+/// The envelope where it parts from the mesh, and one ring of triangles more, laid onto the mesh, so that no crack
+/// remains between the two.
+struct Lids {
+  LevelSurface surface;      ///< lattice coordinates
+  std::vector<bool> atEdge;  ///< for each triangle: its piece touches an open edge of the mesh
+};
+
+Lids findLids(LevelSurface envelope, const TriangleTree& mesh, const std::vector<bool>& open) {
+  std::vector<char> parts(envelope.points.size(), 0);  // from the mesh
+  std::vector<char> atEdge(envelope.points.size(), 0);
+  for (std::size_t p = 0; p < envelope.points.size(); ++p) {
+    const auto nearest = mesh.nearest(envelope.points[p], kTouching);
+    parts[p] = !nearest;
+    if (parts[p]) continue;
+    envelope.points[p] = nearest->point;
+    atEdge[p] = open[nearest->triangle];
+  }
+  std::vector<char> ring(envelope.points.size(), 0);  // a corner of a triangle that parts
+  for (const Vec3I& t : envelope.triangles) {
+    if (parts[t[0]] || parts[t[1]] || parts[t[2]]) ring[t[0]] = ring[t[1]] = ring[t[2]] = 1;
+  }
+  Lids lids;
+  DisjointSets<std::uint32_t> pieces(envelope.points.size());
+  for (const Vec3I& t : envelope.triangles) {
+    if (!ring[t[0]] && !ring[t[1]] && !ring[t[2]]) continue;
+    lids.surface.triangles.push_back(t);
+    pieces.join(t[0], t[1]);
+    pieces.join(t[1], t[2]);
+  }
+  std::vector<char> pieceAtEdge(envelope.points.size(), 0);
+  for (const Vec3I& t : lids.surface.triangles) {
+    for (int c = 0; c < 3; ++c) {
+      if (ring[t[c]] && atEdge[t[c]]) pieceAtEdge[pieces.find(t[c])] = 1;
+    }
+  }
+  for (const Vec3I& t : lids.surface.triangles) lids.atEdge.push_back(pieceAtEdge[pieces.find(t[0])] != 0);
+  lids.surface.points = std::move(envelope.points);
+  return lids;
+}
+
+/// The result of one width of gap.
+struct Closing {
+  Lattice lattice;
+  double radius = 0;     ///< of the ball, lattice units
+  FloatGrid::Ptr field;  ///< signed distance to the ball's centres' region, lattice units; -radius where it ends
+  Lids lids;
+  double lost = 1;  ///< the share of the mesh that bounds nothing in it
+};
+
+Closing closeGaps(const Mesh& mesh, const MeshReport& report, const std::vector<bool>& open, double spacing, double gap,
+                  Monitor& monitor) {
+  const std::string phase = "closing gaps of " + shortText(gap);
+  Closing closing;
+  Lattice& lattice = closing.lattice;
+  lattice.middle = report.box.getCenter();
+  lattice.spacing = spacing;
+  // Half a node more than half the gap: the flood goes from node to node, and could step through a narrower one.
+  closing.radius = 0.5 * gap / lattice.spacing + 0.5;
+  const double radius = closing.radius;
+
+  LevelSurface local;
+  local.points.reserve(mesh.points.size());
+  for (const Vec3d& p : mesh.points) local.points.push_back(lattice.toLattice(p));
+  local.triangles = mesh.triangles;
+
+  const TriangleTree tree(local.points, local.triangles);
+  const FloatGrid::Ptr distance = unsignedDistances(tree, static_cast<float>(radius + kMargin), phase, monitor);
+  floodFromOutside(*distance, radius);
+  const LevelSurface reached = levelSurface(*distance, 0);
+  // Back by the same amount: the closed region begins where the distance from the ball's centres exceeds its radius.
+  closing.field = signedDistances(TriangleTree(reached.points, reached.triangles), kMargin,
+                                  static_cast<float>(radius + kMargin), phase, monitor);
+  closing.lids = findLids(levelSurface(*closing.field, -radius), tree, open);
+  monitor.throwIfCancelled();
+
+  closing.lost = lostShare(*closing.field, sampleSurface(local.points, local.triangles, kSamples),
+                           static_cast<float>(-radius - kNoInside));
+  return closing;
+}
+
+/// The mesh, weldMesh()ed, and its lids as one surface in index space.
+LevelSurface withLids(const Mesh& mesh, const Closing& closing, double voxelSize, bool all) {
+  LevelSurface surface{toIndexSpace(mesh.points, voxelSize), mesh.triangles};
+  const auto first = static_cast<std::uint32_t>(surface.points.size());
+  for (const Vec3d& p : closing.lids.surface.points) surface.points.push_back(closing.lattice.toWorld(p) / voxelSize);
+  for (std::size_t n = 0; n < closing.lids.surface.triangles.size(); ++n) {
+    if (!all && !closing.lids.atEdge[n]) continue;
+    const Vec3I& t = closing.lids.surface.triangles[n];
+    surface.triangles.emplace_back(t[0] + first, t[1] + first, t[2] + first);
+  }
+  return surface;
+}
+
+/// Signed distances to the surface of a field. Near the surface they are read off the field; farther away they are
+/// those to the surface itself, so that they do not depend on how wide the field's band is.
+class SurfaceDistance {
+ public:
+  SurfaceDistance(const FloatGrid& grid, const MeshToSdfOptions& options)
+      : mGrid(grid), mPhi(grid.getConstAccessor()), mVoxel(options.voxelSize) {
+    // Where less than this is read, all the corners of the cell lie within any band of kExponentMargin voxels or more.
+    constexpr double kNear = 5;
+    constexpr double kKnown = 0.99;  // of a band that is narrower
+    mNear = std::min(kNear, kKnown * std::min(options.exteriorBandWidth, options.interiorBandWidth)) * mVoxel;
+  }
+
+  /// @param p  world units
+  double at(const Vec3d& p) {
+    const double value{openvdb::tools::BoxSampler::sample(mPhi, p / mVoxel)};
+    if (std::abs(value) < mNear) return value;
+    if (!mTree) {
+      mSurface = levelSurface(mGrid, 0);
+      mTree = std::make_unique<const TriangleTree>(mSurface.points, mSurface.triangles);
+    }
+    const auto nearest = mTree->nearest(p, std::numeric_limits<double>::max());
+    return std::copysign(nearest ? nearest->distance : value, value);
+  }
+
+ private:
+  const FloatGrid& mGrid;
+  FloatGrid::ConstAccessor mPhi;
+  double mVoxel, mNear = 0;  ///< world units
+  LevelSurface mSurface;     ///< world units; made when it is first needed
+  std::unique_ptr<const TriangleTree> mTree;
+};
+
+/// See RepairedSdf::moved.
+double howFarMoved(const FloatGrid& grid, const Closing& closing, double gap, const Mesh& mesh,
+                   const MeshToSdfOptions& options) {
+  SurfaceDistance distance(grid, options);
+  const FloatGrid::ConstAccessor closed = closing.field->getConstAccessor();
+  using openvdb::tools::BoxSampler;
+  // The field ends kMargin beyond the ball's reach.
+  const double innerWall = std::min(gap / 2 / closing.lattice.spacing, 0.9 * kMargin);
+  double moved = 0;
+  const auto look = [&](const Vec3d& p) {
+    const double depth = -BoxSampler::sample(closed, closing.lattice.toLattice(p)) - closing.radius;
+    if (depth > innerWall) return;
+    moved = std::max(moved, std::abs(distance.at(p)));
+  };
+  for (const Vec3I& t : mesh.triangles) {
+    for (int c = 0; c < 3; ++c) look(mesh.points[t[c]]);
+    look((mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]) / 3.0);
+  }
+  return moved;
+}
+
+/// How far the surface lies outside of the field's, at most, where the mesh itself was converted: what remains are
+/// parts that bound nothing.
+double howFarLeftOut(const FloatGrid& grid, const Mesh& mesh, const MeshToSdfOptions& options) {
+  SurfaceDistance distance(grid, options);
+  double moved = 0;
+  const auto look = [&](const Vec3d& p) { moved = std::max(moved, distance.at(p)); };
+  for (const Vec3I& t : mesh.triangles) {
+    for (int c = 0; c < 3; ++c) look(mesh.points[t[c]]);
+    look((mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]) / 3.0);
+  }
+  return moved;
+}
+
+/// The share of the mesh that even the widest gap leaves open. A wider ball encloses what a narrower one does, so the
+/// narrower ones need not be tried. On a coarse lattice, which takes a moment.
+double lostAtBest(const Mesh& welded, const MeshReport& report, const std::vector<bool>& open, double voxelSize,
+                  double widest, double longest, Monitor& monitor) {
+  constexpr double kNodesAlong = 96;
+  const double spacing = std::max(voxelSize, longest / kNodesAlong);
+  return closeGaps(welded, report, open, spacing, widest, monitor).lost;
+}
+
+}  // namespace
+
+RepairedSdf repairedMeshToSdf(const Mesh& mesh, const MeshToSdfOptions& options, const RepairOptions& repair,
+                              Monitor& monitor) {
+  const MeshReport given = reportMesh(mesh);
+  checkOptions(given, options);
+  const double h = options.voxelSize;
+  const Vec3d sides = given.box.extents();
+  const double longest = std::max({sides[0], sides[1], sides[2]});
+  if (!(repair.gap >= 0) || repair.gap > longest) {
+    throw std::invalid_argument("the gap " + shortText(repair.gap) +
+                                " is not between 0 and the longest side of the mesh, " + shortText(longest));
+  }
+  const Mesh welded = weldMesh(mesh);
+  const MeshReport report = reportMesh(welded);
+  const std::vector<bool> open = findOpenTriangles(welded);
+  const std::vector<SurfaceSample> samples = sampleSurface(toIndexSpace(welded.points, h), welded.triangles, kSamples);
+
+  RepairedSdf best;
+  double bestLost = 1;
+  const double widest = repair.gap > 0 ? repair.gap : std::max(longest / 4, 2 * h);
+  const auto tryCaps = [&](const CappedMesh& capped) {
+    std::size_t united = 0;
+    const FloatGrid::Ptr grid =
+        convert(toIndexSpace(capped.mesh.points, h), capped.mesh.triangles, options, monitor, &united);
+    const double lost = insideNodes(*grid) > 0 ? lostShare(*grid, samples) : 1;
+    if (lost >= bestLost) return;
+    best = {grid, howFarLeftOut(*grid, welded, options), capped.widest, capped.caps, united};
+    bestLost = lost;
+  };
+  bool sheetsOnly = false, hasGaps = false;
+  if (repair.gap == 0 && report.openEdges > 0) {
+    const CappedMesh capped = capHoles(welded);
+    if (capped.caps > 0) tryCaps(capped);
+    if (bestLost <= kLostWell) return best;
+    hasGaps = capped.gaps > 0;
+    sheetsOnly = capped.sheetsOnly;
+    // Sheets that do not close up still have pockets that the ball cannot reach.
+    constexpr double kLostOfSheets = 0.25;
+    if ((sheetsOnly && report.components == 1) ||
+        (bestLost > kLostAtMost &&
+         lostAtBest(welded, report, open, h, widest, longest, monitor) > (sheetsOnly ? kLostOfSheets : kLostClearly)))
+      throw DataError("the mesh encloses nothing that closing its holes could complete (" +
+                          std::to_string(report.components) + (report.components == 1 ? " part, " : " parts, ") +
+                          std::to_string(report.openEdges) + " open edges): it is terrain, a sheet, or thinner than " +
+                          "the voxels, and has to be given a thickness",
+                      Remedy::SolidifySheet);
+  }
+  double gap = repair.gap > 0 ? repair.gap : 2 * h;
+  for (;;) {
+    const bool wasGood = best.grid && bestLost <= kLostAtMost;
+    double spacing = std::max(h, gap / kNodesAcrossGap);
+    bool isClosed = false;
+    while (!isClosed) {
+      const Closing closing = closeGaps(welded, report, open, spacing, gap, monitor);
+      if (closing.lost > kLostClearly) break;
+      for (const bool all : {false, true}) {
+        const LevelSurface surface = withLids(welded, closing, h, all);
+        std::size_t united = 0;
+        const FloatGrid::Ptr grid = convert(surface.points, surface.triangles, options, monitor, &united);
+        const double lost = insideNodes(*grid) > 0 ? lostShare(*grid, samples) : 1;
+        if (lost < bestLost) {
+          best = {grid, howFarMoved(*grid, closing, gap, welded, options), gap, 0, united};
+          bestLost = lost;
+        }
+        isClosed = lost <= kLostAtMost;
+        if (isClosed) break;
+      }
+      if (spacing <= h) break;
+      spacing = std::max(h, spacing / 2);
+      const double nodes = report.area / (spacing * spacing) * (gap / spacing + 2 * kMargin);
+      if (nodes > kMostLatticeNodes) break;
+    }
+    if (bestLost <= kLostWell || wasGood || gap >= widest) break;
+    gap = std::min(gap * kGapGrowth, widest);
+  }
+  // Sides of a gap that no ball bridges on this lattice are surfaces of their own.
+  if (bestLost > kLostAtMost && hasGaps) tryCaps(capHoles(welded, true));
+  if (bestLost <= kLostAtMost) return best;
+  throw DataError(
+      "no gap up to " + shortText(gap) + " encloses the mesh (" + std::to_string(report.openEdges) +
+          " open edges, voxel size " + shortText(h) + ", at best " + shortText(100 * bestLost) +
+          " % of the surface bounds nothing): it is open, has loose sheets, or is thinner than a voxel; remove "
+          "or thicken these, name a wider gap, or use another voxel size",
+      sheetsOnly ? Remedy::SolidifySheet : Remedy::None);
+}
+
+}  // namespace vdbtools

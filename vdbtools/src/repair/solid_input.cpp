@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "repair/solid_input.h"
+
+#include "base/lattice_transform.h"
+#include "distance/mesh_conversion.h"
+#include "repair/open_shapes.h"
+#include "vdbtools/base/number_text.h"
+#include "vdbtools/files/file_bytes.h"
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
+#include "vdbtools/mesh_files/point_cloud.h"
+#include "vdbtools/recipe/option_value.h"
+#include "vdbtools/repair/mesh_repair.h"
+
+#include <openvdb/tools/SignedFloodFill.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+#include <vector>
+
+namespace vdbtools {
+
+using openvdb::BBoxd;
+using openvdb::Coord;
+using openvdb::FloatGrid;
+using openvdb::Vec3d;
+
+std::string boxText(const BBoxd& box) {
+  const Vec3d &a = box.min(), &b = box.max();
+  return numbersText({a[0], a[1], a[2], b[0], b[1], b[2]});
+}
+
+double longestSide(const BBoxd& box) {
+  const Vec3d extents = box.extents();
+  return std::max({extents[0], extents[1], extents[2]});
+}
+
+namespace {
+
+/// Of a mesh that no reader has checked; its indices are reportMesh()'s to check.
+void requireUsable(const Mesh& mesh, bool asCloud) {
+  if (asCloud && mesh.points.empty()) throw DataError("the mesh has no point");
+  if (!asCloud && mesh.triangles.empty()) throw DataError("the mesh has no triangle");
+  for (std::size_t i = 0; i < mesh.points.size(); ++i)
+    if (!mesh.points[i].isFinite())
+      throw DataError("point " + std::to_string(i) + " of the mesh has a coordinate that is not finite");
+}
+
+}  // namespace
+
+SolidSource openSolid(const std::filesystem::path& path, const std::shared_ptr<const Mesh>& given,
+                      const MendOptions& mend) {
+  const bool asCloud = mend.pointsRadius > 0;
+  SolidSource source;
+  if (given) {
+    requireUsable(*given, asCloud);
+    source.mesh = asCloud ? std::make_shared<const Mesh>(asPoints(*given)) : given;
+  } else {
+    source.mesh = std::make_shared<const Mesh>(asCloud ? readPoints(path) : readMesh(path));
+  }
+  source.solid =
+      mend.solidify ? std::make_shared<const Mesh>(solidified(*source.mesh, *mend.solidify, mend.repair)) : source.mesh;
+  source.report = reportMesh(*source.solid);
+  source.box = source.report.box;
+  if (mend.offset() > 0) source.box.expand(mend.offset());
+  if (!(longestSide(source.box) > 0))
+    throw DataError("'" + path.string() + "' has no extent: all its triangles lie in one point");
+  return source;
+}
+
+void requireResolved(const MendOptions& mend, double voxelSize) {
+  constexpr double kVoxelsAcross = 2;
+  const double least = kVoxelsAcross * voxelSize, across = 2 * mend.offset();
+  if (!(across > 0) || across >= least) return;
+  const bool cloud = mend.pointsRadius > 0;
+  throw std::invalid_argument(cloud
+                                  ? "--points-radius is " + numbersText({mend.pointsRadius}) + "; with voxels of " +
+                                        shortText(voxelSize) + " in the target's distance field it must be at least " +
+                                        shortText(least / 2) + ", or the voxels smaller"
+                                  : "--thicken is " + numbersText({mend.thicken}) + "; with voxels of " +
+                                        shortText(voxelSize) + " in the target's distance field it must be at least " +
+                                        shortText(least) + ", or the voxels smaller");
+}
+
+MeshToSdfOptions sdfBand(double voxelSize, double exteriorWidth, double interiorWidth) {
+  return {.voxelSize = voxelSize, .exteriorBandWidth = exteriorWidth, .interiorBandWidth = interiorWidth};
+}
+
+MeshSdf makeSdf(const Mesh& solid, const MeshToSdfOptions& options, const MendOptions& mend, Monitor& monitor) {
+  if (mend.offset() > 0)
+    return {.grid = meshToSdf(offsetSurface(solid, mend.offset(), options.voxelSize, monitor), options, monitor)};
+  if (!mend.repair || mend.solidify) {
+    MeshSdf sdf;
+    sdf.grid = meshToSdf(solid, options, monitor, &sdf.united);
+    return sdf;
+  }
+  RepairedSdf repaired = repairedMeshToSdf(solid, options, {.gap = mend.gap}, monitor);
+  return {repaired.grid, repaired.moved, repaired.closedGap, repaired.caps, repaired.united};
+}
+
+namespace {
+
+/// The origin of a leaf that is near a point. @throw std::invalid_argument  none is
+Coord nearestLeaf(const Vec3d& index) {
+  constexpr double kLeaf = openvdb::FloatTree::LeafNodeType::DIM, kFarthest = 1 << 30;
+  Coord origin;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double at = kLeaf * std::round(index[axis] / kLeaf);
+    if (!(std::abs(at) < kFarthest))
+      throw std::invalid_argument("the middle of the mesh lies at node " + shortText(at) +
+                                  " of its distance field, but 2^30 is the last one; use larger voxels, or move the "
+                                  "mesh nearer to the origin");
+    origin[axis] = static_cast<int>(at);
+  }
+  return origin;
+}
+
+/// The tree of a level set, farther by so many nodes: multiples of a leaf's.
+openvdb::FloatTree::Ptr movedTree(const Coord& nodes, const openvdb::FloatTree& tree) {
+  auto moved = std::make_shared<openvdb::FloatTree>(tree.background());
+  for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
+    auto copy = std::make_unique<openvdb::FloatTree::LeafNodeType>(*leaf);
+    copy->setOrigin(leaf->origin() + nodes);
+    moved->addLeaf(copy.release());
+  }
+  float inside = -tree.background();
+  for (auto value = tree.cbeginValueOff(); value; ++value) inside = std::min(inside, *value);
+  openvdb::tools::signedFloodFillWithValues(*moved, tree.background(), inside);
+  return moved;
+}
+
+}  // namespace
+
+MeshSdf makeSdfAbout(const Vec3d& middle, Mesh solid, const MeshToSdfOptions& options, const MendOptions& mend,
+                     Monitor& monitor) {
+  const bool ordinary = isOrdinaryScale(Vec3d(options.voxelSize));
+  const Coord nodes = ordinary ? Coord() : nearestLeaf(middle / options.voxelSize);
+  const Vec3d about = ordinary ? middle : nodes.asVec3d() * options.voxelSize;
+  for (Vec3d& point : solid.points) point -= about;
+  MeshSdf sdf = makeSdf(solid, options, mend, monitor);
+  if (ordinary)
+    sdf.grid->transform().postTranslate(about);
+  else
+    sdf.grid->setTree(movedTree(nodes, sdf.grid->tree()));
+  return sdf;
+}
+
+std::string latticeText(const FloatGrid& grid) {
+  const Vec3d origin = grid.indexToWorld(Vec3d(0));
+  return numbersText({grid.voxelSize()[0], origin[0], origin[1], origin[2]});
+}
+
+void placeOnLattice(FloatGrid& grid, const std::string& text) {
+  try {
+    const std::vector<double> numbers = parseNumbers("lattice", text, 4);
+    const VoxelChoice voxel{.voxelSize = numbers[0]};
+    grid.setTransform(latticeTransform(voxel.sizeFor(1)));
+    // Beside the smallest voxels OpenVDB takes no translation, not even one of 0.
+    const Vec3d origin(numbers[1], numbers[2], numbers[3]);
+    if (!origin.isZero()) grid.transform().postTranslate(origin);
+  } catch (const std::invalid_argument& error) {
+    throw DataError("'" + inOneLine(text) + "' is no lattice: " + error.what());
+  }
+}
+
+namespace {
+
+/// @throw DataError  @a text is not a box with an extent
+BBoxd boxFromMetadata(const std::string& text, const std::filesystem::path& path) {
+  try {
+    const std::vector<double> b = parseNumbers(kTargetBox, text, 6);
+    const BBoxd box(Vec3d(b[0], b[1], b[2]), Vec3d(b[3], b[4], b[5]));
+    if (b[0] <= b[3] && b[1] <= b[4] && b[2] <= b[5] && longestSide(box) > 0) return box;
+  } catch (const std::invalid_argument&) {
+    // It is the file that is wrong, not what was asked for.
+  }
+  throw DataError("the metadata " + std::string(kTargetBox) + " of '" + path.string() + "' is '" + inOneLine(text) +
+                  "'; it must be six finite numbers with commas between them, the smaller corner first");
+}
+
+}  // namespace
+
+Target readVdbTarget(const std::filesystem::path& path, const std::string& grid) {
+  const VdbFile file = readVdb(path);
+  const FloatGrid::Ptr phi = chooseFloatGrid(file, grid, path);
+  // An SDF of ours knows the box of its mesh; half a voxel more exactly than its nodes do.
+  std::optional<BBoxd> box;
+  if (const auto found = file.metadata.find(kTargetBox); found != file.metadata.end() && phi->getName() == "phi") {
+    box = boxFromMetadata(found->second, path);
+  }
+  return makeTarget(phi, box);
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/target_parts.h"
+
+#include "vdbtools/mesh_files/mesh_names.h"
+
+#include <algorithm>
+#include <set>
+
+namespace vdbtools {
+namespace {
+
+/// The words of all values but file names that stand alone: "red" of "paint:red:0.1:0.6", "uv" of "uv,red".
+std::set<std::string> wordsOf(const Recipe& recipe) {
+  std::set<std::string> words;
+  for (const auto& [option, value] : recipe) {
+    if (option == "input") continue;
+    std::string word;
+    for (const char c : value + ',') {
+      if (c != ':' && c != ',' && c != '@') {
+        word += c;
+        continue;
+      }
+      words.insert(word);
+      word.clear();
+    }
+  }
+  return words;
+}
+
+std::string counted(std::size_t count, const std::string& what) {
+  return std::to_string(count) + ' ' + what + (count == 1 ? "" : "s");
+}
+
+}  // namespace
+
+TargetParts partsOf(const Mesh& mesh, const std::filesystem::path& file) {
+  const MeshNames names = file.empty() ? MeshNames() : readMeshNames(file);
+  TargetParts parts{.uvs = !mesh.cornerUvs.empty(), .materials = names.materials.size(), .groups = names.groups.size()};
+  for (const VertexAttribute& attribute : mesh.attributes) parts.attributes.push_back(attribute.name);
+  return parts;
+}
+
+std::vector<std::string> unusedParts(const TargetParts& parts, const Recipe& recipe) {
+  const std::set<std::string> used = wordsOf(recipe);
+  std::vector<std::string> unused;
+  std::string attributes;
+  for (const std::string& attribute : parts.attributes)
+    if (!used.contains(attribute)) attributes += (attributes.empty() ? "" : " ") + attribute;
+  if (!attributes.empty()) unused.push_back("the attributes " + attributes);
+  if (parts.uvs && !used.contains("texture") && !used.contains("uv")) unused.push_back("texture coordinates");
+  if (parts.materials > 0) unused.push_back(counted(parts.materials, "material"));
+  if (parts.groups > 1) unused.push_back(counted(parts.groups, "group"));
+  return unused;
+}
+
+}  // namespace vdbtools

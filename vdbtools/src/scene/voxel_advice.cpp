@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/scene/voxel_advice.h"
+
+#include "repair/solid_input.h"
+#include "vdbtools/base/memory.h"
+#include "vdbtools/base/number_text.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vdbtools {
+namespace {
+
+using openvdb::BBoxd;
+
+/// Sizes that no lattice shows are not worth a number.
+constexpr double kMostResolution = 4000;
+/// Numbers of voxels are named in tens.
+constexpr double kTens = 10;
+
+std::optional<double> voxelFor(double size) {
+  return size > 0 && std::isfinite(size) ? std::optional(size / 2) : std::nullopt;
+}
+
+double upToTens(double resolution) {
+  constexpr double kRounding = 1e-9;
+  return kTens * std::ceil(resolution / kTens * (1 - kRounding));
+}
+
+std::string percent(double share) { return shortText(std::round(1000 * share) / 10) + " %"; }
+
+/// "--resolution 440" or "--voxel-size 0.01", whichever the recipe has; empty where the number is beyond all reason.
+std::string voxelOptionFor(const Scene& scene, double voxel) {
+  const double resolution = upToTens(longestSide(scene.target->box) / voxel);
+  if (resolution > kMostResolution) return {};
+  if (scene.options.lattice.voxels.voxelSize) return "--voxel-size " + shortText(voxel, Rounding::Down);
+  return "--resolution " + shortText(resolution);
+}
+
+std::string textureRemedy(const Scene& scene, const VoxelAdvice& advice) {
+  const std::string option = advice.textureVoxel ? voxelOptionFor(scene, *advice.textureVoxel) : "";
+  if (!option.empty()) return option + " shows all but " + percent(kTextureLeftOut) + " of it";
+  return scene.octave ? "a lower --frequency makes it wider" : "a larger --versor-scale makes it wider";
+}
+
+std::string coreRemedy(const Scene& scene, const VoxelAdvice& advice) {
+  const std::string option = advice.coreVoxel ? voxelOptionFor(scene, *advice.coreVoxel) : "";
+  // Where there is no core at all, voxels do not make one.
+  const bool voxelsDo = !option.empty() && scene.features->core.shareBelow(2 * *advice.coreVoxel) < kCoreWorthSaying;
+  if (voxelsDo) return option + " holds it";
+  return option.empty() ? "less --detail makes it thicker" : option + " and less --detail hold it";
+}
+
+/// The shell's volume, and the surface's area, within the options' box; world units.
+struct Extent {
+  double volume = 0, area = 0;
+};
+
+Extent extentOf(const Scene& scene) {
+  Extent extent{.area = scene.features->area};
+  const openvdb::FloatGrid& exponent = *scene.exponent->grid;
+  const double node = std::abs(exponent.transform().voxelSize().product());
+  std::optional<BBoxd> box;
+  if (scene.options.lattice.box) box = exponent.transform().worldToIndex(*scene.options.lattice.box);
+  double nodes = 0;
+  for (auto value = exponent.cbeginValueOn(); value; ++value) {
+    if (box && !box->isInside(value.getCoord().asVec3d())) continue;
+    nodes += *value > scene.exponent->shell.lower && *value < scene.exponent->shell.upper;
+  }
+  extent.volume = nodes * node;
+  return extent;
+}
+
+double memoryAt(const Extent& extent, double voxel) {
+  // Estimates, which no measurement holds yet: of the process, so many bytes for a voxel of the shell, for the
+  // surface's area in voxels, and for the rest.
+  constexpr double kOfNode = 5, kOfArea = 1200, kOfProcess = 150e6;
+  return kOfNode * extent.volume / (voxel * voxel * voxel) + kOfArea * extent.area / (voxel * voxel) + kOfProcess;
+}
+
+}  // namespace
+
+VoxelAdvice adviseVoxels(const FeatureSizes& sizes, double voxel) {
+  return {.textureShare = sizes.texture.shareBelow(2 * voxel),
+          .coreShare = sizes.core.shareBelow(2 * voxel),
+          .textureVoxel = voxelFor(sizes.texture.quantile(kTextureLeftOut)),
+          .coreVoxel = voxelFor(sizes.core.positiveQuantile(kCoreLeftOut))};
+}
+
+std::string finerThanVoxelsText(const Scene& scene) {
+  if (!scene.features) return {};
+  const VoxelAdvice advice = adviseVoxels(*scene.features, scene.voxelSize);
+  std::string text;
+  if (advice.textureShare > kTextureWorthSaying)
+    text = percent(advice.textureShare) + " of the texture is finer than two voxels; " + textureRemedy(scene, advice);
+  if (advice.coreShare > kCoreWorthSaying)
+    text += (text.empty() ? "" : "; and ") + std::string("under ") + percent(advice.coreShare) +
+            " of the surface the core that --detail leaves is thinner than two voxels, so that it may break; " +
+            coreRemedy(scene, advice);
+  return text;
+}
+
+double estimatedMemory(const Scene& scene, double voxel) { return memoryAt(extentOf(scene), voxel); }
+
+ChosenResolution chooseResolution(const Scene& scene, bool withinMemory) {
+  // Along the longest side of what is made: no less than without the option, and no more than floats serve.
+  constexpr double kLeast = 300, kMost = 1000;
+  const double side = longestSide(scene.target->box);
+  const double made = scene.options.lattice.box ? std::min(side, longestSide(*scene.options.lattice.box)) : side;
+  const double least = upToTens(kLeast * side / made), most = upToTens(kMost * side / made);
+  const VoxelAdvice advice = adviseVoxels(*scene.features, side / least);
+  double wanted = least;
+  if (advice.coreVoxel && upToTens(side / *advice.coreVoxel) <= most)
+    wanted = std::max(wanted, upToTens(side / *advice.coreVoxel));
+  if (advice.textureVoxel) wanted = std::max(wanted, upToTens(side / *advice.textureVoxel));
+  ChosenResolution chosen{.resolution = std::min(wanted, most)};
+  if (wanted > most) chosen.limit = ChosenResolution::Limit::Most;
+  if (!withinMemory) return chosen;
+  // What is estimated beside what the process has by now.
+  const double bytes = memoryLeft().bytes + residentMemory();
+  const Extent extent = extentOf(scene);
+  for (; chosen.resolution > kTens && memoryAt(extent, side / chosen.resolution) > bytes; chosen.resolution -= kTens)
+    chosen.limit = ChosenResolution::Limit::Memory;
+  return chosen;
+}
+
+std::string chosenResolutionText(const Scene& scene) {
+  if (!scene.chosenResolution) return {};
+  const auto& [resolution, limit] = *scene.chosenResolution;
+  std::string text = "resolution " + shortText(resolution) + ": ";
+  switch (limit) {
+    case ChosenResolution::Limit::None:
+      return text + "all but " + percent(adviseVoxels(*scene.features, scene.voxelSize).textureShare) +
+             " of the texture is at least two voxels wide";
+    case ChosenResolution::Limit::Most: return text + "the most that 'auto' takes";
+    case ChosenResolution::Limit::Memory: break;
+  }
+  return text + "limited by the memory that is left; --memory sets another limit";
+}
+
+}  // namespace vdbtools

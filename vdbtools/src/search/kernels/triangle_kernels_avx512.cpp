@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
+#define JULIA_FLOATS 16
+#include "search/kernels/triangle_bodies.h"
+
+namespace vdbtools::kernels {
+
+const Kernels kAvx512 = {nearest, collect, resolve};
+
+}  // namespace vdbtools::kernels

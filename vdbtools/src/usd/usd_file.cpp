@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/usd/usd_file.h"
+
+#include <algorithm>
+#include <charconv>
+#include <ostream>
+#include <set>
+#include <stdexcept>
+
+namespace vdbtools {
+namespace {
+
+using openvdb::Vec3d;
+
+template <class Number>
+std::string textOf(Number value) {
+  char text[32];
+  return std::string(text, std::to_chars(text, text + sizeof text, value).ptr);
+}
+
+template <class Vector>
+std::string tupleOf(const Vector& v) {
+  return "(" + textOf(v[0]) + ", " + textOf(v[1]) + ", " + textOf(v[2]) + ")";
+}
+
+/// A text between quotation marks.
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') result += '\\';
+    result += c == '\n' || c == '\r' ? ' ' : c;
+  }
+  return result + '"';
+}
+
+/// The path of a file between the marks of an asset.
+std::string assetOf(const std::filesystem::path& path) {
+  std::string text = path.generic_string();
+  // Without a dot in front, a resolver may look for it elsewhere.
+  if (path.is_relative() && !text.starts_with("../")) text = "./" + text;
+  const char* mark = text.find('@') == std::string::npos ? "@" : "@@@";
+  return mark + text + mark;
+}
+
+/// The name as an identifier of USD.
+std::string identifierOf(const std::string& name) {
+  std::string result;
+  for (const char c : name) {
+    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_', digit = c >= '0' && c <= '9';
+    if (digit && result.empty()) result += '_';
+    result += letter || digit ? c : '_';
+  }
+  return result.empty() ? "_" : result;
+}
+
+std::string extentOf(const openvdb::BBoxd& box) {
+  using openvdb::Vec3s;
+  return "[" + tupleOf(Vec3s(box.min())) + ", " + tupleOf(Vec3s(box.max())) + "]";
+}
+
+/// An attribute that has one value, or one for each frame.
+template <class ValueOf>
+void writeAttribute(std::ostream& stream, const std::string& indent, const std::string& declaration,
+                    const std::vector<UsdFrame>& frames, const ValueOf& valueOf) {
+  if (!frames.front().number) {
+    stream << indent << declaration << " = " << valueOf(frames.front()) << '\n';
+    return;
+  }
+  stream << indent << declaration << ".timeSamples = {\n";
+  for (const UsdFrame& frame : frames) stream << indent << "    " << *frame.number << ": " << valueOf(frame) << ",\n";
+  stream << indent << "}\n";
+}
+
+void writeVolume(std::ostream& stream, const UsdScene& scene) {
+  stream << "\n    def Volume \"volume\"\n    {\n";
+  writeAttribute(stream, "        ", "float3[] extent", scene.frames,
+                 [](const UsdFrame& frame) { return extentOf(frame.box); });
+  std::set<std::string> names;
+  for (const UsdField& field : scene.fields) {
+    const std::string name = identifierOf(field.grid);
+    if (!names.insert(name).second)
+      throw std::invalid_argument("two grids are called '" + name + "' in USD; give them names that differ");
+    stream << "        custom rel field:" << name << " = </fractal/volume/" << name << ">\n";
+  }
+  for (const UsdField& field : scene.fields) {
+    stream << "\n        def OpenVDBAsset " << quoted(identifierOf(field.grid)) << "\n        {\n";
+    writeAttribute(stream, "            ", "asset filePath", scene.frames,
+                   [](const UsdFrame& frame) { return assetOf(frame.vdb); });
+    stream << "            token fieldName = " << quoted(field.grid) << '\n';
+    if (!field.dataType.empty()) stream << "            token fieldDataType = " << quoted(field.dataType) << '\n';
+    stream << "            token fieldClass = " << quoted(field.fieldClass) << "\n        }\n";
+  }
+  stream << "    }\n";
+}
+
+/// A list, many of whose elements stand on a line.
+template <class Write>
+void writeList(std::ostream& stream, const char* declaration, std::size_t count, const Write& write,
+               const char* after = "") {
+  constexpr std::size_t kOnALine = 16;
+  stream << "        " << declaration << " = [";
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i > 0) stream << (i % kOnALine == 0 ? ",\n            " : ", ");
+    write(i);
+  }
+  stream << ']' << after << '\n';
+}
+
+const VertexAttribute* attributeOf(const Mesh& mesh, const char* name) {
+  for (const VertexAttribute& attribute : mesh.attributes)
+    if (attribute.name == name) return &attribute;
+  return nullptr;
+}
+
+/// What positions are relative to: the middle of the mesh, if it lies so far from the origin that floats are coarse.
+Vec3d centreFor(const openvdb::BBoxd& box) {
+  constexpr double kFar = 8;  // sizes of the mesh: no vertex is moved by more than 1e-6 of one
+  double largest = 0, size = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    largest = std::max({largest, -box.min()[axis], box.max()[axis]});
+    size = std::max(size, box.extents()[axis]);
+  }
+  return largest > kFar * size ? box.getCenter() : Vec3d(0);
+}
+
+void writeMeshPrim(std::ostream& stream, const Mesh& mesh) {
+  constexpr const char* kVertex = " (\n            interpolation = \"vertex\"\n        )";
+  openvdb::BBoxd box;
+  for (const Vec3d& point : mesh.points) box.expand(point);
+  const Vec3d centre = centreFor(box);
+  const auto position = [&](std::size_t i) { return openvdb::Vec3s(mesh.points[i] - centre); };
+  stream << "\n    def Mesh \"mesh\"\n    {\n        uniform token subdivisionScheme = \"none\"\n"
+            "        uniform token orientation = \"rightHanded\"\n        float3[] extent = "
+         << extentOf({box.min() - centre, box.max() - centre}) << '\n';
+  writeList(stream, "int[] faceVertexCounts", mesh.triangles.size(), [&](std::size_t) { stream << 3; });
+  writeList(stream, "int[] faceVertexIndices", mesh.triangles.size(), [&](std::size_t i) {
+    const openvdb::Vec3I& t = mesh.triangles[i];
+    stream << t[0] << ", " << t[1] << ", " << t[2];
+  });
+  writeList(stream, "point3f[] points", mesh.points.size(), [&](std::size_t i) { stream << tupleOf(position(i)); });
+  if (!mesh.normals.empty())
+    writeList(
+        stream, "normal3f[] normals", mesh.normals.size(), [&](std::size_t i) { stream << tupleOf(mesh.normals[i]); },
+        kVertex);
+  const VertexAttribute *red = attributeOf(mesh, "red"), *green = attributeOf(mesh, "green"),
+                        *blue = attributeOf(mesh, "blue");
+  if (red && green && blue)
+    writeList(
+        stream, "color3f[] primvars:displayColor", mesh.points.size(),
+        [&](std::size_t i) { stream << tupleOf(openvdb::Vec3s(red->values[i], green->values[i], blue->values[i])); },
+        kVertex);
+  if (centre != Vec3d(0))
+    stream << "        double3 xformOp:translate = " << tupleOf(centre)
+           << "\n        uniform token[] xformOpOrder = [\"xformOp:translate\"]\n";
+  stream << "    }\n";
+}
+
+}  // namespace
+
+void writeUsda(std::ostream& stream, const UsdScene& scene) {
+  if (scene.frames.empty() && !scene.mesh)
+    throw std::invalid_argument("a scene needs a volume or a mesh; name a VDB, or a mesh");
+  stream << "#usda 1.0\n(\n    defaultPrim = \"fractal\"\n    doc = \"Written by JuliaVDB " JULIAVDB_VERSION "\"\n";
+  const bool moves = !scene.frames.empty() && scene.frames.front().number;
+  if (moves) stream << "    endTimeCode = " << *scene.frames.back().number << '\n';
+  if (moves) stream << "    framesPerSecond = " << textOf(scene.framesPerSecond) << '\n';
+  stream << "    metersPerUnit = " << textOf(scene.metersPerUnit) << '\n';
+  if (moves) stream << "    startTimeCode = " << *scene.frames.front().number << '\n';
+  if (moves) stream << "    timeCodesPerSecond = " << textOf(scene.framesPerSecond) << '\n';
+  stream << "    upAxis = \"" << (scene.up == UpAxis::Y ? 'Y' : 'Z')
+         << "\"\n)\n\ndef Xform \"fractal\" (\n    kind = \"component\"\n)\n{";
+  if (!scene.frames.empty()) writeVolume(stream, scene);
+  if (scene.mesh) writeMeshPrim(stream, *scene.mesh);
+  stream << "}\n";
+}
+
+}  // namespace vdbtools
