@@ -119,7 +119,7 @@ std::filesystem::path distanceFile() {
     const vdbtools::SdfResult sdf =
         runSdf({.input = mesh, .voxels = {.resolution = kSdfVoxels}, .band = kBand}, monitor);
     std::ofstream stream(file.path(), std::ios::binary);
-    stream << vdbtools::encodeVdb({sdf.grid}, {.metadata = sdf.facts});
+    stream << vdbtools::encodeVdb({sdf.grid}, {.metadata = sdf.metadata});
     return true;
   }();
   return file.path();

@@ -105,7 +105,7 @@ void Report::wrote(const std::filesystem::path& file) {
   mWritten.push_back(file.string());
 }
 
-void Report::keep(std::string what) {
+void Report::noteKept(std::string what) {
   const std::lock_guard lock(mMutex);
   mKept = std::move(what);
 }

@@ -50,7 +50,7 @@ class Report {
   /// A file is in its place.
   void wrote(const std::filesystem::path& file);
   /// From now on, this is what an interruption leaves, such as "finished frames are kept".
-  void keep(std::string what);
+  void noteKept(std::string what);
   /// What an interruption would leave now: that, or the files that are in their places; empty: none that is known here.
   std::string whatIsLeft();
 

@@ -9,9 +9,9 @@
 namespace cli {
 
 /// A line; empty if no parts do. @param facts  of a job
-inline std::string unitedText(const std::map<std::string, std::string>& facts) {
-  const auto found = facts.find("julia_united_parts");
-  if (found == facts.end()) return {};
+inline std::string unitedText(const std::map<std::string, std::string>& metadata) {
+  const auto found = metadata.find("julia_united_parts");
+  if (found == metadata.end()) return {};
   if (found->second == "1") return "the target runs into itself; its outer surface is what counts\n";
   return found->second + " parts of the target run into each other; the outer surface of their union is what counts\n";
 }

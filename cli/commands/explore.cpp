@@ -26,9 +26,9 @@ namespace {
 
 constexpr Usage kExploreUsage = {
     "explore", "MESH|SDF.vdb [--folder DIR] [--port N] [options of fractal]",
-    "Serves one page in the browser, on which the look of a fractal is found: live, with a slider for every option. "
-    "From there the files can be made. The address is printed on stdout; whoever has it may use the page, so it holds "
-    "a random key. The server ends with Ctrl-C. Without a target it takes the maps that need none.",
+    "Serves a page on which you explore looks in the browser, live, with a slider for every option, and make the files "
+    "of those that you like. The address is printed on stdout. It holds a random key, because everyone who has it can "
+    "use the page. The server ends with Ctrl-C. Without a target it takes the maps that need none.",
     "  juliavdb explore bunny.obj\n"
     "  juliavdb explore bunny.obj --detail 0.6 --folder looks --port 8017\n"
     "  juliavdb explore --map mandelbulb\n"

@@ -153,7 +153,7 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
       report().text() << ", " << grid->activeVoxelCount() << " in the band, |grad| within 0.5 of 1 in "
                       << vdbtools::shortText(100 * result.check.gradientFraction) << " % of them";
     }
-  if (const auto moved = scene.facts.find("julia_repair_moved"); moved != scene.facts.end())
+  if (const auto moved = scene.metadata.find("julia_repair_moved"); moved != scene.metadata.end())
     report().text() << ", the target was repaired and its surface moved by at most "
                     << vdbtools::shortText(vdbtools::parseNumber("moved", moved->second), vdbtools::Rounding::Up);
   if (result.crumbs)
@@ -170,7 +170,7 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
     if (file) noteLeftOut(file->target(), columns);
   const std::vector<std::string> unused = vdbtools::unusedParts(scene.targetParts, line.recipe());
   if (!unused.empty()) report().text() << "not used of the target: " << joined(unused) << '\n';
-  if (!isFrame) report().text() << unitedText(scene.facts);
+  if (!isFrame) report().text() << unitedText(scene.metadata);
   for (std::size_t i = 0; i < result.levels.size(); ++i)
     report().text() << "LOD" << i + 1 << ": " << result.levels[i].triangles << " triangles, some "
                     << vdbtools::shortText(result.levels[i].error / scene.voxelSize) << " voxels from the surface\n";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file merge_request.h
-/// What of a plan is to be put together, as 'merge' is asked for it and as 'submit' hands it on.
+/// The parts of a plan that 'merge' puts together, and that 'submit' passes on to it.
 #pragma once
 
 #include "options.h"

@@ -325,8 +325,7 @@ int renderMap(const CommandLine& line) {
     pictures.emplace_back(vdbtools::parseFieldPicture(shots[i].view, table), layersOf(reader, format, kFieldPasses));
     if (i > 0 && shots[i].input == shots[i - 1].input) continue;
     const vdbtools::Recipe recipe = sceneRecipe(line, shots[i].input);
-    fractals.push_back(vdbtools::parseFractalOptions(recipe));
-    fractals.back().picture = true;
+    fractals.push_back(vdbtools::forPictures(vdbtools::parseFractalOptions(recipe)));
     line.requireEffect({{recipe, {vdbtools::Product::Picture}}});
     inputs.add(vdbtools::inputsOf(fractals.back()));
   }

@@ -45,7 +45,7 @@ int runSdf(const Arguments& arguments) {
 
   vdbtools::SdfResult result = vdbtools::runSdf(options, line.progress());
   std::map<std::string, std::string> metadata = vdbtools::recipeToMetadata(line.recipe(), "sdf");
-  metadata.insert(result.facts.begin(), result.facts.end());
+  metadata.insert(result.metadata.begin(), result.metadata.end());
   vdbtools::VdbWriteOptions write = vdbtools::vdbWriteOptions(options.axes, std::move(metadata));
   write.half = options.half;
   line.progress().begin("writing", 0);
@@ -65,7 +65,7 @@ int runSdf(const Arguments& arguments) {
     report().text() << "repaired: gaps up to " << vdbtools::shortText(*result.closedGap, vdbtools::Rounding::Up)
                     << " closed, the surface moved by at most "
                     << vdbtools::shortText(*result.moved, vdbtools::Rounding::Up) << '\n';
-  report().text() << unitedText(result.facts);
+  report().text() << unitedText(result.metadata);
   return kDone;
 }
 

@@ -63,7 +63,7 @@ SequenceCounts makeSequence(const CommandLine& line, const vdbtools::farm::Frame
         ++counts.kept;
       else
         make(run, monitor);
-      report().keep("finished frames are kept, and the same command goes on from there");
+      report().noteKept("finished frames are kept, and the same command goes on from there");
     } catch (const vdbtools::Interrupted&) {
       throw;
     } catch (...) {

@@ -122,7 +122,7 @@ int runSheet(const Arguments& arguments) {
   folder.replace_extension(".cells");
 
   Progress& progress = line.progress();
-  report().keep("finished cells are kept in '" + folder.string() + "', and the same command goes on from there");
+  report().noteKept("finished cells are kept in '" + folder.string() + "', and the same command goes on from there");
   const vdbtools::SheetPage made =
       vdbtools::makeSheet(options, folder, progress, {.tell = [](const std::string& words) {
                             report().text() << "warning: " << words << '\n' << std::flush;

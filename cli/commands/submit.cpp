@@ -11,6 +11,7 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/number_text.h"
+#include "vdbtools/base/shell_word.h"
 #include "vdbtools/farm/task.h"
 #include "vdbtools/files/atomic_file.h"
 #include "vdbtools/files/file_bytes.h"
@@ -58,18 +59,10 @@ constexpr std::uint64_t kUsualArraySize = 1001;
 constexpr int kUsualJobs = 100;  ///< of a Slurm array at a time: so many readers a shared disk should bear
 constexpr int kMostJobs = 1'000'000;
 
-/// A word as a shell reads it.
-std::string quoted(const std::string& word) {
-  constexpr std::string_view kPlain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-+=./:,@%";
-  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
-}
-
+/// Words as a shell reads them, each with a blank before it.
 std::string quoted(const std::vector<std::string>& words) {
   std::string text;
-  for (const std::string& word : words) text += " " + quoted(word);
+  for (const std::string& word : words) text += " " + vdbtools::shellWord(word);
   return text;
 }
 
@@ -116,14 +109,14 @@ struct Submission {
 };
 
 std::string slurmScript(const Submission& s) {
-  const std::string program = quoted(ownPath());
-  const std::string name = quoted("--job-name=" + s.folder.filename().string());
+  const std::string program = vdbtools::shellWord(ownPath());
+  const std::string name = vdbtools::shellWord("--job-name=" + s.folder.filename().string());
   const std::string common = name + " --open-mode=append" + quoted(s.engineArguments);
   std::string script =
       "#!/bin/sh\n"
       "# Submits the missing tasks of a plan to Slurm" +
       std::string(s.merge.empty() ? "" : ", and the merge of all tasks once they are done") + ".\nset -eu\ncd " +
-      quoted(s.folder.string()) + "\n";
+      vdbtools::shellWord(s.folder.string()) + "\n";
   if (!s.missing.empty()) {
     // Indices of an array stay below its largest size; beyond that each job makes several tasks.
     const std::uint64_t most = mostArraySize() - 1;
@@ -138,27 +131,28 @@ std::string slurmScript(const Submission& s) {
     script += "tasks=$(sbatch --parsable --array=" + vdbtools::farm::taskList(array) + "%" + std::to_string(s.jobs) +
               " --requeue --signal=B:TERM@60 \\\n    --cpus-per-task=" + std::to_string(s.threads) +
               " --output=logs/%A_%a.log " + common +
-              " \\\n    --wrap=" + quoted("exec " + program + " task ." + quoted(s.common) + " " + which) +
+              " \\\n    --wrap=" + vdbtools::shellWord("exec " + program + " task ." + quoted(s.common) + " " + which) +
               ")\necho \"tasks: job ${tasks%%;*}\"\n";
   }
   if (!s.merge.empty())
-    script += "merge=$(sbatch --parsable " +
-              std::string(
-                  s.missing.empty() ? "" : "--dependency=\"afterok:${tasks%%;*}\" --kill-on-invalid-dep=yes \\\n    ") +
-              "--cpus-per-task=" + std::to_string(s.threads) + " --output=logs/%j.log " + common +
-              " \\\n    --wrap=" + quoted("exec " + program + " merge ." + quoted(s.common) + quoted(s.merge)) +
-              ")\necho \"merge: job ${merge%%;*}\"\n";
+    script +=
+        "merge=$(sbatch --parsable " +
+        std::string(s.missing.empty() ? ""
+                                      : "--dependency=\"afterok:${tasks%%;*}\" --kill-on-invalid-dep=yes \\\n    ") +
+        "--cpus-per-task=" + std::to_string(s.threads) + " --output=logs/%j.log " + common +
+        " \\\n    --wrap=" + vdbtools::shellWord("exec " + program + " merge ." + quoted(s.common) + quoted(s.merge)) +
+        ")\necho \"merge: job ${merge%%;*}\"\n";
   return script;
 }
 
 std::string parallelScript(const Submission& s) {
-  const std::string program = quoted(ownPath());
+  const std::string program = vdbtools::shellWord(ownPath());
   std::string script =
       "#!/bin/sh\n"
       "# Makes the missing tasks of a plan by GNU parallel" +
       std::string(s.merge.empty() ? "" : ", and merges all tasks once they are done") +
       ".\nset -eu\n# What is running is told to stop as well, and waited for.\ntrap 'exit 75' INT TERM\ncd " +
-      quoted(s.folder.string()) + "\n" + program + " status . --missing --lines |\n" +
+      vdbtools::shellWord(s.folder.string()) + "\n" + program + " status . --missing --lines |\n" +
       "  parallel --no-run-if-empty --jobs " + std::to_string(s.jobs) +
       " --joblog +logs/joblog --termseq TERM,2000,KILL,25" + quoted(s.engineArguments) + " --quote \\\n    " + program +
       " task . --threads " + std::to_string(s.threads) + quoted(s.common) + " --index {}\n";

@@ -104,7 +104,7 @@ int runTask(const Arguments& arguments) {
       const bool made = runner.run(index, line.progress());
       report().count(made ? "madeTasks" : "keptTasks", 1);
       report().text() << "task " << index << (made ? " is done\n" : " was done already\n");
-      report().keep("finished tasks are kept, and the same command goes on from there");
+      report().noteKept("finished tasks are kept, and the same command goes on from there");
       if (index == std::min(range.last, count) && failures.empty()) workIsDone();
     } catch (const vdbtools::Interrupted&) {
       throw;

@@ -54,7 +54,7 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
     for (int step = 1; !batch.balls.empty(); ++step) {
       batch.l.resize(batch.balls.size());
       mMap->logModulusRanges(batch.balls, batch.l);
-      keep(batch, out, step == mOptions.maxIterations);
+      finishStep(batch, out, step == mOptions.maxIterations);
       if (batch.balls.empty()) break;
       batch.images.resize(batch.balls.size());
       mMap->images(batch.balls, batch.l, batch.images);
@@ -92,11 +92,11 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
     kernels::kernels<Real>().scaleByExponential(batch.l.data(), view(batch.q), batch.q.size());
   }
 
-  /// Nodes are settled in cubes: the largest of which something is known, and what these leave in the next smaller
+  /// Nodes are decided in cubes: the largest of which something is known, and what these leave in the next smaller
   /// ones.
-  void settle(std::span<const NodeBlock> blocks, Batch& batch) const override {
-    const Outlook& outlook = this->outlook();
-    if (!(outlook.least < mLogEscape)) return;
+  void markEscaping(std::span<const NodeBlock> blocks, Batch& batch) const override {
+    const EscapeProof& proof = this->escapeProof();
+    if (!(proof.least < mLogEscape)) return;
     // The lattice is the same for all blocks, but for rounding.
     double diagonal = 0;
     for (const auto& at : blocks[0].at) {
@@ -104,7 +104,7 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
       diagonal += length * length;
     }
     const double half = 0.5 * std::sqrt(diagonal) * (1 + 1e-3) / (NodeBlock::kSide - 1);
-    if (!(half <= outlook.radius)) return;
+    if (!(half <= proof.radius)) return;
     // As if all nodes were wanted.
     const std::size_t size = blocks.size() * NodeBlock::kSize;
     Real* values = batch.l.data();
@@ -120,7 +120,7 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
     for (std::size_t i = 0; i < blocks.size(); ++i)
       NodePairs::findMost(values + i * NodeBlock::kSize, mLogEscape, pairs.most.data() + i * NodePairs::kCount);
     for (std::size_t side = NodeBlock::kSide; side > 1; side /= 2)
-      if (static_cast<double>(side - 1) * half <= outlook.radius)
+      if (static_cast<double>(side - 1) * half <= proof.radius)
         boundCubes(blocks, side, static_cast<double>(side - 1) * half, pairs, batch.next);
     for (std::size_t i = 0; i < blocks.size(); ++i)
       NodePairs::raise(values + i * NodeBlock::kSize, pairs.bounds.data() + i * NodePairs::kCount);
@@ -131,14 +131,14 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
   /// Of the cubes of two nodes a side, of all blocks.
   struct Pairs {
     std::vector<Real> most;    ///< the largest l that has not escaped
-    std::vector<Real> bounds;  ///< the least l that is settled, as far as it is known
+    std::vector<Real> bounds;  ///< the least l that is decided, as far as it is known
   };
 
   /// Lowers the bounds by what is known of cubes of so many nodes a side. @param centres  working memory
   void boundCubes(std::span<const NodeBlock> blocks, std::size_t side, double radius, Pairs& pairs,
                   QuaternionBatch<Real>& centres) const {
     // A bound is seldom nearer to the least that there is.
-    const Real least = mOutlook.least + Real(0.15);
+    const Real least = mEscapeProof.least + Real(0.15);
     const std::size_t across = NodeBlock::kSide / side, inside = side / 2;
     const auto forEachPair = [&](std::size_t first, const auto& body) {
       for (std::size_t x = 0; x < inside; ++x)
@@ -174,20 +174,20 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
     // The centres and the nodes, none of which has escaped, are rounded.
     const double rounded = radius * (1 + kSlack) + 4 * kEpsilonOf<Real> * (mOptions.escapeRadius + radius);
     std::vector<Real> found(asked.size());
-    mMap->settling(centres, static_cast<Real>(rounded * (1 + kEpsilonOf<Real>)), mOutlook, found);
+    mMap->escapeBounds(centres, static_cast<Real>(rounded * (1 + kEpsilonOf<Real>)), mEscapeProof, found);
     for (std::size_t i = 0; i < asked.size(); ++i)
       forEachPair(asked[i], [&](std::size_t k) { pairs.bounds[k] = std::min(pairs.bounds[k], found[i]); });
   }
 
-  using Outlook = typename Map<Real>::Outlook;
+  using EscapeProof = typename Map<Real>::EscapeProof;
   using NodePairs = NodeCubes<Real, 2>;
-  /// What the second step settles, and so the first.
-  const Outlook& outlook() const {
+  /// What is proved of the second step after the first.
+  const EscapeProof& escapeProof() const {
     std::call_once(mOutlookMade, [this] {
       if (!signsFollowEnds() || mOptions.maxIterations < 2) return;
-      mOutlook = mMap->outlook(static_cast<double>(mOptions.maxIterations == 2 ? mLevel : mLogEscape));
+      mEscapeProof = mMap->escapeProof(static_cast<double>(mOptions.maxIterations == 2 ? mLevel : mLogEscape));
     });
-    return mOutlook;
+    return mEscapeProof;
   }
 
   /// The number of a ball, and the answers that its ended orbits leave open.
@@ -238,7 +238,7 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
   }
 
   /// Answers for the balls of which no orbit goes on, and cuts the ranges of the others.
-  void keep(BallBatch& batch, std::span<Decision> out, bool last) const {
+  void finishStep(BallBatch& batch, std::span<Decision> out, bool last) const {
     const double escape = static_cast<double>(mLogEscape), level = static_cast<double>(mLevel);
     const double trap = static_cast<double>(mLogTrap);
     const bool traps = isTrapped(mLogTrap);
@@ -270,7 +270,7 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
 
   std::shared_ptr<const Map<Real>> mMap;
   mutable std::once_flag mOutlookMade;
-  mutable Outlook mOutlook;
+  mutable EscapeProof mEscapeProof;
 };
 
 /// Evaluates with a trap and without it, and trusts the latter where their signs differ.

@@ -93,7 +93,7 @@ class OrbitEvaluator : public FieldEvaluator {
   virtual MapDescription describeMap() const = 0;
   /// After the first step: sets batch.l to +inf where the node is outside, whatever the iterate that follows.
   /// @pre batch.index holds the numbers of the nodes, counted through the blocks
-  virtual void settle(std::span<const NodeBlock> /*blocks*/, Batch& /*batch*/) const {}
+  virtual void markEscaping(std::span<const NodeBlock> /*blocks*/, Batch& /*batch*/) const {}
 
   QuaternionBatch<Real> embed(std::span<const Point> points) const {
     QuaternionBatch<Real> q;
@@ -152,7 +152,7 @@ class OrbitEvaluator : public FieldEvaluator {
           double& smallest = nearest[batch.index[i]];
           smallest = std::max(-kFieldLimit, std::min(smallest, static_cast<double>(batch.l[i])));
         }
-      keep(batch, step == mOptions.maxIterations, isTrapped(mLogTrap), field, iterations, step);
+      finishStep(batch, step == mOptions.maxIterations, isTrapped(mLogTrap), field, iterations, step);
       if (batch.q.size() != 0) formIterates(batch);
     }
   }
@@ -173,13 +173,13 @@ class OrbitEvaluator : public FieldEvaluator {
     };
     for (int step = 1; batch.q.size() != 0; ++step) {
       takeStep(batch, step);
-      if (step == 1) settle(blocks, batch);
+      if (step == 1) markEscaping(blocks, batch);
       const std::size_t size = batch.l.size();
       if (size == blocks.size() * NodeBlock::kSize)
         for (std::size_t i = 0; i < size; ++i) field[i] = fieldOf(batch.l[i]);
       else
         for (std::size_t i = 0; i < size; ++i) field[batch.index[i]] = fieldOf(batch.l[i]);
-      closeRanks(batch, step == mOptions.maxIterations, isTrapped(mLogTrap));
+      compact(batch, step == mOptions.maxIterations, isTrapped(mLogTrap));
       if (batch.q.size() != 0) formIterates(batch);
     }
     for (std::size_t i = 0; i < blocks.size(); ++i) {
@@ -252,7 +252,7 @@ class OrbitEvaluator : public FieldEvaluator {
       batch.l[i] = normSquared(batch.q.get(i)) < mEscapeSquared
                        ? -std::numeric_limits<Real>::infinity()
                        : std::max(careful::logNorm(batch.q.get(i)), mLogEscape);
-    keep(batch, false, false, field, iterations, 0);
+    finishStep(batch, false, false, field, iterations, 0);
   }
 
   /// @return whether a point may have escaped already
@@ -277,10 +277,11 @@ class OrbitEvaluator : public FieldEvaluator {
     return escaped;
   }
 
-  /// Writes the field of the orbits that end at this step and closes the ranks of the others. There are no branches,
+  /// Writes the field of the orbits that end at this step and compacts the others. There are no branches,
   /// which could not be predicted: orbits that go on have their field written again later.
   /// @param last  no orbit goes on  @param traps  those in the trap do not
-  void keep(Batch& batch, bool last, bool traps, std::span<double> field, std::span<int> iterations, int step) const {
+  void finishStep(Batch& batch, bool last, bool traps, std::span<double> field, std::span<int> iterations,
+                  int step) const {
     const std::size_t size = batch.q.size();
     const Real* const l = batch.l.data();
     const std::uint32_t* const index = batch.index.data();
@@ -296,19 +297,19 @@ class OrbitEvaluator : public FieldEvaluator {
       for (std::size_t i = 0; i < size; ++i) field[index[i]] = fieldOf(l[i]);
     if (!iterations.empty())
       for (std::size_t i = 0; i < size; ++i) iterations[index[i]] = step;
-    closeRanks(batch, last, traps);
+    compact(batch, last, traps);
   }
 
   /// Takes the orbits that have ended out of the batch.
-  void closeRanks(Batch& batch, bool last, bool traps) const {
+  void compact(Batch& batch, bool last, bool traps) const {
     if (last) return batch.resize(0);
     std::array<Real*, 8> rows;
     std::size_t count = 0;
     for (QuaternionBatch<Real>* quaternions : {&batch.q, &batch.carried})
       for (std::vector<Real>* part : {&quaternions->a, &quaternions->b, &quaternions->c, &quaternions->d})
         if (!part->empty()) rows[count++] = part->data();
-    batch.resize(kernels::kernels<Real>().closeRanks(mLogEscape, traps, mLogTrap, batch.l.data(), batch.index.data(),
-                                                     rows.data(), count, batch.q.size()));
+    batch.resize(kernels::kernels<Real>().compact(mLogEscape, traps, mLogTrap, batch.l.data(), batch.index.data(),
+                                                  rows.data(), count, batch.q.size()));
   }
 
   mutable ObjectPool<Batch> mBatches{[] { return std::make_unique<Batch>(); }};

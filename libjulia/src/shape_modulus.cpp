@@ -59,7 +59,7 @@ void ShapeModulus<Real>::images(std::span<const Ball> balls, std::span<const Log
 }
 
 template <class Real>
-typename Map<Real>::Outlook ShapeModulus<Real>::outlook(double wanted) const {
+typename Map<Real>::EscapeProof ShapeModulus<Real>::escapeProof(double wanted) const {
   // Where E is at least as much as wanted from there on.
   constexpr double kNearest = 0x1p-10, kFarthest = 0x1p20;
   double far = kNearest;
@@ -77,13 +77,13 @@ typename Map<Real>::Outlook ShapeModulus<Real>::outlook(double wanted) const {
 }
 
 template <class Real>
-void ShapeModulus<Real>::settling(const QuaternionBatch<Real>& centres, Real radius,
-                                  const typename Map<Real>::Outlook& outlook, std::span<Real> bounds) const {
+void ShapeModulus<Real>::escapeBounds(const QuaternionBatch<Real>& centres, Real radius,
+                                      const typename Map<Real>::EscapeProof& proof, std::span<Real> bounds) const {
   const Quaternion<unsigned> numbers{0, 1, 2, 3};
   mVersor->logLeastParts(centres, radius, mEmbedding.slicePart(numbers), bounds);
   // |e^l v| is at least as far from the origin as asked for.
   constexpr Real kRounding = 32 * std::numeric_limits<Real>::epsilon();
-  for (Real& bound : bounds) bound = (outlook.least - bound) + kRounding * (1 + std::abs(outlook.least - bound));
+  for (Real& bound : bounds) bound = (proof.least - bound) + kRounding * (1 + std::abs(proof.least - bound));
 }
 
 template class ShapeModulus<float>;

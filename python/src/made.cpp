@@ -76,14 +76,9 @@ std::unique_lock<std::timed_mutex> lockPatiently(std::timed_mutex& mutex, const 
 }
 
 const vdbtools::Scene& pictureScene(const MadeScene& made, Monitor& monitor) {
-  const vdbtools::ShellSettings* const shell = made.options.map->shell();
-  if (!shell || shell->interpolation) return made.scene;
+  if (!vdbtools::picturesDiffer(made.options)) return made.scene;
   const auto lock = lockPatiently(made.pictureMutex, monitor);
-  if (!made.pictureScene) {
-    vdbtools::FractalOptions options = made.options;
-    options.picture = true;
-    made.pictureScene = made.scenes.make(options, monitor);
-  }
+  if (!made.pictureScene) made.pictureScene = made.scenes.make(vdbtools::forPictures(made.options), monitor);
   return *made.pictureScene;
 }
 

@@ -254,7 +254,7 @@ py::dict infoOf(const MadeFractal& fractal) {
   const vdbtools::Scene& scene = fractal.made->scene;
   py::dict info;
   info["recipe"] = fractal.made->recipe;
-  info["facts"] = scene.facts;
+  info["facts"] = scene.metadata;
   info["metadata"] = vdbtools::sceneMetadata(scene, fractal.made->recipe);
   info["voxel_size"] = scene.voxelSize;
   info["vertices"] = fractal.mesh.points.size();

@@ -32,7 +32,7 @@ TEST(Report, ReadsWhatTheWorkIsStillWriting) {
     report.count("number", i);
     report.making("file.vdb", true);
     report.wrote("file.vdb");
-    report.keep("finished frames are kept");
+    report.noteKept("finished frames are kept");
     report.phaseEnded("phase", 1, 1, 0.5);
   }
   watcher.join();

@@ -2,6 +2,8 @@
 #include "support/temporary_folder.h"
 
 #include "vdbtools/explore/shell_command.h"
+
+#include "vdbtools/base/shell_word.h"
 #include "vdbtools/scene/fractal_options.h"
 
 #include <gtest/gtest.h>
@@ -47,7 +49,7 @@ TEST(ShellCommand, AShellReadsTheWordsThatWereMeant) {
     words.push_back(word);
   }
   std::string command;
-  for (const std::string& word : words) command += vdbtools::explore::shellWord(word) + ' ';
+  for (const std::string& word : words) command += vdbtools::shellWord(word) + ' ';
   EXPECT_EQ(wordsOfShell(command), words);
 }
 

@@ -45,7 +45,7 @@ Manifest tiles() {
   manifest.kind = PlanKind::Tiles;
   manifest.recipe = {{"input", "a \"b\"\\\n\u00e4.obj"}, {"alpha", "40"}};
   manifest.makes = {"vdb", "ply"};
-  manifest.facts = {{"julia_origin_at", "0.1,0,0"}};
+  manifest.metadata = {{"julia_origin_at", "0.1,0,0"}};
   manifest.lattice = TileLattice{{{kLow, -8, 0}, {kHigh, 7, 7}}, true, 1.0 / 3};
   manifest.inputs = {{"prepared.vdb", std::string(64, 'a')}, {"/models/b.obj", std::string(64, 'b')}};
   manifest.tasks.resize(3);
@@ -65,7 +65,7 @@ TEST_F(ManifestTest, ComesBackAsItWas) {
   EXPECT_EQ(read.kind, planned.kind);
   EXPECT_EQ(read.recipe, planned.recipe);
   EXPECT_EQ(read.makes, planned.makes);
-  EXPECT_EQ(read.facts, planned.facts);
+  EXPECT_EQ(read.metadata, planned.metadata);
   ASSERT_TRUE(read.lattice);
   EXPECT_EQ(read.lattice->domain, planned.lattice->domain);
   EXPECT_EQ(read.lattice->bounded, planned.lattice->bounded);
@@ -91,7 +91,7 @@ TEST_F(ManifestTest, NeedsNeitherBoxesNorALattice) {
     Manifest manifest;
     manifest.kind = kind;
     manifest.makes = {"stl"};
-    manifest.facts = {{"folder", "/"}};
+    manifest.metadata = {{"folder", "/"}};
     manifest.tasks = {{.writes = {"out/a.stl"}}};
     put(encodeManifest(manifest));
     const Manifest read = readManifest(mFolder);

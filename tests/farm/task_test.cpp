@@ -55,7 +55,7 @@ class TaskTest : public ::testing::Test {
     Manifest manifest;
     manifest.kind = PlanKind::Frames;
     manifest.makes = {"vdb", "ply"};
-    manifest.facts = {{"folder", "/"}};
+    manifest.metadata = {{"folder", "/"}};
     manifest.recipe = {{"input", "bunny.obj"}};
     manifest.inputs = {{"input.obj", sha256OfFile(folder / "input.obj")}};
     for (std::uint64_t k = 1; k <= kTasks; ++k) {

@@ -290,7 +290,7 @@ TEST_F(Tiles, APreparedSceneEvaluatesTheSameBits) {
     const FractalOptions options = parseFractalOptions(recipe);
     const Scene scene = makeScene(options, mMonitor);
     const Scene again = readPreparedScene(options, mFolder.write("prepared.vdb", encodePreparedScene(scene)));
-    EXPECT_EQ(again.facts, scene.facts);
+    EXPECT_EQ(again.metadata, scene.metadata);
     std::mt19937 random(3);
     std::vector<julia::Point> points(4000);
     for (julia::Point& point : points)

@@ -14,7 +14,7 @@ inline vdbtools::farm::Manifest plan() {
   manifest.kind = vdbtools::farm::PlanKind::Frames;
   manifest.recipe = {{"map", "quadratic"}, {"resolution", "16"}};
   manifest.makes = {"vdb"};
-  manifest.facts = {{"folder", "/"}};
+  manifest.metadata = {{"folder", "/"}};
   manifest.inputs = {{"shape.obj", vdbtools::sha256Hex("shape")}};
   manifest.tasks = {{.recipe = {{"c", "0,1,0,0"}}, .box = {}, .writes = {"out.0001.vdb"}},
                     {.recipe = {{"c", "0,0,1,0"}}, .box = {}, .writes = {"out.0002.vdb"}}};

@@ -277,7 +277,7 @@ void addFarm(Seeds& seeds) {
   seeds.push_back({"plan", "frames", "0" + encodeManifest(manifest)});
   seeds.push_back({"plan", "as_written", "1" + encodeManifest(manifest)});
   manifest.kind = PlanKind::Tiles;
-  manifest.facts = {{"source", "x"}};
+  manifest.metadata = {{"source", "x"}};
   const openvdb::CoordBBox box(openvdb::Coord(-8), openvdb::Coord(7));
   manifest.lattice = TileLattice{box, true, 0.125};
   manifest.tasks = {{.recipe = {}, .box = box, .writes = {"tiles/0001.vdb"}}};

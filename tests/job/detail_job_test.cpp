@@ -236,7 +236,7 @@ TEST_F(DetailJob, ATreeOfTubesStaysOnePiece) {
   const std::string path = write("tree.obj", tree);
   for (const char* detail : {"0.3", "0.6"}) {
     const Scene made = scene({{"input", path}, {"detail", detail}, {"resolution", "150"}, {"sdf-resolution", "200"}});
-    EXPECT_EQ(made.facts.at("julia_united_parts"), std::to_string(tubes));
+    EXPECT_EQ(made.metadata.at("julia_united_parts"), std::to_string(tubes));
     EXPECT_GT(measureSolid(fractalMesh(made, mMonitor)).shareOfLargest(1), 0.97) << detail;
   }
 }
@@ -273,13 +273,13 @@ TEST_F(DetailJob, SizeAndPlaceDoNotMatter) {
 TEST_F(DetailJob, TheRecordedOriginMakesTheSameAgain) {
   const std::string lumpy = writeField("lumpy.vdb", test_fields::lumpy);
   const Scene chosen = scene({{"input", lumpy}});
-  const std::string at = chosen.facts.at("julia_origin_at");
+  const std::string at = chosen.metadata.at("julia_origin_at");
   const Scene given = scene({{"input", lumpy}, {"origin", at}});
   EXPECT_NEAR((given.placed.space.centre - chosen.placed.space.centre).length(), 0, 1e-12);
-  EXPECT_EQ(given.facts.at("julia_shell"), chosen.facts.at("julia_shell"));
+  EXPECT_EQ(given.metadata.at("julia_shell"), chosen.metadata.at("julia_shell"));
   // The middle of the box is the origin of the numbers.
   const Scene middle = scene({{"input", lumpy}, {"origin", "centre"}});
-  EXPECT_EQ(middle.facts.at("julia_origin_at"), "0,0,0");
+  EXPECT_EQ(middle.metadata.at("julia_origin_at"), "0,0,0");
 }
 
 TEST_F(DetailJob, ShiftingTheOriginErodes) {

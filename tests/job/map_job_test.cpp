@@ -264,7 +264,7 @@ TEST_F(MapJob, APairWithUndefinedPointsIsInOnePiece) {
   const Vec3d shift = scene.space.centre;
   EXPECT_GT(shift[0], 0);
   EXPECT_LT(shift.length(), scene.options.surface.tolerance * scene.voxelSize);
-  EXPECT_NE(scene.facts.at("julia_space_centre"), "0,0,0");
+  EXPECT_NE(scene.metadata.at("julia_space_centre"), "0,0,0");
   // The same with the planes' limits, as the triplex square has them. A cut would cost 6 %; needles come and go with
   // the nodes that they meet.
   const double whole = mesh_laws::volume(mesh({{"map", "mandelbulb"}, {"power", "2"}, {"iterations", "5"}}));

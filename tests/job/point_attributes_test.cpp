@@ -372,7 +372,7 @@ TEST_F(PointAttributesTest, APictureIsAGradientAndItsHashIsRecorded) {
   EXPECT_EQ(colouring.gradient.at(0.5), Vec3d(0, 1, 0));
   EXPECT_EQ(colouring.gradient.at(1), Vec3d(0, 0, 1));
   const Scene set = makeScene(options, mMonitor);
-  EXPECT_EQ(set.facts.at("julia_colour_sha256").size(), 64u);
+  EXPECT_EQ(set.metadata.at("julia_colour_sha256").size(), 64u);
   EXPECT_THROW(scene(shape({{"colour", "trap:" + picture}, {"colour-sha256", std::string(64, '0')}})), DataError);
   EXPECT_THROW(made(scene(shape({{"colour", "trap:none.png"}}))), MissingInputError);
 }

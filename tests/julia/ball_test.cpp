@@ -369,18 +369,18 @@ TYPED_TEST(BallLaws, boundsOfTheShapeModulusHoldAtEveryPoint) {
     const DropAxis dropped = std::array{DropAxis::I, DropAxis::J, DropAxis::K}[static_cast<std::size_t>(round) % 3];
     const julia::ShapeModulus<Real> map(field, versor, dropped);
     const double wanted = random.between(-1, 1.5);
-    const auto outlook = map.outlook(wanted);
-    ASSERT_LT(outlook.least, 1) << wanted;
+    const auto proof = map.escapeProof(wanted);
+    ASSERT_LT(proof.least, 1) << wanted;
     const auto radius = static_cast<Real>(logUniform(random, 1e-6, 0.05));
     julia::QuaternionBatch<Real> centres;
     centres.resize(60);
     for (std::size_t i = 0; i < centres.size(); ++i)
       centres.set(i, riskyPoint(random, versor, static_cast<double>(radius)).template as<Real>());
     std::vector<Real> bounds(centres.size());
-    map.settling(centres, radius, outlook, bounds);
+    map.escapeBounds(centres, radius, proof, bounds);
     for (std::size_t i = 0; i < bounds.size(); ++i) {
       ++total;
-      EXPECT_GE(bounds[i], outlook.least);
+      EXPECT_GE(bounds[i], proof.least);
       if (!(bounds[i] < 5)) continue;
       ++known;
       const Ball ball{centres.get(i).template as<double>(), static_cast<double>(radius) * (1 - 4 * this->eps)};

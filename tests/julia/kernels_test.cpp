@@ -342,7 +342,7 @@ TYPED_TEST(Kernels, ranksAreClosedInOrder) {
           }
         Real* const rows[2] = {first.data(), second.data()};
         const std::size_t kept =
-            julia::kernels::kernels<Real>().closeRanks(Real(1), traps, Real(-1), l.data(), index.data(), rows, 2, size);
+            julia::kernels::kernels<Real>().compact(Real(1), traps, Real(-1), l.data(), index.data(), rows, 2, size);
         ASSERT_EQ(kept, expected.size()) << size;
         for (std::size_t k = 0; k < kept; ++k) {
           EXPECT_EQ(l[k], expected[k]);

@@ -48,7 +48,7 @@ TEST_F(RecordedRecipeTest, EveryFileIsHashedAndAnotherOneIsRefused) {
         fractalOptionTable());
     const Scene first = scene(recipe);
     const std::string fact = "julia_" + std::string(control) + "_sha256";
-    ASSERT_TRUE(first.facts.contains(fact));
+    ASSERT_TRUE(first.metadata.contains(fact));
     const Recipe recorded = recordedRecipe(sceneMetadata(first, recipe)).recipe;
     EXPECT_NO_THROW(scene(recorded));
     writeGrid("g.vdb", value * 1.5F);

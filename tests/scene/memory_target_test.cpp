@@ -48,7 +48,7 @@ TEST(MemoryTarget, MakesTheFractalOfItsFile) {
   EXPECT_GT(a.triangles.size(), 1000u);
   EXPECT_EQ(a.points, b.points);
   EXPECT_EQ(a.triangles, b.triangles);
-  EXPECT_EQ(fromFile.facts.at("julia_space_scale"), fromMemory.facts.at("julia_space_scale"));
+  EXPECT_EQ(fromFile.metadata.at("julia_space_scale"), fromMemory.metadata.at("julia_space_scale"));
 }
 
 TEST(MemoryTarget, ItsHashChangesWithEveryPartOfTheMesh) {

@@ -46,22 +46,22 @@ class Map {
     std::fill(images.begin(), images.end(), std::nullopt);
   }
 
-  /// Where a first step settles that the next one escapes, without taking it: see outlook().
-  struct Outlook {
-    Real least = std::numeric_limits<Real>::infinity();  ///< no smaller l settles anything
-    double radius = 0;                                   ///< balls larger than this are not worth asking about
+  /// For which points escapeBounds() can prove that the step after the first one escapes, without taking it.
+  struct EscapeProof {
+    Real least = std::numeric_limits<Real>::infinity();  ///< nothing is proved for a smaller l
+    double radius = 0;                                   ///< nothing is proved for balls larger than this
   };
-  /// What to expect of settling(). A map that can settle nothing inherits both functions.
+  /// The limits of escapeBounds(). A map that can prove nothing inherits both functions.
   /// @param wanted  the l that the next step must reach
-  virtual Outlook outlook(double wanted) const {
+  virtual EscapeProof escapeProof(double wanted) const {
     (void)wanted;
     return {};
   }
 
   /// bounds[i] is such that wherever l >= bounds[i] at a q within @a radius of centre i, the l of the next step, as
-  /// logModulus() computes it, is at least outlook's @a wanted; +inf if nothing is known.
-  virtual void settling(const QuaternionBatch<Real>& /*centres*/, Real /*radius*/, const Outlook& /*outlook*/,
-                        std::span<Real> bounds) const {
+  /// logModulus() computes it, is at least proof's @a wanted; +inf if nothing is known.
+  virtual void escapeBounds(const QuaternionBatch<Real>& /*centres*/, Real /*radius*/, const EscapeProof& /*proof*/,
+                            std::span<Real> bounds) const {
     std::fill(bounds.begin(), bounds.end(), std::numeric_limits<Real>::infinity());
   }
 

@@ -46,9 +46,9 @@ class ShapeModulus final : public Map<Real> {
               std::span<std::optional<Ball>> images) const override;
   /// Beyond some distance from the origin E is nowhere below what is wanted, and an image's distance from it is e^l
   /// times what the versor keeps without the dropped component.
-  typename Map<Real>::Outlook outlook(double wanted) const override;
-  void settling(const QuaternionBatch<Real>& centres, Real radius, const typename Map<Real>::Outlook& outlook,
-                std::span<Real> bounds) const override;
+  typename Map<Real>::EscapeProof escapeProof(double wanted) const override;
+  void escapeBounds(const QuaternionBatch<Real>& centres, Real radius, const typename Map<Real>::EscapeProof& proof,
+                    std::span<Real> bounds) const override;
 
  private:
   std::shared_ptr<const ScalarField<Real>> mExponent;

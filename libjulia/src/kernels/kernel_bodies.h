@@ -292,8 +292,8 @@ JULIA_INLINE void compress(std::uint32_t* to, __mmask16 kept, const std::uint32_
 #endif
 
 template <class Real>
-std::size_t closeRanks(Real escape, bool traps, Real trap, Real* l, std::uint32_t* index, Real* const* rows,
-                       std::size_t rowCount, std::size_t size) {
+std::size_t compact(Real escape, bool traps, Real trap, Real* l, std::uint32_t* index, Real* const* rows,
+                    std::size_t rowCount, std::size_t size) {
   // Entries at once. Whether one is kept is found in a loop apart from the count, whose additions wait for each other,
   // and nothing branches on it, which could not be predicted.
   constexpr std::size_t kTogether = 256;
@@ -503,7 +503,7 @@ constexpr Kernels<Real> kTable = {
     .versor = versor<Real>,
     .logModulus = logModulus<Real>,
     .logLeastPart = logLeastPart<Real>,
-    .closeRanks = closeRanks<Real>,
+    .compact = compact<Real>,
     .scaleByExponential = scaleByExponential<Real>,
     .logNorm = logNorm<Real>,
     .normalise = normalise<Real>,

@@ -101,8 +101,8 @@ struct Kernels {
                        unsigned dropped, ConstBatch<Real> q, ConstBatch<Real> u, Real* l, std::size_t size);
   /// Closes the ranks of the entries with l < escape and, if @a traps, l > trap: of l, of index and of the rows, in
   /// place and in their order. @return how many there are
-  std::size_t (*closeRanks)(Real escape, bool traps, Real trap, Real* l, std::uint32_t* index, Real* const* rows,
-                            std::size_t rowCount, std::size_t size);
+  std::size_t (*compact)(Real escape, bool traps, Real trap, Real* l, std::uint32_t* index, Real* const* rows,
+                         std::size_t rowCount, std::size_t size);
   /// q = e^l q, in place.
   void (*scaleByExponential)(const Real* l, Batch<Real> q, std::size_t size);
   /// l = ln|q|, where |q|^2 is a normal number. @return whether there may be one that is not

@@ -222,8 +222,7 @@ ExploreSession::ExploreSession(const ExploreOptions& options, Monitor& monitor)
       mAccess(parseFractalOptions(options.given)),
       mJobs(mFolder, inputsOf(options), options.makeShare) {
   const Recipe completed = completeRecipe(mGiven, mTable);
-  FractalOptions shown = parseFractalOptions(completed);
-  shown.picture = true;
+  const FractalOptions shown = forPictures(parseFractalOptions(completed));
   requireShown(mScenes.get(completed, shown, SceneStore::Turn::Waits, monitor)->scene());
   makeFolder(mFolder);
 }
@@ -233,8 +232,7 @@ std::size_t ExploreSession::mostBytes(const std::string& path) { return path == 
 ExploreSession::Look ExploreSession::lookOf(const json& body) const {
   Look look{.given = recipeOf(body)};
   look.completed = completeRecipe(look.given, mTable);
-  look.options = parseFractalOptions(look.completed);
-  look.options.picture = true;
+  look.options = forPictures(parseFractalOptions(look.completed));
   mAccess.require(look.options);
   return look;
 }
@@ -320,7 +318,7 @@ std::string ExploreSession::picture(const json& body, Monitor& monitor) {
   if (picture.colour && picture.colour->picture) mAccess.require(*picture.colour->picture);
   if (flagOf(body, "mesh")) {
     Look look = lookToMake(body);
-    look.options.picture = false;
+    if (picturesDiffer(look.options)) look.options.picture = false;
     return pictureOfMesh(sceneOf(look, SceneStore::Turn::Waits, monitor)->scene(), picture, monitor);
   }
   return sceneOf(lookOf(body), SceneStore::Turn::Waits, monitor)->picture(picture, monitor);
@@ -337,7 +335,7 @@ json ExploreSession::colouring(const json& body, Monitor& monitor) {
                        look.options.output.attributes.colour.value_or(ColourChoice{.by = FieldColour::Clay}), monitor);
 }
 
-/// What of a recipe is finer than its voxels.
+/// Says which details of a recipe are finer than its voxels.
 json ExploreSession::advice(const json& body, Monitor& monitor) {
   const std::shared_ptr<KeptScene> kept = sceneOf(lookToMake(body), SceneStore::Turn::Waits, monitor);
   return {{"finer", finerThanVoxelsText(kept->scene())}};

@@ -6,9 +6,7 @@ namespace vdbtools::explore {
 
 std::string exportedPage(const Recipe& given, Monitor& monitor) {
   const Recipe completed = completeRecipe(given, fractalOptionTable());
-  FractalOptions options = parseFractalOptions(completed);
-  options.picture = true;
-  const Scene scene = makeScene(options, monitor);
+  const Scene scene = makeScene(forPictures(parseFractalOptions(completed)), monitor);
   return exportPage(scene, given, {}, monitor);
 }
 

@@ -13,6 +13,7 @@
 #include "julia/shape_modulus.h"
 #include "julia/wave_versor.h"
 
+#include <openssl/evp.h>
 #include <openvdb/math/Half.h>
 
 #include <algorithm>
@@ -253,16 +254,10 @@ float appendHalf(std::string& bytes, float value) {
 }
 
 std::string base64(std::string_view bytes) {
-  constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t triple = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      triple = triple << 8 | (i + k < bytes.size() ? static_cast<std::uint8_t>(bytes[i + k]) : 0U);
-    for (std::size_t k = 0; k < 4; ++k)
-      text.push_back(i + k <= bytes.size() ? kAlphabet[triple >> (18 - 6 * k) & 63] : '=');
-  }
+  std::string text((bytes.size() + 2) / 3 * 4 + 1, '\0');  // OpenSSL ends it with a 0
+  EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), reinterpret_cast<const unsigned char*>(bytes.data()),
+                  static_cast<int>(bytes.size()));
+  text.pop_back();
   return text;
 }
 
@@ -289,7 +284,7 @@ SceneData sceneData(const Scene& scene, const SceneDataOptions& options, Monitor
                  {"slice", field.embedding.slice},
                  {"dropAxis", kAxes.at(static_cast<std::size_t>(field.embedding.dropped))},
                  {"space", {{"centre", vector(scene.space.centre)}, {"scale", scene.space.scale}}},
-                 {"facts", scene.facts}};
+                 {"facts", scene.metadata}};
   describeMap(field.map, options, data);
   const openvdb::BBoxd world = pictureRegion(scene);
   const auto inFractalSpace = [&](const Vec3d& x) { return Vec3d(scene.space.toFractal(x).data()); };

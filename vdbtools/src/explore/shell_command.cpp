@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/explore/shell_command.h"
 
+#include "vdbtools/base/shell_word.h"
+
 #include <algorithm>
 #include <set>
 
 namespace vdbtools::explore {
 namespace {
-
-/// Characters that mean themselves to every shell, wherever they stand.
-bool isPlain(char c) {
-  constexpr std::string_view kOthers = "%+,-./:@_";
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || kOthers.find(c) != kOthers.npos;
-}
 
 void appendOption(std::string& command, const std::string& name, const std::string& value) {
   // A value that begins with a dash would be taken for an option.
@@ -38,18 +34,6 @@ void appendRecipe(std::string& command, const Recipe& recipe, const OptionTable&
 }
 
 }  // namespace
-
-std::string shellWord(std::string_view word) {
-  if (!word.empty() && std::all_of(word.begin(), word.end(), isPlain)) return std::string(word);
-  std::string quoted = "'";
-  for (const char c : word) {
-    if (c == '\'')
-      quoted += "'\\''";
-    else
-      quoted += c;
-  }
-  return quoted + "'";
-}
 
 std::string fractalCommand(const Recipe& recipe, const OptionTable& table,
                            const std::vector<std::pair<std::string, std::string>>& outputs) {

@@ -72,7 +72,7 @@ Json jsonOf(const Manifest& manifest) {
             {"kind", nameOf(manifest.kind)},
             {"makes", manifest.makes},
             {"recipe", jsonOf(manifest.recipe)}};
-  if (!manifest.facts.empty()) json["facts"] = jsonOf(manifest.facts);
+  if (!manifest.metadata.empty()) json["facts"] = jsonOf(manifest.metadata);
   if (manifest.lattice) json["lattice"] = jsonOf(*manifest.lattice);
   json["inputs"] = Json::array();
   for (const PlannedInput& input : manifest.inputs)
@@ -130,7 +130,7 @@ Manifest manifestFrom(const Json& json) {
   manifest.kind = kindFrom(json.at("kind").get<std::string>());
   manifest.makes = json.at("makes").get<std::vector<std::string>>();
   manifest.recipe = entriesFrom(json, "recipe");
-  if (json.contains("facts")) manifest.facts = entriesFrom(json, "facts");
+  if (json.contains("facts")) manifest.metadata = entriesFrom(json, "facts");
   if (json.contains("lattice")) {
     const Json& lattice = json.at("lattice");
     manifest.lattice = {boxFrom(lattice.at("domain")), lattice.at("bounded").get<bool>(),
@@ -174,8 +174,9 @@ void requireSoundTiles(const Manifest& manifest) {
 
 /// Of a plan of whole fractals: that each task has a file of its own for all that the plan makes.
 void requireSoundVariants(const Manifest& manifest) {
-  const auto folder = manifest.facts.find(kFolderFact);
-  if (folder == manifest.facts.end() || !std::filesystem::path(folder->second).is_absolute() || hasNul(folder->second))
+  const auto folder = manifest.metadata.find(kFolderFact);
+  if (folder == manifest.metadata.end() || !std::filesystem::path(folder->second).is_absolute() ||
+      hasNul(folder->second))
     refusePlan("the folder from which the names of its files are meant is missing");
   std::set<std::string> names;
   for (const PlannedTask& task : manifest.tasks) {

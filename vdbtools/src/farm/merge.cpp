@@ -125,7 +125,7 @@ std::unique_ptr<const PlanAttributes> planAttributes(const fs::path& folder, con
 
 MeshWriteOptions meshOptions(const Manifest& manifest, MeshFormat format) {
   const TileLattice& lattice = manifest.lattice.value();
-  MeshWriteOptions options = meshWriteOptions(format, parseFractalOptions(manifest.recipe).output, manifest.facts);
+  MeshWriteOptions options = meshWriteOptions(format, parseFractalOptions(manifest.recipe).output, manifest.metadata);
   options.voxelSize = lattice.voxelSize;
   options.box = meshBox({.domain = lattice.domain, .voxelSize = lattice.voxelSize});
   return options;
@@ -403,7 +403,7 @@ nlohmann::json writeOneTile(const fs::path& folder, const Manifest& manifest, st
       std::vector<openvdb::GridBase::Ptr> grids = {part};
       if (attributes)
         for (const openvdb::GridBase::Ptr& grid : attributeGrids(**attributes, *part, monitor)) grids.push_back(grid);
-      VdbWriteOptions options = vdbWriteOptions(parseFractalOptions(manifest.recipe).output, manifest.facts);
+      VdbWriteOptions options = vdbWriteOptions(parseFractalOptions(manifest.recipe).output, manifest.metadata);
       options.half = false;
       files.add(pieceOf(listed, index, ".vdb")).stream() << encodeVdb(grids, options);
     }
@@ -495,7 +495,7 @@ MergeResult mergePlan(const fs::path& folder, const Manifest& manifest, const Me
     const std::vector<openvdb::GridBase::Ptr> grids =
         mergeGrids(folder, manifest, recipe, islands, attributes.get(), result, monitor);
     monitor.begin("writing", 0);
-    vdb->stream() << encodeVdb(grids, vdbWriteOptions(recipe.output, manifest.facts));
+    vdb->stream() << encodeVdb(grids, vdbWriteOptions(recipe.output, manifest.metadata));
   }
   monitor.throwIfCancelled();
   commit(files, result);
@@ -516,7 +516,7 @@ MergeResult writeTileFiles(const fs::path& folder, const Manifest& manifest, con
   nlohmann::ordered_json root = {{"juliavdb", "tiles"},
                                  {"version", manifest.version},
                                  {"voxel_size", lattice.voxelSize},
-                                 {"recipe", manifest.facts}};
+                                 {"recipe", manifest.metadata}};
   nlohmann::json tiles = nlohmann::json::array();
   for (std::uint64_t i = 1; i <= manifest.tasks.size(); ++i) {
     tiles.push_back(writeOneTile(folder, manifest, i, index, inputs, islands ? &*islands : nullptr, attributes.get(),

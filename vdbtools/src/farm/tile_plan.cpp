@@ -31,7 +31,7 @@ namespace {
 using openvdb::Coord;
 using openvdb::CoordBBox;
 
-/// What of the boxes lies within another one.
+/// The parts of the boxes that lie within another box.
 std::vector<CoordBBox> clipped(std::span<const CoordBBox> boxes, const CoordBBox& within) {
   std::vector<CoordBBox> result;
   for (CoordBBox box : boxes) {
@@ -275,7 +275,7 @@ TilePlan planTiles(const FractalOptions& wanted, const Recipe& asked, const Tile
   // A task works in any folder, and can tell whether the map's files are those of the plan.
   manifest.recipe = withAbsoluteNames(recipe, std::filesystem::current_path());
   for (const auto& [name, hash] : verifiedHashes(filesOf(options))) manifest.recipe[name] = hash;
-  manifest.facts = sceneMetadata(scene, recipe);
+  manifest.metadata = sceneMetadata(scene, recipe);
   manifest.lattice = TileLattice{whole.domain, whole.bounded, whole.voxelSize};
   for (const TileBox& box : boxes) {
     manifest.tasks.push_back({.box = box.nodes, .writes = tileNames(files, manifest.tasks.size() + 1)});

@@ -86,7 +86,7 @@ Manifest planVariants(PlanKind kind, const std::vector<Variant>& variants, const
   requireNames(names);
   const OptionTable table = fractalOptionTable();
   const std::filesystem::path folder = std::filesystem::current_path();
-  Manifest manifest{.kind = kind, .makes = names.makes, .facts = {{kFolderFact, folder.string()}}};
+  Manifest manifest{.kind = kind, .makes = names.makes, .metadata = {{kFolderFact, folder.string()}}};
   FileHashes hashes;
   for (const Variant& variant : variants) {
     PlannedTask& task = manifest.tasks.emplace_back();
@@ -98,7 +98,7 @@ Manifest planVariants(PlanKind kind, const std::vector<Variant>& variants, const
   return manifest;
 }
 
-std::filesystem::path folderOfNames(const Manifest& manifest) { return manifest.facts.at(kFolderFact); }
+std::filesystem::path folderOfNames(const Manifest& manifest) { return manifest.metadata.at(kFolderFact); }
 
 Recipe withAbsoluteNames(const Recipe& recipe, const std::filesystem::path& folder) {
   std::map<std::string, std::string> names;

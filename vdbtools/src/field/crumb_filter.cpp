@@ -25,7 +25,7 @@ static_assert(kCrumb <= kBlock, "a crumb must lie in a block and those next to i
 constexpr std::uint64_t kFirstY = 0xff, kLastY = kFirstY << 56;
 constexpr std::uint64_t kFirstZ = 0x0101010101010101, kLastZ = kFirstZ << 7;
 
-/// What of a word is joined to some of its nodes, through nodes of @a within.
+/// The nodes of a word that are joined to some of its nodes, through nodes of @a within.
 std::uint64_t filled(std::uint64_t word, std::uint64_t within) {
   for (;;) {
     const std::uint64_t before = word;

@@ -15,7 +15,7 @@
 
 namespace vdbtools {
 
-/// What of a grid can be read.
+/// The parts of a grid that can be read.
 enum class VdbContent {
   Whole,
   Instance,  ///< metadata and transform; the tree is another grid's

@@ -62,11 +62,11 @@ SdfResult runSdf(const SdfOptions& options, Monitor& monitor) {
   result.moved = sdf.moved;
   result.closedGap = sdf.closedGap;
   result.caps = sdf.caps;
-  result.facts["julia_source_sha256"] = sha256OfFile(options.input);
+  result.metadata["julia_source_sha256"] = sha256OfFile(options.input);
   // The program reads it back with the grid, and so in the axes of the file.
-  result.facts[kTargetBox] = boxText(UpTurn(options.axes.target, options.axes.ofVdb())(source.box));
-  if (sdf.moved) result.facts["julia_repair_moved"] = numbersText({*sdf.moved});
-  if (sdf.united > 0) result.facts[kUnitedParts] = std::to_string(sdf.united);
+  result.metadata[kTargetBox] = boxText(UpTurn(options.axes.target, options.axes.ofVdb())(source.box));
+  if (sdf.moved) result.metadata["julia_repair_moved"] = numbersText({*sdf.moved});
+  if (sdf.united > 0) result.metadata[kUnitedParts] = std::to_string(sdf.united);
   return result;
 }
 

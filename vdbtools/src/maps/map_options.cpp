@@ -419,7 +419,7 @@ double interiorReachOf(const RootsSettings& settings) {
   return onSurface ? settings.random.surfaceDistance : 0;
 }
 
-std::map<std::string, std::string> PlacedRoots::facts() const {
+std::map<std::string, std::string> PlacedRoots::metadata() const {
   return {{kVersorJson, rationalToJson(drawn, {}, fitted)}};
 }
 

@@ -296,8 +296,8 @@ const julia::Rational* PlacedVersor::roots() const {
   return isRoots ? &mUnder.roots.placed : nullptr;
 }
 
-std::map<std::string, std::string> PlacedVersor::facts() const {
-  return roots() ? mUnder.roots.facts() : std::map<std::string, std::string>();
+std::map<std::string, std::string> PlacedVersor::metadata() const {
+  return roots() ? mUnder.roots.metadata() : std::map<std::string, std::string>();
 }
 
 std::optional<std::uint64_t> PlacedVersor::seed() const {

@@ -57,7 +57,7 @@ struct PlacedLayer {
   julia::DirectionFunction function{};       ///< of a formula or of the program
 };
 
-/// What of it does not depend on the random roots' seed is made once.
+/// The parts that do not depend on the seed of the random roots are made once.
 class PlacedVersor {
  public:
   /// @throw DataError  a formula or a field that has no direction in a part of the target
@@ -71,7 +71,7 @@ class PlacedVersor {
   bool floatsServe(const julia::OrbitOptions& orbit) const;
   /// Of a versor that is roots alone.
   const julia::Rational* roots() const;
-  std::map<std::string, std::string> facts() const;
+  std::map<std::string, std::string> metadata() const;
   std::optional<std::uint64_t> seed() const;
   /// Draws the random roots of the first layer anew.
   void reseed(std::uint64_t seed, const MapContext& context);

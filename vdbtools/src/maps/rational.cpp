@@ -40,7 +40,7 @@ class RationalInstance final : public MapInstance {
     return vdbtools::floatsServe(orbit, mRoots.placed);
   }
   const julia::Rational* roots() const override { return &mRoots.placed; }
-  std::map<std::string, std::string> facts() const override { return mRoots.facts(); }
+  std::map<std::string, std::string> metadata() const override { return mRoots.metadata(); }
 
  private:
   PlacedRoots mRoots;

@@ -35,7 +35,7 @@ class ShapeModulusInstance final : public MapInstance {
   }
   bool floatsServe(const julia::OrbitOptions& orbit) const override { return mVersor.floatsServe(orbit); }
   const julia::Rational* roots() const override { return mVersor.roots(); }
-  std::map<std::string, std::string> facts() const override { return mVersor.facts(); }
+  std::map<std::string, std::string> metadata() const override { return mVersor.metadata(); }
 
   std::optional<std::uint64_t> seed() const override { return mVersor.seed(); }
   std::shared_ptr<const MapInstance> reseeded(std::uint64_t seed) const override {

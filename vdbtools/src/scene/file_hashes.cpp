@@ -3,7 +3,7 @@
 
 namespace vdbtools {
 
-const Facts& FileHashes::of(const FractalOptions& options) {
+const Metadata& FileHashes::of(const FractalOptions& options) {
   const std::vector<NamedFile> files = filesOf(options);
   const auto [known, isNew] = mKnown.try_emplace(files);
   if (!isNew) return known->second;

@@ -13,10 +13,10 @@ namespace vdbtools {
 class FileHashes {
  public:
   /// By the names that a recipe has for them. @throw as verifiedHashes()
-  const Facts& of(const FractalOptions& options);
+  const Metadata& of(const FractalOptions& options);
 
  private:
-  std::map<std::vector<NamedFile>, Facts> mKnown;
+  std::map<std::vector<NamedFile>, Metadata> mKnown;
 };
 
 }  // namespace vdbtools

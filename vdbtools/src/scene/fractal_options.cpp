@@ -111,6 +111,16 @@ FractalOptions parseFractalOptions(const Recipe& recipe, const MapRegistry& maps
   return options;
 }
 
+FractalOptions forPictures(FractalOptions options) {
+  options.picture = true;
+  return options;
+}
+
+bool picturesDiffer(const FractalOptions& options) {
+  const ShellSettings* const shell = options.map->shell();
+  return shell && !shell->interpolation;
+}
+
 bool dropsCrumbs(const FractalOptions& options) {
   const Crumbs crumbs = options.surface.crumbs;
   return crumbs == Crumbs::Drop || (crumbs == Crumbs::Auto && options.map->shell());

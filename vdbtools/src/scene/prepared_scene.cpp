@@ -166,7 +166,7 @@ std::string encodePreparedScene(const Scene& scene) {
                 {"space", space(scene.space)},
                 {"placed", space(scene.placed.space)},
                 {"unmoved", space(scene.placed.unmoved)},
-                {"facts", scene.facts},
+                {"facts", scene.metadata},
                 {"target_volume", scene.targetVolume ? number(*scene.targetVolume) : json()}};
   std::vector<openvdb::GridBase::Ptr> grids;
   if (scene.target) {
@@ -212,7 +212,7 @@ Scene readPreparedScene(const FractalOptions& options, const std::filesystem::pa
     scene.arithmetic = entry.at("doubles").get<bool>() ? Arithmetic::Double : Arithmetic::Float;
     scene.space = spaceOf(entry.at("space"));
     scene.placed = {spaceOf(entry.at("placed")), spaceOf(entry.at("unmoved"))};
-    scene.facts = entry.at("facts").get<Facts>();
+    scene.metadata = entry.at("facts").get<Metadata>();
     if (!entry.at("target_volume").is_null()) scene.targetVolume = numberOf(entry.at("target_volume"));
     if (entry.contains("target")) scene.target = targetOf(entry["target"], gridOf(file, "phi", path));
     if (options.output.attributes.has(PointAttribute::Tau)) scene.thickness = gridOf(file, "thickness", path);

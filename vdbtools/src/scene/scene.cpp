@@ -35,18 +35,18 @@ julia::OrbitOptions orbitOf(const FractalOptions& options) {
   return orbit;
 }
 
-Facts hashesOf(const FractalOptions& options) {
-  Facts facts;
-  for (const auto& [name, hash] : verifiedHashes(filesOf(options))) facts[metadataName(name)] = hash;
+Metadata hashesOf(const FractalOptions& options) {
+  Metadata metadata;
+  for (const auto& [name, hash] : verifiedHashes(filesOf(options))) metadata[metadataName(name)] = hash;
   if (options.target && options.target->mesh) {
     const NamedFile& input = options.target->input;
     const std::string hash = sha256OfMesh(*options.target->mesh);
     if (!input.expectedHash.empty() && input.expectedHash != hash)
       throw DataError("the mesh is not the one that the recipe was made with: its SHA-256 is " + hash + " and was " +
                       input.expectedHash);
-    facts[metadataName(input.recordedAs)] = hash;
+    metadata[metadataName(input.recordedAs)] = hash;
   }
-  return facts;
+  return metadata;
 }
 
 /// All of a scene that its exponent over a target is made from, and nothing else is used to make it: so two scenes with
@@ -54,7 +54,7 @@ Facts hashesOf(const FractalOptions& options) {
 struct ExponentSources {
   SpaceOptions space;
   ShellSettings shell;
-  Facts controlFiles;  ///< the SHA-256 of the files that the shell's controls read
+  Metadata controlFiles;  ///< the SHA-256 of the files that the shell's controls read
   julia::OrbitOptions orbit;
   double interiorReach = 0;  ///< as MapSettings has it
   bool isSmooth = false;     ///< E is read quadratically unless the distances are too coarse for that
@@ -62,13 +62,13 @@ struct ExponentSources {
   bool operator==(const ExponentSources&) const = default;
 };
 
-ExponentSources exponentSources(const FractalOptions& options, const ShellSettings& shell, const Facts& hashes) {
+ExponentSources exponentSources(const FractalOptions& options, const ShellSettings& shell, const Metadata& hashes) {
   ExponentSources sources{.space = options.space,
                           .shell = shell,
                           .controlFiles = {},
                           .orbit = orbitOf(options),
                           .interiorReach = options.map->interiorReach()};
-  sources.isSmooth = options.picture && !shell.interpolation;
+  sources.isSmooth = options.picture && picturesDiffer(options);
   if (!shell.interpolation)
     sources.shell.interpolation = sources.isSmooth ? julia::Interpolation::Quadratic : julia::Interpolation::Trilinear;
   for (const ControlSetting& control : shell.controls())
@@ -415,24 +415,24 @@ void measureFeatures(Scene& scene, const FractalSpace& space, Monitor& monitor) 
       measureFeatureSizes(*scene.target, *scene.exponentOf, *evaluator, space, scene.options.lattice.box, monitor);
 }
 
-Facts spaceFacts(const FractalSpace& space) {
+Metadata spaceMetadata(const FractalSpace& space) {
   const Vec3d& centre = space.centre;
   return {{"julia_space_centre", numbersText({centre[0], centre[1], centre[2]})},
           {"julia_space_scale", numbersText({space.scale})}};
 }
 
-Facts shellFacts(const ExponentGrid& exponent) {
+Metadata shellMetadata(const ExponentGrid& exponent) {
   const auto text = [](const std::pair<double, double>& range) { return numbersText({range.first, range.second}); };
   return {{"julia_shell", numbersText({exponent.shell.lower, exponent.shell.upper})},
           {"julia_alpha_range", text(exponent.alphaRange)},
           {"julia_beta_range", text(exponent.betaRange)}};
 }
 
-Facts targetFacts(const Target& target) {
-  Facts facts{{kTargetBox, boxText(target.box)}};
-  if (target.repairMoved) facts["julia_repair_moved"] = numbersText({*target.repairMoved});
-  if (const auto united = (*target.phi)[kUnitedParts]) facts[kUnitedParts] = united->str();
-  return facts;
+Metadata targetMetadata(const Target& target) {
+  Metadata metadata{{kTargetBox, boxText(target.box)}};
+  if (target.repairMoved) metadata["julia_repair_moved"] = numbersText({*target.repairMoved});
+  if (const auto united = (*target.phi)[kUnitedParts]) metadata[kUnitedParts] = united->str();
+  return metadata;
 }
 
 }  // namespace
@@ -470,7 +470,7 @@ std::shared_ptr<const Mesh> transferredMesh(const FractalOptions& options, const
 struct SceneMaker::Shared {
   /// What is shared of the target of these options; opened anew where the file has another content by now.
   /// @param hashes  becomes those of the options' files
-  SharedTarget& over(const FractalOptions& options, Facts& hashes) {
+  SharedTarget& over(const FractalOptions& options, Metadata& hashes) {
     if (target && target->options() != *options.target) target.reset();
     if (!target) target = std::make_unique<SharedTarget>(*options.target, open);
     hashes = hashesOf(options);
@@ -502,10 +502,10 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
   PlacedSpace placed;
   std::optional<BBoxd> shape;
   if (options.target) {
-    SharedTarget& shared = mShared->over(options, scene.facts);
+    SharedTarget& shared = mShared->over(options, scene.metadata);
     shape = shared.input().box();
     scene.targetMesh = transferredMesh(options, shared.input());
-    PlacedTarget target = shell ? placeShell(exponentSources(options, *shell, scene.facts), shared, monitor)
+    PlacedTarget target = shell ? placeShell(exponentSources(options, *shell, scene.metadata), shared, monitor)
                                 : placeTarget(options, shared, monitor);
     const ControlSetting* const frequency = options.map->frequency();
     std::optional<double> voxel;
@@ -518,22 +518,22 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
     placed = target.placed;
     if (scene.exponent) {
       scene.orbit = scene.exponent->orbit;
-      scene.facts.merge(shellFacts(*scene.exponent));
-      scene.facts["julia_origin_at"] = originText(options.space, placed.unmoved, *shape);
+      scene.metadata.merge(shellMetadata(*scene.exponent));
+      scene.metadata["julia_origin_at"] = originText(options.space, placed.unmoved, *shape);
     }
     const bool wantsThickness = options.output.attributes.has(PointAttribute::Tau);
     const bool followsThickness = frequency || scene.controls.contains("over-octave");
     if (wantsThickness || target.isSurveyed || followsThickness) {
       const LocalThickness thickness = shared.survey(monitor).thickness(monitor, slopeOf(scene.exponentOf));
-      scene.facts["julia_thickness"] = numbersText({thickness.least, thickness.greatest});
+      scene.metadata["julia_thickness"] = numbersText({thickness.least, thickness.greatest});
       if (wantsThickness) scene.thickness = thickness.tau;
     }
     scene.targetVolume = insideVolume(*scene.target->phi);
-    scene.facts.merge(targetFacts(*scene.target));
+    scene.metadata.merge(targetMetadata(*scene.target));
     if (const std::shared_ptr<const Mesh> mesh = shared.input().mesh())
       scene.targetParts = partsOf(*mesh, options.target->mesh ? std::filesystem::path() : options.target->input.path);
   } else {
-    scene.facts.merge(hashesOf(options));
+    scene.metadata.merge(hashesOf(options));
     placed = placeSpace(options.space, fitted ? &fitted->space : nullptr);
     if (fitted && options.space.kind == SpaceKind::Fit) shape = fitted->box;
   }
@@ -545,7 +545,7 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
                                      .exponent = scene.exponent ? &*scene.exponent : nullptr,
                                      .octave = scene.octave ? &*scene.octave : nullptr,
                                      .controls = &scene.controls});
-  scene.facts.merge(scene.map->facts());
+  scene.metadata.merge(scene.map->metadata());
 
   if (scene.exponent) {
     measureFeatures(scene, placed.space, monitor);
@@ -561,12 +561,12 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
   scene.region = lattice.region;
 
   scene.arithmetic = chooseArithmetic(scene, *scene.map, placed.space);
-  scene.facts["julia_arithmetic"] = scene.arithmetic == Arithmetic::Float ? "float" : "double";
+  scene.metadata["julia_arithmetic"] = scene.arithmetic == Arithmetic::Float ? "float" : "double";
   scene.evaluator = scene.map->evaluator(scene.arithmetic, scene.orbit);
   scene.placed = placed;
   scene.space = placed.space;
   scene.space.centre += options.map->latticeShift() * options.surface.tolerance * scene.voxelSize;
-  scene.facts.merge(spaceFacts(scene.space));
+  scene.metadata.merge(spaceMetadata(scene.space));
   return scene;
 }
 
@@ -619,7 +619,7 @@ Recipe resolvedRecipe(const Scene& scene, Recipe recipe) {
 
 std::map<std::string, std::string> sceneMetadata(const Scene& scene, const Recipe& recipe) {
   std::map<std::string, std::string> metadata = recipeToMetadata(resolvedRecipe(scene, recipe), "fractal");
-  metadata.insert(scene.facts.begin(), scene.facts.end());
+  metadata.insert(scene.metadata.begin(), scene.metadata.end());
   return metadata;
 }
 

@@ -68,7 +68,7 @@ void evaluateEnds(const std::vector<LatticeEdge>& edges, double voxelSize, const
 
 /// Takes the brackets out that are narrow enough. There are no branches, which could not be predicted: the middle of
 /// a bracket that stays is written again later.
-void closeRanks(Brackets& brackets, double width, std::vector<double>& found) {
+void removeNarrow(Brackets& brackets, double width, std::vector<double>& found) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < brackets.size(); ++i) {
     const std::uint32_t edge = brackets.edge[i];
@@ -109,7 +109,7 @@ std::vector<openvdb::Vec3d> searchEdges(const std::vector<LatticeEdge>& edges, d
   }
   evaluateEnds(edges, voxelSize, source, brackets);
   for (;; --left) {
-    closeRanks(brackets, width, found);
+    removeNarrow(brackets, width, found);
     const std::size_t size = brackets.size();
     if (size == 0) break;
     next.resize(size);

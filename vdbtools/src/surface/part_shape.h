@@ -18,7 +18,7 @@ inline constexpr double kPartBand = 3;  ///< voxels on each side
 /// The level set of a closed mesh, cavities filled.
 openvdb::FloatGrid::Ptr partLevelSet(const Mesh& closed, double voxelSize, Monitor& monitor);
 
-/// What of the level set is above a height.
+/// The part of the level set above a height.
 void cutBelow(openvdb::FloatGrid& part, double floor, Monitor& monitor);
 
 /// Adds a ball to the level set wherever the solid is thin: around the deepest place near each thin one. Every place

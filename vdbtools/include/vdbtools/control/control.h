@@ -72,7 +72,7 @@ class Control {
   std::shared_ptr<const ControlField> mField;
 };
 
-/// What of the target a source may refer to.
+/// The parts of the target that a source may refer to.
 struct ControlContext {
   openvdb::BBoxd targetBox;            ///< world units
   std::shared_ptr<const Mesh> mesh{};  ///< the target as it was read, world units; nullptr: it was a VDB

@@ -13,9 +13,6 @@
 
 namespace vdbtools::explore {
 
-/// One word of a POSIX shell that stands for exactly @a word, in quotes where they are needed.
-std::string shellWord(std::string_view word);
-
 /// The command that makes what a recipe describes: "juliavdb fractal bunny.obj --detail 0.6 -o look.vdb".
 /// @param recipe   what was given; entries for hashes, flags that are off, and options without an effect on the
 ///                 outputs are left out
@@ -37,7 +34,7 @@ std::string pictureCommand(const Recipe& recipe, const OptionTable& table, const
 std::string framesCommand(const farm::FramePlanOptions& options, const std::string& list, const OptionTable& table,
                           const std::string& folder);
 
-/// What of a recipe has to be given for it to be completed to the same.
+/// The shortest recipe that completeRecipe() completes to the same one.
 Recipe shortestRecipe(const Recipe& recipe, const OptionTable& table);
 
 }  // namespace vdbtools::explore

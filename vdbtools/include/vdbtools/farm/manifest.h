@@ -47,10 +47,10 @@ struct PlannedInput {
 
 struct Manifest {
   PlanKind kind = PlanKind::Tiles;
-  Recipe recipe;                             ///< of `juliavdb fractal`, complete, with the hashes of its files
-  std::vector<std::string> makes;            ///< of "vdb" and the formats of meshes: what is wanted in the end
-  std::map<std::string, std::string> facts;  ///< of tiles: the metadata of the whole
-  std::optional<TileLattice> lattice;        ///< of tiles
+  Recipe recipe;                                ///< of `juliavdb fractal`, complete, with the hashes of its files
+  std::vector<std::string> makes;               ///< of "vdb" and the formats of meshes: what is wanted in the end
+  std::map<std::string, std::string> metadata;  ///< of tiles: the metadata of the whole
+  std::optional<TileLattice> lattice;           ///< of tiles
   std::vector<PlannedInput> inputs;
   std::vector<PlannedTask> tasks;  ///< task k is tasks[k - 1]
   std::string version;             ///< of the program that planned; filled in by encodeManifest()

@@ -37,7 +37,7 @@ struct SdfResult {
   MeshReport report;
   std::optional<double> moved, closedGap;  ///< of a repair, world units
   std::size_t caps = 0;                    ///< holes that a repair capped
-  std::map<std::string, std::string> facts;
+  std::map<std::string, std::string> metadata;
 };
 
 /// @throw what reading and repairing the mesh throw

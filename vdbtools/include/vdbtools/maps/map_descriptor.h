@@ -94,8 +94,8 @@ class MapInstance {
   /// @throw std::logic_error  there is no seed
   virtual std::shared_ptr<const MapInstance> reseeded(std::uint64_t seed) const;
 
-  /// What of it is recorded besides the recipe, by the names of metadata.
-  virtual std::map<std::string, std::string> facts() const { return {}; }
+  /// The facts about it that files record besides the recipe, by the names of metadata.
+  virtual std::map<std::string, std::string> metadata() const { return {}; }
 };
 
 /// The shell of a map whose values come from a target's exponent E: either alpha and beta, E = alpha (phi - beta), or

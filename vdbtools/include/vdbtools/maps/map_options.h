@@ -95,7 +95,7 @@ struct PlacedRoots {
   std::optional<FittedTo> fitted;  ///< of a file's that a fit made
   julia::Rational placed;          ///< scaled and moved: what is evaluated
 
-  std::map<std::string, std::string> facts() const;
+  std::map<std::string, std::string> metadata() const;
 };
 
 /// The seed of roots that have something random in them; none for others.

@@ -24,7 +24,7 @@ std::map<std::string, std::string> recipeToMetadata(const Recipe& recipe, const 
 /// The command that made what has this metadata; "" if it was none of ours.
 std::string commandOfMetadata(const std::map<std::string, std::string>& metadata);
 
-/// What of @a metadata is an option of @a table, or the hash of a file that one names.
+/// The entries of @a metadata that are options of @a table, or hashes of files that these name.
 Recipe recipeFromMetadata(const std::map<std::string, std::string>& metadata, const OptionTable& table);
 
 }  // namespace vdbtools

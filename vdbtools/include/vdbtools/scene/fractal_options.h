@@ -50,6 +50,12 @@ OptionTable fractalOptionTable(const MapRegistry& maps = builtInMaps());
 /// @throw std::invalid_argument naming the option and the value
 FractalOptions parseFractalOptions(const Recipe& recipe, const MapRegistry& maps = builtInMaps());
 
+/// The same for pictures of the set itself.
+FractalOptions forPictures(FractalOptions options);
+
+/// Whether the scene of forPictures() is another one than that of meshes and grids.
+bool picturesDiffer(const FractalOptions& options);
+
 /// What Crumbs::Auto means for the map.
 bool dropsCrumbs(const FractalOptions& options);
 

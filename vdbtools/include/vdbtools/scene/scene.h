@@ -24,8 +24,8 @@
 
 namespace vdbtools {
 
-/// Facts that were found out on the way, by the names of metadata: hashes, the space, the shell, the versor's roots.
-using Facts = std::map<std::string, std::string>;
+/// What is found out on the way and recorded in files, by name: hashes, the space, the shell, the versor's roots.
+using Metadata = std::map<std::string, std::string>;
 
 /// What the file of a mesh says besides its surface.
 struct TargetParts {
@@ -34,7 +34,7 @@ struct TargetParts {
   std::size_t materials = 0, groups = 0;
 };
 
-/// What of this a recipe does not ask for, each in a few words: "texture coordinates", "2 materials".
+/// The parts that a recipe does not ask for, each in a few words: "texture coordinates", "2 materials".
 std::vector<std::string> unusedParts(const TargetParts& parts, const Recipe& recipe);
 
 /// What `--resolution auto` stands for (voxel_advice.h).
@@ -73,7 +73,7 @@ struct Scene {
   // For the attributes that are asked for, if these need them.
   std::shared_ptr<const Mesh> targetMesh;  ///< as it was read
   openvdb::FloatGrid::ConstPtr thickness;  ///< the local thickness, world units; every node of its box is active
-  Facts facts;
+  Metadata metadata;
 
   FieldSource source() const { return {*evaluator, space}; }
 };
@@ -124,7 +124,8 @@ class VersorSeeds {
   const Scene& mScene;
 };
 
-/// What of the scene is evaluated: the options' box or the whole set; of this, with a @a window, only these nodes.
+/// The nodes at which the scene is evaluated: those of the options' box or of the whole set, and with a @a window only
+/// those of them that lie in it.
 FieldPlan planScene(const Scene& scene, const std::optional<openvdb::CoordBBox>& window = {});
 
 /// Holds every vertex of the plan's mesh, world units.
@@ -133,7 +134,7 @@ openvdb::BBoxd meshBox(const FieldPlan& plan);
 /// The recipe of what a scene makes: with the number of voxels where it leaves that to the program.
 Recipe resolvedRecipe(const Scene& scene, Recipe recipe);
 
-/// The metadata of what a scene makes: its recipe, the facts, the program's version.
+/// The metadata of what a scene makes: its recipe, the scene's own metadata, the program's version.
 std::map<std::string, std::string> sceneMetadata(const Scene& scene, const Recipe& recipe);
 
 }  // namespace vdbtools

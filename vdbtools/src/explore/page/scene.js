@@ -109,7 +109,7 @@ const numbersIn = (text, count) => {
   return numbers.slice(0, count);
 };
 
-// What of a recipe the shaders can show before the server has made its scene; the rest waits. Each takes the value in
+// The parts of a recipe that the shaders can show before the server has made its scene; the rest waits. Each takes the value in
 // the recipe and the one that the scene was made of.
 export const LIVE_OPTIONS = ["iterations", "slice", "c", "power", "versor-scale", "versor-translate", "origin-shift"];
 

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/base/shell_word.h"
+
+namespace vdbtools {
+
+std::string shellWord(std::string_view word) {
+  // Characters that mean themselves to every shell; the last one not at the beginning.
+  constexpr std::string_view kPlain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-+./:,@%=";
+  if (!word.empty() && !word.starts_with('=') && word.find_first_not_of(kPlain) == word.npos) return std::string(word);
+  std::string text = "'";
+  for (const char c : word) {
+    if (c == '\'')
+      text += "'\\''";
+    else
+      text += c;
+  }
+  return text + "'";
+}
+
+}  // namespace vdbtools
