@@ -65,8 +65,8 @@ void edges(benchmark::State& state) {
   const double tolerance = std::pow(10, -static_cast<double>(state.range(1)));
   const std::size_t batches = (job.edges.size() + kBatch - 1) / kBatch;
   const std::size_t stride = std::max<std::size_t>(1, batches * kBatch / kMostEdges);
-  const CountingEvaluator evaluator(*job.scene.evaluator);
-  const vdbtools::FieldSource source{evaluator, job.scene.space};
+  const CountingEvaluator evaluator(*job.scene.field.evaluator);
+  const vdbtools::FieldSource source{evaluator, job.scene.field.space};
   std::vector<LatticeEdge> batch;
   std::size_t searched = 0;
   for (auto _ : state)

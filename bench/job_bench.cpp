@@ -29,17 +29,17 @@ void sizes(benchmark::internal::Benchmark* benchmark) {
 template <bench::Input input>
 void job(benchmark::State& state) {
   vdbtools::Monitor monitor;
-  std::optional<vdbtools::FieldPlan> plan;
+  std::optional<vdbtools::FractalPlan> plan;
   vdbtools::FractalResult result;
   bench::jobOptions(input, state.range(0));  // makes the file, if it is not there yet
   for (auto _ : state) {
     const vdbtools::Scene scene = makeScene(bench::jobOptions(input, state.range(0)), monitor);
-    plan = planScene(scene);
+    plan = planFractal(scene, {.mesh = true});
     NoSink sink;
-    result = runFractal(scene, *plan, false, &sink, monitor);
+    result = runFractal(scene, *plan, &sink, monitor);
   }
-  state.counters["domain"] = static_cast<double>(plan->domain.volume());
-  state.counters["planned"] = 512.0 * static_cast<double>(plan->blocks->activeVoxelCount());
+  state.counters["domain"] = static_cast<double>(plan->nodes.domain.volume());
+  state.counters["planned"] = 512.0 * static_cast<double>(plan->nodes.blocks->activeVoxelCount());
   state.counters["evaluated"] = static_cast<double>(result.evaluatedNodes);
   state.counters["triangles"] = static_cast<double>(result.mesh.triangles);
 }

@@ -29,16 +29,16 @@ class Reference {
  public:
   explicit Reference(const vdbtools::Scene& scene)
       : mScene(scene),
-        mValues(scene.exponent->grid->getConstAccessor()),
+        mValues(scene.exponent()->grid->getConstAccessor()),
         mMap(reference::shapeModulus<double>([this](const Quaternion& q) { return exponent(q); },
-                                             *scene.map->roots())) {}
+                                             *scene.field.map->roots())) {}
   Reference(const Reference&) = delete;
   Reference& operator=(const Reference&) = delete;
 
   /// @param index  of the lattice
   bool isInside(const openvdb::Vec3d& index) const {
-    const julia::Point x = mScene.space.toFractal(index * mScene.voxelSize);
-    const julia::OrbitOptions& orbit = mScene.orbit;
+    const julia::Point x = mScene.field.space.toFractal(index * mScene.voxelSize);
+    const julia::OrbitOptions& orbit = mScene.field.orbit;
     const double slice = mScene.options.map->embedding().slice;
     return reference::orbit<double>(mMap, {x[0], x[1], x[2], slice}, orbit.maxIterations, orbit.escapeRadius)
                .logModulus < 0;
@@ -46,8 +46,9 @@ class Reference {
 
  private:
   double exponent(const Quaternion& q) const {
-    const openvdb::Vec3d world = mScene.space.toWorld({q.a, q.b, q.c});
-    return static_cast<double>(openvdb::tools::BoxSampler::sample(mValues, mScene.exponent->grid->worldToIndex(world)));
+    const openvdb::Vec3d world = mScene.field.space.toWorld({q.a, q.b, q.c});
+    return static_cast<double>(
+        openvdb::tools::BoxSampler::sample(mValues, mScene.exponent()->grid->worldToIndex(world)));
   }
 
   const vdbtools::Scene& mScene;

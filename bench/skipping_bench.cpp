@@ -36,7 +36,7 @@ void field(benchmark::State& state) {
   std::optional<vdbtools::FractalField> field;
   for (auto _ : state) {
     const double begin = bench::cpuSeconds();
-    plan = way == kEveryNode ? planExhaustive(*scene.exponent, lattice) : planShell(*scene.exponent, lattice);
+    plan = way == kEveryNode ? planExhaustive(*scene.exponent(), lattice) : planShell(*scene.exponent(), lattice);
     state.counters["plan"] = bench::cpuSeconds() - begin;
     field = evaluateField(*plan, scene.source(), {.everyNode = way != kProofs}, monitor);
   }
@@ -46,7 +46,7 @@ void field(benchmark::State& state) {
   if (way == kEveryNode) return;
   field.reset();
   field = evaluateField(*plan, scene.source(), {.keepIterations = true, .everyNode = way != kProofs}, monitor);
-  const Work work = workOf(*field, scene.map->roots()->top.roots.size());
+  const Work work = workOf(*field, scene.field.map->roots()->top.roots.size());
   state.counters["reads"] = work.reads;
   state.counters["roots"] = work.roots;
 }

@@ -18,7 +18,7 @@
 namespace cli {
 namespace {
 
-/// As posix_spawn() takes words, which must outlive the result.
+/// The words as posix_spawn() takes them; they must outlive the result.
 std::vector<char*> asArguments(std::vector<std::string>& words) {
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
@@ -37,7 +37,7 @@ int exitCodeOf(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 12
 int runProgram(const std::vector<std::string>& words) {
   std::vector<std::string> copy = words;
   const std::vector<char*> arguments = asArguments(copy);
-  // It starts with the usual handling of signals, and not with that of this process.
+  // The child starts with the usual signal handling, not with that of this process.
   sigset_t none, usual;
   sigemptyset(&none);
   sigemptyset(&usual);

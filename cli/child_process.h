@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file child_process.h
-/// This program once more, as a process of its own.
+/// Runs this program again, or another one, as a child process.
 #pragma once
 
 #include <functional>
@@ -9,16 +9,16 @@
 
 namespace cli {
 
-/// Runs this program, without what it says on stderr, and waits for it. Once @a cancelled is true, the child is asked
-/// to stop.
-/// @param words  of its command line, after the name of the program
+/// Runs this program, discards its stderr, and waits for it. Once @a cancelled returns true, the child is asked to
+/// stop.
+/// @param words  the words of its command line, after the name of the program
 /// @return its exit code; 128 and the signal's number if a signal ended it
 /// @throw vdbtools::IoError  it cannot be started
 int runThisProgram(const std::vector<std::string>& words, const std::function<bool()>& cancelled);
 
-/// Runs another program, in a process group of its own, and waits for it. Whoever asks this process to stop asks that
-/// group from then on (holdSignals()), and learns from how it ends.
-/// @param words  its path, and those of its command line
+/// Runs another program, in a process group of its own, and waits for it. From then on a request to stop this process
+/// is passed on to that group (holdSignals()), and the group's end tells the result.
+/// @param words  its path, and the words of its command line
 /// @return its exit code; 128 and the signal's number if a signal ended it
 /// @throw vdbtools::IoError  it cannot be started
 int runProgram(const std::vector<std::string>& words);

@@ -4,6 +4,7 @@
 #include "vdbtools/base/near_words.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/recipe/option_list.h"
+#include "vdbtools/recipe/option_name.h"
 
 #include <algorithm>
 #include <stdexcept>
@@ -11,21 +12,25 @@
 
 namespace cli {
 
-// Not by Boost.ProgramOptions, which never ends where it reports a name such as %canonical_option%: it looks for that
-// in its message, to put the name there.
+// Boost.ProgramOptions is not used, because it hangs when it reports a name such as %canonical_option%: it searches for
+// that in its message, to insert the name there.
 vdbtools::Recipe readConfigList(const std::string& text, const std::string& file, const vdbtools::OptionTable& table) {
-  std::vector<std::string> known;
-  for (const vdbtools::OptionListing& option : table.listing()) known.push_back(option.name);
+  std::vector<std::string> known, called;
+  for (const vdbtools::OptionListing& option : table.listing()) {
+    known.push_back(option.name);
+    called.push_back(vdbtools::optionName(option.name));
+  }
   vdbtools::Recipe recipe;
   for (const vdbtools::ListedOption& option : vdbtools::listedOptions(text)) {
     const std::string where = "'" + file + "', line " + std::to_string(option.line) + ": ";
     if (option.name.empty())
       throw std::invalid_argument(where + "'" + vdbtools::inOneLine(option.value) +
                                   "' does not read NAME = VALUE; a comment begins with #");
-    if (std::find(known.begin(), known.end(), option.name) == known.end())
+    const std::string entry = vdbtools::recipeEntry(option.name);
+    if (std::find(known.begin(), known.end(), entry) == known.end())
       throw std::invalid_argument(where + "there is no option '" + vdbtools::inOneLine(option.name) + "' here" +
-                                  vdbtools::didYouMean(option.name, known));
-    if (!recipe.emplace(option.name, option.value).second)
+                                  vdbtools::didYouMean(option.name, called));
+    if (!recipe.emplace(entry, option.value).second)
       throw std::invalid_argument(where + "'" + option.name + "' is set twice; keep only one of them");
   }
   return recipe;

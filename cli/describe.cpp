@@ -16,12 +16,12 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-/// An option as both readers want it.
+/// The common description of an option for both kinds of readers.
 struct Option {
   std::string name;      ///< without dashes
-  char letter = 0;       ///< of its short form; 0: none
+  char letter = 0;       ///< the short form; 0: none
   std::string argument;  ///< empty: a flag
-  std::string fallback;  ///< the default, where the library knows it; empty: none
+  std::string fallback;  ///< the default, if the library knows it; empty: none
   std::string help;
 };
 
@@ -47,13 +47,13 @@ std::vector<Option> optionsOf(const OptionGroup& group) {
 
 bool contains(const std::string& text, const char* part) { return text.find(part) != std::string::npos; }
 
-/// Whether a part of what the help calls a value, as in "auto|centre|X,Y,Z", is a word to be typed as it stands.
+/// Whether a part of the help's text for a value, as in "auto|centre|X,Y,Z", is a word to be typed literally.
 bool isWord(const std::string& part) {
   if (part.empty() || contains(part, ",") || contains(part, ".")) return false;
   return part.size() <= 2 || std::any_of(part.begin(), part.end(), [](char c) { return std::islower(c) != 0; });
 }
 
-/// Whether what the help calls a value has an extension, as "F.json" and "PART.stl" have.
+/// Whether the help's text for a value has an extension, as in "F.json" and "PART.stl".
 bool namesExtension(const std::string& argument) {
   for (std::size_t dot = argument.find('.'); dot != std::string::npos; dot = argument.find('.', dot + 1))
     if (dot > 0 && std::isupper(static_cast<unsigned char>(argument[dot - 1])) != 0 && dot + 1 < argument.size() &&
@@ -79,8 +79,7 @@ std::string wordsOf(const Option& option) {
       part.erase(0, bracket + 1);
     if (parts.size() > 1 && isWord(part)) words.push_back(part);
   }
-  if (contains(option.argument, "NAME") &&
-      (option.name == "versor" || option.name == "versor-over" || option.name == "texture"))
+  if (contains(option.argument, "NAME") && (option.name == "texture" || option.name == "texture-over"))
     for (const vdbtools::Texture& texture : vdbtools::textureShelf()) words.push_back(texture.name);
   std::string text;
   for (const std::string& word : words) {
@@ -90,7 +89,7 @@ std::string wordsOf(const Option& option) {
   return text;
 }
 
-/// "makes a mesh from a VDB": the first sentence, without its end.
+/// "makes a mesh from a VDB": the first sentence, without its full stop.
 std::string summaryOf(const std::string& description) {
   std::string text = description;
   std::replace(text.begin(), text.end(), '\n', ' ');
@@ -101,7 +100,7 @@ std::string summaryOf(const std::string& description) {
   return text;
 }
 
-/// Paragraphs, and tables whose lines are indented: "  NAME   meaning", with more of the meaning below it.
+/// Writes paragraphs, and tables whose lines are indented: "  NAME   meaning", with continuation lines of the meaning.
 void writeDescription(std::ostream& stream, const std::string& description) {
   std::istringstream lines(description);
   bool table = false;

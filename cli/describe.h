@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file describe.h
-/// What a command says of itself, for other readers than `--help`: as a manual page, and as a table from which a shell
-/// completes the words of a command line.
+/// Describes a command for readers other than `--help`: as a manual page, and as a table from which a shell completes
+/// the words of a command line.
 #pragma once
 
 #include <boost/program_options.hpp>
@@ -23,11 +23,12 @@ struct OptionGroup {
 /// The manual page of a command, for `man`.
 void writeManualPage(std::ostream& stream, const Usage& usage, const std::vector<OptionGroup>& groups);
 
-/// One line for each option, "--name KIND [WORD ...]". KIND says what follows the option: nothing (flag), a file, a
-/// folder, or some other value. WORDs are values that it may have. The command's own words come first, after "words".
+/// Writes one line for each option, "--name KIND [WORD ...]". KIND says what follows the option: nothing (flag), a
+/// file, a folder, or some other value. WORDs are values that it may have. The command's own words come first, after
+/// "words".
 void writeCompletionTable(std::ostream& stream, const Usage& usage, const std::vector<OptionGroup>& groups);
 
-/// A text for `man`, with everything escaped that is a command there.
+/// Escapes a text for `man`.
 std::string manualText(const std::string& text);
 
 }  // namespace cli

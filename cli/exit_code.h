@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file exit_code.h
-/// What the program's exit status means: those of sysexits.h where it has one.
+/// The program's exit statuses, which follow sysexits.h where possible.
 #pragma once
 
 namespace cli {
@@ -11,8 +11,8 @@ enum ExitCode {
   kBadData = 65,       ///< leaky mesh, broken file, empty result
   kNoInput = 66,       ///< no such input
   kInternal = 70,      ///< memory is short, or a bug
-  kCannotCreate = 73,  ///< the output's place cannot be written
-  kInputOutput = 74,   ///< reading or writing broke off
+  kCannotCreate = 73,  ///< the output's path cannot be written
+  kInputOutput = 74,   ///< reading or writing failed midway
   kInterrupted = 75,   ///< stopped by a signal, or the disk of another machine did not answer; try again
 };
 

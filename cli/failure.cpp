@@ -56,7 +56,7 @@ Failure failureOf() {
   }
 }
 
-/// A value that is quoted may be a whole file. Its beginning and its end stay.
+/// Shortens a quoted value, which may be a whole file. Its beginning and its end are kept.
 std::string shortened(const std::string& text) {
   constexpr std::size_t kLongest = 2000, kEnd = 600;
   if (text.size() <= kLongest) return text;

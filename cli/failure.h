@@ -13,10 +13,10 @@ struct Failure {
   std::string text;
 };
 
-/// Of the exception that is being handled; call it in a catch block.
+/// Describes the exception that is being handled; call it in a catch block.
 Failure currentFailure();
 
-/// A failure whose exit code is known already.
+/// A failure with a known exit code.
 class FailedWith : public std::runtime_error {
  public:
   explicit FailedWith(const Failure& failure) : std::runtime_error(failure.text), mCode(failure.code) {}

@@ -21,7 +21,7 @@ unsigned helpWidth() {
 
 std::string wrapped(std::string_view text, std::size_t width) {
   std::string result, line;
-  std::size_t indent = 0;  // of the lines that follow the first of a paragraph
+  std::size_t indent = 0;  // of the continuation lines of a paragraph
   const auto finish = [&] {
     if (!line.empty()) result += line + '\n';
     line.clear();

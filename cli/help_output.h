@@ -9,16 +9,17 @@
 
 namespace cli {
 
-/// How long lines of help may be: as wide as the terminal, between 60 and 120 letters; 110 where there is none.
+/// The maximum length of lines of help: the width of the terminal, between 60 and 120 characters; 110 without a
+/// terminal.
 unsigned helpWidth();
 
-/// Text with its lines broken anew. An empty line ends a paragraph. A line that begins with two spaces is a row of a
-/// table, "  NAME   meaning"; lines that begin with more of them continue the meaning.
+/// Rewraps a text. An empty line ends a paragraph. A line that begins with two spaces is a row of a
+/// table, "  NAME   meaning"; lines that begin with more spaces continue the meaning.
 std::string wrapped(std::string_view text, std::size_t width);
 
-/// Writes all of @a text, or as much of it as somebody reads: 'juliavdb fractal --help | head' is no error, while data
-/// that do not arrive are.
-/// @throw vdbtools::IoError  it cannot be written for another reason
+/// Writes @a text to the standard output. It is no error if the reader stops early, as in 'juliavdb fractal --help |
+/// head'.
+/// @throw vdbtools::IoError  writing failed for another reason
 void writeHelp(std::string_view text);
 
 }  // namespace cli

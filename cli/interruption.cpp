@@ -36,25 +36,25 @@ std::atomic<bool> theInterruptionExpected{false};
 std::atomic<bool> theWorkDone{false};
 std::atomic<bool> thePlacing{false};
 std::atomic<Speaker> theSpeaker{Speaker::Nobody};
-std::atomic<int> theExitCode{kInterrupted};  // of the work, once it speaks
-std::atomic<int> theCrash{0};                // the signal
+std::atomic<int> theExitCode{kInterrupted};  // exit code of the work, once it speaks
+std::atomic<int> theCrash{0};                // signal of a crash
 std::atomic<bool> theSignalsHeld{false};
-std::atomic<int> theGroup{0};  // of processes that signals are handed on to
+std::atomic<int> theGroup{0};  // process group to which signals are forwarded
 
-// The program promises to be gone within a second; this much is left to work that stops by itself.
+// The program promises to end within a second; this is the part for work that stops by itself.
 constexpr std::chrono::milliseconds kGrace(700);
-// To say a few words takes no time, unless nobody reads them.
+// Printing a few words takes no time, unless nobody reads them.
 constexpr std::chrono::milliseconds kLastWords(200);
-// Renaming takes no time, but to have a folder flushed may. A disk that is not there any more takes for ever.
+// Renaming takes no time, but flushing a folder may. A disk that is gone blocks forever.
 constexpr std::chrono::seconds kLongestPlacing(10);
 
-/// The work may come back to this: it then speaks again, such as of a failure while it said that all went well.
+/// The work may claim it again, e.g. to report a failure after it has begun to report success.
 bool claimLastWord(Speaker speaker) noexcept {
   Speaker before = Speaker::Nobody;
   return theSpeaker.compare_exchange_strong(before, speaker) || before == speaker;
 }
 
-/// In one call, and without memory. On a terminal a progress bar may stand in the line.
+/// Writes a line in a single call and without allocating. On a terminal it may have to overwrite a progress bar.
 void writeLine(std::initializer_list<std::string_view> words) noexcept {
   constexpr std::size_t kMost = 8;
   iovec line[kMost];
@@ -68,7 +68,7 @@ void writeLine(std::initializer_list<std::string_view> words) noexcept {
   [[maybe_unused]] const auto written = writev(STDERR_FILENO, line, static_cast<int>(count));
 }
 
-/// Ends the process from beside the work. What it had not finished is removed.
+/// Ends the process while the work is running. Unfinished output is removed.
 [[noreturn]] void endNow(int code, std::string_view text) noexcept {
   vdbtools::removeTemporaries();
   if (!claimLastWord(Speaker::Watcher)) {
@@ -79,7 +79,7 @@ void writeLine(std::initializer_list<std::string_view> words) noexcept {
     try {
       report().end(code, std::string(text));
     } catch (const std::bad_alloc&) {
-      // The exit code says it.
+      // The exit code says so.
     }
   } else if (!text.empty()) {
     writeLine({text});
@@ -91,18 +91,19 @@ void stopGroup() noexcept {
   if (const int group = theGroup; group > 0) ::kill(-group, SIGTERM);
 }
 
-/// The same for work that is stopped in good order: says what is left of it, or what it has made if it was at its end.
-/// @param why     it is stopped
+/// As endNow(), for work that is stopped in an orderly way: says what is left of it, or what it has made if it had
+/// finished.
+/// @param why     the reason
 /// @param remedy  empty, or a sentence
 [[noreturn]] void stopNow(int code, const std::string& why, const std::string& remedy) noexcept {
-  // No file comes to its place after this; those that have just done so are not reported yet.
+  // No file is committed after this; those that have just been committed are not reported yet.
   vdbtools::removeTemporaries();
   const auto begin = std::chrono::steady_clock::now();
   const auto placing = [] { return thePlacing || vdbtools::placedFiles().now; };
   if (placing()) {
     while (placing() && std::chrono::steady_clock::now() - begin < kLongestPlacing)
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    std::this_thread::sleep_for(kLastWords);  // for the work to say so
+    std::this_thread::sleep_for(kLastWords);  // gives the work time to say so
   }
   if (theInterruptionExpected) _exit(kDone);
   try {
@@ -110,7 +111,7 @@ void stopGroup() noexcept {
       endNow(code, why +
                        "; the files were being brought to their places, and the disk does not answer: look which of "
                        "them are there");
-    // The work has had its time to say this itself.
+    // The work has had its time to report this itself.
     if (theWorkDone) endNow(kDone, report().json() ? std::string() : whatIsLeft());
     endNow(code, why + "; " + whatIsLeft() + (remedy.empty() ? "" : ". " + remedy));
   } catch (const std::bad_alloc&) {
@@ -118,8 +119,8 @@ void stopGroup() noexcept {
   }
 }
 
-/// For exceptions that find no handler: libraries throw out of destructors, while they are loaded, and across threads
-/// whose exceptions take memory themselves, once there is none.
+/// Handles uncaught exceptions: libraries throw out of destructors, while they are loaded, and across threads whose
+/// exceptions need memory themselves when there is none.
 [[noreturn]] void endUnhandled() noexcept {
   try {
     if (std::current_exception()) throw;
@@ -133,8 +134,8 @@ void stopGroup() noexcept {
   endNow(kInternal, "internal error: an exception found no handler");
 }
 
-/// A signal handler, which may call next to nothing: the watcher does the rest. Where it does not, because it has
-/// crashed itself or waits for a lock of the thread that has, the signal ends the process.
+/// A signal handler, which may call almost nothing: the watcher does the rest. If the watcher cannot, because it has
+/// crashed itself or waits for a lock of the crashed thread, the signal ends the process.
 void waitForEnd(int signal) {
   constexpr timespec kLongest = {.tv_sec = 2, .tv_nsec = 0};
   theCrash = signal;
@@ -146,7 +147,7 @@ void waitForEnd(int signal) {
 void watchForCrashes() {
   for (const int signal : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT}) {
     struct sigaction before {};
-    // Sanitizers have handlers of their own.
+    // Sanitizers install their own handlers.
     if (sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_DFL) std::signal(signal, waitForEnd);
   }
 }
@@ -176,7 +177,7 @@ void endIfMemoryRunsOut() noexcept {
 
 void watchForInterruption() {
   std::set_terminate(endUnhandled);
-  std::signal(SIGPIPE, SIG_IGN);  // a reader that is gone shows as a failed write
+  std::signal(SIGPIPE, SIG_IGN);  // a reader that is gone causes a failed write
   std::signal(SIGXFSZ, SIG_IGN);  // and so does a file that 'ulimit -f' forbids
   watchForCrashes();
   static sigset_t signals;

@@ -15,14 +15,14 @@
 namespace cli {
 namespace {
 
-constexpr const char* kBasics[] = {"detail", "versor", "versor-seed", "resolution"};
+constexpr const char* kBasics[] = {"detail", "texture", "texture-seed", "resolution"};
 
 }  // namespace
 
 OptionGroups::OptionGroups(const vdbtools::OptionTable& table) : mOthers("What to make") {
   if (!table.knows("origin")) return;
   mOthers = "Output";
-  // The first to name an option has it.
+  // An option belongs to the first group that names it.
   const auto add = [this](const char* heading, const std::vector<vdbtools::OptionSpec>& options) {
     for (const vdbtools::OptionSpec& option : options) mHeadings.emplace(option.name, heading);
   };

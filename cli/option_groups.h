@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file option_groups.h
-/// Under which headings the help lists the options of a recipe.
+/// The headings under which the help lists the options of a recipe.
 #pragma once
 
 #include "vdbtools/recipe/option_table.h"
@@ -12,7 +12,7 @@ namespace cli {
 
 class OptionGroups {
  public:
-  /// Of the options of a fractal, by the rooms that declare them; other tables are one group.
+  /// Groups the options of a fractal by the rooms that declare them; other tables form one group.
   explicit OptionGroups(const vdbtools::OptionTable& table);
 
   std::string headingOf(const std::string& option) const;
@@ -22,7 +22,7 @@ class OptionGroups {
   std::string mOthers;
 };
 
-/// Whether an option is among the few of a recipe that the short help describes.
+/// Whether the short help describes an option of a recipe.
 bool isBasic(const std::string& option);
 
 }  // namespace cli

@@ -14,6 +14,7 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/sheet_file.h"
+#include "vdbtools/recipe/option_name.h"
 #include "vdbtools/records/recorded_files.h"
 #include "vdbtools/records/recorded_recipe.h"
 #include "vdbtools/scene/fractal_options.h"
@@ -36,7 +37,7 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-// Guessing abbreviations would make every new option a change of the command line.
+// With abbreviations, every new option would change the command line.
 constexpr int kStyle = po::command_line_style::unix_style & ~po::command_line_style::allow_guessing;
 constexpr int kMostThreads = 4096;
 constexpr std::size_t kMostAtOnce = 30;  ///< a command with more options shows groups of them
@@ -49,28 +50,28 @@ std::string lowerCase(std::string text) {
   return text;
 }
 
-/// What is typed for a group: "common" for "Common options".
+/// The word for a group: "common" for "Common options".
 std::string topicOf(const std::string& heading) { return lowerCase(heading.substr(0, heading.find(' '))); }
 
-/// What help is asked for: "" if nothing in particular, nullopt if none. A topic is the last word.
+/// The topic of the requested help: "" for general help, nullopt if none was requested. A topic is the last word.
 std::optional<std::string> helpTopic(const Arguments& arguments) {
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string& word = arguments[i];
     if (word == "--") break;
     if (word.starts_with("--help=")) return word.substr(std::string_view("--help=").size());
     if (word != "--help" && word != "-h") continue;
-    // A file's name behind it is what the command was to work on.
+    // If a file name follows, the command was to work on that file.
     if (i + 2 != arguments.size() || arguments.back().find_first_of("./") != std::string::npos) return "";
     return arguments.back();
   }
   return std::nullopt;
 }
 
-/// The option that a word names; nullptr: it is none.
+/// The option that a word names; nullptr if there is none.
 const po::option_description* optionOf(const std::string& word, const po::options_description& all) {
   if (word.starts_with("--")) {
     const std::string name = word.substr(2, word.find('=') - 2);
-    return name.empty() ? nullptr : all.find_nothrow(name, false);  // an empty name would fit all of them
+    return name.empty() ? nullptr : all.find_nothrow(name, false);  // an empty name would match all of them
   }
   if (word.size() < 2 || word[0] != '-' || !std::isalpha(static_cast<unsigned char>(word[1]))) return nullptr;
   return all.find_nothrow(word.substr(0, 2), false);
@@ -100,7 +101,7 @@ std::optional<int> parseThreads(const std::string& text) {
 }
 
 void applyMemory(const CommandLine& line) {
-  static std::optional<vdbtools::MemoryLimit> limit;  // as long as the program runs
+  static std::optional<vdbtools::MemoryLimit> limit;  // kept as long as the program runs
   const auto apply = [&](const std::string& name, const std::string& text) {
     const std::optional<double> bytes = vdbtools::memoryFromText(text);
     if (!bytes) throw std::invalid_argument(name + " is '" + text + "'; it must be " + vdbtools::kMemoryTexts);
@@ -110,8 +111,8 @@ void applyMemory(const CommandLine& line) {
   if (const char* value = std::getenv("JULIAVDB_MEMORY")) apply("JULIAVDB_MEMORY", value);
 }
 
-/// A negative number that stands alone, as in 'versor translate F.json -0.1,0,0', is a word and no short option; so is
-/// a list of expressions, as in '--f "-x, y, z"'.
+/// A negative number that stands alone, as in 'versor translate F.json -0.1,0,0', is a word and not a short option; so
+/// is a list of expressions, as in '--f "-x, y, z"'.
 bool isNegativeNumber(const std::string& word) {
   if (word.size() < 2 || word[0] != '-') return false;
   const bool number = std::isdigit(static_cast<unsigned char>(word[1])) || word[1] == '.';
@@ -167,7 +168,7 @@ CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions
       mPositional.add("input", 1);
       mPositionalNames.emplace_back("input");
     } else {
-      mFromRecipe.add_options()(option.name.c_str(), valueOf(option), option.help.c_str());
+      mFromRecipe.add_options()(vdbtools::optionName(option.name).c_str(), valueOf(option), option.help.c_str());
     }
   }
   if (!options.empty())
@@ -220,8 +221,8 @@ void CommandLine::requireEffect(std::set<std::string> names, const std::vector<v
 void CommandLine::requireUse(bool used, std::initializer_list<const char*> names, const std::string& why) const {
   if (used) return;
   for (const char* name : names)
-    if (has(name) && !mValues[name].defaulted())
-      throw std::invalid_argument("--" + std::string(name) + " has no effect: " + why);
+    if (has(name) && !parsed(name).defaulted())
+      throw std::invalid_argument("--" + vdbtools::optionName(name) + " has no effect: " + why);
 }
 
 void CommandLine::addPositional(const char* name, int count, const char* help) {
@@ -233,13 +234,25 @@ void CommandLine::addPositional(const char* name, int count, const char* help) {
   mPositionalNames.emplace_back(name);
 }
 
-bool CommandLine::parse(const Arguments& arguments) {
-  if (const std::optional<std::string> topic = helpTopic(arguments)) {
+Arguments CommandLine::renamed(Arguments arguments, const po::options_description& all) {
+  for (std::string& word : arguments) {
+    if (word == "--") break;
+    if (!word.starts_with("--") || optionOf(word, all)) continue;
+    const std::size_t end = std::min(word.find('='), word.size());
+    const std::string now = "--" + vdbtools::optionName(word.substr(2, end - 2)) + word.substr(end);
+    if (optionOf(now, all)) word = now;
+  }
+  return arguments;
+}
+
+bool CommandLine::parse(const Arguments& given) {
+  if (const std::optional<std::string> topic = helpTopic(given)) {
     printHelp(*topic);
     return false;
   }
   po::options_description all;
   all.add(mOwn).add(mFromRecipe).add(mCommon).add(mHidden);
+  const Arguments arguments = renamed(given, all);
   checkWords(arguments, all);
   try {
     po::store(po::command_line_parser(arguments)
@@ -265,7 +278,7 @@ bool CommandLine::parse(const Arguments& arguments) {
   applyThreads();
   applyInstructions();
   applyMemory(*this);
-  mGiven = given();
+  mGiven = this->given();
   if (mUsage.hides) mGiven.erase(mUsage.hides);
   if (has("config")) readConfig(text("config"));
   mRecipe = vdbtools::completeRecipe(mGiven, mTable);
@@ -274,8 +287,12 @@ bool CommandLine::parse(const Arguments& arguments) {
   return true;
 }
 
+const po::variable_value& CommandLine::parsed(const std::string& name) const {
+  return mValues.count(name) != 0 ? mValues[name] : mValues[vdbtools::optionName(name)];
+}
+
 std::string CommandLine::text(const std::string& name) const {
-  return has(name) ? mValues[name].as<std::string>() : std::string();
+  return has(name) ? parsed(name).as<std::string>() : std::string();
 }
 
 std::vector<std::string> CommandLine::texts(const std::string& name) const {
@@ -322,7 +339,7 @@ void CommandLine::readConfig(const std::string& file) {
     base = std::move(recipe);
     mConfigHolder = file;
   } else {
-    // Whole, so that a file that cannot be read to its end is not taken for a shorter one.
+    // Read as a whole, so that a file that cannot be read to its end is not taken for a shorter one.
     const std::string list = vdbtools::readWholeFile(file);
     if (list.find('\0') != std::string::npos)
       throw vdbtools::DataError("'" + file +
@@ -340,14 +357,13 @@ void CommandLine::applyThreads() {
       throw std::invalid_argument("--threads is '" + text("threads") + "'; it must be a whole number from 1 to " +
                                   std::to_string(kMostThreads));
   } else {
-    // The second is there for jobs that did not say how many processors each task is to have.
+    // The second is for jobs that did not specify the number of processors per task.
     for (const char* name : {"SLURM_CPUS_PER_TASK", "SLURM_CPUS_ON_NODE"})
       if (const char* value = std::getenv(name); value && !threads) threads = parseThreads(value);
   }
-  // TBB counts the processors of the affinity mask by itself.
+  // TBB counts the processors of the affinity mask itself.
   if (!threads) return;
-  // For as long as the process lives: to take the limit back, oneTBB may start threads, which can fail once all is
-  // done.
+  // Kept until the process ends: to release the limit, oneTBB may start threads, which can fail at exit.
   [[maybe_unused]] static tbb::global_control* control = nullptr;
   control = new tbb::global_control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(*threads));
 }
@@ -373,7 +389,8 @@ std::vector<CommandLine::Group> CommandLine::groups() const {
   };
   for (const auto& option : mOwn.options()) add(kOwn, option);
   const OptionGroups headings(mTable);
-  for (const auto& option : mFromRecipe.options()) add(headings.headingOf(option->long_name()), option);
+  for (const auto& option : mFromRecipe.options())
+    add(headings.headingOf(vdbtools::recipeEntry(option->long_name())), option);
   for (const auto& option : mCommon.options()) add(kCommon, option);
   return groups;
 }
@@ -437,7 +454,8 @@ void CommandLine::printHelp(const std::string& topic) const {
   for (const Group& group : all)
     if (lowerCase(topic) == topicOf(group.heading)) text << group.options;
   if (!text.str().empty()) return writeHelp(text.str());
-  const std::string name = topic.substr(std::min(topic.find_first_not_of('-'), topic.size()));
+  const std::string asked = topic.substr(std::min(topic.find_first_not_of('-'), topic.size()));
+  const std::string name = mTable.knows(asked) ? vdbtools::optionName(asked) : asked;
   for (const Group& group : all)
     for (const auto& option : group.options.options()) {
       topics.push_back(option->long_name());
@@ -452,7 +470,7 @@ void CommandLine::printHelp(const std::string& topic) const {
                               vdbtools::didYouMean(name, topics));
 }
 
-/// The command's own options and the basic ones of its recipe; of the others the names, by groups.
+/// The command's own options and the basic ones of its recipe; the others are listed by name, in groups.
 std::string CommandLine::shortHelp(const std::vector<Group>& groups) const {
   std::ostringstream text;
   po::options_description basics("Basics", helpWidth());
@@ -516,7 +534,7 @@ namespace {
 
 struct SceneRecipe {
   vdbtools::Recipe given;
-  std::filesystem::path holder;  ///< of the file that it is from; empty: it was typed
+  std::filesystem::path holder;  ///< of the file that holds it; empty: it was typed
 };
 
 SceneRecipe sceneRecipeFor(const CommandLine& line, const std::string& input) {

@@ -38,7 +38,7 @@ vdbtools::AtomicFile& Outputs::add(const std::string& option, const std::string&
     known = known || extensions.substr(at, end - at) == extension;
     at = end + 1;
   }
-  // Devices such as /dev/null have no extension and take any content.
+  // Devices such as /dev/null have no extension and accept any content.
   if (!known && !(std::filesystem::exists(path) && !std::filesystem::is_regular_file(path)))
     throw std::invalid_argument("--" + option + " is '" + name + "'; its extension must be one of " +
                                 std::string(extensions));
@@ -48,7 +48,7 @@ vdbtools::AtomicFile& Outputs::add(const std::string& option, const std::string&
 }
 
 void Outputs::commit(bool isAll) {
-  // This may take as long as the disk, and can be interrupted.
+  // This may take as long as the disk does, and can be interrupted.
   mFiles.finish();
   const Placing placing;
   mFiles.commit();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file output.h
-/// The files that a command writes: their places are claimed before the work begins, and all appear together at its
-/// end.
+/// The files that a command writes: their paths are claimed before the work begins, and all files appear together at
+/// its end.
 #pragma once
 
 #include "vdbtools/field/crumbs.h"
@@ -22,23 +22,23 @@ class CommandLine;
 
 class Outputs {
  public:
-  /// @param inputs  what is read besides CommandLine::inputs(): the files that a recipe names, and those of options.
-  ///                What the recipes in all these name is added here
+  /// @param inputs  what is read in addition to CommandLine::inputs(): the files that a recipe names, and those of
+  ///                options. Files named by the recipes in all these are added here
   /// @param frame   the frame number for names such as name.####.vdb, if there is one
   explicit Outputs(const CommandLine& line, vdbtools::InputFiles inputs, std::optional<int> frame = {});
 
-  /// Claims a place; the file's stream is for its content.
-  /// @throw std::invalid_argument  the name has no extension of @a extensions (".vdb .ply"), the file is an input or
-  ///                               the same as another output
+  /// Claims a path; the content is written to the file's stream.
+  /// @throw std::invalid_argument  the name has none of the @a extensions (".vdb .ply"), or the file is an input or the
+  ///                               same as another output
   /// @throw vdbtools::CreateError
   vdbtools::AtomicFile& add(const std::string& option, const std::string& name, std::string_view extensions);
 
-  /// Brings all to their places, and tells report().
+  /// Commits all files, and tells report().
   /// @param isAll  whether the command makes no further files; see workIsDone()
   /// @throw vdbtools::IoError
   void commit(bool isAll = true);
 
-  /// The names as they came to be, separated by commas.
+  /// The final names, separated by commas.
   std::string names() const;
 
  private:
@@ -47,23 +47,23 @@ class Outputs {
 };
 
 /// Checks the outputs of all frames before the first is made: none may be an input of any frame.
-/// @param options  those that name outputs; of these, the ones that are given
+/// @param options  the options that name outputs; those that were not given are ignored
 /// @throw std::invalid_argument
 void requireFramePlaces(const CommandLine& line, vdbtools::InputFiles inputs, std::span<const char* const> options,
                         std::span<const int> frames);
 
-/// What the help says of a mesh to write.
+/// The help on a mesh to write.
 inline constexpr const char* kMeshHelp = "the mesh to write: .ply, .obj, .stl or .glb";
 
-/// The extension that says what is written to @a name; @a usual for a device, which has none.
+/// The extension that determines the format of @a name; @a usual for a device, which has none.
 std::string formatOf(const std::string& name, const char* usual);
 
-/// Says which attributes a mesh or a VDB has no room for, if there are any.
+/// Reports which attributes a mesh or a VDB cannot hold, if there are any.
 void noteLeftOut(const std::filesystem::path& file, std::span<const vdbtools::VertexColumn> columns);
 
-/// Says how many crumbs were dropped, and counts them in the summary.
+/// Reports how many crumbs were dropped, and counts them in the summary.
 /// @param voxelSize  of the lattice, world units
-/// @param left       the volume of what is left, if it is known
+/// @param left       the remaining volume, if it is known
 /// @param counts     whether they are counted
 void tellCrumbs(const vdbtools::CrumbReport& dropped, double voxelSize, std::optional<double> left, bool counts = true);
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overall_share.h"
 
-#include "vdbtools/base/numbered_monitor.h"
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
 
 namespace cli {
 namespace {
+
+using vdbtools::PhaseKind;
 
 // The weights are roughly hundredths of a run on the bunny with 200 to 400 voxels along its longest side.
 
@@ -17,66 +17,71 @@ namespace {
 /// The phases that make a target and its exponent, and then others.
 template <std::size_t N>
 constexpr std::array<PhaseWeight, N + 8> scenePhases(const PhaseWeight (&others)[N]) {
-  std::array<PhaseWeight, N + 8> phases = {{{"reading", 2},
-                                            {"thickening", 8},
-                                            {"closing gaps", 20},
-                                            {"sides", 5},
-                                            {"distance field", 12},
-                                            {"local thickness", 3},
-                                            {"widening the band", 5},
-                                            {"exponent", 5}}};
+  std::array<PhaseWeight, N + 8> phases = {{{PhaseKind::Reading, 2},
+                                            {PhaseKind::Thickening, 8},
+                                            {PhaseKind::ClosingGaps, 20},
+                                            {PhaseKind::Sides, 5},
+                                            {PhaseKind::DistanceField, 12},
+                                            {PhaseKind::LocalThickness, 3},
+                                            {PhaseKind::WideningTheBand, 5},
+                                            {PhaseKind::Exponent, 5}}};
   std::copy(others, others + N, phases.begin() + 8);
   return phases;
 }
 
-constexpr PhaseWeight kSdf[] = {{"reading", 2}, {"thickening", 20},     {"closing gaps", 40},
-                                {"sides", 15},  {"distance field", 35}, {"writing", 8}};
-constexpr auto kFractal = scenePhases({{"proofs", 5},
-                                       {"field", 15},
-                                       {"seeds", 1},
-                                       {"following the surface", 15},
-                                       {"islands", 3},
-                                       {"surface", 15},
-                                       {"adapting", 30},
-                                       {"level set", 15},
-                                       {"versor", 5},
-                                       {"attributes", 5},
-                                       {"writing", 5},
-                                       {"checking", 1}});
-constexpr auto kPoints = scenePhases(
-    {{"proofs", 5}, {"field", 15}, {"surface", 15}, {"points", 20}, {"gaps", 10}, {"elimination", 10}, {"writing", 2}});
-constexpr auto kPrint = scenePhases({{"proofs", 5},
-                                     {"field", 15},
-                                     {"surface", 15},
-                                     {"islands", 2},
-                                     {"thickness", 20},
-                                     {"thin parts", 10},
-                                     {"adapting", 10},
-                                     {"writing", 2}});
-constexpr auto kPlan = scenePhases({{"sample", 100}});
-constexpr PhaseWeight kMerge[] = {{"checking", 10}, {"merging", 60},   {"merging grids", 20},
-                                  {"versor", 5},    {"attributes", 5}, {"writing", 10}};
-constexpr auto kExplore = scenePhases({{"writing", 5}});
-constexpr auto kSlice = scenePhases({{"slice", 20}, {"writing", 5}});
-constexpr auto kStudy = scenePhases({{"distances", 5}, {"first versor", 2}, {"versors", 60}, {"writing", 2}});
-constexpr auto kRender = scenePhases({{"ray tree", 5}, {"render", 60}, {"writing", 2}});
+constexpr PhaseWeight kSdf[] = {{PhaseKind::Reading, 2}, {PhaseKind::Thickening, 20},    {PhaseKind::ClosingGaps, 40},
+                                {PhaseKind::Sides, 15},  {PhaseKind::DistanceField, 35}, {PhaseKind::Writing, 8}};
+constexpr auto kFractal = scenePhases({{PhaseKind::Proofs, 5},
+                                       {PhaseKind::Field, 15},
+                                       {PhaseKind::Seeds, 1},
+                                       {PhaseKind::FollowingTheSurface, 15},
+                                       {PhaseKind::Islands, 3},
+                                       {PhaseKind::Surface, 15},
+                                       {PhaseKind::Adapting, 30},
+                                       {PhaseKind::LevelSet, 15},
+                                       {PhaseKind::Versor, 5},
+                                       {PhaseKind::Attributes, 5},
+                                       {PhaseKind::Writing, 5},
+                                       {PhaseKind::Checking, 1}});
+constexpr auto kPoints = scenePhases({{PhaseKind::Proofs, 5},
+                                      {PhaseKind::Field, 15},
+                                      {PhaseKind::Surface, 15},
+                                      {PhaseKind::Points, 20},
+                                      {PhaseKind::Gaps, 10},
+                                      {PhaseKind::Elimination, 10},
+                                      {PhaseKind::Writing, 2}});
+constexpr auto kPrint = scenePhases({{PhaseKind::Proofs, 5},
+                                     {PhaseKind::Field, 15},
+                                     {PhaseKind::Surface, 15},
+                                     {PhaseKind::Islands, 2},
+                                     {PhaseKind::Thickness, 20},
+                                     {PhaseKind::ThinParts, 10},
+                                     {PhaseKind::Adapting, 10},
+                                     {PhaseKind::Writing, 2}});
+constexpr auto kPlan = scenePhases({{PhaseKind::Sample, 100}});
+constexpr PhaseWeight kMerge[] = {{PhaseKind::Checking, 10}, {PhaseKind::Merging, 60},   {PhaseKind::MergingGrids, 20},
+                                  {PhaseKind::Versor, 5},    {PhaseKind::Attributes, 5}, {PhaseKind::Writing, 10}};
+constexpr auto kExplore = scenePhases({{PhaseKind::Writing, 5}});
+constexpr auto kSlice = scenePhases({{PhaseKind::Slice, 20}, {PhaseKind::Writing, 5}});
+constexpr auto kStudy = scenePhases(
+    {{PhaseKind::Distances, 5}, {PhaseKind::FirstVersor, 2}, {PhaseKind::Versors, 60}, {PhaseKind::Writing, 2}});
+constexpr auto kRender = scenePhases({{PhaseKind::RayTree, 5}, {PhaseKind::Render, 60}, {PhaseKind::Writing, 2}});
 /// Of a cell; one that shows the field has only the last of these.
-constexpr auto kSheet = scenePhases({{"proofs", 5},
-                                     {"field", 15},
-                                     {"islands", 3},
-                                     {"surface", 15},
-                                     {"adapting", 10},
-                                     {"ray tree", 5},
-                                     {"render", 60},
-                                     {"writing", 2}});
-constexpr PhaseWeight kUsd[] = {{"reading", 80}, {"writing", 20}};
-constexpr PhaseWeight kFit[] = {{"reading", 1},   {"thickening", 3}, {"sides", 2},           {"distance field", 3},
-                                {"surface", 2},   {"distances", 5},  {"electrostatics", 10}, {"monopoles", 5},
-                                {"potential", 5}, {"fit", 60},       {"measure", 10},        {"writing", 1}};
-
-bool names(const PhaseWeight& entry, std::string_view phase) {
-  return phase.starts_with(entry.phase) && (phase.size() == entry.phase.size() || phase[entry.phase.size()] == ' ');
-}
+constexpr auto kSheet = scenePhases({{PhaseKind::Proofs, 5},
+                                     {PhaseKind::Field, 15},
+                                     {PhaseKind::Islands, 3},
+                                     {PhaseKind::Surface, 15},
+                                     {PhaseKind::Adapting, 10},
+                                     {PhaseKind::RayTree, 5},
+                                     {PhaseKind::Render, 60},
+                                     {PhaseKind::Writing, 2}});
+constexpr PhaseWeight kUsd[] = {{PhaseKind::Reading, 80}, {PhaseKind::Writing, 20}};
+constexpr PhaseWeight kFit[] = {{PhaseKind::Reading, 1},         {PhaseKind::Thickening, 3},
+                                {PhaseKind::Sides, 2},           {PhaseKind::DistanceField, 3},
+                                {PhaseKind::Surface, 2},         {PhaseKind::Distances, 5},
+                                {PhaseKind::Electrostatics, 10}, {PhaseKind::Monopoles, 5},
+                                {PhaseKind::Potential, 5},       {PhaseKind::Fit, 60},
+                                {PhaseKind::Measure, 10},        {PhaseKind::Writing, 1}};
 
 }  // namespace
 
@@ -97,19 +102,18 @@ std::span<const PhaseWeight> phasesOf(std::string_view command) {
   return {};
 }
 
-void OverallShare::begin(std::string_view phase) {
+void OverallShare::begin(const vdbtools::Phase& phase) {
   mDone += mWeight;
   mWeight = 0;
-  const vdbtools::NumberedPhase numbered = vdbtools::numberedPhase(phase);
-  if (numbered.number != mNumber && numbered.number != 0) {
+  if (phase.number != mNumber && phase.number != 0) {
     if (mNumber == 0) mBeforePieces = mShare;
-    mNumber = numbered.number;
-    mCount = numbered.count;
+    mNumber = phase.number;
+    mCount = phase.count;
     mDone = 0;
     mNext = 0;
   }
-  const auto at = std::find_if(mPhases.begin(), mPhases.end(),
-                               [&](const PhaseWeight& entry) { return names(entry, numbered.phase); });
+  const auto at =
+      std::find_if(mPhases.begin(), mPhases.end(), [&](const PhaseWeight& entry) { return entry.phase == phase.kind; });
   if (at == mPhases.end()) return;
   mWeight = at->weight;
   mNext = static_cast<std::size_t>(at - mPhases.begin()) + 1;

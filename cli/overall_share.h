@@ -4,6 +4,8 @@
 /// their usual parts of its time; a phase that does not take place leaves the account as soon as a later one begins.
 #pragma once
 
+#include "vdbtools/base/phase.h"
+
 #include <cstddef>
 #include <span>
 #include <string_view>
@@ -11,7 +13,7 @@
 namespace cli {
 
 struct PhaseWeight {
-  std::string_view phase;  ///< its name, or the first words of it
+  vdbtools::PhaseKind phase;
   double weight;
 };
 
@@ -24,7 +26,7 @@ class OverallShare {
   explicit OverallShare(std::span<const PhaseWeight> phases) : mPhases(phases) {}
 
   /// @param phase  may be that of a piece of the work, by a NumberedMonitor; pieces count as equal
-  void begin(std::string_view phase);
+  void begin(const vdbtools::Phase& phase);
 
   /// From 0 to 1, and never less than before. @param fraction  of the phase at hand that is done, from 0 to 1
   double at(double fraction);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file products.h
-/// What the files of a fractal are to its options.
+/// The products that the files of a fractal are in the rules of its options.
 #pragma once
 
 #include "vdbtools/recipe/option_table.h"
@@ -11,9 +11,9 @@ namespace cli {
 
 class CommandLine;
 
-/// Of -o and --mesh.
+/// The products of -o and --mesh.
 std::set<vdbtools::Product> productsOf(const CommandLine& line);
-/// Of --make, a list of formats.
+/// The products of --make, a list of formats.
 std::set<vdbtools::Product> productsOf(const std::vector<std::string>& makes);
 
 }  // namespace cli

@@ -45,13 +45,13 @@ ProgressStyle parseProgressStyle(const std::string& text) {
 
 Progress::Progress(ProgressStyle style, std::string_view command)
     : mStyle(style), mTerminal(isatty(STDERR_FILENO) != 0), mShare(phasesOf(command)) {
-  if (!phasesOf(command).empty()) begin("reading", 0);
+  if (!phasesOf(command).empty()) begin(vdbtools::PhaseKind::Reading, 0);
   if (mStyle == ProgressStyle::None) return;
   mThread = std::thread([this] {
     try {
       watch();
     } catch (const std::bad_alloc&) {
-      // The work goes on unseen, or fails for the same reason.
+      // The work continues without a display, or fails for the same reason.
     }
   });
 }
@@ -71,11 +71,11 @@ Progress::~Progress() {
   clearLine();
 }
 
-void Progress::begin(std::string_view phase, std::uint64_t total) {
+void Progress::begin(const vdbtools::Phase& phase, std::uint64_t total) {
   throwIfCancelled();
   const std::lock_guard lock(mMutex);
   endPhase();
-  mPhase = phase;
+  mPhase = phase.text();
   mTotal = total;
   mDone = 0;
   mPhaseStart = Clock::now();
@@ -87,7 +87,7 @@ bool Progress::cancelled() const { return interrupted(); }
 
 void Progress::endPhase() {
   if (mPhase.empty()) return;
-  // A phase that is given up is over, but not done.
+  // An abandoned phase is over, but not done.
   const double share = mShare.at(interrupted() ? fraction() : mStop ? 0 : 1);
   report().phaseEnded(mPhase, seconds(Clock::now() - mPhaseStart), Report::cpuSeconds() - mPhaseCpu, share);
 }
@@ -108,13 +108,13 @@ double Progress::fraction() const {
 }
 
 void Progress::showEvent() {
-  constexpr double kKnown = 0.01;  // a share from which the time left is told
+  constexpr double kKnown = 0.01;  // the share from which the remaining time is estimated
   const auto now = Clock::now();
   const double part = fraction(), whole = mShare.at(part);
   nlohmann::json event{{"phase", mPhase}};
   if (mTotal) event["fraction"] = part;
   if (part > kKnown) event["phaseLeft"] = seconds(now - mPhaseStart) * (1 - part) / part;
-  // While a phase does not know its length, the share stands still, and the time left would seem to grow.
+  // While the length of a phase is unknown, the share stands still, and the estimate would seem to grow.
   if (mTotal && whole > kKnown) event["left"] = seconds(now - mStart) * (1 - whole) / whole;
   report().progress(std::move(event), whole);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file progress.h
-/// Progress on stderr: a bar with the time left, for work of more than two seconds, or events of the report.
+/// Progress on stderr: a bar with the remaining time, for work of more than two seconds, or events of the report.
 #pragma once
 
 #include "overall_share.h"
@@ -23,13 +23,13 @@ ProgressStyle parseProgressStyle(const std::string& text);
 
 class Progress final : public vdbtools::Monitor {
  public:
-  /// @param command  says what phases there will be
+  /// @param command  determines which phases to expect
   Progress(ProgressStyle style, std::string_view command);
   ~Progress() override;
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void begin(std::string_view phase, std::uint64_t total) override;
+  void begin(const vdbtools::Phase& phase, std::uint64_t total) override;
   void advance(std::uint64_t steps) override { mDone.fetch_add(steps, std::memory_order_relaxed); }
   bool cancelled() const override;
 
@@ -45,9 +45,9 @@ class Progress final : public vdbtools::Monitor {
   ProgressStyle mStyle;
   bool mTerminal;
   Clock::time_point mStart = Clock::now(), mPhaseStart = mStart;
-  double mPhaseCpu = 0;  ///< of the process when the phase began, seconds
+  double mPhaseCpu = 0;  ///< CPU time of the process at the beginning of the phase, seconds
   OverallShare mShare;
-  std::mutex mMutex;  // of everything below but mDone
+  std::mutex mMutex;  // guards everything below but mDone
   std::condition_variable mWake;
   bool mStop = false, mLineShown = false;
   std::string mPhase;

@@ -18,15 +18,15 @@
 namespace cli {
 namespace {
 
-/// Whole numbers without a decimal point.
+/// Integers are written without a decimal point.
 nlohmann::json numberOf(double value) {
-  constexpr double kLargest = 9007199254740992;  // up to here doubles hold every whole number
+  constexpr double kLargest = 9007199254740992;  // up to here doubles represent every integer
   if (std::floor(value) == value && std::abs(value) <= kLargest) return static_cast<std::int64_t>(value);
   return value;
 }
 
-/// A lock that is held for a moment only, unless its holder has crashed or waits for a reader. Then it is not to be
-/// had. (A timed mutex would do, but ThreadSanitizer of GCC 12 does not know its calls.)
+/// Acquires a lock that is held only briefly, unless its holder has crashed or waits for a reader. In that case it
+/// gives up. (A timed mutex would do, but ThreadSanitizer of GCC 12 does not know its calls.)
 std::unique_lock<std::mutex> tryToLock(std::mutex& mutex) {
   constexpr int kTries = 100;
   std::unique_lock lock(mutex, std::try_to_lock);
@@ -152,10 +152,10 @@ void Report::progress(nlohmann::json progress, double share) {
 }
 
 void Report::end(int exitCode, const std::string& error) {
-  // Who holds it may be waiting for a reader of stderr that is gone; an interruption does not wait for that.
+  // Its holder may be waiting for a reader of stderr that is gone; an interruption does not wait for that.
   const std::unique_lock order = tryToLock(mWriting);
   std::unique_lock lock = tryToLock(mMutex);
-  if (!lock || mEnded) return;  // who has crashed with it says nothing any more
+  if (!lock || mEnded) return;  // a thread that has crashed with it prints nothing any more
   mEnded = true;
   if (!mJson) {
     if (!error.empty()) std::cerr << "juliavdb: " << error << std::endl;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file report.h
-/// What the program says on stderr: sentences, or with --progress json nothing but JSON objects, one a line. The fields
-/// of those are described in docs/progress.md. The work says things and the watcher of interruption.h may say the last
-/// one at any moment, so all of this may be called from any thread; but only the work uses text().
+/// What the program prints on stderr: sentences, or with --progress json only JSON objects, one per line, with the
+/// fields described in docs/progress.md. The thread that watches for interruption (interruption.h) may print the last
+/// message at any moment, so any thread may call these functions; but only the work uses text().
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -19,10 +19,10 @@
 
 namespace cli {
 
-/// Keeps what is written, for another thread to read it.
+/// Stores written text so that another thread can read it.
 class SharedText final : public std::streambuf {
  public:
-  /// The whole lines. @return nothing if the lock is not to be had: its holder has crashed
+  /// Returns the complete lines, or an empty text if the lock cannot be acquired because its holder has crashed.
   std::string lines();
 
  protected:
@@ -40,27 +40,29 @@ class Report {
   void start(std::string command, bool json);
   bool json() const { return mJson; }
 
-  /// For the sentences of a command that has done its work. As JSON they wait for the closing event.
+  /// The stream for the sentences of a command that has finished its work. In JSON mode they wait for the closing
+  /// event.
   std::ostream& text();
   /// A number of the summary, such as that of the triangles.
   void count(const std::string& name, double value);
 
-  /// A file is being made. @param first  whether it is the first of those that appear together
+  /// Announces a file that is being made. @param first  whether it is the first of the files that appear together
   void making(const std::filesystem::path& file, bool first);
-  /// A file is in its place.
+  /// Announces a committed file.
   void wrote(const std::filesystem::path& file);
-  /// From now on, this is what an interruption leaves, such as "finished frames are kept".
+  /// Sets what an interruption leaves behind from now on, such as "finished frames are kept".
   void noteKept(std::string what);
-  /// What an interruption would leave now: that, or the files that are in their places; empty: none that is known here.
+  /// What an interruption would leave behind now: the text of noteKept(), or the committed files; empty: none known
+  /// here.
   std::string whatIsLeft();
 
-  /// A phase is over: what it took, in seconds.
+  /// Reports the end of a phase and the time that it took, in seconds.
   void phaseEnded(const std::string& phase, double wall, double cpu, double share);
-  /// Says where the work is, as JSON. @param progress  the fields that the watcher of the phase adds
+  /// Reports the progress as JSON. @param progress  the fields that the watcher of the phase adds
   void progress(nlohmann::json progress, double share);
 
-  /// The last thing that is said: of a failure one line, or as JSON the closing event. Only the first call counts.
-  /// @param error  empty if all went well
+  /// Prints the final message: one line for a failure, or the closing event in JSON mode. Only the first call counts.
+  /// @param error  empty if there was no failure
   void end(int exitCode, const std::string& error);
 
   double wallSeconds() const;
@@ -72,16 +74,16 @@ class Report {
     double wall, cpu;
   };
 
-  /// The event as a line. Call with mMutex held.
+  /// The event as a line. mMutex must be held.
   std::string lineOf(nlohmann::json event) const;
 
   const std::chrono::steady_clock::time_point mStart = std::chrono::steady_clock::now();
   std::atomic<bool> mJson{false};
   SharedText mSentences;
   std::ostream mText{&mSentences};
-  // The order of lines. Who holds it may wait for a reader of stderr for ever. Take it before the other one.
+  // Keeps the order of lines. Its holder may block forever on a reader of stderr. Lock it before the other mutex.
   std::mutex mWriting;
-  std::mutex mMutex;  // of everything below; held for a moment only
+  std::mutex mMutex;  // guards everything below; held only briefly
   std::string mCommand;
   std::vector<std::string> mMaking, mWritten;
   std::string mKept;
@@ -91,7 +93,7 @@ class Report {
   bool mEnded = false;
 };
 
-/// The one of this process.
+/// The report of this process.
 Report& report();
 
 }  // namespace cli

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file slice_plane.h
-/// The plane of a picture: the options --axis, --position and --size, and what they frame.
+/// The plane of a picture, from the options --axis, --position and --size, and the rectangle that they frame.
 #pragma once
 
 #include "options.h"
@@ -14,7 +14,7 @@ namespace cli {
 
 struct PlanePlacement {
   vdbtools::Axis axis = vdbtools::Axis::Z;
-  std::optional<double> position;  ///< on that axis, world units, if it was given
+  std::optional<double> position;  ///< position on that axis, world units, if it was given
   int size = 0;                    ///< pixels along the longer side
 
   /// @param usual  a point of the plane if no position was given
@@ -23,13 +23,13 @@ struct PlanePlacement {
   }
 };
 
-/// @param usual  where the plane lies by default, in words
+/// @param usual  the default position of the plane, in words
 void addPlaneOptions(CommandLine& line, const std::string& usual);
 
 /// @throw std::invalid_argument
 PlanePlacement parsePlacement(const CommandLine& line);
 
-/// The rectangle that a picture of the scene shows: its box, or its target with some air.
+/// The rectangle that a picture of the scene shows: its box, or its target with a margin.
 openvdb::BBoxd frameOf(const vdbtools::Scene& scene);
 
 }  // namespace cli

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file united_text.h
-/// What to say of a target whose parts run into each other.
+/// The message about a target whose parts intersect each other.
 #pragma once
 
 #include <map>
@@ -8,7 +8,7 @@
 
 namespace cli {
 
-/// A line; empty if no parts do. @param facts  of a job
+/// A line, or an empty text if no parts intersect. @param metadata  the metadata of a job
 inline std::string unitedText(const std::map<std::string, std::string>& metadata) {
   const auto found = metadata.find("julia_united_parts");
   if (found == metadata.end()) return {};

@@ -12,7 +12,7 @@ else()
 endif()
 configure_package_config_file(cmake/JuliaVDBConfig.cmake.in ${PROJECT_BINARY_DIR}/JuliaVDBConfig.cmake
                               INSTALL_DESTINATION ${package_dir})
-write_basic_package_version_file(${PROJECT_BINARY_DIR}/JuliaVDBConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/JuliaVDBConfigVersion.cmake COMPATIBILITY SameMajorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/JuliaVDBConfig.cmake ${PROJECT_BINARY_DIR}/JuliaVDBConfigVersion.cmake
               ${PROJECT_SOURCE_DIR}/cmake/JuliaVDBPublicDependencies.cmake
               ${PROJECT_SOURCE_DIR}/cmake/JuliaVDBDependencies.cmake

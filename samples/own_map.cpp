@@ -127,7 +127,8 @@ Made make(const Recipe& recipe, const MapRegistry& maps) {
   const Scene scene = makeScene(parseFractalOptions(recipe, maps), monitor);
   Made made;
   MeshCollector collector(made.mesh);
-  const FractalResult result = runFractal(scene, planScene(scene), true, &collector, monitor);
+  const FractalPlan plan = planFractal(scene, {.grids = true, .mesh = true});
+  const FractalResult result = runFractal(scene, plan, &collector, monitor);
   made.vdb = encodeVdb(result.grids, {.metadata = sceneMetadata(scene, recipe)});
   return made;
 }

@@ -32,14 +32,14 @@ constexpr Usage kExploreUsage = {
     "  juliavdb explore bunny.obj\n"
     "  juliavdb explore bunny.obj --detail 0.6 --folder looks --port 8017\n"
     "  juliavdb explore --map mandelbulb\n"
-    "  juliavdb explore bunny.obj --versor-seed 7 --export look.html\n",
+    "  juliavdb explore bunny.obj --texture-seed 7 --export look.html\n",
     "fractal"};
 
 /// Shares by the weights of 'juliavdb fractal'.
 class FractalShare final : public vdbtools::explore::WorkShare {
  public:
-  FractalShare() { mShare.begin("reading"); }
-  void begin(std::string_view phase) override { mShare.begin(phase); }
+  FractalShare() { mShare.begin(vdbtools::PhaseKind::Reading); }
+  void begin(const vdbtools::Phase& phase) override { mShare.begin(phase); }
   double at(double fraction) override { return mShare.at(fraction); }
 
  private:
@@ -79,7 +79,7 @@ int exportLook(const CommandLine& line, const vdbtools::Recipe& given, Progress&
   Outputs outputs(line, vdbtools::inputsOf(vdbtools::parseFractalOptions(given)));
   std::ostream& file = outputs.add("export", line.text("export"), ".html").stream();
   const std::string page = vdbtools::explore::exportedPage(given, progress);
-  progress.begin("writing", 0);
+  progress.begin(vdbtools::PhaseKind::Writing, 0);
   file << page;
   outputs.commit();
   report().count("bytes", static_cast<double>(page.size()));

@@ -19,13 +19,13 @@ namespace cli {
 namespace {
 
 constexpr Usage kFitUsage = {
-    "fit", "MESH|SDF.vdb -o shape.json [--roots N | --target-iou X] [--schedule S] [options]",
+    "fit", "MESH|SDF.vdb -o shape.json [--roots N | --target-iou X] [--method kim15] [options]",
     "Finds a rational quaternion map whose Julia set has the shape of a target. 'juliavdb fractal --map rational "
     "--rational shape.json' makes the set, for any number of iterations; the map can also be used as a versor. The "
-    "fast fit is the default. --schedule runs the method of Kim (2015): electrostatics, monopoles, and the passes that "
-    "it lists.",
+    "fast fit is the default. --method kim15 runs the method of Kim (2015): electrostatics, monopoles, and the passes "
+    "of --schedule.",
     "  juliavdb fit bunny.obj -o shape.json --roots 331 --report fit.csv --plot fit.png\n"
-    "  juliavdb fit bunny.obj -o paper.json --schedule '25(VFRF) 50(V)' --epsilon 0.04\n"
+    "  juliavdb fit bunny.obj -o paper.json --method kim15 --schedule '25(VFRF) 50(V)' --epsilon 0.04\n"
     "  juliavdb fractal --map rational --rational shape.json -o bunny.vdb --mesh bunny.ply --resolution 300\n"};
 
 }  // namespace
@@ -56,7 +56,7 @@ int runFit(const Arguments& arguments) {
       line.has("charge") ? &outputs.add("charge", charge, ".ply .obj .glb").stream() : nullptr;
 
   const vdbtools::fit::FitResult fit = vdbtools::fit::runFit(options, reportFile != nullptr, line.progress());
-  line.progress().begin("writing", 0);
+  line.progress().begin(vdbtools::PhaseKind::Writing, 0);
   if (formatOf(line.text("output"), ".json") == ".o3d")
     file << vdbtools::fit::fitToO3d(fit, line.progress());
   else

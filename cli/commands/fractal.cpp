@@ -34,7 +34,7 @@ constexpr Usage kFractalUsage = {
     "place for the frame, and --key says what an option is at some frames ('juliavdb plan frames --help'). A frame "
     "whose files are there and were made by the same options from the same inputs is kept.",
     "  juliavdb fractal bunny.obj -o bunny.vdb --mesh bunny.ply --resolution 150\n"
-    "  juliavdb fractal bunny.obj -o deep.vdb --detail 0.6 --versor-seed 7 --resolution 100\n"
+    "  juliavdb fractal bunny.obj -o deep.vdb --detail 0.6 --texture-seed 7 --resolution 100\n"
     "  juliavdb fractal bunny.obj -o ramp.vdb --detail x:0.05:0.6:smooth --resolution 100\n"
     "  juliavdb fractal bunny.obj -o papers.vdb --alpha 40 --beta 0.02 --origin centre --resolution 100\n"
     "  juliavdb fractal --config bunny.vdb -o again.vdb\n"
@@ -55,15 +55,15 @@ std::string choiceText(const vdbtools::Scene& scene) {
   const openvdb::Vec3d at = scene.placed.unmoved.centre;
   std::string text = "origin at " + vdbtools::shortText(at[0]) + "," + vdbtools::shortText(at[1]) + "," +
                      vdbtools::shortText(at[2]) + ": ";
-  if (scene.exponentOf->detail) text += "detail " + rangeText(scene.exponentOf->detail->detail.range()) + " is ";
-  return text + "alpha " + rangeText(scene.exponent->alphaRange) + ", beta " + rangeText(scene.exponent->betaRange);
+  if (scene.shellOptions().detail) text += "detail " + rangeText(scene.shellOptions().detail->detail.range()) + " is ";
+  return text + "alpha " + rangeText(scene.exponent()->alphaRange) + ", beta " + rangeText(scene.exponent()->betaRange);
 }
 
 /// What is left of the target: a sentence, and whether that is little.
 /// @param onlyIfLittle  nothing is said otherwise
 void tellWhatIsLeft(const vdbtools::Scene& scene, const vdbtools::SolidMeasure& solid, bool onlyIfLittle) {
   const std::optional<openvdb::BBoxd>& box = scene.options.lattice.box;
-  const double there = box ? vdbtools::insideVolume(*scene.target->phi, *box) : *scene.targetVolume;
+  const double there = box ? vdbtools::insideVolume(*scene.target->distances.phi, *box) : scene.target->volume;
   if (!(there > 0)) return;  // a box beside the target, which only detail reaches into
   const double share = 100 * solid.volume / there, largest = 100 * solid.shareOfLargest(1);
   const std::size_t islands = solid.islands.size();
@@ -78,8 +78,8 @@ void tellWhatIsLeft(const vdbtools::Scene& scene, const vdbtools::SolidMeasure& 
                   << '\n';
   if (!isLittle) return;
   report().text() << "warning: less than half of the target's volume is left; try "
-                  << (scene.exponentOf->detail ? "a smaller --detail, a larger --outward"
-                                               : "--detail instead of --alpha, a larger --alpha or --beta")
+                  << (scene.shellOptions().detail ? "a smaller --detail, a larger --outward"
+                                                  : "--detail instead of --alpha, a larger --alpha or --beta")
                   << ", or --origin auto\n";
 }
 
@@ -108,10 +108,10 @@ struct FractalCounts {
 
 /// The shares of the surface where something is finer than two voxels, 0 to 1, and the resolution that was chosen.
 void countFiner(const vdbtools::Scene& scene) {
-  if (!scene.features) return;
-  const vdbtools::VoxelAdvice advice = vdbtools::adviseVoxels(*scene.features, scene.voxelSize);
+  if (!scene.features()) return;
+  const vdbtools::VoxelAdvice advice = vdbtools::adviseVoxels(*scene.features(), scene.voxelSize);
   report().count("textureBelowTwoVoxels", advice.textureShare);
-  if (scene.exponentOf->detail) report().count("coreBelowTwoVoxels", advice.coreShare);
+  if (scene.shellOptions().detail) report().count("coreBelowTwoVoxels", advice.coreShare);
   if (scene.chosenResolution) report().count("resolution", scene.chosenResolution->resolution);
 }
 
@@ -168,8 +168,10 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
   const std::vector<vdbtools::VertexColumn> columns = vdbtools::meshColumns(options.output.attributes);
   for (const vdbtools::AtomicFile* file : {vdb, mesh})
     if (file) noteLeftOut(file->target(), columns);
-  const std::vector<std::string> unused = vdbtools::unusedParts(scene.targetParts, line.recipe());
-  if (!unused.empty()) report().text() << "not used of the target: " << joined(unused) << '\n';
+  if (scene.target)
+    if (const std::vector<std::string> unused = vdbtools::unusedParts(scene.target->parts, line.recipe());
+        !unused.empty())
+      report().text() << "not used of the target: " << joined(unused) << '\n';
   if (!isFrame) report().text() << unitedText(scene.metadata);
   for (std::size_t i = 0; i < result.levels.size(); ++i)
     report().text() << "LOD" << i + 1 << ": " << result.levels[i].triangles << " triangles, some "
@@ -178,10 +180,10 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
     report().text() << chosen << '\n';
   // Of a sequence once: its frames are much alike.
   saysFiner = saysFiner && !tellWhatIsFiner(scene);
-  if (scene.exponent) {
+  if (scene.exponent()) {
     if (!isFrame) report().text() << choiceText(scene) << '\n';
     if (result.solid) tellWhatIsLeft(scene, *result.solid, isFrame);
-    if (scene.exponentOf->mask.range().second == 0)
+    if (scene.shellOptions().mask.range().second == 0)
       report().text() << "note: the mask is 0 everywhere, so this is the plain target\n";
   }
   return counts;

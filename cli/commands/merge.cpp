@@ -18,11 +18,13 @@ namespace cli {
 namespace {
 
 constexpr Usage kMergeUsage = {
-    "merge", "DIR [-o F.vdb] [--mesh F.ply] [--index F.json]",
+    "merge", "DIR [-o F.vdb] [--mesh F.ply] [--index F.json] [--counts F.json]",
     "Puts the tiles of a plan together, once all tasks are done: the same bytes as 'juliavdb fractal' would have "
     "written. The mesh is written while the tiles are read, so it may be far larger than the memory; a VDB is held in "
     "memory whole. A fractal that is too large for one file can stay in pieces: --index writes each tile as a mesh and "
-    "a VDB of its own, F.0001.ply and F.0001.vdb and so on, and a JSON file that lists them.",
+    "a VDB of its own, F.0001.ply and F.0001.vdb and so on, and a JSON file that lists them. Of a plan with --make "
+    "count, "
+    "--counts writes how many points and triangles all tiles have.",
     "  juliavdb merge farm -o bunny.vdb --mesh bunny.ply\n"
     "  juliavdb merge farm --index pieces.json\n"};
 
@@ -37,12 +39,14 @@ int runMerge(const Arguments& arguments) {
   const std::filesystem::path folder = line.text("folder");
   const MergeRequest request = parseMergeRequest(line);
   if (request.empty())
-    throw std::invalid_argument("no output was given; use -o F.vdb, --mesh F.ply, both, or --index F.json");
+    throw std::invalid_argument(
+        "no output was given; use -o F.vdb, --mesh F.ply, both, --index F.json, or --counts F.json");
   const vdbtools::farm::MergeOptions& options = request.files;
   const vdbtools::farm::Manifest manifest = vdbtools::farm::readManifest(folder);
   const vdbtools::farm::MergeResult result =
-      request.index ? vdbtools::farm::writeTileFiles(folder, manifest, *request.index, line.progress())
-                    : vdbtools::farm::mergePlan(folder, manifest, options, line.progress());
+      request.counts  ? vdbtools::farm::mergeCounts(folder, manifest, *request.counts, line.progress())
+      : request.index ? vdbtools::farm::writeTileFiles(folder, manifest, *request.index, line.progress())
+                      : vdbtools::farm::mergePlan(folder, manifest, options, line.progress());
 
   for (const std::filesystem::path& file : result.files) report().wrote(file);
   workIsDone();

@@ -16,12 +16,13 @@ namespace cli {
 
 struct MergeRequest {
   vdbtools::farm::MergeOptions files;
-  std::optional<std::filesystem::path> index;  ///< instead: the tiles as files of their own, and this list of them
+  std::optional<std::filesystem::path> index;   ///< instead: the tiles as files of their own, and this list of them
+  std::optional<std::filesystem::path> counts;  ///< instead, of a plan that counts: the sums
 
-  bool empty() const { return !index && !files.vdb && !files.mesh; }
+  bool empty() const { return !index && !counts && !files.vdb && !files.mesh; }
 };
 
-/// -o, --mesh, --index and --most-points.
+/// -o, --mesh, --index, --counts and --most-points.
 void addMergeOptions(CommandLine& line);
 
 /// @throw std::invalid_argument  a name of another kind of file, or files that exclude each other

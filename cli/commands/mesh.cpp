@@ -79,7 +79,7 @@ vdbtools::MeshCounts meshFromGrid(const std::string& input, const CommandLine& l
     sink.finish(progress);
     mesh = std::move(adapted);
   }
-  progress.begin("writing", 0);
+  progress.begin(vdbtools::PhaseKind::Writing, 0);
   vdbtools::writeMesh(file.stream(), mesh, options);
   return {mesh.points.size(), mesh.triangles.size()};
 }

@@ -8,6 +8,7 @@
 
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/farm/frame_plan.h"
+#include "vdbtools/recipe/option_name.h"
 #include "vdbtools/scene/fractal_options.h"
 
 #include <ostream>
@@ -55,7 +56,8 @@ vdbtools::farm::FramePlanOptions parseFrameOptions(const CommandLine& line, cons
   std::set<std::string> names = line.typedNames();
   for (const vdbtools::farm::KeyedOption& keyed : options.keys) {
     if (typed.contains(keyed.name))
-      throw std::invalid_argument("--" + keyed.name + " is given and has keys; give only one of them");
+      throw std::invalid_argument("--" + vdbtools::optionName(keyed.name) +
+                                  " is given and has keys; give only one of them");
     names.insert(keyed.name);
   }
   for (const std::string& name : line.typedNames()) options.given[name] = options.base.at(name);

@@ -66,7 +66,7 @@ std::vector<vdbtools::farm::SampledTask> makeSample(const CommandLine& line, con
   const vdbtools::farm::Manifest manifest = vdbtools::farm::readManifest(folder);
   const std::vector<std::uint64_t> indices = vdbtools::farm::sampleTasks(manifest.tasks.size(), count, kSeed);
   vdbtools::Monitor& monitor = line.progress();
-  monitor.begin("sample", indices.size());
+  monitor.begin(vdbtools::PhaseKind::Sample, indices.size());
   std::vector<vdbtools::farm::SampledTask> sample;
   for (const std::uint64_t index : indices) {
     std::vector<std::string> words = {"task", folder.string(), "--index", std::to_string(index), "--progress", "none"};
@@ -106,8 +106,10 @@ int planTiles(const Arguments& arguments) {
       "tiles", text("N"), "how many tiles (default: 16)")("tile-nodes", text("K"),
                                                           "or the nodes along the side of a tile")(
       "make", text("LIST")->default_value("vdb,ply"),
-      (std::string("what is to be merged, a list of vdb, ") + vdbtools::kMeshFormatNames).c_str())(
-      "estimate", po::bool_switch(), "makes a random sample of the tiles and tells what all of them will take")(
+      (std::string("what is to be merged, a list of vdb, ") + vdbtools::kMeshFormatNames +
+       "; or count, to make and count the triangles without keeping them")
+          .c_str())("estimate", po::bool_switch(),
+                    "makes a random sample of the tiles and tells what all of them will take")(
       "sample", text("M")->default_value("24"), "how many tiles --estimate makes");
   if (!line.parse(arguments)) return kDone;
   const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(line.recipe());

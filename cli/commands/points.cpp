@@ -113,7 +113,8 @@ int runPoints(const Arguments& arguments) {
     recorded = vdbtools::readRecordedRecipe(input);
   const vdbtools::Recipe asked = line.given(attributeTable());
   if (recorded.command != "fractal" && !asked.empty())
-    throw std::invalid_argument("--" + asked.begin()->first + " is for a fractal with its recipe; points of '" + input +
+    throw std::invalid_argument("--" + vdbtools::optionName(asked.begin()->first) +
+                                " is for a fractal with its recipe; points of '" + input +
                                 "' carry what the mesh has at its points");
   line.requireUse(recorded.command == "fractal", {"search"},
                   "it is for the files of a fractal's recipe, and none is read here; leave it out");
@@ -129,7 +130,7 @@ int runPoints(const Arguments& arguments) {
   const Made made = fractal ? pointsFromRecipe(recipe, *fractal, options, line.progress())
                             : pointsFromShape(input, line.text("grid"), options, line.progress());
   const vdbtools::OrientedPoints& points = made.points;
-  line.progress().begin("writing", 0);
+  line.progress().begin(vdbtools::PhaseKind::Writing, 0);
   if (formatOf(line.text("output"), ".ply") == ".vdb") {
     const double spacing = points.spacing > 0 ? points.spacing : points.reach > 0 ? points.reach : 1;
     // Points have their turn in themselves, as the transform of a grid would not turn normals.

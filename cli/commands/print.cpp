@@ -90,7 +90,7 @@ vdbtools::Mesh readShape(const CommandLine& line, const std::string& input, std:
     const vdbtools::VdbFile vdb = vdbtools::readVdb(input);
     return vdbtools::meshOfLevelSet(*vdbtools::chooseFloatGrid(vdb, line.text("grid"), input), progress);
   }
-  progress.begin("reading", 0);
+  progress.begin(vdbtools::PhaseKind::Reading, 0);
   return vdbtools::closedMesh(vdbtools::readMesh(input), resolution, line.has("repair"), progress);
 }
 
@@ -173,7 +173,7 @@ int runPrint(const Arguments& arguments) {
       vdbtools::printedPart(fractal ? vdbtools::fractalMesh(vdbtools::makeScene(*fractal, progress), progress)
                                     : readShape(line, input, options.resolution),
                             options, progress);
-  line.progress().begin("writing", 0);
+  line.progress().begin(vdbtools::PhaseKind::Writing, 0);
   if (format == ".3mf")
     file.stream() << vdbtools::encode3mf(part.mesh);
   else

@@ -14,6 +14,7 @@
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/versor_file.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
+#include "vdbtools/recipe/option_name.h"
 #include "vdbtools/records/recorded_recipe.h"
 #include "vdbtools/render/look.h"
 #include "vdbtools/render/preview.h"
@@ -125,7 +126,8 @@ void requireFits(const CommandLine& line, bool field) {
     given.erase("colour");
   }
   for (const auto& [name, value] : given)
-    if (name != "input" && name != "grid") throw std::invalid_argument("--" + name + " can be used with --field only");
+    if (name != "input" && name != "grid")
+      throw std::invalid_argument("--" + vdbtools::optionName(name) + " can be used with --field only");
 }
 
 /// A picture to take: a still, or a frame of a sequence.
@@ -159,7 +161,8 @@ std::vector<Shot> shotsOf(const CommandLine& line, bool field) {
       vdbtools::farm::parseKeys(line.texts("key"), line.texts("ease"), keyTable(field));
   for (const vdbtools::farm::KeyedOption& keyed : keys)
     if (given.contains(keyed.name))
-      throw std::invalid_argument("--" + keyed.name + " is given and has keys; give only one of them");
+      throw std::invalid_argument("--" + vdbtools::optionName(keyed.name) +
+                                  " is given and has keys; give only one of them");
   const std::vector<int> frames = vdbtools::farm::parseFrames(line.text("frames"));
   std::vector<int> inTime = frames;
   std::sort(inTime.begin(), inTime.end());
@@ -225,7 +228,7 @@ class Shooting {
   /// @param more  what the summary says of the picture, behind its size
   void end(const vdbtools::ShadedImage& image, const Layers& layers, const std::string& format,
            const std::string& more) {
-    (mMonitor ? static_cast<vdbtools::Monitor&>(*mMonitor) : mLine.progress()).begin("writing", 0);
+    (mMonitor ? static_cast<vdbtools::Monitor&>(*mMonitor) : mLine.progress()).begin(vdbtools::PhaseKind::Writing, 0);
     *mFile << vdbtools::encodeShadedImage(image, format, layers.alpha, layers.passes);
     const bool isLast = mNumber == mCount;
     mOutputs->commit(isLast);

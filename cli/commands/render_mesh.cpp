@@ -16,7 +16,7 @@ vdbtools::ShadedImage imageOfMesh(const CommandLine& line, const std::string& in
                                   const vdbtools::PreviewOptions& picture, vdbtools::Monitor& monitor) {
   if (line.has("colour") && line.text("colour") != "clay")
     line.refuse("colour", "clay for a mesh, or left out for the colours that the mesh itself has");
-  monitor.begin("reading", 0);
+  monitor.begin(vdbtools::PhaseKind::Reading, 0);
   vdbtools::Mesh mesh = vdbtools::readMesh(input);
   return vdbtools::renderMeshPreview(std::move(mesh), {.picture = picture, .colours = !line.has("colour")}, monitor);
 }

@@ -48,7 +48,7 @@ int runSdf(const Arguments& arguments) {
   metadata.insert(result.metadata.begin(), result.metadata.end());
   vdbtools::VdbWriteOptions write = vdbtools::vdbWriteOptions(options.axes, std::move(metadata));
   write.half = options.half;
-  line.progress().begin("writing", 0);
+  line.progress().begin(vdbtools::PhaseKind::Writing, 0);
   file << vdbtools::encodeVdb({result.grid}, write);
   line.progress().throwIfCancelled();
   outputs.commit();

@@ -55,7 +55,7 @@ SequenceCounts makeSequence(const CommandLine& line, const vdbtools::farm::Frame
   for (std::size_t i = 0; i < frames.size(); ++i) {
     vdbtools::NumberedMonitor monitor(line.progress(), "frame", i + 1, frames.size());
     try {
-      monitor.begin("checking", 0);
+      monitor.begin(vdbtools::PhaseKind::Checking, 0);
       monitor.throwIfCancelled();
       const vdbtools::Recipe recipe = recipes.at(frames[i]);
       const FractalRun run{recipe, recipe, frames[i], i + 1 == frames.size() && counts.failed == 0};

@@ -127,7 +127,7 @@ int runSheet(const Arguments& arguments) {
       vdbtools::makeSheet(options, folder, progress, {.tell = [](const std::string& words) {
                             report().text() << "warning: " << words << '\n' << std::flush;
                           }});
-  progress.begin("writing", 0);
+  progress.begin(vdbtools::PhaseKind::Writing, 0);
   page << made.picture;
   recipes << vdbtools::encodeSheet(made.sheet);
   progress.throwIfCancelled();

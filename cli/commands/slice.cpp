@@ -67,7 +67,7 @@ SliceField parseField(const CommandLine& line) {
 /// A row of pixels at a time, in threads.
 template <class Row>
 void forEachRow(const SlicePlane& plane, Progress& progress, const Row& row) {
-  progress.begin("slice", static_cast<std::uint64_t>(plane.height()));
+  progress.begin(vdbtools::PhaseKind::Slice, static_cast<std::uint64_t>(plane.height()));
   tbb::parallel_for(0, plane.height(), [&](int y) {
     if (progress.cancelled()) return;
     row(y);
@@ -92,7 +92,7 @@ std::vector<float> sampleNumbers(const SlicePlane& plane, const Scene& scene, Pr
                                  const Evaluate& evaluate) {
   std::vector<float> numbers(rowStart(plane, plane.height()));
   forEachRow(plane, progress, [&](int y) {
-    const std::vector<julia::Point> points = pointsOfRow(plane, y, scene.space);
+    const std::vector<julia::Point> points = pointsOfRow(plane, y, scene.field.space);
     std::vector<double> values(points.size());
     const std::size_t start = rowStart(plane, y);
     evaluate(points, values, start);
@@ -123,16 +123,16 @@ FieldSamples sampleField(const SlicePlane& plane, const Scene& scene, Progress& 
   samples.iterations.resize(rowStart(plane, plane.height()));
   samples.field = sampleNumbers(
       plane, scene, progress, [&](std::span<const julia::Point> points, std::span<double> values, std::size_t start) {
-        scene.evaluator->evaluate(points, values, std::span(samples.iterations).subspan(start, points.size()));
+        scene.field.evaluator->evaluate(points, values, std::span(samples.iterations).subspan(start, points.size()));
       });
   return samples;
 }
 
 /// The evaluator of the orbit's first step alone.
 std::unique_ptr<julia::FieldEvaluator> firstStep(const Scene& scene) {
-  julia::OrbitOptions orbit = scene.orbit;
+  julia::OrbitOptions orbit = scene.field.orbit;
   orbit.maxIterations = 1;
-  return scene.map->evaluator(scene.arithmetic, orbit);
+  return scene.field.map->evaluator(scene.field.arithmetic, orbit);
 }
 
 /// ln |f|.
@@ -147,14 +147,14 @@ std::vector<float> sampleFirstStep(const SlicePlane& plane, const Scene& scene, 
 /// The first steps from these points, world units.
 /// @throw std::invalid_argument  the map is not one of quaternions
 std::vector<vdbtools::SliceArrow> arrowsFrom(const std::vector<openvdb::Vec3d>& positions, const Scene& scene) {
-  if (scene.evaluator->dimension() != 4)
+  if (scene.field.evaluator->dimension() != 4)
     throw std::invalid_argument("--arrow is for maps of quaternions, and this map is one of R^3; leave it out");
   std::vector<julia::Point> points;
-  for (const openvdb::Vec3d& position : positions) points.push_back(scene.space.toFractal(position));
+  for (const openvdb::Vec3d& position : positions) points.push_back(scene.field.space.toFractal(position));
   std::vector<double> field(points.size()), logModuli(points.size());
   std::vector<julia::Quaternion<double>> versors(points.size());
-  scene.evaluator->evaluate(points, field, {});
-  scene.evaluator->versors(points, versors);
+  scene.field.evaluator->evaluate(points, field, {});
+  scene.field.evaluator->versors(points, versors);
   firstStep(scene)->orbitTraps(points, logModuli);
   const julia::Embedding embedding = scene.options.map->embedding();
   std::vector<vdbtools::SliceArrow> arrows;
@@ -167,9 +167,9 @@ std::vector<vdbtools::SliceArrow> arrowsFrom(const std::vector<openvdb::Vec3d>& 
     // The ball of quaternions is cut by the space of the points at the slice.
     const double radius = std::sqrt(std::max(0.0, modulus * modulus - embedding.slice * embedding.slice));
     arrows.push_back({.from = positions[i],
-                      .to = scene.space.toWorld(end),
-                      .centre = scene.space.toWorld({0, 0, 0}),
-                      .radius = radius * scene.space.scale,
+                      .to = scene.field.space.toWorld(end),
+                      .centre = scene.field.space.toWorld({0, 0, 0}),
+                      .radius = radius * scene.field.space.scale,
                       .inside = field[i] < 0});
   }
   return arrows;
@@ -178,7 +178,7 @@ std::vector<vdbtools::SliceArrow> arrowsFrom(const std::vector<openvdb::Vec3d>& 
 std::vector<openvdb::Vec3s> sampleVersor(const SlicePlane& plane, const Scene& scene, Progress& progress) {
   std::vector<openvdb::Vec3s> values(rowStart(plane, plane.height()));
   forEachRow(plane, progress, [&](int y) {
-    const std::vector<julia::Point> points = pointsOfRow(plane, y, scene.space);
+    const std::vector<julia::Point> points = pointsOfRow(plane, y, scene.field.space);
     const std::vector<openvdb::Vec3s> versors = scene.source().versorVectors(points);
     std::copy(versors.begin(), versors.end(), values.begin() + static_cast<std::ptrdiff_t>(rowStart(plane, y)));
   });
@@ -190,15 +190,16 @@ vdbtools::Image sliceOfScene(const Scene& scene, SliceField field, const SlicePl
   switch (field) {
     case SliceField::Phi:
       if (!scene.target) throw std::invalid_argument("there is no phi without a target");
-      return vdbtools::signedSlice(plane, sampleGrid(plane, *scene.target->phi, progress), range);
+      return vdbtools::signedSlice(plane, sampleGrid(plane, *scene.target->distances.phi, progress), range);
     case SliceField::Exponent:
-      return vdbtools::signedSlice(
-          plane,
-          scene.exponent ? sampleGrid(plane, *scene.exponent->grid, progress) : sampleFirstStep(plane, scene, progress),
-          range);
+      return vdbtools::signedSlice(plane,
+                                   scene.exponent() ? sampleGrid(plane, *scene.exponent()->grid, progress)
+                                                    : sampleFirstStep(plane, scene, progress),
+                                   range);
     case SliceField::Field: return vdbtools::signedSlice(plane, sampleField(plane, scene, progress).field, range);
     case SliceField::Iterations:
-      return vdbtools::countSlice(plane, sampleField(plane, scene, progress).iterations, scene.orbit.maxIterations);
+      return vdbtools::countSlice(plane, sampleField(plane, scene, progress).iterations,
+                                  scene.field.orbit.maxIterations);
     case SliceField::Versor: return vdbtools::versorSlice(plane, sampleVersor(plane, scene, progress));
     case SliceField::Membership:
     case SliceField::Grid: break;
@@ -274,7 +275,7 @@ int runSlice(const Arguments& arguments) {
   const vdbtools::Image image = options ? sliceOfScene(vdbtools::makeScene(*options, line.progress()), field, placement,
                                                        range, arrows, line.progress())
                                         : sliceOfGrid(input, line.text("grid"), placement, range, line.progress());
-  line.progress().begin("writing", 0);
+  line.progress().begin(vdbtools::PhaseKind::Writing, 0);
   file << vdbtools::encodeImage(image, formatOf(line.text("output"), ".png"));
   outputs.commit();
   report().count("width", image.width);

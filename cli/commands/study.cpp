@@ -25,7 +25,7 @@ constexpr Usage kStudyUsage = {
     "study", "MESH|SDF.vdb|FRACTAL.vdb -o F.png [--curve F.png] [--csv F.csv] [--versors N] [--axis x|y|z] [options]",
     "Shows on a plane what a target decides by itself and what is left to the versor: the average of the sets of many "
     "random versors. It is black where all sets contain the pixel and white where none does (Schor and Kim 2023, Fig. "
-    "8). Versors are counted from 0; versor k has the seed S + k if S is --versor-seed, and 'juliavdb slice --versor "
+    "8). Versors are counted from 0; versor k has the seed S + k if S is --texture-seed, and 'juliavdb slice --texture "
     "random' shows it alone.\n\n"
     "  --curve  the target's distance phi on circles about the dynamics' origin: mean, least and greatest, by radius.\n"
     "           Where phi lies in the shaded range, the versor decides\n"
@@ -34,7 +34,7 @@ constexpr Usage kStudyUsage = {
     "           on the sphere of that radius; and the mean membership of the circle, from 0 to 1",
     "  juliavdb study bunny.obj -o study.png --curve curve.png --csv study.csv --versors 200\n"
     "  juliavdb study bunny.obj -o rough.png --alpha 10 --versors 100 --size 400\n"
-    "  juliavdb study bunny.vdb -o side.png --axis x --versor-seed 5000\n"};
+    "  juliavdb study bunny.vdb -o side.png --axis x --texture-seed 5000\n"};
 
 }  // namespace
 
@@ -72,9 +72,9 @@ int runStudy(const Arguments& arguments) {
       line.has("curve") ? &outputs.add("curve", line.text("curve"), ".png .svg .exr").stream() : nullptr;
   std::ostream* const csv = line.has("csv") ? &outputs.add("csv", line.text("csv"), ".csv").stream() : nullptr;
   const vdbtools::Scene scene = vdbtools::makeScene(options, line.progress());
-  const vdbtools::SlicePlane plane = placement.plane(frameOf(scene), scene.space.centre);
+  const vdbtools::SlicePlane plane = placement.plane(frameOf(scene), scene.field.space.centre);
   const vdbtools::Study result = vdbtools::runStudy(scene, plane, study, line.progress());
-  line.progress().begin("writing", 0);
+  line.progress().begin(vdbtools::PhaseKind::Writing, 0);
   file << vdbtools::encodeImage(vdbtools::studyImage(plane, result), formatOf(line.text("output"), ".png"));
   if (curve) *curve << vdbtools::encodePlot(vdbtools::studyPlot(result), formatOf(line.text("curve"), ".png"));
   if (csv) *csv << vdbtools::studyCsv(result);

@@ -131,7 +131,7 @@ vdbtools::RationalFile newTexture(const CommandLine& line) {
   if (texture->followsThickness())
     throw std::invalid_argument("the texture '" + name +
                                 "' consists of waves that follow a target's thickness, and a file holds roots; give it "
-                                "to 'fractal' by --versor");
+                                "to 'fractal' by --texture");
   line.requireUse(false, {"seed"}, "the texture '" + name + "' has nothing random; leave it out");
   return {vdbtools::placeTexture(*texture, 1, {}), "juliavdb versor new --texture " + name, {}};
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file ball_arithmetic.h
-/// Pieces of the bounds over balls. Bounds are computed in double by functions that every processor computes alike
-/// (elementary.h), and widened twice: by kSlack for their own rounding, by what the evaluator's Real may do.
+/// Building blocks of the bounds over balls. Bounds are computed in double by functions that give the same result on
+/// every processor (elementary.h), and widened twice: by kSlack for their own rounding, and by the possible error of
+/// the evaluator's Real.
 #pragma once
 
 #include "julia/ball.h"
@@ -19,19 +20,18 @@
 
 namespace julia {
 
-/// Of every bound, relative: some hundred roundings of doubles, and elementary functions right to a few units in the
-/// last place.
+/// Relative slack of every bound. It covers some hundred roundings of doubles, and elementary functions that are
+/// accurate to a few ulp.
 inline constexpr double kSlack = 1e-13;
 
 template <class Real>
 inline constexpr double kEpsilonOf = static_cast<double>(std::numeric_limits<Real>::epsilon());
 
-/// A number that all results of Real that underflow are smaller than, sums of a few included; nor do its squares
-/// vanish.
+/// An upper bound of all results of Real that underflow, including sums of a few of them. Its square does not vanish.
 template <class Real>
 inline constexpr double kVanishing = static_cast<double>(std::numeric_limits<Real>::min()) < 1e-100 ? 1e-140 : 1e-36;
 
-/// Images of anything longer are not asked for: it has escaped. e to this is within floats.
+/// Images are not requested for a larger log-modulus: such a point has escaped. e to this is within floats.
 inline constexpr double kMostLogModulus = 40;
 
 inline double norm(const Quaternion<double>& q) { return std::sqrt(normSquared(q)); }
@@ -43,28 +43,28 @@ inline double logarithmOf(double x) {
   return kernels::logarithm(x);
 }
 
-/// The ball that holds what points of @a ball become when rounded to Real, about a centre that is exact in Real.
+/// The ball that contains the points of @a ball after rounding to Real, about a centre that is exact in Real.
 template <class Real>
 Ball roundedTo(const Ball& ball) {
   const Quaternion<double> centre = ball.centre.as<Real>().template as<double>();
   const double size = std::max({std::abs(centre.a), std::abs(centre.b), std::abs(centre.c), std::abs(centre.d)});
-  // Half a unit each for the centre and for the points, of four components.
+  // Half an ulp each for the centre and for the points, in four components.
   return {centre, (1 + kSlack) * (ball.radius + kEpsilonOf<Real> * 2 * (size + ball.radius) + kVanishing<Real>)};
 }
 
 /// A ball that contains e^l u for u in the cone and l in the range: the smallest one about a point s of the axis. With
-/// the moduli from m to M and the angle t < pi/2, the farthest points are those at the angle t, so that s = min(M cos
-/// t, (m + M) / (2 cos t)) is best. Where nothing is known of u, it is the ball about 0.
+/// moduli from m to M and an angle t < pi/2, the farthest points are those at the angle t, so s = min(M cos t, (m + M)
+/// / (2 cos t)) is optimal. If nothing is known about u, it is the ball about 0.
 /// @param cone       the versors u
 /// @param l          the logarithms of the moduli
 /// @param embedding  if given, Ball::hollow is computed for points without the dropped component: if the axis is at an
-///                   angle v from that component's, what is left of u has the length sin v', with v' from v - t to v +
-///                   t
+///                   angle v from that component's, the remaining part of u has the length sin v', with v' from v - t
+///                   to v + t
 template <class Real>
 Ball imageOf(const Cone& cone, const LogRange& l, const Embedding* embedding) {
   const double high = kernels::exponential(l.high) * (1 + kSlack);
   const double low = l.low > l.high - 40 ? kernels::exponential(l.low) * (1 - kSlack) : 0;
-  // The evaluator's e^l, the length of its u and their product are a few units off, and what is too small becomes 0.
+  // The evaluator's e^l, the length of its u and their product are off by a few ulp, and underflow gives 0.
   const double rounding = 16 * kEpsilonOf<Real> * high + kVanishing<Real>;
   if (!(cone.quadrants < 1)) return {{}, high + rounding};
   double sine = 0, cosine = 1;

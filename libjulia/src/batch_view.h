@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file batch_view.h
-/// Quaternion batches as the kernels take them.
+/// Views of quaternion batches for the kernels.
 #pragma once
 
 #include "julia/quaternion_batch.h"
@@ -11,7 +11,7 @@
 
 namespace julia {
 
-/// From the one of number @a first on.
+/// The view begins at quaternion number @a first.
 template <class Real>
 kernels::ConstBatch<Real> view(const QuaternionBatch<Real>& q, std::size_t first = 0) {
   return {{q.a.data() + first, q.b.data() + first, q.c.data() + first, q.d.data() + first}};
@@ -22,7 +22,7 @@ kernels::Batch<Real> view(QuaternionBatch<Real>& q, std::size_t first = 0) {
   return {{q.a.data() + first, q.b.data() + first, q.c.data() + first, q.d.data() + first}};
 }
 
-/// The same for all points, and one for each.
+/// One addend for all points, or one for each.
 template <class Real>
 kernels::Addend<Real> addend(const Quaternion<Real>& c) {
   return {{{&c.a, &c.b, &c.c, &c.d}}, true};

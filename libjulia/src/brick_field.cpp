@@ -14,7 +14,7 @@ namespace julia {
 
 template <class Real>
 struct BrickField<Real>::Lattice : kernels::BrickLattice<Real> {
-  double stretch = 0;  ///< the most nodes that a unit of space may become
+  double stretch = 0;  ///< upper bound of nodes per unit of space
 };
 
 template <class Real>
@@ -87,13 +87,13 @@ void BrickField<Real>::ranges(std::span<const std::array<double, 3>> centres, st
   for (std::size_t i = 0; i < centres.size(); ++i) out[i] = rangeAbout(values[i], centres[i], radii[i]);
 }
 
-/// @param value  what sample() gives at the centre
+/// @param value  the result of sample() at the centre
 template <class Real>
 ValueRange BrickField<Real>::rangeAbout(Real value, const std::array<double, 3>& centre, double radius) const {
   constexpr double eps = kEpsilonOf<Real>;
   const Lattice& lattice = *mLattice;
-  // Three products and three sums, of points that are rounded to Real, the centre among them: 4 eps of all that is
-  // added. The spline's shift by half a node is one more.
+  // Three products and three sums of coordinates that are rounded to Real, including the centre's: 4 eps of the sum of
+  // magnitudes. The spline's shift by half a node adds one more.
   constexpr double kPositionRounding = 4 * eps;
   const double nodes = lattice.stretch * radius * (1 + kSlack);
   const double half = mBricks->interpolation == Interpolation::Quadratic ? 0.5 : 0;
@@ -119,10 +119,10 @@ ValueRange BrickField<Real>::rangeAbout(Real value, const std::array<double, 3>&
     last[row] = brick(std::clamp(position + reach, low, high) + half + slack);
   }
   const BrickExtremes extremes = pyramid().over(first, last);
-  // An interpolant is a mean of values that is right to some 12 eps of the largest.
+  // An interpolant is a mean of values, accurate to about 12 eps of the largest.
   const double least = static_cast<double>(extremes.low), most = static_cast<double>(extremes.high);
   const double off = 16 * eps * std::max(std::abs(least), std::abs(most));
-  // Positions are clamped to a box, which brings none further from another; the centre's is rounded too.
+  // Positions are clamped to a box, which never increases a distance; the centre's position is rounded, too.
   const double distance = nodes + 2 * std::sqrt(3.) * rounding;
   const double rise = static_cast<double>(extremes.slope) * distance * (1 + kSlack) + 2 * off;
   return {std::max(least - off, static_cast<double>(value) - rise),

@@ -11,19 +11,19 @@
 namespace julia {
 namespace {
 
-// A query looks at this many cells along an axis at most.
+// The maximum number of cells along an axis that a query examines.
 constexpr std::uint32_t kCellsAcross = 2;
 
-// Values compared at once.
+// Values compared at a time.
 constexpr std::size_t kLanes = 16;
-// Distances from the origin are told apart by this share of the farthest.
+// The resolution of distances from the origin, as a fraction of the farthest.
 constexpr std::uint32_t kSteps = 256;
-// An inverse is right to this, or it is not used.
+// The accuracy required of an inverse matrix.
 constexpr double kInverseSlack = 1e-6;
 
 using Matrix = std::array<std::array<double, 3>, 3>;
 
-/// By cofactors. Empty for a matrix so near to a singular one that rounding matters.
+/// Inverts by cofactors. Empty for a matrix so close to a singular one that rounding matters.
 std::optional<Matrix> inverted(const Matrix& m) {
   Matrix inverse;
   double determinant = 0, size = 0;
@@ -40,8 +40,8 @@ std::optional<Matrix> inverted(const Matrix& m) {
   return inverse;
 }
 
-/// values[i] = the largest of values[i], values[i + stride], ... of @a width values. Entries whose window leaves the
-/// brick mean nothing, and are left alone at the end of the array.
+/// Sets values[i] to the largest of values[i], values[i + stride], ... of @a width values. Entries whose window leaves
+/// the brick are meaningless; those at the end of the array are not written.
 void slideMaximum(std::vector<float>& values, std::size_t stride, std::uint32_t width) {
   for (std::uint32_t step = 1; step < width; ++step) {
     float* const v = values.data();
@@ -51,16 +51,17 @@ void slideMaximum(std::vector<float>& values, std::size_t stride, std::uint32_t 
   }
 }
 
-/// The extremes of one brick. In a cell a component of the slope lies between the smallest and the largest difference
-/// along its axis, over the nodes that the interpolant reads there: 2^3 for the trilinear one; 3^3 for the B-spline,
-/// whose derivative weighs the two differences linearly and is the spline itself along the other axes.
+/// The extremes of one brick. In a cell, a component of the slope lies between the smallest and the largest difference
+/// along its axis over the nodes that the interpolant reads there. These are 2^3 nodes for the trilinear interpolant,
+/// and 3^3 for the B-spline, whose derivative weights the two differences linearly and is the spline itself along the
+/// other axes.
 class BrickReader {
  public:
   explicit BrickReader(const Bricks& bricks)
       : mSide(bricks.side()), mSize(bricks.size()), mReads(bricks.before() + 2), mLargest(mSize), mSquares(mSize) {}
 
   BrickExtremes operator()(const float* values) {
-    // One extreme for each place in a row: compilers vectorise that, and not a single one.
+    // One extreme for each position in a row: compilers vectorise this, but not a single extreme.
     float low[kLanes], high[kLanes], squares[kBrickSide] = {};
     std::copy(values, values + kLanes, low);
     std::copy(values, values + kLanes, high);
@@ -86,7 +87,7 @@ class BrickReader {
         for (std::size_t z = 0; z < kBrickSide; ++z) squares[z] = row[z] > squares[z] ? row[z] : squares[z];
       }
     const float steepest = *std::max_element(squares, squares + kBrickSide);
-    // Squares leave the range of floats where values are beyond all use.
+    // Squares leave the range of floats if values are absurdly large.
     const bool usual = steepest >= 1e-30f && steepest <= 1e30f;
     const float slope = usual               ? std::sqrt(steepest) * (1 + 8 * std::numeric_limits<float>::epsilon())
                         : steepest < 1e-30f ? 1e-14f
@@ -130,8 +131,8 @@ BrickPyramid::BrickPyramid(const Bricks& bricks, const BrickPlacement& placement
   findLowestBeyond(placement);
 }
 
-/// A brick counts up to the distance of its farthest corner. What is read beyond the box of the placement are the
-/// values on its faces, at any distance: nodes there, and those that interpolants on a face reach, count everywhere.
+/// A brick counts up to the distance of its farthest corner. Reads outside the placement's box return the values on its
+/// faces, at any distance; therefore nodes on the faces, and those that interpolants on a face read, count everywhere.
 void BrickPyramid::findLowestBeyond(const BrickPlacement& placement) {
   const std::optional<Matrix> inverse = inverted(placement.matrix);
   if (!inverse) return;
@@ -156,7 +157,7 @@ void BrickPyramid::findLowestBeyond(const BrickPlacement& placement) {
   mStep = farthest / kSteps;
   mLowestBeyond.assign(kSteps + 1, std::numeric_limits<float>::max());
   float& everywhere = mLowestBeyond.back();
-  // Nodes that an interpolant reads are nearer than this, also where rounding has moved the point.
+  // The nodes that an interpolant reads are nearer than this, even after rounding of the point.
   const double reach = mBricks.before() + 1.5;
   for (std::uint32_t x = 0; x < mBricks.count[0]; ++x)
     for (std::uint32_t y = 0; y < mBricks.count[1]; ++y)
@@ -167,7 +168,8 @@ void BrickPyramid::findLowestBeyond(const BrickPlacement& placement) {
         std::array<double, 3> low{}, high{};
         bool atFace = false;
         for (std::size_t axis = 0; axis < 3; ++axis) {
-          // Positions that read this brick, the spline's from half a node before it, and half a node for rounding.
+          // The positions that read this brick: for the spline from half a node before it, plus half a node for
+          // rounding.
           low[axis] = std::clamp(corner[axis] - 1, placement.low[axis], placement.high[axis]);
           high[axis] = std::clamp(corner[axis] + kBrickSide + 0.5, placement.low[axis], placement.high[axis]);
           atFace = atFace || corner[axis] - reach <= placement.low[axis] + reach ||

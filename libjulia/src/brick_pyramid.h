@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file brick_pyramid.h
-/// Extremes of a brick field's values and slopes: of each brick, of boxes of bricks that double in size, and outside
+/// Extremes of a brick field's values and slopes: for each brick, for boxes of bricks whose sizes double, and outside
 /// spheres about the origin of space.
 #pragma once
 
@@ -15,7 +15,7 @@ namespace julia {
 
 struct BrickExtremes {
   float low = 0, high = 0;
-  float slope = 0;  ///< the interpolant's steepest, a node
+  float slope = 0;  ///< the interpolant's steepest slope, per node
 
   void include(const BrickExtremes& other) {
     low = std::min(low, other.low);
@@ -30,12 +30,13 @@ class BrickPyramid {
 
   BrickPyramid(const Bricks& bricks, const BrickPlacement& placement);
 
-  /// Of all bricks from @a first to @a last and perhaps some beside these. @pre first <= last < bricks.count
+  /// The extremes over all bricks from @a first to @a last and perhaps some adjacent ones. @pre first <= last <
+  /// bricks.count
   BrickExtremes over(const Box& first, const Box& last) const;
 
-  /// The least value that is read at points of space farther than this from the origin.
+  /// The smallest value that is read at points of space farther than this from the origin.
   double lowestBeyond(double distance) const;
-  /// Of all magnitudes of values.
+  /// The largest magnitude of all values.
   double largest() const { return mLargest; }
 
  private:
@@ -52,11 +53,11 @@ class BrickPyramid {
   }
 
   const Bricks& mBricks;
-  std::vector<BrickExtremes> mOfBrick;  ///< by the number in brickAt
-  std::vector<Level> mLevels;           ///< the first holds a cell for 2^3 places
+  std::vector<BrickExtremes> mOfBrick;  ///< indexed by the number in brickAt
+  std::vector<Level> mLevels;           ///< each cell of the first level covers 2^3 bricks
   double mLargest = 0;
-  double mStep = 0;                  ///< of distances, units of space; 0 if nothing is known
-  std::vector<float> mLowestBeyond;  ///< from a whole number of steps on; the last for all beyond
+  double mStep = 0;                  ///< step of the distances, units of space; 0 if nothing is known
+  std::vector<float> mLowestBeyond;  ///< entry k: beyond k steps; the last entry covers everything farther out
 };
 
 }  // namespace julia

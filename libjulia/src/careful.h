@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file careful.h
-/// One quaternion at a time, where squares would leave the range of Real: what the kernels leave out. Like them without
-/// functions that a C library may compute differently on another processor.
+/// Evaluation of one quaternion at a time where squares would leave the range of Real, which the kernels leave out.
+/// Like the kernels, it uses no functions that a C library may compute differently on another processor.
 #pragma once
 
 #include "julia/quaternion.h"
@@ -14,7 +14,8 @@
 
 namespace julia::careful {
 
-/// d times the power of two that brings its largest component to 1 to 2, and that power's exponent, negated.
+/// Scales d by the power of two that brings the magnitude of its largest component into [1, 2), and returns that
+/// power's exponent, negated.
 /// @pre d is finite and not 0
 template <class Real>
 Quaternion<Real> broughtNearOne(const Quaternion<Real>& d, int& exponent) {
@@ -28,7 +29,7 @@ bool isFinite(const Quaternion<Real>& q) {
   return std::isfinite(q.a) && std::isfinite(q.b) && std::isfinite(q.c) && std::isfinite(q.d);
 }
 
-/// ln|q|; -inf for q = 0, +inf where a component is not finite.
+/// ln|q|; -inf for q = 0, +inf if a component is not finite.
 template <class Real>
 Real logNorm(const Quaternion<Real>& q) {
   if (!isFinite(q)) return std::numeric_limits<Real>::infinity();
@@ -39,7 +40,7 @@ Real logNorm(const Quaternion<Real>& q) {
   return Real(0.5) * kernels::logarithm(normSquared(near)) + static_cast<Real>(exponent) * kLn2;
 }
 
-/// q/|q|; 1 for q = 0, and where a component is not finite.
+/// q/|q|; 1 for q = 0, and if a component is not finite.
 template <class Real>
 Quaternion<Real> versorOf(const Quaternion<Real>& q) {
   if (q == Quaternion<Real>{} || !isFinite(q)) return Quaternion<Real>::one();

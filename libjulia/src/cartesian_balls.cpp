@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
-/// Roundings of Real in a product of the kernels, as a multiple of the largest that it adds: a dozen, and cosines that
-/// are right to 8 units of 1.
+/// The rounding errors of Real in a product of the kernels, as a multiple of the largest summand: a dozen roundings,
+/// and cosines that are accurate to 8 ulp of 1.
 constexpr double kRoundings = 64;
 
 double power(double x, int n) {
@@ -44,8 +44,8 @@ Complex power(Complex x, int n) {
 struct Spherical {
   double r, level;         ///< level: the distance from the z axis
   Complex phi;             ///< e^(i phi)
-  double most;             ///< of r over the ball
-  double leastCosine = 0;  ///< of theta over the ball; 0 where it may touch the z axis
+  double most;             ///< maximum of r over the ball
+  double leastCosine = 0;  ///< minimum of cos theta over the ball; 0 if it may touch the z axis
 
   explicit Spherical(const Ball& ball) {
     const double x = ball.centre.a, y = ball.centre.b, z = ball.centre.c;
@@ -54,7 +54,7 @@ struct Spherical {
     phi = level > 0 ? Complex{x / level, y / level} : Complex{1, 0};
     most = r + ball.radius;
     if (!(ball.radius < r)) return;
-    // Of |theta| and the angle under which the ball is seen from 0, together.
+    // The sum of |theta| and the angular radius of the ball as seen from 0.
     const double away = std::sqrt((r - ball.radius) * (r + ball.radius));
     const double cosine = (level * away - std::abs(z) * ball.radius) / (r * r);
     leastCosine = std::max(0., cosine - 16 * kSlack);
@@ -62,8 +62,8 @@ struct Spherical {
 };
 
 /// @param stretch  the largest derivative over the ball
-/// @param least    about 0 this holds the image as well
-/// @param size     what the roundings are multiples of
+/// @param least    the ball of this radius about 0 contains the image as well
+/// @param size     the rounding errors are multiples of this
 template <class Real>
 Ball image(const Ball& ball, const Quaternion<double>& centre, double stretch, double size, double roundings,
            double about0 = kUnbounded) {
@@ -74,7 +74,7 @@ Ball image(const Ball& ball, const Quaternion<double>& centre, double stretch, d
 }
 
 struct Sides {
-  double x, y, z;  ///< the largest |x|, |y|, |z| over the ball
+  double x, y, z;  ///< maxima of |x|, |y|, |z| over the ball
   explicit Sides(const Ball& ball)
       : x(std::abs(ball.centre.a) + ball.radius),
         y(std::abs(ball.centre.b) + ball.radius),
@@ -83,7 +83,7 @@ struct Sides {
 
 double cosine(double x) { return kernels::cosineOfRadians(x); }
 
-/// The root of the sum of the squares of a matrix is above its norm.
+/// The Frobenius norm of a matrix, an upper bound of its norm.
 double norm(const std::array<double, 9>& matrix) {
   double sum = 0;
   for (const double entry : matrix) sum += entry * entry;
@@ -96,7 +96,7 @@ Quaternion<double> cross(const Quaternion<double>& f, const Quaternion<double>& 
 
 double largest(const Ball& ball) { return julia::norm(ball.centre) + ball.radius; }
 
-/// (gz - gy, gx - gz, gy - gx): differences stretch by the square root of 3, cosines not at all.
+/// (gz - gy, gx - gz, gy - gx): differences have the Lipschitz constant sqrt(3), cosines 1.
 template <class Real>
 Ball productB(const Ball& ball) {
   const double x = cosine(ball.centre.a), y = cosine(ball.centre.b), z = cosine(ball.centre.c);
@@ -117,7 +117,7 @@ Ball productC(const Ball& ball) {
                      X * X + Y * Y + Z * Z, kRoundings);
 }
 
-/// r^2 (cos 2phi, sin 2phi, 0): 2r along r, 2r / cos theta along phi.
+/// r^2 (cos 2phi, sin 2phi, 0) has the derivatives 2r along r, and 2r / cos theta along phi.
 template <class Real>
 Ball productD(const Ball& ball) {
   const Spherical at(ball);
@@ -148,10 +148,10 @@ Ball squareOf(const Ball& ball) {
   return image<Real>(ball, ball.centre * ball.centre, julia::norm(ball.centre) + most, most * most, kRoundings);
 }
 
-/// With the angle theta above the plane the image of the unit vectors along r, theta and phi are orthogonal too, n
-/// r^(n-1) times as long for the first two, and that times |cos n theta| / cos theta for the third: at most 1 / cos
-/// theta, and at most n if n is odd. For n = 2 it is |2 cos theta - 1 / cos theta|. From the pole it is |sin n theta| /
-/// sin theta, at most n.
+/// With the angle theta above the plane, the images of the unit vectors along r, theta and phi are orthogonal, too.
+/// Their lengths are n r^(n-1) for the first two, and that times |cos n theta| / cos theta for the third: at most 1 /
+/// cos theta, and at most n if n is odd. For n = 2 the factor is |2 cos theta - 1 / cos theta|. With the angle from the
+/// pole it is |sin n theta| / sin theta, at most n.
 template <class Real>
 Ball triplexPowerOf(int n, TriplexAngle angle, const Ball& ball) {
   const Spherical at(ball);
@@ -164,7 +164,7 @@ Ball triplexPowerOf(int n, TriplexAngle angle, const Ball& ball) {
   if (n == 2 && !fromPole && c > 0) turn -= 2 * c;
   if (fromPole || n % 2 == 1) turn = std::min(turn, static_cast<double>(n));
   const double most = power(at.most, n - 1), stretch = n * most * std::max(1., turn);
-  // Each rounding of the angles counts n times.
+  // Each rounding error of the angles is multiplied by n.
   return image<Real>(ball, {across * around.a, across * around.b, height, 0}, stretch, most * at.most, kRoundings * n,
                      most * at.most);
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file cartesian_balls.h
-/// Images of balls under the products that the Cartesian maps add c to. A ball around the image of the centre has the
-/// ball's radius times the largest derivative over the ball as its own, and what the kernels' arithmetic in Real may
-/// add; see ball_arithmetic.h.
+/// Images of balls under the products to which the Cartesian maps add c. The image is a ball about the image of the
+/// centre. Its radius is the ball's radius times the largest derivative over the ball, plus the rounding errors of the
+/// kernels' arithmetic in Real; see ball_arithmetic.h.
 #pragma once
 
 #include "julia/ball.h"
@@ -13,7 +13,7 @@
 
 namespace julia {
 
-/// Each holds what the kernels compute at all points of @a ball, but for those where the map is not defined.
+/// Each result contains what the kernels compute at all points of @a ball where the map is defined.
 /// @{
 
 /// q^2 of quaternions.
@@ -24,11 +24,11 @@ Ball squareOf(const Ball& ball);
 template <class Real>
 Ball triplexPowerOf(int n, TriplexAngle angle, const Ball& ball);
 
-/// f(p) x g(p); nothing is known of the pair User.
+/// f(p) x g(p); empty for the pair User.
 template <class Real>
 std::optional<Ball> crossProductOf(CrossPair pair, const Ball& ball);
 
-/// g(p); nothing is known of the pairs A and A', where it has no bound, and of User.
+/// g(p); empty for the pairs A and A', where it is unbounded, and for User.
 template <class Real>
 std::optional<Ball> crossSecondOf(CrossPair pair, const Ball& ball);
 

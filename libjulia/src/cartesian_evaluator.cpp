@@ -33,7 +33,7 @@ class CartesianEvaluator final : public OrbitEvaluator<Real> {
 
   void decide(std::span<const Point> centres, double radius, std::span<Decision> out) const override {
     std::fill(out.begin(), out.end(), Decision::Undecided);
-    // A trap would end orbits inside.
+    // With a trap, orbits would end inside.
     if (mOptions.confirmTrap || this->isTrapped(this->mLogTrap) || !(radius >= 0)) return;
     for (std::size_t i = 0; i < centres.size(); ++i) out[i] = decisionOf(this->embeddedBall(centres[i], radius));
   }
@@ -64,7 +64,7 @@ class CartesianEvaluator final : public OrbitEvaluator<Real> {
       ball = *image;
       if ((norm(ball.centre) - ball.radius) * (1 - slack) >= escape) return Decision::Outside;
       inside = inside && !mayEscape(ball);
-      // It contains every point that has not escaped, and so will its images.
+      // The ball contains every point that has not escaped, and so will its images.
       if (ball.radius > norm(ball.centre) + escape) return Decision::Undecided;
     }
     return inside ? Decision::Inside : Decision::Undecided;

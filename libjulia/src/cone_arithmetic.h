@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file cone_arithmetic.h
-/// Directions of sums, for versors and for their bounds over balls.
+/// Directions of sums of quaternions, for versors and for their bounds over balls.
 #pragma once
 
 #include "ball_arithmetic.h"
@@ -20,8 +20,7 @@ namespace julia {
 
 inline constexpr double kQuadrant = 1.57079632679489661923;  ///< pi/2
 
-/// The versor of @a q, also of one whose square is not within Real; 1 where there is none, of 0 and of what is not
-/// finite.
+/// The versor of @a q, even if its square is outside the range of Real; 1 if q is 0 or not finite.
 template <class Real>
 Quaternion<Real> directionOf(const Quaternion<Real>& q) {
   const Real most = std::max({std::abs(q.a), std::abs(q.b), std::abs(q.c), std::abs(q.d)});
@@ -39,7 +38,7 @@ std::vector<Ball> roundedTo(std::span<const Ball> balls) {
   return rounded;
 }
 
-/// Balls without the component at which a scalar field is not read.
+/// Balls, without the component at which a scalar field is not read.
 class BallsInSpace {
  public:
   BallsInSpace(std::span<const Ball> balls, const Embedding& embedding) {
@@ -49,7 +48,7 @@ class BallsInSpace {
     }
   }
 
-  /// What a field takes over each of them.
+  /// The ranges of a field over each ball.
   template <class Real>
   void rangesOf(const ScalarField<Real>& field, std::span<ValueRange> ranges) const {
     field.ranges(mCentres, mRadii, ranges);
@@ -60,20 +59,20 @@ class BallsInSpace {
   std::vector<double> mRadii;
 };
 
-/// asin x, or more; infinity from 1 on.
+/// An upper bound of asin x; infinity from 1 on.
 inline double arcSine(double x) {
   if (!(x < 1)) return std::numeric_limits<double>::infinity();
   return elementary::asin(x) * (1 + kSlack);
 }
 
-/// A ball that holds the versors of a cone: about 0 where nothing is known of them.
+/// A ball that contains the versors of a cone; about 0 if nothing is known about them.
 inline Ball chordBall(const Cone& cone) {
   if (!(cone.quadrants < 1)) return {{}, 1 + kSlack};
   return {cone.axis, std::min(cone.quadrants * kQuadrant, 2.) * (1 + kSlack)};
 }
 
-/// The directions of the quaternions in a ball; nothing where it holds 0.
-/// @param rounding  how far rounding turns a versor and its length
+/// A cone that contains the directions of the quaternions in a ball; the full cone if the ball contains 0.
+/// @param rounding  by how much rounding changes the direction and the length of a versor
 inline Cone coneOf(const Ball& ball, double rounding) {
   const double quadrants = (arcSine((ball.radius + rounding) / norm(ball.centre)) + rounding) / kQuadrant;
   if (!(quadrants < 1)) return {};

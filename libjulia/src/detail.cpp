@@ -11,7 +11,7 @@
 namespace julia {
 
 double wantedScale(const RadialMaximum& maximum, int maxIterations, double escapeRadius) {
-  // A larger K leaves no shell to speak of.
+  // A larger K leaves practically no shell.
   constexpr double kMost = 1e4, kLeast = 0.25;
   constexpr double kRatio = 1.05, kPrecision = 1e-4;
   const double upper = elementary::log(escapeRadius);
@@ -36,7 +36,7 @@ double wantedScale(const RadialMaximum& maximum, int maxIterations, double escap
 }
 
 DetailLaw wantedLaw(const RadialMaximum& maximum, double surface, int maxIterations, double escapeRadius) {
-  // From what distance on orbits are seen to leave, as a share of the target's depth about the origin.
+  // The distance from which orbits are seen to leave, as a fraction of the target's depth about the origin.
   constexpr double kLeaving = 0.7;
   constexpr double kMost = 100, kPrecision = 1e-3;
   DetailLaw law{.logEscape = elementary::log(escapeRadius),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Of the C library these use what IEEE 754 fixes: square roots, multiplications with an addition in one rounding, whole
-// numbers, and powers of two.
+// From the C library this file uses only what IEEE 754 fixes: square roots, fused multiply-add, integers, and powers of
+// two.
 #include "julia/elementary.h"
 
 #include "kernels/elementary.h"
@@ -22,7 +22,7 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kPi = std::numbers::pi, kQuarter = std::numbers::pi / 2;
 
-/// An unevaluated sum: 106 bits or so. Names of functions follow [T. J. Dekker, A floating-point technique for
+/// An unevaluated sum with about 106 bits. Function names follow [T. J. Dekker, A floating-point technique for
 /// extending the available precision, 1971].
 struct Pair {
   double high = 0, low = 0;
@@ -62,7 +62,7 @@ Split splitExponent(double x) {
   return half < std::numbers::sqrt2 / 2 ? Split{2 * half, exponent - 1} : Split{half, exponent};
 }
 
-/// ln m for m from sqrt(1/2) to sqrt(2), with a relative error of 2^-64 or so.
+/// ln m for m from sqrt(1/2) to sqrt(2), with a relative error of about 2^-64.
 Pair logOfMantissa(double m) {
   // ln m = 2 artanh s = 2 s (1 + z/3 + z^2/5 + ...), z = s^2 <= 0.0295.
   const double f = m - 1;
@@ -80,20 +80,20 @@ Pair logOfMantissa(double m) {
   return {2 * half.high, 2 * (half.low + (s.low + more.low))};
 }
 
-/// ln x, with a relative error of 2^-64 or so. @pre x is finite and above 0
+/// ln x, with a relative error of about 2^-64. @pre x is finite and above 0
 Pair logOf(double x) {
   const Split parts = splitExponent(x);
   const Pair mantissa = logOfMantissa(parts.mantissa);
-  // The first product is exact, and the larger of the two unless it is 0.
+  // The first product is exact, and larger than the other summand unless it is 0.
   const Pair whole = fastSum(parts.exponent * Double::kLn2High, mantissa.high);
   return fastSum(whole.high, whole.low + (mantissa.low + parts.exponent * Double::kLn2Low));
 }
 
-/// What a logarithm is where it is no number; nothing where x is finite and above 0.
+/// The logarithm of an x that is not both finite and above 0.
 double specialLog(double x) { return x == 0 ? -kInfinite : x < 0 ? kNaN : x; }
 bool isRegular(double x) { return x > 0 && x < kInfinite; }
 
-/// 2^exponent times a pair that is near 1.
+/// 2^exponent times a pair close to 1.
 struct Scaled {
   Pair value{1, 0};
   int exponent = 0;
@@ -101,19 +101,19 @@ struct Scaled {
   double rounded() const { return std::ldexp(value.high + value.low, exponent); }
 };
 
-/// e^r for |r| <= ln(2)/2 or hardly more, with an error of 2^-60 or so.
+/// e^r for |r| <= ln(2)/2 or slightly more, with an error of about 2^-60.
 Pair expOfRest(const Pair& r) {
   constexpr double kSeries[] = {2. / 1307674368000, 2. / 87178291200, 2. / 6227020800, 2. / 479001600, 2. / 39916800,
                                 2. / 3628800,       2. / 362880,      2. / 40320,      2. / 5040,      2. / 720,
                                 2. / 120,           2. / 24,          2. / 6};
-  const double rest = r.high * kernels::polynomial(kSeries, r.high);  // of r^2 / 2
+  const double rest = r.high * kernels::polynomial(kSeries, r.high);  // the factor of r^2 / 2
   const Pair square = product(r.high, r.high);
   const Pair first = fastSum(1, r.high), second = fastSum(first.high, square.high / 2);
   const double small = square.low / 2 + square.high / 2 * rest + r.low * (1 + r.high);
   return fastSum(second.high, second.low + (first.low + small));
 }
 
-/// e^x; 0, or more than the largest number, where that is the result. @pre not NaN
+/// e^x; 0 on underflow, or more than the largest number on overflow. @pre not NaN
 Scaled expOf(const Pair& x) {
   constexpr double kBeyond = 800;
   if (!(std::abs(x.high) < kBeyond)) return {{1, 0}, x.high < 0 ? -5000 : 5000};
@@ -134,7 +134,7 @@ Pair wholePower(double m, int n) {
   return fastSum(inverse, (std::fma(-inverse, result.high, 1) - inverse * result.low) / result.high);
 }
 
-/// Of 2/pi, after the point.
+/// The bits of 2/pi after the binary point.
 constexpr std::uint32_t kTwoOverPi[] = {
     0xa2f9836e, 0x4e441529, 0xfc2757d1, 0xf534ddc0, 0xdb629599, 0x3c439041, 0xfe5163ab, 0xdebbc561,
     0xb7246e3a, 0x424dd2e0, 0x06492eea, 0x09d1921c, 0xfe1deb1c, 0xb129a73e, 0xe88235f5, 0x2ebb4484,
@@ -142,14 +142,14 @@ constexpr std::uint32_t kTwoOverPi[] = {
     0xef2f118b, 0x5a0a6d1f, 0x6d367ecf, 0x27cb09b7, 0x4f463f66, 0x9e5fea2d, 0x7527bac7, 0xebe5f17b,
     0x3d0739f7, 0x8a5292ea, 0x6bfb5fb1, 0x1f8d5d08, 0x56033046, 0xfc7b6bab, 0xf0cfbc20, 0x9af4361d};
 
-/// The 32 bits of 2/pi that begin at one of them; 0 stands before the point.
+/// The 32 bits of 2/pi that begin at bit @a first; the bits before the point are 0.
 std::uint64_t bitsOfTwoOverPi(int first) {
   const int word = first >> 5, shift = first & 31;
   const auto at = [](int i) { return i < 0 ? 0 : std::uint64_t{kTwoOverPi[i]}; };
   return (at(word) << 32 | at(word + 1)) >> (32 - shift) & 0xffffffff;
 }
 
-/// An angle: a quarter turn times (number + rest), with |rest| <= 1/2 or hardly more.
+/// An angle: a quarter turn times (number + rest), with |rest| <= 1/2 or slightly more.
 struct Quarters {
   unsigned number;  ///< modulo 4
   double rest;
@@ -157,8 +157,8 @@ struct Quarters {
 
 /// @pre 1/2 <= x < infinity; for small x the bits of 2/pi begin before the point
 Quarters quartersBeyondHalf(double x) {
-  // x is a whole number below 2^53 times 2^k. Bits of 2/pi that are worth 4 or more after 2^k make whole turns; of the
-  // others 192 are enough.
+  // x is an integer below 2^53 times 2^k. Bits of 2/pi that are worth 4 or more after multiplication by 2^k make whole
+  // turns; 192 of the other bits suffice.
   constexpr std::size_t kWords = 6;
   int exponent = 0;
   const auto whole = static_cast<std::uint64_t>(std::ldexp(std::frexp(x, &exponent), 53));
@@ -173,7 +173,7 @@ Quarters quartersBeyondHalf(double x) {
       carry >>= 32;
     }
   }
-  // To the nearest quarter: what is above it stays in the first word's upper two bits.
+  // Round to the nearest quarter; its number is in the first word's upper two bits.
   constexpr std::uint64_t kHalf = 0x20000000;
   turns.back() += kHalf;
   const auto number = static_cast<unsigned>(turns.back() >> 30 & 3);
@@ -216,10 +216,10 @@ SineCosine sineCosine(double x) {
   }
 }
 
-/// From where e^-x adds nothing to e^x.
+/// From here on e^-x is negligible compared with e^x.
 constexpr double kOneSided = 22;
 
-/// e^x / 2, which may be finite where e^x is not.
+/// e^x / 2, which may be finite when e^x is not.
 double halfExp(double x) {
   Scaled result = expOf({x, 0});
   --result.exponent;
@@ -280,7 +280,7 @@ double expm1(double x) {
 
 double pow(double x, double y) {
   if (y == 0 || x == 1) return 1;
-  if (y == 2) return x * x;  // the most frequent, and the same
+  if (y == 2) return x * x;  // the most frequent case, with the same result
   if (std::isnan(x) || std::isnan(y)) return kNaN;
   const bool isWhole = y == std::floor(y);  // an infinite one too
   const bool isOdd = isWhole && std::fmod(y, 2) != 0 && std::isfinite(y);
@@ -309,7 +309,7 @@ double cbrt(double x) {
   const int thirds = static_cast<int>(std::floor(parts.exponent / 3.));
   const double size = std::ldexp(parts.mantissa, parts.exponent - 3 * thirds);
   const double root = kernels::exponential(kernels::logarithm(size) / 3);
-  // Newton's step, with the cube to 106 bits.
+  // A Newton step, with the cube in 106 bits.
   const Pair cube = product(product(root, root), {root, 0});
   const double better = root - ((cube.high - size) + cube.low) / (3 * root * root);
   return std::copysign(std::ldexp(better, thirds), x);
@@ -341,7 +341,7 @@ double tan(double x) {
 double atan2(double y, double x) {
   if (std::isnan(x) || std::isnan(y)) return kNaN;
   const double across = std::abs(x), up = std::abs(y);
-  constexpr double kSteep = 0x1p60;  // the smaller of the two adds nothing
+  constexpr double kSteep = 0x1p60;  // the smaller of the two is negligible
   double angle = 0;
   if (std::isinf(x) && std::isinf(y)) {
     angle = x > 0 ? kQuarter / 2 : 3 * (kQuarter / 2);

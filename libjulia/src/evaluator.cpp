@@ -44,8 +44,8 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
   LogPolarEvaluator(std::shared_ptr<const Map<Real>> map, const Embedding& embedding, const OrbitOptions& options)
       : Base(embedding, options, map->surfaceLevel(Base::logEscapeOf(options))), mMap(std::move(map)) {}
 
-  /// The loop of evaluate() on ranges. A ball splits where an orbit may but need not end: the points whose orbits end
-  /// there rule out one answer, and the others go on within what is left of the range.
+  /// The loop of evaluate() on ranges. A ball splits where an orbit may end but need not: the points whose orbits end
+  /// there rule out one answer, and the others continue within the rest of the range.
   void decide(std::span<const Point> centres, double radius, std::span<Decision> out) const override {
     std::fill(out.begin(), out.end(), Decision::Undecided);
     if (!signsFollowEnds() || !(radius >= 0)) return;
@@ -92,12 +92,12 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
     kernels::kernels<Real>().scaleByExponential(batch.l.data(), view(batch.q), batch.q.size());
   }
 
-  /// Nodes are decided in cubes: the largest of which something is known, and what these leave in the next smaller
-  /// ones.
+  /// Nodes are decided in cubes: first the largest cubes for which something is known, then the smaller ones where
+  /// these left nodes undecided.
   void markEscaping(std::span<const NodeBlock> blocks, Batch& batch) const override {
     const EscapeProof& proof = this->escapeProof();
     if (!(proof.least < mLogEscape)) return;
-    // The lattice is the same for all blocks, but for rounding.
+    // The lattice is the same for all blocks, up to rounding.
     double diagonal = 0;
     for (const auto& at : blocks[0].at) {
       const double length = at.back() - at.front();
@@ -105,7 +105,7 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
     }
     const double half = 0.5 * std::sqrt(diagonal) * (1 + 1e-3) / (NodeBlock::kSide - 1);
     if (!(half <= proof.radius)) return;
-    // As if all nodes were wanted.
+    // Treats all nodes as wanted.
     const std::size_t size = blocks.size() * NodeBlock::kSize;
     Real* values = batch.l.data();
     std::vector<Real> all;
@@ -128,16 +128,16 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
       for (std::size_t i = 0; i < batch.l.size(); ++i) batch.l[i] = all[batch.index[i]];
   }
 
-  /// Of the cubes of two nodes a side, of all blocks.
+  /// Data of the cubes of two nodes a side, for all blocks.
   struct Pairs {
     std::vector<Real> most;    ///< the largest l that has not escaped
-    std::vector<Real> bounds;  ///< the least l that is decided, as far as it is known
+    std::vector<Real> bounds;  ///< the smallest l that is decided, as far as known
   };
 
-  /// Lowers the bounds by what is known of cubes of so many nodes a side. @param centres  working memory
+  /// Lowers the bounds by what is known about cubes of @a side nodes. @param centres  working memory
   void boundCubes(std::span<const NodeBlock> blocks, std::size_t side, double radius, Pairs& pairs,
                   QuaternionBatch<Real>& centres) const {
-    // A bound is seldom nearer to the least that there is.
+    // A bound is seldom closer to the smallest possible one.
     const Real least = mEscapeProof.least + Real(0.15);
     const std::size_t across = NodeBlock::kSide / side, inside = side / 2;
     const auto forEachPair = [&](std::size_t first, const auto& body) {
@@ -156,7 +156,7 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
                 i * NodePairs::kCount + ((x * NodePairs::kAcross + y) * NodePairs::kAcross + z) * inside;
             bool asks = false;
             forEachPair(first, [&](std::size_t k) {
-              // Without a branch.
+              // Avoids a branch.
               const unsigned isEnough = pairs.most[k] >= least, isBelow = pairs.most[k] < pairs.bounds[k];
               asks |= (isEnough & isBelow) != 0;
             });
@@ -181,7 +181,7 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
 
   using EscapeProof = typename Map<Real>::EscapeProof;
   using NodePairs = NodeCubes<Real, 2>;
-  /// What is proved of the second step after the first.
+  /// What is proved about the second step after the first.
   const EscapeProof& escapeProof() const {
     std::call_once(mOutlookMade, [this] {
       if (!signsFollowEnds() || mOptions.maxIterations < 2) return;
@@ -190,12 +190,12 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
     return mEscapeProof;
   }
 
-  /// The number of a ball, and the answers that its ended orbits leave open.
+  /// The number of a ball, and the answers that its ended orbits still allow.
   struct Rest {
     std::uint32_t index = 0;
     bool inside = true, outside = true;
   };
-  /// The balls that contain the iterates of the orbits that go on.
+  /// The balls that contain the iterates of the continuing orbits.
   struct BallBatch {
     std::vector<Ball> balls;
     std::vector<LogRange> l;
@@ -209,8 +209,8 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
     }
   };
 
-  /// Whether orbits that escape are outside and those that are trapped inside. It is so for all maps of the library,
-  /// but a map may choose any level.
+  /// Whether escaping orbits are outside and trapped ones inside. This holds for all maps of the library, but a map may
+  /// choose any level.
   bool signsFollowEnds() const { return mLevel <= mLogEscape && (mLogTrap < mLevel || !isTrapped(mLogTrap)); }
 
   static Decision decision(const Rest& rest, bool inside, bool outside) {
@@ -237,7 +237,7 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
     }
   }
 
-  /// Answers for the balls of which no orbit goes on, and cuts the ranges of the others.
+  /// Answers for the balls without continuing orbits, and restricts the ranges of the others.
   void finishStep(BallBatch& batch, std::span<Decision> out, bool last) const {
     const double escape = static_cast<double>(mLogEscape), level = static_cast<double>(mLevel);
     const double trap = static_cast<double>(mLogTrap);
@@ -273,7 +273,7 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
   mutable EscapeProof mEscapeProof;
 };
 
-/// Evaluates with a trap and without it, and trusts the latter where their signs differ.
+/// Evaluates with a trap and without it, and uses the result without it where their signs differ.
 class ConfirmingEvaluator final : public FieldEvaluator {
  public:
   ConfirmingEvaluator(std::unique_ptr<FieldEvaluator> trapped, std::unique_ptr<FieldEvaluator> full)

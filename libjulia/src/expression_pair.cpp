@@ -18,7 +18,7 @@ namespace {
 
 constexpr const char* kKnown = "x, y, z, r, cos2phi, sin2phi, cos2theta, sin2theta, pi, e";
 
-/// One of the three expressions of f or g, and where it stands in the whole text.
+/// One of the three expressions of f or g, and its position in the whole text.
 struct Component {
   const char* function;  ///< "f" or "g"
   std::string whole;
@@ -30,7 +30,7 @@ struct Component {
   throw std::invalid_argument(std::string(function) + " is '" + whole + "': " + why);
 }
 
-/// At the commas that stand in no parenthesis.
+/// Splits at the commas outside parentheses.
 std::vector<Component> componentsOf(const char* function, const std::string& whole) {
   std::vector<Component> components;
   std::size_t begin = 0;
@@ -64,14 +64,14 @@ std::vector<Component> componentsOf(const char* function, const std::string& who
                     meaningOf(error, std::string("the variables and constants are ") + kKnown));
 }
 
-/// muParser would change a variable under the other components.
+/// An assignment in muParser would change a variable for the other components.
 void refuseAssignment(const Component& component) {
   if (const std::optional<std::size_t> place = assignmentIn(component.text))
     refuseComponentAt(component, *place, "=", kAssignment);
 }
 
-/// The six expressions over variables of their own. muParser's objects are for one thread each; its bulk mode starts
-/// threads itself and gives one result an expression, so that points go one by one.
+/// The six expressions with their own variables. Only one thread at a time may use an object of muParser. Its bulk mode
+/// starts threads itself and gives one result per expression, so points are evaluated one by one.
 class Expressions {
  public:
   explicit Expressions(const std::vector<Component>& components) {
@@ -120,8 +120,8 @@ class Expressions {
   std::array<bool, 6> mIsConstant{};
 };
 
-/// Tries the expressions at points in cubes of a few sizes, which additive recurrences with irrational steps fill
-/// evenly.
+/// Tests the expressions at points in cubes of a few sizes, filled evenly by additive recurrences with irrational
+/// steps.
 void requireFiniteValues(Expressions& expressions, const std::vector<Component>& components) {
   std::array<bool, 6> finite{};
   for (const double size : {0.5, 2., 10., 57.})
@@ -146,7 +146,7 @@ Real rounded(double x) {
 
 }  // namespace
 
-/// As many sets of expressions as there are threads at work.
+/// A pool with as many sets of expressions as threads at work.
 class ExpressionPair::Pool : public ObjectPool<Expressions> {
  public:
   explicit Pool(const std::vector<Component>& components)

@@ -13,7 +13,7 @@
 namespace julia {
 namespace {
 
-// As far as the kernels' sine and cosine go.
+// The limit of the kernels' sine and cosine.
 constexpr double kMostAngle = 0x1p30;
 
 double sine(double x) {
@@ -24,8 +24,8 @@ double sine(double x) {
 }
 double cosineOfAny(double x) { return std::abs(x) < kMostAngle ? kernels::cosineOfRadians(x) : elementary::cos(x); }
 
-// muParser computes ^ with the C library's power, and does not let that be replaced. So it reads another character in
-// its place, which has no other meaning.
+// muParser computes ^ with the C library's power, and does not let that be replaced. Therefore ^ is replaced by another
+// character, which has no other meaning.
 constexpr char kPower = '^', kReadAs = '$';
 
 std::string replaced(std::string text, char from, char to) {
@@ -97,7 +97,7 @@ std::size_t placeOf(const mu::ParserError& error, const std::string& text) {
 std::string tokenOf(const mu::ParserError& error, const std::string& text) {
   const std::string& token = error.GetToken();
   if (!token.starts_with(kReadAs)) return replaced(token, kReadAs, kPower);
-  // Where no operator may stand, muParser takes it and all that follows for one name.
+  // Where no operator may stand, muParser takes the operator and everything after it for one name.
   const std::size_t place = placeOf(error, text);
   return place < text.size() ? text.substr(place, 1) : std::string(1, kPower);
 }
@@ -107,7 +107,7 @@ std::string quoted(const std::string& token) {
   if (token.empty()) return "";
   if (token.size() <= kLongest) return ", '" + token + "'";
   std::size_t end = kLongest;
-  while (end > 0 && (static_cast<unsigned char>(token[end]) & 0xC0) == 0x80) --end;  // no character of UTF-8 is cut
+  while (end > 0 && (static_cast<unsigned char>(token[end]) & 0xC0) == 0x80) --end;  // does not split a UTF-8 character
   return ", '" + token.substr(0, end) + "...'";
 }
 

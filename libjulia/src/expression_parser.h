@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file expression_parser.h
-/// What all formulas that users write have in common: their functions and constants, and why one cannot be read.
-/// muParser's objects are for one thread each.
+/// The common part of all formulas that users write: their functions and constants, and the reasons why a formula
+/// cannot be parsed. Only one thread at a time may use an object of muParser.
 #pragma once
 
 #include <muParser.h>
@@ -12,21 +12,22 @@
 
 namespace julia {
 
-/// The functions and the power of expression_pair.h instead of muParser's own, which are the C library's, and pi and e.
+/// Defines pi, e, and the functions and the power of expression_pair.h in place of muParser's own, which come from the
+/// C library.
 void defineFunctions(mu::Parser& parser);
 /// Sets the formula of a parser with these functions.
 void setFormula(mu::Parser& parser, const std::string& text);
 
-/// Where a variable is assigned to, which muParser would do.
+/// The position of an assignment to a variable, which muParser would perform.
 std::optional<std::size_t> assignmentIn(const std::string& text);
 inline constexpr const char* kAssignment = "variables cannot be assigned to; a comparison is written ==";
 
-/// The place in @a text, from 0, that the error is about: muParser tells that of some tokens by their end.
+/// The position of an error in @a text, from 0. muParser reports the end of some tokens.
 std::size_t placeOf(const mu::ParserError& error, const std::string& text);
-/// What the error is about, as it stands in @a text.
+/// The token of an error, as it is written in @a text.
 std::string tokenOf(const mu::ParserError& error, const std::string& text);
-/// ", 'TOKEN'", or nothing where there is none. The rest of the text may be one token, so of a long one this is the
-/// beginning.
+/// ", 'TOKEN'", or an empty text if there is no token. A token may extend to the end of the text, so a long one is
+/// shortened to its beginning.
 std::string quoted(const std::string& token);
 /// @param known  what follows "unknown name; "
 std::string meaningOf(const mu::ParserError& error, const std::string& known);

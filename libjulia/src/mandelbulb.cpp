@@ -17,7 +17,7 @@ namespace julia {
 namespace {
 
 constexpr double kMostPower = 100;
-// Beyond this, repeated squaring accumulates errors, and angles are as accurate.
+// Above this, repeated squaring accumulates errors, and angles are as accurate.
 constexpr double kMostByProducts = 64;
 
 }  // namespace
@@ -81,7 +81,8 @@ template class Mandelbulb<double>;
 
 double triplexBound(const MandelbulbOptions& options, int iterations, double escapeRadius) {
   if (!(options.power >= 2)) return escapeRadius;
-  // Whether points this far out escape, and with them all beyond, as the bound grows with |p| while it is above 1.
+  // Whether points this far out escape. Then all points farther out do, because the bound grows with |p| while it is
+  // above 1.
   const auto escapes = [&](double radius) {
     double shift = radius;
     if (options.constant) {
@@ -99,7 +100,7 @@ double triplexBound(const MandelbulbOptions& options, int iterations, double esc
     const double middle = (low + high) / 2;
     (escapes(middle) ? high : low) = middle;
   }
-  // For rounding in float.
+  // Allows for rounding in float.
   return std::min(high * (1 + 1e-6), escapeRadius);
 }
 

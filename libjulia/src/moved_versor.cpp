@@ -18,7 +18,7 @@ bool isFinite(const Quaternion<double>& q) {
   return std::isfinite(q.a) && std::isfinite(q.b) && std::isfinite(q.c) && std::isfinite(q.d);
 }
 
-/// @a q - t, divided by s, as every number type has it.
+/// (@a q - t) / s, for every number type.
 template <class Number>
 Quaternion<Number> placedAt(const Quaternion<Number>& q, const Quaternion<double>& t, double s) {
   const Quaternion<Number> moved = q - t.as<Number>();
@@ -73,7 +73,7 @@ SymmetricVersor<Real>::SymmetricVersor(std::shared_ptr<const VersorField<Real>> 
     : mVersor(std::move(versor)), mSymmetry(symmetry), mEmbedding{.dropped = dropped} {
   requireValid(symmetry);
   for (int k = 0; k < symmetry.fold; ++k) {
-    // Of the quadrants that it turns by, the whole ones are exact.
+    // Whole quadrants of the rotation are exact.
     Turn next{1, 0};
     const int whole = 4 * k / symmetry.fold, rest = 4 * k % symmetry.fold;
     kernels::sineCosine(static_cast<double>(rest) / symmetry.fold, next.sine, next.cosine);
@@ -116,7 +116,7 @@ Quaternion<Number> SymmetricVersor<Real>::folded(const Quaternion<Number>& q) co
     const std::size_t first = static_cast<std::size_t>(mSymmetry.axis + 1) % 3, second = (first + 1) % 3;
     Number x = at[first] - static_cast<Number>(mSymmetry.centre[first]);
     Number y = at[second] - static_cast<Number>(mSymmetry.centre[second]);
-    // The sector whose middle is nearest. On the border of two, either of them will do.
+    // The sector with the nearest middle. On the border of two, either is valid.
     std::size_t nearest = 0;
     Number most = x;
     for (std::size_t k = 1; k < mTurns.size(); ++k) {
@@ -150,12 +150,12 @@ void SymmetricVersor<Real>::versor(const QuaternionBatch<Real>& q, QuaternionBat
   for (std::size_t i = 0; i < q.size(); ++i) u.set(i, directionOf(u.get(i)));
 }
 
-/// How far a point of the ball, or its centre, may come to lie from where it is turned to.
+/// How far the rotated position of a point of the ball, or of its centre, may be off.
 template <class Real>
 double SymmetricVersor<Real>::roundingOf(const Ball& ball) const {
   const Point& c = mSymmetry.centre;
   const double size = norm(ball.centre) + ball.radius + std::abs(c[0]) + std::abs(c[1]) + std::abs(c[2]);
-  // Near the border of two sectors a point may go to either, whose places differ by as much once more.
+  // Near the border of two sectors a point may be assigned to either, and the positions differ by as much once more.
   return 64 * kEpsilonOf<Real> * size + kVanishing<Real>;
 }
 

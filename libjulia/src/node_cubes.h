@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file node_cubes.h
-/// The nodes of a block (evaluator.h) as cubes of kSide nodes a side, which are numbered as nodes are.
+/// The nodes of a block (evaluator.h), grouped into cubes of kSide nodes a side, which are numbered like nodes.
 #pragma once
 
 #include "julia/evaluator.h"
@@ -15,7 +15,7 @@ template <class Real, std::size_t kSide>
 struct NodeCubes {
   static constexpr std::size_t kAcross = NodeBlock::kSide / kSide, kCount = kAcross * kAcross * kAcross;
 
-  /// most[cube] = the largest of the values below @a limit, or -inf.
+  /// Sets most[cube] to the largest of the values below @a limit, or to -inf.
   static void findMost(const Real* values, Real limit, Real* most) {
     constexpr Real kNone = -std::numeric_limits<Real>::infinity();
     forEachColumn([&](std::size_t cube, std::size_t first) {
@@ -35,7 +35,7 @@ struct NodeCubes {
     });
   }
 
-  /// Values of at least their cube's bound become +inf.
+  /// Raises values that reach their cube's bound to +inf.
   static void raise(Real* values, const Real* bounds) {
     constexpr Real kRaised = std::numeric_limits<Real>::infinity();
     forEachColumn([&](std::size_t cube, std::size_t first) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file norms.h
-/// Logarithms of norms, and versors, of whole batches: by the kernels, or with care where squares leave the range.
+/// Logarithms of norms, and versors, of whole batches: computed by the kernels, or carefully where squares leave the
+/// range.
 #pragma once
 
 #include "batch_view.h"
@@ -17,7 +18,7 @@ bool isNormal(const Quaternion<Real>& q) {
   return squared >= kernels::Ieee<Real>::kTiny && squared <= std::numeric_limits<Real>::max();
 }
 
-/// l = ln|q|; -inf for q = 0, +inf where a component is not finite.
+/// l = ln|q|; -inf for q = 0, +inf if a component is not finite.
 template <class Real>
 void logNorms(const QuaternionBatch<Real>& q, std::span<Real> l) {
   if (!kernels::kernels<Real>().logNorm(view(q), l.data(), q.size())) return;
@@ -25,7 +26,7 @@ void logNorms(const QuaternionBatch<Real>& q, std::span<Real> l) {
     if (!isNormal(q.get(i))) l[i] = careful::logNorm(q.get(i));
 }
 
-/// u = q/|q|; 1 for q = 0, and where a component is not finite.
+/// u = q/|q|; 1 for q = 0, and if a component is not finite.
 template <class Real>
 void versorsOf(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) {
   u = q;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file number_text.h
-/// Numbers as messages show them: short, but without rounding small ones to 0.
+/// Numbers for messages: short, but small ones are not rounded to 0.
 #pragma once
 
 #include <sstream>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file object_pool.h
-/// Objects for use by one thread at a time, kept between uses: working memory, and parsers that have state.
+/// Objects that one thread at a time uses and that are kept between uses: working memory, and parsers with state.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace julia {
 
-/// Holds as many objects as were ever borrowed at once. Whoever borrows again before returning the first object, such
+/// Holds as many objects as were ever borrowed at once. Code that borrows again before returning the first object, such
 /// as a map that evaluates other points with its own evaluator, gets a second one.
 template <class T>
 class ObjectPool {
@@ -27,7 +27,8 @@ class ObjectPool {
 
   explicit ObjectPool(Make make) : mMake(std::move(make)) {}
 
-  /// An object in the state in which it was returned. It goes back when the loan ends, which is before the pool does.
+  /// Lends an object in the state in which it was returned. It goes back when the loan ends, which must be before the
+  /// pool is destroyed.
   Loan borrow() {
     {
       const std::lock_guard lock(mMutex);
@@ -36,7 +37,7 @@ class ObjectPool {
         mIdle.pop_back();
         return Loan(object.release(), {this});
       }
-      // Room for the new object, so that nothing fails on its way back.
+      // Reserves room for the new object, so that its return cannot fail.
       mIdle.reserve(++mCount);
     }
     return Loan(mMake().release(), {this});

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file orbit_evaluator.h
 /// The orbit loop of all evaluators, which takes a batch of points through the steps of a map. Orbits that have ended
-/// leave the batch, so that the kernels' lanes stay full. Derived classes define how a step is taken.
+/// leave the batch, so that the kernels' lanes stay full. Derived classes define the step.
 #pragma once
 
 #include "julia/elementary.h"
@@ -46,7 +46,7 @@ class OrbitEvaluator : public FieldEvaluator {
       evaluateBlockPiece(blocks.subspan(first, std::min(kTogether, blocks.size() - first)), *batch);
   }
 
-  /// Working memory for so many points stays in the second-level cache.
+  /// The working memory for this number of points fits in the second-level cache.
   std::size_t preferredBatch() const final { return kPiece; }
 
   FieldDescription describe() const final {
@@ -54,10 +54,10 @@ class OrbitEvaluator : public FieldEvaluator {
   }
 
  protected:
-  /// The orbits that go on: their iterates, the logarithms of the moduli, and the points to which they belong.
+  /// The continuing orbits: their iterates, the logarithms of the moduli, and the points to which they belong.
   struct Batch {
     QuaternionBatch<Real> q, next;
-    QuaternionBatch<Real> carried;  ///< what a map keeps for each orbit; empty if it keeps nothing
+    QuaternionBatch<Real> carried;  ///< what the map carries for each orbit; empty if it carries nothing
     std::vector<Real> l;
     std::vector<std::uint32_t> index;
 
@@ -88,10 +88,10 @@ class OrbitEvaluator : public FieldEvaluator {
 
   /// Sets batch.l to l of the iterates that follow batch.q, after @a step steps.
   virtual void takeStep(Batch& batch, int step) const = 0;
-  /// Sets batch.q to those iterates, for the orbits that go on.
+  /// Sets batch.q to those iterates, for the continuing orbits.
   virtual void formIterates(Batch& batch) const = 0;
   virtual MapDescription describeMap() const = 0;
-  /// After the first step: sets batch.l to +inf where the node is outside, whatever the iterate that follows.
+  /// After the first step: sets batch.l to +inf if the node is outside whatever its next iterate is.
   /// @pre batch.index holds the numbers of the nodes, counted through the blocks
   virtual void markEscaping(std::span<const NodeBlock> /*blocks*/, Batch& /*batch*/) const {}
 
@@ -105,24 +105,24 @@ class OrbitEvaluator : public FieldEvaluator {
   /// The relative error of the norms that evaluate() compares.
   static constexpr double kNormSlack = 8 * kEpsilonOf<Real>;
 
-  /// A ball that contains what embed() makes of the points within @a radius of @a x.
+  /// A ball that contains the results of embed() for the points within @a radius of @a x.
   Ball embeddedBall(const Point& x, double radius) const {
     Embedding rounded = mEmbedding;
     rounded.slice = static_cast<double>(static_cast<Real>(mEmbedding.slice));
     return roundedTo<Real>({rounded.quaternion<double>(x), radius});
   }
-  /// Whether all of it has escaped before the first step.
+  /// Whether the whole ball has escaped before the first step.
   bool hasEscaped(const Ball& start) const {
     return (norm(start.centre) - start.radius) * (1 - kNormSlack) >= std::sqrt(static_cast<double>(mEscapeSquared));
   }
 
-  /// Without a trap, an iterate of 0, whose l is -inf too, goes on: not every map keeps it there.
+  /// Without a trap, an iterate of 0, whose l is -inf too, continues: not every map keeps it there.
   bool isTrapped(Real l) const { return l <= mLogTrap && mLogTrap > -std::numeric_limits<Real>::infinity(); }
 
   Embedding mEmbedding;
   OrbitOptions mOptions;
   Real mEscapeSquared;
-  Real mNearSquared;  ///< below, in whichever order squares are added
+  Real mNearSquared;  ///< below this, a point has not escaped, in whichever order squares are added
   Real mLogEscape, mLogTrap, mLevel;
 
  private:
@@ -189,7 +189,7 @@ class OrbitEvaluator : public FieldEvaluator {
     }
   }
 
-  /// Calls body(number of the first node, length) for the runs of nodes along z that are wanted.
+  /// Calls body(number of the first node, length) for the runs of wanted nodes along z.
   template <class Body>
   static void forEachRun(const NodeBlock& block, const Body& body) {
     constexpr std::size_t kSide = NodeBlock::kSide, kHalf = kSide / 2;
@@ -201,7 +201,7 @@ class OrbitEvaluator : public FieldEvaluator {
       if (block.wanted >> (node >> 8 << 2 | (node >> 5 & 1) << 1 | (node >> 2 & 1)) & 1) body(node, kHalf);
   }
 
-  /// Fills the batch with the nodes that are wanted. @return whether none of them may have escaped already
+  /// Fills the batch with the wanted nodes. @return whether none of them can have escaped already
   bool placeNodes(std::span<const NodeBlock> blocks, Batch& batch) const {
     constexpr std::size_t kSide = NodeBlock::kSide;
     QuaternionBatch<Real>& q = batch.q;
@@ -242,20 +242,20 @@ class OrbitEvaluator : public FieldEvaluator {
     return true;
   }
 
-  /// Fills the batch with the points, except for those that have escaped before the first step.
+  /// Fills the batch with the points that have not escaped before the first step.
   void start(std::span<const Point> points, Batch& batch, std::span<double> field, std::span<int> iterations) const {
     batch.carried.resize(0);
     batch.resize(points.size());
     if (!embed(points, batch)) return;
     for (std::size_t i = 0; i < points.size(); ++i)
-      // At least the escape: a rounding error must not bring back what has escaped.
+      // At least the escape value, so that a rounding error cannot revive an escaped point.
       batch.l[i] = normSquared(batch.q.get(i)) < mEscapeSquared
                        ? -std::numeric_limits<Real>::infinity()
                        : std::max(careful::logNorm(batch.q.get(i)), mLogEscape);
     finishStep(batch, false, false, field, iterations, 0);
   }
 
-  /// @return whether a point may have escaped already
+  /// @return whether some point may have escaped already
   bool embed(std::span<const Point> points, Batch& batch) const {
     QuaternionBatch<Real>& q = batch.q;
     const Quaternion<Real*> components{q.a.data(), q.b.data(), q.c.data(), q.d.data()};
@@ -277,9 +277,9 @@ class OrbitEvaluator : public FieldEvaluator {
     return escaped;
   }
 
-  /// Writes the field of the orbits that end at this step and compacts the others. There are no branches,
-  /// which could not be predicted: orbits that go on have their field written again later.
-  /// @param last  no orbit goes on  @param traps  those in the trap do not
+  /// Writes the field of the orbits that end at this step and compacts the others. It does not branch on their state,
+  /// which is unpredictable: the field of continuing orbits is overwritten later.
+  /// @param last  no orbit continues  @param traps  orbits in the trap end
   void finishStep(Batch& batch, bool last, bool traps, std::span<double> field, std::span<int> iterations,
                   int step) const {
     const std::size_t size = batch.q.size();
@@ -300,7 +300,7 @@ class OrbitEvaluator : public FieldEvaluator {
     compact(batch, last, traps);
   }
 
-  /// Takes the orbits that have ended out of the batch.
+  /// Removes the orbits that have ended from the batch.
   void compact(Batch& batch, bool last, bool traps) const {
     if (last) return batch.resize(0);
     std::array<Real*, 8> rows;

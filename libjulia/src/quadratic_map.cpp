@@ -35,8 +35,8 @@ void QuadraticMap<Real>::versor(const QuaternionBatch<Real>& q, QuaternionBatch<
   versorsOf(f, u);
 }
 
-/// (q + d)^2 + c = q^2 + c + (q d + d q) + d^2. The evaluator's four products and sums a component are off by 8 eps
-/// (|q|^2 + |c|) together.
+/// (q + d)^2 + c = q^2 + c + (q d + d q) + d^2. The evaluator's four products and sums per component have a total error
+/// of 8 eps (|q|^2 + |c|).
 template <class Real>
 Ball QuadraticMap<Real>::valueOver(const Ball& ball) const {
   const Quaternion<double> c = mC.template as<double>();
@@ -51,7 +51,7 @@ LogRange QuadraticMap<Real>::rangeOver(const Ball& ball) const {
   const Ball value = valueOver(ball);
   const double size = norm(value.centre);
   const double low = logarithmOf(size - value.radius), high = logarithmOf(size + value.radius);
-  // The logarithm's own error, and that of |f|.
+  // The error of the logarithm itself, and that of |f|.
   const auto rounding = [](double l) { return kEpsilonOf<Real> * (2 * std::abs(l) + 4) + kSlack; };
   return {low > -std::numeric_limits<double>::infinity() ? low - rounding(low) : low, high + rounding(high)};
 }
@@ -60,7 +60,7 @@ template <class Real>
 std::optional<Ball> QuadraticMap<Real>::imageOf(const Ball& ball, const LogRange& l) const {
   if (!(l.high <= kMostLogModulus)) return std::nullopt;
   Ball value = valueOver(ball);
-  // The evaluator goes on with e^l u, whose length is off by what l is: eps (2 |l| + 4). |l| e^l <= 1/e for l < 0.
+  // The evaluator continues with e^l u, whose length has the error of l: eps (2 |l| + 4). |l| e^l <= 1/e for l < 0.
   const double most = kernels::exponential(l.high) * (1 + kSlack);
   value.radius += kEpsilonOf<Real> * (most * (2 * std::max(l.high, 0.) + 24) + 1);
   const double about0 = most * (1 + 32 * kEpsilonOf<Real>)+kVanishing<Real>;
@@ -107,7 +107,7 @@ double quadraticBound(const Quaternion<double>& c, int iterations, double escape
   double radius = escapeRadius;
   for (int i = 0; i < iterations; ++i) {
     const double before = std::sqrt(radius + shift);
-    // Past the fixed point the bound falls no further.
+    // Beyond the fixed point the bound does not decrease further.
     if (before >= radius) break;
     radius = before;
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file random_numbers.h
-/// Random numbers that are the same with every standard library: the standard fixes the engine, but not its
+/// Random numbers that are the same with every standard library, because the standard specifies the engine but not the
 /// distributions.
 #pragma once
 
@@ -16,7 +16,7 @@ class Random {
   /// In [0, 1), 53 bits.
   double unit() { return static_cast<double>(mEngine() >> 11) * 0x1p-53; }
   double between(double low, double high) { return low + (high - low) * unit(); }
-  /// Irwin and Hall: the sum of twelve uniforms has mean 6 and variance 1, and needs no elementary function.
+  /// Irwin-Hall distribution: the sum of twelve uniforms has mean 6 and variance 1, and needs no elementary function.
   double normal() {
     double sum = -6;
     for (int i = 0; i < 12; ++i) sum += unit();

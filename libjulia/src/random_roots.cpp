@@ -13,7 +13,7 @@
 namespace julia {
 namespace {
 
-// A target that fills less of its box than this is called empty.
+// A target that fills less of its box than the inverse of this counts as empty.
 constexpr int kMostTries = 10'000'000;
 constexpr int kMostRoots = 1'000'000;
 constexpr double kMostRandomPower = 1e6;

@@ -17,7 +17,7 @@
 namespace julia {
 namespace {
 
-// Far beyond any use, and small enough that sums of powers times logarithms stay finite in 32 bits.
+// Far beyond any useful value, and small enough that sums of powers times logarithms stay finite in 32 bits.
 constexpr double kLargestNumber = 1e9;
 
 void requireFinite(double value, const std::string& what) {
@@ -86,9 +86,9 @@ namespace {
 using kernels::Ieee;
 using kernels::PowerMethod;
 
-// A guessed scale is up to 3.5 per cent off for each factor. Products of norms may add up to e to this, twice.
+// An estimated scale is off by up to 3.5 per cent for each factor. Norms of products may accumulate e to this, twice.
 constexpr double kGuessedDrift = 0.035, kMostDrift = 20;
-// The largest power by guessed scales: alone it drifts by no more than e^2.3.
+// The largest power with estimated scales: alone it drifts by at most e^2.3.
 constexpr double kMostGuessed = 64;
 
 template <class Real>
@@ -106,7 +106,7 @@ kernels::RootFactor<Real> makeFactor(const Root& root, double power) {
   return factor;
 }
 
-/// Where the products of guessed scales must be brought back to about 1.
+/// Where the products of estimated scales must be renormalised to about 1.
 template <class Real>
 void planRenormalisations(std::vector<kernels::RootFactor<Real>>& factors) {
   double drift = 0;
@@ -122,10 +122,10 @@ void planRenormalisations(std::vector<kernels::RootFactor<Real>>& factors) {
   }
 }
 
-/// Points handed to a kernel at once, so that what it finds unusual needs no memory of its own.
+/// Points passed to a kernel at a time, so that the unusual ones need no separate memory.
 constexpr std::size_t kPiece = 512;
 
-/// Whether the kernels may be trusted with this point: no square of theirs underflows or overflows.
+/// Whether the kernels are reliable at this point: none of their squares underflows or overflows.
 template <class Real>
 bool isOrdinary(const Quaternion<Real>& q, Real least) {
   return least >= Ieee<Real>::kTiny && normSquared(q) <= 1 / Ieee<Real>::kTiny;
@@ -136,7 +136,7 @@ Quaternion<Real> differenceTo(const kernels::RootFactor<Real>& factor, const Qua
   return {q.a - factor.root[0], q.b - factor.root[1], q.c - factor.root[2], q.d - factor.root[3]};
 }
 
-/// u^p of a unit quaternion. A negative real has no direction of its own; it takes i.
+/// u^p of a unit quaternion. A negative real has no direction of its own and uses i.
 template <class Real>
 Quaternion<Real> unitPower(const Quaternion<Real>& u, const kernels::RootFactor<Real>& factor) {
   if (factor.method != PowerMethod::Angle)
@@ -144,9 +144,9 @@ Quaternion<Real> unitPower(const Quaternion<Real>& u, const kernels::RootFactor<
   Quaternion<Real> axis{Real(0), u.b, u.c, u.d};
   Real sinus = std::sqrt(u.b * u.b + u.c * u.c + u.d * u.d);
   if (!(sinus * sinus >= Ieee<Real>::kTiny)) {
-    // So close to a real that squares underflow; what is left still tells the axis.
+    // The versor is so close to a real that squares underflow; the remaining components still determine the axis.
     axis = axis == Quaternion<Real>{} ? Quaternion<Real>{Real(0), Real(1), Real(0), Real(0)} : careful::versorOf(axis);
-    sinus = std::sqrt(Ieee<Real>::kTiny);  // an angle that rounding hides
+    sinus = std::sqrt(Ieee<Real>::kTiny);  // an angle below rounding
   } else {
     axis = axis * (1 / sinus);
   }
@@ -174,7 +174,7 @@ RationalEvaluator<Real>::RationalEvaluator(const Rational& rational) {
     largest = std::max(largest, std::abs(power));
   };
   for (const Root& root : rational.top.roots) append(root, root.power * rational.top.powerScale);
-  // The inverse of an ordered product runs backwards.
+  // The factors of the inverse of an ordered product are in reverse order.
   for (auto root = rational.bottom.roots.rbegin(); root != rational.bottom.roots.rend(); ++root)
     append(*root, -root->power * rational.bottom.powerScale);
   planRenormalisations(factors->roots);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bounds of a rational over balls. Every factor q - t keeps, over a ball of radius r whose centre is d > r away from t,
-// its modulus between d - r and d + r and its direction within w = asin(r/d).
+// Bounds of a rational over balls. Over a ball of radius r whose centre is d > r away from t, the modulus of each
+// factor q - t is between d - r and d + r, and its direction stays within w = asin(r/d).
 #include "ball_arithmetic.h"
 #include "batch_view.h"
 #include "rational_factors.h"
@@ -17,7 +17,7 @@ using kernels::RootFactor;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kHalfPi = 1.57079632679489661923;
 
-/// What bounds need of a factor at the centre of a ball.
+/// The quantities at the centre of a ball from which the bounds of a factor are computed.
 struct Distance {
   Quaternion<double> difference;  ///< q - t
   double imaginarySquared = 0, squared = 0;
@@ -31,23 +31,26 @@ Distance distanceTo(const RootFactor<Real>& factor, const Quaternion<double>& q)
   return {d, imaginary, d.a * d.a + imaginary};
 }
 
-/// asin x <= x (1 + k x^2) with k that of the largest x, for (asin x / x - 1) / x^2 grows with x.
+/// asin x <= x (1 + k x^2) with the k of the largest x, because (asin x / x - 1) / x^2 grows with x.
 double arcSineBound(double x) { return x * (1 + (x <= 0.5 ? 0.1888 : 0.5708) * (x * x)); }
 
-/// By how much u^p may turn for each angle that u turns by. In u = cos t + n sin t the length on the unit sphere is
-/// dt^2 + sin^2 t dn^2, of u^p it is p^2 dt^2 + sin^2 pt dn^2: the factor is the larger of |p| and |sin pt / sin t|.
-///  - A whole p: never above |p|.
-///  - A real p: at most 1 / sin t. Within a ball t changes by at most w, so d sin t >= s cos w - |a| sin w with a and s
-///    the real and the imaginary length of q - t, d its own; negative where the ball reaches the real axis.
-///  - Where t <= pi/2 also at most |p| pi/2, as sin t >= 2 t / pi there. So is the axis itself, the positive half.
-/// On the negative half the power is cut: kInfinity.
+/// The factor by which u^p may turn faster than u. In u = cos t + n sin t the squared line element on the unit sphere
+/// is dt^2 + sin^2 t dn^2, and that of u^p is p^2 dt^2 + sin^2 pt dn^2: the factor is the larger of |p| and |sin pt /
+/// sin t|.
+///  - For an integer p: never above |p|.
+///  - For a real p: at most 1 / sin t. Within a ball t changes by at most w, so d sin t >= s cos w - |a| sin w, where a
+///    and s are the real and the imaginary length of q - t, and d its length; negative if the ball reaches the real
+///    axis.
+///  - If t <= pi/2, also at most |p| pi/2, because sin t >= 2 t / pi there. This includes the positive half of the
+///    axis.
+/// On the negative half the power has a branch cut: kInfinity.
 /// @param sine  sin w = r/d
 template <class Real>
 double turning(const RootFactor<Real>& factor, const Distance& at, double d, double sine) {
   const double p = std::abs(static_cast<double>(factor.power));
   if (factor.method != PowerMethod::Angle) return p;
   const double a = at.difference.a;
-  // cos w >= 1 - sin^2 w. First s cos w >= |a| sin w + d/p, squared: the usual case needs no root.
+  // cos w >= 1 - sin^2 w. First s cos w >= |a| sin w + d/p, squared: the usual case needs no square root.
   const double cosine = 1 - sine * sine, other = std::abs(a) * sine + d * (1 / p + kSlack);
   if (at.imaginarySquared * (cosine * cosine) >= other * other) return p;
   const double least = std::sqrt(at.imaginarySquared) * cosine - std::abs(a) * sine - d * kSlack;
@@ -55,8 +58,8 @@ double turning(const RootFactor<Real>& factor, const Distance& at, double d, dou
   return std::max(p, a > d * sine * (1 + kSlack) ? std::min(byDistance, p * kHalfPi) : byDistance);
 }
 
-/// The sum of the angles by which the factors turn over a ball, in radians: angles between products of unit quaternions
-/// are at most the sums of those between the factors. kInfinity as soon as it says nothing.
+/// The sum of the angles by which the factors turn over a ball, in radians: the angle between two products of unit
+/// quaternions is at most the sum of the angles between their factors. kInfinity as soon as the bound is useless.
 template <class Real>
 double turningOver(const std::vector<RootFactor<Real>>& factors, const Ball& ball) {
   double sum = 0;
@@ -71,8 +74,8 @@ double turningOver(const std::vector<RootFactor<Real>>& factors, const Ball& bal
 }
 
 /// How far rounding turns a versor. To first order it moves by eps (14 |p| + 16) for each factor and 5 eps for the last
-/// normalisation (tests/support/rounding_bounds.h adds them up). Twice that, as both the centre's and the points' are
-/// computed, and twice again for what lies beyond first order.
+/// normalisation (tests/support/rounding_bounds.h adds them up). This is doubled, because both the centre's and the
+/// points' versors are rounded, and doubled again for higher orders.
 template <class Real>
 double versorRounding(const std::vector<RootFactor<Real>>& factors) {
   double sum = 5;
@@ -80,17 +83,17 @@ double versorRounding(const std::vector<RootFactor<Real>>& factors) {
   return 4 * kEpsilonOf<Real> * sum;
 }
 
-/// How rounding moves l, relative to the sum of |p ln|q - t|| and |C|: 2 eps for the logarithm and its argument, eps
-/// for the power and the product, eps/2 for each sum. To be added is kLogRounding eps for each |p|: the logarithm's
-/// error where it is about 0 (tests/support/rounding_bounds.h).
+/// How rounding changes l, relative to the sum of |p ln|q - t|| and |C|: 2 eps for the logarithm and its argument, eps
+/// for the power and the product, eps/2 for each sum. In addition there is kLogRounding eps for each |p|: the
+/// logarithm's error where it is about 0 (tests/support/rounding_bounds.h).
 template <class Real>
 double logRounding(std::size_t count) {
   return kEpsilonOf<Real> * (4 + static_cast<double>(count));
 }
 constexpr double kLogRounding = 5;
 
-/// Every root by itself, for balls that come near one. The ends of p ln d move outward by their share of the rounding,
-/// which keeps their order: d + r is still where p ln d is largest for p > 0.
+/// Treats every root separately, for balls that come near one. The ends of p ln d move outward by their share of the
+/// rounding, which keeps their order: p ln d is still largest at d + r for p > 0.
 template <class Real>
 LogRange logModulusNearRoots(const std::vector<RootFactor<Real>>& factors, double logScale, const Ball& ball) {
   const double relative = logRounding<Real>(factors.size()) + kSlack;
@@ -106,14 +109,15 @@ LogRange logModulusNearRoots(const std::vector<RootFactor<Real>>& factors, doubl
   return {low, high};
 }
 
-/// How far l may lie above and below its value at the centre, and how far rounding may move it.
+/// How far l may be above and below its value at the centre, and how far rounding may change it.
 struct Spread {
   double up = 0, down = 0, rounding = 0;
 };
 
-/// With x = r/d < 1/2, ln(1 + x) <= x - x^2/2 + x^3/3 and -ln(1 - x) <= x + e, e = x^2 / (2 (1 - x)). Beside the sums
-/// over the roots: the gradient at the centre and the largest second derivative, 1/d^2 of a logarithm, which integrates
-/// to the same e. Roots that pull in opposite directions cancel in it. kInfinity where an x is larger.
+/// With x = r/d < 1/2, ln(1 + x) <= x - x^2/2 + x^3/3 and -ln(1 - x) <= x + e, e = x^2 / (2 (1 - x)). Besides the sums
+/// over the roots there is another bound: the gradient at the centre and the largest second derivative, which is 1/d^2
+/// for a logarithm and integrates to the same e. Roots that pull in opposite directions cancel in it. kInfinity if an x
+/// is larger.
 template <class Real>
 Spread spreadOver(const std::vector<RootFactor<Real>>& factors, double logScale, const Ball& ball) {
   Quaternion<double> gradient;
@@ -131,7 +135,7 @@ Spread spreadOver(const std::vector<RootFactor<Real>>& factors, double logScale,
     sum.down += p > 0 ? inward : outward;
     gradient = gradient + at.difference * (p * inverse);
     curved += size * second;
-    // |ln d| up to a factor of 2 from the exponent of d^2, and another over the ball.
+    // |ln d| up to a factor of 2 from the exponent of d^2, and another factor of 2 over the ball.
     const int exponent = static_cast<int>(kernels::bitsOf(at.squared) >> 52) - 1023;
     logs += size * 0.7 * (std::abs(0.5 * exponent) + 1.5);
     powers += size;
@@ -158,12 +162,12 @@ void RationalEvaluator<Real>::logModulusRanges(std::span<const Ball> balls, std:
     const Spread spread = spreadOver(factors, logScale, ball);
     const double value = static_cast<double>(values[i]);
     if (spread.up < kInfinity && std::isfinite(value)) {
-      // The centre's value is rounded too.
+      // The centre's value is rounded, too.
       const double slack = 2 * spread.rounding + kSlack * (spread.up + spread.down + std::abs(value));
       l[i] = {value - spread.down - slack, value + spread.up + slack};
     } else {
       l[i] = logModulusNearRoots(factors, logScale, ball);
-      // Opposite infinities of coincident roots.
+      // Coincident roots have opposite infinities.
       if (std::isnan(l[i].low) || std::isnan(l[i].high)) l[i] = {};
     }
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file rational_factors.h
-/// What a RationalEvaluator holds.
+/// The data of a RationalEvaluator.
 #pragma once
 
 #include "julia/rational.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file require.h
-/// Checks of what a caller gives.
+/// Checks of arguments.
 #pragma once
 
 #include <stdexcept>

@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kMostPoints = 1'000'000;
 constexpr int kMostFactorPower = 1000;
-// Far against every shape, so that (q - t) hardly turns, and within the 1e9 that a rational accepts.
+// Far compared with every shape, so that (q - t) hardly turns, and within the 1e9 that a rational accepts.
 constexpr double kFar = 1e6;
 
 void requireFinitePoint(const Point& point, const char* what) {
@@ -53,13 +53,13 @@ Point unitVector(const Point& axis) {
   return {axis[0] / length, axis[1] / length, axis[2] / length};
 }
 
-/// Two unit vectors that make a right-handed frame with a third. The first lies towards a coordinate axis.
+/// Two unit vectors that form a right-handed frame with a third. The first lies towards a coordinate axis.
 struct Frame {
   Point u, v;
 };
 
 Frame frameOf(const Point& axis) {
-  // The coordinate axis that is farthest from this one.
+  // The coordinate axis that is most nearly perpendicular to this one.
   std::size_t least = 0;
   for (std::size_t i = 1; i < 3; ++i)
     if (std::abs(axis[i]) < std::abs(axis[least])) least = i;
@@ -69,7 +69,7 @@ Frame frameOf(const Point& axis) {
   return {u, crossProduct(axis, u)};
 }
 
-/// A point of the surface near x, by Newton's steps along the gradient.
+/// Moves x to a nearby point of the surface by Newton steps along the gradient.
 Point projected(Point x, const std::function<double(const Point&)>& distance, double step) {
   constexpr int kSteps = 4;
   for (int i = 0; i < kSteps; ++i) {
@@ -87,7 +87,7 @@ Point projected(Point x, const std::function<double(const Point&)>& distance, do
   return x;
 }
 
-/// Those of many points that lie farthest from each other, beginning with the first.
+/// Selects points that lie farthest from each other, beginning with the first.
 std::vector<Point> spread(const std::vector<Point>& points, std::size_t count) {
   std::vector<double> nearest(points.size(), std::numeric_limits<double>::infinity());
   std::vector<Point> chosen;
@@ -102,7 +102,8 @@ std::vector<Point> spread(const std::vector<Point>& points, std::size_t count) {
 }
 
 bool isFar(const Root& root) {
-  // A root of a pattern is nowhere near as far, and one that was scaled or moved is no constant any more.
+  // A root of a pattern is never as far away, and a constant factor that was scaled or moved is not a constant any
+  // more.
   const Quaternion<double>& t = root.position;
   return elementary::hypot(elementary::hypot(t.a, t.b), elementary::hypot(t.c, t.d)) > kFar / 2;
 }
@@ -160,8 +161,8 @@ std::vector<Point> pointsOfLattice(const Point& boxMin, const Point& boxMax, dou
 
 std::vector<Point> pointsOnSurface(const std::function<double(const Point&)>& distance, const Point& boxMin,
                                    const Point& boxMax, double reach, int count, std::uint64_t seed) {
-  constexpr int kCandidatesEach = 40;  // enough that the points come to lie evenly
-  constexpr int kTriesEach = 20'000;   // of a candidate: a surface that thin in its box is called empty
+  constexpr int kCandidatesEach = 40;  // enough for an even distribution
+  constexpr int kTriesEach = 20'000;   // for a candidate; a surface that is thinner in its box counts as empty
   requireCount(count);
   require(distance != nullptr, "roots on a target's surface need the target; give one");
   require(reach > 0 && std::isfinite(reach), "the reach is " + textOf(reach) + "; it must be above 0");

@@ -37,7 +37,7 @@ void ShapeModulus<Real>::versor(const QuaternionBatch<Real>& q, QuaternionBatch<
 
 template <class Real>
 void ShapeModulus<Real>::logModulusRanges(std::span<const Ball> balls, std::span<LogRange> l) const {
-  // Without one component, a ball of four dimensions becomes one of three.
+  // Dropping a component turns a ball of four dimensions into one of three.
   std::vector<std::array<double, 3>> centres(balls.size());
   std::vector<double> radii(balls.size());
   for (std::size_t i = 0; i < balls.size(); ++i) {
@@ -60,7 +60,7 @@ void ShapeModulus<Real>::images(std::span<const Ball> balls, std::span<const Log
 
 template <class Real>
 typename Map<Real>::EscapeProof ShapeModulus<Real>::escapeProof(double wanted) const {
-  // Where E is at least as much as wanted from there on.
+  // Finds the distance beyond which E is at least @a wanted.
   constexpr double kNearest = 0x1p-10, kFarthest = 0x1p20;
   double far = kNearest;
   while (far < kFarthest && !(mExponent->lowestBeyond(far) >= wanted)) far *= 2;
@@ -81,7 +81,7 @@ void ShapeModulus<Real>::escapeBounds(const QuaternionBatch<Real>& centres, Real
                                       const typename Map<Real>::EscapeProof& proof, std::span<Real> bounds) const {
   const Quaternion<unsigned> numbers{0, 1, 2, 3};
   mVersor->logLeastParts(centres, radius, mEmbedding.slicePart(numbers), bounds);
-  // |e^l v| is at least as far from the origin as asked for.
+  // |e^l v| is at least the required distance from the origin.
   constexpr Real kRounding = 32 * std::numeric_limits<Real>::epsilon();
   for (Real& bound : bounds) bound = (proof.least - bound) + kRounding * (1 + std::abs(proof.least - bound));
 }

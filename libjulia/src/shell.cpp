@@ -25,8 +25,8 @@ ShellInterval shellInterval(const RadialMaximum& radialMaximum, int maxIteration
   };
   ShellInterval interval;
   interval.upper = elementary::log(escapeRadius);
-  // With one step every l < 0 is inside. Otherwise staysInside() is a step function of r that changes from true to
-  // false once, at one of the table's balls; its last true step is the answer.
+  // With one step every l < 0 is inside. Otherwise staysInside() is a step function of r that changes once from true to
+  // false, at one of the table's balls; its last true step is the answer.
   if (maxIterations == 1) {
     interval.lower = 0;
     return interval;

@@ -53,7 +53,7 @@ void VectorVersor<Real>::cones(std::span<const Ball> balls, std::span<Cone> cone
       square += (high - low) * (high - low) / 4;
     }
     const Ball ball{{middle[0], middle[1], middle[2], middle[3]}, std::sqrt(square)};
-    // What is small against the largest component may have lost digits, but not against the length.
+    // Components that are small compared with the largest may have lost digits, but not relative to the length.
     const double rounding = 32 * kEpsilonOf<Real>;
     cones[i] =
         std::isfinite(square) ? coneOf({ball.centre, ball.radius * (1 + kSlack) + kVanishing<Real>}, rounding) : Cone{};

@@ -29,11 +29,11 @@ void requireWaveNumbers(const Quaternion<double>& q, const char* what) {
                                   "; it must be a number between -1e6 and 1e6");
 }
 
-/// A factor over a ball, and how fast it turns.
+/// Bounds of a factor over a ball, and of how fast it turns.
 struct FactorBound {
-  double slope = 0;      ///< the most that g changes over a unit, at octave 0
-  double amplitude = 0;  ///< the most that |g| may be
-  double reach = 0;      ///< the longest frequency, quadrants a unit
+  double slope = 0;      ///< maximum change of g per unit, at octave 0
+  double amplitude = 0;  ///< upper bound of |g|
+  double reach = 0;      ///< the largest frequency, quadrants per unit
 };
 
 }  // namespace
@@ -114,10 +114,10 @@ void WaveVersor<Real>::versor(const QuaternionBatch<Real>& q, QuaternionBatch<Re
 
 namespace {
 
-/// A texture's versor about a point at one octave.
+/// A texture's versor around a point at one octave.
 struct Texel {
   Quaternion<double> versor = Quaternion<double>::one();
-  double turning = 0;  ///< radians by which it may turn over the ball, rounding included; infinity where it may be any
+  double turning = 0;  ///< radians by which it may turn over the ball, with rounding; infinity: no bound
 };
 
 /// The versor of @a q; 1 for 0.
@@ -152,7 +152,7 @@ void WaveVersor<Real>::cones(std::span<const Ball> balls, std::span<Cone> cones)
   std::vector<ValueRange> octaves(balls.size());
   BallsInSpace(rounded, mEmbedding).rangesOf(*mOctave, octaves);
 
-  // Versors of unit length are a few units off, as are the factors' products, and the blend.
+  // Versors of unit length are off by a few ulp, and so are the factors' products and the blend.
   double lengths = 16;
   for (const WaveFactor& factor : mTexture.factors) lengths += 16 * std::abs(factor.power);
   const double slack = eps * lengths;
@@ -163,9 +163,9 @@ void WaveVersor<Real>::cones(std::span<const Ball> balls, std::span<Cone> cones)
     for (std::size_t f = 0; f < mTexture.factors.size(); ++f) {
       const WaveFactor& factor = mTexture.factors[f];
       const FactorBound& bound = mPlan->bounds[f];
-      // An angle is four products and three sums of numbers of this size, and frequencies and the origin are rounded,
-      // as is the difference to it; then come the sine and cosine, the doubled angle's, and the sum. Quadrants are at
-      // most pi/2 radians.
+      // An angle consists of four products and three sums of numbers of this size; frequencies, the origin and the
+      // difference to it are rounded. Then come the sine and cosine, those of the doubled angle, and the sum. A
+      // quadrant is pi/2 radians.
       const double quadrants = bound.reach * size * scale, count = static_cast<double>(factor.waves.size());
       if (!(quadrants < 0x1p20)) return Texel{result.versor, kInfinity};
       const double rounding = bound.amplitude * 4 * eps * (kHalfPi * 8 * quadrants + 8 + count);
@@ -185,7 +185,7 @@ void WaveVersor<Real>::cones(std::span<const Ball> balls, std::span<Cone> cones)
     const double high = std::clamp(octaves[i].high, -kMostOctave, kMostOctave);
     const double first = std::floor(low), last = std::floor(high);
     if (!(high - low < 1)) continue;
-    // One octave more than there are whole numbers among them, and never more than three.
+    // One octave more than the range contains integers, and at most three.
     std::array<Texel, 3> texels;
     double turning = 0;
     for (std::size_t k = 0; k <= static_cast<std::size_t>(last - first) + 1; ++k) {
@@ -198,7 +198,7 @@ void WaveVersor<Real>::cones(std::span<const Ball> balls, std::span<Cone> cones)
                                              texels[static_cast<std::size_t>(k - first) + 1].versor);
       return coarse + (fine - coarse) * blendAt(octave, k);
     };
-    // The blends at the centre are on a segment for each whole number, and the others as near to it as their versors.
+    // The blends at the centre lie on a segment for each integer, and the others are as near to it as their versors.
     const double middle = (low + high) / 2;
     const Quaternion<double> axis = mixed(std::floor(middle), middle);
     double farthest = 0;

@@ -20,7 +20,7 @@ def torus(major=1.0, minor=0.4, around=96, across=48):
 def main():
     resolution = int(sys.argv[2]) if len(sys.argv) > 2 else 200
     vertices, faces = torus()
-    made = juliavdb.fractal(vertices, faces, detail=0.4, versor="quills", resolution=resolution)
+    made = juliavdb.fractal(vertices, faces, detail=0.4, texture="quills", resolution=resolution)
     made.write(sys.argv[1])
 
     # How far the fractal's vertices lie from the torus's surface.

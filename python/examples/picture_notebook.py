@@ -14,8 +14,8 @@ size = int(sys.argv[3]) if len(sys.argv) > 3 else 300
 
 # %% One field, three textures
 pictures = []
-for versor in ("quills", "scales", "thorns"):
-    field = juliavdb.Field(mesh, detail=0.4, versor=versor)
+for texture in ("quills", "scales", "thorns"):
+    field = juliavdb.Field(mesh, detail=0.4, texture=texture)
     pictures.append(field.render(size=(size, size), samples=1))
 strip = np.concatenate(pictures, axis=1)
 

@@ -10,7 +10,7 @@ import pyopenvdb
 def main():
     mesh, out = sys.argv[1:3]
     resolution = int(sys.argv[3]) if len(sys.argv) > 3 else 200
-    look = dict(detail=0.25, outward=0.1, versor="rings", resolution=resolution)
+    look = dict(detail=0.25, outward=0.1, texture="rings", resolution=resolution)
     made = juliavdb.fractal(mesh, **look, grids="surface")
     made.write(out)
 

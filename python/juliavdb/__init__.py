@@ -2,7 +2,7 @@
 """Fractals in the shape of a mesh.
 
     import juliavdb
-    bunny = juliavdb.fractal("bunny.obj", detail=0.5, versor="quills", resolution=200)
+    bunny = juliavdb.fractal("bunny.obj", detail=0.5, texture="quills", resolution=200)
     bunny.vertices, bunny.faces, bunny.normals
     bunny.write("bunny.vdb")
 
@@ -10,7 +10,7 @@ The target is a file, or two arrays: vertices of the shape (n, 3) and triangles 
 vertices. With points_radius, vertices alone are points of a surface. The options are those of 'juliavdb fractal', with underscores in their names; numbers, strings, tuples for
 lists, and True for flags. The same options give the same result as the command, to the bit.
 
-versor=FUNCTION takes any function of the place for the texture: it is called with points, an array (n, 3) of float64 in
+texture=FUNCTION takes any function of the place for the texture: it is called with points, an array (n, 3) of float64 in
 the target's coordinates, and returns their directions, an array (n, 3) of vectors or (n, 4) of quaternions, of any
 length. It is called in many threads, one at a time, with batches of points in any order.
 

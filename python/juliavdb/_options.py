@@ -34,17 +34,25 @@ def _text(name, value):
 
 
 def with_function(options):
-    """The options with the word "function" for a versor that is one, and that function, or None."""
-    functions = {name: options[name] for name in ("versor", "versor_over") if callable(options.get(name))}
+    """The options with the word "function" for a texture that is one, and that function, or None."""
+    names = ("texture", "texture_over", "versor", "versor_over")
+    functions = {name: options[name] for name in names if callable(options.get(name))}
     if len(functions) > 1:
-        raise ValueError("versor and versor_over are both functions; mix them in one function, and give that as versor")
+        raise ValueError(" and ".join(functions) + " are both functions; mix them in one function, and give that as texture")
     return {**options, **dict.fromkeys(functions, "function")}, next(iter(functions.values()), None)
 
 
 def recipe(options):
-    """The given options by their names on the command line. None and False are as good as not given."""
-    return {name.replace("_", "-"): _text(name, value) for name, value in options.items()
-            if value is not None and value is not False}
+    """The given options as entries of a recipe, without those that are None or False."""
+    result = {}
+    for name, value in options.items():
+        if value is None or value is False:
+            continue
+        entry = _juliavdb.recipe_entry(name.replace("_", "-"))
+        if entry in result:
+            raise ValueError(f"{name} is given twice, by its two names; give it once")
+        result[entry] = _text(name, value)
+    return result
 
 
 def documented(*tables):

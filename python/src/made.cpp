@@ -42,9 +42,9 @@ void evaluateAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, s
   if (broken != points.end())
     throw std::invalid_argument("point " + std::to_string(broken - points.begin()) +
                                 " has a coordinate that is not finite");
-  const julia::FieldEvaluator& evaluator = *made.scene.evaluator;
-  const vdbtools::FractalSpace& space = made.scene.space;
-  monitor.begin("evaluating", points.size());
+  const julia::FieldEvaluator& evaluator = *made.scene.field.evaluator;
+  const vdbtools::FractalSpace& space = made.scene.field.space;
+  monitor.begin(vdbtools::PhaseKind::Evaluating, points.size());
   const std::size_t batch = evaluator.preferredBatch(), batches = (points.size() + batch - 1) / batch;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, batches, 1), [&](const auto& range) {
     std::vector<julia::Point> at;
@@ -76,9 +76,10 @@ std::unique_lock<std::timed_mutex> lockPatiently(std::timed_mutex& mutex, const 
 }
 
 const vdbtools::Scene& pictureScene(const MadeScene& made, Monitor& monitor) {
-  if (!vdbtools::picturesDiffer(made.options)) return made.scene;
+  const vdbtools::FractalOptions options = vdbtools::forPictures(made.options);
+  if (!options.picture) return made.scene;
   const auto lock = lockPatiently(made.pictureMutex, monitor);
-  if (!made.pictureScene) made.pictureScene = made.scenes.make(vdbtools::forPictures(made.options), monitor);
+  if (!made.pictureScene) made.pictureScene = made.scenes.make(options, monitor);
   return *made.pictureScene;
 }
 
@@ -108,7 +109,8 @@ std::shared_ptr<MadeFractal> makeFractal(std::shared_ptr<const MadeScene> made, 
   const vdbtools::Scene& scene = fractal->made->scene;
   vdbtools::requireMemoryForMesh(scene);
   vdbtools::MeshCollector collector(fractal->mesh, &fractal->values);
-  fractal->result = vdbtools::runFractal(scene, vdbtools::planScene(scene), wantGrids, &collector, monitor);
+  fractal->result = vdbtools::runFractal(scene, vdbtools::planFractal(scene, {.grids = wantGrids, .mesh = true}),
+                                         &collector, monitor);
   if (wantGrids) fractal->grids = std::make_shared<vdbtools::FractalResult>(fractal->result);
   return fractal;
 }
@@ -127,7 +129,8 @@ std::shared_ptr<const vdbtools::FractalResult> withGrids(MadeFractal& fractal, M
   const auto lock = lockPatiently(fractal.gridsMutex, monitor);
   if (!fractal.grids) {
     const vdbtools::Scene& scene = fractal.made->scene;
-    vdbtools::FractalResult made = vdbtools::runFractal(scene, vdbtools::planScene(scene), true, nullptr, monitor);
+    vdbtools::FractalResult made =
+        vdbtools::runFractal(scene, vdbtools::planFractal(scene, {.grids = true}), nullptr, monitor);
     auto all = std::make_shared<vdbtools::FractalResult>(fractal.result);
     all->grids = std::move(made.grids);
     all->check = std::move(made.check);
@@ -171,7 +174,7 @@ void writeFit(const MadeFit& fit, const std::string& path, Monitor& monitor) {
   requireExtension(path, ".json .o3d");
   vdbtools::OutputFiles files(vdbtools::withRecordedFiles(fit.inputs));
   std::ostream& file = files.add(path).stream();
-  monitor.begin("writing", 0);
+  monitor.begin(vdbtools::PhaseKind::Writing, 0);
   const bool json = vdbtools::lowerExtension(path) == ".json";
   file << (json ? vdbtools::fit::fitToJson(fit.result, fit.recipe) : vdbtools::fit::fitToO3d(fit.result, monitor));
   monitor.throwIfCancelled();

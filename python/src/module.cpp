@@ -9,6 +9,7 @@
 #include "vdbtools/base/memory.h"
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/picture/screen_codes.h"
+#include "vdbtools/recipe/option_name.h"
 #include "vdbtools/records/failure_text.h"
 #include "vdbtools/scene/fractal_options.h"
 #include "vdbtools/scene/scene_picture.h"
@@ -268,7 +269,7 @@ py::dict infoOf(const MadeFractal& fractal) {
     info["crumbs"] = crumbs->crumbs;
     info["crumb_volume"] = static_cast<double>(crumbs->nodes) * scene.voxelSize * scene.voxelSize * scene.voxelSize;
   }
-  if (scene.targetVolume) info["target_volume"] = *scene.targetVolume;
+  if (scene.target) info["target_volume"] = scene.target->volume;
   return info;
 }
 
@@ -285,7 +286,7 @@ py::tuple boundsOf(const MadeScene& made) {
 py::list listingOf(const vdbtools::OptionTable& table) {
   py::list list;
   for (const vdbtools::OptionListing& option : table.listing())
-    list.append(py::make_tuple(option.name, option.argument, option.help));
+    list.append(py::make_tuple(vdbtools::optionName(option.name), option.argument, option.help));
   return list;
 }
 
@@ -327,6 +328,7 @@ PYBIND11_MODULE(_juliavdb, m) {
   m.attr("DataError") = py::reinterpret_borrow<py::object>(theDataError);
   py::register_exception_translator(translate);
 
+  m.def("recipe_entry", &vdbtools::recipeEntry);
   m.def("options", [] { return listingOf(vdbtools::fractalOptionTable()); });
   m.def("fit_options", [] { return listingOf(vdbtools::fit::fitOptionTable()); });
   m.def("view_options", [] { return listingOf(viewTable()); });

@@ -4,6 +4,7 @@
 #include "made.h"
 
 #include "vdbtools/fit/fit_job.h"
+#include "vdbtools/recipe/option_name.h"
 #include "vdbtools/scene/fractal_options.h"
 
 #include <algorithm>
@@ -18,7 +19,7 @@ const std::set<std::string, std::less<>>& namesInPython() {
     std::set<std::string, std::less<>> names{"memory"};
     for (const vdbtools::OptionTable& table :
          {vdbtools::fractalOptionTable(), vdbtools::fit::fitOptionTable(), viewTable()})
-      for (const vdbtools::OptionListing& option : table.listing()) names.insert(option.name);
+      for (const vdbtools::OptionListing& option : table.listing()) names.insert(vdbtools::optionName(option.name));
     return names;
   }();
   return all;

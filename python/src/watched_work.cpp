@@ -31,11 +31,11 @@ struct PhaseNews {
 
 class WatchedMonitor final : public vdbtools::Monitor {
  public:
-  void begin(std::string_view phase, std::uint64_t total) override {
+  void begin(const vdbtools::Phase& phase, std::uint64_t total) override {
     const std::scoped_lock lock(mMutex);
     mDone = 0;
     mTotal = total;
-    mBegun.emplace_back(phase);
+    mBegun.push_back(phase.text());
   }
   void advance(std::uint64_t steps) override { mDone += steps; }
   bool cancelled() const override { return mCancelled; }

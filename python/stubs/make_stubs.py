@@ -25,8 +25,8 @@ __version__: str
 '''
 
 OWN = {"vertices": "Optional[Target]", "faces": "Optional[ArrayLike]", "progress": "Optional[Progress]",
-       "memory": "Optional[str]", "versor": "Optional[Union[Value, Directions]]",
-       "versor_over": "Optional[Union[Value, Directions]]",
+       "memory": "Optional[str]", "texture": "Optional[Union[Value, Directions]]",
+       "texture_over": "Optional[Union[Value, Directions]]",
        "points": "ArrayLike", "paths": "Union[str, os.PathLike[str]]", "path": "Union[str, os.PathLike[str]]"}
 
 

@@ -247,7 +247,7 @@ class VersorFiles(harness.CliTest):
     def test_missing(self):
         self.write("s.obj", harness.obj(harness.sphere(1)))
         for extension in ("json", "p4d", "poly4d", "o3d", "vdb"):
-            self.refused(NO_INPUT, "fractal", "s.obj", "-o", "x.vdb", *LOW, "--versor", f"nowhere.{extension}",
+            self.refused(NO_INPUT, "fractal", "s.obj", "-o", "x.vdb", *LOW, "--texture", f"nowhere.{extension}",
                          mentions=f"nowhere.{extension}")
         self.refused(NO_INPUT, "versor", "inspect", "nowhere.json", mentions="nowhere.json")
         self.refused(NO_INPUT, "versor", "scale", "nowhere.json", "2", "-o", "x.json", mentions="nowhere.json")
@@ -412,15 +412,15 @@ class Options(harness.CliTest):
             "sdf-voxel-size": ["0", "nan", "1e-300"],
             "repair-gap": ["-1", "nan"],
             "map": ["mandelbrot", ""],
-            "versor-seed": ["-1", "x", "1.5", "99999999999999999999999"],
-            "versor-roots": ["0", "-2", "2.5", "1e3", "99999999999"],
-            "versor-powers": ["9:2", "2:3:4", "a:b", "nan:2", ":", "1e7:1e8"],
-            "versor-placement": ["elsewhere"],
-            "versor-distance": ["0", "-1"],
-            "versor-radius": ["0"],
-            "versor-centre": ["0,0", "a,b,c"],
-            "versor-scale": ["0", "nan"],
-            "versor-translate": ["1,2", "1,2,inf"],
+            "texture-seed": ["-1", "x", "1.5", "99999999999999999999999"],
+            "texture-roots": ["0", "-2", "2.5", "1e3", "99999999999"],
+            "texture-powers": ["9:2", "2:3:4", "a:b", "nan:2", ":", "1e7:1e8"],
+            "texture-placement": ["elsewhere"],
+            "texture-distance": ["0", "-1"],
+            "texture-radius": ["0"],
+            "texture-centre": ["0,0", "a,b,c"],
+            "texture-scale": ["0", "nan"],
+            "texture-translate": ["1,2", "1,2,inf"],
             "c": ["0,0,0", "0,0,0,0,0", "a,b,c,d", "0,0,0,nan", ""],
             "iterations": ["0", "-1", "1.5", "abc", "99999999999"],
             "escape": ["1", "0.5", "-20", "nan", "inf", "1e300"],
@@ -465,7 +465,7 @@ class Options(harness.CliTest):
 
     def test_values_that_begin_with_a_minus(self):
         self.ok("fractal", "s.obj", "-o", "x.vdb", *LOW, "--beta", "-0.05", "--origin", "-0.1,0,0",
-                "--versor-translate", "-0.1,-0.2,0", "--slice", "-0.05", "--box", "-0.5,-0.5,-0.5,1,1,1")
+                "--texture-translate", "-0.1,-0.2,0", "--slice", "-0.05", "--box", "-0.5,-0.5,-0.5,1,1,1")
         recipe = self.info("x.vdb")["recipe"]
         self.assertEqual((recipe["beta"], recipe["origin"]), ("-0.05", "-0.1,0,0"))
         self.ok("fractal", "--map", "quadratic", "--c", "-0.2,0.6,0.2,0.2", "-o", "q.vdb", "--resolution", 16)
@@ -560,7 +560,7 @@ class EveryCommand(harness.CliTest):
     # The words before an input, and the kinds of input.
     READERS = ((("sdf", "-o", "x.vdb"), ("obj", "glb", "vdb")), (("fractal", "-o", "x.vdb"), ("ply", "stl", "vdb")),
                (("fractal", "-o", "x.vdb", "--config"), ("vdb", "ply", "obj", "glb", "json", "cfg")),
-               (("fractal", "s.obj", "-o", "x.vdb", "--versor"), ("json", "p4d", "o3d", "vdb")),
+               (("fractal", "s.obj", "-o", "x.vdb", "--texture"), ("json", "p4d", "o3d", "vdb")),
                (("fractal", "s.obj", "-o", "x.vdb", "--detail"), ("vdb",)),
                (("fractal", "--map", "rational", "-o", "x.vdb", "--rational"), ("json", "o3d")),
                (("fit", "-o", "x.json"), ("off", "vdb")), (("mesh", "-o", "x.ply"), ("vdb", "ply")),

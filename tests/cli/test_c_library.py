@@ -51,9 +51,9 @@ class AnotherLibrary(harness.CliTest):
         for options in (("t.obj", "--colour", "depth", "--grids", "surface,density,logmodulus,iterations,versor"),
                         ("t.obj", "--alpha", "x:10:100:smooth", "--beta", "y:0:0.02", "--colour", "direction"),
                         ("t.obj", "--detail", "expr:" + FORMULA),
-                        ("t.obj", "--versor", "rings", "--detail", 0.3), ("t.obj", "--versor", "coral", "--follow"),
-                        ("t.obj", "--versor-placement", "surface", "--versor-roots", 20),
-                        ("t.obj", "--map", "rational", "--versor", "v.json"),
+                        ("t.obj", "--texture", "rings", "--detail", 0.3), ("t.obj", "--texture", "coral", "--follow"),
+                        ("t.obj", "--texture-placement", "surface", "--texture-roots", 20),
+                        ("t.obj", "--map", "rational", "--texture", "v.json"),
                         ("--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "--iterations", 8),
                         ("--map", "mandelbulb", "--power", 8), ("--map", "mandelbulb", "--power", 2.5),
                         ("--map", "cross", "--f", f"{FORMULA}, y, z", "--g", "cos(x), y^2.5, exp(z)", "--radius", 5)):
@@ -73,7 +73,7 @@ class AnotherLibrary(harness.CliTest):
             with self.subTest(texture=texture):
                 if texture in ("rings", "shells"):
                     self.same(["x.json"], "versor", "new", "--texture", texture, "-o", "x.json")
-                self.same(["x.ply"], "fractal", "t.obj", "--versor", texture, *LOW, "--mesh", "x.ply")
+                self.same(["x.ply"], "fractal", "t.obj", "--texture", texture, *LOW, "--mesh", "x.ply")
         self.same(["x.json", "x.svg"], "fit", "t.obj", "-o", "x.json", "--plot", "x.svg", "--roots", 5, "--resolution", 14,
                   "--triangles", 100)
         self.same(["y.json"], "versor", "scale", "x.json", 0.7, "-o", "y.json")

@@ -214,7 +214,7 @@ class InfoOnEveryKind(harness.CliTest):
         self.assertEqual((info["kind"], info["recipe"]["command"], info["recipe"]["resolution"]), ("VDB", "sdf", "24"))
         self.assertEqual([grid["name"] for grid in info["grids"]], ["phi"])
         self.assertEqual(info["grids"][0]["level set check"], "passes")
-        self.ok("fractal", "s.vdb", "-o", "f.vdb", "--mesh", "f.ply", "--resolution", 24, "--versor-seed", 9)
+        self.ok("fractal", "s.vdb", "-o", "f.vdb", "--mesh", "f.ply", "--resolution", 24, "--texture-seed", 9)
         for name in ("f.vdb", "f.ply"):
             recipe = self.info(name)["recipe"]
             self.assertEqual((recipe["command"], recipe["versor-seed"], recipe["input"]), ("fractal", "9", "s.vdb"))

@@ -206,14 +206,14 @@ class Units(harness.CliTest):
 
     def test_about_the_origin(self):
         self.use(harness.sphere(3))
-        for options in (LOW, (*LOW, "--detail", 0.4, "--versor", "random"), (*LOW, "--repair")):
+        for options in (LOW, (*LOW, "--detail", 0.4, "--texture", "random"), (*LOW, "--repair")):
             self.check_exact(self.SMALL + self.FACTORS, options)
 
     def test_whole(self):
         self.check_jobs("--resolution", 28)
 
     def test_rough(self):
-        self.check_jobs("--resolution", 28, "--alpha", 15, "--versor", "random", "--largest", 1)
+        self.check_jobs("--resolution", 28, "--alpha", 15, "--texture", "random", "--largest", 1)
 
     def test_adaptive(self):
         self.check_jobs("--resolution", 28, "--adaptivity", 0.2)
@@ -379,7 +379,7 @@ class ByteOrderMarks(harness.CliTest):
     def test_maps(self):
         self.write("s.obj", harness.obj(harness.sphere(2)))
         plain, marked = self.both("v.json", harness.rational_json(harness.ROOTS), "fractal", "s.obj", *LOW,
-                                  "--versor", "v.json", "--mesh", out="out.stl")
+                                  "--texture", "v.json", "--mesh", out="out.stl")
         self.assertEqual(marked, plain)
 
 

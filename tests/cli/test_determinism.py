@@ -33,10 +33,10 @@ class SameBytes(harness.CliTest):
     def test_fractals(self):
         self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))
         for options in (("t.obj",), ("t.obj", "--alpha", "x:10:100:smooth", "--beta", "y:0:0.02"),
-                        ("t.obj", "--slice", 0.2, "--origin-shift", "-0.1,0,0.05", "--versor-seed", 5),
-                        ("t.obj", "--versor-integer", "--drop-axis", "i", "--precision", "float"),
-                        ("t.obj", "--versor-placement", "surface", "--versor-roots", 20, "--half"),
-                        ("t.obj", "--map", "rational", "--versor", "v.o3d"),
+                        ("t.obj", "--slice", 0.2, "--origin-shift", "-0.1,0,0.05", "--texture-seed", 5),
+                        ("t.obj", "--texture-integer", "--drop-axis", "i", "--precision", "float"),
+                        ("t.obj", "--texture-placement", "surface", "--texture-roots", 20, "--half"),
+                        ("t.obj", "--map", "rational", "--texture", "v.o3d"),
                         ("--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "--iterations", 8)):
             with self.subTest(options=options):
                 low = LOW if options[0] == "t.obj" else LOW[:2]
@@ -46,9 +46,9 @@ class SameBytes(harness.CliTest):
         """What is skipped, because its fate is proven, would have come out the same."""
         self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))
         for options in ((), ("--alpha", 6, "--crumbs", "keep"), ("--alpha", 100, "--precision", "double"), ("--alpha", "x:10:100:smooth"),
-                        ("--beta", "y:-0.02:0.03", "--versor-integer"), ("--slice", 0.2, "--origin-shift", "-0.1,0,0.05"),
+                        ("--beta", "y:-0.02:0.03", "--texture-integer"), ("--slice", 0.2, "--origin-shift", "-0.1,0,0.05"),
                         ("--drop-axis", "j", "--iterations", 5), ("--sampling", "quadratic"),
-                        ("--box", "-0.2,-0.3,-0.2,0.8,0.9,0.7"), ("--map", "rational", "--versor", "v.o3d"),
+                        ("--box", "-0.2,-0.3,-0.2,0.8,0.9,0.7"), ("--map", "rational", "--texture", "v.o3d"),
                         ("--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "--iterations", 8)):
             with self.subTest(options=options):
                 self.ok("fractal", "t.obj", *LOW, *options, "-o", "skipped.vdb", "--mesh", "skipped.stl")
@@ -70,7 +70,7 @@ class SameBytes(harness.CliTest):
     def test_vector_units_change_no_byte(self):
         flags = pathlib.Path("/proc/cpuinfo").read_text().split()
         sets = ["portable"] + [name for name, flag in (("avx2", "avx2"), ("avx512", "avx512vl")) if flag in flags]
-        for options in (("t.obj",), ("t.obj", "--versor-integer", "--precision", "double"),
+        for options in (("t.obj",), ("t.obj", "--texture-integer", "--precision", "double"),
                         ("--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "--iterations", 8)):
             low = LOW if options[0] == "t.obj" else LOW[:2]
             for name in sets:
@@ -109,7 +109,7 @@ class Recipes(harness.CliTest):
         super().setUp()
         self.write("s.obj", harness.obj(harness.sphere(3)))
         self.options = (*LOW, "--alpha", "y:20:90@0.7", "--beta", 0.01, "--slice", 0.1)
-        self.random, self.grids_of = ("--versor-seed", 11), ("--grids", "surface,versor")
+        self.random, self.grids_of = ("--texture-seed", 11), ("--grids", "surface,versor")
         self.ok("fractal", "s.obj", *self.options, *self.random, *self.grids_of, "-o", "f.vdb", "--mesh", "f.ply")
 
     def same(self, vdb, mesh):
@@ -162,7 +162,7 @@ class Recipes(harness.CliTest):
 
     def test_another_versor_is_refused(self):
         self.write("v.json", harness.rational_json(harness.ROOTS))
-        self.ok("fractal", "s.obj", *LOW, "--versor", "v.json", "-o", "v.vdb")
+        self.ok("fractal", "s.obj", *LOW, "--texture", "v.json", "-o", "v.vdb")
         self.write("v.json", harness.rational_json(harness.ROOTS[:2]))
         self.refused(BAD_DATA, "fractal", "--config", "v.vdb", "-o", "x.vdb", mentions=["v.json", "SHA-256"])
 
@@ -188,7 +188,7 @@ class Recipes(harness.CliTest):
         self.assertTrue(self.bytes("a.vdb") == self.bytes("b.vdb"))
 
     def test_the_versor_of_another_fractal(self):
-        self.ok("fractal", "s.obj", *self.options, *self.grids_of, "--versor", "f.vdb", "-o", "g.vdb", "--mesh", "g.ply")
+        self.ok("fractal", "s.obj", *self.options, *self.grids_of, "--texture", "f.vdb", "-o", "g.vdb", "--mesh", "g.ply")
         f, g = harness.read_ply(self.bytes("f.ply")), harness.read_ply(self.bytes("g.ply"))
         self.assertTrue((f.points, f.faces) == (g.points, g.faces), "the meshes differ")
 

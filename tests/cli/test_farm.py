@@ -235,6 +235,34 @@ class Requests(farm.FarmTest):
             self.refused(USAGE, "merge", makes, *words, mentions=wanted)
             self.refused(USAGE, "submit", makes, "--engine", "parallel", *words, mentions=wanted)
 
+    def test_a_count_is_that_of_the_mesh(self):
+        self.ok("plan", "tiles", harness.BUNNY, "-o", FARM, "--tiles", TILES, "--make", "count", *farm.OPTIONS)
+        self.refused(BAD_DATA, "merge", FARM, "--counts", "c.json", mentions="not done")
+        for words in (("--mesh", "x.ply"), ("-o", "x.vdb"), ("--index", "x.json")):
+            self.refused(USAGE, "merge", FARM, *words, mentions="--counts")
+        self.refused(USAGE, "merge", FARM, "--counts", "c.json", "--mesh", "x.ply", mentions="--counts")
+        self.refused(USAGE, "merge", FARM, "--counts", "c.txt", mentions="c.txt")
+        self.ok("task", FARM, "--range", f"1-{TILES}")
+        said = self.ok("merge", FARM, "--counts", "c.json")
+        count = json.loads(self.bytes("c.json"))
+        mesh = (self.model / "s.ply").read_bytes().partition(b"end_header")[0].decode()
+        self.assertEqual(count["triangles"], int(re.search(r"element face (\d+)", mesh)[1]))
+        self.assertEqual(count["points"], int(re.search(r"element vertex (\d+)", mesh)[1]))
+        self.assertIn(f"{count['triangles']} triangles", said)
+        self.assertLess(sum(path.stat().st_size for path in self.path(f"{FARM}/tiles").iterdir()), 1000 * TILES)
+        # Other tiles have other hashes, and the same sums.
+        self.ok("plan", "tiles", harness.BUNNY, "-o", "other", "--tiles", 3, "--make", "count", *farm.OPTIONS)
+        script = self.ok("submit", "other", "--engine", "parallel", "--dry-run", "--counts", "d.json", data=True)
+        self.assertIn("--counts", script)
+        self.ok("task", "other", "--range", "1-3")
+        self.ok("merge", "other", "--counts", "d.json")
+        again = json.loads(self.bytes("d.json"))
+        self.assertEqual([again[name] for name in ("points", "triangles", "box")],
+                         [count[name] for name in ("points", "triangles", "box")])
+        self.write("s.obj", harness.obj(harness.sphere(1)))
+        self.refused(USAGE, "plan", "frames", "s.obj", "--frames", "1-2", "--key", "alpha@1=20", "-o", "f", "--make",
+                     "count", mentions="count")
+
     def test_a_plan_without_a_merge(self):
         self.write("s.obj", harness.obj(harness.sphere(1)))
         self.ok("plan", "frames", "s.obj", "--frames", "1-2", "--key", "alpha@1=20", "-o", FARM)

@@ -40,7 +40,7 @@ COMMANDS = {
     "fractal as GLB": ("fractal", "s.obj", "--mesh", "x.glb", "--lod", "100%,50%", "--colour", "direction", *LOW),
     "fractal of a recipe": ("fractal", "--config", "f.vdb", "-o", "x.vdb"),
     "fractal by a list": ("fractal", "s.obj", "--config", "options.txt", "-o", "x.vdb"),
-    "fractal of a versor": ("fractal", "s.obj", "-o", "x.vdb", "--versor", "v.json", *LOW),
+    "fractal of a versor": ("fractal", "s.obj", "-o", "x.vdb", "--texture", "v.json", *LOW),
     "fractal of a picture": ("fractal", "s.obj", "-o", "x.vdb", "--colour", "depth:ramp.exr", *LOW),
     "sequence": ("fractal", "s.obj", "-o", "x.####.vdb", "--frames", "1-2", "--key", "detail@1=0.1", *LOW),
     "mesh": ("mesh", "f.vdb", "-o", "x.ply", "--from-grid"),

@@ -176,18 +176,18 @@ class Fractals(FitTest):
     def test_moved_roots_move_the_first_iterate(self):
         """By 0.1 of the longest side: 6 units, which are four voxels, so that even the lattice is the same."""
         here = self.mesh("--iterations", 1, "--voxel-size", 1.5, resolution=None)
-        there = self.mesh("--iterations", 1, "--voxel-size", 1.5, "--versor-translate", "0.1,0,0", resolution=None)
+        there = self.mesh("--iterations", 1, "--voxel-size", 1.5, "--texture-translate", "0.1,0,0", resolution=None)
         by = 0.1 * self.map_of()["target"]["scale"]
         found = box_of(there.points)
         for k, (a, b) in enumerate(zip(box_of(here.points), found)):
             self.assertAlmostEqual(b - a, by if k % 3 == 0 else 0, delta=0.1)
         # Of more iterates the place stays 0's, and the shape changes.
         self.assertNotEqual(self.mesh("--iterations", 3).points,
-                            self.mesh("--iterations", 3, "--versor-translate", "0.02,0,0").points)
+                            self.mesh("--iterations", 3, "--texture-translate", "0.02,0,0").points)
 
     def test_is_a_versor(self):
         self.write("s.obj", harness.obj(harness.sphere(2)))
-        self.ok("fractal", "s.obj", "--versor", "shape.json", "--resolution", 24, "--sdf-resolution", 24, "--mesh",
+        self.ok("fractal", "s.obj", "--texture", "shape.json", "--resolution", 24, "--sdf-resolution", 24, "--mesh",
                 "textured.ply")
         self.ok("fractal", "s.obj", "--resolution", 24, "--sdf-resolution", 24, "--mesh", "plain.ply")
         textured, plain = (harness.read_ply(self.bytes(name)) for name in ("textured.ply", "plain.ply"))
@@ -301,8 +301,8 @@ class Refusals(FitTest):
 
     def test_rational_with_the_wrong_options(self):
         self.refused(USAGE, "fractal", "m.obj", "--rational", "shape.json", "-o", "x.vdb", mentions="--map rational")
-        self.refused(USAGE, *FRACTAL, "shape.json", "--versor", "shape.json", "-o", "x.vdb",
-                     mentions=["--rational", "--versor"])
+        self.refused(USAGE, *FRACTAL, "shape.json", "--texture", "shape.json", "-o", "x.vdb",
+                     mentions=["--rational", "--texture"])
         self.refused(NO_INPUT, *FRACTAL, "nowhere.json", "-o", "x.vdb", mentions="nowhere.json")
         self.refused(USAGE, *FRACTAL, "m.obj", "-o", "x.vdb", mentions="m.obj")
         self.refused(USAGE, *FRACTAL, "random", "-o", "x.vdb", "--box", "-1,-1,-1,1,1,1", mentions="random")

@@ -49,15 +49,15 @@ class Frequency(harness.CliTest):
     def test_a_small_part_has_detail_of_its_own(self):
         """The small ball is 20 voxels wide, and a feature about 6; of rings about the origin of the large one, it has none."""
         fine = ("--resolution", 240, "--sdf-resolution", 240)
-        small = lambda versor: roughness(self.points("--versor", versor, low=fine), (2, 0, 0), 0.05, 0.3)
+        small = lambda versor: roughness(self.points("--texture", versor, low=fine), (2, 0, 0), 0.05, 0.3)
         rings = small("rings")
         for versor in ("scales", "coral", "bark"):
             with self.subTest(versor=versor):
                 self.assertGreater(small(versor), max(0.2, 3 * rings))
 
     def test_the_same_in_all_ways(self):
-        for options in ((), ("--versor", "quills", "--frequency", "fine"), ("--versor", "coral", "--frequency", "x:1:3"),
-                        ("--versor", "thorns", "--frequency", "expr:1 + hx", "--slice", 0.1, "--drop-axis", "i")):
+        for options in ((), ("--texture", "quills", "--frequency", "fine"), ("--texture", "coral", "--frequency", "x:1:3"),
+                        ("--texture", "thorns", "--frequency", "expr:1 + hx", "--slice", 0.1, "--drop-axis", "i")):
             with self.subTest(options=options):
                 mesh = self.points(*options)
                 self.assertTrue(mesh.points == self.points(*options, "--exhaustive").points)
@@ -75,17 +75,17 @@ class Frequency(harness.CliTest):
         self.assertTrue(default == self.points("--frequency", "medium").points)
         self.assertFalse(default == self.points("--frequency", "fine").points)
         # A texture of twice the size at twice the frequency is itself, but for the rounding of the octave.
-        same, fine = self.points("--frequency", 4, "--versor-scale", 2), self.points("--frequency", 4)
+        same, fine = self.points("--frequency", 4, "--texture-scale", 2), self.points("--frequency", 4)
         self.assertLess(abs(len(same.faces) - len(mesh.faces)), 0.005 * len(mesh.faces))
         self.assertGreater(abs(len(fine.faces) - len(mesh.faces)), 0.02 * len(mesh.faces))
-        self.assertFalse(self.points("--versor-translate", "0.1,0,0").points == default)
+        self.assertFalse(self.points("--texture-translate", "0.1,0,0").points == default)
 
     def test_a_recipe_holds_it(self):
         self.ok("fractal", "t.obj", *LOW, "--frequency", "x:1:3", "-o", "one.vdb")
         self.ok("fractal", "--config", "one.vdb", "-o", "two.vdb")
         self.assertEqual(self.bytes("one.vdb"), self.bytes("two.vdb"))
-        self.ok("fractal", "--config", "one.vdb", "--versor", "rings", "-o", "three.vdb")
-        self.ok("fractal", "--config", "one.vdb", "--versor-seed", 3, "-o", "four.vdb")
+        self.ok("fractal", "--config", "one.vdb", "--texture", "rings", "-o", "three.vdb")
+        self.ok("fractal", "--config", "one.vdb", "--texture-seed", 3, "-o", "four.vdb")
 
     def test_bad_ones(self):
         for value in ("0", "-2", "nan", "inf", "middling", "1000000"):
@@ -93,11 +93,11 @@ class Frequency(harness.CliTest):
                 self.refused(USAGE, "fractal", "t.obj", *LOW, "--frequency", value, "-o", "x.vdb",
                              mentions=("--frequency", value))
         self.refused(USAGE, "fractal", "t.obj", *LOW, "--frequency", "x:-1:2", "-o", "x.vdb", mentions="frequency")
-        self.refused(USAGE, "fractal", "t.obj", *LOW, "--frequency", "2", "--versor", "rings", "-o", "x.vdb",
+        self.refused(USAGE, "fractal", "t.obj", *LOW, "--frequency", "2", "--texture", "rings", "-o", "x.vdb",
                      mentions="--frequency has no effect")
-        self.refused(USAGE, "fractal", "t.obj", *LOW, "--frequency", "2", "--versor-seed", 4, "-o", "x.vdb",
+        self.refused(USAGE, "fractal", "t.obj", *LOW, "--frequency", "2", "--texture-seed", 4, "-o", "x.vdb",
                      mentions="--frequency has no effect")
-        self.refused(USAGE, "fractal", "--map", "rational", "t.obj", *LOW, "--versor", "scales", "-o", "x.vdb",
+        self.refused(USAGE, "fractal", "--map", "rational", "t.obj", *LOW, "--texture", "scales", "-o", "x.vdb",
                      mentions="thickness")
         self.ok("sdf", "t.obj", "-o", "below.vdb", "--resolution", 30)
         self.refused(BAD_DATA, "fractal", "t.obj", *LOW, "--frequency", "below.vdb", "-o", "x.vdb", mentions="below.vdb")

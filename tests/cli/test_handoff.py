@@ -138,9 +138,9 @@ class HandOff(harness.CliTest):
     def test_nothing_is_not_finite(self):
         # A slice through a root (the versor of 0), and an escape radius that lets the last steps grow.
         self.write("v.json", harness.rational_json([(0, 0, 0, 0, 3), (0.0625, 0, 0, 0, 2.5), (0.125, 0, 0, 0, -2)]))
-        self.ok("fractal", "t.obj", *LOW, "--versor", "v.json", "-o", "t.vdb", "--grids", ",".join(ALL_GRIDS),
+        self.ok("fractal", "t.obj", *LOW, "--texture", "v.json", "-o", "t.vdb", "--grids", ",".join(ALL_GRIDS),
                 "--escape", "1e9", "--iterations", 9)
-        self.ok("fractal", "--map", "rational", "--versor", "v.json", "--box", "-1,-1,-1,1,1,1", "-o", "r.vdb",
+        self.ok("fractal", "--map", "rational", "--texture", "v.json", "--box", "-1,-1,-1,1,1,1", "-o", "r.vdb",
                 "--resolution", 32, "--grids", ",".join(ALL_GRIDS))
         for name in ("t.vdb", "r.vdb"):
             for grid in self.grids(name).values():

@@ -123,7 +123,7 @@ class WordsThatAreWrong(harness.CliTest):
         self.refused(USAGE, *job, "--detial=0.3", mentions="did you mean '--detail'?")
         self.refused(USAGE, *job, "--map", "quadratc", mentions="did you mean 'quadratic'?")
         self.refused(USAGE, *job, "--sampling", "trilinaer", mentions="did you mean 'trilinear'?")
-        self.refused(USAGE, *job, "--versor", "scaels", mentions="did you mean 'scales'?")
+        self.refused(USAGE, *job, "--texture", "scaels", mentions="did you mean 'scales'?")
         self.refused(USAGE, *job, "--progress", "jsn", mentions="did you mean 'json'?")
         self.refused(USAGE, *job, "--instructions", "AVX2", mentions="did you mean 'avx2'?")
         self.write("options.txt", "detial = 0.3\n")

@@ -22,10 +22,10 @@ OUT = "{output}"  # in the place of the output's name
 # What files a recipe may name, by the options that name them. Controls may name several kinds.
 RECIPE = {
     "--rational": ("r.json", ("--map", "rational", "--rational", "r.json")),
-    "--versor": ("v.json", ("--versor", "v.json")),
-    "--versor-over": ("r.json", ("--versor-over", "r.json")),
+    "--texture": ("v.json", ("--texture", "v.json")),
+    "--texture-over": ("r.json", ("--texture-over", "r.json")),
     "--config": ("list.txt", ("--config", "list.txt")),
-    "--versor-mix": ("p.png", ("--versor-over", "rings", "--versor-mix", "texture:p.png:0:1")),
+    "--texture-mix": ("p.png", ("--texture-over", "rings", "--texture-mix", "texture:p.png:0:1")),
     "--mask": ("p.png", ("--mask", "texture:p.png:0:1")),
     "--detail": ("c.obj", ("--detail", "near:c.obj:0.2:0.1:0.6")),
     "--outward": ("c.ply", ("--outward", "paint:red@c.ply:0:1")),
@@ -87,7 +87,7 @@ CASES = [
     ("slice", "b.obj", ("x.vdb", "-o", OUT)),
     ("slice", "s.vdb", ("s.vdb", "--field", "grid", "-o", OUT)),
     ("slice", "moved/m.obj", ("far.vdb", "--search", "moved", "-o", OUT)),
-    ("study", "r.json", ("b.obj", "--versor-over", "r.json", "-o", OUT)),
+    ("study", "r.json", ("b.obj", "--texture-over", "r.json", "-o", OUT)),
     ("study", "b.obj", ("b.obj", "-o", OUT)),
     ("study", "b.obj", ("b.obj", "-o", "new.png", "--curve", OUT)),
     ("study", "b.obj", ("b.obj", "-o", "new.png", "--csv", OUT)),

@@ -56,7 +56,7 @@ class Interrupt(harness.CliTest):
 
     def test_surface(self):
         self.interrupt_in("surface", "fractal", "s.obj", "--mesh", "x.ply", "-o", "x.vdb", "--resolution", 250,
-                          "--alpha", 20, "--sdf-resolution", 48, "--tolerance", 1e-12, "--versor-roots", 400)
+                          "--alpha", 20, "--sdf-resolution", 48, "--tolerance", 1e-12, "--texture-roots", 400)
 
     def test_field_of_a_quadratic_map(self):
         self.interrupt_in("field", "fractal", "--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "--iterations", 1000,

@@ -53,7 +53,7 @@ class Closed(Laws):
     def test_closed_and_manifold(self):
         for options in (("s.obj",), ("t.obj", "--alpha", 15), ("t.obj", "--alpha", "x:8:200", "--beta", -0.02),
                         ("s.obj", "--slice", 0.3, "--origin", "0.1,0.05,-0.1"), ("t.obj", "--iterations", 1),
-                        ("t.obj", "--drop-axis", "j", "--versor-integer"), ("s.obj", "--space", "world"),
+                        ("t.obj", "--drop-axis", "j", "--texture-integer"), ("s.obj", "--space", "world"),
                         ("t.obj", "--tolerance", 0.5), ("t.obj", "--sampling", "quadratic"), ("s.obj", "--precision", "float"), ("s.obj", "--exhaustive"),
                         ("--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "--iterations", 8)):
             with self.subTest(options=options):
@@ -75,7 +75,7 @@ class Closed(Laws):
             found = set(followed.points)
 
     def test_islands_are_dropped_whole(self):
-        rough = ("t.obj", "--alpha", 15, "--versor-seed", 3, *LOW)
+        rough = ("t.obj", "--alpha", 15, "--texture-seed", 3, *LOW)
         whole = self.fractal(*rough)
         largest = self.fractal(*rough, "--largest", 1)
         self.check_closed(largest)
@@ -86,7 +86,7 @@ class Closed(Laws):
 
     def test_crumbs_are_dropped_whole(self):
         """Small pieces go, and the summary says how many; with --crumbs keep they are there, as in an earlier version's recipe."""
-        rough = ("t.obj", "--detail", 0.6, "--versor", "random", "--versor-seed", 3, "--resolution", 90, "--sdf-resolution", 40)
+        rough = ("t.obj", "--detail", 0.6, "--texture", "random", "--texture-seed", 3, "--resolution", 90, "--sdf-resolution", 40)
         kept = self.fractal(*rough, "--crumbs", "keep")
         said = self.ok("fractal", *rough, "-o", "f.vdb", "--mesh", "f.ply")
         count, voxels, islands = map(int, re.search(
@@ -127,7 +127,7 @@ class Closed(Laws):
         self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))
         for words in (("--map", "rational"), ("s.obj", "--map", "rational")):
             with self.subTest(words=words):
-                self.check_closed(self.fractal(*words, "--versor", "v.o3d", *self.low(words[0]), "--cap"))
+                self.check_closed(self.fractal(*words, "--texture", "v.o3d", *self.low(words[0]), "--cap"))
 
     def test_a_capped_box(self):
         mesh = self.fractal("s.obj", *LOW, "--box", BOX_TEXT, "--cap")
@@ -308,10 +308,10 @@ class Similarity(Laws):
         # In fractal space a voxel of this ball is half as large.
         part = ("s.obj", "--box=0.6,-0.03,-0.03,1.1,0.03,0.03", "--voxel-size")
         for arithmetic, options in (("float", ("s.obj", "--iterations", 10)), ("double", ("s.obj", "--iterations", 11)),
-                                    ("float", ("s.obj", "--versor", "most.json")),
-                                    ("double", ("s.obj", "--versor", "more.json")),
-                                    ("float", ("s.obj", "--versor", "pairs.json")),
-                                    ("double", ("s.obj", "--versor", "apart.json")),
+                                    ("float", ("s.obj", "--texture", "most.json")),
+                                    ("double", ("s.obj", "--texture", "more.json")),
+                                    ("float", ("s.obj", "--texture", "pairs.json")),
+                                    ("double", ("s.obj", "--texture", "apart.json")),
                                     ("float", (*part, 0.0021)), ("double", (*part, 0.0019)),
                                     ("double", ("--map", "mandelbulb")), ("double", ("--map", "cross")),
                                     ("double", ("--map", "quadratic", "--mandelbrot")),

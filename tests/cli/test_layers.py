@@ -74,64 +74,64 @@ class Layers(harness.CliTest):
         squared = "expr:x*x - y*y - z*z - w*w, 2*x*y, 2*x*z, 2*x*w"
         for power, formula in ((1, "expr:x,y,z,w"), (2, squared)):
             self.write("root.json", harness.rational_json([(0, 0, 0, 0, power)]))
-            for options in ((), ("--slice", 0.1), ("--versor-scale", 0.5, "--versor-translate", "0.1,-0.05,0.02")):
+            for options in ((), ("--slice", 0.1), ("--texture-scale", 0.5, "--texture-translate", "0.1,-0.05,0.02")):
                 with self.subTest(power=power, options=options):
                     options = ("--alpha", 8, "--precision", "double", *options)
-                    self.assert_alike(self.mesh("--versor", formula, *options),
-                                      self.mesh("--versor", "root.json", *options), 0.995)
+                    self.assert_alike(self.mesh("--texture", formula, *options),
+                                      self.mesh("--texture", "root.json", *options), 0.995)
 
     def test_three_components_are_the_fourth_left_out(self):
         for axis, four in (("i", "y,0,-x,z+0.2"), ("j", "y,-x,0,z+0.2"), ("k", "y,-x,z+0.2,0")):
-            self.assertEqual(self.points("--versor", "expr:y,-x,z+0.2", "--drop-axis", axis),
-                             self.points("--versor", f"expr:{four}", "--drop-axis", axis))
+            self.assertEqual(self.points("--texture", "expr:y,-x,z+0.2", "--drop-axis", axis),
+                             self.points("--texture", f"expr:{four}", "--drop-axis", axis))
 
     def test_a_formula_knows_the_target(self):
-        default = self.points("--versor", "expr:x,y,z")
+        default = self.points("--texture", "expr:x,y,z")
         for formula in ("expr:nx,ny,nz+0.1", "expr:x,y,z+10*phi", "expr:cos(20*tau),sin(20*tau),0.1",
                         "expr:x,y,curvature", "expr:height-0.4,hx-0.6,hz-0.7", "expr:x, y, z, w + 0.3"):
             with self.subTest(formula=formula):
-                self.assertNotEqual(self.points("--versor", formula), default)
+                self.assertNotEqual(self.points("--texture", formula), default)
         self.write("painted.ply", test_painting.painted_ply(harness.lumpy(), ["float weight"], lambda p: (p[0],)))
-        self.ok("fractal", "painted.ply", *LOW, "--versor", "expr:weight+0.1,y,z", "--mesh", "w.ply")
+        self.ok("fractal", "painted.ply", *LOW, "--texture", "expr:weight+0.1,y,z", "--mesh", "w.ply")
 
     def test_a_field_is_the_formula_of_the_same(self):
         self.field()
-        same = self.mesh("--versor", "expr:0.3+y, z-0.1, x+0.2", *WORLD)
-        four = self.mesh("--versor", "expr:0.3+y, z-0.1, x+0.2, x-y", *WORLD)
+        same = self.mesh("--texture", "expr:0.3+y, z-0.1, x+0.2", *WORLD)
+        four = self.mesh("--texture", "expr:0.3+y, z-0.1, x+0.2, x-y", *WORLD)
         for source, wanted in (("field:f.vdb:v", same), ("field:f.vdb", same), ("field:f.vdb:a,b,c", same),
                                ("field:f.vdb:a,b,c,d", four)):
             with self.subTest(source=source):
-                self.assert_alike(self.mesh("--versor", source, *WORLD), wanted)
+                self.assert_alike(self.mesh("--texture", source, *WORLD), wanted)
 
     def test_a_sparse_field_is_filled(self):
         """A band of normals, as artists make them: what lies within the shape goes on from there."""
         shell = lambda x, y, z: 0.5 < math.hypot(x, y, z) < 1.6
         write_grids(self.path("n.vdb"), 0.1, {"n": (pyopenvdb.Vec3SGrid, lambda x, y, z: (x, y, z))}, keep=shell)
         write_grids(self.path("n2.vdb"), 0.1, {"n": (pyopenvdb.Vec3SGrid, lambda x, y, z: (4, 0, 3))}, keep=shell)
-        self.mesh("--versor", "field:n.vdb:n")
-        self.assert_alike(self.mesh("--versor", "field:n2.vdb:n"), self.mesh("--versor", "expr:4,0,3"), 0.999)
+        self.mesh("--texture", "field:n.vdb:n")
+        self.assert_alike(self.mesh("--texture", "field:n2.vdb:n"), self.mesh("--texture", "expr:4,0,3"), 0.999)
 
     def test_layers_of_0_and_1_are_the_textures(self):
-        for over in (("--versor", "thorns", "--frequency", "coarse", "--versor-seed", 3), ("--versor", "rings"),
-                     ("--versor", "expr:y,-x,0.3")):
-            named = [word.replace("--versor-seed", "--versor-over-seed").replace("--frequency", "--versor-over-frequency")
-                     if str(word).startswith("--") and word != "--versor" else "--versor-over" if word == "--versor" else word
+        for over in (("--texture", "thorns", "--frequency", "coarse", "--texture-seed", 3), ("--texture", "rings"),
+                     ("--texture", "expr:y,-x,0.3")):
+            named = [word.replace("--texture-seed", "--texture-over-seed").replace("--frequency", "--texture-over-frequency")
+                     if str(word).startswith("--") and word != "--texture" else "--texture-over" if word == "--texture" else word
                      for word in map(str, over)]
-            under = ("--versor", "woven", "--frequency", "fine")
+            under = ("--texture", "woven", "--frequency", "fine")
             with self.subTest(over=over):
-                mixed = self.points(*under, *named, "--versor-mix", 0.5)
+                mixed = self.points(*under, *named, "--texture-mix", 0.5)
                 self.assertEqual(self.points(*under, *named), mixed)
-                self.assertEqual(self.points(*under, *named, "--versor-mix", 0), self.points(*under))
-                self.assertEqual(self.points(*under, *named, "--versor-mix", 1), self.points(*over))
+                self.assertEqual(self.points(*under, *named, "--texture-mix", 0), self.points(*under))
+                self.assertEqual(self.points(*under, *named, "--texture-mix", 1), self.points(*over))
                 self.assertNotIn(mixed, (self.points(*under), self.points(*over)))
 
     def test_a_painted_mix_keeps_each_side(self):
         """Left of x = -0.5 there is one texture, and right of 0.5 the other, to the bit; between them no seam tears."""
-        mix = ("--versor", "woven", "--versor-over", "coral", "--versor-mix", "x:0@0.3:1@0.7:smooth")
+        mix = ("--texture", "woven", "--texture-over", "coral", "--texture-mix", "x:0@0.3:1@0.7:smooth")
         # In one step a point depends on its own versor alone.
         options = ("--iterations", 2, "--alpha", 10)
         mixed, woven, coral = (self.mesh(*words, *options)
-                               for words in (mix, ("--versor", "woven"), ("--versor", "coral")))
+                               for words in (mix, ("--texture", "woven"), ("--texture", "coral")))
         low, high = min(p[0] for p in woven.points), max(p[0] for p in woven.points)
         left, right = low + 0.2 * (high - low), low + 0.8 * (high - low)
         side = lambda mesh, keep: sorted(p for p in mesh.points if keep(p[0]))
@@ -142,21 +142,21 @@ class Layers(harness.CliTest):
     def test_symmetry_has_an_effect_on_all(self):
         self.field()
         for versor in ("scales", "random", "rings", "expr:x+0.2,y,z", "field:f.vdb:v"):
-            plain = self.points("--versor", versor)
+            plain = self.points("--texture", versor)
             for symmetry in ("mirror:x", "5:y", "5:y:mirror"):
                 with self.subTest(versor=versor, symmetry=symmetry):
-                    self.assertNotEqual(self.points("--versor", versor, "--versor-symmetry", symmetry), plain)
+                    self.assertNotEqual(self.points("--texture", versor, "--texture-symmetry", symmetry), plain)
 
     # The laws of every fractal.
 
     FAMILIES = (
-        ("--versor", "expr:sin(9*x)+ny, cos(7*y), nz+phi"),
-        ("--versor", "field:f.vdb:v", "--versor-scale", 0.3),
-        ("--versor", "field:f.vdb:a,b,c,d", "--drop-axis", "j", "--slice", 0.1),
-        ("--versor", "scales", "--versor-over", "thorns", "--versor-over-frequency", "fine", "--versor-mix", "expr:hx"),
-        ("--versor", "rings", "--versor-over", "expr:y,-x,0.4,w", "--versor-symmetry", "3:z"),
-        ("--versor", "woven", "--versor-symmetry", "6:y:mirror", "--origin-shift", "0.05,0,0"),
-        ("--versor", "field:f.vdb:v", "--versor-over", "random", "--versor-mix", "y:0:1", "--versor-symmetry", "mirror:xz"),
+        ("--texture", "expr:sin(9*x)+ny, cos(7*y), nz+phi"),
+        ("--texture", "field:f.vdb:v", "--texture-scale", 0.3),
+        ("--texture", "field:f.vdb:a,b,c,d", "--drop-axis", "j", "--slice", 0.1),
+        ("--texture", "scales", "--texture-over", "thorns", "--texture-over-frequency", "fine", "--texture-mix", "expr:hx"),
+        ("--texture", "rings", "--texture-over", "expr:y,-x,0.4,w", "--texture-symmetry", "3:z"),
+        ("--texture", "woven", "--texture-symmetry", "6:y:mirror", "--origin-shift", "0.05,0,0"),
+        ("--texture", "field:f.vdb:v", "--texture-over", "random", "--texture-mix", "y:0:1", "--texture-symmetry", "mirror:xz"),
     )
 
     def test_the_same_in_all_ways(self):
@@ -179,18 +179,18 @@ class Layers(harness.CliTest):
                 self.ok("fractal", "t.obj", *LOW, *options, "--grids", "surface,versor", "-o", "one.vdb")
                 self.ok("fractal", "--config", "one.vdb", "-o", "two.vdb")
                 self.assertEqual(self.bytes("one.vdb"), self.bytes("two.vdb"))
-        self.ok("fractal", "--config", "one.vdb", "--versor-over", "none", "--versor-symmetry", "none", "--mesh", "plain.ply")
-        self.assertEqual(harness.read_ply(self.bytes("plain.ply")).points, self.points("--versor", "field:f.vdb:v"))
+        self.ok("fractal", "--config", "one.vdb", "--texture-over", "none", "--texture-symmetry", "none", "--mesh", "plain.ply")
+        self.assertEqual(harness.read_ply(self.bytes("plain.ply")).points, self.points("--texture", "field:f.vdb:v"))
         # Every file is held to what it was.
         write_grids(self.path("f.vdb"), 0.1, {"v": (pyopenvdb.Vec3SGrid, lambda x, y, z: (1, 0, 0))})
         self.refused(BAD_DATA, "fractal", "--config", "one.vdb", "-o", "x.vdb", mentions="f.vdb")
 
     def test_sequences_sheets_and_pictures(self):
-        layers = ("--versor", "woven", "--versor-over", "thorns", "--versor-symmetry", "mirror:x")
+        layers = ("--texture", "woven", "--texture-over", "thorns", "--texture-symmetry", "mirror:x")
         self.ok("fractal", "t.obj", *LOW, *layers, "--frames", "1-2", "--key", "versor-mix@1=0", "--key",
                 "versor-mix@2=1", "--mesh", "g.####.ply")
         for frame, mix in (("g.0001.ply", 0), ("g.0002.ply", 1)):
-            self.assertEqual(harness.read_ply(self.bytes(frame)).points, self.points(*layers, "--versor-mix", mix))
+            self.assertEqual(harness.read_ply(self.bytes(frame)).points, self.points(*layers, "--texture-mix", mix))
         self.ok("sheet", "t.obj", *LOW, *layers[:4], "--vary", "versor-mix=0.2,0.8", "--vary", "versor-symmetry=none,3:y",
                 "--size", "24x24", "-o", "s.png")
         self.ok("sheet", "t.obj", *LOW, "--vary", "versor=expr:x,y,z;expr:-y,x,z", "--size", "24x24", "-o", "e.png")
@@ -204,15 +204,15 @@ class Layers(harness.CliTest):
 
     def test_bad_formulas(self):
         for text in ("", "x", "x,y", "x,y,z,w,x", "x,,z", "x,y,)", "x,y,foo(z)", "x,y,z=1"):
-            self.bad(USAGE, ("--versor", f"expr:{text}"), "--versor", text)
-            self.bad(USAGE, ("--versor-over", f"expr:{text}"), "--versor-over", text)
+            self.bad(USAGE, ("--texture", f"expr:{text}"), "--texture", text)
+            self.bad(USAGE, ("--texture-over", f"expr:{text}"), "--texture-over", text)
         for text in ("sqrt(x),y,z", "log(-1),0,0", "0,0,0", "x > 0 ? 1 : 0, 0, 0", "1/0,y,z"):
-            self.bad(BAD_DATA, ("--versor", f"expr:{text}"), "--versor", text, "x = ")
-            self.bad(BAD_DATA, ("--versor-over", f"expr:{text}"), "--versor-over", text, "x = ")
-        self.bad(BAD_DATA, ("--versor", "expr:x,y,weight"), "--versor", "weight")
+            self.bad(BAD_DATA, ("--texture", f"expr:{text}"), "--texture", text, "x = ")
+            self.bad(BAD_DATA, ("--texture-over", f"expr:{text}"), "--texture-over", text, "x = ")
+        self.bad(BAD_DATA, ("--texture", "expr:x,y,weight"), "--texture", "weight")
         # At single points and on lines there need not be one.
         for text in ("x,y,z", "-y,x,0", "x/sqrt(x*x+y*y+z*z),y/sqrt(x*x+y*y+z*z),z/sqrt(x*x+y*y+z*z)"):
-            self.assertEqual(harness.open_edges(self.mesh("--versor", f"expr:{text}", "--origin", "centre")), [])
+            self.assertEqual(harness.open_edges(self.mesh("--texture", f"expr:{text}", "--origin", "centre")), [])
 
     def test_bad_fields(self):
         self.field()
@@ -225,7 +225,7 @@ class Layers(harness.CliTest):
         write_grids(self.path("far.vdb"), 0.1, {"v": (vector, lambda x, y, z: (1, 0, 0))}, 200, 210)
         write_grids(self.path("empty.vdb"), 0.1, {"v": (vector, lambda x, y, z: (1, 0, 0))}, 1, 0)
         self.write("text.vdb", "no VDB")
-        for option in ("--versor", "--versor-over"):
+        for option in ("--texture", "--texture-over"):
             for source, *mentions in (("bad.vdb:nan", "nan", "(0.5,"), ("bad.vdb:zero", "(0, 0, 0)", "at ("),
                                       ("bad.vdb:mask", "mask", "bool"), ("bad.vdb:mask,nan,zero", "mask"),
                                       ("bad.vdb:nowhere", "nowhere"), ("f.vdb:a", "'a'", "float"), ("bad.vdb", "more than one"),
@@ -236,33 +236,33 @@ class Layers(harness.CliTest):
             for source in ("", "f.obj", "f.vdb:", "f.vdb:a,b", "f.vdb:a,,b", "f.vdb:a,b,c,d,a"):
                 self.bad(USAGE, (option, f"field:{source}"), option, source)
         # One vector of length 0 is a point without a direction.
-        self.assertEqual(harness.open_edges(self.mesh("--versor", "field:bad.vdb:point")), [])
+        self.assertEqual(harness.open_edges(self.mesh("--texture", "field:bad.vdb:point")), [])
 
     def test_bad_layers(self):
         for value in ("-0.1", "1.1", "nan", "much"):
-            self.bad(USAGE, ("--versor-over", "thorns", "--versor-mix", value), "--versor-mix", value)
-        self.bad(BAD_DATA, ("--versor-over", "thorns", "--versor-mix", "paint:red"), "--versor-mix", "red")
-        self.bad(BAD_DATA, ("--versor-over", "thorns", "--versor-mix", "expr:sqrt(x)"), "--versor-mix", "x = ")
-        self.bad(NO_INPUT, ("--versor-over", "thorns", "--versor-mix", "none.vdb"), "none.vdb")
-        self.bad(NO_INPUT, ("--versor-over", "none.json",), "none.json")
-        self.bad(USAGE, ("--versor-over", "scalse"), "--versor-over", "scales")
-        self.bad(USAGE, ("--versor-over", "coral", "--versor-over-frequency", 0), "--versor-over-frequency", "'0'")
-        self.bad(USAGE, ("--versor", "function"), "Python")
+            self.bad(USAGE, ("--texture-over", "thorns", "--texture-mix", value), "--texture-mix", value)
+        self.bad(BAD_DATA, ("--texture-over", "thorns", "--texture-mix", "paint:red"), "--texture-mix", "red")
+        self.bad(BAD_DATA, ("--texture-over", "thorns", "--texture-mix", "expr:sqrt(x)"), "--texture-mix", "x = ")
+        self.bad(NO_INPUT, ("--texture-over", "thorns", "--texture-mix", "none.vdb"), "none.vdb")
+        self.bad(NO_INPUT, ("--texture-over", "none.json",), "none.json")
+        self.bad(USAGE, ("--texture-over", "scalse"), "--texture-over", "scales")
+        self.bad(USAGE, ("--texture-over", "coral", "--texture-over-frequency", 0), "--texture-over-frequency", "'0'")
+        self.bad(USAGE, ("--texture", "function"), "Python")
         for value in ("mirror", "mirror:", "mirror:xx", "mirror:w", "1:x", "65:x", "6", "6:xy", "6:y:mirrored", "y:6", "6:y:mirror:x"):
-            self.bad(USAGE, ("--versor-symmetry", value), "--versor-symmetry", value)
-        for option, value in (("--versor-mix", 0.3), ("--versor-over-seed", 2), ("--versor-over-frequency", 2)):
+            self.bad(USAGE, ("--texture-symmetry", value), "--texture-symmetry", value)
+        for option, value in (("--texture-mix", 0.3), ("--texture-over-seed", 2), ("--texture-over-frequency", 2)):
             self.bad(USAGE, (option, value), f"{option} has no effect")
-        self.bad(USAGE, ("--versor-over", "rings", "--versor-over-frequency", 2), "--versor-over-frequency has no effect")
-        self.bad(USAGE, ("--versor-over", "woven", "--versor-over-seed", 2), "--versor-over-seed has no effect")
-        self.bad(USAGE, ("--versor", "expr:x,y,z", "--versor-roots", 3), "--versor-roots")
-        self.bad(USAGE, ("--versor", "expr:x,y,z", "--frequency", 3), "--frequency has no effect")
-        self.bad(USAGE, ("--map", "rational", "--versor", "expr:x,y,z"), "--versor", "expr:x,y,z")
-        self.bad(USAGE, ("--map", "rational", "--versor-over", "thorns"), "versor-over")
+        self.bad(USAGE, ("--texture-over", "rings", "--texture-over-frequency", 2), "--texture-over-frequency has no effect")
+        self.bad(USAGE, ("--texture-over", "woven", "--texture-over-seed", 2), "--texture-over-seed has no effect")
+        self.bad(USAGE, ("--texture", "expr:x,y,z", "--texture-roots", 3), "--texture-roots")
+        self.bad(USAGE, ("--texture", "expr:x,y,z", "--frequency", 3), "--frequency has no effect")
+        self.bad(USAGE, ("--map", "rational", "--texture", "expr:x,y,z"), "--texture", "expr:x,y,z")
+        self.bad(USAGE, ("--map", "rational", "--texture-over", "thorns"), "versor-over")
         # Without a target there is nothing for a layer to follow.
-        self.refused(USAGE, "fractal", "--versor-over", "thorns", "-o", "x.vdb", mentions="mesh")
+        self.refused(USAGE, "fractal", "--texture-over", "thorns", "-o", "x.vdb", mentions="mesh")
 
     def test_explore_says_what_it_cannot_show(self):
-        for options in (("--versor-over", "thorns"), ("--versor", "expr:x,y,z"), ("--versor-symmetry", "mirror:x")):
+        for options in (("--texture-over", "thorns"), ("--texture", "expr:x,y,z"), ("--texture-symmetry", "mirror:x")):
             self.refused(USAGE, "explore", "t.obj", *LOW, *options, "--export", "page.html", mentions="render --field")
 
 

@@ -232,7 +232,7 @@ class Makers(harness.CliTest):
         """What is below the least thickness by no more than a thickness is measured exactly is said, and more is warned of.
         On coarse lattices both happen to a rough fractal."""
         self.write("l.obj", harness.obj(harness.lumpy()))
-        self.ok("fractal", "l.obj", "-o", "g.vdb", "--alpha", 10, "--versor-seed", 1, "--resolution", 40,
+        self.ok("fractal", "l.obj", "-o", "g.vdb", "--alpha", 10, "--texture-seed", 1, "--resolution", 40,
                 "--sdf-resolution", 32)
         exact, warned = "as exactly as it is measured, within 2 %", re.compile(r"warning: \d+ places? (is|are) thinner than")
         heard = set()

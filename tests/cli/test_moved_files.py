@@ -15,7 +15,7 @@ class MovedFiles(harness.CliTest):
             self.path(folder).mkdir(parents=True)
         self.write("made/lumpy.obj", harness.obj(harness.lumpy()))
         self.inside("made", "versor", "new", "--seed", 3, "-o", "v.json")
-        self.inside("made", "fractal", "lumpy.obj", "--versor", "v.json", "-o", "f.vdb", "--mesh", "f.ply", *SMALL)
+        self.inside("made", "fractal", "lumpy.obj", "--texture", "v.json", "-o", "f.vdb", "--mesh", "f.ply", *SMALL)
 
     def inside(self, folder, *words):
         """Runs in a folder below that of the test."""

@@ -28,16 +28,16 @@ RUNS = {
     "fractal": [
         ("s.obj", "-o", "f.vdb", *LOW),
         ("t.ply", "--mesh", "f.ply", "--box", BOX, "--alpha", 20, *LOW),
-        ("s.obj", "-o", "f.vdb", "--mesh", "f.glb", "--versor", "random", "--attributes", "trap,Cd", "--colour", "trap", *LOW),
-        ("open.obj", "--repair", "--mesh", "f.ply", "--versor", "bark", "--versor-over", "coral", *LOW),
+        ("s.obj", "-o", "f.vdb", "--mesh", "f.glb", "--texture", "random", "--attributes", "trap,Cd", "--colour", "trap", *LOW),
+        ("open.obj", "--repair", "--mesh", "f.ply", "--texture", "bark", "--texture-over", "coral", *LOW),
         ("pair.vdb", "--grid", "phi", "-o", "f.vdb", "--resolution", 14),
         ("--config", "quadratic.vdb", "-o", "f.vdb"),
         ("--map", "cross", "--f", "x, y, z", "--g", "cos(x), cos(y), z", "--mesh", "f.ply", "--resolution", 14),
-        ("s.obj", "--mesh", "f.stl", "--versor", "random", "--versor-placement", "cluster", "--follow", "--up", "z",
+        ("s.obj", "--mesh", "f.stl", "--texture", "random", "--texture-placement", "cluster", "--follow", "--up", "z",
          "--resolution", 60, "--sdf-resolution", 16),
-        ("s.vdb", "-o", "f.vdb", "--versor", "swirl.json", "--origin", "centre", "--resolution", 14),
+        ("s.vdb", "-o", "f.vdb", "--texture", "swirl.json", "--origin", "centre", "--resolution", 14),
         ("s.obj", "--map", "rational", "--rational", "swirl.json", "--mesh", "f.ply", *LOW),
-        ("s.obj", "--versor", "random", "--versor-placement", "surface", "--mesh", "f.ply", *LOW),
+        ("s.obj", "--texture", "random", "--texture-placement", "surface", "--mesh", "f.ply", *LOW),
         ("--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "-o", "f.vdb", "--resolution", 14),
         ("--map", "mandelbulb", "--mesh", "f.obj", "--resolution", 14),
         ("--map", "cross", "--scheme", 5, "-o", "f.vdb", "--resolution", 14),
@@ -81,7 +81,7 @@ LOOK = {"up": "z", "alpha-clarity": "0.02", "delta": "2", "epsilon": "0.05", "az
         "zoom": "2", "eye": "2,2,4", "look-at": "0.2,0,0", "samples": "1", "size": "20x20", "material": "bronze", "light": "60,20",
         "sky": "0.2", "background": "#203040", "exposure": "1"}
 VALUES = {
-    "fit": {"resolution": "15", "alpha": "30", "epsilon": "0.3", "roots": "7", "weights": "layers", "schedule": "11(VF)",
+    "fit": {"method": "kim15", "resolution": "15", "alpha": "30", "epsilon": "0.3", "roots": "7", "weights": "layers", "schedule": "11(VF)",
             "smooth": "2", "triangles": "300", "target-iou": "0.3", "seed": "5", "start": "monopoles", "power-penalty": "0.01"},
     "print": {"size": "50", "up": "z", "resolution": "22", "tolerance": "0.7", "islands": "2", "flat-base": "5",
               "min-thickness": "8", "thin": "drop"},
@@ -101,10 +101,10 @@ VALUES = {
         "iterations": "2", "escape": "3", "slice": "0.2", "drop-axis": "j", "rational": "roots.json", "c": "0.3,0.2,0.1",
         "scheme": "3", "pair": "B", "f": "x*x, y, z", "g": "cos(x), y, z", "radius": "3", "power": "5", "theta": "pole",
         "detail": "0.6", "outward": "0.25", "mask": "0.5", "alpha": "15", "beta": "0.03", "sampling": "quadratic",
-        "versor": "roots.json", "versor-seed": "9", "versor-roots": "5", "versor-powers": "3:5",
-        "versor-placement": "inside", "versor-distance": "0.2", "versor-centre": "0.2,0,0", "versor-radius": "0.3",
-        "versor-over": ("coral", "rings"), "versor-over-seed": "9", "versor-over-frequency": "fine", "versor-mix": "0.9",
-        "versor-symmetry": "3:y", "versor-scale": "1.5", "versor-translate": "0.1,0,0", "origin": "0.1,0,0", "origin-near": "0.4,0,0",
+        "texture": "roots.json", "texture-seed": "9", "texture-roots": "5", "texture-powers": "3:5",
+        "texture-placement": "inside", "texture-distance": "0.2", "texture-centre": "0.2,0,0", "texture-radius": "0.3",
+        "texture-over": ("coral", "rings"), "texture-over-seed": "9", "texture-over-frequency": "fine", "texture-mix": "0.9",
+        "texture-symmetry": "3:y", "texture-scale": "1.5", "texture-translate": "0.1,0,0", "origin": "0.1,0,0", "origin-near": "0.4,0,0",
         "origin-shift": "0.1,0,0", "space": "world", "box": "-0.6,-0.5,-0.3,0.7,0.8,0.9", "seed-stride": "32",
         "tolerance": "0.4", "adaptivity": "2", "crumbs": "keep", "largest": "1", "min-size": "0.9", "precision": "double",
         "grids": "surface,density", "lod": "100%,40%", "attributes": "iterations", "colour": "trap:magma",
@@ -151,6 +151,7 @@ DEPENDS_ON_DATA = {
 
 # Likewise, in runs with this value.
 DEPENDS_WITH = {
+    ("method", "--schedule"): "a schedule chooses the method that has one",
     ("sdf-resolution", "rational"): "the distances say whether the middle of the target lies inside, and no more",
     ("sdf-voxel-size", "rational"): "the distances say whether the middle of the target lies inside, and no more",
 }
@@ -400,17 +401,35 @@ class Refusals(harness.CliTest):
             self.refused(USAGE, "sheet", "s.obj", *LOW, "--vary", f"{one}={value}", f"--{other}", another, "-o", "x.png",
                          "--size", "20x20", mentions=(f"--{one}", f"--{other}"))
         self.write("roots.json", harness.rational_json(harness.ROOTS))
-        self.refused(USAGE, "fractal", "s.obj", *LOW, "--key", "versor@1=roots.json", "--versor-roots", 5, "--frames", "1-2", "-o",
-                     "f.####.vdb", mentions="--versor-roots")
+        self.refused(USAGE, "fractal", "s.obj", *LOW, "--key", "versor@1=roots.json", "--texture-roots", 5, "--frames", "1-2", "-o",
+                     "f.####.vdb", mentions="--texture-roots")
+
+    def test_an_option_has_the_name_of_its_entry_too(self):
+        run = ("fractal", "s.obj", *LOW, "--texture", "random")
+        for name, seed in (("new", "--texture-seed"), ("old", "--versor-seed")):
+            self.ok(*run, seed, 4, "-o", f"{name}.vdb")
+            self.ok("sheet", "s.obj", *LOW, "--vary", f"{seed[2:]}=1,2", "-o", f"{name}.png", "--size", "20x20")
+            self.write(f"{name}.txt", f"{seed[2:]} = 4\n")
+            self.ok(*run, "--config", f"{name}.txt", "-o", f"{name}-list.vdb")
+            self.assertIn("--texture-seed S", self.ok("fractal", "--help", seed[2:], data=True))
+        self.assertEqual(self.bytes("new.vdb"), self.bytes("old.vdb"))
+        self.assertEqual(self.bytes("new.vdb"), self.bytes("new-list.vdb"))
+        self.assertEqual(self.bytes("new.vdb"), self.bytes("old-list.vdb"))
+        self.assertEqual(self.bytes("new.png"), self.bytes("old.png"))
+        self.assertIn(b"julia_versor_seed", self.bytes("new.vdb"))
+        self.refused(USAGE, *run, "--texture-seed", 4, "--versor-seed", 4, "-o", "x.vdb", mentions="--texture-seed")
+        self.refused(USAGE, *run, "--textur-seed", 4, "-o", "x.vdb", mentions="did you mean '--texture-seed'?")
+        self.write("both.txt", "texture-seed = 4\nversor-seed = 4\n")
+        self.refused(USAGE, *run, "--config", "both.txt", "-o", "x.vdb", mentions="twice")
 
     def test_keys_and_varied_options_act_too(self):
         self.refused(USAGE, "fractal", "s.obj", *LOW, "--key", "seed-stride@1=4", "--frames", "1-2", "-o", "f.####.vdb",
                      mentions=("--seed-stride", "--follow"))
         self.refused(USAGE, "sheet", "s.obj", *LOW, "--vary", "versor-radius=0.1,0.2", "--size", "20x20", "-o", "x.png",
-                     mentions=("--versor-radius", "cluster"))
+                     mentions=("--texture-radius", "cluster"))
         # One frame, or one cell, in which an option acts is enough.
         self.ok("fractal", "s.obj", *LOW, "--key", "versor@1=scales", "--key", "versor@2=random", "--ease", "step",
-                "--versor-seed", 3, "--frames", "1-2", "-o", "f.####.vdb")
+                "--texture-seed", 3, "--frames", "1-2", "-o", "f.####.vdb")
 
     def test_a_plan_finds_at_once_that_its_folder_cannot_be_made(self):
         """Before any work: a target that cannot be used is not even looked at."""

@@ -34,7 +34,7 @@ class Frames(PlanTest):
         values = {1: (20, "0,0,0"), 2: (40, "0,0,0"), 3: (60, "0.25,-0.5,0"), 4: (60, "0.5,-1,0")}
         for frame, (alpha, at) in values.items():
             with self.subTest(frame=frame):
-                typed = ("--alpha", alpha, f"--versor-translate={at}")
+                typed = ("--alpha", alpha, f"--texture-translate={at}")
                 self.ok("fractal", "s.obj", *LOW, *typed, "-o", "x.vdb", "--mesh", "x.ply")
                 self.ok("fractal", "s.obj", *LOW, *typed, "-o", "x.vdb", "--mesh", "x.stl")
                 for extension in ("vdb", "ply", "stl"):
@@ -93,10 +93,10 @@ class Frames(PlanTest):
         self.assertSameFile("p/out/quadratic.0001.vdb", "x.vdb")
 
     def test_the_recipe_of_a_file_goes_on(self):
-        self.ok("fractal", "s.obj", *LOW, "--alpha", 30, "--versor", "random", "-o", "f.vdb")
+        self.ok("fractal", "s.obj", *LOW, "--alpha", 30, "--texture", "random", "-o", "f.vdb")
         self.ok("plan", "frames", "--config", "f.vdb", "--frames", 2, "--key", "versor-seed@1=3", "-o", "p")
         self.ok("task", "p", "--index", 1)
-        self.ok("fractal", "--config", "f.vdb", "--versor-seed", 3, "-o", "x.vdb")
+        self.ok("fractal", "--config", "f.vdb", "--texture-seed", 3, "-o", "x.vdb")
         self.assertSameFile("p/out/s.0002.vdb", "x.vdb")
 
     def test_refusals(self):
@@ -122,7 +122,7 @@ class Frames(PlanTest):
             ("plan", "films", "-o", "p"),
         ])
         self.refused(USAGE, *frames, "--frames", "1-3", "--key", "versor-seed@1=1", "--key", "versor-seed@3=2",
-                     mentions=("frame 2", "--versor-seed", "1.5"))
+                     mentions=("frame 2", "--texture-seed", "1.5"))
         self.path("full").mkdir()
         self.write("full/x", "x")
         self.path("astray").symlink_to("nowhere")

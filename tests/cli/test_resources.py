@@ -37,7 +37,7 @@ ABSURD = (
     ("fractal", "s.obj", "-o", "x.vdb", "--sdf-resolution", 100000),
     ("fractal", "--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "-o", "x.vdb", "--resolution", 90000),
     ("fractal", "s.obj", "-o", "x.####.vdb", "--frames", "1-1000000000", *QUICK),
-    ("fractal", "s.obj", "-o", "x.vdb", "--versor", "random", "--versor-roots", 10000000, *QUICK),
+    ("fractal", "s.obj", "-o", "x.vdb", "--texture", "random", "--texture-roots", 10000000, *QUICK),
     ("fractal", "s.obj", "-o", "x.vdb", "--iterations", 1000000000, *QUICK),
     ("fit", "s.obj", "-o", "x.json", "--resolution", 1000000),
     ("fit", "s.obj", "-o", "x.json", "--roots", 10000000),

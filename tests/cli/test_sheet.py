@@ -54,12 +54,12 @@ class Cells(SheetTest):
         self.assertEqual(len(pictures), 4)
         for number, (alpha, seed) in enumerate(((20, 1), (20, 2), (60, 1), (60, 2)), 1):
             with self.subTest(cell=number):
-                options = (*LOW, "--alpha", alpha, "--versor-seed", seed)
+                options = (*LOW, "--alpha", alpha, "--texture-seed", seed)
                 self.ok("render", "--field", "s.obj", *options, *SMALL, "--colour", "clay", "-o", "one.png")
                 self.assertEqual(pictures[number - 1], harness.read_png(self.bytes("one.png")))
                 self.ok("render", "--field", "--config", f"x.json#{number}", *SMALL, "--colour", "clay", "-o", "two.png")
                 self.assertEqual(self.bytes("one.png"), self.bytes("two.png"))
-        self.ok("fractal", "s.obj", *LOW, "--alpha", 60, "--versor-seed", 1, "-o", "written.vdb", "--mesh", "a.ply")
+        self.ok("fractal", "s.obj", *LOW, "--alpha", 60, "--texture-seed", 1, "-o", "written.vdb", "--mesh", "a.ply")
         self.ok("fractal", "--config", "x.json#3", "-o", "cell.vdb", "--mesh", "b.ply")
         self.assertEqual(self.bytes("written.vdb"), self.bytes("cell.vdb"))
         self.assertEqual(self.bytes("a.ply"), self.bytes("b.ply"))
@@ -124,7 +124,7 @@ class Cells(SheetTest):
         self.write("m.obj", harness.obj(harness.snowman()))
         # A narrow band, which each depth of detail wants wider by another amount.
         self.ok("sdf", "m.obj", "-o", "m.vdb", "--resolution", 40)
-        low = ("--resolution", 20, "--versor", "scales")
+        low = ("--resolution", 20, "--texture", "scales")
         alone = {}
         for detail in ("0.1", "0.3", "0.5"):
             self.ok("sheet", "m.vdb", *low, *SMALL, "--vary", f"detail={detail}", "-o", "one.png")
@@ -134,7 +134,7 @@ class Cells(SheetTest):
             self.assertTrue(self.places("x.png", 3) == [alone[detail] for detail in company], company)
 
     def test_the_recipe_of_a_fractal_and_of_a_cell_go_on(self):
-        self.ok("fractal", "s.obj", *LOW, "--alpha", 20, "--versor-seed", 1, "-o", "f.vdb")
+        self.ok("fractal", "s.obj", *LOW, "--alpha", 20, "--texture-seed", 1, "-o", "f.vdb")
         self.ok("sheet", "s.obj", *LOW, *SMALL, "--alpha", 20, "--vary", "versor-seed=1,2", "-o", "a.png")
         self.ok("sheet", "f.vdb", *SMALL, "--vary", "versor-seed=1,2", "-o", "b.png")
         self.ok("sheet", "--config", "a.json#1", *SMALL, "--vary", "versor-seed=1,2", "-o", "c.png")
@@ -217,7 +217,7 @@ class Meshes(SheetTest):
     def test_meshes_have_the_look_of_a_picture(self):
         look = ("--light", "60,30", "--sky", 0.4, "--ground", "--background", "#203040", "--exposure", 0.5, "--material", "bronze")
         lit = self.cells_are_what_render_shows(2, ("s.obj", *LOW, "--vary", "versor-seed=1,2"), look)
-        self.ok("sheet", "s.obj", *LOW, *SMALL, "--preview", "mesh", "--versor-seed", 1, "--vary", "material=clay,bronze",
+        self.ok("sheet", "s.obj", *LOW, *SMALL, "--preview", "mesh", "--texture-seed", 1, "--vary", "material=clay,bronze",
                 *look[:-2], "-o", "x.png")
         varied = self.places("x.png", 2)
         self.assertEqual(varied[1], lit[0])
@@ -273,7 +273,7 @@ class FinerThanVoxels(SheetTest):
     """A cell of the field says what of it the voxels of its recipe do not show."""
 
     def test_it_says_what_fractal_warns_of(self):
-        vary = ("--vary", "resolution=16,400", "--versor", "random", "--versor-seed", 3)
+        vary = ("--vary", "resolution=16,400", "--texture", "random", "--texture-seed", 3)
         said = self.ok("sheet", "s.obj", "--sdf-resolution", 40, *SMALL, *vary, "-o", "x.png")
         coarse, fine = json.loads(self.bytes("x.json"))["cells"]
         self.assertRegex(coarse["finer"], r"\A\d.* % of the texture is finer than two voxels; ")

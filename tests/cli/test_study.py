@@ -35,21 +35,21 @@ class StudyTest(harness.CliTest):
 class Average(StudyTest):
 
     def test_one_versor_is_its_slice(self):
-        for options in ((), ("--axis", "x"), ("--position", 1.5, "--versor-seed", 9), ("--versor-placement", "inside"),
+        for options in ((), ("--axis", "x"), ("--position", 1.5, "--texture-seed", 9), ("--texture-placement", "inside"),
                         ("--box", "2,-3,0,4,0,2"), ("--precision", "double", "--iterations", 5)):
             with self.subTest(options=options):
                 self.ok("study", "s.obj", *LOW, *ROUGH, *options, "--versors", 1, "-o", "x.png")
-                self.ok("slice", "s.obj", *LOW, *ROUGH, "--versor", "random", *options, "-o", "slice.png")
+                self.ok("slice", "s.obj", *LOW, *ROUGH, "--texture", "random", *options, "-o", "slice.png")
                 self.assertTrue(self.bytes("x.png") == self.bytes("slice.png"))
 
     def test_many_are_their_mean(self):
         """In even steps of sRGB, which is what the PNG holds."""
         count = 5
-        for options in (("--versor-seed", 3), ("--versor-seed", 2**64 - count, "--slice", 0.1)):
+        for options in (("--texture-seed", 3), ("--texture-seed", 2**64 - count, "--slice", 0.1)):
             self.ok("study", "s.obj", *LOW, *ROUGH, *options, "--versors", count, "-o", "x.png")
             sets = []
             for k in range(count):
-                seed = ("--versor-seed", options[1] + k, *options[2:])
+                seed = ("--texture-seed", options[1] + k, *options[2:])
                 self.ok("slice", "s.obj", *LOW, *ROUGH, *seed, "-o", "slice.png")
                 sets.append(self.picture("slice.png"))
             greys = set()
@@ -85,10 +85,10 @@ class Average(StudyTest):
         self.ok("study", "s.vdb", "--size", 24, "--versors", 3, "-o", "x.exr", "--curve", "c.exr")
         for name in ("x.exr", "c.exr"):
             self.assertEqual(self.bytes(name)[:4], bytes([0x76, 0x2F, 0x31, 0x01]))
-        self.ok("fractal", "s.obj", "--sdf-resolution", 32, "--resolution", 24, *ROUGH, "--versor-seed", 6, "-o",
+        self.ok("fractal", "s.obj", "--sdf-resolution", 32, "--resolution", 24, *ROUGH, "--texture-seed", 6, "-o",
                 "f.vdb")
         self.ok("study", "f.vdb", "--size", 40, "--versors", 3, "-o", "x.png")
-        self.ok("study", "s.obj", *LOW, *ROUGH, "--resolution", 24, "--versor-seed", 6, "--versors", 3, "-o", "y.png")
+        self.ok("study", "s.obj", *LOW, *ROUGH, "--resolution", 24, "--texture-seed", 6, "--versors", 3, "-o", "y.png")
         self.assertTrue(self.bytes("x.png") == self.bytes("y.png"))
 
     def test_config(self):
@@ -137,13 +137,13 @@ class Refusals(StudyTest):
     def test_options(self):
         bad = [("--versors", 0), ("--versors", -1), ("--versors", 1.5), ("--versors", "x"), ("--versors", 10**9),
                ("--size", 0), ("--size", -3), ("--size", 10**6), ("--axis", "w"), ("--position", "nan"), ("--alpha", 0),
-               ("--alpha", "x"), ("--versor-seed", -1), ("--map", "quadratic"), ("--versor", "v.json"), ("--grids", "f"),
+               ("--alpha", "x"), ("--texture-seed", -1), ("--map", "quadratic"), ("--texture", "v.json"), ("--grids", "f"),
                ("--iterations", 0), ("--escape", 1)]
         self.all_refused(USAGE, [("study", "s.obj", "-o", "x.png", "--csv", "x.csv", "--sdf-resolution", 16,
                                   f"{name}={value}") for name, value in bad])
         for name, value in bad[:10]:
             self.refused(USAGE, "study", "s.obj", "-o", "x.png", f"{name}={value}", mentions=[name, f"'{value}'"])
-        self.refused(USAGE, "study", "s.obj", *LOW, "-o", "x.png", "--versor-seed", 2**64 - 3, "--versors", 4,
+        self.refused(USAGE, "study", "s.obj", *LOW, "-o", "x.png", "--texture-seed", 2**64 - 3, "--versors", 4,
                      mentions="seeds do not fit")
         self.refused(USAGE, "study", "-o", "x.png", mentions="no target")
         self.refused(USAGE, "study", "s.obj", mentions="-o")
@@ -159,7 +159,7 @@ class Refusals(StudyTest):
         self.write("v.json", harness.rational_json(harness.ROOTS))
         small = ("--resolution", 20, "--sdf-resolution", 20)
         self.ok("fractal", "--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "--resolution", 20, "-o", "q.vdb")
-        self.ok("fractal", "s.obj", "--versor", "v.json", *small, "-o", "v.vdb")
+        self.ok("fractal", "s.obj", "--texture", "v.json", *small, "-o", "v.vdb")
         self.refused(USAGE, "study", "q.vdb", "-o", "x.png", mentions="map")
         self.refused(USAGE, "study", "v.vdb", "-o", "x.png", mentions="v.json")
 
@@ -188,7 +188,7 @@ class Dimension(StudyTest):
             self.assertAlmostEqual(dimension, 2, delta=0.03)
 
     def test_the_rows_are_what_fractal_makes(self):
-        rough = ("--alpha", 20, "--iterations", 5, "--versor", "random")
+        rough = ("--alpha", 20, "--iterations", 5, "--texture", "random")
         numbers = json.loads(self.ok("study", "t.obj", *self.SMALL, *rough, "--dimension", "20,30,45", "--json", data=True))
         self.assertEqual([row["resolution"] for row in numbers["rows"]], [20, 30, 45])
         for row in numbers["rows"]:

@@ -85,11 +85,11 @@ class Versor(harness.CliTest):
         for texture in shelf:
             name = texture["name"]
             with self.subTest(texture=name):
-                self.ok("fractal", "s.obj", "--versor", name, *low, "--mesh", "m.ply")
+                self.ok("fractal", "s.obj", "--texture", name, *low, "--mesh", "m.ply")
                 points = harness.read_ply(self.bytes("m.ply")).points
                 self.assertEqual(points == default_points, name == default)
                 if texture["seed"]:
-                    self.ok("fractal", "s.obj", "--versor", name, "--versor-seed", 5, *low, "--mesh", "m.ply")
+                    self.ok("fractal", "s.obj", "--texture", name, "--texture-seed", 5, *low, "--mesh", "m.ply")
                     self.assertFalse(points == harness.read_ply(self.bytes("m.ply")).points)
                 if texture["follows_thickness"]:
                     self.assertEqual(texture["roots"], 0)
@@ -97,14 +97,14 @@ class Versor(harness.CliTest):
                     continue
                 self.ok("versor", "new", "--texture", name, "-o", "t.json")
                 self.assertEqual(len(self.roots("t.json")), texture["roots"])
-                self.ok("fractal", "s.obj", "--versor", "t.json", *low, "--mesh", "m.ply")
+                self.ok("fractal", "s.obj", "--texture", "t.json", *low, "--mesh", "m.ply")
                 self.assertTrue(points == harness.read_ply(self.bytes("m.ply")).points, name)
         for refused in (("versor", "new", "--texture", "feather", "-o", "x.json"),
                         ("versor", "new", "--texture", "shells", "--roots", 4, "-o", "x.json"),
                         ("versor", "new", "--texture", "shells", "--seed", 4, "-o", "x.json"),
                         ("versor", "list", "more"),
-                        ("fractal", "s.obj", *low, "-o", "x.vdb", "--versor", "feather"),
-                        ("fractal", "s.obj", *low, "-o", "x.vdb", "--versor", "scales", "--versor-powers", "2:3")):
+                        ("fractal", "s.obj", *low, "-o", "x.vdb", "--texture", "feather"),
+                        ("fractal", "s.obj", *low, "-o", "x.vdb", "--texture", "scales", "--texture-powers", "2:3")):
             with self.subTest(refused=refused):
                 self.refused(USAGE, *refused)
 
@@ -158,7 +158,7 @@ class Versor(harness.CliTest):
         self.write("p.json", harness.rational_json(harness.ROOTS))
         meshes = []
         for versor in ("p.p4d", "p.json"):
-            self.ok("fractal", "s.obj", "--versor", versor, "--resolution", 24, "--sdf-resolution", 24, "--mesh",
+            self.ok("fractal", "s.obj", "--texture", versor, "--resolution", 24, "--sdf-resolution", 24, "--mesh",
                     "m.ply")
             meshes.append(harness.read_ply(self.bytes("m.ply")))
         self.assertTrue(meshes[0].points == meshes[1].points)
@@ -166,8 +166,8 @@ class Versor(harness.CliTest):
         self.ok("versor", "scale", "p.json", 0.5, "-o", "half.json")
         self.ok("versor", "translate", "half.json", "0.125,0,-0.25", "-o", "there.json")
         for versor, options in (("there.json", ()),
-                                ("p.json", ("--versor-scale", 0.5, "--versor-translate", "0.125,0,-0.25"))):
-            self.ok("fractal", "s.obj", "--versor", versor, *options, "--resolution", 24, "--sdf-resolution", 24,
+                                ("p.json", ("--texture-scale", 0.5, "--texture-translate", "0.125,0,-0.25"))):
+            self.ok("fractal", "s.obj", "--texture", versor, *options, "--resolution", 24, "--sdf-resolution", 24,
                     "--mesh", "m.ply")
             meshes.append(harness.read_ply(self.bytes("m.ply")))
         self.assertTrue(meshes[2].points == meshes[3].points)

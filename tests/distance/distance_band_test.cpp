@@ -18,6 +18,8 @@ using openvdb::Coord;
 using openvdb::FloatGrid;
 using vdbtools::BlockDistances;
 using vdbtools::Monitor;
+using vdbtools::Phase;
+using vdbtools::PhaseKind;
 using vdbtools::signedDistances;
 using vdbtools::TriangleTree;
 using vdbtools::unsignedDistances;
@@ -40,7 +42,7 @@ TEST_F(DistanceBand, HoldsAllNodesWithinItsWidth) {
   const Mesh mesh = merged(makeSphere(13, 4, Vec3d(0.2, 0.1, 0.4)), makeBox(Vec3d(30.5, -3, -4), Vec3d(50, 5, 40.2)));
   const TriangleTree tree(mesh.points, mesh.triangles);
   for (const float width : {1.5F, 7.0F, 40.0F}) {
-    const FloatGrid::Ptr grid = unsignedDistances(tree, width, "", monitor);
+    const FloatGrid::Ptr grid = unsignedDistances(tree, width, PhaseKind::DistanceField, monitor);
     BlockDistances all(tree);
     const auto accessor = grid->getConstAccessor();
     std::uint64_t within = 0;
@@ -70,7 +72,8 @@ TEST_F(DistanceBand, SidesAreThoseOfMeshToVolume) {
                          withoutTriangles(makeSphere(10, 3), [](const Vec3d& c) { return c[2] > 9.5; })};
   for (const Mesh& mesh : meshes) {
     constexpr float kWidth = 4;
-    const FloatGrid::Ptr ours = signedDistances(TriangleTree(mesh.points, mesh.triangles), kWidth, kWidth, "", monitor);
+    const FloatGrid::Ptr ours =
+        signedDistances(TriangleTree(mesh.points, mesh.triangles), kWidth, kWidth, PhaseKind::DistanceField, monitor);
     const FloatGrid::Ptr theirs = byOpenVdb(mesh, kWidth);
     const auto accessor = ours->getConstAccessor();
     int different = 0;
@@ -86,7 +89,8 @@ TEST_F(DistanceBand, SidesAreThoseOfMeshToVolume) {
 
 TEST_F(DistanceBand, TheWholeInsideIsKnown) {
   const Mesh mesh = makeSphere(40, 5);
-  const FloatGrid::Ptr grid = signedDistances(TriangleTree(mesh.points, mesh.triangles), 2, 60, "", monitor);
+  const FloatGrid::Ptr grid =
+      signedDistances(TriangleTree(mesh.points, mesh.triangles), 2, 60, PhaseKind::DistanceField, monitor);
   const auto accessor = grid->getConstAccessor();
   for (int x = -38; x <= 38; x += 2)
     for (int z = -38; z <= 38; z += 2) {
@@ -102,8 +106,10 @@ TEST_F(DistanceBand, TheWholeInsideIsKnown) {
 /// What lies in another solid bounds nothing.
 TEST_F(DistanceBand, BuriedTrianglesAreLeftOut) {
   const Mesh outer = makeSphere(30, 5), both = merged(outer, makeSphere(10, 4, Vec3d(5, 0, 0)));
-  const FloatGrid::Ptr whole = signedDistances(TriangleTree(outer.points, outer.triangles), 3, 40, "", monitor);
-  const FloatGrid::Ptr buried = signedDistances(TriangleTree(both.points, both.triangles), 3, 40, "", monitor);
+  const FloatGrid::Ptr whole =
+      signedDistances(TriangleTree(outer.points, outer.triangles), 3, 40, PhaseKind::DistanceField, monitor);
+  const FloatGrid::Ptr buried =
+      signedDistances(TriangleTree(both.points, both.triangles), 3, 40, PhaseKind::DistanceField, monitor);
   ASSERT_EQ(whole->activeVoxelCount(), buried->activeVoxelCount());
   const auto accessor = buried->getConstAccessor();
   for (auto value = whole->cbeginValueOn(); value; ++value)
@@ -116,7 +122,7 @@ TEST_F(DistanceBand, ThreadsChangeNothing) {
   FloatGrid::Ptr first;
   for (const std::size_t threads : {1, 2, 5}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    const FloatGrid::Ptr grid = signedDistances(tree, 5, 9, "", monitor);
+    const FloatGrid::Ptr grid = signedDistances(tree, 5, 9, PhaseKind::DistanceField, monitor);
     if (!first) first = grid;
     ASSERT_EQ(grid->activeVoxelCount(), first->activeVoxelCount());
     const auto accessor = grid->getConstAccessor();
@@ -126,19 +132,19 @@ TEST_F(DistanceBand, ThreadsChangeNothing) {
 
 TEST_F(DistanceBand, TellsItsShareAndStopsWhenAsked) {
   struct Counting : Monitor {
-    void begin(std::string_view, std::uint64_t n) override { total = n; }
+    void begin(const Phase&, std::uint64_t n) override { total = n; }
     void advance(std::uint64_t n) override { done += n; }
     std::atomic<std::uint64_t> total = 0, done = 0;
   } counting;
   const Mesh mesh = makeSphere(60, 3);
   const TriangleTree tree(mesh.points, mesh.triangles);
-  unsignedDistances(tree, 5, "", counting);
+  unsignedDistances(tree, 5, PhaseKind::DistanceField, counting);
   EXPECT_GT(counting.total, 8U);
   EXPECT_EQ(counting.done, counting.total);
   struct Cancelled : Monitor {
     bool cancelled() const override { return true; }
   } cancelled;
-  EXPECT_THROW(signedDistances(tree, 5, 5, "", cancelled), vdbtools::Interrupted);
+  EXPECT_THROW(signedDistances(tree, 5, 5, PhaseKind::DistanceField, cancelled), vdbtools::Interrupted);
 }
 
 }  // namespace

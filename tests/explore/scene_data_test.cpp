@@ -109,7 +109,7 @@ TEST_F(SceneDataTest, theVolumeIsTheExponentWithinItsError) {
   recipe["alpha"] = "12";
   const Scene made = scene(recipe);
   const SceneData data = sceneData(made, {}, mMonitor);
-  const auto shape = std::any_cast<julia::ShapeModulusDescription>(made.evaluator->describe().map);
+  const auto shape = std::any_cast<julia::ShapeModulusDescription>(made.field.evaluator->describe().map);
   const julia::BrickField<double> exponent(shape.exponent->bricks, shape.exponent->placement);
   const PageVolume volume(data);
   const double error = data.description.at("exponent").at("error").get<double>();
@@ -167,7 +167,7 @@ TEST_F(SceneDataTest, theSetIsWithinTheOccupiedCubes) {
       index = index * static_cast<std::size_t>(dims[axis]) + static_cast<std::size_t>((x[axis] - origin[axis]) / cell);
     }
     double field = 0;
-    made.evaluator->evaluate({&x, 1}, {&field, 1}, {});
+    made.field.evaluator->evaluate({&x, 1}, {&field, 1}, {});
     EXPECT_TRUE(field >= 0 || isOccupied(index)) << x[0] << ' ' << x[1] << ' ' << x[2];
     inside += field < 0 ? 1 : 0;
     skipped += isOccupied(index) ? 0 : 1;

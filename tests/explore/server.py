@@ -14,7 +14,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "cli"))
 import harness  # noqa: E402  the folder of the program's other tests
 
 # Small enough to be quick, and no ball, so that pictures show which way is up.
-QUICK = ("--sdf-resolution", "32", "--resolution", "24", "--versor-seed", "3", "--iterations", "3")
+QUICK = ("--sdf-resolution", "32", "--resolution", "24", "--texture-seed", "3", "--iterations", "3")
 
 
 class Server:

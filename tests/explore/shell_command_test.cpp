@@ -71,7 +71,7 @@ TEST(ShellCommand, EveryOptionIsInTheCommand) {
   };
   EXPECT_TRUE(has({"juliavdb", "fractal", "it's mine.obj"})) << command;
   EXPECT_TRUE(has({"--detail", "expr:0.2 + 0.1*x"})) << command;
-  EXPECT_TRUE(has({"--versor-translate=-0.1,0,0"})) << command;
+  EXPECT_TRUE(has({"--texture-translate=-0.1,0,0"})) << command;
   EXPECT_TRUE(has({"--repair"})) << command;
   EXPECT_TRUE(has({"-o", "./-a b.vdb", "--mesh", "c.ply"})) << command;
   EXPECT_EQ(words.size(), 3U + 2 + 2 + 1 + 1 + 4) << command;

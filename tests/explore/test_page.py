@@ -56,7 +56,7 @@ class Page(browser.BrowserTest):
         self.assertGreaterEqual(self.silhouettes(*TORUS, "--detail", "0.5"), 0.97)
 
     def test_random_roots_another_axis_and_a_slice(self):
-        self.assertGreaterEqual(self.silhouettes(*TORUS, "--versor-seed", "3", "--drop-axis", "j", "--slice", "0.1"), 0.97)
+        self.assertGreaterEqual(self.silhouettes(*TORUS, "--texture-seed", "3", "--drop-axis", "j", "--slice", "0.1"), 0.97)
 
     def test_a_rational_map(self):
         top = [(0.1 * i, 0.05 * (i % 3), 0.1, 0.0, 3 + 0.5 * i) for i in range(4)]

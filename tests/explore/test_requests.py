@@ -106,7 +106,7 @@ class Page(harness.CliTest):
     def test_a_scene_does_not_depend_on_those_before_it(self):
         self.write("m.obj", harness.obj(harness.snowman()))
         self.ok("sdf", "m.obj", "-o", "m.vdb", "--resolution", 40)
-        words = ("m.vdb", "--resolution", "20", "--versor", "scales")
+        words = ("m.vdb", "--resolution", "20", "--texture", "scales")
 
         def seen(page, detail):
             status, scene = page.post("scene", {"recipe": page.recipe(detail=detail)})
@@ -303,7 +303,7 @@ class Page(harness.CliTest):
             self.assertEqual(page.post("made", {**body, "job": nothing})[0], 404)
         # What is finer than the voxels, in the words of the command.
         finer = page.post("advice", {"recipe": page.recipe(versor="fur"), "resolution": "16"})[1]["finer"]
-        run = self.run_program("fractal", "s.obj", *QUICK[:2], *QUICK[4:], "--versor", "fur", "--resolution", "16", "-o", "x.vdb", "--progress", "none")
+        run = self.run_program("fractal", "s.obj", *QUICK[:2], *QUICK[4:], "--texture", "fur", "--resolution", "16", "-o", "x.vdb", "--progress", "none")
         self.assertIn(finer or "wrote", run.stderr.decode() + run.stdout.decode())
 
     def test_a_dropped_connection_ends_its_picture(self):

@@ -168,7 +168,7 @@ class Safety(harness.CliTest):
     def test_files_of_the_command_line_may_be_used(self):
         self.write("mine.json", harness.rational_json(harness.ROOTS))
         self.write("brush.ply", harness.ply(harness.moved(harness.cube(), 0.3, (0.5, 0, 0))))
-        page = self.serve("s.obj", *QUICK[:4], "--versor", "mine.json", "--detail", "near:brush.ply:0.4:0.2:0.6")
+        page = self.serve("s.obj", *QUICK[:4], "--texture", "mine.json", "--detail", "near:brush.ply:0.4:0.2:0.6")
         for change in ({}, {"versor": "woven"}, {"detail": "0.3"}, {"mask": "near:brush.ply:0.4:0:1"}):
             status, answer = page.post("scene", {"recipe": {**page.recipe(), **change}})
             self.assertEqual(status, 200, answer)

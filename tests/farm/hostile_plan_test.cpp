@@ -82,13 +82,12 @@ class HostilePlan : public testing::Test {
              {"alpha", "40"}};
   }
 
-  fs::path tiles(const Recipe& more) {
+  fs::path tiles(const Recipe& more, const std::vector<std::string>& makes = {"vdb", "ply"}) {
     Recipe recipe = mBase;
     for (const auto& [name, value] : more) recipe[name] = value;
     recipe = completeRecipe(recipe, fractalOptionTable());
     const fs::path folder = mFolder.path() / "tiles";
-    TilePlan plan =
-        planTiles(parseFractalOptions(recipe), recipe, {.tiles = 2, .makes = {"vdb", "ply"}}, folder, mMonitor);
+    TilePlan plan = planTiles(parseFractalOptions(recipe), recipe, {.tiles = 2, .makes = makes}, folder, mMonitor);
     writePlan(folder, plan.manifest);
     return folder;
   }
@@ -115,6 +114,7 @@ class HostilePlan : public testing::Test {
     TaskRunner runner(folder);
     for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index) runner.run(index, mMonitor);
     if (isMerged && makes(manifest, "vdb") && makes(manifest, "ply")) mergePlan(folder, manifest, merged, mMonitor);
+    if (isMerged && makes(manifest, "count")) mergeCounts(folder, manifest, mFolder.path() / "m.json", mMonitor);
   }
 
   /// @return whether it was refused
@@ -160,6 +160,15 @@ class HostilePlan : public testing::Test {
 };
 
 TEST_F(HostilePlan, OfTilesIsRefused) { expectRefusals(tiles({})); }
+
+TEST_F(HostilePlan, OfCountsIsRefused) {
+  const fs::path folder = tiles({}, {"count"});
+  Json islands = Json::parse(readWholeFile(folder / kManifestName));
+  expectRefusals(folder);
+  islands["recipe"]["largest"] = "1";
+  putManifest(folder, islands);
+  EXPECT_TRUE(isRefused(folder, "a count of islands"));
+}
 
 TEST_F(HostilePlan, OfFramesIsRefused) {
   const fs::path folder = mFolder.path() / "frames";

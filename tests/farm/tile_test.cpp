@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tiles: however a lattice is cut, what is merged has the bytes of one run.
+#include "farm/tile_count.h"
 #include "farm/tile_file.h"
 #include "support/mesh_laws.h"
 #include "support/temporary_folder.h"
@@ -11,6 +12,7 @@
 #include "vdbtools/farm/task.h"
 #include "vdbtools/farm/tile_plan.h"
 #include "vdbtools/files/file_bytes.h"
+#include "vdbtools/files/file_hash.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_files.h"
 #include "vdbtools/mesh_files/mesh_reader.h"
@@ -22,6 +24,8 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <iterator>
+#include <limits>
 #include <map>
 #include <random>
 #include <set>
@@ -296,8 +300,8 @@ TEST_F(Tiles, APreparedSceneEvaluatesTheSameBits) {
     for (julia::Point& point : points)
       for (double& x : point) x = static_cast<double>(random()) / 0x1p31 - 1;
     std::vector<double> one(points.size()), other(points.size());
-    scene.evaluator->evaluate(points, one, {});
-    again.evaluator->evaluate(points, other, {});
+    scene.field.evaluator->evaluate(points, one, {});
+    again.field.evaluator->evaluate(points, other, {});
     EXPECT_EQ(one, other);
     EXPECT_EQ(planScene(scene).domain, planScene(again).domain);
     EXPECT_EQ(planScene(scene).blocks->activeVoxelCount(), planScene(again).blocks->activeVoxelCount());
@@ -342,6 +346,102 @@ TEST_F(Tiles, BrokenTilesAreRefused) {
   for (std::size_t i = 52; i < 56; ++i) huge[i] = '\xff';
   EXPECT_THROW(read(huge), DataError);
   EXPECT_THROW(TileReader(inFolder("none.tile")), MissingInputError);
+}
+
+TEST_F(Tiles, ACountIsThatOfTheTilesThatAnotherPlanKeeps) {
+  const Recipe recipe = shape({{"detail", "0.5"}});
+  const fs::path counted = made(recipe, {.tiles = 5, .makes = {"count"}});
+  const fs::path kept = made(recipe, {.tiles = 5, .makes = {"ply"}});
+  const std::size_t tiles = mPlan.manifest.tasks.size();
+  ASSERT_GT(tiles, 1u);
+  for (std::size_t i = 1; i <= tiles; ++i) {
+    const std::string name = "tiles/" + taskName(i);
+    const TileCount count = parseTileCount(readWholeFile(counted / (name + ".json")));
+    const TileReader tile(kept / (name + ".tile"));
+    EXPECT_EQ(count.points, tile.counts().points);
+    EXPECT_EQ(count.triangles, tile.counts().triangles);
+    EXPECT_EQ(count.sha256, sha256OfFile(kept / (name + ".tile")));
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(counted / "tiles"), fs::directory_iterator()),
+            static_cast<std::ptrdiff_t>(tiles));
+
+  const MergeResult result = mergeCounts(counted, readManifest(counted), inFolder("count.json"), mMonitor);
+  const Mesh mesh = fractalMesh(makeScene(parseFractalOptions(recipe), mMonitor), mMonitor);
+  EXPECT_EQ(result.mesh.triangles, mesh.triangles.size());
+  EXPECT_EQ(result.mesh.points, mesh.points.size());
+  const auto json = nlohmann::json::parse(readWholeFile(inFolder("count.json")));
+  EXPECT_EQ(json.at("triangles"), mesh.triangles.size());
+  EXPECT_EQ(json.at("tiles"), tiles);
+  EXPECT_EQ(json.at("recipe").at("julia_detail"), "0.5");
+  openvdb::BBoxd box;
+  for (const Vec3d& point : mesh.points) box.expand(point);
+  const auto numbers = json.at("box").get<std::vector<double>>();
+  EXPECT_EQ(Vec3d(numbers.data()), box.min());
+  EXPECT_EQ(Vec3d(numbers.data() + 3), box.max());
+}
+
+TEST_F(Tiles, WhatCannotBeCountedIsRefused) {
+  const Recipe recipe = shape({{"resolution", "20"}});
+  const auto plan = [&](const Recipe& given, const std::vector<std::string>& makes) {
+    return planTiles(parseFractalOptions(given), given, {.tiles = 2, .makes = makes}, mFolder.path() / "refused",
+                     mMonitor);
+  };
+  EXPECT_THROW(plan(recipe, {"count", "ply"}), std::invalid_argument);
+  EXPECT_THROW(plan(shape({{"largest", "1"}}), {"count"}), std::invalid_argument);
+  EXPECT_THROW(plan(shape({{"attributes", "trap"}}), {"count"}), std::invalid_argument);
+  EXPECT_FALSE(fs::exists(mFolder.path() / "refused"));
+
+  const fs::path counted = made(recipe, {.tiles = 2, .makes = {"count"}});
+  const Manifest counts = readManifest(counted);
+  EXPECT_THROW(mergePlan(counted, counts, {.mesh = inFolder("a.ply")}, mMonitor), std::invalid_argument);
+  EXPECT_THROW(writeTileFiles(counted, counts, inFolder("a.json"), mMonitor), std::invalid_argument);
+  const fs::path kept = made(recipe, {.tiles = 2, .makes = {"ply"}});
+  EXPECT_THROW(mergeCounts(kept, readManifest(kept), inFolder("a.json"), mMonitor), std::invalid_argument);
+  // A count that was changed is no longer its task's.
+  mFolder.write("plan1/tiles/0002.json", encodeTileCount({.sha256 = std::string(64, '0')}));
+  EXPECT_THROW(mergeCounts(counted, counts, inFolder("a.json"), mMonitor), DataError);
+  EXPECT_FALSE(fs::exists(inFolder("a.json")));
+}
+
+TEST(TileCount, TheSumsOfLargeTilesAreExact) {
+  // More triangles than 32 bits count, in one tile and in the sum.
+  constexpr std::uint64_t kMany = 5'000'000'001;
+  const openvdb::BBoxd left(Vec3d(-1, 0, 0), Vec3d(0, 1, 1)), right(Vec3d(0, -2, 0), Vec3d(1, 1, 0.1));
+  const TileCount some[] = {{kMany / 2, kMany, left, std::string(64, 'a')},
+                            {kMany / 2, kMany, right, std::string(64, 'b')},
+                            {0, 0, std::nullopt, std::string(64, 'c')}};
+  for (const TileCount& count : some) {
+    const TileCount again = parseTileCount(encodeTileCount(count));
+    EXPECT_EQ(again.points, count.points);
+    EXPECT_EQ(again.triangles, count.triangles);
+    EXPECT_EQ(again.box, count.box);
+    EXPECT_EQ(again.sha256, count.sha256);
+  }
+  const TileCount whole = addedUp(some);
+  EXPECT_EQ(whole.triangles, 10'000'000'002u);
+  EXPECT_EQ(whole.points, 5'000'000'000u);
+  EXPECT_EQ(whole.box, openvdb::BBoxd(Vec3d(-1, -2, 0), Vec3d(1, 1, 1)));
+  const TileCount swapped[] = {some[1], some[0], some[2]};
+  EXPECT_NE(addedUp(swapped).sha256, whole.sha256);
+  const TileCount tooMany[] = {{1, std::numeric_limits<std::uint64_t>::max(), left, std::string(64, 'a')}, some[0]};
+  EXPECT_THROW(addedUp(tooMany), DataError);
+}
+
+TEST(TileCount, ATextThatIsNoneIsRefused) {
+  const std::string good = encodeTileCount({1, 2, openvdb::BBoxd(Vec3d(0), Vec3d(1)), std::string(64, 'a')});
+  EXPECT_NO_THROW(parseTileCount(good));
+  for (std::size_t size = 0; size + 1 < good.size(); ++size)
+    EXPECT_THROW(parseTileCount(good.substr(0, size)), DataError);
+  for (const auto& [from, to] : {std::pair("\"points\":1", "\"points\":-1"),
+                                 {"\"points\":1", "\"points\":0"},
+                                 {"\"triangles\":2", "\"triangles\":2.5"},
+                                 {"aaaa\"", "AAAA\""},
+                                 {"[0.0,", "["}}) {
+    std::string bad = good;
+    ASSERT_NE(bad.find(from), bad.npos) << from;
+    bad.replace(bad.find(from), std::string(from).size(), to);
+    EXPECT_THROW(parseTileCount(bad), DataError) << bad;
+  }
 }
 
 TEST_F(Tiles, PlansThatCannotBeAreRefused) {

@@ -64,15 +64,15 @@ class Variants : public testing::Test {
   std::pair<std::string, std::string> vdbAndPly(const Recipe& given) {
     const Recipe recipe = completeRecipe(given, fractalOptionTable());
     const Scene scene = makeScene(parseFractalOptions(recipe), mMonitor);
-    const FieldPlan plan = planScene(scene);
+    const FractalPlan plan = planFractal(scene, {.grids = true, .mesh = true});
     const auto metadata = sceneMetadata(scene, recipe);
     Mesh mesh;
     MeshCollector sink(mesh);
-    const FractalResult result = runFractal(scene, plan, true, &sink, mMonitor);
+    const FractalResult result = runFractal(scene, plan, &sink, mMonitor);
     std::ostringstream ply;
     MeshWriteOptions options = meshWriteOptions(MeshFormat::Ply, scene.options.output, metadata);
     options.voxelSize = scene.voxelSize;
-    options.box = meshBox(plan);
+    options.box = meshBox(plan.nodes);
     writeMesh(ply, mesh, options);
     return {encodeVdb(result.grids, vdbWriteOptions(scene.options.output, metadata)), ply.str()};
   }
@@ -85,7 +85,7 @@ class Variants : public testing::Test {
 /// Remembers the phases of the work.
 class Phases final : public Monitor {
  public:
-  void begin(std::string_view phase, std::uint64_t) override { names.emplace(phase); }
+  void begin(const Phase& phase, std::uint64_t) override { names.insert(phase.text()); }
   std::set<std::string> names;
 };
 
@@ -299,7 +299,7 @@ TEST_F(Variants, FramesAreRefusedAtPlanning) {
   };
   refused(frames(mBall, {}, 1, 3), "nothing changes");
   refused(frames("", {"alpha@1=20"}, 1, 3), "frame 1: there is no target, which the map needs");
-  refused(frames(mBall, {"versor-seed@1=1", "versor-seed@3=2"}, 1, 3), "frame 2: --versor-seed is '1.5'");
+  refused(frames(mBall, {"versor-seed@1=1", "versor-seed@3=2"}, 1, 3), "frame 2: --texture-seed is '1.5'");
   refused(frames(mBall, {"resolution@1=10", "resolution@3=-10"}, 1, 3), "frame 2: --resolution");
   refused(frames(mBall, {"alpha@1=forty"}, 1, 3), "frame 1: --alpha is 'forty'");
   refused(frames(mBall, {"power@1=8"}, 1, 3), "frame 1: --power");

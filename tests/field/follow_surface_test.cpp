@@ -84,8 +84,8 @@ TEST(StreamMesh, ItsProgressEndsAtAll) {
   /// Adds up the steps of each phase.
   class Counter final : public Monitor {
    public:
-    void begin(std::string_view phase, std::uint64_t total) override {
-      mPhase = &phases[std::string(phase)];
+    void begin(const Phase& phase, std::uint64_t total) override {
+      mPhase = &phases[phase.text()];
       mPhase->total = total;
     }
     void advance(std::uint64_t steps) override { mPhase->done += steps; }

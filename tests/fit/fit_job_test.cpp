@@ -168,7 +168,7 @@ TEST(FitJob, RefusesABadScheduleAndNamesTheCharacter) {
   }
 }
 
-TEST(FitJob, DefaultsAreThePapersOnlyWithASchedule) {
+TEST(FitJob, DefaultsAreThePapersOnlyWithItsMethod) {
   const FitOptions fast = parseFitOptions({{"input", "x.obj"}});
   EXPECT_TRUE(fast.schedule.empty());
   EXPECT_EQ(fast.powerPenalty, 0);
@@ -178,6 +178,11 @@ TEST(FitJob, DefaultsAreThePapersOnlyWithASchedule) {
   EXPECT_EQ(julia::toString(paper.schedule), kSchedule);
   EXPECT_EQ(paper.powerPenalty, 1e-5);
   EXPECT_EQ(parseFitOptions({{"input", "x.obj"}, {"schedule", kSchedule}, {"power-penalty", "0"}}).powerPenalty, 0);
+  const FitOptions usual = parseFitOptions({{"input", "x.obj"}, {"method", "kim15"}});
+  EXPECT_EQ(julia::toString(usual.schedule), "25(VFRF) 50(VFRF) 97(VF)");
+  EXPECT_EQ(usual.powerPenalty, 1e-5);
+  EXPECT_TRUE(parseFitOptions({{"input", "x.obj"}, {"method", "fast"}}).schedule.empty());
+  EXPECT_THROW(parseFitOptions({{"input", "x.obj"}, {"method", "quick"}}), std::invalid_argument);
 }
 
 TEST(FitJob, OneRootIsABall) {

@@ -205,8 +205,8 @@ TEST(FitTarget, SpaceIsTheFractals) {
   const Scene scene = makeScene(
       parseFractalOptions({{"input", path.string()}, {"map", "rational"}, {"rational", map.string()}}), monitor);
   const FitTarget target = makeFitTarget({.input = path, .resolution = 40}, monitor);
-  EXPECT_EQ(target.space.centre, scene.space.centre);
-  EXPECT_EQ(target.space.scale, scene.space.scale);
+  EXPECT_EQ(target.space.centre, scene.field.space.centre);
+  EXPECT_EQ(target.space.scale, scene.field.space.scale);
   EXPECT_NEAR(length(target.cubeCentre), (Vec3d(0.5) - target.space.centre).length(), 1e-6);
 }
 

@@ -4,6 +4,7 @@
 
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/sdf_job.h"
+#include "vdbtools/recipe/option_name.h"
 #include "vdbtools/records/recorded_recipe.h"
 #include "vdbtools/scene/fractal_options.h"
 
@@ -187,7 +188,7 @@ TEST(Recipe, EveryValueIsChecked) {
       parseFractalOptions(recipe);
       ADD_FAILURE() << "--" << name << " " << value << " was taken";
     } catch (const std::invalid_argument& error) {
-      EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find(optionName(name)), std::string::npos) << error.what();
     }
 }
 

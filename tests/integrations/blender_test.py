@@ -188,7 +188,7 @@ class Addon(unittest.TestCase):
         self.assertEqual(len(bpy.data.meshes), meshes, "the old mesh is gone")
         self.assertEqual(result.data.materials[0].name, "stone")
         self.assertEqual(result.location.x, 7)
-        self.assertIn("--versor=thorns", result["juliavdb_command"])
+        self.assertIn("--texture=thorns", result["juliavdb_command"])
         self.assertEqual(source.juliavdb.versor, "scales", "a result has settings of its own")
         # From the source, its settings hold.
         source.hide_set(False)
@@ -376,7 +376,7 @@ class Addon(unittest.TestCase):
         result = self.make()
         name, command = result.name, result["juliavdb_command"]
         self.assertTrue(result.data.filepath.startswith("//volumes"), result.data.filepath)
-        self.assertIn("--versor-seed=4", command)
+        self.assertIn("--texture-seed=4", command)
         bpy.ops.wm.save_as_mainfile(filepath=blend)
         bpy.ops.wm.read_homefile(use_empty=True)
         self.assertNotIn(name, bpy.data.objects)

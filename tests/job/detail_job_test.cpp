@@ -50,9 +50,9 @@ class DetailJob : public testing::Test {
     return makeScene(parseFractalOptions(recipe), mMonitor);
   }
   static double fieldAt(const Scene& scene, const Vec3d& world) {
-    const julia::Point point = scene.space.toFractal(world);
+    const julia::Point point = scene.field.space.toFractal(world);
     double field = 0;
-    scene.evaluator->evaluate({&point, 1}, {&field, 1}, {});
+    scene.field.evaluator->evaluate({&point, 1}, {&field, 1}, {});
     return field;
   }
 
@@ -62,9 +62,9 @@ class DetailJob : public testing::Test {
   };
   static Count countBroken(const Scene& scene, double step) {
     Count count;
-    const DetailOptions& detail = *scene.exponentOf->detail;
-    const openvdb::FloatGrid& phi = *scene.target->phi;
-    const Vec3d low = scene.target->box.min(), extent = scene.target->box.extents();
+    const DetailOptions& detail = *scene.shellOptions().detail;
+    const openvdb::FloatGrid& phi = *scene.target->distances.phi;
+    const Vec3d low = scene.target->distances.box.min(), extent = scene.target->distances.box.extents();
     const double longest = scene.placed.space.scale;
     step *= longest;
     const Vec3d margin(0.1 * longest);
@@ -87,9 +87,9 @@ class DetailJob : public testing::Test {
 
   /// How deep a point that is not in the set lies at most, as a share of D tau.
   static double reach(const Scene& scene, double step) {
-    const DetailOptions& detail = *scene.exponentOf->detail;
-    const openvdb::FloatGrid& phi = *scene.target->phi;
-    const Vec3d low = scene.target->box.min(), high = scene.target->box.max();
+    const DetailOptions& detail = *scene.shellOptions().detail;
+    const openvdb::FloatGrid& phi = *scene.target->distances.phi;
+    const Vec3d low = scene.target->distances.box.min(), high = scene.target->distances.box.max();
     step *= scene.placed.space.scale;
     double deepest = 0;
     for (double x = low[0]; x < high[0]; x += step)
@@ -247,10 +247,10 @@ TEST_F(DetailJob, MoreDetailIsNowhereLessDeep) {
               deep = scene({{"input", lumpy}, {"detail", "0.5"}}),
               deepest = scene({{"input", lumpy}, {"detail", "0.9"}});
   const auto depthAt = [](const Scene& scene, const Vec3d& point) {
-    return scene.exponentOf->detail->detail.at(point) * scene.exponentOf->detail->thickness.at(point);
+    return scene.shellOptions().detail->detail.at(point) * scene.shellOptions().detail->thickness.at(point);
   };
-  for (auto value = shallow.target->phi->cbeginValueOn(); value; ++value) {
-    const Vec3d point = shallow.target->phi->indexToWorld(value.getCoord());
+  for (auto value = shallow.target->distances.phi->cbeginValueOn(); value; ++value) {
+    const Vec3d point = shallow.target->distances.phi->indexToWorld(value.getCoord());
     ASSERT_LT(depthAt(shallow, point), depthAt(deep, point) + 1e-6) << point;
     ASSERT_LT(depthAt(deep, point), depthAt(deepest, point) + 1e-6) << point;
   }
@@ -263,8 +263,8 @@ TEST_F(DetailJob, SizeAndPlaceDoNotMatter) {
       scene({{"input", write("there.obj", transformed(shape, 16, Vec3d(-300, 40, 8)))}, {"repair", "true"}});
   EXPECT_NEAR((there.placed.space.centre - (here.placed.space.centre * 16 + Vec3d(-300, 40, 8))).length() / 16, 0,
               2e-3);
-  EXPECT_NEAR(there.exponent->alphaRange.first / here.exponent->alphaRange.first, 1, 0.01);
-  EXPECT_NEAR(there.exponent->alphaRange.second / here.exponent->alphaRange.second, 1, 0.02);
+  EXPECT_NEAR(there.exponent()->alphaRange.first / here.exponent()->alphaRange.first, 1, 0.01);
+  EXPECT_NEAR(there.exponent()->alphaRange.second / here.exponent()->alphaRange.second, 1, 0.02);
   const double volume = measureSolid(fractalMesh(here, mMonitor)).volume,
                scaled = measureSolid(fractalMesh(there, mMonitor)).volume;
   EXPECT_NEAR(scaled / (volume * 16 * 16 * 16), 1, 0.01);

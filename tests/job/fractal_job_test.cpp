@@ -248,7 +248,7 @@ TEST_F(FractalJob, TheRecipeMakesTheSameBytes) {
     const Recipe complete = completeRecipe(what, fractalOptionTable());
     const Scene scene = makeScene(parseFractalOptions(complete), mMonitor);
     const VdbWriteOptions options{.metadata = sceneMetadata(scene, complete)};
-    return encodeVdb(runFractal(scene, planScene(scene), true, nullptr, mMonitor).grids, options);
+    return encodeVdb(runFractal(scene, planFractal(scene, {.grids = true}), nullptr, mMonitor).grids, options);
   };
   const std::string first = bytes(recipe);
   const auto [command, again] = readRecordedRecipe(write("out.vdb", first));
@@ -276,7 +276,7 @@ TEST_F(FractalJob, NothingInfiniteReachesAGrid) {
                                    {"voxel-size", "0.05"},
                                    {"box", "-1,-1,-1,1,1,1"},
                                    {"grids", "surface,density,logmodulus,iterations,versor"}});
-  for (const auto& grid : runFractal(scene, planScene(scene), true, nullptr, mMonitor).grids) {
+  for (const auto& grid : runFractal(scene, planFractal(scene, {.grids = true}), nullptr, mMonitor).grids) {
     SCOPED_TRACE(grid->getName());
     if (const auto floats = openvdb::gridPtrCast<openvdb::FloatGrid>(grid)) {
       for (auto value = floats->cbeginValueAll(); value; ++value) ASSERT_TRUE(std::isfinite(*value));

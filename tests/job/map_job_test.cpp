@@ -63,14 +63,14 @@ TEST_F(MapJob, TheRegionHoldsTheSet) {
   for (const Recipe& recipe : kRecipes) {
     SCOPED_TRACE(text(recipe));
     const Scene scene = this->scene(recipe);
-    const double radius = scene.orbit.escapeRadius, step = radius / 21.3;
+    const double radius = scene.field.orbit.escapeRadius, step = radius / 21.3;
     std::vector<julia::Point> beyond;
     for (double x = -radius; x <= radius; x += step)
       for (double y = -radius; y <= radius; y += step)
         for (double z = -radius; z <= radius; z += step)
-          if (!scene.region.isInside(scene.space.toWorld({x, y, z}))) beyond.push_back({x, y, z});
+          if (!scene.region().isInside(scene.field.space.toWorld({x, y, z}))) beyond.push_back({x, y, z});
     std::vector<double> field(beyond.size());
-    scene.evaluator->evaluate(beyond, field, {});
+    scene.field.evaluator->evaluate(beyond, field, {});
     for (std::size_t i = 0; i < beyond.size(); ++i)
       ASSERT_GE(field[i], 0) << beyond[i][0] << ' ' << beyond[i][1] << ' ' << beyond[i][2];
     const FieldPlan plan = planScene(scene);
@@ -97,10 +97,10 @@ TEST_F(MapJob, SignsAreThoseOfTheEvaluator) {
     std::vector<julia::Point> points;
     for (auto node = plan.domain.begin(); node; ++node) {
       nodes.push_back(*node);
-      points.push_back(scene.space.toFractal((*node).asVec3d() * plan.voxelSize));
+      points.push_back(scene.field.space.toFractal((*node).asVec3d() * plan.voxelSize));
     }
     std::vector<double> field(points.size());
-    scene.evaluator->evaluate(points, field, {});
+    scene.field.evaluator->evaluate(points, field, {});
     std::size_t inside = 0;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       inside += field[i] < 0;
@@ -158,8 +158,9 @@ TEST_F(MapJob, TheRecipeMakesTheSameBytes) {
   const auto bytes = [&](const Recipe& recipe) {
     const Scene scene = makeScene(parseFractalOptions(recipe), mMonitor);
     const VdbWriteOptions options{.metadata = sceneMetadata(scene, recipe)};
-    return std::pair(encodeVdb(runFractal(scene, planScene(scene), true, nullptr, mMonitor).grids, options),
-                     options.metadata);
+    return std::pair(
+        encodeVdb(runFractal(scene, planFractal(scene, {.grids = true}), nullptr, mMonitor).grids, options),
+        options.metadata);
   };
   for (Recipe recipe : kRecipes) {
     SCOPED_TRACE(text(recipe));
@@ -238,7 +239,7 @@ TEST_F(MapJob, PairDHasTheComplexSetsInItsPlane) {
         for (int n = 0; n < 10 && std::abs(z) < 2; ++n) z = z * z + (fixed ? constant : start);
         if (std::abs(std::abs(z) - 2) < 1e-9) continue;
         double field = 0;
-        (fixed ? julia : mandelbrot).evaluator->evaluate({&p, 1}, {&field, 1}, {});
+        (fixed ? julia : mandelbrot).field.evaluator->evaluate({&p, 1}, {&field, 1}, {});
         EXPECT_EQ(field < 0, std::abs(z) < 2) << p[0] << ' ' << p[1] << (fixed ? " Julia" : " Mandelbrot");
         inside += field < 0;
       }
@@ -252,7 +253,7 @@ TEST_F(MapJob, APairWithUndefinedPointsIsInOnePiece) {
   const Scene scene = this->scene(recipe);
   const julia::Point diagonal{0.1, 0.1, 0.05}, beside{0.1, 0.1 + 1e-9, 0.05};
   double field[2];
-  scene.evaluator->evaluate(std::array{diagonal, beside}, field, {});
+  scene.field.evaluator->evaluate(std::array{diagonal, beside}, field, {});
   EXPECT_GE(field[0], 0) << "the definition";
   EXPECT_LT(field[1], 0);
   const FieldPlan plan = planScene(scene);
@@ -261,7 +262,7 @@ TEST_F(MapJob, APairWithUndefinedPointsIsInOnePiece) {
   for (int k = -2; k <= 2; ++k)
     for (const int sign : {1, -1}) EXPECT_LT(values.getValue(Coord(k, sign * k, 1)), 0) << k << ' ' << sign;
   // The shift is recorded, and below the tolerance.
-  const Vec3d shift = scene.space.centre;
+  const Vec3d shift = scene.field.space.centre;
   EXPECT_GT(shift[0], 0);
   EXPECT_LT(shift.length(), scene.options.surface.tolerance * scene.voxelSize);
   EXPECT_NE(scene.metadata.at("julia_space_centre"), "0,0,0");

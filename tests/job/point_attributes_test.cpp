@@ -77,7 +77,7 @@ class PointAttributesTest : public testing::Test {
   Attributed made(const Scene& scene) {
     Attributed result{.columns = meshColumns(scene.options.output.attributes)};
     MeshCollector collector(result.mesh, &result.rows);
-    runFractal(scene, planScene(scene), false, &collector, mMonitor);
+    runFractal(scene, planFractal(scene, {.mesh = true}), &collector, mMonitor);
     EXPECT_EQ(result.rows.size(), result.mesh.points.size() * rowLength(result.columns));
     return result;
   }
@@ -167,13 +167,13 @@ TEST_F(PointAttributesTest, ColoursAreTheRenderersAlbedo) {
     const FieldRenderOptions options = pictureOptions(set, pictureRegion(set), FieldPicture{});
     std::vector<FieldHit> hits;
     for (const Vec3d& point : fractal.mesh.points) {
-      const julia::Point x = set.space.toFractal(point);
+      const julia::Point x = set.field.space.toFractal(point);
       hits.push_back({.inside = {x[0], x[1], x[2]},
                       .view = {0, 0, 1},
-                      .step = set.voxelSize / set.space.scale,
+                      .step = set.voxelSize / set.field.space.scale,
                       .normal = Vec3d(0, 0, -1)});
     }
-    const std::vector<FieldPoint> seen = fieldPoints(*set.evaluator, options, hits);
+    const std::vector<FieldPoint> seen = fieldPoints(*set.field.evaluator, options, hits);
     Vec3d low(1), high(0);
     for (std::size_t i = 0; i < hits.size(); ++i)
       for (int c = 0; c < 3; ++c) {
@@ -205,7 +205,7 @@ TEST_F(PointAttributesTest, AMadeFractalIsWrittenLikeOneThatIsMadeOnTheWay) {
   const Recipe recipe = shape({{"attributes", "Cd,depth"}});
   const Scene set = scene(recipe);
   const Attributed fractal = made(set);
-  const FractalResult result = runFractal(set, planScene(set), true, nullptr, mMonitor);
+  const FractalResult result = runFractal(set, planFractal(set, {.grids = true}), nullptr, mMonitor);
   const std::filesystem::path path = mFolder.path() / "made.ply";
   AtomicFile ply(path);
   writeMadeFractal(set, recipe, result, fractal.mesh, fractal.rows, {.meshes = {{&ply, MeshFormat::Ply}}}, mMonitor);
@@ -226,7 +226,7 @@ TEST_F(PointAttributesTest, GridsHaveTheValuesOfTheirVoxels) {
     SCOPED_TRACE(grids);
     const Scene set = scene(shape({{"attributes", kAll}, {"grids", grids}}));
     const Attributed fractal = made(set);
-    const FractalResult result = runFractal(set, planScene(set), true, nullptr, mMonitor);
+    const FractalResult result = runFractal(set, planFractal(set, {.grids = true}), nullptr, mMonitor);
     EXPECT_EQ(result.grids.size(), 8u);
     const auto colour = named<openvdb::Vec3SGrid>(result, "Cd"),
                direction = named<openvdb::Vec3SGrid>(result, "direction");
@@ -265,7 +265,7 @@ TEST_F(PointAttributesTest, ThicknessAndMaskAreTheScenes) {
   std::size_t body = 0, arm = 0;
   for (std::size_t i = 0; i < fractal.mesh.points.size(); ++i) {
     const Vec3d& x = fractal.mesh.points[i];
-    EXPECT_NEAR(*fractal.at("mask", i), set.exponentOf->mask.at(x), 1e-6);
+    EXPECT_NEAR(*fractal.at("mask", i), set.shellOptions().mask.at(x), 1e-6);
     const double tau = *fractal.at("tau", i);
     if (x[0] < -0.2) {
       EXPECT_NEAR(tau, 1, 0.2);

@@ -231,9 +231,9 @@ TEST_F(SheetJob, WhatTakesLongIsToldBeforeTheFirstCell) {
   /// Notes whether the work on a cell has begun.
   class Watching final : public Monitor {
    public:
-    void begin(std::string_view phase, std::uint64_t) override {
-      if (phase.starts_with("surface")) mAnyMesh = true;
-      if (phase.starts_with("render")) mAnyPicture = true;
+    void begin(const Phase& phase, std::uint64_t) override {
+      if (phase.kind == PhaseKind::Surface) mAnyMesh = true;
+      if (phase.kind == PhaseKind::Render) mAnyPicture = true;
     }
     bool anyMesh() const { return mAnyMesh; }
     bool anyPicture() const { return mAnyPicture; }
@@ -275,8 +275,8 @@ TEST_F(SheetJob, AnInterruptionKeepsWhatIsFinished) {
   /// Cancels once the third cell begins.
   class Impatient final : public Monitor {
    public:
-    void begin(std::string_view phase, std::uint64_t) override {
-      if (phase.find("cell 3 of 4") != std::string_view::npos) mCancelled = true;
+    void begin(const Phase& phase, std::uint64_t) override {
+      if (phase.number == 3 && phase.count == 4) mCancelled = true;
     }
     bool cancelled() const override { return mCancelled; }
 

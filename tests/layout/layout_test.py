@@ -160,6 +160,26 @@ def speakers(root):
     return found
 
 
+ANONYMOUS = re.compile(r"^namespace \{.*?^\}  // namespace$", re.MULTILINE | re.DOTALL)
+NAMESPACE = re.compile(r"^namespace ([\w:]+) \{", re.MULTILINE)
+TYPE = re.compile(r"^(?:struct|class|enum class) (\w+)(?: final)?(?: : [^{;]*)? ?\{", re.MULTILINE)
+
+
+def twins(root):
+    """Types that two files of a namespace define. The linker would take one's functions for the other's: C++ calls that
+    a violation of the one-definition rule, and no tool reports it."""
+    places = {}
+    for path in sources(root):
+        if path.split("/")[0] not in ("libjulia", "vdbtools", "cli"):
+            continue
+        with open(os.path.join(root, path), encoding="utf-8") as file:
+            text = ANONYMOUS.sub("", file.read())
+        space = NAMESPACE.search(text)
+        for match in TYPE.finditer(text):
+            places.setdefault((space.group(1) if space else "", match.group(1)), set()).add(path)
+    return {name: sorted(paths) for name, paths in places.items() if len(paths) > 1}
+
+
 class TheTree(unittest.TestCase):
     root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 
@@ -173,6 +193,9 @@ class TheTree(unittest.TestCase):
         for room, headers in introductions(self.root).items():
             with self.subTest(room=room):
                 self.assertEqual(len(headers), 1, f"{headers} say 'The room `{room}`' at their top")
+
+    def test_each_type_is_defined_once(self):
+        self.assertEqual(twins(self.root), {})
 
     def test_the_files_are_found(self):
         found = list(sources(self.root))
@@ -245,6 +268,17 @@ class ABadTree(unittest.TestCase):
             with open(os.path.join(root, "vdbtools/src/job/bad.cpp"), "w", encoding="utf-8") as file:
                 file.write(lines)
             self.assertEqual([line.split(": ")[0].rpartition(":")[2] for line in speakers(root)], ["1", "2", "6"])
+
+    def test_two_types_of_one_name(self):
+        shared = "namespace vdbtools {{\nstruct A {{ {0} }};\n}}\n"
+        private = "namespace vdbtools {\nnamespace {\nstruct A {};\n}  // namespace\n}\n"
+        with tempfile.TemporaryDirectory() as root:
+            for path, text in {"vdbtools/src/mesh/a.h": shared.format("int a;"), "vdbtools/src/field/b.h": shared.format(""),
+                               "vdbtools/src/job/c.cpp": private, "cli/d.h": "namespace cli {\nstruct A {};\n}\n"}.items():
+                os.makedirs(os.path.join(root, os.path.dirname(path)), exist_ok=True)
+                with open(os.path.join(root, path), "w", encoding="utf-8") as file:
+                    file.write(text)
+            self.assertEqual(twins(root), {("vdbtools", "A"): ["vdbtools/src/field/b.h", "vdbtools/src/mesh/a.h"]})
 
     def test_a_file_in_no_room(self):
         self.expect("vdbtools/src/cellar/bad.cpp", "", "lies in no room")

@@ -174,8 +174,8 @@ TEST_F(TextureJob, TheTargetsPlaceDoesNotMatter) {
     for (int i = 0; i < 60; ++i)
       points.push_back({0.4 * std::sin(2.7 * i), 0.4 * std::sin(1.9 * i + 1), 0.4 * std::sin(3.1 * i + 2)});
     std::vector<julia::Quaternion<double>> atHome(points.size()), tatHome(points.size());
-    one.evaluator->versors(points, atHome);
-    two.evaluator->versors(points, tatHome);
+    one.field.evaluator->versors(points, atHome);
+    two.field.evaluator->versors(points, tatHome);
     for (std::size_t i = 0; i < points.size(); ++i)
       EXPECT_LT(std::sqrt(normSquared(atHome[i] - tatHome[i])), 0.01) << i;
   }
@@ -224,7 +224,7 @@ TEST(TextureOptions, badOnesAreRefused) {
   EXPECT_NE(unknown.find("feather"), std::string::npos) << unknown;
   for (const Texture& texture : textureShelf()) EXPECT_NE(unknown.find(texture.name), std::string::npos) << unknown;
   const std::string both = refusal({{"input", "a.obj"}, {"versor", "scales"}, {"versor-powers", "2:3"}});
-  EXPECT_NE(both.find("--versor-powers"), std::string::npos) << both;
+  EXPECT_NE(both.find("--texture-powers"), std::string::npos) << both;
   EXPECT_NE(both.find("scales"), std::string::npos) << both;
   EXPECT_EQ(refusal({{"input", "a.obj"}, {"versor", "scales"}, {"versor-seed", "2"}}), "");
   EXPECT_EQ(refusal({{"input", "a.obj"}, {"versor", "scales.json"}}), "");

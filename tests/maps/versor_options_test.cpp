@@ -94,8 +94,8 @@ TEST(DirectionGrids, keepWhatIsGivenAndFillTheRestWithItsMeans) {
   const TemporaryFolder folder;
   const auto value = [](const Vec3d& x) { return Vec3d(1 + 0.1 * x[0], 2, -0.5 * x[2]); };
   const auto keep = [](const Vec3d& x) { return x.length() > 0.6 && x.length() < 1; };
-  const DirectionGrids given = readDirectionGrids(writtenField(folder, value, keep), {"v"}, "--versor");
-  const DirectionGrids filled = filledAbout(given, kBox, "--versor");
+  const DirectionGrids given = readDirectionGrids(writtenField(folder, value, keep), {"v"}, "--texture");
+  const DirectionGrids filled = filledAbout(given, kBox, "--texture");
   ASSERT_EQ(filled.components.size(), 3u);
   const openvdb::FloatGrid& first = *filled.components[0];
   for (auto node = filled.nodes.begin(); node; ++node) {
@@ -122,7 +122,7 @@ TEST(DirectionGrids, refuseWhatIsNoDirectionWithItsPlace) {
   const auto everywhere = [](const Vec3d&) { return true; };
   const auto refusal = [&](const auto& value, const auto& keep) -> std::string {
     try {
-      filledAbout(readDirectionGrids(writtenField(folder, value, keep), {}, "--versor"), kBox, "--versor");
+      filledAbout(readDirectionGrids(writtenField(folder, value, keep), {}, "--texture"), kBox, "--texture");
     } catch (const DataError& error) {
       return error.what();
     }

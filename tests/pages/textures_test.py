@@ -30,7 +30,7 @@ class TexturesPage(unittest.TestCase):
 
     def test_the_textures_that_vary_are_named(self):
         varying = [f"`{texture['name']}`" for texture in json.loads(listed("--json")) if texture["seed"]]
-        sentence, = re.findall(r"^`--versor-seed` varies (.*?)\.", PAGE.read_text(), re.M | re.S)
+        sentence, = re.findall(r"^`--texture-seed` varies (.*?)\.", PAGE.read_text(), re.M | re.S)
         self.assertEqual(re.findall(r"`\w+`", sentence), varying)
 
     def test_the_list_has_a_line_for_each(self):

@@ -79,7 +79,7 @@ class LikeTheCommand(ModuleTest):
 
     def test_files_have_the_bytes_of_the_commands(self):
         cases = [
-            (dict(detail=0.4, versor="quills"), ("--detail", "0.4", "--versor", "quills")),
+            (dict(detail=0.4, versor="quills"), ("--detail", "0.4", "--texture", "quills")),
             (dict(alpha=40, beta=0.02, origin_shift=(0.1, 0, 0)), ("--alpha", 40, "--beta", "0.02", "--origin-shift", "0.1,0,0")),
             (dict(min_size=np.int64(1), half=True, cap=False), ("--min-size", 1, "--half")),
             (dict(grids="surface,versor"), ("--grids", "surface,versor")),
@@ -202,7 +202,7 @@ class LikeTheCommand(ModuleTest):
         gone = str(self.path("gone.obj"))
         cases = [
             (ValueError, self.torus, dict(detail=7), ("--detail", 7)),
-            (ValueError, self.torus, dict(versor="fethers"), ("--versor", "fethers")),
+            (ValueError, self.torus, dict(versor="fethers"), ("--texture", "fethers")),
             (ValueError, self.torus, dict(resolution=10, voxel_size=0.1), ("--resolution", 10, "--voxel-size", 0.1)),
             (ValueError, self.torus, dict(map="mandel"), ("--map", "mandel")),
             (ValueError, None, dict(), ()),

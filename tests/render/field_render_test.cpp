@@ -388,7 +388,7 @@ class FieldRenderScene : public testing::Test {
   Scene scene(Recipe recipe) {
     return makeScene(parseFractalOptions(completeRecipe(std::move(recipe), fractalOptionTable())), mMonitor);
   }
-  static BBoxd regionOf(const Scene& scene) { return scene.exponent ? meshBox(planScene(scene)) : scene.region; }
+  static BBoxd regionOf(const Scene& scene) { return scene.exponent() ? meshBox(planScene(scene)) : scene.region(); }
   std::string target() const {
     std::ostringstream stream;
     writeMesh(stream,
@@ -434,7 +434,7 @@ FieldRenderOptions optionsFor(const Scene& scene, const BBoxd& region, int side)
   FieldRenderOptions options;
   options.width = options.height = side;
   options.samples = 1;
-  options.orbit = scene.orbit;
+  options.orbit = scene.field.orbit;
   options.camera = cameraAround(frameSet(scene.source(), region), {.azimuth = 30, .elevation = 20}, 1);
   return options;
 }
@@ -462,10 +462,10 @@ TEST_F(FieldRenderScene, SkippingChangesNothingWhereNothingIsProved) {
                            {{"map", "cross"}, {"scheme", "3"}, {"radius", "10"}},
                            {{"map", "mandelbulb"}, {"power", "4.5"}}}) {
     const Scene made = scene(recipe);
-    FieldRenderOptions options = optionsFor(made, made.region, 40);
-    const FieldImage skipped = renderField(made.source(), made.region, options, mMonitor);
+    FieldRenderOptions options = optionsFor(made, made.region(), 40);
+    const FieldImage skipped = renderField(made.source(), made.region(), options, mMonitor);
     options.skip = false;
-    expectSame(skipped, renderField(made.source(), made.region, options, mMonitor));
+    expectSame(skipped, renderField(made.source(), made.region(), options, mMonitor));
   }
 }
 
@@ -473,9 +473,9 @@ TEST_F(FieldRenderScene, SkippingChangesNothingWhereNothingIsProved) {
 TEST_F(FieldRenderScene, CrossProductsAreTheColours) {
   for (const std::string pair : {"A", "C", "D"}) {
     const Scene made = scene({{"map", "cross"}, {"pair", pair}, {"iterations", "3"}, {"scheme", "4"}});
-    FieldRenderOptions options = optionsFor(made, made.region, 48);
+    FieldRenderOptions options = optionsFor(made, made.region(), 48);
     options.passes.insert(Pass::Albedo);
-    const FieldImage direction = renderField(made.source(), made.region, options, mMonitor);
+    const FieldImage direction = renderField(made.source(), made.region(), options, mMonitor);
     const ViewFrame frame(options.camera);
     int compared = 0;
     for (std::size_t i = 0; i < direction.id.size(); ++i) {

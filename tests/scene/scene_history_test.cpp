@@ -62,8 +62,8 @@ class SceneHistory : public testing::Test {
       grids.commit();
       mesh.commit();
       std::string bytes = readWholeFile(vdb) + readWholeFile(ply) + std::to_string(result.evaluatedNodes);
-      if (scene.target) bytes += encodeVdb({scene.target->phi}, {}) + numbersText({*scene.targetVolume});
-      if (scene.exponent) bytes += encodeVdb({scene.exponent->grid}, {});
+      if (scene.target) bytes += encodeVdb({scene.target->distances.phi}, {}) + numbersText({scene.target->volume});
+      if (scene.exponent()) bytes += encodeVdb({scene.exponent()->grid}, {});
       return bytes;
     } catch (const DataError& error) {
       return error.what();
@@ -245,7 +245,7 @@ TEST_F(SceneHistory, ASceneThatWasInterruptedLeavesNothingBehind) {
   /// Cancels the work in one of its phases.
   struct Stops final : Monitor {
     explicit Stops(int at) : left(at) {}
-    void begin(std::string_view, std::uint64_t) override { --left; }
+    void begin(const Phase&, std::uint64_t) override { --left; }
     bool cancelled() const override { return left <= 0; }
     std::atomic<int> left;
   };

@@ -66,7 +66,7 @@ class VoxelAdviceTest : public testing::Test {
 TEST_F(VoxelAdviceTest, TheWidthOfAKnownTextureIsFound) {
   const Scene made = scene({{"input", plate(0.2)}});
   for (const double length : {0.3, 0.04, 0.005}) {
-    const FeatureSizes sizes = measureFeatureSizes(*made.target, *made.exponentOf, TurningVersor(length),
+    const FeatureSizes sizes = measureFeatureSizes(made.target->distances, made.shellOptions(), TurningVersor(length),
                                                    made.placed.space, std::nullopt, mMonitor);
     ASSERT_GT(sizes.texture.count(), 1000U);
     // The target's longest side is 1 in either space.
@@ -83,9 +83,9 @@ TEST_F(VoxelAdviceTest, TwiceTheFrequencyIsHalfTheWidth) {
     const Scene fine = scene({{"input", path}, {"versor", versor}, {"frequency", "2"}});
     const Scene scaled = scene({{"input", path}, {"versor", versor}, {"frequency", "1"}, {"versor-scale", "2"}});
     for (const double share : {0.1, 0.25, 0.5}) {
-      const double width = coarse.features->texture.quantile(share);
-      EXPECT_NEAR(fine.features->texture.quantile(share), width / 2, 0.1 * width) << versor;
-      EXPECT_NEAR(scaled.features->texture.quantile(share), 2 * width, 0.4 * width) << versor;
+      const double width = coarse.features()->texture.quantile(share);
+      EXPECT_NEAR(fine.features()->texture.quantile(share), width / 2, 0.1 * width) << versor;
+      EXPECT_NEAR(scaled.features()->texture.quantile(share), 2 * width, 0.4 * width) << versor;
     }
   }
 }
@@ -98,22 +98,22 @@ TEST_F(VoxelAdviceTest, TheCoreOfAPlateIsWhatDetailLeavesOfItsThickness) {
       if (core > 0.019) continue;
       // The thickness is known to a small part of the voxels of its lattice.
       for (const double share : {0.1, 0.4})
-        EXPECT_NEAR(made.features->core.quantile(share), core, 0.1 * core) << thickness << ' ' << detail;
-      EXPECT_GT(adviseVoxels(*made.features, core).coreShare, 0.5);
+        EXPECT_NEAR(made.features()->core.quantile(share), core, 0.1 * core) << thickness << ' ' << detail;
+      EXPECT_GT(adviseVoxels(*made.features(), core).coreShare, 0.5);
     }
 }
 
 TEST_F(VoxelAdviceTest, TheVoxelsThatAreNamedDo) {
   for (const char* detail : {"0.3", "0.9"}) {
     const Scene made = scene({{"input", plate(0.08)}, {"detail", detail}});
-    const VoxelAdvice advice = adviseVoxels(*made.features, made.voxelSize);
+    const VoxelAdvice advice = adviseVoxels(*made.features(), made.voxelSize);
     ASSERT_TRUE(advice.textureVoxel);
-    EXPECT_LE(adviseVoxels(*made.features, *advice.textureVoxel).textureShare, kTextureLeftOut);
-    EXPECT_GT(adviseVoxels(*made.features, 1.5 * *advice.textureVoxel).textureShare, kTextureLeftOut);
+    EXPECT_LE(adviseVoxels(*made.features(), *advice.textureVoxel).textureShare, kTextureLeftOut);
+    EXPECT_GT(adviseVoxels(*made.features(), 1.5 * *advice.textureVoxel).textureShare, kTextureLeftOut);
     // Finer voxels leave less out.
     double before = 1;
     for (double voxel = 0.05; voxel > 0.001; voxel /= 2) {
-      const double share = adviseVoxels(*made.features, voxel).textureShare;
+      const double share = adviseVoxels(*made.features(), voxel).textureShare;
       EXPECT_LE(share, before);
       before = share;
     }
@@ -123,11 +123,11 @@ TEST_F(VoxelAdviceTest, TheVoxelsThatAreNamedDo) {
 
 TEST_F(VoxelAdviceTest, NothingIsSaidOfAPlainTarget) {
   const std::string path = plate(0.2);
-  EXPECT_TRUE(scene({{"input", path}, {"mask", "0"}}).features->texture.empty());
-  EXPECT_TRUE(scene({{"input", path}, {"detail", "0"}, {"outward", "0"}}).features->texture.empty());
+  EXPECT_TRUE(scene({{"input", path}, {"mask", "0"}}).features()->texture.empty());
+  EXPECT_TRUE(scene({{"input", path}, {"detail", "0"}, {"outward", "0"}}).features()->texture.empty());
   // With alpha no core is promised.
-  EXPECT_TRUE(scene({{"input", path}, {"alpha", "40"}}).features->core.empty());
-  EXPECT_FALSE(scene({{"map", "quadratic"}}).features);
+  EXPECT_TRUE(scene({{"input", path}, {"alpha", "40"}}).features()->core.empty());
+  EXPECT_FALSE(scene({{"map", "quadratic"}}).features());
 }
 
 TEST_F(VoxelAdviceTest, IsTheSameForAnyNumberOfThreadsAndAnyLattice) {
@@ -135,10 +135,10 @@ TEST_F(VoxelAdviceTest, IsTheSameForAnyNumberOfThreadsAndAnyLattice) {
   const auto sizes = [&](const char* voxel, int threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
     const Scene made = scene({{"input", path}, {"voxel-size", voxel}, {"detail", "0.9"}});
-    std::vector<double> all{made.features->area};
+    std::vector<double> all{made.features()->area};
     for (int i = 0; i <= 200; ++i) {
-      all.push_back(made.features->texture.quantile(i / 200.0));
-      all.push_back(made.features->core.quantile(i / 200.0));
+      all.push_back(made.features()->texture.quantile(i / 200.0));
+      all.push_back(made.features()->core.quantile(i / 200.0));
     }
     return all;
   };
@@ -156,14 +156,14 @@ TEST_F(VoxelAdviceTest, AutomaticIsTheNumberThatShowsTheTextureAndIsRecorded) {
   EXPECT_EQ(std::fmod(resolution, 10), 0);
   EXPECT_GT(resolution, 300);
   EXPECT_NEAR(made.voxelSize, 1 / resolution, 1e-3 / resolution);
-  EXPECT_LE(adviseVoxels(*made.features, made.voxelSize).textureShare, kTextureLeftOut);
-  EXPECT_GT(adviseVoxels(*made.features, 1 / (resolution - 10)).textureShare, kTextureLeftOut);
+  EXPECT_LE(adviseVoxels(*made.features(), made.voxelSize).textureShare, kTextureLeftOut);
+  EXPECT_GT(adviseVoxels(*made.features(), 1 / (resolution - 10)).textureShare, kTextureLeftOut);
   // The same recipe with the number is the same scene.
   const Recipe numbered{{"input", recipe.at("input")}, {"frequency", "4"}, {"resolution", numbersText({resolution})}};
   const Scene again = scene(numbered);
   EXPECT_EQ(sceneMetadata(made, recipe), sceneMetadata(again, numbered));
   EXPECT_EQ(made.voxelSize, again.voxelSize);
-  EXPECT_EQ(made.arithmetic, again.arithmetic);
+  EXPECT_EQ(made.field.arithmetic, again.field.arithmetic);
 }
 
 TEST_F(VoxelAdviceTest, AutomaticKeepsWithinMemoryAndItsBounds) {

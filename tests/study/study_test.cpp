@@ -50,18 +50,18 @@ class StudyTest : public testing::Test {
   }
 
   static SlicePlane planeOf(const Scene& scene, int size, double above = 0) {
-    openvdb::BBoxd box = scene.target->box;
-    box.expand(0.1 * scene.space.scale);
-    return {Axis::Z, scene.space.centre[2] + above, box, size};
+    openvdb::BBoxd box = scene.target->distances.box;
+    box.expand(0.1 * scene.field.space.scale);
+    return {Axis::Z, scene.field.space.centre[2] + above, box, size};
   }
 
   /// The same by way of the job alone: 1 where the set holds a pixel.
   static std::vector<int> membership(const Scene& scene, const SlicePlane& plane) {
     std::vector<julia::Point> points;
     for (int y = 0; y < plane.height(); ++y)
-      for (int x = 0; x < plane.width(); ++x) points.push_back(scene.space.toFractal(plane.position(x, y)));
+      for (int x = 0; x < plane.width(); ++x) points.push_back(scene.field.space.toFractal(plane.position(x, y)));
     std::vector<double> field(points.size());
-    scene.evaluator->evaluate(points, field, {});
+    scene.field.evaluator->evaluate(points, field, {});
     std::vector<int> inside;
     for (const double f : field) inside.push_back(f < 0 ? 1 : 0);
     return inside;
@@ -112,7 +112,7 @@ TEST_F(StudyTest, EachVersorHasItsOwnArithmetic) {
   for (int k = 0; k < 8; ++k) {
     recipe["versor-seed"] = std::to_string(1 + k);
     const Scene one = scene(recipe);
-    inFloats += one.arithmetic == Arithmetic::Float ? 1 : 0;
+    inFloats += one.field.arithmetic == Arithmetic::Float ? 1 : 0;
     const std::vector<int> inside = membership(one, plane);
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += inside[i];
   }
@@ -278,7 +278,7 @@ TEST_F(StudyTest, Refusals) {
 
 TEST_F(StudyTest, StopsWhenToldTo) {
   struct Stopper : Monitor {
-    void begin(std::string_view phase, std::uint64_t) override { mStop = phase == "versors"; }
+    void begin(const Phase& phase, std::uint64_t) override { mStop = phase.kind == PhaseKind::Versors; }
     bool cancelled() const override { return mStop; }
     bool mStop = false;
   } stopper;

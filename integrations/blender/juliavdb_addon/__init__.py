@@ -16,7 +16,7 @@ panel.py    what is seen
 bl_info = {
     "name": "JuliaVDB",
     "author": "JuliaVDB maintainers",
-    "version": (0, 1, 0),
+    "version": (1, 0, 0),
     "blender": (3, 4, 0),
     "location": "3D Viewport > Sidebar > JuliaVDB",
     "description": "Turns a mesh into a fractal of the same shape, as a volume or a mesh",

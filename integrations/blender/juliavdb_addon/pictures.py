@@ -252,7 +252,7 @@ class Pictures:
             return self._finish("", False)
         name = self._names[0]
         self._run = programs.Run(self._program, ["render", "--field", self._mesh, "-o",
-                                                 str(_file(self._version, name)), "--versor", name, *VIEW])
+                                                 str(_file(self._version, name)), "--texture", name, *VIEW])
         return True
 
     def _finish(self, message, failed):

@@ -43,7 +43,7 @@ def answer(program, *words):
 
 
 def version(program):
-    """Such as 'juliavdb 0.1.0'."""
+    """Such as 'juliavdb 1.0.0'."""
     return answer(program, "--version").strip()
 
 

@@ -113,7 +113,7 @@ def words(settings):
     Raises ProgramError for words under More that cannot be given there.
     """
     known = pictures.shelf(program(bpy.context))
-    result = [f"--outward={number(settings.outward)}", f"--versor={settings.versor}",
+    result = [f"--outward={number(settings.outward)}", f"--texture={settings.versor}",
               f"--resolution={settings.resolution}"]
     channel = f"paint:{settings.paint_channel}"
     if settings.paint == "DETAIL":
@@ -123,7 +123,7 @@ def words(settings):
     if settings.paint == "MASK":
         result.append(f"--mask={channel}")
     if pictures.has_seed(known.textures, settings.versor):
-        result.append(f"--versor-seed={settings.seed}")
+        result.append(f"--texture-seed={settings.seed}")
     if settings.repair:
         result.append("--repair")
     return result + _more(settings.more, known)

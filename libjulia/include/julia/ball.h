@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file ball.h
-/// Ball arithmetic, for statements that hold at every point of a ball (Rump 1999, Fast and parallel interval
-/// arithmetic; van der Hoeven 2009, Ball arithmetic), with the logarithm of the modulus kept as an interval. It proves
-/// the sign of F over a whole block of a lattice, whose nodes then need no evaluation. Blocks near the surface stay
-/// undecided, because each step of the orbit enlarges a ball.
+/// Ball arithmetic (Rump 1999, Fast and parallel interval arithmetic; van der Hoeven 2009, Ball arithmetic) proves
+/// statements about every point of a ball. Here the logarithm of the modulus is kept as an interval. Ball arithmetic
+/// proves the sign of F over a whole block of a lattice, whose nodes then need no evaluation. Blocks near the surface
+/// stay undecided, because each step of the orbit enlarges a ball.
 #pragma once
 
 #include "julia/quaternion.h"
@@ -16,8 +16,9 @@ namespace julia {
 struct Ball {
   Quaternion<double> centre;  ///< units of the map's space
   double radius = 0;
-  /// For the shape modulus, which reads E at a part of q only: a lower bound of that part's length over the points that
-  /// the ball stands for. An image is a cap of a sphere, and the ball around it reaches much nearer to 0.
+  /// The shape modulus reads E at only three components of q. This is a lower bound of the length of that part of q
+  /// over the points that the ball stands for. An image is a cap of a sphere, and the ball around it reaches much
+  /// nearer to 0.
   double hollow = 0;
 };
 
@@ -27,10 +28,10 @@ struct LogRange {
   double high = std::numeric_limits<double>::infinity();
 };
 
-/// The directions in which the versors over a ball may point: those within an angle of an axis.
+/// The directions in which the versors over a ball may point: all directions within an angle of an axis.
 struct Cone {
   Quaternion<double> axis = Quaternion<double>::one();
-  double quadrants = 2;  ///< the angle in quarter turns; 1 or more where nothing is known
+  double quadrants = 2;  ///< the angle in quarter turns; 1 or more if nothing is known
 };
 
 enum class Decision : std::uint8_t {

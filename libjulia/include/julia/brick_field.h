@@ -16,19 +16,20 @@ namespace julia {
 
 class BrickPyramid;
 
-/// Reads in the type Real. A read is the interpolant of the stored values, to the same bit for every instruction set.
+/// Reads bricks in the type Real. Each read interpolates the stored values and gives the same bits with every
+/// instruction set.
 template <class Real>
 class BrickField final : public ScalarField<Real> {
  public:
-  /// @throw std::invalid_argument if the sizes do not fit each other, or the box is not within the bricks
+  /// @throw std::invalid_argument if the sizes do not match, or if the box is not within the bricks
   BrickField(std::shared_ptr<const Bricks> bricks, const BrickPlacement& placement);
   ~BrickField() override;
 
   void sample(std::span<const Real> x, std::span<const Real> y, std::span<const Real> z,
               std::span<Real> out) const override;
 
-  /// Bounds from the extremes of the bricks that the ball touches, and from the value at its centre and the steepest
-  /// slope there. The first call visits all bricks once.
+  /// Computes bounds from the extremes of the bricks that the ball touches, and from the value at its centre and the
+  /// steepest slope there. The first call visits all bricks once.
   void ranges(std::span<const std::array<double, 3>> centres, std::span<const double> radii,
               std::span<ValueRange> out) const override;
   double lowestBeyond(double distance) const override;

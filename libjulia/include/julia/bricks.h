@@ -20,7 +20,7 @@ enum class Interpolation {
 
 inline constexpr std::uint32_t kBrickSide = 8;
 
-/// Lattice values, filled by whoever has them. Brick (x, y, z) owns the nodes from 8 (x, y, z) on.
+/// Lattice values, filled in by the caller. Brick (x, y, z) owns the nodes from 8 (x, y, z) on.
 struct Bricks {
   Interpolation interpolation = Interpolation::Trilinear;
   std::array<std::uint32_t, 3> count{};  ///< bricks along each axis

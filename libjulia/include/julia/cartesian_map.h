@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file cartesian_map.h
-/// The seam for maps that are sums, f(q) + c, and whose later steps may need the point at which the orbit began: in a
-/// Mandelbrot set, c is that point. A batch of points in, their iterates out. An iterate that is used again lies below
-/// the escape radius, so these maps do not need the log-polar form of map.h.
+/// The interface of maps that are sums, f(q) + c, and whose later steps may need the point at which the orbit began: in
+/// a Mandelbrot set, c is that point. A map takes a batch of points and returns their iterates. An iterate that is used
+/// again lies below the escape radius, so these maps do not need the log-polar form of map.h.
 ///
 /// The level of F is ln(escape): F < 0 means that the orbit did not escape (docs/design.md 2.3).
 #pragma once
@@ -21,13 +21,13 @@ class CartesianMap {
  public:
   virtual ~CartesianMap() = default;
 
-  /// 4, or 3 for a map of R^3: then [x y z 0] stands for a point and is mapped to another [x y z 0].
+  /// 4, or 3 for a map of R^3. A map of R^3 takes a point as [x y z 0] and returns another [x y z 0].
   virtual int dimension() const = 0;
 
   /// The first step: next[i] is the iterate after start[i]. An iterate with a component that is not finite has escaped;
   /// a map returns such a value where it is not defined.
   /// @param start    where the orbits begin
-  /// @param carried  empty on entry; receives what the later steps of each orbit need to know, or stays empty
+  /// @param carried  empty on entry; receives whatever the later steps of each orbit need, or stays empty
   /// @param next     resized
   virtual void begin(const QuaternionBatch<Real>& start, QuaternionBatch<Real>& carried,
                      QuaternionBatch<Real>& next) const = 0;
@@ -47,8 +47,8 @@ class CartesianMap {
   /// Whether the map is defined at every point.
   virtual bool isDefinedEverywhere() const { return true; }
 
-  /// The value whose versor FieldEvaluator::versors() returns: the first iterate, unless the map has a better measure
-  /// of where a point goes. @a direction is resized.
+  /// Sets @a direction to the value whose versor FieldEvaluator::versors() returns: the first iterate, unless the map
+  /// has a better measure of where a point goes. @a direction is resized.
   virtual void direction(const QuaternionBatch<Real>& start, QuaternionBatch<Real>& direction) const {
     QuaternionBatch<Real> carried;
     begin(start, carried, direction);

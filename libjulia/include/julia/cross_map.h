@@ -14,7 +14,7 @@
 ///   E   f = (x^2 y, y^2, z^2)              g = (1, cos z, 1)
 ///
 /// The sines and cosines of 2phi and 2theta are computed from the components. x = y = 0 means phi = 0, and p = 0 means
-/// theta = 0 as well. Where cos 2phi = 0, that is where |x| = |y| > 0, A and A' are not defined: the orbit has escaped
+/// theta = 0 as well. A and A' are not defined where cos 2phi = 0, i.e. where |x| = |y| > 0: the orbit has escaped
 /// there (F = 1e30).
 ///
 /// The paper's i, default 10, is OrbitOptions::maxIterations: the largest number of cross products, including f(c) x
@@ -44,15 +44,16 @@ enum class CrossScheme {
 struct CrossOptions {
   CrossPair pair = CrossPair::A;
   CrossScheme scheme = CrossScheme::Mandelbrot;
-  Point constant{};  ///< of scheme (5); ignored by the other two
-  std::string f, g;  ///< of the pair User, see expression_pair.h; ignored by the others
+  Point constant{};  ///< for scheme (5); ignored by the other two
+  std::string f, g;  ///< for the pair User, see expression_pair.h; ignored by the others
 };
 
-/// Its direction(), by which [ZB25] colours, is f x g at the point. describe() returns the CrossOptions.
+/// A cross-product map. Its direction(), by which [ZB25] colours, is f x g at the point. describe() returns the
+/// CrossOptions.
 template <class Real>
 class CrossMap final : public CartesianMap<Real> {
  public:
-  /// @throw std::invalid_argument if the constant is not finite, or as ExpressionPair does
+  /// @throw std::invalid_argument if the constant is not finite, or under the conditions of ExpressionPair
   explicit CrossMap(const CrossOptions& options);
 
   int dimension() const override { return 3; }
@@ -67,7 +68,7 @@ class CrossMap final : public CartesianMap<Real> {
   bool isDefinedEverywhere() const override;
 
  private:
-  /// next = f(p) x g(p) + constant, where the constant is one for all orbits or one for each.
+  /// Sets next to f(p) x g(p) + constant, where the constant is one value for all orbits or one for each.
   template <class Constant>
   void multiply(const QuaternionBatch<Real>& p, const Constant& constant, QuaternionBatch<Real>& next) const;
   void second(const QuaternionBatch<Real>& p, QuaternionBatch<Real>& g) const;

@@ -3,17 +3,17 @@
 /// The exponent E for a wanted depth of detail: the distance-radius relation of [SK23] Fig. 8, solved the other way
 /// round (docs/design.md 2.8).
 ///
-/// Let w(x) be 0 where detail shall end outside the target and -1 where it shall end inside, so that the shell of
-/// detail is -1 < w < 0; w increases outward. With a scale K > 0,
+/// Let w(x) be a function that increases outward. It is 0 where detail shall end outside the target and -1 where it
+/// shall end inside, so that the shell of detail is -1 < w < 0. With a scale K > 0,
 ///
 ///   E(x) = ln(escape) + K w(x)
 ///
-/// Where w >= 0 the first iterate has escaped, so that the point is outside. Where w <= -1 it must be trapped:
+/// Where w >= 0 the first iterate has escaped, so that the point is outside. Where w <= -1 the orbit must be trapped:
 ///
 ///   ln(escape) - K <= ln r_in     r_in: the trapped ball of shell.h, which depends on E itself
 ///
-/// Nothing less than the escape radius will do outside: a quaternion far from the origin may have its first three
-/// coordinates, where E is read, anywhere. The smaller K is, the rougher is the detail that fills the shell.
+/// Outside, nothing less than the escape radius suffices: even for a quaternion far from the origin, the first three
+/// coordinates, where E is read, may be small. The smaller K is, the rougher is the detail that fills the shell.
 #pragma once
 
 #include "julia/shell.h"
@@ -22,28 +22,29 @@
 
 namespace julia {
 
-/// No shell of detail traps orbits about an origin.
+/// Thrown if no shell of detail traps orbits about the origin.
 class NoDetail : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// The smallest K.
-/// @param maximum  of w
+/// Returns the smallest K.
+/// @param maximum  bounds of w
 /// @throw NoDetail  no K up to 1e4 traps a ball: w is not below 0 about the origin
 /// @throw std::invalid_argument  maxIterations < 1 or escapeRadius <= 1
 double wantedScale(const RadialMaximum& maximum, int maxIterations, double escapeRadius);
 
-/// E as a function of w. The bound of r_in counts with an orbit that takes the worst direction at each step, and few
-/// do: with the law above, and D = 0.8, no point deeper than some 65 % of the shell ever leaves. So where the shell is
-/// deep, E falls slowly first, to where orbits do leave, and plunges to ln r_in in the last kPlunge of the shell:
+/// E as a function of w. The bound r_in assumes an orbit that takes the worst direction at each step, and few orbits
+/// do: with the law above, and D = 0.8, no point deeper than about 65 % of the shell ever leaves. In a deep shell, E
+/// therefore falls slowly at first, down to where orbits do leave, and then plunges to ln r_in in the last kPlunge of
+/// the shell:
 ///
 ///   E = ln(escape) + K w                      for -(1 - kPlunge) <= w <= 0
 ///   E = ln(escape) - K + S (w + 1) - P        below, with S = K + P / kPlunge
-///   E = ln(escape) + S w                      above 0, where nothing but its sign counts
+///   E = ln(escape) + S w                      above 0, where only its sign matters
 ///
-/// Lines of slope S through (-1, E(-1)) and through (0, E(0)) lie above and below E, respectively. Hence a mean of E at
-/// nodes where the same mean of w is <= -1 is at most E(-1), and where it is >= 0 it is at least ln(escape): what is
-/// promised at nodes holds between them.
+/// Lines of slope S through (-1, E(-1)) and through (0, E(0)) lie above and below E, respectively. Hence, if a mean of
+/// w over nodes is <= -1, the same mean of E is at most E(-1); if it is >= 0, the mean of E is at least ln(escape).
+/// What is promised at nodes therefore also holds between them.
 struct DetailLaw {
   double logEscape = 0;
   double scale = 0;   ///< K
@@ -58,9 +59,10 @@ struct DetailLaw {
   }
 };
 
-/// The law with the smallest scale, and the plunge that it needs.
-/// @param surface  w at the target's surface: how deep the target is about the origin is read from @a maximum
-/// @throw as wantedScale()
+/// Returns the law with the smallest scale, and the plunge that it needs.
+/// @param surface  w at the target's surface; the depth of the target about the origin is read from @a maximum
+/// @throw NoDetail  as wantedScale()
+/// @throw std::invalid_argument  as wantedScale()
 DetailLaw wantedLaw(const RadialMaximum& maximum, double surface, int maxIterations, double escapeRadius);
 
 }  // namespace julia

@@ -44,7 +44,7 @@ struct Embedding {
     return {q.a, q.b, q.c};
   }
 
-  /// @a q with these components that are not dropped.
+  /// @a q with its components that are not dropped set to @a x.
   template <class T>
   constexpr Quaternion<T> put(const Quaternion<T>& q, const std::array<T, 3>& x) const {
     switch (dropped) {

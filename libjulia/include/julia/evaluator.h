@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file evaluator.h
-/// The seam between the dynamics and whoever fills grids and searches edges: points in, field values out.
+/// The interface between the dynamics and the code that fills grids and searches edges: it takes points and returns
+/// field values.
 #pragma once
 
 #include "julia/ball.h"
@@ -22,10 +23,10 @@ namespace julia {
 /// F as plain values, from which another back end could be built.
 struct FieldDescription {
   MapDescription map;     ///< empty if the map has no description
-  Embedding embedding;    ///< of the points
+  Embedding embedding;    ///< how the points lie in the quaternions
   OrbitOptions orbit;     ///< a trap decides orbits early, but changes no sign of F if it is sound
   double level = 0;       ///< F = l_last - level
-  bool inFloats = false;  ///< computed in 32 bits, from numbers of the map that are rounded to 32 bits
+  bool inFloats = false;  ///< whether F is computed in 32 bits, from the map's numbers rounded to 32 bits
 };
 
 /// 8^3 nodes of a lattice along the axes of space: node (x, y, z), whose number is (8 x + y) 8 + z, lies at (at[0][x],
@@ -34,8 +35,8 @@ struct NodeBlock {
   static constexpr std::size_t kSide = 8, kSize = kSide * kSide * kSide;
 
   std::array<std::array<double, kSide>, 3> at{};
-  std::uint8_t wanted = 0xff;     ///< bit x/4 4 + y/4 2 + z/4: whether an eighth of the block is evaluated
-  std::span<float, kSize> field;  ///< receives the results; what is not wanted stays as it was
+  std::uint8_t wanted = 0xff;     ///< bit x/4 4 + y/4 2 + z/4: whether that eighth of the block is evaluated
+  std::span<float, kSize> field;  ///< receives the results; values of the other eighths are left unchanged
 };
 
 /// F as it is stored in 32 bits: rounded, without losing the sign.
@@ -44,8 +45,8 @@ inline float storedField(double field) {
   return value == 0 && field < 0 ? -std::numeric_limits<float>::min() : value;
 }
 
-/// Evaluates F. Evaluation is const, so one evaluator serves many threads; a point's value does not depend on the batch
-/// in which it came.
+/// Evaluates F. Evaluation is const, so one evaluator serves many threads; a point's value does not depend on its
+/// batch.
 ///
 ///     const auto evaluator = julia::makeFieldEvaluator<float>(map, {}, {.maxIterations = 5});
 ///     const std::vector<julia::Point> points = {{0.1, 0.2, 0.3}, {0.4, 0.5, 0.6}};
@@ -56,14 +57,14 @@ class FieldEvaluator {
  public:
   virtual ~FieldEvaluator() = default;
 
-  /// Sets field[i] to F(points[i]), which is finite, and iterations[i] to the number of steps taken, if @a iterations
-  /// is not empty.
+  /// Sets field[i] to F(points[i]), which is finite. Unless @a iterations is empty, sets iterations[i] to the number of
+  /// steps taken.
   virtual void evaluate(std::span<const Point> points, std::span<double> field, std::span<int> iterations) const = 0;
 
   /// How many points evaluate() should get at a time. Smaller batches waste vector lanes; larger ones do not help.
   virtual std::size_t preferredBatch() const { return 2048; }
 
-  /// What is evaluated; its map is empty if the evaluator cannot describe it.
+  /// Describes what is evaluated; the map is empty if the evaluator cannot describe it.
   virtual FieldDescription describe() const { return {}; }
 
   /// 4, or 3 for a map of R^3.
@@ -72,23 +73,23 @@ class FieldEvaluator {
   /// Sets versors[i] to f/|f| at points[i], where f is the map's first step or, for a Cartesian map, its direction().
   virtual void versors(std::span<const Point> points, std::span<Quaternion<double>> versors) const = 0;
 
-  /// An orbit trap about 0: sets nearest[i] to the logarithm of the smallest modulus among the iterates of points[i],
-  /// not counting the point itself; to kFieldLimit where there is no iterate.
+  /// Evaluates an orbit trap about 0: sets nearest[i] to the logarithm of the smallest modulus among the iterates of
+  /// points[i], not counting the point itself, or to kFieldLimit if there is no iterate.
   virtual void orbitTraps(std::span<const Point> points, std::span<double> nearest) const = 0;
 
-  /// Sets out[i] to what is known of the sign of F, as evaluate() computes it, at all points within @a radius of
-  /// centres[i]. Undecided says nothing; the other answers are proofs.
+  /// Sets out[i] to what is known about the sign of F, as evaluate() computes it, at all points within @a radius of
+  /// centres[i]. Inside and Outside are proofs; Undecided says nothing.
   virtual void decide(std::span<const Point> centres, double radius, std::span<Decision> out) const {
     (void)centres, (void)radius;
     std::fill(out.begin(), out.end(), Decision::Undecided);
   }
 
-  /// The sign of F at the nodes of blocks: field receives F or, where it is known that F >= 0 without following the
-  /// orbit to its end, kFieldLimit. What is known of a node depends on its block alone.
+  /// Evaluates the sign of F at the nodes of blocks: field receives F or, if F >= 0 is known without following the
+  /// orbit to its end, kFieldLimit. The result at a node depends on its block alone.
   virtual void evaluateBlocks(std::span<const NodeBlock> blocks) const;
 };
 
-/// The only back end so far: batches through the vector kernels, in the type Real (float or double).
+/// Makes the only back end so far, which runs batches through the vector kernels in the type Real (float or double).
 /// @throw std::invalid_argument if the options are out of their domain
 template <class Real>
 std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const Map<Real>> map, const Embedding& embedding,
@@ -99,7 +100,7 @@ extern template std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_p
 extern template std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const Map<double>>, const Embedding&,
                                                                    const OrbitOptions&);
 
-/// The same for a Cartesian map; what it can prove depends on the map's imageOf().
+/// As above for a Cartesian map; what the evaluator can prove depends on the map's imageOf().
 /// @throw std::invalid_argument if the options are out of their domain, or if the map is one of R^3 and the embedding
 ///                              has a slice or a dropped axis other than k
 template <class Real>

@@ -11,24 +11,24 @@
 
 namespace julia {
 
-/// The names in a formula that are no functions and no constants, in alphabetical order.
-/// @throw std::invalid_argument  it is no formula for one value; says at which character, and why
+/// Returns the names in a formula that are neither functions nor constants, in alphabetical order.
+/// @throw std::invalid_argument  the text is not a formula for one value; the message says at which character, and why
 std::vector<std::string> namesInExpression(const std::string& text);
 
-/// A formula with several components, cut at the commas that are not within brackets.
+/// Splits a formula with several components at the commas that are outside brackets.
 std::vector<std::string> componentsOfExpression(const std::string& text);
 
-/// For one thread at a time.
+/// A parsed formula. Only one thread at a time may use it.
 class Expression {
  public:
-  /// @param variables  what the text may refer to; names of letters, digits and underscores
-  /// @throw std::invalid_argument  as namesInExpression(), or it has other names
+  /// @param variables  the names to which the text may refer, made of letters, digits and underscores
+  /// @throw std::invalid_argument  as namesInExpression(), or the text contains other names
   Expression(const std::string& text, const std::vector<std::string>& variables);
   Expression(Expression&&) noexcept;
   ~Expression();
 
-  /// The value, which may be infinite or not a number.
-  /// @param values  of the variables, in their order
+  /// Returns the value, which may be infinite or not a number.
+  /// @param values  the values of the variables, in their order
   double at(std::span<const double> values);
 
  private:

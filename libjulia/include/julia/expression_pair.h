@@ -20,12 +20,12 @@
 
 namespace julia {
 
-/// May be evaluated in many threads at once.
+/// A parsed pair. Many threads may evaluate it at once.
 class ExpressionPair {
  public:
   /// @throw std::invalid_argument with the text and the position, if there are not three components, if one does not
-  ///        parse or contains an unknown name, or if one is finite at none of the points where it is tried (up to |p| =
-  ///        100)
+  ///                              parse or contains an unknown name, or if one is not finite at any of the points where
+  ///                              it is tried (up to |p| = 100)
   ExpressionPair(const std::string& f, const std::string& g);
   ~ExpressionPair();
 

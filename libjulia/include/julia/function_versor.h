@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file function_versor.h
-/// The versor of any function of the place: a formula, or a program's own. Nothing can be proved of it over balls.
+/// The versor of an arbitrary function of position: a formula, or a function of the calling program. No bounds over
+/// balls can be proved for it.
 #pragma once
 
 #include "julia/quaternion.h"
@@ -11,9 +12,9 @@
 
 namespace julia {
 
-/// directions[i] = a quaternion of any length at points[i]; where it is 0 or not finite there is no direction, and the
-/// versor is 1. Both spans have one size. Called in many threads at once, with batches of any size; the same point must
-/// always have the same direction. What it throws reaches whoever asked for the versors.
+/// Sets directions[i] to a quaternion of any length for points[i]; where it is 0 or not finite there is no direction,
+/// and the versor is 1. Both spans have the same size. Many threads may call the function at once, with batches of any
+/// size; the same point must always get the same direction. Exceptions reach whoever asked for the versors.
 using DirectionFunction =
     std::function<void(std::span<const Quaternion<double>> points, std::span<Quaternion<double>> directions)>;
 

@@ -87,7 +87,7 @@ Quaternion<Real> versorPower(const Quaternion<Real>& u, Real p) {
   using std::sqrt;
   const Real squared = u.b * u.b + u.c * u.c + u.d * u.d;
   if (squared < std::numeric_limits<Real>::min()) {
-    // So close to a real that squares underflow; what is left still tells the axis.
+    // The versor is so close to a real that squares underflow; the remaining components still determine the axis.
     const Quaternion<Real> rest{Real(0), u.b, u.c, u.d};
     const bool isReal = rest == Quaternion<Real>{};
     const Quaternion<Real> axis = isReal ? Quaternion<Real>{Real(0), Real(1), Real(0), Real(0)} : versorOf(rest);

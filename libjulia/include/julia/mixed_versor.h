@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file mixed_versor.h
-/// Two versors, mixed by a scalar field: the versor of (1 - m) u + m v. Where u and v differ the mix goes the short way
-/// from the one to the other, so that it has no seam but at the isolated points where it vanishes, and its versor is 1.
+/// Two versors, mixed by a scalar field m: the versor of (1 - m) u + m v. The mixture takes the short way from u to v,
+/// so it is continuous except at the isolated points where it vanishes; there the versor is 1.
 #pragma once
 
 #include "julia/embedding.h"
@@ -13,7 +13,7 @@
 
 namespace julia {
 
-/// Where m is 0 or less, it is u to the bit, and v where m is 1 or more.
+/// Equals u bit for bit where m <= 0, and v where m >= 1.
 template <class Real>
 class MixedVersor final : public VersorField<Real> {
  public:
@@ -22,13 +22,14 @@ class MixedVersor final : public VersorField<Real> {
               std::shared_ptr<const ScalarField<Real>> mix, DropAxis dropped);
 
   void versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const override;
-  /// From the cones of both; where one of them is not known, from the other, as long as m leaves little of the first.
+  /// Computes cones from the cones of both versors. If one of them is unknown, it uses the other, as long as m leaves
+  /// little of the first.
   void cones(std::span<const Ball> balls, std::span<Cone> cones) const override;
 
  private:
   std::shared_ptr<const VersorField<Real>> mUnder, mOver;
   std::shared_ptr<const ScalarField<Real>> mMix;
-  Embedding mEmbedding;  ///< for its dropped axis
+  Embedding mEmbedding;  ///< only its dropped axis is used
 };
 
 extern template class MixedVersor<float>;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file moved_versor.h
-/// Versors that ask another one at other points: moved, scaled, or made symmetric.
+/// Versors that evaluate another versor at other points: moved, scaled, or made symmetric.
 #pragma once
 
 #include "julia/embedding.h"
@@ -13,7 +13,7 @@
 
 namespace julia {
 
-/// u(q) = v((q - t) / s): v made s times as large about the origin, and then moved by t.
+/// u(q) = v((q - t) / s), which is v scaled by s about the origin and then moved by t.
 template <class Real>
 class MovedVersor final : public VersorField<Real> {
  public:
@@ -29,14 +29,14 @@ class MovedVersor final : public VersorField<Real> {
   Quaternion<double> mTranslate;
 };
 
-/// Of a texture in space; the dropped component of the quaternions takes no part.
+/// The symmetry of a texture in space; it does not affect the dropped component of the quaternions.
 struct Symmetry {
   /// How often the texture repeats around the axis, 1 to kMostFold.
   int fold = 1;
-  int axis = 2;  ///< of the rotations: 0 X, 1 Y, 2 Z
-  /// Mirrors each of the sectors in its middle, as a kaleidoscope does.
+  int axis = 2;  ///< the axis of the rotations: 0 X, 1 Y, 2 Z
+  /// Whether each sector is mirrored in its middle, as in a kaleidoscope.
   bool kaleidoscope = false;
-  std::array<bool, 3> mirrored{};  ///< across the planes through the centre at right angles to X, Y and Z
+  std::array<bool, 3> mirrored{};  ///< at the planes through the centre at right angles to X, Y and Z
   Point centre{};                  ///< units of the map's space
 };
 
@@ -45,13 +45,13 @@ inline constexpr int kMostFold = 64;
 /// @throw std::invalid_argument  a number out of its range
 void requireValid(const Symmetry& symmetry);
 
-/// A versor that is the same at points which the symmetry takes to each other. So the map takes them to one and the
-/// same image, and the set over a target of that symmetry has it too.
+/// A versor with the same value at all points that the symmetry maps to each other. The shape modulus then maps these
+/// points to the same image, and the set over a target of that symmetry has the symmetry too.
 ///
-/// Mirrors fold space at their planes, and ask the versor on one side alone. A kaleidoscope folds it into half a
-/// sector. Both are continuous and bring no two points farther from each other. Rotations without mirrors have no such
-/// fold: the borders of a sector do not fit. There it is the versor of the sum over all rotations R, u(q) ~ sum of v(R
-/// q).
+/// Mirrors fold space at their planes, so that the versor is evaluated on one side only. A kaleidoscope folds space
+/// into half a sector. Both folds are continuous and never increase the distance of two points. Rotations without
+/// mirrors have no such fold, because the borders of a sector do not match. The versor is then that of the sum over all
+/// rotations R, u(q) ~ sum of v(R q).
 template <class Real>
 class SymmetricVersor final : public VersorField<Real> {
  public:
@@ -65,7 +65,7 @@ class SymmetricVersor final : public VersorField<Real> {
   struct Turn {
     double cosine, sine;
   };
-  /// @a q in its half-space or sector.
+  /// Folds @a q into its half-space or sector.
   template <class Number>
   Quaternion<Number> folded(const Quaternion<Number>& q) const;
   template <class Number>
@@ -76,7 +76,7 @@ class SymmetricVersor final : public VersorField<Real> {
 
   std::shared_ptr<const VersorField<Real>> mVersor;
   Symmetry mSymmetry;
-  Embedding mEmbedding;      ///< for its dropped axis
+  Embedding mEmbedding;      ///< only its dropped axis is used
   std::vector<Turn> mTurns;  ///< one for each sector
 };
 

@@ -14,10 +14,11 @@ namespace julia {
 struct OrbitOptions {
   int maxIterations = 3;     ///< n, at least 1
   double escapeRadius = 20;  ///< in units of the map's space, > 1
-  /// An iterate with l <= logTrap, after the first step or later, is inside whatever comes; -inf knows no such ball.
+  /// An iterate with l <= logTrap, after the first step or later, is inside whatever follows. -inf means that no such
+  /// ball is known.
   double logTrap = -std::numeric_limits<double>::infinity();
-  /// Follows trapped orbits to their end all the same, to check that they stay inside. F is what the trap made of it
-  /// where that holds, so that a trap that is right changes no bit.
+  /// Whether trapped orbits are nevertheless followed to their end, to check that they stay inside. Where they do, F
+  /// keeps the value that the trap gave it, so that a correct trap changes no bit.
   bool confirmTrap = false;
 
   bool operator==(const OrbitOptions&) const = default;
@@ -30,7 +31,7 @@ inline constexpr double kMaxEscapeRadius = 1e9;
 /// @throw std::invalid_argument naming the option and its value
 void requireValid(const OrbitOptions& options);
 
-/// |F| is clamped to this: nothing infinite leaves an evaluator.
+/// |F| is clamped to this, so that an evaluator never returns an infinite value.
 inline constexpr double kFieldLimit = 1e30;
 
 }  // namespace julia

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file quaternion.h
-/// Quaternions q = [A B C D] = A + B i + C j + D k. Products are not commutative: in a * b, a stands on the left.
+/// Quaternions q = [A B C D] = A + B i + C j + D k. Products are not commutative: in a * b, a is the left factor.
 #pragma once
 
 namespace julia {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file random_roots.h
 /// Random polynomials for the versor ([SK23] 3.3.2): roots scattered in or near the target, with random powers. The
-/// same seed gives the same roots everywhere; no clock is read.
+/// same seed gives the same roots on every machine and at any time.
 #pragma once
 
 #include "julia/embedding.h"
@@ -30,14 +30,13 @@ struct RandomRootsOptions {
   Point clusterCentre{0, 0, 0};                           ///< Cluster
   double clusterRadius = 0.1;                             ///< Cluster: the standard deviation
   Embedding embedding;                                    ///< roots lie in the slice
-  /// The target's signed distance in the map's space; needed by Inside and Surface.
+  /// The target's signed distance in the map's space; Inside and Surface need it.
   std::function<double(const Point&)> distance;
 };
 
-/// A polynomial of options.count roots.
-/// @throw std::invalid_argument  a number out of its domain, a placement that lacks the distance it needs, or a target
-/// so
-///                               thin that no point was found in it
+/// Returns a polynomial of options.count roots.
+/// @throw std::invalid_argument  a number out of its domain, a placement without the distance that it needs, or a
+///                               target so thin that no point was found in it
 Polynomial randomPolynomial(const RandomRootsOptions& options);
 
 }  // namespace julia

@@ -52,16 +52,16 @@ Rational translated(Rational rational, const Quaternion<double>& offset);
 /// @throw std::invalid_argument unless the factor is finite and not 0
 Rational scaled(Rational rational, double factor);
 
-/// The ordered product: the top roots of @a left, then those of @a right, likewise the bottom roots, and the sum of
-/// both C. Power scales that differ are multiplied into the powers.
+/// The ordered product. Its top roots are those of @a left, then those of @a right; likewise its bottom roots. Its C is
+/// the sum of both C. If power scales differ, they are multiplied into the powers.
 Rational product(const Rational& left, const Rational& right);
 
 /// @throw std::invalid_argument naming the first number that is not finite
 void requireFinite(const Rational& rational);
 
-/// A rational ready to be evaluated in the type Real. Where q hits roots exactly, the sum of their powers decides: a
+/// A rational ready to be evaluated in the type Real. Where q equals roots exactly, the sum of their powers decides: a
 /// positive sum gives l = -inf, a negative one +inf, and with a sum of 0 (coincident top and bottom roots) they cancel.
-/// The versor of a root that is hit is 1. Evaluation is const and may run in many threads at once.
+/// Roots equal to q contribute the versor 1. Evaluation is const and may run in many threads at once.
 template <class Real>
 class RationalEvaluator {
  public:
@@ -73,7 +73,7 @@ class RationalEvaluator {
   void logModulus(const QuaternionBatch<Real>& q, std::span<Real> l) const;
   void versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const;
 
-  /// Evaluate one point, slowly, and with care where squares would underflow.
+  /// Evaluate one point, slowly, and carefully where squares would underflow.
   Real logModulus(const Quaternion<Real>& q) const;
   Quaternion<Real> versor(const Quaternion<Real>& q) const;
   LogPolar<Real> operator()(const Quaternion<Real>& q) const { return {logModulus(q), versor(q)}; }
@@ -81,12 +81,12 @@ class RationalEvaluator {
   /// Bounds over balls for what logModulus() and versor() compute, rounding included. All spans have the same size.
   void logModulusRanges(std::span<const Ball> balls, std::span<LogRange> l) const;
   void cones(std::span<const Ball> balls, std::span<Cone> cones) const;
-  /// l[i] = a lower bound of ln|v| over the ball of that radius about centre i, where v is what versor() computes
-  /// without the component number @a dropped; -inf where nothing is known. All of it in vector lanes, and so some ten
-  /// times faster than a cone.
+  /// Sets l[i] to a lower bound of ln|v| over the ball of that radius about centre i, where v is what versor() computes
+  /// without the component number @a dropped; -inf where nothing is known. It runs entirely in vector lanes and is
+  /// therefore about ten times faster than a cone.
   void logLeastParts(const QuaternionBatch<Real>& centres, Real radius, unsigned dropped, std::span<Real> l) const;
-  /// The sum of the magnitudes of all powers: over a small ball, versors turn by its radius times this divided by the
-  /// distances to the roots.
+  /// The sum of the magnitudes of all powers: over a small ball, versors turn by its radius times this sum divided by
+  /// the distances to the roots.
   double powers() const;
 
   /// Roots of top and bottom whose power is not 0.
@@ -97,7 +97,7 @@ class RationalEvaluator {
  private:
   struct Factors;
   std::shared_ptr<const Factors> mFactors;
-  /// For powers that are too large for floats.
+  /// Serves powers that are too large for floats.
   std::shared_ptr<const RationalEvaluator<double>> mWide;
 };
 

@@ -11,7 +11,7 @@
 
 namespace julia {
 
-/// Its C has no effect.
+/// The versor of a rational; the rational's C has no effect.
 template <class Real>
 class RationalVersor final : public VersorField<Real> {
  public:
@@ -24,7 +24,7 @@ class RationalVersor final : public VersorField<Real> {
                      std::span<Real> l) const override {
     mRational.logLeastParts(centres, radius, dropped, l);
   }
-  /// Roots are about one unit away.
+  /// Assumes that roots are about one unit away.
   double turning() const override { return mRational.powers(); }
   std::any describe() const override { return mRational.rational(); }
 

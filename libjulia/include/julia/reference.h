@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file reference.h
-/// The slow evaluator, which reads like the papers: one point at a time, Cartesian quaternions, in a type of the
-/// caller's choice. The type may be double, long double, or a 128-bit one whose log, exp, pow, sqrt, sin, cos and acos
-/// are found by argument-dependent look-up (boost::multiprecision::float128). Everything fast is compared with it;
-/// nothing else is written twice.
+/// The slow evaluator, which follows the papers literally: one point at a time, Cartesian quaternions, in a type of the
+/// caller's choice. The type may be double, long double, or a 128-bit type whose log, exp, pow, sqrt, sin, cos and acos
+/// are found by argument-dependent look-up (boost::multiprecision::float128). Tests compare all fast code with it;
+/// nothing else is implemented twice.
 ///
-/// The guard of [KD20] Eq. 2 is an option: an evaluation whose bottom polynomial leaves too few exponent bits counts as
+/// The guard of [KD20] Eq. 2 is optional: an evaluation whose bottom polynomial leaves too few exponent bits counts as
 /// divergent.
 #pragma once
 
@@ -66,7 +66,7 @@ bool guardTrips(const T& bottomNorm, const T& bottomPowers) {
   return !(log10(bottomNorm) < room);
 }
 
-/// f(q) of [Kim15] Eq. 2; empty if there is a guard and it trips.
+/// f(q) of [Kim15] Eq. 2; empty if @a guard is true and the guard trips.
 template <class T>
 std::optional<Quaternion<T>> evaluate(const Rational& rational, const Quaternion<T>& q, bool guard) {
   using std::exp;
@@ -79,7 +79,7 @@ std::optional<Quaternion<T>> evaluate(const Rational& rational, const Quaternion
   return top * (conjugate(bottom) * T(T(1) / squared));
 }
 
-/// A map of the papers: takes q and returns f(q), or nothing where a guard trips.
+/// A map of the papers: takes q and returns f(q), or nothing if a guard trips.
 template <class T>
 using MapFunction = std::function<std::optional<Quaternion<T>>(const Quaternion<T>&)>;
 
@@ -93,7 +93,7 @@ MapFunction<T> quadraticMap(const Quaternion<double>& c) {
   return [c = c.as<T>()](const Quaternion<T>& q) { return std::optional(q * q + c); };
 }
 
-/// [SK23] Eq. 3 over any map p as the versor, with E given as a function of q; the versor of 0 is 1.
+/// [SK23] Eq. 3 with any map p as the versor and E given as a function of q; the versor of 0 is 1.
 template <class T>
 MapFunction<T> shapeModulus(std::function<T(const Quaternion<T>&)> exponent, MapFunction<T> versor) {
   return [exponent = std::move(exponent),

@@ -87,7 +87,7 @@ FunctionPair<T> functionPair(CrossPair pair) {
   const auto second = [](int sign) -> VectorFunction<T> {
     return [sign](const Vector<T>& p) -> std::optional<Vector<T>> {
       const auto [r, phi, theta] = spherical(p);
-      // cos 2phi = 0, which no rounded phi gives.
+      // Here cos 2phi = 0, which no rounded phi gives exactly.
       if ((p[0] == p[1] || p[0] == -p[1]) && p[0] != T(0)) return std::nullopt;
       return Vector<T>{T(sign * sin(2 * theta) / cos(2 * phi)), T(0), T(cos(2 * theta))};
     };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file reference_waves.h
-/// Versors of waves (wave_versor.h) by their definition, one point at a time; see reference.h.
+/// Versors of waves (wave_versor.h) computed from their definition, one point at a time; see reference.h.
 #pragma once
 
 #include "julia/reference.h"
@@ -27,7 +27,7 @@ Quaternion<T> sumOfWaves(const WaveFactor& factor, const Quaternion<T>& p) {
   return sum;
 }
 
-/// B(p). @param least  becomes the least |g| of its factors, if that is less; about 0 nothing is well defined
+/// B(p). @param least  lowered to the least |g| of the factors if that is less; the versor is ill-defined near |g| = 0
 template <class T>
 Quaternion<T> waves(const WaveTexture& texture, const Quaternion<T>& p, T& least) {
   Quaternion<T> product = Quaternion<T>::one();
@@ -42,8 +42,8 @@ Quaternion<T> waves(const WaveTexture& texture, const Quaternion<T>& p, T& least
   return product;
 }
 
-/// (1 - t) B(2^k q) + t B(2^(k+1) q) about the origin, whose versor is that of the field. @param least  as above, and
-/// of this
+/// (1 - t) B(2^k q) + t B(2^(k+1) q) about the origin, whose versor is that of the field. @param least  lowered as in
+/// waves(), also to the modulus of this sum
 template <class T>
 Quaternion<T> wavesAt(const WaveTexture& texture, const Quaternion<T>& q, const T& octave, T& least) {
   using std::exp2;

@@ -22,7 +22,7 @@ namespace julia {
 
 /// What ShapeModulus::describe() returns.
 struct ShapeModulusDescription {
-  std::optional<PlacedBricks> exponent;  ///< E; empty if the field that was given does not describe itself
+  std::optional<PlacedBricks> exponent;  ///< E; empty if the exponent's field does not describe itself
   std::any versor;                       ///< as VersorField::describe(): a Rational p, whose logScale has no effect
   DropAxis dropped = DropAxis::K;        ///< the component of q at which E is not read
 };
@@ -32,7 +32,7 @@ class ShapeModulus final : public Map<Real> {
  public:
   ShapeModulus(std::shared_ptr<const ScalarField<Real>> exponent, std::shared_ptr<const VersorField<Real>> versor,
                DropAxis dropped);
-  /// With the versor of a rational.
+  /// Takes the versor of a rational.
   ShapeModulus(std::shared_ptr<const ScalarField<Real>> exponent, const Rational& versor, DropAxis dropped);
 
   void logModulus(const QuaternionBatch<Real>& q, std::span<Real> l) const override;
@@ -44,8 +44,8 @@ class ShapeModulus final : public Map<Real> {
   void logModulusRanges(std::span<const Ball> balls, std::span<LogRange> l) const override;
   void images(std::span<const Ball> balls, std::span<const LogRange> l,
               std::span<std::optional<Ball>> images) const override;
-  /// Beyond some distance from the origin E is nowhere below what is wanted, and an image's distance from it is e^l
-  /// times what the versor keeps without the dropped component.
+  /// The proof rests on two facts: beyond some distance from the origin E is nowhere below @a wanted, and the part of
+  /// an image without its dropped component has the length e^l times that of the same part of the versor.
   typename Map<Real>::EscapeProof escapeProof(double wanted) const override;
   void escapeBounds(const QuaternionBatch<Real>& centres, Real radius, const typename Map<Real>::EscapeProof& proof,
                     std::span<Real> bounds) const override;
@@ -53,7 +53,7 @@ class ShapeModulus final : public Map<Real> {
  private:
   std::shared_ptr<const ScalarField<Real>> mExponent;
   std::shared_ptr<const VersorField<Real>> mVersor;
-  Embedding mEmbedding;  ///< for its dropped axis
+  Embedding mEmbedding;  ///< only its dropped axis is used
 };
 
 extern template class ShapeModulus<float>;

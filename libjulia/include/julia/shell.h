@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file shell.h
-/// Where F must be computed at all (docs/design.md 2.4). For the shape modulus |q_{i+1}| = e^E(q_i). Hence, with
+/// The region where F must be computed (docs/design.md 2.4). For the shape modulus |q_{i+1}| = e^E(q_i). Hence, with
 ///
 ///   m(r) = max over |y| <= r of e^E(y)
 ///
 /// a point whose first iterate has l <= ln r_in is inside, where r_in is the largest r < 1 that stays < 1 when m is
-/// applied to it n - 1 times; and a point with l >= ln(escape) is outside. Only points where E lies in the open
-/// interval (ln r_in, ln escape) are undecided.
+/// applied to it n - 1 times. A point with l >= ln(escape) is outside. Only points where E lies in the open interval
+/// (ln r_in, ln escape) are undecided.
 #pragma once
 
 #include <limits>
@@ -29,7 +29,7 @@ struct RadialMaximum {
   double logBound(double r) const;
 };
 
-/// The interval for orbits of at most @a maxIterations steps.
+/// Returns the undecided interval of E for orbits of at most @a maxIterations steps.
 /// @throw std::invalid_argument unless maxIterations >= 1 and escapeRadius > 1
 ShellInterval shellInterval(const RadialMaximum& radialMaximum, int maxIterations, double escapeRadius);
 

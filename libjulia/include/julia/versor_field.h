@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file versor_field.h
-/// The seam for the direction of the shape modulus (shape_modulus.h): unit quaternions over the quaternions, of any
-/// origin. [SK23] take the versor of a rational, and say that any map or vector field will do.
+/// The interface of the direction of the shape modulus (shape_modulus.h): a field of unit quaternions over the
+/// quaternions, from any source. [SK23] take the versor of a rational, and say that any map or vector field will do.
 #pragma once
 
 #include "julia/ball.h"
@@ -14,30 +14,32 @@
 
 namespace julia {
 
-/// Evaluation is const and may run in many threads at once. A point's versor does not depend on the batch it came in.
+/// Evaluation is const and may run in many threads at once. A point's versor does not depend on its batch.
 template <class Real>
 class VersorField {
  public:
   virtual ~VersorField() = default;
 
-  /// u[i] = the versor at q[i]: of length 1 but for rounding, and finite also where it is not defined. @a u is resized.
+  /// Sets u[i] to the versor at q[i], whose length is 1 up to rounding and which is finite even where it is undefined.
+  /// @a u is resized.
   virtual void versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const = 0;
 
-  /// cones[i] holds what versor() computes at every q of ball i, rounding included. A field that can prove nothing
-  /// inherits this function and the next two.
+  /// Sets cones[i] to a cone that contains what versor() computes at every q of ball i, rounding included. A field that
+  /// can prove nothing inherits this function and the next two.
   virtual void cones(std::span<const Ball> /*balls*/, std::span<Cone> cones) const {
     std::fill(cones.begin(), cones.end(), Cone{});
   }
-  /// l[i] = a lower bound of ln|v| over the ball of that radius about centre i, where v is what versor() computes
+  /// Sets l[i] to a lower bound of ln|v| over the ball of that radius about centre i, where v is what versor() computes
   /// without the component number @a dropped; -inf where nothing is known.
   virtual void logLeastParts(const QuaternionBatch<Real>& /*centres*/, Real /*radius*/, unsigned /*dropped*/,
                              std::span<Real> l) const {
     std::fill(l.begin(), l.end(), -std::numeric_limits<Real>::infinity());
   }
-  /// By how many radians a versor turns over a unit of length, as a rule; infinity where logLeastParts() knows nothing.
+  /// The typical angle in radians by which a versor turns per unit of length; infinity if logLeastParts() knows
+  /// nothing.
   virtual double turning() const { return std::numeric_limits<double>::infinity(); }
 
-  /// The field as a plain value, of a type of its own: a Rational, say. Empty if it has no description.
+  /// The field as a plain value of its own type, e.g. a Rational; empty if it has no description.
   virtual std::any describe() const { return {}; }
 };
 

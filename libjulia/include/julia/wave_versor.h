@@ -1,25 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file wave_versor.h
-/// Versors of waves, whose scale may differ from place to place: the texture of a thin part is as much finer as the
-/// part is thinner.
+/// Versors of waves, whose scale may vary in space: the thinner a part is, the finer its texture.
 ///
-/// A *factor* is the versor of a sum of plane waves with quaternions as amplitudes, to a whole power,
+/// A *factor* is the versor of a sum of plane waves with quaternion amplitudes, raised to an integer power,
 ///
 ///   g(p) = sum_k  c_k cos(2 pi w_k . p) + s_k sin(2 pi w_k . p),        (g / |g|)^P
 ///
-/// With one wave, c = 1 and s a unit imaginary, g is a turn about an axis: bands across w. A sum of many has zeros at
-/// isolated points of the four dimensions. About each of them its direction takes all values, as about a root or a pole
-/// of a rational map ([Kim15] Eq. 2); there are as many as the waves are short, everywhere, and they cost nothing. A
-/// texture B is an ordered product of factors.
+/// With one wave, c = 1 and s a unit imaginary, g is a rotation about an axis: bands across w. A sum of many waves has
+/// zeros at isolated points of the four dimensions. About each zero its direction takes all values, as about a root or
+/// a pole of a rational map ([Kim15] Eq. 2). The shorter the waves, the more zeros there are, everywhere and at no
+/// extra cost. A texture B is an ordered product of factors.
 ///
-/// The *octave* o is a scalar on space: the versor has 2^o times the frequencies of the texture there. With k the
-/// largest whole number below o,
+/// The *octave* o is a scalar on space: there, the frequencies of the versor are 2^o times those of the texture. With k
+/// the largest integer below o,
 ///
 ///   u(q) = the versor of  (1 - t) B(2^k q) + t B(2^(k+1) q),   t = f^2 (3 - 2 f),   f = o - k
 ///
-/// as octaves of noise are blended; compare the phasor noise of [Tri19], whose phases are waves with a
-/// frequency that varies. The waves of the finer octave follow from those of the coarser one by the formulas for
-/// doubled angles.
+/// as octaves of noise are blended; compare the phasor noise of [Tri19], whose phases are waves of varying frequency.
+/// The double-angle formulas give the waves of the finer octave from those of the coarser one.
 #pragma once
 
 #include "julia/embedding.h"
@@ -36,7 +34,7 @@
 namespace julia {
 
 struct Wave {
-  Quaternion<double> frequency;     ///< w, turns for each unit
+  Quaternion<double> frequency;     ///< w, cycles per unit
   Quaternion<double> cosine, sine;  ///< the amplitudes c and s
 
   friend bool operator==(const Wave&, const Wave&) = default;
@@ -53,7 +51,7 @@ inline constexpr int kMostWavePower = 64;
 
 struct WaveTexture {
   std::vector<WaveFactor> factors;
-  Quaternion<double> origin{};  ///< where the phases are 0 at every octave: p is measured from there
+  Quaternion<double> origin{};  ///< where the phases are 0 at every octave; p is measured from it
 
   friend bool operator==(const WaveTexture&, const WaveTexture&) = default;
 };
@@ -61,7 +59,7 @@ struct WaveTexture {
 /// What WaveVersor::describe() returns.
 struct WaveVersorDescription {
   WaveTexture texture;
-  std::optional<PlacedBricks> octave;  ///< o; empty if the field that was given does not describe itself
+  std::optional<PlacedBricks> octave;  ///< o; empty if the octave's field does not describe itself
   DropAxis dropped = DropAxis::K;      ///< the component of q at which the octave is not read
 };
 
@@ -71,7 +69,7 @@ void requireValid(const WaveTexture& texture);
 template <class Real>
 class WaveVersor final : public VersorField<Real> {
  public:
-  /// @param octave  from -kMostOctave to kMostOctave; beyond, the nearer of the two is taken
+  /// @param octave  values from -kMostOctave to kMostOctave; values outside are clamped
   /// @throw std::invalid_argument  as requireValid()
   WaveVersor(const WaveTexture& texture, std::shared_ptr<const ScalarField<Real>> octave, DropAxis dropped);
   ~WaveVersor() override;

@@ -14,7 +14,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-// Beyond this share of the variables, another factor takes less time than the border of the old one.
+// If more than this fraction of the variables changes, a new factor takes less time than the border of the old one.
 constexpr double kMostChanged = 0.1;
 constexpr double kTolerance = 1e-10;  // of slopes, relative to the largest |b|
 
@@ -36,7 +36,7 @@ bool BoundedQuadratic::factor(const std::vector<char>& free) {
   return mFactor.has_value();
 }
 
-/// Columns of the border: those of H for variables that are added, unit vectors for those that are held at 0.
+/// Columns of the border: those of H for added variables, unit vectors for variables held at 0.
 void BoundedQuadratic::appendColumns(const std::vector<Index>& changed) {
   std::vector<Index> missing;
   for (const Index i : changed)
@@ -57,8 +57,9 @@ void BoundedQuadratic::appendColumns(const std::vector<Index>& changed) {
   mColumns.rightCols(columns.cols()) = mFactor->forwardAll(columns);
 }
 
-/// Where the factor's variables and the free ones differ by @a changed: in the unknowns of the factor, followed by the
-/// values of those added and the multipliers of those held at 0. @return nothing where rounding spoils it
+/// Solves if the factor's variables and the free ones differ by @a changed. The unknowns are those of the factor,
+/// followed by the values of added variables and the multipliers of variables held at 0. @return empty if rounding
+/// spoils it
 std::optional<BoundedQuadratic::Solution> BoundedQuadratic::solveBordered(const std::vector<Index>& changed,
                                                                           const std::vector<char>& free,
                                                                           const VectorXd& b) {
@@ -101,7 +102,7 @@ std::optional<BoundedQuadratic::Solution> BoundedQuadratic::solveBordered(const 
   return std::nullopt;
 }
 
-/// The minimum over the free variables, the others being 0.
+/// The minimum over the free variables; the others are 0.
 std::optional<BoundedQuadratic::Solution> BoundedQuadratic::solve(const std::vector<char>& free, const VectorXd& b) {
   if (mFactor) {
     std::vector<Index> changed;
@@ -121,8 +122,8 @@ std::optional<BoundedQuadratic::Solution> BoundedQuadratic::solve(const std::vec
 
 std::optional<VectorXd> BoundedQuadratic::minimise(const VectorXd& b, const std::vector<char>& bounded,
                                                    std::vector<char>& passive) {
-  // Exchanges of all that violate their sign converge fast but may cycle; where their number does not fall this often,
-  // single exchanges, which cannot cycle, take over until it does.
+  // Exchanging all variables that violate their sign converges fast but may cycle. If their number does not fall within
+  // this many steps, single exchanges, which cannot cycle, take over until it does.
   constexpr int kPatience = 3;
   const Index n = b.size();
   const double tolerance = kTolerance * b.cwiseAbs().maxCoeff();

@@ -17,7 +17,7 @@ namespace julia {
 /// variables, Math. Comp. 63, 1994].
 ///
 /// H is factored for one set of free variables. For other sets that differ little, here or in later programs with the
-/// same H, the factor is bordered: a variable that is added or held at 0 is one more row and column of a small dense
+/// same H, the factor is bordered: each variable that is freed or fixed at 0 adds a row and a column to a small dense
 /// system, the Schur complement.
 class BoundedQuadratic {
  public:
@@ -26,8 +26,8 @@ class BoundedQuadratic {
 
   const Eigen::MatrixXd& matrix() const { return mH; }
 
-  /// @param passive  in: a guess of which variables are not at their bound; out: which are not
-  /// @return nothing where H is not positive definite in floating point
+  /// @param passive  in: a guess of which variables are not at their bound; out: those that are not
+  /// @return empty if H is not positive definite in floating point
   std::optional<Eigen::VectorXd> minimise(const Eigen::VectorXd& b, const std::vector<char>& bounded,
                                           std::vector<char>& passive);
 
@@ -45,9 +45,9 @@ class BoundedQuadratic {
   std::optional<Cholesky> mFactor;
   std::vector<char> mIsFactored;
   std::vector<Eigen::Index> mFactored;
-  /// For variables whose state has differed from that in the factor: what the factor makes of their columns.
+  /// The solves with the factor for the columns of variables whose state has differed from that in the factor.
   Eigen::MatrixXd mColumns;
-  std::vector<Eigen::Index> mColumnOf;  ///< of a variable, in mColumns; -1 for none
+  std::vector<Eigen::Index> mColumnOf;  ///< the column of each variable in mColumns; -1 for none
 };
 
 }  // namespace julia

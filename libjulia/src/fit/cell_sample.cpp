@@ -7,7 +7,7 @@
 namespace julia {
 namespace {
 
-/// The t for which sum min(1, d / t) = @a most; 0 where all cells can be taken.
+/// The t for which sum min(1, d / t) = @a most; 0 if all cells can be taken.
 double thresholdOf(std::span<const double> d, std::size_t most) {
   std::vector<double> sorted;
   double rest = 0;
@@ -17,7 +17,7 @@ double thresholdOf(std::span<const double> d, std::size_t most) {
       rest += value;
     }
   if (sorted.size() <= most) return 0;
-  // The cells of the largest d are taken for certain, until what is left is spread over enough places.
+  // The cells with the largest d are always taken, until the rest is spread over enough places.
   const auto largest = sorted.begin() + static_cast<std::ptrdiff_t>(most);
   std::partial_sort(sorted.begin(), largest, sorted.end(), std::greater<>());
   std::size_t certain = 0;

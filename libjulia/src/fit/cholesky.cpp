@@ -15,7 +15,7 @@ using kernels::kTile;
 
 namespace {
 
-// Columns whose products are summed at once: this many of two rows of tiles stay in the second-level cache.
+// Columns whose products are summed at a time: this many of two rows of tiles fit in the second-level cache.
 constexpr std::size_t kDepth = 256;
 
 }  // namespace
@@ -23,7 +23,7 @@ constexpr std::size_t kDepth = 256;
 Cholesky::Cholesky(Index size)
     : mSize(size), mSide((size + kSide - 1) / kSide), mTiles(static_cast<std::size_t>(mSide * (mSide + 1) / 2)) {}
 
-/// Subtracts the products of a row's first tiles and the factor's row @a column, up to its diagonal.
+/// Subtracts the products of a row's first tiles with the factor's row @a column, up to its diagonal.
 void Cholesky::reduce(const Tile* row, Index column, Tile& reduced) const {
   alignas(64) Tile product;
   const std::size_t depth = static_cast<std::size_t>(column) * kTile;
@@ -85,7 +85,7 @@ VectorXd Cholesky::backward(const VectorXd& b) const {
 
 MatrixXd Cholesky::forwardAll(const MatrixXd& B) const {
   MatrixXd X = MatrixXd::Zero(B.rows(), B.cols());
-  // The transposed columns are found as further rows of the factor would be.
+  // The transposed columns are computed like further rows of the factor.
   tbb::parallel_for(Index{0}, (B.cols() + kSide - 1) / kSide, [&](Index strip) {
     const Index begin = strip * kSide, width = std::min(kSide, B.cols() - begin);
     std::vector<Tile> row(static_cast<std::size_t>(mSide), Tile::Zero());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file cholesky.h
-/// Cholesky factorisation of dense matrices, in tiles that are shared between threads. Eigen's uses one thread, and
-/// here only narrow vectors, because wide ones would sum in another order on another machine.
+/// Cholesky factorisation of dense matrices, in tiles that threads share. Eigen's factorisation uses one thread and, in
+/// this project, only narrow vectors, because wide ones would sum in a different order on other machines.
 #pragma once
 
 #include "kernels/kernels.h"
@@ -18,7 +18,7 @@ namespace julia {
 class Cholesky {
  public:
   /// @param A  symmetric; only its lower triangle is read
-  /// @return nothing if A is not positive definite in floating point
+  /// @return empty if A is not positive definite in floating point
   static std::optional<Cholesky> of(const Eigen::MatrixXd& A);
 
   Eigen::Index size() const { return mSize; }
@@ -37,8 +37,8 @@ class Cholesky {
   using TileVector = Eigen::Matrix<double, kSide, 1>;
 
   explicit Cholesky(Eigen::Index size);
-  /// Rows of tiles one after the other, each with its columns up to the diagonal, as tileProduct() takes them at any
-  /// depth. Beyond the end of the matrix the factor continues as the unit matrix.
+  /// Tiles are stored in rows, each with its columns up to the diagonal, in the layout that tileProduct() needs for any
+  /// depth. Beyond the end of the matrix the factor continues as the identity matrix.
   Tile& tile(Eigen::Index row, Eigen::Index column) {
     return mTiles[static_cast<std::size_t>(row * (row + 1) / 2 + column)];
   }

@@ -73,7 +73,8 @@ VectorXd solveDirectly(const Influence& influence) {
   return factors.transpose().solve(VectorXd::Ones(influence.size()));
 }
 
-/// The influence with its columns scaled to a diagonal of 1, in 32-bit coefficients whether they are stored or not.
+/// The influence matrix with its columns scaled to a unit diagonal, with 32-bit coefficients whether they are stored or
+/// not.
 class ScaledInfluence {
  public:
   ScaledInfluence(const Influence& influence, std::size_t maxStoredBytes)
@@ -147,7 +148,7 @@ SurfaceCharge solveExteriorDirichlet(const TriangleSurface& surface, const Elect
     charge.residual = influence.residual(density);
     solved = charge.residual <= options.tolerance;
   }
-  // Triangles that coincide make the system singular, but it still has solutions: the iteration finds one.
+  // Coincident triangles make the system singular, but it still has solutions, and the iteration finds one.
   if (!solved) {
     const ScaledInfluence scaled(influence, options.maxStoredBytes);
     // Half the tolerance; the other half allows for the rounding of the coefficients.

@@ -24,35 +24,37 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-// Cells for each root: enough that its power is not fitted to their places, and few enough for speed.
+// Cells for each root: enough to avoid overfitting its power to their places, and few enough for speed.
 constexpr std::size_t kCellsPerRoot = 160, kLeastCells = 20'000, kMostCells = 160'000;
-constexpr std::size_t kHeldOut = 10;  // one cell in so many
-// The weight of the summed squares of the powers. It settles what the cells leave open, but does not change the shape.
+constexpr std::size_t kHeldOut = 10;  // one in this many cells
+// The weight of the summed squares of the powers. It determines what the cells leave undetermined, but does not change
+// the shape.
 constexpr double kRidge = 1e-6;
 // Far away the map is |q|^degree, where the degree is the sum of the top's powers less that of the bottom's. Unless it
-// is above 1, points far outside come back, and below 0 infinity is a root; the cells do not forbid that. A spring
-// therefore pulls at a degree below 2, that of q^2.
+// is above 1, points far outside return, and below 0 infinity is a root; the cells do not rule that out. Therefore a
+// penalty acts on degrees below 2, the degree of q^2.
 constexpr double kLeastDegree = 2, kDegreeStiffness = 1;
-// The least power of the root at the origin, for the same reason: 0 attracts from 1 on, and faster than in proportion
+// The minimum power of the root at the origin, for the same reason: 0 attracts from 1 on, and faster than linearly
 // above 1.
 constexpr double kLeastAtOrigin = 2;
-// Roots that a round adds: this share of the largest number allowed, or of those present.
+// Roots that a round adds: this fraction of the maximum number, or of those present.
 constexpr double kShareOfMost = 0.15, kShareOfPresent = 0.35;
 constexpr std::size_t kMostRounds = 60;
-constexpr int kPatience = 3;  // rounds without a better fit of the held-out cells
+constexpr int kPatience = 3;  // rounds without an improvement on the held-out cells
 constexpr double kLeastRise = 2e-4;
-// Logarithms that one round may compute to compare candidates for the first time; beyond that the rounds take turns.
+// Logarithms that one round may compute to score candidates for the first time; the others wait for later rounds.
 constexpr double kMostScores = 2e9;
-// Cells that stand for all where candidates are compared for the first time. Of the best, so many for each root that is
-// wanted are compared again by all cells.
+// Cells sampled when candidates are scored for the first time. Of the best candidates, this many for each wanted root
+// are scored again with all cells.
 constexpr std::size_t kScoredCells = 16384, kScoredAgain = 8;
-// Cells that stand for all in a Gram matrix: so many times those that count, and so many for each column at least and
-// at most. With too few, a step leads elsewhere than to the minimum, and rounds end with roots that do not help.
+// Cells sampled for a Gram matrix: this multiple of the significant ones, with a minimum and a maximum for each column.
+// With too few, a step does not lead to the minimum, and rounds end with useless roots.
 constexpr double kGramShare = 3, kLeastGramCellsPerColumn = 6, kMostGramCellsPerColumn = 32;
 constexpr std::size_t kLeastGramCells = 4096;
-// A Gram matrix serves until the cells' curvatures have changed by this share of their sum.
+// A Gram matrix is reused until the cells' curvatures have changed by this fraction of their sum.
 constexpr double kStale = 0.1;
-// How far Newton's method goes: the most steps, and the relative fall of the objective that counts as none.
+// When Newton's method stops: the maximum number of steps, and the relative decrease of the objective that counts as
+// none.
 struct Effort {
   int steps;
   double settled;
@@ -61,16 +63,16 @@ constexpr Effort kRound{5, 1e-3}, kLast{12, 1e-4}, kSharpen{6, 1e-4};
 
 enum class Loss { Logistic, Energy };
 
-/// What a pass of Newton's method lowers, apart from the penalty on powers.
+/// The objective of a pass of Newton's method, without the penalty on powers.
 struct Objective {
   Loss loss;
-  double sharpness;  ///< times L
+  double sharpness;  ///< factor of L
 };
 constexpr Objective kLogistic{Loss::Logistic, 1};
 constexpr double kEnergySharpness[] = {1, 2, 4, 8};
 
-/// A loss of z = -side L, which is positive where a cell is on the wrong side; its slope; and a curvature, made
-/// positive where the loss is concave.
+/// A loss of z = -side L, which is positive if a cell is on the wrong side; its slope; and a curvature, made positive
+/// where the loss is concave.
 struct LossAt {
   double value, slope, curvature;
 };
@@ -89,7 +91,7 @@ LossAt lossAt(Loss kind, double z) {
 struct FitRoot {
   Point x;
   bool bottom;
-  double least;  // power
+  double least;  // of the power
 };
 
 class Fitter {
@@ -129,27 +131,27 @@ class Fitter {
   const FastFitOptions& mOptions;
   std::span<const RootCandidate> mCandidates;
   std::vector<char> mUsed;
-  std::vector<FitCell> mCells, mHeld;  // fitted, and held out
-  std::vector<double> mWeight, mSide;  // |W| summing to 1; -1 inside, 1 outside
+  std::vector<FitCell> mCells, mHeld;  // fitted cells, and held-out cells
+  std::vector<double> mWeight, mSide;  // |W|, with the sum 1; -1 inside, 1 outside
   LogMatrix mLogs, mHeldLogs;
   std::vector<FitRoot> mRoots;
-  VectorXd mX;             // powers, and last the constant
+  VectorXd mX;             // powers, followed by the constant
   std::vector<double> mL;  // of the fitted cells, at mX
-  /// The Gram matrix of the objective's second derivatives by the weights of the roots and the constant, made at an
-  /// earlier place: the curvatures there, and the cells that stand for all.
+  /// The Gram matrix of the objective's second derivatives with respect to the powers of the roots and the constant,
+  /// computed at an earlier iterate: the curvatures there, and the sampled cells.
   Eigen::MatrixXd mGram;
   std::vector<double> mGramCurvature;
   CellSample mGramCells;
-  /// The quadratic program that has been made of it, and its damping.
+  /// The quadratic program made from it, and its damping.
   std::optional<BoundedQuadratic> mProgram;
   double mDamping = 0;
   std::string_view mStage;
-  double mEnergy = 0;  ///< the objective and the penalty, at mX
+  double mEnergy = 0;  ///< the objective plus the penalty, at mX
   int mSteps = 0;
   std::size_t mRound = 0;
 };
 
-/// Shuffles the cells into those to fit, @a most at most, and those held out, one in kHeldOut.
+/// Shuffles the cells and splits them into those to fit, at most @a most, and those held out, one in kHeldOut.
 std::pair<std::vector<FitCell>, std::vector<FitCell>> split(std::span<const FitCell> cells, std::uint64_t seed,
                                                             std::size_t most) {
   Random random(seed);
@@ -244,7 +246,7 @@ void Fitter::dropUnused() {
   mHeldLogs.keep(kept);
 }
 
-/// The slope and the curvature of the logistic loss, of @a most cells that stand for all, or of all.
+/// The slope and the curvature of the logistic loss, for a sample of at most @a most cells.
 CellSlopes Fitter::cellSlopes(std::size_t most) const {
   std::vector<double> slope(mCells.size()), curvature(mCells.size());
   for (std::size_t i = 0; i < mCells.size(); ++i) {
@@ -255,11 +257,11 @@ CellSlopes Fitter::cellSlopes(std::size_t most) const {
   return sampledSlopes(mCells, slope, curvature, most);
 }
 
-/// All candidates, the best first. Those that are used, or not in turn, have no gain.
-/// @param count  how many are wanted: the best are compared more carefully
+/// All candidates, the best first. Candidates that are used, or whose turn has not come, have no gain.
+/// @param count  the number wanted; the best are scored more accurately
 std::vector<CandidateScore> Fitter::rankedCandidates(std::size_t count) const {
   const double pull = kDegreeStiffness * std::max(0.0, kLeastDegree - degree(mX));
-  // A candidate must not be chosen for the sake of the one cell in which it happens to lie.
+  // The blur keeps a candidate from being chosen only because of the one cell that contains it.
   const double blur = 4 * mOptions.cellSize * mOptions.cellSize;
   const CellSlopes some = cellSlopes(kScoredCells);
   const double scoresToMake = static_cast<double>(mCandidates.size()) * static_cast<double>(some.x.size());
@@ -273,9 +275,9 @@ std::vector<CandidateScore> Fitter::rankedCandidates(std::size_t count) const {
   return scores;
 }
 
-/// Adds the candidates by which the loss would fall most. Those that are added together keep apart.
+/// Adds the candidates that would lower the loss most. Candidates that are added together keep a distance.
 std::size_t Fitter::addBest(std::size_t count) {
-  constexpr double kSpacing = 0.6;  // of a root in a unit square
+  constexpr double kSpacing = 0.6;  // spacing of a root in a unit square
   const double apart = kSpacing / std::sqrt(static_cast<double>(mRoots.size() + count));
   std::vector<FitRoot> chosen;
   for (const CandidateScore& score : rankedCandidates(count)) {
@@ -302,8 +304,8 @@ VectorXd Fitter::signs() const {
   return signs;
 }
 
-/// The gradient of the objective and the penalties at mX, less that of the degree's spring. @return the curvature of
-/// the objective by L, cell by cell
+/// The gradient of the objective and the penalties at mX, except the penalty of the degree. @return the curvature of
+/// the objective with respect to L, for each cell
 std::vector<double> Fitter::slopes(const Objective& objective, VectorXd& gradient) const {
   const Index n = mX.size();
   const double sharpness = objective.sharpness;
@@ -325,7 +327,7 @@ std::vector<double> Fitter::slopes(const Objective& objective, VectorXd& gradien
   return curvature;
 }
 
-/// Whether the Gram matrix is that of curvatures too far from these.
+/// Whether the Gram matrix was made with curvatures that differ too much from these.
 bool Fitter::isStale(const std::vector<double>& curvature) const {
   if (mGram.size() == 0) return true;
   double sum = 0, change = 0;
@@ -337,7 +339,8 @@ bool Fitter::isStale(const std::vector<double>& curvature) const {
 }
 
 void Fitter::remakeGram(const std::vector<double>& curvature) {
-  // The cells that count: where so many have equal curvatures and the others none, the ratio of the sums is the same.
+  // The effective number of cells: if that many had equal curvatures and the others none, the ratio of the sums would
+  // be the same.
   double sum = 0, squares = 0;
   for (const double value : curvature) {
     sum += value;
@@ -352,8 +355,8 @@ void Fitter::remakeGram(const std::vector<double>& curvature) {
   mProgram.reset();
 }
 
-/// The program of minimumOf(). Its variables are the powers less what their roots need at least, the constant, and the
-/// slack of the spring.
+/// The program of minimumOf(). Its variables are the powers less the minimum powers of their roots, the constant, and
+/// the slack of the degree penalty.
 BoundedQuadratic& Fitter::program(double damping) {
   if (mProgram && mDamping == damping) return *mProgram;
   const Index n = mX.size();
@@ -369,16 +372,16 @@ BoundedQuadratic& Fitter::program(double damping) {
   return mProgram.emplace(std::move(hessian));
 }
 
-/// The minimum of the quadratic model about mX where every power is at least what its root needs; nothing where
-/// rounding leaves the model without one. The spring of the degree is M/2 (degree - least - s)^2 at its best s >= 0,
-/// which is one more variable.
+/// The minimum of the quadratic model about mX with every power at least the minimum of its root; empty if rounding
+/// leaves the model without one. The degree penalty is M/2 (degree - least - s)^2 at its best s >= 0, which is an
+/// additional variable.
 std::optional<VectorXd> Fitter::minimumOf(const VectorXd& gradient, double damping) {
   const Index n = mX.size();
   BoundedQuadratic& program = this->program(damping);
   VectorXd least = VectorXd::Zero(n);
   for (std::size_t j = 0; j < mRoots.size(); ++j) least[static_cast<Index>(j)] = mRoots[j].least;
   std::vector<char> bounded(static_cast<std::size_t>(n) + 1, 1);
-  bounded[mRoots.size()] = 0;  // the constant
+  bounded[mRoots.size()] = 0;  // for the constant
 
   const double excess = degree(mX) - kLeastDegree, slack = std::max(0.0, excess);
   VectorXd origin(n + 1), slope(n + 1);
@@ -386,7 +389,7 @@ std::optional<VectorXd> Fitter::minimumOf(const VectorXd& gradient, double dampi
   slope *= kDegreeStiffness * (excess - slack);
   origin << mX - least, slack;
   slope.head(n) += gradient;
-  // Powers that are not at their least, and those that the objective asks for.
+  // The powers above their minimum, and those that the objective asks for.
   std::vector<char> passive(bounded.size());
   for (Index i = 0; i <= n; ++i) passive[static_cast<std::size_t>(i)] = origin[i] > 0 || slope[i] < 0;
   const auto minimum = program.minimise(program.matrix() * origin - slope, bounded, passive);
@@ -394,8 +397,9 @@ std::optional<VectorXd> Fitter::minimumOf(const VectorXd& gradient, double dampi
   return VectorXd(minimum->head(n) + least);
 }
 
-/// Moves mX to @a target, or less far along the line to it, so that the objective falls: every point there is feasible.
-/// @return the share of the way that was taken; nothing if the objective does not fall
+/// Moves mX to @a target, or only part of the way, so that the objective decreases: every point on the line is
+/// feasible.
+/// @return the fraction of the way taken; empty if the objective does not decrease
 std::optional<double> Fitter::stepTowards(const VectorXd& target, const Objective& objective) {
   const VectorXd direction = target - mX;
   std::vector<double> difference(mCells.size()), moved(mCells.size());
@@ -414,8 +418,8 @@ std::optional<double> Fitter::stepTowards(const VectorXd& target, const Objectiv
   return std::nullopt;
 }
 
-/// Newton's method, from mX on. A step is damped as Levenberg and Marquardt do. Second derivatives of an earlier step
-/// serve until they have changed, or no step by them lowers the objective.
+/// Newton's method, starting from mX, with Levenberg-Marquardt damping. Second derivatives of an earlier step are
+/// reused until they have changed, or no step with them lowers the objective.
 void Fitter::newton(const Objective& objective, const Effort& effort) {
   constexpr double kLeastDamping = 1e-9;
   constexpr int kMostAttempts = 4;
@@ -486,7 +490,7 @@ void Fitter::report(bool roundEnds) {
   mOptions.onStep({mStage, mSteps, mRoots.size(), mEnergy, psi(), heldOutIou(), &now, roundEnds});
 }
 
-/// The root at the origin and those that the options ask for, each on the side of the cell nearest to it.
+/// The root at the origin and those of the options, each on the side of the cell nearest to it.
 std::vector<FitRoot> Fitter::firstRoots() const {
   std::vector<FitRoot> first{{Point{0, 0, 0}, false, kLeastAtOrigin}};
   for (const Point& x : mOptions.start) {

@@ -16,7 +16,7 @@ class LinearOperator;
 
 }  // namespace julia
 
-// What Eigen requires of a matrix that is a function.
+// The traits and types that Eigen requires of a matrix-free operator.
 namespace Eigen::internal {
 
 template <class Apply>
@@ -66,11 +66,11 @@ struct GmresResult {
   int iterations = 0;
 };
 
-/// Solves A x = b until |A x - b| <= tolerance |b| by the method's own estimate, or for @a maxIterations; it keeps a
+/// Solves A x = b until |A x - b| <= tolerance |b| by the method's own estimate, or for @a maxIterations; it stores a
 /// vector for each iteration.
 /// @param apply          apply(v, Av) for vectors of b's size
 /// @param b              the right-hand side
-/// @param tolerance      of the relative residual
+/// @param tolerance      bound of the relative residual
 /// @param maxIterations  1 or more
 template <class Apply>
 GmresResult gmres(const Apply& apply, const Eigen::VectorXd& b, double tolerance, int maxIterations) {

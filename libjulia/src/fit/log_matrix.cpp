@@ -13,7 +13,7 @@ namespace julia {
 
 namespace {
 
-// Blocks whose products are summed by one thread before they meet the others'.
+// Blocks whose products one thread sums before they are added to the others'.
 constexpr std::size_t kBlocksPerPart = 8;
 
 }  // namespace
@@ -32,7 +32,7 @@ LogMatrix::LogMatrix(std::span<const Point> cells, std::size_t memoryLimit)
   mBlocks.resize(blockCount());
 }
 
-/// Of a block of cells.
+/// Computes the logarithms for a block of cells.
 void LogMatrix::logs(std::size_t root, const float* x, const float* y, const float* z, float* out) const {
   const Quaternion<float> r = mRoots[root].as<float>();
   const float place[3] = {r.a, r.b, r.c};
@@ -128,8 +128,8 @@ void LogMatrix::logModuli(std::span<const double> weights, double constant, std:
       false);
 }
 
-/// A block of the sample's cells from @a first on, as tileProduct() takes it: a tile for each kTile columns, of which
-/// the last is that of the ones, times the roots of the weights.
+/// Fills the tiles for a block of the sample's cells from @a first on, in the layout of tileProduct(): a tile for each
+/// kTile columns, where the last column consists of ones, times the square roots of the weights.
 void LogMatrix::fillTiles(const CellSample& sample, std::size_t first, float* tiles) const {
   using kernels::kTile;
   constexpr std::size_t kRun = 16;  // cells whose part of a tile stays in the first-level cache
@@ -161,10 +161,10 @@ void LogMatrix::extendGram(const CellSample& sample, Eigen::MatrixXd& gram) cons
   using Eigen::Index;
   using kernels::kTile;
   const std::size_t size = mRoots.size() + 1, side = (size + kTile - 1) / kTile;
-  // What is known is kept, less the row and the column of the ones, which move to the end.
+  // The known part is kept, without the row and the column of the ones, which move to the end.
   const auto known = static_cast<std::size_t>(std::max<Index>(gram.rows(), 1)) - 1;
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(static_cast<Index>(size), static_cast<Index>(size));
-  // Several blocks of cells at a time.
+  // Processes several blocks of cells at a time.
   const std::size_t blocks = (sample.cells.size() + kBlock - 1) / kBlock, firstRow = known / kTile;
   constexpr std::size_t kTileSize = kBlock * kTile;
   std::vector<float> tiles(std::min(kBlocksPerPart, blocks) * side * kTileSize);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file log_matrix.h
-/// The constant matrix of the fit (docs/design.md 2.6): ln|x - r| of every cell x, in the slice 0, and root r. With the
-/// roots fixed the log-modulus of a rational is linear in the powers, so an energy and its gradient are one pass over
-/// it.
+/// The constant matrix of the fit (docs/design.md 2.6): ln|x - r| for every cell x, in the slice 0, and root r. With
+/// the roots fixed the log-modulus of a rational is linear in the powers, so an energy and its gradient take one pass
+/// over the matrix.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,13 +18,13 @@
 
 namespace julia {
 
-/// Cells stand in blocks, padded by cells that the visitors below do not see; a block holds one column a root. Sums are
-/// formed block by block in a fixed order, so that threads do not change them.
+/// Cells are stored in blocks, padded by cells that the visitors below do not see; a block holds one column per root.
+/// Sums are accumulated block by block in a fixed order, so they do not depend on the threads.
 class LogMatrix {
  public:
   static constexpr std::size_t kBlock = 256;
 
-  /// @param memoryLimit  bytes; a larger matrix is not stored but made anew by each pass
+  /// @param memoryLimit  bytes; a larger matrix is not stored but recomputed in each pass
   LogMatrix(std::span<const Point> cells, std::size_t memoryLimit);
 
   std::size_t cellCount() const { return mCellCount; }
@@ -36,22 +36,21 @@ class LogMatrix {
   /// Keeps the columns @a indices, ascending.
   void keep(std::span<const std::size_t> indices);
 
-  /// Takes l = constant + sum of weights times logs of the cells begin to begin + size, and leaves in @a factors what
-  /// they are multiplied by in the products. Called for blocks in many threads. @return a summand
+  /// Receives l = constant + sum of weights times logs for the cells begin to begin + size, and writes to @a factors
+  /// the factors of the cells in the products. Many threads call it for different blocks. @return a summand
   using Visitor = std::function<double(std::size_t begin, std::span<const double> l, std::span<double> factors)>;
 
   struct Pass {
-    double sum = 0;                ///< of what the visitor returned
-    std::vector<double> products;  ///< A^T factors, and last the sum of the factors
+    double sum = 0;                ///< sum of the visitor's results
+    std::vector<double> products;  ///< A^T factors, followed by the sum of the factors
   };
   Pass pass(std::span<const double> weights, double constant, const Visitor& visit, bool wantProducts) const;
 
   void logModuli(std::span<const double> weights, double constant, std::span<double> l) const;
 
-  /// [A 1]^T diag(w) [A 1] of the weighted cells, lower triangle and upper.
-  /// @param gram  in: that of the first roots and the same cells, or empty; out: that of all roots. Only what is
-  /// missing
-  ///              is summed.
+  /// Computes [A 1]^T diag(w) [A 1] of the weighted cells, both triangles.
+  /// @param gram  in: the matrix of the first roots and the same cells, or empty; out: that of all roots. Only the
+  ///              missing entries are summed.
   void extendGram(const CellSample& sample, Eigen::MatrixXd& gram) const;
 
  private:

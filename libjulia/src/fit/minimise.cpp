@@ -20,7 +20,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-/// Between a rational and the optimiser's variables C, tau, beta, T_1..., B_1..., each divided by a unit.
+/// Converts between a rational and the optimiser's variables C, tau, beta, T_1..., B_1..., each divided by a unit.
 struct Variables {
   FitVariables kind;
   VectorXd units;
@@ -63,7 +63,7 @@ struct Variables {
   }
 };
 
-/// Powers may be hundreds where tau and beta are about 1: the unit of a variable is about its own size.
+/// Powers may be in the hundreds while tau and beta are about 1: the unit of a variable is about its own size.
 VectorXd unitsOf(const Rational& rational, FitVariables kind) {
   const auto meanPower = [](const Polynomial& polynomial) {
     double sum = 0;
@@ -80,7 +80,7 @@ VectorXd unitsOf(const Rational& rational, FitVariables kind) {
   return units;
 }
 
-/// The energy of the optimiser's variables. Remembers the best of them, and what went wrong.
+/// The energy as a function of the optimiser's variables. Stores the best point, and any exception.
 class EnergyObjective {
  public:
   EnergyObjective(const ShapeEnergy& energy, const Rational& rational, FitVariables kind,
@@ -94,11 +94,11 @@ class EnergyObjective {
     mBest = mVariables.of(rational).cwiseMax(mLow);
   }
 
-  /// As LBFGSpp calls it. @param g  the gradient at x
+  /// The interface for LBFGSpp. @param g  the gradient at x
   double operator()(const VectorXd& x, VectorXd& g) {
     try {
       if (mOptions.cancelled && mOptions.cancelled()) throw Cancelled();
-      // Rounding may take a step slightly beyond a bound.
+      // Rounding may move a step slightly beyond a bound.
       const VectorXd within = x.cwiseMax(mLow);
       mVariables.assign(within, mAt);
       const double value = mEnergy.evaluate(mAt, &mGradient);
@@ -180,8 +180,8 @@ double minimise(const ShapeEnergy& energy, Rational& rational, FitVariables kind
       settled = true;
     } catch (const std::exception&) {
       objective.rethrowFailure();
-      // LBFGSpp throws where a line search fails. What it remembers of the curvature may be at fault: another start
-      // from the best point so far, without memory, goes on as long as that helps.
+      // LBFGSpp throws if a line search fails, possibly because of its curvature memory. Restarting from the best point
+      // so far, without memory, continues as long as that helps.
       settled = !(before - objective.lowest() > options.tolerance) || objective.steps() >= options.maxIterations;
     }
   }

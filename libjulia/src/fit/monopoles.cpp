@@ -21,9 +21,9 @@ namespace {
 // As in requireFinite(const Rational&).
 constexpr double kLargestNumber = 1e9;
 constexpr std::size_t kMostMonopoles = 1'000'000;
-// Candidates drawn at once: enough to last a while, but quick to draw.
+// Candidates drawn at a time: enough to last a while, but quick to draw.
 constexpr std::size_t kPool = 10'000;
-// A column of which less than this part is new would add only rounding errors, and large weights that cancel each
+// A column of which less than this fraction is new would only add rounding errors, and large weights that cancel each
 // other.
 constexpr double kDependent = 1e-8;
 
@@ -109,14 +109,14 @@ class Columns {
   VectorXd mX, mY, mZ;
 };
 
-/// Least squares that grow by a column at a time: C = Q R, Q orthonormal.
+/// Least squares with columns added one at a time: C = Q R, Q orthonormal.
 class LeastSquares {
  public:
   explicit LeastSquares(VectorXd p) : mResidual(std::move(p)) {}
 
   const VectorXd& residual() const { return mResidual; }
 
-  /// @return false, changing nothing, if the column depends on those before it or is not finite
+  /// @return false, without changes, if the column depends on those before it or is not finite
   bool add(VectorXd column) {
     const double whole = column.norm();
     if (!std::isfinite(whole)) return false;
@@ -165,7 +165,7 @@ class LeastSquares {
   std::vector<double> mShares;
 };
 
-/// The candidates' indices by falling |c . r|; equal ones keep their order.
+/// The candidates' indices in descending order of |c . r|; equal ones keep their order.
 std::vector<std::size_t> ranked(std::span<const Point> candidates, const Columns& columns, const VectorXd& residual) {
   std::vector<double> projections(candidates.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, candidates.size(), 4), [&](const auto& range) {
@@ -202,7 +202,7 @@ MonopoleFit fitMonopoles(const TriangleSurface& surface, std::span<const Point> 
     const auto chosen =
         std::find_if(order.begin(), order.end(), [&](std::size_t i) { return squares.add(columns.at(slice[i])); });
     if (chosen == order.end()) {
-      // A whole pool has brought nothing: the columns so far span all that the surface offers.
+      // A whole pool has brought nothing: the columns so far span everything that the surface offers.
       if (++fruitless == candidates.slicesInPool()) break;
       continue;
     }

@@ -14,22 +14,22 @@ namespace julia {
 
 class Panels {
  public:
-  /// Leaves out triangles without area, or nearly. @throw as requireValid()
+  /// Leaves out triangles of zero or nearly zero area. @throw as requireValid()
   explicit Panels(const TriangleSurface& surface);
 
   std::size_t size() const { return mPanels.size(); }
-  /// The triangle that a panel is.
+  /// The triangle of panel j.
   std::size_t triangle(std::size_t j) const { return mPanels[j].triangle; }
   Point centroid(std::size_t j) const { return {mNodes[0].x[j], mNodes[0].y[j], mNodes[0].z[j]}; }
   double area(std::size_t j) const { return mArea[j]; }
 
-  /// The integral over every panel, within a relative 2e-7. @pre integrals.size() == size()
+  /// Computes the integral over every panel, within a relative error of 2e-7. @pre integrals.size() == size()
   void integrate(const Point& x, std::span<double> integrals) const;
 
  private:
   struct Panel {
     std::size_t triangle;
-    std::array<Point, 3> corners, along, outward;  ///< edges: unit vectors along them and, in the plane, out of them
+    std::array<Point, 3> corners, along, outward;  ///< edges: unit vectors along and, in the plane, out of them
     std::array<double, 3> lengths;
     Point normal;
     double doubleArea, longest;

@@ -129,7 +129,7 @@ double ShapeEnergy::evaluate(const Rational& rational, RationalGradient* gradien
     side(rational.top, 0, 1, gradient->topScale, gradient->top);
     side(rational.bottom, parts.tops, -1, gradient->bottomScale, gradient->bottom);
   }
-  // Rounding may add up to a little more than the whole.
+  // The rounded sum may slightly exceed the whole.
   return std::clamp(pass.sum, -1.0, 1.0) + penalty * powers;
 }
 

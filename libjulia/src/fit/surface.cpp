@@ -19,9 +19,9 @@ namespace {
 
 constexpr double kFarthestSample = 1e9;  // as in requireFinite(const Rational&)
 constexpr std::size_t kMostPoints = 100'000'000;
-// Candidates for each point that is kept; with more, the distances hardly grow.
+// Candidates for each point that is kept; more hardly increase the distances.
 constexpr std::size_t kOversampling = 5;
-// Along an axis, so that indices fit 64 bits.
+// The limit along an axis, so that indices fit 64 bits.
 constexpr double kMostGridCells = 0x1p60;
 
 using SampleIndex = std::uint32_t;
@@ -42,7 +42,7 @@ std::vector<Point> stratifiedSamples(const TriangleSurface& surface, double whol
   for (std::size_t i = 0; i < count; ++i) {
     const double place = (static_cast<double>(i) + random.unit()) / static_cast<double>(count) * wholeArea;
     while (place >= end && t + 1 < surface.triangles.size()) end += areaOf(surface, surface.triangles[++t]);
-    // The square root makes the density even: the tip of a triangle up to u times its height has u^2 of its area.
+    // The square root makes the density uniform: the tip of a triangle up to u times its height has u^2 of its area.
     const double u = std::sqrt(random.unit()), v = random.unit();
     const auto& [a, b, c] = surface.triangles[t];
     samples.push_back((1 - u) * surface.points[a] + (u * (1 - v)) * surface.points[b] + (u * v) * surface.points[c]);
@@ -50,7 +50,7 @@ std::vector<Point> stratifiedSamples(const TriangleSurface& surface, double whol
   return samples;
 }
 
-/// Finds the neighbours of points within a radius, with the points sorted by their cells in a grid.
+/// Finds the neighbours of points within a radius, with the points sorted by the cells of a grid.
 class HashGrid {
  public:
   HashGrid(std::span<const Point> samples, std::span<const SampleIndex> members, double radius)
@@ -84,7 +84,7 @@ class HashGrid {
   }
 
  private:
-  /// The order is z, y, x, so that neighbours along x follow each other.
+  /// Cells are ordered by z, y, x, so that neighbours along x are adjacent.
   using Cell = std::array<std::int64_t, 3>;
   using Entry = std::pair<Cell, SampleIndex>;
 
@@ -100,12 +100,12 @@ class HashGrid {
   std::vector<Entry> mEntries;
 };
 
-/// Removes from @a members, one after another, the one most crowded by the others, until @a count are left.
-/// @return those removed, in that order
+/// Removes from @a members, one after another, the most crowded one, until @a count are left.
+/// @return the removed members, in order of removal
 std::vector<SampleIndex> eliminate(std::span<const Point> samples, std::vector<SampleIndex>& members, std::size_t count,
                                    double wholeArea) {
-  // Yuksel's Eq. 3: half the distance of points in the densest packing; his weights, with alpha = 8, beta = 0.65 and
-  // gamma = 1.5, tell apart no distances below a part of it.
+  // Yuksel's Eq. 3: half the distance of points in the densest packing. His weights, with alpha = 8, beta = 0.65 and
+  // gamma = 1.5, do not distinguish distances below a fraction of it.
   const auto kept = static_cast<double>(count);
   const double diameter = 2 * std::sqrt(wholeArea / (2 * std::sqrt(3.0) * kept));
   const double ratio = kept / static_cast<double>(members.size());
@@ -179,7 +179,8 @@ std::vector<Point> blueNoise(const TriangleSurface& surface, std::size_t count, 
   for (std::size_t i = 0; i < members.size(); ++i) members[i] = static_cast<SampleIndex>(i);
   eliminate(samples, members, count, wholeArea);
 
-  // Points that are removed first come last. Each round halves what is left, with the larger radius of fewer points.
+  // Points that are removed first come last. Each round halves the remaining ones, with the larger radius for fewer
+  // points.
   std::vector<Point> points(count);
   while (members.size() > 1) {
     std::size_t place = members.size();

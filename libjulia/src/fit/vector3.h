@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file vector3.h
-/// Vectors of R^3, of additions, multiplications and square roots only: the same bits on all machines.
+/// Vectors of R^3 that use only additions, multiplications and square roots, so that all machines give the same bits.
 #pragma once
 
 #include "julia/embedding.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file blocks.h
-/// How the kernels go through their arrays: block by block. See kernel_bodies.h for what must not stand here.
+/// How the kernels traverse their arrays: block by block. See kernel_bodies.h for the restrictions on this code.
 #pragma once
 
 #include "elementary.h"
@@ -10,15 +10,15 @@
 namespace julia::kernels {
 namespace {
 
-// Points worked on at once: all arrays of a block stay in the first-level cache.
+// Points processed at once: all arrays of a block fit in the first-level cache.
 constexpr std::size_t kBlock = 128;
-// Blocks are filled up to a multiple of the widest vector, so that no loop has a remainder.
+// Blocks are padded to a multiple of the widest vector, so that no loop has a remainder.
 constexpr std::size_t kWidest = 16;
 
 template <class Real>
 using Row = Real[kBlock];
 
-// The points are independent, and the arrays of a block apart.
+// The points are independent, and the arrays of a block do not overlap.
 #define JULIA_FOR_POINTS JULIA_INDEPENDENT for (std::size_t i = 0; i < padded / kWidest * kWidest; ++i)
 
 struct Range {
@@ -30,7 +30,7 @@ JULIA_INLINE Range blockAt(std::size_t begin, std::size_t size) {
   return {begin, count, (count + kWidest - 1) / kWidest * kWidest};
 }
 
-/// Copies a block in; the padding repeats its first entry.
+/// Copies a block; the padding repeats its first entry.
 template <class Real>
 JULIA_INLINE void load(const Real* from, Row<Real>& to, const Range& range) {
   for (std::size_t i = 0; i < range.size; ++i) to[i] = from[range.begin + i];

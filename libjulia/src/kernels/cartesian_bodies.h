@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file cartesian_bodies.h
-/// The kernels of maps in Cartesian form; see kernel_bodies.h for what must not stand here.
+/// The kernels of maps in Cartesian form; see kernel_bodies.h for the restrictions on this code.
 #pragma once
 
 #include "blocks.h"
@@ -15,7 +15,7 @@ JULIA_INLINE void loadComponent(const Addend<Real>& from, int k, Row<Real>& to, 
   for (std::size_t i = 0; i < range.padded; ++i) to[i] = value;
 }
 
-/// As many components of the points and of the addend as there are rows.
+/// Loads as many components of the points and of the addend as there are rows.
 template <class Real, int N>
 JULIA_INLINE void loadBoth(ConstBatch<Real> points, const Addend<Real>& c, Row<Real> (&p)[N], Row<Real> (&constant)[N],
                            const Range& range) {
@@ -48,13 +48,13 @@ struct Vector {
   Real x, y, z;
 };
 
-/// Not a number of a step: escaped.
+/// The result of a step where the map is not defined: the orbit has escaped.
 template <class Real>
 constexpr Real kUndefined = __builtin_inff();
 
-/// f = r^2 (-sin 2phi, cos 2phi, 0), g = (-+ sin 2theta / cos 2phi, 0, cos 2theta), for @a kSign 1 the upper sign: the
-/// triplex square r^2 (cos 2phi cos 2theta, sin 2phi cos 2theta, +- sin 2theta), and that with z mirrored. Not defined
-/// where cos 2phi = 0.
+/// f = r^2 (-sin 2phi, cos 2phi, 0), g = (-+ sin 2theta / cos 2phi, 0, cos 2theta), where @a kSign 1 is the upper sign.
+/// The product is the triplex square r^2 (cos 2phi cos 2theta, sin 2phi cos 2theta, +- sin 2theta), and for the lower
+/// sign its mirror image in z. Not defined where cos 2phi = 0.
 template <int kSign>
 struct PairA {
   template <class Real>
@@ -103,7 +103,7 @@ struct PairC {
   }
 };
 
-/// f of A, g = (0, 0, 1): r^2 (cos 2phi, sin 2phi, 0). For z = 0 it is the complex square, to the bit.
+/// f of A, g = (0, 0, 1): r^2 (cos 2phi, sin 2phi, 0). For z = 0 it equals the complex square bit for bit.
 struct PairD {
   template <class Real>
   JULIA_INLINE Vector<Real> product(Real x, Real y, Real z) {
@@ -211,10 +211,10 @@ JULIA_INLINE void complexPower(std::uint32_t n, Row<Real>& a, Row<Real>& b, std:
   }
 }
 
-/// (a + b i)^p for real p and |a + b i| = 1, the angle of it between -2 and 2 quadrants.
+/// (a + b i)^p for real p and |a + b i| = 1, with an angle between -2 and 2 quadrants.
 template <class Real>
 JULIA_INLINE void unitPower(Real p, Row<Real>& a, Row<Real>& b, std::size_t padded) {
-  // So near to the axis an angle is as good as 0 or 2.
+  // This close to the axis, the angle is effectively 0 or 2.
   constexpr Real kLeast = Real(1e-30);
   alignas(64) Row<Real> angle;
   JULIA_FOR_POINTS {
@@ -226,7 +226,8 @@ JULIA_INLINE void unitPower(Real p, Row<Real>& a, Row<Real>& b, std::size_t padd
   JULIA_FOR_POINTS sineCosine(angle[i], b[i], a[i]);
 }
 
-/// r^p (cos p phi cos p theta, sin p phi cos p theta, sin p theta): a power of e^(i phi) times one of r e^(i theta).
+/// r^p (cos p phi cos p theta, sin p phi cos p theta, sin p theta): a power of e^(i phi) times a power of r e^(i
+/// theta).
 template <class Real>
 void triplex(const TriplexPower<Real>& power, const Addend<Real>& c, ConstBatch<Real> points, Batch<Real> next,
              std::size_t size) {
@@ -239,7 +240,7 @@ void triplex(const TriplexPower<Real>& power, const Addend<Real>& c, ConstBatch<
     const Range range = blockAt(begin, size);
     const std::size_t padded = range.padded;
     loadBoth(points, c, p, constant, range);
-    // u + i v = e^(i phi); a + i b = r e^(i theta), without r for the powers that are not made by products.
+    // u + i v = e^(i phi); a + i b = r e^(i theta), without r for powers that are not computed by products.
     JULIA_FOR_POINTS {
       const Real x = p[0][i], y = p[1][i];
       const Real flat = magnitude(x) > magnitude(y) ? magnitude(x) : magnitude(y);

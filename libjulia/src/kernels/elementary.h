@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file elementary.h
-/// Elementary functions of additions, multiplications, divisions, square roots and integer operations only: IEEE 754
-/// fixes the result of each, so every instruction set and vector width gives the same bits. Straight-line code, which
-/// compilers vectorise when it stands in a loop. Errors are a few units in the last place.
+/// Elementary functions that use only additions, multiplications, divisions, square roots and integer operations. IEEE
+/// 754 fixes the result of each, so every instruction set and vector width gives the same bits. The code has no
+/// branches, so compilers vectorise it inside a loop. Errors are a few ulp.
 ///
-/// The polynomials are Chebyshev fits to 40 digits of the functions named beside them.
+/// The polynomials are Chebyshev fits, with 40 digits, to the functions named beside them.
 ///
 /// Included by sources that are compiled for different instruction sets: everything has internal linkage.
 #pragma once
@@ -19,7 +19,7 @@ namespace julia::kernels {
 
 #define JULIA_INLINE [[gnu::always_inline]] static inline
 
-/// What the two widths do not share.
+/// Constants that differ between the two widths.
 template <class Real>
 struct Ieee;
 
@@ -31,18 +31,18 @@ struct Ieee<float> {
   static constexpr float kEpsilon = 0x1p-23f;
   static constexpr Unsigned kMagnitude = 0x7fffffff;  ///< all but the sign
   static constexpr float kRounder = 0x1.8p23f;        ///< x + this - this = x to the nearest integer, |x| < 2^22
-  static constexpr Unsigned kExponent = 0x7f800000;   ///< its bits
-  static constexpr Unsigned kBiasTwice = 0x7f000000;  ///< 2^k as bits, and the inverse of it, add up to this
+  static constexpr Unsigned kExponent = 0x7f800000;   ///< the bits of the exponent
+  static constexpr Unsigned kBiasTwice = 0x7f000000;  ///< the bits of 2^k and of its inverse add up to this
   static constexpr Unsigned kSqrtHalf = 0x3f3504f3;   ///< bits of sqrt(1/2)
-  /// ln 2 in two parts; the first times any exponent is exact.
+  /// ln 2 in two parts; the product of the first with any exponent is exact.
   static constexpr float kLn2High = 0x1.62ep-1f, kLn2Low = 0x1.0bfbe8p-15f;
-  static constexpr float kLeastExponent = -87;  ///< e^x is a normal number from here
-  static constexpr float kMostExponent = 88;    ///< and finite to here
-  /// Bits of a first guess at 1 / sqrt(x), less half the bits of x: 3.5 per cent.
+  static constexpr float kLeastExponent = -87;  ///< e^x is a normal number from this x on
+  static constexpr float kMostExponent = 88;    ///< e^x is finite up to this x
+  /// Bits of an initial guess of 1 / sqrt(x), before half the bits of x are subtracted; its error is 3.5 per cent.
   static constexpr Unsigned kRootGuess = 0x5f3759df;
   /// |q - t|^2 below this goes through the careful path: squares underflow.
   static constexpr float kTiny = 1e-30f;
-  /// |q|^2 up to this may be trusted.
+  /// |q|^2 is reliable up to this.
   static constexpr float kHuge = 1e38f;
   /// Powers beyond this do not fit sineCosine() or drift in norm.
   static constexpr float kLargestPower = 0x1p20f;
@@ -142,7 +142,8 @@ JULIA_INLINE Real logarithm(Real x) {
   const Unsigned<Real> shifted = (bitsOf(x) - I::kSqrtHalf + kBias) >> I::kMantissaBits;
   const Unsigned<Real> e = shifted - (kBias >> I::kMantissaBits);
   const Real m = fromBits<Real>(bitsOf(x) - (e << I::kMantissaBits));
-  // An integer becomes a float through the last bits of a large one; AVX2 has no other way for 64 bits.
+  // The integer is converted to floating point through the low bits of a large number; AVX2 has no other way for 64
+  // bits.
   const Real exponent = fromBits<Real>(bitsOf(I::kRounder) + e) - I::kRounder;
   const Real f = m - 1;
   const Real s = f / (f + 2);
@@ -180,11 +181,11 @@ JULIA_INLINE Real angleInQuadrants(Real a, Real y, Real& inverseY) {
   return a < 0 ? 2 - acute : acute;
 }
 
-/// Sine and cosine of an angle in quadrants, |angle| < 2^22 in floats, 2^51 in doubles.
+/// Sine and cosine of an angle in quadrants, for |angle| < 2^22 in floats and 2^51 in doubles.
 template <class Real>
 JULIA_INLINE void sineCosine(Real quadrants, Real& sine, Real& cosine) {
   using I = Ieee<Real>;
-  // Whole half turns change both signs.
+  // Each half turn changes both signs.
   const Real rounded = quadrants * Real(0.5) + I::kRounder;
   const Unsigned<Real> sign = bitsOf(rounded) << (sizeof(Real) * 8 - 1);
   const Real rest = quadrants - 2 * (rounded - I::kRounder);
@@ -193,8 +194,9 @@ JULIA_INLINE void sineCosine(Real quadrants, Real& sine, Real& cosine) {
   cosine = fromBits<Real>(bitsOf(1 + z * polynomial(I::kCos, z)) ^ sign);
 }
 
-/// Sine and cosine of x radians, |x| < 2^30: right to a few units of the number's type at 1, however large x is. Whole
-/// turns are taken off in double, where the products of their number with the first two parts of 2 pi are exact.
+/// Sine and cosine of x radians, |x| < 2^30, with an absolute error of a few epsilon of the number's type, however
+/// large x is. Whole turns are subtracted in double, where the products of their number with the first two parts of 2
+/// pi are exact.
 JULIA_INLINE void sineCosineOfRadians(double x, double& sine, double& cosine) {
   constexpr double kTurns = 0.15915494309189533577, kQuadrants = 0.63661977236758134308;
   constexpr double kTurnHigh = 0x1.921fb4p+2, kTurnMiddle = 0x1.4442dp-22, kTurnLow = 0x1.8469898cc5170p-46;
@@ -216,7 +218,7 @@ JULIA_INLINE Real cosineOfRadians(Real x) {
   return cosine;
 }
 
-/// The power of two that brings x >= 0 to between 1 and 2; for 0 and denormal numbers, the largest but one.
+/// The power of two that scales x >= 0 to between 1 and 2; for 0 and denormal numbers, the second largest power.
 template <class Real>
 JULIA_INLINE Real scaleToOne(Real x) {
   return fromBits<Real>(Ieee<Real>::kBiasTwice - (bitsOf(x) & Ieee<Real>::kExponent));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file fit_bodies.h
-/// The kernels of fits; a part of kernel_bodies.h, whose rules hold here too.
+/// The kernels of fits, a part of kernel_bodies.h with the same restrictions.
 #pragma once
 
 #include "blocks.h"
@@ -23,7 +23,7 @@ void logDistances(const Real* root, Real rest, const Real* x, const Real* y, con
   }
 }
 
-// Columns that are worked on at once, so that the sums are loaded and stored less often.
+// Columns processed at once, so that the sums are loaded and stored less often.
 constexpr std::size_t kColumns = 4;
 
 template <class Real>
@@ -44,7 +44,7 @@ void addColumns(const Real* columns, const double* weights, std::size_t columnCo
   }
 }
 
-// Of a register of the instruction set.
+// Bytes per register of the instruction set, and number of registers.
 #if defined(__AVX512F__)
 constexpr std::size_t kRegister = 64, kRegisters = 32;
 #elif defined(__AVX2__)
@@ -53,7 +53,7 @@ constexpr std::size_t kRegister = 32, kRegisters = 16;
 constexpr std::size_t kRegister = 16, kRegisters = 16;
 #endif
 
-/// The products of kCount columns, whose sums stay in registers: eight for each, which no vector width changes.
+/// Computes the products of kCount columns. Each has eight sums, whatever the vector width, which stay in registers.
 template <std::size_t kCount, class Real>
 JULIA_INLINE void dotSome(const Real* columns, const double* factors, double* products, std::size_t size) {
   constexpr std::size_t kLanes = 8, kWidth = kRegister / sizeof(double), kParts = kLanes / kWidth;
@@ -88,7 +88,7 @@ void dotColumns(const Real* columns, const double* factors, std::size_t columnCo
   for (; j < columnCount; ++j) dotSome<1>(columns + j * size, factors, products + j, size);
 }
 
-/// The part of a tile's product whose sums stay in registers, half of which they fill.
+/// Computes the part of a tile's product whose sums fill half of the registers and stay there.
 template <class Real>
 JULIA_INLINE void patchProduct(const Real* a, const Real* b, std::size_t depth, Real* out) {
   typedef Real Vector __attribute__((vector_size(kRegister)));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file kernel_bodies.h
-/// The kernels' text. Included once by each of the sources that are compiled for one instruction set, so nothing here
-/// may have external linkage or call what the compiler might emit out of line: the linker would take any one of the
-/// copies for all processors.
+/// The code of the kernels. Each source that is compiled for one instruction set includes it once, so nothing here may
+/// have external linkage or call a function that the compiler might emit out of line: the linker would use any one of
+/// the copies for all processors.
 #pragma once
 
 #include "blocks.h"
@@ -19,7 +19,7 @@
 namespace julia::kernels {
 namespace {
 
-/// Whether a point of a block has squares that may not be trusted.
+/// Whether the squares of some point of a block are unreliable.
 template <class Real>
 JULIA_INLINE bool anyUnusual(const Row<Real> (&q)[4], const Row<Real>& least, std::size_t padded) {
   constexpr Real kTiny = Ieee<Real>::kTiny;
@@ -31,14 +31,14 @@ JULIA_INLINE bool anyUnusual(const Row<Real> (&q)[4], const Row<Real>& least, st
   return unusual != 0;
 }
 
-/// The factor (q - t)^p of every point as real + imaginary v, v the imaginary part of q - t.
+/// The factor (q - t)^p of every point as real + imaginary v, where v is the imaginary part of q - t.
 template <class Real>
 struct Factor {
   alignas(64) Row<Real> real, imaginary;
 };
 
-/// An integer power by squaring, in the plane of 1 and v: (R + S v)^2 = R^2 - S^2 s + 2 R S v with s = |v|^2, and
-/// likewise the product with a + v. @a scale makes |q - t| about 1.
+/// Computes an integer power by squaring, in the plane of 1 and v: (R + S v)^2 = R^2 - S^2 s + 2 R S v with s = |v|^2,
+/// and likewise the product with a + v. @a scale makes |q - t| about 1.
 template <class Real>
 JULIA_INLINE void powerByProducts(std::uint32_t integer, const Row<Real>& a, const Row<Real>& s, const Row<Real>& scale,
                                   Factor<Real>& factor, std::size_t padded) {
@@ -65,7 +65,7 @@ JULIA_INLINE void powerByProducts(std::uint32_t integer, const Row<Real>& a, con
   JULIA_FOR_POINTS factor.imaginary[i] *= scale[i];
 }
 
-/// The factor of a real power, by the angle of q - t. @param angle, inverse  working memory
+/// Computes the factor of a real power from the angle of q - t. @param angle, inverse  working memory
 template <class Real>
 JULIA_INLINE void factorByAngle(const RootFactor<Real>& root, const Row<Real> (&q)[4], Row<Real>& angle,
                                 Row<Real>& inverse, Row<Real>& smallest, Factor<Real>& factor, std::size_t padded) {
@@ -84,7 +84,7 @@ JULIA_INLINE void factorByAngle(const RootFactor<Real>& root, const Row<Real> (&
   }
 }
 
-/// 1 / sqrt(x) of a squared norm, or a guess at it.
+/// 1 / sqrt(x) of a squared norm, or an estimate of it.
 template <bool kGuess, class Real>
 JULIA_INLINE Real inverseRoot(Real x) {
   if constexpr (kGuess)
@@ -93,7 +93,7 @@ JULIA_INLINE Real inverseRoot(Real x) {
     return 1 / squareRoot(x);
 }
 
-/// q - t scaled to a length of 1, or about 1: its real part, the square of its imaginary part, and the scale.
+/// Scales q - t to a length of 1, or about 1: its real part, the square of its imaginary part, and the scale.
 template <bool kGuess, class Real>
 JULIA_INLINE void scaledDifference(const RootFactor<Real>& root, const Row<Real> (&q)[4], Row<Real>& a, Row<Real>& s,
                                    Row<Real>& scale, Row<Real>& smallest, std::size_t padded) {
@@ -208,8 +208,8 @@ bool logModulus(const RootFactor<Real>* roots, std::size_t rootCount, Real const
   return unusual;
 }
 
-/// By how much at most a factor turns over a ball of radius r about q: rational_bounds.cpp has the formulas. Here they
-/// are in Real, with a slack of its roundings.
+/// An upper bound of how far a factor turns over a ball of radius r about q: rational_bounds.cpp has the formulas. Here
+/// they are evaluated in Real, with slack for its rounding errors.
 /// @param a, imaginarySquared, distance  the real part, the squared imaginary part and the length of q - t
 /// @param sine  r / distance
 template <class Real>
@@ -230,8 +230,8 @@ template <class Real>
 void logLeastPart(const RootFactor<Real>* roots, std::size_t rootCount, Real radius, Real rounding, unsigned dropped,
                   ConstBatch<Real> points, ConstBatch<Real> versors, Real* l, std::size_t size) {
   constexpr Real kRounding = 64 * Ieee<Real>::kEpsilon, kUnknown = -__builtin_inff();
-  constexpr Real kLeast = Real(1e-3);  // less than this is as good as nothing
-  // The sum's own roundings, and those of its terms.
+  constexpr Real kLeast = Real(1e-3);  // a smaller bound is useless
+  // Covers the rounding errors of the sum and of its terms.
   const Real slack = 1 + (kRounding + static_cast<Real>(rootCount) * Ieee<Real>::kEpsilon);
   alignas(64) Row<Real> q[4], u[4], sum, result;
   for (std::size_t begin = 0; begin < size; begin += kBlock) {
@@ -247,7 +247,7 @@ void logLeastPart(const RootFactor<Real>* roots, std::size_t rootCount, Real rad
                            dc = q[2][i] - root.root[2], dd = q[3][i] - root.root[3];
       const Real imaginary = db * db + dc * dc + dd * dd, square = da * da + imaginary;
       const Real distance = squareRoot(square), sine = radius / distance;
-      // The arc's bound; beyond a sine of 1 the ball holds the root.
+      // The bound of the arc; for a sine above 1 the ball contains the root.
       const Real arc = sine * (1 + (sine <= Real(0.5) ? Real(0.1888) : Real(0.5708)) * (sine * sine));
       sum[i] += sine < Real(0.99) ? turning(da, imaginary, distance, sine) * arc : 4;
     }
@@ -258,7 +258,7 @@ void logLeastPart(const RootFactor<Real>* roots, std::size_t rootCount, Real rad
   else
     add([p = magnitude(root.power)](Real, Real, Real, Real) __attribute__((always_inline)) { return p; });
 }
-// By the angle between the versors and the axis of the component.
+// Uses the angle between the versors and the axis of the component.
 JULIA_FOR_POINTS {
   const Real quadrants = sum[i] * (slack * Real(0.63661977236758134));
   const bool known = quadrants < 1;
@@ -294,8 +294,8 @@ JULIA_INLINE void compress(std::uint32_t* to, __mmask16 kept, const std::uint32_
 template <class Real>
 std::size_t compact(Real escape, bool traps, Real trap, Real* l, std::uint32_t* index, Real* const* rows,
                     std::size_t rowCount, std::size_t size) {
-  // Entries at once. Whether one is kept is found in a loop apart from the count, whose additions wait for each other,
-  // and nothing branches on it, which could not be predicted.
+  // The number of entries processed at once. One loop finds whether an entry is kept, and another one counts, because
+  // the additions of the count depend on each other. Nothing branches on the result, which is unpredictable.
   constexpr std::size_t kTogether = 256;
   const bool all = !traps;
   std::size_t kept = 0;
@@ -306,7 +306,7 @@ std::size_t compact(Real escape, bool traps, Real trap, Real* l, std::uint32_t* 
     for (std::size_t i = 0; i < count; ++i) isKept[i] = (values[i] < escape) & (all | (values[i] > trap)) ? 1 : 0;
     std::size_t done = 0;
 #if defined(__AVX512F__)
-    // A vector is read whole before it is stored, at its own place or before it.
+    // A vector is read completely before it is stored, at its own place or before it.
     for (; done + 16 <= count; done += 16) {
       const __m128i flags = _mm_load_si128(reinterpret_cast<const __m128i*>(isKept + done));
       const __mmask16 mask = _mm_test_epi8_mask(flags, flags);
@@ -393,13 +393,13 @@ JULIA_INLINE void latticePositions(const BrickLattice<Real>& lattice, const Row<
     const Real offset = lattice.offset[row], low = lattice.low[row], high = lattice.high[row];
     JULIA_FOR_POINTS {
       const Real at = mx * point[0][i] + my * point[1][i] + mz * point[2][i] + offset;
-      const Real above = at > low ? at : low;  // so does a NaN
+      const Real above = at > low ? at : low;  // this handles a NaN, too
       position[row][i] = above < high ? above : high;
     }
   }
 }
 
-/// Which brick of the table a cell lies in, and where in the brick.
+/// Finds the brick of the table in which a cell lies, and its position in the brick.
 template <class Real, std::uint32_t kSide>
 JULIA_INLINE void findCells(const BrickLattice<Real>& lattice, const Row<std::int32_t> (&cell)[3],
                             Row<std::int32_t>& brick, Row<std::int32_t>& offset, std::size_t padded) {
@@ -420,7 +420,7 @@ void sampleTrilinear(const BrickLattice<Real>& lattice, const Real* x, const Rea
   alignas(64) Row<Real> point[3], position[3], result;
   alignas(64) Row<std::int32_t> cell[3], brick, offset;
   const float* at[kBlock];
-  alignas(64) float edge[4][2 * kBlock];  // the two values along z, which one read takes
+  alignas(64) float edge[4][2 * kBlock];  // the two values along z that one read takes
   const Real* const from[3] = {x, y, z};
   for (std::size_t begin = 0; begin < size; begin += kBlock) {
     const Range range = blockAt(begin, size);
@@ -433,7 +433,7 @@ void sampleTrilinear(const BrickLattice<Real>& lattice, const Real* x, const Rea
         position[axis][i] -= static_cast<Real>(floor);
       }
     findCells<Real, kSide>(lattice, cell, brick, offset, padded);
-    // Where the values are is told ahead: points of a block may lie far apart, and a read waits for memory.
+    // Addresses are computed in advance: points of a block may lie far apart, and a read waits for memory.
     for (std::size_t i = 0; i < padded; ++i) {
       at[i] = lattice.values + std::size_t{lattice.brickAt[brick[i]]} * (kSide * kSide * kSide) + offset[i];
       __builtin_prefetch(at[i]);

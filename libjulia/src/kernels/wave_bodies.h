@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file wave_bodies.h
-/// Versors of waves (julia/wave_versor.h). See kernel_bodies.h for what must not stand here.
+/// Versors of waves (julia/wave_versor.h). See kernel_bodies.h for the restrictions on this code.
 #pragma once
 
 #include "blocks.h"
@@ -12,7 +12,7 @@ namespace {
 template <class Real>
 using Rows4 = Row<Real>[4];
 
-/// to = from / |from|; 1 where |from| is too small to have a direction.
+/// to = from / |from|; 1 if |from| is too small to have a direction.
 template <class Real>
 JULIA_INLINE void unitRows(const Rows4<Real>& from, Rows4<Real>& to, std::size_t padded) {
   JULIA_FOR_POINTS {
@@ -27,7 +27,7 @@ JULIA_INLINE void unitRows(const Rows4<Real>& from, Rows4<Real>& to, std::size_t
   }
 }
 
-/// u = u g. @param conjugated  with the conjugate of g
+/// u = u g. @param conjugated  -1 to multiply by the conjugate of g, else 1
 template <class Real>
 JULIA_INLINE void multiplyRows(Rows4<Real>& u, const Rows4<Real>& g, Real conjugated, std::size_t padded) {
   JULIA_FOR_POINTS {
@@ -55,7 +55,7 @@ void waveVersor(const WaveTerm<Real>* waves, const WaveSpan<Real>* factors, std:
       const Real o = blend[i], nearest = (o + I::kRounder) - I::kRounder, k = nearest > o ? nearest - 1 : nearest;
       const Real f = o - k;
       blend[i] = f * f * (3 - 2 * f);
-      // 2^k, and the points in quadrants of waves of one turn a unit.
+      // 2^k, and the points in quadrants of waves with one cycle per unit.
       const Real scale = fromBits<Real>(bitsOf(Real(4)) + (bitsOf(k + I::kRounder) << I::kMantissaBits));
       for (int c = 0; c < 4; ++c) {
         q[c][i] = (q[c][i] - origin[c]) * scale;

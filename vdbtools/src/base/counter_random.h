@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file counter_random.h
-/// Random numbers that are a function of a seed and a counter, so that threads need no order among them: the output
-/// function of SplitMix64 (Steele, Lea and Flood, OOPSLA 2014).
+/// Random numbers that are a function of a seed and a counter, so they do not depend on the order of threads: the
+/// output function of SplitMix64 (Steele, Lea and Flood, OOPSLA 2014).
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ constexpr std::uint64_t mixedBits(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// @param stream  tells uses of the same counter apart
+/// @param stream  distinguishes uses of the same counter
 constexpr std::uint64_t randomBits(std::uint64_t seed, std::uint64_t stream, std::uint64_t counter) {
   return mixedBits(mixedBits(mixedBits(seed) + stream) + counter);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file disjoint_sets.h
-/// Union-find, which threads may work on at once.
+/// Union-find for concurrent use by several threads.
 #pragma once
 
 #include <atomic>
@@ -10,8 +10,8 @@
 
 namespace vdbtools {
 
-/// Sets of the numbers from 0 to size - 1, each alone at first. A set is named after its smallest member, so that its
-/// name does not depend on the order in which others were joined to it.
+/// Disjoint sets of the numbers from 0 to size - 1, initially singletons. The smallest member names a set, so the name
+/// does not depend on the order of the joins.
 template <class Index>
 class DisjointSets {
  public:
@@ -27,7 +27,7 @@ class DisjointSets {
       Index parent = mParents[member].load(std::memory_order_relaxed);
       const Index grandparent = mParents[parent].load(std::memory_order_relaxed);
       if (parent == grandparent) return parent;
-      // Any ancestor will do as a parent; a thread that found another one meanwhile may keep it.
+      // Any ancestor is a valid parent; if another thread has stored a different one meanwhile, it stays.
       mParents[member].compare_exchange_weak(parent, grandparent, std::memory_order_relaxed);
       member = grandparent;
     }
@@ -39,7 +39,7 @@ class DisjointSets {
       b = find(b);
       if (a == b) return;
       if (a < b) std::swap(a, b);
-      Index expected = a;  // still a root
+      Index expected = a;  // if it is still a root
       if (mParents[a].compare_exchange_strong(expected, b, std::memory_order_relaxed)) return;
     }
   }

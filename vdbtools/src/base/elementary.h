@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file elementary.h
-/// libjulia's elementary functions, under a shorter name: elementary::log(x).
+/// A shorter name for libjulia's elementary functions: elementary::log(x).
 #pragma once
 
 #include "julia/elementary.h"

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file grid_memory.h
-/// What grids of files may take of memory: a few bytes of a file can stand for a box of any size.
+/// Limits on the memory that grids of files may take: a few bytes of a file can stand for a box of any size.
 #pragma once
 
 #include "vdbtools/base/grids.h"
 
 namespace vdbtools {
 
-/// Before leaves are made that @a grid asks for.
-/// @throw DataError  they would take more than half of the machine's memory: there is always more than one grid
+/// Call before creating leaves that @a grid requires.
+/// @throw DataError  they would take more than half of the machine's memory; there is always more than one grid
 void requireRoomForLeaves(const openvdb::FloatGrid& grid, double leaves);
 
-/// Makes leaves of the active tiles of a grid that was read.
+/// Converts the active tiles of a loaded grid to leaves.
 /// @throw DataError  as requireRoomForLeaves()
-/// @throw MemoryError  there is less memory left than they take
+/// @throw MemoryError  they take more memory than is left
 void voxelizeActiveTiles(openvdb::FloatGrid& grid);
 
 }  // namespace vdbtools

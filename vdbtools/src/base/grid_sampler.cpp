@@ -20,9 +20,9 @@ using Accessor = openvdb::tree::ValueAccessor<const FloatTree>;
 constexpr int kSide = static_cast<int>(julia::kBrickSide);
 static_assert(Leaf::DIM == julia::kBrickSide, "bricks are aligned with leaves");
 
-/// The stretch of a brick's nodes along one axis that lies in one leaf: counted within the brick.
+/// The part of a brick's nodes along one axis that lies in one leaf, in nodes of the brick.
 struct Stretch {
-  int leafOffset;  ///< from the brick's own leaf, in leaves
+  int leafOffset;  ///< relative to the brick's own leaf, in leaves
   int begin, end;
 };
 
@@ -35,13 +35,13 @@ std::vector<Stretch> stretches(const julia::Bricks& bricks) {
   return result;
 }
 
-/// One brick's values; what is beyond @a nodes repeats the nearest face.
+/// Reads one brick's values; nodes outside @a nodes repeat the nearest face.
 class BrickReader {
  public:
   BrickReader(const openvdb::FloatGrid& grid, const CoordBBox& nodes, const julia::Bricks& bricks)
       : mAccessor(grid.tree()), mNodes(nodes), mBricks(bricks), mStretches(stretches(bricks)) {}
 
-  /// Whether all values of the brick at @a origin are one tile's value, which is then @a value.
+  /// Whether all values of the brick at @a origin equal one tile's value, which is then returned in @a value.
   bool isConstant(const Coord& origin, float& value) {
     bool first = true;
     for (const Stretch& x : mStretches)
@@ -115,7 +115,7 @@ GridBricks makeBricks(const openvdb::FloatGrid& grid, const CoordBBox& nodes, ju
     return first.offsetBy(x * kSide, y * kSide, z * kSide);
   };
 
-  // Which places share a constant, and which need a brick of their own.
+  // Determines which places share a constant, and which need a brick of their own.
   bricks->brickAt.resize(static_cast<std::size_t>(places));
   std::map<float, std::uint32_t> constants;
   std::vector<std::size_t> own;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file in_parallel.h
-/// Loops in threads that stop when they are asked to.
+/// Parallel loops that stop on cancellation.
 #pragma once
 
 #include "vdbtools/base/monitor.h"
@@ -11,7 +11,7 @@
 
 namespace vdbtools {
 
-/// Runs body(begin, end) over parts of 0 to @a count in threads, parts of at least @a grain if there are so many.
+/// Runs body(begin, end) in threads over parts of 0 to @a count, each of at least @a grain if possible.
 /// @throw Interrupted  the work was cancelled meanwhile; parts were left out
 template <class Body>
 void inParallel(std::size_t count, std::size_t grain, const Monitor& monitor, const Body& body) {

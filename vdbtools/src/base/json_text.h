@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file json_text.h
-/// JSON that nobody vouches for, read with nlohmann-json. It parses arrays and objects within each other to any depth,
-/// but copies, compares and writes them by recursion, so that a file of a hundred thousand brackets would overflow the
-/// stack; and it turns 1e300 into an int without a check.
+/// Reads untrusted JSON with nlohmann-json. The library parses nested arrays and objects to any depth, but it copies,
+/// compares and writes them recursively, so a file of a hundred thousand brackets would overflow the stack. It also
+/// converts 1e300 to an int without a check.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -14,10 +14,10 @@
 
 namespace vdbtools {
 
-/// How deep the values of a file may lie within each other. Ours have six levels, and a glTF hardly more.
+/// The maximum nesting depth of a file. The project's own files have six levels, and a glTF hardly more.
 inline constexpr std::size_t kMostJsonDepth = 100;
 
-/// Whether a JSON text goes deeper. What it says of a text that is not JSON means nothing.
+/// Whether a JSON text is nested more deeply. For a text that is not JSON the result is meaningless.
 inline bool nestsTooDeep(std::string_view text) {
   std::size_t depth = 0;
   bool quoted = false;
@@ -37,17 +37,17 @@ inline bool nestsTooDeep(std::string_view text) {
   return false;
 }
 
-/// A discarded value where the text is not JSON, or goes too deep.
+/// Returns a discarded value if the text is not JSON, or is nested too deeply.
 template <class Json>
 Json parsedJson(std::string_view text) {
   if (nestsTooDeep(text)) return Json(Json::value_t::discarded);
   return Json::parse(text, nullptr, /*allow_exceptions=*/false);
 }
 
-/// @throw nlohmann::json::exception  the value is not a whole number, or not one that an Integer can be
+/// @throw nlohmann::json::exception  the value is not an integer, or does not fit Integer
 template <class Integer, class Json>
 Integer wholeOf(const Json& value) {
-  // The larger half of the unsigned numbers shows as negative ones here, and means nothing in our files.
+  // The upper half of the unsigned numbers appears as negative numbers here, and never occurs in valid files.
   const auto whole = value.template get_ref<const std::int64_t&>();
   if (!std::in_range<Integer>(whole) || (value.is_number_unsigned() && whole < 0))
     throw Json::out_of_range::create(406, "a whole number is too large", &value);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file keyed_hash.h
-/// A hash of whole numbers that come from a file. Its key is drawn anew each time, so that nobody can write a file
-/// whose numbers fall into the same place of a table and make every search in it a walk through all of them. Nothing
-/// that is computed may depend on the order of such a table.
+/// A hash of integers that come from a file. Its key is random, so that nobody can construct a file whose numbers
+/// collide in a hash table and make every search linear. No result may depend on the order of such a table.
 #pragma once
 
 #include <array>
@@ -12,8 +11,8 @@
 
 namespace vdbtools {
 
-/// Multilinear hashing of the halves of @a Count numbers of 64 bits, modulo 2^64, of which the upper 32 bits are kept:
-/// whatever two different inputs are, for a random key every pair of results is as likely as any other.
+/// Multilinear hashing of the halves of @a Count numbers of 64 bits, modulo 2^64, of which the upper 32 bits are kept.
+/// For any two different inputs and a random key, every pair of results is equally likely.
 template <std::size_t Count>
 class KeyedHash {
  public:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file lattice_field.h
-/// Grids as the dynamics reads them.
+/// Grids in the form that the dynamics reads.
 #pragma once
 
 #include "vdbtools/base/fractal_space.h"
@@ -13,8 +13,8 @@
 
 namespace vdbtools {
 
-/// A grid's values at points of fractal space; beyond @a nodes, index space, those of the nearest node. Copies the
-/// grid.
+/// A grid's values at points of fractal space; points outside @a nodes (index space) get the value of the nearest node.
+/// Copies the grid.
 template <class Real>
 std::shared_ptr<const julia::ScalarField<Real>> makeLatticeField(const openvdb::FloatGrid& grid,
                                                                  const openvdb::CoordBBox& nodes,

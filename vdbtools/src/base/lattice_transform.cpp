@@ -15,7 +15,7 @@ bool isOrdinaryScale(const Vec3d& scale) {
 
 Transform::Ptr latticeTransform(double voxelSize) {
   if (isOrdinaryScale(Vec3d(voxelSize))) return Transform::createLinearTransform(voxelSize);
-  // Its constructors refuse it, but what is read goes unchecked.
+  // The constructors refuse it, but a transform that is read is not checked.
   std::stringstream stream(std::ios::in | std::ios::out | std::ios::binary);
   const double inverse = 1 / voxelSize;
   for (const double part : {voxelSize, std::abs(voxelSize), inverse, inverse * inverse, inverse / 2})

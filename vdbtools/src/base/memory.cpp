@@ -27,14 +27,14 @@ namespace fs = std::filesystem;
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 constexpr double kKibi = 1024;
 
-/// Those of every MemoryLimit.
+/// The values of all existing MemoryLimit objects.
 struct Limits {
   std::mutex mutex;
   std::multiset<double> bytes;
 };
 
 Limits& limits() {
-  // Never destroyed: limits may be looked at, and taken back, while the process ends.
+  // Never destroyed: limits may be read, and released, while the process ends.
   static Limits& theLimits = *new Limits;
   return theLimits;
 }
@@ -73,7 +73,7 @@ void limitBy(MemoryLeft& left, double bytes, const std::string& limit) {
   if (bytes < left.bytes) left = {std::max(0.0, bytes), limit};
 }
 
-/// The names of the files of a kind of control groups.
+/// The file names of a version of control groups.
 struct GroupFiles {
   const char *limit, *usage, *ofFiles;
   const char *swapLimit, *swapUsage;
@@ -97,8 +97,8 @@ void limitByGroup(MemoryLeft& left, const fs::path& folder, const GroupFiles& fi
   limitBy(left, *limit - std::max(0.0, *usage - ofFiles) + swap, "the control group of this process");
 }
 
-/// The group of @a path and all above it. In a container the path may be that of another name space; then the mount's
-/// root is the group.
+/// Applies the limits of the group of @a path and of all its ancestors. In a container the path may belong to another
+/// name space; then the mount's root is the group.
 void limitByGroups(MemoryLeft& left, const fs::path& mount, const std::string& path, const GroupFiles& files,
                    double swapFree) {
   std::error_code error;
@@ -131,7 +131,7 @@ double ownMemory(const fs::path& root, const char* name) {
   return kKibi * entryOf(root / "proc/self/status", name).value_or(0);
 }
 
-/// @param own  what the process takes of it, in /proc/self/status
+/// @param own  the entry of /proc/self/status with the amount that the process uses
 MemoryLeft leftOf(int resource, const fs::path& root, const char* own, const char* name) {
   MemoryLeft left{kNoLimit, "nothing"};
   rlimit limit{};
@@ -201,9 +201,9 @@ std::optional<double> memoryFromText(std::string_view text) {
 }
 
 std::optional<std::string> memoryRunsOut() {
-  constexpr double kLeastReserve = 32 << 20, kReserveShare = 0.01;  // bytes; of what the process has
+  constexpr double kLeastReserve = 32 << 20, kReserveShare = 0.01;  // bytes; fraction of the resident memory
   const double own = residentMemory();
-  // What has not taken much is not to blame, and frees little.
+  // A process that has not taken much is not to blame, and would free little.
   if (own < 16 * kLeastReserve) return std::nullopt;
   const MemoryLeft left = sharedMemoryLeft();
   if (left.bytes > std::max(kLeastReserve, kReserveShare * own)) return std::nullopt;
@@ -212,7 +212,7 @@ std::optional<std::string> memoryRunsOut() {
 }
 
 void requireMemory(double bytes, MemoryUse use, const std::string& what) {
-  // Not worth asking the system.
+  // Too little to ask the system.
   constexpr double kLittle = 8 * kKibi * kKibi;
   if (bytes < kLittle) return;
   const MemoryLeft left = memoryLeft();

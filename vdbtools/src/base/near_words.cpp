@@ -8,7 +8,7 @@
 namespace vdbtools {
 namespace {
 
-constexpr std::size_t kLettersToGuess = 3;  ///< a shorter word could be meant for any
+constexpr std::size_t kLettersToGuess = 3;  ///< a shorter word could stand for any other
 
 std::string lower(std::string_view word) {
   std::string result(word);
@@ -35,7 +35,7 @@ std::size_t editDistance(std::string_view a, std::string_view b) {
 }
 
 std::optional<std::string> nearestWord(std::string_view word, std::span<const std::string> known) {
-  constexpr std::size_t kLongest = 100;  // what is longer is no word
+  constexpr std::size_t kLongest = 100;  // anything longer is not a word
   if (word.size() < kLettersToGuess || word.size() > kLongest) return std::nullopt;
   const std::string wanted = lower(word);
   const std::size_t most = std::max<std::size_t>(1, wanted.size() / 3);

@@ -12,14 +12,14 @@ std::optional<double> numberFromText(std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (end != text.data() + text.size() || error == std::errc::invalid_argument) return std::nullopt;
-  // Here strtod() tells the large from the small.
+  // Here strtod() distinguishes overflow from underflow.
   if (error == std::errc::result_out_of_range) return std::strtod(std::string(text).c_str(), nullptr);
   return value;
 }
 
 std::string shortText(double value, Rounding rounding) {
   constexpr int kDigits = 4;
-  const double step = std::abs(value) * 5e-5;  // no more than half a unit of the last digit
+  const double step = std::abs(value) * 5e-5;  // at most half a unit of the last digit
   for (double at = value;; at += rounding == Rounding::Up ? step : -step) {
     char digits[32];
     const std::string text(digits,

@@ -4,7 +4,7 @@
 namespace vdbtools {
 
 std::string shellWord(std::string_view word) {
-  // Characters that mean themselves to every shell; the last one not at the beginning.
+  // Characters without a special meaning in any shell; the last one must not come first.
   constexpr std::string_view kPlain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-+./:,@%=";
   if (!word.empty() && !word.starts_with('=') && word.find_first_not_of(kPlain) == word.npos) return std::string(word);
   std::string text = "'";

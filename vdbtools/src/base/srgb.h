@@ -28,12 +28,12 @@ Real srgbFromLinear(Real linear) {
              : Real(1.055) * static_cast<Real>(elementary::pow(linear, 1 / Real(2.4))) - Real(0.055);
 }
 
-/// The least value of each 8-bit code from 1.
+/// The smallest linear value of each 8-bit code from 1 on.
 inline const std::array<float, 255>& leastOfSrgbCodes() {
   static const std::array<float, 255> least = [] {
     std::array<float, 255> values{};
     for (std::size_t code = 1; code <= values.size(); ++code) {
-      // Positive floats are in the order of their bits.
+      // Positive floats are ordered like their bits.
       std::uint32_t below = 0, above = std::bit_cast<std::uint32_t>(1.0F);
       while (above - below > 1) {
         const std::uint32_t middle = below + (above - below) / 2;

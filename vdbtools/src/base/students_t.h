@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file students_t.h
-/// Student's t: how many standard errors an interval of confidence reaches to either side. A function of our own, as
-/// those of libraries call the C library's logarithms and powers, whose last bits differ.
+/// Student's t: the half width of a confidence interval in standard errors. It is implemented here because libraries
+/// call the C library's logarithms and powers, whose last bits differ.
 #pragma once
 
 #include "base/elementary.h"
@@ -24,7 +24,7 @@ inline double studentsShare(int degrees, double angle) {
   return isOdd ? (angle + sine * sum) / (std::numbers::pi / 2) : sine * sum;
 }
 
-/// The t that |t| exceeds in 5 of 100 cases. @param degrees  of freedom, 1 or more
+/// The t that |t| exceeds with a probability of 5 %. @param degrees  of freedom, 1 or more
 inline double studentsT95(int degrees) {
   constexpr double kShare = 0.95;
   double low = 0, high = std::numbers::pi / 2;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file timed_part.h
-/// For estimates of how long some work takes by doing a part of it.
+/// Helpers to estimate the duration of some work by doing a part of it.
 #pragma once
 
 #include "vdbtools/base/monitor.h"
@@ -12,7 +12,7 @@ namespace vdbtools {
 /// The CPU time of all threads of the process.
 inline double cpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-/// Passes nothing on but the wish to stop.
+/// Forwards only the cancellation.
 class QuietMonitor final : public Monitor {
  public:
   explicit QuietMonitor(const Monitor& monitor) : mMonitor(monitor) {}

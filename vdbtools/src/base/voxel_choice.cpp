@@ -9,9 +9,9 @@
 namespace vdbtools {
 
 double VoxelChoice::sizeFor(double longestSide) const {
-  // Distances of any number of voxels, and of a share of one, are ordinary 32-bit floats in between.
+  // Within this range, distances of any number of voxels, and of a fraction of one, are normal 32-bit floats.
   constexpr double kSmallest = 1e-12, kLargest = 1e30;
-  // A shape that none of these resolutions serves is to blame itself.
+  // If none of these resolutions suits a shape, the shape is at fault.
   constexpr double kOrdinaryLow = 1, kOrdinaryHigh = 1000;
   const double size = voxelSize ? *voxelSize : longestSide / resolution.value();
   if (size >= kSmallest && size <= kLargest) return size;

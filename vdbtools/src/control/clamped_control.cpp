@@ -32,7 +32,7 @@ class ClampedField final : public ControlField {
       Vec3d at = mGrid->worldToIndex(points[i]);
       for (int axis = 0; mNodes && axis < 3; ++axis)
         at[axis] = std::clamp<double>(at[axis], mNodes->min()[axis], mNodes->max()[axis]);
-      // Interpolation may leave the range by a rounding.
+      // Rounding may take the interpolated value out of the range.
       values[i] = std::clamp<double>(openvdb::tools::BoxSampler::sample(accessor, at), mRange.first, mRange.second);
     }
   }

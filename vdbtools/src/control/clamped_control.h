@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file clamped_control.h
-/// A grid as a control whose values beyond its nodes are those of the nearest of them.
+/// A grid as a control; points outside its nodes get the value of the nearest node.
 #pragma once
 
 #include "vdbtools/control/control.h"
@@ -11,12 +11,12 @@ namespace vdbtools {
 
 struct Target;
 
-/// Read trilinearly, in the grid's world space. Interpolation does not leave the range of the values.
-/// @param nodes  those beyond which the nearest one's value holds; none: the tiles and the background hold there
+/// Reads the grid trilinearly, in its world space. Interpolation stays within the range of the values.
+/// @param nodes  points outside them get the nearest node's value; empty: the tiles and the background apply there
 /// @pre all values are finite
 Control clampedControl(openvdb::FloatGrid::ConstPtr grid, const std::optional<openvdb::CoordBBox>& nodes);
 
-/// The same of a grid each node of whose box is active.
+/// The control of a grid that is active at every node of its box.
 Control clampedControl(const openvdb::FloatGrid::ConstPtr& grid);
 
 /// The distance from the target's surface, as far as it is known (distance/target.h).

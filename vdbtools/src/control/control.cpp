@@ -12,7 +12,7 @@ double Control::at(const openvdb::Vec3d& point) const {
 }
 
 std::shared_ptr<const ControlSource> parseControl(const RecipeReader& reader, const std::string& option) {
-  // Grids come last: they take any text that ends like the name of a VDB.
+  // Grids come last, because they accept any text that ends like the name of a VDB.
   constexpr ControlSourcePtr (*kParsers[])(const RecipeReader&, const std::string&) = {
       parseNumberControl, parseRampControl,       parsePaintControl, parseTextureControl,
       parseNearControl,   parseExpressionControl, parseGridControl};

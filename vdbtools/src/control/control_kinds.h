@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file control_kinds.h
-/// The kinds of sources that parseControl() knows, one file each. A parser takes an option's text if that has the
-/// form of its kind, and else returns nullptr.
+/// The kinds of sources that parseControl() knows, one file each. A parser handles an option's text if it has the form
+/// of its kind, and returns nullptr otherwise.
 #pragma once
 
 #include "vdbtools/control/control.h"
@@ -25,9 +25,9 @@ ControlSourcePtr parseNearControl(const RecipeReader& reader, const std::string&
 /// @throw std::invalid_argument  an expression that cannot be read
 ControlSourcePtr parseExpressionControl(const RecipeReader& reader, const std::string& option);
 
-/// The source of an expression that is a part of what an option says. @throw std::invalid_argument  from julia
+/// The source of an expression that is part of an option's text. @throw std::invalid_argument  from julia
 ControlSourcePtr expressionSource(const std::string& expression, const std::string& option);
-/// Whether expressions know a name without the attributes of a mesh.
+/// Whether expressions know a name even without the attributes of a mesh.
 bool isExpressionVariable(const std::string& name);
 
 }  // namespace vdbtools

@@ -14,14 +14,14 @@ namespace {
 using openvdb::Coord;
 using openvdb::Vec3d;
 
-/// Nodes along the target's longest side. It is half the usual resolution of the target's distances, whatever these
-/// have, so that a finer target is painted like a coarser one.
+/// Nodes along the target's longest side. This is half the default resolution of the target's distances, and
+/// independent of their actual resolution, so that a finer target is painted like a coarser one.
 constexpr double kResolution = 100;
 
-/// Nodes beyond the target's box, as a share of its longest side: the shell of detail reaches that far.
+/// The margin beyond the target's box, as a fraction of its longest side: the shell of detail reaches that far.
 constexpr double kMargin = 0.1;
 
-/// Where a point lies in the lattice: a cell, and a place in it.
+/// The position of a point in the lattice: a cell, and a position in it.
 struct Place {
   int before[3];    ///< node
   int behind[3];    ///< node; the same at the lattice's end
@@ -64,7 +64,7 @@ class LatticeField final : public ControlField {
 double ControlLattice::read(std::span<const float> values, const Vec3d& at) const {
   const Place p = placeOf(*this, at);
   const auto value = [&](int x, int y, int z) { return static_cast<double>(values[index(x, y, z)]); };
-  // std::lerp stays between its ends, so that the bounds of the nodes are bounds of all values.
+  // std::lerp stays between its ends, so the bounds of the nodes bound all values.
   const auto row = [&](int x, int y) {
     return std::lerp(value(x, y, p.before[2]), value(x, y, p.behind[2]), p.share[2]);
   };
@@ -107,7 +107,7 @@ std::shared_ptr<const ControlField> latticeField(const ControlLattice& lattice, 
 
 namespace {
 
-/// Half as fine, about the same middle, and no smaller.
+/// A lattice with half the resolution, about the same centre, and covering at least the same box.
 ControlLattice coarser(const ControlLattice& lattice) {
   ControlLattice result;
   result.voxel = 2 * lattice.voxel;
@@ -119,12 +119,12 @@ ControlLattice coarser(const ControlLattice& lattice) {
   return result;
 }
 
-/// @param finest  in whose index space the search is
+/// @param finest  the lattice in whose index space the search takes place
 SurfaceValues valuesOn(const ControlLattice& lattice, const ControlLattice& finest, const SurfaceSearch& search,
                        std::size_t kinds, const ReadSurface& read) {
-  // A lattice so small is searched as a whole.
+  // A lattice this small is searched as a whole.
   constexpr int kSmall = 12;
-  // Exact up to this distance, voxels of the lattice.
+  // Values are exact up to this distance, in voxels of the lattice.
   constexpr double kBand = 6;
   const bool isSmall = std::max({lattice.size[0], lattice.size[1], lattice.size[2]}) <= kSmall;
   const ControlLattice coarse = coarser(lattice);
@@ -207,7 +207,7 @@ std::vector<std::vector<float>> extended(const ControlLattice& lattice, const Me
                        const openvdb::Vec3I& t = mesh.triangles[point.triangle];
                        for (std::size_t a = 0; a < attributes.size(); ++a) {
                          const std::vector<float>& of = attributes[a]->values;
-                         // Such that a value that is the same at all corners stays what it is.
+                         // This form keeps a value that is equal at all corners unchanged.
                          values[a] = of[t[0]] + point.weights[1] * (double{of[t[1]]} - of[t[0]]) +
                                      point.weights[2] * (double{of[t[2]]} - of[t[0]]);
                        }

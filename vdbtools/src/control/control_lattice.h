@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file control_lattice.h
-/// Controls that are found once, on a dense lattice over the target's box and a margin, and read trilinearly from then
-/// on. Beyond the lattice the value of its nearest point holds.
+/// Controls that are computed once, on a dense lattice over the target's box and a margin, and then read trilinearly.
+/// Points outside the lattice get the value of its nearest point.
 ///
-/// The lattice has 100 nodes along the target's longest side. It is centred on the middle of the target, so that a
-/// target at another place has the same values. The same values are found with any number of threads.
+/// The lattice has 100 nodes along the target's longest side. It is centred on the middle of the target, so the values
+/// do not depend on the target's position, nor on the number of threads.
 #pragma once
 
 #include "search/surface_search.h"
@@ -28,7 +28,7 @@ struct ControlLattice {
   std::size_t count() const {
     return static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]);
   }
-  /// Nodes are in the order of their indices, z first.
+  /// Nodes are ordered by their indices, with z running fastest.
   std::size_t index(int x, int y, int z) const {
     return (static_cast<std::size_t>(x) * static_cast<std::size_t>(size[1]) + static_cast<std::size_t>(y)) *
                static_cast<std::size_t>(size[2]) +
@@ -36,7 +36,7 @@ struct ControlLattice {
   }
   openvdb::Vec3d world(const openvdb::Vec3d& index) const { return first + voxel * index; }
   openvdb::Vec3d toIndex(const openvdb::Vec3d& world) const { return (world - first) / voxel; }
-  /// Clamped to the lattice.
+  /// Reads values trilinearly at an index that is clamped to the lattice.
   double read(std::span<const float> values, const openvdb::Vec3d& index) const;
 
   /// Runs body(x, y) for every row of nodes along z, in threads.
@@ -53,47 +53,47 @@ struct ControlLattice {
 
 ControlLattice controlLattice(const ControlContext& context);
 
-/// Half the value of each node and half the mean of the nodes before and behind, along one axis after the other. Values
-/// that change at an even rate stay what they are.
+/// Replaces each value by half of it plus half the mean of the two adjacent nodes, along one axis after the other.
+/// Linear functions stay unchanged.
 void smooth(const ControlLattice& lattice, std::vector<float>& values);
 
-/// @pre as many values as nodes, all finite
+/// @pre there is one finite value for each node
 std::shared_ptr<const ControlField> latticeField(const ControlLattice& lattice, std::vector<float> values);
 
-/// What is found at the nearest point of a surface.
+/// Values at the point of a surface that is nearest to each node.
 struct SurfaceValues {
-  std::vector<float> distance;               ///< of each node from the surface, world units
-  std::vector<std::vector<float>> values{};  ///< of each kind, at each node
+  std::vector<float> distance;               ///< distance of each node from the surface, world units
+  std::vector<std::vector<float>> values{};  ///< for each kind, the value at each node
 };
 
-/// What a surface has at a point of it: writes as many values as there are kinds.
+/// Reads the surface at a point: writes as many values as there are kinds.
 using ReadSurface = std::function<void(const SurfacePoint& point, double* values)>;
 
-/// The values at the point of @a mesh that is nearest to each node. They are exact near the surface; farther away they
-/// are found on ever coarser lattices, voxels doubled each time, whose voxels are a small share of the distance, and
-/// interpolated.
-/// @param read  called in many threads at once
+/// Computes the values at the point of @a mesh that is nearest to each node. They are exact near the surface. Farther
+/// away they are computed on increasingly coarse lattices, whose voxels double each time and are small compared with
+/// the distance, and interpolated.
+/// @param read  many threads call it at once
 SurfaceValues fromSurface(const ControlLattice& lattice, const Mesh& mesh, std::size_t kinds, const ReadSurface& read);
 
-/// The attribute of a mesh by its name.
-/// @param whose  the mesh, for the error's text
-/// @throw DataError  there is none, or it is not finite at a point that triangles use
+/// Finds the attribute of a mesh by its name.
+/// @param whose  names the mesh in the error message
+/// @throw DataError  there is no such attribute, or it is not finite at a point that triangles use
 const VertexAttribute& requireAttribute(const Mesh& mesh, const std::string& name, const std::string& whose);
 
 /// @throw DataError  the target's mesh has no texture coordinates, or not at every corner
 void requireUvs(const Mesh& mesh);
 
-/// At each node the attribute's value at the nearest point of the mesh, for every attribute that is asked for.
+/// For each requested attribute, its value at the point of the mesh nearest to each node.
 std::vector<std::vector<float>> extended(const ControlLattice& lattice, const Mesh& mesh,
                                          std::span<const VertexAttribute* const> attributes);
 
-/// What follows @a prefix in a text that begins with it.
+/// The rest of a text that begins with @a prefix; empty for any other text.
 std::optional<std::string> afterPrefix(const std::string& text, const std::string& prefix);
 
-/// A number from text, unless it is none or not finite.
+/// Parses a finite number; empty for any other text.
 std::optional<double> finiteNumber(const std::string& text);
 
-/// The names of a mesh's attributes, for an error's text: "red, green, blue", or "none".
+/// The names of a mesh's attributes, for an error message: "red, green, blue", or "none".
 std::string attributeNames(const Mesh& mesh);
 
 }  // namespace vdbtools

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A formula over the place, the shape of the target, and the attributes of its mesh.
+// A formula over the position, the shape of the target, and the attributes of its mesh.
 #include "control/control_kinds.h"
 #include "control/control_lattice.h"
 #include "distance/wide_distance.h"
 #include "repair/solid_input.h"
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/recipe/option_name.h"
 
 #include "julia/expression.h"
 
@@ -29,13 +30,13 @@ using Values = std::vector<float>;
 
 constexpr const char* kVariables = "x, y, z, nx, ny, nz, phi, tau, curvature, height, hx, hy, hz";
 
-/// What expressions know of a target, on the nodes of a lattice. Each part is found when it is first asked for.
+/// What expressions know about a target, on the nodes of a lattice. Each part is computed on first use.
 class Surroundings {
  public:
   Surroundings(const ControlLattice& lattice, const ControlContext& context)
       : mLattice(lattice), mContext(context), mLongest(longestSide(context.targetBox)) {}
 
-  /// Shares of the target's longest side.
+  /// Distances as fractions of the target's longest side.
   const Values& phi() {
     if (!mPhi.empty()) return mPhi;
     const Target target{.phi = std::const_pointer_cast<openvdb::FloatGrid>(mContext.phi),  // it is only read
@@ -81,7 +82,7 @@ class Surroundings {
       here[index] = static_cast<float>(
           (slope(mNormals[0], node, 0) + slope(mNormals[1], node, 1) + slope(mNormals[2], node, 2)) / 2);
     });
-    smooth(mLattice, here);  // the edges between triangles are no feature of the shape
+    smooth(mLattice, here);  // the edges between triangles are not features of the shape
     mCurvature.resize(mLattice.count());
     const double voxels = mLongest / mLattice.voxel;
     forEachNode([&](const Coord& node, std::size_t index) {
@@ -92,7 +93,7 @@ class Surroundings {
     return mCurvature;
   }
 
-  /// Shares of the target's longest side.
+  /// Thickness as fractions of the target's longest side.
   const Values& tau() {
     if (!mTau.empty()) return mTau;
     if (!mContext.tau) throw std::logic_error("an expression refers to tau, which nobody makes");
@@ -119,7 +120,7 @@ class Surroundings {
     });
   }
 
-  /// How fast @a values grow along an axis, for each longest side of the target: from the nodes on either side.
+  /// The derivative of @a values along an axis, per longest side of the target, by central differences.
   double slope(const Values& values, const Coord& node, int axis) const {
     Coord before = node, behind = node;
     before[axis] = std::max(node[axis] - 1, 0);
@@ -179,7 +180,7 @@ class ExpressionSource final : public ControlSource {
   }
 
  private:
-  /// None if it has another name than those of kVariables.
+  /// Empty if the name is not one of kVariables.
   static Variable variableOf(const std::string& name, const ControlLattice& lattice, const ControlContext& context,
                              Surroundings& surroundings) {
     const auto stored = [](const Values& values) -> Variable {
@@ -204,7 +205,7 @@ class ExpressionSource final : public ControlSource {
     };
   }
 
-  /// Of the names that are no variables, in their order.
+  /// The attributes for the names that are not variables, in their order.
   std::vector<Values> attributesOf(const ControlLattice& lattice, const ControlContext& context) const {
     std::vector<const VertexAttribute*> attributes;
     for (const std::string& name : mNames) {
@@ -214,7 +215,7 @@ class ExpressionSource final : public ControlSource {
           mesh && std::any_of(mesh->attributes.begin(), mesh->attributes.end(),
                               [&name](const VertexAttribute& attribute) { return attribute.name == name; });
       if (!isThere)
-        throw DataError("the expression '" + mExpression + "' of --" + mOption + " refers to '" + name +
+        throw DataError("the expression '" + mExpression + "' of --" + optionName(mOption) + " refers to '" + name +
                         "', which is neither a variable (" + kVariables + ") nor a vertex attribute of the target" +
                         (mesh ? " (it has " + attributeNames(*mesh) + ")" : ", which is a VDB"));
       attributes.push_back(&requireAttribute(*mesh, name, "the target's mesh"));
@@ -233,14 +234,14 @@ class ExpressionSource final : public ControlSource {
           for (std::size_t v = 0; v < variables.size(); ++v)
             where +=
                 (v == 0 ? " where " : ", ") + mNames[v] + " = " + numbersText({variables[v](Coord(x, y, z), index)});
-          throw DataError("the expression '" + mExpression + "' of --" + mOption + " is " +
+          throw DataError("the expression '" + mExpression + "' of --" + optionName(mOption) + " is " +
                           std::to_string(values[index]) + where +
                           "; it must have a finite value everywhere in the target's box and a tenth around it");
         }
   }
 
   std::string mExpression;
-  std::vector<std::string> mNames;  ///< that it refers to
+  std::vector<std::string> mNames;  ///< the names to which it refers
   std::string mOption;              ///< for errors
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The distance to another mesh: an object placed in the scene is the brush.
+// The distance to another mesh, so that an object placed in the scene acts as a brush.
 #include "base/smooth_step.h"
 #include "control/control_kinds.h"
 #include "control/control_lattice.h"
@@ -18,7 +18,7 @@ constexpr const char* kNearForm =
     "near:FILE:DISTANCE:NEAR:FAR, with a mesh whose path has no ':' in it, a distance above 0 as a share of the "
     "target's longest side, and two finite numbers, such as near:brush.obj:0.2:20:300";
 
-/// From @a near to @a far while the distance grows from 0 to @a reach: smooth, and constant on either side.
+/// Changes smoothly from @a near to @a far while the distance grows from 0 to @a reach; constant on either side.
 struct Falloff {
   double reach = 1;  ///< world units
   double near = 0, far = 0;
@@ -27,7 +27,7 @@ struct Falloff {
     const double t = std::clamp(distance / reach, 0.0, 1.0);
     return std::lerp(near, far, smoothStep(t));
   }
-  std::pair<double, double> over(std::pair<double, double> distances) const {  // it is monotonic
+  std::pair<double, double> over(std::pair<double, double> distances) const {  // the function is monotonic
     return std::minmax({(*this)(distances.first), (*this)(distances.second)});
   }
 };
@@ -48,7 +48,7 @@ class NearField final : public ControlField {
   Falloff mFalloff;
 };
 
-/// The places where the rows of a lattice's nodes pass through a surface.
+/// The points where the rows of a lattice's nodes pass through a surface.
 class RowCrossings {
  public:
   /// @param points  in the lattice's index space
@@ -60,7 +60,7 @@ class RowCrossings {
     for (std::vector<Crossing>& row : mRows) std::sort(row.begin(), row.end());
   }
 
-  /// Calls inside(node) for the nodes that the surface winds around.
+  /// Calls inside(node) for the nodes with a non-zero winding number.
   template <class Inside>
   void forEachInside(const Inside& inside) const {
     mLattice.forEachRow([&](int x, int y) {
@@ -75,14 +75,14 @@ class RowCrossings {
   }
 
  private:
-  using Crossing = std::pair<double, int>;  ///< z, and which way the surface faces there
+  using Crossing = std::pair<double, int>;  ///< z, and the direction in which the surface faces there
 
   std::size_t rowOf(int x, int y) const {
     return static_cast<std::size_t>(x) * static_cast<std::size_t>(mLattice.size[1]) + static_cast<std::size_t>(y);
   }
 
-  /// Whether p lies to the left of the line from a to b, seen along z. Of two triangles that share an edge exactly one
-  /// has a point on its side of it, for the sum is the same for both.
+  /// Whether p lies to the left of the line from a to b, seen along z. For two triangles that share an edge, exactly
+  /// one has the point on its side, because the sum is the same for both.
   static bool isLeft(const Vec3d& a, const Vec3d& b, double px, double py) {
     const bool isSorted = std::pair(a[0], a[1]) < std::pair(b[0], b[1]);
     const Vec3d &from = isSorted ? a : b, &to = isSorted ? b : a;
@@ -91,7 +91,7 @@ class RowCrossings {
   }
 
   void add(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-    // Rows beside the nodes', since meshes often have their points just there.
+    // Rows are shifted slightly from the nodes' rows, because meshes often have their points exactly there.
     constexpr double kBesideX = 1.234e-4, kBesideY = 2.345e-4;
     const auto firstOf = [](double low, double beside) {
       return static_cast<int>(std::ceil(std::clamp(low, 0., 1e6) - beside));  // no lattice is as wide

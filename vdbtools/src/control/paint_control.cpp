@@ -13,7 +13,7 @@ constexpr const char* kPaintForm =
     "paint:NAME[@FILE] or paint:NAME[@FILE]:LOW:HIGH, with a vertex attribute's name, a mesh whose path has no ':' in "
     "it, and two finite numbers, such as paint:red:20:300";
 
-/// From what 0 becomes to what 1 becomes.
+/// The values that 0 and 1 become.
 struct Scale {
   double low = 0, high = 1;
   double operator()(double value) const { return low + (high - low) * value; }
@@ -48,7 +48,7 @@ class PaintSource final : public ControlSource {
 
  private:
   std::string mName;
-  std::optional<NamedFile> mFile;  ///< of the mesh; none: the target's
+  std::optional<NamedFile> mFile;  ///< the file of the mesh; empty: the target's mesh
   std::optional<Scale> mScale;
   std::string mText;
 };

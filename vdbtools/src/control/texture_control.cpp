@@ -39,7 +39,8 @@ struct Picture1 {
     return values[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
   }
 
-  /// Bilinear between the middles of pixels. (0, 0) is the lower left corner of the picture, which repeats beyond 0..1.
+  /// Bilinear between the centres of pixels. (0, 0) is the lower left corner of the picture, which repeats outside
+  /// 0..1.
   double read(double u, double v) const {
     const auto within = [](double t) { return t < 0 || t > 1 ? t - std::floor(t) : t; };
     const double x = std::clamp(within(u) * width - 0.5, 0.0, width - 1.0);
@@ -60,7 +61,7 @@ Picture1 channelOf(const DecodedImage& image, ColourChannel channel, const Named
   picture.values.reserve(image.values.size() / channels);
   for (std::size_t i = 0; i < image.values.size(); i += channels) {
     const float* pixel = &image.values[i];
-    // A grey picture is the same in all three.
+    // A grey picture has the same value in all three.
     const float red = pixel[0], green = colours < 3 ? red : pixel[1], blue = colours < 3 ? red : pixel[2];
     switch (channel) {
       case ColourChannel::Red: picture.values.push_back(red); break;
@@ -75,11 +76,11 @@ Picture1 channelOf(const DecodedImage& image, ColourChannel channel, const Named
   return picture;
 }
 
-/// The mean over pixels of @a factor times the size, each pixel counted by its share.
+/// Scales the picture by @a factor; each new pixel is the mean of the old ones, weighted by their overlap.
 Picture1 reduced(const Picture1& picture, double factor) {
   const int width = std::max(1, static_cast<int>(std::lround(picture.width / factor)));
   const int height = std::max(1, static_cast<int>(std::lround(picture.height / factor)));
-  // Calls use(old, share) for the pixels of which the new one consists, along one axis.
+  // Calls use(old, share) along one axis for the old pixels of which the new one consists.
   const auto forEachPart = [](int at, int count, int old, const auto& use) {
     const double begin = static_cast<double>(at) * old / count, end = static_cast<double>(at + 1) * old / count;
     for (int i = static_cast<int>(begin); i < old && i < end; ++i)
@@ -103,7 +104,7 @@ Picture1 reduced(const Picture1& picture, double factor) {
   return result;
 }
 
-/// How many pixels of the picture there are on a voxel of the lattice, along each axis, in the mean over the mesh.
+/// The average number of the picture's pixels per voxel of the lattice along an axis, over the mesh.
 double pixelsPerVoxel(const Mesh& mesh, const Picture1& picture, double voxel) {
   double area = 0, pixels = 0;
   for (std::size_t n = 0; n < mesh.triangles.size(); ++n) {
@@ -135,7 +136,7 @@ class TextureSource final : public ControlSource {
     Picture1 picture = channelOf(readPicture(mFile.path), mChannel, mFile);
     requireUvs(mesh);
     const ControlLattice lattice = controlLattice(context);
-    // Finer detail than the lattice holds would come out as noise.
+    // Detail finer than the lattice would appear as noise.
     if (const double pixels = pixelsPerVoxel(mesh, picture, lattice.voxel); pixels > 1)
       picture = reduced(picture, pixels);
     SurfaceValues found = fromSurface(lattice, mesh, 1, [&](const SurfacePoint& point, double* value) {
@@ -154,7 +155,7 @@ class TextureSource final : public ControlSource {
  private:
   NamedFile mFile;
   ColourChannel mChannel;
-  double mLow, mHigh;  ///< what 0 and 1 become
+  double mLow, mHigh;  ///< the values that 0 and 1 become
   std::string mText;
 };
 

@@ -23,19 +23,19 @@ namespace {
 
 using openvdb::Vec3I;
 
-/// Degrees that a triangle's normal may turn by in one collapse: more would be a fold.
+/// The maximum rotation of a triangle's normal in one collapse, degrees: more would be a fold.
 constexpr float kFold = 75;
 
-/// The distance of a sample of the surface is held below this share of the bound, so that the surface between seldom
-/// exceeds the bound itself.
+/// The distance of samples of the surface is kept below this fraction of the bound, so that the surface between them
+/// seldom exceeds the bound itself.
 constexpr double kShareOfSamples = 0.6;
 
-/// After as many proofs that failed, the mesh stays as it was, which is certainly near itself.
+/// After this many failed proofs, the mesh is left unchanged, which trivially satisfies the bound.
 constexpr int kMostAttempts = 12;
 
-/// Lets an edge be collapsed only if a sample of the original surface stays near: its points, the middles of its edges
-/// and of its triangles. OpenMesh's own ModHausdorff looks at the points alone, but on a rough surface it is the edges
-/// between them that are lost first.
+/// Allows an edge to collapse only if a sample of the original surface stays near: its points, and the midpoints of its
+/// edges and of its triangles. OpenMesh's own ModHausdorff uses only the points, but on a rough surface the edges
+/// between them are lost first.
 template <class MeshT>
 // NOLINTNEXTLINE(cppcoreguidelines-virtual-class-destructor): it is virtual, which the base's being a template hides
 class ModSampleT : public OpenMesh::Decimater::ModBaseT<MeshT> {
@@ -79,7 +79,7 @@ class ModSampleT : public OpenMesh::Decimater::ModBaseT<MeshT> {
     return static_cast<float>(Base::LEGAL_COLLAPSE);
   }
 
-  /// Hands the samples on to the nearest triangles that are there now.
+  /// Assigns the samples to the nearest triangles of the new mesh.
   void postprocess_collapse(const CollapseInfo& collapse) override {
     mLoose.assign(1, vector(collapse.p0));
     const auto take = [&](typename Mesh::FaceHandle face) {
@@ -132,7 +132,7 @@ class ModSampleT : public OpenMesh::Decimater::ModBaseT<MeshT> {
   std::vector<Triangle> mTriangles;
 };
 
-/// Collapses all edges that may be. @param bound  1 in the units of @a mesh
+/// Collapses all edges that may be collapsed. @param bound  is 1 in the units of @a mesh
 AdaptedMesh collapsed(HalfedgeMesh mesh, const std::vector<bool>& keeps, double tolerance) {
   for (std::size_t i = 0; i < keeps.size(); ++i)
     if (keeps[i]) mesh.status(HalfedgeMesh::VertexHandle(static_cast<int>(i))).set_locked(true);
@@ -214,9 +214,10 @@ AdaptedMesh adaptedMesh(const Mesh& mesh, double bound, Monitor& monitor) {
   if (!(bound > 0) || !std::isfinite(bound))
     throw std::invalid_argument("a mesh is adapted within a bound of " + shortText(bound) +
                                 "; the bound must be positive");
-  monitor.begin("adapting", 0);
+  monitor.begin(PhaseKind::Adapting, 0);
   if (mesh.triangles.empty()) return unchanged(mesh);
-  // The bound is 1 from here on, as OpenMesh takes very small triangles for lines; and positions are from a point.
+  // The bound is 1 from here on, because OpenMesh treats very small triangles as lines; and positions are relative to a
+  // point.
   Mesh scaled{.points = {}, .triangles = mesh.triangles};
   scaled.points.reserve(mesh.points.size());
   for (const openvdb::Vec3d& point : mesh.points) scaled.points.push_back((point - mesh.points.front()) / bound);

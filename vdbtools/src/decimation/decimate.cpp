@@ -20,10 +20,10 @@ namespace {
 
 using Decimater = OpenMesh::Decimater::DecimaterT<HalfedgeMesh>;
 
-/// Longest edge over height; what boundary elements and the spreading of points take without complaint.
+/// The maximum ratio of longest edge to height that boundary elements and point spreading handle without problems.
 constexpr float kAspectRatio = 5;
 
-constexpr float kFoldOfCollapse = 60;  ///< degrees that a triangle's normal may turn by in one collapse
+constexpr float kFoldOfCollapse = 60;  ///< maximum rotation of a triangle's normal in one collapse, degrees
 
 void collapseShortEdges(HalfedgeMesh& mesh, double shortest) {
   Decimater decimater(mesh);
@@ -62,7 +62,7 @@ OpenMesh::Vec3d areaVector(const HalfedgeMesh& mesh, const std::array<HalfedgeMe
   return (mesh.point(t[1]) - mesh.point(t[0])) % (mesh.point(t[2]) - mesh.point(t[0]));
 }
 
-/// Longest edge over height.
+/// The ratio of longest edge to height.
 double aspectRatio(const HalfedgeMesh& mesh, const std::array<HalfedgeMesh::VertexHandle, 3>& t) {
   double longest = 0;
   for (std::size_t c = 0; c < 3; ++c)
@@ -70,9 +70,10 @@ double aspectRatio(const HalfedgeMesh& mesh, const std::array<HalfedgeMesh::Vert
   return longest / areaVector(mesh, t).norm();
 }
 
-/// Turns the edge between two triangles, one of which is flat, where that helps: no edge of such a one is short.
+/// Flips the edge between two triangles, one of which is flat, if that helps; such triangles have no short edge to
+/// collapse.
 void flipEdgesOfFlatTriangles(HalfedgeMesh& mesh) {
-  constexpr int kRounds = 3;  // a turn may make room for the next
+  constexpr int kRounds = 3;  // a flip may make room for the next
   const double leastCosine = elementary::cos(kFoldOfCollapse * std::numbers::pi / 180);
   for (int round = 0; round < kRounds; ++round)
     for (const auto edge : mesh.edges()) {

@@ -11,8 +11,8 @@
 namespace vdbtools {
 namespace {
 
-/// Keeps OpenMesh from printing errors for as long as it lives. They go to one stream for the whole program, so only
-/// one of these exists at a time.
+/// Keeps OpenMesh from printing errors while this object exists. They go to one stream for the whole program, so only
+/// one such object exists at a time.
 class QuietOpenMesh {
  public:
   QuietOpenMesh() : mLock(mutex()), mWasEnabled(omerr().is_enabled()) { omerr().disable(); }
@@ -34,7 +34,7 @@ class QuietOpenMesh {
 }  // namespace
 
 HalfedgeMesh toHalfedges(const Mesh& mesh) {
-  const QuietOpenMesh quiet;  // what it would print is thrown below
+  const QuietOpenMesh quiet;  // errors are thrown below instead
   HalfedgeMesh result;
   for (const openvdb::Vec3d& p : mesh.points) result.add_vertex({p[0], p[1], p[2]});
   for (const openvdb::Vec3I& t : mesh.triangles) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file halfedge_mesh.h
-/// The mesh that OpenMesh works on, with positions as doubles.
+/// The mesh type for OpenMesh, with positions as doubles.
 #pragma once
 
 #include "vdbtools/mesh/mesh.h"
@@ -15,7 +15,7 @@ struct DoubleTraits : OpenMesh::DefaultTraits {
 };
 using HalfedgeMesh = OpenMesh::TriMesh_ArrayKernelT<DoubleTraits>;
 
-/// Ready for decimation: with a status for all elements, and normals of the faces. Points keep their numbers.
+/// Prepares a mesh for decimation: all elements have a status, and faces have normals. Points keep their numbers.
 /// @throw DataError  an edge of more than two triangles, or of two that run the same way; a point where sheets touch
 HalfedgeMesh toHalfedges(const Mesh& mesh);
 

@@ -13,7 +13,7 @@ namespace {
 
 using Triangles = std::span<const openvdb::Vec3I>;
 
-/// Six times what a closed surface encloses; of others it says nothing.
+/// Six times the enclosed volume of a closed surface; meaningless for others.
 double volumeOf(std::span<const float> positions, Triangles triangles) {
   if (triangles.empty()) return 0;
   const auto point = [&](unsigned index) {
@@ -40,7 +40,7 @@ bool isClosed(Triangles triangles) {
   return edges == opposite;
 }
 
-/// Whether a solid has become flat, or nothing.
+/// Whether a solid has become flat, or has vanished.
 bool isFlattened(std::span<const float> positions, Triangles before, Triangles after) {
   constexpr double kFlat = 1e-6;
   return volumeOf(positions, after) <= kFlat * volumeOf(positions, before) && isClosed(before);
@@ -52,7 +52,7 @@ SimplifiedTriangles simplified(std::span<const float> positions, std::span<const
                                double share) {
   static_assert(std::is_same_v<openvdb::Vec3I::value_type, unsigned> && sizeof(openvdb::Vec3I) == 3 * sizeof(unsigned));
   constexpr std::size_t kStride = 3 * sizeof(float);
-  constexpr float kAnyError = 1;  // of the longest side: the share alone decides
+  constexpr float kAnyError = 1;  // relative to the longest side: only the share decides
   SimplifiedTriangles result;
   if (triangles.empty()) return result;
   const std::size_t points = positions.size() / 3, corners = 3 * triangles.size();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file simplify.h
-/// Levels of detail: fewer triangles over the same points, by edges that collapse in the order of their quadric error
-/// (Garland and Heckbert, "Surface simplification using quadric error metrics", 1997), as meshoptimizer does it.
+/// Levels of detail: fewer triangles over the same points, by collapsing edges in the order of their quadric error
+/// (Garland and Heckbert, "Surface simplification using quadric error metrics", 1997), with meshoptimizer.
 #pragma once
 
 #include <openvdb/Types.h>
@@ -17,9 +17,8 @@ struct SimplifiedTriangles {
 };
 
 /// @param positions  three floats for each point
-/// @param share      of the triangles that is wanted, 0 to 1. More remain where the topology allows no fewer; all
-/// remain
-///                   where a closed surface, such as a tetrahedron, would become flat or vanish
+/// @param share      the requested fraction of the triangles, 0 to 1. More remain if the topology does not allow fewer;
+///                   all remain if a closed surface, such as a tetrahedron, would become flat or vanish
 SimplifiedTriangles simplified(std::span<const float> positions, std::span<const openvdb::Vec3I> triangles,
                                double share);
 

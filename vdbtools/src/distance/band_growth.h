@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file band_growth.h
-/// How far extendBand() sweeps. What it makes of a target depends on this and on the target, so bands of different
-/// widths may be one.
+/// How far extendBand() sweeps. The result depends only on this and on the target, so requests for different widths may
+/// give the same band.
 #pragma once
 
 #include "vdbtools/distance/target.h"
@@ -11,21 +11,21 @@
 namespace vdbtools {
 
 struct BandGrowth {
-  int leaves = 0;  ///< layers of leaves that are added around those of the band
+  int leaves = 0;  ///< layers of leaves added around those of the band
   bool wholeInside = false;
 
   bool operator==(const BandGrowth&) const = default;
 };
 
-/// None if the band is as wide as extendBand() would make it. @throw as extendBand()
+/// Empty if the band is already as wide as extendBand() would make it. @throw as extendBand()
 std::optional<BandGrowth> bandGrowth(const Target& target, double exteriorWidth, double interiorWidth,
                                      Monitor& monitor);
 
-/// What extendBand() does if bandGrowth() is this.
+/// Does what extendBand() does for this result of bandGrowth().
 void growBand(Target& target, const BandGrowth& growth, Monitor& monitor);
 
-/// Where the distances inside end and the solid begins, whose nodes say no more than that they are inside.
-/// @return  the largest value of an active node that has an inactive negative neighbour; -inf: nowhere
+/// Finds where the known distances inside end and the solid begins, whose nodes are only known to be inside.
+/// @return the largest value of an active node with an inactive negative neighbour; -inf: there is none
 float solidBeginsAt(const openvdb::FloatGrid& phi, Monitor& monitor);
 
 }  // namespace vdbtools

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file cell_corners.h
-/// The values at the corners of the cells that begin in a leaf: its own, and the first layers of its neighbours behind.
+/// The values at the corners of the cells that begin in a leaf: those of the leaf, and of the first layers of its
+/// neighbours on the positive sides.
 #pragma once
 
 #include "vdbtools/base/grids.h"

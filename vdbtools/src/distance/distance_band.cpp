@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A band is filled from the top down: cubes of 64^3 nodes that it may reach, then ever smaller ones, until blocks of
-/// 8^3 are left, which become leaves. For signs, a narrow band is made first and flooded from outside.
+/// A band is filled top-down: from cubes of 64^3 nodes that it may reach through smaller and smaller cubes to blocks of
+/// 8^3, which become leaves. For signs, a narrow band is made first and flooded from outside.
 #include "distance/distance_band.h"
 
 #include "base/in_parallel.h"
@@ -35,15 +35,15 @@ constexpr int kBlock = BlockDistances::kSide;
 constexpr int kCube = 64;  ///< what a thread works on
 static_assert(Leaf::DIM == kBlock);
 
-/// Squared distances up to this are crossed by the surface, as far as a flood is concerned: half a voxel's diagonal.
+/// For the flood, the surface crosses nodes with squared distances up to this: half a voxel's diagonal.
 constexpr float kCrossed = 0.75F;
 
-/// Where signs are found out node by node: all neighbours of crossed nodes.
+/// The distance up to which signs are determined node by node: all neighbours of crossed nodes.
 constexpr float kNarrow = 2.6F;
 
 constexpr float kFar = 1e30F;
 
-/// Square voxels: a node is beside the surface only if more than a rounding says so.
+/// In square voxels: a node is beside the surface only if the distance exceeds rounding errors.
 constexpr double kOnePlane = 1e-6;
 
 double halfDiagonal(int side) { return 0.5 * (side - 1) * std::sqrt(3.0); }
@@ -55,7 +55,7 @@ Coord eighthOf(const Coord& origin, int side, int n) {
   return origin.offsetBy((n >> 2) * half, (n >> 1 & 1) * half, (n & 1) * half);
 }
 
-/// The distances at a block's nodes, and where they are asked for the nearest triangles.
+/// The distances at a block's nodes, and the nearest triangles if they are requested.
 struct Made {
   std::unique_ptr<Leaf> leaf;
   std::unique_ptr<TriangleLeaf> triangles;
@@ -66,7 +66,7 @@ class Band {
  public:
   /// Whether a cube of @a side nodes, which lies farther than kNarrow from the surface, belongs to the band.
   using Belongs = std::function<bool(const Coord& origin, int side, float least)>;
-  /// Fills a leaf, and says whether it belongs to the band.
+  /// Fills a leaf, and returns whether it belongs to the band.
   using Fill = std::function<bool(const BlockDistances& block, Leaf& leaf)>;
 
   Band(const TriangleTree& tree, float width, Belongs belongs, Fill fill, bool keepsTriangles = false)
@@ -77,7 +77,7 @@ class Band {
         mKeepsTriangles(keepsTriangles) {}
 
   /// The leaves, in an order that depends on the mesh alone.
-  std::vector<Made> make(std::string_view phase, Monitor& monitor) {
+  std::vector<Made> make(const Phase& phase, Monitor& monitor) {
     const std::vector<Coord> cubes = findCubes();
     std::vector<std::vector<Made>> parts(cubes.size());
     monitor.begin(phase, cubes.size());
@@ -106,7 +106,7 @@ class Band {
   std::vector<Coord> findCubes() const {
     const Coord low = Coord::floor(mTree.box().min() - Vec3d(mWidth)),
                 high = Coord::ceil(mTree.box().max() + Vec3d(mWidth));
-    // 64 bits, as the box may be as large as coordinates allow.
+    // 64 bits, because the box may be as large as coordinates allow.
     std::int64_t side = kCube;
     const auto cubesAlong = [&](int axis) { return (std::int64_t{high[axis]} - low[axis]) / side + 2; };
     while (std::max({cubesAlong(0), cubesAlong(1), cubesAlong(2)}) > 4) side *= 2;
@@ -159,10 +159,10 @@ FloatGrid::Ptr gridOf(std::vector<Made> all, float background) {
   return grid;
 }
 
-/// Where the mesh's outside is.
+/// The sides of the mesh.
 struct Sides {
   FloatTree sign;              ///< below 0 inside, above 0 outside, at every node
-  bool buriesSurface = false;  ///< triangles lie where there is no outside
+  bool buriesSurface = false;  ///< whether some triangles have no outside next to them
 };
 
 class SideFinder {
@@ -196,7 +196,7 @@ class SideFinder {
         /*keepsTriangles=*/true);
     openvdb::tree::ValueAccessor<FloatTree> squares(mSquares);
     openvdb::tree::ValueAccessor<openvdb::Int32Tree> triangles(mTriangles);
-    for (Made& made : band.make("sides", mMonitor)) {
+    for (Made& made : band.make(PhaseKind::Sides, mMonitor)) {
       squares.addLeaf(made.leaf.release());
       triangles.addLeaf(made.triangles.release());
     }
@@ -205,9 +205,9 @@ class SideFinder {
   using Squares = openvdb::tree::ValueAccessor<const FloatTree>;
   using Triangles = openvdb::tree::ValueAccessor<const openvdb::Int32Tree>;
 
-  /// Whether a crossed node is outside. If the surface passes between two nodes, their distances add up to no more than
-  /// the way between them. So a node is on the same side as a neighbour if they add up to more. Where this decides
-  /// nothing, the node is outside if it is on the outer side of the triangle that is nearest to an outer neighbour.
+  /// Whether a crossed node is outside. If the surface passes between two nodes, the sum of their distances is at most
+  /// the distance between them, so a node is on the same side as a neighbour if the sum is larger. If this does not
+  /// decide, the node is outside if it is on the outer side of the triangle that is nearest to an outer neighbour.
   bool isOutside(const Coord& node, float square, const Squares& squares, const Triangles& triangles) const {
     const float distance = std::sqrt(square);
     const std::vector<Vec3d>& points = mTree.localPoints();
@@ -276,9 +276,9 @@ class SideFinder {
   openvdb::Int32Tree mTriangles{0};
 };
 
-/// Whether a node near the position is outside.
+/// Whether some node near the position is outside.
 bool hasOutside(const openvdb::tree::ValueAccessor<const FloatTree>& sign, const Vec3d& position) {
-  // Narrow grooves are not resolved by the lattice; their walls stay as far as this.
+  // The lattice does not resolve narrow grooves; their walls are kept up to this distance.
   constexpr int kReach = 3;
   const Coord base = Coord::floor(position).offsetBy(1 - kReach);
   for (int x = 0; x < 2 * kReach; ++x)
@@ -288,7 +288,7 @@ bool hasOutside(const openvdb::tree::ValueAccessor<const FloatTree>& sign, const
   return false;
 }
 
-/// Whether some part of a triangle has an outside next to it, as seen at points a voxel apart.
+/// Whether some part of a triangle has an outside next to it, tested at points a voxel apart.
 bool boundsSomething(const openvdb::tree::ValueAccessor<const FloatTree>& sign, const Vec3d& a, const Vec3d& b,
                      const Vec3d& c) {
   constexpr double kMostSteps = 4096;
@@ -317,7 +317,7 @@ std::vector<Vec3I> boundingTriangles(const TriangleTree& tree, const Sides& side
 }
 
 /// Fills a leaf with the distances up to the band's widths, negative inside.
-/// @param isOutside  of a node of the leaf, by its number
+/// @param isOutside  takes the number of a node of the leaf
 /// @return whether any node belongs to the band
 template <class IsOutside>
 bool fillLeaf(const BlockDistances& block, float exterior, float interior, const IsOutside& isOutside, Leaf& leaf) {
@@ -334,12 +334,12 @@ bool fillLeaf(const BlockDistances& block, float exterior, float interior, const
 }
 
 FloatGrid::Ptr signedBand(const TriangleTree& tree, const FloatTree& sign, float exterior, float interior,
-                          std::string_view phase, Monitor& monitor) {
+                          const Phase& phase, Monitor& monitor) {
   const auto isOutside = [&](const Coord& node) { return sign.getValue(node) > 0; };
   Band band(
       tree, std::max(exterior, interior),
       [&](const Coord& origin, int side, float least) {
-        // So far from the surface, all its nodes lie on one side.
+        // This far from the surface, all nodes lie on one side.
         return least < (isOutside(origin + Coord(side / 2)) ? exterior : interior);
       },
       [&](const BlockDistances& block, Leaf& leaf) {
@@ -355,7 +355,7 @@ FloatGrid::Ptr signedBand(const TriangleTree& tree, const FloatTree& sign, float
 
 }  // namespace
 
-FloatGrid::Ptr unsignedDistances(const TriangleTree& tree, float width, std::string_view phase, Monitor& monitor) {
+FloatGrid::Ptr unsignedDistances(const TriangleTree& tree, float width, const Phase& phase, Monitor& monitor) {
   Band band(
       tree, width, [&](const Coord&, int, float least) { return least < width; },
       [&](const BlockDistances& block, Leaf& leaf) {
@@ -365,7 +365,7 @@ FloatGrid::Ptr unsignedDistances(const TriangleTree& tree, float width, std::str
   return gridOf(band.make(phase, monitor), width);
 }
 
-FloatGrid::Ptr signedDistances(const TriangleTree& tree, float exterior, float interior, std::string_view phase,
+FloatGrid::Ptr signedDistances(const TriangleTree& tree, float exterior, float interior, const Phase& phase,
                                Monitor& monitor, std::size_t* united) {
   const Sides sides = SideFinder(tree, monitor).find();
   if (united) {

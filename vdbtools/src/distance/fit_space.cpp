@@ -29,11 +29,11 @@ openvdb::BBoxd insideBox(const openvdb::FloatGrid& phi) {
   const openvdb::CoordBBox nodes = insideNodeBox(phi);
   openvdb::Vec3d low = nodes.min().asVec3d(), high = nodes.max().asVec3d();
   const auto accessor = phi.getConstAccessor();
-  // Outermost inside nodes only: how far beyond them does phi cross 0?
+  // Only for outermost inside nodes: find how far beyond them phi crosses 0.
   for (auto value = phi.tree().cbeginValueAll(); value; ++value) {
     if (!(*value < 0)) continue;
     const openvdb::CoordBBox box = value.getBoundingBox();
-    if (box.volume() > 1) continue;  // a tile lies deep inside; its extent was counted
+    if (box.volume() > 1) continue;  // a tile lies deep inside; its extent has been counted already
     const Coord node = box.min();
     for (int axis = 0; axis < 3; ++axis) {
       for (const int step : {-1, 1}) {

@@ -14,25 +14,25 @@ namespace {
 using openvdb::Vec3d;
 using openvdb::Vec3I;
 
-/// The triangulation takes the cube of the points: some 5 million areas for this many.
+/// The triangulation takes time cubic in the number of points: about 5 million areas for this many.
 constexpr std::size_t kMostSpannedAtOnce = 300;
 
-/// A part is a sheet if the surface that spans one of its loops has more than this share of its own area: 1/2 for half
-/// a sphere, 1 for a plane.
+/// A part is a sheet if the cap that spans one of its loops has more than this fraction of the part's own area: 1/2 for
+/// a hemisphere, 1 for a plane.
 constexpr double kSheet = 0.75;
 
-/// Two loops are sides of one gap if the way between them is shorter than this share of the loop's extent.
+/// Two loops are sides of one gap if the distance between them is shorter than this fraction of the loop's extent.
 constexpr double kNearby = 0.125;
 
 double areaOf(const Vec3d& a, const Vec3d& b, const Vec3d& c) { return (b - a).cross(c - a).length() / 2; }
 
-/// At most kMostSpannedAtOnce points.
+/// @pre at most kMostSpannedAtOnce points
 void spanPolygon(std::span<const std::uint32_t> ring, const std::vector<Vec3d>& points, std::vector<Vec3I>& triangles) {
   const std::size_t n = ring.size();
-  // least[i * n + j]: the smallest area that spans the points from i to j; best: over which of them.
+  // least[i * n + j]: the smallest area that spans the points from i to j; best: the third point of its triangle.
   std::vector<double> least(n * n, 0);
   std::vector<std::uint16_t> best(n * n, 0);
-  // Triangulations of a flat polygon have one area; the first is taken, whatever the rounding says.
+  // All triangulations of a flat polygon have the same area; the first is taken, regardless of rounding.
   constexpr double kBetter = 1 - 1e-9;
   for (std::size_t length = 2; length < n; ++length)
     for (std::size_t i = 0; i + length < n; ++i) {
@@ -177,7 +177,7 @@ std::vector<BoundaryLoop> boundaryLoops(const Mesh& welded) {
     at[edges[e].b].push_back(e);
   }
   std::vector<bool> used(edges.size(), false);
-  // The next edge from a point: one that the triangle has in this direction, if there is one.
+  // The next edge from a point, preferably one that its triangle has in this direction.
   const auto nextFrom = [&](std::uint32_t p) {
     std::optional<std::size_t> next;
     for (const std::size_t e : at[p]) {
@@ -191,7 +191,7 @@ std::vector<BoundaryLoop> boundaryLoops(const Mesh& welded) {
   for (std::size_t first = 0; first < edges.size(); ++first) {
     if (used[first]) continue;
     std::vector<std::uint32_t> path{edges[first].a};
-    std::vector<int> forward;  // of the path's edges: 1, or -1 where the triangle has it the other way round
+    std::vector<int> forward;  // for each edge of the path: 1, or -1 if the triangle has it reversed
     std::map<std::uint32_t, std::size_t> place{{path.front(), 0}};
     for (std::optional<std::size_t> e = nextFrom(path.back()); e; e = nextFrom(path.back())) {
       used[*e] = true;
@@ -219,14 +219,14 @@ std::vector<BoundaryLoop> boundaryLoops(const Mesh& welded) {
 }
 
 void spanLoop(std::span<const std::uint32_t> loop, const std::vector<Vec3d>& points, std::vector<Vec3I>& triangles) {
-  // A neighbour has an edge the other way round.
+  // A neighbour has the edge in the opposite direction.
   const std::vector<std::uint32_t> ring(loop.rbegin(), loop.rend());
   spanRing(ring, points, triangles);
 }
 
-CappedMesh capHoles(Mesh welded, bool gapsToo) {
+HoleCappedMesh capHoles(Mesh welded, bool gapsToo) {
   Outline outline(welded);
-  CappedMesh result{.sheetsOnly = outline.sheetsOnly()};
+  HoleCappedMesh result{.sheetsOnly = outline.sheetsOnly()};
   std::vector<std::uint32_t> openPoints, loopOf(welded.points.size(), ~std::uint32_t{0});
   for (std::size_t l = 0; l < outline.loops.size(); ++l)
     for (const std::uint32_t p : outline.loops[l]) {
@@ -250,7 +250,7 @@ CappedMesh capHoles(Mesh welded, bool gapsToo) {
 
 Mesh capInnerLoops(Mesh welded) {
   Outline outline(welded);
-  std::map<std::uint32_t, std::size_t> longest;  // of the loops of a part
+  std::map<std::uint32_t, std::size_t> longest;  // loop of each part
   const auto length = [&](std::size_t l) {
     const BoundaryLoop& loop = outline.loops[l];
     double sum = 0;

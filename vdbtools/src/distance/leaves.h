@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file leaves.h
-/// The leaves of a tree, and work on each of them in threads.
+/// The leaves of a tree, and parallel loops over them.
 #pragma once
 
 #include "base/in_parallel.h"
@@ -19,7 +19,7 @@ inline std::vector<const openvdb::FloatTree::LeafNodeType*> leavesOf(const openv
   return leaves;
 }
 
-/// Runs body(i) for every i below count, in threads, and advances the monitor by as much.
+/// Runs body(i) for every i below count, in threads, and advances the monitor by count.
 /// @throw Interrupted
 template <class Body>
 void forEachLeaf(std::size_t count, Monitor& monitor, const Body& body) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file level_surface.h
-/// The surface on which a sampled field has a value.
+/// An isosurface of a sampled field.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -14,7 +14,7 @@ struct LevelSurface {
   std::vector<openvdb::Vec3I> triangles;
 };
 
-/// By openvdb::tools::volumeToMesh. Points are in single precision, so the grid is best about the origin.
+/// Uses openvdb::tools::volumeToMesh. Points are in single precision, so the grid should lie around the origin.
 LevelSurface levelSurface(const openvdb::FloatGrid& grid, double isovalue);
 
 }  // namespace vdbtools

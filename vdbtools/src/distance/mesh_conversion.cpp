@@ -27,20 +27,20 @@ namespace {
 using openvdb::FloatGrid;
 using openvdb::Vec3d;
 
-/// Coordinates are 32-bit; half of their range leaves room for the bands, and for differences of two of them.
+/// Coordinates are 32-bit; half of their range leaves room for the bands, and for differences between two coordinates.
 constexpr double kLargestIndex = 1073741824.0;
 
 constexpr double kMostNodes = 2147483648.0;
 
-/// What the conversion takes at the least, from runs with many shapes and widths: of finding the sides, bytes for each
-/// voxel's face of area; of the band, bytes for each node, which are those of a float.
+/// The minimum memory of the conversion, measured for many shapes and widths: to find the sides, bytes per voxel face
+/// of area; for the band, bytes per node, which are those of a float.
 constexpr double kBytesForArea = 100, kBytesForNode = 4;
 
-/// Voxels beyond the bands asked for.
+/// Voxels beyond the requested bands.
 constexpr double kWorkingBand = 2;
 
-/// A finite stand-in for 'the whole inside': no point of the inside is farther from the surface than half the shortest
-/// side of the box.
+/// A finite substitute for 'the whole inside': no point of the inside is farther from the surface than half the
+/// shortest side of the box.
 double finiteInteriorBand(const openvdb::BBoxd& indexBox, double interiorBandWidth) {
   if (std::isfinite(interiorBandWidth)) return interiorBandWidth;
   const Vec3d sides = indexBox.extents();
@@ -94,7 +94,7 @@ void checkOptions(const MeshReport& report, const MeshToSdfOptions& options) {
                                   "the mesh nearer to the origin");
     }
   }
-  // A band is as large as the area times its width, but no larger than the box about it.
+  // A band is as large as the area times its width, but no larger than the bounding box.
   const double area = report.area / (h * h);
   const double exterior = options.exteriorBandWidth + kWorkingBand;
   const double interior = finiteInteriorBand(box, options.interiorBandWidth) + kWorkingBand;
@@ -130,13 +130,13 @@ FloatGrid::Ptr convert(const std::vector<Vec3d>& points, const std::vector<openv
   const TriangleTree tree(points, triangles);
   return toWorld(signedDistances(tree, static_cast<float>(options.exteriorBandWidth),
                                  static_cast<float>(finiteInteriorBand(tree.box(), options.interiorBandWidth)),
-                                 "distance field", monitor, united),
+                                 PhaseKind::DistanceField, monitor, united),
                  options.voxelSize);
 }
 
 FloatGrid::Ptr narrowed(const FloatGrid::Ptr& band, const MeshToSdfOptions& options) {
   using Leaf = openvdb::FloatTree::LeafNodeType;
-  // As the distances and the tiles of a band are scaled.
+  // Scales as the distances and the tiles of a band are scaled.
   const auto scale = static_cast<float>(options.voxelSize);
   const float exterior = static_cast<float>(options.exteriorBandWidth) * scale;
   const float interior = std::isfinite(options.interiorBandWidth)
@@ -184,7 +184,7 @@ FloatGrid::Ptr narrowed(const FloatGrid::Ptr& band, const MeshToSdfOptions& opti
   FloatGrid::Ptr grid = FloatGrid::create(exterior);
   grid->setName(band->getName());
   grid->setGridClass(band->getGridClass());
-  grid->setTransform(band->transformPtr());  // the copy of a transform is another one by a rounding
+  grid->setTransform(band->transformPtr());  // the copy of a transform differs by rounding
   openvdb::tree::ValueAccessor<openvdb::FloatTree> accessor(grid->tree());
   for (std::unique_ptr<Leaf>& leaf : narrow)
     if (leaf) accessor.addLeaf(leaf.release());

@@ -13,21 +13,20 @@
 namespace vdbtools {
 namespace {
 
-/// Enough to know a share to half a per cent.
+/// Enough to measure a fraction to half a per cent.
 constexpr std::size_t kSamples = 20000;
 
-/// Of an open mesh, this share may bound nothing: an eyelash on a head. More is a leak.
+/// This fraction of an open mesh may bound nothing, e.g. an eyelash on a head. More is a leak.
 constexpr double kMostLostOpen = 0.05;
 
-/// A closed mesh cannot leak, but may be thinner than a voxel in places: that is what a coarse grid is. Not in most
-/// places.
+/// A closed mesh cannot leak, but it may be thinner than a voxel in places, because the grid is coarse. It must not be
+/// so in most places.
 constexpr double kMostLostClosed = 0.5;
 
-/// A part that is covered by several closed surfaces counts as often in the mesh's own volume, and only once in the
-/// grid.
+/// A part that several closed surfaces cover counts several times in the mesh's own volume, but only once in the grid.
 constexpr double kMostCover = 4;
 
-/// A sheet on the lattice's own nodes is inside by rounding. What is inside lies this deep somewhere, in voxels.
+/// A sheet on the lattice's own nodes is inside by rounding. A real inside is at least this deep somewhere, in voxels.
 constexpr double kLeastDepth = 0.01;
 
 double deepest(const openvdb::FloatGrid& grid) {
@@ -42,12 +41,12 @@ std::string percent(double share) {
   return text;
 }
 
-/// Throws where @a grid is not the mesh's distance field.
+/// Throws if @a grid is not the mesh's distance field.
 ///
 /// Volumes: each node stands for h^3. A cell of that volume can be counted wrongly only if the surface crosses it, so
-/// all its points lie within sqrt(3) h of the surface, half of them on the wrong side: the volume of the nodes inside
-/// differs from the mesh's by no more than sqrt(3) h times the area (and the h^2, h^3 terms of Steiner's formula, which
-/// matter where the curvature exceeds 1/h: there the feature is thinner than a voxel and may vanish altogether).
+/// all its points lie within sqrt(3) h of the surface, half of them on the wrong side. Hence the volume of the nodes
+/// inside differs from the mesh's by at most sqrt(3) h times the area (and the h^2, h^3 terms of Steiner's formula,
+/// which matter where the curvature exceeds 1/h: there the feature is thinner than a voxel and may vanish altogether).
 void requireDistances(const openvdb::FloatGrid& grid, const Mesh& mesh, const std::vector<openvdb::Vec3d>& indexPoints,
                       const MeshReport& report) {
   const double h = grid.voxelSize()[0];
@@ -84,7 +83,7 @@ openvdb::FloatGrid::Ptr meshToSdf(const Mesh& mesh, const MeshToSdfOptions& opti
   std::size_t parts = 0;
   openvdb::FloatGrid::Ptr grid = convert(points, mesh.triangles, options, monitor, &parts);
   if (united) *united = parts;
-  // Points that are doubled along seams of texture or normals, or in a soup, open no hole.
+  // Points that are duplicated along seams of texture or normals, or in a soup, do not open a hole.
   if (!report.closed()) report = reportMesh(weldMesh(mesh));
   requireDistances(*grid, mesh, points, report);
   monitor.throwIfCancelled();

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Three steps: find the parts; cut each triangle along the segments in which others meet it, so that every piece lies
-/// wholly within a part or wholly outside of it; and ask one point of each piece, or of each patch of triangles that
-/// nothing cuts, on which of its two sides there is an outside. Pieces need not fit together, since only distances to
-/// them are wanted, and so nothing here depends on exact arithmetic: a rounding makes a gap of its own size.
+/// The algorithm has three steps. It finds the parts; it cuts each triangle along the segments in which others meet it,
+/// so that every piece lies entirely inside or entirely outside a part; and it tests at one point of each piece, or of
+/// each patch of uncut triangles, on which of its two sides there is an outside. Pieces need not fit together, because
+/// only distances to them are needed. Therefore nothing here depends on exact arithmetic: a rounding error makes a gap
+/// of its own size.
 #include "distance/outer_surface.h"
 
 #include "base/disjoint_sets.h"
@@ -27,23 +28,23 @@ using openvdb::Vec2d;
 using openvdb::Vec3d;
 using openvdb::Vec3I;
 
-/// Voxels. Coordinates that a file holds as floats are off by more than doubles round: 2e-6 for 50 voxels about the
+/// In voxels. Coordinates that a file stores as floats have larger errors than doubles: 2e-6 for 50 voxels about the
 /// origin.
 constexpr double kTouch = 1e-5;
 
 constexpr std::uint32_t kNone = 0xffffffff;
 
-/// How a part says what is inside.
+/// How a part determines what is inside.
 enum class Closure : std::uint8_t { Open, Parity, Winding };
 
 /// Whether a triangle has an outside next to it.
 enum class Fate : std::uint8_t { Kept, Buried, Sliver, Cut, Touched, Whole };
 
 struct Parts {
-  std::vector<std::uint32_t> of;       ///< each triangle
+  std::vector<std::uint32_t> of;       ///< the part of each triangle
   std::vector<Closure> closure;        ///< of each part
   std::vector<BBoxd> box;              ///< of each part
-  std::vector<std::uint32_t> partner;  ///< three to a triangle: the one beyond an edge, where there is one other
+  std::vector<std::uint32_t> partner;  ///< three per triangle: the triangle beyond each edge, if there is exactly one
 };
 
 /// One use of an edge by a triangle.
@@ -133,7 +134,7 @@ using Polygon = std::vector<Vec2d>;  ///< convex, counter-clockwise
 
 double cross(const Vec2d& a, const Vec2d& b) { return a[0] * b[1] - a[1] * b[0]; }
 
-/// A triangle's plane, and places on it.
+/// A triangle's plane, and positions in it.
 class Plane {
  public:
   /// @pre not a sliver
@@ -154,7 +155,7 @@ class Plane {
   Vec3d mOrigin, mFirst, mSecond, mNormal;
 };
 
-/// What is left of a segment where it is at least @a inset within the polygon's edges; from = to: nothing.
+/// The part of a segment that is at least @a inset within the polygon's edges; from = to: none.
 Segment clipped(const Segment& segment, const Polygon& polygon, double inset) {
   double from = 0, to = 1;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -173,7 +174,7 @@ Segment clipped(const Segment& segment, const Polygon& polygon, double inset) {
 
 bool isLong(const Segment& segment) { return (segment.to - segment.from).length() > kTouch; }
 
-/// Twice the area over the diameter, about the width.
+/// Whether a polygon is a sliver, by twice its area over its diameter, which is approximately its width.
 bool isSliver(const Polygon& polygon) {
   double area = 0, squared = 0;
   for (std::size_t i = 1; i + 1 < polygon.size(); ++i)
@@ -183,7 +184,7 @@ bool isSliver(const Polygon& polygon) {
   return !(area > kTouch * std::sqrt(squared));
 }
 
-/// The two parts of a polygon beside a line; either may be empty.
+/// The two parts of a polygon on either side of a line; one may be empty.
 std::pair<Polygon, Polygon> halves(const Polygon& polygon, const Vec2d& on, const Vec2d& along) {
   std::pair<Polygon, Polygon> result;
   const auto side = [&](const Vec2d& p) {
@@ -205,7 +206,7 @@ std::pair<Polygon, Polygon> halves(const Polygon& polygon, const Vec2d& on, cons
 
 /// Cuts a polygon until no segment passes through the pieces.
 void cut(const Polygon& polygon, const std::vector<Segment>& segments, int depth, std::vector<Polygon>& pieces) {
-  // Many segments are shared out by halving the polygon first; segments cut it one by one then.
+  // If there are many segments, halving the polygon first distributes them; then segments cut it one by one.
   constexpr std::size_t kFew = 24;
   constexpr int kMostHalvings = 40, kMostDepth = 4000;
   if (polygon.size() < 3 || isSliver(polygon)) return;
@@ -250,7 +251,7 @@ class Union {
         mBuries(mParts.closure.size()) {}
 
   void find() {
-    mMonitor.begin("sides of parts", 2 * mTriangles.size());
+    mMonitor.begin({PhaseKind::Sides, "of parts"}, 2 * mTriangles.size());
     inParallel(mTriangles.size(), 64, mMonitor, [&](std::size_t begin, std::size_t end) {
       for (std::size_t t = begin; t < end; ++t) cutTriangle(static_cast<std::uint32_t>(t));
       mMonitor.advance(end - begin);
@@ -283,7 +284,8 @@ class Union {
   const Vec3d& corner(std::uint32_t triangle, int c) const { return mPoints[mTriangles[triangle][c]]; }
   Plane planeOf(std::uint32_t t) const { return {corner(t, 0), corner(t, 1), corner(t, 2)}; }
 
-  /// Where another triangle meets the plane of a triangle: no segment, one, or the three edges of one that lies in it.
+  /// The intersection of another triangle with the plane of a triangle: no segment, one, or three edges if it lies in
+  /// the plane.
   void addSegments(const Plane& plane, const Vec3I& own, const Vec3I& other, std::vector<Segment>& segments) const {
     double heights[3];
     int above = 0, below = 0;
@@ -357,8 +359,8 @@ class Union {
     if (mFate[t] == Fate::Cut) mPieces[t] = std::move(kept);
   }
 
-  /// Triangles that nothing cuts or touches have the fate of their neighbours: one of a patch is asked, and two more,
-  /// lest a rounding decides over all of it.
+  /// Triangles that nothing cuts or touches have the fate of their neighbours: three triangles of each patch are
+  /// tested, so that a single rounding error does not decide over all of it.
   void decideWholeOnes() {
     const auto count = static_cast<std::uint32_t>(mTriangles.size());
     DisjointSets<std::uint32_t> patches(count);
@@ -389,7 +391,7 @@ class Union {
     });
   }
 
-  /// How a ray from a point of a triangle leaves a part: what lies beyond the point, and what lies at it.
+  /// How a ray from a point of a triangle leaves a part: the crossings beyond the point, and those at it.
   struct Passed {
     std::uint32_t part = 0;
     int beyond = 0, here = 0;            ///< winding
@@ -398,7 +400,7 @@ class Union {
 
   /// Whether there is an outside on one of the sides of a triangle at a point of it.
   bool hasOutside(std::uint32_t t, const Vec3d& normal, const Vec3d& point) {
-    // Directions of no lattice, so that meshes made by programs have no edge along them.
+    // Directions of no lattice, because meshes made by programs often have edges along lattice directions.
     static const Vec3d kDirections[] = {{1, 0.37139, 0.21131},   {0.23417, 1, 0.35813},  {0.36121, 0.19777, 1},
                                         {1, -0.33971, 0.24359},  {-0.21713, 1, 0.34651}, {0.37957, -0.22369, 1},
                                         {1, -0.61871, -0.58237}, {0.57193, 1, -0.63127}, {-0.59771, 0.60913, 1},
@@ -439,8 +441,8 @@ class Union {
     mBoxes.along(point, direction, kSlack, [&](std::uint32_t other) {
       const std::uint32_t part = mParts.of[other];
       if (part == kNone || mParts.closure[part] == Closure::Open) return;
-      // Seen along the ray. An edge has the same bits in each of its triangles, so that the ray passes on one side of
-      // it.
+      // Projected along the ray. An edge has the same bits in each of its triangles, so the ray passes on one side of
+      // it consistently.
       const Vec3I& corners = mTriangles[other];
       Vec3d at[3];
       for (int c = 0; c < 3; ++c) {
@@ -489,7 +491,7 @@ class Union {
   Monitor& mMonitor;
   const TriangleBoxes mBoxes;
   std::vector<Fate> mFate;
-  std::vector<std::vector<Polygon>> mPieces;  ///< of those with Fate::Cut
+  std::vector<std::vector<Polygon>> mPieces;  ///< of triangles with Fate::Cut
   std::vector<std::atomic<bool>> mBuries;     ///< parts that lie in others or have others in them
 };
 

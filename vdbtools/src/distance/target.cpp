@@ -49,8 +49,8 @@ void requireFiniteValues(const FloatGrid& phi) {
     if (!std::isfinite(*tile)) refuse(tile.getCoord());
 }
 
-/// The largest value of an active node of the leaf, or beside its active nodes, that has an inactive negative face
-/// neighbour; -inf: there is none.
+/// The largest value among the leaf's active nodes, and those next to them, that have an inactive negative face
+/// neighbour; -inf if there is none.
 float solidBeginsIn(const CellCorners& corners) {
   constexpr unsigned kSide = CellCorners::kSide;
   float most = -std::numeric_limits<float>::infinity();
@@ -73,7 +73,7 @@ float solidBeginsIn(const CellCorners& corners) {
   return most;
 }
 
-/// Whether the leaf and its three neighbours behind it hold active nodes only.
+/// Whether the leaf and its three neighbours on the positive sides contain only active nodes.
 bool isDenseThere(const Leaf& leaf, const Accessor& accessor) {
   if (!leaf.isDense()) return false;
   for (int axis = 0; axis < 3; ++axis) {
@@ -85,9 +85,9 @@ bool isDenseThere(const Leaf& leaf, const Accessor& accessor) {
   return true;
 }
 
-/// The leaves that hold nodes of the band, of the whole inside where this is asked for, and layers of leaves around.
+/// The leaves that hold nodes of the band and, if requested, of the whole inside, plus layers of leaves around them.
 openvdb::MaskGrid::Ptr sweepingMask(const FloatGrid& phi, const BandGrowth& growth) {
-  // One voxel a leaf.
+  // One voxel per leaf.
   openvdb::MaskTree coarse;
   for (auto leaf = phi.tree().cbeginLeaf(); leaf; ++leaf)
     if (!leaf->isEmpty() || growth.wholeInside) coarse.setValueOn(leaf->origin() >> Leaf::LOG2DIM);
@@ -121,7 +121,7 @@ float solidBeginsAt(const FloatGrid& grid, Monitor& monitor) {
   forEachLeaf(leaves.size(), monitor, [&](std::size_t i) {
     const Accessor accessor(grid.tree());
     float& most = begins.local();
-    // A solid tile before the leaf has no pairs of its own.
+    // A solid tile before the leaf is not visited by itself.
     for (int axis = 0; axis < 3; ++axis) {
       Coord before = leaves[i]->origin();
       --before[axis];
@@ -147,7 +147,8 @@ Target makeTarget(FloatGrid::Ptr phi, std::optional<openvdb::BBoxd> box) {
                     "' is neither dense nor a narrow band: its background is " + shortText(phi->background()) +
                     " and must be positive, the outside");
   }
-  // What has no inside is refused before its tiles take memory as voxels. Without tiles, insideBox() sees it below.
+  // A field without an inside is refused before its tiles take memory as voxels. Without tiles, insideBox() detects it
+  // below.
   if (!box && phi->tree().activeTileCount() > 0) insideNodeBox(*phi);
   voxelizeActiveTiles(*phi);
   target.box = box ? *box : insideBox(*phi);
@@ -172,12 +173,12 @@ std::optional<BandGrowth> bandGrowth(const Target& target, double exteriorWidth,
   const double layers =
       std::ceil(std::max(widen ? (wanted - phi->background()) / voxel : 0.0,
                          deepen && std::isfinite(interiorWidth) ? (wantedInside - known) / voxel : 0.0));
-  // Not even a ball with a band of so many voxels would fit into a memory.
+  // A band of this many voxels would not fit into memory even for a ball.
   constexpr double kMostLayers = 8192;
   if (!(layers <= kMostLayers))
     throw DataError("the narrow band of '" + phi->getName() + "' would have to be " + std::to_string(layers) +
                     " voxels wider; that is too much for voxels so small beside the whole");
-  // A little more rather than less.
+  // Rounded up.
   constexpr int kSide = Leaf::DIM;
   return BandGrowth{.leaves = (static_cast<int>(layers) + kSide - 1) / kSide,
                     .wholeInside = deepen && !std::isfinite(interiorWidth)};
@@ -185,11 +186,11 @@ std::optional<BandGrowth> bandGrowth(const Target& target, double exteriorWidth,
 
 void growBand(Target& target, const BandGrowth& growth, Monitor& monitor) {
   const FloatGrid::Ptr phi = target.phi;
-  monitor.begin("widening the band", 0);
-  // Distances about one surface need no second round of the eight directions.
+  monitor.begin(PhaseKind::WideningTheBand, 0);
+  // For distances to one surface, one round of the eight directions suffices.
   constexpr int kSweeps = 1;
   target.phi = extendSdf(*phi, *sweepingMask(*phi, growth), kSweeps);
-  // Sweeping touches the outermost of the values that it starts from; what was read stays what it was.
+  // Sweeping changes the outermost of its initial values; the original values are restored.
   auto accessor = target.phi->getAccessor();
   for (auto value = phi->cbeginValueOn(); value; ++value) accessor.setValue(value.getCoord(), *value);
   monitor.throwIfCancelled();

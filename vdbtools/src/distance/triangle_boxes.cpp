@@ -50,7 +50,7 @@ void TriangleBoxes::arrange(std::size_t node, std::size_t firstLeaf, std::size_t
   }
   const auto axis = static_cast<int>(middles.maxExtent());
   const auto half = mOrder.begin() + static_cast<std::ptrdiff_t>(firstOf(firstLeaf + leaves / 2));
-  // Equal ones by their numbers, so that the order does not depend on the library.
+  // Ties are broken by number, so that the order does not depend on the library.
   if (half != end)
     std::nth_element(begin, half, end, [&](std::uint32_t a, std::uint32_t b) {
       const double x = twiceMiddle(a, axis), y = twiceMiddle(b, axis);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file triangle_boxes.h
-/// Which triangles of a mesh may meet a box or a ray.
+/// Finds the triangles of a mesh that may meet a box or a ray.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -15,18 +15,18 @@ namespace vdbtools {
 /// A balanced binary tree of boxes. Node i has the children 2 i and 2 i + 1; the last half of the nodes are leaves.
 class TriangleBoxes {
  public:
-  /// Both are kept by reference.
+  /// Keeps references to both arguments.
   TriangleBoxes(const std::vector<openvdb::Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles);
   TriangleBoxes(const TriangleBoxes&) = delete;
   TriangleBoxes& operator=(const TriangleBoxes&) = delete;
 
-  /// Calls visit(triangle) for each triangle whose own box meets @a box; both contain their faces.
+  /// Calls visit(triangle) for each triangle whose bounding box meets @a box; the boxes include their faces.
   template <class Visit>
   void meeting(const openvdb::BBoxd& box, const Visit& visit) const {
     walk([&](const openvdb::BBoxd& node) { return node.hasOverlap(box); }, visit);
   }
 
-  /// Calls visit(triangle) for triangles near a ray: all those that it meets, give or take @a slack, and others.
+  /// Calls visit(triangle) for all triangles that a ray meets, within @a slack, and possibly others nearby.
   /// @param direction  no component is 0
   template <class Visit>
   void along(const openvdb::Vec3d& start, const openvdb::Vec3d& direction, double slack, const Visit& visit) const {

@@ -22,10 +22,10 @@ using openvdb::FloatGrid;
 using openvdb::FloatTree;
 using openvdb::Vec3d;
 
-constexpr int kGain = 8;  ///< voxels that each level adds to its band: more are more exact, and slower
+constexpr int kGain = 8;  ///< voxels that each level adds to its band; more are more accurate, and slower
 
-/// Whether the level has every node that a point of the box is read from. False too for boxes of many voxels: a coarser
-/// level knows those.
+/// Whether the level has every node that is needed to read any point of the box. Returns false also for boxes of many
+/// voxels, which a coarser level covers.
 bool knowsAll(const FloatGrid& level, const BBoxd& box) {
   constexpr double kMost = 64;  // voxels along an axis
   const BBoxd region = level.transform().worldToIndex(box);
@@ -49,11 +49,12 @@ FloatGrid::Ptr coarserBand(const FloatGrid& fine, int gain) {
     if (((node[0] | node[1] | node[2]) & 1) == 0) accessor.setValue(node >> 1, *value);
   }
   openvdb::tools::signedFloodFill(kept->tree());
-  // What OpenVDB's dilateSdf() does, but that cannot finish where no node is inside: thin parts lie between the nodes.
+  // Equivalent to OpenVDB's dilateSdf(), which cannot handle a field without nodes inside: thin parts lie between the
+  // nodes.
   bool anyInside = false;
   for (auto value = kept->cbeginValueOn(); value; ++value) anyInside |= *value < 0;
   FloatGrid::Ptr wide = dilateSdf(*kept, gain, anyInside);
-  // Sweeping touches the outermost of the values that it starts from; what was known stays what it was.
+  // Sweeping changes the outermost of its initial values; the known values are restored.
   auto known = wide->getAccessor();
   for (auto value = kept->cbeginValueOn(); value; ++value) known.setValue(value.getCoord(), *value);
   return wide;

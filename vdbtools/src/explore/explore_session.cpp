@@ -15,6 +15,7 @@
 #include "vdbtools/farm/frame_plan.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
+#include "vdbtools/recipe/option_name.h"
 #include "vdbtools/records/recorded_files.h"
 #include "vdbtools/scene/voxel_advice.h"
 #include "vdbtools/surface/grid_mesh.h"
@@ -139,7 +140,7 @@ farm::KeyedOption keyedOption(const std::string& name, const std::map<int, const
   for (const auto& [frame, recipe] : recipes) {
     const auto entry = recipe->find(name);
     if (entry == recipe->end())
-      throw std::invalid_argument("the look of frame " + std::to_string(frame) + " has no --" + name +
+      throw std::invalid_argument("the look of frame " + std::to_string(frame) + " has no --" + optionName(name) +
                                   ", which those of other keys have; give it to all of them or to none");
     keys.push_back(name + '@' + std::to_string(frame) + '=' + entry->second);
   }
@@ -318,7 +319,7 @@ std::string ExploreSession::picture(const json& body, Monitor& monitor) {
   if (picture.colour && picture.colour->picture) mAccess.require(*picture.colour->picture);
   if (flagOf(body, "mesh")) {
     Look look = lookToMake(body);
-    if (picturesDiffer(look.options)) look.options.picture = false;
+    look.options.picture = false;
     return pictureOfMesh(sceneOf(look, SceneStore::Turn::Waits, monitor)->scene(), picture, monitor);
   }
   return sceneOf(lookOf(body), SceneStore::Turn::Waits, monitor)->picture(picture, monitor);

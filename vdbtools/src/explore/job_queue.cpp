@@ -41,10 +41,10 @@ class JobQueue::Job final : public Monitor {
   Job(int number, const JobRequest& request, std::unique_ptr<WorkShare> share)
       : mStatus{.number = number, .request = request}, mShare(std::move(share)) {}
 
-  void begin(std::string_view phase, std::uint64_t total) override {
+  void begin(const Phase& phase, std::uint64_t total) override {
     throwIfCancelled();
     const std::lock_guard lock(mMutex);
-    mStatus.phase = phase;
+    mStatus.phase = phase.text();
     mTotal = total;
     mDone = 0;
     if (mShare) mShare->begin(phase);

@@ -73,9 +73,9 @@ json stopsOf(const Gradient& gradient) {
 /// The distances on a lattice over the target and what lies around it up to @a around; all in fractal space.
 json distanceData(const Scene& scene, const DepthColouring& depth, double around, Monitor& monitor) {
   constexpr int kSide = 64;
-  const FractalSpace& space = scene.space;
-  openvdb::BBoxd box(Vec3d(space.toFractal(scene.target->box.min()).data()),
-                     Vec3d(space.toFractal(scene.target->box.max()).data()));
+  const FractalSpace& space = scene.field.space;
+  openvdb::BBoxd box(Vec3d(space.toFractal(scene.target->distances.box.min()).data()),
+                     Vec3d(space.toFractal(scene.target->distances.box.max()).data()));
   box.expand(std::max(0.0, around));
   const double step = box.extents()[box.maxExtent()] / (kSide - 1);
   std::array<int, 3> dims{};
@@ -166,12 +166,12 @@ json colouringData(const Scene& scene, const ColourChoice& choice, Monitor& moni
     case FieldColour::Versor: return data;
     case FieldColour::Trap: break;
     case FieldColour::Iterations:
-      if (!colouring.range) range = {0, static_cast<double>(scene.orbit.maxIterations)};
+      if (!colouring.range) range = {0, static_cast<double>(scene.field.orbit.maxIterations)};
       break;
     case FieldColour::Depth: {
       const DepthColouring& depth = colouring.depth.value();
       if (!colouring.range) range = {depth.low, depth.high};
-      const double scale = scene.space.scale;
+      const double scale = scene.field.space.scale;
       data["distance"] = distanceData(scene, depth, depth.high / scale, monitor);
       break;
     }

@@ -59,7 +59,7 @@ std::string pictureOfMade(const MadeFiles& made, const FieldPicture& picture, Mo
   const FileAxes& axes = options.output.axes;
   const UpAxis up = mesh != made.files.end() ? axes.ofMesh(meshFormat(file)) : axes.ofVdb();
   const PreviewOptions preview = previewOf(picture, up, UpTurn(axes.target, up));
-  monitor.begin("reading", 0);
+  monitor.begin(PhaseKind::Reading, 0);
   if (mesh == made.files.end())
     return encoded(renderPreview(*chooseFloatGrid(readVdb(file), "", file.string()), preview, monitor), picture);
   return encoded(

@@ -7,6 +7,7 @@
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/recipe/option_list.h"
+#include "vdbtools/recipe/option_name.h"
 #include "vdbtools/records/recorded_recipe.h"
 #include "vdbtools/scene/fractal_options.h"
 
@@ -25,7 +26,7 @@ Recipe recipeOfText(std::string_view text) {
   Recipe recipe;
   for (const auto& [line, name, value] : listedOptions(text)) {
     if (name.empty()) throw DataError("the line '" + inOneLine(value) + "' is not NAME = VALUE");
-    if (!recipe.emplace(name, value.empty() ? "true" : value).second)
+    if (!recipe.emplace(recipeEntry(name), value.empty() ? "true" : value).second)
       throw DataError("'" + inOneLine(name) + "' is set twice; keep only one of them");
   }
   return recipe;

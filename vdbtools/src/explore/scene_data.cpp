@@ -144,7 +144,7 @@ json waves(const julia::WaveVersorDescription& versor) {
 /// Where the map does not prove that the set is not: a bit a cube, X fastest, the first in the lowest bit.
 json occupancy(const Scene& scene, const openvdb::BBoxd& region, Monitor& monitor) {
   constexpr int kCells = 64;  // along the longest side
-  const Occupancy occupied(*scene.evaluator, region, kCells, monitor);
+  const Occupancy occupied(*scene.field.evaluator, region, kCells, monitor);
   monitor.throwIfCancelled();
   const openvdb::Coord count = occupied.count();
   const auto cubes =
@@ -180,7 +180,7 @@ json lowest(const Scene& scene, const openvdb::BBoxd& region) {
           at[across[1]] += (j + 0.5) * cell[across[1]];
           points[static_cast<std::size_t>(j * kCells + i)] = {at[0], at[1], at[2]};
         }
-      scene.evaluator->evaluate(points, field, {});
+      scene.field.evaluator->evaluate(points, field, {});
       const auto found = std::find_if(field.begin(), field.end(), [](double f) { return f < 0; });
       if (found == field.end()) return std::nullopt;
       return Vec3d(points[static_cast<std::size_t>(found - field.begin())].data());
@@ -262,7 +262,7 @@ std::string base64(std::string_view bytes) {
 }
 
 void requireShown(const Scene& scene) {
-  const julia::MapDescription map = scene.evaluator->describe().map;
+  const julia::MapDescription map = scene.field.evaluator->describe().map;
   const auto* const shape = std::any_cast<julia::ShapeModulusDescription>(&map);
   if (shape && !shape->versor.has_value()) throw std::invalid_argument(kNotShown);
 }
@@ -272,31 +272,31 @@ SceneData sceneData(const Scene& scene, const SceneDataOptions& options, Monitor
   if (options.side < kFewest || options.side > kMost)
     throw std::invalid_argument("the side of the volume is " + std::to_string(options.side) +
                                 "; it must be 16 to 256 nodes");
-  const julia::FieldDescription field = scene.evaluator->describe();
+  const julia::FieldDescription field = scene.field.evaluator->describe();
   constexpr std::array kAxes = {"i", "j", "k"};
   SceneData data;
   json& description = data.description;
   description = {{"format", 1},
-                 {"iterations", scene.orbit.maxIterations},
-                 {"escape", scene.orbit.escapeRadius},
+                 {"iterations", scene.field.orbit.maxIterations},
+                 {"escape", scene.field.orbit.escapeRadius},
                  {"level", field.level},
-                 {"logTrap", scene.orbit.logTrap},
+                 {"logTrap", scene.field.orbit.logTrap},
                  {"slice", field.embedding.slice},
                  {"dropAxis", kAxes.at(static_cast<std::size_t>(field.embedding.dropped))},
-                 {"space", {{"centre", vector(scene.space.centre)}, {"scale", scene.space.scale}}},
+                 {"space", {{"centre", vector(scene.field.space.centre)}, {"scale", scene.field.space.scale}}},
                  {"facts", scene.metadata}};
   describeMap(field.map, options, data);
   const openvdb::BBoxd world = pictureRegion(scene);
-  const auto inFractalSpace = [&](const Vec3d& x) { return Vec3d(scene.space.toFractal(x).data()); };
+  const auto inFractalSpace = [&](const Vec3d& x) { return Vec3d(scene.field.space.toFractal(x).data()); };
   const openvdb::BBoxd region(inFractalSpace(world.min()), inFractalSpace(world.max()));
   description["region"] = {{"min", vector(region.min())}, {"max", vector(region.max())}};
-  if (!scene.exponent) description["occupancy"] = occupancy(scene, region, monitor);
+  if (!scene.exponent()) description["occupancy"] = occupancy(scene, region, monitor);
   description["lowest"] = lowest(scene, region);
   const FramedBall ball = frameSet(scene.source(), world);
   description["frame"] = {{"centre", vector(ball.centre)}, {"radius", ball.radius}};
   if (scene.target)
-    description["targetBox"] = {{"min", vector(inFractalSpace(scene.target->box.min()))},
-                                {"max", vector(inFractalSpace(scene.target->box.max()))}};
+    description["targetBox"] = {{"min", vector(inFractalSpace(scene.target->distances.box.min()))},
+                                {"max", vector(inFractalSpace(scene.target->distances.box.max()))}};
   return data;
 }
 

@@ -42,7 +42,7 @@ using Accessor = openvdb::tree::ValueAccessor<const FloatTree>;
 // Bit z of a row along z, in a form that compilers vectorise.
 constexpr unsigned kBit[Leaf::DIM] = {1, 2, 4, 8, 16, 32, 64, 128};
 
-/// The largest |difference| between a leaf's nodes and their face neighbours behind, where both are active.
+/// The largest |difference| between a leaf's nodes and their next face neighbours, if both are active.
 float largestStepOf(const CellCorners& corners) {
   constexpr unsigned kSide = CellCorners::kSide;
   float most[kSide] = {};
@@ -80,7 +80,7 @@ float greatestOf(const Leaf& leaf) {
   return *std::max_element(most, most + Leaf::DIM);
 }
 
-/// A bound of how much active face neighbours differ.
+/// An upper bound of the difference between active face neighbours.
 double largestStep(const FloatTree& tree, Monitor& monitor) {
   const std::vector<const Leaf*> leaves = leavesOf(tree);
   tbb::enumerable_thread_specific<float> largest(0.0f);
@@ -92,13 +92,13 @@ double largestStep(const FloatTree& tree, Monitor& monitor) {
   return kRounding * *std::max_element(largest.begin(), largest.end());
 }
 
-/// How many steps between face neighbours lie between two nodes that one point's reading may use: three for the corners
-/// of a cell, three times that for the quadratic B-spline's wider reach.
+/// The number of steps between face neighbours that separate two nodes used in one read: three for the corners of a
+/// cell, and three times that for the wider support of the quadratic B-spline.
 int stepsInReach(julia::Interpolation interpolation) {
   return interpolation == julia::Interpolation::Quadratic ? 9 : 3;
 }
 
-/// E on the nodes of phi, and what is found out about it.
+/// E on the nodes of phi, and its properties.
 class Baker {
  public:
   Baker(const Target& target, const FractalSpace& space, const ExponentGridOptions& options, Monitor& monitor)
@@ -109,7 +109,7 @@ class Baker {
         mTransform(target.phi->transform()) {
     const std::vector<const Leaf*> leaves = leavesOf(target.phi->tree());
     mLeaves.resize(leaves.size());
-    monitor.begin("exponent", 2 * leaves.size());
+    monitor.begin(PhaseKind::Exponent, 2 * leaves.size());
     try {
       forEachLeaf(leaves.size(), monitor, [&](std::size_t i) { mLeaves[i] = bake(*leaves[i]); });
     } catch (...) {
@@ -122,7 +122,7 @@ class Baker {
   double largestStep() const { return vdbtools::largestStep(mTree, mMonitor); }
   const ExponentLaw& law() const { return mLaw; }
 
-  /// How far the nodes of a leaf are from its middle at most, world units.
+  /// The maximum distance of a leaf's nodes from its centre, world units.
   double leafRadius() const {
     constexpr double kHalf = 0.5 * (Leaf::DIM - 1);
     const Vec3d zero = mTransform.indexToWorld(Vec3d(0));
@@ -134,8 +134,8 @@ class Baker {
   }
   /// Half a cell's diagonal, units of fractal space.
   double radialStep() const { return mTransform.voxelSize().length() / mSpace.scale / 2; }
-  /// A node at distance d is read at points that come as near as d less a cell's diagonal, or one and a half for the
-  /// quadratic B-spline.
+  /// A node at distance d is read at points as close as d minus a cell's diagonal, or one and a half for the quadratic
+  /// B-spline.
   double radialReach() const {
     return radialStep() * (mOptions.interpolation == julia::Interpolation::Quadratic ? 3 : 2);
   }
@@ -145,10 +145,10 @@ class Baker {
     constexpr double kNone = -std::numeric_limits<double>::infinity();
     const double step = radialStep(), reach = radialReach();
     const std::size_t count = static_cast<std::size_t>(std::ceil(1 / step));
-    // The ball that a distance from the origin, units of fractal space, belongs to. A hair of slack against rounding at
-    // a ball's edge.
+    // The ball to which a distance from the origin, in units of fractal space, belongs, with a small slack against
+    // rounding at a ball's edge.
     const auto ballAt = [=](double distance) { return (distance - reach) / step - 1e-9; };
-    // Nearest leaves first: the others seldom hold more than what is nearer than they are.
+    // Nearest leaves come first: the others seldom contribute more than nearer ones.
     const double radius = leafRadius();
     std::vector<std::pair<double, std::size_t>> order(mLeaves.size());
     for (std::size_t i = 0; i < mLeaves.size(); ++i) {
@@ -192,7 +192,7 @@ class Baker {
     return result;
   }
 
-  /// From the place in the shell of detail to E.
+  /// Converts the position in the shell of detail to E.
   void stretch(const julia::DetailLaw& law) {
     forEachLeaf(mLeaves.size(), mMonitor, [&](std::size_t i) {
       for (auto value = mLeaves[i]->beginValueOn(); value; ++value)
@@ -200,7 +200,7 @@ class Baker {
     });
   }
 
-  /// The grid, what is farther outside the interval than any cell that touches it replaced by a constant.
+  /// The grid, in which values farther outside the interval than any cell that touches it are replaced by a constant.
   FloatGrid::Ptr narrowed(const julia::ShellInterval& shell, double differenceInReach) {
     const float outside = static_cast<float>(shell.upper + 1);
     const bool hasLower = std::isfinite(shell.lower);
@@ -234,7 +234,7 @@ class Baker {
   }
 
  private:
-  /// The world positions of a leaf's nodes, as sums of one part an axis; the first holds the offset.
+  /// The world positions of a leaf's nodes, as sums of one part per axis; the first includes the offset.
   struct Axes {
     Axes(const Coord& origin, const openvdb::math::Transform& transform) {
       const Vec3d zero = transform.indexToWorld(Vec3d(0));
@@ -247,7 +247,7 @@ class Baker {
     Vec3d x[Leaf::DIM], y[Leaf::DIM], z[Leaf::DIM];
   };
 
-  /// What the law makes of phi. Inactive nodes keep a value of phi's sign.
+  /// Applies the law to phi. Inactive nodes keep a value with phi's sign.
   Leaf* bake(const Leaf& phi) const {
     auto leaf = std::make_unique<Leaf>(phi);
     float* values = leaf->buffer().data();
@@ -277,7 +277,7 @@ class Baker {
   Monitor& mMonitor;
   const openvdb::math::Transform& mTransform;
   FloatTree mTree{1.0f};
-  std::vector<Leaf*> mLeaves;  // mTree's
+  std::vector<Leaf*> mLeaves;  // the leaves of mTree
 };
 
 }  // namespace
@@ -300,13 +300,13 @@ DetailReach detailReach(const ExponentGridOptions& options) {
 
 namespace {
 
-/// Where a point of the world is in the field.
+/// The position of a world point relative to the field.
 enum class Place { Inside, Known, Outside, PastTheFaces };
 
 Place placeOf(const Target& target, const Vec3d& point) {
   const Vec3d at = target.phi->worldToIndex(point);
-  // Past the faces of a dense field the nearest face's value holds; that is no farther from the origin than the point
-  // itself only where the box holds the origin.
+  // Beyond the faces of a dense field the nearest face's value applies. That point is guaranteed to be no farther from
+  // the origin than the point itself only if the box contains the origin.
   if (target.denseBox &&
       !openvdb::BBoxd(target.denseBox->min().asVec3d(), target.denseBox->max().asVec3d()).isInside(at))
     return Place::PastTheFaces;
@@ -335,7 +335,7 @@ ExponentGrid exponentGrid(const Target& target, const FractalSpace& space, const
   const ExponentLaw& law = baker.law();
   const double logEscape = elementary::log(options.orbit.escapeRadius);
   constexpr double kNowhere = -std::numeric_limits<double>::infinity();
-  // Where the distances end inside, E is at least as low as at their end.
+  // Beyond the end of the distances inside, E is at most its value at that end.
   const double solidPhi = target.denseBox ? kNowhere : solidBeginsAt(*target.phi, monitor);
   double solid = solidPhi == kNowhere ? kNowhere : law.greatestInside(solidPhi);
   julia::DetailLaw detail;
@@ -355,9 +355,9 @@ ExponentGrid exponentGrid(const Target& target, const FractalSpace& space, const
   result.shell = julia::shellInterval(maximum, options.orbit.maxIterations, options.orbit.escapeRadius);
   result.orbit = options.orbit;
   result.orbit.logTrap = result.shell.lower;
-  // Of the nodes that are read with a solid one, one lies next to it; all must be trapped.
+  // Among the nodes that are read together with a solid one, one is adjacent to it; all of them must be trapped.
   if (options.detail && solidPhi != kNowhere) {
-    // What is steep elsewhere does not matter here.
+    // Steep places elsewhere do not matter here.
     const double near = (stepsInReach(options.interpolation) - 1) * vdbtools::largestStep(target.phi->tree(), monitor);
     result.tooShallow = detail.at(law.greatestInside(solidPhi + near)) > result.shell.lower;
   } else {
@@ -372,7 +372,7 @@ template <class Real>
 std::shared_ptr<const julia::ScalarField<Real>> makeExponentField(const ExponentGrid& exponent) {
   CoordBBox nodes = exponent.grid->evalActiveVoxelBoundingBox();
   if (nodes.empty()) nodes = CoordBBox(Coord(0), Coord(0));
-  // A narrow band is surrounded by one value; with a rim of it, the nearest node is right everywhere beyond.
+  // One value surrounds a narrow band; with a rim of it, the nearest node is correct everywhere beyond.
   constexpr int kRim = 2;
   if (exponent.denseBox)
     nodes = *exponent.denseBox;

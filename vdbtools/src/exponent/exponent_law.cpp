@@ -13,19 +13,19 @@
 namespace vdbtools {
 namespace {
 
-// The shell of detail is nowhere thinner than this, voxels of the target's distances: thinner ones would not be seen
-// between their nodes.
+// The minimum width of the shell of detail, in voxels of the target's distances: a thinner shell would fall between
+// their nodes.
 constexpr double kLeastShell = 0.25;
-// This share of the shell is left free at either of its ends, so that what is promised of phi holds between the nodes
-// of E, too.
+// This fraction of the shell is left free at both ends, so that what is guaranteed for phi also holds between the nodes
+// of E.
 constexpr double kEndOfShell = 0.02;
 
-// A control that is interpolated may leave its range by a rounding.
+// Interpolation may take a control out of its range by a rounding error.
 constexpr double kRounding = 1e-5;
 
 double clamped(double share) { return std::clamp(share, 0.0, 1.0); }
 
-/// The range of a control that must be a share. @throw std::invalid_argument  it is not
+/// The range of a control that must be within 0 to 1. @throw std::invalid_argument  it is not
 std::pair<double, double> shareRange(const Control& control, const std::string& name) {
   const auto [least, most] = control.range();
   if (least < -kRounding || most > 1 + kRounding)
@@ -45,7 +45,7 @@ ExponentLaw::ExponentLaw(const ExponentGridOptions& options, double scale, doubl
     mMostShell = mMostInward + std::max(tau * shareRange(detail->outward, "the outward reach").second, mLeastShell);
     return;
   }
-  exteriorReach(options);  // its checks
+  exteriorReach(options);  // for its checks
   if (options.mask.constant() != 1.0) return;
   mAlpha = options.alpha.constant();
   mBeta = options.beta.constant();
@@ -61,7 +61,7 @@ void ExponentLaw::apply(std::span<const openvdb::Vec3d> points, std::span<float>
   for (double& m : mask) m = clamped(m);
   if (!detail) {
     for (std::size_t i = 0; i < n; ++i) {
-      // With a mask of 0 the shell is as thin as its distances can show.
+      // With a mask of 0 the shell is as thin as its distances can resolve.
       const double m = std::max(mask[i], std::min(1.0, mLeastShell / mScale * first[i]));
       values[i] = static_cast<float>(first[i] / m * (values[i] / mScale - second[i] * mask[i]));
     }
@@ -71,7 +71,7 @@ void ExponentLaw::apply(std::span<const openvdb::Vec3d> points, std::span<float>
   detail->thickness.sample(points, tau);
   for (std::size_t i = 0; i < n; ++i) {
     const double outward = clamped(second[i]), sum = clamped(first[i]) + outward;
-    // Where neither reach is wanted, what is left of the shell lies on both sides.
+    // If both reaches are 0, the remaining shell lies on both sides.
     const double outside = sum > 0 ? (outward / sum - kEndOfShell) / (1 - 2 * kEndOfShell) : 0.5;
     const double h = std::max(mask[i] * sum * (1 - 2 * kEndOfShell) * tau[i], mLeastShell);
     values[i] = static_cast<float>(values[i] / h - outside);
@@ -87,7 +87,7 @@ double ExponentLaw::greatestInside(double phi) const {
   const auto [leastMask, mostMask] = shareRange(mOptions.mask, "the mask");
   const double beta = mOptions.beta.range().first, moved = phi / mScale - std::min(beta * leastMask, beta * mostMask);
   const auto [least, most] = mOptions.alpha.range();
-  // The mask makes alpha larger, up to where the shell is thinnest.
+  // The mask increases alpha, up to its value where the shell is thinnest.
   const double steepest = leastMask == 1 ? most : std::max(most, mScale / mLeastShell);
   return moved < 0 ? least * moved : steepest * moved;
 }
@@ -105,7 +105,7 @@ std::pair<std::pair<double, double>, std::pair<double, double>> ExponentLaw::ran
   const auto beta = [&](double share) {
     return (share - elementary::log(mOptions.orbit.escapeRadius) / *scale) * mMostShell / mScale;
   };
-  // Where all shells have one width, rounding may turn the two around.
+  // If all shells have the same width, rounding may swap the two.
   return {std::minmax({*scale * mScale / mMostShell, *scale * mScale / leastH}),
           std::minmax({beta(leastShare), beta(mostShare)})};
 }

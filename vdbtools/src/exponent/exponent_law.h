@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file exponent_law.h
-/// What phi becomes at a node before the shell is known: the exponent E itself, or, where a depth of detail is wanted,
-/// the place w in the shell of detail that julia/detail.h makes an exponent of.
+/// What phi is converted to at a node before the shell is known: the exponent E itself or, if a depth of detail is
+/// requested, the position w in the shell of detail, from which julia/detail.h computes an exponent.
 ///
-/// For detail D and outward reach O, as shares of the local thickness tau, and a mask m,
+/// For detail D and outward reach O, as fractions of the local thickness tau, and a mask m,
 ///
 ///   h = m (D + O) tau    the width of the shell
 ///   w = phi / h - O / (D + O)
@@ -22,28 +22,28 @@ namespace vdbtools {
 
 class ExponentLaw {
  public:
-  /// @param voxel  of the target's distances, world units
-  /// @throw std::invalid_argument  a control has values that it must not have
+  /// @param voxel  voxel size of the target's distances, world units
+  /// @throw std::invalid_argument  a control has invalid values
   ExponentLaw(const ExponentGridOptions& options, double scale, double voxel);
 
   /// @param points  world units
   /// @param values  phi there, world units; becomes E or w
   void apply(std::span<const openvdb::Vec3d> points, std::span<float> values) const;
-  /// The same where it does not depend on the point.
+  /// The case in which the law does not depend on the point.
   bool isUniform() const { return mAlpha && mBeta; }
   float uniform(float phi) const { return static_cast<float>(*mAlpha * (phi / mScale - *mBeta)); }
 
-  /// An upper bound of it wherever phi is @a phi or less, world units.
+  /// An upper bound of E or w wherever phi is @a phi or less, world units.
   double greatestInside(double phi) const;
-  /// The ranges of alpha and beta: those given, or those that E = ln(escape) + scale w amounts to.
+  /// The ranges of alpha and beta: those given, or those that correspond to E = ln(escape) + scale w.
   std::pair<std::pair<double, double>, std::pair<double, double>> ranges(std::optional<double> scale) const;
 
  private:
   const ExponentGridOptions& mOptions;
   double mScale;
-  std::optional<double> mAlpha, mBeta;     ///< where neither they nor the mask vary
-  double mLeastShell;                      ///< of h, world units
-  double mMostShell = 0, mMostInward = 0;  ///< of h and m D tau, world units
+  std::optional<double> mAlpha, mBeta;     ///< set if they are constant and the mask is too
+  double mLeastShell;                      ///< minimum of h, world units
+  double mMostShell = 0, mMostInward = 0;  ///< maxima of h and m D tau, world units
 };
 
 }  // namespace vdbtools

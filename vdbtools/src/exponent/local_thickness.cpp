@@ -57,8 +57,9 @@ struct Ball {
   float radius;  ///< voxels
 };
 
-/// A bound of the radius of a ball about the point that is @a t of a line's steps from a node: it sticks out of the
-/// target nowhere near the node. Behind a convex edge the slopes say more, as the distance is not linear there.
+/// An upper bound of the radius of a ball about the point that is @a t of a line's steps from a node: the ball must not
+/// protrude from the target near the node. Behind a convex edge the slopes give a better bound, because the distance is
+/// not linear there.
 float largestBallAt(const Lattice& depth, const Coord& node, const Line& line, float t) {
   constexpr int kAround = 2;
   float radius = std::numeric_limits<float>::infinity();
@@ -77,12 +78,12 @@ float largestBallAt(const Lattice& depth, const Coord& node, const Line& line, f
 
 /// The balls that no ball about a neighbour contains: those about the nodes of the medial axis. A ball's radius is the
 /// depth at the ridge itself, which runs between the nodes: along a line across the ridge the depth rises with one
-/// slope and falls with another, and where the two meet is the ridge. In a wall one voxel thick, too, the slopes are
-/// there to be read, as phi goes on beyond the surface.
+/// slope and falls with another, and the ridge is where the two meet. Even in a wall one voxel thick the slopes can be
+/// read, because phi continues beyond the surface.
 std::vector<Ball> ridgeBalls(const Lattice& depth, Monitor& monitor) {
-  // A ball that sticks out by less than this counts as contained, voxels.
+  // A ball that protrudes by less than this counts as contained, in voxels.
   constexpr float kSlack = 0.1f;
-  // Slopes below this share of a voxel a voxel do not say where they meet.
+  // Slopes below this, in voxels per voxel, do not tell where they meet.
   constexpr float kLeastSlope = 0.3f;
   static const std::vector<Line> lines = linesOfNeighbours();
   const Coord size = depth.size;
@@ -124,7 +125,8 @@ std::vector<Ball> ridgeBalls(const Lattice& depth, Monitor& monitor) {
   return balls;
 }
 
-/// At each node the largest radius of the balls that hold it; a ball holds the nodes within half a voxel of it, too.
+/// Computes at each node the largest radius of the balls that contain it; a ball also contains the nodes within half a
+/// voxel of it.
 Lattice paint(const Lattice& depth, const std::vector<Ball>& balls, Monitor& monitor) {
   Lattice tau(depth.box, 0);
   inParallel(static_cast<std::size_t>(depth.size[0]), 1, monitor, [&](std::size_t begin, std::size_t end) {
@@ -151,9 +153,9 @@ Lattice paint(const Lattice& depth, const std::vector<Ball>& balls, Monitor& mon
   return tau;
 }
 
-/// Near the surface of a part that holds no node: kLeastThickness.
+/// Sets tau to kLeastThickness near the surface of a part that contains no node.
 void markThinParts(const Lattice& depth, Lattice& tau) {
-  // No farther than this from a node, there is a surface in one of its cells.
+  // Within this distance of a node, there is a surface in one of its cells.
   constexpr float kNear = 0.87f;  // half a cell's diagonal
   const Coord size = depth.size;
   for (int x = 1; x < size[0] - 1; ++x)
@@ -168,8 +170,8 @@ void markThinParts(const Lattice& depth, Lattice& tau) {
       }
 }
 
-/// Calls body(here, neighbour, distance) for each node and its 26 neighbours, in two sweeps through the lattice: what
-/// is handed from neighbour to neighbour gets everywhere.
+/// Calls body(here, neighbour, distance) for each node and its 26 neighbours, in two sweeps through the lattice, so
+/// that what is passed from neighbour to neighbour reaches every node.
 template <class Body>
 void sweep(const Lattice& lattice, const Body& body) {
   static const std::vector<Line> lines = linesOfNeighbours();
@@ -188,7 +190,7 @@ void sweep(const Lattice& lattice, const Body& body) {
   }
 }
 
-/// Nodes where tau is infinite get that of the nearest one where it is not.
+/// Nodes where tau is infinite get the value of the nearest node where it is finite.
 void extend(Lattice& tau) {
   Lattice distance(tau.box, 0);
   for (std::size_t i = 0; i < tau.values.size(); ++i)
@@ -201,14 +203,14 @@ void extend(Lattice& tau) {
   });
 }
 
-/// tau(x) <- the least of tau(y) + slope |x - y| over all nodes y, along steps between neighbours.
+/// tau(x) <- the minimum of tau(y) + slope |x - y| over all nodes y, along steps between neighbours.
 void limitSlope(Lattice& tau, float slope) {
   sweep(tau, [&](std::size_t here, std::size_t neighbour, float length) {
     tau.values[here] = std::min(tau.values[here], tau.values[neighbour] + slope * length);
   });
 }
 
-/// The mean over 3 nodes along each axis, which rounds the creases that the limit leaves.
+/// Averages over 3 nodes along each axis, which rounds the creases that the limit leaves.
 void smooth(Lattice& tau, Monitor& monitor) {
   const Coord size = tau.size;
   for (int axis = 0; axis < 3; ++axis) {
@@ -239,17 +241,17 @@ double thicknessSlope(double detail) {
 struct ThicknessFinder::Found {
   CoordBBox nodes;
   double voxel = 0;    ///< world units
-  Lattice depth, tau;  ///< voxels; tau is not limited yet
+  Lattice depth, tau;  ///< voxels; tau before the slope limit
   openvdb::math::Transform::Ptr transform;
 };
 
 ThicknessFinder::ThicknessFinder(const FloatGrid& phi, Monitor& monitor) {
   const double voxel = phi.voxelSize()[0];
   CoordBBox nodes = insideNodeBox(phi);
-  // Slopes are read two nodes beyond the inside, and what is read farther away is the nearest face's value.
+  // Slopes are read two nodes beyond the inside; farther away, the nearest face's value is read.
   constexpr int kMargin = 5;
   nodes.expand(kMargin);
-  monitor.begin("local thickness", 0);
+  monitor.begin(PhaseKind::LocalThickness, 0);
   Lattice depth(nodes, 0);
   {
     // Dense in OpenVDB's own order, z fastest.
@@ -285,7 +287,7 @@ LocalThickness ThicknessFinder::limitedTo(double slope, Monitor& monitor) const 
     least = std::min(least, tau.values[i]);
     greatest = std::max(greatest, tau.values[i]);
   }
-  // Nothing outside is thicker than the inside.
+  // The outside is never thicker than the inside.
   for (float& value : tau.values) value = std::min(value, greatest);
   LocalThickness result;
   result.least = least;

@@ -24,7 +24,7 @@ using Vector = std::array<double, 2>;
 
 Vector vectorOf(const TaskWork& work) { return {work.shell, work.surface}; }
 
-/// A linear function of the work through a sample, or its mean.
+/// A linear function of the work fitted to a sample, or its mean.
 class Fit {
  public:
   explicit Fit(std::span<const std::pair<TaskWork, double>> sample) {
@@ -33,7 +33,7 @@ class Fit {
       for (std::size_t k = 0; k < 2; ++k) mMeanWork[k] += vectorOf(work)[k] / count;
       mMeanValue += value / count;
     }
-    double xx = 0, xy = 0, yy = 0;  // squares and product of the work about its mean
+    double xx = 0, xy = 0, yy = 0;  // centred moments of the work
     Vector both{};
     for (const auto& [work, value] : sample) {
       const Vector d = about(work);
@@ -72,15 +72,15 @@ class Fit {
   Vector about(const TaskWork& work) const {
     return {vectorOf(work)[0] - mMeanWork[0], vectorOf(work)[1] - mMeanWork[1]};
   }
-  /// The value for work that is so far from the sample's mean.
+  /// The value for work with this deviation from the sample's mean.
   double at(const Vector& d) const { return mMeanValue + mSlope[0] * d[0] + mSlope[1] * d[1]; }
-  /// By how much the sample's own mean, and its slopes at @a d, may be off: the variance of the mean over @a tasks.
+  /// The variance of the estimated mean over @a tasks, from the sample's own mean and its slopes at @a d.
   double varianceOfMean(const Vector& d, double tasks, double sampled) const {
     const double lever =
         d[0] * (mInverse[0][0] * d[0] + mInverse[0][1] * d[1]) + d[1] * (mInverse[1][0] * d[0] + mInverse[1][1] * d[1]);
     return mVariance * ((1 - sampled / tasks) / sampled + lever);
   }
-  /// How many standard errors the interval reaches; infinite where the sample is too small to tell.
+  /// The half width of the interval in standard errors; infinite if the sample is too small.
   double reach() const { return mDegrees >= 1 ? studentsT95(mDegrees) : std::numeric_limits<double>::infinity(); }
 
  private:
@@ -95,7 +95,7 @@ class Fit {
 std::vector<std::uint64_t> sampleTasks(std::uint64_t tasks, std::uint64_t count, std::uint64_t seed) {
   std::vector<std::uint64_t> all(tasks);
   std::iota(all.begin(), all.end(), std::uint64_t{1});
-  // No distribution of the standard library, which are not the same everywhere.
+  // The distributions of the standard library differ between implementations.
   std::mt19937_64 random(seed);
   count = std::min(count, tasks);
   for (std::uint64_t i = 0; i < count; ++i) std::swap(all[i], all[i + random() % (tasks - i)]);
@@ -117,12 +117,12 @@ Estimated estimateTotal(std::span<const TaskWork> work, std::span<const std::pai
   const Fit fit(sample);
   const Vector away = fit.about(mean);
   const double value = tasks * fit.at(away);
-  // Nothing is uncertain once all tasks are in the sample.
+  // Nothing is uncertain if all tasks are in the sample.
   const double error =
       sample.size() < work.size()
           ? tasks * fit.reach() * std::sqrt(fit.varianceOfMean(away, tasks, static_cast<double>(sample.size())))
           : 0;
-  // What the sample has is there.
+  // The total is at least that of the sample.
   double least = 0;
   for (const auto& [unused, one] : sample) least += one;
   return {std::max(value, least), std::max(value - error, least), std::max(value + error, least)};

@@ -4,6 +4,7 @@
 #include "base/smooth_step.h"
 
 #include "vdbtools/base/number_text.h"
+#include "vdbtools/recipe/option_name.h"
 #include "vdbtools/recipe/option_value.h"
 
 #include <cmath>
@@ -16,7 +17,7 @@
 namespace vdbtools::farm {
 namespace {
 
-/// A value in parts that separators part.
+/// A value split at its separators.
 struct Parts {
   std::vector<std::string> texts{1};
   std::string separators;
@@ -35,7 +36,8 @@ Parts partsOf(const std::string& value) {
   return parts;
 }
 
-/// A number between two, as the shortest text that reads back as the same double; of one text that text.
+/// A number between two others, as the shortest text that reads back as the same double; if both texts are equal, that
+/// text.
 std::optional<std::string> blended(const std::string& from, const std::string& to, double share) {
   if (from == to) return from;
   const std::optional<double> a = numberFromText(from), b = numberFromText(to);
@@ -55,10 +57,10 @@ std::string blended(const std::string& option, const Key& from, const Key& to, d
     if (i == a.separators.size()) return result;
     result += a.separators[i];
   }
-  throw std::invalid_argument("--" + option + " is '" + from.second + "' at frame " + std::to_string(from.first) +
-                              " and '" + to.second + "' at frame " + std::to_string(to.first) +
-                              "; only numbers can be blended, so give both keys the same form, or use --ease " +
-                              option + "=step");
+  throw std::invalid_argument(
+      "--" + optionName(option) + " is '" + from.second + "' at frame " + std::to_string(from.first) + " and '" +
+      to.second + "' at frame " + std::to_string(to.first) +
+      "; only numbers can be blended, so give both keys the same form, or use --ease " + option + "=step");
 }
 
 double shareAt(Ease ease, double t) {
@@ -101,23 +103,24 @@ std::vector<KeyedOption> parseKeys(const std::vector<std::string>& keys, const s
     const std::size_t at = text.find('@'), equals = text.find('=', at);
     if (at == 0 || at == std::string::npos || equals == std::string::npos)
       refuse("key", text, "NAME@FRAME=VALUE, such as alpha@48=120");
-    const std::string name = text.substr(0, at);
+    const std::string name = recipeEntry(text.substr(0, at));
     if (!table.knows(name))
-      refuse("key", text, "for an option of a fractal; there is none with the name '" + name + "'");
+      refuse("key", text, "for an option of a fractal; there is none with the name '" + text.substr(0, at) + "'");
     const std::optional<int> frame = wholeFromText<int>(text.substr(at + 1, equals - at - 1));
     if (!frame || *frame < 0) refuse("key", text, "NAME@FRAME=VALUE with a whole number of at least 0 for the frame");
     KeyedOption& option = options[name];
     option.name = name;
     if (!option.keys.emplace(*frame, text.substr(equals + 1)).second)
-      refuse("key", text, "the only key of '" + name + "' at frame " + std::to_string(*frame));
+      refuse("key", text, "the only key of '" + optionName(name) + "' at frame " + std::to_string(*frame));
   }
   std::optional<Ease> ofAll;
   std::map<std::string, Ease> ofOne;
   for (const std::string& text : eases) {
     const std::size_t equals = text.find('=');
-    const bool isNew = equals == std::string::npos
-                           ? !std::exchange(ofAll, parseEase(text))
-                           : ofOne.emplace(text.substr(0, equals), parseEase(text.substr(equals + 1))).second;
+    const bool isNew =
+        equals == std::string::npos
+            ? !std::exchange(ofAll, parseEase(text))
+            : ofOne.emplace(recipeEntry(text.substr(0, equals)), parseEase(text.substr(equals + 1))).second;
     if (!isNew) refuse("ease", text, "given once for an option, and once for all others");
   }
   for (const auto& [name, ease] : ofOne)

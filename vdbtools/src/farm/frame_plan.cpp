@@ -4,6 +4,7 @@
 #include "farm/variant_plan.h"
 
 #include "vdbtools/files/frame_name.h"
+#include "vdbtools/recipe/option_name.h"
 #include "vdbtools/recipe/option_value.h"
 #include "vdbtools/scene/fractal_options.h"
 #include "vdbtools/scene/scene.h"
@@ -15,7 +16,7 @@
 namespace vdbtools::farm {
 namespace {
 
-/// The options of a recipe that name files of which each frame has its own.
+/// The options of a recipe that name a different file for each frame.
 std::vector<std::string> animatedFiles(const Recipe& recipe, const OptionTable& table) {
   std::vector<std::string> names;
   for (const auto& [name, value] : recipe)
@@ -65,7 +66,7 @@ void requireChange(const FramePlanOptions& options) {
         "a file for each frame such as in.####.obj");
   for (const KeyedOption& option : options.keys)
     if (std::any_of(option.keys.begin(), option.keys.end(), hasPattern))
-      throw std::invalid_argument("a key of --" + option.name +
+      throw std::invalid_argument("a key of --" + optionName(option.name) +
                                   " is the name of a file for each frame; give the option itself, without keys");
 }
 

@@ -16,7 +16,7 @@
 namespace vdbtools::farm {
 namespace {
 
-/// The files of all frames, and of those that are not there the first frame that names each.
+/// The files of all frames and, for missing ones, the first frame that names each.
 class FilesOfFrames {
  public:
   explicit FilesOfFrames(InputFiles& inputs) : mInputs(inputs) {}

@@ -64,7 +64,7 @@ Json jsonOf(const PlannedTask& task) {
   return json;
 }
 
-/// All of a plan but its hash.
+/// All of a plan except its hash.
 Json jsonOf(const Manifest& manifest) {
   Json json{{kFileKey, kFile},
             {kFormatKey, kFormat},
@@ -85,7 +85,7 @@ Json jsonOf(const Manifest& manifest) {
 /// Becomes a DataError that names the file.
 [[noreturn]] void refusePlan(const std::string& why) { throw std::invalid_argument(why); }
 
-/// Where JSON has something else, its own loops would take that for one element.
+/// A loop over JSON of another kind would treat it as a single element.
 const Json& arrayOf(const Json& json, const char* name) {
   const Json& array = json.at(name);
   if (!array.is_array()) refusePlan(std::string("'") + name + "' is no list");
@@ -117,7 +117,7 @@ PlanKind kindFrom(const std::string& text) {
 
 bool hasNul(const std::string& text) { return text.find('\0') != std::string::npos; }
 
-/// A plan may come from anywhere; its tasks write into its folder and nowhere else.
+/// A plan may come from anywhere; its tasks must write only into its folder.
 void requireInside(const std::filesystem::path& name) {
   const bool leaves = std::find(name.begin(), name.end(), "..") != name.end();
   if (!name.has_filename() || name.is_absolute() || leaves || hasNul(name.native()))
@@ -148,19 +148,21 @@ Manifest manifestFrom(const Json& json) {
   return manifest;
 }
 
-/// Of a plan of tiles: that the lattice is one, that each tile is a part of it, and that the recipe makes these files.
+/// Checks a plan of tiles: that the lattice is valid, that each tile is a part of it, and that the recipe makes these
+/// files.
 void requireSoundTiles(const Manifest& manifest) {
   if (!manifest.lattice) refusePlan("a plan of tiles has no lattice");
   const TileLattice& lattice = *manifest.lattice;
   if (!(lattice.voxelSize > 0) || !std::isfinite(lattice.voxelSize))
     refusePlan("the voxel size of the lattice is " + std::to_string(lattice.voxelSize));
-  // Half of what coordinates can be leaves room for the halo of a tile, and for differences.
+  // Half of the coordinate range leaves room for the halo of a tile, and for differences.
   constexpr int kFarthest = 1 << 30;
   const openvdb::CoordBBox all(openvdb::Coord(-kFarthest), openvdb::Coord(kFarthest));
   if (lattice.domain.empty() || !all.isInside(lattice.domain))
     refusePlan("the domain of the lattice is no box of nodes");
   const FractalOptions options = parseFractalOptions(manifest.recipe);
   requireCuttable(options);
+  requireCountable(options, manifest.makes);
   const TileFiles files = tileFiles(manifest, options);
   for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index) {
     const PlannedTask& task = manifest.tasks[index - 1];
@@ -172,7 +174,7 @@ void requireSoundTiles(const Manifest& manifest) {
   }
 }
 
-/// Of a plan of whole fractals: that each task has a file of its own for all that the plan makes.
+/// Checks a plan of whole fractals: that each task has its own file for every product of the plan.
 void requireSoundVariants(const Manifest& manifest) {
   const auto folder = manifest.metadata.find(kFolderFact);
   if (folder == manifest.metadata.end() || !std::filesystem::path(folder->second).is_absolute() ||
@@ -189,9 +191,9 @@ void requireSoundVariants(const Manifest& manifest) {
   }
 }
 
-/// What its tasks and its merging rely on: all that can be seen without its files.
+/// Checks everything on which its tasks and its merging rely and that can be checked without its files.
 void requireSoundPlan(const Manifest& manifest) {
-  requireMakes(manifest.makes);
+  requireMakes(manifest.kind, manifest.makes);
   if (manifest.tasks.empty()) refusePlan("there is no task in it");
   for (const PlannedTask& task : manifest.tasks)
     for (const std::string& name : task.writes) requireInside(name);
@@ -203,7 +205,7 @@ void requireSoundPlan(const Manifest& manifest) {
     requireSoundVariants(manifest);
 }
 
-/// One line for each entry, and for each element of those entries that are long lists.
+/// One line for each entry, and for each element of entries that are long lists.
 std::string laidOut(const Json& json) {
   std::string text = "{";
   bool first = true;
@@ -242,7 +244,7 @@ bool makes(const Manifest& manifest, std::string_view format) {
 
 bool makesMesh(const Manifest& manifest) {
   return std::any_of(manifest.makes.begin(), manifest.makes.end(),
-                     [](const std::string& format) { return format != "vdb"; });
+                     [](const std::string& format) { return format != "vdb" && format != kMakeCount; });
 }
 
 std::string encodeManifest(const Manifest& manifest) {
@@ -256,7 +258,7 @@ std::string encodeManifest(const Manifest& manifest) {
     }
     return laidOut(json);
   } catch (const Json::type_error&) {
-    // A name with other characters put in their place would be that of another file.
+    // A name with replacement characters would be that of another file.
     throw DataError("a name or a value of the plan is not UTF-8, as a manifest must be; rename the file");
   }
 }
@@ -287,7 +289,7 @@ Manifest readManifest(const std::filesystem::path& folder) {
   } catch (const nlohmann::json::exception&) {
     throw DataError(broken + ": an entry is missing or of the wrong kind; plan again");
   } catch (const std::invalid_argument& error) {
-    // The file is wrong, and not what was asked for.
+    // The file is at fault, not the request.
     throw DataError(broken + ": " + error.what() + "; plan again");
   }
 }
@@ -301,7 +303,7 @@ std::string taskHash(const Manifest& manifest, std::uint64_t index) {
             {"inputs", Json::array()},
             {"task", jsonOf(task)}};
   if (manifest.lattice) json["lattice"] = jsonOf(*manifest.lattice);
-  // A file that is moved is the same file.
+  // A moved file is still the same file.
   for (const PlannedInput& input : manifest.inputs) json["inputs"].push_back(input.sha256);
   return sha256Hex(json.dump());
 }

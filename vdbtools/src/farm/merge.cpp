@@ -2,11 +2,13 @@
 #include "vdbtools/farm/merge.h"
 
 #include "base/lattice_transform.h"
+#include "farm/tile_count.h"
 #include "farm/tile_islands.h"
 #include "farm/tile_merge.h"
 #include "farm/tile_task.h"
 #include "field/block_evaluator.h"
 #include "field/block_layers.h"
+#include "job/output_grids.h"
 #include "job/point_attributes.h"
 #include "surface/band_distances.h"
 
@@ -44,9 +46,6 @@ bool writes(const Manifest& manifest, std::uint64_t index, const std::string& na
   const std::vector<std::string>& names = manifest.tasks.at(index - 1).writes;
   return std::find(names.begin(), names.end(), name) != names.end();
 }
-bool planDropsIslands(const Manifest& manifest) {
-  return !manifest.tasks.empty() && writes(manifest, 1, tileIslandsName(1));
-}
 
 void requireTiles(const Manifest& manifest) {
   if (manifest.kind != PlanKind::Tiles)
@@ -54,10 +53,17 @@ void requireTiles(const Manifest& manifest) {
         "the plan is not one of tiles: each of its tasks makes files of its own, and nothing is to be merged");
 }
 
+/// @throw std::invalid_argument  the plan counts, and has nothing that could be merged into files of triangles or grids
+void requireTriangles(const Manifest& manifest) {
+  if (makes(manifest, kMakeCount))
+    throw std::invalid_argument(
+        "the tasks of the plan keep counts alone; add them up with --counts F.json, or plan again with --make ply");
+}
+
 CrumbReport crumbsOf(const TaskRecord& record) {
   const auto count = [&](const char* name) {
     const auto found = record.counts.find(name);
-    // A side-car may say anything.
+    // A side-car may contain any number.
     constexpr double kMost = 9e15;
     return found != record.counts.end() && found->second >= 0 && found->second <= kMost
                ? static_cast<std::uint64_t>(found->second)
@@ -66,12 +72,13 @@ CrumbReport crumbsOf(const TaskRecord& record) {
   return {count(kCrumbsCount), count(kCrumbNodesCount)};
 }
 
-/// @return the crumbs that the tasks have dropped, if they were to
-/// @throw DataError  naming the tasks that are not done
-std::optional<CrumbReport> requireDone(const fs::path& folder, const Manifest& manifest, Monitor& monitor) {
-  monitor.begin("checking", manifest.tasks.size());
+/// @return the crumbs that the tasks dropped, if they were to
+/// @throw DataError  names the tasks that are not done
+std::optional<CrumbReport> requireDone(const fs::path& folder, const TileJob& job, Monitor& monitor) {
+  const Manifest& manifest = job.manifest;
+  monitor.begin(PhaseKind::Checking, manifest.tasks.size());
   std::vector<std::uint64_t> missing;
-  std::string reason;  // of the first
+  std::string reason;  // the first one's reason
   CrumbReport crumbs;
   for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index) {
     if (const std::optional<TaskRecord> record = finishedTask(folder, manifest, index, FileCheck::Content)) {
@@ -88,11 +95,11 @@ std::optional<CrumbReport> requireDone(const fs::path& folder, const Manifest& m
                     std::to_string(manifest.tasks.size()) + (missing.size() == 1 ? " is" : " are") +
                     " not done, or not as the plan has them" + (reason.empty() ? "" : " (" + reason + ")") +
                     "; run them and merge again");
-  if (!dropsCrumbs(parseFractalOptions(manifest.recipe))) return std::nullopt;
+  if (!dropsCrumbs(job.options)) return std::nullopt;
   return crumbs;
 }
 
-/// The attributes of a plan's points and voxels, which no tile has: they are computed when the tiles are merged.
+/// The attributes of a plan's points and voxels. No tile has them: they are computed when the tiles are merged.
 class PlanAttributes {
  public:
   PlanAttributes(const FractalOptions& options, const fs::path& prepared)
@@ -102,13 +109,13 @@ class PlanAttributes {
   const PointAttributes* operator->() const { return &mAttributes; }
 
  private:
-  /// The scene, with what is transferred from its target.
+  /// Opens the scene, with what is transferred from its target.
   static Scene opened(const FractalOptions& options, const fs::path& prepared) {
     Scene scene = readPreparedScene(options, prepared);
     if (options.output.attributes.transferred.empty()) return scene;
     const TargetOptions& target = options.target.value();
     verifiedHashes({&target.input, 1});
-    scene.targetMesh = transferredMesh(options, *openTarget(target));
+    scene.target->mesh = transferredMesh(options, *openTarget(target));
     return scene;
   }
 
@@ -116,25 +123,24 @@ class PlanAttributes {
   PointAttributes mAttributes;
 };
 
-/// None if none are wanted.
-std::unique_ptr<const PlanAttributes> planAttributes(const fs::path& folder, const Manifest& manifest) {
-  const FractalOptions options = parseFractalOptions(manifest.recipe);
-  if (options.output.attributes.empty()) return nullptr;
-  return std::make_unique<const PlanAttributes>(options, folder / kPreparedName);
+/// Null if none are requested.
+std::unique_ptr<const PlanAttributes> planAttributes(const fs::path& folder, const TileJob& job) {
+  if (job.options.output.attributes.empty()) return nullptr;
+  return std::make_unique<const PlanAttributes>(job.options, folder / kPreparedName);
 }
 
-MeshWriteOptions meshOptions(const Manifest& manifest, MeshFormat format) {
-  const TileLattice& lattice = manifest.lattice.value();
-  MeshWriteOptions options = meshWriteOptions(format, parseFractalOptions(manifest.recipe).output, manifest.metadata);
+MeshWriteOptions meshOptions(const TileJob& job, MeshFormat format) {
+  const TileLattice& lattice = job.lattice();
+  MeshWriteOptions options = meshWriteOptions(format, job.options.output, job.manifest.metadata);
   options.voxelSize = lattice.voxelSize;
   options.box = meshBox({.domain = lattice.domain, .voxelSize = lattice.voxelSize});
   return options;
 }
 
-/// Meshes that begin when they are asked for: one file, or several with numbers.
+/// Meshes that are started on demand: one file, or several numbered ones.
 class MeshFiles {
  public:
-  /// @param attributes  of the points; or null
+  /// @param attributes  of the points; may be null
   MeshFiles(const fs::path& path, const MeshWriteOptions& options, const PlanAttributes* attributes, bool numbered,
             OutputFiles& files, const Monitor& monitor)
       : mPath(path),
@@ -169,23 +175,23 @@ class MeshFiles {
   std::list<AttributedSink> mAttributed;  ///< in front of the meshes
 };
 
-/// The islands of a plan that drops some.
+/// The islands of a plan that drops some of them.
 struct PlanIslands {
   IslandOptions options;
   std::vector<TileIslandsReader> tiles;
   JoinedIslands joined;
-  bool capMesh = false;  ///< whether the mesh that is written has caps
+  bool capMesh = false;  ///< whether the written mesh has caps
 
   std::uint64_t meshPoints() const { return joined.points + (capMesh ? joined.capPoints : 0); }
 };
 
-std::optional<PlanIslands> joinIslands(const fs::path& folder, const Manifest& manifest, Monitor& monitor) {
-  if (!planDropsIslands(manifest)) return std::nullopt;
-  const SurfaceOptions options = parseFractalOptions(manifest.recipe).surface;
-  PlanIslands islands{.options = options.islands, .capMesh = options.cap || !manifest.lattice.value().bounded};
-  for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index)
+std::optional<PlanIslands> joinIslands(const fs::path& folder, const TileJob& job, Monitor& monitor) {
+  if (!job.files.islands) return std::nullopt;
+  const SurfaceOptions& options = job.options.surface;
+  PlanIslands islands{.options = options.islands, .capMesh = options.cap || !job.lattice().bounded};
+  for (std::uint64_t index = 1; index <= job.manifest.tasks.size(); ++index)
     islands.tiles.emplace_back(folder / tileIslandsName(index));
-  islands.joined = joinIslands(islands.tiles, islands.options, manifest.lattice->voxelSize, monitor);
+  islands.joined = joinIslands(islands.tiles, islands.options, job.lattice().voxelSize, monitor);
   return islands;
 }
 
@@ -195,32 +201,30 @@ TileReader openTile(const fs::path& folder, std::uint64_t index, const PlanIslan
   return tile;
 }
 
-std::vector<TileReader> openTiles(const fs::path& folder, const Manifest& manifest, const PlanIslands* islands,
-                                  bool caps) {
+std::vector<TileReader> openTiles(const fs::path& folder, const TileJob& job, const PlanIslands* islands, bool caps) {
+  const std::uint64_t count = job.manifest.tasks.size();
   std::vector<TileReader> tiles;
-  tiles.reserve(manifest.tasks.size());
-  for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index)
-    tiles.push_back(openTile(folder, index, islands, caps));
+  tiles.reserve(count);
+  for (std::uint64_t index = 1; index <= count; ++index) tiles.push_back(openTile(folder, index, islands, caps));
   return tiles;
 }
 
-MeshCounts mergeMesh(const fs::path& folder, const Manifest& manifest, const MergeOptions& options,
+MeshCounts mergeMesh(const fs::path& folder, const TileJob& job, const MergeOptions& options,
                      const PlanIslands* islands, const PlanAttributes* attributes, OutputFiles& files,
                      Monitor& monitor) {
   const MeshFormat format = meshFormat(*options.mesh);
-  std::vector<TileReader> tiles = openTiles(folder, manifest, islands, islands && islands->capMesh);
+  std::vector<TileReader> tiles = openTiles(folder, job, islands, islands && islands->capMesh);
   std::uint64_t points = 0;
   for (const TileReader& tile : tiles) points += tile.counts().points;
   if (islands) points = islands->meshPoints();
-  MeshFiles meshes(*options.mesh, meshOptions(manifest, format), attributes, points > options.mostPoints, files,
-                   monitor);
+  MeshFiles meshes(*options.mesh, meshOptions(job, format), attributes, points > options.mostPoints, files, monitor);
   const std::function<MeshSink&()> next = [&]() -> MeshSink& { return meshes.next(); };
   const MeshCounts counts = mergeTiles(tiles, {.mostPoints = options.mostPoints}, next, monitor);
   meshes.finish();
   return counts;
 }
 
-/// Adds the active values of one tree to another one, and its leaves.
+/// Adds the leaves and the active values of one tree to another.
 void addPart(FloatTree& whole, const FloatTree& part) {
   for (auto leaf = part.cbeginLeaf(); leaf; ++leaf) {
     Leaf* const there = whole.probeLeaf(leaf->origin());
@@ -232,9 +236,9 @@ void addPart(FloatTree& whole, const FloatTree& part) {
   }
 }
 
-/// The mesh that is left of the islands, closed by caps.
-Mesh keptMesh(const fs::path& folder, const Manifest& manifest, const PlanIslands& islands, Monitor& monitor) {
-  std::vector<TileReader> tiles = openTiles(folder, manifest, &islands, true);
+/// The mesh of the islands that are kept, closed by caps.
+Mesh keptMesh(const fs::path& folder, const TileJob& job, const PlanIslands& islands, Monitor& monitor) {
+  std::vector<TileReader> tiles = openTiles(folder, job, &islands, true);
   Mesh mesh;
   MeshCollector collector(mesh);
   bool begun = false;
@@ -248,15 +252,14 @@ Mesh keptMesh(const fs::path& folder, const Manifest& manifest, const PlanIsland
   return mesh;
 }
 
-/// The distances to the mesh that is left; negative at the nodes of the islands that are kept.
-FloatGrid::Ptr keptSurface(const fs::path& folder, const Manifest& manifest, const PlanIslands& islands,
-                           Monitor& monitor) {
-  const Mesh mesh = keptMesh(folder, manifest, islands, monitor);
+/// The distances to the remaining mesh; negative at the nodes of the islands that are kept.
+FloatGrid::Ptr keptSurface(const fs::path& folder, const TileJob& job, const PlanIslands& islands, Monitor& monitor) {
+  const Mesh mesh = keptMesh(folder, job, islands, monitor);
   if (mesh.triangles.empty()) return nullptr;
-  const TileLattice& lattice = manifest.lattice.value();
+  const TileLattice& lattice = job.lattice();
   FloatGrid::Ptr surface = bandDistances(mesh, lattice.voxelSize, lattice.domain, monitor);
   openvdb::tree::ValueAccessor<FloatTree> leaves(surface->tree());
-  monitor.begin("signs", islands.tiles.size());
+  monitor.begin(PhaseKind::Signs, islands.tiles.size());
   for (std::size_t tile = 0; tile < islands.tiles.size(); ++tile) {
     islands.tiles[tile].forEachOwn([&](std::span<const InsideRun> runs) {
       for (const InsideRun& run : runs) {
@@ -277,7 +280,7 @@ FloatGrid::Ptr keptSurface(const fs::path& folder, const Manifest& manifest, con
   return surface;
 }
 
-/// The grids of a plan while their parts come in.
+/// The grids of a plan while their parts arrive.
 struct GridParts {
   FloatGrid::Ptr surface;
   FractalField field;
@@ -289,15 +292,16 @@ FloatGrid::Ptr partNamed(const VdbFile& file, const char* name) {
   return nullptr;
 }
 
-GridParts readGrids(const fs::path& folder, const Manifest& manifest, Monitor& monitor) {
-  const TileLattice& lattice = manifest.lattice.value();
+GridParts readGrids(const fs::path& folder, const TileJob& job, Monitor& monitor) {
+  const Manifest& manifest = job.manifest;
+  const TileLattice& lattice = job.lattice();
   GridParts parts{.field = emptyField({.domain = lattice.domain,
                                        .bounded = lattice.bounded,
                                        .voxelSize = lattice.voxelSize,
                                        .window = lattice.domain,
                                        .blocks = nullptr},
                                       true)};
-  monitor.begin("merging grids", manifest.tasks.size());
+  monitor.begin(PhaseKind::MergingGrids, manifest.tasks.size());
   for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index) {
     if (!writes(manifest, index, tileGridsName(index))) continue;
     const VdbFile file = readVdb(folder / tileGridsName(index));
@@ -317,15 +321,12 @@ GridParts readGrids(const fs::path& folder, const Manifest& manifest, Monitor& m
   return parts;
 }
 
-std::vector<openvdb::GridBase::Ptr> mergeGrids(const fs::path& folder, const Manifest& manifest,
-                                               const FractalOptions& options, const PlanIslands* islands,
+std::vector<openvdb::GridBase::Ptr> mergeGrids(const fs::path& folder, const TileJob& job, const PlanIslands* islands,
                                                const PlanAttributes* attributes, MergeResult& result,
                                                Monitor& monitor) {
-  GridParts parts = readGrids(folder, manifest, monitor);
-  const std::vector<std::string>& names = options.output.grids;
-  const auto wants = [&](const char* name) { return std::find(names.begin(), names.end(), name) != names.end(); };
-  if (wants("surface") || wants("density") || wants("versor") || attributes) {
-    if (islands) parts.surface = keptSurface(folder, manifest, *islands, monitor);
+  GridParts parts = readGrids(folder, job, monitor);
+  if (job.grids.needsLevelSet()) {
+    if (islands) parts.surface = keptSurface(folder, job, *islands, monitor);
     if (!parts.surface && result.crumbs) requireMoreThanCrumbs(*result.crumbs);
     if (!parts.surface) throw DataError("the fractal is empty: no tile has a part of its level set");
     finishLevelSet(*parts.surface);
@@ -334,21 +335,20 @@ std::vector<openvdb::GridBase::Ptr> mergeGrids(const fs::path& folder, const Man
       throw std::logic_error("the level set fails OpenVDB's check: " + result.check.failure);
     result.bandVoxels = parts.surface->activeVoxelCount();
   }
-  if (wants("logmodulus")) fillTiles(parts.field);
-  if (wants("logmodulus") && islands) dropIslands(parts.field, islands->options, monitor);
-  std::vector<openvdb::GridBase::Ptr> grids;
-  for (const std::string& name : names) {
-    if (name == "surface") grids.push_back(parts.surface);
-    if (name == "density") grids.push_back(densityGrid(*parts.surface));
-    if (name == "logmodulus") grids.push_back(logModulusGrid(parts.field));
-    if (name == "iterations") grids.push_back(parts.field.iterations);
-    if (name == "versor")
-      grids.push_back(versorGrid(*parts.surface, readPreparedScene(options, folder / kPreparedName).source(), monitor));
+  if (job.grids.has(OutputGrid::LogModulus)) {
+    fillTiles(parts.field);
+    if (islands) dropIslands(parts.field, islands->options, monitor);
   }
-  if (attributes)
-    for (const openvdb::GridBase::Ptr& grid : attributeGrids(**attributes, *parts.surface, monitor))
-      grids.push_back(grid);
-  return grids;
+  std::optional<Scene> scene;
+  std::optional<FieldSource> source;
+  if (job.grids.has(OutputGrid::Versor))
+    source.emplace(scene.emplace(readPreparedScene(job.options, folder / kPreparedName)).source());
+  return outputGrids(job.grids,
+                     {.surface = parts.surface,
+                      .field = parts.field,
+                      .source = source ? &*source : nullptr,
+                      .attributes = attributes ? &**attributes : nullptr},
+                     monitor);
 }
 
 void commit(OutputFiles& files, MergeResult& result) {
@@ -356,17 +356,18 @@ void commit(OutputFiles& files, MergeResult& result) {
   files.commit();
 }
 
-/// What the pieces of a plan are called that stay files of their own.
+/// The names of pieces of a plan that remain separate files.
 fs::path pieceOf(const fs::path& listed, std::uint64_t index, const char* extension) {
   return fs::path((listed.parent_path() / listed.stem()).string() + '.' + taskName(index) + extension);
 }
 
-/// One tile's own files, and what the index says of them.
-nlohmann::json writeOneTile(const fs::path& folder, const Manifest& manifest, std::uint64_t index,
-                            const fs::path& listed, const InputFiles& inputs, const PlanIslands* islands,
-                            const PlanAttributes* attributes, MergeResult& result, Monitor& monitor) {
+/// Writes one tile's own files, and returns its entry in the index.
+nlohmann::json writeOneTile(const fs::path& folder, const TileJob& job, std::uint64_t index, const fs::path& listed,
+                            const InputFiles& inputs, const PlanIslands* islands, const PlanAttributes* attributes,
+                            MergeResult& result, Monitor& monitor) {
   using nlohmann::json;
-  const TileLattice& lattice = manifest.lattice.value();
+  const Manifest& manifest = job.manifest;
+  const TileLattice& lattice = job.lattice();
   const openvdb::CoordBBox box = manifest.tasks[index - 1].box.value();
   const openvdb::Vec3d low = box.min().asVec3d() * lattice.voxelSize, high = box.max().asVec3d() * lattice.voxelSize;
   json entry = {{"tile", index},
@@ -379,7 +380,7 @@ nlohmann::json writeOneTile(const fs::path& folder, const Manifest& manifest, st
     tile.push_back(openTile(folder, index, islands, islands && islands->capMesh));
     MeshCounts counts;
     {
-      MeshFiles meshes(pieceOf(listed, index, ".ply"), meshOptions(manifest, MeshFormat::Ply), attributes, false, files,
+      MeshFiles meshes(pieceOf(listed, index, ".ply"), meshOptions(job, MeshFormat::Ply), attributes, false, files,
                        monitor);
       const std::function<MeshSink&()> next = [&]() -> MeshSink& { return meshes.next(); };
       counts = mergeTiles(tile, {.keepGuests = true}, next, monitor);
@@ -403,7 +404,7 @@ nlohmann::json writeOneTile(const fs::path& folder, const Manifest& manifest, st
       std::vector<openvdb::GridBase::Ptr> grids = {part};
       if (attributes)
         for (const openvdb::GridBase::Ptr& grid : attributeGrids(**attributes, *part, monitor)) grids.push_back(grid);
-      VdbWriteOptions options = vdbWriteOptions(parseFractalOptions(manifest.recipe).output, manifest.metadata);
+      VdbWriteOptions options = vdbWriteOptions(job.options.output, manifest.metadata);
       options.half = false;
       files.add(pieceOf(listed, index, ".vdb")).stream() << encodeVdb(grids, options);
     }
@@ -424,11 +425,11 @@ std::string planAgainWith(const Manifest& manifest, const std::string& format) {
   return "; plan again with --make " + list + format;
 }
 
-/// @throw CreateError  no file can be made there
+/// @throw CreateError  no file can be created there
 void requirePlace(const fs::path& path) {
   std::error_code error;
   const fs::file_type type = fs::status(path, error).type();
-  // A pipe is opened once only: its reader takes the end of the first writer for that of the file.
+  // A pipe must be opened only once: its reader takes the end of the first writer for the end of the file.
   if (type == fs::file_type::fifo || type == fs::file_type::socket) return;
   const AtomicFile claim(path);
 }
@@ -437,6 +438,8 @@ void requirePlace(const fs::path& path) {
 
 void requireMergeable(const fs::path& folder, const Manifest& manifest, const MergeOptions& options) {
   requireTiles(manifest);
+  requireTriangles(manifest);
+  const TileJob job = tileJob(manifest);
   if (!options.vdb && !options.mesh) throw std::invalid_argument("no file was named for what is merged");
   if (options.vdb && !makes(manifest, "vdb"))
     throw std::invalid_argument("the tasks of the plan make no grids, so '" + inOneLine(options.vdb->native()) +
@@ -447,9 +450,9 @@ void requireMergeable(const fs::path& folder, const Manifest& manifest, const Me
     if (!makesMesh(manifest))
       throw std::invalid_argument("the tasks of the plan make no mesh, so " + name + " cannot be merged from them" +
                                   planAgainWith(manifest, format));
-    // First, so that a format that cannot hold the mesh is called that.
-    const bool needsDoubles = needsDoublePositions(meshOptions(manifest, meshFormat(*options.mesh)));
-    if (needsDoubles && !tilesNeedDoubles(manifest))
+    // Comes first, so that the message is about a format that cannot hold the mesh.
+    const bool needsDoubles = needsDoublePositions(meshOptions(job, meshFormat(*options.mesh)));
+    if (needsDoubles && !tilesNeedDoubles(job))
       throw std::invalid_argument("the tasks of the plan keep fewer digits than " + name + " needs" +
                                   planAgainWith(manifest, format));
   }
@@ -463,7 +466,8 @@ void requireMergeable(const fs::path& folder, const Manifest& manifest, const Me
 
 void requireMergeable(const fs::path& folder, const Manifest& manifest, const fs::path& index) {
   requireTiles(manifest);
-  if (planDropsIslands(manifest) && makes(manifest, "vdb"))
+  requireTriangles(manifest);
+  if (makes(manifest, "vdb") && tileJob(manifest).files.islands)
     throw std::invalid_argument(
         "islands are dropped, and the distances to what is left of them are not known tile by tile; merge into one "
         "VDB, or plan again with --make ply alone");
@@ -476,51 +480,99 @@ void requireMergeable(const fs::path& folder, const Manifest& manifest, const fs
 
 MergeResult mergePlan(const fs::path& folder, const Manifest& manifest, const MergeOptions& options, Monitor& monitor) {
   requireMergeable(folder, manifest, options);
+  const TileJob job = tileJob(manifest);
   OutputFiles files(planInputs(folder, manifest));
   sweepPlan(folder, manifest);
   AtomicFile* const vdb = options.vdb ? &files.add(*options.vdb) : nullptr;
-  MergeResult result{.crumbs = requireDone(folder, manifest, monitor)};
-  const std::optional<PlanIslands> joined = joinIslands(folder, manifest, monitor);
+  MergeResult result{.crumbs = requireDone(folder, job, monitor)};
+  const std::optional<PlanIslands> joined = joinIslands(folder, job, monitor);
   const PlanIslands* const islands = joined ? &*joined : nullptr;
   if (islands) result.islands = islands->joined.report;
-  const std::unique_ptr<const PlanAttributes> attributes = planAttributes(folder, manifest);
+  const std::unique_ptr<const PlanAttributes> attributes = planAttributes(folder, job);
   if (options.mesh) {
-    result.mesh = mergeMesh(folder, manifest, options, islands, attributes.get(), files, monitor);
+    result.mesh = mergeMesh(folder, job, options, islands, attributes.get(), files, monitor);
     if (result.mesh.triangles == 0 && result.crumbs) requireMoreThanCrumbs(*result.crumbs);
     if (result.mesh.triangles == 0)
       throw DataError("the fractal is empty: no tile has a triangle; plan again with less detail or smaller voxels");
   }
   if (vdb) {
-    const FractalOptions recipe = parseFractalOptions(manifest.recipe);
     const std::vector<openvdb::GridBase::Ptr> grids =
-        mergeGrids(folder, manifest, recipe, islands, attributes.get(), result, monitor);
-    monitor.begin("writing", 0);
-    vdb->stream() << encodeVdb(grids, vdbWriteOptions(recipe.output, manifest.metadata));
+        mergeGrids(folder, job, islands, attributes.get(), result, monitor);
+    monitor.begin(PhaseKind::Writing, 0);
+    vdb->stream() << encodeVdb(grids, vdbWriteOptions(job.options.output, manifest.metadata));
   }
   monitor.throwIfCancelled();
   commit(files, result);
   return result;
 }
 
+void requireCounts(const fs::path& folder, const Manifest& manifest, const fs::path& file) {
+  requireTiles(manifest);
+  if (!makes(manifest, kMakeCount))
+    throw std::invalid_argument(
+        "the tasks of the plan keep their triangles, so merge them with --mesh or -o; only a plan "
+        "with --make count is counted");
+  OutputPlaces places(planInputs(folder, manifest));
+  places.claim(file);
+  requirePlace(file);
+}
+
+MergeResult mergeCounts(const fs::path& folder, const Manifest& manifest, const fs::path& file, Monitor& monitor) {
+  requireCounts(folder, manifest, file);
+  const TileJob job = tileJob(manifest);
+  OutputFiles files(planInputs(folder, manifest));
+  AtomicFile& output = files.add(file);
+  sweepPlan(folder, manifest);
+  MergeResult result{.crumbs = requireDone(folder, job, monitor)};
+  monitor.begin(PhaseKind::Merging, manifest.tasks.size());
+  std::vector<TileCount> tiles;
+  for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index) {
+    const fs::path path = folder / tileCountName(index);
+    try {
+      tiles.push_back(parseTileCount(readWholeFile(path)));
+    } catch (const DataError& error) {
+      throw DataError("'" + inOneLine(path.native()) + "' is no count of a tile: " + error.what() +
+                      "; run its task again");
+    }
+    monitor.advance(1);
+    monitor.throwIfCancelled();
+  }
+  const TileCount whole = addedUp(tiles);
+  if (whole.triangles == 0 && result.crumbs) requireMoreThanCrumbs(*result.crumbs);
+  if (whole.triangles == 0)
+    throw DataError("the fractal is empty: no tile has a triangle; plan again with less detail or smaller voxels");
+  result.mesh = {.points = whole.points, .triangles = whole.triangles};
+  nlohmann::ordered_json root = {{"juliavdb", "count"},
+                                 {"version", manifest.version},
+                                 {"voxel_size", job.lattice().voxelSize},
+                                 {"tiles", manifest.tasks.size()}};
+  root.update(nlohmann::ordered_json::parse(encodeTileCount(whole)));
+  root["recipe"] = manifest.metadata;
+  output.stream() << root.dump(1) << '\n';
+  commit(files, result);
+  return result;
+}
+
 MergeResult writeTileFiles(const fs::path& folder, const Manifest& manifest, const fs::path& index, Monitor& monitor) {
   requireMergeable(folder, manifest, index);
+  const TileJob job = tileJob(manifest);
   const InputFiles inputs = planInputs(folder, manifest);
   OutputFiles files(inputs);
   AtomicFile& file = files.add(index);
   sweepPlan(folder, manifest);
-  MergeResult result{.crumbs = requireDone(folder, manifest, monitor)};
-  const std::optional<PlanIslands> islands = joinIslands(folder, manifest, monitor);
+  MergeResult result{.crumbs = requireDone(folder, job, monitor)};
+  const std::optional<PlanIslands> islands = joinIslands(folder, job, monitor);
   if (islands) result.islands = islands->joined.report;
-  const std::unique_ptr<const PlanAttributes> attributes = planAttributes(folder, manifest);
-  const TileLattice& lattice = manifest.lattice.value();
+  const std::unique_ptr<const PlanAttributes> attributes = planAttributes(folder, job);
+  const TileLattice& lattice = job.lattice();
   nlohmann::ordered_json root = {{"juliavdb", "tiles"},
                                  {"version", manifest.version},
                                  {"voxel_size", lattice.voxelSize},
                                  {"recipe", manifest.metadata}};
   nlohmann::json tiles = nlohmann::json::array();
   for (std::uint64_t i = 1; i <= manifest.tasks.size(); ++i) {
-    tiles.push_back(writeOneTile(folder, manifest, i, index, inputs, islands ? &*islands : nullptr, attributes.get(),
-                                 result, monitor));
+    tiles.push_back(
+        writeOneTile(folder, job, i, index, inputs, islands ? &*islands : nullptr, attributes.get(), result, monitor));
     monitor.throwIfCancelled();
   }
   if (result.files.empty() && result.crumbs) requireMoreThanCrumbs(*result.crumbs);

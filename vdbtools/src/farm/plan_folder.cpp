@@ -14,9 +14,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Begins a file where the first thing of the plan would be made, and takes it away again: the manifest, or the first
-/// folder that is missing. No folder is made, because another process that tries at the same time could take it for
-/// one that was there.
+/// Creates and removes a file where the first file of the plan would be created: the manifest, or the first missing
+/// folder. It creates no folder, because another process that tests at the same time could take it for an existing one.
 void requireWritable(const fs::path& folder) {
   std::error_code error;
   fs::path first = fs::absolute(folder / kManifestName).lexically_normal();
@@ -59,7 +58,7 @@ void writePlan(const fs::path& folder, const Manifest& manifest) {
     file.stream() << encodeManifest(manifest);
     file.commit();
   } catch (...) {
-    // Of a plan of tiles; with it the folder would be taken for one that is in use.
+    // Written by a plan of tiles; with it the folder would seem to be in use.
     fs::remove(folder / kPreparedName, error);
     if (made) fs::remove(folder, error);
     throw;

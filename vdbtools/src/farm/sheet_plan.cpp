@@ -64,7 +64,7 @@ Manifest planSheetCells(const SheetPlanOptions& options, Monitor& monitor) {
   SceneMaker scenes;
   for (const std::size_t cell : chosen) {
     Recipe recipe = overridden(cells[cell - 1].recipe, options.given, table);
-    // Machines with other memory are to make the same files.
+    // Machines with less or more memory must make the same files.
     if (hasAutomaticResolution(recipe))
       recipe = resolvedRecipe(scenes.make(parseFractalOptions(completeRecipe(recipe, table)), monitor), recipe);
     variants.push_back({static_cast<int>(cell), "cell " + std::to_string(cell), std::move(recipe)});

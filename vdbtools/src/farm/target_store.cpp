@@ -32,22 +32,22 @@ constexpr const char *kInside = "inside", *kWholeInside = "whole";
 constexpr const char* kGrid = "phi";
 constexpr std::size_t kKeyDigits = 16;
 
-/// The least power of the square root of 2 that is not below a width.
+/// The smallest power of the square root of 2 that is not below a width.
 double rounded(double width) {
   if (!(width > 0) || !std::isfinite(width)) return width;
   return elementary::exp2(std::ceil(2 * elementary::log2(width)) / 2);
 }
 
-/// How wide a side of the band is made that is to serve others, too.
+/// The width of a side of the band that also serves later tasks.
 double generous(double wanted, double kept) { return rounded(wanted > kept ? std::max(wanted, 2 * kept) : kept); }
 
-/// Distances as they are kept.
+/// Distances in the store.
 struct KeptBand {
   Target target;
   BandWidths widths;
 };
 
-/// A mesh's distances, from a folder where they are there.
+/// A mesh's distances, read from a folder if they are there.
 class KeptTarget final : public TargetInput {
  public:
   KeptTarget(std::unique_ptr<const TargetInput> input, fs::path folder, std::string key,
@@ -63,7 +63,7 @@ class KeptTarget final : public TargetInput {
     if (kept && kept->widths.holds(widths)) return std::move(kept->target);
     const BandWidths before = kept ? kept->widths : BandWidths();
     kept.reset();
-    // Nothing is kept where a wider band than is wanted is too much.
+    // Nothing is stored if a band wider than requested takes too much.
     try {
       const BandWidths wide{generous(widths.exterior, before.exterior), generous(widths.interior, before.interior),
                             widths.wholeInside || before.wholeInside};
@@ -109,7 +109,7 @@ class KeptTarget final : public TargetInput {
       }
       return kept;
     } catch (const std::exception&) {
-      return std::nullopt;  // not there, not whole yet, or broken
+      return std::nullopt;  // missing, incomplete, or broken
     }
   }
 
@@ -132,7 +132,7 @@ class KeptTarget final : public TargetInput {
       AtomicFile* const both[] = {&file, &hash};
       commitAll(both);
     } catch (const std::runtime_error&) {
-      // It only saves time.
+      // The store only saves time.
     }
   }
 
@@ -182,7 +182,7 @@ void removeKeptTargets(const fs::path& folder, const std::set<std::string>& keys
   for (fs::directory_iterator entry(folder, error); !error && entry != end; entry.increment(error))
     if (keys.contains(entry->path().filename().native().substr(0, kKeyDigits))) files.push_back(entry->path());
   for (const fs::path& file : files) fs::remove(file, error);
-  // Fails, as it is to, where another process keeps something there.
+  // Fails, as intended, if another process stores something there.
   fs::remove(folder, error);
 }
 

@@ -40,7 +40,7 @@ namespace fs = std::filesystem;
 
 using Clock = std::chrono::steady_clock;
 
-/// The mark of a running task, with a thread that gives signs of life.
+/// The mark of a running task, with a thread that touches it as a sign of life.
 class RunningMark {
  public:
   RunningMark(const fs::path& path, const std::string& content) : mFile(path, content) {
@@ -54,7 +54,7 @@ class RunningMark {
 
  private:
   MarkFile mFile;
-  std::jthread mThread;  ///< after the file, so that it ends first
+  std::jthread mThread;  ///< declared after the file, so that it ends first
 };
 
 double cpuSeconds() {
@@ -63,10 +63,10 @@ double cpuSeconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// Begins to measure the memory of another task, where Linux lets a process do so.
+/// Resets the peak memory for another task, if Linux allows the process to do so.
 void forgetPeak() { std::ofstream("/proc/self/clear_refs") << "5\n"; }
 
-/// The largest memory since forgetPeak().
+/// The peak memory since forgetPeak().
 std::uint64_t peakBytes() {
   constexpr std::uint64_t kUnit = 1024;
   constexpr std::string_view kEntry = "VmHWM:";
@@ -78,7 +78,7 @@ std::uint64_t peakBytes() {
   return kUnit * static_cast<std::uint64_t>(usage.ru_maxrss);
 }
 
-/// The folders that a plan's tasks write to.
+/// The folders to which a plan's tasks write.
 std::set<fs::path> foldersOf(const fs::path& folder, const Manifest& manifest) {
   std::set<fs::path> folders = {folder, tasksFolder(folder), folder / kTargetsName};
   for (const PlannedTask& task : manifest.tasks)
@@ -161,7 +161,7 @@ TaskRunner::TaskRunner(fs::path folder, TaskMaker maker)
 bool TaskRunner::run(std::uint64_t index, Monitor& monitor) {
   TaskRecord record;
   record.hash = taskHash(mManifest, index);
-  // Also where nothing is to be made: of two processes at this task, one may have been killed.
+  // Also if nothing is to be made: another process with the same task may have been killed.
   sweepPlan(mFolder, mManifest);
   if (finishedTask(mFolder, mManifest, index, FileCheck::Content)) {
     removeUnneeded(mFolder, mManifest);
@@ -174,7 +174,7 @@ bool TaskRunner::run(std::uint64_t index, Monitor& monitor) {
   std::error_code ignored;
   fs::remove(failedPath(mFolder, index), ignored);
   if (!mInputsChecked) {
-    monitor.begin("checking", 0);
+    monitor.begin(PhaseKind::Checking, 0);
     requireInputs(mFolder, mManifest);
     mInputsChecked = true;
   }
@@ -183,7 +183,7 @@ bool TaskRunner::run(std::uint64_t index, Monitor& monitor) {
   const Clock::time_point start = Clock::now();
   const double cpuStart = cpuSeconds();
   record.counts = mMaker(mFolder, mManifest, index, monitor).counts;
-  monitor.begin("checking", 0);
+  monitor.begin(PhaseKind::Checking, 0);
   for (const std::string& name : mManifest.tasks[index - 1].writes) record.files.push_back(fileRecord(mFolder, name));
   record.wallSeconds = std::chrono::duration<double>(Clock::now() - start).count();
   record.cpuSeconds = cpuSeconds() - cpuStart;

@@ -30,15 +30,15 @@ constexpr const char* kRecordKind = "task";
 constexpr const char* kRunningKind = "running task";
 constexpr const char* kFailedKind = "failed task";
 
-/// A mark without a sign of life for so long is that of a process that was killed. In seconds.
+/// A mark without a sign of life for this long, in seconds, belongs to a killed process.
 constexpr std::time_t kLifeless = 60;
 
 std::string text(const Json& json) {
-  // An error may name a file whose name is not UTF-8.
+  // An error message may contain a file name that is not UTF-8.
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 
-/// The object in a file; a value of another kind where there is none, or where it is of another kind.
+/// The object in a file; a value of another kind if there is no file or it holds something else.
 Json objectIn(const fs::path& path, const char* kind) {
   std::error_code error;
   if (!fs::is_regular_file(path, error)) return {};
@@ -70,12 +70,12 @@ std::optional<TaskRecord> recordFrom(const Json& json) {
   }
 }
 
-/// What tells a process from a later one of the same number: when it started, in ticks since the machine did.
+/// Distinguishes a process from a later one with the same number: its start time, in ticks since the system started.
 /// @return empty if there is no such process
 std::string startOf(long process) {
   try {
     const std::string status = readWholeFile("/proc/" + std::to_string(process) + "/stat");
-    // The name in parentheses may hold anything; the time is the 20th entry after it.
+    // The name in parentheses may contain anything; the time is the 20th entry after it.
     std::size_t at = status.rfind(')');
     for (int i = 0; i < 20 && at != std::string::npos; ++i) at = status.find(' ', at + 1);
     if (at == std::string::npos) return {};
@@ -85,7 +85,7 @@ std::string startOf(long process) {
   }
 }
 
-/// Whether the process that a mark names can still be at work, where locks do not tell.
+/// Whether the process that a mark names may still be running, if locks do not tell.
 bool mayBeAlive(const fs::path& path) {
   const Json json = objectIn(path, kRunningKind);
   struct stat status {};
@@ -128,7 +128,7 @@ std::string misfit(const fs::path& folder, const TaskFile& recorded, FileCheck c
   }
 }
 
-/// @param problem  set where there is a side-car that does not fit
+/// @param problem  set if there is a side-car that does not match
 std::optional<TaskRecord> fittingRecord(const fs::path& folder, const Manifest& manifest, std::uint64_t index,
                                         FileCheck check, std::string& problem) {
   const std::string hash = taskHash(manifest, index);
@@ -260,7 +260,7 @@ TaskStatus taskStatus(const fs::path& folder, const Manifest& manifest, std::uin
       const fs::file_time_type time = fs::last_write_time(failedPath(folder, index), gone);
       if (!gone) status.failedAt = time;
     } catch (const nlohmann::json::exception&) {
-      status.exitCode.reset();  // it is broken, and says nothing
+      status.exitCode.reset();  // it is broken, and tells nothing
     }
   }
   if (!status.error.empty()) status.state = TaskState::Failed;

@@ -16,7 +16,7 @@ namespace vdbtools::farm {
 
 inline constexpr std::string_view kRunningSuffix = ".running.json";
 
-/// A running task touches its mark once in this time.
+/// The interval at which a running task touches its mark.
 inline constexpr std::chrono::seconds kSignOfLife(10);
 
 std::filesystem::path tasksFolder(const std::filesystem::path& folder);
@@ -27,11 +27,11 @@ std::filesystem::path failedPath(const std::filesystem::path& folder, std::uint6
 std::string hostName();
 
 std::string encodeRecord(std::uint64_t index, const TaskRecord& record);
-/// Names this process.
+/// The text of the running mark, which names this process.
 std::string encodeRunning(std::uint64_t index);
 std::string encodeFailure(std::uint64_t index, const std::string& hash, int exitCode, const std::string& error);
 
-/// A file's size and time, without its hash; nothing if there is no such file.
+/// A file's size and time, without its hash; empty if the file does not exist.
 std::optional<TaskFile> presentFile(const std::filesystem::path& path);
 
 }  // namespace vdbtools::farm

@@ -136,7 +136,7 @@ TileReader::TileReader(const std::filesystem::path& path) : mPath(path), mStream
 }
 
 void TileReader::setFilter(TileFilter filter) {
-  // A tile without a layer does not tell.
+  // A tile without a layer does not show it.
   if (!mHasParts && mCounts.layers > 0) refuse("it has no parts of islands");
   mFilter = std::move(filter);
 }
@@ -168,7 +168,7 @@ TileLayer TileReader::next() {
   }
   std::uint32_t blocks = 0;
   read(&blocks, sizeof blocks);
-  // Counts are held against what is left of the file before memory is taken for them.
+  // Counts are compared with the rest of the file before memory is allocated for them.
   const auto take = [&](auto& values, std::uint64_t count) {
     using Value = typename std::remove_reference_t<decltype(values)>::value_type;
     if (count > mLeft / sizeof(Value)) refuse("it is truncated");

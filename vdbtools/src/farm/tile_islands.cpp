@@ -32,7 +32,7 @@ int blockStart(int node) { return node & ~(kBlock - 1); }
 /// The inside nodes of a column of blocks along z.
 class Column {
  public:
-  /// @param nodes  those of the column that are wanted
+  /// @param nodes  the requested nodes of the column
   Column(const FloatTree& tree, const CoordBBox& nodes) : mNodes(nodes), mFirst(blockStart(nodes.min()[2])) {
     const openvdb::tree::ValueAccessor<const FloatTree> leaves(tree);
     const Coord first = nodes.min() & ~(kBlock - 1);
@@ -47,14 +47,14 @@ class Column {
     copySigns();
   }
 
-  /// Whether no block has a leaf, so that one node tells the sign of all.
+  /// Whether no block has a leaf, so that one node has the sign of all.
   bool hasOneSign() const { return mLeaves == 0; }
   Coord anyNode() const { return mNodes.min(); }
   void setSign(bool inside) {
     for (Block& block : mBlocks) fill(block, inside);
   }
 
-  /// The runs of all rows, by x, y, z.
+  /// The runs of all rows, ordered by x, y, z.
   std::vector<InsideRun> runs() const {
     std::vector<InsideRun> result;
     for (int x = mNodes.min()[0]; x <= mNodes.max()[0]; ++x)
@@ -75,7 +75,7 @@ class Column {
            kAll;
   }
 
-  /// Where a block has no leaf, the field does not change sign from there to the blocks next to it.
+  /// If a block has no leaf, the field does not change sign between it and the adjacent blocks.
   void copySigns() {
     const auto signAt = [&](const Block& block, int z) {
       return (row(block, mNodes.min()[0], mNodes.min()[1]) >> z & 1) != 0;
@@ -121,7 +121,7 @@ class Column {
   std::size_t mLeaves = 0;
 };
 
-/// Calls body(a, b) for all pairs of runs that hold nodes of the same z.
+/// Calls body(a, b) for all pairs of runs with nodes of the same z.
 template <class Body>
 void forEachOverlap(std::span<const InsideRun> some, std::span<const InsideRun> others, const Body& body) {
   std::size_t i = 0, j = 0;
@@ -146,7 +146,7 @@ TileIslands::TileIslands(const FractalField& field, const FieldSource& source, c
 void TileIslands::findRuns(const FractalField& field, const FieldSource& source, Monitor& monitor) {
   const Coord low = mLabelled.min(), high = mLabelled.max();
   const auto columnCount = static_cast<std::size_t>((blockStart(high[1]) - blockStart(low[1])) / kBlock) + 1;
-  monitor.begin("islands", static_cast<std::uint64_t>(high[0] - low[0]) + 1);
+  monitor.begin(PhaseKind::Islands, static_cast<std::uint64_t>(high[0] - low[0]) + 1);
   for (int x = blockStart(low[0]); x <= high[0]; x += kBlock) {
     CoordBBox layer = mLabelled;
     layer.min()[0] = std::max(low[0], x);
@@ -199,7 +199,7 @@ void TileIslands::joinRuns(Monitor& monitor) {
     }
   });
   monitor.throwIfCancelled();
-  // A set is named after its first run, which has its number already.
+  // The first run of a set names it, and has its number already.
   for (std::uint32_t i = 0; i < mRuns.size(); ++i) {
     const std::uint32_t name = sets.find(i);
     mRuns[i].part = name == i ? static_cast<std::uint32_t>(mParts.size()) : mRuns[name].part;
@@ -258,7 +258,7 @@ JoinedIslands joinIslands(std::span<const TileIslandsReader> tiles, const Island
     add(tile.beyond(), beyond);
     for (const TilePart& part : tile.parts()) parts.push_back(part.island);
   }
-  monitor.begin("joining islands", beyond.size());
+  monitor.begin(PhaseKind::JoiningIslands, beyond.size());
   // Each node has one owner, so these do not overlap.
   std::sort(faces.begin(), faces.end(), [](const Run& a, const Run& b) { return a.first < b.first; });
   DisjointSets<std::size_t> sets(parts.size());

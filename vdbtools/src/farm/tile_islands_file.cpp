@@ -120,7 +120,7 @@ TileIslandsReader::TileIslandsReader(std::filesystem::path path) : mPath(std::mo
   left -= sizeof header;
   if (std::string_view(header.magic, kIslandsMagic.size()) != kIslandsMagic || header.version != kIslandsVersion)
     refuseIslands(mPath, "it is not a file of islands of this version");
-  // Counts are held against what is left of the file before memory is taken for them.
+  // Counts are compared with the rest of the file before memory is allocated for them.
   const auto take = [&](auto& values, std::uint64_t count) {
     using Value = typename std::remove_reference_t<decltype(values)>::value_type;
     if (count > left / sizeof(Value)) refuseIslands(mPath, "it is truncated");

@@ -21,7 +21,7 @@ using openvdb::Vec3s;
 
 using Place = std::pair<std::int32_t, std::int32_t>;  // y and z of a block
 
-/// A block's share of the points of a layer, or of its triangles.
+/// A block's range in the points of a layer, or in its triangles.
 struct Block {
   std::uint64_t first = 0;                     ///< of the layer's points
   std::vector<std::uint16_t> edges;            ///< ascending
@@ -36,7 +36,7 @@ struct Layer {
   std::vector<Vec3s> normals;
 };
 
-/// What one tile has of a block.
+/// The part of a block in one tile.
 struct Part {
   const TileLayer* layer;
   std::size_t point, points, triangle, triangles;
@@ -48,7 +48,7 @@ struct Part {
                   "; make the tiles again");
 }
 
-/// Puts the parts of one block in order: of points by their edges, of triangles by their cells.
+/// Sorts the parts of one block: points by their edges, triangles by their cells.
 void addBlock(const Place& place, const std::vector<Part>& parts, bool keepGuests, Layer& layer) {
   struct Point {
     std::uint16_t edge;
@@ -68,7 +68,7 @@ void addBlock(const Place& place, const std::vector<Part>& parts, bool keepGuest
   }
   if (parts.size() > 1) {
     std::sort(points.begin(), points.end(), [](const Point& a, const Point& b) { return a.edge < b.edge; });
-    // Those of a cell are all in one tile, and keep their order.
+    // The triangles of a cell are all in one tile, and keep their order.
     std::stable_sort(block.triangles.begin(), block.triangles.end(),
                      [](const auto& a, const auto& b) { return a[0] < b[0]; });
   }
@@ -82,7 +82,7 @@ void addBlock(const Place& place, const std::vector<Part>& parts, bool keepGuest
   layer.blocks.emplace_hint(layer.blocks.end(), place, std::move(block));
 }
 
-/// The layer at @a x of all tiles that have it.
+/// Reads the layer at @a x of all tiles that have it.
 Layer readLayer(std::vector<TileReader>& tiles, std::int32_t x, bool keepGuests) {
   std::vector<TileLayer> layers;
   for (TileReader& tile : tiles)
@@ -111,7 +111,7 @@ class LayerWriter {
     if (mBefore && layer.x != mBefore->x + kBlock) finishLayer(nullptr);
     const std::uint64_t points = layer.positions.size();
     if (mSink && mPoints + points > mOptions.mostPoints) {
-      // The layer before begins a mesh of its own, for its triangles use points of both.
+      // The previous layer begins a new mesh, because its triangles use points of both.
       mSink = nullptr;
       if (mBefore) mBeforeFirst = beginLayer(*mBefore);
     }
@@ -127,7 +127,8 @@ class LayerWriter {
   }
 
  private:
-  /// The edges of a block and of its neighbours ahead, as corners count them, and the index of the first point of each.
+  /// The edges of a block and of its next neighbours, as corners refer to them, and the index of the first point of
+  /// each.
   using Around = std::array<std::pair<const std::vector<std::uint16_t>*, std::uint64_t>, 8>;
 
   /// Adds a layer's points. @return the index of the first one in its mesh
@@ -147,7 +148,7 @@ class LayerWriter {
     return first;
   }
 
-  /// Adds the triangles of the layer before, which may use points of the next one.
+  /// Adds the triangles of the previous layer, which may use points of the next one.
   void finishLayer(const Layer* next, std::uint64_t nextFirst = 0) {
     const Layer& layer = *mBefore;
     std::vector<openvdb::Vec3I> triangles;
@@ -189,9 +190,9 @@ class LayerWriter {
   TileMergeOptions mOptions;
   const std::function<MeshSink&()>& mNextMesh;
   MeshSink* mSink = nullptr;
-  std::uint64_t mPoints = 0;  ///< of the present mesh
+  std::uint64_t mPoints = 0;  ///< of the current mesh
   std::optional<Layer> mBefore;
-  std::uint64_t mBeforeFirst = 0;  ///< the index of its first point in the present mesh
+  std::uint64_t mBeforeFirst = 0;  ///< the index of its first point in the current mesh
   MeshCounts mCounts;
 };
 
@@ -201,7 +202,7 @@ MeshCounts mergeTiles(std::vector<TileReader>& tiles, const TileMergeOptions& op
                       const std::function<MeshSink&()>& nextMesh, Monitor& monitor) {
   std::uint64_t layers = 0;
   for (const TileReader& tile : tiles) layers += tile.counts().layers;
-  monitor.begin("merging", layers);
+  monitor.begin(PhaseKind::Merging, layers);
   LayerWriter writer(options, nextMesh);
   for (;;) {
     std::optional<std::int32_t> x;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file tile_merge.h
-/// Meshes of tiles into one mesh, layer by layer.
+/// Merges the meshes of tiles into one mesh, layer by layer.
 #pragma once
 
 #include "farm/tile_file.h"
@@ -16,17 +16,19 @@
 namespace vdbtools::farm {
 
 struct TileMergeOptions {
-  /// Takes the points, too, that other tiles own: what is left out of the mesh is a tile by itself.
+  /// Whether to include the points that other tiles own, for the mesh of a single tile.
   bool keepGuests = false;
-  /// Of a mesh. Where there are more, the next mesh begins, with the points of one layer of blocks in both.
+  /// The maximum number of points of a mesh. If there are more, the next mesh begins, with the points of one layer of
+  /// blocks in both.
   std::uint64_t mostPoints = 0x7fffffff;
 };
 
 /// Merges tiles into the mesh that one run would have made: the same points and triangles in the same order. Memory
 /// holds two layers of blocks of all tiles.
-/// @param nextMesh  gives the sink for the first mesh, and for each that follows
-/// @return of all meshes together; points that are in two of them count twice
-/// @throw DataError  a tile is broken, or lacks what another one refers to; one layer alone has more than mostPoints
+/// @param nextMesh  returns the sink for the first mesh, and for each following mesh
+/// @return the totals of all meshes; points that are in two of them count twice
+/// @throw DataError  a tile is broken, or lacks a point to which another one refers; one layer alone has more than
+///                   mostPoints
 MeshCounts mergeTiles(std::vector<TileReader>& tiles, const TileMergeOptions& options,
                       const std::function<MeshSink&()>& nextMesh, Monitor& monitor);
 

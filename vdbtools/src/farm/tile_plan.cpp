@@ -41,20 +41,20 @@ std::vector<CoordBBox> clipped(std::span<const CoordBBox> boxes, const CoordBBox
   return result;
 }
 
-/// Which of the intervals of @a side nodes a node is in.
+/// The interval of @a side nodes to which a node belongs.
 int intervalOf(int node, int side) { return node >= 0 ? node / side : -((-node + side - 1) / side); }
 int blockOf(int node) { return intervalOf(node, kBlock); }
 
-/// Where to cut along an axis so that about @a share of the work comes before: the first node behind, a multiple of 8;
-/// nothing where all work lies in one block.
+/// The cut along an axis that puts about @a share of the work before it: the first node after the cut, a multiple of 8;
+/// empty if all work is in one block.
 std::optional<int> whereToCut(const std::vector<CoordBBox>& work, const CoordBBox& around, int axis, double share) {
   const int first = blockOf(around.min()[axis]), last = blockOf(around.max()[axis]);
   if (first == last) return std::nullopt;
-  // Of each block along the axis: by how much the work a node changes there.
+  // For each block along the axis: the change of the work per node there.
   std::vector<double> begins(static_cast<std::size_t>(last - first) + 2, 0.0);
   double all = 0;
   for (const CoordBBox& box : work) {
-    // Spread evenly over the blocks that it touches.
+    // The work is spread evenly over the blocks that the box touches.
     const int low = blockOf(box.min()[axis]), high = blockOf(box.max()[axis]);
     const double each = volumeOf(box) / (high - low + 1);
     begins[static_cast<std::size_t>(low - first)] += each;
@@ -102,21 +102,21 @@ void cut(const CoordBBox& box, std::vector<CoordBBox> work, int count, std::vect
   tiles.push_back(tile);
 }
 
-/// That what is merged in the end can hold the fractal: its tiles can in any case.
+/// Checks that the merged products can hold the fractal; its tiles always can.
 void requireFormats(const std::vector<std::string>& makes, double voxelSize, const FieldPlan& whole) {
   for (const std::string& extension : makes)
     if (extension == "vdb")
       requireVdbVoxel(voxelSize);
-    else
+    else if (extension != kMakeCount)
       needsDoublePositions({.format = meshFormat("mesh." + extension), .voxelSize = voxelSize, .box = meshBox(whole)});
 }
 
-/// Boxes of nodes that the tiles have to cover.
+/// Boxes of nodes that the tiles must cover.
 std::vector<CoordBBox> workOf(const Scene& scene, const FieldPlan& whole) {
-  const bool everywhere = !scene.exponent || scene.options.lattice.exhaustive;
-  std::vector<CoordBBox> work = undecidedBoxes(everywhere ? nullptr : &*scene.exponent, whole);
+  const bool everywhere = !scene.exponent() || scene.options.lattice.exhaustive;
+  std::vector<CoordBBox> work = undecidedBoxes(everywhere ? nullptr : &*scene.exponent(), whole);
   if (everywhere || !whole.bounded) return work;
-  // Where the box cuts the set there are caps.
+  // There are caps where the box cuts the set.
   for (int axis = 0; axis < 3; ++axis)
     for (const bool far : {false, true}) {
       CoordBBox face = whole.domain;
@@ -126,13 +126,13 @@ std::vector<CoordBBox> workOf(const Scene& scene, const FieldPlan& whole) {
   return work;
 }
 
-/// Adds those cubes without work that lie inside the set. F has one sign in each, and in all that are side by side.
+/// Adds the cubes without work that lie inside the set. F has one sign in each, and in all adjacent ones.
 void addInsideCubes(const Scene& scene, const FieldPlan& whole, int side, std::vector<TileBox>& tiles) {
   std::set<Coord> present;
   for (const TileBox& tile : tiles)
     present.insert(Coord(intervalOf(tile.nodes.min()[0], side), intervalOf(tile.nodes.min()[1], side),
                          intervalOf(tile.nodes.min()[2], side)));
-  std::vector<CoordBBox> rows;  // of cubes, along z
+  std::vector<CoordBBox> rows;  // of cubes along z
   std::vector<julia::Point> points;
   Coord low, high;
   for (int axis = 0; axis < 3; ++axis) {
@@ -202,8 +202,8 @@ std::vector<TileBox> cutIntoCubes(const CoordBBox& domain, std::span<const Coord
 
 namespace {
 
-/// How much of the surface lies in each tile, as a lattice of at most kSurveyVoxels along the domain's longest side
-/// shows it: its points. The scene gets the voxel size of that lattice.
+/// Measures how much of the surface lies in each tile: its points on a lattice of at most kSurveyVoxels along the
+/// domain's longest side. The scene gets the voxel size of that lattice.
 void surveySurface(Scene& scene, const TileLattice& lattice, const std::vector<TileBox>& tiles, TilePlan& plan,
                    Monitor& monitor) {
   constexpr double kSurveyVoxels = 400;
@@ -222,7 +222,7 @@ void surveySurface(Scene& scene, const TileLattice& lattice, const std::vector<T
   }
   const FieldPlan whole = planScene(scene);
   const FractalField field = evaluateField(whole, scene.source(), {}, monitor);
-  constexpr double kRough = 0.5;  // voxels: all that matters is which tile a point lies in
+  constexpr double kRough = 0.5;  // voxels; only the tile of a point matters
   const Mesh mesh = extractMesh(field, scene.source(), {.tolerance = kRough, .border = Border::Cap}, monitor);
   for (const openvdb::Vec3d& point : mesh.points)
     if (const std::int32_t owner = owners.getValue(Coord::floor(point / scene.voxelSize)); owner >= 0)
@@ -234,10 +234,11 @@ void surveySurface(Scene& scene, const TileLattice& lattice, const std::vector<T
 TilePlan planTiles(const FractalOptions& wanted, const Recipe& asked, const TilePlanOptions& tiles,
                    const std::filesystem::path& folder, Monitor& monitor) {
   FractalOptions options = wanted;
-  // Tiles are for what no memory holds.
+  // Tiles serve fractals that do not fit in memory.
   options.lattice.withinMemory = false;
-  requireMakes(tiles.makes);
+  requireMakes(PlanKind::Tiles, tiles.makes);
   requireCuttable(options);
+  requireCountable(options, tiles.makes);
   if (tiles.tiles.has_value() == tiles.tileNodes.has_value())
     throw std::invalid_argument("give either the number of tiles or the nodes along the side of one, and not both");
   if (tiles.tiles && (*tiles.tiles < 1 || *tiles.tiles > kMostTiles))
@@ -249,7 +250,7 @@ TilePlan planTiles(const FractalOptions& wanted, const Recipe& asked, const Tile
   Scene scene = makeScene(options, monitor);
   options = scene.options;
   const Recipe recipe = resolvedRecipe(scene, asked);
-  // A window without nodes: the blocks of the whole would be too many for a large lattice.
+  // A window without nodes: a large lattice would have too many blocks.
   FieldPlan whole = planScene(scene, CoordBBox());
   whole.window = whole.domain;
   requireFormats(tiles.makes, scene.voxelSize, whole);
@@ -262,17 +263,17 @@ TilePlan planTiles(const FractalOptions& wanted, const Recipe& asked, const Tile
   Manifest& manifest = plan.manifest;
   manifest.makes = tiles.makes;
   const TileFiles files = tileFiles(manifest, options);
-  // A tile without a triangle may have a part of the level set.
+  // A tile without a triangle may still have a part of the level set.
   std::vector<TileBox> boxes = tiles.tiles ? cutEvenly(whole.domain, work, *tiles.tiles)
                                            : cutIntoCubes(whole.domain, work, *tiles.tileNodes, kTileHalo);
-  // Islands are joined through cubes that have nothing to do, and such cubes belong to their size.
+  // Islands are joined through cubes without work, and such cubes count for their size.
   if (files.islands && tiles.tileNodes) addInsideCubes(scene, whole, *tiles.tileNodes, boxes);
   if (boxes.size() > kMostTiles)
     throw std::invalid_argument("there would be " + std::to_string(boxes.size()) + " tiles, and " +
                                 std::to_string(kMostTiles) + " is the most; make them larger");
 
   manifest.kind = PlanKind::Tiles;
-  // A task works in any folder, and can tell whether the map's files are those of the plan.
+  // A task runs in any folder, and can check whether the map's files are those of the plan.
   manifest.recipe = withAbsoluteNames(recipe, std::filesystem::current_path());
   for (const auto& [name, hash] : verifiedHashes(filesOf(options))) manifest.recipe[name] = hash;
   manifest.metadata = sceneMetadata(scene, recipe);
@@ -283,8 +284,8 @@ TilePlan planTiles(const FractalOptions& wanted, const Recipe& asked, const Tile
   }
   if (tiles.survey) surveySurface(scene, *manifest.lattice, boxes, plan, monitor);
 
-  // Last, so that what fails or is interrupted leaves no part of a plan behind; and again, as another plan may have
-  // been made there meanwhile.
+  // This comes last, so that a failure or an interruption leaves no part of a plan behind; the check is repeated,
+  // because another plan may have been written there meanwhile.
   requireNewPlanFolder(folder);
   std::error_code error;
   std::filesystem::create_directories(folder, error);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "farm/tile_task.h"
 
+#include "farm/tile_count.h"
+
 #include "field/block_layers.h"
 
 #include "vdbtools/base/errors.h"
@@ -24,11 +26,7 @@ using Leaf = openvdb::FloatTree::LeafNodeType;
 
 std::string numbered(std::uint64_t index, const char* extension) { return "tiles/" + taskName(index) + extension; }
 
-bool dropsIslands(const FractalOptions& options) {
-  return options.surface.islands.largest > 0 || options.surface.islands.minSize > 0;
-}
-
-/// @throw DataError  the plan was not made from the prepared scene beside it
+/// @throw DataError  the plan was not made from the prepared scene in its folder
 void requireLattice(const TileLattice& lattice, const FieldPlan& plan) {
   if (lattice.domain == plan.domain && lattice.bounded == plan.bounded && lattice.voxelSize == plan.voxelSize) return;
   throw DataError(std::string("the lattice of the plan is not that of '") + kPreparedName + "'; plan again");
@@ -36,7 +34,7 @@ void requireLattice(const TileLattice& lattice, const FieldPlan& plan) {
 
 Coord leafOf(const Coord& node) { return node & ~(kBlock - 1); }
 
-/// The mesh without its caps, and the places of what is left.
+/// The mesh without its caps, and the places of the rest.
 PlacedMesh withoutCaps(PlacedMesh placed) {
   CappedMesh capped{.mesh = std::move(placed.mesh)};
   PlacedMesh result;
@@ -55,7 +53,7 @@ PlacedMesh withoutCaps(PlacedMesh placed) {
   return result;
 }
 
-/// Gives the points that are not on caps the normals that they have without caps.
+/// Gives the points that are not on caps the normals of the mesh without caps.
 void setOpenNormals(PlacedMesh& placed) {
   const PlacedMesh open = withoutCaps(placed);
   std::size_t next = 0;
@@ -63,10 +61,11 @@ void setOpenNormals(PlacedMesh& placed) {
     if (!placed.places.points[i].cut) placed.mesh.normals[i] = open.mesh.normals[next++];
 }
 
-/// What a tile owns of the mesh of its window, by layers and blocks, and the points that its triangles use besides.
+/// Collects the part of a window's mesh that a tile owns, by layers and blocks, and the further points that its
+/// triangles use.
 class LayerMaker {
  public:
-  /// @param islands  counts the points of its parts; or null
+  /// @param islands  counts the points of its parts; may be null
   LayerMaker(const PlacedMesh& placed, const CoordBBox& own, TileIslands* islands)
       : mPlaced(placed), mOwn(own), mIslands(islands) {}
 
@@ -77,7 +76,7 @@ class LayerMaker {
     for (std::size_t i = 0; i < cells.size(); ++i)
       if (mOwn.isInside(cells[i]))
         for (int k = 0; k < 3; ++k) used[mPlaced.mesh.triangles[i][k]] = 1;
-    // Both come by blocks; a layer's blocks are those of either.
+    // Both are ordered by blocks; a layer has the blocks of either.
     std::size_t point = 0, triangle = 0;
     while (point < edges.size() || triangle < cells.size()) {
       const bool pointFirst =
@@ -171,17 +170,24 @@ FloatGrid::Ptr ownPart(const FloatGrid& whole, const CoordBBox& own) {
 std::string tileMeshName(std::uint64_t index) { return numbered(index, ".tile"); }
 std::string tileGridsName(std::uint64_t index) { return numbered(index, ".vdb"); }
 std::string tileIslandsName(std::uint64_t index) { return numbered(index, ".islands"); }
+std::string tileCountName(std::uint64_t index) { return numbered(index, ".json"); }
 
 TileFiles tileFiles(const Manifest& manifest, const FractalOptions& options) {
-  const std::vector<std::string>& grids = options.output.grids;
-  const auto has = [&](const char* name) { return std::find(grids.begin(), grids.end(), name) != grids.end(); };
-  TileFiles files{.mesh = makesMesh(manifest), .grids = makes(manifest, "vdb")};
-  files.islands = dropsIslands(options);
+  if (makes(manifest, kMakeCount)) return {.count = true};
+  TileFiles files{.mesh = makesMesh(manifest), .grids = makes(manifest, "vdb"), .islands = dropsIslands(options)};
   if (!files.islands || !files.grids) return files;
-  files.cappedMesh = has("surface") || has("density") || has("versor") || !options.output.attributes.empty();
+  const GridPlan grids = planGrids(options.output);
+  files.cappedMesh = grids.needsLevelSet();
   files.mesh = files.mesh || files.cappedMesh;
-  files.grids = has("logmodulus") || has("iterations");
+  files.grids = grids.has(OutputGrid::LogModulus) || grids.has(OutputGrid::Iterations);
   return files;
+}
+
+TileJob tileJob(const Manifest& manifest) {
+  TileJob job{.manifest = manifest, .options = parseFractalOptions(manifest.recipe), .grids = {}, .files = {}};
+  if (makes(manifest, "vdb")) job.grids = planGrids(job.options.output);
+  job.files = tileFiles(manifest, job.options);
+  return job;
 }
 
 std::vector<std::string> tileNames(const TileFiles& files, std::uint64_t index) {
@@ -189,6 +195,7 @@ std::vector<std::string> tileNames(const TileFiles& files, std::uint64_t index) 
   if (files.mesh) names.push_back(tileMeshName(index));
   if (files.grids) names.push_back(tileGridsName(index));
   if (files.islands) names.push_back(tileIslandsName(index));
+  if (files.count) names.push_back(tileCountName(index));
   return names;
 }
 
@@ -207,6 +214,18 @@ void requireCuttable(const FractalOptions& options) {
         "exponent; leave it out, or make the fractal in one run");
 }
 
+void requireCountable(const FractalOptions& options, const std::vector<std::string>& makes) {
+  if (makes != std::vector<std::string>{kMakeCount}) return;
+  if (dropsIslands(options))
+    throw std::invalid_argument(
+        "--make count keeps no tiles, and islands are joined through all of them; leave out --largest and --min-size, "
+        "or give --make ply");
+  if (!options.output.attributes.empty())
+    throw std::invalid_argument(
+        "--make count writes no points, which could have attributes; leave out --attributes, --colour and --transfer, "
+        "or give --make ply");
+}
+
 CoordBBox ownNodes(const CoordBBox& box, const CoordBBox& domain) {
   CoordBBox own = box;
   for (int axis = 0; axis < 3; ++axis) {
@@ -216,24 +235,18 @@ CoordBBox ownNodes(const CoordBBox& box, const CoordBBox& domain) {
   return own;
 }
 
-Tile makeTile(const Scene& scene, const CoordBBox& box, bool wantsMesh, bool wantsGrids, Monitor& monitor) {
-  const std::vector<std::string>& names = scene.options.output.grids;
-  const auto wants = [&](const char* name) {
-    return wantsGrids && std::find(names.begin(), names.end(), name) != names.end();
-  };
+Tile makeTile(const Scene& scene, const CoordBBox& box, const FractalProducts& wanted, Monitor& monitor) {
+  const GridPlan grids = wanted.grids ? planGrids(scene.options.output) : GridPlan{};
   CoordBBox window = box;
   window.expand(kTileHalo);
   FieldPlan plan = planScene(scene, window);
   if (plan.crumbs) plan.crumbs->counted = box;
   const CoordBBox own = ownNodes(box, plan.domain);
-  const FractalField field = evaluateField(
-      plan, scene.source(),
-      {.keepIterations = wants("iterations"), .everyNode = wants("iterations") || wants("logmodulus")}, monitor);
+  const FractalField field = evaluateField(plan, scene.source(), grids.evaluation(), monitor);
   Tile tile{.evaluatedNodes = field.evaluatedNodes, .crumbs = field.crumbs};
   const bool dropped = dropsIslands(scene.options);
   if (dropped) tile.islands.emplace(field, scene.source(), box, monitor);
-  const bool wantsSurface = wants("surface") || wants("density") || wants("versor") ||
-                            (wantsGrids && !scene.options.output.attributes.empty());
+  const bool wantsSurface = grids.needsLevelSet();
   const bool capMesh = scene.options.surface.cap || !plan.bounded;
   PlacedMesh placed = extractPlacedMesh(
       field, scene.source(),
@@ -244,9 +257,9 @@ Tile makeTile(const Scene& scene, const CoordBBox& box, bool wantsMesh, bool wan
     surface->setName("surface");
     tile.grids.push_back(surface);
   }
-  if (wants("logmodulus")) tile.grids.push_back(ownPart(*field.field, own));
-  if (wants("iterations")) tile.grids.push_back(ownPart(*field.iterations, own));
-  if (!wantsMesh && !(wantsSurface && dropped)) return tile;
+  if (grids.has(OutputGrid::LogModulus)) tile.grids.push_back(ownPart(*field.field, own));
+  if (grids.has(OutputGrid::Iterations)) tile.grids.push_back(ownPart(*field.iterations, own));
+  if (!wanted.mesh && !(wantsSurface && dropped)) return tile;
   if (wantsSurface && !capMesh) {
     if (dropped)
       setOpenNormals(placed);
@@ -257,47 +270,56 @@ Tile makeTile(const Scene& scene, const CoordBBox& box, bool wantsMesh, bool wan
   return tile;
 }
 
-bool tilesNeedDoubles(const Manifest& manifest) {
-  // Attributes are computed at the merged vertices, which must be those of one run to the bit.
-  if (!parseFractalOptions(manifest.recipe).output.attributes.empty()) return true;
-  const TileLattice& lattice = manifest.lattice.value();
+bool tilesNeedDoubles(const TileJob& job) {
+  // Attributes are computed at the merged vertices, which must equal those of a single run bit for bit.
+  if (!job.options.output.attributes.empty()) return true;
+  const TileLattice& lattice = job.lattice();
   const openvdb::BBoxd box = meshBox({.domain = lattice.domain, .voxelSize = lattice.voxelSize});
-  return std::any_of(manifest.makes.begin(), manifest.makes.end(), [&](const std::string& format) {
-    return format != "vdb" &&
+  return std::any_of(job.manifest.makes.begin(), job.manifest.makes.end(), [&](const std::string& format) {
+    return format != "vdb" && format != kMakeCount &&
            needsDoublePositions({.format = meshFormat("mesh." + format), .voxelSize = lattice.voxelSize, .box = box});
   });
 }
 
 TaskCounts makeTile(const std::filesystem::path& folder, const Manifest& manifest, std::uint64_t index,
                     Monitor& monitor) {
-  const bool wantsGrids = makes(manifest, "vdb"), wantsMesh = makesMesh(manifest);
+  const bool onlyCounts = makes(manifest, kMakeCount);
+  const FractalProducts wanted{.grids = makes(manifest, "vdb"), .mesh = makesMesh(manifest) || onlyCounts};
   const PlannedTask& task = manifest.tasks.at(index - 1);
-  const FractalOptions options = parseFractalOptions(manifest.recipe);
-  const TileFiles written = tileFiles(manifest, options);
+  const TileJob job = tileJob(manifest);
+  const FractalOptions& options = job.options;
+  const TileFiles& written = job.files;
   OutputFiles files(inputsOf(options));
   AtomicFile* const mesh = written.mesh ? &files.add(folder / tileMeshName(index)) : nullptr;
   AtomicFile* const grids = written.grids ? &files.add(folder / tileGridsName(index)) : nullptr;
   AtomicFile* const islands = written.islands ? &files.add(folder / tileIslandsName(index)) : nullptr;
-  // Those of controls went into the exponent, and need not be at hand.
+  AtomicFile* const count = written.count ? &files.add(folder / tileCountName(index)) : nullptr;
+  // The files of controls have been used for the exponent, and need not be available.
   std::vector<NamedFile> present = options.map->files();
   std::erase_if(present, [](const NamedFile& file) { return !std::filesystem::exists(file.path); });
   verifiedHashes(present);
   const Scene scene = readPreparedScene(options, folder / kPreparedName);
-  requireLattice(manifest.lattice.value(), planScene(scene, CoordBBox()));
-  const Tile tile = makeTile(scene, task.box.value(), wantsMesh, wantsGrids, monitor);
-  monitor.begin("writing", 0);
+  requireLattice(job.lattice(), planScene(scene, CoordBBox()));
+  const Tile tile = makeTile(scene, task.box.value(), wanted, monitor);
+  monitor.begin(PhaseKind::Writing, 0);
   TaskCounts counts;
   counts.counts["evaluatedNodes"] = static_cast<double>(tile.evaluatedNodes);
   if (tile.crumbs) {
     counts.counts[kCrumbsCount] = static_cast<double>(tile.crumbs->crumbs);
     counts.counts[kCrumbNodesCount] = static_cast<double>(tile.crumbs->nodes);
   }
-  if (mesh) {
-    const TileCounts of = writeTile(mesh->stream(), tile.layers, written.cappedMesh || tilesNeedDoubles(manifest));
+  if (count) {
+    const TileCount of = countTile(tile.layers);
+    count->stream() << encodeTileCount(of);
     counts.counts["points"] = static_cast<double>(of.points);
     counts.counts["triangles"] = static_cast<double>(of.triangles);
   }
-  // Not the half floats of the result: what is merged must have all its digits.
+  if (mesh) {
+    const TileCounts of = writeTile(mesh->stream(), tile.layers, written.cappedMesh || tilesNeedDoubles(job));
+    counts.counts["points"] = static_cast<double>(of.points);
+    counts.counts["triangles"] = static_cast<double>(of.triangles);
+  }
+  // Not in half floats like the result: merging needs all digits.
   if (grids) grids->stream() << encodeVdb(tile.grids, {});
   if (islands) tile.islands->write(islands->stream());
   monitor.throwIfCancelled();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file tile_task.h
-/// The task of a tile: its mesh (tile_file.h), its part of the grids, and its islands where some are to be dropped
+/// The task of a tile: its mesh (tile_file.h), its part of the grids, and, if islands are to be dropped, its islands
 /// (tile_islands.h).
 #pragma once
 
@@ -8,6 +8,8 @@
 #include "farm/tile_islands.h"
 
 #include "vdbtools/farm/task.h"
+#include "vdbtools/job/fractal_job.h"
+#include "vdbtools/scene/grid_plan.h"
 #include "vdbtools/scene/scene.h"
 
 #include <optional>
@@ -21,20 +23,35 @@ inline constexpr const char* kPreparedName = "prepared.vdb";
 std::string tileMeshName(std::uint64_t index);
 std::string tileGridsName(std::uint64_t index);
 std::string tileIslandsName(std::uint64_t index);
+std::string tileCountName(std::uint64_t index);
 
-/// Of a tile's TaskCounts: CrumbReport.
+/// The names under which a tile's TaskCounts hold a CrumbReport.
 inline constexpr const char* kCrumbsCount = "crumbs";
 inline constexpr const char* kCrumbNodesCount = "crumbNodes";
 
-/// Which files the tasks of a plan write. Where islands are dropped the distances of a level set are those to what is
-/// left of the mesh. They are computed when the tiles are merged, and the tiles hold the mesh for that.
+/// Which files the tasks of a plan write. If islands are dropped, the distances of a level set are those to the
+/// remaining mesh. They are computed when the tiles are merged, and the tiles store the mesh for that.
 struct TileFiles {
   bool mesh = false, grids = false, islands = false;
-  bool cappedMesh = false;  ///< the mesh is kept for a level set: in doubles, and closed by caps
+  bool count = false;       ///< instead of them (tile_count.h)
+  bool cappedMesh = false;  ///< the mesh is stored for a level set: in doubles, and closed by caps
 };
 
-/// Of what the manifest makes. Its tasks need not be there yet.
+/// The files for the manifest's products. Its tasks may be missing still.
 TileFiles tileFiles(const Manifest& manifest, const FractalOptions& options);
+
+/// A plan of tiles with its recipe as values, for its tasks and their merging.
+struct TileJob {
+  const Manifest& manifest;
+  FractalOptions options;
+  GridPlan grids;   ///< empty if the plan makes no VDB
+  TileFiles files;  ///< of each task
+
+  const TileLattice& lattice() const { return manifest.lattice.value(); }
+};
+
+/// @param manifest  a plan of tiles; must outlive the result
+TileJob tileJob(const Manifest& manifest);
 
 /// The names of these files of task @a index, in the order of PlannedTask::writes.
 std::vector<std::string> tileNames(const TileFiles& files, std::uint64_t index);
@@ -42,28 +59,31 @@ std::vector<std::string> tileNames(const TileFiles& files, std::uint64_t index);
 /// @throw std::invalid_argument  options that a fractal in tiles cannot have
 void requireCuttable(const FractalOptions& options);
 
-/// How far a tile's level set and its normals depend on nodes of other tiles.
+/// @throw std::invalid_argument  the plan is to count, and the options drop islands or add attributes
+void requireCountable(const FractalOptions& options, const std::vector<std::string>& makes);
+
+/// How far a tile's level set and its normals depend on nodes of other tiles, in nodes.
 inline constexpr int kTileHalo = 5;
 
-/// The nodes that are a tile's own when it comes to points, triangles and grids: where the domain ends with its box,
-/// those beyond as well, as caps and bands lie there.
+/// The nodes of a tile for points, triangles and grids: if the domain ends at a face of its box, they include the nodes
+/// beyond, where caps and bands lie.
 openvdb::CoordBBox ownNodes(const openvdb::CoordBBox& box, const openvdb::CoordBBox& domain);
 
 struct Tile {
-  std::vector<TileLayer> layers;              ///< of the mesh, if it is wanted
-  std::vector<openvdb::GridBase::Ptr> grids;  ///< the parts of those that are wanted and are made of parts
-  std::optional<TileIslands> islands;         ///< if some are to be dropped
+  std::vector<TileLayer> layers;              ///< of the mesh, if it is requested
+  std::vector<openvdb::GridBase::Ptr> grids;  ///< the tile's parts of the requested grids that are made of parts
+  std::optional<TileIslands> islands;         ///< if islands are to be dropped
   std::uint64_t evaluatedNodes = 0;
-  std::optional<CrumbReport> crumbs{};  ///< of the nodes that the tile owns, if they are dropped
+  std::optional<CrumbReport> crumbs{};  ///< for the nodes that the tile owns, if crumbs are dropped
 };
 
 /// @param box  the nodes that the tile owns
-Tile makeTile(const Scene& scene, const openvdb::CoordBBox& box, bool wantsMesh, bool wantsGrids, Monitor& monitor);
+Tile makeTile(const Scene& scene, const openvdb::CoordBBox& box, const FractalProducts& wanted, Monitor& monitor);
 
 TaskCounts makeTile(const std::filesystem::path& folder, const Manifest& manifest, std::uint64_t index,
                     Monitor& monitor);
 
-/// Whether the mesh of a plan has to keep doubles until it is merged.
-bool tilesNeedDoubles(const Manifest& manifest);
+/// Whether the mesh of a plan must be stored in doubles until it is merged.
+bool tilesNeedDoubles(const TileJob& job);
 
 }  // namespace vdbtools::farm

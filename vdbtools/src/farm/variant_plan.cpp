@@ -19,13 +19,13 @@ namespace {
 
 constexpr const char* kOut = "out/";
 
-void requireNames(const VariantNames& names) {
+void requireNames(PlanKind kind, const VariantNames& names) {
   if (names.name.empty() || names.name.find('/') != std::string::npos || hasFramePattern(names.name))
     refuse("name", names.name, "a part of a file name, without a folder and without a place for the frame");
-  requireMakes(names.makes);
+  requireMakes(kind, names.makes);
 }
 
-/// Complete, checked, and with the hashes of its files.
+/// A complete and checked recipe with the hashes of its files.
 Recipe checkedRecipe(const Variant& variant, const OptionTable& table, FileHashes& hashes,
                      const std::filesystem::path& folder) {
   try {
@@ -45,8 +45,8 @@ bool isIn(const Recipe& recipe, const Recipe::value_type& entry) {
   return found != recipe.end() && found->second == entry.second;
 }
 
-/// Moves the entries that all tasks have from them to the plan. What a task's own entries would displace there, such as
-/// the hash of a file that has another name in each task, stays with the tasks.
+/// Moves the entries that all tasks share to the plan. Entries that a task's own entries would displace there, such as
+/// the hash of a file with a different name in each task, stay with the tasks.
 void shareEntries(Manifest& manifest) {
   std::vector<Recipe> whole;
   for (const PlannedTask& task : manifest.tasks) whole.push_back(task.recipe);
@@ -69,10 +69,12 @@ void shareEntries(Manifest& manifest) {
 
 }  // namespace
 
-void requireMakes(const std::vector<std::string>& makes) {
+void requireMakes(PlanKind kind, const std::vector<std::string>& makes) {
+  if (kind == PlanKind::Tiles && makes == std::vector<std::string>{kMakeCount}) return;
   std::vector<std::string> known = {"vdb"}, seen;
   for (const std::string& extension : split(kMeshExtensions, ' ')) known.push_back(extension.substr(1));
-  const std::string wanted = std::string("a list of vdb, ") + kMeshFormatNames;
+  const std::string wanted = std::string("a list of vdb, ") + kMeshFormatNames +
+                             (kind == PlanKind::Tiles ? std::string("; or ") + kMakeCount + " alone" : "");
   for (const std::string& extension : makes) {
     if (std::find(known.begin(), known.end(), extension) == known.end()) refuse("make", extension, wanted);
     if (std::find(seen.begin(), seen.end(), extension) != seen.end())
@@ -83,7 +85,7 @@ void requireMakes(const std::vector<std::string>& makes) {
 }
 
 Manifest planVariants(PlanKind kind, const std::vector<Variant>& variants, const VariantNames& names) {
-  requireNames(names);
+  requireNames(kind, names);
   const OptionTable table = fractalOptionTable();
   const std::filesystem::path folder = std::filesystem::current_path();
   Manifest manifest{.kind = kind, .makes = names.makes, .metadata = {{kFolderFact, folder.string()}}};

@@ -18,7 +18,7 @@
 namespace vdbtools::farm {
 namespace {
 
-/// The files of a task, not yet in their places.
+/// The files of a task before they are committed.
 class TaskFiles {
  public:
   TaskFiles(const std::filesystem::path& folder, const PlannedTask& task, InputFiles inputs)
@@ -45,7 +45,7 @@ class TaskFiles {
   FractalFiles mWanted;
 };
 
-/// Does what uses the recipe of a task. Where that is none, the plan is wrong, and not what was asked for.
+/// Runs code that uses the recipe of a task. If the recipe is invalid, the plan is at fault, not the request.
 /// @throw DataError  instead of std::invalid_argument
 template <class Body>
 auto withRecipe(std::uint64_t index, const Body& body) {
@@ -63,17 +63,17 @@ FractalOptions optionsOf(const Manifest& manifest, std::uint64_t index) {
   });
 }
 
-/// By what the distances of a task's target are kept; "" if they are not.
+/// The key under which the distances of a task's target are stored; "" if they are not.
 std::string targetKeyOf(const Manifest& manifest, std::uint64_t index) {
   try {
     const FractalOptions options = optionsOf(manifest, index);
     return options.target ? targetKey(*options.target) : std::string();
   } catch (const DataError&) {
-    return {};  // the task itself will say so
+    return {};  // the task itself will report it
   }
 }
 
-/// Goes through the tasks that are not done, until @a seen has seen enough. Those at the end are done last.
+/// Iterates backwards over the tasks that are not done, until @a seen returns true. The last tasks are done last.
 void forEachToCome(const std::filesystem::path& folder, const Manifest& manifest,
                    const std::function<bool(std::uint64_t index)>& seen) {
   for (std::uint64_t index = manifest.tasks.size(); index >= 1; --index)

@@ -11,7 +11,7 @@
 
 namespace vdbtools::farm {
 
-/// Makes the tasks of one plan, one after another; what they share of a target is made once.
+/// Runs the tasks of one plan one after another; what they share of a target is computed once.
 class VariantMaker {
  public:
   /// @param folder, manifest  of the plan
@@ -19,25 +19,25 @@ class VariantMaker {
   VariantMaker(const VariantMaker&) = delete;
   VariantMaker& operator=(const VariantMaker&) = delete;
 
-  /// Makes the files of task @a index, the same bytes as `juliavdb fractal` makes of the task's recipe, and brings all
-  /// of them to their places together. Counts evaluatedNodes, and of a mesh triangles and points.
-  /// @throw DataError  the plan has a recipe that is none
+  /// Makes the files of task @a index, with the same bytes as `juliavdb fractal` makes from the task's recipe, and
+  /// commits all of them together. Counts evaluatedNodes and, for a mesh, triangles and points.
+  /// @throw DataError  the plan has an invalid recipe
   /// @throw as makeScene() and writeFractal(); CreateError, IoError
   TaskCounts make(std::uint64_t index, Monitor& monitor);
 
  private:
   std::filesystem::path mFolder;
   Manifest mManifest;
-  std::uint64_t mIndex = 0;  ///< of the present task
+  std::uint64_t mIndex = 0;  ///< index of the current task
   SceneMaker mScenes;
 };
 
-/// One task.
+/// Runs a single task.
 TaskCounts makeVariant(const std::filesystem::path& folder, const Manifest& manifest, std::uint64_t index,
                        Monitor& monitor);
 
 /// Removes the distances (target_store.h) that no task needs any more: those of targets whose tasks are all done. A
-/// task that is made again makes them again.
+/// task that is run again computes them again.
 void removeUnneededTargets(const std::filesystem::path& folder, const Manifest& manifest);
 
 }  // namespace vdbtools::farm

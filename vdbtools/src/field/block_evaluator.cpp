@@ -22,20 +22,20 @@ using Leaf = EvaluatedBlock::Leaf;
 }  // namespace
 
 struct BlockEvaluator::Scratch {
-  /// @param nodes  how many are evaluated together, the nodes of a block at least
+  /// @param nodes  number of nodes evaluated together, at least the nodes of a block
   explicit Scratch(std::size_t nodes) : points(nodes), offsets(nodes), values(nodes), steps(nodes) {}
 
   std::vector<julia::Point> points;
   std::vector<Index> offsets;
   std::vector<double> values;
   std::vector<int> steps;
-  std::size_t count = 0;  ///< of the nodes that wait
+  std::size_t count = 0;  ///< number of waiting nodes
   struct Waiting {
     EvaluatedBlock* block;
-    std::size_t end;  ///< of its nodes among those that wait
+    std::size_t end;  ///< end of its nodes among the waiting ones
   };
   std::vector<Waiting> waiting;
-  std::vector<NodeBlock> blocks;  ///< that wait, other than these nodes
+  std::vector<NodeBlock> blocks;  ///< waiting blocks, other than those of these nodes
 
   std::vector<julia::Decision> decisions;
   std::vector<Coord> undecided, corners;
@@ -89,7 +89,7 @@ void BlockEvaluator::evaluatePart(std::span<const Coord> origins, std::span<Eval
   evaluateWaiting(scratch);
 }
 
-/// Makes the block's leaves and queues its nodes for evaluation.
+/// Creates the block's leaves and queues its nodes for evaluation.
 void BlockEvaluator::begin(const Coord& origin, std::span<const julia::Decision> parts, EvaluatedBlock& block,
                            Scratch& scratch) const {
   block.field = std::make_unique<Leaf>(origin, kFieldOutside, false);

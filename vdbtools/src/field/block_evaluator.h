@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file block_evaluator.h
-/// F at the nodes of whole blocks. Nodes are not evaluated in a block, or a part of one, whose sign is proved.
+/// F at the nodes of whole blocks. A block, or a part of one, whose sign is proved is not evaluated.
 #pragma once
 
 #include "field/undecided_blocks.h"
@@ -21,35 +21,35 @@ inline constexpr float kFieldOutside = 1;
 
 struct EvaluatedBlock {
   using Leaf = openvdb::FloatTree::LeafNodeType;
-  /// Active nodes were evaluated; at some of them julia::kFieldLimit says no more than that F >= 0, unless
+  /// Active nodes were evaluated; at some of them julia::kFieldLimit means only that F >= 0, unless
   /// Options::everyValue. Empty: F has one sign at all nodes of the block and at those next to it.
   std::unique_ptr<Leaf> field;
-  std::unique_ptr<Leaf> iterations;  ///< if asked for
-  /// That one sign, where the field is empty.
+  std::unique_ptr<Leaf> iterations;  ///< if requested
+  /// The sign of F, if the field is empty.
   julia::Decision decision = julia::Decision::Undecided;
 };
 
 /// A plan's field before anything is evaluated.
 FractalField emptyField(const FieldPlan& plan, bool keepIterations);
 
-/// Gives the tiles of a field the sign of the leaves next to them.
+/// Gives the tiles of a field the sign of the adjacent leaves.
 void fillTiles(FractalField& field);
 
 class BlockEvaluator {
  public:
   struct Options {
     double voxelSize = 0;       ///< world units
-    openvdb::CoordBBox domain;  ///< nodes beyond hold kFieldOutside
+    openvdb::CoordBBox domain;  ///< nodes outside hold kFieldOutside
     openvdb::CoordBBox window;  ///< the nodes of the domain that are evaluated; others hold kFieldOutside, too
     bool keepIterations = false;
-    bool everyValue = false;  ///< F itself is wanted at every node, and not its sign alone
-    /// Nodes are skipped where the sign of F is proved, there and at the nodes next to them.
+    bool everyValue = false;  ///< whether F itself is needed at every node, and not only its sign
+    /// How to prove the sign of F, at nodes and those next to them, so that they can be skipped.
     Proofs proofs = Proofs::None;
   };
 
   BlockEvaluator(const FieldSource& source, const Options& options) : mSource(source), mOptions(options) {}
 
-  /// Evaluates blocks in threads. Ends early, with blocks left empty, when the monitor is cancelled.
+  /// Evaluates blocks in threads. Ends early, with blocks left empty, if the monitor is cancelled.
   /// @param origins  first nodes of the blocks
   std::vector<EvaluatedBlock> evaluate(std::span<const openvdb::Coord> origins, Monitor& monitor);
 

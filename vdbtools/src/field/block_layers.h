@@ -17,7 +17,7 @@ using BlockSet = openvdb::MaskTree;
 inline constexpr int kBlockLog2 = openvdb::FloatTree::LeafNodeType::LOG2DIM;
 inline constexpr int kBlock = 1 << kBlockLog2;
 
-/// How many nodes a box holds, which may be more than an integer can say.
+/// The number of nodes in a box, which may exceed an integer.
 inline double volumeOf(const openvdb::CoordBBox& box) {
   const openvdb::Vec3d sides = box.dim().asVec3d();
   return box.empty() ? 0 : sides[0] * sides[1] * sides[2];
@@ -26,25 +26,25 @@ inline double volumeOf(const openvdb::CoordBBox& box) {
 /// Adds the blocks that hold any of these nodes.
 void addBlocks(BlockSet& blocks, const openvdb::CoordBBox& nodes);
 
-/// Adds the blocks on a domain's border and just outside of it, as far as nodes of @a window or next to it lie there.
+/// Adds the blocks on a domain's border and just outside of it where nodes of @a window or their neighbours lie.
 void addBorderBlocks(BlockSet& blocks, const openvdb::CoordBBox& domain, openvdb::CoordBBox window);
 
-/// Goes through a set layer by layer in x.
+/// Iterates over a set layer by layer in x.
 class BlockLayers {
  public:
-  /// @param blocks  without active tiles: voxelizeActiveTiles()
+  /// @param blocks  without active tiles; call voxelizeActiveTiles()
   explicit BlockLayers(const BlockSet& blocks);
 
   std::uint64_t blockCount() const { return mCount; }
 
-  /// The next layer that holds blocks: the origins of these, nodes, by y, then z. Nothing at the end.
+  /// Returns the origins (nodes) of the blocks in the next non-empty layer, ordered by y, then z; empty at the end.
   std::optional<std::vector<openvdb::Coord>> next();
 
  private:
   std::vector<const BlockSet::LeafNodeType*> mLeaves;  // by x, then y, then z
   std::uint64_t mCount = 0;
-  std::size_t mFirst = 0;  // of the leaves that hold the current layer
-  int mOffset = 0;         // of the layer within these
+  std::size_t mFirst = 0;  // index of the first leaf of the current layer
+  int mOffset = 0;         // offset of the layer within these leaves
 };
 
 }  // namespace vdbtools

@@ -21,15 +21,16 @@ namespace {
 
 static_assert(kCrumb <= kBlock, "a crumb must lie in a block and those next to it");
 
-// Of a word of InsideBits: the nodes of its first and last rows along y, and in all rows the first and last along z.
+// Masks for a word of InsideBits: the nodes of its first and last rows along y, and the first and last along z in all
+// rows.
 constexpr std::uint64_t kFirstY = 0xff, kLastY = kFirstY << 56;
 constexpr std::uint64_t kFirstZ = 0x0101010101010101, kLastZ = kFirstZ << 7;
 
-/// The nodes of a word that are joined to some of its nodes, through nodes of @a within.
+/// The nodes of a word that are connected to some of its nodes through nodes of @a within.
 std::uint64_t filled(std::uint64_t word, std::uint64_t within) {
   for (;;) {
     const std::uint64_t before = word;
-    // Each way along z, then along y, as far as it goes.
+    // Fills in each direction along z, then along y, as far as possible.
     std::uint64_t way = within & ~kFirstZ;
     for (int step = 1; step < kBlock; step *= 2) {
       word |= way & word << step;
@@ -54,7 +55,7 @@ std::uint64_t filled(std::uint64_t word, std::uint64_t within) {
   }
 }
 
-/// The nodes of a block that are joined to the first one of @a within, in the block.
+/// The nodes of a block that are connected to the first one of @a within, inside the block.
 InsideBits firstPart(const InsideBits& within) {
   InsideBits part{};
   std::size_t first = 0;
@@ -74,7 +75,7 @@ InsideBits firstPart(const InsideBits& within) {
   return part;
 }
 
-/// The box of nodes that are not none, of a block with this first node.
+/// The bounding box of a non-empty set of nodes of a block with this first node.
 CoordBBox boxOf(const InsideBits& nodes, const Coord& origin) {
   std::uint64_t all = 0;
   int low = kBlock, high = 0;
@@ -109,8 +110,8 @@ Coord nodeAt(const Coord& origin, openvdb::Index offset) {
   return origin + CrumbFilter::Leaf::offsetToLocalCoord(offset);
 }
 
-/// Whether two blocks that touch across a face along @a axis have inside nodes side by side there.
-/// @param far  the one behind
+/// Whether two blocks that touch across a face along @a axis have adjacent inside nodes there.
+/// @param far  the block on the positive side
 bool touch(const InsideBits& near, const InsideBits& far, int axis) {
   if (axis == 0) return (near[kBlock - 1] & far[0]) != 0;
   for (std::size_t x = 0; x < kBlock; ++x)
@@ -124,8 +125,8 @@ bool touch(const InsideBits& near, const InsideBits& far, int axis) {
 struct CrumbFilter::Signs {
   int x = 0;
   Layer layer;
-  std::vector<std::pair<int, int>> places;  ///< of the leaves: y and z
-  std::vector<InsideBits> bits;             ///< of the leaves
+  std::vector<std::pair<int, int>> places;  ///< y and z of the leaves
+  std::vector<InsideBits> bits;             ///< signs of the leaves
 
   const InsideBits* find(int y, int z) const {
     const auto at = std::lower_bound(places.begin(), places.end(), std::pair(y, z));
@@ -134,7 +135,7 @@ struct CrumbFilter::Signs {
   }
 };
 
-/// A block and those next to it. They are looked up once.
+/// A block and those next to it, each looked up only once.
 class CrumbFilter::Neighbourhood {
  public:
   Neighbourhood(const std::array<const Signs*, 3>& layers, std::size_t leaf)
@@ -146,7 +147,7 @@ class CrumbFilter::Neighbourhood {
   const Coord& origin() const { return mOrigin; }
   const InsideBits& own() const { return *mFound[kOwn]; }
 
-  /// @param number  as numberOf() has it
+  /// @param number  as returned by numberOf()
   const InsideBits* block(std::size_t number) const {
     if (!mKnown[number]) {
       const int k = static_cast<int>(number);
@@ -180,13 +181,13 @@ class CrumbFilter::Neighbourhood {
   mutable std::array<bool, kBlocks> mKnown{};
 };
 
-/// The island of a part, as far as it is no larger than a crumb.
+/// The island of a part, explored only as long as it may be a crumb.
 class CrumbFilter::Flood {
  public:
   Flood(const CrumbFilter& filter, const Neighbourhood& around)
       : mPlan(filter.mPlan), mSource(filter.mSource), mAround(around) {}
 
-  /// @param box  of the part
+  /// @param box  bounding box of the part
   /// @return whether the island is as small as a crumb, and ends there as far as is known
   bool fill(const InsideBits& part, const CoordBBox& box) {
     mBox = box;
@@ -211,7 +212,7 @@ class CrumbFilter::Flood {
     return false;
   }
 
-  /// Of the island, if it is as small as a crumb.
+  /// The nodes of the island, if it is as small as a crumb.
   std::vector<Coord> takeNodes() { return std::move(mNodes); }
 
  private:
@@ -223,7 +224,7 @@ class CrumbFilter::Flood {
   }
   void mark(const Coord& node) { wordOf(node) |= bitOf(node); }
 
-  /// @param node  by value, as the nodes grow meanwhile
+  /// @param node  by value, because the vector of nodes grows meanwhile
   void visitNeighbours(Coord node) {
     for (int axis = 0; axis < 3; ++axis)
       for (const int step : {-1, 1}) {
@@ -238,7 +239,7 @@ class CrumbFilter::Flood {
     if (seen & bitOf(node)) return;
     seen |= bitOf(node);
     if (!mPlan.window.isInside(node)) {
-      // Beyond everything known the island may go on.
+      // Outside the known domain the island may continue.
       if (mPlan.whole.isInside(node))
         mUnknown.push_back(node);
       else
@@ -246,7 +247,7 @@ class CrumbFilter::Flood {
       return;
     }
     const InsideBits* const block = mAround.block(mAround.numberOf(node));
-    // Where there is no leaf all nodes of the block have the sign of those next to it.
+    // If there is no leaf, all nodes of the block have the sign of the adjacent ones.
     if (!block)
       mEndless = true;
     else if ((*block)[static_cast<std::size_t>(node[0] & (kBlock - 1))] & bitOf(node))
@@ -277,7 +278,7 @@ class CrumbFilter::Flood {
   bool mEndless = false;
   std::array<InsideBits, Neighbourhood::kBlocks> mSeen{};
   std::vector<Coord> mNodes, mWaiting;
-  std::vector<Coord> mUnknown;  ///< those that no block holds
+  std::vector<Coord> mUnknown;  ///< nodes that no block contains
 };
 
 CrumbFilter::CrumbFilter(const FieldPlan& plan, const FieldSource& source, const Monitor& monitor)
@@ -319,7 +320,7 @@ std::optional<CrumbFilter::Layer> CrumbFilter::clean(std::size_t which) {
   return std::move(layer);
 }
 
-/// Drops what of crumbs lies in a leaf.
+/// Drops the parts of crumbs that lie in a leaf.
 void CrumbFilter::clean(const Neighbourhood& around, Leaf& leaf) {
   InsideBits rest = around.own();
   const auto isNone = [](const InsideBits& bits) {
@@ -329,7 +330,7 @@ void CrumbFilter::clean(const Neighbourhood& around, Leaf& leaf) {
     const InsideBits part = firstPart(rest);
     for (std::size_t x = 0; x < kBlock; ++x) rest[x] &= ~part[x];
     const CoordBBox box = boxOf(part, around.origin());
-    // Most parts belong to something that is longer than a crumb already in this block and the next nodes.
+    // Most parts already exceed the length of a crumb within this block and the adjacent nodes.
     bool isLong = false, isWhole = true;
     for (int axis = 0; axis < 3; ++axis) {
       int length = box.dim()[axis];
@@ -374,7 +375,7 @@ void CrumbFilter::clean(const Neighbourhood& around, Leaf& leaf) {
   }
 }
 
-/// Whether the target alone decides that one of some inside nodes is inside.
+/// Whether the target alone decides that some of these inside nodes is inside.
 bool CrumbFilter::holdsDecided(const std::vector<Coord>& nodes) const {
   const CrumbRule& rule = *mPlan.crumbs;
   if (!rule.exponent || !std::isfinite(rule.decided)) return false;

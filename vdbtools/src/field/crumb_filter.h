@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file crumb_filter.h
-/// Drops the crumbs of a field (vdbtools/field/crumbs.h) while its blocks come in by x, or from the whole of it.
+/// Drops the crumbs of a field (vdbtools/field/crumbs.h) while its blocks arrive in the order of x, or from the whole
+/// field.
 #pragma once
 
 #include "field/leaf_signs.h"
@@ -17,25 +18,25 @@
 
 namespace vdbtools {
 
-/// The nodes of a crumb get -F: they are outside. Active states stay as they are.
+/// The nodes of a crumb get -F: they are outside. Active states stay unchanged.
 class CrumbFilter {
  public:
   using Leaf = LeafSigns::Leaf;
 
-  /// Leaves of one x, by y, then z.
+  /// Leaves of one x, ordered by y, then z.
   struct Layer {
     std::vector<Leaf*> leaves;
-    std::shared_ptr<void> owner;  ///< keeps the leaves until the layer is given back
+    std::shared_ptr<void> owner;  ///< keeps the leaves alive until the layer is returned
   };
 
-  /// @param plan  with a rule of crumbs; it and the source outlive the filter
+  /// @param plan  has a rule for crumbs; it and the source must outlive the filter
   CrumbFilter(const FieldPlan& plan, const FieldSource& source, const Monitor& monitor);
   ~CrumbFilter();
 
-  /// The next layer; layers come by x, and those without leaves are left out.
-  /// @return the layer before, without its crumbs
+  /// Adds the next layer; layers come in the order of x, and those without leaves are left out.
+  /// @return the previous layer, without its crumbs
   std::optional<Layer> add(Layer layer);
-  /// @return the last layer; no other one comes after
+  /// @return the last layer; no other layer may be added afterwards
   std::optional<Layer> finish();
 
   CrumbReport report() const { return {mCrumbs, mNodes}; }
@@ -53,7 +54,7 @@ class CrumbFilter {
   FieldSource mSource;
   const Monitor& mMonitor;
   openvdb::CoordBBox mCounted;
-  std::deque<std::unique_ptr<Signs>> mLayers;  ///< at most three; the signs are those before anything was dropped
+  std::deque<std::unique_ptr<Signs>> mLayers;  ///< at most three; their signs are those before anything was dropped
   std::atomic<std::uint64_t> mCrumbs{0}, mNodes{0};
 };
 

@@ -2,6 +2,7 @@
 #include "vdbtools/field/follow_surface.h"
 
 #include "base/in_parallel.h"
+#include "distance/leaves.h"
 #include "field/block_evaluator.h"
 #include "field/block_layers.h"
 #include "field/crumb_filter.h"
@@ -27,7 +28,7 @@ using openvdb::Coord;
 using openvdb::Index;
 using Leaf = EvaluatedBlock::Leaf;
 
-/// The 26 blocks around a block: cells that begin in one reach into those behind it across faces, edges and corners.
+/// The 26 blocks around a block: cells that begin in one reach into the next ones across faces, edges and corners.
 constexpr int kAround = 27;
 Coord towards(int direction) { return {direction / 9 - 1, direction / 3 % 3 - 1, direction % 3 - 1}; }
 
@@ -47,8 +48,8 @@ TouchingSigns signsTowards(const Leaf& leaf, const Coord& direction) {
   return signs;
 }
 
-/// The crossing edges that begin at a leaf's nodes.
-/// @param around  see LeafSigns; of the neighbours, only those across a face matter
+/// Counts the crossing edges that begin at a leaf's nodes.
+/// @param around  see LeafSigns; only neighbours across a face matter
 std::uint64_t crossingsFrom(const LeafSigns::Neighbours& around) {
   const LeafSigns signs(around);
   std::uint64_t count = 0;
@@ -58,10 +59,9 @@ std::uint64_t crossingsFrom(const LeafSigns::Neighbours& around) {
   return count;
 }
 
-/// The crossing edges of a field, which are those that begin in its leaves.
+/// Counts the crossing edges of a field, which are those that begin in its leaves.
 std::uint64_t crossingsOf(const openvdb::FloatTree& tree, const Monitor& monitor) {
-  std::vector<const Leaf*> leaves;
-  tree.getNodes(leaves);
+  const std::vector<const Leaf*> leaves = leavesOf(tree);
   std::atomic<std::uint64_t> count{0};
   inParallel(leaves.size(), 256, monitor, [&](std::size_t begin, std::size_t end) {
     const openvdb::tree::ValueAccessor<const openvdb::FloatTree> accessor(tree);
@@ -102,14 +102,14 @@ class Follower {
                             .keepIterations = field.keepIterations,
                             .everyValue = field.everyNode,
                             .proofs = field.everyNode ? Proofs::None : Proofs::Eighths}) {
-    // Each block next to them has one sign, which its own seed gives.
+    // Each adjacent block has one sign, that of its own seed.
     openvdb::tools::dilateActiveValues(mKnown, 1, openvdb::tools::NN_FACE_EDGE_VERTEX, openvdb::tools::EXPAND_TILES);
     mKnown.voxelizeActiveTiles();
   }
 
   void follow(FractalField& result, FollowReport& report) {
     std::vector<Coord> wave = start();
-    mMonitor.begin("following the surface", 0);
+    mMonitor.begin(PhaseKind::FollowingTheSurface, 0);
     while (!wave.empty()) {
       std::vector<Coord> origins;
       for (const Coord& block : wave) origins.push_back(block << kBlockLog2);
@@ -133,7 +133,7 @@ class Follower {
     std::vector<Coord> leftOut;
     report.shellBlocks = mBlocks.activeVoxelCount();
     const std::uint64_t count = report.shellBlocks - report.visitedBlocks;
-    // The same ones every time: numbers of blocks in the order of the tree.
+    // Always the same ones: numbers of blocks in the order of the tree.
     std::mt19937_64 random(1);
     std::vector<std::uint64_t> chosen;
     for (std::uint64_t i = 0; i < probes && count > 0; ++i) chosen.push_back(random() % count);
@@ -162,12 +162,12 @@ class Follower {
   }
 
  private:
-  /// Finds the signs at the seeds. @return the blocks where they differ, within the block or from the next one's
+  /// Finds the signs at the seeds. @return the blocks where they differ, within the block or from the next block's
   std::vector<Coord> start() {
     std::vector<Coord> blocks;
     for (auto block = mKnown.cbeginValueOn(); block; ++block) blocks.push_back(block.getCoord());
     std::vector<std::uint8_t> inside(blocks.size()), mixed(blocks.size());
-    mMonitor.begin("seeds", blocks.size());
+    mMonitor.begin(PhaseKind::Seeds, blocks.size());
     inParallel(blocks.size(), 256, mMonitor, [&](std::size_t begin, std::size_t end) {
       seed(std::span(blocks).subspan(begin, end - begin), inside.data() + begin, mixed.data() + begin);
       mMonitor.advance(end - begin);
@@ -190,7 +190,7 @@ class Follower {
   }
 
   void seed(std::span<const Coord> blocks, std::uint8_t* inside, std::uint8_t* mixed) const {
-    // If the stride is more than a block, blocks share the seed at the corner of their cube.
+    // If the stride exceeds a block, blocks share the seed at the corner of their cube.
     const int step = std::min(mStride, kBlock), perSide = kBlock / step, together = std::max(mStride / kBlock, 1);
     std::vector<julia::Point> points;
     std::vector<bool> within;
@@ -213,9 +213,9 @@ class Follower {
     }
   }
 
-  /// The crossing edges that begin in a leaf whose neighbours were not evaluated.
+  /// Counts the crossing edges that begin in a leaf whose neighbours were not evaluated.
   std::uint64_t crossingsFromAlone(const Leaf& leaf) const {
-    // The nodes where the edges that leave it end, one face after the other.
+    // The end nodes of the edges that leave it, one face after the other.
     constexpr std::size_t kFace = kBlock * kBlock;
     std::vector<Coord> nodes;
     for (int axis = 0; axis < 3; ++axis)
@@ -243,7 +243,7 @@ class Follower {
     return crossingsFrom(around);
   }
 
-  /// Visits the neighbours whose assumed sign differs from that of a node which touches them.
+  /// Visits the neighbours whose assumed sign differs from that of an adjacent node.
   void spread(const Coord& block, const EvaluatedBlock& evaluated) {
     for (int i = 0; i < kAround; ++i) {
       const Coord direction = towards(i), next = block + direction;
@@ -267,9 +267,9 @@ class Follower {
   FieldSource mSource;
   int mStride;
   Monitor& mMonitor;
-  BlockSet mBlocks;            // the plan's, less what is proved
-  BlockSet mKnown;             // these and those next to them
-  BlockSet mInside, mVisited;  // of these
+  BlockSet mBlocks;            // the plan's blocks without the proved ones
+  BlockSet mKnown;             // mBlocks and the adjacent blocks
+  BlockSet mInside, mVisited;  // subsets of mKnown
   std::vector<Coord> mNext;
   BlockEvaluator mEvaluator;
 };

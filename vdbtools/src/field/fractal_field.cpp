@@ -4,6 +4,7 @@
 #include "base/elementary.h"
 #include "base/lattice_transform.h"
 #include "distance/cell_corners.h"
+#include "distance/leaves.h"
 #include "field/block_evaluator.h"
 #include "field/block_layers.h"
 #include "field/crumb_filter.h"
@@ -56,7 +57,7 @@ void requireValid(const FractalFieldOptions& options) {
     throw std::invalid_argument("the box is empty or not finite; give x0,y0,z0,x1,y1,z1 with the smaller corner first");
 }
 
-/// The nodes about the cells of E.
+/// The nodes around the cells of E.
 CoordBBox wholeDomain(const ExponentGrid& exponent, const FractalFieldOptions& options) {
   CoordBBox cells = exponent.grid->evalActiveVoxelBoundingBox();
   if (exponent.denseBox) cells = *exponent.denseBox;
@@ -102,7 +103,7 @@ unsigned touching(const CellCorners& corners, unsigned x, unsigned y, float lowe
   return bits;
 }
 
-/// E's index space, seen from the lattice's.
+/// Maps between E's index space and the lattice's.
 class LatticeView {
  public:
   LatticeView(const openvdb::math::Transform& transform, double voxelSize)
@@ -114,9 +115,9 @@ class LatticeView {
     }
   }
 
-  /// The corners of all lattice cells that touch a box of E's index space.
+  /// The corners of all lattice cells that touch a box in E's index space.
   CoordBBox cornersAround(const Vec3d& middle, const Vec3d& half) const {
-    constexpr double kMargin = 1 + 1e-6;  // a corner of a lattice cell that touches
+    constexpr double kMargin = 1 + 1e-6;  // slack for a corner of a lattice cell that touches
     CoordBBox nodes;
     for (int axis = 0; axis < 3; ++axis) {
       double at = mZero[axis], extent = kMargin;
@@ -135,19 +136,18 @@ class LatticeView {
   Vec3d mColumns[3];
 };
 
-/// Calls body(local, nodes) for the boxes of nodes, clipped by @a within, that hold a corner of any lattice cell which
-/// touches an undecided cell of E: F changes its sign in such cells only, for E is continuous.
-/// @tparam Local  what each thread has of its own, and what is returned for each
+/// Calls body(local, nodes) for the boxes of nodes, clipped by @a within, that contain a corner of any lattice cell
+/// that touches an undecided cell of E. F changes its sign only in such cells, because E is continuous.
+/// @tparam Local  thread-local data; the data of all threads are returned
 template <class Local, class Body>
 std::vector<Local> forEachUndecidedBox(const ExponentGrid& exponent, const CoordBBox& within, double voxelSize,
                                        const Body& body) {
-  // A margin for the rounding of interpolation.
+  // The margin for rounding errors of interpolation.
   constexpr double kRounding = 1e-5;
   const auto lower = static_cast<float>(exponent.shell.lower - kRounding * (1 + std::abs(exponent.shell.lower)));
   const auto upper = static_cast<float>(exponent.shell.upper + kRounding * (1 + exponent.shell.upper));
   const LatticeView lattice(exponent.grid->transform(), voxelSize);
-  std::vector<const Leaf*> leaves;
-  exponent.grid->tree().getNodes(leaves);
+  const std::vector<const Leaf*> leaves = leavesOf(exponent.grid->tree());
   tbb::enumerable_thread_specific<Local> parts;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), 16), [&](const auto& range) {
     const openvdb::tree::ValueAccessor<const FloatTree> values(exponent.grid->tree());
@@ -177,7 +177,7 @@ std::vector<Local> forEachUndecidedBox(const ExponentGrid& exponent, const Coord
   return {std::make_move_iterator(parts.begin()), std::make_move_iterator(parts.end())};
 }
 
-/// The blocks of one thread, and those that it marked last.
+/// The blocks of one thread, and the last ones that it marked.
 struct MarkedBlocks {
   std::unique_ptr<BlockSet> blocks = std::make_unique<BlockSet>();
   std::unique_ptr<openvdb::tree::ValueAccessor<BlockSet>> access =
@@ -185,19 +185,19 @@ struct MarkedBlocks {
   CoordBBox last{};
 };
 
-/// Of a set of so many blocks, before it is made: they lie together, so that most leaves of the set are full.
+/// Checks the memory of a set of this many blocks in advance: they lie together, so most leaves of the set are full.
 void requireMemoryForBlocks(double blocks) {
   constexpr double kBytesOfLeaf = 100, kBlocksOfLeaf = 512;
   requireMemory(blocks / kBlocksOfLeaf * kBytesOfLeaf, MemoryUse::Field,
                 "a lattice of some " + shortText(blocks * kBlock * kBlock * kBlock) + " undecided nodes");
 }
 
-/// At least so many nodes of the window lie in undecided cells of E.
+/// A lower bound of the number of nodes of the window in undecided cells of E.
 double fewestShellNodes(const ExponentGrid& exponent, const CoordBBox& window, double voxelSize) {
-  // Each cell is clipped by itself, so cells that the window cuts count in part. Boxes of nodes reach a node or so
+  // Each cell is clipped separately, so cells that the window cuts count in part. Boxes of nodes reach about a node
   // beyond the cells, and are shrunk to these.
   const double nodesOfCell = std::abs(exponent.grid->transform().voxelSize().product()) / elementary::pow(voxelSize, 3);
-  constexpr double kLargeCell = 512;  // nodes; the sets of smaller ones are small
+  constexpr double kLargeCell = 512;  // nodes; the sets of smaller cells are small
   if (nodesOfCell < kLargeCell) return 0;
   const double across = elementary::cbrt(nodesOfCell), share = elementary::pow(across / (across + 2), 3);
   double nodes = 0;
@@ -256,7 +256,7 @@ std::vector<openvdb::Vec3s> FieldSource::versorVectors(std::span<const julia::Po
 
 FieldPlan planShell(const ExponentGrid& exponent, const FractalFieldOptions& options) {
   FieldPlan plan = emptyShellPlan(exponent, options);
-  // A block belongs to a window as it does to the whole, also where the window cuts it.
+  // Blocks that the window cuts belong to it as they do to the whole domain.
   CoordBBox blocks = plan.window;
   if (!blocks.empty()) {
     blocks = {(blocks.min() >> kBlockLog2) << kBlockLog2,
@@ -312,14 +312,14 @@ FractalField emptyField(const FieldPlan& plan, bool keepIterations) {
 }
 
 void fillTiles(FractalField& field) {
-  // Where there is no leaf nothing changes sign, so the sign of a block's corner is that of its neighbours. In the
-  // leaves every value stands; the fill, which would overwrite inactive values, works above the leaves only.
+  // Where there is no leaf, nothing changes sign, so the sign of a block's corner is that of its neighbours. In the
+  // leaves every value is final; the fill, which would overwrite inactive values, runs only above the leaves.
   openvdb::tools::signedFloodFillWithValues(field.field->tree(), kFieldOutside, -kFieldOutside, true, 1, 1);
 }
 
-/// @param leaves  of a block
+/// @param leaves  number of leaves per block
 void requireMemoryForField(std::uint64_t blocks, int leaves, Proofs proofs) {
-  // A leaf with its mask; where single blocks are to be proved to have one sign, not all of them become leaves.
+  // A leaf with its mask. If single blocks may be proved to have one sign, not all of them become leaves.
   constexpr double kBytesOfLeaf = 2200, kLeastShare = 0.3;
   const double count = static_cast<double>(blocks) * leaves * (proofs == Proofs::None ? 1 : kLeastShare);
   requireMemory(count * kBytesOfLeaf, MemoryUse::Field,
@@ -339,7 +339,7 @@ FractalField evaluateField(const FieldPlan& plan, const FieldSource& source, con
                                     .keepIterations = options.keepIterations,
                                     .everyValue = options.everyNode,
                                     .proofs = proofs});
-  monitor.begin("field", layers.blockCount());
+  monitor.begin(PhaseKind::Field, layers.blockCount());
   while (const auto origins = layers.next()) {
     for (EvaluatedBlock& block : evaluator.evaluate(*origins, monitor)) {
       if (block.field) result.field->tree().addLeaf(block.field.release());

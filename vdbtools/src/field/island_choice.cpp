@@ -12,14 +12,14 @@
 namespace vdbtools {
 namespace {
 
-/// Voxels.
+/// In voxels.
 int sizeOf(const Island& island) {
   const openvdb::Coord sides = island.box.dim();
   return std::max({sides[0], sides[1], sides[2]});
 }
 
 void dropSmall(std::vector<Island*>& islands, double minSize, double voxelSize) {
-  // An island of exactly that size stays, although the product of two decimal fractions may be rounded down.
+  // An island of exactly that size is kept, although the product of two decimal fractions may be rounded down.
   constexpr double kRounding = 1e-9;
   const double least = minSize / voxelSize * (1 - kRounding);
   int largest = 0;

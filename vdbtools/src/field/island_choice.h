@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file island_choice.h
-/// Which islands are kept: the same rule for those of one field and for those that are joined from tiles.
+/// Chooses the islands to keep, by the same rule for one field and for islands joined from tiles.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -31,7 +31,7 @@ struct Island {
   }
 };
 
-/// Clears Island::kept of those that are to be dropped.
+/// Clears Island::kept for the islands that are to be dropped.
 /// @param voxelSize  world units
 /// @throw DataError  no island is as large as minSize (Remedy::SmallerIslands)
 IslandReport chooseIslands(const std::vector<Island*>& islands, const IslandOptions& options, double voxelSize);

@@ -30,33 +30,34 @@ using openvdb::Index;
 using Upper = FloatTree::RootNodeType::ChildNodeType;
 using Lower = Upper::ChildNodeType;
 using Leaf = Lower::ChildNodeType;
-// One for each leaf: too many to register each with the tree, and its nodes stay where they are.
+// One for each leaf: these are too many to register with the tree, and its nodes do not move.
 using Accessor = openvdb::tree::ValueAccessor<const FloatTree, /*IsSafe=*/false>;
 
 constexpr std::size_t kNoPart = ~std::size_t(0);
 
-/// The values of one node of the tree, leaf or not, are a cube of cells: lattice nodes in a leaf, tiles elsewhere.
+/// The values of one node of the tree (leaf or internal) form a cube of cells: lattice nodes in a leaf, tiles
+/// elsewhere.
 template <class Node>
 struct Cube {
   static constexpr Index kSide = 1 << Node::LOG2DIM;                          // cells
   static constexpr int kCell = static_cast<int>(Node::DIM >> Node::LOG2DIM);  // lattice nodes
   static constexpr std::array<Index, 3> kStride = {kSide * kSide, kSide, 1};  // between offsets, by axis
   static constexpr Index kRows = kSide * kSide;                               // along z
-  static constexpr std::size_t kMostParts = Node::NUM_VALUES / 2;             // a chessboard
+  static constexpr std::size_t kMostParts = Node::NUM_VALUES / 2;             // a chessboard pattern
   using Label = std::conditional_t<kMostParts <= 256, std::uint8_t, std::uint16_t>;
 };
 
 template <class Node>
 struct Block {
   Node* node = nullptr;
-  typename Node::NodeMaskType inside;              ///< cells; where a child is, none
-  std::vector<typename Cube<Node>::Label> labels;  ///< which part a cell belongs to; empty if there is but one
+  typename Node::NodeMaskType inside;              ///< cells, excluding those with a child
+  std::vector<typename Cube<Node>::Label> labels;  ///< the part of each cell; empty if there is only one part
   std::size_t firstPart = 0, partCount = 0;
 
   std::size_t partOf(Index cell) const { return firstPart + (labels.empty() ? 0 : labels[cell]); }
 };
 
-/// @a length < 64 bits from @a begin on
+/// A mask of @a length < 64 bits from @a begin on.
 std::uint64_t bits(Index begin, Index length) { return ((std::uint64_t(1) << length) - 1) << begin; }
 
 void findInside(Block<Leaf>& block) {
@@ -119,7 +120,7 @@ void labelParts(Block<Node>& block) {
     if (row >= C::kSide) joinRow(row - C::kSide);
     ++count;
   });
-  // A parent comes before its children, so it has its number already.
+  // A parent comes before its children, so its number is known already.
   std::array<Label, C::kMostParts> numbers;
   for (Index run = 0; run < count; ++run)
     numbers[run] = parents[run] == run ? static_cast<Label>(block.partCount++) : numbers[parents[run]];
@@ -131,7 +132,7 @@ void labelParts(Block<Node>& block) {
   });
 }
 
-/// The nodes of one kind, and where to find each.
+/// The nodes of one kind, and the index of each.
 template <class Node>
 struct Level {
   std::vector<Block<Node>> blocks;
@@ -159,7 +160,7 @@ struct Level {
   }
 };
 
-/// All inside cells of a tree, and which of them are joined.
+/// Finds all inside cells of a tree, and which of them are connected.
 class IslandFinder {
  public:
   IslandFinder(FloatTree& tree, Monitor& monitor)
@@ -179,9 +180,9 @@ class IslandFinder {
     return result;
   }
 
-  /// Makes the islands that are not kept part of the outside.
+  /// Turns the islands that are not kept into outside.
   void drop() {
-    const Monitor untilDone;  // half of it would be worse than none
+    const Monitor untilDone;  // stopping halfway would be worse than not starting
     forEachLevel([&](auto& level) { level.forEach(untilDone, [&](const auto& block) { drop(block); }); });
     for (auto tile = mTree.root().beginValueAll(); tile; ++tile)
       if (*tile < 0 && !isKept(mRootTiles.at(tile.getCoord()))) tile.setValue(-*tile);
@@ -199,7 +200,7 @@ class IslandFinder {
 
   /// @return how many parts there are
   std::size_t label(Monitor& monitor) {
-    monitor.begin("islands", mLeaves.blocks.size());
+    monitor.begin(PhaseKind::Islands, mLeaves.blocks.size());
     std::size_t count = 0;
     forEachLevel([&](auto& level) {
       level.forEach(monitor, [&](auto& block) {
@@ -248,7 +249,7 @@ class IslandFinder {
 
   template <class Node>
   void joinFaces(const Block<Node>& block, const Block<Node>& next, int axis) {
-    std::pair<std::size_t, std::size_t> last(kNoPart, kNoPart);  // most cells join the same two
+    std::pair<std::size_t, std::size_t> last(kNoPart, kNoPart);  // most cells join the same two parts
     forEachOfFace<Node>(axis, [&](Index near, Index far) {
       if (!block.inside.isOn(far) || !next.inside.isOn(near)) return;
       const std::pair parts(block.partOf(far), next.partOf(near));
@@ -265,7 +266,7 @@ class IslandFinder {
     });
   }
 
-  /// body(near, far): the offsets of two cells on opposite faces.
+  /// Calls body(near, far) with the offsets of two cells on opposite faces.
   template <class Node, class Body>
   static void forEachOfFace(int axis, const Body& body) {
     using C = Cube<Node>;
@@ -277,7 +278,7 @@ class IslandFinder {
       }
   }
 
-  /// The part of the inside tile at @a node, where the tree has no leaf.
+  /// The part of the inside tile at @a node, if the tree has no leaf there.
   std::size_t partOfTile(const Accessor& accessor, const Coord& node) const {
     const auto in = [&](const auto& block) {
       const Index cell = block.node->coordToOffset(node);
@@ -323,8 +324,8 @@ class IslandFinder {
   Level<Leaf> mLeaves;
   Level<Lower> mLowers;
   Level<Upper> mUppers;
-  std::map<Coord, std::size_t> mRootTiles;  ///< by origin: those inside, each a part of its own
-  std::vector<Island> mParts;  ///< the nodes in one node of the tree; in the first of those joined, all of the island
+  std::map<Coord, std::size_t> mRootTiles;  ///< inside tiles by origin, each a separate part
+  std::vector<Island> mParts;  ///< parts within one node of the tree; the first of those joined is the whole island
   DisjointSets<std::size_t> mSets;
 };
 

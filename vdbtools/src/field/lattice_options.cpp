@@ -8,7 +8,8 @@ namespace vdbtools {
 namespace {
 
 constexpr const char* kAutomatic = "auto";
-// What the usual textures need over most shapes (docs/textures.md). Sets of their own have detail of every size.
+// The usual textures need this resolution on most shapes (docs/textures.md). Sets without a target have detail of every
+// size.
 constexpr const char* kResolutionOfTarget = "300";
 constexpr const char* kResolutionOfRegion = "200";
 
@@ -55,7 +56,7 @@ LatticeOptions parseLatticeOptions(const RecipeReader& reader) {
   LatticeOptions options;
   options.automatic = hasAutomaticResolution(reader.recipe());
   if (options.automatic) {
-    if (reader.has("voxel-size")) reader.voxels("resolution", "voxel-size");  // which refuses it
+    if (reader.has("voxel-size")) reader.voxels("resolution", "voxel-size");  // this call refuses it
   } else {
     if (reader.has("resolution") && !numberFromText(reader.text("resolution")))
       reader.refuse("resolution", "a number of voxels, or auto");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file leaf_signs.h
-/// Which nodes of a leaf, and of the first layers of its neighbours behind it, lie inside: as bits, so that the few
-/// places where the sign changes are found without visiting the rest.
+/// Which nodes of a leaf, and of the first layers of its neighbours on the positive sides, are inside: as bits, so that
+/// the few places where the sign changes are found without visiting the others.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -14,7 +14,8 @@ namespace vdbtools {
 
 inline bool isInside(float field) { return field < 0; }
 
-/// Bit 8 y + z of word x: whether that node of a leaf is inside. Leaves are read once, and not again by each neighbour.
+/// Bit 8 y + z of word x: whether that node of a leaf is inside. Each leaf is read only once, not again for each
+/// neighbour.
 using InsideBits = std::array<std::uint64_t, 8>;
 
 inline InsideBits insideBits(const openvdb::FloatTree::LeafNodeType& leaf) {
@@ -26,7 +27,7 @@ inline InsideBits insideBits(const openvdb::FloatTree::LeafNodeType& leaf) {
     for (std::size_t y = 0; y < 8; ++y) {
       std::uint64_t row = 0;
       for (std::size_t z = 0; z < 8; ++z) row |= std::uint64_t{inside[8 * y + z]} << (8 * z);
-      // Byte z becomes bit z of the product's last byte.
+      // Byte z becomes bit z of the product's highest byte.
       bits[x] |= (row * 0x0102040810204080) >> 56 << (8 * y);
     }
   }
@@ -38,15 +39,15 @@ class LeafSigns {
   using Leaf = openvdb::FloatTree::LeafNodeType;
   static constexpr unsigned kSide = Leaf::DIM;
 
-  /// A leaf and its seven neighbours behind it: [1] in x, [2] in y, [4] in z, and their sums. Where one is absent the
-  /// field does not change sign from there to the leaves next to it.
+  /// A leaf and its seven neighbours on the positive sides: [1] in x, [2] in y, [4] in z, and their sums. If a
+  /// neighbour is absent, the field does not change sign between it and the leaves next to it.
   using Neighbours = std::array<const InsideBits*, 8>;
 
   explicit LeafSigns(const Neighbours& leaves) {
     for (unsigned neighbour = 0; neighbour < 8; ++neighbour) {
       const unsigned dx = neighbour & 1, dy = neighbour >> 1 & 1, dz = neighbour >> 2 & 1;
       const InsideBits* from = leaves[neighbour];
-      // The whole leaf, or the layer of the neighbour that touches it.
+      // Take the whole leaf, or the layer of the neighbour that touches it.
       const unsigned endX = dx ? 1 : kSide, endY = dy ? 1 : kSide, bitsZ = dz ? 1 : 0xff;
       for (unsigned x = 0; x < endX; ++x)
         for (unsigned y = 0; y < endY; ++y) {
@@ -56,7 +57,7 @@ class LeafSigns {
             bits |= static_cast<std::uint16_t>(inside << (dz * kSide));
             continue;
           }
-          // As one node before, towards a neighbour that was here earlier.
+          // Assume the sign of the previous node, which comes from a neighbour handled earlier.
           const unsigned before = dz ? unsigned{bits} << 1 : dy ? row(x + dx * kSide, kSide - 1) : row(kSide - 1, y);
           bits |= static_cast<std::uint16_t>(before & (dz ? 1u << kSide : (1u << kSide) - 1));
         }

@@ -19,10 +19,10 @@ using MaskLeaf = BlockSet::LeafNodeType;
 
 struct BlockCube {
   MaskLeaf* leaf;
-  Coord corner;  // blocks
+  Coord corner;  // in blocks
 };
 
-/// The blocks of the leaf in a cube of so many a side.
+/// The blocks of the leaf in a cube of @a side blocks a side.
 template <class Body>
 void forEachBlock(const BlockCube& cube, int blocks, const Body& body) {
   for (int x = 0; x < blocks; ++x)
@@ -61,8 +61,8 @@ void addEighths(const Coord& origin, std::vector<Coord>& corners) {
 
 Proofs worthwhileProofs(const BlockSet& blocks, const FieldPlan& plan, const FieldSource& source) {
   constexpr std::uint64_t kSample = 256;
-  // A ball takes the time of some 12 points (docs/performance.md). A level must bring a little more than it takes, as
-  // blocks with gaps are slower to evaluate.
+  // A ball takes the time of about 12 points (docs/performance.md). A level must save slightly more than it costs,
+  // because blocks with gaps are slower to evaluate.
   constexpr double kPointsPerBall = 16, kPointsOfBlock = kBlock * kBlock * kBlock;
   const std::uint64_t stride = std::max<std::uint64_t>(1, blocks.activeVoxelCount() / kSample);
   std::vector<Coord> origins, corners;
@@ -90,7 +90,7 @@ BlockSet undecidedBlocks(const FieldPlan& plan, const FieldSource& source, Monit
   BlockSet blocks(*plan.blocks);
   std::vector<MaskLeaf*> leaves;
   blocks.getNodes(leaves);
-  monitor.begin("proofs", leaves.size());
+  monitor.begin(PhaseKind::Proofs, leaves.size());
   inParallel(leaves.size(), 32, monitor, [&](std::size_t begin, std::size_t end) {
     std::vector<BlockCube> cubes, rest;
     for (std::size_t i = begin; i != end; ++i) cubes.push_back({leaves[i], leaves[i]->origin()});

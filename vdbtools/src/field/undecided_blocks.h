@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file undecided_blocks.h
-/// The blocks of a plan that remain once large cubes of them have been proved to have one sign.
+/// The blocks of a plan that remain after large cubes of them have been proved to have one sign.
 #pragma once
 
 #include "field/block_layers.h"
@@ -9,14 +9,15 @@
 
 namespace vdbtools {
 
-/// Whether F has one sign at the nodes of cubes and at the nodes next to them. Cubes on the domain's border stay
-/// undecided, as the nodes beyond it have a sign of their own.
+/// Decides whether F has one sign at the nodes of cubes and at the nodes next to them. Cubes on the domain's border
+/// stay undecided, because the nodes beyond it have a sign of their own.
 /// @param corners  first nodes of the cubes
 /// @param side     nodes along a cube's side
 void decideCubes(std::span<const openvdb::Coord> corners, int side, double voxelSize, const openvdb::CoordBBox& domain,
                  const FieldSource& source, std::vector<julia::Decision>& decisions);
 
-/// How far down ball arithmetic is asked for the sign of F: each level is asked where the one above left it undecided.
+/// The finest level at which ball arithmetic is asked for the sign of F. Each level is tried where the one above was
+/// undecided.
 enum class Proofs {
   None,
   Blocks,   ///< blocks
@@ -26,13 +27,13 @@ enum class Proofs {
 /// Appends the first nodes of a block's eighths.
 void addEighths(const openvdb::Coord& origin, std::vector<openvdb::Coord>& corners);
 
-/// The level down to which proofs save more time than they take, judged by a sample of the blocks. It depends on the
-/// plan and the evaluator only, and so do the nodes that are evaluated.
-/// @param blocks  those of the plan that undecidedBlocks() leaves
+/// The finest level at which proofs save more time than they take, judged by a sample of the blocks. It depends only on
+/// the plan and the evaluator, and so do the evaluated nodes.
+/// @param blocks  the plan's blocks that undecidedBlocks() leaves
 Proofs worthwhileProofs(const BlockSet& blocks, const FieldPlan& plan, const FieldSource& source);
 
-/// The plan's blocks less those in cubes of 64, 32 and 16 nodes a side whose sign is proved. Next to what is left out F
-/// changes no sign, as in the plan.
+/// The plan's blocks without those in cubes of 64, 32 and 16 nodes a side whose sign is proved. F does not change sign
+/// next to the removed blocks either.
 BlockSet undecidedBlocks(const FieldPlan& plan, const FieldSource& source, Monitor& monitor);
 
 }  // namespace vdbtools

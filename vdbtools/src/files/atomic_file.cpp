@@ -35,8 +35,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kBufferSize = std::size_t{1} << 20;
-constexpr int kMostLinks = 40;            ///< as Linux follows
-constexpr std::uint32_t kAttempts = 100;  ///< at finding an unused name; the first nearly always succeeds
+constexpr int kMostLinks = 40;            ///< the limit of Linux
+constexpr std::uint32_t kAttempts = 100;  ///< to find an unused name; the first nearly always succeeds
 
 std::string nameOf(const fs::path& path) { return inOneLine(path.native()); }
 
@@ -64,8 +64,8 @@ int openRetrying(Call call) {
   }
 }
 
-/// Writes through a descriptor and remembers the first error. Nothing is written after it, so that a file with a hole
-/// cannot pass as whole.
+/// Writes through a descriptor and stores the first error. Nothing is written after an error, so that a file with a gap
+/// cannot pass for a complete one.
 class DescriptorBuffer : public std::streambuf {
  public:
   DescriptorBuffer() : mBuffer(kBufferSize) {}
@@ -95,7 +95,7 @@ class DescriptorBuffer : public std::streambuf {
     setp(nullptr, nullptr);
     const int descriptor = mDescriptor;
     mDescriptor = -1;
-    // On Linux the descriptor is gone even where close() was interrupted.
+    // On Linux the descriptor is closed even if close() was interrupted.
     if (::close(descriptor) != 0 && errno != EINTR) fail(errno);
   }
 
@@ -114,7 +114,7 @@ class DescriptorBuffer : public std::streambuf {
         return writeAll(from, static_cast<std::size_t>(size)) ? size : 0;
       }
     }
-    // Nothing may come from nowhere: memcpy() takes no null pointer.
+    // memcpy() does not accept a null pointer, even for no bytes.
     std::copy_n(from, size, pptr());
     pbump(static_cast<int>(size));
     return size;
@@ -162,7 +162,7 @@ class DescriptorBuffer : public std::streambuf {
 
   void fail(int error) {
     mError = error;
-    setp(nullptr, nullptr);  // so that every further write comes to overflow(), and fails
+    setp(nullptr, nullptr);  // so that every further write reaches overflow(), and fails
   }
 
   bool flushBuffer() {
@@ -190,11 +190,11 @@ class DescriptorBuffer : public std::streambuf {
   std::vector<char> mBuffer;
   int mDescriptor = -1;
   bool mSeekable = false;
-  off_type mPosition = 0;  ///< in the file, of the buffer's beginning
+  off_type mPosition = 0;  ///< position of the buffer's beginning in the file
   int mError = 0;
 };
 
-/// Where a file is to be, once its links are followed.
+/// The target of a file after following its links.
 struct Place {
   fs::path target;        ///< absolute, in a folder that exists
   bool replaces = true;   ///< false for devices and the like, which are written directly
@@ -217,14 +217,14 @@ Place placeOf(const fs::path& path) {
   const fs::path target = followLinks(path, error);
   if (error) cannotCreate(path, "its links cannot be followed: " + error.message());
   if (place.exists) {
-    // Links below /proc lead to files that may have no name any more.
+    // Links below /proc may lead to files that no longer have a name.
     struct stat status {};
     if (::stat(target.c_str(), &status) != 0 || status.st_dev != place.status.st_dev ||
         status.st_ino != place.status.st_ino) {
       place.replaces = false;
       return place;
     }
-    // A rename would replace it all the same.
+    // A rename would replace it nevertheless.
     if (::faccessat(AT_FDCWD, target.c_str(), W_OK, AT_EACCESS) != 0) {
       cannotCreate(path, "the existing file may not be written: " + errorText(errno));
     }
@@ -239,7 +239,7 @@ Place placeOf(const fs::path& path) {
 }
 
 /// Creates and registers the temporary file of @a place.
-/// @param path  as it was given, for messages
+/// @param path  the original name, for messages
 /// @return its descriptor
 int createTemporary(const Place& place, const fs::path& path, fs::path& temporary) {
   Registry& live = registry();
@@ -252,7 +252,7 @@ int createTemporary(const Place& place, const fs::path& path, fs::path& temporar
     temporary = temporaryName(place.target, attempt < kUsualNames ? attempt : std::random_device()());
     const auto [entry, isNew] = live.targets.try_emplace(temporary, place.target);
     if (!isNew) continue;
-    // Nobody else may read what replaces a private file; a new file gets the permissions that the umask gives it.
+    // Nobody else may read what replaces a private file; a new file gets the permissions given by the umask.
     const mode_t mode = place.exists ? S_IRUSR | S_IWUSR : 0666;
     const int descriptor =
         openRetrying([&] { return ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode); });
@@ -267,8 +267,8 @@ int createTemporary(const Place& place, const fs::path& path, fs::path& temporar
 }
 
 void keepOwnerAndMode(int descriptor, const struct stat& status) {
-  // As far as this process may and the file system can: an owner is not worth a failure, and a group that cannot be
-  // given must not inherit the old group's permissions.
+  // Done as far as the process and the file system permit. A wrong owner does not justify a failure, but the old
+  // group's permissions must not pass to another group.
   mode_t mode = status.st_mode & 0777;
   if (::fchown(descriptor, status.st_uid, status.st_gid) != 0 &&
       ::fchown(descriptor, static_cast<uid_t>(-1), status.st_gid) != 0) {
@@ -280,7 +280,7 @@ void keepOwnerAndMode(int descriptor, const struct stat& status) {
 /// How a rename is undone.
 enum class Undo { Nothing, MoveBack, Exchange };
 
-/// The lock of a file that is about to have a temporary name, which tells others that it is no leftover.
+/// The lock of a file that is about to get a temporary name, which shows others that it is not a leftover.
 class HeldLock {
  public:
   explicit HeldLock(const fs::path& path)
@@ -301,10 +301,10 @@ class HeldLock {
 };
 
 /// Renames @a temporary over @a target.
-/// @param canUndo  keeps what was there, if the file system can
-/// @param old      becomes the lock of what was there, to be held for as long as that has the temporary name: without
-///                 it another process would take the file for a leftover, and this one would then remove by its name
-///                 the temporary file that the other has made anew
+/// @param canUndo  keeps the replaced file, if the file system can
+/// @param old      receives the lock of the replaced file, to be held while that has the temporary name. Without it
+///                 another process would take the file for a leftover, and this process would then remove, by its name,
+///                 the temporary file that the other process has created anew
 /// @return 0 or errno
 int replace(const fs::path& temporary, const fs::path& target, bool canUndo, Undo& undo,
             std::unique_ptr<const HeldLock>& old) {
@@ -325,14 +325,14 @@ int replace(const fs::path& temporary, const fs::path& target, bool canUndo, Und
 void undoReplace(const fs::path& temporary, const fs::path& target, Undo undo) noexcept {
   if (undo == Undo::Nothing) return;
   const unsigned int flags = undo == Undo::Exchange ? RENAME_EXCHANGE : 0;
-  // Nothing is left to do if this fails; the exception under way reports the first failure.
+  // Nothing can be done if this fails; the current exception reports the first failure.
   [[maybe_unused]] const int result = ::renameat2(AT_FDCWD, target.c_str(), AT_FDCWD, temporary.c_str(), flags);
 }
 
-/// @throw IoError  the folder's entries could not be brought to the disk
+/// @throw IoError  the folder's entries could not be flushed to the disk
 void syncFolder(const fs::path& folder) {
   const int descriptor = openRetrying([&] { return ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
-  if (descriptor < 0) return;  // a folder may be written, yet not read
+  if (descriptor < 0) return;  // a folder may be writable, but not readable
   const int error = syncToDisk(descriptor);
   ::close(descriptor);
   if (error != 0) throwIoError("cannot flush the folder " + nameOf(folder) + " to the disk", error);
@@ -347,7 +347,7 @@ struct AtomicFile::State {
   bool replaces = true;
   bool finished = false;
   bool committed = false;
-  int lockHolder = -1;  ///< of the temporary file; the buffer's descriptor is closed before the file is in its place
+  int lockHolder = -1;  ///< lock of the temporary file; the buffer's descriptor is closed before the file is committed
 
   State() = default;
   State(const State&) = delete;
@@ -361,7 +361,7 @@ struct AtomicFile::State {
     if (temporary.empty()) return;
     Registry& live = registry();
     const std::lock_guard lock(live.mutex);
-    // It is no longer registered once it was committed, or removed by removeTemporaries().
+    // It is not registered any more once it was committed, or removed by removeTemporaries().
     if (live.targets.erase(temporary) > 0) ::unlink(temporary.c_str());
   }
 
@@ -432,7 +432,7 @@ void commitAll(std::span<AtomicFile* const> files) {
     states.push_back(&s);
   }
   for (AtomicFile* file : files) file->finish();
-  for (const AtomicFile::State* s : states) s->requireWritten();  // nor since an earlier finish()
+  for (const AtomicFile::State* s : states) s->requireWritten();  // also after an earlier finish()
 
   std::set<fs::path> folders;
   for (const AtomicFile::State* s : states) {

@@ -51,10 +51,10 @@ class Input {
   Input(const Input&) = delete;
   Input& operator=(const Input&) = delete;
 
-  /// Of a regular file as it was opened; 0 for others.
+  /// The size of a regular file when it was opened; 0 for others.
   std::size_t size() const { return mSize; }
 
-  /// Fills @a to with up to @a size bytes; 0 is the end.
+  /// Reads up to @a size bytes into @a to; 0 at the end.
   std::size_t read(char* to, std::size_t size) {
     for (;;) {
       const ssize_t count = ::read(mDescriptor, to, size);
@@ -80,8 +80,8 @@ void readPieces(const std::filesystem::path& path, const std::function<void(std:
 std::string readWholeFile(const std::filesystem::path& path) {
   Input input(path);
   requireMemory(static_cast<double>(input.size()), MemoryUse::File, inOneLine(path.native()));
-  // One byte more than the file should hold, so that its end is seen without growing the buffer; a file that has grown
-  // since, or has no size, is still read to its end.
+  // One byte more than the file should hold, so that its end is detected without growing the buffer. A file that has
+  // grown since, or has no size, is still read to its end.
   std::string content(input.size() + 1, '\0');
   std::size_t filled = 0;
   while (const std::size_t count = input.read(content.data() + filled, content.size() - filled)) {

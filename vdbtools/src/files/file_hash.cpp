@@ -8,6 +8,7 @@
 #include <array>
 #include <memory>
 #include <stdexcept>
+#include <streambuf>
 
 namespace vdbtools {
 namespace {
@@ -42,6 +43,28 @@ class Sha256 {
 };
 
 }  // namespace
+
+class HashStream::Buffer final : public std::streambuf {
+ public:
+  std::string hex() { return mHash.hex(); }
+
+ private:
+  int_type overflow(int_type c) override {
+    const char byte = traits_type::to_char_type(c);
+    if (!traits_type::eq_int_type(c, traits_type::eof())) mHash.add({&byte, 1});
+    return traits_type::not_eof(c);
+  }
+  std::streamsize xsputn(const char* bytes, std::streamsize size) override {
+    mHash.add({bytes, static_cast<std::size_t>(size)});
+    return size;
+  }
+
+  Sha256 mHash;
+};
+
+HashStream::HashStream() : std::ostream(nullptr), mBuffer(std::make_unique<Buffer>()) { rdbuf(mBuffer.get()); }
+HashStream::~HashStream() = default;
+std::string HashStream::sha256Hex() { return mBuffer->hex(); }
 
 std::string sha256Hex(std::string_view bytes) {
   Sha256 hash;

@@ -6,7 +6,7 @@ namespace vdbtools {
 namespace fs = std::filesystem;
 
 fs::path followLinks(const fs::path& path, std::error_code& error) {
-  constexpr int kMostLinks = 40;  // as Linux follows
+  constexpr int kMostLinks = 40;  // the limit of Linux
   fs::path target = path;
   for (int i = 0; i < kMostLinks; ++i) {
     std::error_code ignored;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file file_place.h
-/// Where a name leads to.
+/// Resolves file names.
 #pragma once
 
 #include <filesystem>
@@ -8,14 +8,14 @@
 
 namespace vdbtools {
 
-/// What a name leads to through the links that it names itself, which need not lead to anything that exists.
-/// @param error  set where they cannot be followed
+/// Follows the symbolic links at the end of a path, which need not lead to anything that exists.
+/// @param error  set if they cannot be followed
 std::filesystem::path followLinks(const std::filesystem::path& path, std::error_code& error);
 
-/// The one spelling of a name, once all links in it are followed. What does not exist is spelled as it stands.
+/// The canonical spelling of a name, with all links followed. Parts that do not exist are kept as they are.
 std::filesystem::path placeOfFile(const std::filesystem::path& file);
 
-/// Whether it is there and a device, a pipe, a folder or the like.
+/// Whether the file exists and is a device, a pipe, a folder or the like.
 bool isNoOrdinaryFile(const std::filesystem::path& file);
 
 }  // namespace vdbtools

@@ -7,12 +7,12 @@
 namespace vdbtools {
 namespace {
 
-constexpr int kDefaultWidth = 4;     ///< that of the usual $F4
-constexpr std::size_t kWidest = 16;  ///< more than any int has; beyond it the pattern must be a mistake
+constexpr int kDefaultWidth = 4;     ///< the width of the usual $F4
+constexpr std::size_t kWidest = 16;  ///< more digits than any int; a wider pattern must be a mistake
 
 struct Pattern {
   std::size_t begin, size;
-  int width;  ///< digits at least
+  int width;  ///< minimum number of digits
 };
 
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
@@ -23,7 +23,7 @@ std::size_t fileNameBegin(std::string_view path) {
   return slash == std::string_view::npos ? 0 : slash + 1;
 }
 
-/// @return width
+/// @return the width
 int requireWidth(std::size_t width, std::string_view pattern) {
   if (width <= kWidest) return static_cast<int>(width);
   throw std::invalid_argument("the frame pattern \"" + std::string(pattern) + "\" asks for more than " +
@@ -32,12 +32,12 @@ int requireWidth(std::size_t width, std::string_view pattern) {
 
 int widthOf(std::string_view digits, std::string_view pattern) {
   std::size_t width = 0;
-  // Capped at "too wide", so that no number of digits overflows.
+  // Capped at "too wide", so that a long number does not overflow.
   for (const char digit : digits) width = std::min(10 * width + static_cast<std::size_t>(digit - '0'), kWidest + 1);
   return requireWidth(width, pattern);
 }
 
-/// The pattern that begins at @a begin, if one does.
+/// The pattern that begins at @a begin, if there is one.
 std::optional<Pattern> patternAt(std::string_view path, std::size_t begin, bool inFileName) {
   const std::string_view rest = path.substr(begin);
   const auto digitsFrom = [rest](std::size_t i) {
@@ -88,7 +88,7 @@ std::optional<Pattern> findPattern(std::string_view path) {
   return found;
 }
 
-/// Where the extension begins, its dot included; a leading dot makes a hidden file, not an extension.
+/// The beginning of the extension, including its dot; a leading dot makes a hidden file, not an extension.
 std::size_t extensionBegin(std::string_view path) {
   const std::size_t nameBegin = fileNameBegin(path);
   const std::size_t dot = path.rfind('.');

@@ -23,7 +23,7 @@ constexpr double kMebi = 1 << 20;
 #ifdef JULIAVDB_IMAGE_MODULE
 constexpr const char* kPictures = "pictures can be neither read nor written: ";
 
-/// Some of the libraries crash while they are loaded where they find no room, so they are not loaded then.
+/// Some of the libraries crash while loading if memory is insufficient, so they are not loaded then.
 void requireRoom(const MemoryLeft& left, double needed) {
   if (left.bytes < needed)
     throw MemoryError(std::string(kPictures) + "their libraries need some " + memoryText(needed) + ", but " +
@@ -31,7 +31,7 @@ void requireRoom(const MemoryLeft& left, double needed) {
                       MemoryUse::Libraries);
 }
 
-/// Why the last call of the loader failed.
+/// The reason why the last call of the loader failed.
 std::string reason() {
   const char* const text = dlerror();
   return text ? text : "the loader gives no reason";
@@ -43,12 +43,12 @@ void* loadModule() {
   if (dladdr(reinterpret_cast<const void*>(&imageFunction), &here) == 0 || !here.dli_fname)
     throw IoError(std::string(kPictures) + "the folder of this library is not known");
   const std::filesystem::path path = std::filesystem::path(here.dli_fname).parent_path() / JULIAVDB_IMAGE_MODULE;
-  // As measured with those of Debian 12. One of them starts a thread per processor.
+  // Measured with the libraries of Debian 12. One of them starts a thread per processor.
   constexpr double kSpace = 420 * kMebi, kData = 100 * kMebi, kStack = 8 * kMebi;
   const double stacks = kStack * std::thread::hardware_concurrency();
   requireRoom(addressSpaceLeft(), kSpace + stacks);
   requireRoom(dataLeft(), kData + stacks);
-  std::atexit(removeTemporaries);  // one of them ends the process where its first allocation fails
+  std::atexit(removeTemporaries);  // one of them exits if its first allocation fails
   void* const module = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (module) return module;
   const std::string why = reason();
@@ -69,8 +69,8 @@ void* imageFunction(const char* name) {
 #endif
 
 int imageThreads() {
-  // OpenImageIO and OpenEXR start one each, for which the C library reserves 64 MiB of addresses, or for a moment twice
-  // as many, beside its stack.
+  // OpenImageIO and OpenEXR start one thread each. For each, the C library reserves 64 MiB of addresses, briefly twice
+  // as much, in addition to its stack.
   constexpr double kSpace = 2 * 136 * kMebi;
   return static_cast<int>(std::clamp<double>(addressSpaceLeft().bytes / kSpace, 1, allowedThreads()));
 }

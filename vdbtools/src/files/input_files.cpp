@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 using FileNumber = std::pair<dev_t, ino_t>;
 
-/// Of a file that is there.
+/// The number of an existing file.
 std::optional<FileNumber> numberOf(const fs::path& file) {
   struct stat status {};
   if (::stat(file.c_str(), &status) != 0) return std::nullopt;

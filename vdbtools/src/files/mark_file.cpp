@@ -30,7 +30,7 @@ MarkFile::MarkFile(const std::filesystem::path& path, const std::string& content
   try {
     mFile.commit();
   } catch (...) {
-    // It may be in its place already, when the folder cannot be flushed.
+    // It may have been committed already if flushing the folder failed.
     if (mFile.temporaryPath().empty()) ::unlink(mPath.c_str());
     const std::lock_guard lock(live.mutex);
     live.targets.erase(mPath);
@@ -51,7 +51,7 @@ void MarkFile::touch() const noexcept {
 MarkState stateOfMark(const std::filesystem::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) return errno == ENOENT ? MarkState::None : MarkState::Unknown;
-  // Shared, so that two who ask at the same time do not take each other for the writer.
+  // A shared lock, so that two processes that ask at the same time do not take each other for the writer.
   const MarkState state = stateOf(ownerOf(descriptor, LOCK_SH));
   ::close(descriptor);
   return state;

@@ -14,7 +14,7 @@ namespace vdbtools {
 std::map<std::string, std::string> verifiedHashes(std::span<const NamedFile> files) {
   std::map<std::string, std::string> found;
   for (const NamedFile& file : files) {
-    // What a recipe names is read whole, and the hash of what does not fit would take hours.
+    // Files that a recipe names are read whole, and hashing a file that does not fit would take hours.
     std::error_code error;
     const std::uintmax_t size = std::filesystem::file_size(file.path, error);
     if (!error) requireMemory(static_cast<double>(size), MemoryUse::File, inOneLine(file.path.native()));

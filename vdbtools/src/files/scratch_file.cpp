@@ -23,7 +23,7 @@ constexpr std::size_t kCopiedAtOnce = std::size_t{1} << 20;
 int openNameless(const std::filesystem::path& folder) {
   const int descriptor = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
   if (descriptor >= 0) return descriptor;
-  // Not every file system has files without a name (overlayfs and NFS do not); there it loses its name at once.
+  // Not every file system supports unnamed files (overlayfs and NFS do not); otherwise the name is removed at once.
   std::string name = (folder / ".juliavdb.XXXXXX").native();
   const int named = ::mkostemp(name.data(), O_CLOEXEC);
   if (named >= 0) ::unlink(name.c_str());
@@ -58,7 +58,7 @@ void ScratchFile::moveTo(std::ostream& stream) {
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) fail("cannot be read: " + (count < 0 ? errorText(errno) : "it ends at byte " + std::to_string(at)));
     stream.write(piece.data(), count);
-    // Two copies need not fit on the disk. Where the file system cannot do it, nothing is lost.
+    // Avoids two copies on the disk. If the file system cannot do this, nothing is lost.
     [[maybe_unused]] const int result = ::fallocate(mDescriptor, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, at, count);
     at += count;
   }

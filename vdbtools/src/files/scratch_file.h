@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file scratch_file.h
-/// Bytes put aside on the disk in a file without a name, which disappears with this object, and with the process
-/// however that ends.
+/// Bytes stored on the disk in an unnamed file, which disappears with this object, and with the process however it
+/// ends.
 #pragma once
 
 #include <cstdint>
@@ -15,17 +15,17 @@ namespace vdbtools {
 class ScratchFile {
  public:
   /// @param folder  empty: the working directory
-  /// @throw CreateError  no file can be made there
+  /// @throw CreateError  no file can be created there
   explicit ScratchFile(const std::filesystem::path& folder);
   ~ScratchFile();
   ScratchFile(const ScratchFile&) = delete;
   ScratchFile& operator=(const ScratchFile&) = delete;
 
-  /// Unbuffered. @throw IoError  a full disk, a lost mount
+  /// Writes without a buffer. @throw IoError  e.g. a full disk or a lost mount
   void append(std::string_view bytes);
 
-  /// Writes all bytes to @a stream, as far as that accepts them, and frees their space on the disk on the way.
-  /// @throw IoError  reading broke off
+  /// Writes all bytes to @a stream until it fails, and frees their space on the disk progressively.
+  /// @throw IoError  reading failed midway
   void moveTo(std::ostream& stream);
 
  private:

@@ -25,15 +25,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Bytes of the target's name that go into the temporary's, so that the latter is not too long where the former fits.
+/// The number of bytes of the target's name in the temporary's, so that the latter is not too long if the former fits.
 constexpr std::size_t kLongestStem = 100;
 constexpr std::string_view kSuffix = ".tmp";
 constexpr std::size_t kDigits = 8;
-/// Where locks do not tell, a temporary file that nobody has written for so long is a leftover. In seconds.
+/// If locks do not tell, a temporary file that has not been written for this long, in seconds, is a leftover.
 constexpr std::time_t kOld = 24 * 60 * 60;
 
-/// File systems on which a free lock means that no process on any machine holds it (statfs(2)): those of one machine,
-/// and those whose clients share locks unless they are mounted otherwise.
+/// File systems on which a free lock means that no process on any machine holds it (statfs(2)): local ones, and those
+/// whose clients share locks unless mounted otherwise.
 constexpr std::array<std::uint32_t, 13> kWithSharedLocks = {
     0x0000EF53,  // ext2 to ext4
     0x58465342,  // XFS
@@ -57,7 +57,7 @@ int lockRetrying(int descriptor, int operation) {
   }
 }
 
-/// Whether @a path still leads to the open file.
+/// Whether @a path still refers to the open file.
 bool leadsTo(const fs::path& path, int descriptor) {
   struct stat open {
   }, named{};
@@ -89,7 +89,7 @@ PlacedFiles placedFiles() noexcept {
 
 fs::path temporaryName(const fs::path& target, std::uint32_t number) {
   const std::string name = target.filename().native();
-  // Of two long names that begin alike, neither finds the other's.
+  // Distinguishes two long names with the same beginning.
   const auto own = static_cast<std::uint32_t>(std::hash<std::string>()(name));
   char suffix[16];
   std::snprintf(suffix, sizeof suffix, ".%08x.tmp", static_cast<unsigned int>(own + number));
@@ -123,7 +123,8 @@ bool removeIfLeftover(const fs::path& path) {
     const Owner owner = ownerOf(descriptor, LOCK_EX);
     leftover = owner == Owner::Dead || (owner == Owner::Unknown && std::time(nullptr) - status.st_mtime > kOld);
   }
-  // The lock is held until it is removed: a process that has just created it waits for the lock, and then sees this.
+  // The lock is held until the file is removed: a process that has just created it waits for the lock, and then detects
+  // this.
   const bool removed = leftover && leadsTo(path, descriptor) && ::unlink(path.c_str()) == 0;
   ::close(descriptor);
   return removed;

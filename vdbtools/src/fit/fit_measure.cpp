@@ -26,7 +26,7 @@ using openvdb::FloatGrid;
 using openvdb::Vec3d;
 using openvdb::Vec3s;
 
-constexpr float kLargestLog = 20;  ///< |L| on the cells, infinite at roots, is cut to it for the surface between them
+constexpr float kLargestLog = 20;  ///< bound of |L| on the cells, which is infinite at roots
 
 /// The counts of one slice of the cube.
 struct Tally {
@@ -34,7 +34,7 @@ struct Tally {
   double psi = 0, eta = 0;
 };
 
-/// The cells' lattice: cell (i, j, k) of the cube, x slowest; cells from 1, as there is a rim around them.
+/// The lattice of the cells: cell (i, j, k) of the cube, x slowest; indices count from 1, because of the rim.
 class Lattice {
  public:
   explicit Lattice(const FitTarget& target) : mTarget(target) {}
@@ -48,14 +48,14 @@ class Lattice {
     return x;
   }
   Vec3d index(const Vec3d& nodeOfFinest) const {
-    return nodeOfFinest + Vec3d((mTarget.resolution - 1) / 2 + 1);  // rounded down: see makeFitTarget()
+    return nodeOfFinest + Vec3d((mTarget.resolution - 1) / 2 + 1);  // rounded down, see makeFitTarget()
   }
 
  private:
   const FitTarget& mTarget;
 };
 
-/// L of every cell, in a grid of them with a rim that is outside.
+/// L of every cell, in a grid with a rim of outside cells.
 struct Potential {
   std::vector<float> values;
   Tally tally;
@@ -68,7 +68,7 @@ Potential potentialOf(const FitTarget& target, const Lattice& lattice, const jul
   Potential result;
   result.values.assign(rimmed * rimmed * rimmed, 1);
   std::vector<Tally> tallies(n);
-  monitor.begin("measure", n);
+  monitor.begin(PhaseKind::Measure, n);
   inParallel(n, 1, monitor, [&](std::size_t begin, std::size_t end) {
     std::vector<Point> points(n * n);
     std::vector<double> phi(n * n);
@@ -107,7 +107,7 @@ Potential potentialOf(const FitTarget& target, const Lattice& lattice, const jul
 FloatGrid::Ptr gridOf(std::vector<float>& values, const Lattice& lattice) {
   const int last = static_cast<int>(lattice.side()) + 1;
   const openvdb::tools::Dense<float> dense(openvdb::CoordBBox(Coord(0), Coord(last)), values.data());
-  // A background that differs from all values, so that all become active.
+  // The background differs from all values, so that all become active.
   FloatGrid::Ptr grid = FloatGrid::create(2 * kLargestLog);
   openvdb::tools::copyFromDense(dense, *grid, 0.0f);
   grid->tree().voxelizeActiveTiles();
@@ -145,7 +145,7 @@ Distances toTarget(const FitTarget& target, const Lattice& lattice, const std::v
   return summary(distances);
 }
 
-/// From the target's surface to the map's, whose distances fast sweeping makes.
+/// Distances from the target's surface to the map's, computed by fast sweeping.
 Distances fromTarget(const FitTarget& target, const Lattice& lattice, const FloatGrid& potential) {
   const FloatGrid::Ptr sdf = sdfOfField(potential);
   const auto accessor = sdf->getConstAccessor();

@@ -34,13 +34,13 @@ using openvdb::FloatGrid;
 using openvdb::FloatTree;
 using openvdb::Vec3d;
 
-constexpr double kCubeSide = 1.2;       ///< of the box's longest side
-constexpr double kKnownSide = 2;        ///< of the cube's: how far distances are known
-constexpr int kDefaultSdfVoxels = 200;  ///< along the longest side, which `juliavdb fractal` has by default
+constexpr double kCubeSide = 1.2;       ///< side, relative to the box's longest side
+constexpr double kKnownSide = 2;        ///< size of the region with known distances, relative to the cube's side
+constexpr int kDefaultSdfVoxels = 200;  ///< voxels along the longest side, the default of `juliavdb fractal`
 
-constexpr double kShortEdge = 0.4;  ///< cells; shorter edges of the surface are slivers of the marching cubes
+constexpr double kShortEdge = 0.4;  ///< in cells; shorter edges of the surface are slivers of marching cubes
 
-constexpr std::size_t kBatch = 4096;  ///< points that a thread takes at once
+constexpr std::size_t kBatch = 4096;  ///< points that a thread processes at once
 
 void requireInDomain(const FitTargetOptions& options) {
   if (options.resolution < 8 || options.resolution > 1000)
@@ -52,11 +52,11 @@ void requireInDomain(const FitTargetOptions& options) {
     throw std::invalid_argument("the smoothing is " + shortText(options.smooth) + " cells; it must be 0 to 4");
 }
 
-/// The shape as a mesh, and where `juliavdb fractal` puts it.
+/// The shape as a mesh, and where `juliavdb fractal` places it.
 struct Solid {
   Mesh mesh;
   openvdb::BBoxd box;
-  std::optional<FractalSpace> space;  ///< a VDB's; a mesh's depends on its distances
+  std::optional<FractalSpace> space;  ///< set for a VDB; for a mesh it depends on the distances
   MendOptions mend{};
 };
 
@@ -78,13 +78,14 @@ Solid readSolid(const FitTargetOptions& options, Monitor& monitor) {
   return solid;
 }
 
-/// @param finest  distances that are good to a voxel
+/// @param finest  distances that are accurate to a voxel
 FractalSpace spaceOf(const Solid& solid, const FloatGrid& finest, Monitor& monitor) {
   if (solid.space) return *solid.space;
   const Vec3d middle = solid.box.getCenter();
   const double phi = openvdb::tools::BoxSampler::sample(finest.getConstAccessor(), finest.worldToIndex(middle));
   if (phi < -finest.voxelSize()[0]) return fitFractalSpace(finest, solid.box);
-  // Too near the surface to tell: the lattice of `juliavdb fractal` decides, and if it says outside, its deepest node.
+  // If this is too close to the surface, the lattice of `juliavdb fractal` decides; if it says outside, its deepest
+  // node is used.
   const double voxel = longestSide(solid.box) / kDefaultSdfVoxels;
   const auto gridTo = [&](double depth) {
     return makeSdfAbout(middle, solid.mesh, sdfBand(voxel, kFitBand, depth), solid.mend, monitor).grid;
@@ -94,11 +95,11 @@ FractalSpace spaceOf(const Solid& solid, const FloatGrid& finest, Monitor& monit
   return fitFractalSpace(*gridTo(std::numeric_limits<double>::infinity()), solid.box);
 }
 
-/// Where the cube's middle lies in the finest level's index space: with an odd number of cells one is in the middle,
-/// with an even one a corner of cells is, and their centres are the nodes all the same.
+/// The cube's centre in the finest level's index space: with an odd number of cells it is the centre of a cell, and
+/// with an even number a corner of cells; the cells' centres are nodes in both cases.
 double middleNode(int resolution) { return resolution % 2 == 0 ? 0.5 : 0; }
 
-/// The cube in which distances are known, index space of level @a l: the same along each axis.
+/// The cube in which distances are known, in the index space of level @a l, equal for all axes.
 struct KnownRange {
   double low, high;
 };
@@ -107,7 +108,7 @@ KnownRange knownRange(const FitTarget& target, std::size_t l) {
   return {std::ldexp(middle - half, -static_cast<int>(l)), std::ldexp(middle + half, -static_cast<int>(l))};
 }
 
-/// The nodes that the trilinear reading of any point of the known cube needs.
+/// The nodes needed to read any point of the known cube trilinearly.
 CoordBBox knownNodes(const FitTarget& target, std::size_t l) {
   const KnownRange range = knownRange(target, l);
   return {Coord(static_cast<int>(std::floor(range.low))), Coord(static_cast<int>(std::ceil(range.high)))};
@@ -120,11 +121,12 @@ bool knowsAll(const FloatGrid& level, const CoordBBox& nodes) {
   return true;
 }
 
-/// Motion by mean curvature, of no more than half of @a smooth voxels anywhere.
+/// Mean curvature flow that moves the surface by at most half of @a smooth voxels anywhere.
 FloatGrid::Ptr smoothed(const FloatGrid& phi, double smooth, Monitor& monitor) {
   FloatGrid::Ptr result = phi.deepCopy();
   if (smooth == 0) return result;
-  // A step is a third of a voxel squared of heat conduction: n of them blur by a Gaussian of deviation sqrt(n / 3).
+  // A step corresponds to heat diffusion over a third of a voxel squared: n steps blur by a Gaussian of deviation
+  // sqrt(n / 3).
   const int steps = static_cast<int>(std::ceil(3 * smooth * smooth));
   meanCurvatureFlow(*result, steps, monitor);
   const auto movedBy = [&phi](double distance) {
@@ -139,7 +141,7 @@ FloatGrid::Ptr smoothed(const FloatGrid& phi, double smooth, Monitor& monitor) {
 }
 
 julia::TriangleSurface rootSurface(const FitTarget& target, const FitTargetOptions& options, Monitor& monitor) {
-  monitor.begin("surface", 0);
+  monitor.begin(PhaseKind::Surface, 0);
   Mesh mesh = meshOfLevelSet(*smoothed(*target.levels.front(), options.smooth, monitor), monitor);
   for (Vec3d& point : mesh.points) {
     const Point x = target.space.toFractal(point);
@@ -153,7 +155,7 @@ julia::TriangleSurface rootSurface(const FitTarget& target, const FitTargetOptio
   return surface;
 }
 
-/// Reads the levels from one thread.
+/// Reads the levels, for use by one thread.
 class Reader {
  public:
   explicit Reader(const FitTarget& target) : mTarget(target), mKnown(knownRange(target, 0)) {
@@ -177,7 +179,7 @@ class Reader {
     return std::numeric_limits<double>::quiet_NaN();  // the point is not finite
   }
 
-  /// By central differences, half a cell to each side.
+  /// Central differences over half a cell to each side.
   Vec3d gradient(const Point& x) const {
     Vec3d result;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -198,7 +200,7 @@ class Reader {
 std::optional<Point> moved(const Reader& phi, double cell, Point x, double distance) {
   constexpr int kMostSteps = 20;
   constexpr double kGood = 1e-3, kGoodEnough = 0.1;  // cells
-  constexpr double kFlat = 0.1;  // of the gradient's length: a medial axis, from where no way leads on
+  constexpr double kFlat = 0.1;  // minimum length of the gradient; below, on a medial axis, there is no direction
   double error = distance - phi(x);
   Point best = x;
   double least = std::abs(error);
@@ -244,7 +246,7 @@ FitTarget makeFitTarget(const FitTargetOptions& options, Monitor& monitor) {
   solid.mesh = Mesh();
   target.cell = voxel / target.space.scale;
   target.cubeCentre = target.space.toFractal(solid.box.getCenter());
-  monitor.begin("distances", 0);
+  monitor.begin(PhaseKind::Distances, 0);
   while (!knowsAll(*target.levels.back(), knownNodes(target, target.levels.size() - 1))) {
     target.levels.push_back(coarserBand(*target.levels.back(), kFitBand / 2));
     monitor.throwIfCancelled();

@@ -11,7 +11,7 @@
 
 namespace vdbtools::fit {
 
-/// @pre one size
+/// @pre both spans have the same size
 inline void logModuli(const julia::RationalEvaluator<float>& evaluator, std::span<const julia::Point> points,
                       std::span<float> l) {
   static thread_local julia::QuaternionBatch<float> q;

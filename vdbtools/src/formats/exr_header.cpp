@@ -14,7 +14,7 @@ struct Kind {
   std::int64_t size;
 };
 
-/// Those that have the same number of bytes in every file.
+/// Types with the same number of bytes in every file.
 constexpr std::array kFixedKinds = {Kind{"box2i", 16},
                                     Kind{"box2f", 16},
                                     Kind{"chromaticities", 32},
@@ -40,7 +40,7 @@ constexpr std::array kFixedKinds = {Kind{"box2i", 16},
                                     Kind{"v3f", 12},
                                     Kind{"v3d", 24}};
 
-/// What is left of a file. Behind its end everything is 0, and it is not good any more.
+/// The rest of a file. Reads beyond its end return 0 and make it invalid.
 class Cursor {
  public:
   explicit Cursor(std::string_view bytes) : mLeft(bytes) {}
@@ -49,7 +49,7 @@ class Cursor {
   explicit operator bool() const { return mGood; }
   bool atZero() const { return mLeft.starts_with('\0'); }
 
-  /// Little-endian, as all numbers of the format.
+  /// Little-endian, like all numbers of the format.
   std::int32_t number() {
     const std::string_view bytes = take(4);
     std::uint32_t value = 0;
@@ -62,7 +62,7 @@ class Cursor {
     skip(1);
     return text;
   }
-  /// @return whether there are so many
+  /// @return whether there are enough bytes
   bool skip(std::int64_t bytes) {
     take(bytes);
     return mGood;
@@ -88,7 +88,7 @@ bool skipChannels(Cursor& cursor) {
   return bool(cursor);
 }
 
-/// @return whether the value is what readers of its kind take it for
+/// @return whether the value matches what readers assume for its type
 bool skipValue(Cursor& cursor, std::string_view kind, std::int32_t size) {
   const std::int64_t after = cursor.left() - size;
   if (size < 0 || after < 0) return false;
@@ -107,7 +107,7 @@ bool skipValue(Cursor& cursor, std::string_view kind, std::int32_t size) {
       if (!cursor.skip(cursor.number())) return false;
     return cursor && cursor.left() == after;
   } else if (kind == "idmanifest") {
-    return false;  // of deep pictures, which have no use here; compressed, so that its size says nothing
+    return false;  // for deep pictures, which are not supported; compressed, so its size says nothing
   }
   return cursor.skip(size);
 }
@@ -117,10 +117,10 @@ bool skipValue(Cursor& cursor, std::string_view kind, std::int32_t size) {
 bool isExrHeaderSound(std::string_view bytes) {
   constexpr std::int32_t kManyParts = 0x1000;
   Cursor cursor(bytes);
-  cursor.skip(4);  // by which the format is known
+  cursor.skip(4);  // the magic number
   const bool manyParts = (cursor.number() & kManyParts) != 0;
   while (cursor) {
-    if (cursor.text().empty()) {  // the end of a header; where there may be several, an empty one is the last
+    if (cursor.text().empty()) {  // the end of a header; if there may be several, an empty one is the last
       if (cursor && (!manyParts || cursor.atZero())) return true;
       continue;
     }

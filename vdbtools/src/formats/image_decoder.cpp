@@ -16,8 +16,8 @@
 
 namespace {
 
-/// The bytes of a file. The reader of OpenImageIO 2.4 that it stands in for reads before and behind them where a
-/// damaged file has a place that is negative or too large.
+/// The bytes of a file. It replaces a reader of OpenImageIO 2.4 that reads before and behind them if a damaged file has
+/// a negative or too large offset.
 class ByteSource final : public OIIO::Filesystem::IOMemReader {
  public:
   explicit ByteSource(std::string_view bytes) : IOMemReader(bytes.data(), bytes.size()) {}
@@ -43,8 +43,8 @@ class ByteSource final : public OIIO::Filesystem::IOMemReader {
 
 constexpr int kMostTilesInRow = 1 << 14;
 
-/// Reads some lines at a time, and none after one that is damaged: OpenImageIO 2.4 would go on, keep a message for
-/// each, and abort the program when these are 16 MB.
+/// Reads some lines at a time, and stops at a damaged one: OpenImageIO 2.4 would continue, store a message for each,
+/// and abort the program when these reach 16 MB.
 bool readLines(OIIO::ImageInput& input, const OIIO::ImageSpec& spec, float* values) {
   constexpr int kLines = 64;
   const bool tiled = spec.tile_width > 0 && spec.tile_height > 0;
@@ -55,7 +55,7 @@ bool readLines(OIIO::ImageInput& input, const OIIO::ImageSpec& spec, float* valu
         tiled ? input.read_tiles(0, 0, spec.x, spec.x + spec.width, begin, end, spec.z, spec.z + 1, 0, spec.nchannels,
                                  OIIO::TypeDesc::FLOAT, values)
               : input.read_scanlines(0, 0, begin, end, spec.z, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, values);
-    // Where a part of a TIFF is missing, reading goes well, and says so only in the message.
+    // If a part of a TIFF is missing, reading succeeds, and only the message says so.
     if (!good || input.has_error()) return false;
     values += std::ptrdiff_t{end - begin} * spec.width * spec.nchannels;
     begin = end;
@@ -70,12 +70,12 @@ bool juliavdbDecodeImage(std::string_view bytes, std::string_view format, int th
   try {
     vdbtools::useImageThreads(threads);
     OIIO::ImageSpec config;
-    config.attribute("oiio:UnassociatedAlpha", 1);  // colours as they are in the file, not multiplied by alpha
+    config.attribute("oiio:UnassociatedAlpha", 1);  // colours as in the file, not multiplied by alpha
     ByteSource source(bytes);
-    // ImageInput::open() would try the decoders of all formats on a file that the one for its name refuses.
+    // ImageInput::open() would try the decoders of all formats on a file that its own format's decoder refuses.
     const auto input = OIIO::ImageInput::create(std::string(format));
     OIIO::ImageSpec spec;
-    // The name is for messages only; the bytes come from the source.
+    // The name is for messages only; the source supplies the bytes.
     if (!input || !input->set_ioproxy(&source) || !input->open("picture", spec, config)) {
       reason = input ? input->geterror() : OIIO::geterror();
       return false;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file image_threads.h
-/// How many threads OpenImageIO and OpenEXR use, for the sources of the module of files/image_module.h.
+/// The number of threads that OpenImageIO and OpenEXR use, for the sources of the module of files/image_module.h.
 #pragma once
 
 #include <OpenImageIO/imageio.h>
@@ -14,7 +14,7 @@
 
 namespace vdbtools {
 
-/// How many of so many threads the system lets this process start. OpenImageIO 2.4 crashes later where it could not
+/// How many of @a wanted threads the system lets this process start. OpenImageIO 2.4 crashes later if it could not
 /// start one.
 inline int startableThreads(int wanted) {
   std::latch end(1);
@@ -23,14 +23,14 @@ inline int startableThreads(int wanted) {
   try {
     while (static_cast<int>(threads.size()) < wanted) threads.emplace_back([&end] { end.wait(); });
   } catch (const std::exception&) {
-    // As many as there are; they wait, and must not be left so.
+    // Only some could be started; they wait and must be released.
   }
   end.count_down();
   return static_cast<int>(threads.size());
 }
 
-/// Without it, both start a thread for each processor. The bytes are the same with any number.
-/// @param threads  at most; 1: none but the caller's
+/// Without this call, both start a thread for each processor. The number does not affect the bytes.
+/// @param threads  maximum number; 1: only the caller's
 inline void useImageThreads(int threads) {
   threads = std::max(1, startableThreads(2 * threads) / 2);
   OIIO::attribute("threads", threads);

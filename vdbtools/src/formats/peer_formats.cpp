@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kIntSize = 4;
 constexpr std::size_t kDoubleSize = 8;
 constexpr std::size_t kQuaternionSize = 4 * kDoubleSize;
-constexpr double kLargestCoordinate = 1e9;  ///< as julia::requireFinite() has it
+constexpr double kLargestCoordinate = 1e9;  ///< as in julia::requireFinite()
 
 std::string textOf(double value) {
   std::ostringstream text;
@@ -28,7 +28,7 @@ std::string textOf(double value) {
   return text.str();
 }
 
-/// Reads the bytes of a file in order, and fails rather than pass their end.
+/// Reads the bytes of a file in order, and throws at their end.
 class Reader {
  public:
   Reader(std::string_view bytes, const std::string& name) : mBytes(bytes), mName(inOneLine(name)) {}
@@ -41,7 +41,7 @@ class Reader {
     return std::bit_cast<double>(std::uint64_t{readLittleEndian(kDoubleSize, what)});
   }
 
-  /// A count of elements of @a elementSize bytes that follow, all of them present.
+  /// Reads a count of elements of @a elementSize bytes and checks that all of them follow.
   std::size_t readCount(const std::string& elements, std::size_t elementSize) {
     const std::int32_t count = readInt("the number of " + elements);
     const std::size_t most = left() / elementSize;
@@ -85,7 +85,7 @@ class Reader {
 };
 
 julia::Quaternion<double> readQuaternion(Reader& reader, const std::string& what) {
-  // One statement a component: the order of reading is the file's.
+  // One statement per component: the order of reading is that of the file.
   julia::Quaternion<double> q;
   q.a = reader.readDouble(what);
   q.b = reader.readDouble(what);
@@ -105,8 +105,8 @@ julia::Polynomial readPolynomial(Reader& reader, const std::string& side) {
 
   julia::Polynomial polynomial;
   const std::size_t roots = reader.readCount("roots" + of, kQuaternionSize);
-  // A polynomial given by coefficients alone has a degree and no roots; it would pass for the constant 1. One that was
-  // never given anything may state any negative degree.
+  // A polynomial given only by coefficients has a degree and no roots; it would pass for the constant 1. A polynomial
+  // that was never set may have any negative degree.
   if (roots != static_cast<std::size_t>(std::max(statedRoots, 0))) {
     reader.fail("the degree" + of + " is " + std::to_string(statedRoots) + ", but " + std::to_string(roots) +
                 " roots follow; only factored polynomials, with a root a degree, can be used");
@@ -138,7 +138,7 @@ void skipField(Reader& reader, const std::string& field) {
     const std::string what = "the " + field + " field's resolution in " + axis;
     const std::int32_t resolution = reader.readInt(what);
     if (resolution < 0) reader.fail(what + " is " + std::to_string(resolution) + "; it must not be negative");
-    // Held at "more than the file has", so that no product overflows.
+    // Capped at "more than the file has", so that no product overflows.
     const std::uint64_t tooMany = reader.left() / kDoubleSize + 1;
     const auto size = static_cast<std::uint64_t>(resolution);
     cells = size != 0 && cells > tooMany / size ? tooMany : cells * size;
@@ -163,7 +163,7 @@ void appendInt(std::string& bytes, int value) {
   appendLittleEndian(bytes, static_cast<std::uint32_t>(value), kIntSize);
 }
 
-/// @param format  the file's, for the message
+/// @param format  the file's format, for the message
 void appendRoots(std::string& bytes, const julia::Polynomial& polynomial, const char* format) {
   const std::size_t count = polynomial.roots.size();
   if (count > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
@@ -183,7 +183,7 @@ void appendRoots(std::string& bytes, const julia::Polynomial& polynomial, const 
   appendDouble(bytes, polynomial.powerScale);
 }
 
-/// The resolutions, the centre and the lengths, as the shape itself and each of its fields begin.
+/// Appends the resolutions, the centre and the lengths, with which the shape and each of its fields begin.
 void appendBox(std::string& bytes, const OptimisedShape& shape) {
   for (const int resolution : shape.resolutions) appendInt(bytes, resolution);
   for (const double coordinate : shape.centre) appendDouble(bytes, coordinate);
@@ -251,7 +251,7 @@ OptimisedShape optimisedShapeFromO3d(std::string_view bytes, const std::string& 
       reader.fail("one of the shape's resolutions is " + std::to_string(resolution) + "; it must be at least 1");
     }
   }
-  // Conditions are written so that NaN fails them.
+  // Conditions are written so that a NaN fails them.
   for (double& coordinate : shape.centre) {
     coordinate = reader.readDouble("the shape's centre");
     if (!(std::abs(coordinate) <= kLargestCoordinate)) {

@@ -35,8 +35,8 @@ bool decode(std::string_view bytes, std::string_view format, double room, Decode
   return decodeOther(bytes, format, imageThreads(), room, image, reason);
 }
 
-/// How OpenImageIO calls the format that a file begins like; empty: none of those for which it calls the libraries that
-/// all the world uses. Its own decoders of other formats trust the file.
+/// OpenImageIO's name of the format with which a file begins; empty for formats other than those for which it uses
+/// widespread libraries. Its own decoders of other formats trust the file.
 std::string_view formatOf(std::string_view bytes) {
   struct Beginning {
     std::string_view bytes, format;
@@ -60,7 +60,7 @@ DecodedImage readPicture(const std::filesystem::path& path) {
     throw DataError(path.string() + ": it cannot be read as a picture (" + why +
                     "); save it as PNG, JPEG, TIFF or EXR");
   };
-  // What is checked is what is decoded, whatever happens to the file meanwhile.
+  // The checked bytes are the decoded ones, whatever happens to the file meanwhile.
   const std::string bytes = readWholeFile(path);
   const std::string_view format = formatOf(bytes);
   if (format.empty()) refuse("it is of another format");

@@ -14,7 +14,8 @@
 namespace vdbtools {
 namespace {
 
-/// What libpng reads from, and the first error that it found. Nothing in here may throw: libpng is written in C.
+/// The source of bytes for libpng, and the first error that it found. Nothing in here may throw: libpng is written in
+/// C.
 struct PngSource {
   std::string_view bytes;
   std::size_t at = 0;
@@ -34,11 +35,11 @@ void readBytes(png_structp png, png_bytep to, std::size_t size) {
   png_longjmp(png, 1);
 }
 
-/// Such as of a colour profile that is not used.
+/// Ignores warnings, e.g. about an unused colour profile.
 void dropWarning(png_structp, png_const_charp) {}
 
-/// libpng's state. Its functions come back by longjmp(), past which no object may need to be destroyed: those below
-/// have none of their own.
+/// libpng's state. Its functions return by longjmp(), past which no object may need to be destroyed; the functions
+/// below have no such objects.
 class PngReader {
  public:
   explicit PngReader(std::string_view bytes) : mSource{bytes} {
@@ -50,10 +51,10 @@ class PngReader {
   PngReader(const PngReader&) = delete;
   PngReader& operator=(const PngReader&) = delete;
 
-  /// Whether there was memory to begin.
+  /// Whether there was enough memory to begin.
   bool ready() const { return mInfo != nullptr; }
 
-  /// Whole bytes, or numbers of 16 bits in the order of this machine, of one, two, three or four channels.
+  /// Sets the output to bytes, or 16-bit numbers in the byte order of this machine, with one to four channels.
   bool readHead() {
     if (setjmp(png_jmpbuf(mPng)) != 0) return false;
     png_read_info(mPng, mInfo);

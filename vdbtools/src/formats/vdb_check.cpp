@@ -36,7 +36,7 @@ const GridType* typeNamed(std::string_view name) {
   return found == std::end(kGridTypes) ? nullptr : found;
 }
 
-/// The size of a value of metadata, which OpenVDB reads whatever size the file says; 0 for a text.
+/// The size of a metadata value, which OpenVDB reads whatever size the file states; 0 for a text.
 std::optional<std::size_t> metadataSize(std::string_view type) {
   constexpr std::pair<std::string_view, std::size_t> kSizes[] = {
       {"string", 0}, {"bool", 1},   {"int32", 4},  {"float", 4},  {"int64", 8},  {"double", 8},
@@ -74,7 +74,7 @@ class FileWalk {
   }
 
  private:
-  /// @return  whether values are said to be stored with half precision
+  /// @return whether values are declared to be stored with half precision
   bool metadata() {
     bool half = false;
     const auto count = mCursor.number<std::uint32_t>();
@@ -106,8 +106,8 @@ class FileWalk {
     constexpr std::string_view kHalf = "_HalfFloat";
     entry.half = entry.type.ends_with(kHalf);
     if (entry.half) entry.type.resize(entry.type.size() - kHalf.size());
-    mCursor.number<std::int64_t>();  // where the grid begins: here
-    mCursor.number<std::int64_t>();  // where the leaves' values begin
+    mCursor.number<std::int64_t>();  // beginning of the grid: here
+    mCursor.number<std::int64_t>();  // beginning of the leaves' values
     const auto end = mCursor.number<std::int64_t>();
     entry.begin = mCursor.position();
     if (const GridType* type = typeNamed(entry.type)) body(*type, entry);
@@ -139,7 +139,7 @@ class FileWalk {
                      memoryText(machineMemory()));
   }
 
-  /// To the end of a grid that is not read as far as that.
+  /// Skips to the end of a grid that is not read completely.
   void skipTo(std::int64_t end, const VdbGridEntry& entry) {
     if (!mHead.hasOffsets)
       mCursor.refuse("is of the type " + inOneLine(entry.type) + ", which cannot be skipped in a file without offsets");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file vdb_cursor.h
-/// A place in the bytes of a VDB, from which nothing is read that is not there.
+/// A position in the bytes of a VDB, which never reads past their end.
 #pragma once
 
 #include "vdbtools/base/errors.h"
@@ -17,7 +17,7 @@ namespace vdbtools {
 
 static_assert(std::endian::native == std::endian::little, "the numbers are read as they lie in the file");
 
-/// The bytes end before what should be in them does.
+/// The bytes end too early.
 class VdbEnds : public DataError {
   using DataError::DataError;
 };
@@ -27,14 +27,14 @@ class VdbCursor {
   /// @param all  must outlive the cursor
   explicit VdbCursor(std::string_view all, std::size_t at = 0) : mAll(all), mAt(at) {}
 
-  /// Names the part of the file that is read from here on, for what errors say.
+  /// Names the part of the file that is read from here on, for error messages.
   void enter(std::string part) { mPart = std::move(part); }
   const std::string& part() const { return mPart; }
 
   std::size_t position() const { return mAt; }
   std::size_t left() const { return mAll.size() - mAt; }
 
-  /// The next bytes. @throw VdbEnds  there are not so many
+  /// Reads the next bytes. @throw VdbEnds  there are fewer
   std::string_view bytes(std::uint64_t count) {
     if (count > left()) throw VdbEnds("it ends within " + mPart);
     const std::string_view some = mAll.substr(mAt, static_cast<std::size_t>(count));
@@ -50,10 +50,10 @@ class VdbCursor {
     return value;
   }
 
-  /// A length of 32 bits and as many bytes.
+  /// Reads a length of 32 bits and that many bytes.
   std::string_view text() { return bytes(number<std::uint32_t>()); }
 
-  /// @throw DataError  @a what, said of the part that is read
+  /// @throw DataError  with @a what as a statement about the current part
   [[noreturn]] void refuse(const std::string& what) const { throw DataError(mPart + ' ' + what); }
 
  private:

@@ -17,8 +17,8 @@
 namespace vdbtools {
 namespace {
 
-// Where io::Archive's header holds the identifier: after the magic number (8 bytes), the file version (4), the
-// library's major and minor version (4 each) and the flag for grid offsets (1); 36 characters.
+// The offset of the identifier in io::Archive's header: after the magic number (8 bytes), the file version (4), the
+// library's major and minor version (4 each) and the flag for grid offsets (1); it has 36 characters.
 constexpr std::size_t kIdentifierOffset = 21;
 constexpr std::size_t kIdentifierLength = 36;
 
@@ -47,14 +47,14 @@ std::map<std::string, std::string> asText(const openvdb::MetaMap& metadata) {
   return result;
 }
 
-/// What made the file. Blender's import of VDB files turns those upright, and only those, whose creator begins with
-/// "Houdini", because Houdini has Y up.
+/// The "creator" of the file. Blender's import of VDB files rotates only those whose creator begins with "Houdini",
+/// because Houdini has Y up.
 std::string creatorText(const std::optional<UpAxis>& up) {
   constexpr const char* kProgram = "JuliaVDB " JULIAVDB_VERSION;
   return up == UpAxis::Y ? std::string("Houdini axes (Y up), written by ") + kProgram : kProgram;
 }
 
-/// The quarter turn as a matrix by which OpenVDB multiplies row vectors: its rows are where the axes go.
+/// The quarter turn as a matrix by which OpenVDB multiplies row vectors: its rows are the images of the axes.
 openvdb::Mat4d matrixOf(const UpTurn& turn) {
   openvdb::Mat4d matrix = openvdb::Mat4d::identity();
   for (int axis = 0; axis < 3; ++axis) {
@@ -66,7 +66,7 @@ openvdb::Mat4d matrixOf(const UpTurn& turn) {
   return matrix;
 }
 
-/// The grid as it goes into the file, which shares the tree.
+/// The grid for the file, which shares the tree.
 openvdb::GridBase::Ptr filed(const openvdb::GridBase& grid, const VdbWriteOptions& options) {
   openvdb::GridBase::Ptr copy = std::const_pointer_cast<openvdb::GridBase>(grid.copyGrid());
   for (const auto& [key, value] : options.metadata) copy->insertMeta(key, openvdb::StringMetadata(value));
@@ -76,8 +76,8 @@ openvdb::GridBase::Ptr filed(const openvdb::GridBase& grid, const VdbWriteOption
   return copy;
 }
 
-/// A file with offsets to its grids, as io::File writes it, so that readers may load them one by one; but to a stream,
-/// which io::Stream writes without offsets.
+/// Writes a file with offsets to its grids, like io::File, so that readers may load them one by one, but to a stream,
+/// for which io::Stream writes no offsets.
 class SeekableArchive final : public openvdb::io::Archive {
  public:
   void writeTo(std::ostream& stream, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const {
@@ -85,7 +85,7 @@ class SeekableArchive final : public openvdb::io::Archive {
   }
 };
 
-/// Bytes that stay where they are, to read.
+/// A read-only buffer over existing bytes.
 class MemoryBuffer final : public std::streambuf {
  public:
   explicit MemoryBuffer(std::string& bytes) { setg(bytes.data(), bytes.data(), bytes.data() + bytes.size()); }
@@ -103,12 +103,12 @@ class MemoryBuffer final : public std::streambuf {
   }
 };
 
-/// Reads what checkVdb() has let pass. OpenVDB's own readers of files cannot leave out the grids that it has no type
-/// for, nor the values of points.
+/// Reads what checkVdb() has accepted. OpenVDB's own readers of files cannot skip grids of unknown types, nor the
+/// values of points.
 class CheckedArchive final : public openvdb::io::Archive {
  public:
   CheckedArchive(std::string& bytes, const VdbContents& contents) : mBuffer(bytes), mContents(contents) {
-    // At the end of the bytes, which OpenVDB would not notice, the stream throws.
+    // The stream throws at the end of the bytes, which OpenVDB would not notice.
     mStream.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
     readHeader(mStream);
     requireAt(contents.metadataBegin);
@@ -154,12 +154,12 @@ class CheckedArchive final : public openvdb::io::Archive {
     else
       readGrid(grid, descriptorOf(entry), mStream);
     requireAt(entry.end);
-    // Names go into messages of one line.
+    // Names are used in single-line messages.
     if (const std::string name = grid->getName(), line = inOneLine(name); line != name) grid->setName(line);
     return grid;
   }
 
-  /// As readGrid(), but for the values of the leaves.
+  /// Like readGrid(), without the values of the leaves.
   void readPlaces(openvdb::GridBase& grid) {
     readGridCompression(mStream);
     openvdb::io::setGridClass(mStream, openvdb::GRID_UNKNOWN);
@@ -170,7 +170,7 @@ class CheckedArchive final : public openvdb::io::Archive {
     grid.readTopology(mStream);
   }
 
-  /// What was checked is what was read.
+  /// Checks that OpenVDB has read exactly what was checked.
   void requireAt(std::size_t position) {
     if (mStream.tellg() != static_cast<std::streamoff>(position))
       throw std::logic_error("OpenVDB has read other bytes of a VDB than were checked");
@@ -182,7 +182,7 @@ class CheckedArchive final : public openvdb::io::Archive {
   openvdb::io::StreamMetadata::Ptr mTags = std::make_shared<openvdb::io::StreamMetadata>();
 };
 
-/// Runs @a use, which reads a VDB, and turns its failures into our errors.
+/// Runs @a use, which reads a VDB, and converts its failures to exceptions of this library.
 template <class Use>
 auto readingVdb(const Use& use) {
   openvdb::initialize();
@@ -195,7 +195,7 @@ auto readingVdb(const Use& use) {
   }
 }
 
-/// The same for a file, whose name the errors begin with.
+/// As above for a file, whose name begins the messages.
 template <class Use>
 auto readingVdb(const std::filesystem::path& path, const Use& use) {
   try {
@@ -205,7 +205,7 @@ auto readingVdb(const std::filesystem::path& path, const Use& use) {
   }
 }
 
-/// The bytes at the beginning of a file, as many as @a use needs: it throws VdbEnds where they are too few.
+/// Reads as many bytes at the beginning of a file as @a use needs: it throws VdbEnds if there are too few.
 template <class Use>
 auto withBeginning(const std::filesystem::path& path, const Use& use) {
   std::ifstream file = openToRead(path);

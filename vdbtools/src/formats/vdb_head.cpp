@@ -5,7 +5,7 @@ namespace vdbtools {
 namespace {
 
 constexpr std::string_view kMagic(" BDV\0\0\0\0", 8);
-constexpr std::uint32_t kOldest = 222;  // before, a flag for compression stood in the head
+constexpr std::uint32_t kOldest = 222;  // earlier heads contained a compression flag
 constexpr std::uint32_t kNewest = 224;  // of OpenVDB 10
 
 constexpr bool isHexDigit(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F'); }
@@ -33,10 +33,10 @@ VdbHead readVdbHead(VdbCursor& cursor) {
   if (head.version > kNewest)
     throw DataError("the VDB has version " + std::to_string(head.version) + " of the format; the newest known is " +
                     std::to_string(kNewest));
-  cursor.number<std::uint32_t>();  // of the library, major
-  cursor.number<std::uint32_t>();  // and minor
+  cursor.number<std::uint32_t>();  // major version of the library
+  cursor.number<std::uint32_t>();  // minor version
   head.hasOffsets = cursor.number<std::uint8_t>() != 0;
-  // OpenVDB would skip white space in front of an identifier, and read on from another place than this.
+  // OpenVDB would skip white space before an identifier, and continue reading at a different position.
   if (!isIdentifier(cursor.bytes(kIdentifierLength))) cursor.refuse("holds no identifier");
   return head;
 }

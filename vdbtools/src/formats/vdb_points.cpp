@@ -50,7 +50,7 @@ const openvdb::NamePair& typeOf(ColumnKind kind) {
                                  : TypedAttributeArray<Vec3s>::attributeType();
 }
 
-/// The attributes of the points: of each number of them, from P alone to all.
+/// Descriptors of the attributes of the points, from P alone to all of them.
 std::vector<AttributeSet::Descriptor::Ptr> descriptorsOf(bool normals, const std::vector<VertexColumn>& columns) {
   const openvdb::NamePair& vector = TypedAttributeArray<Vec3s>::attributeType();
   std::vector<AttributeSet::Descriptor::Ptr> descriptors = {AttributeSet::Descriptor::create(vector)};
@@ -62,7 +62,7 @@ std::vector<AttributeSet::Descriptor::Ptr> descriptorsOf(bool normals, const std
   return descriptors;
 }
 
-/// Writes an attribute of a leaf whose points are @a entries. @param valueOf  by the number of a point
+/// Writes an attribute of a leaf with the points @a entries. @param valueOf  takes the number of a point
 template <class Value, class ValueOf>
 void write(Leaf& leaf, const std::string& name, std::span<const Entry> entries, const ValueOf& valueOf) {
   AttributeWriteHandle<Value> handle(leaf.attributeArray(name));
@@ -80,7 +80,7 @@ openvdb::GridBase::Ptr pointGrid(const PointBatch& points, const std::vector<Ver
     throw std::invalid_argument("points were given a spacing of " + shortText(spacing) + "; it must be positive");
   if ((!points.normals.empty() && points.normals.size() != count) || points.values.size() != row * count)
     throw std::logic_error("points of a VDB come with another number of normals or values than they need");
-  // Others choose a size for the voxels that such points lie in; here it follows from the points.
+  // Elsewhere a voxel size is chosen by an option; here it follows from the points.
   requireVdbVoxel(2 * spacing, "such points lie in voxels of twice their spacing; write a .ply instead");
   const auto transform = latticeTransform(2 * spacing);
   std::vector<Vec3d> positions;
@@ -96,7 +96,7 @@ openvdb::GridBase::Ptr pointGrid(const PointBatch& points, const std::vector<Ver
     Leaf* leaf = tree->touchLeaf(begin->leaf);
     leaf->initializeAttributes(descriptors.front(), static_cast<openvdb::Index>(some.size()));
     for (std::size_t k = 1; k < descriptors.size(); ++k) leaf->appendAttribute(*descriptors[k - 1], descriptors[k], k);
-    std::vector<Leaf::ValueType> ends(Leaf::SIZE);  // of the points up to and in each voxel
+    std::vector<Leaf::ValueType> ends(Leaf::SIZE);  // number of points up to and including each voxel
     std::size_t passed = 0;
     for (openvdb::Index voxel = 0; voxel < Leaf::SIZE; ++voxel) {
       while (passed < some.size() && some[passed].voxel == voxel) ++passed;

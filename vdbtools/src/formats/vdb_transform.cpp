@@ -24,7 +24,7 @@ Vector vector(VdbCursor& cursor) {
   return v;
 }
 
-/// The scale, the size of a voxel, and what OpenVDB derives from them.
+/// Reads the scale, the voxel size, and what OpenVDB derives from them.
 void scale(VdbCursor& cursor, bool uniform, bool mayBeTiny) {
   const Vector by = vector(cursor), voxel = vector(cursor), inverse = vector(cursor), inverseSquare = vector(cursor),
                inverseTwice = vector(cursor);
@@ -39,12 +39,12 @@ void scale(VdbCursor& cursor, bool uniform, bool mayBeTiny) {
         (uniform && by[i] != by[0]))
       cursor.refuse("has a transform whose numbers contradict each other");
   }
-  // OpenVDB reads it, but copies it only if it is uniform and nothing is added to it.
+  // OpenVDB reads such a scale, but copies it only if it is uniform and nothing is added to it.
   if (!mayBeTiny && !isOrdinaryScale({by[0], by[1], by[2]}))
     cursor.refuse("has a transform with voxels that are too small for OpenVDB");
 }
 
-/// OpenVDB multiplies row vectors, so the last column is that of the unit matrix.
+/// OpenVDB multiplies row vectors, so the last column must be that of the identity matrix.
 void affineMatrix(VdbCursor& cursor) {
   double m[4][4];
   for (auto& row : m)

@@ -8,25 +8,26 @@ namespace {
 
 using openvdb::Coord;
 
-// Of the tree's three levels below the root.
+// The tree's three levels below the root.
 constexpr int kUpperLog2 = 5, kLowerLog2 = 4, kLeafLog2 = 3;
 constexpr int kLeafDim = 1 << kLeafLog2, kLowerDim = kLeafDim << kLowerLog2, kUpperDim = kLowerDim << kUpperLog2;
 constexpr std::size_t kLeafSize = std::size_t{1} << (3 * kLeafLog2), kLeafMask = kLeafSize / 8;
 
-/// Of the origins of nodes in voxels, along each axis. Sizes of boxes of such coordinates are far from overflow.
+/// The limit for the origins of nodes in voxels, along each axis. Sizes of boxes of such coordinates are far from
+/// overflow.
 constexpr std::int32_t kFarthest = 1 << 29;
 
 std::string numbers(const Coord& at) {
   return std::to_string(at[0]) + ", " + std::to_string(at[1]) + ", " + std::to_string(at[2]);
 }
 
-/// The place of the child number @a n in a node of 2^log2Dim children a side, which are @a childDim wide.
+/// The origin of child number @a n in a node of 2^log2Dim children a side, which are @a childDim wide.
 Coord childOrigin(const Coord& origin, std::size_t n, int log2Dim, int childDim) {
   const int i = static_cast<int>(n), low = (1 << log2Dim) - 1;
   return origin.offsetBy((i >> 2 * log2Dim) * childDim, (i >> log2Dim & low) * childDim, (i & low) * childDim);
 }
 
-/// Calls use(n) for each bit n that is on.
+/// Calls use(n) for each set bit n.
 template <class Use>
 void forEachOn(std::string_view mask, const Use& use) {
   constexpr std::size_t kBits = 64;
@@ -59,7 +60,7 @@ void VdbTreeWalk::topology() {
   mValues.background();
   const auto tiles = mCursor.number<std::uint32_t>(), children = mCursor.number<std::uint32_t>();
   const auto requireOrder = [&](const Coord& before, const Coord& at) {
-    // OpenVDB reads buffers in the order of places, and leaks a node that is replaced by another at its place.
+    // OpenVDB reads buffers in spatial order, and leaks a node that another one replaces at the same place.
     if (!(before < at)) mCursor.refuse("has nodes out of order, at " + numbers(before) + " and " + numbers(at));
   };
   std::vector<Coord> taken;
@@ -87,7 +88,7 @@ std::string_view VdbTreeWalk::internalNode(int log2Dim) {
   for (std::size_t i = 0; i < children.size(); ++i)
     if ((children[i] & active[i]) != 0) mCursor.refuse("has an active value where there is a node");
   mValues.node(active, count, VdbValueWalk::Payload::Decode);
-  // A value larger than a pointer is allocated by itself.
+  // A value larger than a pointer is allocated separately.
   constexpr std::size_t kPointer = sizeof(void*), kAllocation = 32;
   mMemory += 2 * children.size() + count * (kPointer + (mValueSize > kPointer ? kAllocation : 0));
   return children;

@@ -12,7 +12,7 @@ namespace {
 
 using namespace openvdb::io;
 
-/// The number at an offset into bytes that are known to hold it.
+/// The number at an offset into bytes that are known to contain it.
 std::uint32_t numberAt(std::string_view bytes, std::size_t offset) {
   std::uint32_t value;
   std::memcpy(&value, bytes.data() + offset, sizeof value);
@@ -70,13 +70,13 @@ void VdbValueWalk::background() {
 
 void VdbValueWalk::stored(std::size_t count, Payload payload) {
   const bool half = mStorage.half && mType.isReal();
-  if (half && count == 0) return;  // then OpenVDB writes nothing at all
+  if (half && count == 0) return;  // OpenVDB writes nothing in this case
   const std::size_t size = count * (half ? mType.halfSize : mType.size);
   const bool blosc = (mStorage.compression & COMPRESS_BLOSC) != 0;
   if (!blosc && (mStorage.compression & COMPRESS_ZIP) == 0) return requireTruth(mCursor.bytes(size));
   const auto chunkSize = mCursor.number<std::int64_t>();
   if (chunkSize <= 0) {
-    // The sign says that compression did not help.
+    // A negative sign means that compression did not help.
     if (chunkSize != -static_cast<std::int64_t>(size))
       mCursor.refuse("has a node with values of " + std::to_string(chunkSize) + " bytes where " + std::to_string(size) +
                      " are needed");
@@ -92,9 +92,9 @@ void VdbValueWalk::requireTruth(std::string_view values) const {
     mCursor.refuse("has a value that is neither true nor false");
 }
 
-/// Blosc's decompressor is told the size of its output, but not that of its input, which it takes from a header in it.
-/// What is checked here is that header, and the table of the blocks' places after it. The blocks themselves are of LZ4,
-/// whose decompressor is told both sizes; OpenVDB has never written others.
+/// Blosc's decompressor knows the size of its output, but takes that of its input from a header in the input. This
+/// function checks that header, and the following table of block offsets. The blocks themselves are LZ4, whose
+/// decompressor knows both sizes; OpenVDB has never written any other compression.
 void VdbValueWalk::requireBlosc(std::string_view chunk, std::size_t size) const {
   constexpr std::size_t kHeader = 16, kWord = sizeof(std::uint32_t);
   constexpr unsigned kFormat = 2, kMemcpyed = 0x2, kBitShuffle = 0x4, kReserved = 0x8, kCodecShift = 5, kLz4 = 1;

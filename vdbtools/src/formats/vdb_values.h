@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file vdb_values.h
-/// The values of a node of a VDB, as they lie in the file: a byte that says how inactive values are made up again, up
-/// to two of these values, a mask that chooses between them, and the rest, which may be compressed.
+/// The values of a node of a VDB, as they are stored in the file: a byte that says how to reconstruct inactive values,
+/// up to two of these values, a mask that chooses between them, and the rest, which may be compressed.
 #pragma once
 
 #include "formats/vdb_cursor.h"
@@ -16,9 +16,9 @@ namespace vdbtools {
 /// A type of value in a grid.
 struct VdbValueType {
   std::size_t size = 0;  ///< bytes
-  /// Bytes where the grid is stored with half precision; the same for what is no real number.
+  /// Bytes if the grid is stored with half precision; equal to size for types that are not real numbers.
   std::size_t halfSize = 0;
-  bool truth = false;  ///< a bool: 0 or 1, and nothing else
+  bool truth = false;  ///< a bool, which must be 0 or 1
   bool isReal() const { return halfSize != size; }
   bool isInteger() const { return !isReal() && !truth; }
 };
@@ -33,25 +33,25 @@ struct VdbStorage {
 class VdbValueWalk {
  public:
   /// @param cursor, type  must outlive the walk
-  /// @throw DataError  compression of a kind that is not known
+  /// @throw DataError  an unknown kind of compression
   VdbValueWalk(VdbCursor& cursor, const VdbValueType& type, const VdbStorage& storage);
 
   enum class Payload {
-    Measure,  ///< sizes and headers of what is compressed are checked
-    Decode    ///< and it is decompressed
+    Measure,  ///< sizes and headers of compressed data are checked
+    Decode    ///< in addition, the data are decompressed
   };
 
   /// Walks over the values of a node.
   /// @param active  the node's mask of active values, a multiple of 8 bytes
-  /// @param count   of all values
-  /// @throw DataError  these are not values that OpenVDB can read into @a count places. With Payload::Measure, the
-  ///                   decompressor may still find fault with them, but will neither read nor write past their ends.
+  /// @param count   number of values
+  /// @throw DataError  OpenVDB cannot read these as @a count values. With Payload::Measure, the decompressor may still
+  ///                   find errors in them, but will neither read nor write past their ends.
   void node(std::string_view active, std::size_t count, Payload payload);
 
-  /// One value that is not compressed.
+  /// Walks over one uncompressed value.
   void value() { requireTruth(mCursor.bytes(mType.size)); }
 
-  /// The value of the background, whose negative OpenVDB takes.
+  /// Walks over the background value, whose negative OpenVDB computes.
   void background();
 
  private:
@@ -65,7 +65,7 @@ class VdbValueWalk {
   VdbStorage mStorage;
 };
 
-/// The number of bits that are on. @param mask  a multiple of 8 bytes
+/// The number of set bits. @param mask  a multiple of 8 bytes
 std::size_t countOn(std::string_view mask);
 
 }  // namespace vdbtools

@@ -42,12 +42,12 @@ constexpr const char* kCentreKey = "centre";
 constexpr const char* kScaleKey = "scale";
 constexpr const char* kBoxKey = "box";
 
-/// What nlohmann::json's tree cannot tell: where a text breaks off, and that a key occurs twice.
+/// Detects what nlohmann::json's tree cannot show: where a text breaks off, and duplicate keys.
 class Syntax : public nlohmann::json_sax<Json> {
  public:
   /// @throw DataError  @a text is not one JSON value
   static void check(std::string_view text, const std::string& name) {
-    // The parser takes a zero byte as the end of its input.
+    // The parser takes a zero byte for the end of its input.
     const std::size_t zero = text.find('\0');
     if (zero != std::string_view::npos) {
       throw DataError(name + ": line " + lineOf(text, zero) + " holds a zero byte; this is not a JSON file");
@@ -91,7 +91,7 @@ class Syntax : public nlohmann::json_sax<Json> {
   bool parse_error(std::size_t position, const std::string&, const nlohmann::detail::exception& error) override {
     mPosition = position;
     mMessage = error.what();
-    // "[json.exception...] " is for programmers.
+    // The prefix "[json.exception...] " is meant for programmers.
     if (const std::size_t bracket = mMessage.find("] "); mMessage.starts_with('[') && bracket != std::string::npos) {
       mMessage.erase(0, bracket + 2);
     }
@@ -114,13 +114,13 @@ class Syntax : public nlohmann::json_sax<Json> {
   std::optional<std::size_t> mPosition;
 };
 
-/// A value of the tree, with its place in words.
+/// A value of the tree, with a description of its position.
 class Node {
  public:
   Node(const Json& value, std::string name, std::string place)
       : mValue(value), mName(std::move(name)), mPlace(std::move(place)) {}
 
-  /// This is an object with all of @a required and nothing else but @a optional.
+  /// Checks that this is an object with all of @a required and nothing else but @a optional.
   void requireKeys(std::initializer_list<const char*> required,
                    std::initializer_list<const char*> optional = {}) const {
     requireObject();
@@ -178,7 +178,7 @@ class Node {
     if (!mValue.is_object()) fail("is " + found() + "; it must be an object");
   }
 
-  /// The value in words; for arrays and objects only the kind, as they may be large and deep.
+  /// A description of the value; for arrays and objects only the kind, because they may be large and deep.
   std::string found() const {
     if (mValue.is_structured()) return mValue.is_array() ? "an array" : "an object";
     return inOneLine(mValue.dump(-1, ' ', false, Json::error_handler_t::replace));
@@ -194,7 +194,7 @@ std::string shortestNumber(double value) {
   const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
   if (error != std::errc()) throw std::logic_error("a double did not fit into 32 characters");
   const std::string text(digits.data(), end);
-  // JSON readers take "-0" for an integer, which has no sign at 0.
+  // JSON readers take "-0" for an integer, for which 0 has no sign.
   return text == "-0" ? "-0.0" : text;
 }
 
@@ -277,7 +277,7 @@ RationalFile rationalFileFromJson(std::string_view text, const std::string& name
   Syntax::check(text, name);
   const Json tree = Json::parse(text);
   const Node root(tree, name, "");
-  // What kind of file it is comes first: a later version may well have other keys.
+  // The kind of file is checked first, because a later version may well have other keys.
   root.at(kFormatKey).requireEqual(kFormat);
   root.at(kVersionKey).requireEqual(kVersion);
   root.requireKeys({kFormatKey, kVersionKey, kLogScaleKey, kTopKey, kBottomKey}, {kNoteKey, kTargetKey});

@@ -72,14 +72,13 @@ MeshWriteOptions meshWriteOptions(MeshFormat format, const OutputOptions& output
 }
 
 FractalResult writeFractal(const Scene& scene, const Recipe& recipe, const FractalFiles& files, Monitor& monitor) {
-  const FieldPlan plan = planScene(scene);
+  const FractalPlan plan = planFractal(scene, {.grids = files.vdb != nullptr, .mesh = !files.meshes.empty()});
   const std::map<std::string, std::string> metadata = sceneMetadata(scene, recipe);
   if (files.vdb) requireVdbVoxel(scene.voxelSize);
   MeshFiles meshes;
-  addMeshFiles(meshes, scene, meshBox(plan), metadata, files);
-  FractalResult result =
-      runFractal(scene, plan, files.vdb != nullptr, files.meshes.empty() ? nullptr : &meshes, monitor);
-  monitor.begin("writing", 0);
+  addMeshFiles(meshes, scene, meshBox(plan.nodes), metadata, files);
+  FractalResult result = runFractal(scene, plan, plan.mesh ? &meshes : nullptr, monitor);
+  monitor.begin(PhaseKind::Writing, 0);
   if (files.vdb) writeGrids(scene, metadata, result, *files.vdb);
   result.levels = meshes.finish();
   monitor.throwIfCancelled();
@@ -88,7 +87,7 @@ FractalResult writeFractal(const Scene& scene, const Recipe& recipe, const Fract
 
 void writeMadeFractal(const Scene& scene, const Recipe& recipe, const FractalResult& made, const Mesh& mesh,
                       std::span<const float> values, const FractalFiles& files, Monitor& monitor) {
-  monitor.begin("writing", 0);
+  monitor.begin(PhaseKind::Writing, 0);
   const std::map<std::string, std::string> metadata = sceneMetadata(scene, recipe);
   if (files.vdb) requireVdbVoxel(scene.voxelSize);
   MeshFiles meshes;

@@ -2,20 +2,22 @@
 #include "vdbtools/job/fractal_job.h"
 
 #include "base/elementary.h"
+#include "job/output_grids.h"
 #include "job/point_attributes.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/memory.h"
 #include "vdbtools/decimation/adaptive_mesh.h"
 #include "vdbtools/mesh/mesh_sink.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
+#include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace vdbtools {
 
-using openvdb::BBoxd;
 using openvdb::FloatGrid;
 
 namespace {
@@ -23,10 +25,108 @@ namespace {
 /// What to try where the set is empty.
 std::string wayOut(const Scene& scene) {
   if (scene.options.lattice.box)
-    return scene.exponent ? "another box, or less detail" : "another box, or other constants";
-  if (!scene.exponent) return "other constants, or another box";
-  return scene.exponentOf->detail ? "less detail, a larger outward reach, or smaller voxels"
-                                  : "a larger beta, a larger alpha, or smaller voxels";
+    return scene.exponent() ? "another box, or less detail" : "another box, or other constants";
+  if (!scene.exponent()) return "other constants, or another box";
+  return scene.shellOptions().detail ? "less detail, a larger outward reach, or smaller voxels"
+                                     : "a larger beta, a larger alpha, or smaller voxels";
+}
+
+/// The mesh on its way to a sink: its points get their attributes, and its flat places fewer triangles.
+class MeshOutput {
+ public:
+  MeshOutput(const Scene& scene, const PointAttributes* attributes, MeshSink& sink, const Monitor& monitor)
+      : mSink(&sink) {
+    if (attributes) mSink = &mAttributed.emplace(*attributes, *mSink, monitor);
+    const double adaptivity = scene.options.surface.adaptivity;
+    if (adaptivity > 0) mSink = &mAdaptive.emplace(*mSink, adaptivity * scene.voxelSize);
+  }
+
+  MeshSink& sink() { return *mSink; }
+
+  /// @param counts  become those of what has reached the sink
+  void finish(MeshCounts& counts, Monitor& monitor) {
+    if (!mAdaptive) return;
+    mAdaptive->finish(monitor);
+    counts.points = mAdaptive->pointsAfter();
+    counts.triangles = mAdaptive->trianglesAfter();
+  }
+
+ private:
+  MeshSink* mSink;
+  std::optional<AttributedSink> mAttributed;
+  std::optional<AdaptiveMeshSink> mAdaptive;
+};
+
+/// @param triangles  of the mesh that was made
+void requireSurface(const Scene& scene, const FractalResult& result, std::uint64_t triangles) {
+  if (triangles > 0) return;
+  if (result.crumbs) requireMoreThanCrumbs(*result.crumbs);
+  throw DataError("the fractal is empty here: the field changes sign nowhere in the region; try " + wayOut(scene),
+                  scene.exponent() ? Remedy::LargerBeta : Remedy::None);
+}
+
+/// Makes a mesh by @a make, which gets the sink, and measures the solid in it.
+template <class Make>
+void meshInto(const Scene& scene, const FractalPlan& plan, MeshOutput& output, FractalResult& result,
+              const Make& make) {
+  SolidMeter meter(&output.sink());
+  result.mesh = make(ExtractMeshOptions{.tolerance = scene.options.surface.tolerance, .border = plan.border}, meter);
+  if (plan.border == Border::Cap || !scene.options.lattice.box) result.solid = meter.measure();
+}
+
+/// The mesh alone, in layers.
+void makeStreamed(const Scene& scene, const FractalPlan& plan, MeshOutput& output, FractalResult& result,
+                  Monitor& monitor) {
+  meshInto(scene, plan, output, result, [&](const ExtractMeshOptions& options, MeshSink& sink) {
+    return streamMesh(plan.nodes, scene.source(), options, sink, monitor);
+  });
+  result.evaluatedNodes = result.mesh.evaluatedNodes;
+  result.crumbs = result.mesh.crumbs;
+  requireSurface(scene, result, result.mesh.triangles);
+}
+
+/// The level set, with the mesh that its distances were measured to.
+/// @param output  takes that mesh; nullptr: it is not wanted
+FloatGrid::Ptr makeLevelSet(const Scene& scene, const FractalPlan& plan, const FractalField& field, MeshOutput* output,
+                            FractalResult& result, Monitor& monitor) {
+  CappedMesh capped = extractCappedMesh(field, scene.source(), scene.options.surface.tolerance, monitor);
+  requireSurface(scene, result, capped.mesh.triangles.size());
+  FloatGrid::Ptr surface = levelSet(field, capped.mesh, monitor);
+  result.solid = measureSolid(capped.mesh);
+  result.check = checkSurface(*surface);
+  if (!output) return surface;
+  Mesh mesh = plan.border == Border::Cap ? std::move(capped.mesh) : withoutCaps(std::move(capped));
+  requireSurface(scene, result, mesh.triangles.size());
+  computeNormals(mesh);
+  output->sink().addPoints({mesh.points, mesh.normals});
+  output->sink().addTriangles(mesh.triangles, 0);
+  result.mesh = {mesh.points.size(), mesh.triangles.size()};
+  return surface;
+}
+
+/// @param output  takes the mesh; nullptr: it is not wanted
+void makeHeld(const Scene& scene, const FractalPlan& plan, const PointAttributes* attributes, MeshOutput* output,
+              FractalResult& result, Monitor& monitor) {
+  const EvaluateFieldOptions evaluate = plan.grids.evaluation();
+  const FieldSource source = scene.source();
+  const std::optional<FollowOptions>& follow = scene.options.lattice.follow;
+  FractalField field = follow ? followSurface(plan.nodes, source, evaluate, *follow, result.follow.emplace(), monitor)
+                              : evaluateField(plan.nodes, source, evaluate, monitor);
+  result.evaluatedNodes = field.evaluatedNodes;
+  result.crumbs = field.crumbs;
+  if (dropsIslands(scene.options)) result.islands = dropIslands(field, scene.options.surface.islands, monitor);
+  FloatGrid::Ptr surface;
+  if (plan.grids.needsLevelSet()) {
+    surface = makeLevelSet(scene, plan, field, output, result, monitor);
+  } else if (output) {
+    meshInto(scene, plan, *output, result, [&](const ExtractMeshOptions& options, MeshSink& sink) {
+      return extractMesh(field, source, options, sink, monitor);
+    });
+    requireSurface(scene, result, result.mesh.triangles);
+  }
+  if (output) output->finish(result.mesh, monitor);
+  result.grids = outputGrids(
+      plan.grids, {.surface = surface, .field = field, .source = &source, .attributes = attributes}, monitor);
 }
 
 }  // namespace
@@ -39,100 +139,38 @@ void requireMoreThanCrumbs(const CrumbReport& dropped) {
                   Remedy::KeepCrumbs);
 }
 
-FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGrids, MeshSink* sink, Monitor& monitor) {
-  const SurfaceOptions& surfaceOptions = scene.options.surface;
-  const std::optional<FollowOptions>& follow = scene.options.lattice.follow;
-  const std::vector<std::string>& names = scene.options.output.grids;
-  const auto wants = [&](const char* name) {
-    return wantGrids && std::find(names.begin(), names.end(), name) != names.end();
-  };
+FractalPlan planFractal(const Scene& scene, const FractalProducts& wanted) {
+  FractalPlan plan{.nodes = planScene(scene), .mesh = wanted.mesh};
+  if (wanted.grids) plan.grids = planGrids(scene.options.output);
+  if (wanted.grids || dropsIslands(scene.options) || scene.options.lattice.follow) plan.way = FractalPlan::Way::Held;
+  plan.border = scene.options.surface.cap || !plan.nodes.bounded ? Border::Cap : Border::Open;
+  return plan;
+}
+
+FractalResult runFractal(const Scene& scene, const FractalPlan& plan, MeshSink* sink, Monitor& monitor) {
+  if (plan.mesh != (sink != nullptr)) throw std::invalid_argument("a mesh needs a sink, and a sink a mesh");
   FractalResult result;
-  const auto requireSurface = [&](std::uint64_t triangles) {
-    if (triangles == 0 && result.crumbs) requireMoreThanCrumbs(*result.crumbs);
-    if (triangles == 0)
-      throw DataError("the fractal is empty here: the field changes sign nowhere in the region; try " + wayOut(scene),
-                      scene.exponent ? Remedy::LargerBeta : Remedy::None);
-  };
-  const bool capMesh = surfaceOptions.cap || !plan.bounded;
-  const ExtractMeshOptions asked{.tolerance = surfaceOptions.tolerance, .border = capMesh ? Border::Cap : Border::Open};
   std::optional<PointAttributes> attributes;
   if (!scene.options.output.attributes.empty()) attributes.emplace(scene);
-  std::optional<AttributedSink> attributed;
-  if (attributes && sink) sink = &attributed.emplace(*attributes, *sink, monitor);
-  std::optional<AdaptiveMeshSink> adaptive;
-  if (sink && surfaceOptions.adaptivity > 0)
-    sink = &adaptive.emplace(*sink, surfaceOptions.adaptivity * scene.voxelSize);
-  const bool dropsIslands = surfaceOptions.islands.largest > 0 || surfaceOptions.islands.minSize > 0;
-  const auto finishAdaptive = [&] {
-    if (!adaptive) return;
-    adaptive->finish(monitor);
-    result.mesh.points = adaptive->pointsAfter();
-    result.mesh.triangles = adaptive->trianglesAfter();
-  };
-  if (!wantGrids && !dropsIslands && !follow) {
-    if (!sink) return result;
-    SolidMeter meter(sink);
-    result.mesh = streamMesh(plan, scene.source(), asked, meter, monitor);
-    if (capMesh || !scene.options.lattice.box) result.solid = meter.measure();
-    result.evaluatedNodes = result.mesh.evaluatedNodes;
-    result.crumbs = result.mesh.crumbs;
-    requireSurface(result.mesh.triangles);
-    finishAdaptive();
-    return result;
+  const PointAttributes* const wanted = attributes ? &*attributes : nullptr;
+  std::optional<MeshOutput> output;
+  if (sink) output.emplace(scene, wanted, *sink, monitor);
+  if (plan.way == FractalPlan::Way::Held) {
+    makeHeld(scene, plan, wanted, output ? &*output : nullptr, result, monitor);
+  } else if (output) {
+    makeStreamed(scene, plan, *output, result, monitor);
+    output->finish(result.mesh, monitor);
   }
-
-  const EvaluateFieldOptions evaluate{.keepIterations = wants("iterations"),
-                                      .everyNode = wants("iterations") || wants("logmodulus")};
-  FractalField field = follow ? followSurface(plan, scene.source(), evaluate, *follow, result.follow.emplace(), monitor)
-                              : evaluateField(plan, scene.source(), evaluate, monitor);
-  result.evaluatedNodes = field.evaluatedNodes;
-  result.crumbs = field.crumbs;
-  if (dropsIslands) result.islands = dropIslands(field, surfaceOptions.islands, monitor);
-  FloatGrid::Ptr surface;
-  const bool wantsAttributes = wantGrids && attributes;
-  if (wants("surface") || wants("density") || wants("versor") || wantsAttributes) {
-    CappedMesh capped = extractCappedMesh(field, scene.source(), surfaceOptions.tolerance, monitor);
-    requireSurface(capped.mesh.triangles.size());
-    surface = levelSet(field, capped.mesh, monitor);
-    result.solid = measureSolid(capped.mesh);
-    result.check = checkSurface(*surface);
-    if (sink) {
-      Mesh mesh = capMesh ? std::move(capped.mesh) : withoutCaps(std::move(capped));
-      requireSurface(mesh.triangles.size());
-      computeNormals(mesh);
-      sink->addPoints({mesh.points, mesh.normals});
-      sink->addTriangles(mesh.triangles, 0);
-      result.mesh = {mesh.points.size(), mesh.triangles.size()};
-    }
-  }
-  if (sink && result.mesh.triangles == 0) {
-    SolidMeter meter(sink);
-    result.mesh = extractMesh(field, scene.source(), asked, meter, monitor);
-    if (capMesh || !scene.options.lattice.box) result.solid = meter.measure();
-  }
-  if (sink) requireSurface(result.mesh.triangles);
-  finishAdaptive();
-  for (const std::string& name : names) {
-    if (!wantGrids) break;
-    if (name == "surface") result.grids.push_back(surface);
-    if (name == "density") result.grids.push_back(densityGrid(*surface));
-    if (name == "logmodulus") result.grids.push_back(logModulusGrid(field));
-    if (name == "iterations") result.grids.push_back(field.iterations);
-    if (name == "versor") result.grids.push_back(versorGrid(*surface, scene.source(), monitor));
-  }
-  if (wantsAttributes)
-    for (const openvdb::GridBase::Ptr& grid : attributeGrids(*attributes, *surface, monitor))
-      result.grids.push_back(grid);
   return result;
 }
 
 void requireMemoryForMesh(const Scene& scene) {
   // A box may cut the surface off, and flat places may need few triangles.
-  if (!scene.exponent || scene.options.lattice.box || scene.options.surface.adaptivity > 0) return;
+  if (!scene.exponent() || scene.options.lattice.box || scene.options.surface.adaptivity > 0) return;
   double nodes = 0;
-  const FloatGrid& exponent = *scene.exponent->grid;
+  const FloatGrid& exponent = *scene.exponent()->grid;
   for (auto value = exponent.cbeginValueAll(); value; ++value)
-    if (*value <= scene.exponent->shell.lower) nodes += static_cast<double>(value.getVoxelCount());
+    if (*value <= scene.exponent()->shell.lower) nodes += static_cast<double>(value.getVoxelCount());
   const double volume = nodes * std::abs(exponent.transform().voxelSize().product());
   // Each line of the lattice through that volume V crosses the surface twice, and V^2 is at most the product of its
   // three shadows (Loomis and Whitney), whose sum is therefore at least 3 V^(2/3). A point lies at each crossing. V is
@@ -149,7 +187,7 @@ Mesh fractalMesh(const Scene& scene, Monitor& monitor) {
   requireMemoryForMesh(scene);
   Mesh mesh;
   MeshCollector collector(mesh);
-  runFractal(scene, planScene(scene), false, &collector, monitor);
+  runFractal(scene, planFractal(scene, {.mesh = true}), &collector, monitor);
   return mesh;
 }
 

@@ -28,14 +28,14 @@ constexpr int kBlock = 8;  // nodes along each axis
 /// The mesh as it comes back from a PLY: the file turns it, rounds its places and its colours, and welds nothing.
 Mesh meshOfFile(const Scene& scene, const OutputOptions& output, Monitor& monitor) {
   requireMemoryForMesh(scene);
-  const FieldPlan plan = planScene(scene);
+  const FractalPlan plan = planFractal(scene, {.mesh = true});
   Mesh mesh;
   std::vector<float> values;
   MeshCollector collector(mesh, &values);
-  runFractal(scene, plan, false, &collector, monitor);
+  runFractal(scene, plan, &collector, monitor);
   MeshWriteOptions options = meshWriteOptions(MeshFormat::Ply, output, {});
   options.voxelSize = scene.voxelSize;
-  options.box = meshBox(plan);
+  options.box = meshBox(plan.nodes);
   std::ostringstream file;
   writeMesh(file, mesh, options, values);
   mesh = {};

@@ -121,7 +121,7 @@ PointAttributes::~PointAttributes() = default;
 PointAttributes::PointAttributes(const Scene& scene)
     : mScene(scene), mColumns(meshColumns(scene.options.output.attributes)), mRowLength(vdbtools::rowLength(mColumns)) {
   const AttributeOptions& options = scene.options.output.attributes;
-  const julia::FieldEvaluator& evaluator = *scene.evaluator;
+  const julia::FieldEvaluator& evaluator = *scene.field.evaluator;
   const julia::DropAxis dropAxis = scene.options.map->embedding().dropped;
   std::size_t offset = 0;
   const auto add = [&](std::function<void(const Batch&, const Cells&)> fill) {
@@ -139,7 +139,7 @@ PointAttributes::PointAttributes(const Scene& scene)
       case PointAttribute::Cd: {
         const FieldColouring colouring = sceneColouring(scene, options.colour.value_or(ColourChoice{}));
         mNeedsIterations |= colouring.by == FieldColour::Iterations;
-        const ColourContext context{.maxIterations = scene.orbit.maxIterations, .dropAxis = dropAxis};
+        const ColourContext context{.maxIterations = scene.field.orbit.maxIterations, .dropAxis = dropAxis};
         add([&evaluator, colouring, context](const Batch& batch, const Cells& cells) {
           putVectors(fieldColours(colouring, evaluator, context, batch.points, batch.iterations), cells);
         });
@@ -159,13 +159,13 @@ PointAttributes::PointAttributes(const Scene& scene)
         mNeedsIterations = true;
         add([](const Batch& batch, const Cells& cells) { putNumbers(batch.iterations, cells); });
         break;
-      case PointAttribute::Depth: addControl(distanceControl(scene.target.value())); break;
-      case PointAttribute::Tau: addControl(clampedControl(scene.thickness)); break;
-      case PointAttribute::Mask: addControl(scene.exponentOf.value().mask); break;
+      case PointAttribute::Depth: addControl(distanceControl(scene.target.value().distances)); break;
+      case PointAttribute::Tau: addControl(clampedControl(scene.target->thickness)); break;
+      case PointAttribute::Mask: addControl(scene.shellOptions().mask); break;
     }
   if (options.transferred.empty()) return;
-  if (!scene.targetMesh) throw std::logic_error("attributes are transferred from a mesh that is not there");
-  mTransfer = std::make_unique<Transfer>(*scene.targetMesh);
+  if (!scene.target->mesh) throw std::logic_error("attributes are transferred from a mesh that is not there");
+  mTransfer = std::make_unique<Transfer>(*scene.target->mesh);
   const Transfer& from = *mTransfer;
   for (const std::string& name : options.transferred) {
     if (name == "uv") {
@@ -195,15 +195,16 @@ void PointAttributes::evaluate(std::span<const Vec3d> points, std::span<float> r
   if (points.empty()) return;
   Batch batch{.world = points};
   batch.points.reserve(points.size());
-  for (const Vec3d& point : points) batch.points.push_back(mScene.space.toFractal(point));
+  for (const Vec3d& point : points) batch.points.push_back(mScene.field.space.toFractal(point));
   if (mNeedsIterations)
-    batch.iterations = meanIterations(*mScene.evaluator, batch.points, mScene.voxelSize / mScene.space.scale);
+    batch.iterations =
+        meanIterations(*mScene.field.evaluator, batch.points, mScene.voxelSize / mScene.field.space.scale);
   if (mTransfer) batch.onTarget = mTransfer->nearest(points);
   for (const auto& column : mFillers) column->fill(batch, {rows.data() + column->offset, mRowLength});
 }
 
 void PointAttributes::evaluate(std::span<const Vec3d> points, std::span<float> rows, const Monitor& monitor) const {
-  const std::size_t batch = mScene.evaluator->preferredBatch(), batches = (points.size() + batch - 1) / batch;
+  const std::size_t batch = mScene.field.evaluator->preferredBatch(), batches = (points.size() + batch - 1) / batch;
   inParallel(batches, 1, monitor, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end && !monitor.cancelled(); ++i) {
       const std::size_t first = i * batch, count = std::min(batch, points.size() - first);
@@ -267,7 +268,7 @@ std::vector<openvdb::GridBase::Ptr> attributeGrids(const PointAttributes& attrib
 
   // All trees have the leaves of the surface, in its order.
   const openvdb::tree::LeafManager<const FloatTree> leaves(surface.tree());
-  monitor.begin("attributes", leaves.leafCount());
+  monitor.begin(PhaseKind::Attributes, leaves.leafCount());
   inParallel(leaves.leafCount(), 1, monitor, [&](std::size_t begin, std::size_t end) {
     std::vector<Vec3d> points;
     std::vector<float> rows;

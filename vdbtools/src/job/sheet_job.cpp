@@ -13,6 +13,7 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/picture/contact_sheet.h"
+#include "vdbtools/recipe/option_name.h"
 #include "vdbtools/scene/scene_picture.h"
 #include "vdbtools/scene/voxel_advice.h"
 
@@ -154,7 +155,7 @@ void requireVaried(const SheetOptions& options) {
     throw std::invalid_argument("--vary is given twice for '" + varied[0].name + "'; give all its values at once");
   for (const VariedOption& option : varied)
     if (options.given.contains(option.name) || options.view.contains(option.name))
-      throw std::invalid_argument("--" + option.name + " is given and varied; give only one of them");
+      throw std::invalid_argument("--" + optionName(option.name) + " is given and varied; give only one of them");
   std::size_t cells = 1;
   for (const VariedOption& option : varied) cells *= option.values.size();
   if (cells > kMostSheetCells)
@@ -251,13 +252,13 @@ std::string fileNameOf(const PlannedCell& planned) {
 /// "alpha 40"; of a file only its name.
 std::string captionOf(const std::string& option, const std::string& value) {
   const std::size_t slash = value.find(':') == std::string::npos ? value.rfind('/') : std::string::npos;
-  return option + " " + (slash == std::string::npos ? value : value.substr(slash + 1));
+  return optionName(option) + " " + (slash == std::string::npos ? value : value.substr(slash + 1));
 }
 
 /// What stands in the caption of a cell; empty where there is nothing to say.
 std::string finerCaption(const Scene& scene) {
-  if (!scene.features) return {};
-  const VoxelAdvice advice = adviseVoxels(*scene.features, scene.voxelSize);
+  if (!scene.features()) return {};
+  const VoxelAdvice advice = adviseVoxels(*scene.features(), scene.voxelSize);
   if (advice.textureShare > kTextureWorthSaying)
     return shortText(std::round(100 * advice.textureShare)) + " % finer than 2 voxels";
   return advice.coreShare > kCoreWorthSaying ? "core thinner than 2 voxels" : "";
@@ -444,9 +445,8 @@ SheetPage makeSheet(const SheetOptions& options, const std::filesystem::path& fo
     guarded(cell, [&] {
       const auto number = static_cast<std::size_t>(each - planned.cells.data()) + 1;
       NumberedMonitor numbered(monitor, "cell", number, planned.cells.size());
-      FractalOptions fractal = parseFractalOptions(cell.cell.recipe);
-      fractal.picture = !cell.view.mesh;
-      const Scene scene = scenes.make(fractal, numbered);
+      const FractalOptions fractal = parseFractalOptions(cell.cell.recipe);
+      const Scene scene = scenes.make(cell.view.mesh ? fractal : forPictures(fractal), numbered);
       if (!isTold) tellLongWork(scene, cell.view, missing.size(), longWork, numbered);
       isTold = true;
       const auto& [field, mesh, recorded] = cell.view;

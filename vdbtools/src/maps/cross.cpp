@@ -95,8 +95,8 @@ class CrossDescriptor final : public MapDescriptor {
   std::string name() const override { return "cross"; }
   std::string summary() const override { return "f(p) x g(p) + c on R^3, the cross-product maps of [ZB25]"; }
   std::string proofs() const override {
-    return "Blocks are proved by ball arithmetic, but for a user's own pair, and for A and A' in scheme 3 after its "
-           "first step.";
+    return "Ball arithmetic proves blocks, except for a user's own pair, and for A and A' in scheme 3 after its first "
+           "step.";
   }
   TargetUse targetUse() const override { return TargetUse::None; }
   int dimension() const override { return 3; }

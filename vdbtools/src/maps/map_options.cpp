@@ -6,6 +6,7 @@
 #include "vdbtools/base/near_words.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/maps/versor_options.h"
+#include "vdbtools/recipe/option_name.h"
 
 #include <openvdb/tools/Interpolation.h>
 
@@ -72,21 +73,22 @@ std::string notRandom(const OptionRun& run) {
   const std::string rational = run.text("map") == "rational" ? run.text("rational") : "";
   const std::string name = rational.empty() ? run.text("versor") : rational;
   if (name.empty() || name == kRandom) return {};
-  if (isDirections(name)) return "--versor " + name + " has no roots";
-  return findTexture(name) ? "--versor " + name + " has roots of its own" : "the roots are those of '" + name + "'";
+  if (isDirections(name)) return "--texture " + name + " has no roots";
+  return findTexture(name) ? "--texture " + name + " has roots of its own" : "the roots are those of '" + name + "'";
 }
 
 /// Of an option of random roots.
 std::string idleRandomOnly(const OptionRun& run) {
   const std::string why = notRandom(run);
-  return why.empty() ? "" : why + "; leave it out, or give --versor random";
+  return why.empty() ? "" : why + "; leave it out, or give --texture random";
 }
 
 std::string idleSeed(const OptionRun& run) {
   const Texture* texture = findTexture(run.text("versor"));
   if (!texture || notRandom(run).empty()) return idleRandomOnly(run);
-  return texture->varies() ? ""
-                           : "--versor " + texture->name + " has nothing random; leave it out, or give --versor random";
+  return texture->varies()
+             ? ""
+             : "--texture " + texture->name + " has nothing random; leave it out, or give --texture random";
 }
 
 /// Of an option of one way to place random roots.
@@ -152,7 +154,7 @@ OptionSpec frequencyOption() {
           .argument = "F",
           .help =
               "how many features of the texture lie across the local thickness: coarse (1), medium (2), fine (4) "
-              "or a number above 0; given like detail. For the textures that follow the thickness",
+              "or a number above 0; takes the same values as --detail. For the textures that follow the thickness",
           .defaultFor = [](const Recipe& recipe) -> std::optional<std::string> {
             const auto versor = recipe.find("versor");
             const Texture* const texture = findTexture(versor == recipe.end() ? usualVersor(recipe) : versor->second);
@@ -267,33 +269,34 @@ std::vector<OptionSpec> randomRootsOptions() {
       {.name = "versor-distance",
        .argument = "D",
        .defaultValue = "0.05",
-       .help = "for --versor-placement surface: the largest distance of roots from it, as a share of the longest side",
+       .help = "for --texture-placement surface: the largest distance of roots from it, as a share of the longest side",
        .idle = idleUnlessPlaced("surface")},
       {.name = "versor-centre",
        .argument = "X,Y,Z",
        .defaultValue = "0,0,0",
-       .help = "for --versor-placement cluster: its centre, in fractal space",
+       .help = "for --texture-placement cluster: its centre, in fractal space",
        .idle = idleUnlessPlaced("cluster")},
       {.name = "versor-radius",
        .argument = "R",
        .defaultValue = "0.1",
-       .help = "for --versor-placement cluster: its radius, in fractal space",
+       .help = "for --texture-placement cluster: its radius, in fractal space",
        .idle = idleUnlessPlaced("cluster")}};
   for (OptionSpec& option : options) option.kept = true;
   return options;
 }
 
 std::vector<OptionSpec> rootsOptions() {
-  std::vector<OptionSpec> options{
-      kept({.name = "versor",
-            .argument = "NAME|random|FILE|expr:...",
-            .help = "the texture: one of those that 'juliavdb versor list' shows, random roots, a .json, .p4d, .poly4d "
-                    "or .o3d file, a formula (expr:A,B,C) or a field (field:FILE.vdb:GRID)",
-            .defaultFor = [](const Recipe& recipe) { return usualVersor(recipe); },
-            .defaultNote = defaultTexture().name + "; random with any option of random roots",
-            .alternative = "rational",
-            .displaces = {std::begin(kRandomOnly), std::end(kRandomOnly)},
-            .hash = "versor-sha256"})};
+  std::vector<OptionSpec> options{kept(
+      {.name = "versor",
+       .argument = "NAME|random|FILE|expr:...",
+       .help =
+           "the texture (versor): one of those that 'juliavdb versor list' shows, random roots, a .json, .p4d, .poly4d "
+           "or .o3d file, a formula (expr:A,B,C) or a field (field:FILE.vdb:GRID)",
+       .defaultFor = [](const Recipe& recipe) { return usualVersor(recipe); },
+       .defaultNote = defaultTexture().name + "; random with any option of random roots",
+       .alternative = "rational",
+       .displaces = {std::begin(kRandomOnly), std::end(kRandomOnly)},
+       .hash = "versor-sha256"})};
   for (OptionSpec& option : randomRootsOptions()) {
     if (isRandomOnly(option.name)) {
       option.displaces = {"versor"};
@@ -307,11 +310,11 @@ std::vector<OptionSpec> rootsOptions() {
     options.push_back(std::move(option));
   }
   options.push_back(kept(
-      {.name = "versor-scale", .argument = "F", .defaultValue = "1", .help = "scale the versor about the origin"}));
+      {.name = "versor-scale", .argument = "F", .defaultValue = "1", .help = "scale the texture about the origin"}));
   options.push_back(kept({.name = "versor-translate",
                           .argument = "X,Y,Z",
                           .defaultValue = "0,0,0",
-                          .help = "move the versor alone, also the roots of a rational map, in fractal space"}));
+                          .help = "move the texture alone, or the roots of a rational map, in fractal space"}));
   return options;
 }
 
@@ -360,7 +363,7 @@ NamedFile parseRootsFile(const RecipeReader& reader, const std::string& option) 
 void refuseRandomOnly(const RecipeReader& reader) {
   for (const char* option : kRandomOnly)
     if (reader.has(option))
-      throw std::invalid_argument("--" + std::string(option) + " belongs to random roots, and --versor " +
+      throw std::invalid_argument("--" + optionName(option) + " belongs to random roots, and --texture " +
                                   reader.text("versor") + " has its own; leave one of them out");
 }
 
@@ -380,9 +383,9 @@ RootsSettings parseRoots(const RecipeReader& reader, const std::string& fileOpti
   }
   if (settings.texture && settings.texture->followsThickness()) {
     if (!reader.has("frequency"))
-      throw std::invalid_argument("--versor " + name +
+      throw std::invalid_argument("--texture " + name +
                                   " follows the local thickness of a target, which only --map shape-modulus has; give "
-                                  "that, or --versor random, rings or shells");
+                                  "that, or --texture random, rings or shells");
     settings.frequency = parseFrequency(reader, "frequency");
   }
   parsePlacement(reader, settings);

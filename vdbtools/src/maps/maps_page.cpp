@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/maps/map_registry.h"
 
+#include "vdbtools/recipe/option_name.h"
+
 #include <sstream>
 
 namespace vdbtools {
@@ -28,10 +30,10 @@ std::string defaultText(const OptionSpec& spec) {
 
 std::string mapsPage(const MapRegistry& maps) {
   std::ostringstream page;
-  page
-      << "# The maps and their options\n\n"
-         "What `--map` may be, and what each map adds to the options of `juliavdb fractal`. `juliavdb maps --markdown` "
-         "writes\nthis page, and a test compares the two. The papers are in [references.md](references.md).\n";
+  page << "# The maps and their options\n\n"
+          "This page lists the values of `--map` and the options that each map adds to those of `juliavdb fractal`.\n"
+          "`juliavdb maps --markdown` writes it, and a test compares the two. The papers are in "
+          "[references.md](references.md).\n";
   for (const MapRegistry::Descriptor& map : maps.maps()) {
     page << "\n## `--map " << map->name() << "`\n\n"
          << map->summary() << ".\n\nIt " << targetText(map->targetUse()) << ". It works on "
@@ -39,7 +41,7 @@ std::string mapsPage(const MapRegistry& maps) {
          << (map->hasRoots() ? ", with the texture of its roots" : "") << ". " << map->proofs() << "\n\n"
          << "| option | default | meaning |\n|---|---|---|\n";
     for (const OptionSpec& spec : map->options()) {
-      page << "| `--" << spec.name;
+      page << "| `--" << optionName(spec.name);
       if (!spec.argument.empty()) page << ' ' << escaped(spec.argument);
       page << "` | ";
       const char* quote = spec.defaultNote.empty() ? "`" : "";

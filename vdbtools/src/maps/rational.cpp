@@ -106,8 +106,8 @@ class RationalDescriptor final : public MapDescriptor {
   std::shared_ptr<const MapSettings> parse(const RecipeReader& reader) const override {
     const std::string rational = reader.text("rational");
     if (!rational.empty() && reader.has("versor") && reader.text("versor") != "random")
-      throw std::invalid_argument("--rational and --versor both give the roots of the map; give only one of them");
-    if (rational == "random") reader.refuse("rational", "a file; --versor random draws roots");
+      throw std::invalid_argument("--rational and --texture both give the roots of the map; give only one of them");
+    if (rational == "random") reader.refuse("rational", "a file; --texture random draws roots");
     return std::make_shared<RationalSettings>(parseOrbit(reader, "escape"), parseEmbedding(reader),
                                               parseRoots(reader, rational.empty() ? "versor" : "rational"));
   }

@@ -4,6 +4,7 @@
 #include "control/control_kinds.h"
 #include "control/control_lattice.h"
 #include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/recipe/option_name.h"
 
 #include "julia/expression.h"
 
@@ -27,7 +28,7 @@ std::string overOf(const Recipe& recipe) {
 
 /// Of an option of the layer over the versor.
 std::string idleWithoutOver(const OptionRun& run) {
-  return overOf(run.recipe) == kNone ? "there is no layer over the versor; leave it out, or give --versor-over" : "";
+  return overOf(run.recipe) == kNone ? "there is no layer over the versor; leave it out, or give --texture-over" : "";
 }
 
 /// A default where there is such a layer.
@@ -47,13 +48,13 @@ std::string idleOverSeed(const OptionRun& run) {
   const std::string over = overOf(run.recipe);
   const Texture* const texture = findTexture(over);
   if (over == "random" || (texture && texture->varies())) return {};
-  return "--versor-over " + over + " has nothing random; leave it out, or give a texture that has";
+  return "--texture-over " + over + " has nothing random; leave it out, or give a texture that has";
 }
 
 std::string idleOverFrequency(const OptionRun& run) {
   if (const std::string why = idleWithoutOver(run); !why.empty()) return why;
   if (overFollowsThickness(run.recipe)) return {};
-  return "--versor-over " + overOf(run.recipe) +
+  return "--texture-over " + overOf(run.recipe) +
          " is as large as it is; leave it out, or give a texture that follows the thickness";
 }
 
@@ -95,7 +96,7 @@ std::optional<VersorSource> parseDirections(const RecipeReader& reader, const st
     source.field = parseField(reader, option, *field);
   } else if (text == kFunction) {
     if (!hasFunction)
-      throw std::invalid_argument("--" + option +
+      throw std::invalid_argument("--" + optionName(option) +
                                   " is 'function', a function of a Python program, which no recipe can hold; make the "
                                   "fractal with that program again, or give another versor");
     source.isFunction = true;
@@ -167,39 +168,41 @@ bool isDirections(const std::string& versor) {
 }
 
 std::vector<OptionSpec> layerOptions() {
-  return {{.name = "versor-over",
-           .argument = "NAME|FILE|expr:...|none",
-           .defaultValue = kNone,
-           .help = "a second versor that is mixed over the first one, given like that",
-           .hash = "versor-over-sha256"},
-          {.name = "versor-over-seed",
-           .argument = "S",
-           .help = "the seed of that versor",
-           .defaultFor = defaultWithOver("1"),
-           .defaultNote = "1",
-           .idle = idleOverSeed},
-          {.name = "versor-over-frequency",
-           .argument = "F",
-           .help = "the frequency of that versor, given like frequency",
-           .defaultFor = [](const Recipe& recipe) -> std::optional<std::string> {
-             return overFollowsThickness(recipe) ? std::optional<std::string>("medium") : std::nullopt;
-           },
-           .defaultNote = "medium",
-           .hash = "versor-over-frequency-sha256",
-           .idle = idleOverFrequency},
-          {.name = "versor-mix",
-           .argument = "M",
-           .help = "how much of that versor there is at each place, from 0 (the first one alone) to 1 (the second one "
-                   "alone); given like mask",
-           .defaultFor = defaultWithOver("0.5"),
-           .defaultNote = "0.5",
-           .hash = "versor-mix-sha256",
-           .idle = idleWithoutOver},
-          {.name = "versor-symmetry",
-           .argument = "N:AXIS|none",
-           .defaultValue = kNone,
-           .help = "makes the versors symmetric about the middle of the target: 6:y repeats them six times around Y, "
-                   "6:y:mirror is a kaleidoscope, mirror:x makes left and right alike, mirror:xz also front and back"}};
+  return {
+      {.name = "versor-over",
+       .argument = "NAME|FILE|expr:...|none",
+       .defaultValue = kNone,
+       .help = "a second texture, which is mixed over the first; takes the same values as --texture",
+       .hash = "versor-over-sha256"},
+      {.name = "versor-over-seed",
+       .argument = "S",
+       .help = "the seed of the second texture",
+       .defaultFor = defaultWithOver("1"),
+       .defaultNote = "1",
+       .idle = idleOverSeed},
+      {.name = "versor-over-frequency",
+       .argument = "F",
+       .help = "the frequency of the second texture; takes the same values as --frequency",
+       .defaultFor = [](const Recipe& recipe) -> std::optional<std::string> {
+         return overFollowsThickness(recipe) ? std::optional<std::string>("medium") : std::nullopt;
+       },
+       .defaultNote = "medium",
+       .hash = "versor-over-frequency-sha256",
+       .idle = idleOverFrequency},
+      {.name = "versor-mix",
+       .argument = "M",
+       .help =
+           "how much of the second texture there is at each place, from 0 (the first one alone) to 1 (the second one "
+           "alone); takes the same values as --mask",
+       .defaultFor = defaultWithOver("0.5"),
+       .defaultNote = "0.5",
+       .hash = "versor-mix-sha256",
+       .idle = idleWithoutOver},
+      {.name = "versor-symmetry",
+       .argument = "N:AXIS|none",
+       .defaultValue = kNone,
+       .help = "makes the versors symmetric about the middle of the target: 6:y repeats them six times around Y, "
+               "6:y:mirror is a kaleidoscope, mirror:x makes left and right alike, mirror:xz also front and back"}};
 }
 
 VersorSettings parseVersor(const RecipeReader& reader, bool hasFunction) {
@@ -252,9 +255,9 @@ std::vector<MapControl> controlsOf(const VersorSettings& settings) {
 
 MapFiles readFiles(const VersorSettings& settings) {
   const auto directions = [](const VersorSource& source) {
-    return source.field
-               ? std::optional(readDirectionGrids(source.field->file.path, source.field->grids, "--" + source.option))
-               : std::nullopt;
+    return source.field ? std::optional(readDirectionGrids(source.field->file.path, source.field->grids,
+                                                           "--" + optionName(source.option)))
+                        : std::nullopt;
   };
   MapFiles files{.roots = readRoots(settings.under.roots), .directions = directions(settings.under)};
   if (!settings.over) return files;

@@ -15,8 +15,8 @@
 namespace vdbtools {
 namespace {
 
-/// Corners are in line if their cross product is this much smaller than the square of the longest edge: what is left is
-/// the rounding of coordinates that were stored in single precision or far from the origin.
+/// Corners are collinear if their cross product is smaller than this times the square of the longest edge: the rest is
+/// rounding of coordinates that were stored in single precision or far from the origin.
 constexpr double kInLine = 1e-12;
 
 bool repeatsCorner(const openvdb::Vec3I& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
@@ -33,12 +33,12 @@ void checkIndices(const Mesh& mesh) {
 }
 
 void countEdges(const Mesh& mesh, MeshReport& report) {
-  // Buckets by the smaller end, so that only a handful of entries is ever sorted; an entry is the larger end and, in
-  // its lowest bit, the direction.
+  // Buckets by the smaller end, so that only a few entries are sorted at a time; an entry is the larger end and, in its
+  // lowest bit, the direction.
   std::vector<std::uint64_t> first(mesh.points.size() + 1, 0);
   const auto forEachEdge = [&mesh](auto&& visit) {
     for (const openvdb::Vec3I& t : mesh.triangles) {
-      if (repeatsCorner(t)) continue;  // two of its edges are the same one, there and back, and close each other
+      if (repeatsCorner(t)) continue;  // two of its edges are the same edge in both directions, and close each other
       for (int c = 0; c < 3; ++c) visit(t[c], t[(c + 1) % 3]);
     }
   };
@@ -87,7 +87,8 @@ MeshReport reportMesh(const Mesh& mesh) {
   for (const openvdb::Vec3I& t : mesh.triangles) {
     for (int c = 0; c < 3; ++c) report.box.expand(mesh.points[t[c]]);
   }
-  // Volumes are summed about the box's middle: about a far origin, the terms would be large and cancel.
+  // Volumes are computed relative to the box's centre: relative to a distant origin, the terms would be large and
+  // cancel.
   const openvdb::Vec3d middle = mesh.triangles.empty() ? openvdb::Vec3d(0) : report.box.getCenter();
   for (const openvdb::Vec3I& t : mesh.triangles) {
     const openvdb::Vec3d a = mesh.points[t[0]] - middle;

@@ -9,24 +9,24 @@ namespace {
 
 using openvdb::Vec3d;
 
-/// Ear clipping takes the square of the corners; beyond this many it would look like a hang.
+/// Ear clipping takes time quadratic in the number of corners; beyond this many it would seem to hang.
 constexpr std::size_t kMostCornersToClip = 2000;
 
-/// The area vector, twice over, of the triangle.
+/// Twice the area vector of the triangle.
 Vec3d normalOf(const Vec3d& a, const Vec3d& b, const Vec3d& c) { return (b - a).cross(c - a); }
 
 bool isConvex(std::span<const std::uint32_t> corners, const std::vector<Vec3d>& points, const Vec3d& normal) {
   const std::size_t n = corners.size();
-  // All fan triangles the right way round: then the fan covers the polygon once.
+  // If all fan triangles have the right orientation, the fan covers the polygon once.
   for (std::size_t i = 1; i + 1 < n; ++i) {
     if (normalOf(points[corners[0]], points[corners[i]], points[corners[i + 1]]).dot(normal) < 0) return false;
   }
   return true;
 }
 
-/// The ring of corners that are left, and which of them are ears: corners whose triangle with their neighbours can be
-/// cut off. A corner that does not lie in such a triangle never will, so what was found out stays true until a
-/// neighbour goes. The search therefore takes the square of the corners in all.
+/// The ring of remaining corners, and which of them are ears: corners whose triangle with their neighbours can be cut
+/// off. A corner outside such a triangle stays outside, so results remain valid until a neighbour is removed. The whole
+/// search is therefore quadratic in the number of corners.
 class Ears {
  public:
   Ears(std::span<const std::uint32_t> corners, const std::vector<Vec3d>& points, const Vec3d& normal)
@@ -66,7 +66,7 @@ class Ears {
   enum class Turn { Unknown, Outward, Inward };
   struct Corner {
     std::uint32_t before = 0, after = 0;
-    std::uint32_t checked = 0;  ///< those before this one do not lie in the triangle
+    std::uint32_t checked = 0;  ///< corners before this one are outside the triangle
     Turn turn = Turn::Unknown;
     bool gone = false;
   };
@@ -86,7 +86,7 @@ void forEachTriangle(std::span<const std::uint32_t> corners, const std::vector<V
   std::vector<std::uint32_t> ring(n);
   std::iota(ring.begin(), ring.end(), 0U);
   if (n > 3 && n <= kMostCornersToClip) {
-    Vec3d normal(0);  // Newell's, about the first corner to keep the digits
+    Vec3d normal(0);  // Newell's normal, relative to the first corner to keep precision
     for (std::size_t i = 1; i + 1 < n; ++i) {
       normal += normalOf(points[corners[0]], points[corners[i]], points[corners[i + 1]]);
     }

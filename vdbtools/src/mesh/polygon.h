@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file polygon.h
-/// The polygons of mesh files, and how they are split into triangles.
+/// The polygons of mesh files, and their triangulation.
 #pragma once
 
 #include "vdbtools/mesh/mesh.h"
@@ -13,12 +13,12 @@ namespace vdbtools {
 
 /// Appends the triangles of one polygon to @a triangles: corners.size() - 2 of them, with the polygon's orientation. A
 /// convex polygon becomes a fan about its first corner. A concave one is clipped ear by ear in the plane of its mean
-/// normal; one that has no ear there (it crosses itself, or is very large) becomes a fan all the same.
+/// normal; if no ear is found (because it intersects itself, or is very large), it becomes a fan, too.
 /// @param corners  indices into @a points, three or more
 void triangulatePolygon(std::span<const std::uint32_t> corners, const std::vector<openvdb::Vec3d>& points,
                         std::vector<openvdb::Vec3I>& triangles);
 
-/// Polygons that are kept until all points are known: in some formats faces may stand before their points.
+/// Polygons that are stored until all points are known, because in some formats faces may precede their points.
 class Polygons {
  public:
   static constexpr std::uint32_t kNoUv = 0xffffffff;
@@ -29,7 +29,7 @@ class Polygons {
     mEnds.push_back(mCorners.size());
     if (!mUvs.empty()) mUvs.resize(mCorners.size(), kNoUv);
   }
-  /// @param uvs  the corners' indices of texture coordinates, or kNoUv; as many as corners
+  /// @param uvs  for each corner, its index of texture coordinates, or kNoUv
   void add(std::span<const std::uint32_t> corners, std::span<const std::uint32_t> uvs) {
     mUvs.resize(mCorners.size(), kNoUv);
     mUvs.insert(mUvs.end(), uvs.begin(), uvs.end());
@@ -37,15 +37,15 @@ class Polygons {
   }
   bool empty() const { return mEnds.empty(); }
 
-  /// Appends the triangles of all to @a mesh. @pre every corner is one of its points
+  /// Appends the triangles of all polygons to @a mesh. @pre every corner is one of its points
   void triangulate(Mesh& mesh) const { triangulate(mesh, {}); }
-  /// The same with texture coordinates, if any corner has them. @pre every index of one is below uvs.size()
+  /// As above, with texture coordinates if any corner has them. @pre every index of one is below uvs.size()
   void triangulate(Mesh& mesh, std::span<const openvdb::Vec2s> uvs) const;
 
  private:
   std::vector<std::uint32_t> mCorners;
-  std::vector<std::size_t> mEnds;     ///< of each polygon in mCorners
-  std::vector<std::uint32_t> mUvs{};  ///< of each corner, or empty
+  std::vector<std::size_t> mEnds;     ///< the end of each polygon in mCorners
+  std::vector<std::uint32_t> mUvs{};  ///< for each corner, or empty
 };
 
 }  // namespace vdbtools

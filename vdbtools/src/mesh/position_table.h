@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file position_table.h
-/// Which points are at the same place.
+/// Finds points with the same position.
 #pragma once
 
 #include "base/keyed_hash.h"
@@ -17,17 +17,17 @@
 
 namespace vdbtools {
 
-/// Numbers places in the order in which they come first. The number of comparisons grows with that of the points,
-/// whatever file they come from (KeyedHash).
+/// Numbers positions in the order of their first occurrence. The number of comparisons is linear in the number of
+/// points, whatever file they come from (KeyedHash).
 class PositionTable {
  public:
-  /// @param places  to which those that are new are appended; it must outlive this object
-  /// @param most    how many there can be
+  /// @param places  receives new positions; must outlive this object
+  /// @param most    the maximum number of positions
   PositionTable(std::vector<openvdb::Vec3d>& places, std::size_t most)
       : mPlaces(places), mLast(std::bit_ceil(std::max<std::size_t>(most, 1)), kNone) {}
 
   std::uint32_t numberOf(const openvdb::Vec3d& p) {
-    // + 0.0 makes one zero of the two
+    // + 0.0 turns -0 into 0.
     const std::array bits = {std::bit_cast<std::uint64_t>(p[0] + 0.0), std::bit_cast<std::uint64_t>(p[1] + 0.0),
                              std::bit_cast<std::uint64_t>(p[2] + 0.0)};
     std::uint32_t& last = mLast[mHash(bits) & (mLast.size() - 1)];
@@ -41,20 +41,20 @@ class PositionTable {
     return last;
   }
 
-  /// How many pairs of points were compared so far.
+  /// The number of pairs of points compared so far.
   std::uint64_t comparisons() const { return mComparisons; }
 
  private:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
   static bool samePosition(const openvdb::Vec3d& a, const openvdb::Vec3d& b) {
-    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];  // Vec3d::operator== would be the same, but warns
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];  // equals Vec3d::operator==, which causes a warning
   }
 
   std::vector<openvdb::Vec3d>& mPlaces;
   KeyedHash<3> mHash;
-  std::vector<std::uint32_t> mLast;    ///< of the places with a hash
-  std::vector<std::uint32_t> mBefore;  ///< the one before it with the same hash
+  std::vector<std::uint32_t> mLast;    ///< the last position with each hash
+  std::vector<std::uint32_t> mBefore;  ///< for each position, the previous one with the same hash
   std::uint64_t mComparisons = 0;
 };
 

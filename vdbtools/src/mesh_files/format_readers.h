@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file format_readers.h
 /// One reader for each mesh format, from the bytes of a file to a mesh. Each parses its file once, in double precision
-/// where the format has it, and checks every count and index against what the file holds before using it. An error in a
+/// if the format has it, and checks every count and index against the file's content before using it. An error in a
 /// text file names the line.
 ///
-/// No library reads these for us. OpenMesh's readers (9.0) skip vertex lines that they cannot parse, so that all later
-/// indices mean other points; they take a word that is no number for 0, loop forever on a truncated header, reserve
-/// whatever a header asks for, read coordinates in single precision, and open other files that this one names.
+/// No library is used here. OpenMesh's readers (9.0) skip vertex lines that they cannot parse, so that all later
+/// indices refer to wrong points; they read a word that is not a number as 0, loop forever on a truncated header,
+/// reserve as much as a header requests, read coordinates in single precision, and open other files that the file
+/// names.
 #pragma once
 
 #include "vdbtools/mesh/mesh.h"
@@ -17,17 +18,17 @@
 
 namespace vdbtools {
 
-/// What a point or a corner has of an attribute of which the file says nothing there.
+/// The value of an attribute at a point or a corner for which the file gives none.
 inline constexpr float kNoNumber = std::numeric_limits<float>::quiet_NaN();
 
 /// @throw DataError  see readMesh()
-/// glTF, as .gltf or .glb. Corners that differ in their normal or texture coordinates are points of their own; see
+/// Reads glTF, as .gltf or .glb. Corners that differ in their normal or texture coordinates become separate points; see
 /// weldMesh().
 Mesh readGltf(const std::filesystem::path& path, std::string_view contents);
 Mesh readObj(const std::filesystem::path& path, std::string_view contents);
 Mesh readOff(const std::filesystem::path& path, std::string_view contents);
 Mesh readPly(const std::filesystem::path& path, std::string_view contents);
-/// Text or binary. The corners of a facet are its own; see weldMesh().
+/// Reads text or binary. Each facet has its own corners; see weldMesh().
 Mesh readStl(const std::filesystem::path& path, std::string_view contents);
 
 }  // namespace vdbtools

@@ -45,7 +45,7 @@ const char* typeOf(ColumnKind kind) {
   throw std::logic_error("a kind of column that does not exist");
 }
 
-/// Accessors of the vertices, and the attributes of a mesh that refer to them.
+/// Adds accessors of the vertices, and returns the attributes of a mesh that refer to them.
 OrderedJson addVertexAccessors(const GlbContent& content, const MeshWriteOptions& options, OrderedJson& accessors) {
   OrderedJson attributes = OrderedJson::object();
   std::size_t offset = 0;
@@ -74,7 +74,7 @@ OrderedJson addVertexAccessors(const GlbContent& content, const MeshWriteOptions
   return attributes;
 }
 
-/// The mesh and its levels: accessors, meshes and nodes.
+/// Adds the mesh and its levels: accessors, meshes and nodes.
 void addMeshes(const GlbContent& content, const MeshWriteOptions& options, OrderedJson& json) {
   OrderedJson accessors = OrderedJson::array();
   const OrderedJson attributes = addVertexAccessors(content, options, accessors);
@@ -107,7 +107,7 @@ void addMeshes(const GlbContent& content, const MeshWriteOptions& options, Order
   json["scenes"][0]["nodes"] = {0};
   json["nodes"] = std::move(nodes);
   json["meshes"] = std::move(meshes);
-  // Without a material a mesh would be of polished metal.
+  // Without a material a mesh would look like polished metal.
   json["materials"] = OrderedJson::array(
       {{{"name", "fractal"}, {"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 0.7}}}}});
   json["accessors"] = std::move(accessors);
@@ -137,7 +137,7 @@ std::string jsonText(const GlbContent& content, const MeshWriteOptions& options)
   return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
 }
 
-/// The same with numbers none of which has a longer text.
+/// The length of the JSON with numbers whose texts are as long as possible.
 std::size_t longestJson(const GlbContent& content, const MeshWriteOptions& options) {
   constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
   constexpr double kLong = -1.2345678901234567e-100;
@@ -146,7 +146,7 @@ std::size_t longestJson(const GlbContent& content, const MeshWriteOptions& optio
   longest.levels.assign(options.levels.size(), {.triangles = kMost, .error = kLong});
   longest.low = longest.high = openvdb::Vec3s(-std::numeric_limits<float>::max());
   if (content.centre != openvdb::Vec3d(0)) longest.centre = openvdb::Vec3d(kLong);
-  // The box is made of floats, whose text as doubles may be as long as that of kLong.
+  // The box consists of floats, whose text as doubles may be as long as that of kLong.
   constexpr std::size_t kBoxRoom = 6 * 8;
   return (jsonText(longest, options).size() + kBoxRoom + 3) / 4 * 4;
 }
@@ -203,7 +203,7 @@ char* putGlbRow(char* to, const float* row, const MeshWriteOptions& options) {
     for (std::size_t k = 0; k < count; ++k, ++row) {
       float value = *row;
       if (column.kind == ColumnKind::LinearRgb) value = std::isfinite(value) ? std::clamp(value, 0.0F, 1.0F) : 0;
-      // The origin of a picture is its upper left corner here.
+      // In glTF the origin of a picture is its upper left corner.
       if (column.kind == ColumnKind::TextureCoordinate && k == 1) value = 1 - value;
       std::memcpy(to, &value, sizeof value);
       to += sizeof value;

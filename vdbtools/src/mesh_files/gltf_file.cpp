@@ -73,7 +73,7 @@ std::optional<std::string> base64Decoded(std::string_view text) {
   return bytes;
 }
 
-/// "%20" and the like as the bytes that they stand for.
+/// Decodes "%20" and the like to bytes.
 std::string percentDecoded(const std::string& text) {
   const auto digit = [](char c) {
     if (c >= '0' && c <= '9') return c - '0';
@@ -281,7 +281,7 @@ GltfArray GltfFile::array(std::uint64_t index) const {
   array.mStride = whole(view, "byteStride", 0);
   if (array.mStride == 0) array.mStride = size;
   const std::uint64_t start = whole(accessor, "byteOffset", 0);
-  // Written so that nothing can overflow: the last element ends within the part.
+  // Written so that nothing can overflow: the last element must end within the part.
   const bool fits =
       start <= length && array.mStride >= size &&
       (array.mCount == 0 || (size <= length - start && array.mCount - 1 <= (length - start - size) / array.mStride));

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file gltf_file.h
-/// The container of glTF 2.0 (Khronos Group): JSON, buffers, and the arrays in them, each checked against the bytes
-/// that are there before it is used.
+/// The container of glTF 2.0 (Khronos Group): JSON, buffers, and the arrays in them, each checked against the available
+/// bytes before it is used.
 ///
 /// tinygltf (2.7) is not used here: it reads up to 8 bytes past the end of a GLB whose binary chunk claims to be longer
 /// than it is, follows URIs out of the file's folder, descends into nested extras without a limit, and copies every
-/// buffer. The tests compare what is written and read here with it.
+/// buffer. The tests use it to check what is written and read here.
 #pragma once
 
 #include "vdbtools/base/errors.h"
@@ -27,11 +27,11 @@ class GltfArray {
  public:
   std::uint64_t count() const { return mCount; }
   int components() const { return mComponents; }
-  bool isUnsigned() const;  ///< whole numbers without a sign
+  bool isUnsigned() const;  ///< unsigned integers
 
-  /// Component @a k of element @a i; integers that are normalised as their share of the largest.
+  /// Component @a k of element @a i; normalised integers are scaled to fractions of the largest.
   double value(std::uint64_t i, int k) const;
-  /// The same of an integer as it is.
+  /// An integer element, not scaled.
   std::uint32_t index(std::uint64_t i) const;
 
  private:
@@ -44,24 +44,24 @@ class GltfArray {
 
 class GltfFile {
  public:
-  /// @param contents  of a .gltf or a .glb, told apart by how they begin; outlives this
-  /// @throw DataError  it is broken, or compressed in a way that cannot be read
-  /// @throw MissingInputError, IoError  a buffer beside the file
+  /// @param contents  the bytes of a .gltf or a .glb, distinguished by how they begin; must outlive this
+  /// @throw DataError  the file is broken, or compressed in an unsupported way
+  /// @throw MissingInputError, IoError  from reading a buffer in another file
   GltfFile(const std::filesystem::path& path, std::string_view contents);
   ~GltfFile();
 
   const nlohmann::json& json() const { return *mJson; }
 
-  /// The element of a list of the file's: "nodes", "meshes" and so on. @throw DataError  there is none
+  /// The element of one of the file's lists: "nodes", "meshes" and so on. @throw DataError  there is none
   const nlohmann::json& element(const char* list, std::uint64_t index) const;
   std::uint64_t sizeOf(const char* list) const;
 
-  /// @throw DataError  there is none, it does not lie within its buffer, or it is sparse
+  /// @throw DataError  the accessor does not exist, does not lie within its buffer, or is sparse
   GltfArray array(std::uint64_t accessor) const;
 
-  /// A member that is a whole number; @a otherwise if there is none. @throw DataError
+  /// An integer member; @a otherwise if there is none. @throw DataError
   std::uint64_t whole(const nlohmann::json& object, const char* name, std::uint64_t otherwise) const;
-  /// The same where it must be there.
+  /// An integer member that is required.
   std::uint64_t whole(const nlohmann::json& object, const char* name) const;
   /// A list of numbers; empty if there is none. @throw DataError  it has another length
   std::vector<double> numbers(const nlohmann::json& object, const char* name, std::size_t count) const;
@@ -76,12 +76,12 @@ class GltfFile {
 
   std::filesystem::path mPath;
   std::unique_ptr<nlohmann::json> mJson;
-  std::string_view mBinary;                   ///< of a GLB
+  std::string_view mBinary;                   ///< the binary chunk of a GLB
   std::map<std::uint64_t, std::string> mOwn;  ///< buffers that are not part of the contents
   std::vector<std::string_view> mBuffers;
 };
 
-/// The texts in the extras of the asset of a GLB that this project wrote; nothing from any other file.
+/// The texts in the extras of the asset of a GLB that this project wrote; empty for any other file.
 /// @throw MissingInputError, IoError
 std::map<std::string, std::string> readGltfExtras(const std::filesystem::path& path);
 

@@ -19,11 +19,11 @@ using Json = nlohmann::json;
 using openvdb::Vec3d;
 using openvdb::Vec3I;
 
-/// How many points and triangles there may be beyond those that the file has bytes for: parts that are shown several
-/// times count each time, and a small file must not become a mesh that fills the memory.
+/// The maximum number of points and triangles in excess of those for which the file has bytes. Parts that are instanced
+/// several times count each time, and a small file must not become a mesh that fills the memory.
 constexpr std::uint64_t kMostRepeated = 10'000'000;
 
-/// Where a node takes points: p -> A p + t. Columns of A, then t.
+/// The transform of a node: p -> A p + t. Columns of A, then t.
 struct Placement {
   std::array<Vec3d, 4> columns{Vec3d(1, 0, 0), Vec3d(0, 1, 0), Vec3d(0, 0, 1), Vec3d(0)};
 
@@ -58,7 +58,7 @@ Placement placementOf(const GltfFile& file, const Json& node) {
   return result;
 }
 
-/// The mesh while primitives are added to it.
+/// The mesh to which primitives are added.
 class JoinedMesh {
  public:
   /// @param fileSize  bytes
@@ -145,7 +145,7 @@ class JoinedMesh {
     }
   }
 
-  /// What a point has whose part of the scene says nothing: white, or nothing at all.
+  /// The value of a point for which the scene gives none: white, or NaN.
   static float gap(const std::string& name) {
     return name == "red" || name == "green" || name == "blue" || name == "alpha" ? 1 : kNoNumber;
   }
@@ -183,7 +183,7 @@ class JoinedMesh {
     for (std::size_t t = firstTriangle; t < mMesh.triangles.size(); ++t)
       for (int k = 0; k < 3; ++k) {
         const std::uint64_t point = mMesh.triangles[t][k] - first;
-        // Their origin is the upper left corner of a picture, and ours the lower left one.
+        // In glTF the origin is the upper left corner of a picture, and here the lower left one.
         mMesh.cornerUvs.emplace_back(static_cast<float>(array.value(point, 0)),
                                      1 - static_cast<float>(array.value(point, 1)));
       }
@@ -194,7 +194,7 @@ class JoinedMesh {
   Mesh mMesh;
 };
 
-/// The roots of the default scene; of a file without scenes, the nodes that no other has as a child.
+/// The roots of the default scene; in a file without scenes, the nodes that are not children of another.
 std::vector<std::uint64_t> rootsOf(const GltfFile& file) {
   std::vector<std::uint64_t> roots;
   const auto add = [&](const Json& list) {

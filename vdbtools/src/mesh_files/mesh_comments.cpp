@@ -14,7 +14,7 @@ std::map<std::string, std::string> readMeshComments(std::istream& stream, const 
   for (std::string line; std::getline(stream, line);) {
     if (first) line = withoutByteOrderMark(line);
     first = false;
-    // The comments stand at the head of the file: magic and format before them, geometry after.
+    // The comments are in the head of the file: magic and format precede them, and geometry follows.
     if (line.rfind(prefix, 0) == 0) {
       const std::size_t space = line.find(' ', prefix.size());
       if (space != std::string::npos)

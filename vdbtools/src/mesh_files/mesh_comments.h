@@ -9,9 +9,9 @@
 
 namespace vdbtools {
 
-/// From the file's beginning. It reads no further than to the first line that is no comment of ours; what cannot be
-/// read shows in the state of the stream.
-/// @param extension  ".ply" or ".obj"; nothing is read of any other
+/// Reads the comments from the file's beginning, up to the first line that is not a comment of this project. The state
+/// of the stream shows read errors.
+/// @param extension  ".ply" or ".obj"; for any other nothing is read
 std::map<std::string, std::string> readMeshComments(std::istream& stream, const std::string& extension);
 
 }  // namespace vdbtools

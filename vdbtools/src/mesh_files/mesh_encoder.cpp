@@ -26,7 +26,7 @@ using openvdb::Vec3d;
 using openvdb::Vec3I;
 using openvdb::Vec3s;
 
-// The share of a voxel that rounding may move a vertex by.
+// The fraction of a voxel by which rounding may move a vertex.
 constexpr double kPositionTolerance = 1e-3, kFarTolerance = 1e-4;
 constexpr std::uint64_t kMostUint32 = std::numeric_limits<std::uint32_t>::max();
 // Digits of both counts of a PLY: one of 32 bits, one of 64.
@@ -53,7 +53,7 @@ char* putVector(char* to, const Vector& vector) {
   return to;
 }
 
-/// Numbers of a line of OBJ, with a blank before each.
+/// Numbers of an OBJ line, each preceded by a blank.
 template <class Number>
 char* putNumbers(char* to, const Number* numbers, int count) {
   for (int i = 0; i < count; ++i) {
@@ -63,14 +63,14 @@ char* putNumbers(char* to, const Number* numbers, int count) {
   return to;
 }
 
-/// The most that rounding to floats moves a point of the box by, along an axis.
+/// The maximum distance by which rounding to floats moves a point of the box along an axis.
 double roundingIn(const openvdb::BBoxd& box) {
   double largest = 0;
   for (int axis = 0; axis < 3; ++axis) largest = std::max({largest, -box.min()[axis], box.max()[axis]});
   return largest * std::numeric_limits<float>::epsilon() / 2;
 }
 
-/// Whether the box is small against its distance from the origin.
+/// Whether the box is small compared with its distance from the origin.
 bool isFar(const openvdb::BBoxd& box) {
   constexpr double kFar = 4;  // longest sides
   double nearest = 0, longest = 0;
@@ -81,8 +81,8 @@ bool isFar(const openvdb::BBoxd& box) {
   return nearest > kFar * longest;
 }
 
-/// Far from the origin doubles cost little against what they keep: there, vertices about one node of the lattice would
-/// else become one.
+/// Far from the origin doubles cost little compared with what they preserve: otherwise vertices around one node of the
+/// lattice would coincide there.
 bool needsDoubles(const openvdb::BBoxd& box, double voxelSize) {
   return roundingIn(box) > (isFar(box) ? kFarTolerance : kPositionTolerance) * voxelSize;
 }
@@ -98,13 +98,14 @@ void requireFloatsServe(const openvdb::BBoxd& box, double voxelSize) {
   throw std::invalid_argument(text.str());
 }
 
-/// The middle of the box, as floats if they are near enough to it: readers of GLB hold where a node is as floats.
+/// The centre of the box, as floats if they are close enough to it, because readers of GLB store the position of a node
+/// as floats.
 Vec3d middleOf(const openvdb::BBoxd& box, double voxelSize) {
   const Vec3d middle = box.getCenter(), rounded{Vec3s(middle)};
   return roundingIn({box.min() - rounded, box.max() - rounded}) > kFarTolerance * voxelSize ? middle : rounded;
 }
 
-/// A comment stays one line.
+/// Keeps a comment in one line.
 std::string oneLine(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
@@ -124,7 +125,7 @@ std::string properties(const char* type, std::initializer_list<std::string> name
   return lines;
 }
 
-/// What a PLY says of a column.
+/// The PLY properties of a column.
 std::string propertiesOf(const VertexColumn& column) {
   switch (column.kind) {
     case ColumnKind::Number: return properties("float", {column.name});
@@ -288,8 +289,8 @@ std::string MeshEncoder::header(std::uint64_t points, std::uint64_t triangles) c
   switch (format()) {
     case MeshFormat::Ply: {
       const std::string vertices = std::to_string(points), faces = std::to_string(triangles);
-      // Counts are known last, but stand first: what they leave of their room is filled here, as blanks beside a number
-      // would confuse strict readers. Our own comments come before, where readMeshComments() looks for them.
+      // Counts come first but are known last; blanks beside a number would confuse strict readers, so this comment
+      // fills their unused room. The project's own comments precede it, where readMeshComments() looks for them.
       std::string columns;
       for (const VertexColumn& column : mOptions.columns) columns += propertiesOf(column);
       const std::string filler(kMostDigits + 1 - vertices.size() - faces.size(), '.');
@@ -342,7 +343,7 @@ void MeshEncoder::encodePoints(const PointBatch& batch, MeshPart& part) const {
       return part.add(batch.positions.size(), [&](char* to, std::size_t i) {
         to = putNumbers(putText(to, "v"), batch.positions[i].asPointer(), 3);
         if (mColour) {
-          // As many digits as a byte has, like the colours of pictures and of PLY.
+          // As many digits as a byte needs, like the colours of pictures and of PLY.
           constexpr float kWhite = 255;
           float codes[3];
           for (std::size_t k = 0; k < 3; ++k) codes[k] = srgbCode(batch.values[i * mRowLength + *mColour + k]) / kWhite;

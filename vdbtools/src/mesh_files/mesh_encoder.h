@@ -18,10 +18,11 @@
 
 namespace vdbtools {
 
-/// What comments of this project begin with.
+/// The prefix of this project's comments.
 inline constexpr std::string_view kCommentMark = "juliavdb ";
 
-/// A part of a file on its way into the stream: directly, or put aside until everything before it is complete.
+/// A part of a file on its way into the stream: directly, or through a scratch file until everything before it is
+/// complete.
 class MeshPart {
  public:
   static constexpr std::size_t kLongestRecord = 4096;  ///< bytes
@@ -29,7 +30,7 @@ class MeshPart {
   explicit MeshPart(std::ostream& stream, std::unique_ptr<ScratchFile> aside = nullptr);
 
   /// Adds @a count records: @a encode(to, i) writes the i-th one at @a to and returns its end.
-  /// @throw IoError  it could not be put aside; errors of the stream are left to the stream's owner
+  /// @throw IoError  writing to the scratch file failed; the stream's owner must check the stream for errors
   template <class Encode>
   void add(std::size_t count, const Encode& encode) {
     char* end = mBytes.get() + mSize;
@@ -42,11 +43,11 @@ class MeshPart {
     mSize = static_cast<std::size_t>(end - mBytes.get());
   }
 
-  /// Brings all of it into the stream. @throw IoError
+  /// Moves all of it into the stream. @throw IoError
   void finish();
 
  private:
-  /// A call of the stream for each record would cost more than the encoding.
+  /// A stream call for each record would cost more than the encoding.
   static constexpr std::size_t kChunkSize = std::size_t{1} << 20;
 
   void flush(const char* end);
@@ -59,24 +60,24 @@ class MeshPart {
 
 class MeshEncoder {
  public:
-  /// @throw std::invalid_argument  a voxel size without a box, more columns than a record has room for, an STL of so
-  ///                               small an object so far from the origin that its floats would deform it
+  /// @throw std::invalid_argument  a voxel size without a box, more columns than a record can hold, an STL of an object
+  ///                               that is so small and so far from the origin that its floats would deform it
   explicit MeshEncoder(const MeshWriteOptions& options);
 
   MeshFormat format() const { return mOptions.format; }
   bool hasNormals() const { return mNormals; }
   bool hasDoubles() const { return mDoubles; }
-  /// The values that a row has.
+  /// The number of values in a row.
   std::size_t rowLength() const { return mRowLength; }
-  /// To be called before header() and encodePoints().
+  /// Call before header() and encodePoints().
   void setNormals(bool normals) { mNormals = mGlb.normals = normals; }
 
-  // What a header says of points and triangles, of which only GLB needs anything. All of them come before header() is
-  // of use, and what was surveyed is encoded in the same order.
+  // Collects what a header states about points and triangles, which only GLB needs. All of them must be surveyed before
+  // header() is called, and encoded in the same order.
   void survey(const PointBatch& batch);
   void survey(std::span<const openvdb::Vec3I> triangles);
-  /// How many of the triangles a file has room for. Of an STL, which has no points but the corners of its triangles,
-  /// those are left out two of whose corners are one point in 32-bit floats; so the surface stays closed.
+  /// The number of the triangles that a file stores. An STL has no points but the corners of its triangles; it omits
+  /// triangles with two corners that coincide in 32-bit floats, so the surface stays closed.
   std::uint64_t countOf(std::span<const openvdb::Vec3I> triangles, std::span<const openvdb::Vec3d> points,
                         std::uint64_t firstPoint) const;
   /// Makes the levels of detail.
@@ -98,7 +99,7 @@ class MeshEncoder {
   /// @param points  those from @a firstPoint on; needed in STL only
   void encodeTriangles(std::span<const openvdb::Vec3I> triangles, std::span<const openvdb::Vec3d> points,
                        std::uint64_t firstPoint, MeshPart& part) const;
-  /// What stands behind the triangles.
+  /// Encodes what follows the triangles.
   void encodeLevels(MeshPart& part) const;
 
  private:
@@ -106,17 +107,17 @@ class MeshEncoder {
   void encodePlyPoints(const PointBatch& batch, MeshPart& part) const;
   GlbContent contentOf(std::uint64_t points, std::uint64_t triangles) const;
   char* putRow(char* to, const float* row) const;
-  /// Where the first column of the kind begins in a row.
+  /// The offset of the first column of the kind in a row.
   std::optional<std::size_t> offsetOf(ColumnKind kind) const;
 
   MeshWriteOptions mOptions;
   std::size_t mRowLength;
-  std::optional<std::size_t> mColour, mCoordinates;  ///< of OBJ: where they begin in a row
+  std::optional<std::size_t> mColour, mCoordinates;  ///< for OBJ: their offsets in a row
   bool mDoubles = false;
   bool mNormals = false;
   GlbContent mGlb;
-  bool mSurveyed = false;  ///< any point
-  // Of a GLB with levels of detail.
+  bool mSurveyed = false;  ///< whether any point was surveyed
+  // For a GLB with levels of detail.
   std::vector<float> mPositions;
   std::vector<openvdb::Vec3I> mTriangles;
   std::vector<std::vector<openvdb::Vec3I>> mLevels;

@@ -6,13 +6,13 @@
 namespace vdbtools {
 namespace {
 
-/// Where what waits to be put into @a file is kept: beside it, or for a device where temporaries go.
+/// The folder for scratch data of @a file: beside it, or, for a device, the folder for temporary files.
 std::filesystem::path scratchFolder(const AtomicFile& file) {
   const std::filesystem::path temporary = file.temporaryPath();
   return temporary.empty() ? std::filesystem::temp_directory_path() : temporary.parent_path();
 }
 
-/// The writer knows only that its stream failed; the file knows its name and why.
+/// The writer only knows that its stream failed; the file knows its name and the reason.
 template <class Work>
 void guarded(AtomicFile& file, const Work& work) {
   try {

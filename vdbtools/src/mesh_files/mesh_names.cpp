@@ -11,10 +11,10 @@
 namespace vdbtools {
 namespace {
 
-/// A name that holds for the faces behind it.
+/// A name that applies to the following faces.
 struct Named {
   std::string current{};
-  bool isUsed = false;  ///< by a face
+  bool isUsed = false;  ///< whether a face uses it
   std::set<std::string> seen{};
 
   void begin(std::string_view name) {

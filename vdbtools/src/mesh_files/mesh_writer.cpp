@@ -28,7 +28,7 @@ void requireFits(const PointBatch& batch, std::size_t rowLength) {
                            " points, each of which has " + std::to_string(rowLength));
 }
 
-/// Triangles use points from @a first to before @a end.
+/// Checks that triangles use points from @a first to before @a end.
 void requirePoints(std::span<const Vec3I> triangles, std::uint64_t first, std::uint64_t end) {
   for (const Vec3I& triangle : triangles)
     for (int k = 0; k < 3; ++k)
@@ -37,12 +37,12 @@ void requirePoints(std::span<const Vec3I> triangles, std::uint64_t first, std::u
                                std::to_string(first) + " to before " + std::to_string(end));
 }
 
-/// Batches in the axes of the file, one at a time.
+/// Rotates batches to the axes of the file, one at a time.
 class BatchTurner {
  public:
   explicit BatchTurner(const UpTurn& turn) : mTurn(turn) {}
 
-  /// Lives until the next call.
+  /// The result is valid until the next call.
   PointBatch operator()(const PointBatch& batch) {
     if (!mTurn.turns()) return batch;
     mPositions.assign(batch.positions.begin(), batch.positions.end());
@@ -134,7 +134,7 @@ struct MeshStreamWriter::State {
     usable = true;
   }
 
-  /// What stands before the points, or room for it.
+  /// Writes what precedes the points, or reserves room for it.
   void begin(bool withNormals) {
     encoder.setNormals(withNormals);
     const std::string header = encoder.header(0, 0);
@@ -142,7 +142,7 @@ struct MeshStreamWriter::State {
       stream << header;
     } else if (seekable) {
       start = stream.tellp();
-      stream << std::string(header.size(), ' ');  // no header at all, lest it pass for an empty mesh
+      stream << std::string(header.size(), ' ');  // an empty header would pass for an empty mesh
     }
   }
 
@@ -163,7 +163,7 @@ struct MeshStreamWriter::State {
     stream.seekp(end);
   }
 
-  /// Drops the points that no triangle will use, once they are so many that moving the others costs no more.
+  /// Removes the points that no triangle will use, once there are so many that moving the others does not cost more.
   void trimWindow() {
     const std::uint64_t unused = std::min(firstPoint, pointCount) - windowStart;
     if (2 * unused < window.size()) return;
@@ -212,7 +212,7 @@ void MeshStreamWriter::addPoints(const PointBatch& unturned) {
 void MeshStreamWriter::addTriangles(std::span<const Vec3I> triangles, std::uint64_t firstPoint) {
   State& s = *mState;
   s.run([&] {
-    // Before any of them is looked at, so those count too that will be left out.
+    // Checked before any triangle is examined, so those that will be left out count, too.
     s.encoder.requireCounts(s.pointCount, s.triangleCount + triangles.size());
     s.firstPoint = std::max(s.firstPoint, firstPoint);
     requirePoints(triangles, s.firstPoint, s.pointCount);

@@ -15,7 +15,7 @@
 namespace vdbtools {
 namespace {
 
-/// The next line of OBJ, which a backslash at its end continues on the following one.
+/// Returns the next line of OBJ; a backslash at the end of a line continues it on the next one.
 std::optional<std::string_view> nextObjLine(LineScanner& lines, std::string& joined) {
   auto line = lines.next();
   if (!line) return line;
@@ -33,9 +33,9 @@ std::optional<std::string_view> nextObjLine(LineScanner& lines, std::string& joi
   return joined;
 }
 
-/// An index of a corner, counted from 1.
-/// @param word  the whole corner, for the error's text
-/// @param what  of which kind the indices are, likewise
+/// The index of a corner, counted from 1.
+/// @param word  the whole corner, for the error message
+/// @param what  the kind of index, likewise
 long long indexOf(const LineScanner& lines, std::string_view number, std::string_view word, const char* what,
                   std::size_t countSoFar) {
   const long long index = lines.integer(number);
@@ -43,7 +43,7 @@ long long indexOf(const LineScanner& lines, std::string_view number, std::string
     lines.fail("a face refers to " + std::string(what) + " 0, but OBJ counts from 1; export the mesh again");
   }
   if (index > 0) return index;
-  const long long fromStart = static_cast<long long>(countSoFar) + index + 1;  // negative: back from here
+  const long long fromStart = static_cast<long long>(countSoFar) + index + 1;  // negative: relative to the end
   if (fromStart < 1) {
     lines.fail("a face refers to " + std::string(what) + " " + shown(word) +
                ", which is before the first one; export the mesh again");
@@ -51,7 +51,7 @@ long long indexOf(const LineScanner& lines, std::string_view number, std::string
   return fromStart;
 }
 
-/// A corner's point and texture coordinate, counted from 1; the latter is 0 where there is none.
+/// A corner's point and texture coordinate, counted from 1; the latter is 0 if there is none.
 struct Corner {
   long long point = 0, uv = 0;
 };
@@ -71,7 +71,7 @@ Corner cornerOf(const LineScanner& lines, std::string_view word, std::size_t poi
 }
 
 /// Keeps the first of the corners at equal points.
-/// @param uvs  one a corner, or empty
+/// @param uvs  one per corner, or empty
 void dropRepetitions(std::vector<std::uint32_t>& corners, std::vector<std::uint32_t>& uvs) {
   std::vector<std::uint32_t> sorted(corners);
   std::sort(sorted.begin(), sorted.end());
@@ -100,9 +100,9 @@ class ObjReader {
       const std::string_view keyword = words.next();
       if (keyword == "v") readPoint(words);
       if (keyword == "vt") readUv(words);
-      if (keyword == "f" || keyword == "fo") readFace(words);  // fo: the form of before 1995
+      if (keyword == "f" || keyword == "fo") readFace(words);  // fo: the obsolete form from before 1995
     }
-    // Faces may stand before their points, so this can be checked only here.
+    // Faces may precede their points, so this can be checked only here.
     requirePoints();
     requireUvs();
     for (VertexAttribute& channel : mMesh.attributes) channel.values.resize(mMesh.points.size(), kNoColour);
@@ -115,13 +115,13 @@ class ObjReader {
 
   struct Largest {
     long long index = 0;   ///< counted from 1
-    std::size_t line = 0;  ///< where it stands
+    std::size_t line = 0;  ///< line number
     void meet(long long met, const LineScanner& lines) {
       if (met > index) *this = {met, lines.lineNumber()};
     }
   };
 
-  /// Three coordinates; a weight, or the three channels of a colour, may follow.
+  /// Reads three coordinates; a weight, or the three channels of a colour, may follow.
   void readPoint(WordScanner& words) {
     mMesh.points.push_back(mLines.point(words));
     const std::string_view first = words.next();
@@ -138,7 +138,7 @@ class ObjReader {
     }
   }
 
-  /// u and v, of which v may be left out; a depth may follow.
+  /// Reads u and v, of which v is optional; a depth may follow.
   void readUv(WordScanner& words) {
     const double u = mLines.number(words.next());
     const std::string_view second = words.next();
@@ -187,7 +187,7 @@ class ObjReader {
   }
 
   void requireUvs() const {
-    if (mUvs.empty()) return;  // faces of some exporters name coordinates that were never written
+    if (mUvs.empty()) return;  // faces of some exporters refer to coordinates that were never written
     if (mLargestUv.index > static_cast<long long>(mUvs.size())) refuse(mLargestUv, "texture coordinate", mUvs.size());
   }
 
@@ -196,7 +196,7 @@ class ObjReader {
   Mesh mMesh;
   Polygons mPolygons;
   std::vector<openvdb::Vec2s> mUvs;
-  Largest mLargestPoint, mLargestUv;  ///< that faces refer to
+  Largest mLargestPoint, mLargestUv;  ///< largest indices to which faces refer
 };
 
 }  // namespace

@@ -35,8 +35,8 @@ Counts readCounts(const std::filesystem::path& path, LineScanner& lines) {
   }
   Counts counts;
   counts.points = lines.integer(word);
-  counts.faces = lines.integer(header.next());  // a count of edges may follow; nobody relies on it
-  // The shortest vertex is "0 0 0" and the shortest face "3 0 1 2", each with its line's end.
+  counts.faces = lines.integer(header.next());  // a count of edges may follow, but is unreliable
+  // The shortest vertex is "0 0 0" and the shortest face "3 0 1 2", each with its line end.
   const auto available = static_cast<long long>(lines.rest().size()) + 1;
   if (counts.points < 0 || counts.faces < 0 || counts.points > available / 6 || counts.faces > available / 8) {
     lines.fail("the header announces " + std::to_string(counts.points) + " points and " + std::to_string(counts.faces) +

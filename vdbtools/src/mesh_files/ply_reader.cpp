@@ -120,13 +120,13 @@ PlyHeader readPlyHeader(const std::filesystem::path& path, std::string_view cont
   lines.fail("the file ends within its header; it is truncated: export it again");
 }
 
-/// The numbers of the body, one after the other, text or binary.
+/// Reads the numbers of the body in order, from text or binary.
 class BodyReader {
  public:
   BodyReader(const std::filesystem::path& path, const PlyHeader& header)
       : mPath(path), mFormat(header.format), mRest(header.body) {}
 
-  /// What is being read, for the error's text.
+  /// Sets the element being read, for error messages.
   void setElement(const Element& element) { mElement = &element; }
   void setIndex(std::uint64_t index) { mIndex = index; }
 
@@ -141,7 +141,7 @@ class BodyReader {
     }
   }
 
-  /// A count or an index: whole and not negative.
+  /// Reads a count or an index, which must be a non-negative integer.
   std::uint64_t nextWhole(Scalar type, const char* what) {
     const double value = next(type);
     if (!(value >= 0 && value < 4294967296.0 && value == std::floor(value))) {
@@ -150,14 +150,14 @@ class BodyReader {
     return static_cast<std::uint64_t>(value);
   }
 
-  /// The length of a list, which must fit what is left of the file.
+  /// Reads the length of a list, which must fit the rest of the file.
   std::uint64_t nextLength(const Property& list) {
     const std::uint64_t length = nextWhole(*list.countType, "the length of a list");
     if (length * (mFormat == Format::kAscii ? 2 : sizeOf(list.type)) > mRest.size() + 1) truncated();
     return length;
   }
 
-  /// The fewest bytes that @a element takes in the file.
+  /// The minimum number of bytes of @a element in the file.
   std::uint64_t leastBytes(const Element& element) const {
     std::uint64_t bytes = 0;
     for (const Property& p : element.properties) {
@@ -239,7 +239,7 @@ bool isIndexList(const Property& property) {
   return property.countType && (property.name == "vertex_indices" || property.name == "vertex_index");
 }
 
-/// The integer that stands for 1 in the channels of a colour; 1 for all other numbers.
+/// The integer that represents 1 in colour channels; 1 for all other numbers.
 double oneOf(const Property& property) {
   constexpr std::array<std::string_view, 4> kChannels{"red", "green", "blue", "alpha"};
   if (std::find(kChannels.begin(), kChannels.end(), property.name) == kChannels.end()) return 1;
@@ -256,11 +256,11 @@ double oneOf(const Property& property) {
   return 1;
 }
 
-/// What becomes of a vertex's property: a coordinate, an attribute, or nothing.
+/// The destination of a vertex's property: a coordinate, an attribute, or none.
 struct Slot {
   int axis = -1;
   std::optional<std::size_t> attribute{};
-  double one = 1;  ///< what an attribute is divided by
+  double one = 1;  ///< divisor of an attribute
 };
 
 /// @param mesh  receives the attributes that it lacks
@@ -273,7 +273,7 @@ std::vector<Slot> slotsOf(const Element& element, Mesh& mesh) {
                                     [&p](const VertexAttribute& attribute) { return attribute.name == p.name; });
     const std::size_t index = static_cast<std::size_t>(found - mesh.attributes.begin());
     const bool isTaken = std::any_of(slots.begin(), slots.end(), [&](const Slot& s) { return s.attribute == index; });
-    if (isTaken) continue;  // the first of a name counts
+    if (isTaken) continue;  // the first property of a name counts
     if (found == mesh.attributes.end()) mesh.attributes.push_back({p.name, {}});
     slot.attribute = index;
   }
@@ -318,7 +318,7 @@ void readVertices(BodyReader& body, const Element& element, Mesh& mesh) {
   for (VertexAttribute& attribute : mesh.attributes) attribute.values.resize(mesh.points.size(), kNoNumber);
 }
 
-/// Takes the texture coordinates of the vertices, if there are any, out of the attributes.
+/// Moves the texture coordinates of the vertices, if there are any, out of the attributes.
 std::vector<openvdb::Vec2s> takeVertexUvs(Mesh& mesh) {
   constexpr std::pair<std::string_view, std::string_view> kNames[] = {
       {"s", "t"}, {"u", "v"}, {"texture_u", "texture_v"}};
@@ -342,7 +342,7 @@ std::vector<openvdb::Vec2s> takeVertexUvs(Mesh& mesh) {
 
 bool isUvList(const Property& property) { return property.countType && property.name == "texcoord"; }
 
-/// @param uvs  receives the texture coordinates of corners, in a list u v u v ... as MeshLab writes it
+/// @param uvs  receives the texture coordinates of corners, from a list u v u v ... as written by MeshLab
 void readFaceUvs(BodyReader& body, const Property& list, std::vector<openvdb::Vec2s>& uvs) {
   const std::uint64_t length = body.nextLength(list);
   if (length % 2 != 0) body.fail("its texture coordinates are " + std::to_string(length) + "; export the mesh again");

@@ -17,8 +17,8 @@
 namespace vdbtools {
 namespace {
 
-constexpr std::size_t kHeaderSize = 84;  ///< 80 bytes of anything and a 32-bit count
-constexpr std::size_t kFacetSize = 50;   ///< normal, three corners, and two bytes that mean nothing
+constexpr std::size_t kHeaderSize = 84;  ///< 80 arbitrary bytes and a 32-bit count
+constexpr std::size_t kFacetSize = 50;   ///< normal, three corners, and two unused bytes
 
 std::uint32_t readUint32(std::string_view bytes, std::size_t at) {
   std::uint32_t value = 0;
@@ -26,7 +26,7 @@ std::uint32_t readUint32(std::string_view bytes, std::size_t at) {
   return value;
 }
 
-/// Of triangles that share no point, as many as 32-bit indices count.
+/// The limit for triangles that share no point, with 32-bit indices.
 constexpr std::size_t kMostFacets = std::numeric_limits<std::uint32_t>::max() / 3;
 
 std::string tooManyFacets() {
@@ -39,7 +39,8 @@ void addLastTriangle(Mesh& mesh) {
   mesh.triangles.emplace_back(first, first + 1, first + 2);
 }
 
-/// Binary STL may begin with the word that marks the text form, and does so in practice; its length tells it.
+/// Whether the file is binary. Binary STL may begin with the word that marks the text form, and in practice it does, so
+/// the length decides.
 bool isBinary(std::string_view contents) {
   if (contents.size() >= kHeaderSize &&
       contents.size() == kHeaderSize + std::size_t{readUint32(contents, 80)} * kFacetSize) {
@@ -61,7 +62,7 @@ Mesh readBinary(const std::filesystem::path& path, std::string_view contents) {
   }
   const std::size_t facets = readUint32(contents, 80);
   const std::size_t length = kHeaderSize + facets * kFacetSize;
-  // Some programs pad the end; a whole facet more than announced is no padding.
+  // Some programs pad the end, but a whole additional facet is not padding.
   if (contents.size() < length || contents.size() >= length + kFacetSize) {
     fail("the header announces " + std::to_string(facets) + " triangles, which take " + std::to_string(length) +
          " bytes, but the file has " + std::to_string(contents.size()) +
@@ -90,13 +91,13 @@ Mesh readBinary(const std::filesystem::path& path, std::string_view contents) {
   return mesh;
 }
 
-/// A coordinate of a text STL, which is rounded to the single precision that the format has.
+/// A coordinate of a text STL, rounded to the single precision of the format.
 float singleOf(const LineScanner& lines, std::string_view word) {
   if (std::abs(lines.number(word)) > double{std::numeric_limits<float>::max()}) {
     lines.fail("the coordinate " + shown(word) +
                " is too large for STL's single precision; scale the mesh down or export it as PLY");
   }
-  // Rounded once, from the text; the double that was checked would be rounded twice.
+  // Parsed directly from the text; converting the checked double would round twice.
   if (word.starts_with('+')) word.remove_prefix(1);
   float value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
@@ -111,7 +112,7 @@ Mesh readText(const std::filesystem::path& path, std::string_view contents) {
   while (const auto line = lines.next()) {
     WordScanner words(*line);
     for (std::string word = lowerCase(words.next()); !word.empty(); word = lowerCase(words.next())) {
-      if (word == "solid" || word == "endsolid") {  // a name follows, of any words
+      if (word == "solid" || word == "endsolid") {  // a name of any words follows
         if (corners >= 0 || inSolid == (word == "solid")) {
           lines.fail("'" + word + "' in the midst of a solid or a triangle; the file is damaged: export it again");
         }
@@ -136,7 +137,7 @@ Mesh readText(const std::filesystem::path& path, std::string_view contents) {
         if (mesh.triangles.size() == kMostFacets) lines.fail(tooManyFacets());
         addLastTriangle(mesh);
       }
-      // 'facet normal x y z', 'loop' and 'endfacet' are passed over word by word.
+      // 'facet normal x y z', 'loop' and 'endfacet' are skipped word by word.
     }
   }
   if (inSolid || corners >= 0) lines.fail("the file ends before 'endsolid'; it is truncated: export it again");

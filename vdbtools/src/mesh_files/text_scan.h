@@ -14,7 +14,7 @@
 
 namespace vdbtools {
 
-/// One line, word by word. A word is what stands between spaces, tabs and carriage returns.
+/// Splits one line into words. Spaces, tabs and carriage returns separate words.
 class WordScanner {
  public:
   explicit WordScanner(std::string_view line) : mRest(line) {}
@@ -28,14 +28,14 @@ class WordScanner {
 /// A text, line by line.
 class LineScanner {
  public:
-  /// @param text  a whole text; a byte order mark at its beginning is passed over
+  /// @param text  a whole text; a byte order mark at its beginning is skipped
   LineScanner(const std::filesystem::path& path, std::string_view text)
       : mPath(path), mRest(withoutByteOrderMark(text)) {}
 
-  /// @return the next line without its end; nothing at the end of the text
+  /// @return the next line without its end; empty at the end of the text
   std::optional<std::string_view> next();
 
-  /// The same, skipping empty lines and cutting comments that begin with '#'.
+  /// As next(), but skips empty lines and removes comments that begin with '#'.
   std::optional<std::string_view> nextMeaningful();
 
   std::size_t lineNumber() const { return mLineNumber; }
@@ -59,7 +59,7 @@ class LineScanner {
   std::size_t mLineNumber = 0;
 };
 
-/// A short form of @a word for an error's text: one line, printable.
+/// A short form of @a word for an error message: one line, printable.
 std::string shown(std::string_view word);
 
 }  // namespace vdbtools

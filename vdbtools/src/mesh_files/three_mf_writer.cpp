@@ -44,7 +44,7 @@ constexpr const char* kRelationships =
 </Relationships>
 )";
 
-/// Text between tags or in an attribute.
+/// Escapes text between tags or in an attribute.
 std::string escaped(std::string_view text) {
   std::string result;
   for (const char c : text) {
@@ -98,7 +98,7 @@ std::string modelXml(const Mesh& mesh, const std::map<std::string, std::string>&
   fail(std::string(zip_error_strerror(error)));
 }
 
-/// @param text  outlives the archive
+/// @param text  must outlive the archive
 void addFile(zip_t* archive, const char* name, std::string_view text) {
   zip_source_t* source = zip_source_buffer(archive, text.data(), text.size(), 0);
   if (!source) fail(zip_get_error(archive));
@@ -107,7 +107,7 @@ void addFile(zip_t* archive, const char* name, std::string_view text) {
     zip_source_free(source);
     fail(zip_get_error(archive));
   }
-  // 1 January 1980, the first day that a zip knows: the same mesh gives the same bytes.
+  // 1 January 1980, the first day that a zip can represent, so that the same mesh gives the same bytes.
   constexpr zip_uint16_t kTime = 0, kDay = 0x21;
   const auto at = static_cast<zip_uint64_t>(index);
   constexpr zip_uint32_t kFastest = 1;

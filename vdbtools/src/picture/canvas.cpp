@@ -51,7 +51,7 @@ cairo_status_t append(void* text, const unsigned char* data, unsigned int length
   }
 }
 
-/// Reads on in the string_view that @a rest points to.
+/// Reads from the string_view to which @a rest points, and advances it.
 cairo_status_t take(void* rest, unsigned char* data, unsigned int length) {
   auto& bytes = *static_cast<std::string_view*>(rest);
   if (bytes.size() < length) return CAIRO_STATUS_READ_ERROR;
@@ -71,9 +71,9 @@ void require(FT_Error error) {
   if (error != FT_Err_Ok) throw IoError("FreeType cannot read the font of the program: error " + std::to_string(error));
 }
 
-/// A font that neither Fontconfig nor FreeType's environment has a say in. Cairo keeps what it draws with, so fonts
-/// stay until the process ends; each has a FreeType of its own, for Cairo lets one thread at a time use a font, but not
-/// a FreeType.
+/// A font that does not depend on Fontconfig or on FreeType's environment. Cairo keeps references to fonts, so they
+/// stay until the process ends. Each font has a FreeType library of its own, because Cairo serialises the use of a
+/// font, but not of a FreeType library.
 class Font {
  public:
   explicit Font(bool isBold) {
@@ -107,8 +107,8 @@ cairo_font_face_t* fontOf(const TextStyle& style) {
   return (style.bold ? bold : regular)->get();
 }
 
-/// Cairo names the parts of an SVG by numbers that go on through the whole process ("surface9", "image13"). Here they
-/// count from 1 in every file, so that the same drawing has the same bytes.
+/// Cairo numbers the parts of an SVG throughout the process ("surface9", "image13"). Here they count from 1 in every
+/// file, so that the same drawing has the same bytes.
 std::string renumbered(const std::string& svg) {
   constexpr std::string_view kMarks[] = {"id=\"", "\"#", "(#"};
   std::map<std::string, std::string, std::less<>> names;
@@ -128,7 +128,7 @@ std::string renumbered(const std::string& svg) {
     while (digits < svg.size() && std::isalpha(static_cast<unsigned char>(svg[digits]))) ++digits;
     std::size_t end = digits;
     while (end < svg.size() && std::isdigit(static_cast<unsigned char>(svg[end]))) ++end;
-    // Names in two parts, such as glyph0-1, are numbered in each file anew.
+    // Names in two parts, such as glyph0-1, already count anew in each file.
     const bool whole = digits > at && end > digits && end < svg.size() && (svg[end] == '"' || svg[end] == ')');
     if (!whole) continue;
     const std::string letters = svg.substr(at, digits - at);
@@ -145,7 +145,7 @@ std::string renumbered(const std::string& svg) {
 struct Canvas::State {
   CanvasKind kind;
   int width, height;
-  std::string svg;  ///< before the surface, which appends to it
+  std::string svg;  ///< declared before the surface, which appends to it
   Owned<cairo_surface_t> surface;
   Owned<cairo_t> context;
 
@@ -169,7 +169,7 @@ struct Canvas::State {
 };
 
 Canvas::Canvas(CanvasKind kind, int width, int height, const Colour& background) {
-  constexpr int kLargestSide = 32767;  // of Cairo
+  constexpr int kLargestSide = 32767;  // the limit of Cairo
   if (width < 1 || height < 1 || width > kLargestSide || height > kLargestSide)
     throw std::invalid_argument("a canvas of " + std::to_string(width) + " x " + std::to_string(height) +
                                 " pixels cannot be made; each side must be 1 to " + std::to_string(kLargestSide));
@@ -178,7 +178,7 @@ Canvas::Canvas(CanvasKind kind, int width, int height, const Colour& background)
     mState->surface.reset(cairo_svg_surface_create_for_stream(append, &mState->svg, width, height));
     cairo_svg_surface_set_document_unit(mState->surface.get(), CAIRO_SVG_UNIT_PX);
   } else {
-    // Codes of Cairo, and then colours as floats and codes for the file.
+    // Codes of Cairo, then colours as floats and codes for the file.
     constexpr double kBytesOfPixel = 19;
     requireMemory(kBytesOfPixel * width * height, MemoryUse::Picture,
                   "a page of " + std::to_string(width) + " x " + std::to_string(height) + " pixels");
@@ -188,7 +188,7 @@ Canvas::Canvas(CanvasKind kind, int width, int height, const Colour& background)
   mState->context.reset(cairo_create(mState->surface.get()));
   cairo_t* const context = mState->context.get();
   require(cairo_status(context));
-  // Cairo's own choices are those of the surface.
+  // Cairo's default options are those of the surface.
   const Owned<cairo_font_options_t> font(cairo_font_options_create());
   cairo_font_options_set_antialias(font.get(), CAIRO_ANTIALIAS_GRAY);
   cairo_font_options_set_hint_style(font.get(), CAIRO_HINT_STYLE_SLIGHT);
@@ -235,7 +235,7 @@ void Canvas::text(std::string_view utf8, const CanvasPoint& at, const TextStyle&
   mState->setColour(style.colour);
   cairo_save(context);
   cairo_translate(context, at.x, at.y);
-  constexpr cairo_matrix_t kUpwards{0, -1, 1, 0, 0, 0};  // without the rounding of a sine and a cosine
+  constexpr cairo_matrix_t kUpwards{0, -1, 1, 0, 0, 0};  // avoids the rounding of a sine and a cosine
   if (style.upwards) cairo_transform(context, &kUpwards);
   cairo_move_to(context, -back, 0);
   cairo_show_text(context, std::string(utf8).c_str());

@@ -16,7 +16,7 @@ constexpr Colour kLabelInk{0.015F, 0.015F, 0.015F}, kError{0.33F, 0.02F, 0.015F}
 constexpr const char* kEllipsis = "\u2026";
 
 double fontFor(const ContactSheetOptions& options) {
-  constexpr double kPart = 19, kLeast = 9, kMost = 18;  // of the cell's width; pixels
+  constexpr double kPart = 19, kLeast = 9, kMost = 18;  // fraction of the cell's width; limits in pixels
   return std::clamp(options.cellWidth / kPart, kLeast, kMost);
 }
 
@@ -31,7 +31,7 @@ int side(int cells, int size) { return 2 * kMargin + cells * size + (cells - 1) 
 /// @a text without its last character.
 std::string_view shorter(std::string_view text) { return text.substr(0, characterAt(text, text.size() - 1)); }
 
-/// The text, cut where it is wider than @a width.
+/// The text, shortened if it is wider than @a width.
 std::string cut(const Canvas& canvas, std::string_view text, double width, const TextStyle& style) {
   if (canvas.textWidth(text, style) <= width) return std::string(text);
   while (!text.empty() && canvas.textWidth(std::string(text) + kEllipsis, style) > width) text = shorter(text);

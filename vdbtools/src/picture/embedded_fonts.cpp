@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "picture/embedded_fonts.h"
 
-// The assembler copies the files, which as lists of numbers would take a compiler many seconds. JULIAVDB_FONTS is their
-// folder.
+// The assembler includes the files; as lists of numbers they would take a compiler many seconds. JULIAVDB_FONTS is
+// their folder.
 #define JULIAVDB_FONT(name, file)                                                   \
   extern "C" [[gnu::visibility("hidden")]] const unsigned char name[], name##End[]; \
   asm(".pushsection .rodata\n" #name ":\n.incbin \"" JULIAVDB_FONTS "/" file "\"\n" #name "End:\n.popsection\n")

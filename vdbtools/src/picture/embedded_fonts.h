@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file embedded_fonts.h
-/// The files of DejaVu Sans, as parts of the library: text looks the same whatever fonts a machine has.
+/// The files of DejaVu Sans, embedded in the library, so that text looks the same whatever fonts a machine has.
 #pragma once
 
 #include <cstddef>

@@ -83,7 +83,7 @@ std::optional<Gradient> Gradient::named(const std::string& name) {
 
 openvdb::Vec3d Gradient::at(double value) const {
   const std::size_t last = mStops.size() - 1;
-  // A value that is not a number has the first colour.
+  // A NaN gets the first colour.
   const double place = value > 0 ? std::min(value, 1.0) * static_cast<double>(last) : 0;
   const std::size_t before = std::min(last, static_cast<std::size_t>(place)), behind = std::min(last, before + 1);
   const double part = place - static_cast<double>(before);

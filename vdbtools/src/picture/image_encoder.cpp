@@ -26,7 +26,7 @@ bool encode(const OIIO::ImageSpec& spec, const float* values, std::string& resul
   std::vector<unsigned char> bytes;
   OIIO::Filesystem::IOVecOutput sink(bytes);
   output->set_ioproxy(&sink);
-  // The name tells the format only; the bytes go to the sink.
+  // The name only determines the format; the bytes go to the sink.
   const bool written = output->open("picture.exr", spec) && output->write_image(OIIO::TypeDesc::FLOAT, values);
   if (!output->close() || !written) {
     result = std::string("cannot encode the image: ") + output->geterror();
@@ -55,7 +55,7 @@ bool juliavdbEncodeImage(const vdbtools::Picture& picture, std::string& result) 
     }
     spec.attribute("oiio:ColorSpace", "Linear");
     spec.attribute("compression", "zip");
-    // Without a date OpenImageIO writes the time of day, and the same image would give other bytes every time.
+    // By default OpenImageIO writes the current time, and the same image would give different bytes each time.
     spec.attribute("DateTime", kNoDate);
     return encode(spec, picture.linear, result);
   } catch (const std::bad_alloc&) {

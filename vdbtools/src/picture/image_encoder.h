@@ -9,16 +9,16 @@ namespace vdbtools {
 
 inline constexpr int kImageChannels = 3;
 
-/// An image row by row from the top left.
+/// An image with pixels row by row from the top left.
 struct Picture {
   int width = 0, height = 0;           ///< pixels
   const float* linear = nullptr;       ///< RGB within the range of half floats
-  int channels = kImageChannels;       ///< of the linear array, interleaved; those beyond RGB are kept as floats
-  const char* const* names = nullptr;  ///< of the channels beyond RGB
-  int threads = 1;                     ///< that encoding may use
+  int channels = kImageChannels;       ///< of the linear array, interleaved; channels beyond RGB are stored as floats
+  const char* const* names = nullptr;  ///< names of the channels beyond RGB
+  int threads = 1;                     ///< number of threads that encoding may use
 };
 
-/// @param result  the bytes of the file or, where it returns false, the reason why there are none
+/// @param result  the bytes of the file or, if the result is false, the error message
 using ImageEncoder = bool(const Picture& picture, std::string& result);
 
 }  // namespace vdbtools

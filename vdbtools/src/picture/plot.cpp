@@ -17,17 +17,17 @@ namespace vdbtools {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kLargest = 1e307;  ///< so that differences of numbers are finite
+constexpr double kLargest = 1e307;  ///< keeps differences of numbers finite
 
 constexpr Colour kWhite{1, 1, 1}, kInk{0.02F, 0.02F, 0.02F}, kAxis{0.15F, 0.15F, 0.15F}, kGridLine{0.76F, 0.76F, 0.76F},
     kMinorGridLine{0.89F, 0.89F, 0.89F};
 
-// All in pixels.
+// All lengths are in pixels.
 constexpr double kCurveWidth = 2.2;
-constexpr double kGap = 10;                              ///< between things that must not touch
+constexpr double kGap = 10;                              ///< between elements that must not touch
 constexpr double kRightMargin = 22;                      ///< right of the axes, for half a tick's label
 constexpr double kTickLength = 5, kMinorTickLength = 3;  ///< outwards from the axes
-constexpr double kTickSpacing = 90, kTickSpacingY = 50;  ///< least distances between labelled ticks
+constexpr double kTickSpacing = 90, kTickSpacingY = 50;  ///< minimum distances between labelled ticks
 constexpr double kTickTextSize = 13, kTextSize = 14, kTitleSize = 17;
 constexpr double kLegendRow = 22, kLegendKey = 30;  ///< height of a row, length of a curve's sample
 constexpr double kLegendOpacity = 0.92;
@@ -35,12 +35,12 @@ constexpr double kLegendOpacity = 0.92;
 const TextStyle kTickText{.size = kTickTextSize, .colour = kInk};
 const TextStyle kLegendText{.size = kTextSize, .colour = kInk};
 
-/// The middle of the pixel that holds a position: lines of 1 pixel are sharp there.
+/// The centre of the pixel that contains a position, where lines of 1 pixel are sharp.
 double sharp(double position) { return std::floor(position) + 0.5; }
 
 using PlacedPoint = std::optional<CanvasPoint>;
 
-/// The coordinates of the axes; none for a point that cannot be drawn.
+/// The coordinates on the axes; empty for a point that cannot be drawn.
 PlacedPoint onAxes(const std::pair<double, double>& point, bool logY) {
   const double y = logY ? (point.second > 0 ? elementary::log10(point.second) : NAN) : point.second;
   if (!(std::abs(point.first) < kLargest && std::abs(y) < kLargest)) return std::nullopt;
@@ -111,7 +111,7 @@ class Plotter {
     addLinearTicks(mX, kTickSpacing, false);
   }
 
-  /// The curves in pixels, parted where points cannot be drawn.
+  /// The curves in pixels, split where points cannot be drawn.
   void placeCurves() {
     for (const PlotSeries& series : mPlot.series) {
       std::vector<std::vector<CanvasPoint>>& runs = mRuns.emplace_back();
@@ -184,7 +184,7 @@ class Plotter {
     return entries;
   }
 
-  /// The length of the curves under a box.
+  /// The length of the curves covered by a box.
   double hidden(const CanvasBox& box) const {
     double length = 0;
     for (const auto& runs : mRuns)
@@ -201,7 +201,7 @@ class Plotter {
     return length;
   }
 
-  /// In the corner of the axes where it hides least of the curves.
+  /// Draws the legend in the corner of the axes where it covers least of the curves.
   void drawLegend() {
     const std::vector<Entry> entries = legendEntries();
     if (entries.empty()) return;

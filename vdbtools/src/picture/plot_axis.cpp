@@ -10,7 +10,7 @@
 namespace vdbtools {
 namespace {
 
-constexpr double kRounding = 1e-6;  ///< of a step between ticks
+constexpr double kRounding = 1e-6;  ///< relative to a step between ticks
 
 /// A true minus sign instead of the hyphen.
 std::string withMinus(std::string number) {
@@ -18,7 +18,7 @@ std::string withMinus(std::string number) {
   return number;
 }
 
-/// As printf's %g, with the shortest exponent: 1e-5 instead of 1e-05, 1e6 instead of 1e+06.
+/// Like printf's %g, with the shortest exponent: 1e-5 instead of 1e-05, 1e6 instead of 1e+06.
 std::string generalText(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.6g", value);
@@ -34,7 +34,7 @@ std::string generalText(double value) {
   return withMinus(result);
 }
 
-/// Multiples of @a step: all with as many decimals as the step needs, if that is readable.
+/// The text of a multiple of @a step, with as many decimals as the step needs, if that is readable.
 std::string multipleText(double value, double step, double largest) {
   constexpr double kLongest = 1e6, kFinest = 1e-5;
   if (largest >= kLongest || step < kFinest) return generalText(value);
@@ -44,7 +44,7 @@ std::string multipleText(double value, double step, double largest) {
   return withMinus(text);
 }
 
-/// The least of 1, 2 and 5 times a power of ten that is not below @a step.
+/// The smallest of 1, 2 and 5 times a power of ten that is not below @a step.
 double roundStep(double step) {
   const double decade = elementary::pow(10.0, std::floor(elementary::log10(step)));
   for (const double factor : {1.0, 2.0, 5.0})
@@ -52,7 +52,7 @@ double roundStep(double step) {
   return 10 * decade;
 }
 
-/// Widens a range without extent, so that a single value lies in its middle.
+/// Widens a range of zero length, so that a single value lies in its middle.
 void giveExtent(double& low, double& high) {
   const double least = 1e-9 * std::max(std::abs(low), std::abs(high));
   if (high - low > least) return;
@@ -61,7 +61,7 @@ void giveExtent(double& low, double& high) {
   high += room;
 }
 
-/// Where a logarithmic axis may end, from below @a low to above @a high.
+/// Possible ends of a logarithmic axis, from below @a low to above @a high.
 std::vector<double> possibleEnds(double low, double high, bool fewDecades) {
   std::vector<double> ends;
   for (double decade = std::floor(low) - 1; decade <= std::ceil(high) + 1; ++decade)
@@ -99,7 +99,7 @@ void addLogarithmicTicks(PlotAxis& axis, double spacing) {
   axis.high = *above;
   const double perDecade = std::abs(axis.last - axis.first) / (axis.high - axis.low);
   const int every = std::max(1, static_cast<int>(std::ceil(spacing / perDecade)));
-  constexpr double kRoomForMinor = 40;  // pixels a decade
+  constexpr double kRoomForMinor = 40;  // pixels per decade
   const int lowest = static_cast<int>(std::floor(axis.low)), highest = static_cast<int>(std::ceil(axis.high));
   for (int decade = lowest; decade <= highest; ++decade)
     for (int digit = 1; digit < 10; ++digit) {

@@ -22,13 +22,13 @@ struct PlotAxis {
   double pixel(double value) const { return first + (value - low) / (high - low) * (last - first); }
 };
 
-/// Gives the axis ticks at multiples of 1, 2 or 5 times a power of ten.
-/// @param spacing  the least distance between ticks, in pixels
+/// Adds ticks at multiples of 1, 2 or 5 times a power of ten.
+/// @param spacing  minimum distance between ticks, in pixels
 /// @param widen    moves the ends of the axis outwards to the next ticks
 void addLinearTicks(PlotAxis& axis, double spacing, bool widen);
 
-/// Moves the ends of the axis outwards to powers of ten, or to 1, 2 or 5 times a power where the range is short, and
-/// labels these. @param spacing  the least distance between labels of decades, in pixels
+/// Moves the ends of the axis outwards to powers of ten or, if the range is short, to 1, 2 or 5 times a power, and
+/// labels these. @param spacing  minimum distance between labels of decades, in pixels
 void addLogarithmicTicks(PlotAxis& axis, double spacing);
 
 }  // namespace vdbtools

@@ -24,7 +24,7 @@ std::string encodePng(int width, int height, const std::uint8_t* codes, bool alp
   image.format = alpha ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB;
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
   std::string bytes(size, '\0');
-  // The size is known to fit, so nothing but want of memory can make it fail.
+  // The size is known to fit, so it can only fail for lack of memory.
   if (!png_image_write_to_memory(&image, bytes.data(), &size, 0, codes, 0, nullptr)) throw std::bad_alloc();
   bytes.resize(size);
   return bytes;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file png_encoder.h
-/// Encodes pictures for the screen, with libpng alone: OpenImageIO takes longer to load than most pictures take to
-/// make.
+/// Encodes pictures for the screen with libpng alone, because OpenImageIO takes longer to load than most pictures take
+/// to make.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,10 @@
 
 namespace vdbtools {
 
-/// The bytes of a PNG of 8 bits, which says that it is sRGB.
+/// Returns the bytes of an 8-bit PNG that is marked as sRGB.
 /// @param codes  sRGB, three for each pixel, row by row from the top left
-/// @param alpha  whether there are four, the last of which is the alpha; the colours are not multiplied by it
-/// @throw std::invalid_argument  it has more pixels than libpng counts, some 1.4e9
+/// @param alpha  whether there are four, the last of which is the alpha; colours are not premultiplied
+/// @throw std::invalid_argument  more pixels than libpng can count, about 1.4e9
 /// @throw std::bad_alloc         memory is short
 std::string encodePng(int width, int height, const std::uint8_t* codes, bool alpha = false);
 

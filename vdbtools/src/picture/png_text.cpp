@@ -11,7 +11,7 @@ namespace vdbtools {
 namespace {
 
 constexpr std::string_view kSignature = "\x89PNG\r\n\x1a\n", kHeader = "IHDR", kText = "tEXt";
-/// Of a chunk: its length, its type, and its checksum behind the data.
+/// Sizes of the parts of a chunk: its length, its type, and its checksum after the data.
 constexpr std::size_t kLength = 4, kType = 4, kChecksum = 4;
 
 std::string bigEndian(std::uint32_t number) {
@@ -31,8 +31,8 @@ std::uint32_t checksumOf(std::string_view bytes) {
 }
 
 struct Chunk {
-  std::string_view type, data;  ///< both empty: there is none, or it is broken
-  std::size_t size = 0;         ///< with all that belongs to it
+  std::string_view type, data;  ///< both empty: there is no chunk, or it is broken
+  std::size_t size = 0;         ///< size of the whole chunk
 };
 
 Chunk chunkAt(std::string_view bytes) {

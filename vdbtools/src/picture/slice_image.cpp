@@ -17,7 +17,7 @@ namespace vdbtools {
 namespace {
 
 /// A colour of Oklab (B. Ottosson, "A perceptual color space for image processing", 2020), where equal distances look
-/// about equal.
+/// approximately equal.
 struct Oklab {
   float lightness, a, b;
 };
@@ -25,7 +25,7 @@ struct Oklab {
 constexpr Colour kBlack{0, 0, 0};
 constexpr Colour kPaper{1, 1, 1};
 constexpr Colour kZeroLine{0.01F, 0.01F, 0.01F};
-constexpr Colour kUndefined{0.214F, 0.214F, 0.214F};  ///< middle grey for values that are not a number
+constexpr Colour kUndefined{0.214F, 0.214F, 0.214F};  ///< middle grey for NaN
 
 // The ends differ from the middle by the same lightness and the same chroma, at the hues 257 and 27 degrees; the
 // straight lines between them stay inside the gamut of sRGB.
@@ -51,7 +51,8 @@ Colour divergingColour(float t) {
   return toLinearRgb({kMiddle.lightness + w * (end.lightness - kMiddle.lightness), w * end.a, w * end.b});
 }
 
-/// Lines of arrows and circles, each in a wider one of the other colour, so that they show on any field.
+/// Draws lines of arrows and circles, each on a wider line of the contrasting colour, so that they are visible on any
+/// field.
 void outlined(Canvas& canvas, std::span<const CanvasPoint> points, bool inside, double width) {
   canvas.line(points, {inside ? kBlack : kPaper, width + 2});
   canvas.line(points, {inside ? kPaper : kBlack, width});
@@ -96,7 +97,7 @@ void requireSize(const SlicePlane& plane, std::size_t size) {
   }
 }
 
-/// The 95th percentile of the magnitudes, so that a few huge values do not wash out the rest. If that is 0, the largest
+/// The 95th percentile of the magnitudes, so that a few huge values do not dominate. If that is 0, the largest
 /// magnitude; if that is 0 too, 1.
 float automaticRange(std::span<const float> values) {
   constexpr double kPercentile = 0.95;
@@ -137,7 +138,7 @@ SlicePlane::SlicePlane(Axis axis, double position, const openvdb::BBoxd& box, in
   }
 
   const double pixel = longest / longestSide;
-  // The shorter side is covered completely, but a rounding error must not add a row.
+  // The shorter side must be covered completely, but a rounding error must not add a row.
   constexpr double kRounding = 1e-9;
   const auto pixels = [&](double extent) {
     return std::clamp(static_cast<int>(std::ceil(extent / pixel - kRounding * longestSide)), 1, longestSide);
@@ -211,7 +212,7 @@ Image countSlice(const SlicePlane& plane, std::span<const int> counts, int most)
 Image versorSlice(const SlicePlane& plane, std::span<const openvdb::Vec3s> versors) {
   requireSize(plane, versors.size());
   Image image(plane.width(), plane.height());
-  // The paper's RGB is what the screen shows, that is sRGB, while an Image is linear.
+  // The paper's RGB is what the screen shows, i.e. sRGB, while an Image is linear.
   const auto channel = [](float v) { return linearFromSrgb(std::clamp(0.5F * (v + 1), 0.0F, 1.0F)); };
   std::transform(versors.begin(), versors.end(), image.pixels.begin(), [&](const openvdb::Vec3s& v) {
     return Colour{channel(v[0]), channel(v[1]), channel(v[2])};

@@ -222,7 +222,7 @@ PrintedPart printedPart(const Mesh& mesh, const PrintOptions& options, Monitor& 
                     std::to_string(report.openEdges + report.nonManifoldEdges + report.misorientedEdges) +
                     " of its edges are not shared by two triangles of one orientation");
   PrintedPart part;
-  monitor.begin("islands", 0);
+  monitor.begin(PhaseKind::Islands, 0);
   Mesh upright = mesh;
   if (report.volume < 0)
     for (Vec3I& t : upright.triangles) std::swap(t[1], t[2]);
@@ -283,7 +283,7 @@ PrintedPart printedPart(const Mesh& mesh, const PrintOptions& options, Monitor& 
   const double voxel = part.voxelSize > 0 ? part.voxelSize : options.size / 1000;
   part.baseArea = baseAreaOf(solid, voxel / 100);
 
-  monitor.begin("thickness", 0);
+  monitor.begin(PhaseKind::Thickness, 0);
   computeNormals(solid);
   constexpr std::size_t kMostPlaces = 20000;
   const double asked = options.minThickness.value_or(1.0);

@@ -3,6 +3,7 @@
 
 #include "vdbtools/base/near_words.h"
 #include "vdbtools/files/file_bytes.h"
+#include "vdbtools/recipe/option_name.h"
 
 #include <algorithm>
 #include <iterator>
@@ -73,14 +74,17 @@ std::optional<std::string> defaultOf(const OptionSpec& spec, const Recipe& recip
   return spec.defaultFor ? spec.defaultFor(recipe) : spec.defaultValue;
 }
 
+std::vector<std::string> optionNames(std::vector<std::string> entries) {
+  for (std::string& entry : entries) entry = optionName(entry);
+  return entries;
+}
+
 }  // namespace
 
 std::set<Product> productsOf(std::span<const std::string> files) {
-  constexpr std::pair<std::string_view, Product> kProducts[] = {{".vdb", Product::Vdb},
-                                                                {".ply", Product::Mesh},
-                                                                {".obj", Product::Mesh},
-                                                                {".stl", Product::Stl},
-                                                                {".glb", Product::Glb}};
+  constexpr std::pair<std::string_view, Product> kProducts[] = {
+      {".vdb", Product::Vdb}, {".ply", Product::Mesh}, {".obj", Product::Mesh},
+      {".stl", Product::Stl}, {".glb", Product::Glb},  {".count", Product::MeshCount}};
   std::set<Product> products;
   for (const std::string& file : files)
     for (const auto& [extension, product] : kProducts)
@@ -238,14 +242,15 @@ void OptionTable::requireFits(const Recipe& recipe) const {
     }
     if (!knows(option))
       throw std::invalid_argument("--" + option + " is not an option of this command; see --help" +
-                                  didYouMean(option, names(), "--"));
+                                  didYouMean(option, optionNames(names()), "--"));
     const std::string chosen = "--" + mSelector + " " + name;
     if (option == "input") throw std::invalid_argument(chosen + " has no target; leave '" + value + "' out");
     std::string instead;
     for (const OptionVariant& each : mVariants)
       if (const OptionSpec* other = findIn(each.options, option); other && find(other->alternative, recipe))
-        instead = ", or give --" + other->alternative;
-    throw std::invalid_argument("--" + option + " does not apply to " + chosen + "; leave it out" + instead);
+        instead = ", or give --" + optionName(other->alternative);
+    throw std::invalid_argument("--" + optionName(option) + " does not apply to " + chosen + "; leave it out" +
+                                instead);
   }
 }
 
@@ -276,7 +281,7 @@ bool RequiredEffects::add(const OptionRun& run) {
 }
 
 void RequiredEffects::require() const {
-  if (!mFirst.empty()) throw std::invalid_argument("--" + mFirst + " has no effect: " + mWhy);
+  if (!mFirst.empty()) throw std::invalid_argument("--" + optionName(mFirst) + " has no effect: " + mWhy);
 }
 
 Recipe completeRecipe(Recipe recipe, const OptionTable& table) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/recipe/varied_option.h"
 
+#include "vdbtools/recipe/option_name.h"
 #include "vdbtools/recipe/option_value.h"
 
 #include <algorithm>
@@ -75,10 +76,10 @@ VariedOption parseVaried(const std::string& text, const OptionTable& table, std:
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
     refuse(kOption, text, "NAME=VALUES, such as alpha=10,20,40 or alpha=10:40:10");
-  VariedOption option{text.substr(0, equals), {}};
+  VariedOption option{recipeEntry(text.substr(0, equals)), {}};
   if (!table.knows(option.name))
     refuse(kOption, text,
-           "an option of a fractal or of its picture; there is none with the name '" + option.name + "'");
+           "an option of a fractal or of its picture; there is none with the name '" + text.substr(0, equals) + "'");
   const std::string list = text.substr(equals + 1);
   const char separator = list.find(';') == std::string::npos ? ',' : ';';
   std::vector<std::string> parts = split(list, separator);

@@ -17,8 +17,8 @@ namespace {
 
 using openvdb::Vec3d;
 
-constexpr double kParallel = 1e-6;  ///< the sine of an angle that counts as none
-constexpr double kWidest = 150;     ///< degrees of a field of view
+constexpr double kParallel = 1e-6;  ///< directions whose angle has a smaller sine count as parallel
+constexpr double kWidest = 150;     ///< maximum field of view, degrees
 
 double radians(double degrees) { return degrees * (std::numbers::pi / 180); }
 
@@ -50,7 +50,7 @@ Camera cameraAround(const FramedBall& ball, const ViewAngles& angles, double asp
   const UpTurn turn(UpAxis::Y, up);
   camera.eye =
       ball.centre + ball.radius / elementary::sin(elementary::atan(tangent * std::min(1.0, aspect))) * turn(towardsEye);
-  // From a pole, what is up is the limit of the views towards it.
+  // At a pole, the up direction is the limit of views that approach it.
   if (elementary::cos(e) < kParallel)
     camera.up = (e > 0 ? -1.0 : 1.0) * Vec3d(elementary::sin(a), 0, elementary::cos(a));
   camera.up = turn(camera.up);
@@ -67,7 +67,7 @@ Camera turned(const Camera& camera, const Vec3d& axis, double degrees) {
   };
   Camera result = camera;
   result.eye = turn(camera.lookAt, camera.eye - camera.lookAt);
-  if (n.cross(camera.up) != Vec3d(0)) result.up = turn(Vec3d(0), camera.up);  // else without rounding
+  if (n.cross(camera.up) != Vec3d(0)) result.up = turn(Vec3d(0), camera.up);  // otherwise unchanged, without rounding
   return result;
 }
 

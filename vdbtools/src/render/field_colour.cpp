@@ -22,7 +22,7 @@ namespace {
 using openvdb::Vec3d;
 using openvdb::Vec3s;
 
-/// The saturation of the colours of directions: less than that of [ZB25], where full saturation hides the shape.
+/// The saturation of the colours of directions. It is lower than in [ZB25], where full saturation hides the shape.
 constexpr double kSaturation = 0.85;
 
 /// The components of a direction, from -1 to 1, as sRGB.
@@ -53,7 +53,7 @@ std::vector<double> depthsOf(const DepthColouring& depth, std::span<const julia:
   return result;
 }
 
-/// The first row of a picture.
+/// The first row of a picture as a gradient.
 Gradient rowOf(const std::filesystem::path& path) {
   const DecodedImage image = readPicture(path);
   const bool isGrey = image.channels - (image.alphaChannel >= 0 ? 1 : 0) < 3;
@@ -172,7 +172,7 @@ const std::map<std::string, FieldColour>& colourKinds() {
   return kinds;
 }
 
-/// Takes LOW:HIGH, if it is there, from the end of what stands behind the kind.
+/// Removes LOW:HIGH, if present, from the end of what follows the kind.
 std::optional<GradientRange> takeRange(const RecipeReader& reader, std::vector<std::string>& parts) {
   const auto numberAt = [&](std::size_t back) {
     return parts.size() >= back ? numberFromText(parts[parts.size() - back]) : std::nullopt;
@@ -214,7 +214,7 @@ std::optional<ColourChoice> parseColour(const RecipeReader& reader) {
     reader.refuse("colour", "'" + name + "' without a gradient, as it has colours of its own");
   choice.range = takeRange(reader, parts);
   if (parts.empty()) return choice;
-  // The name of a file may hold colons.
+  // File names may contain colons.
   for (const std::string& part : parts) choice.gradient += (&part == &parts.front() ? "" : ":") + part;
   if (Gradient::named(choice.gradient) || Gradient::ofCodes(choice.gradient)) return choice;
   if (lowerExtension(choice.gradient).empty())

@@ -29,9 +29,9 @@ using openvdb::BBoxd;
 using openvdb::Vec3d;
 
 constexpr int kTile = 32;  ///< pixels along the side of a tile, whose rays one thread marches together
-/// The most samples of one ray in a batch of points: the samples after its hit are wasted.
+/// The maximum number of samples of one ray in a batch of points; samples after its hit are wasted.
 constexpr std::size_t kMostAhead = 32;
-constexpr int kBisections = 12;  ///< they find the surface to 1/4096 of a step
+constexpr int kBisections = 12;  ///< they locate the surface to 1/4096 of a step
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -42,8 +42,8 @@ Vec3d inFractalSpace(const FractalSpace& space, const Vec3d& world) {
 
 julia::Point pointOf(const Vec3d& x) { return {x[0], x[1], x[2]}; }
 
-/// Cells along the region's longest side, for pictures of this many rays. Cells of some eight rays' width are about the
-/// finest that save more than they cost.
+/// Cells along the region's longest side, for pictures with this many rays. Cells about eight rays wide are
+/// approximately the finest that save more than they cost.
 int occupancyCells(const FieldRenderOptions& options) {
   constexpr unsigned kRays = 8, kFewest = 64, kMost = 256;
   const auto across = std::max(options.width, options.height) * std::sqrt(options.samples);
@@ -64,10 +64,10 @@ void requireOptions(const FieldRenderOptions& o) {
   julia::requireValid(o.orbit);
 }
 
-/// The lattices that throw the shadows in a picture.
+/// The lattices that cast the shadows in a picture.
 ShadowProxy::Need shadowsFor(const FieldRenderOptions& options, const FractalSpace& space, const BBoxd& region) {
-  constexpr int kPixels = 3, kFewest = 64, kMost = 256;  // pixels a voxel, where the whole region is seen
-  constexpr double kAround = 1.25;                       // beyond the picture's edges
+  constexpr int kPixels = 3, kFewest = 64, kMost = 256;  // pixels per voxel, if the whole region is visible
+  constexpr double kAround = 1.25;                       // margin beyond the picture's edges
   const double distance = (options.camera.lookAt - options.camera.eye).length() / space.scale;
   const double aspect = static_cast<double>(options.width) / options.height;
   return {.region = region,
@@ -76,7 +76,7 @@ ShadowProxy::Need shadowsFor(const FieldRenderOptions& options, const FractalSpa
           .cells = std::clamp(std::max(options.width, options.height) / kPixels, kFewest, kMost)};
 }
 
-/// 0 inside the box.
+/// The distance of x from a box; 0 inside.
 double distanceTo(const BBoxd& box, const Vec3d& x) {
   Vec3d off;
   for (int axis = 0; axis < 3; ++axis)
@@ -91,7 +91,7 @@ struct Ray {
   double t = 0, end = 0;    ///< distances of the next sample and of the end of the region
   double before = 0;        ///< distance of the sample before the next one
   bool entering = true;     ///< whether there was no sample before
-  int entryAxis = -1;       ///< normal to the face through which the ray enters the region; -1 if it starts inside
+  int entryAxis = -1;       ///< axis of the face through which the ray enters the region; -1 if it starts inside
   Occupancy::Walker::Span known{true, 0};
 };
 
@@ -107,7 +107,7 @@ struct Meeting {
   bool atEntry;
 };
 
-/// Clips the ray to the region. @return whether anything is left
+/// Clips the ray to the region. @return whether any part remains
 bool enter(Ray& ray, const Vec3d& eye, const BBoxd& region) {
   double from = 0, to = kInfinity;
   for (int axis = 0; axis < 3; ++axis) {
@@ -129,11 +129,11 @@ bool enter(Ray& ray, const Vec3d& eye, const BBoxd& region) {
   return from < to;
 }
 
-/// One picture.
+/// The rendering of one picture.
 class Exposure {
  public:
   /// @param region     fractal space
-  /// @param occupancy  nullptr: every sample is evaluated
+  /// @param occupancy  if null, every sample is evaluated
   Exposure(const FieldSource& source, const BBoxd& region, const Occupancy* occupancy, const ShadowProxy& shadows,
            const FieldRenderOptions& options, Monitor& monitor)
       : mEvaluator(source.evaluator),
@@ -158,14 +158,14 @@ class Exposure {
     if (!mSteps.servesUpTo(farthest))
       throw std::invalid_argument(
           "render: epsilon is too small for an eye this far from the region; make it larger, or move the eye nearer");
-    // The sequence starts a little before the region, so that every place in the region is beyond its first member.
+    // The sequence starts slightly before the region, so that every position in the region is beyond its first member.
     constexpr double kBefore = 1 - 1e-9;
     mSteps.lay(kBefore * distanceTo(mRegion, mEye), farthest, monitor);
   }
 
   FieldImage render() {
     preview::Layers layers(mOptions.width, mOptions.height, mOptions.passes);
-    mMonitor.begin("render", tileCount());
+    mMonitor.begin(PhaseKind::Render, tileCount());
     inParallel(tileCount(), 1, mMonitor, [&](std::size_t begin, std::size_t end) {
       for (std::size_t tile = begin; tile < end && !mMonitor.cancelled(); ++tile) {
         renderTile(tile, layers);
@@ -179,7 +179,7 @@ class Exposure {
     return image;
   }
 
-  /// CPU seconds of render(), by some tiles that lie everywhere in the picture.
+  /// Estimates the CPU seconds of render() from some tiles spread over the picture.
   double estimatedSeconds() {
     constexpr std::size_t kTimed = 16;
     const std::size_t count = tileCount(), timed = std::min(kTimed, count);
@@ -187,7 +187,7 @@ class Exposure {
     const double start = cpuSeconds();
     inParallel(timed, 1, mMonitor, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end && !mMonitor.cancelled(); ++i) {
-        // One of each row of tiles or so, in columns that have nothing to do with each other.
+        // About one tile from each row of tiles, in unrelated columns.
         const std::size_t low = i * count / timed, high = (i + 1) * count / timed;
         const double place = std::numbers::phi * static_cast<double>(i);
         renderTile(low + static_cast<std::size_t>((place - std::floor(place)) * static_cast<double>(high - low)),
@@ -202,13 +202,13 @@ class Exposure {
     int left, top, width, height;
   };
 
-  /// What the pixels of a tile show, row by row.
+  /// The pixels of a tile, row by row.
   using Pixels = std::vector<preview::Pixel>;
 
   static std::size_t tilesAlong(int side) { return static_cast<std::size_t>((side + kTile - 1) / kTile); }
   std::size_t tileCount() const { return tilesAlong(mOptions.width) * tilesAlong(mOptions.height); }
 
-  /// @param number  of the tile, row by row
+  /// @param number  number of the tile, row by row
   void renderTile(std::size_t number, preview::Layers& layers) {
     const int left = static_cast<int>(number % tilesAlong(mOptions.width)) * kTile;
     const int top = static_cast<int>(number / tilesAlong(mOptions.width)) * kTile;
@@ -293,7 +293,7 @@ class Exposure {
     return rays;
   }
 
-  /// Skips the samples that are known to be outside. @return whether there is one to evaluate
+  /// Skips the samples that are known to be outside. @return whether there is a sample to evaluate
   bool toNextSample(Ray& ray, std::optional<Occupancy::Walker>& walker) const {
     if (!walker) return ray.t <= ray.end;
     while (ray.t <= ray.end) {
@@ -310,11 +310,11 @@ class Exposure {
     return false;
   }
 
-  /// On to the first sample at @a place or beyond.
-  /// @param place  above ray.t
+  /// Advances to the first sample at or after @a place.
+  /// @param place  greater than ray.t
   void pass(Ray& ray, double place) const {
     const RaySteps::Reached reached = mSteps.reach(place);
-    // The point where the ray enters is a sample too.
+    // The entry point of the ray is a sample, too.
     ray.before = std::max(reached.before, ray.t);
     ray.t = reached.t;
     ray.entering = false;
@@ -382,7 +382,7 @@ class Exposure {
     }
   }
 
-  /// Empty unless they are asked for.
+  /// Empty unless requested.
   std::vector<double> trapsAt(const std::vector<FieldHit>& hits) const {
     if (!mOptions.passes.contains(Pass::Trap)) return {};
     std::vector<julia::Point> points;
@@ -397,7 +397,7 @@ class Exposure {
   const julia::FieldEvaluator& mEvaluator;
   const FieldRenderOptions& mOptions;
   Monitor& mMonitor;
-  double mScale;  ///< world units a unit of fractal space
+  double mScale;  ///< world units per unit of fractal space
   Vec3d mEye;     ///< fractal space
   BBoxd mRegion;  ///< fractal space
   CameraFrame mFrame;

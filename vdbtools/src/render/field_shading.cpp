@@ -15,8 +15,8 @@ using openvdb::Vec3d;
 
 /// A field that grows outwards from the surface like a distance. F itself is a sawtooth there: it falls back wherever
 /// orbits escape one step earlier, and for a map that squares, each such step doubles the distance. This field is
-/// linear in F across the surface and bounded inside, where F of long orbits is noise. [ZB25] instead lets escaped
-/// orbits continue to infinity.
+/// linear in F across the surface and bounded inside, where F of long orbits is noise. [ZB25] instead continues escaped
+/// orbits to infinity.
 class Potential {
  public:
   Potential(double escapeRadius, int iterations) : mTooth(elementary::log(escapeRadius)), mIterations(iterations) {}
@@ -35,7 +35,7 @@ class Potential {
 
 struct Neighbourhood {
   Vec3d gradient{0};
-  double iterations = 0;  ///< the mean of the points outside
+  double iterations = 0;  ///< mean over the points outside
 };
 
 Neighbourhood look(std::span<const double> field, std::span<const int> iterations, double escapeRadius) {

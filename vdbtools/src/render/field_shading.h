@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file field_shading.h
-/// The points where rays meet the set: normals from the field, and colours from the map.
+/// Shades the points where rays meet the set: normals from the field, and colours from the map.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -19,12 +19,12 @@ struct FieldHit {
   openvdb::Vec3d inside;                 ///< just behind the surface
   openvdb::Vec3d view;                   ///< the ray's direction, of length 1
   double step = 0;                       ///< the length of the ray's step there
-  std::optional<openvdb::Vec3d> normal;  ///< known at the faces of the region, which cut the set
+  std::optional<openvdb::Vec3d> normal;  ///< set at the faces of the region, which cut the set
 };
 
 struct FieldPoint {
   openvdb::Vec3d normal;                 ///< outward, of length 1
-  std::optional<openvdb::Vec3d> albedo;  ///< linear RGB; none: the material's
+  std::optional<openvdb::Vec3d> albedo;  ///< linear RGB; empty: the material's
 };
 
 std::vector<FieldPoint> fieldPoints(const julia::FieldEvaluator& evaluator, const FieldRenderOptions& options,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file image_layers.h
-/// What pixels show, as the layers of a picture.
+/// Stores what pixels show in the layers of a picture.
 #pragma once
 
 #include "render/shading.h"
@@ -12,7 +12,7 @@
 
 namespace vdbtools::preview {
 
-/// The layers of a picture that are asked for.
+/// The requested layers of a picture.
 class Layers {
  public:
   Layers(int width, int height, const std::set<Pass>& passes) {
@@ -28,7 +28,7 @@ class Layers {
     if (has(Pass::Trap)) mImage.trap.resize(count);
   }
 
-  /// @param depth    of a point at distance 1 along the ray to the nearest point, world units
+  /// @param depth    depth per unit of distance along the ray to the nearest point, world units
   /// @param toWorld  the rotation of normals into world space
   void set(std::size_t at, const Shown& shown, double depth, const openvdb::Mat3d& toWorld) {
     mImage.beauty.pixels[at] = toColour(shown.colour);

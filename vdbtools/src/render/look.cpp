@@ -36,7 +36,7 @@ const std::array<NamedMaterial, 8>& materials() {
   return all;
 }
 
-/// What stands behind the colour of a material of one's own.
+/// Applies the finish that follows the colour of a custom material.
 std::optional<Material> finished(const std::string& finish, const Vec3d& colour) {
   if (finish == "matt") return Material{colour, Vec3d(0.03), 8, false};
   if (finish == "satin") return Material{colour, Vec3d(0.10), 18, false};

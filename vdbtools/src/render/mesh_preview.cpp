@@ -25,16 +25,16 @@ using openvdb::Vec3d;
 using openvdb::Vec3I;
 using openvdb::Vec3s;
 
-/// The least cosine of the angle between two triangles over which normals are averaged: 60 degrees.
+/// Normals are averaged over triangles whose angle has at least this cosine: 60 degrees.
 constexpr double kSmooth = 0.5;
-/// At points of more triangles, such as the middle of a large fan, normals are those of the triangles.
+/// At points with more triangles, such as the centre of a large fan, normals are not averaged.
 constexpr std::uint64_t kMostAveraged = 256;
-/// How far rays begin from the surface that they leave, in radii of the mesh.
+/// The offset of secondary rays from the surface that they leave, in radii of the mesh.
 constexpr double kLeave = 1e-5;
-/// What a full channel of a colour reflects; more would leave nothing for the lights.
+/// The albedo of a full colour channel; a larger one would leave no range for the lights.
 constexpr double kBrightest = 0.85;
 
-/// The mesh in the ball about the origin of radius 1, and the triangles at each of its points.
+/// The mesh scaled to the unit ball about the origin, and the triangles at each of its points.
 class MeshStage {
  public:
   MeshStage(Mesh mesh, bool colours, Monitor& monitor) : mMesh(std::move(mesh)) {
@@ -47,7 +47,7 @@ class MeshStage {
   FramedBall ball() const { return {mCentre, mRadius}; }
   Vec3d place(const Vec3d& world) const { return (world - mCentre) / mRadius; }
   const RayTree& tree() const { return *mTree; }
-  /// The least product of a direction with the mesh's points.
+  /// The minimum dot product of a direction with the mesh's points.
   double lowestAlong(const Vec3d& direction) const {
     double least = std::numeric_limits<double>::infinity();
     for (const Vec3I& triangle : mMesh.triangles)
@@ -55,8 +55,8 @@ class MeshStage {
     return least;
   }
 
-  /// @param direction  from where it is seen
-  SurfacePoint pointOf(const RayTree::Hit& hit, const Vec3d& eye, const Vec3d& direction) const {
+  /// @param direction  the direction of the ray
+  HitPoint pointOf(const RayTree::Hit& hit, const Vec3d& eye, const Vec3d& direction) const {
     const Vec3I& corners = mMesh.triangles[hit.triangle];
     const std::array<double, 3> weights{1 - hit.u - hit.v, hit.u, hit.v};
     const Vec3d position = eye + hit.distance * direction;
@@ -70,11 +70,11 @@ class MeshStage {
       const Vec3d atCorner = averaged(corners[i], flat);
       normal += weight * atCorner;
       // The shadows of a coarse mesh end where those of its smooth surface would (J. Hanika, "Hacking the shadow
-      // terminator", 2021): rays leave from the planes across the normals at the corners.
+      // terminator", 2021): rays leave from the planes perpendicular to the normals at the corners.
       bulge += weight * std::min(0.0, (position - placed(corners[i])).dot(atCorner)) * -atCorner;
     }
     if (!normal.normalize()) normal = flat;
-    // Towards the eye also near an outline, where the average may look away.
+    // The normal must face the eye even near an outline, where the average may face away.
     constexpr double kGrazing = 1e-3;
     if (const double away = normal.dot(direction); away > -kGrazing)
       normal = (normal - (away + kGrazing) * direction).unit();
@@ -98,7 +98,7 @@ class MeshStage {
     }
     if (mMesh.triangles.empty()) throw DataError("the mesh has no triangle to show");
     mCentre = box.getCenter();
-    // By the longest side first, so that no square overflows or vanishes.
+    // Scaled by the longest side first, so that no square overflows or underflows.
     const double side = box.extents()[box.maxExtent()];
     if (!(side > 0) || !std::isfinite(side)) throw DataError("the mesh has no extent to show: all its points are one");
     double largest = 0;
@@ -112,7 +112,7 @@ class MeshStage {
     mMesh.points = {};
   }
 
-  /// The triangles at each point, one point's after the other's.
+  /// Lists the triangles at each point, point by point.
   void listTriangles() {
     mFirst.assign(mPoints.size() + 1, 0);
     for (const Vec3I& triangle : mMesh.triangles)
@@ -140,8 +140,8 @@ class MeshStage {
     return (placed(t[1]) - a).cross(placed(t[2]) - a);
   }
 
-  /// The normal at a point of those triangles that differ little from one whose normal is given, turned to its side:
-  /// by their areas, of length 1.
+  /// The area-weighted normal at a point over those triangles that differ little from one with a given normal, turned
+  /// to its side, of length 1.
   Vec3d averaged(std::uint32_t point, const Vec3d& flat) const {
     if (mFirst[point + 1] - mFirst[point] > kMostAveraged) return flat;
     Vec3d sum(0);
@@ -173,7 +173,7 @@ class MeshStage {
   Vec3d mCentre;
   double mRadius = 1;
   std::vector<Vec3s> mPoints;
-  std::vector<std::uint64_t> mFirst;  ///< in mAt, of each point
+  std::vector<std::uint64_t> mFirst;  ///< first entry in mAt for each point
   std::vector<std::uint32_t> mAt;
   std::array<const VertexAttribute*, 3> mChannels{};
   std::optional<RayTree> mTree;
@@ -183,7 +183,7 @@ class MeshSurface {
  public:
   explicit MeshSurface(const MeshStage& stage) : mStage(stage) {}
 
-  std::optional<SurfacePoint> firstHit(const Vec3d& eye, const Vec3d& direction) const {
+  std::optional<HitPoint> firstHit(const Vec3d& eye, const Vec3d& direction) const {
     const std::optional<RayTree::Hit> hit = mStage.tree().firstHit(eye, direction);
     return hit ? std::optional(mStage.pointOf(*hit, eye, direction)) : std::nullopt;
   }

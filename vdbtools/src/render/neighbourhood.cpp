@@ -10,7 +10,7 @@ using openvdb::Vec3d;
 const std::array<Vec3d, kAxes>& neighbourAxes() {
   static const std::array<Vec3d, kAxes> all = [] {
     std::array<Vec3d, kAxes> result;
-    // One of each pair of opposite nodes of a 3^3 lattice: those before its middle.
+    // One of each pair of opposite nodes of a 3^3 lattice: those before its centre.
     for (int i = 0; i < static_cast<int>(kAxes); ++i)
       result[static_cast<std::size_t>(i)] = openvdb::Coord(i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1).asVec3d().unit();
     return result;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file neighbourhood.h
-/// The points around a point of the surface, where the field is asked for its slope and its steps.
+/// The points around a point of the surface where the field's gradient and step counts are sampled.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -13,17 +13,18 @@
 
 namespace vdbtools {
 
-/// Differences along 13 axes: through the faces, edges and corners of a cube. Where F goes from one bound to the other
-/// within a step, as it does on rough sets, three axes give only 26 different normals and smooth faces become facets.
+/// Differences are taken along 13 axes: through the faces, edges and corners of a cube. If F jumps from one bound to
+/// the other within a step, as it does on rough sets, three axes give only 26 different normals, and smooth faces
+/// become facets.
 inline constexpr std::size_t kAxes = 13, kNeighbours = 2 * kAxes;
 
-/// Of length 1.
+/// The axes, of length 1.
 const std::array<openvdb::Vec3d, kAxes>& neighbourAxes();
 
 /// Adds the points at the distance @a step before and behind @a x along each axis, in turn.
 void addNeighbours(const openvdb::Vec3d& x, double step, std::vector<julia::Point>& points);
 
-/// The mean over the neighbours of one point that are outside; 0 if none is. Both spans are kNeighbours long.
+/// The mean over those neighbours of one point that are outside; 0 if none is. Both spans have length kNeighbours.
 double meanIterationsOutside(std::span<const double> field, std::span<const int> iterations);
 
 }  // namespace vdbtools

@@ -17,9 +17,9 @@ using openvdb::Vec3d;
 
 namespace {
 
-/// Balls reach a little beyond their cubes, because a sample at a face may count as a part of either cube.
+/// Balls reach slightly beyond their cubes, because a sample on a face may belong to either cube.
 constexpr double kReach = 1 + 1e-3;
-constexpr int kLargestCube = 32;  ///< cells: where the subdivision begins
+constexpr int kLargestCube = 32;  ///< cells; the subdivision begins at this size
 constexpr std::size_t kGrain = 512;
 
 struct Cube {
@@ -34,7 +34,7 @@ Occupancy::Occupancy(const julia::FieldEvaluator& evaluator, const openvdb::BBox
   Coord& count = mCount;
   for (int axis = 0; axis < 3; ++axis)
     count[axis] = std::max(1, static_cast<int>(std::ceil(box.extents()[axis] / mCell)));
-  // One more on each side, for samples that rounding puts beyond a face.
+  // One more cell on each side, for samples that rounding moves beyond a face.
   const CoordBBox domain(Coord(-1), count);
   std::vector<Coord> corners;
   const auto low = [](int i) { return i & ~(kLargestCube - 1); };
@@ -75,7 +75,7 @@ Occupancy::Occupancy(const julia::FieldEvaluator& evaluator, const openvdb::BBox
 Occupancy::Walker::Span Occupancy::Walker::at(const Vec3d& eye, const Vec3d& direction, double t) {
   const Vec3d place = (eye + t * direction - mOrigin) * mPerCell;
   const Coord cell = Coord::floor(place);
-  // The node that is constant here: a cube, or a tile of many.
+  // The tree node that is constant here: a cube, or a tile of many cubes.
   using Lower = openvdb::MaskTree::LeafNodeType;
   constexpr int kTiles[] = {4096, 128, Lower::DIM, 1};
   const bool occupied = mCells.isValueOn(cell);

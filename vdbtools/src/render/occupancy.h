@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file occupancy.h
-/// The cubes of a region that are proved to lie outside the set, so that rays can skip them.
+/// The cubes of a region that are proved to be outside the set, so that rays can skip them.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -21,13 +21,13 @@ class Occupancy {
   /// Whether the set may be in a cube.
   bool holds(const openvdb::Coord& cube) const { return mCells.isValueOn(cube); }
 
-  /// For one thread.
+  /// For use by one thread.
   class Walker {
    public:
     explicit Walker(const Occupancy& occupancy)
         : mOrigin(occupancy.mOrigin), mCell(occupancy.mCell), mPerCell(1 / occupancy.mCell), mCells(occupancy.mCells) {}
 
-    /// The stretch of a ray from @a t onwards over which the answer stays the same: whether the set may be there.
+    /// The interval of a ray from @a t onwards over which it is constant whether the set may be there.
     struct Span {
       bool occupied;
       double end;  ///< > t

@@ -15,19 +15,19 @@ namespace {
 
 using openvdb::Vec3d;
 
-/// The surface of a level set, in index space. The voxels are cubes there, so angles are those of the world.
+/// The surface of a level set, in index space. The voxels are cubes, so angles are those of the world.
 class LevelSetSurface {
  public:
   explicit LevelSetSurface(const SurfaceLattice& lattice) : mTracer(lattice) {}
 
-  std::optional<SurfacePoint> firstHit(const Vec3d& eye, const Vec3d& direction) {
-    constexpr double kLeaveSurface = 1.0;  // voxels along the normal, so that a ray does not meet the surface it left
+  std::optional<HitPoint> firstHit(const Vec3d& eye, const Vec3d& direction) {
+    constexpr double kLeaveSurface = 1.0;  // voxels along the normal, so that a ray does not hit its own surface
     const std::optional<double> hit = mTracer.firstHit(eye, direction);
     if (!hit) return std::nullopt;
     const Vec3d position = eye + *hit * direction;
     Vec3d normal = mTracer.normal(position);
     if (!normal.normalize(0)) normal = -direction;
-    return SurfacePoint{*hit, position + kLeaveSurface * normal, normal, std::nullopt};
+    return HitPoint{*hit, position + kLeaveSurface * normal, normal, std::nullopt};
   }
   bool blocked(const Vec3d& origin, const Vec3d& direction) { return mTracer.blocked(origin, direction); }
 

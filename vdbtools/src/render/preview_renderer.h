@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file preview_renderer.h
-/// Pictures of surfaces that rays can be followed to, by the light of shading.h. preview.cpp renders level sets with
-/// it, mesh_preview.cpp meshes. Beside what throws shadows, such a surface has
+/// Renders surfaces for which rays can be intersected, with the light of shading.h. preview.cpp renders level sets with
+/// it, and mesh_preview.cpp meshes. In addition to the shadow interface, such a surface has
 ///
-///     std::optional<SurfacePoint> firstHit(const Vec3d& eye, const Vec3d& direction);
+///     std::optional<HitPoint> firstHit(const Vec3d& eye, const Vec3d& direction);
 #pragma once
 
 #include "render/image_layers.h"
@@ -24,7 +24,7 @@
 
 namespace vdbtools {
 
-/// The camera of a picture, and the direction from which the light of its sky comes. @param ball  around the surface
+/// The camera of a picture, and the direction of its skylight. @param ball  around the surface
 inline std::pair<Camera, openvdb::Vec3d> cameraAndSky(const PreviewOptions& options, const FramedBall& ball,
                                                       double aspect) {
   if (options.camera) return {*options.camera, options.camera->up.unit()};
@@ -33,7 +33,7 @@ inline std::pair<Camera, openvdb::Vec3d> cameraAndSky(const PreviewOptions& opti
 
 namespace preview {
 
-/// The pixels of a picture, for one thread.
+/// Renders the pixels of a picture, for one thread.
 template <class Surface>
 class Renderer {
  public:
@@ -52,7 +52,7 @@ class Renderer {
       for (int s = begin; s < end; ++s) {
         const auto [u, v] = mSamples.at(x, y, s);
         const Vec3d direction = (mStage.forward + u * mStage.right + v * mStage.up).unit();
-        const std::optional<SurfacePoint> hit = mShader.surface().firstHit(mStage.eye, direction);
+        const std::optional<HitPoint> hit = mShader.surface().firstHit(mStage.eye, direction);
         Shown seen =
             hit ? mShader.shade(*hit, direction, sequence, s, pixel.key) : mShader.behind(direction, u, v, sequence, s);
         addBalls(seen, direction);
@@ -65,9 +65,9 @@ class Renderer {
   }
 
  private:
-  /// Puts the nearest ball before what is seen, or lets it shine through from not far behind.
+  /// Draws the nearest ball in front of what is visible, or blends it in if it is not far behind.
   void addBalls(Shown& seen, const Vec3d& direction) const {
-    constexpr double kSeenThrough = 0.55;  // of a ball's colour
+    constexpr double kSeenThrough = 0.55;  // fraction of a ball's colour
     constexpr double kDepth = 8;           // radii behind the surface
     double nearest = std::numeric_limits<double>::infinity();
     const PreviewBall* ball = nullptr;
@@ -99,15 +99,15 @@ class Renderer {
 
 }  // namespace preview
 
-/// @param samples      of the options
+/// @param samples      the samples of the options
 /// @param balls        in the surface's space
-/// @param makeSurface  gives a surface for one thread
+/// @param makeSurface  makes a surface for one thread
 /// @throw Interrupted
 template <class MakeSurface>
 ShadedImage renderStage(const PreviewStage& stage, const PreviewOptions& options, const PixelSamples& samples,
                         const std::vector<PreviewBall>& balls, const MakeSurface& makeSurface, Monitor& monitor) {
   preview::Layers layers(options.width, options.height, options.passes);
-  monitor.begin("render", static_cast<std::uint64_t>(options.height));
+  monitor.begin(PhaseKind::Render, static_cast<std::uint64_t>(options.height));
   tbb::parallel_for(tbb::blocked_range<int>(0, options.height), [&](const tbb::blocked_range<int>& rows) {
     preview::Renderer renderer(makeSurface(), stage, options, samples, balls);
     for (int y = rows.begin(); y != rows.end(); ++y) {

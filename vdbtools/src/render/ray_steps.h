@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file ray_steps.h
-/// How far apart the samples of the field renderer's rays are.
+/// The spacing of the samples of the field renderer's rays.
 #pragma once
 
 #include "base/elementary.h"
@@ -15,7 +15,7 @@
 namespace vdbtools {
 
 /// The distances from the eye at which rays are sampled: one sequence for all rays, t_{k+1} = t_k + length(t_k). Some
-/// of its members are stored, so that a ray that skips a stretch finds its next sample without all the steps in
+/// of its members are stored, so that a ray that skips an interval finds its next sample without all the steps in
 /// between.
 class RaySteps {
  public:
@@ -32,15 +32,15 @@ class RaySteps {
   /// Whether every step up to the distance @a t is long enough to survive rounding.
   bool servesUpTo(double t) const {
     constexpr double kLeast = 1e-14;  // of the distance
-    // With delta 2 a step is the smallest part of the distance at the point where it grows beyond epsilon.
+    // With delta 2, a step is the smallest fraction of the distance where it grows beyond epsilon.
     const double least = mDelta == 2 && mAlpha > 0 ? std::min(t, std::sqrt(mEpsilon / mAlpha)) : t;
     return length(least) >= kLeast * least;
   }
 
-  /// Makes the sequence, from @a first on to beyond @a last, as far as servesUpTo() goes.
+  /// Builds the sequence from @a first to beyond @a last, within the limit of servesUpTo().
   /// @throw Interrupted
   void lay(double first, double last, const Monitor& monitor) {
-    constexpr std::size_t kMost = 1 << 15;  // in the second-level cache
+    constexpr std::size_t kMost = 1 << 15;  // fits in the second-level cache
     constexpr std::size_t kPerLook = 1 << 20;
     std::size_t stride = 1, count = 0;
     mKept.clear();
@@ -58,14 +58,14 @@ class RaySteps {
     }
   }
 
-  /// After a member of the sequence.
+  /// The member that follows a member of the sequence.
   double next(double t) const { return t + length(t); }
 
-  /// The sequence's first member at @a place or beyond, and the one before it.
+  /// The sequence's first member at or after @a place, and the one before it.
   struct Reached {
     double before, t;
   };
-  /// @param place  above the sequence's first
+  /// @param place  greater than the first member of the sequence
   Reached reach(double place) const {
     double before = *(std::lower_bound(mKept.begin(), mKept.end(), place) - 1), t = next(before);
     while (t < place) {

@@ -16,12 +16,12 @@ using openvdb::Vec3d;
 using openvdb::Vec3I;
 using openvdb::Vec3s;
 
-constexpr double kFarAway = 1e9;       ///< farther than any hit: the triangles lie about the origin, the eye near them
-constexpr float kNowhere = 1e30f;      ///< the place of boxes that are not there
-constexpr double kLeastSlope = 1e-20;  ///< of a direction, so that its reciprocal is finite
+constexpr double kFarAway = 1e9;       ///< farther than any hit: the triangles lie around the origin, the eye near them
+constexpr float kNowhere = 1e30f;      ///< position of missing boxes
+constexpr double kLeastSlope = 1e-20;  ///< of a direction component, so that its reciprocal is finite
 
-/// The place on a Hilbert curve of a cube of 2^20 cells along each side (J. Skilling, "Programming the Hilbert curve",
-/// 2004).
+/// The position on a Hilbert curve of a cube of 2^20 cells along each side (J. Skilling, "Programming the Hilbert
+/// curve", 2004).
 std::uint64_t hilbertPlace(std::array<std::uint32_t, 3> x) {
   constexpr int kBits = 20;
   for (std::uint32_t bit = 1u << (kBits - 1); bit > 1; bit >>= 1) {
@@ -85,7 +85,7 @@ struct RayTree::Ray {
 };
 
 RayTree::RayTree(const std::vector<Vec3s>& points, const std::vector<Vec3I>& triangles, Monitor& monitor) {
-  monitor.begin("ray tree", 0);
+  monitor.begin(PhaseKind::RayTree, 0);
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order(triangles.size());
   forEach(order.size(), monitor, [&](std::size_t i) {
     const Vec3I& t = triangles[i];
@@ -115,7 +115,7 @@ RayTree::RayTree(const std::vector<Vec3s>& points, const std::vector<Vec3I>& tri
         high[axis] = std::max({high[axis], a[axis], b[axis], c[axis]});
       }
     }
-    // Room for the rounding of the ray, and of the distances to a box's faces.
+    // Slack for the rounding of the ray, and of the distances to a box's faces.
     constexpr float kRoom = 1e-6f;
     Node& node = mLevels[0][p / kChildren];
     for (int axis = 0; axis < 3; ++axis) {
@@ -142,11 +142,11 @@ RayTree::RayTree(const std::vector<Vec3s>& points, const std::vector<Vec3I>& tri
 }
 
 /// T. Moeller and B. Trumbore, "Fast, minimum storage ray-triangle intersection", 1997: four triangles in floats with
-/// some tolerance, and those that may be hit in doubles.
+/// some tolerance, and possible hits again in doubles.
 template <bool Any>
 bool RayTree::meets(const Pack& pack, const Ray& ray, Hit& hit) {
   constexpr float kLoose = 1e-3f, kOriginRounding = 1e-6f;
-  constexpr double kTight = 1e-6;  // of a triangle, so that rays do not slip through between two
+  constexpr double kTight = 1e-6;  // tolerance, so that rays do not slip through between two triangles
   const float nearest = static_cast<float>(hit.distance) * 1.0001f + 1e-6f;
   float may[kLanes];
   for (std::uint32_t i = 0; i < kLanes; ++i) {
@@ -164,11 +164,11 @@ bool RayTree::meets(const Pack& pack, const Ray& ray, Hit& hit) {
     const float v = (ray.along[0] * qx + ray.along[1] * qy + ray.along[2] * qz) * inverse;
     const float t = (pack.third[0][i] * qx + pack.third[1][i] * qy + pack.third[2][i] * qz) * inverse;
     const float outside = std::max(std::max(-u, -v), u + v - 1);
-    // What the rounding of the ray's origin is worth in u and v.
+    // The effect of the rounding of the ray's origin on u and v.
     const float rounding = kOriginRounding * std::abs(inverse) *
                            (std::abs(px) + std::abs(py) + std::abs(pz) + std::abs(pack.second[0][i]) +
                             std::abs(pack.second[1][i]) + std::abs(pack.second[2][i]));
-    // False also where a determinant of 0 has made something not a number.
+    // False also if a determinant of 0 has produced a NaN.
     may[i] = ((outside <= kLoose + rounding) & (t >= -1e-3f) & (t <= nearest + 1e-3f)) ? 1.0f : 0.0f;
   }
   bool found = false;
@@ -184,7 +184,7 @@ bool RayTree::meets(const Pack& pack, const Ray& ray, Hit& hit) {
     const double v = ray.direction.dot(q) * inverse, t = third.dot(q) * inverse;
     if (!(u >= -kTight && v >= -kTight && u + v <= 1 + kTight && t > 0)) continue;
     if constexpr (Any) return true;
-    // Of two at one distance, the one of the lower number, whatever the order in which boxes are visited.
+    // Ties are broken by the lower number, whatever the order in which boxes are visited.
     if (t > hit.distance || (t == hit.distance && pack.triangles[i] > hit.triangle)) continue;
     hit = {t, pack.triangles[i], u, v};
     found = true;
@@ -231,7 +231,7 @@ bool RayTree::trace(const Ray& ray, Hit& hit) const {
     }
     const std::size_t first = size;
     for (std::uint32_t i = 0; i < kChildren; ++i) {
-      // Some ulps of room (T. Ize, "Robust BVH ray traversal", 2013).
+      // A slack of a few ulp (T. Ize, "Robust BVH ray traversal", 2013).
       if (!(near[i] <= far[i] * 1.000001f)) continue;
       std::size_t at = size++;
       if constexpr (!Any)
@@ -243,7 +243,7 @@ bool RayTree::trace(const Ray& ray, Hit& hit) const {
 }
 
 std::optional<RayTree::Hit> RayTree::firstHit(const Vec3d& origin, const Vec3d& direction) const {
-  // From near the triangles on, where floats are fine.
+  // Starts near the triangles, where floats are precise.
   constexpr double kBefore = 2;
   const double start = std::max(0.0, -origin.dot(direction) / direction.lengthSqr() - kBefore / direction.length());
   Hit hit{.distance = kFarAway};

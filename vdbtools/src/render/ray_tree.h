@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file ray_tree.h
-/// Rays through triangles. The triangles stand in the order of a Hilbert curve through their middles, four to a pack,
-/// under a tree of boxes with eight children each. Results do not depend on the number of threads or on the machine,
-/// which the libraries for this do not promise.
+/// Intersects rays with triangles. The triangles are sorted along a Hilbert curve through their centres, four to a
+/// pack, under a tree of boxes with eight children each. Results do not depend on the number of threads or on the
+/// machine, which the existing libraries do not guarantee.
 #pragma once
 
 #include <openvdb/Types.h>
@@ -17,7 +17,7 @@ namespace vdbtools {
 
 class RayTree {
  public:
-  /// Neither is kept. Triangles need not be connected, and may be points or lines, which no ray meets.
+  /// Stores neither argument. Triangles need not be connected, and may be points or lines, which no ray meets.
   /// @param points  from -1 to 1 in each coordinate
   /// @pre there is a triangle, and there are fewer than 2^32 of them
   /// @throw Interrupted
@@ -26,18 +26,18 @@ class RayTree {
   struct Hit {
     double distance = 0;  ///< in lengths of the direction
     std::uint32_t triangle = 0;
-    double u = 0, v = 0;  ///< the weights of the triangle's second and third corner
+    double u = 0, v = 0;  ///< the barycentric weights of the triangle's second and third corner
   };
   /// The nearest triangle that the ray meets, from either side. @param direction  of about length 1
   std::optional<Hit> firstHit(const openvdb::Vec3d& origin, const openvdb::Vec3d& direction) const;
-  /// Whether the ray meets any. @param origin  near the triangles
+  /// Whether the ray meets any triangle. @param origin  near the triangles
   bool blocked(const openvdb::Vec3d& origin, const openvdb::Vec3d& direction) const;
 
  private:
   static constexpr std::uint32_t kChildren = 8, kLanes = 4;
   static constexpr int kMostLevels = 11;  ///< 4 * 8^10 triangles fill 10
 
-  /// The boxes of eight children, or of fewer: the boxes of the others lie where no ray gets.
+  /// The boxes of up to eight children; unused boxes lie where no ray gets.
   struct alignas(32) Node {
     float low[3][kChildren], high[3][kChildren];
   };
@@ -54,7 +54,7 @@ class RayTree {
   static bool meets(const Pack& pack, const Ray& ray, Hit& hit);
 
   std::vector<Pack> mPacks;
-  std::vector<std::vector<Node>> mLevels;  ///< the first has the boxes of the packs, the last is one node
+  std::vector<std::vector<Node>> mLevels;  ///< the first has the boxes of the packs, the last is a single node
 };
 
 }  // namespace vdbtools

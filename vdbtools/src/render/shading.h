@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file shading.h
-/// The light of all shaded pictures, whatever the surface: a key light with soft shadows, and the light of the sky
-/// gathered by ambient rays. preview_renderer.h shades level sets and meshes with it, field_shading.h the set of a map.
+/// The light of all shaded pictures, whatever the surface: a key light with soft shadows, and skylight gathered by
+/// ambient rays. preview_renderer.h shades level sets and meshes with it, field_shading.h the set of a map.
 ///
-/// What throws shadows has
+/// An object that casts shadows has the function
 ///
 ///     bool blocked(const Vec3d& origin, const Vec3d& direction);
 ///
-/// in a space of its own, which differs from world space by a similarity. The lights turn with the camera. A floor, if
-/// there is one, is seen by its shadows alone: what is behind it shows through, darkened where the surface stands in
-/// the way of its light.
+/// in a space of its own, which is related to world space by a similarity. The lights turn with the camera. A floor, if
+/// there is one, is visible only by its shadows: what is behind it shows through, darkened where the surface blocks its
+/// light.
 #pragma once
 
 #include "base/elementary.h"
@@ -29,31 +29,31 @@
 namespace vdbtools {
 
 /// Where a ray first meets a surface.
-struct SurfacePoint {
+struct HitPoint {
   double distance = 0;                   ///< along the ray
-  openvdb::Vec3d origin;                 ///< of the rays that leave the surface there
-  openvdb::Vec3d normal;                 ///< of length 1, towards the side that is seen
-  std::optional<openvdb::Vec3d> albedo;  ///< linear RGB, in the place of the material's
+  openvdb::Vec3d origin;                 ///< origin of the rays that leave the surface there
+  openvdb::Vec3d normal;                 ///< of length 1, towards the visible side
+  std::optional<openvdb::Vec3d> albedo;  ///< linear RGB; replaces the material's
 };
 
 /// Camera and lights in the space of the surface.
 struct PreviewStage {
   openvdb::Vec3d eye, forward;
-  openvdb::Vec3d right, up;  ///< to the edges of the picture at distance 1
+  openvdb::Vec3d right, up;  ///< vectors to the edges of the picture at distance 1
   openvdb::Vec3d sky, key, rim;
   openvdb::Mat3d toWorld;  ///< the rotation of directions into world space
-  double scale = 1;        ///< world units a unit of the surface's space
-  /// The floor: points whose product with the sky is this.
+  double scale = 1;        ///< world units per unit of the surface's space
+  /// The floor consists of the points whose dot product with the sky is this.
   double floor = -std::numeric_limits<double>::infinity();
-  openvdb::Vec3d middle;  ///< of the ball around the surface
+  openvdb::Vec3d middle;  ///< centre of the ball around the surface
   double radius = 1;
 };
 
-/// @param look   whose key light stands upright
-/// @param sky    the direction from which the light of the sky comes, world space, of length 1
+/// @param look   its key light is upright
+/// @param sky    the direction of the skylight, world space, of length 1
 /// @param ball   around the surface, world space
-/// @param place  world space to the surface's, of a point
-/// @param turn   the same of a direction, giving length 1
+/// @param place  transforms a point from world space to the surface's
+/// @param turn   transforms a direction likewise, to length 1
 template <class Place, class Turn>
 PreviewStage previewStage(const Camera& camera, const Look& look, const openvdb::Vec3d& sky, double aspect,
                           const FramedBall& ball, const Place& place, const Turn& turn) {
@@ -90,20 +90,21 @@ namespace preview {
 
 using openvdb::Vec3d;
 
-// The lights, in linear RGB. A warm key from the upper left, a cool sky with a warm floor, and a rim from behind.
+// The lights, in linear RGB: a warm key light from the upper left, a cool sky with a warm ground, and a rim light from
+// behind.
 inline const Vec3d kKeyColour(1.22, 1.12, 0.97);
 inline const Vec3d kSkyColour(0.44, 0.50, 0.60);
 inline const Vec3d kFloorColour(0.10, 0.08, 0.07);
 inline const Vec3d kRimColour(0.62, 0.70, 0.85);
-inline constexpr double kKeyRadius = 0.07;  ///< of the key's disk at distance 1: soft shadow edges
-/// The part of the sky's light that a blocked ray still brings: light bounced off the clay that it meets.
+inline constexpr double kKeyRadius = 0.07;  ///< radius of the key light's disk at distance 1, for soft shadow edges
+/// The fraction of the sky's light that a blocked ray still brings: light reflected from the clay that it meets.
 inline constexpr double kBounce = 0.25;
 
 inline constexpr int kGatherRaysPerPixel = 32;  ///< fewer leave a visible grain
-inline constexpr int kShadowRaysPerPixel = 16;  ///< likewise, in the soft edges of shadows
-inline constexpr int kMirrorRaysPerPixel = 16;  ///< likewise, of what a material mirrors
-inline constexpr int kFloorRays = 4;            ///< times as many for the floor, which is smooth and shows more grain
-inline constexpr double kFloorEnds = 6;         ///< radii from the middle: beyond, the floor has no shadows
+inline constexpr int kShadowRaysPerPixel = 16;  ///< likewise, for the soft edges of shadows
+inline constexpr int kMirrorRaysPerPixel = 16;  ///< likewise, for reflections
+inline constexpr int kFloorRays = 4;            ///< factor for the floor, which is smooth and shows more grain
+inline constexpr double kFloorEnds = 6;         ///< in radii from the middle: the floor has no shadows farther out
 inline constexpr int kPixelsPerCheck = 16;      ///< between checks of the monitor
 
 /// Two directions that complete @a n to an orthonormal frame (Duff et al., "Building an Orthonormal Basis, Revisited").
@@ -128,12 +129,11 @@ struct Turn {
   }
 };
 
-/// Low-discrepancy points in a disk, a sequence for each pixel: they depend on the pixel only, hence not on the
-/// threads.
+/// Low-discrepancy points in a disk, with a sequence for each pixel that depends only on the pixel, not on the threads.
 class PixelSequence {
  public:
   PixelSequence(int x, int y) {
-    // A hash (splitmix64) gives neighbours unrelated shifts: a fine grain instead of a pattern.
+    // A hash (splitmix64) gives adjacent pixels unrelated shifts, for a fine grain instead of a pattern.
     std::uint64_t h = (std::uint64_t(std::uint32_t(y)) << 32 | std::uint32_t(x)) + 0x9e3779b97f4a7c15ULL;
     h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9ULL;
     h = (h ^ (h >> 27)) * 0x94d049bb133111ebULL;
@@ -142,7 +142,7 @@ class PixelSequence {
     mTurn = Turn::by(double(h & 0xffffffffU) * 0x1p-32);
   }
   struct Point {
-    double square;  ///< of the distance from the centre
+    double square;  ///< squared distance from the centre
     Turn turn;
   };
   /// Point @a i of the R2 sequence, shifted. @param i  below kMost
@@ -169,17 +169,17 @@ struct Shown {
   double alpha = 0;
   int hits = 0;  ///< rays that met the surface
   double distance = std::numeric_limits<double>::infinity();
-  Vec3d normal{0};  ///< in the space of the surface, of the nearest point
-  Vec3d albedo{0};  ///< summed over the hits, as is the next
-  double open = 0;  ///< the part of the sky that is not hidden
+  Vec3d normal{0};  ///< of the nearest point, in the space of the surface
+  Vec3d albedo{0};  ///< summed over the hits, like open
+  double open = 0;  ///< the fraction of the sky that is not hidden
   double trap = 0;  ///< of the nearest point
 };
 
-/// What the rays of a pixel have met on their way to the key light.
+/// What the rays of a pixel have found about the key light.
 class KeyLight {
  public:
   void add(bool isBlocked) { ++(isBlocked ? mBlocked : mClear); }
-  /// Whether so many rays agree that the edge of no shadow is near.
+  /// Whether enough rays agree that no shadow edge is near.
   bool isSettled() const {
     constexpr int kEnough = 8;
     return mBlocked + mClear >= kEnough && (mBlocked == 0 || mClear == 0);
@@ -189,7 +189,7 @@ class KeyLight {
   int mBlocked = 0, mClear = 0;
 };
 
-/// A pixel: the mean of what its rays show.
+/// A pixel, the mean of what its rays show.
 class Pixel {
  public:
   KeyLight key;
@@ -213,10 +213,10 @@ class Pixel {
     mDirection = direction;
   }
 
-  /// Whether more rays would be seen: the surface ends in the pixel, or its lightness varies there. What is behind the
-  /// surface does not count, so that a picture has the same rays before any background.
+  /// Whether more rays would make a visible difference: the surface ends in the pixel, or its lightness varies there.
+  /// The background does not count, so that a picture has the same rays with any background.
   bool isRough() const {
-    constexpr double kSeen = 0.3;  // of lightness
+    constexpr double kSeen = 0.3;  // in lightness
     if (mSum.hits == 0) return false;
     return mSum.hits < mCount || mLightest - mDarkest > kSeen;
   }
@@ -227,11 +227,11 @@ class Pixel {
     mean.alpha /= mCount;
     return mean;
   }
-  /// Of the ray to the nearest point.
+  /// The direction of the ray to the nearest point.
   const Vec3d& direction() const { return mDirection; }
 
  private:
-  /// From 0 to 1, about as the eye judges it.
+  /// From 0 to 1, approximately as perceived.
   static double lightnessOf(const Vec3d& colour) {
     return std::sqrt(std::clamp(0.2126 * colour[0] + 0.7152 * colour[1] + 0.0722 * colour[2], 0.0, 1.0));
   }
@@ -246,8 +246,8 @@ class Pixel {
 template <class Surface>
 class Shader {
  public:
-  /// @param surface  which throws the shadows
-  /// @param samples  of a pixel
+  /// @param surface  casts the shadows
+  /// @param samples  number of samples per pixel
   Shader(Surface surface, const PreviewStage& stage, const Look& look, int samples)
       : mSurface(std::move(surface)),
         mStage(stage),
@@ -260,20 +260,20 @@ class Shader {
   Surface& surface() { return mSurface; }
   double gain() const { return mGain; }
 
-  /// The light from a direction, but for the key's.
+  /// The light from a direction, except the key light.
   Vec3d environment(const Vec3d& direction) const {
     const double height = 0.5 * (1 + direction.dot(mStage.sky));
     const double rim = std::max(0.0, direction.dot(mStage.rim)), square = rim * rim;
     return mLook.sky * (kFloorColour + height * (kSkyColour - kFloorColour) + square * square * kRimColour);
   }
 
-  /// A ray that meets no surface.
+  /// Shades a ray that meets no surface.
   Shown behind(const Vec3d& direction, double u, double v, const PixelSequence& sequence, int sample) {
     const Vec3d left = lightOfFloor(direction, sequence, sample);
     Shown seen;
     switch (mLook.backdrop) {
       case Backdrop::None:
-        // A shadow is black that covers as much as it takes away.
+        // A shadow is black, with a coverage equal to the light that it removes.
         seen.alpha = 1 - (left[0] + left[1] + left[2]) / 3;
         return seen;
       case Backdrop::Neutral: seen.colour = left * background(u, v); break;
@@ -284,8 +284,8 @@ class Shader {
   }
 
   /// @param view  the direction of the ray, of length 1
-  /// @param seen  by the other rays of the pixel
-  Shown shade(const SurfacePoint& point, const Vec3d& view, const PixelSequence& sequence, int sample, KeyLight& seen) {
+  /// @param seen  what the other rays of the pixel have found
+  Shown shade(const HitPoint& point, const Vec3d& view, const PixelSequence& sequence, int sample, KeyLight& seen) {
     const Material& material = mLook.material;
     const Vec3d &normal = point.normal, &origin = point.origin, albedo = point.albedo.value_or(material.albedo);
     const auto frame = tangents(normal);
@@ -301,7 +301,7 @@ class Shader {
     }
     Vec3d radiance = albedo * gathered / mGatherRays;
 
-    // The lobe of a material that mirrors is as bright as it is narrow.
+    // The narrower the lobe of a reflecting material, the brighter it is.
     const double lobe = material.mirrors ? (material.sharpness + 8) / 8 : 1;
     const auto disk = tangents(mStage.key);
     Vec3d lit(0);
@@ -328,7 +328,7 @@ class Shader {
   }
 
  private:
-  /// The share of the light that the surface leaves to the floor where a ray meets it; all where there is none.
+  /// The fraction of the light that the surface leaves to the floor where a ray meets it; 1 if there is no floor.
   Vec3d lightOfFloor(const Vec3d& direction, const PixelSequence& sequence, int sample) {
     const double falling = direction.dot(mStage.sky), height = mStage.floor - mStage.eye.dot(mStage.sky);
     if (!std::isfinite(height) || !(falling < 0) || !(height < 0)) return Vec3d(1);
@@ -351,14 +351,14 @@ class Shader {
       all += light;
       if (!mSurface.blocked(at, key)) left += light;
     }
-    // The floor ends softly, so that no edge of it is seen.
+    // The floor fades out, so that it has no visible edge.
     const double fade = std::clamp(2 * far / kFloorEnds - 1, 0.0, 1.0);
     Vec3d share;
     for (int i = 0; i < 3; ++i) share[i] = all[i] > 0 ? std::lerp(left[i] / all[i], 1.0, fade) : 1;
     return share;
   }
 
-  /// Chosen with the density of the cosine, so that each ray counts the same.
+  /// Samples with cosine density, so that all rays have the same weight.
   static Vec3d gatherDirection(const std::array<Vec3d, 2>& frame, const Vec3d& normal,
                                const PixelSequence::Point& point) {
     const double radius = std::sqrt(point.square);
@@ -371,9 +371,9 @@ class Shader {
     return (mStage.key + spread * (point.turn.cosine * disk[0] + point.turn.sine * disk[1])).unit();
   }
 
-  /// The surroundings in a surface that mirrors them: by Blinn's lobe of normals, and Schlick's approximation of how
-  /// much is mirrored at an angle.
-  Vec3d mirrored(const SurfacePoint& point, const Vec3d& albedo, const Vec3d& view, const std::array<Vec3d, 2>& frame,
+  /// The surroundings reflected in a surface, with Blinn's distribution of normals and Schlick's approximation of the
+  /// reflectance at an angle.
+  Vec3d mirrored(const HitPoint& point, const Vec3d& albedo, const Vec3d& view, const std::array<Vec3d, 2>& frame,
                  const PixelSequence& sequence, int sample) {
     const Material& material = mLook.material;
     Vec3d sum(0);
@@ -397,8 +397,8 @@ class Shader {
   Surface mSurface;
   const PreviewStage& mStage;
   const Look& mLook;
-  int mGatherRays, mShadowRays, mMirrorRays;  ///< for each sample
-  double mGain;                               ///< of the exposure
+  int mGatherRays, mShadowRays, mMirrorRays;  ///< per sample
+  double mGain;                               ///< gain of the exposure
 };
 
 }  // namespace preview

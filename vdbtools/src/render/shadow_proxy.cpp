@@ -14,10 +14,10 @@ using openvdb::Vec3d;
 
 namespace {
 
-/// Each cube is so many times as long as the next finer one.
+/// The ratio of the sizes of successive cubes.
 constexpr double kGrowth = 4;
 
-/// Signs alone: F says nothing of distances, and some of its values are only bounds.
+/// Only signs are used: F is not a distance, and some of its values are only bounds.
 openvdb::FloatGrid::Ptr signsIn(const julia::FieldEvaluator& evaluator, const BBoxd& box, double voxel,
                                 Monitor& monitor) {
   const FractalField made = fractalFieldEverywhere({evaluator, {}}, {.voxelSize = voxel, .box = box}, monitor);
@@ -26,7 +26,7 @@ openvdb::FloatGrid::Ptr signsIn(const julia::FieldEvaluator& evaluator, const BB
   return made.field;
 }
 
-/// How far a ray from inside a box goes before it leaves it.
+/// The distance that a ray from inside a box travels before it leaves it.
 double wayOut(const BBoxd& box, const Vec3d& origin, const Vec3d& direction) {
   double out = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) {
@@ -88,7 +88,7 @@ ShadowProxy::Surface::Surface(const ShadowProxy& proxy) : mProxy(proxy) {
 }
 
 Vec3d ShadowProxy::Surface::leave(const Vec3d& at, const Vec3d& view, const Vec3d& normal) const {
-  // The lattice's surface is up to a cell's diagonal from the true one. Towards the eye there is nothing in the way.
+  // The lattice's surface is up to a cell's diagonal from the true one. There is nothing between the point and the eye.
   constexpr double kAlongNormal = 0.75, kTowardsEye = 0.75;
   return at + mProxy.mLevels[mProxy.levelAt(at)].voxel * (kAlongNormal * normal - kTowardsEye * view);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/surface_tracer.h"
+#include "distance/leaves.h"
 
 #include <openvdb/tools/Interpolation.h>
 #include <tbb/blocked_range.h>
@@ -18,8 +19,8 @@ using openvdb::Vec3d;
 
 namespace {
 
-/// The surface cells, found from signs alone: the field of a rough fractal changes too fast for a test of its values.
-/// That is why tools::LevelSetRayIntersector, which skips values beyond two voxels, leaves holes there.
+/// Finds the surface cells from signs alone, because the field of a rough fractal changes too fast for a test of its
+/// values. That is why tools::LevelSetRayIntersector, which skips values beyond two voxels, leaves holes there.
 class SurfaceCells {
  public:
   using Leaf = openvdb::FloatTree::LeafNodeType;
@@ -53,12 +54,12 @@ class SurfaceCells {
       const bool atEnd = local[axis] == int(Leaf::DIM) - 1;
       const float ahead = atEnd ? field.getValue(next) : leaf.getValue(offset + stride);
       if ((ahead < 0) != inside) markEdge(node, axis, cells);
-      // The leaf before this one may not exist, and then nothing else looks at this edge.
+      // The leaf before this one may not exist, and then nothing else examines this edge.
       if (local[axis] == 0 && (field.getValue(previous) < 0) != inside) markEdge(previous, axis, cells);
     }
   }
 
-  /// The four cells around the edge that leaves @a node along @a axis.
+  /// Marks the four cells around the edge that leaves @a node along @a axis.
   template <typename Cells>
   static void markEdge(const Coord& node, int axis, Cells& cells) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
@@ -78,7 +79,7 @@ class SurfaceCells {
 
 template <typename Value>
 double zeroBetween(double t0, double v0, double t1, double v1, const Value& value) {
-  constexpr int kSteps = 4;  // of the false position rule, from a third of a cell
+  constexpr int kSteps = 4;  // steps of the false position method, starting from a third of a cell
   double t = t1;
   for (int i = 0; i < kSteps && v0 != v1; ++i) {
     t = t0 + (t1 - t0) * v0 / (v0 - v1);
@@ -89,11 +90,11 @@ double zeroBetween(double t0, double v0, double t1, double v1, const Value& valu
   return t;
 }
 
-/// A ray from the lattice's origin, and the cell that it has come to.
+/// A ray relative to the lattice's origin, and its current cell.
 struct Walk {
   Vec3d origin, direction, inverse;
   Coord step, node;
-  double time = 0;  ///< when it enters the cell
+  double time = 0;  ///< ray parameter at the entry into the cell
 
   Walk(const Vec3d& from, const Vec3d& towards) : origin(from), direction(towards) {
     constexpr double kLeastSlope = 1e-30;  // instead of 0, so that no product is 0 times infinity
@@ -104,7 +105,7 @@ struct Walk {
     }
   }
 
-  /// Goes to where the ray enters the box of the cells from 0 up to @a last. @return false if it never does
+  /// Moves to where the ray enters the box of the cells from 0 up to @a last. @return false if it never does
   bool enter(const Coord& last) {
     double begin = 0, end = std::numeric_limits<double>::infinity();
     for (int axis = 0; axis < 3; ++axis) {
@@ -131,7 +132,7 @@ struct Walk {
       }
     }
     time = std::max(time, exit);
-    // Rounding must not put the ray back into the box, nor into a cell beside the one that it goes to.
+    // Rounding must not put the ray back into the box, nor into a cell beside the next one.
     for (int axis = 0; axis < 3; ++axis)
       node[axis] = std::clamp(static_cast<int>(origin[axis] + time * direction[axis]), low[axis], high[axis] - 1);
     node[through] = step[through] > 0 ? high[through] : low[through] - 1;
@@ -142,7 +143,7 @@ struct Walk {
 
 namespace {
 
-/// For an octant and a cell of a brick: the brick's cells that a ray in that octant may meet from there.
+/// For each octant and cell of a brick: the brick's cells that a ray in that octant may meet from there.
 class CellsAhead {
  public:
   CellsAhead() {
@@ -169,8 +170,7 @@ const CellsAhead kCellsAhead;
 }  // namespace
 
 openvdb::MaskTree surfaceCells(const openvdb::FloatTree& tree, const Monitor& monitor) {
-  std::vector<const SurfaceCells::Leaf*> leaves;
-  tree.getNodes(leaves);
+  const std::vector<const SurfaceCells::Leaf*> leaves = leavesOf(tree);
   SurfaceCells work(tree, leaves, monitor);
   tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, leaves.size()), work);
   return work.cells();
@@ -188,7 +188,7 @@ SurfaceBounds boundsOf(const openvdb::MaskTree& cells) {
       bounds.radius = std::max(bounds.radius, (middle - bounds.centre).lengthSqr());
     }
   }
-  bounds.radius = std::sqrt(bounds.radius) + 0.5;  // half a cell: the surface is somewhere in it
+  bounds.radius = std::sqrt(bounds.radius) + 0.5;  // half a cell, because the surface is somewhere in it
   return bounds;
 }
 
@@ -271,7 +271,7 @@ void SurfaceLattice::measureFreeCubes(int octant) {
   for (int i = 0; i < 8; ++i)
     neighbours[static_cast<std::size_t>(i)] =
         (i & 4 ? step[0] * mStrides[0] : 0) + (i & 2 ? step[1] * mStrides[1] : 0) + (i & 1 ? step[2] : 0);
-  // From the far end, so that the neighbours are known; the layer around the lattice is as free as a number can say.
+  // From the far end, so that the neighbours are known; the layer around the lattice is free up to the maximum number.
   for (int i = 0; i < mSize[0]; ++i) {
     for (int j = 0; j < mSize[1]; ++j) {
       for (int k = 0; k < mSize[2]; ++k) {
@@ -333,7 +333,7 @@ bool SurfaceTracer::trace(const Vec3d& origin, const Vec3d& direction) {
       walk.leave(low, low.offsetBy(kDim));
       continue;
     }
-    // The cells of the brick along the ray.
+    // Visits the cells of the brick along the ray.
     double next[3], stride[3];
     int bitStep[3], stepsLeft[3];
     for (int axis = 0; axis < 3; ++axis) {
@@ -376,7 +376,7 @@ bool SurfaceTracer::hitsCell(const SurfaceLattice::Brick& brick, const Coord& no
     return mix(low, high, p[0]);
   };
 
-  // Along a ray the field is a cubic; a dip between thirds is a graze that no picture shows.
+  // Along a ray the field is a cubic; a dip within a third of a cell is a graze that no picture shows.
   constexpr int kParts = 3;
   double times[kParts + 1], values[kParts + 1];
   for (int part = 0; part <= kParts; ++part) times[part] = entry + (exit - entry) * part / kParts;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file view.h
-/// What the two renderers share beside the camera: its frame, the rays of a pixel and background.
+/// The common parts of the two renderers except the camera: its frame, the rays of a pixel and the background.
 #pragma once
 
 #include "vdbtools/picture/image.h"
@@ -14,28 +14,28 @@ namespace vdbtools {
 /// The directions of a camera, of length 1, in world space.
 struct CameraFrame {
   openvdb::Vec3d right, up, forward;
-  double tangent = 0;  ///< of half the vertical field of view
+  double tangent = 0;  ///< tangent of half the vertical field of view
 };
 
 /// @throw std::invalid_argument  angles out of their ranges
 void requireAngles(const ViewAngles& angles);
 
-/// @throw std::invalid_argument  the eye is at the look-at point, or something is not finite or out of its range
+/// @throw std::invalid_argument  the eye is at the look-at point, or a number is not finite or out of its range
 CameraFrame frameOf(const Camera& camera);
 
 /// The rays of a picture: a lattice of n x n in each pixel. A rough pixel gets as many again, one in each row and in
 /// each column of the n^2 x n^2 parts of the pixel (K. Chiu, P. Shirley, C. Wang, "Multi-jittered sampling", Graphics
-/// Gems IV, 1994), so that its edges are read at other heights.
+/// Gems IV, 1994), so that its edges are sampled at other heights.
 class PixelSamples {
  public:
   /// @throw std::invalid_argument  a side that is not 1 to 32768, samples that are not 1, 4, 9 or 16
   PixelSamples(int width, int height, int samples);
 
   double aspect() const { return static_cast<double>(mWidth) / mHeight; }
-  /// How many a smooth pixel has. A rough one has twice as many.
+  /// The number of samples of a smooth pixel. A rough one has twice as many.
   int usual() const { return mGrid * mGrid; }
 
-  /// Where sample @a s of a pixel lies in the picture: u to the right and v up, from -1 to 1.
+  /// The position of sample @a s of a pixel in the picture: u to the right and v up, from -1 to 1.
   /// @param s  below 2 * usual()
   std::array<double, 2> at(int x, int y, int s) const {
     const bool isMore = s >= usual();

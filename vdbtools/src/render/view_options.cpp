@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kLargestSide = 32768;  // pixels
 
-/// What a place of the eye takes the place of.
+/// The options that a position of the eye replaces.
 constexpr std::array kAnglesOfEye{"azimuth", "elevation", "zoom"};
 
 void parseSize(const RecipeReader& reader, ViewOptions& options) {
@@ -25,7 +25,7 @@ void parseSize(const RecipeReader& reader, ViewOptions& options) {
   options.height = side(1);
 }
 
-/// @param domain  what follows "it must be"
+/// @param domain  the text that follows "it must be"
 double numberWithin(const RecipeReader& reader, const char* name, double low, double high, const char* domain) {
   const double value = reader.number(name);
   if (!(value >= low && value <= high)) reader.refuse(name, domain);

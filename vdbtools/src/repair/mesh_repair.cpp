@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A ball of the gap's width rolls over the outside of the mesh. What it cannot reach is closed (the morphological
-/// closing of the mesh); where its envelope bridges a hole, the envelope becomes part of the mesh, a lid. meshToSdf's
-/// own conversion then makes the field, so that it is the mesh's true distance field wherever the mesh was whole. The
-/// ball also bridges grooves that are too narrow for it. Such an envelope touches no open edge, so it is not a lid, and
-/// it is left out unless the mesh leaks without it.
+/// A ball of the gap's width rolls over the outside of the mesh, and what it cannot reach is closed (the morphological
+/// closing of the mesh). Where its envelope bridges a hole, the envelope becomes part of the mesh, a lid. The
+/// conversion of meshToSdf() then makes the field, which is therefore the mesh's true distance field wherever the mesh
+/// was intact. The ball also bridges grooves that are too narrow for it. Such an envelope touches no open edge, so it
+/// is not a lid, and it is left out unless the mesh leaks without it.
 #include "vdbtools/repair/mesh_repair.h"
 #include "base/disjoint_sets.h"
 #include "distance/distance_band.h"
@@ -37,32 +37,34 @@ using openvdb::Vec3I;
 constexpr double kNodesAcrossGap = 4;
 constexpr double kMostLatticeNodes = 2e8;
 
-/// By how much the gap grows when nothing was enclosed.
+/// The factor by which the gap grows if nothing was enclosed.
 constexpr double kGapGrowth = 1.5;
 
-/// Lattice units: an envelope nearer to the mesh than this is the mesh itself, seen through the lattice's error.
+/// In lattice units: an envelope nearer to the mesh than this is the mesh itself, up to the lattice's error.
 constexpr double kTouching = 0.75;
 
-/// Lattice units kept on the far side of every offset: a cell's diagonal, and what tells a wall from an inner one.
+/// In lattice units, kept on the far side of every offset: a cell's diagonal, plus what distinguishes a wall from an
+/// inner one.
 constexpr double kMargin = 2.5;
 
-/// Lattice units: an open sheet is its own closing, and the lattice's error about it must not pass for an inside.
+/// In lattice units: an open sheet is its own closing, and the lattice's error around it must not pass for an inside.
 constexpr double kNoInside = 0.5;
 
 constexpr std::size_t kSamples = 20000;
 
-/// The share of the surface that may bound nothing. Up to the first, all is well. Up to the second, the next wider gap
-/// is tried too: a ball that barely fits a hole dents it deeply, and may touch the other side. More is a leak.
+/// The fraction of the surface that may bound nothing. Up to the first value the result is accepted. Up to the second,
+/// the next wider gap is also tried: a ball that barely fits a hole dents it deeply, and may touch the other side. More
+/// is a leak.
 constexpr double kLostWell = 0.01;
 constexpr double kLostAtMost = 0.05;
 
-/// On the lattice, which may be coarser than the grid, only a clear verdict counts.
+/// On the lattice, which may be coarser than the grid, only a clear result counts.
 constexpr double kLostClearly = 0.5;
 
-constexpr float kTiny = 1e-3F;  ///< lattice units; what an enclosed node is inside by, at least
+constexpr float kTiny = 1e-3F;  ///< lattice units; minimum depth of an enclosed node
 
-/// The lattice: node (i, j, k) lies at middle + spacing (i, j, k). About the mesh's own middle, because OpenVDB's
-/// mesher gives its points in single precision.
+/// The lattice: node (i, j, k) lies at middle + spacing (i, j, k). It is centred on the mesh, because OpenVDB's mesher
+/// returns points in single precision.
 struct Lattice {
   Vec3d middle;
   double spacing = 0;
@@ -71,8 +73,9 @@ struct Lattice {
   Vec3d toWorld(const Vec3d& p) const { return middle + p * spacing; }
 };
 
-/// The ball's centres: from the distance to the mesh, negative where the ball cannot be.
-/// @param distance  unsigned; is changed
+/// Computes the region of the ball's centres from the distance to the mesh; the result is negative where the ball
+/// cannot be.
+/// @param distance  unsigned; is modified
 void floodFromOutside(FloatGrid& distance, double radius) {
   const openvdb::BoolGrid::Ptr enclosed = openvdb::tools::extractEnclosedRegion(distance, static_cast<float>(radius));
   const BoolTree& mask = enclosed->constTree();
@@ -81,7 +84,7 @@ void floodFromOutside(FloatGrid& distance, double radius) {
     const openvdb::tree::ValueAccessor<const BoolTree> inside(mask);
     for (auto it = leaf.beginValueAll(); it; ++it) {
       const float offset = *it - static_cast<float>(radius);
-      // A pocket that the flood did not reach is inside, however far from the mesh.
+      // A pocket that the flood did not reach is inside, however far from the mesh it is.
       const bool closed = inside.getValue(it.getCoord()) || offset <= 0;
       it.setValue(closed ? -std::max(std::abs(offset), kTiny) : offset);
     }
@@ -98,15 +101,15 @@ std::vector<bool> findOpenTriangles(const Mesh& mesh) {
   return open;
 }
 
-/// The envelope where it parts from the mesh, and one ring of triangles more, laid onto the mesh, so that no crack
+/// The envelope where it deviates from the mesh, plus one ring of triangles placed onto the mesh, so that no crack
 /// remains between the two.
 struct Lids {
   LevelSurface surface;      ///< lattice coordinates
-  std::vector<bool> atEdge;  ///< for each triangle: its piece touches an open edge of the mesh
+  std::vector<bool> atEdge;  ///< for each triangle: whether its piece touches an open edge of the mesh
 };
 
 Lids findLids(LevelSurface envelope, const TriangleTree& mesh, const std::vector<bool>& open) {
-  std::vector<char> parts(envelope.points.size(), 0);  // from the mesh
+  std::vector<char> parts(envelope.points.size(), 0);  // whether a point deviates from the mesh
   std::vector<char> atEdge(envelope.points.size(), 0);
   for (std::size_t p = 0; p < envelope.points.size(); ++p) {
     const auto nearest = mesh.nearest(envelope.points[p], kTouching);
@@ -115,7 +118,7 @@ Lids findLids(LevelSurface envelope, const TriangleTree& mesh, const std::vector
     envelope.points[p] = nearest->point;
     atEdge[p] = open[nearest->triangle];
   }
-  std::vector<char> ring(envelope.points.size(), 0);  // a corner of a triangle that parts
+  std::vector<char> ring(envelope.points.size(), 0);  // whether a point is a corner of a deviating triangle
   for (const Vec3I& t : envelope.triangles) {
     if (parts[t[0]] || parts[t[1]] || parts[t[2]]) ring[t[0]] = ring[t[1]] = ring[t[2]] = 1;
   }
@@ -138,23 +141,23 @@ Lids findLids(LevelSurface envelope, const TriangleTree& mesh, const std::vector
   return lids;
 }
 
-/// The result of one width of gap.
+/// The result for one gap width.
 struct Closing {
   Lattice lattice;
   double radius = 0;     ///< of the ball, lattice units
-  FloatGrid::Ptr field;  ///< signed distance to the ball's centres' region, lattice units; -radius where it ends
+  FloatGrid::Ptr field;  ///< signed distance to the region of the ball's centres, lattice units; -radius where it ends
   Lids lids;
-  double lost = 1;  ///< the share of the mesh that bounds nothing in it
+  double lost = 1;  ///< the fraction of the mesh that bounds nothing in it
 };
 
 Closing closeGaps(const Mesh& mesh, const MeshReport& report, const std::vector<bool>& open, double spacing, double gap,
                   Monitor& monitor) {
-  const std::string phase = "closing gaps of " + shortText(gap);
+  const Phase phase(PhaseKind::ClosingGaps, "of " + shortText(gap));
   Closing closing;
   Lattice& lattice = closing.lattice;
   lattice.middle = report.box.getCenter();
   lattice.spacing = spacing;
-  // Half a node more than half the gap: the flood goes from node to node, and could step through a narrower one.
+  // Half a node more than half the gap: the flood moves from node to node, and could step through a narrower wall.
   closing.radius = 0.5 * gap / lattice.spacing + 0.5;
   const double radius = closing.radius;
 
@@ -167,7 +170,8 @@ Closing closeGaps(const Mesh& mesh, const MeshReport& report, const std::vector<
   const FloatGrid::Ptr distance = unsignedDistances(tree, static_cast<float>(radius + kMargin), phase, monitor);
   floodFromOutside(*distance, radius);
   const LevelSurface reached = levelSurface(*distance, 0);
-  // Back by the same amount: the closed region begins where the distance from the ball's centres exceeds its radius.
+  // Offset back by the same amount: the closed region begins where the distance from the ball's centres exceeds its
+  // radius.
   closing.field = signedDistances(TriangleTree(reached.points, reached.triangles), kMargin,
                                   static_cast<float>(radius + kMargin), phase, monitor);
   closing.lids = findLids(levelSurface(*closing.field, -radius), tree, open);
@@ -178,7 +182,7 @@ Closing closeGaps(const Mesh& mesh, const MeshReport& report, const std::vector<
   return closing;
 }
 
-/// The mesh, weldMesh()ed, and its lids as one surface in index space.
+/// The welded mesh and its lids as one surface in index space.
 LevelSurface withLids(const Mesh& mesh, const Closing& closing, double voxelSize, bool all) {
   LevelSurface surface{toIndexSpace(mesh.points, voxelSize), mesh.triangles};
   const auto first = static_cast<std::uint32_t>(surface.points.size());
@@ -191,15 +195,15 @@ LevelSurface withLids(const Mesh& mesh, const Closing& closing, double voxelSize
   return surface;
 }
 
-/// Signed distances to the surface of a field. Near the surface they are read off the field; farther away they are
-/// those to the surface itself, so that they do not depend on how wide the field's band is.
+/// Signed distances to the surface of a field. Near the surface they are read from the field; farther away they are
+/// computed from the surface itself, so that they do not depend on the width of the field's band.
 class SurfaceDistance {
  public:
   SurfaceDistance(const FloatGrid& grid, const MeshToSdfOptions& options)
       : mGrid(grid), mPhi(grid.getConstAccessor()), mVoxel(options.voxelSize) {
-    // Where less than this is read, all the corners of the cell lie within any band of kExponentMargin voxels or more.
+    // If the value is below this, all corners of the cell lie within any band of at least kExponentMargin voxels.
     constexpr double kNear = 5;
-    constexpr double kKnown = 0.99;  // of a band that is narrower
+    constexpr double kKnown = 0.99;  // fraction of a narrower band
     mNear = std::min(kNear, kKnown * std::min(options.exteriorBandWidth, options.interiorBandWidth)) * mVoxel;
   }
 
@@ -219,7 +223,7 @@ class SurfaceDistance {
   const FloatGrid& mGrid;
   FloatGrid::ConstAccessor mPhi;
   double mVoxel, mNear = 0;  ///< world units
-  LevelSurface mSurface;     ///< world units; made when it is first needed
+  LevelSurface mSurface;     ///< world units; made on first use
   std::unique_ptr<const TriangleTree> mTree;
 };
 
@@ -244,8 +248,8 @@ double howFarMoved(const FloatGrid& grid, const Closing& closing, double gap, co
   return moved;
 }
 
-/// How far the surface lies outside of the field's, at most, where the mesh itself was converted: what remains are
-/// parts that bound nothing.
+/// An upper bound of how far the surface lies outside of the field's if the mesh itself was converted: only parts that
+/// bound nothing remain.
 double howFarLeftOut(const FloatGrid& grid, const Mesh& mesh, const MeshToSdfOptions& options) {
   SurfaceDistance distance(grid, options);
   double moved = 0;
@@ -257,8 +261,8 @@ double howFarLeftOut(const FloatGrid& grid, const Mesh& mesh, const MeshToSdfOpt
   return moved;
 }
 
-/// The share of the mesh that even the widest gap leaves open. A wider ball encloses what a narrower one does, so the
-/// narrower ones need not be tried. On a coarse lattice, which takes a moment.
+/// The fraction of the mesh that even the widest gap leaves open. A wider ball encloses whatever a narrower one does,
+/// so narrower ones need not be tried. It uses a coarse lattice, which is quick.
 double lostAtBest(const Mesh& welded, const MeshReport& report, const std::vector<bool>& open, double voxelSize,
                   double widest, double longest, Monitor& monitor) {
   constexpr double kNodesAlong = 96;
@@ -287,7 +291,7 @@ RepairedSdf repairedMeshToSdf(const Mesh& mesh, const MeshToSdfOptions& options,
   RepairedSdf best;
   double bestLost = 1;
   const double widest = repair.gap > 0 ? repair.gap : std::max(longest / 4, 2 * h);
-  const auto tryCaps = [&](const CappedMesh& capped) {
+  const auto tryCaps = [&](const HoleCappedMesh& capped) {
     std::size_t united = 0;
     const FloatGrid::Ptr grid =
         convert(toIndexSpace(capped.mesh.points, h), capped.mesh.triangles, options, monitor, &united);
@@ -298,7 +302,7 @@ RepairedSdf repairedMeshToSdf(const Mesh& mesh, const MeshToSdfOptions& options,
   };
   bool sheetsOnly = false, hasGaps = false;
   if (repair.gap == 0 && report.openEdges > 0) {
-    const CappedMesh capped = capHoles(welded);
+    const HoleCappedMesh capped = capHoles(welded);
     if (capped.caps > 0) tryCaps(capped);
     if (bestLost <= kLostWell) return best;
     hasGaps = capped.gaps > 0;
@@ -342,7 +346,7 @@ RepairedSdf repairedMeshToSdf(const Mesh& mesh, const MeshToSdfOptions& options,
     if (bestLost <= kLostWell || wasGood || gap >= widest) break;
     gap = std::min(gap * kGapGrowth, widest);
   }
-  // Sides of a gap that no ball bridges on this lattice are surfaces of their own.
+  // Sides of a gap that no ball bridges on this lattice are treated as separate surfaces.
   if (bestLost > kLostAtMost && hasGaps) tryCaps(capHoles(welded, true));
   if (bestLost <= kLostAtMost) return best;
   throw DataError(

@@ -23,9 +23,9 @@ namespace {
 using openvdb::Vec3d;
 using openvdb::Vec3I;
 
-/// The area of a mesh as it is seen along one axis.
+/// The projected area of a mesh along one axis.
 struct SeenArea {
-  double up = 0, down = 0;  ///< of the triangles that face to either side
+  double up = 0, down = 0;  ///< area of the triangles that face to either side
 };
 
 std::array<SeenArea, 3> seenAreas(const Mesh& mesh) {
@@ -41,7 +41,7 @@ std::array<SeenArea, 3> seenAreas(const Mesh& mesh) {
   return seen;
 }
 
-/// Beyond this share of area facing the other way, a mesh is more than a height field with a few folds.
+/// If more than this fraction of the area faces the other way, a mesh is more than a height field with a few folds.
 constexpr double kOverhang = 1e-3;
 
 }  // namespace
@@ -93,7 +93,7 @@ Mesh solidified(const Mesh& mesh, const SolidifyOptions& options, bool repair) {
 Mesh offsetSurface(const Mesh& mesh, double distance, double voxelSize, Monitor& monitor) {
   constexpr double kMargin = 2.5;           // voxels known beyond the surface
   constexpr double kFinest = 1.0 / 16;      // of the voxel size
-  constexpr double kMostNodes = 536870912;  // of the lattice: some 4 GB
+  constexpr double kMostNodes = 536870912;  // for the lattice: about 4 GB
   const double spacing = std::max(std::min(voxelSize, distance / 2), kFinest * voxelSize);
   const double width = distance / spacing + kMargin;
   const MeshReport report = reportMesh(mesh);
@@ -105,16 +105,16 @@ Mesh offsetSurface(const Mesh& mesh, double distance, double voxelSize, Monitor&
     throw std::invalid_argument("with voxels of " + shortText(spacing) + ", everything within " + shortText(distance) +
                                 " of this mesh has about " + shortText(nodes) + " nodes, more than the " +
                                 shortText(kMostNodes) + " that are allowed; use larger voxels or another distance");
-  // The float of each node; of a lattice most of which is far from the surface, only some are made.
+  // A float for each node; if most of a lattice is far from the surface, only some of its nodes are created.
   constexpr double kBytesForNode = 4, kLeastShare = 0.25;
   requireMemory(kBytesForNode * kLeastShare * std::min(nodes, area * 2 * width), MemoryUse::Distances,
                 "everything within " + shortText(distance) + " of this mesh");
-  const Vec3d middle = report.box.getCenter();  // points come in single precision
+  const Vec3d middle = report.box.getCenter();  // the mesher returns points in single precision
   std::vector<Vec3d> points(mesh.points.size());
   for (std::size_t p = 0; p < points.size(); ++p) points[p] = (mesh.points[p] - middle) / spacing;
   const TriangleTree tree(points, mesh.triangles);
-  const LevelSurface surface =
-      levelSurface(*unsignedDistances(tree, static_cast<float>(width), "thickening", monitor), distance / spacing);
+  const LevelSurface surface = levelSurface(
+      *unsignedDistances(tree, static_cast<float>(width), PhaseKind::Thickening, monitor), distance / spacing);
   monitor.throwIfCancelled();
   if (surface.triangles.empty())
     throw DataError("nothing is left of the target with voxels of " + shortText(spacing) +

@@ -39,7 +39,7 @@ double longestSide(const BBoxd& box) {
 
 namespace {
 
-/// Of a mesh that no reader has checked; its indices are reportMesh()'s to check.
+/// Checks a mesh that no reader has checked, except its indices, which reportMesh() checks.
 void requireUsable(const Mesh& mesh, bool asCloud) {
   if (asCloud && mesh.points.empty()) throw DataError("the mesh has no point");
   if (!asCloud && mesh.triangles.empty()) throw DataError("the mesh has no triangle");
@@ -102,7 +102,7 @@ MeshSdf makeSdf(const Mesh& solid, const MeshToSdfOptions& options, const MendOp
 
 namespace {
 
-/// The origin of a leaf that is near a point. @throw std::invalid_argument  none is
+/// The origin of the leaf nearest to a point. @throw std::invalid_argument  no leaf is near
 Coord nearestLeaf(const Vec3d& index) {
   constexpr double kLeaf = openvdb::FloatTree::LeafNodeType::DIM, kFarthest = 1 << 30;
   Coord origin;
@@ -117,7 +117,7 @@ Coord nearestLeaf(const Vec3d& index) {
   return origin;
 }
 
-/// The tree of a level set, farther by so many nodes: multiples of a leaf's.
+/// The tree of a level set, moved by a number of nodes that are multiples of a leaf's size.
 openvdb::FloatTree::Ptr movedTree(const Coord& nodes, const openvdb::FloatTree& tree) {
   auto moved = std::make_shared<openvdb::FloatTree>(tree.background());
   for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
@@ -157,7 +157,7 @@ void placeOnLattice(FloatGrid& grid, const std::string& text) {
     const std::vector<double> numbers = parseNumbers("lattice", text, 4);
     const VoxelChoice voxel{.voxelSize = numbers[0]};
     grid.setTransform(latticeTransform(voxel.sizeFor(1)));
-    // Beside the smallest voxels OpenVDB takes no translation, not even one of 0.
+    // With the smallest voxels OpenVDB accepts no translation, not even by 0.
     const Vec3d origin(numbers[1], numbers[2], numbers[3]);
     if (!origin.isZero()) grid.transform().postTranslate(origin);
   } catch (const std::invalid_argument& error) {
@@ -174,7 +174,7 @@ BBoxd boxFromMetadata(const std::string& text, const std::filesystem::path& path
     const BBoxd box(Vec3d(b[0], b[1], b[2]), Vec3d(b[3], b[4], b[5]));
     if (b[0] <= b[3] && b[1] <= b[4] && b[2] <= b[5] && longestSide(box) > 0) return box;
   } catch (const std::invalid_argument&) {
-    // It is the file that is wrong, not what was asked for.
+    // The file is at fault, not the request.
   }
   throw DataError("the metadata " + std::string(kTargetBox) + " of '" + path.string() + "' is '" + inOneLine(text) +
                   "'; it must be six finite numbers with commas between them, the smaller corner first");
@@ -185,7 +185,7 @@ BBoxd boxFromMetadata(const std::string& text, const std::filesystem::path& path
 Target readVdbTarget(const std::filesystem::path& path, const std::string& grid) {
   const VdbFile file = readVdb(path);
   const FloatGrid::Ptr phi = chooseFloatGrid(file, grid, path);
-  // An SDF of ours knows the box of its mesh; half a voxel more exactly than its nodes do.
+  // The project's own SDF records the box of its mesh, half a voxel more exactly than its nodes do.
   std::optional<BBoxd> box;
   if (const auto found = file.metadata.find(kTargetBox); found != file.metadata.end() && phi->getName() == "phi") {
     box = boxFromMetadata(found->second, path);

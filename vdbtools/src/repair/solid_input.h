@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file solid_input.h
-/// From a file to signed distances, in the same way for every command that takes a shape.
+/// Reads a file and computes signed distances, in the same way for every command that takes a shape.
 #pragma once
 
 #include "vdbtools/distance/mesh_to_sdf.h"
@@ -22,49 +22,50 @@ std::string boxText(const openvdb::BBoxd& box);
 
 double longestSide(const openvdb::BBoxd& box);
 
-/// A mesh as it is made into distances.
+/// A mesh in the form from which distances are computed.
 struct SolidSource {
-  /// The file's, or the one in memory; of a cloud of points as asPoints() has it. What is painted is painted on it.
+  /// The mesh of the file, or the one in memory; a point cloud as converted by asPoints(). Painted attributes belong to
+  /// it.
   std::shared_ptr<const Mesh> mesh;
-  std::shared_ptr<const Mesh> solid;  ///< the same, or the block that was made of it
-  MeshReport report;                  ///< of the latter, but for its box
-  openvdb::BBoxd box;                 ///< of the shape, with what thickening adds, world units
+  std::shared_ptr<const Mesh> solid;  ///< the same mesh, or the block made from it
+  MeshReport report;                  ///< report on solid, except for its box
+  openvdb::BBoxd box;                 ///< bounds of the shape, including what thickening adds, world units
 };
 
 /// @param given  a mesh in memory, or nullptr to read @a path
 /// @throw as readMesh(), readPoints() and solidified()
 /// @throw DataError  a mesh in memory has no triangle, a coordinate that is not finite, or an index out of range; or
-///                   the shape has no extent to measure voxels by
+///                   the shape has no extent from which a voxel size could follow
 SolidSource openSolid(const std::filesystem::path& path, const std::shared_ptr<const Mesh>& given,
                       const MendOptions& mend);
 
-/// @throw std::invalid_argument  a plate or balls too thin for voxels of this size
+/// @throw std::invalid_argument  a plate or balls that are too thin for voxels of this size
 void requireResolved(const MendOptions& mend, double voxelSize);
 
 MeshToSdfOptions sdfBand(double voxelSize, double exteriorWidth, double interiorWidth);
 
 struct MeshSdf {
   openvdb::FloatGrid::Ptr grid{};
-  std::optional<double> moved{}, closedGap{};  ///< of a repair, world units
+  std::optional<double> moved{}, closedGap{};  ///< results of a repair, world units
   std::size_t caps = 0;                        ///< holes that a repair capped
-  std::size_t united = 0;                      ///< parts that run into each other, as of meshToSdf()
+  std::size_t united = 0;                      ///< parts that intersect each other, as in meshToSdf()
 };
 
-/// By meshToSdf() or repairedMeshToSdf(), of the mesh or of the surface at a distance from it.
+/// Uses meshToSdf() or repairedMeshToSdf(), on the mesh or on the surface at a distance from it.
 MeshSdf makeSdf(const Mesh& solid, const MeshToSdfOptions& options, const MendOptions& mend, Monitor& monitor);
 
-/// The same on a lattice centred on the target: its nodes sample the shape in the same way wherever the shape lies, so
-/// the fractal is the same.
+/// As makeSdf(), on a lattice centred on the target. Its nodes sample the shape in the same way wherever the shape
+/// lies, so the fractal is the same.
 MeshSdf makeSdfAbout(const openvdb::Vec3d& middle, Mesh solid, const MeshToSdfOptions& options, const MendOptions& mend,
                      Monitor& monitor);
 
-/// The numbers of the lattice of a grid of makeSdfAbout(), from which placeOnLattice() makes its transform again. A
-/// file holds the copy of a transform, which is another one by a rounding.
+/// The numbers of the lattice of a grid from makeSdfAbout(), from which placeOnLattice() reproduces its transform. The
+/// copy of a transform in a file differs by rounding.
 std::string latticeText(const openvdb::FloatGrid& grid);
-/// @throw DataError  @a text is none of latticeText()
+/// @throw DataError  @a text was not made by latticeText()
 void placeOnLattice(openvdb::FloatGrid& grid, const std::string& text);
 
-/// The target that a VDB holds, its box from the metadata where they have it.
+/// The target in a VDB, with its box from the metadata if it is there.
 /// @throw as readVdb(), chooseFloatGrid() and makeTarget()
 Target readVdbTarget(const std::filesystem::path& path, const std::string& grid);
 

@@ -2,20 +2,27 @@
 #include "vdbtools/scene/fractal_options.h"
 
 #include <algorithm>
+#include <iterator>
 #include <stdexcept>
+#include <utility>
 
 namespace vdbtools {
 namespace {
 
-std::vector<std::string> parseGrids(const RecipeReader& reader) {
-  constexpr const char* kKnown[] = {"surface", "density", "logmodulus", "iterations", "versor"};
-  std::vector<std::string> grids;
-  for (const std::string& grid : split(reader.text("grids"), ',')) {
-    if (std::find(std::begin(kKnown), std::end(kKnown), grid) == std::end(kKnown))
-      reader.refuse("grids", "a list of surface, density, logmodulus, iterations, versor");
-    if (std::find(grids.begin(), grids.end(), grid) != grids.end())
+std::vector<OutputGrid> parseGrids(const RecipeReader& reader) {
+  constexpr std::pair<const char*, OutputGrid> kKnown[] = {{"surface", OutputGrid::Surface},
+                                                           {"density", OutputGrid::Density},
+                                                           {"logmodulus", OutputGrid::LogModulus},
+                                                           {"iterations", OutputGrid::Iterations},
+                                                           {"versor", OutputGrid::Versor}};
+  std::vector<OutputGrid> grids;
+  for (const std::string& name : split(reader.text("grids"), ',')) {
+    const auto known =
+        std::find_if(std::begin(kKnown), std::end(kKnown), [&](const auto& k) { return k.first == name; });
+    if (known == std::end(kKnown)) reader.refuse("grids", "a list of surface, density, logmodulus, iterations, versor");
+    if (std::find(grids.begin(), grids.end(), known->second) != grids.end())
       reader.refuse("grids", "a list in which no name occurs twice");
-    grids.push_back(grid);
+    grids.push_back(known->second);
   }
   return grids;
 }
@@ -112,18 +119,19 @@ FractalOptions parseFractalOptions(const Recipe& recipe, const MapRegistry& maps
 }
 
 FractalOptions forPictures(FractalOptions options) {
-  options.picture = true;
-  return options;
-}
-
-bool picturesDiffer(const FractalOptions& options) {
   const ShellSettings* const shell = options.map->shell();
-  return shell && !shell->interpolation;
+  options.picture = shell && !shell->interpolation;
+  return options;
 }
 
 bool dropsCrumbs(const FractalOptions& options) {
   const Crumbs crumbs = options.surface.crumbs;
   return crumbs == Crumbs::Drop || (crumbs == Crumbs::Auto && options.map->shell());
+}
+
+bool dropsIslands(const FractalOptions& options) {
+  const IslandOptions& islands = options.surface.islands;
+  return islands.largest > 0 || islands.minSize > 0;
 }
 
 void requireTarget(const FractalOptions& options) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/scene/prepared_scene.h"
 
+#include "scene/placed_target.h"
+
 #include "base/json_text.h"
 #include "repair/solid_input.h"
 #include "vdbtools/base/errors.h"
@@ -137,17 +139,19 @@ void requireSound(const Scene& scene) {
   const auto isRange = [](const std::pair<double, double>& r) { return r.first <= r.second; };
   const auto isBox = [](const BBoxd& b) { return b.min().isFinite() && b.max().isFinite() && b.isSorted(); };
   require(scene.voxelSize > 0 && std::isfinite(scene.voxelSize), "voxel size");
-  require(isOrbit(scene.orbit), "orbit");
-  require(isPlaced(scene.space) && isPlaced(scene.placed.space) && isPlaced(scene.placed.unmoved), "space");
-  if (scene.target)
-    require(isBox(scene.target->box) && (!scene.target->denseBox || !scene.target->denseBox->empty()), "target");
-  for (const auto& [name, control] : scene.controls)
-    require(isPlaced(control.space) && !control.grid->evalActiveVoxelBoundingBox().empty(), "controls");
-  if (!scene.exponent) {
-    require(isBox(scene.region), "region");
+  require(isOrbit(scene.field.orbit), "orbit");
+  require(isPlaced(scene.field.space) && isPlaced(scene.placed.space) && isPlaced(scene.placed.unmoved), "space");
+  if (scene.target) {
+    const Target& target = scene.target->distances;
+    require(isBox(target.box) && (!target.denseBox || !target.denseBox->empty()), "target");
+    for (const auto& [name, control] : scene.target->controls)
+      require(isPlaced(control.space) && !control.grid->evalActiveVoxelBoundingBox().empty(), "controls");
+  }
+  if (!scene.exponent()) {
+    require(isBox(scene.region()), "region");
     return;
   }
-  const ExponentGrid& e = *scene.exponent;
+  const ExponentGrid& e = *scene.exponent();
   // The map reads the exponent where its own space is.
   require(e.space.centre == scene.placed.space.centre && e.space.scale == scene.placed.space.scale,
           "spaces, of which the exponent has another one,");
@@ -156,38 +160,53 @@ void requireSound(const Scene& scene) {
           "exponent");
 }
 
+/// @param space  where the map reads the octave
+SceneTarget sceneTargetOf(const VdbFile& file, const json& entry, const FractalSpace& space,
+                          const FractalOptions& options, const std::filesystem::path& path) {
+  SceneTarget target{.distances = targetOf(entry.at("target"), gridOf(file, "phi", path)),
+                     .volume = numberOf(entry.at("target_volume"))};
+  if (options.output.attributes.has(PointAttribute::Tau)) target.thickness = gridOf(file, "thickness", path);
+  if (options.map->frequency()) target.octave = OctaveGrid{gridOf(file, "octave", path), space};
+  for (const MapControl& control : options.map->controls()) {
+    const FractalSpace where = spaceOf(entry.at("controls").at(control.name));
+    target.controls[control.name] = {gridOf(file, ("control-" + control.name).c_str(), path), where};
+  }
+  return target;
+}
+
 }  // namespace
 
 std::string encodePreparedScene(const Scene& scene) {
-  json entry = {{"region", box(scene.region)},
-                {"voxel_size", number(scene.voxelSize)},
-                {"orbit", orbit(scene.orbit)},
-                {"doubles", scene.arithmetic == Arithmetic::Double},
-                {"space", space(scene.space)},
+  json entry = {{"voxel_size", number(scene.voxelSize)},
+                {"orbit", orbit(scene.field.orbit)},
+                {"doubles", scene.field.arithmetic == Arithmetic::Double},
+                {"space", space(scene.field.space)},
                 {"placed", space(scene.placed.space)},
                 {"unmoved", space(scene.placed.unmoved)},
-                {"facts", scene.metadata},
-                {"target_volume", scene.targetVolume ? number(*scene.targetVolume) : json()}};
+                {"facts", scene.metadata}};
   std::vector<openvdb::GridBase::Ptr> grids;
   if (scene.target) {
-    entry["target"] = target(*scene.target);
-    grids.push_back(named(scene.target->phi, "phi"));
+    entry["target"] = target(scene.target->distances);
+    entry["target_volume"] = number(scene.target->volume);
+    grids.push_back(named(scene.target->distances.phi, "phi"));
+    if (scene.target->octave) grids.push_back(named(scene.target->octave->grid, "octave"));
+    json controls = json::object();
+    for (const auto& [name, control] : scene.target->controls) {
+      controls[name] = space(control.space);
+      grids.push_back(named(control.grid, ("control-" + name).c_str()));
+    }
+    if (!controls.empty()) entry["controls"] = std::move(controls);
+    if (scene.target->thickness) {
+      const FloatGrid::Ptr thickness = scene.target->thickness->deepCopy();
+      thickness->setName("thickness");
+      grids.push_back(thickness);
+    }
   }
-  if (scene.exponent) {
-    entry["exponent"] = exponentNumbers(*scene.exponent);
-    grids.push_back(named(scene.exponent->grid, "exponent"));
-  }
-  if (scene.octave) grids.push_back(named(scene.octave->grid, "octave"));
-  json controls = json::object();
-  for (const auto& [name, control] : scene.controls) {
-    controls[name] = space(control.space);
-    grids.push_back(named(control.grid, ("control-" + name).c_str()));
-  }
-  if (!controls.empty()) entry["controls"] = std::move(controls);
-  if (scene.thickness) {
-    const FloatGrid::Ptr thickness = scene.thickness->deepCopy();
-    thickness->setName("thickness");
-    grids.push_back(thickness);
+  if (const ExponentGrid* const exponent = scene.exponent()) {
+    entry["exponent"] = exponentNumbers(*exponent);
+    grids.push_back(named(exponent->grid, "exponent"));
+  } else {
+    entry["region"] = box(scene.region());
   }
   // A VDB has a grid.
   if (grids.empty()) grids.push_back(named(FloatGrid::create(), "none"));
@@ -206,25 +225,20 @@ Scene readPreparedScene(const FractalOptions& options, const std::filesystem::pa
   try {
     const json entry = parsedJson<json>(found->second);
     scene.options = options;
-    scene.region = boxOf(entry.at("region"));
     scene.voxelSize = numberOf(entry.at("voxel_size"));
-    scene.orbit = recordedOrbit(entry.at("orbit"));
-    scene.arithmetic = entry.at("doubles").get<bool>() ? Arithmetic::Double : Arithmetic::Float;
-    scene.space = spaceOf(entry.at("space"));
+    scene.field.orbit = recordedOrbit(entry.at("orbit"));
+    scene.field.arithmetic = entry.at("doubles").get<bool>() ? Arithmetic::Double : Arithmetic::Float;
+    scene.field.space = spaceOf(entry.at("space"));
     scene.placed = {spaceOf(entry.at("placed")), spaceOf(entry.at("unmoved"))};
     scene.metadata = entry.at("facts").get<Metadata>();
-    if (!entry.at("target_volume").is_null()) scene.targetVolume = numberOf(entry.at("target_volume"));
-    if (entry.contains("target")) scene.target = targetOf(entry["target"], gridOf(file, "phi", path));
-    if (options.output.attributes.has(PointAttribute::Tau)) scene.thickness = gridOf(file, "thickness", path);
-    if (entry.contains("exponent")) scene.exponent = exponentOf(entry["exponent"], gridOf(file, "exponent", path));
-    // It lies where the map reads the exponent.
-    if (options.map->frequency()) scene.octave = OctaveGrid{gridOf(file, "octave", path), scene.placed.space};
-    for (const MapControl& control : options.map->controls()) {
-      const FractalSpace where = spaceOf(entry.at("controls").at(control.name));
-      scene.controls[control.name] = {gridOf(file, ("control-" + control.name).c_str(), path), where};
-    }
-    if (options.target && !scene.target) throw DataError("there is no target");
-    if (options.map->shell() && !scene.exponent) throw DataError("there is no exponent");
+    if (entry.contains("target")) scene.target = sceneTargetOf(file, entry, scene.placed.space, options, path);
+    const bool needsTarget =
+        options.target || options.map->shell() || options.map->frequency() || !options.map->controls().empty();
+    if (needsTarget && !scene.target) throw DataError("there is no target");
+    if (options.map->shell())
+      scene.domain = SceneShell{exponentOf(entry.at("exponent"), gridOf(file, "exponent", path))};
+    else
+      scene.domain = boxOf(entry.at("region"));
     requireSound(scene);
   } catch (const json::exception& error) {
     refuse(error.what());
@@ -232,14 +246,8 @@ Scene readPreparedScene(const FractalOptions& options, const std::filesystem::pa
     refuse(error.what());
   }
   const MapFiles files = options.map->readFiles();
-  scene.map = options.map->instance({.files = files,
-                                     .target = scene.target ? &*scene.target : nullptr,
-                                     .space = scene.placed.space,
-                                     .unmovedSpace = scene.placed.unmoved,
-                                     .exponent = scene.exponent ? &*scene.exponent : nullptr,
-                                     .octave = scene.octave ? &*scene.octave : nullptr,
-                                     .controls = &scene.controls});
-  scene.evaluator = scene.map->evaluator(scene.arithmetic, scene.orbit);
+  scene.field.map = mapInstance(scene, files);
+  scene.field.evaluator = scene.field.map->evaluator(scene.field.arithmetic, scene.field.orbit);
   return scene;
 }
 

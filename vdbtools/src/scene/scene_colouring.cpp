@@ -19,9 +19,9 @@ namespace {
 /// World units.
 std::pair<double, double> depthRange(const Scene& scene) {
   constexpr double kShare = 0.05;  // of the target's longest side
-  const double usual = kShare * longestSide(scene.target->box);
-  if (!scene.exponent) return {-usual, usual};
-  const ExponentGrid& exponent = *scene.exponent;
+  const double usual = kShare * longestSide(scene.target->distances.box);
+  if (!scene.exponent()) return {-usual, usual};
+  const ExponentGrid& exponent = *scene.exponent();
   // E = alpha (phi - beta), and the surface lies where E is within the interval of the shell.
   const double scale = exponent.space.scale, alpha = exponent.alphaRange.first;
   const double low = scale * (exponent.shell.lower / alpha + exponent.betaRange.first);
@@ -33,14 +33,14 @@ std::pair<double, double> depthRange(const Scene& scene) {
 /// Holds the whole set or nearly so, world units; of a map whose region nothing else says, the scene's.
 openvdb::BBoxd wholeSet(const Scene& scene) {
   if (scene.target) {
-    openvdb::BBoxd box = scene.target->box;
+    openvdb::BBoxd box = scene.target->distances.box;
     box.expand(std::max(0.0, depthRange(scene).second));
     return box;
   }
   const FractalSpace& space = scene.placed.space;
   if (const std::optional<double> radius = scene.options.map->radius())
     return {space.toWorld({-*radius, -*radius, -*radius}), space.toWorld({*radius, *radius, *radius})};
-  return scene.region;
+  return scene.region();
 }
 
 /// Where lines along the axes meet the surface, on its inner side; fractal space. @param lines  of a side of the box
@@ -92,7 +92,7 @@ std::optional<GradientRange> occurringRange(const Scene& scene, FieldColouring c
                    kNear = 1.0 / 512;  // at each end; of the longest side, as pictures have their steps
   // Doubles in the place before the lattice's shift, for the voxels are to decide nothing.
   const FractalSpace& space = scene.placed.space;
-  const auto evaluator = scene.map->evaluator(Arithmetic::Double, scene.orbit);
+  const auto evaluator = scene.field.map->evaluator(Arithmetic::Double, scene.field.orbit);
   const openvdb::BBoxd box = wholeSet(scene);
   std::vector<julia::Point> points;
   for (std::size_t lines = 16; points.size() < kEnough && lines <= kMostLines; lines *= 2)
@@ -124,8 +124,8 @@ FieldColouring sceneColouring(const Scene& scene, const ColourChoice& choice) {
   if (!scene.target)
     throw std::invalid_argument("colours by depth need a target; give a mesh or a VDB, or choose other colours");
   const auto [low, high] = depthRange(scene);
-  colouring.depth =
-      DepthColouring{.distance = distanceControl(*scene.target), .space = scene.space, .low = low, .high = high};
+  colouring.depth = DepthColouring{
+      .distance = distanceControl(scene.target->distances), .space = scene.field.space, .low = low, .high = high};
   return spread();
 }
 

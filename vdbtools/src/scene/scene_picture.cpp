@@ -7,7 +7,7 @@ namespace vdbtools {
 
 openvdb::BBoxd pictureRegion(const Scene& scene) {
   if (scene.options.lattice.box) return *scene.options.lattice.box;
-  return scene.exponent ? meshBox(planScene(scene)) : scene.region;
+  return scene.exponent() ? meshBox(planScene(scene)) : scene.region();
 }
 
 FieldRenderOptions pictureOptions(const Scene& scene, const openvdb::BBoxd& region, const FieldPicture& picture,
@@ -18,7 +18,7 @@ FieldRenderOptions pictureOptions(const Scene& scene, const openvdb::BBoxd& regi
                                        scene.options.output.axes.target);
   const std::optional<ColourChoice>& chosen = scene.options.output.attributes.colour;
   options.colour = sceneColouring(scene, picture.colour.value_or(chosen.value_or(ColourChoice{.by = usual})));
-  options.orbit = scene.orbit;
+  options.orbit = scene.field.orbit;
   options.dropAxis = scene.options.map->embedding().dropped;
   return options;
 }

@@ -31,7 +31,7 @@ std::string percent(double share) { return shortText(std::round(1000 * share) / 
 
 /// "--resolution 440" or "--voxel-size 0.01", whichever the recipe has; empty where the number is beyond all reason.
 std::string voxelOptionFor(const Scene& scene, double voxel) {
-  const double resolution = upToTens(longestSide(scene.target->box) / voxel);
+  const double resolution = upToTens(longestSide(scene.target->distances.box) / voxel);
   if (resolution > kMostResolution) return {};
   if (scene.options.lattice.voxels.voxelSize) return "--voxel-size " + shortText(voxel, Rounding::Down);
   return "--resolution " + shortText(resolution);
@@ -40,13 +40,13 @@ std::string voxelOptionFor(const Scene& scene, double voxel) {
 std::string textureRemedy(const Scene& scene, const VoxelAdvice& advice) {
   const std::string option = advice.textureVoxel ? voxelOptionFor(scene, *advice.textureVoxel) : "";
   if (!option.empty()) return option + " shows all but " + percent(kTextureLeftOut) + " of it";
-  return scene.octave ? "a lower --frequency makes it wider" : "a larger --versor-scale makes it wider";
+  return scene.target->octave ? "a lower --frequency makes it wider" : "a larger --texture-scale makes it wider";
 }
 
 std::string coreRemedy(const Scene& scene, const VoxelAdvice& advice) {
   const std::string option = advice.coreVoxel ? voxelOptionFor(scene, *advice.coreVoxel) : "";
   // Where there is no core at all, voxels do not make one.
-  const bool voxelsDo = !option.empty() && scene.features->core.shareBelow(2 * *advice.coreVoxel) < kCoreWorthSaying;
+  const bool voxelsDo = !option.empty() && scene.features()->core.shareBelow(2 * *advice.coreVoxel) < kCoreWorthSaying;
   if (voxelsDo) return option + " holds it";
   return option.empty() ? "less --detail makes it thicker" : option + " and less --detail hold it";
 }
@@ -57,15 +57,15 @@ struct Extent {
 };
 
 Extent extentOf(const Scene& scene) {
-  Extent extent{.area = scene.features->area};
-  const openvdb::FloatGrid& exponent = *scene.exponent->grid;
+  Extent extent{.area = scene.features()->area};
+  const openvdb::FloatGrid& exponent = *scene.exponent()->grid;
   const double node = std::abs(exponent.transform().voxelSize().product());
   std::optional<BBoxd> box;
   if (scene.options.lattice.box) box = exponent.transform().worldToIndex(*scene.options.lattice.box);
   double nodes = 0;
   for (auto value = exponent.cbeginValueOn(); value; ++value) {
     if (box && !box->isInside(value.getCoord().asVec3d())) continue;
-    nodes += *value > scene.exponent->shell.lower && *value < scene.exponent->shell.upper;
+    nodes += *value > scene.exponent()->shell.lower && *value < scene.exponent()->shell.upper;
   }
   extent.volume = nodes * node;
   return extent;
@@ -88,8 +88,8 @@ VoxelAdvice adviseVoxels(const FeatureSizes& sizes, double voxel) {
 }
 
 std::string finerThanVoxelsText(const Scene& scene) {
-  if (!scene.features) return {};
-  const VoxelAdvice advice = adviseVoxels(*scene.features, scene.voxelSize);
+  if (!scene.features()) return {};
+  const VoxelAdvice advice = adviseVoxels(*scene.features(), scene.voxelSize);
   std::string text;
   if (advice.textureShare > kTextureWorthSaying)
     text = percent(advice.textureShare) + " of the texture is finer than two voxels; " + textureRemedy(scene, advice);
@@ -105,10 +105,10 @@ double estimatedMemory(const Scene& scene, double voxel) { return memoryAt(exten
 ChosenResolution chooseResolution(const Scene& scene, bool withinMemory) {
   // Along the longest side of what is made: no less than without the option, and no more than floats serve.
   constexpr double kLeast = 300, kMost = 1000;
-  const double side = longestSide(scene.target->box);
+  const double side = longestSide(scene.target->distances.box);
   const double made = scene.options.lattice.box ? std::min(side, longestSide(*scene.options.lattice.box)) : side;
   const double least = upToTens(kLeast * side / made), most = upToTens(kMost * side / made);
-  const VoxelAdvice advice = adviseVoxels(*scene.features, side / least);
+  const VoxelAdvice advice = adviseVoxels(*scene.features(), side / least);
   double wanted = least;
   if (advice.coreVoxel && upToTens(side / *advice.coreVoxel) <= most)
     wanted = std::max(wanted, upToTens(side / *advice.coreVoxel));
@@ -130,7 +130,7 @@ std::string chosenResolutionText(const Scene& scene) {
   std::string text = "resolution " + shortText(resolution) + ": ";
   switch (limit) {
     case ChosenResolution::Limit::None:
-      return text + "all but " + percent(adviseVoxels(*scene.features, scene.voxelSize).textureShare) +
+      return text + "all but " + percent(adviseVoxels(*scene.features(), scene.voxelSize).textureShare) +
              " of the texture is at least two voxels wide";
     case ChosenResolution::Limit::Most: return text + "the most that 'auto' takes";
     case ChosenResolution::Limit::Memory: break;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file point_cells.h
-/// Points by the cells of a lattice, to find those within a distance.
+/// Points sorted into the cells of a lattice, to find those within a distance.
 #pragma once
 
 #include "base/keyed_hash.h"
@@ -15,11 +15,11 @@
 
 namespace vdbtools {
 
-/// May be searched in many threads while nothing is added.
+/// Many threads may search it while nothing is added.
 class PointCells {
  public:
-  /// @param reach   the largest distance that is searched for
-  /// @param origin  near the points: cells are counted from there
+  /// @param reach   the maximum search distance
+  /// @param origin  near the points; cells are counted from there
   PointCells(double reach, const openvdb::Vec3d& origin) : mReach(reach), mOrigin(origin) {}
 
   std::uint32_t add(const openvdb::Vec3d& p) {

@@ -21,7 +21,7 @@ namespace {
 using openvdb::Vec3d;
 using openvdb::Vec3s;
 
-// Uses of random numbers that must not depend on each other.
+// Independent streams of random numbers.
 enum Stream : std::uint64_t { kArea = 1, kFirst, kSecond, kOrder, kPieces };
 
 constexpr std::size_t kGrain = 512;  ///< points that a thread moves at a time
@@ -42,7 +42,7 @@ class Surface {
   const Mesh& mesh() const { return mMesh; }
   double area() const { return mArea; }
 
-  /// The triangle in which the share @a share of the area is reached.
+  /// The triangle in which the cumulative area reaches the fraction @a share.
   std::uint32_t triangleAt(double share) const {
     const auto at = std::upper_bound(mAreas.begin(), mAreas.end(), share * mArea);
     return static_cast<std::uint32_t>(std::min(at - mAreas.begin(), std::ptrdiff_t(mAreas.size()) - 1));
@@ -67,19 +67,19 @@ class Surface {
     return point;
   }
 
-  /// Uniform over a triangle, from two uniform numbers.
+  /// Uniform weights over a triangle, from two uniform numbers.
   static Vec3d weightsOf(double u, double v) {
     const double root = std::sqrt(u);
     return {1 - root, root * (1 - v), root * v};
   }
 
-  /// Number @a i of points that are uniform over the mesh.
+  /// Point number @a i of points that are uniform over the mesh.
   PlacedPoint anywhere(std::uint64_t seed, std::uint64_t i) const {
     return place(triangleAt(randomUnit(seed, kArea, i)),
                  weightsOf(randomUnit(seed, kFirst, i), randomUnit(seed, kSecond, i)));
   }
 
-  /// The same for points of which each has 1 / @a count of the area for itself.
+  /// As above, for stratified points, each with 1 / @a count of the area for itself.
   PlacedPoint stratum(std::uint64_t seed, std::uint64_t i, std::uint64_t count) const {
     return place(triangleAt((static_cast<double>(i) + randomUnit(seed, kArea, i)) / static_cast<double>(count)),
                  weightsOf(randomUnit(seed, kFirst, i), randomUnit(seed, kSecond, i)));
@@ -88,11 +88,11 @@ class Surface {
  private:
   const Mesh& mMesh;
   bool mKeepsCreases;
-  std::vector<double> mAreas;  ///< up to and with each triangle
+  std::vector<double> mAreas;  ///< cumulative, including each triangle
   double mArea = 0;
 };
 
-/// Makes points in threads, and moves them where they belong.
+/// Makes points in threads, and moves them to the true surface.
 template <class Make>
 std::vector<PlacedPoint> movedPoints(std::size_t count, const PointMover& move, const Monitor& monitor,
                                      const Make& make) {
@@ -104,11 +104,11 @@ std::vector<PlacedPoint> movedPoints(std::size_t count, const PointMover& move, 
   return points;
 }
 
-/// The spacing and the reach of finished points.
+/// Measures the spacing and the reach of finished points.
 void measure(SpacedPoints& result, const Surface& surface, double usual, std::uint64_t seed, const Monitor& monitor) {
   PointCells cells(usual, surface.mesh().points[surface.mesh().triangles[0][0]]);
   for (const PlacedPoint& point : result.points) cells.add(point.position);
-  // In rings of growing width, as points may be lost over wide regions.
+  // Searches in rings of growing width, because points may be lost over wide regions.
   const auto nearest = [&](const Vec3d& p, std::int64_t except, double most) {
     for (double within = usual;; within *= 2) {
       double best = std::numeric_limits<double>::infinity();
@@ -119,7 +119,7 @@ void measure(SpacedPoints& result, const Surface& surface, double usual, std::ui
       if (std::isfinite(best) || within >= most) return std::sqrt(best);
     }
   };
-  constexpr int kMostRings = 8;  // of twice the width each
+  constexpr int kMostRings = 8;  // each twice as wide as the previous one
   const double most = usual * kMostRings;
   std::vector<double> apart(result.points.size()), away(4 * result.points.size());
   inParallel(apart.size(), kGrain, monitor, [&](std::size_t begin, std::size_t end) {
@@ -146,7 +146,7 @@ void requireSome(const SpacedPoints& result) {
 /// A part of a triangle that points do not cover yet.
 struct Piece {
   std::uint32_t triangle;
-  std::array<Vec3d, 3> corners;  ///< weights of the triangle's corners
+  std::array<Vec3d, 3> corners;  ///< as weights of the triangle's corners
 };
 
 class DartThrower {
@@ -165,7 +165,7 @@ class DartThrower {
   }
 
  private:
-  /// Keeps those of the points, in their order, that are far enough from all before.
+  /// Keeps those points, in order, that are far enough from all previous ones.
   void accept(const std::vector<PlacedPoint>& points, const std::vector<std::uint32_t>& order) {
     for (const std::uint32_t i : order) {
       const PlacedPoint& point = points[i];
@@ -179,10 +179,10 @@ class DartThrower {
   }
 
   void throwAnywhere() {
-    constexpr double kDarts = 3;  // times the square of the spacing, about four times as many as will stay
+    constexpr double kDarts = 3;  // per square of the spacing, about four times as many as will remain
     constexpr std::size_t kAtOnce = std::size_t{1} << 15;
     const auto count = static_cast<std::size_t>(kDarts * mSurface.area() / (mSpacing * mSpacing)) + 1;
-    mMonitor.begin("points", count);
+    mMonitor.begin(PhaseKind::Points, count);
     std::vector<std::uint32_t> order(kAtOnce);
     std::iota(order.begin(), order.end(), 0U);
     for (std::size_t begin = 0; begin < count; begin += kAtOnce) {
@@ -195,7 +195,7 @@ class DartThrower {
     }
   }
 
-  /// Whether one point alone covers all of a piece.
+  /// Whether a single point covers all of a piece.
   bool covered(const Piece& piece) const {
     std::array<Vec3d, 3> corners;
     for (std::size_t c = 0; c < 3; ++c) corners[c] = at(piece, piece.corners[c]);
@@ -224,9 +224,9 @@ class DartThrower {
     return result;
   }
 
-  /// The two halves of each piece, but none of those that are too small to hold a gap that matters.
+  /// The two halves of each piece, without those that are too small to contain a relevant gap.
   std::vector<Piece> halves(const std::vector<Piece>& pieces) const {
-    constexpr double kSmallest = 0.1;  // of the spacing: what a gap may add to the distance from a point
+    constexpr double kSmallest = 0.1;  // of the spacing; the amount by which a gap may extend the distance from a point
     std::vector<Piece> result;
     for (const Piece& piece : pieces) {
       double longest = 0;
@@ -243,7 +243,7 @@ class DartThrower {
     return result;
   }
 
-  /// A point in each piece; pieces in random order, so that none is before its neighbours for long.
+  /// Tries a point in each piece; pieces are in random order, so that none precedes its neighbours for long.
   void throwAt(const std::vector<Piece>& pieces, std::uint64_t round) {
     const std::uint64_t stream = kPieces + 3 * round;
     std::vector<std::uint64_t> keys(pieces.size());
@@ -273,7 +273,7 @@ class DartThrower {
       some = uncovered(some);
       pieces.insert(pieces.end(), some.begin(), some.end());
     }
-    mMonitor.begin("gaps", 0);
+    mMonitor.begin(PhaseKind::Gaps, 0);
     for (std::uint64_t round = 0; !pieces.empty(); ++round) {
       throwAt(pieces, round);
       pieces = uncovered(halves(uncovered(pieces)));
@@ -290,10 +290,10 @@ class DartThrower {
 
 // Weighted sample elimination.
 
-/// Takes points away one by one, always the one that others crowd most, until @a count are left.
+/// Removes points one by one, always the most crowded one, until @a count are left.
 std::vector<PlacedPoint> eliminated(const std::vector<PlacedPoint>& points, std::size_t count, double area,
                                     Monitor& monitor) {
-  // The names and numbers of [Yuksel 2015].
+  // The names and values of [Yuksel 2015].
   constexpr double kAlpha = 8, kBeta = 0.65, kGamma = 1.5;
   const double most = std::sqrt(area / (2 * std::sqrt(3.0) * static_cast<double>(count)));
   const double least =
@@ -312,13 +312,13 @@ std::vector<PlacedPoint> eliminated(const std::vector<PlacedPoint>& points, std:
         return true;
       });
   });
-  // Entries stay in the queue when a weight becomes less; they are recognised by the weight that they hold.
+  // Outdated entries stay in the queue when a weight decreases; they are recognised by their weight.
   using Entry = std::pair<double, std::uint32_t>;
   std::vector<Entry> entries;
   for (std::size_t i = 0; i < points.size(); ++i) entries.emplace_back(weights[i], static_cast<std::uint32_t>(i));
   std::priority_queue<Entry> queue(std::less<Entry>(), std::move(entries));
   std::vector<char> gone(points.size(), 0);
-  monitor.begin("elimination", points.size() - count);
+  monitor.begin(PhaseKind::Elimination, points.size() - count);
   for (std::size_t left = points.size(); left > count;) {
     const auto [heaviest, i] = queue.top();
     queue.pop();
@@ -347,7 +347,7 @@ std::vector<PlacedPoint> eliminated(const std::vector<PlacedPoint>& points, std:
 SpacedPoints pointsBySpacing(const Mesh& mesh, double spacing, const SpacedPointsOptions& options, Monitor& monitor) {
   constexpr double kMostPoints = 1 << 27;
   const Surface surface(mesh, options.keepsCreases);
-  constexpr double kJammed = 0.7;  // points by the square of the spacing, as random darts fill a plane
+  constexpr double kJammed = 0.7;  // points per square of the spacing when random darts fill a plane
   const double expected = kJammed * surface.area() / (spacing * spacing);
   if (!(spacing > 0) || !std::isfinite(spacing))
     throw std::invalid_argument("points cannot be spaced by " + shortText(spacing) + "; the spacing must be positive");
@@ -368,13 +368,13 @@ SpacedPoints pointsByCount(const Mesh& mesh, std::uint64_t count, const SpacedPo
     throw std::invalid_argument("the number of points is " + std::to_string(count) + "; it must be 1 to " +
                                 std::to_string(kMostPoints));
   const Surface surface(mesh, options.keepsCreases);
-  constexpr std::uint64_t kCandidates = 5;  // for each point that is wanted, as the paper advises
+  constexpr std::uint64_t kCandidates = 5;  // for each wanted point, as the paper recommends
   constexpr int kMostTries = 4;             // to make up for points that were lost
   SpacedPoints result;
   std::vector<PlacedPoint> candidates;
   for (std::uint64_t attempt = 0; attempt < kMostTries && candidates.size() < kCandidates * count; ++attempt) {
     const std::uint64_t wanted = (kCandidates * count - candidates.size()) << attempt;
-    monitor.begin("points", 0);
+    monitor.begin(PhaseKind::Points, 0);
     const auto make = [&](std::size_t i) { return surface.stratum(options.seed + attempt * 0x51ed27U, i, wanted); };
     for (const PlacedPoint& point : movedPoints(wanted, options.move, monitor, make)) {
       if (point.lost) {

@@ -15,7 +15,7 @@ namespace {
 using openvdb::Vec3d;
 using TrianglePiece = std::array<Vec3d, 3>;
 
-/// Pieces are halved no more often than this: their sides are then below 1/1000 of the triangle's.
+/// The maximum number of halvings of a piece: its sides are then below 1/1000 of the triangle's.
 constexpr int kMostHalvings = 22;
 
 class NearProof {

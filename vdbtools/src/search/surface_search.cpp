@@ -12,7 +12,7 @@ namespace {
 
 using openvdb::Vec3d;
 
-constexpr std::uint32_t kLeaf = 4;  ///< triangles that are looked at one by one
+constexpr std::uint32_t kLeaf = 4;  ///< triangles examined one by one
 
 /// Halving 2^32 triangles makes a tree of this depth.
 constexpr std::size_t kMostDepth = 40;
@@ -82,7 +82,7 @@ void SurfaceSearch::meet(std::uint32_t triangle, const Vec3d& position, SurfaceP
   const Vec3d nearest =
       openvdb::math::closestPointOnTriangleToPoint(mPoints[t[0]], mPoints[t[1]], mPoints[t[2]], position, weights);
   const double squared = (nearest - position).lengthSqr();
-  // Not met by what is not a number, as triangles without area may give.
+  // A NaN, which triangles without area may give, fails both tests.
   if (squared < bestSquared || (squared == bestSquared && triangle < best.triangle)) {
     best = {triangle, weights, 0};
     bestSquared = squared;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file surface_search.h
-/// The nearest point of a mesh, from anywhere: a tree of boxes around triangles, searched from the nearer box on.
+/// Finds the point of a mesh nearest to a position, with a tree of boxes around triangles, searched from the nearer box
+/// on.
 #pragma once
 
 #include <openvdb/Types.h>
@@ -13,22 +14,22 @@
 
 namespace vdbtools {
 
-/// A point of a surface: a triangle, and the weights of its corners, which add up to 1.
+/// A point of a surface: a triangle, and the barycentric weights of its corners.
 struct SurfacePoint {
   std::uint32_t triangle = 0;
   openvdb::Vec3d weights{0, 0, 0};
-  double distance = 0;  ///< from where it was searched for
+  double distance = 0;  ///< from the position that was searched for
 };
 
-/// May be searched in many threads at once. The mesh may be open, and its triangles may cross.
+/// Many threads may search it at once. The mesh may be open, and its triangles may intersect.
 class SurfaceSearch {
  public:
-  /// @param points  whose differences are of ordinary size: thousandths to millions
+  /// @param points  with differences of ordinary size: thousandths to millions
   /// @pre every index is below points.size()
   SurfaceSearch(std::vector<openvdb::Vec3d> points, std::vector<openvdb::Vec3I> triangles);
 
-  /// The nearest point no farther away than @a within, if there is one; of several triangles equally near, to rounding,
-  /// the first.
+  /// Finds the nearest point at most @a within away, if there is one; of several triangles equally near, up to
+  /// rounding, the first is chosen.
   /// @param hint  a triangle that is probably near, which makes the search faster
   std::optional<SurfacePoint> nearest(const openvdb::Vec3d& position,
                                       double within = std::numeric_limits<double>::infinity(),
@@ -41,16 +42,16 @@ class SurfaceSearch {
   };
   struct Node {
     Box box;
-    std::uint32_t first = 0;  ///< of a leaf's triangles in mOrder; otherwise the second child's node
-    std::uint32_t count = 0;  ///< of a leaf's triangles; 0: the first child is the next node
+    std::uint32_t first = 0;  ///< the first of a leaf's triangles in mOrder; otherwise the second child's node
+    std::uint32_t count = 0;  ///< the number of a leaf's triangles; 0: the first child is the next node
   };
   void build(std::uint32_t begin, std::uint32_t end, const std::vector<openvdb::Vec3d>& middles);
-  /// Takes the triangle's nearest point where that is better than @a best.
+  /// Replaces @a best by the triangle's nearest point if that is nearer.
   void meet(std::uint32_t triangle, const openvdb::Vec3d& position, SurfacePoint& best, double& bestSquared) const;
 
   std::vector<openvdb::Vec3d> mPoints;
   std::vector<openvdb::Vec3I> mTriangles;
-  std::vector<std::uint32_t> mOrder;  ///< of the triangles
+  std::vector<std::uint32_t> mOrder;  ///< the triangles, sorted for the leaves
   std::vector<Node> mNodes;           ///< the root first
 };
 

@@ -38,7 +38,7 @@ const kernels::Kernels& chosenKernels() {
   return kernels::kPortable;
 }
 
-/// Every third bit from the lowest 21.
+/// Spreads the lowest 21 bits to every third bit.
 std::uint64_t spread(std::uint64_t x) {
   x &= 0x1fffff;
   x = (x | x << 32) & 0x001f00000000ffffULL;
@@ -55,7 +55,7 @@ void forAll(std::size_t count, std::size_t grain, const Body& body) {
   });
 }
 
-/// The triangles along the curve.
+/// The triangles sorted along the curve.
 std::vector<std::uint32_t> ordered(const std::vector<Vec3d>& points, const std::vector<Vec3I>& triangles,
                                    const BBoxd& box) {
   constexpr double kCells = 2097152;  // 2^21 along the longest side
@@ -78,7 +78,7 @@ std::vector<std::uint32_t> ordered(const std::vector<Vec3d>& points, const std::
   return order;
 }
 
-/// Rounded outwards.
+/// A box whose bounds are rounded outwards.
 struct Box {
   std::array<float, 3> low{kFarAway, kFarAway, kFarAway}, high{-kFarAway, -kFarAway, -kFarAway};
 
@@ -108,7 +108,7 @@ TriangleTree::TriangleTree(const std::vector<Vec3d>& givenPoints, const std::vec
     : mPoints(givenPoints), mTriangles(triangles) {
   for (const Vec3I& t : triangles)
     for (int c = 0; c < 3; ++c) mBox.expand(mPoints[t[c]]);
-  // Near the origin, doubles are finer.
+  // Near the origin, doubles are more precise.
   for (int axis = 0; axis < 3; ++axis)
     mOrigin[axis] = kOriginStep * static_cast<int>(std::lround(about.value_or(mBox.getCenter())[axis] / kOriginStep));
   if (mOrigin != Coord(0)) {
@@ -157,7 +157,7 @@ TriangleTree::TriangleTree(const std::vector<Vec3d>& givenPoints, const std::vec
   for (std::size_t l = 0; l < mLevels.size(); ++l) mView.levels[l] = mLevels[l].data();
   mView.levelCount = static_cast<unsigned>(mLevels.size());
   for (int axis = 0; axis < 3; ++axis) mView.centre[axis] = centre[axis];
-  // Of coordinates up to half the longest side, and of positions as far away again.
+  // Covers coordinates up to half the longest side, and positions as far away again.
   mView.boxSlack = 1e-5F + 4e-7F * static_cast<float>(std::max({sides[0], sides[1], sides[2]}));
   static_assert(sizeof(Vec3d) == 3 * sizeof(double) && sizeof(Vec3I) == 3 * sizeof(std::uint32_t));
   mView.points = points.front().asPointer();
@@ -165,7 +165,7 @@ TriangleTree::TriangleTree(const std::vector<Vec3d>& givenPoints, const std::vec
 }
 
 std::optional<TriangleTree::Nearest> TriangleTree::nearest(const Vec3d& position, double within) const {
-  // A little farther, as floats choose.
+  // Slightly farther, because floats choose.
   const double reach = within * 1.00001 + 2 * double{mView.boxSlack};
   auto squared = static_cast<float>(std::min(reach * reach, 1e30));
   kernels::Place place{};
@@ -188,7 +188,7 @@ void BlockDistances::Release::operator()(void* memory) const { ::operator delete
 
 void BlockDistances::reserve(std::uint32_t packs) {
   if (packs <= mScratch.capacity) return;
-  constexpr std::uint32_t kRound = 16;  // and a vector more in each array
+  constexpr std::uint32_t kRound = 16;  // plus one vector in each array
   const std::uint32_t capacity = (std::max(packs, 2 * mScratch.capacity) + kRound - 1) / kRound * kRound;
   const std::size_t room = capacity + kRound;
   const std::size_t sizes[] = {room * kernels::kCandidateBytes, room * kernels::kCandidateBytes,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file triangle_tree.h
-/// Which triangle of a mesh is nearest, for one position or for a block of nodes at once.
+/// Finds the nearest triangle of a mesh, for one position or for a block of nodes at once.
 #pragma once
 
 #include "search/kernels/triangle_kernels.h"
@@ -14,14 +14,13 @@
 namespace vdbtools {
 
 /// The triangles in the order of a space-filling curve (G. M. Morton, 1966), eight to a pack, under a tree of boxes.
-/// One unit is one voxel: bounds are rounded for positions some voxels from the nodes of a lattice.
+/// The unit is a voxel: bounds are rounded for positions a few voxels from the nodes of a lattice.
 class TriangleTree {
  public:
-  /// Both are kept by reference. Triangles need not be connected, and may be points or lines.
-  /// @param about  where doubles are to be finest: a node near the mesh, rounded to multiples of kOriginStep; by
-  /// default
-  ///               the middle of the mesh. With the same one, BlockDistances gives a node the same distance, to the
-  ///               bit, whatever other triangles there are besides its nearest.
+  /// Keeps references to points and triangles. Triangles need not be connected, and may be points or lines.
+  /// @param about  where doubles should be finest: a node near the mesh, rounded to multiples of kOriginStep; by
+  ///               default the middle of the mesh. With the same value, BlockDistances gives a node the same distance,
+  ///               to the bit, whatever other triangles there are besides its nearest one.
   /// @pre there is a triangle, all coordinates are finite, and there are fewer than 2^31 triangles
   TriangleTree(const std::vector<openvdb::Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,
                std::optional<openvdb::Vec3d> about = {});
@@ -30,21 +29,22 @@ class TriangleTree {
 
   struct Nearest {
     std::uint32_t triangle = 0;
-    openvdb::Vec3d point;  ///< of the triangle
+    openvdb::Vec3d point;  ///< on the triangle
     double distance = 0;
   };
 
-  /// The nearest triangle, if one is at most @a within away. Of those whose distances differ by the rounding of floats,
-  /// it may be any, but the same for every instruction set; its own distance is exact to the rounding of doubles.
+  /// The nearest triangle, if one is at most @a within away. If distances differ only by the rounding of floats, it may
+  /// be any of these triangles, but the same for every instruction set; the returned distance is exact up to the
+  /// rounding of doubles.
   std::optional<Nearest> nearest(const openvdb::Vec3d& position, double within) const;
 
   const openvdb::BBoxd& box() const { return mBox; }
   const std::vector<openvdb::Vec3d>& points() const { return mPoints; }
-  /// A node near the mesh. Results at nodes are the same for a mesh and nodes that are moved together, if both are
-  /// moved by a multiple of kOriginStep nodes.
+  /// A node near the mesh. If a mesh and nodes are moved together by a multiple of kOriginStep nodes, the results at
+  /// the nodes stay the same.
   const openvdb::Coord& origin() const { return mOrigin; }
   static constexpr int kOriginStep = 4096;
-  /// The points from there.
+  /// The points relative to that node.
   const std::vector<openvdb::Vec3d>& localPoints() const { return mMoved.empty() ? mPoints : mMoved; }
   const std::vector<openvdb::Vec3I>& triangles() const { return mTriangles; }
 
@@ -61,19 +61,19 @@ class TriangleTree {
   kernels::TreeView mView{};
 };
 
-/// The nearest triangles of the nodes of blocks. One for each thread.
+/// Finds the nearest triangles of the nodes of blocks. Each thread needs its own object.
 class BlockDistances {
  public:
   static constexpr int kSide = 8;  ///< nodes along a block's side
 
   explicit BlockDistances(const TriangleTree& tree);
 
-  /// The distance of a position, up to the rounding of floats, if it is at most @a within. Nearby positions that are
-  /// asked one after the other are cheap.
+  /// The distance of a position, up to the rounding of floats, if it is at most @a within. Consecutive queries of
+  /// nearby positions are cheap.
   std::optional<float> distance(const openvdb::Vec3d& position, float within);
 
-  /// The nearest triangle and its distance at each node of the block that begins at @a origin, as leaves of a FloatTree
-  /// count them. Nodes farther than @a far may keep an infinite distance.
+  /// Computes the nearest triangle and its distance at each node of the block that begins at @a origin, in the node
+  /// order of a FloatTree's leaf. Nodes farther than @a far may keep an infinite distance.
   void evaluate(const openvdb::Coord& origin, float far);
 
   const float* distances() const { return mDistances; }

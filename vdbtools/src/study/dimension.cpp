@@ -31,7 +31,7 @@ std::vector<GrowthRow> measureGrowth(FractalOptions options, std::span<const int
     options.lattice.voxels = {.resolution = resolution};
     const Scene scene = scenes.make(options, numbered);
     NoMesh sink;
-    const FractalResult result = runFractal(scene, planScene(scene), false, &sink, numbered);
+    const FractalResult result = runFractal(scene, planFractal(scene, {.mesh = true}), &sink, numbered);
     monitor.throwIfCancelled();
     rows.push_back({resolution, result.mesh.triangles, result.mesh.points, result.evaluatedNodes});
   }

@@ -47,7 +47,7 @@ std::vector<int> countInside(std::size_t count, const PointAt& pointAt, const Sc
   const std::unique_ptr<FieldEvaluator> first = seeds.evaluator(firstSeed);
   const std::size_t batch = first->preferredBatch();
   std::vector<std::vector<std::size_t>> openOfChunk(chunksOf(count, batch));
-  monitor.begin("first versor", count);
+  monitor.begin(PhaseKind::FirstVersor, count);
   inChunks(count, batch, monitor, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
     std::vector<Point> points;
     for (std::size_t i = begin; i != end; ++i) points.push_back(pointAt(i));
@@ -65,7 +65,7 @@ std::vector<int> countInside(std::size_t count, const PointAt& pointAt, const Sc
   for (const std::vector<std::size_t>& some : openOfChunk) open.insert(open.end(), some.begin(), some.end());
 
   const auto others = static_cast<std::size_t>(versors - 1);
-  monitor.begin("versors", others * open.size());
+  monitor.begin(PhaseKind::Versors, others * open.size());
   for (std::size_t done = 0; done < others; done += kVersorsAtOnce) {
     std::vector<std::unique_ptr<FieldEvaluator>> evaluators;
     for (std::size_t k = done; k < std::min(others, done + kVersorsAtOnce); ++k)
@@ -87,13 +87,14 @@ std::vector<int> countInside(std::size_t count, const PointAt& pointAt, const Sc
 
 /// Where E lies in the open shell interval, as a range of phi.
 std::optional<std::pair<double, double>> undecidedRange(const Scene& scene) {
-  if (!scene.exponent || scene.orbit.maxIterations == 1) return std::nullopt;  // the sign of E decides everything
-  const ExponentGridOptions& of = *scene.exponentOf;
+  if (!scene.exponent() || scene.field.orbit.maxIterations == 1)
+    return std::nullopt;  // the sign of E decides everything
+  const ExponentGridOptions& of = scene.shellOptions();
   const std::optional<double> alpha = of.alpha.constant(), beta = of.beta.constant();
   if (of.detail || !alpha || !beta || of.mask.constant() != 1.0) return std::nullopt;
-  const julia::ShellInterval& shell = scene.exponent->shell;
-  return std::pair{scene.space.scale * (shell.lower / *alpha + *beta),
-                   scene.space.scale * (shell.upper / *alpha + *beta)};
+  const julia::ShellInterval& shell = scene.exponent()->shell;
+  return std::pair{scene.field.space.scale * (shell.lower / *alpha + *beta),
+                   scene.field.space.scale * (shell.upper / *alpha + *beta)};
 }
 
 }  // namespace
@@ -127,15 +128,15 @@ Study runStudy(const Scene& scene, const SlicePlane& plane, const StudyOptions& 
   Study study;
   study.versors = options.versors;
   study.undecided = undecidedRange(scene);
-  const openvdb::FloatGrid& phi = *scene.target->phi;
-  study.originInside = openvdb::tools::BoxSampler::sample(phi.tree(), phi.worldToIndex(scene.space.centre)) < 0;
-  const StudyCircles circles(plane, scene.space.centre);
+  const openvdb::FloatGrid& phi = *scene.target->distances.phi;
+  study.originInside = openvdb::tools::BoxSampler::sample(phi.tree(), phi.worldToIndex(scene.field.space.centre)) < 0;
+  const StudyCircles circles(plane, scene.field.space.centre);
   if (options.circles) study.circles = circles.measure(scene, monitor);
 
   const auto width = static_cast<std::size_t>(plane.width());
   const std::size_t pixels = width * static_cast<std::size_t>(plane.height());
   const auto pointAt = [&](std::size_t i) {
-    return scene.space.toFractal(
+    return scene.field.space.toFractal(
         i < pixels ? plane.position(static_cast<int>(i % width), static_cast<int>(i / width))
                    : circles.position((i - pixels) / StudyCircles::kAngles, (i - pixels) % StudyCircles::kAngles));
   };

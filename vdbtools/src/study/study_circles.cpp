@@ -77,12 +77,12 @@ Vec3d StudyCircles::position(std::size_t circle, std::size_t angle) const {
 }
 
 std::vector<StudyCircle> StudyCircles::measure(const Scene& scene, Monitor& monitor) const {
-  monitor.begin("distances", 0);
+  monitor.begin(PhaseKind::Distances, 0);
   openvdb::BBoxd box(mCentre, mCentre);
   box.expand(mOrigin);
   constexpr double kRounding = 1.001;
   box.expand(kRounding * mFarthest);
-  const WideDistance distance(*scene.target, box, monitor);
+  const WideDistance distance(scene.target->distances, box, monitor);
   const std::vector<Vec3d> directions = unitSphere();
   std::vector<StudyCircle> circles(kRadii);
   inParallel(kRadii, 1, monitor, [&](std::size_t begin, std::size_t end) {

@@ -8,7 +8,7 @@
 namespace vdbtools {
 namespace {
 
-/// Brackets of changes of sign, in voxels from the edges' beginnings, and F at their ends.
+/// Brackets of sign changes, in voxels from the edges' beginnings, and F at their ends.
 struct Brackets {
   std::vector<std::uint32_t> edge;
   std::vector<double> low, high, atLow, atHigh;
@@ -27,8 +27,8 @@ struct Brackets {
   }
 };
 
-/// F guides the search, but it cannot be trusted: it spans many orders of magnitude and jumps where an orbit escapes
-/// one step sooner. Far from 0, little more than its sign matters.
+/// F guides the search but is unreliable: it spans many orders of magnitude and jumps where an orbit escapes one step
+/// earlier. Far from 0, little more than its sign matters.
 double damped(double field) { return field / (1 + std::abs(field)); }
 
 /// Where to evaluate next: the step of the ITP method (Oliveira and Takahashi, ACM TOMS 47(1), 2020), which
@@ -37,7 +37,7 @@ double nextPoint(double low, double high, double atLow, double atHigh, double mo
   constexpr double kTruncation = 0.1;
   const double size = high - low, middle = low + size / 2;
   const double interpolated = (high * atLow - low * atHigh) / (atLow - atHigh);
-  // A little towards the middle, so that the change is likely to lie on the short side.
+  // Shifted slightly towards the middle, so that the sign change is likely to be on the short side.
   const double towards = middle >= interpolated ? 1 : -1;
   const double truncation = kTruncation * size * size;
   const double truncated = truncation <= std::abs(middle - interpolated) ? interpolated + towards * truncation : middle;
@@ -45,7 +45,7 @@ double nextPoint(double low, double high, double atLow, double atHigh, double mo
   return std::abs(truncated - middle) <= reach ? truncated : middle - towards * reach;
 }
 
-/// F at the ends of which the sign alone is known, as it would have been stored.
+/// Evaluates F at ends of which only the sign is known, as it would have been stored.
 void evaluateEnds(const std::vector<LatticeEdge>& edges, double voxelSize, const FieldSource& source,
                   Brackets& brackets) {
   constexpr float kUnknown = static_cast<float>(julia::kFieldLimit);
@@ -66,8 +66,8 @@ void evaluateEnds(const std::vector<LatticeEdge>& edges, double voxelSize, const
   for (std::size_t i = 0; i < ends.size(); ++i) *ends[i] = damped(static_cast<double>(julia::storedField(field[i])));
 }
 
-/// Takes the brackets out that are narrow enough. There are no branches, which could not be predicted: the middle of
-/// a bracket that stays is written again later.
+/// Removes the brackets that are narrow enough. It does not branch on the test, which is unpredictable: the midpoint of
+/// a remaining bracket is overwritten later.
 void removeNarrow(Brackets& brackets, double width, std::vector<double>& found) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < brackets.size(); ++i) {
@@ -93,9 +93,9 @@ std::vector<openvdb::Vec3d> searchEdges(const std::vector<LatticeEdge>& edges, d
     index[edge.axis] += t;
     return index * voxelSize;
   };
-  // The middle of the last bracket is within half its width of the change.
+  // The midpoint of the last bracket is within half its width of the sign change.
   const double width = 2 * tolerance;
-  int left = 1;  // evaluations: bisection's, and one to spare for interpolating; rounding may take another
+  int left = 1;  // evaluations: those of bisection, and one more for interpolation; rounding may take another
   while (std::ldexp(width, left - 1) < 1) ++left;
 
   std::vector<double> found(edges.size(), 0.5);
@@ -115,7 +115,7 @@ std::vector<openvdb::Vec3d> searchEdges(const std::vector<LatticeEdge>& edges, d
     next.resize(size);
     points.resize(size);
     field.resize(size);
-    // As wide as a bracket may be for the search to end within the evaluations that are left.
+    // The maximum width of a bracket for which the search ends within the remaining evaluations.
     const double most = std::ldexp(width, left - 1);
     for (std::size_t i = 0; i < size; ++i)
       next[i] = nextPoint(brackets.low[i], brackets.high[i], brackets.atLow[i], brackets.atHigh[i], most);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/surface/extract_mesh.h"
 
+#include "distance/leaves.h"
 #include "field/block_evaluator.h"
 #include "field/block_layers.h"
 #include "field/crumb_filter.h"
@@ -19,11 +20,9 @@ namespace {
 using openvdb::Vec3d;
 using Leaf = SurfaceExtractor::Leaf;
 
-/// The leaves of a field, by x, then y, then z.
+/// The leaves of a field, sorted by x, then y, then z.
 std::vector<const Leaf*> sortedLeaves(const openvdb::FloatTree& tree) {
-  std::vector<const Leaf*> leaves;
-  leaves.reserve(tree.leafCount());
-  tree.getNodes(leaves);
+  std::vector<const Leaf*> leaves = leavesOf(tree);
   std::sort(leaves.begin(), leaves.end(), [](const Leaf* a, const Leaf* b) { return a->origin() < b->origin(); });
   return leaves;
 }
@@ -39,7 +38,7 @@ MeshCounts extract(const FractalField& field, const FieldSource& source, const E
                               .places = places},
                              sink, monitor);
   const std::vector<const Leaf*> leaves = sortedLeaves(field.field->tree());
-  monitor.begin("surface", leaves.size());
+  monitor.begin(PhaseKind::Surface, leaves.size());
   for (auto first = leaves.begin(); first != leaves.end();) {
     const auto last =
         std::find_if(first, leaves.end(), [&](const Leaf* l) { return l->origin()[0] != (*first)->origin()[0]; });
@@ -122,7 +121,7 @@ MeshCounts streamMesh(const FieldPlan& plan, const FieldSource& source, const Ex
     if (layer) extractor.add({layer->leaves.begin(), layer->leaves.end()}, std::move(layer->owner));
   };
   // Every block is evaluated first and searched later.
-  monitor.begin("surface", 2 * layers.blockCount());
+  monitor.begin(PhaseKind::Surface, 2 * layers.blockCount());
   while (const auto origins = layers.next()) {
     const auto blocks = std::make_shared<std::vector<EvaluatedBlock>>(evaluator.evaluate(*origins, monitor));
     monitor.throwIfCancelled();

@@ -15,7 +15,7 @@
 namespace vdbtools {
 namespace {
 
-/// The grid as a field to search, in index space.
+/// The grid as a field for the search, in index space.
 class GridEvaluator final : public julia::FieldEvaluator {
  public:
   explicit GridEvaluator(const openvdb::FloatGrid& grid) : mGrid(grid) {}
@@ -40,7 +40,7 @@ class GridEvaluator final : public julia::FieldEvaluator {
   throw DataError("the grid '" + levelSet.getName() + "' has no surface: it changes sign nowhere");
 }
 
-/// What can be said of the values before their tiles take memory as voxels.
+/// Checks the values as far as possible before their tiles take memory as voxels.
 void requireSigns(const openvdb::FloatGrid& levelSet) {
   float least = levelSet.background(), most = least;
   for (auto value = levelSet.tree().cbeginValueAll(); value; ++value) {
@@ -62,8 +62,8 @@ Mesh meshOfLevelSet(const openvdb::FloatGrid& levelSet, Monitor& monitor) {
   field.field->setName(levelSet.getName());
   openvdb::FloatTree& tree = field.field->tree();
   voxelizeActiveTiles(*field.field);
-  // A narrow band holds every cell that the surface crosses. Another grid may end inside; the surface then lies between
-  // its leaves and those around.
+  // A narrow band contains every cell that the surface crosses. Another grid may end inside; then the surface lies
+  // between its leaves and the surrounding ones.
   if (levelSet.getGridClass() != openvdb::GRID_LEVEL_SET) {
     std::vector<openvdb::Coord> origins;
     for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) origins.push_back(leaf->origin());
@@ -86,7 +86,7 @@ Mesh meshOfLevelSet(const openvdb::FloatGrid& levelSet, Monitor& monitor) {
     unit[k] = 1;
     return levelSet.indexToWorld(unit) - origin;
   };
-  if (axis(0).cross(axis(1)).dot(axis(2)) < 0)  // a mirrored grid turns its triangles around
+  if (axis(0).cross(axis(1)).dot(axis(2)) < 0)  // a mirrored grid reverses its triangles
     for (openvdb::Vec3I& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
   return mesh;
 }

@@ -21,7 +21,7 @@ using openvdb::FloatTree;
 FloatGrid::Ptr bandDistances(const Mesh& mesh, double voxelSize, const openvdb::CoordBBox& domain, Monitor& monitor) {
   const std::vector<openvdb::Vec3d> points = toIndexSpace(mesh.points, voxelSize);
   const TriangleTree tree(points, mesh.triangles, domain.getCenter());
-  return toWorld(unsignedDistances(tree, kHalfWidth, "level set", monitor), voxelSize);
+  return toWorld(unsignedDistances(tree, kHalfWidth, PhaseKind::LevelSet, monitor), voxelSize);
 }
 
 FloatGrid::Ptr levelSetPart(const FractalField& field, const FieldSource& source, const Mesh& mesh,
@@ -50,7 +50,7 @@ FloatGrid::Ptr levelSetPart(const FractalField& field, const FieldSource& source
         } else if (signs) {
           if (signs->getValue(value.pos()) < 0) value.setValue(-*value);
         } else if (field.domain.isInside(node)) {
-          // The sign is known to be that of the neighbours, which may lie beyond the window.
+          // The sign must be that of the neighbours, which may lie beyond the window.
           offsets.push_back(value.pos());
           points.push_back(source.space.toFractal(node.asVec3d() * field.field->voxelSize()[0]));
         }
@@ -61,7 +61,7 @@ FloatGrid::Ptr levelSetPart(const FractalField& field, const FieldSource& source
         if (julia::storedField(values[i]) < 0) leaf->setValueOnly(offsets[i], -leaf->getValue(offsets[i]));
     }
   });
-  // Leaves without an active node.
+  // Removes leaves without an active node.
   openvdb::tools::pruneInactive(grid->tree());
   return grid;
 }
@@ -76,7 +76,7 @@ void finishLevelSet(FloatGrid& grid) {
 FloatGrid::Ptr levelSet(const FractalField& field, const Mesh& mesh, Monitor& monitor) {
   if (mesh.triangles.empty()) throw DataError("the fractal is empty here: there is no surface");
   FloatGrid::Ptr grid = bandDistances(mesh, field.field->voxelSize()[0], field.domain, monitor);
-  // F knows the sign at every node, also in closed bubbles, which a flood fill from outside would call inside.
+  // F gives the sign at every node, also in closed bubbles, which a flood fill from outside would call inside.
   using LeafManager = openvdb::tree::LeafManager<FloatTree>;
   LeafManager leaves(grid->tree());
   tbb::parallel_for(leaves.leafRange(), [&](const LeafManager::LeafRange& range) {
@@ -106,7 +106,7 @@ FloatGrid::Ptr logModulusGrid(const FractalField& field) {
 openvdb::Vec3SGrid::Ptr versorGrid(const FloatGrid& surface, const FieldSource& source, Monitor& monitor) {
   auto tree = std::make_shared<openvdb::Vec3STree>(surface.tree(), openvdb::Vec3s(0), openvdb::TopologyCopy());
   openvdb::tree::LeafManager<openvdb::Vec3STree> leaves(*tree);
-  monitor.begin("versor", leaves.leafCount());
+  monitor.begin(PhaseKind::Versor, leaves.leafCount());
   leaves.foreach ([&](openvdb::Vec3STree::LeafNodeType& leaf, std::size_t) {
     if (monitor.cancelled()) return;
     std::vector<julia::Point> points;
@@ -127,7 +127,7 @@ openvdb::Vec3SGrid::Ptr versorGrid(const FloatGrid& surface, const FieldSource& 
 LevelSetCheck checkSurface(const FloatGrid& surface) {
   LevelSetCheck check;
   check.failure = openvdb::tools::checkLevelSet(surface, 8);
-  // Without cubes there is no gradient to look at; the check has said so.
+  // If voxels are not cubes there is no gradient to check; the check has reported it.
   if (!surface.hasUniformVoxels()) return check;
   openvdb::tools::Diagnose<FloatGrid> diagnose(surface);
   openvdb::tools::CheckNormGrad<FloatGrid> test(surface, 0.5f, 1.5f);

@@ -10,7 +10,7 @@ constexpr int kNone = -1;
 
 struct Topology {
   std::array<CellEdge, 12> edges;
-  int edgeOf[8][8];                         // of two neighbouring corners
+  int edgeOf[8][8];                         // the edge between two neighbouring corners
   std::array<std::array<int, 4>, 6> faces;  // corners, counter-clockwise seen from outside the cell
   bool shareFace[12][12] = {};
 };
@@ -38,7 +38,7 @@ Topology makeTopology() {
   return cube;
 }
 
-/// next[e]: the crossing that follows edge e's in its loop.
+/// next[e]: the crossing that follows that of edge e in its loop.
 std::array<int, 12> linkCrossings(const Topology& cube, unsigned inside) {
   std::array<int, 12> next;
   next.fill(kNone);
@@ -49,7 +49,7 @@ std::array<int, 12> linkCrossings(const Topology& cube, unsigned inside) {
     };
     for (int last = 0; last < 4; ++last) {
       if (!isInside(last) || isInside(last + 1)) continue;
-      int first = last;  // of the run of inside corners that ends here
+      int first = last;  // the first of the run of inside corners that ends here
       while (isInside(first - 1)) --first;
       next[static_cast<std::size_t>(edge(first - 1))] = edge(last);
     }

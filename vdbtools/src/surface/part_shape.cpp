@@ -27,8 +27,8 @@ using openvdb::FloatTree;
 using openvdb::Vec3d;
 using openvdb::Vec3I;
 
-/// The edges that are longer than @a longest are halved, and the triangles with them, until there is none; the mesh
-/// stays closed. Normals are interpolated.
+/// Halves all edges longer than @a longest, and the triangles with them, until there are none; the mesh stays closed.
+/// Normals are interpolated.
 Mesh refined(Mesh mesh, double longest) {
   constexpr std::size_t kMostTriangles = 40'000'000;
   for (bool again = true; again && mesh.triangles.size() < kMostTriangles;) {
@@ -54,7 +54,7 @@ Mesh refined(Mesh mesh, double longest) {
         middle[static_cast<std::size_t>(c)] = half(t[c], t[(c + 1) % 3]);
         count += middle[static_cast<std::size_t>(c)].has_value();
       }
-      // Turned so that with one half it is on the first edge, and with two the last edge has none.
+      // Rotated so that a single split edge is the first one, and that with two split edges the last one is not split.
       for (int c = 0; c < 3; ++c) {
         const auto has = [&](int k) { return middle[static_cast<std::size_t>((c + k) % 3)].has_value(); };
         if ((count == 1 && has(0)) || (count == 2 && !has(2))) first = c;
@@ -85,12 +85,13 @@ Mesh refined(Mesh mesh, double longest) {
   return mesh;
 }
 
-/// The level set of all that is nearer than @a radius to a mesh, whose triangles may be points.
+/// The level set of all points nearer than @a radius to a mesh, whose triangles may be points.
 FloatGrid::Ptr ballsAround(const Mesh& centres, double radius, double voxelSize, Monitor& monitor) {
   const std::vector<Vec3d> points = toIndexSpace(centres.points, voxelSize);
   const TriangleTree search(points, centres.triangles);
   const double inVoxels = radius / voxelSize;
-  FloatGrid::Ptr grid = unsignedDistances(search, static_cast<float>(inVoxels + kPartBand + 1), "thin parts", monitor);
+  FloatGrid::Ptr grid =
+      unsignedDistances(search, static_cast<float>(inVoxels + kPartBand + 1), PhaseKind::ThinParts, monitor);
   FloatTree& tree = grid->tree();
   const auto width = static_cast<float>(kPartBand * voxelSize);
   openvdb::tree::LeafManager<FloatTree>(tree).foreach ([&](FloatTree::LeafNodeType& leaf, std::size_t) {
@@ -111,7 +112,7 @@ FloatGrid::Ptr ballsAround(const Mesh& centres, double radius, double voxelSize,
   return grid;
 }
 
-/// Where balls are put: at the corners of the triangles that have a thin corner, and between.
+/// The centres for balls: at the corners of the triangles that have a thin corner, and between them.
 Mesh ballCentres(const Mesh& mesh, const PartThickness& part, const std::vector<bool>& thin, double radius,
                  std::optional<double> floor, const Monitor& monitor) {
   std::vector<char> used(mesh.points.size(), 0);
@@ -121,7 +122,7 @@ Mesh ballCentres(const Mesh& mesh, const PartThickness& part, const std::vector<
     centres.triangles.push_back(t);
     for (int c = 0; c < 3; ++c) used[t[c]] = 1;
   }
-  // The point itself is to be within the ball.
+  // The point itself must be within the ball.
   constexpr double kWithin = 0.95;
   std::vector<Vec3d> at(mesh.points.size());
   constexpr std::size_t kGrain = 256;
@@ -168,7 +169,7 @@ void cutBelow(FloatGrid& part, double floor, Monitor& monitor) {
 std::size_t thicken(FloatGrid& part, const Mesh& mesh, double thickness, std::optional<double> floor,
                     Monitor& monitor) {
   const double voxel = part.voxelSize()[0], radius = thickness / 2;
-  monitor.begin("thickness", 0);
+  monitor.begin(PhaseKind::Thickness, 0);
   const PartThickness depths(mesh, thickness, floor, monitor);
   const Mesh fine = refined(mesh, thickness);
   std::vector<char> isThin(fine.points.size(), 0);
@@ -183,7 +184,7 @@ std::size_t thicken(FloatGrid& part, const Mesh& mesh, double thickness, std::op
   const std::vector<bool> thin(isThin.begin(), isThin.end());
   const auto count = static_cast<std::size_t>(std::count(thin.begin(), thin.end(), true));
   if (count == 0) return 0;
-  // Marching cubes cuts corners off a ball, by an eighth of a voxel at the most.
+  // Marching cubes cuts off at most an eighth of a voxel from a ball.
   const FloatGrid::Ptr balls =
       ballsAround(ballCentres(fine, depths, thin, radius, floor, monitor), radius + voxel / 4, voxel, monitor);
   if (floor) cutBelow(*balls, *floor, monitor);
@@ -196,7 +197,7 @@ void dropThin(FloatGrid& part, const Mesh& mesh, double thickness, Monitor& moni
   const FloatGrid::Ptr deep = convert(
       toIndexSpace(mesh.points, voxel), mesh.triangles,
       {.voxelSize = voxel, .exteriorBandWidth = kPartBand, .interiorBandWidth = radius / voxel + kPartBand}, monitor);
-  // The centres of balls fill the solid that lies deeper than their radius.
+  // The centres of balls fill the part of the solid that lies deeper than their radius.
   bool any = false;
   for (auto value = deep->tree().beginValueAll(); value; ++value) {
     value.setValue(*value + static_cast<float>(radius));

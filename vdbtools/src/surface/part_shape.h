@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file part_shape.h
-/// What is done to a solid so that it can be made: thin parts thickened or taken off, a flat base. All on level sets of
-/// one lattice, whose node (i, j, k) lies at (i, j, k) h, with bands of kPartBand voxels.
+/// Modifies a solid so that it can be manufactured: thickens or removes thin parts, and makes a flat base. All
+/// functions work on level sets of one lattice, whose node (i, j, k) lies at (i, j, k) h, with bands of kPartBand
+/// voxels.
 #pragma once
 
 #include "surface/part_thickness.h"
@@ -15,22 +16,22 @@ namespace vdbtools {
 
 inline constexpr double kPartBand = 3;  ///< voxels on each side
 
-/// The level set of a closed mesh, cavities filled.
+/// The level set of a closed mesh, with its cavities filled.
 openvdb::FloatGrid::Ptr partLevelSet(const Mesh& closed, double voxelSize, Monitor& monitor);
 
-/// The part of the level set above a height.
+/// Removes the part of the level set below a height.
 void cutBelow(openvdb::FloatGrid& part, double floor, Monitor& monitor);
 
-/// Adds a ball to the level set wherever the solid is thin: around the deepest place near each thin one. Every place
-/// of @a mesh then lies within @a thickness of the centre of a ball of that diameter. The surface moves outward by less
-/// than half the thickness, and nowhere inward.
+/// Adds a ball to the level set wherever the solid is thin: around the deepest position near each thin one. Every
+/// position of @a mesh then lies within @a thickness of the centre of a ball of that diameter. The surface moves
+/// outward by less than half the thickness, and never inward.
 /// @param mesh   the solid, closed, with normals
 /// @param floor  balls stay above it
-/// @return       how many points of the mesh were thin
+/// @return       the number of thin points of the mesh
 std::size_t thicken(openvdb::FloatGrid& part, const Mesh& mesh, double thickness, std::optional<double> floor,
                     Monitor& monitor);
 
-/// Takes off what is farther than @a thickness from the centre of a ball of that diameter in the solid.
+/// Removes what is farther than @a thickness from the centre of a ball of that diameter in the solid.
 /// @param mesh  the solid, closed
 /// @throw DataError  nothing would be left
 void dropThin(openvdb::FloatGrid& part, const Mesh& mesh, double thickness, Monitor& monitor);

@@ -51,7 +51,7 @@ PartThickness::Depth PartThickness::depthAt(const Vec3d& p) const {
 }
 
 InnerBall PartThickness::ballNear(const Vec3d& point, const Vec3d& normal, double reach, double enough) const {
-  // The ball that touches the surface at the point is shrunk until nothing else reaches into it [Ma, Bae and Choi, 3D
+  // Shrinks the ball that touches the surface at the point until nothing else reaches into it [Ma, Bae and Choi, 3D
   // medial axis point approximation using nearest neighbors and the normal field, The Visual Computer 28, 2012].
   constexpr double kTouches = 0.999;
   constexpr int kMostShrinks = 24;
@@ -64,7 +64,7 @@ InnerBall PartThickness::ballNear(const Vec3d& point, const Vec3d& normal, doubl
     const Depth depth = depthAt(centre);
     const Vec3d away = point - depth.nearest;
     const double along = normal.dot(away);
-    // Below the least radius the corner of an edge may be in the way, and the centre is inside all the same.
+    // Below the minimum radius the corner of an edge may be in the way, and the centre is inside nevertheless.
     if (depth.distance >= kTouches * radius || (radius <= least && depth.distance >= radius / 4)) {
       best = {centre, depth.distance};
       nearest = depth.nearest;
@@ -78,8 +78,8 @@ InnerBall PartThickness::ballNear(const Vec3d& point, const Vec3d& normal, doubl
 }
 
 InnerBall PartThickness::climbed(InnerBall best, Vec3d nearest, const Vec3d& point, double reach, double enough) const {
-  // Away from the nearest surface, or between the two that were nearest in turn. A step is shorter than the distance
-  // to the surface, so it never crosses it.
+  // Moves away from the nearest surface, or between the two that were nearest alternately. A step is shorter than the
+  // distance to the surface, so it never crosses it.
   double step = enough / 2;
   Vec3d last(0);
   constexpr int kMostSteps = 40;
@@ -138,7 +138,7 @@ InnerBall PartThickness::deepestBall(const Vec3d& point, const Vec3d& normal, do
   const InnerBall ball = ballNear(point, normal, reach, enough);
   if (ball.radius >= enough) return ball;
   const InnerBall node = deepestNode(point, reach);
-  // A node that hardly lies inside is no place to begin.
+  // A node that is barely inside is not a useful start.
   if (node.radius < enough / 20) return ball;
   const InnerBall other = climbedFrom(node, point, reach, enough);
   return other.radius > ball.radius ? other : ball;
@@ -156,16 +156,16 @@ bool PartThickness::isThick(const Vec3d& point, const Vec3d& normal, double thic
 ThinPlaces findThinPlaces(const Mesh& mesh, double thickness, double rounding, std::size_t most, Monitor& monitor) {
   const PartThickness part(mesh, thickness, {}, monitor);
   constexpr std::size_t kGrain = 256;
-  // Chance takes an even share of all parts of the mesh, whatever the order of its points.
+  // Random choice takes an even share of all parts of the mesh, whatever the order of its points.
   const double share = static_cast<double>(most) / static_cast<double>(std::max<std::size_t>(1, mesh.points.size()));
   std::vector<std::size_t> chosen;
   for (std::size_t i = 0; i < mesh.points.size(); ++i)
     if (randomUnit(1, 0, i) < share) chosen.push_back(i);
-  // From thin to thick: a needle on a ball is thin, though a larger ball is near.
+  // From thin to thick: a needle on a ball is thin, although there is a larger ball nearby.
   constexpr double kStep = 1.05;
   const double nearly = thickness * (1 - rounding);
   std::vector<double> found(chosen.size());
-  // The least thickness so far. A place that has been found as thick as that cannot change it, so its search ends
+  // The minimum thickness so far. A place that is known to be at least that thick cannot change it, so its search ends
   // there.
   std::atomic<double> least{2 * thickness};
   inParallel(found.size(), kGrain, monitor, [&](std::size_t begin, std::size_t end) {

@@ -26,7 +26,7 @@ constexpr std::uint16_t kNoVertex = 0xffff;
 
 constexpr unsigned kSide = LeafSigns::kSide;
 
-// Of a leaf that the surface crosses: memory for so many is taken at once.
+// The typical number of edges of a leaf that the surface crosses; memory for these is allocated at once.
 constexpr std::size_t kUsualEdges = 64;
 
 Coord cornerOf(const Coord& node, unsigned corner) {
@@ -37,9 +37,9 @@ Coord cornerOf(const Coord& node, unsigned corner) {
 
 /// The vertices on the edges that begin at a leaf's nodes.
 struct SurfaceExtractor::LeafVertices {
-  std::array<std::uint16_t, 3 * Leaf::SIZE> onEdge;  // by 3 offset + axis: which of the leaf's
-  std::size_t first = 0;                             // of the layer's vertices
-  std::vector<LatticeEdge> edges;                    // until they are searched
+  std::array<std::uint16_t, 3 * Leaf::SIZE> onEdge;  // index among the leaf's vertices, by 3 offset + axis
+  std::size_t first = 0;                             // index among the layer's vertices
+  std::vector<LatticeEdge> edges;                    // until they have been searched
 
   LeafVertices() { onEdge.fill(kNoVertex); }
 };
@@ -49,27 +49,27 @@ struct SurfaceExtractor::Layer {
   enum class Sides : std::uint8_t { Inside, Outside, Both };
   static constexpr std::uint32_t kNone = 0xffffffff;
 
-  int x = 0;  // of the blocks' first nodes
+  int x = 0;  // x of the blocks' first nodes
   std::vector<const Leaf*> leaves;
   std::vector<InsideBits> inside;  // of each leaf
   std::vector<Sides> sides;        // of each leaf's nodes
   std::shared_ptr<void> owner;
-  std::vector<std::array<std::uint32_t, 8>> around;  // of each leaf: the numbers of its neighbours, or kNone
+  std::vector<std::array<std::uint32_t, 8>> around;  // for each leaf: the numbers of its neighbours, or kNone
   Stage stage = Stage::Added;
-  std::vector<std::unique_ptr<LeafVertices>> vertices;  // of each leaf; none: no edge crosses
+  std::vector<std::unique_ptr<LeafVertices>> vertices;  // for each leaf; null: no edge crosses
   std::vector<Vec3d> positions;                         // world units
-  std::vector<Vec3d> normals;                           // sums of the triangles', weighted by area
-  std::uint64_t first = 0;                              // of all vertices
+  std::vector<Vec3d> normals;                           // sums of the triangles' normals, weighted by area
+  std::uint64_t first = 0;                              // index among all vertices
   std::vector<std::vector<openvdb::Vec3I>> triangles;   // of each leaf
-  std::vector<std::vector<Coord>> cells;                // of each leaf, of each triangle; if they are wanted
+  std::vector<std::vector<Coord>> cells;                // of each triangle, for each leaf; if requested
 
-  /// Finds the neighbours of all leaves, as LeafSigns counts them.
+  /// Finds the neighbours of all leaves, in the order of LeafSigns.
   void findNeighbours(const Layer* next) {
     around.resize(leaves.size());
     for (unsigned k = 0; k < 8; ++k) {
       const Layer* const of = k & 1 ? next : this;
       const int dy = k & 2 ? kBlock : 0, dz = k & 4 ? kBlock : 0;
-      // Both run through the leaves in one order.
+      // Both traverse the leaves in the same order.
       std::size_t other = 0;
       for (std::size_t i = 0; i < leaves.size(); ++i) {
         const std::pair wanted(leaves[i]->origin()[1] + dy, leaves[i]->origin()[2] + dz);
@@ -122,7 +122,7 @@ void SurfaceExtractor::add(std::vector<const Leaf*> leaves, std::shared_ptr<void
 
 void SurfaceExtractor::finish() { advance(mLayers.size()); }
 
-/// Advances every layer as far as possible, given that the layers behind the first @a known are known.
+/// Advances every layer as far as possible, given that the next layer is known for each of the first @a known layers.
 void SurfaceExtractor::advance(std::size_t known) {
   using Stage = Layer::Stage;
   const bool finished = known == mLayers.size();
@@ -140,7 +140,7 @@ void SurfaceExtractor::advance(std::size_t known) {
   }
   while (!mLayers.empty() && mLayers[0]->stage == Stage::HasTriangles) {
     const Layer* next = behind(0);
-    // Triangles use the next layer's points, which go out first.
+    // Triangles use the next layer's points, which must be passed on first.
     if (!finished && mLayers.size() == 1) return;
     if (next && next->stage != Stage::HasTriangles) return;
     emitTriangles(*mLayers[0]);
@@ -148,7 +148,7 @@ void SurfaceExtractor::advance(std::size_t known) {
   }
 }
 
-/// Whether the nodes of a leaf and of its neighbours lie on one side, so that nothing begins in it.
+/// Whether the nodes of a leaf and of its neighbours are on one side, so that nothing begins in it.
 bool SurfaceExtractor::isOneSided(std::size_t leaf, const Layer& layer, const Layer* next) {
   const Layer::Sides own = layer.sides[leaf];
   if (own == Layer::Sides::Both) return false;
@@ -242,9 +242,9 @@ void SurfaceExtractor::countVertices(Layer& layer) {
   if (mOptions.normals) layer.normals.assign(count, Vec3d(0));
 }
 
-/// Searches the edges of a layer for its vertices, and forgets the edges.
+/// Searches the edges of a layer for its vertices, and discards the edges.
 void SurfaceExtractor::placeVertices(Layer& layer) const {
-  // A leaf that the surface crosses from side to side has this many edges or more.
+  // A leaf that the surface crosses completely has at least this many edges.
   constexpr std::size_t kEdgesOfLeaf = kBlock * kBlock;
   const std::size_t together = std::max<std::size_t>(1, mSource.evaluator.preferredBatch() / kEdgesOfLeaf);
   inParallel(layer.leaves.size(), together, mMonitor, [&](std::size_t begin, std::size_t end) {

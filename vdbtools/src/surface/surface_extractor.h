@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file surface_extractor.h
-/// The mesh of F, made while its blocks come in by x: at most four layers of blocks are held at a time.
+/// Makes the mesh of F while its blocks arrive in the order of x. At most four layers of blocks are held at a time.
 #pragma once
 
 #include "field/leaf_signs.h"
@@ -19,8 +19,8 @@
 
 namespace vdbtools {
 
-/// Points and triangles come in the order of the blocks that they begin in, by x, then y, then z; within one, in that
-/// of its nodes. So the mesh depends on the field alone.
+/// Points and triangles are ordered by the blocks in which they begin, by x, then y, then z; within a block, by its
+/// nodes. The mesh therefore depends on the field alone.
 class SurfaceExtractor {
  public:
   using Leaf = LeafSigns::Leaf;
@@ -31,7 +31,7 @@ class SurfaceExtractor {
     openvdb::CoordBBox window;  ///< as FieldPlan::window
     double voxelSize = 0;       ///< world units
     bool normals = false;
-    MeshPlaces* places = nullptr;  ///< takes those of all points and triangles, in their order; unless it is null
+    MeshPlaces* places = nullptr;  ///< if not null, receives the places of all points and triangles in order
   };
 
   SurfaceExtractor(const FieldSource& source, const Options& options, MeshSink& sink, Monitor& monitor);
@@ -39,11 +39,12 @@ class SurfaceExtractor {
   SurfaceExtractor(const SurfaceExtractor&) = delete;
   SurfaceExtractor& operator=(const SurfaceExtractor&) = delete;
 
-  /// The next layer: leaves of one x, by y, then z. Layers come by x; those without leaves are left out.
+  /// Adds the next layer: leaves of one x, ordered by y, then z. Layers come in the order of x; those without leaves
+  /// are left out.
   /// @param owner  keeps the leaves until they are no longer needed
   void add(std::vector<const Leaf*> leaves, std::shared_ptr<void> owner);
 
-  /// What is left; no layer comes after.
+  /// Processes the rest; no layer may be added afterwards.
   void finish();
 
   std::uint64_t points() const { return mPoints; }
@@ -53,10 +54,10 @@ class SurfaceExtractor {
   struct LeafVertices;
   struct Layer;
 
-  /// As LeafSigns counts them; absent ones are null.
+  /// In the order of LeafSigns; absent neighbours are null.
   struct Neighbours {
     std::array<const Layer*, 8> layers{};
-    std::array<std::size_t, 8> numbers{};  ///< in their layers
+    std::array<std::size_t, 8> numbers{};  ///< indices in their layers
     std::array<const Leaf*, 8> leaves{};
     LeafSigns::Neighbours inside{};
   };
@@ -75,7 +76,7 @@ class SurfaceExtractor {
 
   FieldSource mSource;
   Options mOptions;
-  openvdb::CoordBBox mNodes;  ///< that edges and cells may use: those of the window, and those beyond the domain
+  openvdb::CoordBBox mNodes;  ///< nodes that edges and cells may use: those of the window, and those beyond the domain
   MeshSink& mSink;
   Monitor& mMonitor;
   std::deque<std::unique_ptr<Layer>> mLayers;

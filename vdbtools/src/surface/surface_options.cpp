@@ -9,7 +9,7 @@
 namespace vdbtools {
 namespace {
 
-/// Without a box the usual map ends by itself, while others end with their region.
+/// Without a box the default map ends by itself, while others end with their region.
 std::string idleCap(const OptionRun& run) {
   const bool endsByItself = run.text("map") == "shape-modulus" && !run.recipe.contains("box");
   return endsByItself ? "it closes the mesh where a box cuts the set; give --box too, or leave it out" : "";

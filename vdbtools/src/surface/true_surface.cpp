@@ -6,12 +6,12 @@
 namespace vdbtools {
 namespace {
 
-/// Where the sign changes: at @a low it is that of the point itself, at @a high the other one. World units along the
-/// way.
+/// A bracket of the sign change: at @a low the sign is that of the point itself, and at @a high the opposite one. World
+/// units along the way.
 struct Way {
   std::size_t point;
   openvdb::Vec3d direction;
-  bool inside;  ///< the point itself
+  bool inside;  ///< whether the point itself is inside
   double low = 0, high = 0;
 };
 
@@ -42,7 +42,7 @@ class Mover {
       ways.swap(left);
     }
     for (const Way& way : ways) points[way.point].lost = true;
-    // All brackets are of one width, so all are narrow enough after as many halvings.
+    // All brackets have the same width, so all are narrow enough after the same number of halvings.
     for (double width = mReach / kSteps; width > 2 * mTolerance && !found.empty(); width /= 2) {
       const std::vector<bool> there = insideAt(points, found, [](const Way& way) { return middleOf(way); });
       for (std::size_t i = 0; i < found.size(); ++i)

@@ -15,10 +15,10 @@ using openvdb::Coord;
 using openvdb::FloatGrid;
 using openvdb::Vec3d;
 
-// The search for the centre ends when its steps are this small, voxels.
+// The search for the centre ends at this step size, in voxels.
 constexpr double kLastStep = 1e-4;
 
-/// The score of a ball: its radius, less the pull toward the preferred point. All lengths in voxels.
+/// The score of a ball: its radius minus the pull toward the preferred point. All lengths are in voxels.
 struct Score {
   Vec3d preferred;
   double operator()(const Vec3d& centre, double radius) const {
@@ -45,7 +45,7 @@ Coord bestNode(const FloatGrid& phi, double voxel, const Score& score) {
 }
 
 /// Points of the surface within @a reach of @a centre, index space: nodes next to the surface, moved onto it along the
-/// gradient of phi, which is exact to second order.
+/// gradient of phi, which is accurate to second order.
 std::vector<Vec3d> surfaceAbout(const FloatGrid& phi, double voxel, const Vec3d& centre, double reach) {
   std::vector<Vec3d> points;
   const auto accessor = phi.getConstAccessor();
@@ -60,7 +60,7 @@ std::vector<Vec3d> surfaceAbout(const FloatGrid& phi, double voxel, const Vec3d&
       gradient[axis] = (accessor.getValue(after) - accessor.getValue(before)) / 2;
     }
     const double squared = gradient.lengthSqr();
-    // On a crease the gradient is no direction to the surface.
+    // On a crease the gradient does not point to the surface.
     if (squared < 0.25 * voxel * voxel) continue;
     points.push_back(node.asVec3d() - gradient * (*value / squared));
   }
@@ -75,7 +75,7 @@ InscribedBall largestInscribedBall(const FloatGrid& phi, const Vec3d& preferred)
   const Coord start = bestNode(phi, voxel, score);
   Vec3d centre = start.asVec3d();
   const double nodeRadius = -phi.tree().getValue(start) / voxel;
-  // The centre moves by less than two voxels, so that no other points of the surface come into play.
+  // The centre moves by less than two voxels, so that no other points of the surface matter.
   constexpr double kMost = 2;
   const std::vector<Vec3d> surface = surfaceAbout(phi, voxel, centre, nodeRadius + 2 * kMost);
   const auto radiusAt = [&](const Vec3d& x) {

@@ -19,7 +19,7 @@ PlacedSpace shifted(const FractalSpace& unmoved, const SpaceOptions& options) {
   return placed;
 }
 
-/// The middle of a shape's box in fractal space, before an origin is chosen.
+/// Fractal space centred on the middle of a shape's box, before an origin is chosen.
 FractalSpace aboutTheMiddle(const SpaceOptions& options, const BBoxd& box) {
   FractalSpace space;
   if (options.kind == SpaceKind::World) return space;
@@ -28,7 +28,7 @@ FractalSpace aboutTheMiddle(const SpaceOptions& options, const BBoxd& box) {
   return space;
 }
 
-/// The world's coordinates have their own origin.
+/// World coordinates have their own origin.
 std::string idleOrigin(const OptionRun& run) {
   const std::string origin = run.text("origin");
   if (run.text("space") != "world" || (origin != "auto" && origin != "centre")) return {};

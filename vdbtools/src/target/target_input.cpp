@@ -27,9 +27,9 @@ using openvdb::FloatGrid;
 using openvdb::Vec3d;
 
 constexpr double kWholeInside = std::numeric_limits<double>::infinity();
-constexpr double kSurveyMargin = 4;  ///< voxels of the survey known outside
+constexpr double kSurveyMargin = 4;  ///< voxels known outside, in the survey
 
-/// @param voxel  of the target's distances, world units
+/// @param voxel  voxel size of the target's distances, world units
 double surveyVoxel(double voxel, const BBoxd& box) { return std::max(2 * voxel, longestSide(box) / kMostSurveyVoxels); }
 
 /// Distances on the lattice of a survey. @param deep  known in the whole inside, and as far outside as the survey
@@ -45,7 +45,7 @@ FloatGrid::ConstPtr resampled(const Target& deep, double voxel) {
   const auto accessor = deep.phi->getConstAccessor();
   for (auto value = coarse->beginValueOn(); value; ++value) {
     Vec3d point = deep.phi->worldToIndex(coarse->indexToWorld(value.getCoord()));
-    // Past the faces of a dense field the nearest face's value holds.
+    // Beyond the faces of a dense field the nearest face's value applies.
     if (deep.denseBox)
       for (int axis = 0; axis < 3; ++axis)
         point[axis] = std::clamp<double>(point[axis], deep.denseBox->min()[axis], deep.denseBox->max()[axis]);
@@ -61,7 +61,7 @@ class MeshInput final : public TargetInput {
         mVoxel(options.sdfVoxels.sizeFor(longestSide(mSource.box))),
         mMend(options.mend) {
     requireResolved(mMend, mVoxel);
-    // What no band is narrow enough for is refused before the survey, which takes a while.
+    // A target for which even the narrowest band is too large is refused before the survey, which takes a while.
     constexpr double kNarrowest = 1.5;
     if (mMend.offset() == 0) checkOptions(mSource.report, sdfBand(mVoxel, kNarrowest, kNarrowest));
   }
@@ -88,8 +88,8 @@ class MeshInput final : public TargetInput {
 
   FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const override {
     const double voxel = surveyVoxel(mVoxel, mSource.box);
-    // Coarse voxels would close holes between points, or in a sheet, that the distances leave open, and what a surface
-    // with a hole encloses is not inside.
+    // Coarse voxels would close holes between points, or in a sheet, that the distances leave open; what a surface with
+    // a hole encloses is not inside.
     if (mMend.offset() > 0) {
       const MeshToSdfOptions deep = sdfBand(mVoxel, 2 * kSurveyMargin * voxel / mVoxel, kWholeInside);
       return resampled(
@@ -122,7 +122,7 @@ class VdbInput final : public TargetInput {
   double usualDepth() const override { return 2.5; }
 
   Target distances(const BandWidths&, Monitor&) const override { return mTarget; }
-  /// What sweeping finds depends on how far it goes, so each band is swept from the file's own.
+  /// The result of sweeping depends on how far it goes, so each band is swept from the file's own band.
   Target band(const Target& distances, const BandWidths& widths, Monitor& monitor) const override {
     const std::lock_guard lock(mMutex);
     const Target near = grown(mNear, distances, widths.exterior, widths.interior, monitor);
@@ -138,14 +138,14 @@ class VdbInput final : public TargetInput {
   }
 
  private:
-  /// The band that was swept last, for others that are the same.
+  /// The last swept band, for requests of the same band.
   struct Swept {
     FloatGrid::ConstPtr from;
     BandGrowth growth;
     Target target;
   };
 
-  /// extendBand() of @a from.
+  /// The result of extendBand() for @a from.
   static Target grown(std::optional<Swept>& swept, const Target& from, double exterior, double interior,
                       Monitor& monitor) {
     const std::optional<BandGrowth> growth = bandGrowth(from, exterior, interior, monitor);
@@ -158,7 +158,7 @@ class VdbInput final : public TargetInput {
   }
 
   Target mTarget;
-  mutable std::mutex mMutex;  // of what follows
+  mutable std::mutex mMutex;  // guards what follows
   mutable std::optional<Swept> mNear, mWhole;
 };
 

@@ -30,7 +30,7 @@ class ThicknessField final : public ControlField {
     for (std::size_t i = 0; i < points.size(); ++i) {
       Vec3d at = mTau->worldToIndex(points[i]);
       for (int axis = 0; axis < 3; ++axis) at[axis] = std::clamp(at[axis], mLow[axis], mHigh[axis]);
-      // Interpolation may leave the range by a rounding.
+      // Rounding may take the interpolated value out of the range.
       values[i] = std::clamp<double>(openvdb::tools::BoxSampler::sample(accessor, at), mRange.first, mRange.second);
     }
   }
@@ -47,7 +47,7 @@ class ThicknessField final : public ControlField {
 LocalThickness TargetSurvey::thickness(Monitor& monitor, double slope) {
   const auto found = mThickness.find(slope);
   if (found != mThickness.end()) return found->second;
-  constexpr std::size_t kMost = 8;  // slopes; whoever looks for a depth of detail by hand tries hundreds
+  constexpr std::size_t kMost = 8;  // slopes; a user who adjusts the depth of detail by hand tries hundreds
   if (!mFinder) mFinder.emplace(*mPhi, monitor);
   LocalThickness limited = mFinder->limitedTo(slope, monitor);
   if (mThickness.size() >= kMost) mThickness.clear();
@@ -59,7 +59,7 @@ Control thicknessControl(const LocalThickness& thickness) {
 }
 
 std::optional<SolidShape> shapeOfSolid(const Mesh& mesh, const MeshReport& report) {
-  constexpr double kResolution = 100, kMargin = 4;  // voxels; half of the usual --sdf-resolution
+  constexpr double kResolution = 100, kMargin = 4;  // voxels; half of the default of --sdf-resolution
   if (!(longestSide(report.box) > 0)) return std::nullopt;
   const Vec3d middle = report.box.getCenter();
   Monitor monitor;
@@ -76,11 +76,11 @@ std::optional<SolidShape> shapeOfSolid(const Mesh& mesh, const MeshReport& repor
 
 double insideVolume(const FloatGrid& phi) {
   const double voxel = phi.voxelSize()[0];
-  // The share of a node's cell that lies inside of a plane at this distance.
+  // The fraction of a node's cell on the inside of a plane at this distance.
   const auto share = [voxel](double value) { return std::clamp(0.5 - value / voxel, 0.0, 1.0); };
   double nodes = 0;
   for (auto leaf = phi.tree().cbeginLeaf(); leaf; ++leaf) {
-    // Sums apart, which do not wait for each other.
+    // Separate sums, which do not depend on each other.
     double sums[FloatGrid::TreeType::LeafNodeType::DIM] = {};
     const float* const values = leaf->buffer().data();
     for (std::size_t i = 0; i < FloatGrid::TreeType::LeafNodeType::SIZE; i += std::size(sums))
@@ -96,7 +96,7 @@ double insideVolume(const FloatGrid& phi) {
 double insideVolume(const FloatGrid& phi, const openvdb::BBoxd& box) {
   const double voxel = phi.voxelSize()[0];
   const openvdb::BBoxd within = phi.transform().worldToIndex(box);
-  // How much of the cells about the nodes from low to high lies within the box along an axis, in voxels.
+  // The overlap of the cells around the nodes from low to high with the box along an axis, in voxels.
   const auto overlap = [&](int low, int high, int axis) {
     return std::max(0.0, std::min(high + 0.5, within.max()[axis]) - std::max(low - 0.5, within.min()[axis]));
   };

@@ -23,7 +23,7 @@ std::string tupleOf(const Vector& v) {
   return "(" + textOf(v[0]) + ", " + textOf(v[1]) + ", " + textOf(v[2]) + ")";
 }
 
-/// A text between quotation marks.
+/// A text in quotation marks.
 std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {
@@ -33,16 +33,16 @@ std::string quoted(const std::string& text) {
   return result + '"';
 }
 
-/// The path of a file between the marks of an asset.
+/// A file path between the delimiters of an asset.
 std::string assetOf(const std::filesystem::path& path) {
   std::string text = path.generic_string();
-  // Without a dot in front, a resolver may look for it elsewhere.
+  // Without a leading dot, a resolver may search for it elsewhere.
   if (path.is_relative() && !text.starts_with("../")) text = "./" + text;
   const char* mark = text.find('@') == std::string::npos ? "@" : "@@@";
   return mark + text + mark;
 }
 
-/// The name as an identifier of USD.
+/// The name as a USD identifier.
 std::string identifierOf(const std::string& name) {
   std::string result;
   for (const char c : name) {
@@ -93,7 +93,7 @@ void writeVolume(std::ostream& stream, const UsdScene& scene) {
   stream << "    }\n";
 }
 
-/// A list, many of whose elements stand on a line.
+/// A list with many elements per line.
 template <class Write>
 void writeList(std::ostream& stream, const char* declaration, std::size_t count, const Write& write,
                const char* after = "") {
@@ -112,9 +112,9 @@ const VertexAttribute* attributeOf(const Mesh& mesh, const char* name) {
   return nullptr;
 }
 
-/// What positions are relative to: the middle of the mesh, if it lies so far from the origin that floats are coarse.
+/// The origin of positions: the centre of the mesh, if it lies so far from the world's origin that floats are coarse.
 Vec3d centreFor(const openvdb::BBoxd& box) {
-  constexpr double kFar = 8;  // sizes of the mesh: no vertex is moved by more than 1e-6 of one
+  constexpr double kFar = 8;  // in sizes of the mesh: no vertex moves by more than 1e-6 of one
   double largest = 0, size = 0;
   for (int axis = 0; axis < 3; ++axis) {
     largest = std::max({largest, -box.min()[axis], box.max()[axis]});

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The word of USD for the type of a grid's values; empty if there is none.
+/// USD's token for the type of a grid's values; empty if there is none.
 std::string dataTypeOf(const openvdb::GridBase& grid) {
   static const std::map<std::string, std::string> words = {
       {"float", "float"},  {"double", "double"}, {"int32", "int"},  {"int64", "int64"}, {"bool", "bool"},
@@ -45,7 +45,7 @@ openvdb::BBoxd boxOf(const VdbFile& file) {
   for (const auto& grid : file.grids) {
     const openvdb::CoordBBox active = grid->evalActiveVoxelBoundingBox();
     if (active.empty()) continue;
-    // To the faces of the voxels.
+    // Extended to the faces of the voxels.
     const openvdb::BBoxd cells(active.min().asVec3d() - 0.5, active.max().asVec3d() + 0.5);
     box.expand(grid->transform().indexToWorld(cells));
   }
@@ -104,7 +104,7 @@ UsdCounts writeUsdScene(std::ostream& stream, const UsdOptions& options, Monitor
     std::vector<int> frames = options.frames;
     if (frames.empty()) frames.push_back(0);
     std::sort(frames.begin(), frames.end());
-    monitor.begin("reading", frames.size());
+    monitor.begin(PhaseKind::Reading, frames.size());
     for (const int frame : frames) {
       const std::optional<int> number = pattern ? std::optional(frame) : std::nullopt;
       addFrame(expandFrame(options.vdb, number), number, options.scene, scene);
@@ -121,7 +121,7 @@ UsdCounts writeUsdScene(std::ostream& stream, const UsdOptions& options, Monitor
     mesh = meshFor(*options.mesh, scene, recorded);
     scene.mesh = &mesh;
   }
-  monitor.begin("writing", 0);
+  monitor.begin(PhaseKind::Writing, 0);
   writeUsda(stream, scene);
   monitor.throwIfCancelled();
   return {scene.frames.size(), scene.fields.size(), mesh.triangles.size()};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file cancelled.h
-/// The exception by which work ends when the function `cancelled` in its options returns true.
+/// The exception that ends the work when the function `cancelled` in its options returns true.
 #pragma once
 
 #include <stdexcept>

@@ -18,21 +18,20 @@ enum class FitVariables {
 struct MinimiseOptions {
   int maxIterations = 500;  ///< 0 or more
   double tolerance = 1e-6;  ///< the optimiser stops when ten steps lower the energy by less than this
-  /// Called wherever the energy is lower than ever before. An exception from it ends the work.
+  /// Called whenever the energy reaches a new minimum. An exception from it ends the work.
   std::function<void(double energy, const Rational& rational)> onStep;
   std::function<bool()> cancelled;  ///< asked at each evaluation
 };
 
 /// Lowers the energy.
-/// @param energy     what is lowered
-/// @param rational   in: where to start; negative variables are taken as 0. Out: the best that was found
+/// @param energy     the function to minimise
+/// @param rational   in: the starting point; negative variables are taken as 0. Out: the best rational found
 /// @param variables  which variables change
 /// @param options    see MinimiseOptions
-/// @return the energy of the best
+/// @return the energy of the best rational
 /// @throw Cancelled              options.cancelled returned true
-/// @throw std::invalid_argument  a number of the rational is not finite, its roots are not as many as the energy's, or
-/// an
-///                               option is out of its domain
+/// @throw std::invalid_argument  a number of the rational is not finite, the number of its roots differs from that of
+///                               the energy, or an option is out of its domain
 double minimise(const ShapeEnergy& energy, Rational& rational, FitVariables variables, const MinimiseOptions& options);
 
 }  // namespace julia

@@ -13,7 +13,7 @@ namespace julia {
 enum class FitPassKind {
   VariableCoarsened,  ///< V: C, tau and beta only
   Full,               ///< F: the powers as well
-  Reweighted,         ///< R: like F, with W balanced between the regions that are captured well and poorly
+  Reweighted,         ///< R: like F, with W balanced between the well-captured and the poorly captured regions
 };
 
 struct FitPass {
@@ -23,10 +23,10 @@ struct FitPass {
   friend bool operator==(const FitPass&, const FitPass&) = default;
 };
 
-/// The passes that a text stands for. @throw std::invalid_argument  saying what is wrong and at which character
+/// Parses a schedule. @throw std::invalid_argument  says what is wrong and at which character
 std::vector<FitPass> parseSchedule(std::string_view text);
 
-/// The text that parseSchedule() reads, with passes of the same resolution together.
+/// Returns the text that parseSchedule() reads, with passes of the same resolution grouped.
 std::string toString(const std::vector<FitPass>& schedule);
 
 }  // namespace julia

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file shape_energy.h
-/// How well a rational map has the shape of a target: the energy of [Kim15] Eqs. 5-7 and 18,
+/// How well a rational map matches the shape of a target: the energy of [Kim15] Eqs. 5-7 and 18,
 ///
 ///   psi = (1 / eta) sum over cells of -tanh(alpha L) W,   eta = sum |W|,   L = ln|R(x)|,
 ///
@@ -28,12 +28,13 @@ struct FitCell {
 
 std::vector<Point> pointsOf(std::span<const FitCell> cells);
 
-/// In cells. Nearer to the surface a cell is cut by it, and 1 / phi is meaningless.
+/// In cells. The surface cuts cells nearer than this, and 1 / phi is meaningless there.
 inline constexpr double kLeastDistance = 0.5;
 
 enum class CellWeights {
   InverseDistance,  ///< W = volume / phi, with |phi| at least kLeastDistance: [Kim15] Eq. 6
-  Layers,  ///< W = volume / layers of cells from the surface, where each side sums to one half: the program of [Kim15]
+  Layers,  ///< W = volume / layers of cells from the surface, where each side sums to one half, as in the program of
+           ///< [Kim15]
 };
 
 /// W of every cell, with the sign of phi.
@@ -43,21 +44,21 @@ enum class CellWeights {
 std::vector<double> cellWeights(std::span<const FitCell> cells, CellWeights kind, double cellSize);
 
 struct RationalGradient {
-  double logScale = 0, topScale = 0, bottomScale = 0;  ///< derivatives by C, tau and beta
-  std::vector<double> top, bottom;                     ///< derivatives by the T_i and the B_i
+  double logScale = 0, topScale = 0, bottomScale = 0;  ///< derivatives with respect to C, tau and beta
+  std::vector<double> top, bottom;                     ///< derivatives with respect to the T_i and the B_i
 };
 
 struct ShapeEnergyOptions {
   double alpha = 1;         ///< sharpness of the step, > 0
   double powerPenalty = 0;  ///< this times the summed powers is added to psi ([KD20] asks for small sums), >= 0
-  std::size_t memoryLimit = std::size_t{2} << 30;  ///< bytes for logarithms; beyond it they are computed each time
+  std::size_t memoryLimit = std::size_t{2} << 30;  ///< bytes for stored logarithms; others are recomputed each time
 };
 
 class ShapeEnergy {
  public:
   /// @param cells    where the energy is summed, units of the map's space
   /// @param weights  W of every cell
-  /// @param roots    gives the positions of the roots; its powers do not matter
+  /// @param roots    gives the positions of the roots; its powers are ignored
   /// @param options  see ShapeEnergyOptions
   /// @throw std::invalid_argument  no cells, different sizes, numbers that are not finite, weights that are all 0, or
   ///                               options out of their domain
@@ -75,7 +76,7 @@ class ShapeEnergy {
   void logModuli(const Rational& rational, std::span<double> l) const;
 
   const std::vector<double>& weights() const;
-  /// Replaces W, for a reweighted pass. @throw std::invalid_argument  as the constructor
+  /// Replaces W, for a reweighted pass. @throw std::invalid_argument  as the constructor does
   void setWeights(std::vector<double> weights);
   const ShapeEnergyOptions& options() const;
 
@@ -84,9 +85,9 @@ class ShapeEnergy {
   std::unique_ptr<Parts> mParts;
 };
 
-/// [Kim15] 4.5: W scaled in the two regions of the target's inside, which are the well-captured one (inside the fractal
-/// too) and the poorly-captured rest, so that the sums of |tanh(alpha L) W| over both are equal and their total is
-/// unchanged. Cells outside the target keep their weights, and so do all cells if either region is empty.
+/// [Kim15] 4.5: scales W separately in the two regions of the target's inside, the well-captured one (inside the
+/// fractal too) and the poorly-captured rest, so that the sums of |tanh(alpha L) W| over both are equal and their total
+/// is unchanged. Cells outside the target keep their weights, and so do all cells if either region is empty.
 /// @param weights        W of every cell
 /// @param l              L of every cell
 /// @param alpha          the energy's sharpness

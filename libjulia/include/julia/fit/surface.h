@@ -27,7 +27,7 @@ double area(const TriangleSurface& surface);
 
 /// Blue noise: @a count points on the surface at nearly equal distances, by sample elimination [Yuksel, Sample
 /// Elimination for Generating Poisson Disk Sample Sets, CGF 34(2), 2015]. Distances are measured in R^3, so two sheets
-/// that lie close together share their points.
+/// that lie close together count as one.
 ///
 /// The order is progressive: every prefix is blue noise of fewer points. The same seed gives the same bytes everywhere.
 /// @throw std::invalid_argument  as requireValid(), a surface without area, or a count that is not from 1 to 100000000

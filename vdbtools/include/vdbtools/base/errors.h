@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file errors.h
 /// The room `base` holds what every other room of vdbtools needs and includes none of them: the exceptions (here), the
-/// seam to whoever watches long work (monitor.h), fractal space (fractal_space.h), and a few private helpers.
+/// interface for monitoring long work (monitor.h), fractal space (fractal_space.h), and a few private helpers.
 ///
-/// The exceptions of vdbtools. Each says, in words for the user, what was found and what to do about it, in terms of
-/// quantities: the names of command-line options are the command line's to add, see Remedy. An option outside its
-/// domain is a std::invalid_argument; a broken promise of our own is a std::logic_error.
+/// The exceptions of vdbtools. Each message tells the user what was found and what to do about it, in terms of
+/// quantities. The command line adds the names of its options, see Remedy. An option outside its domain is a
+/// std::invalid_argument; a violated invariant of this library is a std::logic_error.
 #pragma once
 
 #include <stdexcept>
@@ -13,7 +13,7 @@
 
 namespace vdbtools {
 
-/// What would help against an error, for whoever offers it under a name of their own.
+/// What would remedy an error. Each front end offers it under the names of its own options.
 enum class Remedy {
   None,
   RepairMesh,        ///< RepairOptions
@@ -26,7 +26,7 @@ enum class Remedy {
   FinerDistances,    ///< MeshToSdfOptions::voxelSize
 };
 
-/// The input was read, but cannot be used: truncated, leaky, empty, not finite.
+/// The input was read but cannot be used: it is truncated, leaky, empty, or not finite.
 class DataError : public std::runtime_error {
  public:
   explicit DataError(const std::string& what, Remedy remedy = Remedy::None)
@@ -37,17 +37,17 @@ class DataError : public std::runtime_error {
   Remedy mRemedy;
 };
 
-/// There is no such input, or it may not be opened.
+/// The input does not exist, or it may not be opened.
 class MissingInputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The output cannot be created where it was asked for.
+/// The output cannot be created at the requested place.
 class CreateError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Reading or writing broke off: a full disk, a lost mount.
+/// Reading or writing failed midway, e.g. because of a full disk or a lost mount.
 class IoError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file grids.h
-/// OpenVDB's grids. Include this instead of <openvdb/openvdb.h>: the virtual members of a grid and its tree cost a
-/// compiler some 20 s wherever a grid is made or destroyed, so this library compiles them once, for all who link to it.
+/// OpenVDB's grids. Include this instead of <openvdb/openvdb.h>: the virtual members of a grid and its tree take about
+/// 20 s to compile wherever a grid is created or destroyed, so this library compiles them once for everything that
+/// links to it.
 #pragma once
 
 #include <openvdb/openvdb.h>

@@ -2,8 +2,8 @@
 /// @file memory.h
 /// How much memory is left for this process, and the refusal of work that is known to need more.
 ///
-/// Whoever is about to make something large calls requireMemory() as soon as its size is known. The sizes that it is
-/// given are low: work that is refused would not have fitted, but not all that fits is known beforehand.
+/// Code that is about to allocate something large calls requireMemory() as soon as its size is known. The sizes that it
+/// passes are lower bounds: refused work would not have fitted, but accepted work may still run out of memory.
 #pragma once
 
 #include <filesystem>
@@ -15,17 +15,17 @@
 
 namespace vdbtools {
 
-/// What takes the memory, for whoever knows the options that make it smaller.
+/// What the memory is for. A front end can tell from it which options reduce the demand.
 enum class MemoryUse {
   Distances,  ///< the distance field of a mesh
-  Field,      ///< F on a lattice, and what is made of it
-  Picture,    ///< one that is made
-  Texture,    ///< one that is read
-  File,       ///< that is read whole
-  Libraries,  ///< for pictures, which are loaded with the first of them
+  Field,      ///< F on a lattice, and what is made from it
+  Picture,    ///< a picture that is made
+  Texture,    ///< a picture that is read
+  File,       ///< a file that is read as a whole
+  Libraries,  ///< the libraries for pictures, which are loaded with the first picture
 };
 
-/// Memory is short. To whoever does not know better, it is a failed allocation.
+/// Memory is short. Code that does not know this class handles it as a failed allocation.
 class MemoryError : public std::bad_alloc {
  public:
   MemoryError(std::string what, MemoryUse use) : mWhat(std::move(what)), mUse(use) {}
@@ -38,40 +38,40 @@ class MemoryError : public std::bad_alloc {
 };
 
 struct MemoryLeft {
-  double bytes = 0;   ///< that this process may still take; infinity: no limit is known
-  std::string limit;  ///< what sets it, as in "the memory of this machine"
+  double bytes = 0;   ///< bytes that this process may still take; infinity: no limit is known
+  std::string limit;  ///< the source of the limit, as in "the memory of this machine"
 };
 
-/// The least of what these leave:
+/// The smallest of the amounts that these limits leave:
 ///   the machine: what Linux calls available, and free swap space;
-///   the control group of the process and those above it, version 1 or 2: their limit less what they hold without the
-///   part of it that is kept of files, and their swap space;
-///   the limits of address space and of data (ulimit -v, -d) less what the process takes of them.
+///   the control group of the process and its ancestors, version 1 or 2: their limit less what they hold, not counting
+///   cached files, and their swap space;
+///   the limits of address space and of data (ulimit -v, -d) less what the process uses of them.
 /// @param root  where /proc and /sys are, for tests
 MemoryLeft memoryLeft(const std::filesystem::path& root = "/");
 
-/// The same without the limits of address space and of data, whatever MemoryLimit says: what is shared with other
-/// processes. Past it the system begins to move memory to and fro, and then kills processes.
+/// As memoryLeft(), but without the limits of address space and of data and regardless of MemoryLimit: the memory
+/// shared with other processes. Beyond it the system begins to swap, and then kills processes.
 MemoryLeft sharedMemoryLeft(const std::filesystem::path& root = "/");
 
-/// What the limit of address space (ulimit -v) leaves of it, whatever MemoryLimit says.
+/// What the limit of address space (ulimit -v) leaves, regardless of MemoryLimit.
 MemoryLeft addressSpaceLeft(const std::filesystem::path& root = "/");
 
-/// The same of data (ulimit -d): of memory that is not shared and can be written.
+/// What the limit of data (ulimit -d), i.e. of private writable memory, leaves, regardless of MemoryLimit.
 MemoryLeft dataLeft(const std::filesystem::path& root = "/");
 
-/// All that this machine has, bytes; infinity if the system does not say. What of it is free changes from moment to
+/// The total memory of this machine, bytes; infinity if the system does not say. The free part changes from moment to
 /// moment.
 double machineMemory();
 
-/// What this process has in memory, bytes.
+/// The resident memory of this process, bytes.
 double residentMemory(const std::filesystem::path& root = "/");
 
-/// While one exists, this is what the process may take in all, in place of the limits of memoryLeft(). Of several, as
-/// of work in several threads, the least counts.
+/// While one exists, it sets the total memory that the process may take, in place of the limits of memoryLeft(). If
+/// several exist, e.g. in several threads, the smallest applies.
 class MemoryLimit {
  public:
-  /// @param bytes  infinity: all is tried
+  /// @param bytes  infinity: no limit
   explicit MemoryLimit(double bytes);
   ~MemoryLimit();
   MemoryLimit(const MemoryLimit&) = delete;
@@ -81,20 +81,20 @@ class MemoryLimit {
   double mBytes;
 };
 
-/// "16G" in bytes, with K, M, G or T; infinity for "unlimited"; nothing for any other text.
+/// "16G" in bytes, with K, M, G or T; infinity for "unlimited"; nullopt for any other text.
 std::optional<double> memoryFromText(std::string_view text);
 
-/// What memoryFromText() takes, for messages.
+/// The texts that memoryFromText() accepts, for messages.
 inline constexpr const char* kMemoryTexts = "a number and K, M, G or T, such as 16G, or unlimited";
 
-/// Whoever takes the last of a machine's memory makes it stand still, and is killed before long. To be asked some times
-/// a second while work goes on.
-/// @return what is wrong, once this process has taken much and next to nothing is left; nothing before
+/// Detects that memory is running out. A process that takes the last of a machine's memory makes the machine hang and
+/// is soon killed, so long work calls this several times a second.
+/// @return what is wrong, once this process has taken much memory and almost none is left; nullopt before
 std::optional<std::string> memoryRunsOut();
 
-/// @param bytes  that are needed at least, beside what the process has
-/// @param what   would take them, as in "the field"
-/// @throw MemoryError  more than is left; with both figures
+/// @param bytes  lower bound of what is needed in addition to what the process already has
+/// @param what   what needs the memory, as in "the field"
+/// @throw MemoryError  more than is left; the message gives both figures
 void requireMemory(double bytes, MemoryUse use, const std::string& what);
 
 /// "1.5 GiB"

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file monitor.h
-/// The seam between long work and whoever watches it: progress out, cancellation in.
+/// The interface between long work and the code that watches it: work reports progress and asks whether it is
+/// cancelled.
 #pragma once
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/phase.h"
 
 #include <cstdint>
-#include <string_view>
 
 namespace vdbtools {
 
@@ -17,7 +18,7 @@ class Monitor {
   virtual ~Monitor() = default;
 
   /// A phase of @a total steps begins; 0 means that the number of steps is not known.
-  virtual void begin(std::string_view phase, std::uint64_t total) {
+  virtual void begin(const Phase& phase, std::uint64_t total) {
     (void)phase;
     (void)total;
   }
@@ -25,16 +26,16 @@ class Monitor {
   /// @a steps more of the current phase are done.
   virtual void advance(std::uint64_t steps) { (void)steps; }
 
-  /// True once the work is to stop.
+  /// Whether the work is to stop.
   virtual bool cancelled() const { return false; }
 
-  /// @throw Interrupted  once the work is to stop
+  /// @throw Interrupted  the work is to stop
   void throwIfCancelled() const {
     if (cancelled()) throw Interrupted("interrupted; nothing was written");
   }
 };
 
-/// A Monitor in the shape that OpenVDB's tools ask for (util::NullInterrupter).
+/// A Monitor with the interface that OpenVDB's tools expect (util::NullInterrupter).
 class OpenVdbInterrupter {
  public:
   explicit OpenVdbInterrupter(const Monitor& monitor) : mMonitor(monitor) {}

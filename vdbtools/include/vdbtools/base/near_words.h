@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file near_words.h
-/// Which of some words was meant by one that is misspelt.
+/// Suggests the word that was meant by a misspelt one.
 #pragma once
 
 #include <cstddef>
@@ -11,16 +11,17 @@
 
 namespace vdbtools {
 
-/// How many letters have to be added, left out, replaced, or exchanged with their neighbour to make one word of the
-/// other, where no part is changed twice ([Dam64]).
+/// The number of letters that must be inserted, deleted, replaced, or exchanged with their neighbour to turn one word
+/// into the other, where no part is edited twice ([Dam64]).
 std::size_t editDistance(std::string_view a, std::string_view b);
 
-/// The word that was probably meant: one that begins with @a word, or else one that differs from it in up to a third of
-/// its letters, whatever their case. The nearest, and of equally near ones the first; none if no word is that near.
+/// Returns the word that was probably meant: one that begins with @a word, or else one that differs from it in up to a
+/// third of its letters, ignoring case. It is the nearest such word, and the first of equally near ones; nullopt if no
+/// word is that near.
 std::optional<std::string> nearestWord(std::string_view word, std::span<const std::string> known);
 
-/// "; did you mean 'x'?", or nothing.
-/// @param prefix  what stands before the word where it is typed
+/// "; did you mean 'x'?", or an empty text.
+/// @param prefix  what is typed before the word
 std::string didYouMean(std::string_view word, std::span<const std::string> known, const std::string& prefix = "");
 
 }  // namespace vdbtools

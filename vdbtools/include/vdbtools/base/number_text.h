@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file number_text.h
-/// Numbers from text and to text, whatever the locale: of options, recipes and files alike. A plus sign may stand
-/// before them. What a number means, and whether it may be what it is, is the caller's to say.
+/// Conversion between numbers and text, independent of the locale, for options, recipes and files alike. Numbers may
+/// have a plus sign. Callers decide what a number means and check its range.
 #pragma once
 
 #include <charconv>
@@ -11,11 +11,11 @@
 
 namespace vdbtools {
 
-/// The value of the whole @a text: infinite where it is too large for a double and 0 where it is too small, also "inf"
-/// and "nan"; nothing if it is not a number.
+/// The value of the whole @a text, also "inf" and "nan". It is infinite if the number is too large for a double, and 0
+/// if it is too small; nullopt if the text is not a number.
 std::optional<double> numberFromText(std::string_view text);
 
-/// The same as a whole number; nothing either if Integer does not hold it.
+/// As numberFromText(), for integers; also nullopt if the value does not fit Integer.
 template <class Integer>
 std::optional<Integer> wholeFromText(std::string_view text) {
   if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);  // from_chars knows no plus sign
@@ -25,10 +25,10 @@ std::optional<Integer> wholeFromText(std::string_view text) {
   return value;
 }
 
-/// Where a number is said to be a bound, rounding it must not make that untrue.
+/// How shortText() rounds. A number that is quoted as a bound must be rounded so that it remains a bound.
 enum class Rounding { Nearest, Up, Down };
 
-/// A number as people read it, in a message: four digits. Files and recipes have numbersText() instead, which is exact.
+/// A number with four digits, for messages. Files and recipes use numbersText() instead, which is exact.
 std::string shortText(double value, Rounding rounding = Rounding::Nearest);
 
 }  // namespace vdbtools

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file shell_word.h
-/// Words of commands that can be pasted into a shell.
+/// Quotes words of commands that can be pasted into a shell.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace vdbtools {
 
-/// One word of a POSIX shell that stands for exactly @a word, in quotes where they are needed.
+/// Returns a word of a POSIX shell that stands for exactly @a word, quoted if necessary.
 std::string shellWord(std::string_view word);
 
 }  // namespace vdbtools

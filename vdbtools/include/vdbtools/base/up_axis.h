@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file up_axis.h
-/// Which axis of the world points up, and the turn from one convention to the other. Both are right-handed; from Y up
-/// to Z up it is the quarter turn about x that takes (x, y, z) to (x, -z, y). It only exchanges and negates
-/// coordinates, so that it is exact and can be undone.
+/// The axis of the world that points up, and the rotation from one convention to the other. Both are right-handed. From
+/// Y up to Z up it is the quarter turn about x that takes (x, y, z) to (x, -z, y). It only exchanges and negates
+/// coordinates, so it is exact and invertible.
 #pragma once
 
 #include <openvdb/Types.h>
@@ -21,20 +21,20 @@ inline openvdb::Vec3d directionOf(UpAxis up) {
   return up == UpAxis::Y ? openvdb::Vec3d(0, 1, 0) : openvdb::Vec3d(0, 0, 1);
 }
 
-/// The turn of points and directions from one convention to another; by default none.
+/// The rotation of points and directions from one convention to another; by default the identity.
 class UpTurn {
  public:
   UpTurn() = default;
   UpTurn(UpAxis from, UpAxis to) : mTurns(from != to), mTo(to) {}
 
-  /// Whether it is a turn at all.
+  /// Whether it differs from the identity.
   bool turns() const { return mTurns; }
 
-  /// Of a point or a direction.
+  /// Rotates a point or a direction.
   template <class Vector>
   Vector operator()(const Vector& v) const {
     if (!mTurns) return v;
-    // Subtracted from zero, because a minus sign alone would make a negative zero.
+    // Subtract from zero, because unary minus would make a negative zero.
     return mTo == UpAxis::Z ? Vector(v[0], 0 - v[2], v[1]) : Vector(v[0], v[2], 0 - v[1]);
   }
 

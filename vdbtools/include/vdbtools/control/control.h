@@ -4,10 +4,10 @@
 ///
 /// Settings that may vary over space, as alpha and beta do ([SK23] 3.2, Fig. 7).
 ///
-/// A *source* is what a recipe says: a number, a ramp over the target's box, a grid in a file. It is made where the
-/// option is read, and knows its text and its files. *Bound* to a target it is a control: a function of the world's
-/// positions with bounds over boxes. A new kind of source is one class behind ControlSource, one behind ControlField,
-/// and one line in parseControl().
+/// A *source* is what a recipe specifies: a number, a ramp over the target's box, a grid in a file. It is made where
+/// the option is read, and knows its text and its files. *Bound* to a target it becomes a control: a function of world
+/// positions with bounds over boxes. A new kind of source takes one class behind ControlSource, one behind
+/// ControlField, and one line in parseControl().
 #pragma once
 
 #include "vdbtools/base/fractal_space.h"
@@ -27,27 +27,27 @@ namespace vdbtools {
 
 class RecipeReader;
 
-/// Values over world space. Const, and free of state that one thread could leave to another.
+/// Values over world space. Evaluation is const and keeps no state that could pass from one call to another.
 class ControlField {
  public:
   virtual ~ControlField() = default;
 
-  /// values[i] = the value at points[i], world units; finite. Both spans have one size.
+  /// Sets values[i] to the finite value at points[i], world units. Both spans have the same size.
   virtual void sample(std::span<const openvdb::Vec3d> points, std::span<double> values) const = 0;
 
-  /// Bounds of the values anywhere.
+  /// Bounds of all values.
   virtual std::pair<double, double> range() const = 0;
 
   /// The value, if it is the same everywhere.
   virtual std::optional<double> constant() const { return std::nullopt; }
 };
 
-/// From one value to another along an axis of the target's box; constant before and after.
+/// A ramp from one value to another along an axis of the target's box; constant before and after.
 struct Ramp {
   int axis = 0;                   ///< 0 X, 1 Y, 2 Z
   double from = 0, to = 0;        ///< the values
-  double startAt = 0, endAt = 1;  ///< where they are reached, as fractions of the target's box; startAt < endAt
-  bool smooth = false;            ///< cubic 3t^2 - 2t^3 instead of linear: no crease at either end
+  double startAt = 0, endAt = 1;  ///< positions of the two values, as fractions of the target's box; startAt < endAt
+  bool smooth = false;            ///< cubic 3t^2 - 2t^3 instead of linear, without a crease at either end
 };
 
 /// A control as a value.
@@ -56,7 +56,7 @@ class Control {
   Control(double value = 0);
   /// @throw std::invalid_argument  values not finite, or startAt >= endAt
   Control(const Ramp& ramp, const openvdb::BBoxd& targetBox);
-  /// Read trilinearly, in the grid's own world space. @throw DataError if a value is not finite
+  /// Reads the grid trilinearly, in its own world space. @throw DataError if a value is not finite
   explicit Control(openvdb::FloatGrid::ConstPtr grid);
   /// @pre not nullptr
   explicit Control(std::shared_ptr<const ControlField> field) : mField(std::move(field)) {}
@@ -75,31 +75,31 @@ class Control {
 /// The parts of the target that a source may refer to.
 struct ControlContext {
   openvdb::BBoxd targetBox;            ///< world units
-  std::shared_ptr<const Mesh> mesh{};  ///< the target as it was read, world units; nullptr: it was a VDB
-  // For sources that need the target alone.
-  FractalSpace space{};                ///< where expressions have their coordinates
+  std::shared_ptr<const Mesh> mesh{};  ///< the target as it was read, world units; nullptr if it was a VDB
+  // For sources whose needsTarget() is true.
+  FractalSpace space{};                ///< the space in which expressions have their coordinates
   openvdb::FloatGrid::ConstPtr phi{};  ///< the target's distances, world units
-  /// The local thickness, world units; found when it is first asked for.
+  /// Returns the local thickness, world units, which is computed on the first call.
   std::function<openvdb::FloatGrid::ConstPtr()> tau{};
 };
 
-/// A control as a recipe gives it, before there is a target. Immutable.
+/// A control as a recipe specifies it, before there is a target. Immutable.
 class ControlSource {
  public:
   virtual ~ControlSource() = default;
 
-  /// Its text in a recipe: parseControl() makes the same source of it.
+  /// Its text in a recipe; parseControl() makes the same source from it.
   virtual std::string text() const = 0;
-  /// The files that its values depend on.
+  /// The files on which its values depend.
   virtual std::vector<NamedFile> files() const { return {}; }
-  /// Whether bind() needs more of the context than the box and the mesh, which are known before distances are made.
+  /// Whether bind() needs more of the context than the box and the mesh, which are known before distances are computed.
   virtual bool needsTarget() const { return false; }
-  /// @throw DataError, MissingInputError, IoError  of what it reads
+  /// @throw DataError, MissingInputError, IoError  as when reading its files
   virtual Control bind(const ControlContext& context) const = 0;
 };
 
-/// The source that an option of a recipe gives, or none. Two are equal if a recipe has the same text for both; what
-/// their files hold may still differ.
+/// The source that an option of a recipe specifies, or none. Two are equal if a recipe has the same text for both; the
+/// contents of their files may still differ.
 class ControlSetting {
  public:
   ControlSetting() = default;
@@ -116,30 +116,28 @@ class ControlSetting {
   std::shared_ptr<const ControlSource> mSource;
 };
 
-/// The same number everywhere. @param text  what a recipe has for it
+/// A constant number. @param text  its text in a recipe
 std::shared_ptr<const ControlSource> numberSource(double value, std::string text);
 
-/// The source that an option of a recipe describes:
+/// Makes the source that an option of a recipe describes:
 ///   - a number: "40"
 ///   - a ramp, "AXIS:FROM[@POS]:TO[@POS][:smooth]": "x:10:300:smooth" or "y:10@0.2:300@0.8"
 ///   - a grid: "FILE.vdb" or "FILE.vdb:GRID"
 ///   - a vertex attribute of the target's mesh or of another one: "paint:NAME[@FILE][:LOW:HIGH]". 0 becomes LOW and 1
-///     becomes HIGH, linearly; without them the values stay what they are.
+///     becomes HIGH, linearly; without them the values stay unchanged.
 ///   - a picture through the texture coordinates of the target's mesh: "texture:FILE[:CHANNEL]:LOW:HIGH". v = 0 is the
 ///     picture's lowest row. CHANNEL is r, g, b, a or luminance.
-///   - the distance to another mesh: "near:FILE:DISTANCE:NEAR:FAR". NEAR on its surface, and inside if it is closed;
-///   FAR
-///     from DISTANCE on, a share of the target's longest side.
+///   - the distance to another mesh: "near:FILE:DISTANCE:NEAR:FAR". The value is NEAR on its surface, and inside if it
+///     is closed, and FAR from DISTANCE on, a fraction of the target's longest side.
 ///   - an expression: "expr:TEXT" over x y z (fractal space), nx ny nz (the direction away from the surface), phi and
-///   tau
-///     (shares of the target's longest side), curvature (the mean curvature of the surface nearby, of a ball of radius
-///     r 1 / r, with the longest side as unit), hx hy hz (0..1 along the sides of the target's box), height (= hy) and
-///     the attributes of the target's mesh. It has the functions of julia/expression.h.
+///     tau (fractions of the target's longest side), curvature (the mean curvature of the nearby surface, which is 1 /
+///     r for a ball of radius r, with the longest side as unit), hx hy hz (0..1 along the sides of the target's box),
+///     height (= hy) and the attributes of the target's mesh. It has the functions of julia/expression.h.
 ///
-/// The last four are found on a lattice of 100 nodes along the target's longest side, over its box and a tenth of that
-/// side beyond, and read trilinearly. What is known on a surface has at any point the value of the surface's nearest
-/// point. No path may have a ':' in it.
-/// @throw std::invalid_argument  naming the option, the value and what is wrong with it
+/// The last four are evaluated on a lattice of 100 nodes along the target's longest side, over its box and a tenth of
+/// that side beyond, and read trilinearly. A value that is known only on a surface is extended: each point gets the
+/// value of the nearest point of the surface. No path may contain a ':'.
+/// @throw std::invalid_argument  names the option, the value and what is wrong with it
 std::shared_ptr<const ControlSource> parseControl(const RecipeReader& reader, const std::string& option);
 
 }  // namespace vdbtools

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file control_grid.h
-/// Controls as the dynamics reads them: values on a lattice, at points of fractal space.
+/// Controls in the form that the dynamics reads: values on a lattice, at points of fractal space.
 #pragma once
 
 #include "vdbtools/base/fractal_space.h"
@@ -17,18 +17,18 @@ namespace vdbtools {
 
 struct ControlGrid {
   openvdb::FloatGrid::Ptr grid;  ///< every node of its box is active
-  FractalSpace space{};          ///< whose world is that of the grid
+  FractalSpace space{};          ///< its world space is that of the grid
 };
 
-/// By the names that a map gives them.
+/// Grids by the names that a map gives them.
 using ControlGrids = std::map<std::string, ControlGrid>;
 
-/// A control on the lattice of 100 nodes along the target's longest side (control.h). The grid lies in fractal space
-/// itself, so its own space is the identity.
-/// @param space  where the map lives
+/// Samples a control on the lattice of 100 nodes along the target's longest side (control.h). The grid lies in fractal
+/// space itself, so its own space is the identity.
+/// @param space  the space of the map
 ControlGrid controlGrid(const Control& control, const ControlContext& context, const FractalSpace& space);
 
-/// Read trilinearly; beyond the lattice, the value of its nearest point.
+/// Reads the grid trilinearly; a point outside the lattice gets the value of the nearest point of the lattice.
 template <class Real>
 std::shared_ptr<const julia::ScalarField<Real>> makeControlField(const ControlGrid& grid);
 

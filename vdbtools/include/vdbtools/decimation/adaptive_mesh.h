@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file adaptive_mesh.h
-/// The room `decimation` makes meshes of fewer triangles. It uses the rooms up to `search`.
+/// The room `decimation` reduces the number of triangles of meshes. It uses the rooms up to `search`.
 ///
-/// A mesh with triangles as large as a given deviation allows: large where the surface is flat, small where it is not.
+/// This header makes a mesh with triangles as large as a given deviation allows: large where the surface is flat, and
+/// small elsewhere.
 ///
-/// Points are only taken away, never moved, so what is known of those that stay remains exact. Edges are collapsed in
+/// Points are only removed, never moved, so the attributes of the remaining points stay exact. Edges are collapsed in
 /// the order of the quadric error [Garland and Heckbert, SIGGRAPH 1997], by OpenMesh, whose link condition keeps closed
 /// 2-manifolds closed 2-manifolds. Afterwards it is proved that no point of either surface is farther from the other
-/// than the bound; where the proof fails, the points around are kept, and the mesh is made again.
+/// than the bound. Where the proof fails, the points around are kept, and the mesh is made again.
 #pragma once
 
 #include "vdbtools/base/monitor.h"
@@ -19,22 +20,22 @@
 namespace vdbtools {
 
 struct AdaptedMesh {
-  std::vector<std::uint32_t> points;      ///< those of the given mesh that remain, ascending
+  std::vector<std::uint32_t> points;      ///< the remaining points of the given mesh, ascending
   std::vector<openvdb::Vec3I> triangles;  ///< indices into points
 };
 
-/// @param bound  world units, > 0: the largest distance (Hausdorff, so of each surface from the other). It is proved,
-///               and holds for whole surfaces, not for samples of them
+/// @param bound  world units, > 0: the maximum Hausdorff distance between the surfaces. It is proved for the whole
+///               surfaces, not only for samples of them
 /// @throw std::invalid_argument  a bound that is not positive
 /// @throw DataError              an edge of more than two triangles, or of two that run the same way
 /// @throw Interrupted
 AdaptedMesh adaptedMesh(const Mesh& mesh, double bound, Monitor& monitor);
 
-/// Takes a mesh in pieces, keeps it until all of it is there, and hands on the adapted one. Normals and the rows of
-/// columns of the points that remain are those that came.
+/// Collects a mesh that arrives in pieces until it is complete, and then passes on the adapted mesh. The remaining
+/// points keep their normals and rows of columns.
 class AdaptiveMeshSink final : public MeshSink {
  public:
-  /// @param next  takes the adapted mesh; outlives this
+  /// @param next  receives the adapted mesh; must outlive this
   AdaptiveMeshSink(MeshSink& next, double bound) : mNext(next), mBound(bound) {}
 
   void addPoints(const PointBatch& batch) override;

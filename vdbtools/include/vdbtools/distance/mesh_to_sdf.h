@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file mesh_to_sdf.h
-/// The room `distance` turns meshes into signed distances, and widens and reads them. It uses the rooms up to `recipe`.
+/// The room `distance` converts meshes to signed distances, and widens and reads them. It uses the rooms up to
+/// `recipe`.
 ///
-/// Here: from a mesh to its signed distance field, the distance to the nearest of all triangles (docs/design.md 2.9).
-/// phi < 0 inside, > 0 outside, in world units. Index space is world space over the voxel size: node (i, j, k) lies at
-/// (i, j, k) h, whatever the mesh's position.
+/// This header converts a mesh to its signed distance field, the distance to the nearest of all triangles
+/// (docs/design.md 2.9). phi < 0 inside, > 0 outside, in world units. Index space is world space divided by the voxel
+/// size: node (i, j, k) lies at (i, j, k) h, whatever the mesh's position.
 ///
-/// There is no sign when a mesh leaks: a hole wider than about two voxels yields a field without an inside,
-/// and a mesh that passes at one resolution may fail at a finer one. meshToSdf() checks its result and throws.
+/// There is no sign if a mesh leaks: a hole wider than about two voxels yields a field without an inside, and a mesh
+/// that passes at one resolution may fail at a finer one. meshToSdf() checks its result and throws.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -24,15 +25,15 @@ struct MeshToSdfOptions {
   double interiorBandWidth = 3;  ///< voxels kept inside, > 1; infinity keeps the whole inside
 };
 
+/// A closed mesh may be oriented either way, intersect itself, and have inner walls; cavities that it encloses are
+/// inside. Where closed parts intersect each other, the outer surface of their union counts. An open mesh passes if the
+/// voxels span its holes.
+/// @param united  if not null, receives the number of such parts
 /// @return a level set, with the class, background and flood fill that OpenVDB expects. The background is the exterior
 ///         band width in world units.
-/// A closed mesh may be oriented either way, cross itself, and have inner walls; cavities that it encloses are inside.
-/// Of closed parts that run into each other, the outer surface of their union counts. An open mesh passes if the voxels
-/// span its holes.
-/// @param united  if not null, becomes the number of such parts
 /// @throw std::invalid_argument  options out of their domain, or a grid of more than 2^31 nodes
-/// @throw DataError              the mesh leaks or has no inside at this voxel size; the text gives the numbers (open
-///                               edges, inside volume against the mesh's own) and a leak has Remedy::RepairMesh
+/// @throw DataError              the mesh leaks or has no inside at this voxel size; the message gives the numbers
+///                               (open edges, inside volume against the mesh's own), and a leak has Remedy::RepairMesh
 /// @throw Interrupted
 openvdb::FloatGrid::Ptr meshToSdf(const Mesh& mesh, const MeshToSdfOptions& options, Monitor& monitor,
                                   std::size_t* united = nullptr);

@@ -10,27 +10,28 @@
 
 namespace vdbtools {
 
-/// The target: phi, what is known of its extent, and whether it is known beyond.
+/// The target: phi, its known extent, and whether phi is known beyond the active nodes.
 struct Target {
   openvdb::FloatGrid::Ptr phi;  ///< world units, negative inside
   openvdb::BBoxd box;           ///< of the shape, world units
-  /// The nodes of a dense field, index space. Beyond them phi is the nearest face's value. A narrow band has none: it
-  /// is the tiles' and the background's there.
+  /// The nodes of a dense field, index space. Outside them phi equals the nearest value on the box. A narrow band has
+  /// no such box; there, phi is given by the tiles and the background.
   std::optional<openvdb::CoordBBox> denseBox;
   std::optional<double> repairMoved{};  ///< how far a repair may have moved the surface, world units
 };
 
-/// Takes phi as it is: dense (every node of its active box is active) or narrow band. Active tiles are made voxels.
-/// @param box  the shape's box where it is known better than from phi
-/// @throw DataError  empty, not finite, without an inside, a background that is not positive in a narrow band
+/// Takes phi unchanged: dense (every node of its active box is active) or narrow band. Active tiles are turned into
+/// voxels.
+/// @param box  the shape's box if it is known more exactly than from phi
+/// @throw DataError  phi is empty, not finite, without an inside, or a narrow band whose background is not positive
 Target makeTarget(openvdb::FloatGrid::Ptr phi, std::optional<openvdb::BBoxd> box);
 
-/// Nodes of phi that are needed beyond the reach of a shell, voxels: those that are read about a point there.
+/// The width, in voxels, of phi beyond a shell that is needed to read a neighbourhood of every point of the shell.
 inline constexpr double kExponentMargin = 7;
 
-/// Widens the band of a narrow-band target, where it is narrower, to @a exteriorWidth and @a interiorWidth (world
-/// units; infinity: over the whole inside), and kExponentMargin voxels further, by fast sweeping. Values of the band
-/// stay as they are. A dense target stays as it is.
+/// Widens the band of a narrow-band target by fast sweeping to at least @a exteriorWidth and @a interiorWidth (world
+/// units; infinity: the whole inside) plus kExponentMargin voxels. Values of the existing band stay unchanged, and so
+/// does a dense target.
 void extendBand(Target& target, double exteriorWidth, double interiorWidth, Monitor& monitor);
 
 }  // namespace vdbtools

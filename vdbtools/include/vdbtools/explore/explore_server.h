@@ -53,7 +53,7 @@ namespace vdbtools::explore {
 class WorkShare {
  public:
   virtual ~WorkShare() = default;
-  virtual void begin(std::string_view phase) = 0;
+  virtual void begin(const Phase& phase) = 0;
   /// From 0 to 1. @param fraction  of the phase at hand that is done
   virtual double at(double fraction) = 0;
 };

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file exponent_grid.h
-/// The room `exponent` makes of distances what the shape modulus reads: the exponent, the local thickness and the
+/// The room `exponent` derives from distances what the shape modulus reads: the exponent, the local thickness and the
 /// octave. It uses the rooms up to `control`.
 ///
-/// The exponent E(x) = alpha(x) (phi(x) - beta(x)) of the shape modulus, baked once: all that the dynamics needs of the
-/// target. E < 0 inside, > 0 outside; phi and beta in units of fractal space.
+/// This header declares the exponent E(x) = alpha(x) (phi(x) - beta(x)) of the shape modulus, computed once as a grid.
+/// It contains all that the dynamics needs to know about the target. E < 0 inside, > 0 outside; phi and beta are in
+/// units of fractal space.
 ///
-/// E matters in the open shell interval only (docs/design.md 2.4). The grid holds its true value at every node that is
-/// read anywhere in a cell which touches that interval, and a constant beyond either end elsewhere.
+/// E matters only in the open shell interval (docs/design.md 2.4). The grid holds its true value at every node that is
+/// read anywhere in a cell that touches that interval, and elsewhere a constant beyond the respective end.
 #pragma once
 
 #include "vdbtools/base/fractal_space.h"
@@ -32,8 +33,8 @@ struct DetailOptions {
   Control detail{0.25};          ///< D, from 0 to 1
   Control outward{0.1};          ///< O, from 0 to 1
   Control thickness{1.0};        ///< tau, world units, > 0 (local_thickness.h)
-  double greatestThickness = 1;  ///< of tau anywhere
-  /// For which origin the promise holds, world units. With another one the set erodes.
+  double greatestThickness = 1;  ///< maximum of tau anywhere
+  /// The origin for which the guarantee holds, world units. With another origin the set erodes.
   openvdb::Vec3d origin{0, 0, 0};
 };
 
@@ -42,46 +43,47 @@ struct ExponentGridOptions {
   Control beta{0.0};    ///< offset of the shell, units of fractal space
   julia::OrbitOptions orbit{};
   julia::Interpolation interpolation = julia::Interpolation::Trilinear;
-  Control mask{1.0};  ///< width of the shell as a share of what it is without, from 0, the plain target, to 1
+  Control mask{1.0};  ///< width of the shell as a fraction of its full width, from 0, the plain target, to 1
   std::optional<DetailOptions> detail{};  ///< instead of alpha and beta
 };
 
 struct ExponentGrid {
-  openvdb::FloatGrid::Ptr grid;  ///< E on phi's nodes; E's sign in every tile and in the background
+  openvdb::FloatGrid::Ptr grid;  ///< E on phi's nodes; tiles and the background have the sign of E
   FractalSpace space;
   julia::ShellInterval shell;
-  /// The orbit that it was made for, with the trap that the shell proves: what an evaluator of E is to be given.
+  /// The orbit for which E was made, with the trap that the shell proves. An evaluator of E must use it.
   julia::OrbitOptions orbit;
   std::optional<openvdb::CoordBBox> denseBox;  ///< see Target
-  /// The target's distances end before E is as low as the shell's lower end: they must be extended further inward.
+  /// Whether the target's distances end before E is as low as the shell's lower end; they must then be extended further
+  /// inward.
   bool tooShallow = false;
-  std::optional<double> scale;  ///< K of julia/detail.h, where ExponentGridOptions::detail is
-  /// alpha and beta over the target: as they were given, or as they would have to be for this E.
+  std::optional<double> scale;  ///< K of julia/detail.h, if ExponentGridOptions::detail was given
+  /// alpha and beta over the target: as given, or the values that would result in this E.
   std::pair<double, double> alphaRange, betaRange;
   julia::Interpolation interpolation = julia::Interpolation::Trilinear;
 };
 
-/// How far outside the surface E may stay below ln(escape): the band that phi needs there, units of fractal space. Of
-/// alpha and beta.
+/// The distance outside the surface up to which E may stay below ln(escape), and therefore the band that phi needs
+/// there, units of fractal space. Follows from alpha and beta.
 double exteriorReach(const ExponentGridOptions& options);
 
-/// How deep inside E may stay above -@a depth, the same units. Of alpha and beta.
+/// The depth up to which E may stay above -@a depth, units of fractal space. Follows from alpha and beta.
 double interiorReach(const ExponentGridOptions& options, double depth);
 
-/// The same of a shell of detail: how far it reaches to either side, world units.
+/// How far a shell of detail reaches to either side, world units.
 struct DetailReach {
   double outside = 0, inside = 0;
 };
 DetailReach detailReach(const ExponentGridOptions& options);
 
-/// @pre extendBand() with space.scale times exteriorReach() and the whole inside, or a band as wide. A band that is
-///      shallower inside serves where the result is not tooShallow.
-/// @throw std::invalid_argument  alpha not positive, or not finite; a share that is not from 0 to 1; a detail for an
+/// @pre extendBand() with space.scale times exteriorReach() and the whole inside, or an equally wide band. A band that
+/// is shallower inside suffices if the result is not tooShallow.
+/// @throw std::invalid_argument  alpha not positive, or not finite; a mask that is not from 0 to 1; a detail for an
 ///                               origin that does not lie inside the target
 ExponentGrid exponentGrid(const Target& target, const FractalSpace& space, const ExponentGridOptions& options,
                           Monitor& monitor);
 
-/// E as the dynamics reads it, at points of fractal space. Copies the grid.
+/// E in the form that the dynamics reads, at points of fractal space. Copies the grid.
 template <class Real>
 std::shared_ptr<const julia::ScalarField<Real>> makeExponentField(const ExponentGrid& exponent);
 

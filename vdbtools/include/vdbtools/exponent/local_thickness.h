@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file local_thickness.h
 /// The local thickness tau of a shape: at a point inside, the radius of the largest ball that fits in the shape and
-/// holds the point [HR97]. A leg has its own thickness, and the body has its own.
+/// contains the point [HR97]. A leg has its own thickness, and so has the body.
 ///
-/// What is returned is extended outside the shape, and nowhere steeper than a given slope, so that what is derived
-/// from it varies gently: near a thin part, a thick one counts as thinner.
+/// The result is extended outside the shape, and its slope is limited to a given value, so that quantities derived from
+/// it vary gently: near a thin part, a thick one counts as thinner.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -14,36 +14,37 @@
 
 namespace vdbtools {
 
-/// World units of thickness by world units of length: along the faces of a convex body tau grows from its edges about
-/// as fast by itself.
+/// World units of thickness per world unit of length. Along the faces of a convex body, tau itself grows from the edges
+/// at about this rate.
 inline constexpr double kThicknessSlope = 1;
 
-/// The slope for a depth of detail of the share @a detail of tau: that for which the depth itself, detail times tau,
-/// has no slope above 0.16, and never above kThicknessSlope. More detail is then nowhere less deep. And up to a share
-/// of 0.8 a thin part stays joined to a thick one: at the mouth of a handle of radius r, tau begins to rise at a
+/// The slope for a depth of detail of the fraction @a detail of tau. It limits the slope of the depth itself, detail
+/// times tau, to 0.16, and never exceeds kThicknessSlope. Hence more detail is nowhere less deep. Up to a fraction of
+/// 0.8 a thin part also stays joined to a thick one: at the mouth of a handle of radius r, tau begins to rise at a
 /// distance of r in front of it, but the depth of the shape only behind it; so detail (1 + slope) must be below 1.
 double thicknessSlope(double detail);
 
-/// tau is nowhere below this many voxels of the lattice on which it was found.
+/// tau is nowhere below this many voxels of the lattice on which it was computed.
 inline constexpr double kLeastThickness = 0.75;
 
 struct LocalThickness {
-  openvdb::FloatGrid::Ptr tau;     ///< world units, above 0; every node of a box about the shape is active
-  double least = 0, greatest = 0;  ///< of tau over the nodes inside the shape, world units
-  double leastAnywhere = 0;        ///< of tau over the whole box, world units; the greatest is the inside's
+  openvdb::FloatGrid::Ptr tau;     ///< world units, above 0; every node of a box around the shape is active
+  double least = 0, greatest = 0;  ///< extremes of tau over the nodes inside the shape, world units
+  double leastAnywhere = 0;  ///< minimum of tau over the whole box, world units; its maximum is that of the inside
 };
 
-/// A part that is thinner than a voxel, so that it holds no node, counts as kLeastThickness voxels thick.
+/// Computes the local thickness. A part that is thinner than a voxel, so that it contains no node, counts as
+/// kLeastThickness voxels thick.
 /// @param phi  world units, negative inside; the distances must be known over the whole inside and two voxels beyond
-/// @param slope  world units of thickness by world units of length, > 0
+/// @param slope  maximum slope, world units of thickness per world unit of length, > 0
 /// @throw DataError    phi is nowhere negative
 /// @throw Interrupted
 LocalThickness localThickness(const openvdb::FloatGrid& phi, Monitor& monitor, double slope = kThicknessSlope);
 
-/// The same for one slope after another: what does not depend on the slope, which is most of the work, is done once.
+/// Computes the local thickness for several slopes. Most of the work does not depend on the slope and is done once.
 class ThicknessFinder {
  public:
-  /// @param phi  as above
+  /// @param phi  as for localThickness()
   /// @throw DataError, Interrupted
   ThicknessFinder(const openvdb::FloatGrid& phi, Monitor& monitor);
 

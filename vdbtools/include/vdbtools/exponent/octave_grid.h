@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file octave_grid.h
-/// How fine a texture of waves (julia/wave_versor.h) is at each place of a target: as much finer as the target is
-/// thinner there.
+/// The local frequency of a texture of waves (julia/wave_versor.h): the thinner the target, the finer the texture.
 #pragma once
 
 #include "vdbtools/base/fractal_space.h"
@@ -11,8 +10,8 @@
 
 namespace vdbtools {
 
-/// The octave o at the nodes of the thickness' lattice: with it a wave of one turn a unit makes F turns across the
-/// local thickness 2 tau, so that 2^o = F / (2 tau) with tau in fractal space.
+/// The octave o at the nodes of the thickness' lattice. With it a wave of one cycle per unit makes F cycles across the
+/// local thickness 2 tau, so 2^o = F / (2 tau) with tau in fractal space.
 struct OctaveGrid {
   openvdb::FloatGrid::Ptr grid;
   FractalSpace space;

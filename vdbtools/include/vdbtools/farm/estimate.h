@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file estimate.h
-/// What a plan will take, from a random sample of its tasks.
+/// Estimates the cost of a plan from a random sample of its tasks.
 #pragma once
 
 #include "vdbtools/farm/task.h"
@@ -17,10 +17,10 @@ struct Estimated {
   double low = 0, high = 0;  ///< the 95 % interval
 };
 
-/// What is known of a task before it is made: how much there is to do, in units that do not matter.
+/// The known amount of work of a task before it is run, in arbitrary units.
 struct TaskWork {
-  double shell = 0;    ///< undecided nodes
-  double surface = 0;  ///< surface, as a coarse lattice shows it
+  double shell = 0;    ///< number of undecided nodes
+  double surface = 0;  ///< area of the surface, as seen on a coarse lattice
 };
 
 /// A task of the sample.
@@ -34,18 +34,18 @@ struct PlanEstimate {
   Estimated triangles;   ///< of all tasks
   Estimated cpuSeconds;  ///< of all tasks
   Estimated diskBytes;   ///< of all tasks' files
-  Estimated peakBytes;   ///< of one task: 95 % of the tasks lie in the interval
+  Estimated peakBytes;   ///< of one task: the interval contains 95 % of the tasks
 };
 
-/// Different tasks, each equally likely; ascending. The same for the same seed.
+/// Distinct tasks, each equally likely, in ascending order. The same seed gives the same tasks.
 std::vector<std::uint64_t> sampleTasks(std::uint64_t tasks, std::uint64_t count, std::uint64_t seed);
 
-/// The total of a quantity over all tasks, from its values in a random sample without replacement. The regression
-/// estimator of survey sampling is used ([Coc77] chapter 7): the values are fitted by a linear function of the work,
-/// which is known for all tasks, and what scatters about it gives the interval by Student's t. In a sample of fewer
-/// than 6 tasks, or where the works are all equal, this is the mean.
+/// Estimates the total of a quantity over all tasks from its values in a random sample without replacement. It uses the
+/// regression estimator of survey sampling ([Coc77] chapter 7): a linear function of the work, which is known for all
+/// tasks, is fitted to the values, and the residuals give the interval by Student's t. For a sample of fewer than 6
+/// tasks, or if all works are equal, the mean is used.
 /// @param work    of all tasks
-/// @param sample  work and value of each task in the sample, two at least unless there is only one task
+/// @param sample  work and value of each task in the sample, at least two unless there is only one task
 /// @throw std::invalid_argument  fewer than two tasks in the sample of a plan that has more than one
 Estimated estimateTotal(std::span<const TaskWork> work, std::span<const std::pair<TaskWork, double>> sample);
 

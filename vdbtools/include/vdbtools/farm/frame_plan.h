@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file frame_plan.h
-/// Plans of frames: a fractal for each frame, with options that change from frame to frame by keys, and inputs that
-/// are a file for each frame.
+/// Plans of frames: a fractal for each frame, with options that change from frame to frame by keys, and inputs with a
+/// file for each frame.
 ///
-/// Between two keys, at the share t of the way from one frame to the other, a number is
+/// Between two keys, at the fraction t of the way from one frame to the other, a number is
 ///
 ///     a + (b - a) t                    linear
 ///     a + (b - a) (3 t^2 - 2 t^3)      smooth: its slope is 0 at every key, and it stays between a and b
 ///     a                                step
 ///
 /// Before the first key and after the last it is constant. At a key the value is the key's text itself. Several numbers
-/// with separators between them, as in "0,1,-2" or "x:0.05:0.6:smooth", are blended one by one; what stands beside them
+/// with separators between them, as in "0,1,-2" or "x:0.05:0.6:smooth", are blended one by one; the text around them
 /// must be the same in both keys.
 #pragma once
 
@@ -36,46 +36,47 @@ struct KeyedOption {
 
 inline constexpr int kMostFrames = 100'000;
 
-/// A list of frames and ranges such as "7", "1-48", "1-48x2" (every second one, from 1 on) or "1-48x8,1-48" (every
-/// eighth first, and then the others): in the order of the list, each once.
-/// @throw std::invalid_argument  not that, a range backwards, or more than kMostFrames
+/// Parses a list of frames and ranges such as "7", "1-48", "1-48x2" (every second one, from 1 on) or "1-48x8,1-48"
+/// (every eighth first, and then the others). The result is in the order of the list, each frame once.
+/// @throw std::invalid_argument  not such a list, a reversed range, or more than kMostFrames
 std::vector<int> parseFrames(const std::string& text);
 
 /// @param keys   such as "alpha@48=120"
-/// @param eases  "linear", "smooth" or "step" for all options, or for one as in "alpha=smooth", which counts more
-/// @return in the order of their names
-/// @throw std::invalid_argument  an option that is unknown, two values at one frame, two keys that cannot be blended
+/// @param eases  "linear", "smooth" or "step" for all options, or for one as in "alpha=smooth", which takes precedence
+/// @return the options in the order of their names
+/// @throw std::invalid_argument  an unknown option, two values at one frame, or two keys that cannot be blended
 std::vector<KeyedOption> parseKeys(const std::vector<std::string>& keys, const std::vector<std::string>& eases,
                                    const OptionTable& table);
 
-/// The option's value at a frame. @throw std::invalid_argument  the keys about the frame cannot be blended
+/// The option's value at a frame. @throw std::invalid_argument  the keys around the frame cannot be blended
 std::string valueAt(const KeyedOption& option, int frame);
 
 struct FramePlanOptions {
-  Recipe base;   ///< of `juliavdb fractal`. Names of files may have a frame pattern (vdbtools/files/frame_name.h)
-  Recipe given;  ///< of these, what was asked for as firmly as the keys, which do not take its place
+  Recipe base;   ///< of `juliavdb fractal`. File names may have a frame pattern (vdbtools/files/frame_name.h)
+  Recipe given;  ///< options of the base that were requested as explicitly as the keys and are not replaced by them
   std::vector<KeyedOption> keys;
-  std::vector<int> frames{1};             ///< in the order in which they are made
-  std::string name;                       ///< of the files; empty: after the target, or else the map
-  std::vector<std::string> makes{"vdb"};  ///< of "vdb" and the formats of meshes
-  std::optional<double> resolution{};     ///< what `--resolution auto` is at every frame that has it
+  std::vector<int> frames{1};             ///< in the order of execution
+  std::string name;                       ///< base name of the files; empty: named after the target, or else the map
+  std::vector<std::string> makes{"vdb"};  ///< any of "vdb" and the formats of meshes
+  std::optional<double> resolution{};     ///< the value of `--resolution auto` at every frame that has it
 };
 
-/// Sets options.resolution where a frame has `auto`: to the largest number that the first of these, the one in the
-/// middle and the last would choose by themselves, so that the frames of a sequence have voxels that fit together.
+/// Sets options.resolution if a frame has `auto`: to the largest number that the first of these frames, the middle one
+/// and the last would choose by themselves, so that the frames of a sequence have matching voxels.
 /// @throw as makeScene()
 void chooseResolution(FramePlanOptions& options, Monitor& monitor);
 
-/// The values of the options at a frame, as far as they are given.
+/// The given options and their values at a frame.
 /// @throw std::invalid_argument  keys cannot be blended, or a name has more than one place for the frame
 Recipe recipeAt(const FramePlanOptions& options, int frame);
 
-/// @throw std::invalid_argument  nothing changes from frame to frame, or a key is a name with a place for the frame
+/// @throw std::invalid_argument  nothing changes from frame to frame, or a key is a file name with a frame pattern
 void requireChange(const FramePlanOptions& options);
 
-/// A task for each frame, whose files are out/NAME.0007.vdb and the like. Every frame's recipe is checked, and all
-/// files that it names are read and hashed.
-/// @throw std::invalid_argument  an option is refused, with the frame; or nothing changes from frame to frame
+/// Plans a task for each frame, whose files are out/NAME.0007.vdb and the like. Every frame's recipe is checked, and
+/// all files that it names are read and hashed.
+/// @throw std::invalid_argument  an option is refused (the message names the frame), or nothing changes from frame to
+///                               frame
 /// @throw MissingInputError      a frame's file is missing
 /// @throw DataError, IoError
 Manifest planFrames(const FramePlanOptions& options);

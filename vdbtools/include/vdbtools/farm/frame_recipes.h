@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file frame_recipes.h
-/// The recipes of a sequence whose frames are made one after the other by one process.
+/// The recipes of a sequence whose frames one process makes one after the other.
 #pragma once
 
 #include "vdbtools/farm/frame_plan.h"
@@ -12,10 +12,11 @@ namespace vdbtools::farm {
 
 class FrameRecipes {
  public:
-  /// Checks every frame: its options, and that the files are there that they name. Nothing is opened.
-  /// @param options  without names and makes, which are those of a plan
-  /// @throw std::invalid_argument  an option is refused, with the frame; or nothing changes from frame to frame
-  /// @throw MissingInputError      the first few of the files that are missing
+  /// Checks the options of every frame, and that the files they name exist. Nothing is opened.
+  /// @param options  without names and makes, which belong to plans
+  /// @throw std::invalid_argument  an option is refused (the message names the frame), or nothing changes from frame to
+  ///                               frame
+  /// @throw MissingInputError      names the first few missing files
   explicit FrameRecipes(FramePlanOptions options);
   ~FrameRecipes();
 
@@ -23,9 +24,9 @@ class FrameRecipes {
   /// The files that any of the frames names.
   const InputFiles& inputs() const { return mInputs; }
 
-  /// The recipe of a frame: complete, and with the hashes of its files. A file that several frames name is read once,
-  /// and its hash in later recipes lets them refuse another.
-  /// @throw MissingInputError, DataError, IoError  as reading the files
+  /// The complete recipe of a frame, with the hashes of its files. A file that several frames name is read once, and
+  /// later recipes use its hash to refuse a changed file.
+  /// @throw MissingInputError, DataError, IoError  as when reading the files
   Recipe at(int frame) const;
 
  private:

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file manifest.h
-/// The room `farm` cuts large jobs into tasks that any machine can do at any time, in any order and more than once, and
-/// puts the results together again. It may use all other rooms.
+/// The room `farm` splits large jobs into tasks that any machine can run at any time, in any order and more than once,
+/// and merges the results. It may use all other rooms.
 ///
-/// Here: the plan of a farm, DIR/manifest.json. It is written once and only read afterwards; tasks share nothing else.
-/// Tasks count from 1, as the arrays of Slurm and the jobs of GNU parallel do.
+/// This header declares a plan, DIR/manifest.json. It is written once and only read afterwards; tasks share nothing
+/// else. Tasks count from 1, as the arrays of Slurm and the jobs of GNU parallel do.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -21,12 +21,12 @@
 namespace vdbtools::farm {
 
 enum class PlanKind {
-  Tiles,   ///< one fractal, cut into boxes of nodes, to be merged
+  Tiles,   ///< one fractal, cut into boxes of nodes, whose results are merged
   Frames,  ///< a fractal for each frame
   Sheet,   ///< a fractal for each of some cells of a contact sheet
 };
 
-/// Of PlanKind::Tiles: the lattice that is cut.
+/// The lattice that PlanKind::Tiles cuts.
 struct TileLattice {
   openvdb::CoordBBox domain;  ///< the nodes of the whole, both ends included
   bool bounded = false;       ///< as FieldPlan::bounded
@@ -34,12 +34,12 @@ struct TileLattice {
 };
 
 struct PlannedTask {
-  Recipe recipe;                          ///< what it has besides the plan's recipe, or instead of it
-  std::optional<openvdb::CoordBBox> box;  ///< of a tile: the nodes that it owns, both ends included
+  Recipe recipe;                          ///< options that extend or override the plan's recipe
+  std::optional<openvdb::CoordBBox> box;  ///< for a tile: the nodes that it owns, both ends included
   std::vector<std::string> writes;        ///< names of files, relative to the folder of the plan
 };
 
-/// A file that tasks depend on.
+/// A file on which tasks depend.
 struct PlannedInput {
   std::string path;  ///< absolute, or relative to the folder of the plan
   std::string sha256;
@@ -47,31 +47,35 @@ struct PlannedInput {
 
 struct Manifest {
   PlanKind kind = PlanKind::Tiles;
-  Recipe recipe;                                ///< of `juliavdb fractal`, complete, with the hashes of its files
-  std::vector<std::string> makes;               ///< of "vdb" and the formats of meshes: what is wanted in the end
-  std::map<std::string, std::string> metadata;  ///< of tiles: the metadata of the whole
-  std::optional<TileLattice> lattice;           ///< of tiles
+  Recipe recipe;  ///< of `juliavdb fractal`, complete, with the hashes of its files
+  /// The final products: any of "vdb" and the formats of meshes, or kMakeCount alone.
+  std::vector<std::string> makes;
+  std::map<std::string, std::string> metadata;  ///< for tiles: the metadata of the whole
+  std::optional<TileLattice> lattice;           ///< for tiles
   std::vector<PlannedInput> inputs;
   std::vector<PlannedTask> tasks;  ///< task k is tasks[k - 1]
-  std::string version;             ///< of the program that planned; filled in by encodeManifest()
+  std::string version;             ///< version of the planning program; encodeManifest() fills it in
 };
 
-/// Whether @a format, such as "vdb", is wanted in the end, and whether a mesh of any format is.
+/// The tiles of a mesh are made and counted, and not kept (tile_count.h).
+inline constexpr const char* kMakeCount = "count";
+
+/// Whether @a format, such as "vdb", is a final product, and whether a mesh of any format is.
 bool makes(const Manifest& manifest, std::string_view format);
 bool makesMesh(const Manifest& manifest);
 
 inline constexpr const char* kManifestName = "manifest.json";
-inline constexpr const char* kLogsName = "logs";  ///< the folder of what engines of tasks say
+inline constexpr const char* kLogsName = "logs";  ///< the folder for the logs of job schedulers
 
-/// JSON, with a hash over itself and the program's version.
+/// Encodes the manifest as JSON, with a hash of itself and the program's version.
 std::string encodeManifest(const Manifest& manifest);
 
-/// The manifest of a plan's folder.
+/// Reads the manifest of a plan's folder.
 /// @throw MissingInputError  there is none
-/// @throw DataError          it is broken, was changed by hand, or was written by another version of the program
+/// @throw DataError          it is broken, was edited, or was written by another version of the program
 Manifest readManifest(const std::filesystem::path& folder);
 
-/// The SHA-256 of all that the result of task @a index depends on. @throw std::out_of_range
+/// The SHA-256 of everything on which the result of task @a index depends. @throw std::out_of_range
 std::string taskHash(const Manifest& manifest, std::uint64_t index);
 
 /// The complete recipe of task @a index.

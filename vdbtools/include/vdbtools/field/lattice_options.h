@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file lattice_options.h
-/// Which nodes of which lattice are evaluated, as a recipe says it.
+/// Which nodes of which lattice are evaluated, as a recipe specifies it.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -14,12 +14,12 @@
 namespace vdbtools {
 
 struct LatticeOptions {
-  VoxelChoice voxels;                   ///< of the result
-  bool automatic = false;               ///< instead, whatever shows the texture (scene/voxel_advice.h)
-  bool withinMemory = true;             ///< of automatic: no more than what fits into this process' memory
+  VoxelChoice voxels;                   ///< the voxels of the result
+  bool automatic = false;               ///< chooses voxels that resolve the texture instead (scene/voxel_advice.h)
+  bool withinMemory = true;             ///< with automatic: limits the voxels to what fits into this process' memory
   std::optional<openvdb::BBoxd> box;    ///< only this region, world units
-  bool exhaustive = false;              ///< evaluates every node, also where the result is known
-  std::optional<FollowOptions> follow;  ///< if the surface is to be followed
+  bool exhaustive = false;              ///< evaluates every node, even where the result is known
+  std::optional<FollowOptions> follow;  ///< set if the surface is to be followed
 };
 
 /// Whether a recipe leaves the number of voxels to the program.

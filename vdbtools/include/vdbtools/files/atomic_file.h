@@ -8,13 +8,12 @@
 ///   file.commit();
 ///
 /// A symbolic link stays a link, and the file that it points to is replaced. An existing file keeps its permissions,
-/// and its owner where this process is allowed to set it; a new file gets the usual ones. Other hard links to an
-/// existing file keep the old content. Devices, pipes and the like cannot be replaced: they are opened and written
-/// directly, what was written cannot be taken back, and they have no position. Writing to a pipe without a reader
-/// raises SIGPIPE.
+/// and its owner if this process may set it; a new file gets the usual permissions. Other hard links to an existing
+/// file keep the old content. Devices, pipes and the like cannot be replaced: they are opened and written directly,
+/// written data cannot be undone, and they have no position. Writing to a pipe without a reader raises SIGPIPE.
 ///
-/// A process that is killed leaves its temporary files behind. The next one that writes the same file removes them, and
-/// sweepTemporaries() those of a whole folder.
+/// A killed process leaves its temporary files behind. The next process that writes the same file removes them, and
+/// sweepTemporaries() removes those of a whole folder.
 #pragma once
 
 #include <cstddef>
@@ -29,7 +28,7 @@ class AtomicFile {
  public:
   /// Creates the temporary file.
   /// @throw CreateError  the target cannot be written: it is a directory, its folder is missing or read-only, it exists
-  ///                     and is write-protected, or this process is writing it already
+  ///                     and is write-protected, or this process is already writing it
   explicit AtomicFile(const std::filesystem::path& target);
 
   /// Removes the temporary file, unless it was committed.
@@ -40,23 +39,23 @@ class AtomicFile {
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
-  /// Binary, with a buffer of 1 MiB. An error in writing sets badbit for good, and finish() throws it. tellp() and
+  /// A binary stream with a buffer of 1 MiB. A write error sets badbit permanently, and finish() throws it. tellp() and
   /// seekp() work, except on devices and pipes. A reference to the stream stays valid when this object is moved.
   std::ostream& stream();
 
-  /// Flushes the bytes to the disk; the stream then takes no more. Calls after the first do nothing.
-  /// @throw IoError  something could not be written, now or earlier: a full disk, a lost mount
+  /// Flushes the bytes to the disk; the stream accepts no more after that. Calls after the first do nothing.
+  /// @throw IoError  something could not be written, now or earlier, e.g. because of a full disk or a lost mount
   void finish();
 
-  /// Finishes if need be, renames the temporary file over the target and flushes the folder to the disk.
+  /// Calls finish() if necessary, renames the temporary file over the target and flushes the folder to the disk.
   /// @throw IoError           as finish(), or the rename failed
-  /// @throw std::logic_error  it was committed already
+  /// @throw std::logic_error  the file was committed already
   void commit();
 
-  /// As it was given.
+  /// The target as given to the constructor.
   const std::filesystem::path& target() const;
 
-  /// Absolute; empty for devices and pipes, and once committed.
+  /// An absolute path; empty for devices and pipes, and after the commit.
   std::filesystem::path temporaryPath() const;
 
  private:
@@ -67,19 +66,19 @@ class AtomicFile {
 };
 
 /// Commits several outputs of one job together: all are finished before the first is renamed, and if a later rename
-/// fails, the earlier ones are undone. Only two things can leave some of them committed: a crash between the renames,
-/// or a file system that cannot exchange files (NFS), where a replaced file is lost.
+/// fails, the earlier ones are undone. Only two events can leave some of them committed: a crash between the renames,
+/// or a failure on a file system that cannot exchange files (NFS), where a replaced file is lost.
 /// @throw as AtomicFile::commit()
 void commitAll(std::span<AtomicFile* const> files);
 
-/// Unlinks every temporary file of this process, for the moment before it ends without running destructors. Committing
-/// a file later throws IoError. May be called from any thread, but not from a signal handler.
+/// Unlinks every temporary file of this process. It serves a process that is about to end without running destructors.
+/// Committing a file later throws IoError. May be called from any thread, but not from a signal handler.
 void removeTemporaries() noexcept;
 
-/// Removes from @a folder the temporary files of processes that were killed. The owner of a temporary file holds a lock
-/// on it (flock), which ends with the process. On file systems whose locks do not reach other machines, only files that
-/// nobody has written for a day are removed. What cannot be read or removed stays.
-/// @return how many were removed
+/// Removes from @a folder the temporary files of killed processes. The owner of a temporary file holds a lock on it
+/// (flock), which ends with the process. On file systems whose locks do not reach other machines, only files that have
+/// not been written for a day are removed. Files that cannot be read or removed stay.
+/// @return the number of removed files
 std::size_t sweepTemporaries(const std::filesystem::path& folder);
 
 }  // namespace vdbtools

@@ -9,24 +9,22 @@
 
 namespace vdbtools {
 
-/// The name of one frame's file. A pattern is one of
+/// Returns the name of one frame's file. A pattern is one of
 ///   - `$F4`, padded with zeros to 4 digits, or `$F`, not padded. `$F` before a letter or `_` is another variable, and
 ///     left alone.
-///   - a run of `#`, one for each digit; only in the file's own name, since folders are often called so.
+///   - a run of `#`, one for each digit; only in the file's own name, since folder names often contain it.
 ///   - `%04d`, padded with zeros to 4 digits, or `%d`, not padded.
 /// A number too long for its padding is written in full. If the name has no pattern, the frame goes before the
-/// extension, with 4 digits: `name.vdb` becomes `name.0001.vdb`. With neither pattern nor frame the name stays as it
-/// is.
+/// extension, with 4 digits: `name.vdb` becomes `name.0001.vdb`. Without a pattern and a frame the name is unchanged.
 /// @throw std::invalid_argument  a pattern without a frame, more than one pattern, a negative frame, padding with
-/// blanks
-///                               (`%4d`) or beyond 16 digits, or a frame for a path without a file name
+///                               blanks (`%4d`) or beyond 16 digits, or a frame for a path without a file name
 std::string expandFrame(std::string_view name, std::optional<int> frame);
 
-/// Whether the name has such a pattern. @throw std::invalid_argument  as expandFrame() of its pattern
+/// Whether the name has such a pattern. @throw std::invalid_argument  as expandFrame() for its pattern
 bool hasFramePattern(std::string_view name);
 
 /// The file name without folders, extension and pattern, and without the dots, dashes, blanks and underscores that this
-/// leaves at its ends: "run" of "shots/run.####.obj". May be empty. @throw std::invalid_argument  as expandFrame()
+/// leaves at its ends: "run" for "shots/run.####.obj". May be empty. @throw std::invalid_argument  as expandFrame()
 std::string stemWithoutFrame(std::string_view name);
 
 }  // namespace vdbtools

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file input_files.h
-/// The files that a job reads, so that none of them becomes one of its outputs.
+/// The files that a job reads, which protects them from being overwritten by its outputs.
 #pragma once
 
 #include "vdbtools/files/named_file.h"
@@ -15,8 +15,8 @@
 
 namespace vdbtools {
 
-/// Files are the same if they are so for the file system: through links of both kinds and in any spelling. Devices,
-/// pipes and folders are never inputs in this sense, as nothing that is written to them replaces them.
+/// Two files are the same if the file system says so: through symbolic and hard links and in any spelling. Devices,
+/// pipes and folders are never inputs in this sense, because writing to them does not replace them.
 class InputFiles {
  public:
   InputFiles() = default;
@@ -26,17 +26,18 @@ class InputFiles {
 
   void add(const std::filesystem::path& file);
   void add(const InputFiles& others);
-  /// Every file in the folder and below it, also those that are not there yet.
+  /// Adds every file in the folder and below it, including files that do not exist yet.
   void addFolder(const std::filesystem::path& folder);
 
-  /// Each file by a name under which it was added.
+  /// Each file by one of the names under which it was added.
   std::vector<std::filesystem::path> files() const;
 
-  /// @throw std::invalid_argument  the output is one of them; it names both
+  /// @throw std::invalid_argument  the output is one of them; the message names both
   void requireNot(const std::filesystem::path& output) const;
 
  private:
-  // Each with its name as it was given. A file that another process replaces meanwhile keeps its place alone.
+  // Each entry has the name as it was given. If another process replaces a file meanwhile, only its path is still
+  // protected.
   std::map<std::filesystem::path, std::filesystem::path> mPlaces, mFolders;
   std::map<std::pair<dev_t, ino_t>, std::filesystem::path> mFiles;
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file output_files.h
-/// The outputs of a job, none of which is one of its inputs. Whatever a command, the page of `juliavdb explore` or the
-/// Python module writes under a name that somebody has chosen goes through here.
+/// The outputs of a job, none of which is one of its inputs. Everything that a command, the page of `juliavdb explore`
+/// or the Python module writes under a name chosen by the user goes through here.
 #pragma once
 
 #include "vdbtools/files/atomic_file.h"
@@ -14,12 +14,13 @@
 
 namespace vdbtools {
 
-/// Names of outputs, checked against the inputs and each other before anything is made.
+/// Names of outputs, checked against the inputs and each other before anything is written.
 class OutputPlaces {
  public:
   explicit OutputPlaces(InputFiles inputs) : mInputs(std::move(inputs)) {}
 
-  /// @throw std::invalid_argument  the output is an input, or the same file as an earlier output; it names both
+  /// @throw std::invalid_argument  the output is an input, or the same file as an earlier output; the message names
+  ///                               both
   void claim(const std::filesystem::path& output);
 
  private:
@@ -27,24 +28,24 @@ class OutputPlaces {
   std::map<std::filesystem::path, std::filesystem::path> mClaimed;
 };
 
-/// Files that appear together.
+/// Files that are committed together.
 class OutputFiles {
  public:
   /// @param inputs  all files that the job reads or has read
   explicit OutputFiles(InputFiles inputs) : mPlaces(std::move(inputs)) {}
 
-  /// Claims a place; the file's stream is for its content.
+  /// Claims a path; the content is written to the file's stream.
   /// @throw std::invalid_argument  as OutputPlaces::claim()
   /// @throw CreateError
   AtomicFile& add(const std::filesystem::path& path);
 
-  /// Flushes all to the disk, which takes most of the time of a commit. @throw IoError
+  /// Flushes all files to the disk, which takes most of the time of a commit. @throw IoError
   void finish();
-  /// Brings all to their places. @throw as commitAll()
+  /// Commits all files. @throw as commitAll()
   void commit();
 
   const std::list<AtomicFile>& files() const { return mFiles; }
-  /// Gives up what was added so far.
+  /// Discards what was added so far.
   void clear() { mFiles.clear(); }
 
  private:

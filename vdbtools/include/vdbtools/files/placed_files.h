@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file placed_files.h
-/// Which files an interruption leaves, for whoever ends the process from beside the work.
+/// Which files an interruption leaves behind, for a thread that ends the process during the work.
 #pragma once
 
 #include <cstddef>
@@ -8,11 +8,11 @@
 namespace vdbtools {
 
 struct PlacedFiles {
-  bool now = false;       ///< some are being renamed, or their folders flushed, at this moment
-  std::size_t count = 0;  ///< that this process has renamed over their targets so far
+  bool now = false;       ///< some files are being renamed, or their folders flushed, at this moment
+  std::size_t count = 0;  ///< number of files that this process has renamed over their targets so far
 };
 
-/// Of all files that were committed (atomic_file.h). After removeTemporaries() the count grows no more.
+/// Counts all committed files (atomic_file.h). After removeTemporaries() the count does not grow any more.
 PlacedFiles placedFiles() noexcept;
 
 }  // namespace vdbtools

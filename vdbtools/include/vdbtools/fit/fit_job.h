@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file fit_job.h
-/// A rational map in the shape of a target, from end to end: [Kim15] as it is written, or the fast fit of
+/// Fits a rational map to the shape of a target, from end to end: by the method of [Kim15], or by the fast fit of
 /// docs/design.md 2.6.
 #pragma once
 
@@ -25,37 +25,37 @@ namespace vdbtools::fit {
 OptionTable fitOptionTable();
 
 enum class FitStart {
-  BlueNoise,  ///< roots on both sides of the surface, evenly
-  Monopoles,  ///< where monopoles approximate the surface's electrostatic potential ([Kim15] 4.4)
+  BlueNoise,  ///< roots spread evenly on both sides of the surface
+  Monopoles,  ///< roots where monopoles approximate the surface's electrostatic potential ([Kim15] 4.4)
 };
 
 struct FitOptions {
   FitTargetOptions target;
-  std::size_t roots = 331;  ///< at most, on both sides together
-  double targetIou = 1;     ///< the fast fit adds roots until the held-out cells reach it
-  /// The passes of [Kim15]; the fast fit if there are none.
+  std::size_t roots = 331;  ///< maximum number, on both sides together
+  double targetIou = 1;     ///< the fast fit adds roots until the held-out cells reach this
+  /// The passes of [Kim15]; if empty, the fast fit is used.
   std::vector<julia::FitPass> schedule;
-  FitStart start = FitStart::BlueNoise;  ///< of the fast fit
+  FitStart start = FitStart::BlueNoise;  ///< for the fast fit
   double epsilon = 0.04;                 ///< relative residual of the monopoles
   julia::CellWeights weights = julia::CellWeights::InverseDistance;
   double powerPenalty = 0;  ///< see julia::ShapeEnergyOptions
-  double alpha = 0;         ///< all powers and C are scaled until |grad L| is this near the surface; 0: as found
+  double alpha = 0;         ///< all powers and C are scaled until |grad L| is this near the surface; 0: no scaling
   std::uint64_t seed = 1;
 };
 
 /// @throw std::invalid_argument
 FitOptions parseFitOptions(const Recipe& recipe);
 
-/// A line of the report: an accepted step.
+/// A line of the report, for an accepted step.
 struct FitRow {
-  std::string stage;                ///< "roots", "energy", or a pass as "25(V)"
-  int step = 0;                     ///< from 1 on, through all stages
-  std::size_t top = 0, bottom = 0;  ///< roots
-  double energy = 0;  ///< what the stage lowers: the loss of the stage "roots", else psi on its own cells and weights
+  std::string stage;                ///< "roots", "energy", or a pass such as "25(V)"
+  int step = 0;                     ///< counts from 1, through all stages
+  std::size_t top = 0, bottom = 0;  ///< numbers of roots
+  double energy = 0;        ///< objective of the stage: the loss for "roots", else psi on its own cells and weights
   double psi = 0, iou = 0;  ///< with the paper's weights, on a sample of cells that is the same for all rows
   double topPowers = 0, bottomPowers = 0;
-  double meanDistance = -1, hausdorff = -1;  ///< fractal space; -1 where they were not measured
-  double seconds = 0;                        ///< since the fit began
+  double meanDistance = -1, hausdorff = -1;  ///< fractal space; -1 if they were not measured
+  double seconds = 0;                        ///< since the start of the fit
 };
 
 struct FitResult {
@@ -64,27 +64,27 @@ struct FitResult {
   FitMeasure measure;  ///< on the cells of the cube
   double slope = 0;    ///< median of |L / phi| near the surface
   std::vector<FitRow> rows;
-  std::size_t monopoles = 0;    ///< if electrostatics had a part
-  julia::SurfaceCharge charge;  ///< of the target's surface, likewise; without densities if it had none
+  std::size_t monopoles = 0;    ///< if electrostatics were used
+  julia::SurfaceCharge charge;  ///< on the target's surface; without densities if electrostatics were not used
 };
 
 /// @param wantDistances  measures distances at the end of every round or pass, which takes about a second each
 /// @throw std::invalid_argument, MissingInputError, Interrupted
-/// @throw DataError  as makeFitTarget(), or what was found has nothing of the target inside
+/// @throw DataError  as makeFitTarget(), or no part of the target is inside the map that was found
 FitResult runFit(const FitOptions& options, bool wantDistances, Monitor& monitor);
 
-/// The rows as CSV, with a line of names.
+/// The rows as CSV, with a header line.
 std::string fitReportCsv(std::span<const FitRow> rows);
 
-/// psi by step as [Kim15] Fig. 11 draws it: from [-1, 1] brought to [0, 1], logarithmic.
+/// psi by step as in [Kim15] Fig. 11: mapped from [-1, 1] to [0, 1], with a logarithmic axis.
 Plot fitReportPlot(std::span<const FitRow> rows);
 
-/// The fit as JSON (versor_file.h), with where it lies in the world and a note of the command that makes it again.
-/// @param recipe  what was asked for, completed
+/// The fit as JSON (versor_file.h), with its placement in the world and a note of the command that reproduces it.
+/// @param recipe  the requested options, completed
 std::string fitToJson(const FitResult& fit, const Recipe& recipe);
 
-/// The surface that the roots are placed on, with its electrostatic charge ([Kim15] Fig. 8): large on what sticks out,
-/// small in hollows.
+/// The surface on which the roots are placed, with its electrostatic charge ([Kim15] Fig. 8), which is large on
+/// protrusions and small in hollows.
 struct ChargedSurface {
   Mesh mesh;                          ///< world units
   std::vector<VertexColumn> columns;  ///< the charge as a grey, black where there is none; and the charge itself
@@ -93,7 +93,7 @@ struct ChargedSurface {
 /// @throw Interrupted
 ChargedSurface chargedSurface(const FitResult& fit, Monitor& monitor);
 
-/// The fit as an `.o3d`, with the fields that belong to it on the cells of the target's cube.
+/// The fit as an `.o3d`, with the fields that the format requires, on the cells of the target's cube.
 /// @throw std::invalid_argument  e^C does not fit a double
 std::string fitToO3d(const FitResult& fit, Monitor& monitor);
 

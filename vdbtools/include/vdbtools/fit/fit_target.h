@@ -3,9 +3,9 @@
 /// The room `fit` finds a rational map for a shape and measures how well it fits ([Kim15]). It uses the rooms up to
 /// `surface`, and `picture` for the plot of a fit's report.
 ///
-/// Here: a shape as fitting sees it, with signed distances on the cells of a cube and, ever coarser, around it, and a
-/// smooth surface to place roots on. Positions and distances are in fractal space (fractal_space.h) unless stated
-/// otherwise; phi < 0 inside.
+/// This header declares a shape as the fit sees it, with signed distances on the cells of a cube and, with increasing
+/// coarseness, around it, and a smooth surface on which roots are placed. Positions and distances are in fractal space
+/// (fractal_space.h) unless stated otherwise; phi < 0 inside.
 #pragma once
 
 #include "vdbtools/base/fractal_space.h"
@@ -31,66 +31,67 @@ namespace vdbtools::fit {
 
 struct FitTargetOptions {
   std::filesystem::path input;       ///< a mesh, or a VDB with a signed distance; cavities count as inside
-  std::shared_ptr<const Mesh> mesh;  ///< a target in memory, which is not read; input is its name
-  std::string grid;                  ///< of the VDB, as chooseFloatGrid() takes it
-  MendOptions mend;                  ///< of a mesh
+  std::shared_ptr<const Mesh> mesh;  ///< a target in memory, for which nothing is read; input is its name
+  std::string grid;                  ///< the grid of the VDB, as in chooseFloatGrid()
+  MendOptions mend;                  ///< how a mesh is mended
   int resolution = 97;               ///< cells along the cube's side, 8 to 1000
-  /// How far the surface that roots are placed on is smoothed, in cells, 0 to 4: details of this size vanish. The
-  /// surface moves by no more than half of it anywhere, so parts thicker than it stay.
+  /// How far the surface on which roots are placed is smoothed, in cells, 0 to 4: details of this size vanish. The
+  /// surface moves by at most half of it anywhere, so thicker parts remain.
   double smooth = 1;
-  int triangles = 5000;  ///< of that surface, at most, >= 100
+  int triangles = 5000;  ///< maximum number of triangles of that surface, >= 100
 };
 
-/// The cube has resolution^3 cells about the middle of the shape's box; its side is 1.2 times the box's longest side.
-/// A level's lattice has every second node of the one before, so the finest node spacing is one cell and, further out,
-/// 2, 4, 8 cells and so on.
+/// The cube has resolution^3 cells about the centre of the shape's box; its side is 1.2 times the box's longest side.
+/// Each level's lattice has every second node of the previous one, so the finest node spacing is one cell and, further
+/// out, 2, 4, 8 cells and so on.
 struct FitTarget {
-  FractalSpace space;       ///< as `juliavdb fractal` has it by default for this input
-  openvdb::BBoxd box;       ///< of the shape, world units
+  FractalSpace space;       ///< the default space of `juliavdb fractal` for this input
+  openvdb::BBoxd box;       ///< bounds of the shape, world units
   int resolution = 0;       ///< cells along the cube's side
-  double cell = 0;          ///< the edge of one
-  julia::Point cubeCentre;  ///< the middle of the box
+  double cell = 0;          ///< the edge length of a cell
+  julia::Point cubeCentre;  ///< the centre of the box
 
   /// Smooth, closed, 2-manifold, oriented outward.
   julia::TriangleSurface surface;
 
-  /// Signed distances, world units, a narrow band each; the first has the cells' centres for nodes. Level l has voxels
-  /// of 2^l cells, is known within kFitBand of these from the surface, and its values are those of level l - 1 where
-  /// that knows them; beyond, they come from fast sweeping. The last is known all over the cube of twice the side.
+  /// Signed distances, world units, each level a narrow band; the first has the cells' centres as nodes. Level l has
+  /// voxels of 2^l cells and is known within kFitBand of these from the surface. Its values are those of level l - 1
+  /// where that is known; farther out they come from fast sweeping. The last level is known in the whole cube of twice
+  /// the side.
   std::vector<openvdb::FloatGrid::ConstPtr> levels;
 
-  /// phi, trilinear in the finest level that knows it. Beyond the cube of twice the side it is phi at the nearest point
-  /// of that cube plus the distance to it.
+  /// phi, trilinear in the finest level that is known there. Outside the cube of twice the side it is phi at the
+  /// nearest point of that cube plus the distance to it.
   double distance(const julia::Point& x) const;
-  /// Of many points at once, faster. @pre one size
+  /// As distance(), for many points at once, and faster. @pre both spans have the same size
   void distances(std::span<const julia::Point> x, std::span<double> phi) const;
   bool inside(const julia::Point& x) const { return distance(x) < 0; }
 };
 
-inline constexpr int kFitBand = 6;  ///< voxels known on each side of the surface, about
+inline constexpr int kFitBand = 6;  ///< approximate number of voxels known on each side of the surface
 
 /// @throw std::invalid_argument  options out of their domain
 /// @throw DataError              no inside, or as readMesh(), readVdb(), chooseFloatGrid(), makeTarget() and
-///                               meshToSdf() throw it
+///                               meshToSdf()
 /// @throw MissingInputError, Interrupted
 FitTarget makeFitTarget(const FitTargetOptions& options, Monitor& monitor);
 
 /// Cells that grow with the distance from the surface: nodes of the finest level where |phi| < @a bandWidth cells, of
-/// level l where 2^(l-1) <= |phi| / (bandWidth cells) < 2^l, and of the last one wherever it is more. Together they
-/// fill the cube of twice the side, at whose faces they are cut. In the order of the levels and their trees.
+/// level l where 2^(l-1) <= |phi| / (bandWidth cells) < 2^l, and of the last level everywhere beyond. Together they
+/// fill the cube of twice the side, whose faces cut them. They are ordered by levels and by the levels' trees.
 /// @throw std::invalid_argument  bandWidth is not 1 to 5
 std::vector<julia::FitCell> adaptiveCells(const FitTarget& target, double bandWidth = 3);
 
-/// The resolution^3 equal cells of the cube ([Kim15] Eq. 18), x slowest; phi as distance() has it.
+/// The resolution^3 equal cells of the cube ([Kim15] Eq. 18), x slowest; phi is that of distance().
 /// @throw std::invalid_argument  resolution is not 1 to 1000
 std::vector<julia::FitCell> denseCells(const FitTarget& target, int resolution);
 
-/// The point where phi = @a distance, from x along the gradient of phi, by Newton's method. Empty if that comes no
-/// nearer than a tenth of a cell: thin parts have no inner offset.
+/// Moves x along the gradient of phi by Newton's method to a point where phi = @a distance. Empty if the method does
+/// not get within a tenth of a cell, because thin parts have no inner offset.
 std::optional<julia::Point> movedTo(const FitTarget& target, julia::Point x, double distance);
 
 /// Points near blue noise on the surface of phi = @a distance (Gamma+ of [Kim15] 4.4): @a count points of
-/// julia::blueNoise() on the target's surface, moved there. Points that cannot be moved there are left out.
+/// julia::blueNoise() on the target's surface, moved by movedTo(). Points that cannot be moved there are left out.
 /// @throw std::invalid_argument  as julia::blueNoise()
 std::vector<julia::Point> offsetPoints(const FitTarget& target, std::size_t count, double distance, std::uint64_t seed);
 

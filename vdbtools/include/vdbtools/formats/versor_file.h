@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file versor_file.h
-/// Quaternion rationals, and so versors, in files. Our own form is JSON, with one root on each line:
+/// Quaternion rationals, and thus versors, in files. The project's own format is JSON, with one root on each line:
 ///
 ///   {
 ///     "juliavdb": "rational",
@@ -18,14 +18,14 @@
 ///   }
 ///
 /// All keys except "note" and "target" are required, and no others are allowed. "target" belongs to a map that was
-/// fitted to a shape: the space that its roots are in, and the shape's box, both in world units. "position" is [A, B,
-/// C, D] in units of the map's space, and "logScale" is the C of e^C. Numbers are read back as exactly the doubles that
-/// were written.
+/// fitted to a shape: the space of its roots, and the shape's box, both in world units. "position" is [A, B, C, D] in
+/// units of the map's space, and "logScale" is the C of e^C. Numbers are read back as exactly the doubles that were
+/// written.
 ///
-/// The functions that read
-/// @throw DataError              the content is not such a file; the text says where
-/// @throw MissingInputError      there is no such file, it is a directory, or it may not be opened
-/// @throw IoError                reading broke off
+/// All functions that read may throw:
+/// @throw DataError              the content is not such a file; the message says where
+/// @throw MissingInputError      the file does not exist, is a directory, or may not be opened
+/// @throw IoError                reading failed midway
 #pragma once
 
 #include "vdbtools/base/fractal_space.h"
@@ -42,26 +42,28 @@ namespace vdbtools {
 /// The shape that a rational map was fitted to.
 struct FittedTo {
   FractalSpace space;
-  openvdb::BBoxd box;  ///< of the shape, world units
+  openvdb::BBoxd box;  ///< bounds of the shape, world units
 };
 
 struct RationalFile {
   julia::Rational rational;
-  std::string note;  ///< free text, such as the recipe; empty where the file has none
+  std::string note;  ///< free text, such as the recipe; empty if the file has none
   std::optional<FittedTo> target;
 };
 
-/// By extension, in any case: `.json` as above; `.p4d` or `.poly4d`, whose polynomial becomes the top; or `.o3d`.
+/// Reads a rational according to the extension, ignoring case: `.json` as above; `.p4d` or `.poly4d`, whose polynomial
+/// becomes the top; or `.o3d`.
 /// @throw std::invalid_argument  any other extension
 julia::Rational readRational(const std::filesystem::path& path);
 RationalFile readRationalFile(const std::filesystem::path& path);
 
-/// @param nameForErrors  the file's
+/// @param nameForErrors  the file's name
 julia::Rational rationalFromJson(std::string_view text, const std::string& nameForErrors);
 RationalFile rationalFileFromJson(std::string_view text, const std::string& nameForErrors);
 
-/// @param note  left out where empty; bytes that are not UTF-8 become U+FFFD
-/// @throw std::invalid_argument  a number that is not finite or, of the rational, beyond 1e9; a target without extent
+/// @param note  left out if empty; bytes that are not UTF-8 become U+FFFD
+/// @throw std::invalid_argument  a number is not finite, a number of the rational is beyond 1e9, or the target has no
+///                               extent
 std::string rationalToJson(const julia::Rational& rational, std::string_view note = {},
                            const std::optional<FittedTo>& target = {});
 

@@ -13,6 +13,7 @@
 #include "vdbtools/field/islands.h"
 #include "vdbtools/mesh/mesh.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
+#include "vdbtools/scene/grid_plan.h"
 #include "vdbtools/scene/scene.h"
 #include "vdbtools/search/solid_meter.h"
 #include "vdbtools/surface/extract_mesh.h"
@@ -24,30 +25,52 @@
 
 namespace vdbtools {
 
+/// What is wanted of a fractal.
+struct FractalProducts {
+  bool grids = false;  ///< those of OutputOptions::grids and of its attributes
+  bool mesh = false;
+};
+
+/// What runFractal() makes of a scene, and how; decided before the work begins.
+struct FractalPlan {
+  enum class Way {
+    Streamed,  ///< the mesh is made layer by layer, and the field is not held in memory
+    Held,      ///< the field is: for grids, to find islands, and to follow the surface
+  };
+
+  FieldPlan nodes;
+  GridPlan grids;
+  bool mesh = false;
+  Way way = Way::Streamed;
+  Border border = Border::Cap;  ///< of the mesh
+};
+
+FractalPlan planFractal(const Scene& scene, const FractalProducts& wanted);
+
 /// What runFractal() makes beside the mesh that goes to its sink.
 ///
 ///     Mesh mesh;
 ///     MeshCollector collector(mesh);
-///     const FractalResult result = runFractal(scene, planScene(scene), true, &collector, monitor);
+///     const FractalPlan plan = planFractal(scene, {.grids = true, .mesh = true});
+///     const FractalResult result = runFractal(scene, plan, &collector, monitor);
 ///     const openvdb::GridBase::Ptr surface = result.grids.front();
 struct FractalResult {
-  /// Those of OutputOptions::grids, and those of its attributes over the band of the grid "surface", if @a wantGrids.
-  std::vector<openvdb::GridBase::Ptr> grids;
-  MeshCounts mesh;  ///< of what went to the sink
+  std::vector<openvdb::GridBase::Ptr> grids;  ///< those of the plan
+  MeshCounts mesh;                            ///< of what went to the sink
   std::uint64_t evaluatedNodes = 0;
   std::optional<FollowReport> follow;   ///< if the surface was followed
   std::optional<IslandReport> islands;  ///< if any were to be dropped
   std::optional<CrumbReport> crumbs;    ///< if they were dropped; before the islands
-  LevelSetCheck check;                  ///< of the grid "surface", if it was made
+  LevelSetCheck check;                  ///< of the level set, if the grids needed one
   std::optional<SolidMeasure> solid;    ///< of the mesh, unless it ends open at a box
   std::vector<MeshLevel> levels;        ///< of detail, in a GLB that was written
 };
 
-/// The grids and the mesh of a scene. The field is held in memory for the grids, to find islands, and what is visited
-/// of it to follow the surface; for a mesh alone it is not.
-/// @param sink  takes the mesh, with normals and the columns that meshColumns() names; none: no mesh is wanted
-/// @throw DataError if there is no surface, or none but that of crumbs
-FractalResult runFractal(const Scene& scene, const FieldPlan& plan, bool wantGrids, MeshSink* sink, Monitor& monitor);
+/// Makes the grids and the mesh of a scene.
+/// @param sink  takes the mesh, with normals and the columns that meshColumns() names; nullptr if the plan has none
+/// @throw DataError  there is no surface, or none but that of crumbs
+/// @throw Interrupted
+FractalResult runFractal(const Scene& scene, const FractalPlan& plan, MeshSink* sink, Monitor& monitor);
 
 /// Of a fractal without a surface. @throw DataError  it would have one if its crumbs had not been dropped
 void requireMoreThanCrumbs(const CrumbReport& dropped);

@@ -19,7 +19,7 @@ struct DirectionGrids {
 };
 
 /// @param names   a grid of vectors, or three or four float grids; empty: the only grid of vectors
-/// @param option  for errors: "--versor"
+/// @param option  for errors: "--texture"
 /// @throw MissingInputError, DataError, IoError  as readVdb()
 /// @throw DataError  no such grids, grids of another type or on different lattices, a value that is not finite
 DirectionGrids readDirectionGrids(const std::filesystem::path& path, const std::vector<std::string>& names,

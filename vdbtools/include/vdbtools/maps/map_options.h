@@ -65,9 +65,9 @@ struct RootsSettings {
   openvdb::Vec3d translate{0, 0, 0};  ///< units of fractal space
 };
 
-/// --versor, --versor-seed and so on.
+/// --texture, --texture-seed and so on.
 std::vector<OptionSpec> rootsOptions();
-/// Those of random roots alone: --versor-seed to --versor-radius.
+/// Those of random roots alone: --texture-seed to --texture-radius.
 std::vector<OptionSpec> randomRootsOptions();
 julia::RandomRootsOptions parseRandomRoots(const RecipeReader& reader);
 /// @param fileOption  the option that names the roots: "versor", which may also be "random" or a texture's name, or
@@ -75,9 +75,9 @@ julia::RandomRootsOptions parseRandomRoots(const RecipeReader& reader);
 /// @throw std::invalid_argument  also for a name that no texture has
 RootsSettings parseRoots(const RecipeReader& reader, const std::string& fileOption);
 
-/// @throw std::invalid_argument  an option of random roots is given where --versor says something else
+/// @throw std::invalid_argument  an option of random roots is given where --texture says something else
 void refuseRandomOnly(const RecipeReader& reader);
-/// The texture or the roots of a layer over these, for which --versor-over has a name or a file: with a seed and a
+/// The texture or the roots of a layer over these, for which --texture-over has a name or a file: with a seed and a
 /// frequency of its own, and scaled and moved as they are. @throw std::invalid_argument
 RootsSettings parseOverRoots(const RecipeReader& reader);
 /// The names of all textures, and "random".

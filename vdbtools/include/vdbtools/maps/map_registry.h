@@ -38,7 +38,7 @@ class MapRegistry {
 using VersorFunction = std::function<std::vector<double>(std::span<const openvdb::Vec3d> points)>;
 
 /// shape-modulus, rational, quadratic, cross and mandelbulb.
-/// @param function  the program's own versor, which --versor function names; none: that is refused
+/// @param function  the program's own versor, which --texture function names; none: that is refused
 MapRegistry builtInMaps(const VersorFunction& function = {});
 
 /// docs/maps.md: the maps, what they need and their options, as Markdown.

@@ -53,10 +53,10 @@ struct VersorSettings {
   bool isComposed() const { return over || symmetry || !under.isRoots(); }
 };
 
-/// Whether the value of --versor is neither a texture nor roots: a formula, a field, or a function.
+/// Whether the value of --texture is neither a texture nor roots: a formula, a field, or a function.
 bool isDirections(const std::string& versor);
 
-/// --versor-over, --versor-over-seed, --versor-over-frequency, --versor-mix and --versor-symmetry.
+/// --texture-over, --texture-over-seed, --texture-over-frequency, --texture-mix and --texture-symmetry.
 std::vector<OptionSpec> layerOptions();
 
 /// @param hasFunction  whether the program has one of its own for "function"

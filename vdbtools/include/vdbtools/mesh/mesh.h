@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file mesh.h
-/// The room `mesh` holds triangle meshes as values, and the interface through which a mesh is handed on in pieces
+/// The room `mesh` holds triangle meshes as values, and the interface through which a mesh is passed on in pieces
 /// (mesh_sink.h). It uses the rooms `base` and `files`.
 ///
-/// Here: the indexed triangles that the project passes around, and a report on them.
+/// This header declares the indexed triangles that the project passes around, and a report on them.
 /// Positions are in the mesh's own units, called world units. A closed mesh is oriented outward if its signed volume is
 /// positive: seen from outside, corners run counter-clockwise.
 #pragma once
@@ -19,25 +19,25 @@
 
 namespace vdbtools {
 
-/// What a file says of each point besides its place: a channel of its colour, or any other number.
+/// A number that a file gives for each point in addition to its position: a colour channel or anything else.
 struct VertexAttribute {
   std::string name;
-  std::vector<float> values;  ///< one a point; perhaps not finite
+  std::vector<float> values;  ///< one value per point; may be not finite
 };
 
 struct Mesh {
   std::vector<openvdb::Vec3d> points;     ///< world units
   std::vector<openvdb::Vec3I> triangles;  ///< indices into points
-  std::vector<openvdb::Vec3s> normals{};  ///< unit length, one a point, or empty
+  std::vector<openvdb::Vec3s> normals{};  ///< unit length, one normal per point, or empty
 
-  std::vector<VertexAttribute> attributes{};  ///< of different names
-  /// Texture coordinates: three for each triangle, one a corner, since the triangles at a point of a seam have
-  /// different ones there. Not a number at a corner that has none. Empty: the mesh has none.
+  std::vector<VertexAttribute> attributes{};  ///< all names differ
+  /// Texture coordinates: three for each triangle, one per corner, because the triangles at a point on a seam have
+  /// different ones there. NaN at a corner without any; empty if the mesh has none.
   std::vector<openvdb::Vec2s> cornerUvs{};
 };
 
-/// What is known about a mesh. Edges are identified by the indices of their points, so in a soup whose triangles share
-/// no points every edge is open.
+/// Properties of a mesh. Edges are identified by the indices of their points, so in a soup whose triangles share no
+/// points every edge is open.
 struct MeshReport {
   std::uint64_t points = 0;
   std::uint64_t triangles = 0;
@@ -45,8 +45,8 @@ struct MeshReport {
   std::uint64_t openEdges = 0;         ///< used by one triangle
   std::uint64_t nonManifoldEdges = 0;  ///< used by more than two triangles
   std::uint64_t misorientedEdges = 0;  ///< used by two triangles in the same direction
-  std::uint64_t degenerateFaces = 0;   ///< without area: a repeated corner, or three in line
-  openvdb::BBoxd box;                  ///< of the points that triangles use, world units
+  std::uint64_t degenerateFaces = 0;   ///< zero area: a repeated corner, or three collinear ones
+  openvdb::BBoxd box;                  ///< bounds of the points that triangles use, world units
   double area = 0;                     ///< world units squared
   double volume = 0;                   ///< signed, world units cubed; meaningful only for a closed mesh
 
@@ -57,8 +57,8 @@ struct MeshReport {
 MeshReport reportMesh(const Mesh& mesh);
 
 /// Merges points of equal position (bit for bit, except that 0 equals -0) and drops the triangles that then repeat a
-/// corner. A soup such as STL needs this before its edges mean anything. Points keep the order of their first
-/// occurrence, and its normal and attributes; corners keep their texture coordinates.
+/// corner. The edges of a soup such as STL mean nothing before this. A merged point takes the place, normal and
+/// attributes of its first occurrence; corners keep their texture coordinates.
 /// @throw DataError  an index out of range
 Mesh weldMesh(const Mesh& mesh);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file mesh_sink.h
-/// The seam between whoever makes a mesh piece by piece and whoever keeps or writes it, so that a mesh of hundreds of
-/// millions of triangles need never be held whole.
+/// The interface between code that makes a mesh piece by piece and code that stores or writes it, so that a mesh of
+/// hundreds of millions of triangles need never be held as a whole.
 #pragma once
 
 #include "vdbtools/base/memory.h"
@@ -16,33 +16,33 @@
 
 namespace vdbtools {
 
-/// Some of a mesh's points, in the order of their indices.
+/// A batch of a mesh's points, in the order of their indices.
 struct PointBatch {
   std::span<const openvdb::Vec3d> positions;  ///< world units
-  std::span<const openvdb::Vec3s> normals{};  ///< of unit length, one for each point; or none, in all batches
-  /// Row by row, what columns hold besides (vertex_column.h): one row for each point. Which columns there are is known
-  /// to whoever made the sink.
+  std::span<const openvdb::Vec3s> normals{};  ///< unit length, one per point; or empty, in all batches
+  /// The values of the other columns (vertex_column.h), row by row, with one row per point. The sink's creator knows
+  /// the columns.
   std::span<const float> values{};
 };
 
-/// Takes a mesh in pieces, called by one thread at a time. Pieces may be of any size: the result depends only on what
-/// they add up to.
+/// Takes a mesh in pieces; only one thread at a time calls it. Pieces may be of any size: the result depends only on
+/// their concatenation.
 class MeshSink {
  public:
   virtual ~MeshSink() = default;
 
-  /// The next points.
+  /// Adds the next points.
   virtual void addPoints(const PointBatch& batch) = 0;
 
-  /// The next triangles, as indices into all points. Every point that they use has been added before.
+  /// Adds the next triangles, as indices into all points. Every point that they use has been added before.
   /// @param firstPoint  neither these triangles nor later ones use a point before this one
   virtual void addTriangles(std::span<const openvdb::Vec3I> triangles, std::uint64_t firstPoint) = 0;
 };
 
-/// Keeps the whole mesh. It is refused as soon as it is known that it needs more memory than there is (MemoryError).
+/// Keeps the whole mesh. Throws MemoryError as soon as the mesh is known to need more memory than there is.
 class MeshCollector final : public MeshSink {
  public:
-  /// @param values  takes those of the columns; nullptr: they are not wanted
+  /// @param values  receives the values of the columns; nullptr: they are not wanted
   explicit MeshCollector(Mesh& mesh, std::vector<float>* values = nullptr) : mMesh(mesh), mValues(values) {}
   void addPoints(const PointBatch& batch) override {
     append(mMesh.points, batch.positions);
@@ -54,7 +54,7 @@ class MeshCollector final : public MeshSink {
   }
 
  private:
-  /// While a vector grows, what it held is there twice.
+  /// While a vector grows, its old contents exist twice.
   template <class Value>
   void append(std::vector<Value>& all, std::span<const Value> more) {
     const std::size_t size = all.size() + more.size();

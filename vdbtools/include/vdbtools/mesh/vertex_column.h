@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file vertex_column.h
-/// What meshes carry at their points besides positions and normals: colours, vectors, numbers, texture coordinates.
+/// Data at the points of meshes other than positions and normals: colours, vectors, numbers, texture coordinates.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ enum class ColumnKind {
   TextureCoordinate,  ///< two components
 };
 
-/// One of the columns of a table whose rows are the points. Its values are floats, as many as it has components.
+/// A column of a table whose rows are the points. Its values are floats, as many as it has components.
 struct VertexColumn {
   std::string name;
   ColumnKind kind = ColumnKind::Number;
@@ -32,7 +32,7 @@ constexpr std::size_t componentsOf(ColumnKind kind) {
   return 0;
 }
 
-/// The floats of a row.
+/// The number of floats per row.
 inline std::size_t rowLength(std::span<const VertexColumn> columns) {
   std::size_t length = 0;
   for (const VertexColumn& column : columns) length += componentsOf(column.kind);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file mesh_file.h
-/// A mesh that is written to a file while it is made.
+/// Writes a mesh to a file while it is made.
 #pragma once
 
 #include "vdbtools/files/atomic_file.h"
@@ -10,8 +10,9 @@ namespace vdbtools {
 
 class MeshFile final : public MeshSink {
  public:
-  /// @param file  outlives this, and is not committed before finish()
-  /// @throw as MeshStreamWriter's constructor; every call throws what the writer's throws, IoError with the file's name
+  /// @param file  must outlive this, and must not be committed before finish()
+  /// @throw as MeshStreamWriter's constructor; every call throws what the writer throws, with the file's name in an
+  ///           IoError
   MeshFile(AtomicFile& file, const MeshWriteOptions& options);
 
   void addPoints(const PointBatch& batch) override;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file mesh_names.h
-/// What the file of a mesh says of its faces that a Mesh does not hold.
+/// Names that the file of a mesh gives its faces and that a Mesh does not hold.
 #pragma once
 
 #include <filesystem>
@@ -9,13 +9,13 @@
 
 namespace vdbtools {
 
-/// Each once, in the order in which faces first have them.
+/// Each name occurs once, in the order in which faces first have it.
 struct MeshNames {
   std::vector<std::string> materials{};
-  std::vector<std::string> groups{};  ///< and objects
+  std::vector<std::string> groups{};  ///< also the names of objects
 };
 
-/// Of an OBJ file; of other formats nothing is read. The file is taken to be one that readMesh() has read.
+/// Reads the names of an OBJ file; for other formats it reads nothing. The file must be one that readMesh() has read.
 /// @throw MissingInputError, IoError
 MeshNames readMeshNames(const std::filesystem::path& path);
 

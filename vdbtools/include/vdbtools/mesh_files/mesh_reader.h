@@ -3,7 +3,7 @@
 /// The room `mesh_files` reads and writes the files of meshes: OBJ, PLY, STL, OFF, glTF and 3MF. It uses the rooms up
 /// to `decimation`, which makes the levels of detail in a GLB.
 ///
-/// Here: reading a mesh, whatever its format.
+/// This header reads meshes in any of these formats but 3MF.
 #pragma once
 
 #include "vdbtools/mesh/mesh.h"
@@ -12,20 +12,21 @@
 
 namespace vdbtools {
 
-/// Reads OBJ, PLY, STL, OFF or glTF (.glb, .gltf), by the file's extension in any case. Polygons are split into
-/// triangles: convex ones into fans, others by ear clipping. Normals are skipped; unused points are kept; STL and glTF
-/// are welded. Coordinates are read in double precision, except those of STL and glTF, which are floats. In OBJ,
-/// corners that a face repeats are dropped. Of glTF, all triangles of the default scene are joined, where their nodes
-/// place them; skins, morph targets and materials are not looked at, and a .gltf may name buffers beside it only.
+/// Reads OBJ, PLY, STL, OFF or glTF (.glb, .gltf), according to the file's extension, ignoring case. Polygons are split
+/// into triangles: convex ones into fans, others by ear clipping. Normals are skipped; unused points are kept; STL and
+/// glTF are welded. Coordinates are read in double precision, except those of STL and glTF, which are floats. In OBJ,
+/// corners that a face repeats are dropped. In glTF, all triangles of the default scene are joined, in the positions
+/// given by their nodes; skins, morph targets and materials are ignored, and a .gltf may only name buffers in its own
+/// folder.
 ///
-/// Attributes are, of PLY, all single numbers of the vertices but x, y, z, nx, ny, nz and texture coordinates; integers
-/// that are channels of a colour (red, green, blue, alpha) are scaled to 0..1. Of OBJ, red, green and blue where they
-/// follow the three coordinates (and 1 at points without, if others have them). Texture coordinates are those of OBJ's
-/// corners, of PLY's vertices where they have s and t, u and v, or texture_u and texture_v, and the first ones of glTF,
-/// turned so that v counts from the bottom. Of glTF, COLOR_0 gives red, green, blue and perhaps alpha as they are,
-/// which is linear light, and _NAME the attribute NAME, or NAME_x, NAME_y and so on.
-/// @throw MissingInputError  there is no such file, it is not an ordinary file, or it may not be opened
-/// @throw IoError            reading broke off
+/// The attributes of a PLY are all scalar properties of the vertices except x, y, z, nx, ny, nz and texture
+/// coordinates; integers that are colour channels (red, green, blue, alpha) are scaled to 0..1. Those of an OBJ are
+/// red, green and blue where they follow the three coordinates (and 1 at points without, if others have them). Texture
+/// coordinates are those of OBJ's corners, of PLY's vertices if they have s and t, u and v, or texture_u and texture_v,
+/// and the first set of glTF, flipped so that v counts from the bottom. In glTF, COLOR_0 gives red, green, blue and
+/// perhaps alpha unchanged, which is linear light, and _NAME gives the attribute NAME, or NAME_x, NAME_y and so on.
+/// @throw MissingInputError  the file does not exist, is not an ordinary file, or may not be opened
+/// @throw IoError            reading failed midway
 /// @throw DataError          unknown format, empty, truncated, counts that do not fit the file, an index out of range,
 ///                           coordinates that are not finite, no triangle
 Mesh readMesh(const std::filesystem::path& path);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file three_mf.h
-/// Writing meshes as 3MF, the format of programs for 3D printing: a zip with a model in XML (3MF Core Specification
-/// 1.3, ISO/IEC 25422). The unit is the millimetre.
+/// Writes meshes as 3MF, a format for 3D printing: a zip with a model in XML (3MF Core Specification 1.3, ISO/IEC
+/// 25422). The unit is the millimetre.
 #pragma once
 
 #include "vdbtools/mesh/mesh.h"
@@ -11,12 +11,12 @@
 
 namespace vdbtools {
 
-/// Whether this build can write 3MF, for which it needs libzip.
+/// Whether this build can write 3MF, which requires libzip.
 bool canWrite3mf();
 
-/// The bytes of a file with one object, with positions as 32-bit floats. The same mesh gives the same bytes.
+/// Returns the bytes of a file with one object, with positions as 32-bit floats. The same mesh gives the same bytes.
 /// @param mesh      millimetres, closed and oriented outward
-/// @param metadata  kept under the project's own names
+/// @param metadata  stored under the project's own names
 /// @throw std::invalid_argument  this build has no libzip
 std::string encode3mf(const Mesh& mesh, const std::map<std::string, std::string>& metadata = {});
 

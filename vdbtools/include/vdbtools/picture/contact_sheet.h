@@ -17,20 +17,20 @@ struct ContactSheetOptions {
   int captionLines = 1;
 };
 
-/// For one thread at a time. Cells count from 0, row by row. What is drawn twice is drawn over.
+/// Only one thread at a time may use it. Cells count from 0, row by row. Drawing a cell again overwrites it.
 class ContactSheet {
  public:
   /// @throw std::invalid_argument  a page that is wider or higher than 32767 pixels
   explicit ContactSheet(const ContactSheetOptions& options);
 
-  /// Puts the picture there, pixel for pixel. @return false if the bytes are no PNG of a cell's size
+  /// Draws the picture pixel for pixel. @return false if the bytes are not a PNG of a cell's size
   bool setPicture(int cell, std::string_view png);
-  /// Puts a text there instead of a picture, broken into lines, and cut where the cell ends.
+  /// Draws a text instead of a picture, broken into lines and cut at the end of the cell.
   void setMessage(int cell, std::string_view utf8);
-  /// @param lines  at most captionLines; the number stands before the first. What is too long is cut.
+  /// @param lines  at most captionLines; the number precedes the first. Text that is too long is cut.
   void setCaption(int cell, int number, std::span<const std::string> lines);
 
-  /// The bytes of the file. @param extension  png or exr
+  /// Returns the bytes of the file. @param extension  png or exr
   std::string encode(const std::string& extension) { return mCanvas.encode(extension); }
 
  private:

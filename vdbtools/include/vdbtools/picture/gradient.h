@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file gradient.h
-/// Numbers as colours. The named gradients are even in lightness or, if they diverge, even on both sides: viridis,
-/// magma and inferno of matplotlib, cividis (Nunez, Anderton and Renslow 2018), Moreland's cool and warm (2009), and
-/// grey.
+/// Maps numbers to colours. The named gradients are perceptually uniform in lightness or, if they diverge, symmetric in
+/// it: viridis, magma and inferno of matplotlib, cividis (Nunez, Anderton and Renslow 2018), Moreland's cool and warm
+/// (2009), and grey.
 #pragma once
 
 #include <openvdb/Types.h>
@@ -17,27 +17,28 @@ namespace vdbtools {
 
 class Gradient {
  public:
-  /// A colour as its codes in sRGB, 0 to 1.
+  /// A colour as its sRGB codes, 0 to 1.
   using Stop = std::array<double, 3>;
 
   /// Viridis: from dark blue through green to yellow.
   Gradient();
 
-  /// At equal distances, the first for 0 and the last for 1. @throw std::invalid_argument  there is none
+  /// Places the stops at equal distances, the first at 0 and the last at 1. @throw std::invalid_argument  there are no
+  /// stops
   explicit Gradient(std::vector<Stop> stops);
 
-  /// Six digits, "ff8800": red, green and blue in hexadecimal. None if the text is something else.
+  /// Parses six hexadecimal digits for red, green and blue, "ff8800". Returns nullopt for any other text.
   static std::optional<Stop> stopOf(std::string_view code);
 
-  /// Of two or more colours as "000000,ff8800,ffffff": red, green and blue in hexadecimal, with or without a # before
-  /// each. None if the text is no such list.
+  /// Parses two or more colours as "000000,ff8800,ffffff": red, green and blue in hexadecimal, each with or without a
+  /// leading #. Returns nullopt if the text is not such a list.
   static std::optional<Gradient> ofCodes(const std::string& list);
 
-  /// By one of gradientNames(); none if there is no such name.
+  /// Returns the gradient with one of gradientNames(); nullopt if there is no such name.
   static std::optional<Gradient> named(const std::string& name);
 
-  /// Linear RGB. Between the stops the codes are interpolated. Values below 0 have the first colour, those above 1 the
-  /// last.
+  /// Returns linear RGB. The codes are interpolated between the stops. Values below 0 get the first colour, those above
+  /// 1 the last.
   openvdb::Vec3d at(double value) const;
 
   const std::vector<Stop>& stops() const { return mStops; }
@@ -48,7 +49,7 @@ class Gradient {
 
 /// "viridis, magma, ...".
 std::string gradientNames();
-/// "; did you mean 'inferno'?", or nothing.
+/// "; did you mean 'inferno'?", or an empty text.
 std::string gradientMeant(const std::string& name);
 
 }  // namespace vdbtools

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file screen_codes.h
-/// An image as a screen shows it.
+/// Converts an image to screen codes.
 #pragma once
 
 #include "vdbtools/picture/image.h"
@@ -10,8 +10,8 @@
 
 namespace vdbtools {
 
-/// Red, green and blue of each pixel, row by row from the top left, 8 bits each, in sRGB: what a PNG of the image
-/// holds.
+/// Returns red, green and blue of each pixel, row by row from the top left, as 8-bit sRGB codes: the contents of a PNG
+/// of the image.
 std::vector<std::uint8_t> screenCodes(const Image& image);
 
 }  // namespace vdbtools

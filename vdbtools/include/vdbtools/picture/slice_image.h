@@ -15,16 +15,17 @@
 namespace vdbtools {
 
 // All functions take one value for each pixel of the plane, row by row from the top left, and throw
-// std::invalid_argument for another number of values.
+// std::invalid_argument for any other number of values.
 
 enum class Axis { X = 0, Y = 1, Z = 2 };
 
 /// A raster over a rectangle of the plane where coordinate @a axis equals @a position, seen from the positive end of
 /// the axis. For Z, +x points right and +y up; for Y, +x right and +z down; for X, -z right and +y up. The view is
-/// always right-handed, and world Y is up where it lies in the plane.
+/// always right-handed, and world Y is up if it lies in the plane.
 class SlicePlane {
  public:
-  /// Frames @a box (world units) with square pixels, @a longestSide of them along the longer side of the rectangle.
+  /// Frames @a box (world units) with square pixels, of which @a longestSide lie along the longer side of the
+  /// rectangle.
   /// @throw std::invalid_argument  longestSide < 1, a position that is not finite, or a box without extent in the plane
   SlicePlane(Axis axis, double position, const openvdb::BBoxd& box, int longestSide);
 
@@ -32,11 +33,11 @@ class SlicePlane {
   int height() const { return mHeight; }
   /// The world position of a pixel's centre; (0, 0) is top left.
   openvdb::Vec3d position(int x, int y) const;
-  /// Where the projection of a world position on the plane lies in the picture: in pixels from its top left corner, so
-  /// that the centre of pixel (0, 0) is (0.5, 0.5).
+  /// The projection of a world position on the plane, in pixels from the picture's top left corner: the centre of pixel
+  /// (0, 0) is (0.5, 0.5).
   CanvasPoint project(const openvdb::Vec3d& world) const;
-  /// @param centre, radius  of a ball, world units. @return the radius in pixels of the circle in which the plane cuts
-  /// its surface; 0 if it does not
+  /// Intersects the plane with a sphere. @param centre, radius  of the sphere, world units. @return the radius of the
+  /// circle of intersection in pixels; 0 if there is none
   double circle(const openvdb::Vec3d& centre, double radius) const;
 
  private:
@@ -48,28 +49,29 @@ class SlicePlane {
 struct SliceArrow {
   openvdb::Vec3d from, to;
   openvdb::Vec3d centre;  ///< the origin of the dynamics
-  double radius = 0;      ///< of the ball about it, in world units, on which the step ends
-  bool inside = false;    ///< the point belongs to the set
+  double radius = 0;      ///< radius of the ball about the centre on which the step ends, world units
+  bool inside = false;    ///< whether the point belongs to the set
 };
 
-/// A signed scalar (phi, E, F) in a perceptually even diverging map: blue inside (negative), white at 0, red outside.
-/// The zero set is a thin dark line. Values beyond +-range, infinities included, are clamped; a NaN is grey.
-/// @param range  0 or less takes the 95th percentile of |v|
+/// Maps a signed scalar (phi, E, F) to a perceptually uniform diverging gradient: blue inside (negative), white at 0,
+/// red outside. The zero set is a thin dark line. Values beyond +-range, including infinities, are clamped; a NaN is
+/// grey.
+/// @param range  0 or less: the 95th percentile of |v| is used
 Image signedSlice(const SlicePlane& plane, std::span<const float> values, double range);
 
-/// Membership: black inside (value < 0), white outside.
+/// Maps membership to colours: black inside (value < 0), white outside.
 Image membershipSlice(const SlicePlane& plane, std::span<const float> values);
 
-/// Counts from 0 (white) to @a most (black), such as the steps of an orbit, in even steps of sRGB.
+/// Maps counts, such as the steps of an orbit, to greys from 0 (white) to @a most (black), in equal steps of sRGB.
 /// @throw std::invalid_argument  most < 1
 Image countSlice(const SlicePlane& plane, std::span<const int> counts, int most);
 
-/// The imaginary components of a versor, mapped from [-1, 1] to sRGB in [0, 1] ([SK23] Fig. 2).
+/// Maps the imaginary components of a versor from [-1, 1] to sRGB in [0, 1] ([SK23] Fig. 2).
 Image versorSlice(const SlicePlane& plane, std::span<const openvdb::Vec3s> versors);
 
-/// Draws each arrow from a dot at its start to its end, projected on the plane, and the circle in which the plane cuts
-/// the ball on which it ends: white if the point is inside, black if not ([SK23] Fig. 3).
-/// @param image  of the plane; its colours come back in the 256 levels of sRGB
+/// Draws each arrow, projected on the plane, from a dot at its start to its end, and the circle in which the plane cuts
+/// the ball on which the arrow ends: white if the point is inside, black if not ([SK23] Fig. 3).
+/// @param image  the picture of the plane; the result has the 256 levels of sRGB
 Image withArrows(const SlicePlane& plane, const Image& image, std::span<const SliceArrow> arrows);
 
 }  // namespace vdbtools

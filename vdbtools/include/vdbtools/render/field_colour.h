@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file field_colour.h
-/// How the points of a set are coloured, in pictures of the set and at the vertices of its mesh alike.
+/// How the points of a set are coloured, both in pictures of the set and at the vertices of its mesh.
 #pragma once
 
 #include "vdbtools/base/fractal_space.h"
@@ -28,14 +28,14 @@ enum class FieldColour {
   Clay,        ///< the same colour everywhere
 };
 
-/// What FieldColour::Depth has to know of the target.
+/// What FieldColour::Depth needs to know about the target.
 struct DepthColouring {
-  Control distance;           ///< from the target's surface, world units, negative inside
-  FractalSpace space;         ///< that of the points
-  double low = -1, high = 1;  ///< the distances that get the two ends of the gradient, low < high
+  Control distance;           ///< distance from the target's surface, world units, negative inside
+  FractalSpace space;         ///< the space of the points
+  double low = -1, high = 1;  ///< the distances at the two ends of the gradient, low < high
 };
 
-/// The numbers that get the two ends of a gradient: low < high.
+/// The numbers at the two ends of a gradient, low < high.
 struct GradientRange {
   double low = 0, high = 1;
 
@@ -46,56 +46,57 @@ struct FieldColouring {
   FieldColouring(FieldColour what = FieldColour::Direction) : by(what) {}
 
   FieldColour by;
-  Gradient gradient{};                    ///< of Iterations, Trap and Depth
-  std::optional<DepthColouring> depth{};  ///< of Depth, which needs it
-  /// Of the gradient. None: 0 to 1 for Trap, 0 to the largest number of steps for Iterations, and that of @a depth.
+  Gradient gradient{};                    ///< for Iterations, Trap and Depth
+  std::optional<DepthColouring> depth{};  ///< for Depth, which requires it
+  /// The range of the gradient. If empty: 0 to 1 for Trap, 0 to the largest number of steps for Iterations, and the
+  /// range of @a depth for Depth.
   std::optional<GradientRange> range{};
 };
 
-/// The evaluator's: what its answers mean.
+/// Properties of the evaluator that are needed to interpret its answers.
 struct ColourContext {
   int maxIterations = 1;
   julia::DropAxis dropAxis = julia::DropAxis::K;
 };
 
-/// The colours of points of fractal space, linear RGB. A point's colour does not depend on the others.
-/// @param iterations  one for each point, as meanIterations() has them; read by FieldColour::Iterations only
+/// Returns the colours of points of fractal space, linear RGB. A point's colour does not depend on the others.
+/// @param iterations  one for each point, as meanIterations() returns them; only FieldColour::Iterations reads them
 std::vector<openvdb::Vec3d> fieldColours(const FieldColouring& colouring, const julia::FieldEvaluator& evaluator,
                                          const ColourContext& context, std::span<const julia::Point> points,
                                          std::span<const double> iterations);
 
-/// The numbers of Iterations, Trap and Depth, which go through the gradient; none of the others.
+/// Returns the numbers of Iterations, Trap and Depth that the gradient maps to colours; empty for other colourings.
 std::vector<double> colourNumbers(const FieldColouring& colouring, const julia::FieldEvaluator& evaluator,
                                   std::span<const julia::Point> points, std::span<const double> iterations);
 
-/// The directions of the first step from points of fractal space, as FieldColour::Direction has them.
+/// Returns the directions of the first step from points of fractal space, as FieldColour::Direction uses them.
 std::vector<openvdb::Vec3s> firstDirections(const julia::FieldEvaluator& evaluator, julia::DropAxis dropAxis,
                                             std::span<const julia::Point> points);
 
-/// The smallest modulus among the iterates of each point, not counting the point itself.
+/// Returns the smallest modulus among the iterates of each point, not counting the point itself.
 std::vector<double> trapRadii(const julia::FieldEvaluator& evaluator, std::span<const julia::Point> points);
 
-/// The steps that orbits take, of the 26 points at the distance @a step around each point the mean over those outside
-/// the set; 0 if all of them are inside. @param step  units of fractal space
+/// Returns for each point the mean number of steps of the orbits of those of the 26 points at the distance @a step
+/// around it that lie outside the set; 0 if all of them are inside. @param step  units of fractal space
 std::vector<double> meanIterations(const julia::FieldEvaluator& evaluator, std::span<const julia::Point> points,
                                    double step);
 
-/// What --colour says, before anything is read.
+/// What --colour says, before any file is read.
 struct ColourChoice {
   FieldColour by = FieldColour::Direction;
-  std::string gradient{};                ///< its name, or a list of colours; empty: the usual one
-  std::optional<NamedFile> picture{};    ///< whose first row is the gradient instead
-  std::optional<GradientRange> range{};  ///< none: that of the numbers that occur
+  std::string gradient{};                ///< the name of a gradient or a list of colours; empty: the default gradient
+  std::optional<NamedFile> picture{};    ///< a picture whose first row is the gradient instead
+  std::optional<GradientRange> range{};  ///< empty: the range of the numbers that occur
 };
 
-/// --colour; it has no default.
+/// The option --colour; it has no default.
 OptionSpec colourOptionSpec();
 /// @throw std::invalid_argument naming the option and the value
 std::optional<ColourChoice> parseColour(const RecipeReader& reader);
 
-/// The choice without what the target and the set add. The first row of a picture runs from 0 at its left to 1 at its
-/// right.
-/// @throw MissingInputError, DataError, IoError  of the picture
+/// Returns the colouring without what the target and the set add. The first row of a picture runs from 0 at its left to
+/// 1 at its right.
+/// @throw MissingInputError, DataError, IoError  as when reading the picture
 FieldColouring colouringOf(const ColourChoice& choice);
 
 }  // namespace vdbtools

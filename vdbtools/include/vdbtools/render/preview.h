@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file preview.h
-/// A shaded picture of a level set, which the camera frames by itself: rays that skip the space without surface, a key
-/// light with soft shadows, and the light of the sky gathered by ambient rays. The surface is where the sign changes,
-/// so fields whose gradient is far from 1 show no holes.
+/// Renders a shaded picture of a level set, which the camera frames automatically: rays that skip empty space, a key
+/// light with soft shadows, and skylight gathered by ambient rays. The surface is where the sign changes, so fields
+/// whose gradient is far from 1 show no holes.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -30,17 +30,17 @@ struct PreviewOptions {
   int height = 800;  ///< pixels
   int samples = 4;   ///< rays per pixel: 1, 4, 9 or 16; twice as many where the pixel is rough
   ViewAngles view;
-  UpAxis up = UpAxis::Y;  ///< of the world: the picture and its lights stand upright
-  /// In the place of the one that follows from the view and the axis; the lights stand upright by its own up.
+  UpAxis up = UpAxis::Y;  ///< the world's up axis; the picture and its lights are upright
+  /// Replaces the camera that follows from the view and the axis; the lights are upright with respect to its own up.
   std::optional<Camera> camera{};
   Look look{};
-  std::set<Pass> passes{Pass::Beauty};  ///< all but Pass::Trap can be had
+  std::set<Pass> passes{Pass::Beauty};  ///< every pass is possible except Pass::Trap
   std::vector<PreviewBall> balls;
 };
 
-/// The same picture for any number of threads. Colours lie near [0, 1].
+/// Renders the picture, which is the same for any number of threads. Colours lie near [0, 1].
 /// @throw std::invalid_argument  options out of their ranges
-/// @throw DataError              it is not a level set, its voxels are not cubes, or it has no surface
+/// @throw DataError              the grid is not a level set, its voxels are not cubes, or it has no surface
 /// @throw Interrupted
 ShadedImage renderPreview(const openvdb::FloatGrid& levelSet, const PreviewOptions& options, Monitor& monitor);
 

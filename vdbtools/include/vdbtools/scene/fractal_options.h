@@ -22,10 +22,13 @@ namespace vdbtools {
 
 enum class Precision { Auto, Float, Double };
 
+/// The grids of a VDB, by the names "surface", "density", "logmodulus", "iterations" and "versor".
+enum class OutputGrid { Surface, Density, LogModulus, Iterations, Versor };
+
 /// What is made of the field.
 struct OutputOptions {
-  std::vector<std::string> grids;  ///< of surface, density, logmodulus, iterations, versor; each once
-  bool half = false;               ///< 16-bit floats in the VDB
+  std::vector<OutputGrid> grids;  ///< each once, in the order of the file
+  bool half = false;              ///< 16-bit floats in the VDB
   FileAxes axes;
   std::vector<double> levels{};  ///< of detail in a GLB besides the mesh itself: shares of its triangles, falling
   AttributeOptions attributes;   ///< of the mesh and, by the same names, of the VDB
@@ -39,8 +42,8 @@ struct FractalOptions {
   SurfaceOptions surface;
   OutputOptions output;
   Precision precision = Precision::Auto;
-  /// Whether the scene is for pictures of the set itself; parseFractalOptions() says no. The eye sees creases of the
-  /// distances that voxels hide, so `--sampling auto` is quadratic then.
+  /// Whether `--sampling auto` is quadratic, as for pictures of the set itself: the eye sees creases of the distances
+  /// that voxels hide. parseFractalOptions() leaves it off; see forPictures().
   bool picture = false;
 };
 
@@ -50,14 +53,13 @@ OptionTable fractalOptionTable(const MapRegistry& maps = builtInMaps());
 /// @throw std::invalid_argument naming the option and the value
 FractalOptions parseFractalOptions(const Recipe& recipe, const MapRegistry& maps = builtInMaps());
 
-/// The same for pictures of the set itself.
+/// The same options for pictures of the set itself: `picture` is on where `--sampling auto` decides something.
 FractalOptions forPictures(FractalOptions options);
 
-/// Whether the scene of forPictures() is another one than that of meshes and grids.
-bool picturesDiffer(const FractalOptions& options);
-
-/// What Crumbs::Auto means for the map.
+/// Whether crumbs are dropped; for Crumbs::Auto the map decides.
 bool dropsCrumbs(const FractalOptions& options);
+/// Whether islands are looked for, to drop some.
+bool dropsIslands(const FractalOptions& options);
 
 /// @throw std::invalid_argument  there is no target, and the map makes its fractal around one
 void requireTarget(const FractalOptions& options);

@@ -15,7 +15,7 @@ namespace vdbtools {
 /// scene has them.
 std::string encodePreparedScene(const Scene& scene);
 
-/// The scene again. Its exponentOf is empty; its target's mesh, controls and controls' files are not opened.
+/// The scene again, without SceneShell::made. The target's mesh, the controls and their files are not opened.
 /// @param options  those that the scene was made with
 /// @throw MissingInputError, DataError, IoError
 Scene readPreparedScene(const FractalOptions& options, const std::filesystem::path& path);

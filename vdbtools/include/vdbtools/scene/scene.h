@@ -20,6 +20,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace vdbtools {
@@ -45,37 +46,64 @@ struct ChosenResolution {
   Limit limit = Limit::None;
 };
 
+/// A target, and what the scene knows of it.
+struct SceneTarget {
+  Target distances;
+  double volume = 0;                         ///< world units cubed
+  TargetParts parts{};                       ///< of a mesh
+  std::optional<OctaveGrid> octave{};        ///< of a map with a frequency
+  ControlGrids controls{};                   ///< of a map that reads some
+  std::shared_ptr<const Mesh> mesh{};        ///< as it was read, if attributes are transferred from it
+  openvdb::FloatGrid::ConstPtr thickness{};  ///< if it is an attribute: world units, every node of its box active
+};
+
+/// The shell about a target in which detail is made.
+struct SceneShell {
+  /// What the exponent was made with, and what was measured of it.
+  struct Made {
+    ExponentGridOptions options;
+    FeatureSizes features{};
+  };
+
+  ExponentGrid exponent;
+  std::optional<Made> made{};  ///< not of a scene that was read from a file (prepared_scene.h)
+};
+
+/// What is evaluated: a map's field at points of its own space.
+struct SceneField {
+  std::shared_ptr<const MapInstance> map{};
+  julia::OrbitOptions orbit{};
+  Arithmetic arithmetic = Arithmetic::Double;  ///< as options.precision has it or as it was chosen
+  std::unique_ptr<julia::FieldEvaluator> evaluator{};
+  FractalSpace space{};  ///< of the evaluator's points: that of Scene::placed, moved by the map's shift of the lattice
+};
+
 /// Everything that is made ready before the first node is evaluated.
 ///
 ///     const Recipe recipe = completeRecipe({{"input", "bunny.obj"}, {"detail", "0.4"}}, fractalOptionTable());
 ///     const Scene scene = makeScene(parseFractalOptions(recipe), monitor);
 ///     std::vector<double> field(1);
-///     scene.evaluator->evaluate(std::vector{scene.space.toFractal({0, 0.1, 0})}, field, {});
+///     scene.field.evaluator->evaluate(std::vector{scene.field.space.toFractal({0, 0.1, 0})}, field, {});
 struct Scene {
   FractalOptions options;
-  std::optional<Target> target;                   ///< none if no input was given
-  std::optional<ExponentGridOptions> exponentOf;  ///< what the exponent was made with: its controls, the orbit
-  std::optional<ExponentGrid> exponent;           ///< of a map with a shell
-  std::optional<OctaveGrid> octave;               ///< of a map with a frequency
-  ControlGrids controls{};                        ///< of a map that reads some
-  std::shared_ptr<const MapInstance> map;
-  openvdb::BBoxd region;                       ///< of a map without a shell, world units
-  double voxelSize = 0;                        ///< of the result, world units
-  julia::OrbitOptions orbit;                   ///< the evaluator's
-  Arithmetic arithmetic = Arithmetic::Double;  ///< as options.precision has it or as it was chosen
-  std::unique_ptr<julia::FieldEvaluator> evaluator;
-  FractalSpace space;                    ///< the evaluator's
-  PlacedSpace placed;                    ///< where the options place it, before the lattice's shift
-  std::optional<double> targetVolume;    ///< of a target, world units cubed
-  TargetParts targetParts;               ///< of a mesh
-  std::optional<FeatureSizes> features;  ///< of a map with a shell; not of a prepared scene (prepared_scene.h)
+  std::optional<SceneTarget> target;  ///< none if no input was given
+  /// Where the surface can lie: in a shell about the target or, of a map without one, in a box, world units.
+  std::variant<openvdb::BBoxd, SceneShell> domain;
+  PlacedSpace placed;    ///< where the options place the set; the exponent, the octave and the controls lie there
+  double voxelSize = 0;  ///< of the result, world units
   std::optional<ChosenResolution> chosenResolution;  ///< of `auto`; the options have the number
-  // For the attributes that are asked for, if these need them.
-  std::shared_ptr<const Mesh> targetMesh;  ///< as it was read
-  openvdb::FloatGrid::ConstPtr thickness;  ///< the local thickness, world units; every node of its box is active
+  SceneField field;
   Metadata metadata;
 
-  FieldSource source() const { return {*evaluator, space}; }
+  FieldSource source() const { return {*field.evaluator, field.space}; }
+
+  /// Those of the shell; nullptr if there is none or, for the features, if none were measured.
+  const ExponentGrid* exponent() const;
+  const FeatureSizes* features() const;
+  /// What the exponent was made with. @throw std::logic_error  no shell, or a scene that was read from a file
+  const ExponentGridOptions& shellOptions() const;
+  /// The box of a map without a shell. @throw std::bad_variant_access  there is a shell
+  const openvdb::BBoxd& region() const { return std::get<openvdb::BBoxd>(domain); }
 };
 
 /// Opens the target that options name.

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file extract_mesh.h
 /// The room `surface` turns a field into surfaces: a mesh whose vertices lie on the true F = 0, and the level set and
-/// other grids that are handed on. It uses the rooms up to `field`.
+/// other grids that are exported. It uses the rooms up to `field`.
 ///
-/// Here: marching cubes on the signs of F, where each vertex is searched on its lattice edge by evaluating the true F,
-/// as F is far from linear between nodes ([Kim15], [KD20] Fig. 4).
+/// This header declares marching cubes on the signs of F. The position of each vertex on its lattice edge is found by
+/// evaluating the true F, because F is far from linear between nodes ([Kim15], [KD20] Fig. 4).
 ///
 /// The mesh is closed and 2-manifold away from the domain's border, and oriented outward; vertices are shared, one for
 /// each crossing edge. On ambiguous faces the inside corners are kept apart. Positions and order depend on global
-/// indices only: points and triangles come by the blocks of 8^3 nodes that their edges and cells begin in, and the
-/// blocks by x, then y, then z.
+/// indices only: points and triangles are ordered by the blocks of 8^3 nodes in which their edges and cells begin, and
+/// the blocks by x, then y, then z.
 #pragma once
 
 #include "vdbtools/field/fractal_field.h"
@@ -18,10 +18,10 @@
 
 namespace vdbtools {
 
-/// What happens to a set that the domain cuts.
+/// What happens where the domain cuts the set.
 enum class Border {
-  Open,  ///< the mesh ends there
-  Cap,   ///< the set is closed by a flat cap, half a voxel beyond the last nodes
+  Open,  ///< the mesh ends at the border
+  Cap,   ///< a flat cap closes the set, half a voxel beyond the last nodes
 };
 
 struct ExtractMeshOptions {
@@ -32,17 +32,17 @@ struct ExtractMeshOptions {
 /// A whole mesh whose set is closed by caps where the domain cuts it.
 struct CappedMesh {
   Mesh mesh;                ///< without normals
-  std::vector<bool> onCap;  ///< whether each point lies on an edge that leaves the domain, so on a cap
+  std::vector<bool> onCap;  ///< whether each point lies on an edge that leaves the domain, and therefore on a cap
 };
 
-/// The lattice edge that a point lies on.
+/// The lattice edge on which a point lies.
 struct EdgePlace {
-  openvdb::Coord node;    ///< where it begins
-  std::uint8_t axis = 0;  ///< along which it runs
+  openvdb::Coord node;    ///< the node where the edge begins
+  std::uint8_t axis = 0;  ///< the axis along which it runs
   bool cut = false;       ///< whether it leaves the domain, so that the point lies on a cap
 };
 
-/// Where the points and the triangles of a mesh come from.
+/// The places of the points and the triangles of a mesh in the lattice.
 struct MeshPlaces {
   std::vector<EdgePlace> points;
   std::vector<openvdb::Coord> triangles;  ///< the first nodes of their cells
@@ -55,41 +55,41 @@ struct PlacedMesh {
 
 struct MeshCounts {
   std::uint64_t points = 0, triangles = 0;
-  std::uint64_t evaluatedNodes = 0;     ///< of the lattice; 0 if the field was evaluated before
-  std::optional<CrumbReport> crumbs{};  ///< that were dropped meanwhile, if the plan has it so
+  std::uint64_t evaluatedNodes = 0;     ///< evaluated nodes of the lattice; 0 if the field was evaluated before
+  std::optional<CrumbReport> crumbs{};  ///< the crumbs dropped meanwhile, if the plan drops them
 };
 
-/// The whole mesh, without normals.
+/// Extracts the whole mesh, without normals.
 /// @throw std::invalid_argument  tolerance out of its domain
 /// @throw DataError              more points than 32-bit indices count
 Mesh extractMesh(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
                  Monitor& monitor);
 
-/// The mesh with Border::Cap, from which withoutCaps() makes the other one without searching the edges again.
+/// Extracts the mesh with Border::Cap. withoutCaps() derives the open mesh from it without searching the edges again.
 /// @throw as extractMesh()
 CappedMesh extractCappedMesh(const FractalField& field, const FieldSource& source, double tolerance, Monitor& monitor);
 
-/// The same mesh, to the bit, as extractMesh() makes with Border::Open.
+/// Returns the mesh that extractMesh() makes with Border::Open, to the bit.
 Mesh withoutCaps(CappedMesh capped);
 
-/// The mesh of a field's window, with normals. Of those that lie at least two nodes from where the window cuts the
-/// domain, the places, positions, normals and the order are those of the whole.
+/// Extracts the mesh of a field's window, with normals. At least two nodes away from where the window cuts the domain,
+/// the places, positions, normals and order are those of the whole mesh.
 PlacedMesh extractPlacedMesh(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
                              Monitor& monitor);
 
-/// The mesh in pieces, with normals as computeNormals() makes them.
+/// Extracts the mesh in pieces, with normals as computeNormals() makes them.
 MeshCounts extractMesh(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
                        MeshSink& sink, Monitor& monitor);
 
-/// The same mesh, made while F is evaluated. F is never held whole: memory holds a few layers of blocks in x. Crumbs
-/// are dropped on the way, where the plan drops them.
+/// Extracts the same mesh while F is evaluated. F is never held as a whole: memory holds a few layers of blocks in x.
+/// Crumbs are dropped on the way, if the plan drops them.
 MeshCounts streamMesh(const FieldPlan& plan, const FieldSource& source, const ExtractMeshOptions& options,
                       MeshSink& sink, Monitor& monitor);
 
-/// The direction of a sum of normals; up (y) where they cancel out.
+/// The direction of a sum of normals; up (y) if they cancel out.
 openvdb::Vec3s unitNormal(const openvdb::Vec3d& sum);
 
-/// Sets unit normals: the sum of the normals of a point's triangles, weighted by area.
+/// Sets unit normals: the normalised sum of the normals of a point's triangles, weighted by area.
 void computeNormals(Mesh& mesh);
 
 }  // namespace vdbtools

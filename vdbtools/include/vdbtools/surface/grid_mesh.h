@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file grid_mesh.h
-/// From any level set to a mesh, by the same marching cubes as for a fractal: closed and 2-manifold. A vertex lies
-/// where the grid, interpolated linearly along the edge, is 0. For a fractal that is a blocky stand-in; its own field
-/// gives the true surface.
+/// Converts any level set to a mesh, by the same marching cubes as for a fractal: closed and 2-manifold. A vertex lies
+/// where the grid, interpolated linearly along the edge, is 0. For a fractal the result is a coarse approximation; its
+/// own field gives the true surface.
 #pragma once
 
 #include "vdbtools/base/grids.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file level_set.h
-/// The grids that are handed on to other programs (docs/design.md).
+/// The grids that are exported to other programs (docs/design.md).
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -11,25 +11,27 @@
 
 namespace vdbtools {
 
-/// Half width of a level set that leaves the program, in voxels: a little over the 3 that OpenVDB's check asks for, as
-/// exactly 3 fails it by rounding.
+/// Half width of an exported level set, in voxels: slightly above the 3 that OpenVDB's check requires, because exactly
+/// 3 fails by rounding.
 inline constexpr double kHalfWidth = 3.01;
 
-/// The part of a level set that lies over some nodes: their distances to @a mesh, with the sign of F. The nodes within
-/// the band are active; the others have no value yet. finishLevelSet() makes a level set of one or several parts.
-/// @param field   of a window that reaches five nodes beyond @a nodes, unless the domain ends there
-/// @param source  of F, for nodes where the field has no leaf
-/// @param mesh    of the same field with Border::Cap
-/// @param nodes   those beyond the domain may be among them
+/// Computes the part of a level set that lies over some nodes: their distances to @a mesh, with the sign of F. The
+/// nodes within the band are active; the others have no value yet. finishLevelSet() turns one or several parts into a
+/// level set.
+/// @param field   the field of a window that reaches five nodes beyond @a nodes, unless the domain ends there
+/// @param source  evaluates F at nodes where the field has no leaf
+/// @param mesh    the mesh of the same field with Border::Cap
+/// @param nodes   may include nodes outside the domain
 openvdb::FloatGrid::Ptr levelSetPart(const FractalField& field, const FieldSource& source, const Mesh& mesh,
                                      const openvdb::CoordBBox& nodes, Monitor& monitor);
 
-/// Fills the nodes beyond the band with its width, inside or outside, prunes the tree, and names the grid "surface".
+/// Fills the nodes outside the band with its width, signed inside or outside, prunes the tree, and names the grid
+/// "surface".
 void finishLevelSet(openvdb::FloatGrid& grid);
 
-/// The level set of the fractal: the distance to @a mesh, with the sign that F has at the node. Class, uniform scale,
-/// no active tile, flood filled; named "surface".
-/// @param mesh  of the same field with Border::Cap
+/// Computes the level set of the fractal: the distance to @a mesh, with the sign that F has at the node. It has the
+/// class level set, a uniform scale and no active tile, is flood filled, and is named "surface".
+/// @param mesh  the mesh of the same field with Border::Cap
 openvdb::FloatGrid::Ptr levelSet(const FractalField& field, const Mesh& mesh, Monitor& monitor);
 
 /// Fog whose density is 1 inside and falls to 0 at the surface over the half width; named "density".
@@ -41,10 +43,10 @@ openvdb::FloatGrid::Ptr logModulusGrid(const FractalField& field);
 /// The three imaginary components of the map's versor over the band of @a surface; named "versor".
 openvdb::Vec3SGrid::Ptr versorGrid(const openvdb::FloatGrid& surface, const FieldSource& source, Monitor& monitor);
 
-/// What OpenVDB's checkLevelSet finds.
+/// The findings of OpenVDB's checkLevelSet.
 struct LevelSetCheck {
-  std::string failure;  ///< of tests 1 to 8; empty: none
-  /// Of the active voxels, those where | |grad phi| - 1 | < 0.5; 0 where voxels are not cubes.
+  std::string failure;  ///< the failure in tests 1 to 8; empty: none
+  /// The fraction of the active voxels for which | |grad phi| - 1 | < 0.5; 0 if voxels are not cubes.
   double gradientFraction = 0;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file surface_options.h
-/// Which surface is made of a field, as a recipe says it.
+/// Which surface is made from a field, as a recipe specifies it.
 #pragma once
 
 #include "vdbtools/field/islands.h"
@@ -10,16 +10,15 @@
 
 namespace vdbtools {
 
-/// What happens to crumbs (vdbtools/field/crumbs.h). Auto: around a target those are dropped that are no longer than
-/// 1/40 of it; sets without one keep them, as they may consist of nothing else.
+/// What happens to crumbs (vdbtools/field/crumbs.h). Auto drops crumbs of at most 1/40 of the target's length; sets
+/// without a target keep them, because they may consist of nothing else.
 enum class Crumbs { Auto, Drop, Keep };
 
 struct SurfaceOptions {
-  double tolerance = 1e-3;  ///< how near a vertex lies to the true surface, voxels
+  double tolerance = 1e-3;  ///< distance of a vertex to the true surface, voxels
   Crumbs crumbs = Crumbs::Auto;
   IslandOptions islands;
-  /// Voxels: triangles of the mesh are as large as this distance from the whole mesh allows (adaptive_mesh.h). 0: they
-  /// all stay.
+  /// Voxels. Triangles become as large as this distance from the full mesh allows (adaptive_mesh.h). 0: all are kept.
   double adaptivity = 0;
   bool cap = false;  ///< closes the mesh where the box cuts the set
 };

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file inscribed_ball.h
 /// The largest ball inside a shape. Its centre is the default origin of the dynamics: [SK23] assumes throughout that
-/// the origin lies inside the target, and the deeper it lies, the larger is the ball that traps orbits
-/// (docs/design.md 2.4).
+/// the origin lies inside the target, and the deeper it lies, the larger is the ball that traps orbits (docs/design.md
+/// 2.4).
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -14,14 +14,14 @@ struct InscribedBall {
   double radius = 0;               ///< distance from the centre to the surface, world units
 };
 
-/// Of two balls, the one that lies farther from the preferred point must be larger by at least this share of the
-/// difference of the two distances. The choice therefore moves continuously along parts of constant thickness, and
-/// among nearly equal balls it falls on the nearest.
+/// Of two balls, the one farther from the preferred point must be larger by at least this share of the difference of
+/// the two distances. The choice therefore moves continuously along parts of constant thickness, and among nearly equal
+/// balls it is the nearest.
 inline constexpr double kInscribedBallPull = 0.03;
 
-/// The ball whose radius less kInscribedBallPull times the distance from its centre to @a preferred is greatest.
-/// Of several parts of a shape it is that of the deepest. The result does not depend on where the lattice lies, up to
-/// a small fraction of a voxel.
+/// Returns the ball that maximises its radius minus kInscribedBallPull times the distance from its centre to @a
+/// preferred. If a shape has several parts, it is in the deepest. The result does not depend on the position of the
+/// lattice, up to a small fraction of a voxel.
 /// @param phi        world units, negative inside; the distances must be known over the whole inside
 /// @param preferred  world units, usually the middle of the shape's box
 /// @throw DataError  phi is nowhere negative

@@ -3,7 +3,8 @@
 /// The room `target` opens the target that a recipe names, surveys it, and places the space in which maps are iterated.
 /// It uses the rooms up to `exponent`.
 ///
-/// The target of a job: what a recipe says of it, and its distances, made as far from the surface as they are wanted.
+/// This header declares a job's target: what a recipe says about it, and its distances, computed as far from the
+/// surface as they are needed.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -24,34 +25,34 @@ namespace vdbtools {
 
 struct TargetOptions {
   NamedFile input;
-  std::shared_ptr<const Mesh> mesh;  ///< a target in memory, which is not read; input.path is its name
-  std::string grid;                  ///< which grid of a VDB input; empty: the only one
-  VoxelChoice sdfVoxels;             ///< of a mesh's distance field
-  MendOptions mend;                  ///< of a mesh
+  std::shared_ptr<const Mesh> mesh;  ///< a target in memory, for which nothing is read; input.path is its name
+  std::string grid;                  ///< the grid of a VDB input; empty: the only one
+  VoxelChoice sdfVoxels;             ///< the voxels of a mesh's distance field
+  MendOptions mend;                  ///< how a mesh is mended
 
   bool operator==(const TargetOptions&) const = default;
 };
 
-/// The rule of options that a VDB as the target has and a mesh has not.
+/// The rule for options that apply to a VDB target but not to a mesh.
 std::string idleWithoutVdb(const OptionRun& run);
 
 std::vector<OptionSpec> targetOptionSpecs();
-/// The SHA-256 of a mesh: of its points as three doubles each and, behind them, of its triangles as three 32-bit
-/// numbers each, all little-endian.
+/// The SHA-256 of a mesh: of its points as three doubles each, followed by its triangles as three 32-bit numbers each,
+/// all little-endian.
 std::string sha256OfMesh(const Mesh& mesh);
 
-/// None if the recipe names no input. @throw std::invalid_argument
+/// Returns nullopt if the recipe names no input. @throw std::invalid_argument
 std::optional<TargetOptions> parseTargetOptions(const RecipeReader& reader);
 
-/// How far from the surface distances are wanted, world units.
+/// How far from the surface distances are needed, world units.
 struct BandWidths {
   double exterior = 0;
   double interior = 0;
-  /// From these on over the whole inside. That takes long, and is seldom needed.
+  /// Whether the interior reaches over the whole inside. That takes long and is seldom needed.
   bool wholeInside = false;
 
   bool operator==(const BandWidths&) const = default;
-  /// Whether a band of these widths holds one of the others.
+  /// Whether a band of these widths includes a band of the other widths.
   bool holds(const BandWidths& other) const {
     return other.exterior <= exterior && (wholeInside || (!other.wholeInside && other.interior <= interior));
   }
@@ -59,37 +60,37 @@ struct BandWidths {
 
 inline constexpr double kMostSurveyVoxels = 128;
 
-/// A target that was opened: its box is known, its distances are yet to be made.
+/// An opened target. Its box is known; its distances are computed on request.
 class TargetInput {
  public:
   virtual ~TargetInput() = default;
 
-  virtual const openvdb::BBoxd& box() const = 0;  ///< of the shape, world units
+  virtual const openvdb::BBoxd& box() const = 0;  ///< bounds of the shape, world units
 
-  /// -E at the depth to which distances are best made at first. Most targets are trapped before; making a mesh's
-  /// distances again costs more than going deep at once, while a VDB may have them.
+  /// -E at the depth to which distances should be computed first. Most targets are trapped before; computing a mesh's
+  /// distances again costs more than going deep at once, while a VDB may already have them.
   virtual double usualDepth() const = 0;
 
-  /// What band() is made from, for these widths and for all that they hold.
+  /// The distances from which band() makes bands of these widths and of all smaller ones.
   /// @throw DataError, Interrupted
   virtual Target distances(const BandWidths& widths, Monitor& monitor) const = 0;
 
-  /// The target with its distances in a band of these widths. It depends on the target and on the widths, to the bit,
-  /// and not on how much wider the distances are.
+  /// The target with its distances in a band of these widths. The result depends, to the bit, only on the target and
+  /// the widths, not on how much wider the given distances are.
   /// @param distances  of widths that hold these
   /// @throw DataError, Interrupted
   virtual Target band(const Target& distances, const BandWidths& widths, Monitor& monitor) const = 0;
 
-  /// Distances over the whole inside and a few voxels outside, on a lattice of half the resolution and no more than
+  /// Distances over the whole inside and a few voxels outside, on a lattice of half the resolution and at most
   /// kMostSurveyVoxels along the longest side.
   /// @throw DataError, Interrupted
   virtual openvdb::FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const = 0;
 
-  /// The mesh as it was read, or a cloud of points as asPoints() has it; nullptr: the target is a VDB.
+  /// The mesh as it was read, or a point cloud as converted by asPoints(); nullptr if the target is a VDB.
   virtual std::shared_ptr<const Mesh> mesh() const { return nullptr; }
 };
 
-/// @throw MissingInputError, DataError, IoError  as reading the file
+/// @throw MissingInputError, DataError, IoError  as when reading the file
 /// @throw DataError  a mesh in memory has no triangle, a coordinate that is not finite, or an index out of range
 std::unique_ptr<const TargetInput> openTarget(const TargetOptions& options);
 

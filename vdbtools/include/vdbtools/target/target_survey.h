@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file target_survey.h
-/// What a target is like as a whole: where it is deepest, how thick it is at each place, how much it holds. These are
-/// found from distances over its whole inside on a coarse lattice, which costs little beside the fine distances near
-/// the surface.
+/// Global properties of a target: its deepest point, its local thickness, and its volume. They are computed from
+/// distances over its whole inside on a coarse lattice, which costs little compared with the fine distances near the
+/// surface.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -23,8 +23,8 @@ class TargetSurvey {
 
   const openvdb::FloatGrid::ConstPtr& phi() const { return mPhi; }
 
-  /// The local thickness for a slope, found when it is first asked for, and remembered until a few other slopes were
-  /// asked for.
+  /// The local thickness for a slope. It is computed on the first request and cached until a few other slopes have been
+  /// requested.
   /// @throw DataError, Interrupted  as localThickness()
   LocalThickness thickness(Monitor& monitor, double slope = kThicknessSlope);
 
@@ -34,21 +34,21 @@ class TargetSurvey {
   std::map<double, LocalThickness> mThickness;  ///< by the slope
 };
 
-/// The local thickness as a control: that of the nearest point of the grid's box beyond it.
+/// The local thickness as a control. Points outside the grid's box get the thickness of its nearest point.
 Control thicknessControl(const LocalThickness& thickness);
 
-/// A closed mesh in brief, as --origin auto and --detail see it at the usual resolution.
+/// The extremes of a closed mesh, as --origin auto and --detail see it at the usual resolution.
 struct SolidShape {
   InscribedBall deepest;                             ///< world units
   double leastThickness = 0, greatestThickness = 0;  ///< world units
 };
-/// None if the mesh is too thin for that resolution, or no solid.
+/// Returns nullopt if the mesh is too thin for that resolution, or not a solid.
 std::optional<SolidShape> shapeOfSolid(const Mesh& mesh, const MeshReport& report);
 
-/// The volume of phi < 0, world units cubed, exact to a small part of the voxels that the surface meets. Serves narrow
-/// bands, too.
+/// The volume of phi < 0, world units cubed, exact up to a small part of the voxels that the surface cuts. Narrow bands
+/// suffice.
 double insideVolume(const openvdb::FloatGrid& phi);
-/// The same of the part within a box, whose sides are parallel to those of the voxels.
+/// The volume of the part within a box, whose sides are parallel to those of the voxels.
 double insideVolume(const openvdb::FloatGrid& phi, const openvdb::BBoxd& box);
 
 }  // namespace vdbtools

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file usd_file.h
-/// The room `usd` writes scenes of USD. It uses the rooms up to `job`.
+/// The room `usd` writes USD scenes. It uses the rooms up to `job`.
 ///
-/// Scenes in the text form of USD (.usda, OpenUSD), as a side-car to what the program makes: a Volume whose fields are
-/// the grids of VDB files, frame by frame, and a mesh. The volumes stay in their files, to which the scene refers. The
-/// mesh is part of the scene, since USD itself refers to no mesh files but its own.
+/// This header writes scenes in the text form of USD (.usda, OpenUSD), as a side-car to the program's outputs: a Volume
+/// whose fields are the grids of VDB files, frame by frame, and a mesh. The scene refers to the VDB files. It contains
+/// the mesh itself, because USD cannot refer to mesh files other than its own.
 #pragma once
 
 #include "vdbtools/base/up_axis.h"
@@ -18,19 +18,19 @@
 
 namespace vdbtools {
 
-/// A grid, in the words of UsdVolOpenVDBAsset.
+/// A grid, in the terms of UsdVolOpenVDBAsset.
 struct UsdField {
   std::string grid;        ///< its name in the VDB
-  std::string dataType;    ///< "float", "int", "float3" and so on; empty: one that USD has no word for
+  std::string dataType;    ///< "float", "int", "float3" and so on; empty: USD has no token for it
   std::string fieldClass;  ///< "levelSet", "fogVolume", "staggered" or "unknown"
 
   bool operator==(const UsdField&) const = default;
 };
 
 struct UsdFrame {
-  std::optional<int> number;  ///< none: the volume does not change
+  std::optional<int> number;  ///< empty: the volume does not change
   std::filesystem::path vdb;  ///< relative to the scene's folder
-  openvdb::BBoxd box;         ///< of the grids, world units
+  openvdb::BBoxd box;         ///< bounds of the grids, world units
 };
 
 struct UsdScene {
@@ -38,13 +38,13 @@ struct UsdScene {
   double metersPerUnit = 1;
   double framesPerSecond = 24;
   std::vector<UsdField> fields{};
-  std::vector<UsdFrame> frames{};  ///< one without a number, or any number of them in rising order
-  /// In the axes of the scene. Attributes red, green and blue become its colours, as linear light.
+  std::vector<UsdFrame> frames{};  ///< one without a number, or any number of them in ascending order
+  /// In the axes of the scene. Its attributes red, green and blue become its colours, as linear light.
   const Mesh* mesh = nullptr;
 };
 
-/// The same scene gives the same bytes.
-/// @throw std::invalid_argument  neither a frame nor a mesh; two fields whose names are the same as identifiers
+/// Writes a scene. The same scene gives the same bytes.
+/// @throw std::invalid_argument  neither a frame nor a mesh; two fields whose names become the same identifier
 void writeUsda(std::ostream& stream, const UsdScene& scene);
 
 }  // namespace vdbtools

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file usd_job.h
-/// VDBs and a mesh that were made before, as one scene of USD.
+/// Combines existing VDBs and a mesh into one USD scene.
 #pragma once
 
 #include "vdbtools/base/monitor.h"
@@ -14,10 +14,10 @@
 namespace vdbtools {
 
 struct UsdOptions {
-  std::string vdb;            ///< its name, with a pattern if there are frames; empty: none
-  std::vector<int> frames{};  ///< their numbers, in any order; none: a single file
+  std::string vdb;            ///< name of the VDB, with a pattern if there are frames; empty: none
+  std::vector<int> frames{};  ///< frame numbers, in any order; none: a single file
   std::optional<std::filesystem::path> mesh;
-  std::filesystem::path scene;  ///< where the scene will be, to whose folder paths are relative
+  std::filesystem::path scene;  ///< where the scene will be; paths are relative to its folder
   double metersPerUnit = 1;
   double framesPerSecond = 24;
 };
@@ -26,10 +26,10 @@ struct UsdCounts {
   std::size_t frames = 0, fields = 0, triangles = 0;
 };
 
-/// The scene has the up axis that the first VDB was written with; without one, that of the mesh. A mesh of another axis
-/// is turned.
+/// Writes the scene. It has the up axis with which the first VDB was written; without a VDB, that of the mesh. A mesh
+/// with another up axis is rotated.
 /// @throw std::invalid_argument  frames without a pattern, or a pattern without frames
-/// @throw DataError              the frames have other grids than the first, or another up axis
+/// @throw DataError              the grids or the up axis of the frames differ from those of the first
 /// @throw what reading the files throws
 UsdCounts writeUsdScene(std::ostream& stream, const UsdOptions& options, Monitor& monitor);
 

@@ -7,9 +7,9 @@
 
 namespace vdbtools {
 
-/// Negates the values above 0.75 that a flood from outside reaches, from node to node along the axes, without passing a
-/// value up to 0.75. Gaps between leaves are passed.
-/// @param tree  squared distances, in voxels: leaves wherever a value is up to 0.75
+/// Negates all values above 0.75 that a flood from outside reaches, from node to node along the axes, without crossing
+/// a value of at most 0.75. The flood crosses gaps between leaves.
+/// @param tree  squared distances, in voxels; has leaves wherever a value is at most 0.75
 void traceExterior(openvdb::FloatTree& tree);
 
 }  // namespace vdbtools

@@ -8,7 +8,7 @@
 
 namespace vdbtools {
 
-/// Moves a level set by its mean curvature. Each of the steps is a third of a voxel squared of heat conduction.
+/// Moves a level set by mean curvature flow. Each step corresponds to heat diffusion over a third of a voxel squared.
 /// @throw Interrupted
 void meanCurvatureFlow(openvdb::FloatGrid& levelSet, int steps, const Monitor& monitor);
 

@@ -30,6 +30,8 @@ export class Options {
   has(name, recipe) { return this.byName.get(name)?.maps.includes(this.mapOf(recipe)) ?? false; }
   usual(name, recipe) { return name === "map" ? this.firstMap : this.byName.get(name)?.defaults?.[this.mapOf(recipe)]; }
   help(name) { return this.byName.get(name)?.help ?? ""; }
+  // The entry of a recipe that an option sets: "versor-seed" for "texture-seed".
+  entryOf(option) { return this.list.find((one) => one.option === option)?.name ?? option; }
 
   // Sets an option; what says the same in another way goes.
   set(recipe, name, value) {
@@ -363,7 +365,7 @@ export function makeControls(page) {
       const own = others.filter((option) => option.group === name);
       if (own.length === 0) continue;
       const part = group(title, ...own.map((option) =>
-        when((recipe) => options.has(option.name, recipe), option.argument ? line(option.name, option.name) : flag(option.name, option.name))));
+        when((recipe) => options.has(option.name, recipe), option.argument ? line(option.name, option.option) : flag(option.name, option.option))));
       updates.push((state) => { part.hidden = !own.some((option) => options.has(option.name, state.recipe)); });
       all.push(part);
     }
@@ -377,18 +379,18 @@ export function makeControls(page) {
       for (const update of updates) update(state);
       found?.update();
     },
-    tell: tellBeside(list),
+    tell: tellBeside(list, options),
   };
 }
 
 // Says what the program refuses beside the control of the option that it names. about: of whom the words are; "" takes
 // them back.
-function tellBeside(list) {
+function tellBeside(list, options) {
   const told = new Map();
   return (about, words) => {
     told.get(about)?.remove();
     told.delete(about);
-    const name = /--([a-z][a-z0-9-]*)/.exec(words)?.[1];
+    const option = /--([a-z][a-z0-9-]*)/.exec(words)?.[1], name = options.entryOf(option);
     if (!name) return;
     const all = [...list.querySelectorAll(`.control[data-name="${name}"]`)], shown = all.filter((one) => !one.closest("[hidden]"));
     const place = shown.at(-1) ?? all.at(-1);

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file triangle_bodies.h
-/// The bodies of the kernels. Included by one file for each instruction set, which defines JULIA_FLOATS, how many
-/// floats its vectors have.
+/// The code of the kernels. One source file for each instruction set includes it and defines JULIA_FLOATS, the number
+/// of floats in its vectors.
 ///
-/// What makes them fast is one bound. The distance to a convex set is a convex function. Let c be the middle of a cube,
-/// T a triangle, and n the unit vector to c from the point of T that is nearest to it: dist(p, T) >= dist(c, T) + n (p
-/// - c). For another triangle B, dist(p, B) less this bound is convex, so that it takes its greatest value over the
-/// cube at a corner. If that value is below 0, T is the nearest triangle of no point of the cube. The same holds for
-/// boxes, and so for all that lies in them. A cube of nodes begins with the candidates of the cube that it is an eighth
-/// of.
+/// They are fast because of one bound. The distance to a convex set is a convex function. Let c be the centre of a
+/// cube, T a triangle, and n the unit vector to c from the point of T that is nearest to it: dist(p, T) >= dist(c, T) +
+/// n (p - c). For another triangle B, dist(p, B) minus this bound is convex, so its maximum over the cube is at a
+/// corner. If that maximum is below 0, T is not the nearest triangle of any point of the cube. The same holds for
+/// boxes, and thus for everything in them. A cube of nodes starts with the candidates of the cube of which it is an
+/// eighth.
 ///
-/// Floats choose the nearest triangle; its distance is then computed in doubles. Each lane does what a single number
-/// would do, so the width of the vectors changes nothing.
+/// Floats choose the nearest triangle; its distance is then computed in doubles. Each lane computes what a scalar
+/// would, so the width of the vectors does not affect the result.
 #pragma once
 
 #include "search/kernels/triangle_lanes.h"
@@ -25,11 +25,11 @@ inline void toCentre(const TreeView& tree, const double position[3], float (&p)[
 
 struct Entry {
   std::uint32_t node;
-  std::uint32_t level;  // as many as there are: a pack
+  std::uint32_t level;  // the number of levels stands for a pack
   float squared;
 };
 
-/// Of a depth-first walk: of each level, all children but the one that is visited.
+/// For a depth-first traversal: on each level, all children but the visited one.
 constexpr unsigned kStack = kPack * (kMostLevels + 1);
 
 bool nearest(const TreeView& tree, const double position[3], float& squared, Place& place) {
@@ -68,7 +68,7 @@ bool nearest(const TreeView& tree, const double position[3], float& squared, Pla
       }
       store(sum, each + k);
     }
-    // The nearest child comes off the stack first.
+    // Push the nearest child last, so that it is popped first.
     const unsigned first = size;
     const std::uint32_t below = entry.level == 0 ? tree.levelCount : entry.level - 1;
     for (unsigned k = 0; k < kPack; ++k) {
@@ -81,7 +81,7 @@ bool nearest(const TreeView& tree, const double position[3], float& squared, Pla
   return found;
 }
 
-/// The distances from a cube's corners to a triangle, and a little more.
+/// Upper bounds of the distances from a cube's corners to a triangle.
 struct CornerBounds {
   float at[8];
 };
@@ -90,12 +90,12 @@ struct CornerBounds {
 constexpr float kCorner[3][8] = {
     {-1, -1, -1, -1, 1, 1, 1, 1}, {-1, -1, 1, 1, -1, -1, 1, 1}, {-1, 1, -1, 1, -1, 1, -1, 1}};
 
-/// Eight points about another one, as lanes first to first + kNodesWide.
+/// Eight corners relative to another point, as lanes first to first + kNodesWide.
 inline NodeFloats corners(int axis, unsigned first, float half, float about) {
   return load<NodeFloats>(kCorner[axis] + first) * half + about;
 }
 
-/// @param slack  of the triangle's distances
+/// @param slack  error bound of the triangle's distances
 inline CornerBounds cornerBounds(const Triangle<float>& triangle, const float about[3], float half, float slack) {
   CornerBounds bounds;
   for (unsigned k = 0; k < 8; k += kNodesWide) {
@@ -107,9 +107,9 @@ inline CornerBounds cornerBounds(const Triangle<float>& triangle, const float ab
   return bounds;
 }
 
-/// By how much something is too far to be nearest anywhere in a cube; up to 0, it may be nearest.
-/// @param x, y, z  the way from its nearest point to the cube's middle
-/// @param slack  by how much its distance may be too large
+/// By how much something is too far to be nearest anywhere in a cube; if at most 0, it may be nearest.
+/// @param x, y, z  the vector from its nearest point to the cube's centre
+/// @param slack  by how much its distance may be overestimated
 template <class V>
 inline V excess(V x, V y, V z, V squared, float half, V slack, const CornerBounds& bounds) {
   const V distance = squareRoot(squared);
@@ -123,7 +123,7 @@ inline V excess(V x, V y, V z, V squared, float half, V slack, const CornerBound
                        lesser(hh - z - bounds.at[6], hh + z - bounds.at[7])));
 }
 
-/// By how much something is farther than @a far all over a cube, from excess()'s arguments.
+/// By how much something is farther than @a far everywhere in a cube, with the arguments of excess().
 template <class V>
 inline V excessOver(float far, V x, V y, V z, V squared, float half, V slack) {
   const V distance = squareRoot(squared);
@@ -132,16 +132,16 @@ inline V excessOver(float far, V x, V y, V z, V squared, float half, V slack) {
   return distance * 0.999998F - slack - scale * (absolute(x) + absolute(y) + absolute(z)) - far;
 }
 
-/// The nearest triangle of a cube's middle, as others are compared with it.
+/// The triangle nearest to a cube's centre, with the data for comparing others with it.
 struct Nearest {
   CornerBounds bounds;
-  float distance;   ///< and a little more
-  float x, y, z;    ///< the unit vector to the cube's middle
-  float curvature;  ///< how far the distance exceeds its tangent at the corners, at most
+  float distance;   ///< an upper bound
+  float x, y, z;    ///< the unit vector to the cube's centre
+  float curvature;  ///< an upper bound of how far the distance exceeds its tangent at the corners
 };
 
-/// What excess() gives, or less. From the nearest point q of B, dist(p, B) is at most |p - q|, which is at most
-/// dist(c, B) + n (p - c) + |p - c|^2 / (2 dist(c, B)). This is much cheaper, and as good far from the surface.
+/// A lower bound of excess(). From the nearest point q of B, dist(p, B) is at most |p - q|, which is at most dist(c, B)
+/// + n (p - c) + |p - c|^2 / (2 dist(c, B)). This is much cheaper, and as good far from the surface.
 template <class V>
 inline V farExcess(V x, V y, V z, V squared, float half, V slack, const Nearest& b) {
   const V distance = squareRoot(squared);
@@ -151,13 +151,13 @@ inline V farExcess(V x, V y, V z, V squared, float half, V slack, const Nearest&
          half * (absolute(x * scale - b.x) + absolute(y * scale - b.y) + absolute(z * scale - b.z));
 }
 
-/// Of a triangle's distances in floats.
+/// The error bound of a triangle's distances in floats.
 template <class V>
 inline V slackOf(const Triangle<V>& t) {
   return 4e-6F * (t.b + t.d);
 }
 
-/// A triangle about a position.
+/// A triangle relative to a position.
 inline Triangle<float> triangleAt(const TreeView& tree, Place place, const double position[3]) {
   const unsigned first = place.lane / kNodesWide * kNodesWide;
   const Triangle<NodeFloats> lanes = trianglesOf<NodeFloats>(tree.packs[place.pack], first, position);
@@ -168,7 +168,7 @@ inline Triangle<float> triangleAt(const TreeView& tree, Place place, const doubl
   return triangle;
 }
 
-/// @param slack  of the triangle's distances
+/// @param slack  error bound of the triangle's distances
 inline Nearest nearestOf(const Triangle<float>& t, const float about[3], float half, float slack) {
   Nearest result;
   result.bounds = cornerBounds(t, about, half, slack);
@@ -225,7 +225,7 @@ std::uint32_t collect(const TreeView& tree, const double middle[3], float half, 
   return count;
 }
 
-/// Candidates side by side, and their numbers in the mesh.
+/// Candidates in lanes, and their numbers in the mesh.
 struct CandidatePack {
   Triangle<Floats> triangle;
   Floats slack;
@@ -234,7 +234,7 @@ struct CandidatePack {
 constexpr unsigned kArrays = sizeof(CandidatePack) / sizeof(Floats);
 static_assert(kArrays * 4 * kPack <= kCandidateBytes);
 
-/// One of them, number @a i.
+/// Candidate number @a i.
 inline const float* candidate(const CandidatePack* packs, std::uint32_t i) {
   return reinterpret_cast<const float*>(packs + i / kWide) + i % kWide;
 }
@@ -253,8 +253,8 @@ inline std::int32_t numberOf(const float* candidate) {
   return number;
 }
 
-/// Some triangles about a position. Their floats depend on the triangle and the position alone, and on nothing else of
-/// the mesh: so a node gets the same distance from a part of the mesh that holds its nearest triangle.
+/// Some triangles relative to a position. Their floats depend only on the triangle and the position, so a node gets the
+/// same distance from any part of the mesh that contains its nearest triangle.
 inline Triangle<NodeFloats> trianglesAt(const TreeView& tree, const std::uint32_t* numbers, const double position[3]) {
   float at[3][3][kNodesWide];
   for (unsigned k = 0; k < kNodesWide; ++k) {
@@ -272,7 +272,7 @@ inline Triangle<NodeFloats> trianglesAt(const TreeView& tree, const std::uint32_
   return frameOf<NodeFloats>(v(0, 0), v(0, 1), v(0, 2), v(1, 0), v(1, 1), v(1, 2), v(2, 0), v(2, 1), v(2, 2));
 }
 
-/// The candidates of packs, about a middle. @return their number
+/// Converts the candidates of packs to coordinates about a centre. @return their number
 inline std::uint32_t prepare(const TreeView& tree, const double middle[3], const std::uint32_t* packs,
                              std::uint32_t count, CandidatePack* to) {
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -300,7 +300,7 @@ inline void fill(CandidatePack* packs, std::uint32_t count) {
   }
 }
 
-/// The boxes of the candidates' packs, about the block's middle; far away where there is none.
+/// The boxes of the candidates' packs, relative to the block's centre; unused boxes are far away.
 struct PackBoxes {
   Floats low[3], high[3];
 };
@@ -323,7 +323,7 @@ inline std::uint32_t prepareBoxes(const TreeView& tree, const double middle[3], 
   return vectors;
 }
 
-/// A bit for each lane up to 0.
+/// A bit for each lane that is at most 0.
 inline unsigned lanesUpTo0(Floats over) {
 #if defined(__AVX512F__)
   return _mm512_cmp_ps_mask(over, _mm512_setzero_ps(), _CMP_LE_OQ);
@@ -338,15 +338,14 @@ inline unsigned lanesUpTo0(Floats over) {
 #endif
 }
 
-/// Writes the numbers of the lanes up to 0, and returns how many numbers there are now.
+/// Appends the numbers of the lanes that are at most 0, and returns the new number of entries.
 inline std::uint32_t append(Floats over, std::uint32_t first, std::uint32_t* list, std::uint32_t count) {
   for (unsigned bits = lanesUpTo0(over); bits != 0; bits &= bits - 1)
     list[count++] = first + static_cast<unsigned>(__builtin_ctz(bits));
   return count;
 }
 
-/// The vectors of candidates that may hold the triangle nearest to some point of the cube about @a about, no farther
-/// than
+/// Finds the vectors of candidates that may hold the triangle nearest to some point of the cube about @a about, at most
 /// @a far from it.
 inline std::uint32_t chooseVectors(const PackBoxes* boxes, std::uint32_t count, const float about[3], float half,
                                    const CornerBounds& bounds, float far, std::uint32_t* list, std::uint32_t* packs) {
@@ -361,7 +360,7 @@ inline std::uint32_t chooseVectors(const PackBoxes* boxes, std::uint32_t count, 
                                 excessOver(far, d[0], d[1], d[2], squared, half, zero));
     chosen = append(over, i * kWide, packs, chosen);
   }
-  // A pack is several vectors, or a vector several packs.
+  // A pack may be several vectors, or a vector several packs.
   std::uint32_t vectors = 0;
   for (std::uint32_t n = 0; n < chosen; ++n)
     for (unsigned k = 0; k < kPack; k += kNodesWide) {
@@ -371,7 +370,8 @@ inline std::uint32_t chooseVectors(const PackBoxes* boxes, std::uint32_t count, 
   return vectors;
 }
 
-/// A candidate near a position: the nearest of few; of many, one of those next to the nearest corner.
+/// A candidate near a position: the nearest of few candidates; if there are many, one of those next to the nearest
+/// corner.
 inline const float* nearCandidate(const CandidatePack* from, std::uint32_t vectors, const float about[3]) {
   constexpr std::uint32_t kFew = 64 / kWide;
   const Floats zero = {};
@@ -400,7 +400,7 @@ inline const float* nearCandidate(const CandidatePack* from, std::uint32_t vecto
   return candidate(from, meetAll(byCorner / kWide, byCorner / kWide + 1, toTriangle));
 }
 
-/// Whether candidates may be nearest in a cube: not above 0.
+/// Whether candidates may be nearest in a cube: they may if the result is at most 0.
 inline Floats excessOf(const CandidatePack& pack, const Away<Floats>& f, float half, const Nearest& nearest,
                        bool isFar) {
   const Triangle<Floats>& t = pack.triangle;
@@ -411,13 +411,13 @@ inline Floats excessOf(const CandidatePack& pack, const Away<Floats>& f, float h
                : excess(x, y, z, f.squared, half, pack.slack, nearest.bounds);
 }
 
-/// Where the cheaper bound is nearly as good.
+/// Whether the cheaper bound is nearly as good.
 inline bool isFarFrom(float distance, float half) { return distance > 8 * half; }
 
-/// Those candidates that may be nearest somewhere in the cube about @a about.
-/// @param vectors  which vectors of them to look at; null: all
-/// @param list  takes their numbers, in their order
-/// @param least  takes the distance of the nearest one to the middle
+/// Finds the candidates that may be nearest somewhere in the cube about @a about.
+/// @param vectors  which of their vectors to examine; null: all
+/// @param list  receives their numbers, in order
+/// @param least  receives the distance of the nearest one to the centre
 inline std::uint32_t choose(const CandidatePack* from, std::uint32_t count, const std::uint32_t* vectors,
                             std::uint32_t vectorCount, const float about[3], float half, const Scratch& scratch,
                             std::uint32_t* list, float& least) {
@@ -450,7 +450,7 @@ inline std::uint32_t choose(const CandidatePack* from, std::uint32_t count, cons
   return kept;
 }
 
-/// Copies those of a list.
+/// Copies the candidates of a list.
 inline void take(const CandidatePack* from, const std::uint32_t* list, std::uint32_t count, CandidatePack* to) {
   for (std::uint32_t i = 0; i < count; ++i) {
     const float* const source = candidate(from, list[i]);
@@ -460,7 +460,7 @@ inline void take(const CandidatePack* from, const std::uint32_t* list, std::uint
   fill(to, count);
 }
 
-/// The nearest of the listed candidates at the nodes of a cube of 2^3; of equally near ones, that of the least number.
+/// Finds the nearest of the listed candidates at the nodes of a cube of 2^3; ties go to the smallest number.
 inline void decide(const CandidatePack* from, const std::uint32_t* list, std::uint32_t count, const float about[3],
                    std::uint32_t (&numbers)[8]) {
   for (unsigned k = 0; k < 8; k += kNodesWide) {
@@ -486,7 +486,7 @@ constexpr double kHalfCorner[3][8] = {{-0.5, -0.5, -0.5, -0.5, 0.5, 0.5, 0.5, 0.
                                       {-0.5, -0.5, 0.5, 0.5, -0.5, -0.5, 0.5, 0.5},
                                       {-0.5, 0.5, -0.5, 0.5, -0.5, 0.5, -0.5, 0.5}};
 
-/// The distances of the chosen triangles.
+/// Computes the distances of the chosen triangles.
 /// @param corner  the number of the cube's first node
 inline void finish(const TreeView& tree, const double middle[3], const float about[3], const std::uint32_t (&chosen)[8],
                    unsigned corner, float* distance, std::uint32_t* triangle) {
@@ -517,10 +517,10 @@ inline void finish(const TreeView& tree, const double middle[3], const float abo
   }
 }
 
-/// Fewer candidates are not worth choosing among for a smaller cube.
+/// With fewer candidates, selecting again for a smaller cube does not pay off.
 constexpr std::uint32_t kFew = 6;
 
-/// Half the diagonals of cubes of 4^3 and 2^3 nodes, and a little more.
+/// Upper bounds of half the diagonals of cubes of 4^3 and 2^3 nodes.
 constexpr float kHalfDiagonal4 = 2.599F, kHalfDiagonal2 = 0.867F;
 
 void resolve(const TreeView& tree, const double middle[3], const std::uint32_t* packs, std::uint32_t count, float far,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file triangle_kernels.h
-/// The loops of TriangleTree, compiled once for each instruction set; all give the same bits. Plain data only: code
-/// that other files share must not be compiled for a processor that may not be there.
+/// The loops of TriangleTree, compiled once for each instruction set; all give the same bits. This header has plain
+/// data only: code that other files share must not be compiled for a processor that may be absent.
 #pragma once
 
 #include <cstddef>
@@ -12,28 +12,28 @@ namespace vdbtools::kernels {
 inline constexpr unsigned kPack = 8;         ///< triangles of a pack, children of a node
 inline constexpr unsigned kMostLevels = 11;  ///< 8^11 packs hold more triangles than 32 bits can count
 
-/// Eight triangles, those that are missing being copies of the first.
+/// Eight triangles; missing ones are copies of the first.
 struct TrianglePack {
-  float corner[3][3][kPack];  ///< by corner, then axis; about the origin
+  float corner[3][3][kPack];  ///< by corner, then axis; relative to the origin
   double origin[3];
   std::uint32_t triangle[kPack];
 };
 
-/// The boxes of eight children, about the tree's centre; far away where there is no child.
+/// The boxes of eight children, relative to the tree's centre; missing ones are far away.
 struct BoxNode {
   float low[3][kPack];
   float high[3][kPack];
 };
 
-/// A TriangleTree as plain data. Node i of level l has the nodes 8 i to 8 i + 7 of level l - 1 as children, or such
-/// packs where l is 0.
+/// A TriangleTree as plain data. Node i of level l has the nodes 8 i to 8 i + 7 of level l - 1 as children, or those
+/// packs if l is 0.
 struct TreeView {
   const TrianglePack* packs;
   const BoxNode* levels[kMostLevels];
   unsigned levelCount;
   double centre[3];
-  float boxSlack;                  ///< by how much boxes, and positions among them, are off
-  const double* points;            ///< about the origin, three coordinates each
+  float boxSlack;                  ///< error bound of boxes, and of positions relative to them
+  const double* points;            ///< relative to the origin, three coordinates each
   const std::uint32_t* triangles;  ///< three points each
 };
 
@@ -43,8 +43,8 @@ struct Place {
   std::uint32_t lane;
 };
 
-/// Memory for the candidates of a block: for each of @a capacity packs what the constants say, and for one vector more.
-/// Aligned to 64 bytes.
+/// Memory for the candidates of a block: the constants below give the bytes for each of @a capacity packs, and there is
+/// room for one vector more. Aligned to 64 bytes.
 struct Scratch {
   std::uint32_t capacity;
   void* candidates[2];
@@ -58,20 +58,20 @@ inline constexpr std::size_t kCandidateBytes = 20 * 4 * kPack, kFoundBytes = 4 *
 inline constexpr unsigned kBlockNodes = 512;
 
 struct Kernels {
-  /// The triangle nearest to a position, up to the rounding of floats. @a squared says within what distance to look,
-  /// and takes the distance found, both squared. False: there is none so near.
+  /// Finds the triangle nearest to a position, up to the rounding of floats. @a squared is the squared search radius on
+  /// entry and receives the squared distance. Returns false if there is none within the radius.
   bool (*nearest)(const TreeView&, const double position[3], float& squared, Place& place);
 
-  /// The packs that may hold the triangle nearest to some point of a cube.
+  /// Collects the packs that may hold the triangle nearest to some point of a cube.
   /// @param half  half of the cube's side
   /// @param best  a triangle near the middle, the nearer the better
   /// @return their number; those beyond @a capacity are not written
   std::uint32_t (*collect)(const TreeView&, const double middle[3], float half, Place best, std::uint32_t* packs,
                            std::uint32_t capacity);
 
-  /// The nearest triangles of the 8^3 nodes about @a middle, and the distances.
-  /// @param packs  as collect() gave them for half a side of 3.5
-  /// @param far  nodes that are farther than this may be left as they are
+  /// Finds the nearest triangles of the 8^3 nodes about @a middle, and their distances.
+  /// @param packs  the result of collect() for half a side of 3.5
+  /// @param far  nodes that are farther than this may be left unchanged
   void (*resolve)(const TreeView&, const double middle[3], const std::uint32_t* packs, std::uint32_t count, float far,
                   const Scratch& scratch, float distance[kBlockNodes], std::uint32_t triangle[kBlockNodes]);
 };

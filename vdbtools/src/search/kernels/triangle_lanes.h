@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file triangle_lanes.h
-/// Vectors of numbers, and distances to triangles in them. Included by triangle_bodies.h alone.
+/// Vectors of numbers, and distances to triangles computed with them. Only triangle_bodies.h includes it.
 #pragma once
 
 #include "search/kernels/triangle_kernels.h"
@@ -20,7 +20,7 @@ constexpr float kFarAway = 1e15F;
 typedef float Floats __attribute__((vector_size(4 * kWide)));
 typedef std::int32_t Numbers __attribute__((vector_size(4 * kWide)));
 
-/// Of the nodes of a cube of 2^3, and of the children of a node.
+/// The lanes for the nodes of a cube of 2^3, and for the children of a node.
 constexpr unsigned kNodesWide = kWide < 8 ? kWide : 8;
 typedef float NodeFloats __attribute__((vector_size(4 * kNodesWide)));
 typedef std::int32_t NodeNumbers __attribute__((vector_size(4 * kNodesWide)));
@@ -56,13 +56,13 @@ inline V squareRoot(V x) {
   return result;
 }
 
-/// A triangle in its own frame: corner a, unit vectors u, v in its plane and n across it; the other corners are b u and
-/// c u + d v, where d is not negative.
+/// A triangle in its own frame: corner a, unit vectors u, v in its plane and n perpendicular to it; the other corners
+/// are b u and c u + d v, where d is not negative.
 template <class V>
 struct Triangle {
   V ax, ay, az, ux, uy, uz, vx, vy, vz, nx, ny, nz;
   V b, c, d;
-  V perC, perD;  ///< 1 / (c^2 + d^2) and 1 / ((c - b)^2 + d^2); 0 where there is none
+  V perC, perD;  ///< 1 / (c^2 + d^2) and 1 / ((c - b)^2 + d^2); 0 if undefined
 };
 
 template <class V>
@@ -82,7 +82,7 @@ inline Triangle<V> frameOf(V ax, V ay, V az, V px, V py, V pz, V qx, V qy, V qz)
   const V zero = {}, one = zero + 1;
   Triangle<V> t;
   t.ax = ax, t.ay = ay, t.az = az;
-  // The longer edge gives u, the other one's rest v.
+  // The longer edge gives u, and the rest of the other one gives v.
   const V pp = dot(px, py, pz, px, py, pz), qq = dot(qx, qy, qz, qx, qy, qz);
   const auto swaps = qq > pp;
   const V lx = swaps ? qx : px, ly = swaps ? qy : py, lz = swaps ? qz : pz;
@@ -94,7 +94,7 @@ inline Triangle<V> frameOf(V ax, V ay, V az, V px, V py, V pz, V qx, V qy, V qz)
   t.c = dot(sx, sy, sz, t.ux, t.uy, t.uz);
   const V rx = sx - t.c * t.ux, ry = sy - t.c * t.uy, rz = sz - t.c * t.uz;
   t.d = squareRoot(dot(rx, ry, rz, rx, ry, rz));
-  // Where the corners are in a row, v is any vector across u.
+  // If the corners are collinear, v is any vector perpendicular to u.
   const V perD = reciprocal(t.d);
   const auto isRow = !(t.d > 1e-6F * t.b);
   const V bx = t.ux < zero ? -t.ux : t.ux, by = t.uy < zero ? -t.uy : t.uy, bz = t.uz < zero ? -t.uz : t.uz;
@@ -104,7 +104,7 @@ inline Triangle<V> frameOf(V ax, V ay, V az, V px, V py, V pz, V qx, V qy, V qz)
   t.vx = isRow ? (isX ? one : zero) : rx * perD;
   t.vy = isRow ? (isX ? zero : isY ? one : zero) : ry * perD;
   t.vz = isRow ? (isX ? zero : isY ? zero : one) : rz * perD;
-  // Once more, as rounding leaves some of u in the rest of a sliver.
+  // Orthogonalise again, because rounding leaves a component along u in the rest of a sliver.
   const V along = dot(t.vx, t.vy, t.vz, t.ux, t.uy, t.uz);
   t.vx -= along * t.ux, t.vy -= along * t.uy, t.vz -= along * t.uz;
   const V scale = 1 / squareRoot(dot(t.vx, t.vy, t.vz, t.vx, t.vy, t.vz));
@@ -118,14 +118,14 @@ inline Triangle<V> frameOf(V ax, V ay, V az, V px, V py, V pz, V qx, V qy, V qz)
   return t;
 }
 
-/// The way from the nearest point of a triangle to a position, in the triangle's frame.
+/// The vector from the nearest point of a triangle to a position, in the triangle's frame.
 template <class V>
 struct Away {
   V x, y, z;
   V squared;
 };
 
-/// @param T  V, or the number that V has several of
+/// @param T  V, or its scalar type
 template <class V, class T>
 inline Away<V> awayFrom(const Triangle<T>& t, V px, V py, V pz) {
   const V zero = {}, one = zero + 1;
@@ -159,7 +159,7 @@ inline Away<V> awayFrom(const Triangle<T>& t, V px, V py, V pz) {
   return {ex, ey, z, least + z * z};
 }
 
-/// The triangles of a pack about a position, from lane @a first on.
+/// The triangles of a pack relative to a position, from lane @a first on.
 template <class V>
 inline Triangle<V> trianglesOf(const TrianglePack& pack, unsigned first, const double position[3]) {
   V at[3][3];

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "farm/tile_count.h"
+
+#include "base/json_text.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/files/file_hash.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <limits>
+
+namespace vdbtools::farm {
+namespace {
+
+using CountJson = nlohmann::ordered_json;
+using openvdb::Vec3d;
+
+constexpr std::size_t kDigits = 64;  // of a SHA-256
+
+bool isDigest(const std::string& text) {
+  return text.size() == kDigits && text.find_first_not_of("0123456789abcdef") == text.npos;
+}
+
+void addTo(std::uint64_t& sum, std::uint64_t value) {
+  if (value > std::numeric_limits<std::uint64_t>::max() - sum)
+    throw DataError("the counts of the tiles are too large to be added up; run the tasks again");
+  sum += value;
+}
+
+}  // namespace
+
+TileCount countTile(const std::vector<TileLayer>& layers) {
+  HashStream stream;
+  const TileCounts written = writeTile(stream, layers, false);
+  TileCount count{.points = written.points, .triangles = written.triangles, .sha256 = stream.sha256Hex()};
+  openvdb::BBoxd box;
+  for (const TileLayer& layer : layers)
+    for (std::size_t i = 0; i < layer.positions.size(); ++i)
+      if ((layer.edges[i] & kGuest) == 0) box.expand(layer.positions[i]);
+  if (count.points > 0) count.box = box;
+  return count;
+}
+
+std::string encodeTileCount(const TileCount& count) {
+  CountJson json = {{"points", count.points}, {"triangles", count.triangles}};
+  if (count.box) {
+    const Vec3d &low = count.box->min(), &high = count.box->max();
+    json["box"] = {low[0], low[1], low[2], high[0], high[1], high[2]};
+  }
+  json["sha256"] = count.sha256;
+  return json.dump() + '\n';
+}
+
+TileCount parseTileCount(const std::string& text) {
+  try {
+    const auto json = parsedJson<CountJson>(text);
+    TileCount count{.sha256 = json.at("sha256").get<std::string>()};
+    const auto whole = [&](const char* name) {
+      if (!json.at(name).is_number_unsigned()) throw DataError(std::string("its '") + name + "' is not a count");
+      return json.at(name).get<std::uint64_t>();
+    };
+    count.points = whole("points");
+    count.triangles = whole("triangles");
+    if (!isDigest(count.sha256)) throw DataError("its 'sha256' is not one");
+    if (json.contains("box")) {
+      const auto box = json.at("box").get<std::vector<double>>();
+      if (box.size() != 6) throw DataError("its 'box' does not have 6 numbers");
+      count.box = openvdb::BBoxd(Vec3d(box[0], box[1], box[2]), Vec3d(box[3], box[4], box[5]));
+    }
+    if (count.box.has_value() != (count.points > 0)) throw DataError("its 'box' does not fit its points");
+    return count;
+  } catch (const nlohmann::json::exception&) {
+    throw DataError("an entry is missing or of the wrong kind");
+  }
+}
+
+TileCount addedUp(std::span<const TileCount> tiles) {
+  TileCount whole;
+  std::string hashes;
+  for (const TileCount& tile : tiles) {
+    addTo(whole.points, tile.points);
+    addTo(whole.triangles, tile.triangles);
+    if (tile.box && whole.box) whole.box->expand(*tile.box);
+    if (tile.box && !whole.box) whole.box = tile.box;
+    hashes += tile.sha256;
+  }
+  whole.sha256 = sha256Hex(hashes);
+  return whole;
+}
+
+}  // namespace vdbtools::farm

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file tile_count.h
+/// What is kept of a tile whose plan makes a count: DIR/tasks makes DIR/tiles/0007.json. A fractal of any size can be
+/// made and checked that way where no disk would hold its triangles.
+#pragma once
+
+#include "farm/tile_file.h"
+
+#include <openvdb/math/BBox.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace vdbtools::farm {
+
+struct TileCount {
+  std::uint64_t points = 0;  ///< points that the tile owns
+  std::uint64_t triangles = 0;
+  std::optional<openvdb::BBoxd> box{};  ///< of these points, world units; none without a point
+  std::string sha256{};                 ///< of the tile file (tile_file.h), with 32-bit coordinates
+};
+
+/// @param layers  as writeTile() takes them
+TileCount countTile(const std::vector<TileLayer>& layers);
+
+/// JSON that parseTileCount() reads.
+std::string encodeTileCount(const TileCount& count);
+/// @throw DataError  not such a text
+TileCount parseTileCount(const std::string& text);
+
+/// The count of the whole: the sums, the box about all, and the SHA-256 of the tiles' hashes in their order.
+/// @throw DataError  the sums do not fit into 64 bits
+TileCount addedUp(std::span<const TileCount> tiles);
+
+}  // namespace vdbtools::farm

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file output_grids.h
+/// The grids of a fractal, made of its field and its level set.
+#pragma once
+
+#include "job/point_attributes.h"
+
+#include "vdbtools/field/fractal_field.h"
+#include "vdbtools/scene/grid_plan.h"
+
+#include <vector>
+
+namespace vdbtools {
+
+struct GridSources {
+  openvdb::FloatGrid::Ptr surface;              ///< the level set, where the plan needs it
+  const FractalField& field;                    ///< with all nodes and iterations that the plan needs
+  const FieldSource* source = nullptr;          ///< where the plan has the grid "versor"
+  const PointAttributes* attributes = nullptr;  ///< where the plan has them
+};
+
+/// @throw Interrupted
+std::vector<openvdb::GridBase::Ptr> outputGrids(const GridPlan& plan, const GridSources& sources, Monitor& monitor);
+
+}  // namespace vdbtools
