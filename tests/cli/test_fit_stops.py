@@ -28,7 +28,7 @@ class Interrupted(harness.CliTest):
                           "--roots", 3000, "--epsilon", 1e-9)
 
     def test_pass(self):
-        self.interrupt_in("97(V)", "fit", "m.obj", "-o", "x.json", "--triangles", 600, "--schedule", "97(VF)")
+        self.interrupt_in("fit 97(V)", "fit", "m.obj", "-o", "x.json", "--triangles", 600, "--schedule", "97(VF)")
 
     def test_an_existing_output_stays(self):
         self.write("x.json", "precious")

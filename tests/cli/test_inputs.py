@@ -103,6 +103,8 @@ CASES = [
     ("submit", "plan/prepared.vdb", ("plan", "--engine", "parallel", "-o", OUT)),
     ("submit", "b.obj", ("plan", "--engine", "slurm", "--mesh", OUT)),
     ("submit", "plan/manifest.json", ("plan", "--engine", "parallel", "--index", OUT)),
+    ("submit", "counted/manifest.json", ("counted", "--engine", "slurm", "--counts", OUT)),
+    ("merge", "counted/manifest.json", ("counted", "--counts", OUT)),
     ("merge", "plan/prepared.vdb", ("plan", "-o", OUT)),
     ("merge", "b.obj", ("plan", "--mesh", OUT)),
     ("merge", "plan/manifest.json", ("plan", "--index", OUT)),
@@ -147,9 +149,11 @@ EXTENSIONS = {
     ("submit", "-o"): ".vdb",
     ("submit", "--mesh"): ".ply .obj",
     ("submit", "--index"): ".json",
+    ("submit", "--counts"): ".json",
     ("merge", "-o"): ".vdb",
     ("merge", "--mesh"): ".ply .obj",
     ("merge", "--index"): ".json",
+    ("merge", "--counts"): ".json",
     ("usd", "-o"): ".usda",
 }
 
@@ -180,6 +184,8 @@ class Inputs(harness.CliTest):
         maker.ok("fractal", "b.obj", "-o", "x.vdb", "--mesh", "x.ply", *LOW)
         maker.ok("fractal", "s.vdb", "-o", "y.vdb", "--resolution", 20)
         maker.ok("fractal", "in.####.obj", "-o", "g.####.vdb", "--frames", "1-2", *LOW)
+        maker.ok("plan", "tiles", "b.obj", "-o", "counted", "--tiles", 2, "--make", "count", *LOW)
+        maker.ok("task", "counted", "--range", "1-2")
         maker.ok("fit", "b.obj", "-o", "f.json", "--resolution", 24, "--triangles", 400, "--roots", 8)
         maker.ok("sheet", "b.obj", "-o", "t.png", "--vary", "alpha=20,40", "--size", "16x16", *LOW)
         maker.ok("plan", "tiles", "b.obj", "-o", "plan", "--tiles", 2, "--make", "vdb,ply,obj", *LOW)

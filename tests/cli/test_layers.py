@@ -257,7 +257,7 @@ class Layers(harness.CliTest):
         self.bad(USAGE, ("--texture", "expr:x,y,z", "--texture-roots", 3), "--texture-roots")
         self.bad(USAGE, ("--texture", "expr:x,y,z", "--frequency", 3), "--frequency has no effect")
         self.bad(USAGE, ("--map", "rational", "--texture", "expr:x,y,z"), "--texture", "expr:x,y,z")
-        self.bad(USAGE, ("--map", "rational", "--texture-over", "thorns"), "versor-over")
+        self.bad(USAGE, ("--map", "rational", "--texture-over", "thorns"), "texture-over")
         # Without a target there is nothing for a layer to follow.
         self.refused(USAGE, "fractal", "--texture-over", "thorns", "-o", "x.vdb", mentions="mesh")
 
