@@ -6,20 +6,13 @@
 #include "vdbtools/recipe/option_list.h"
 #include "vdbtools/recipe/option_name.h"
 
-#include <algorithm>
 #include <stdexcept>
-#include <vector>
 
 namespace cli {
 
 // Boost.ProgramOptions is not used, because it hangs when it reports a name such as %canonical_option%: it searches for
 // that in its message, to insert the name there.
 vdbtools::Recipe readConfigList(const std::string& text, const std::string& file, const vdbtools::OptionTable& table) {
-  std::vector<std::string> known, called;
-  for (const vdbtools::OptionListing& option : table.listing()) {
-    known.push_back(option.name);
-    called.push_back(vdbtools::optionName(option.name));
-  }
   vdbtools::Recipe recipe;
   for (const vdbtools::ListedOption& option : vdbtools::listedOptions(text)) {
     const std::string where = "'" + file + "', line " + std::to_string(option.line) + ": ";
@@ -27,9 +20,9 @@ vdbtools::Recipe readConfigList(const std::string& text, const std::string& file
       throw std::invalid_argument(where + "'" + vdbtools::inOneLine(option.value) +
                                   "' does not read NAME = VALUE; a comment begins with #");
     const std::string entry = vdbtools::recipeEntry(option.name);
-    if (std::find(known.begin(), known.end(), entry) == known.end())
+    if (!table.knows(entry))
       throw std::invalid_argument(where + "there is no option '" + vdbtools::inOneLine(option.name) + "' here" +
-                                  vdbtools::didYouMean(option.name, called));
+                                  vdbtools::didYouMean(option.name, vdbtools::optionNames(table.names())));
     if (!recipe.emplace(entry, option.value).second)
       throw std::invalid_argument(where + "'" + option.name + "' is set twice; keep only one of them");
   }

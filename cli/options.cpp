@@ -245,17 +245,17 @@ Arguments CommandLine::renamed(Arguments arguments, const po::options_descriptio
   return arguments;
 }
 
-bool CommandLine::parse(const Arguments& given) {
-  if (const std::optional<std::string> topic = helpTopic(given)) {
+bool CommandLine::parse(const Arguments& arguments) {
+  if (const std::optional<std::string> topic = helpTopic(arguments)) {
     printHelp(*topic);
     return false;
   }
   po::options_description all;
   all.add(mOwn).add(mFromRecipe).add(mCommon).add(mHidden);
-  const Arguments arguments = renamed(given, all);
-  checkWords(arguments, all);
+  const Arguments words = renamed(arguments, all);
+  checkWords(words, all);
   try {
-    po::store(po::command_line_parser(arguments)
+    po::store(po::command_line_parser(words)
                   .options(all)
                   .positional(mPositional)
                   .style(kStyle)
@@ -264,7 +264,7 @@ bool CommandLine::parse(const Arguments& given) {
               mValues);
     po::notify(mValues);
   } catch (const po::too_many_positional_options_error&) {
-    throw std::invalid_argument("there is one argument too many" + quotedWords(arguments, all) + "; 'juliavdb " +
+    throw std::invalid_argument("there is one argument too many" + quotedWords(words, all) + "; 'juliavdb " +
                                 mUsage.command + " --help' says what is expected");
   } catch (const po::multiple_occurrences& error) {
     throw std::invalid_argument(error.get_option_name() + " is given twice; leave one of them out");
@@ -278,7 +278,7 @@ bool CommandLine::parse(const Arguments& given) {
   applyThreads();
   applyInstructions();
   applyMemory(*this);
-  mGiven = this->given();
+  mGiven = given();
   if (mUsage.hides) mGiven.erase(mUsage.hides);
   if (has("config")) readConfig(text("config"));
   mRecipe = vdbtools::completeRecipe(mGiven, mTable);

@@ -51,7 +51,7 @@ class CommandLine {
 
   /// @return false if help was requested and shown
   /// @throw std::invalid_argument  says in one line what is wrong with the words
-  bool parse(const Arguments& given);
+  bool parse(const Arguments& arguments);
 
   const boost::program_options::variables_map& values() const { return mValues; }
   /// @param name  of an option, or of the entry of a recipe that it sets (vdbtools/recipe/option_name.h)

@@ -22,9 +22,8 @@ constexpr Usage kMergeUsage = {
     "Puts the tiles of a plan together, once all tasks are done: the same bytes as 'juliavdb fractal' would have "
     "written. The mesh is written while the tiles are read, so it may be far larger than the memory; a VDB is held in "
     "memory whole. A fractal that is too large for one file can stay in pieces: --index writes each tile as a mesh and "
-    "a VDB of its own, F.0001.ply and F.0001.vdb and so on, and a JSON file that lists them. Of a plan with --make "
-    "count, "
-    "--counts writes how many points and triangles all tiles have.",
+    "a VDB of its own, F.0001.ply and F.0001.vdb and so on, and a JSON file that lists them. Of a plan with "
+    "--make count, --counts writes how many points and triangles all tiles have.",
     "  juliavdb merge farm -o bunny.vdb --mesh bunny.ply\n"
     "  juliavdb merge farm --index pieces.json\n"};
 

@@ -161,8 +161,7 @@ void requireSoundTiles(const Manifest& manifest) {
   if (lattice.domain.empty() || !all.isInside(lattice.domain))
     refusePlan("the domain of the lattice is no box of nodes");
   const FractalOptions options = parseFractalOptions(manifest.recipe);
-  requireCuttable(options);
-  requireCountable(options, manifest.makes);
+  requireCuttable(options, manifest.makes);
   const TileFiles files = tileFiles(manifest, options);
   for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index) {
     const PlannedTask& task = manifest.tasks[index - 1];
@@ -242,9 +241,10 @@ bool makes(const Manifest& manifest, std::string_view format) {
   return std::find(manifest.makes.begin(), manifest.makes.end(), format) != manifest.makes.end();
 }
 
+bool isMeshFormat(std::string_view product) { return product != "vdb" && product != kMakeCount; }
+
 bool makesMesh(const Manifest& manifest) {
-  return std::any_of(manifest.makes.begin(), manifest.makes.end(),
-                     [](const std::string& format) { return format != "vdb" && format != kMakeCount; });
+  return std::any_of(manifest.makes.begin(), manifest.makes.end(), isMeshFormat);
 }
 
 std::string encodeManifest(const Manifest& manifest) {

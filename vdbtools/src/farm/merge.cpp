@@ -53,11 +53,26 @@ void requireTiles(const Manifest& manifest) {
         "the plan is not one of tiles: each of its tasks makes files of its own, and nothing is to be merged");
 }
 
-/// @throw std::invalid_argument  the plan counts, and has nothing that could be merged into files of triangles or grids
-void requireTriangles(const Manifest& manifest) {
-  if (makes(manifest, kMakeCount))
+/// The job of a plan of tiles.
+/// @param counts  whether the plan is to keep counts alone
+/// @throw std::invalid_argument  the plan is of another kind, or its tasks keep something else
+TileJob jobOf(const Manifest& manifest, bool counts) {
+  requireTiles(manifest);
+  if (counts && !makes(manifest, kMakeCount))
+    throw std::invalid_argument(
+        "the tasks of the plan keep their triangles, so merge them with --mesh or -o; only a plan "
+        "with --make count is counted");
+  if (!counts && makes(manifest, kMakeCount))
     throw std::invalid_argument(
         "the tasks of the plan keep counts alone; add them up with --counts F.json, or plan again with --make ply");
+  return tileJob(manifest);
+}
+
+/// @throw DataError  no tile has a triangle
+void requireTriangles(const MergeResult& result) {
+  if (result.mesh.triangles > 0) return;
+  if (result.crumbs) requireMoreThanCrumbs(*result.crumbs);
+  throw DataError("the fractal is empty: no tile has a triangle; plan again with less detail or smaller voxels");
 }
 
 CrumbReport crumbsOf(const TaskRecord& record) {
@@ -434,12 +449,8 @@ void requirePlace(const fs::path& path) {
   const AtomicFile claim(path);
 }
 
-}  // namespace
-
-void requireMergeable(const fs::path& folder, const Manifest& manifest, const MergeOptions& options) {
-  requireTiles(manifest);
-  requireTriangles(manifest);
-  const TileJob job = tileJob(manifest);
+void requireMergeable(const fs::path& folder, const TileJob& job, const MergeOptions& options) {
+  const Manifest& manifest = job.manifest;
   if (!options.vdb && !options.mesh) throw std::invalid_argument("no file was named for what is merged");
   if (options.vdb && !makes(manifest, "vdb"))
     throw std::invalid_argument("the tasks of the plan make no grids, so '" + inOneLine(options.vdb->native()) +
@@ -464,10 +475,9 @@ void requireMergeable(const fs::path& folder, const Manifest& manifest, const Me
     }
 }
 
-void requireMergeable(const fs::path& folder, const Manifest& manifest, const fs::path& index) {
-  requireTiles(manifest);
-  requireTriangles(manifest);
-  if (makes(manifest, "vdb") && tileJob(manifest).files.islands)
+void requireMergeable(const fs::path& folder, const TileJob& job, const fs::path& index) {
+  const Manifest& manifest = job.manifest;
+  if (makes(manifest, "vdb") && job.files.islands)
     throw std::invalid_argument(
         "islands are dropped, and the distances to what is left of them are not known tile by tile; merge into one "
         "VDB, or plan again with --make ply alone");
@@ -478,9 +488,30 @@ void requireMergeable(const fs::path& folder, const Manifest& manifest, const fs
   requirePlace(index);
 }
 
+void requireCountsPlace(const fs::path& folder, const Manifest& manifest, const fs::path& file) {
+  OutputPlaces places(planInputs(folder, manifest));
+  places.claim(file);
+  requirePlace(file);
+}
+
+}  // namespace
+
+void requireMergeable(const fs::path& folder, const Manifest& manifest, const MergeOptions& options) {
+  requireMergeable(folder, jobOf(manifest, false), options);
+}
+
+void requireMergeable(const fs::path& folder, const Manifest& manifest, const fs::path& index) {
+  requireMergeable(folder, jobOf(manifest, false), index);
+}
+
+void requireCounts(const fs::path& folder, const Manifest& manifest, const fs::path& file) {
+  jobOf(manifest, true);
+  requireCountsPlace(folder, manifest, file);
+}
+
 MergeResult mergePlan(const fs::path& folder, const Manifest& manifest, const MergeOptions& options, Monitor& monitor) {
-  requireMergeable(folder, manifest, options);
-  const TileJob job = tileJob(manifest);
+  const TileJob job = jobOf(manifest, false);
+  requireMergeable(folder, job, options);
   OutputFiles files(planInputs(folder, manifest));
   sweepPlan(folder, manifest);
   AtomicFile* const vdb = options.vdb ? &files.add(*options.vdb) : nullptr;
@@ -491,9 +522,7 @@ MergeResult mergePlan(const fs::path& folder, const Manifest& manifest, const Me
   const std::unique_ptr<const PlanAttributes> attributes = planAttributes(folder, job);
   if (options.mesh) {
     result.mesh = mergeMesh(folder, job, options, islands, attributes.get(), files, monitor);
-    if (result.mesh.triangles == 0 && result.crumbs) requireMoreThanCrumbs(*result.crumbs);
-    if (result.mesh.triangles == 0)
-      throw DataError("the fractal is empty: no tile has a triangle; plan again with less detail or smaller voxels");
+    requireTriangles(result);
   }
   if (vdb) {
     const std::vector<openvdb::GridBase::Ptr> grids =
@@ -506,20 +535,9 @@ MergeResult mergePlan(const fs::path& folder, const Manifest& manifest, const Me
   return result;
 }
 
-void requireCounts(const fs::path& folder, const Manifest& manifest, const fs::path& file) {
-  requireTiles(manifest);
-  if (!makes(manifest, kMakeCount))
-    throw std::invalid_argument(
-        "the tasks of the plan keep their triangles, so merge them with --mesh or -o; only a plan "
-        "with --make count is counted");
-  OutputPlaces places(planInputs(folder, manifest));
-  places.claim(file);
-  requirePlace(file);
-}
-
 MergeResult mergeCounts(const fs::path& folder, const Manifest& manifest, const fs::path& file, Monitor& monitor) {
-  requireCounts(folder, manifest, file);
-  const TileJob job = tileJob(manifest);
+  const TileJob job = jobOf(manifest, true);
+  requireCountsPlace(folder, manifest, file);
   OutputFiles files(planInputs(folder, manifest));
   AtomicFile& output = files.add(file);
   sweepPlan(folder, manifest);
@@ -538,15 +556,13 @@ MergeResult mergeCounts(const fs::path& folder, const Manifest& manifest, const 
     monitor.throwIfCancelled();
   }
   const TileCount whole = addedUp(tiles);
-  if (whole.triangles == 0 && result.crumbs) requireMoreThanCrumbs(*result.crumbs);
-  if (whole.triangles == 0)
-    throw DataError("the fractal is empty: no tile has a triangle; plan again with less detail or smaller voxels");
   result.mesh = {.points = whole.points, .triangles = whole.triangles};
+  requireTriangles(result);
   nlohmann::ordered_json root = {{"juliavdb", "count"},
                                  {"version", manifest.version},
                                  {"voxel_size", job.lattice().voxelSize},
                                  {"tiles", manifest.tasks.size()}};
-  root.update(nlohmann::ordered_json::parse(encodeTileCount(whole)));
+  root.update(jsonOf(whole));
   root["recipe"] = manifest.metadata;
   output.stream() << root.dump(1) << '\n';
   commit(files, result);
@@ -554,8 +570,8 @@ MergeResult mergeCounts(const fs::path& folder, const Manifest& manifest, const 
 }
 
 MergeResult writeTileFiles(const fs::path& folder, const Manifest& manifest, const fs::path& index, Monitor& monitor) {
-  requireMergeable(folder, manifest, index);
-  const TileJob job = tileJob(manifest);
+  const TileJob job = jobOf(manifest, false);
+  requireMergeable(folder, job, index);
   const InputFiles inputs = planInputs(folder, manifest);
   OutputFiles files(inputs);
   AtomicFile& file = files.add(index);

@@ -42,15 +42,17 @@ TileCount countTile(const std::vector<TileLayer>& layers) {
   return count;
 }
 
-std::string encodeTileCount(const TileCount& count) {
+nlohmann::ordered_json jsonOf(const TileCount& count) {
   CountJson json = {{"points", count.points}, {"triangles", count.triangles}};
   if (count.box) {
     const Vec3d &low = count.box->min(), &high = count.box->max();
     json["box"] = {low[0], low[1], low[2], high[0], high[1], high[2]};
   }
   json["sha256"] = count.sha256;
-  return json.dump() + '\n';
+  return json;
 }
+
+std::string encodeTileCount(const TileCount& count) { return jsonOf(count).dump() + '\n'; }
 
 TileCount parseTileCount(const std::string& text) {
   try {

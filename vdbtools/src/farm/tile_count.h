@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file tile_count.h
-/// What is kept of a tile whose plan makes a count: DIR/tasks makes DIR/tiles/0007.json. A fractal of any size can be
-/// made and checked that way where no disk would hold its triangles.
+/// What is kept of a tile if its plan makes a count: DIR/tiles/0007.json. This makes and checks fractals whose
+/// triangles no disk would hold.
 #pragma once
 
 #include "farm/tile_file.h"
 
 #include <openvdb/math/BBox.h>
+#include <nlohmann/json_fwd.hpp>
 
 #include <cstdint>
 #include <filesystem>
@@ -27,7 +28,8 @@ struct TileCount {
 /// @param layers  as writeTile() takes them
 TileCount countTile(const std::vector<TileLayer>& layers);
 
-/// JSON that parseTileCount() reads.
+nlohmann::ordered_json jsonOf(const TileCount& count);
+/// That JSON as the text that parseTileCount() reads.
 std::string encodeTileCount(const TileCount& count);
 /// @throw DataError  not such a text
 TileCount parseTileCount(const std::string& text);

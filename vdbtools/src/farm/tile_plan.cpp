@@ -107,7 +107,7 @@ void requireFormats(const std::vector<std::string>& makes, double voxelSize, con
   for (const std::string& extension : makes)
     if (extension == "vdb")
       requireVdbVoxel(voxelSize);
-    else if (extension != kMakeCount)
+    else if (isMeshFormat(extension))
       needsDoublePositions({.format = meshFormat("mesh." + extension), .voxelSize = voxelSize, .box = meshBox(whole)});
 }
 
@@ -237,8 +237,7 @@ TilePlan planTiles(const FractalOptions& wanted, const Recipe& asked, const Tile
   // Tiles serve fractals that do not fit in memory.
   options.lattice.withinMemory = false;
   requireMakes(PlanKind::Tiles, tiles.makes);
-  requireCuttable(options);
-  requireCountable(options, tiles.makes);
+  requireCuttable(options, tiles.makes);
   if (tiles.tiles.has_value() == tiles.tileNodes.has_value())
     throw std::invalid_argument("give either the number of tiles or the nodes along the side of one, and not both");
   if (tiles.tiles && (*tiles.tiles < 1 || *tiles.tiles > kMostTiles))

@@ -199,7 +199,7 @@ std::vector<std::string> tileNames(const TileFiles& files, std::uint64_t index) 
   return names;
 }
 
-void requireCuttable(const FractalOptions& options) {
+void requireCuttable(const FractalOptions& options, const std::vector<std::string>& makes) {
   if (options.lattice.follow)
     throw std::invalid_argument(
         "a fractal that is made by following its surface cannot be cut into tiles, as the way leads through all of "
@@ -212,9 +212,6 @@ void requireCuttable(const FractalOptions& options) {
     throw std::invalid_argument(
         "--attributes is to have 'mask', but the tasks of a plan and its merging know the mask only as a part of the "
         "exponent; leave it out, or make the fractal in one run");
-}
-
-void requireCountable(const FractalOptions& options, const std::vector<std::string>& makes) {
   if (makes != std::vector<std::string>{kMakeCount}) return;
   if (dropsIslands(options))
     throw std::invalid_argument(
@@ -276,7 +273,7 @@ bool tilesNeedDoubles(const TileJob& job) {
   const TileLattice& lattice = job.lattice();
   const openvdb::BBoxd box = meshBox({.domain = lattice.domain, .voxelSize = lattice.voxelSize});
   return std::any_of(job.manifest.makes.begin(), job.manifest.makes.end(), [&](const std::string& format) {
-    return format != "vdb" && format != kMakeCount &&
+    return isMeshFormat(format) &&
            needsDoublePositions({.format = meshFormat("mesh." + format), .voxelSize = lattice.voxelSize, .box = box});
   });
 }

@@ -56,11 +56,11 @@ TileJob tileJob(const Manifest& manifest);
 /// The names of these files of task @a index, in the order of PlannedTask::writes.
 std::vector<std::string> tileNames(const TileFiles& files, std::uint64_t index);
 
-/// @throw std::invalid_argument  options that a fractal in tiles cannot have
-void requireCuttable(const FractalOptions& options);
-
-/// @throw std::invalid_argument  the plan is to count, and the options drop islands or add attributes
-void requireCountable(const FractalOptions& options, const std::vector<std::string>& makes);
+/// @param makes  the final products, as Manifest::makes
+/// @throw std::invalid_argument  a fractal with these options cannot be cut into tiles or, if the plan counts, cannot
+/// be
+///                               counted tile by tile
+void requireCuttable(const FractalOptions& options, const std::vector<std::string>& makes);
 
 /// How far a tile's level set and its normals depend on nodes of other tiles, in nodes.
 inline constexpr int kTileHalo = 5;

@@ -16,6 +16,11 @@ std::string renamed(std::string_view name, std::string_view from, std::string_vi
 
 std::string optionName(std::string_view entry) { return renamed(entry, kVersor, kTexture); }
 
+std::vector<std::string> optionNames(std::vector<std::string> entries) {
+  for (std::string& entry : entries) entry = optionName(entry);
+  return entries;
+}
+
 std::string recipeEntry(std::string_view name) { return renamed(name, kTexture, kVersor); }
 
 }  // namespace vdbtools

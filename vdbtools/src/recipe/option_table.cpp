@@ -74,11 +74,6 @@ std::optional<std::string> defaultOf(const OptionSpec& spec, const Recipe& recip
   return spec.defaultFor ? spec.defaultFor(recipe) : spec.defaultValue;
 }
 
-std::vector<std::string> optionNames(std::vector<std::string> entries) {
-  for (std::string& entry : entries) entry = optionName(entry);
-  return entries;
-}
-
 }  // namespace
 
 std::set<Product> productsOf(std::span<const std::string> files) {

@@ -86,28 +86,29 @@ Arithmetic chooseArithmetic(const FractalOptions& options, const MapInstance& ma
   return floats ? Arithmetic::Float : Arithmetic::Double;
 }
 
-Arithmetic chooseArithmetic(const Scene& scene, const MapInstance& map, const FractalSpace& space) {
+Arithmetic chooseArithmetic(const Scene& scene, const MapInstance& map) {
   const BBoxd& box = scene.exponent() ? scene.target->distances.box : scene.region();
-  return chooseArithmetic(scene.options, map, scene.voxelSize, box, space);
+  return chooseArithmetic(scene.options, map, scene.voxelSize, box, scene.placed.space);
 }
 
 /// The evaluator with which the scene's features are measured. It does not depend on the lattice, and is most often the
 /// one that the field has, too.
-Arithmetic measuringArithmetic(const Scene& scene, const FractalSpace& space) {
+Arithmetic measuringArithmetic(const Scene& scene) {
   if (scene.options.precision != Precision::Auto)
     return scene.options.precision == Precision::Float ? Arithmetic::Float : Arithmetic::Double;
   // A difference over 1/4096 of the longest side is to be well above the rounding of coordinates.
   constexpr double kMostFar = 8;  // longest sides
+  const FractalSpace& space = scene.placed.space;
+  const BBoxd& box = scene.target->distances.box;
   double largest = 0;
-  for (const Vec3d& corner : {scene.target->distances.box.min(), scene.target->distances.box.max()})
+  for (const Vec3d& corner : {box.min(), box.max()})
     for (const double x : space.toFractal(corner)) largest = std::max(largest, std::abs(x));
-  return largest <= kMostFar * longestSide(scene.target->distances.box) / space.scale ? Arithmetic::Float
-                                                                                      : Arithmetic::Double;
+  return largest <= kMostFar * longestSide(box) / space.scale ? Arithmetic::Float : Arithmetic::Double;
 }
 
 FeatureSizes measureFeatures(const Scene& scene, Monitor& monitor) {
   const FractalSpace& space = scene.placed.space;
-  const auto evaluator = scene.field.map->evaluator(measuringArithmetic(scene, space), scene.field.orbit);
+  const auto evaluator = scene.field.map->evaluator(measuringArithmetic(scene), scene.field.orbit);
   return measureFeatureSizes(scene.target->distances, scene.shellOptions(), *evaluator, space,
                              scene.options.lattice.box, monitor);
 }
@@ -302,7 +303,7 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
   setLattice(scene, shape, files);
 
   SceneField& field = scene.field;
-  field.arithmetic = chooseArithmetic(scene, *field.map, scene.placed.space);
+  field.arithmetic = chooseArithmetic(scene, *field.map);
   scene.metadata["julia_arithmetic"] = field.arithmetic == Arithmetic::Float ? "float" : "double";
   field.evaluator = field.map->evaluator(field.arithmetic, field.orbit);
   field.space = scene.placed.space;
@@ -324,7 +325,7 @@ std::uint64_t VersorSeeds::first() const { return mScene.field.map->seed().value
 
 std::unique_ptr<julia::FieldEvaluator> VersorSeeds::evaluator(std::uint64_t seed) const {
   const std::shared_ptr<const MapInstance> map = mScene.field.map->reseeded(seed);
-  return map->evaluator(chooseArithmetic(mScene, *map, mScene.placed.space), mScene.field.orbit);
+  return map->evaluator(chooseArithmetic(mScene, *map), mScene.field.orbit);
 }
 
 FieldPlan planScene(const Scene& scene, const std::optional<openvdb::CoordBBox>& window) {

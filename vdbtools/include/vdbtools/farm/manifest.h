@@ -62,6 +62,8 @@ inline constexpr const char* kMakeCount = "count";
 
 /// Whether @a format, such as "vdb", is a final product, and whether a mesh of any format is.
 bool makes(const Manifest& manifest, std::string_view format);
+/// Whether an entry of Manifest::makes is the format of a mesh: neither "vdb" nor kMakeCount.
+bool isMeshFormat(std::string_view product);
 bool makesMesh(const Manifest& manifest);
 
 inline constexpr const char* kManifestName = "manifest.json";

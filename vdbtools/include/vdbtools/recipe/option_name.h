@@ -6,12 +6,16 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace vdbtools {
 
 /// The option for an entry of a recipe, without dashes in front: "texture-seed" for "versor-seed". All other entries
 /// are called like their options.
 std::string optionName(std::string_view entry);
+
+/// The same for each of several entries.
+std::vector<std::string> optionNames(std::vector<std::string> entries);
 
 /// The entry of a recipe for an option or for the entry itself: "versor-seed" for both names.
 std::string recipeEntry(std::string_view name);
