@@ -40,6 +40,14 @@ class Estimates(harness.CliTest):
         self.ok("plan", "tiles", *PLANS["bunny"], "-o", "farm", "--make", "ply", "--estimate", "--sample", 5)
         self.assertIn("40 tasks: 5 done", self.ok("status", "farm", data=True))
 
+    def test_a_plan_finer_than_its_survey_is_made_as_without_it(self):
+        options = (harness.BUNNY, "--resolution", 420, "--sdf-resolution", 40, "--tiles", 300, "--make", "count")
+        self.ok("plan", "tiles", *options, "-o", "surveyed", "--estimate", "--sample", 2)
+        self.ok("plan", "tiles", *options, "-o", "plain")
+        for name in ("manifest.json", "prepared.vdb"):
+            with self.subTest(name):
+                self.assertEqual((self.path("surveyed") / name).read_bytes(), (self.path("plain") / name).read_bytes())
+
     def test_a_sample_of_one_tells_nothing(self):
         self.refused(2, "plan", "tiles", *PLANS["bunny"], "-o", "farm", "--estimate", "--sample", 1)
 
