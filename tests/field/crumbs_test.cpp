@@ -6,7 +6,9 @@
 #include "vdbtools/field/crumbs.h"
 #include "vdbtools/field/follow_surface.h"
 #include "vdbtools/field/fractal_field.h"
+#include "vdbtools/search/solid_meter.h"
 #include "vdbtools/surface/extract_mesh.h"
+#include "vdbtools/surface/level_set.h"
 
 #include "julia/shape_modulus.h"
 
@@ -283,6 +285,13 @@ TEST(Crumbs, AreDroppedFromAStreamedMeshAsFromAHeldOne) {
         EXPECT_EQ(counts.crumbs.value().crumbs, field.crumbs->crumbs);
         EXPECT_EQ(counts.crumbs->nodes, field.crumbs->nodes);
       }
+      if (border == Border::Open) continue;
+      SolidMeter meter;
+      const auto surface = streamSurface(plan, fractal.source(), options.tolerance, false, meter, monitor).levelSet;
+      const auto expected = levelSet(field, whole, monitor);
+      EXPECT_TRUE(surface->tree().hasSameTopology(expected->tree()));
+      for (auto value = expected->cbeginValueAll(); value; ++value)
+        ASSERT_EQ(surface->tree().getValue(value.getCoord()), *value) << value.getCoord();
     }
 }
 

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The surface in pieces: while F is evaluated, and by following it from seeds. Both are held against the whole field.
 #include "support/mesh_laws.h"
+#include "support/same_bits.h"
 #include "support/test_fields.h"
 
 #include "vdbtools/field/follow_surface.h"
 #include "vdbtools/surface/extract_mesh.h"
+#include "vdbtools/surface/level_set.h"
 
 #include "julia/quadratic_map.h"
 #include "julia/shape_modulus.h"
@@ -12,11 +14,13 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <atomic>
 #include <map>
 #include <set>
 #include <string>
 #include <tuple>
+#include <vector>
 
 namespace {
 
@@ -78,6 +82,90 @@ TEST(StreamMesh, IsTheMeshOfTheWholeField) {
         EXPECT_EQ(streamed.triangles, whole.triangles);
       }
     }
+}
+
+/// Every value of a grid, also of its tiles, and which are active.
+struct GridContent {
+  explicit GridContent(const openvdb::FloatGrid& grid) {
+    for (auto value = grid.cbeginValueAll(); value; ++value) {
+      nodes.push_back(value.getBoundingBox());
+      values.push_back(*value);
+      active.push_back(value.isValueOn());
+    }
+  }
+  std::vector<openvdb::CoordBBox> nodes;
+  std::vector<float> values;
+  std::vector<bool> active;
+};
+
+/// The level set that is made on the way has the bits of the one that is made of the whole field and its whole mesh.
+void expectLevelSetOfWhole(const FieldPlan& plan, const FieldSource& source) {
+  Monitor monitor;
+  const FractalField field = evaluateField(plan, source, {}, monitor);
+  const CappedMesh capped = extractCappedMesh(field, source, 1e-3, monitor);
+  ASSERT_GT(capped.mesh.triangles.size(), 500u);
+  const auto whole = levelSet(field, capped.mesh, monitor);
+  const GridContent expected(*whole);
+  ASSERT_GT(std::count_if(expected.values.begin(), expected.values.end(), [](float d) { return d < 0; }), 100);
+  const law_tests::KeepInstructionSet keep;
+  for (const julia::InstructionSet set : julia::availableInstructionSets())
+    for (const std::size_t threads : {1u, 4u}) {
+      SCOPED_TRACE(testing::Message() << julia::nameOf(set) << ", " << threads << " threads");
+      julia::setInstructionSet(set);
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      Mesh mesh;
+      MeshCollector collector(mesh);
+      const StreamedSurface streamed = streamSurface(plan, source, 1e-3, false, collector, monitor);
+      EXPECT_EQ(mesh.points, capped.mesh.points);
+      EXPECT_EQ(mesh.triangles, capped.mesh.triangles);
+      ASSERT_TRUE(streamed.levelSet);
+      const GridContent content(*streamed.levelSet);
+      EXPECT_EQ(content.nodes, expected.nodes);
+      EXPECT_EQ(content.active, expected.active);
+      EXPECT_EQ(law_tests::bitsOf(content.values), law_tests::bitsOf(expected.values));
+      EXPECT_EQ(streamed.levelSet->background(), whole->background());
+      EXPECT_EQ(streamed.levelSet->transform(), whole->transform());
+      EXPECT_EQ(streamed.levelSet->getName(), whole->getName());
+      EXPECT_EQ(checkSurface(*streamed.levelSet).failure, "");
+    }
+}
+
+TEST(StreamSurface, ItsLevelSetIsThatOfTheWholeField) {
+  for (const double alpha : {6.0, 20.0}) {
+    LumpyFractal fractal(alpha);
+    for (const double voxel : {1.0 / 60, 1.0 / 110})
+      expectLevelSetOfWhole(planShell(fractal.exponent, {.voxelSize = voxel}), fractal.source());
+    // Caps, where the box cuts the set.
+    const BBoxd box(Vec3d(-0.2, -0.5, 0.0), Vec3d(0.25, 0.11, 0.43));
+    expectLevelSetOfWhole(planShell(fractal.exponent, {.voxelSize = 1.0 / 60, .box = box}), fractal.source());
+  }
+}
+
+TEST(StreamSurface, PiecesMayLieFarApartAndBlocksBesideThemMayBeLeftOut) {
+  const std::vector<Vec3d> middles = {{-200.5, 3, 0}, {-163.1, 0, 5}, {7.3, -60, 0}, {7.9, 80.2, 0}, {40, 0, 90.7}};
+  const double radius = 11.3;
+  const auto value = [&](const Vec3d& at) {
+    double least = 1e9;
+    for (const Vec3d& middle : middles) least = std::min(least, (at - middle).length() - radius);
+    return least;
+  };
+  const test_fields::NodeEvaluator evaluator([&](const openvdb::Coord& node) { return value(node.asVec3d()); });
+  FieldPlan plan;
+  plan.domain = plan.window = plan.whole = openvdb::CoordBBox(openvdb::Coord(-230), openvdb::Coord(120));
+  plan.voxelSize = 1;
+  plan.blocks = std::make_shared<openvdb::MaskTree>();
+  // The blocks that the surfaces cross, or lie within a node of, and no other.
+  const openvdb::CoordBBox blocks(plan.domain.min() >> 3, plan.domain.max() >> 3);
+  for (auto block = blocks.begin(); block; ++block) {
+    bool inside = false, outside = false;
+    for (int k = 0; k < 10 * 10 * 10; ++k) {
+      const double at = value(((*block << 3).offsetBy(k / 100 - 1, k / 10 % 10 - 1, k % 10 - 1)).asVec3d());
+      (at < 0 ? inside : outside) = true;
+    }
+    if (inside && outside) plan.blocks->setValueOn(*block);
+  }
+  ASSERT_GT(plan.blocks->activeVoxelCount(), 100u);
+  expectLevelSetOfWhole(plan, {evaluator, FractalSpace{}});
 }
 
 TEST(StreamMesh, ItsProgressEndsAtAll) {

@@ -360,7 +360,7 @@ std::vector<openvdb::GridBase::Ptr> mergeGrids(const fs::path& folder, const Til
     source.emplace(scene.emplace(readPreparedScene(job.options, folder / kPreparedName)).source());
   return outputGrids(job.grids,
                      {.surface = parts.surface,
-                      .field = parts.field,
+                      .field = &parts.field,
                       .source = source ? &*source : nullptr,
                       .attributes = attributes ? &**attributes : nullptr},
                      monitor);

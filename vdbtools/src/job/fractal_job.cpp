@@ -66,23 +66,34 @@ void requireSurface(const Scene& scene, const FractalResult& result, std::uint64
 }
 
 /// Makes a mesh by @a make, which gets the sink, and measures the solid in it.
+/// @param output  takes the mesh; nullptr: it is not wanted
 template <class Make>
-void meshInto(const Scene& scene, const FractalPlan& plan, MeshOutput& output, FractalResult& result,
+void meshInto(const Scene& scene, const FractalPlan& plan, MeshOutput* output, FractalResult& result,
               const Make& make) {
-  SolidMeter meter(&output.sink());
+  SolidMeter meter(output ? &output->sink() : nullptr);
   result.mesh = make(ExtractMeshOptions{.tolerance = scene.options.surface.tolerance, .border = plan.border}, meter);
   if (plan.border == Border::Cap || !scene.options.lattice.box) result.solid = meter.measure();
 }
 
-/// The mesh alone, in layers.
-void makeStreamed(const Scene& scene, const FractalPlan& plan, MeshOutput& output, FractalResult& result,
-                  Monitor& monitor) {
+/// The mesh, the level set, or both, in layers.
+void makeStreamed(const Scene& scene, const FractalPlan& plan, const PointAttributes* attributes, MeshOutput* output,
+                  FractalResult& result, Monitor& monitor) {
+  const FieldSource source = scene.source();
+  FloatGrid::Ptr surface;
   meshInto(scene, plan, output, result, [&](const ExtractMeshOptions& options, MeshSink& sink) {
-    return streamMesh(plan.nodes, scene.source(), options, sink, monitor);
+    if (plan.grids.empty()) return streamMesh(plan.nodes, source, options, sink, monitor);
+    StreamedSurface streamed = streamSurface(plan.nodes, source, options.tolerance, output != nullptr, sink, monitor);
+    surface = streamed.levelSet;
+    return streamed.mesh;
   });
   result.evaluatedNodes = result.mesh.evaluatedNodes;
   result.crumbs = result.mesh.crumbs;
   requireSurface(scene, result, result.mesh.triangles);
+  if (output) output->finish(result.mesh, monitor);
+  if (!surface) return;
+  result.check = checkSurface(*surface);
+  result.grids = outputGrids(plan.grids, {.surface = surface, .source = &source, .attributes = attributes}, monitor);
+  if (!output) result.mesh = {};
 }
 
 /// The level set, with the mesh that its distances were measured to.
@@ -119,14 +130,14 @@ void makeHeld(const Scene& scene, const FractalPlan& plan, const PointAttributes
   if (plan.grids.needsLevelSet()) {
     surface = makeLevelSet(scene, plan, field, output, result, monitor);
   } else if (output) {
-    meshInto(scene, plan, *output, result, [&](const ExtractMeshOptions& options, MeshSink& sink) {
+    meshInto(scene, plan, output, result, [&](const ExtractMeshOptions& options, MeshSink& sink) {
       return extractMesh(field, source, options, sink, monitor);
     });
     requireSurface(scene, result, result.mesh.triangles);
   }
   if (output) output->finish(result.mesh, monitor);
   result.grids = outputGrids(
-      plan.grids, {.surface = surface, .field = field, .source = &source, .attributes = attributes}, monitor);
+      plan.grids, {.surface = surface, .field = &field, .source = &source, .attributes = attributes}, monitor);
 }
 
 }  // namespace
@@ -142,8 +153,11 @@ void requireMoreThanCrumbs(const CrumbReport& dropped) {
 FractalPlan planFractal(const Scene& scene, const FractalProducts& wanted) {
   FractalPlan plan{.nodes = planScene(scene), .mesh = wanted.mesh};
   if (wanted.grids) plan.grids = planGrids(scene.options.output);
-  if (wanted.grids || dropsIslands(scene.options) || scene.options.lattice.follow) plan.way = FractalPlan::Way::Held;
   plan.border = scene.options.surface.cap || !plan.nodes.bounded ? Border::Cap : Border::Open;
+  // Distances are those to the mesh with its caps.
+  const bool needsField = plan.grids.has(OutputGrid::LogModulus) || plan.grids.has(OutputGrid::Iterations) ||
+                          (!plan.grids.empty() && plan.border == Border::Open);
+  if (needsField || dropsIslands(scene.options) || scene.options.lattice.follow) plan.way = FractalPlan::Way::Held;
   return plan;
 }
 
@@ -157,9 +171,8 @@ FractalResult runFractal(const Scene& scene, const FractalPlan& plan, MeshSink* 
   if (sink) output.emplace(scene, wanted, *sink, monitor);
   if (plan.way == FractalPlan::Way::Held) {
     makeHeld(scene, plan, wanted, output ? &*output : nullptr, result, monitor);
-  } else if (output) {
-    makeStreamed(scene, plan, *output, result, monitor);
-    output->finish(result.mesh, monitor);
+  } else if (output || !plan.grids.empty()) {
+    makeStreamed(scene, plan, wanted, output ? &*output : nullptr, result, monitor);
   }
   return result;
 }

@@ -10,8 +10,8 @@ std::vector<openvdb::GridBase::Ptr> outputGrids(const GridPlan& plan, const Grid
   for (const OutputGrid grid : plan.grids) switch (grid) {
       case OutputGrid::Surface: grids.push_back(sources.surface); break;
       case OutputGrid::Density: grids.push_back(densityGrid(*sources.surface)); break;
-      case OutputGrid::LogModulus: grids.push_back(logModulusGrid(sources.field)); break;
-      case OutputGrid::Iterations: grids.push_back(sources.field.iterations); break;
+      case OutputGrid::LogModulus: grids.push_back(logModulusGrid(*sources.field)); break;
+      case OutputGrid::Iterations: grids.push_back(sources.field->iterations); break;
       case OutputGrid::Versor: grids.push_back(versorGrid(*sources.surface, *sources.source, monitor)); break;
     }
   if (plan.attributes)

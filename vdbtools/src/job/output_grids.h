@@ -14,7 +14,7 @@ namespace vdbtools {
 
 struct GridSources {
   openvdb::FloatGrid::Ptr surface;              ///< the level set, where the plan needs it
-  const FractalField& field;                    ///< with all nodes and iterations that the plan needs
+  const FractalField* field = nullptr;          ///< with all nodes and iterations, where the plan has grids of it
   const FieldSource* source = nullptr;          ///< where the plan has the grid "versor"
   const PointAttributes* attributes = nullptr;  ///< where the plan has them
 };

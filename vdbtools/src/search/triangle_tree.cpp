@@ -16,6 +16,18 @@
 #include <utility>
 
 namespace vdbtools {
+
+const kernels::Kernels& kernels::chosen() {
+#ifdef VDBTOOLS_X86_KERNELS
+  switch (julia::instructionSet()) {
+    case julia::InstructionSet::Avx512: return kAvx512;
+    case julia::InstructionSet::Avx2: return kAvx2;
+    case julia::InstructionSet::Portable: break;
+  }
+#endif
+  return kPortable;
+}
+
 namespace {
 
 using kernels::kPack;
@@ -26,17 +38,6 @@ using openvdb::Vec3I;
 
 constexpr float kFarAway = 1e15F;
 constexpr std::align_val_t kAlignment{64};
-
-const kernels::Kernels& chosenKernels() {
-#ifdef VDBTOOLS_X86_KERNELS
-  switch (julia::instructionSet()) {
-    case julia::InstructionSet::Avx512: return kernels::kAvx512;
-    case julia::InstructionSet::Avx2: return kernels::kAvx2;
-    case julia::InstructionSet::Portable: break;
-  }
-#endif
-  return kernels::kPortable;
-}
 
 /// Spreads the lowest 21 bits to every third bit.
 std::uint64_t spread(std::uint64_t x) {
@@ -109,8 +110,7 @@ TriangleTree::TriangleTree(const std::vector<Vec3d>& givenPoints, const std::vec
   for (const Vec3I& t : triangles)
     for (int c = 0; c < 3; ++c) mBox.expand(mPoints[t[c]]);
   // Near the origin, doubles are more precise.
-  for (int axis = 0; axis < 3; ++axis)
-    mOrigin[axis] = kOriginStep * static_cast<int>(std::lround(about.value_or(mBox.getCenter())[axis] / kOriginStep));
+  mOrigin = originNear(about.value_or(mBox.getCenter()));
   if (mOrigin != Coord(0)) {
     mMoved.resize(mPoints.size());
     forAll(mMoved.size(), 4096, [&](std::size_t i) { mMoved[i] = mPoints[i] - mOrigin.asVec3d(); });
@@ -121,13 +121,14 @@ TriangleTree::TriangleTree(const std::vector<Vec3d>& givenPoints, const std::vec
   const std::vector<std::uint32_t> order = ordered(points, triangles, box);
 
   mPacks.resize((order.size() + kPack - 1) / kPack);
+  mNumbers.resize(mPacks.size());
   std::vector<Box> boxes(mPacks.size());
   forAll(mPacks.size(), 512, [&](std::size_t p) {
     kernels::TrianglePack& pack = mPacks[p];
     BBoxd around;
     for (unsigned k = 0; k < kPack; ++k) {
       const std::size_t at = kPack * p + k < order.size() ? kPack * p + k : kPack * p;
-      pack.triangle[k] = order[at];
+      mNumbers[p].triangle[k] = order[at];
       for (int c = 0; c < 3; ++c) around.expand(points[triangles[order[at]][c]]);
     }
     const Vec3d origin = around.getCenter();
@@ -140,7 +141,8 @@ TriangleTree::TriangleTree(const std::vector<Vec3d>& givenPoints, const std::vec
     for (unsigned k = 0; k < kPack; ++k)
       for (int c = 0; c < 3; ++c)
         for (int axis = 0; axis < 3; ++axis)
-          pack.corner[c][axis][k] = static_cast<float>(points[triangles[pack.triangle[k]][c]][axis] - origin[axis]);
+          pack.corner[c][axis][k] =
+              static_cast<float>(points[triangles[mNumbers[p].triangle[k]][c]][axis] - origin[axis]);
   });
   do {
     std::vector<kernels::BoxNode> level((boxes.size() + kPack - 1) / kPack);
@@ -154,6 +156,7 @@ TriangleTree::TriangleTree(const std::vector<Vec3d>& givenPoints, const std::vec
   } while (boxes.size() > 1);
 
   mView.packs = mPacks.data();
+  mView.numbers = mNumbers.data();
   for (std::size_t l = 0; l < mLevels.size(); ++l) mView.levels[l] = mLevels[l].data();
   mView.levelCount = static_cast<unsigned>(mLevels.size());
   for (int axis = 0; axis < 3; ++axis) mView.centre[axis] = centre[axis];
@@ -164,14 +167,21 @@ TriangleTree::TriangleTree(const std::vector<Vec3d>& givenPoints, const std::vec
   mView.triangles = triangles.front().asPointer();
 }
 
+Coord TriangleTree::originNear(const Vec3d& position) {
+  Coord origin;
+  for (int axis = 0; axis < 3; ++axis)
+    origin[axis] = kOriginStep * static_cast<int>(std::lround(position[axis] / kOriginStep));
+  return origin;
+}
+
 std::optional<TriangleTree::Nearest> TriangleTree::nearest(const Vec3d& position, double within) const {
   // Slightly farther, because floats choose.
   const double reach = within * 1.00001 + 2 * double{mView.boxSlack};
   auto squared = static_cast<float>(std::min(reach * reach, 1e30));
   kernels::Place place{};
   const Vec3d local = position - mOrigin.asVec3d();
-  if (!chosenKernels().nearest(mView, local.asPointer(), squared, place)) return std::nullopt;
-  const std::uint32_t triangle = mPacks[place.pack].triangle[place.lane];
+  if (!kernels::chosen().nearest(mView, local.asPointer(), squared, place)) return std::nullopt;
+  const std::uint32_t triangle = mNumbers[place.pack].triangle[place.lane];
   const Vec3I& t = mTriangles[triangle];
   const std::vector<Vec3d>& points = localPoints();
   Vec3d weights;
@@ -182,7 +192,13 @@ std::optional<TriangleTree::Nearest> TriangleTree::nearest(const Vec3d& position
   return Nearest{triangle, point + mOrigin.asVec3d(), distance};
 }
 
-BlockDistances::BlockDistances(const TriangleTree& tree) : mTree(tree), mPacks(256) { reserve(256); }
+BlockDistances::BlockDistances(const TriangleTree& tree) : mView(tree.mView), mOrigin(tree.mOrigin), mPacks(256) {
+  reserve(256);
+}
+
+BlockDistances::BlockDistances(const TriangleBins& bins) : mView(bins.view()), mOrigin(bins.origin()), mPacks(256) {
+  reserve(256);
+}
 
 void BlockDistances::Release::operator()(void* memory) const { ::operator delete(memory, kAlignment); }
 
@@ -207,26 +223,53 @@ void BlockDistances::reserve(std::uint32_t packs) {
 
 std::optional<float> BlockDistances::distance(const Vec3d& position, float within) {
   float squared = within * within;
-  const Vec3d local = position - mTree.mOrigin.asVec3d();
-  if (!chosenKernels().nearest(mTree.mView, local.asPointer(), squared, mLast)) return std::nullopt;
+  const Vec3d local = position - mOrigin.asVec3d();
+  if (!kernels::chosen().nearest(mView, local.asPointer(), squared, mLast)) return std::nullopt;
   return std::sqrt(squared);
 }
 
-void BlockDistances::evaluate(const Coord& origin, float far) {
-  const kernels::Kernels& kernels = chosenKernels();
+namespace {
+
+constexpr double kMiddle = 0.5 * (BlockDistances::kSide - 1);
+
+/// Calls find(packs, capacity), and once more if there are more packs than room.
+template <class Find>
+std::uint32_t packsBy(std::vector<std::uint32_t>& packs, const Find& find) {
+  const std::uint32_t count = find(packs.data(), static_cast<std::uint32_t>(packs.size()));
+  if (count <= packs.size()) return count;
+  packs.resize(2 * std::size_t{count});
+  return find(packs.data(), static_cast<std::uint32_t>(packs.size()));
+}
+
+}  // namespace
+
+Vec3d BlockDistances::middleOf(const Coord& origin) const { return (origin - mOrigin).asVec3d() + Vec3d(kMiddle); }
+
+void BlockDistances::resolve(const Vec3d& middle, std::uint32_t packs, float far) {
   std::fill(std::begin(mDistances), std::end(mDistances), std::numeric_limits<float>::infinity());
-  constexpr double kMiddle = 0.5 * (kSide - 1);
-  const Vec3d middle = (origin - mTree.mOrigin).asVec3d() + Vec3d(kMiddle);
+  reserve(packs);
+  kernels::chosen().resolve(mView, middle.asPointer(), mPacks.data(), packs, far, mScratch, mDistances, mTriangles);
+}
+
+void BlockDistances::evaluate(const Coord& origin, float far) {
+  const Vec3d middle = middleOf(origin);
   float squared = 1e30F;
-  kernels.nearest(mTree.mView, middle.asPointer(), squared, mLast);
-  const auto capacity = [this] { return static_cast<std::uint32_t>(mPacks.size()); };
-  std::uint32_t count = kernels.collect(mTree.mView, middle.asPointer(), kMiddle, mLast, mPacks.data(), capacity());
-  if (count > capacity()) {
-    mPacks.resize(2 * std::size_t{count});
-    count = kernels.collect(mTree.mView, middle.asPointer(), kMiddle, mLast, mPacks.data(), capacity());
-  }
-  reserve(count);
-  kernels.resolve(mTree.mView, middle.asPointer(), mPacks.data(), count, far, mScratch, mDistances, mTriangles);
+  kernels::chosen().nearest(mView, middle.asPointer(), squared, mLast);
+  const std::uint32_t count = packsBy(mPacks, [&](std::uint32_t* packs, std::uint32_t capacity) {
+    return kernels::chosen().collect(mView, middle.asPointer(), kMiddle, mLast, packs, capacity);
+  });
+  resolve(middle, count, far);
+}
+
+bool BlockDistances::evaluate(const Coord& origin, float far, std::span<const std::uint32_t> nodes) {
+  const Vec3d middle = middleOf(origin);
+  const std::uint32_t count = packsBy(mPacks, [&](std::uint32_t* packs, std::uint32_t capacity) {
+    return kernels::chosen().gather(mView, middle.asPointer(), kMiddle, far, nodes.data(),
+                                    static_cast<std::uint32_t>(nodes.size()), packs, capacity);
+  });
+  if (count == 0) return false;
+  resolve(middle, count, far);
+  return true;
 }
 
 }  // namespace vdbtools

@@ -4,11 +4,13 @@
 #pragma once
 
 #include "search/kernels/triangle_kernels.h"
+#include "search/triangle_bins.h"
 #include "vdbtools/base/grids.h"
 
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace vdbtools {
@@ -44,6 +46,7 @@ class TriangleTree {
   /// the nodes stay the same.
   const openvdb::Coord& origin() const { return mOrigin; }
   static constexpr int kOriginStep = 4096;
+  static openvdb::Coord originNear(const openvdb::Vec3d& position);
   /// The points relative to that node.
   const std::vector<openvdb::Vec3d>& localPoints() const { return mMoved.empty() ? mPoints : mMoved; }
   const std::vector<openvdb::Vec3I>& triangles() const { return mTriangles; }
@@ -57,6 +60,7 @@ class TriangleTree {
   std::vector<openvdb::Vec3d> mMoved;
   openvdb::BBoxd mBox;
   std::vector<kernels::TrianglePack> mPacks;
+  std::vector<kernels::PackNumbers> mNumbers;
   std::vector<std::vector<kernels::BoxNode>> mLevels;
   kernels::TreeView mView{};
 };
@@ -67,6 +71,8 @@ class BlockDistances {
   static constexpr int kSide = 8;  ///< nodes along a block's side
 
   explicit BlockDistances(const TriangleTree& tree);
+  /// Reads bins, which may change between two blocks.
+  explicit BlockDistances(const TriangleBins& bins);
 
   /// The distance of a position, up to the rounding of floats, if it is at most @a within. Consecutive queries of
   /// nearby positions are cheap.
@@ -76,13 +82,21 @@ class BlockDistances {
   /// order of a FloatTree's leaf. Nodes farther than @a far may keep an infinite distance.
   void evaluate(const openvdb::Coord& origin, float far);
 
+  /// The same from some bins alone; the distances have the same bits if the nearest triangles are among them.
+  /// @param nodes  of the bins
+  /// @return whether any triangle may be within @a far; if not, nothing was computed
+  bool evaluate(const openvdb::Coord& origin, float far, std::span<const std::uint32_t> nodes);
+
   const float* distances() const { return mDistances; }
   const std::uint32_t* triangles() const { return mTriangles; }
 
  private:
   void reserve(std::uint32_t packs);
+  openvdb::Vec3d middleOf(const openvdb::Coord& origin) const;
+  void resolve(const openvdb::Vec3d& middle, std::uint32_t packs, float far);
 
-  const TriangleTree& mTree;
+  const kernels::TreeView& mView;
+  openvdb::Coord mOrigin;
   kernels::Place mLast{};
   std::vector<std::uint32_t> mPacks;
   std::vector<std::uint32_t> mLists;

@@ -6,7 +6,10 @@
 #include "field/block_layers.h"
 #include "field/crumb_filter.h"
 #include "field/undecided_blocks.h"
+#include "surface/band_maker.h"
 #include "surface/surface_extractor.h"
+
+#include "vdbtools/surface/level_set.h"
 
 #include <algorithm>
 #include <limits>
@@ -103,12 +106,19 @@ Mesh withoutCaps(CappedMesh capped) {
   return std::move(mesh);
 }
 
-MeshCounts streamMesh(const FieldPlan& plan, const FieldSource& source, const ExtractMeshOptions& options,
-                      MeshSink& sink, Monitor& monitor) {
-  SurfaceExtractor extractor(
-      source,
-      {.extract = options, .domain = plan.domain, .window = plan.window, .voxelSize = plan.voxelSize, .normals = true},
-      sink, monitor);
+namespace {
+
+/// @param band  may be null
+MeshCounts stream(const FieldPlan& plan, const FieldSource& source, const ExtractMeshOptions& options, bool normals,
+                  BandMaker* band, MeshSink& sink, Monitor& monitor) {
+  SurfaceExtractor extractor(source,
+                             {.extract = options,
+                              .domain = plan.domain,
+                              .window = plan.window,
+                              .voxelSize = plan.voxelSize,
+                              .normals = normals,
+                              .band = band},
+                             sink, monitor);
   const BlockSet undecided = undecidedBlocks(plan, source, monitor);
   BlockLayers layers(undecided);
   BlockEvaluator evaluator(source, {.voxelSize = plan.voxelSize,
@@ -141,6 +151,26 @@ MeshCounts streamMesh(const FieldPlan& plan, const FieldSource& source, const Ex
   MeshCounts counts{extractor.points(), extractor.triangles(), evaluator.evaluatedNodes()};
   if (crumbs) counts.crumbs = crumbs->report();
   return counts;
+}
+
+}  // namespace
+
+MeshCounts streamMesh(const FieldPlan& plan, const FieldSource& source, const ExtractMeshOptions& options,
+                      MeshSink& sink, Monitor& monitor) {
+  return stream(plan, source, options, true, nullptr, sink, monitor);
+}
+
+StreamedSurface streamSurface(const FieldPlan& plan, const FieldSource& source, double tolerance, bool normals,
+                              MeshSink& sink, Monitor& monitor) {
+  BandMaker band(plan.voxelSize, plan.domain, monitor);
+  StreamedSurface surface{
+      .mesh = stream(plan, source, {.tolerance = tolerance, .border = Border::Cap}, normals, &band, sink, monitor),
+      .levelSet = nullptr};
+  if (surface.mesh.triangles == 0) return surface;
+  monitor.begin(PhaseKind::LevelSet, 0);
+  surface.levelSet = band.finish();
+  finishLevelSet(*surface.levelSet);
+  return surface;
 }
 
 openvdb::Vec3s unitNormal(const Vec3d& sum) {

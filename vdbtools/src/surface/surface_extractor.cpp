@@ -51,6 +51,7 @@ struct SurfaceExtractor::Layer {
 
   int x = 0;  // x of the blocks' first nodes
   std::vector<const Leaf*> leaves;
+  std::vector<Coord> origins;      // of each leaf; if a band is made
   std::vector<InsideBits> inside;  // of each leaf
   std::vector<Sides> sides;        // of each leaf's nodes
   std::shared_ptr<void> owner;
@@ -114,6 +115,10 @@ void SurfaceExtractor::add(std::vector<const Leaf*> leaves, std::shared_ptr<void
                                                                : Layer::Sides::Both;
     }
   });
+  if (mOptions.band) {
+    layer->origins.reserve(leaves.size());
+    for (const Leaf* const leaf : leaves) layer->origins.push_back(leaf->origin());
+  }
   layer->leaves = std::move(leaves);
   layer->owner = std::move(owner);
   mLayers.push_back(std::move(layer));
@@ -144,6 +149,7 @@ void SurfaceExtractor::advance(std::size_t known) {
     if (!finished && mLayers.size() == 1) return;
     if (next && next->stage != Stage::HasTriangles) return;
     emitTriangles(*mLayers[0]);
+    if (mOptions.band) addToBand(*mLayers[0], next);
     mLayers.pop_front();
   }
 }
@@ -347,6 +353,16 @@ void SurfaceExtractor::emitPoints(Layer& layer) {
   });
   if (!layer.positions.empty()) mSink.addPoints({layer.positions, units});
   layer.normals = {};
+}
+
+void SurfaceExtractor::addToBand(const Layer& layer, const Layer* next) {
+  mOptions.band->add({.x = layer.x,
+                      .blocks = layer.origins,
+                      .inside = layer.inside,
+                      .triangles = layer.triangles,
+                      .first = layer.first,
+                      .positions = layer.positions,
+                      .positionsBehind = next ? std::span<const Vec3d>(next->positions) : std::span<const Vec3d>()});
 }
 
 void SurfaceExtractor::emitTriangles(Layer& layer) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "field/leaf_signs.h"
+#include "surface/band_maker.h"
 #include "surface/edge_search.h"
 
 #include "vdbtools/base/monitor.h"
@@ -32,6 +33,7 @@ class SurfaceExtractor {
     double voxelSize = 0;       ///< world units
     bool normals = false;
     MeshPlaces* places = nullptr;  ///< if not null, receives the places of all points and triangles in order
+    BandMaker* band = nullptr;     ///< if not null, receives all layers in order; needs Border::Cap
   };
 
   SurfaceExtractor(const FieldSource& source, const Options& options, MeshSink& sink, Monitor& monitor);
@@ -72,6 +74,7 @@ class SurfaceExtractor {
   void addNormals(Layer& layer, Layer* next) const;
   void emitPoints(Layer& layer);
   void emitTriangles(Layer& layer);
+  void addToBand(const Layer& layer, const Layer* next);
   void advance(std::size_t known);
 
   FieldSource mSource;

@@ -34,8 +34,8 @@ struct FractalProducts {
 /// What runFractal() makes of a scene, and how; decided before the work begins.
 struct FractalPlan {
   enum class Way {
-    Streamed,  ///< the mesh is made layer by layer, and the field is not held in memory
-    Held,      ///< the field is: for grids, to find islands, and to follow the surface
+    Streamed,  ///< mesh and level set are made layer by layer, and the field is not held in memory
+    Held,      ///< the field is: for grids of it, to find islands, to follow the surface, and where a box cuts it open
   };
 
   FieldPlan nodes;

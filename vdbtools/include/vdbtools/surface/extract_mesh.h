@@ -86,6 +86,17 @@ MeshCounts extractMesh(const FractalField& field, const FieldSource& source, con
 MeshCounts streamMesh(const FieldPlan& plan, const FieldSource& source, const ExtractMeshOptions& options,
                       MeshSink& sink, Monitor& monitor);
 
+struct StreamedSurface {
+  MeshCounts mesh;
+  openvdb::FloatGrid::Ptr levelSet;  ///< null if there is no triangle
+};
+
+/// Does what streamMesh() does with Border::Cap, and makes the level set of levelSet() on the way, with the same bits.
+/// Neither the mesh nor F is held.
+/// @param normals  whether the sink gets them
+StreamedSurface streamSurface(const FieldPlan& plan, const FieldSource& source, double tolerance, bool normals,
+                              MeshSink& sink, Monitor& monitor);
+
 /// The direction of a sum of normals; up (y) if they cancel out.
 openvdb::Vec3s unitNormal(const openvdb::Vec3d& sum);
 

@@ -157,15 +157,19 @@ inline V slackOf(const Triangle<V>& t) {
   return 4e-6F * (t.b + t.d);
 }
 
-/// A triangle relative to a position.
-inline Triangle<float> triangleAt(const TreeView& tree, Place place, const double position[3]) {
-  const unsigned first = place.lane / kNodesWide * kNodesWide;
-  const Triangle<NodeFloats> lanes = trianglesOf<NodeFloats>(tree.packs[place.pack], first, position);
+/// One of several triangles.
+inline Triangle<float> laneOf(const Triangle<NodeFloats>& lanes, unsigned lane) {
   Triangle<float> triangle;
   float* const to = &triangle.ax;
   const auto* from = reinterpret_cast<const NodeFloats*>(&lanes);
-  for (unsigned l = 0; l < sizeof(triangle) / sizeof(float); ++l) to[l] = from[l][place.lane - first];
+  for (unsigned l = 0; l < sizeof(triangle) / sizeof(float); ++l) to[l] = from[l][lane];
   return triangle;
+}
+
+/// A triangle relative to a position.
+inline Triangle<float> triangleAt(const TreeView& tree, Place place, const double position[3]) {
+  const unsigned first = place.lane / kNodesWide * kNodesWide;
+  return laneOf(trianglesOf<NodeFloats>(tree.packs[place.pack], first, position), place.lane - first);
 }
 
 /// @param slack  error bound of the triangle's distances
@@ -182,6 +186,23 @@ inline Nearest nearestOf(const Triangle<float>& t, const float about[3], float h
   result.z = x * t.uz + y * t.vz + z * t.nz;
   result.curvature = 1.5F * half * half / (distance + 1e-20F);
   return result;
+}
+
+/// The vectors from the boxes of a node to a position, in lanes.
+struct ToBoxes {
+  NodeFloats d[3];
+  NodeFloats squared;
+};
+
+/// @param first  of the lanes
+inline ToBoxes toBoxes(const BoxNode& node, unsigned first, const float p[3]) {
+  const NodeFloats zero = {};
+  ToBoxes to;
+  for (int axis = 0; axis < 3; ++axis)
+    to.d[axis] = greater(p[axis] - load<NodeFloats>(node.high[axis] + first), zero) -
+                 greater(load<NodeFloats>(node.low[axis] + first) - p[axis], zero);
+  to.squared = to.d[0] * to.d[0] + to.d[1] * to.d[1] + to.d[2] * to.d[2];
+  return to;
 }
 
 std::uint32_t collect(const TreeView& tree, const double middle[3], float half, Place best, std::uint32_t* packs,
@@ -204,12 +225,8 @@ std::uint32_t collect(const TreeView& tree, const double middle[3], float half, 
     float over[kPack];
     for (unsigned k = 0; k < kPack; k += kNodesWide) {
       const NodeFloats zero = {};
-      NodeFloats d[3];
-      for (int axis = 0; axis < 3; ++axis)
-        d[axis] = greater(p[axis] - load<NodeFloats>(node.high[axis] + k), zero) -
-                  greater(load<NodeFloats>(node.low[axis] + k) - p[axis], zero);
-      const NodeFloats squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-      store(excess(d[0], d[1], d[2], squared, half, zero, bounds), over + k);
+      const ToBoxes to = toBoxes(node, k, p);
+      store(excess(to.d[0], to.d[1], to.d[2], to.squared, half, zero, bounds), over + k);
     }
     for (unsigned k = kPack; k-- > 0;) {
       if (over[k] > 0.0F) continue;
@@ -272,12 +289,101 @@ inline Triangle<NodeFloats> trianglesAt(const TreeView& tree, const std::uint32_
   return frameOf<NodeFloats>(v(0, 0), v(0, 1), v(0, 2), v(1, 0), v(1, 1), v(1, 2), v(2, 0), v(2, 1), v(2, 2));
 }
 
+/// The triangle of a pack that is nearest to a position, relative to it.
+inline Triangle<float> nearestOfPack(const TreeView& tree, std::uint32_t pack, const double position[3]) {
+  const NodeFloats zero = {};
+  Triangle<float> best{};
+  float least = kHuge;
+  for (unsigned first = 0; first < kPack; first += kNodesWide) {
+    const Triangle<NodeFloats> lanes = trianglesAt(tree, tree.numbers[pack].triangle + first, position);
+    const NodeFloats squared = awayFrom<NodeFloats>(lanes, zero, zero, zero).squared;
+    for (unsigned k = 0; k < kNodesWide; ++k) {
+      if (!(squared[k] < least)) continue;
+      least = squared[k];
+      best = laneOf(lanes, k);
+    }
+  }
+  return best;
+}
+
+std::uint32_t gather(const TreeView& tree, const double middle[3], float half, float far, const std::uint32_t* nodes,
+                     std::uint32_t nodeCount, std::uint32_t* packs, std::uint32_t capacity) {
+  constexpr float kNowhere[3] = {0, 0, 0};
+  float p[3];
+  toCentre(tree, middle, p);
+  float least = kHuge;
+  std::uint32_t nearestPack = 0;
+  for (std::uint32_t n = 0; n < nodeCount; ++n)
+    for (unsigned first = 0; first < kPack; first += kNodesWide) {
+      const NodeFloats squared = toBoxes(tree.levels[0][nodes[n]], first, p).squared;
+      for (unsigned k = 0; k < kNodesWide; ++k) {
+        if (!(squared[k] < least)) continue;
+        least = squared[k];
+        nearestPack = nodes[n] * kPack + first + k;
+      }
+    }
+  const float reach = far * 1.00001F + 2 * tree.boxSlack;
+  constexpr float kDiagonal = 1.7321F;
+  if (std::sqrt(least) > reach + kDiagonal * half) return 0;
+  const Triangle<float> triangle = nearestOfPack(tree, nearestPack, middle);
+  const CornerBounds bounds = cornerBounds(triangle, kNowhere, half, slackOf(triangle) + 2 * tree.boxSlack);
+  std::uint32_t count = 0;
+  for (std::uint32_t n = 0; n < nodeCount; ++n) {
+    float over[kPack];
+    for (unsigned first = 0; first < kPack; first += kNodesWide) {
+      const NodeFloats zero = {};
+      const ToBoxes to = toBoxes(tree.levels[0][nodes[n]], first, p);
+      store(greater(excess(to.d[0], to.d[1], to.d[2], to.squared, half, zero, bounds),
+                    excessOver(reach, to.d[0], to.d[1], to.d[2], to.squared, half, zero)),
+            over + first);
+    }
+    for (unsigned k = 0; k < kPack; ++k) {
+      if (over[k] > 0.0F) continue;
+      if (count < capacity) packs[count] = nodes[n] * kPack + k;
+      ++count;
+    }
+  }
+  return count;
+}
+
+void makeFrames(const TreeView& tree, std::uint32_t first, std::uint32_t count, PackFrames* frames) {
+  static_assert(3 + kFrameArrays == kSlackAt);
+  constexpr double kNowhere[3] = {0, 0, 0};
+  for (std::uint32_t pack = first; pack < first + count; ++pack) {
+    PackFrames& to = frames[pack];
+    const std::uint32_t* const numbers = tree.numbers[pack].triangle;
+    for (unsigned k = 0; k < kPack; ++k) {
+      const double* const corner = tree.points + 3 * std::size_t{tree.triangles[3 * std::size_t{numbers[k]}]};
+      for (unsigned axis = 0; axis < 3; ++axis) to.corner[axis][k] = corner[axis];
+    }
+    for (unsigned k = 0; k < kPack; k += kNodesWide) {
+      const Triangle<NodeFloats> t = trianglesAt(tree, numbers + k, kNowhere);
+      const auto* from = reinterpret_cast<const NodeFloats*>(&t);
+      for (unsigned l = 0; l < kFrameArrays; ++l) store(from[3 + l], to.frame[l] + k);
+      store(slackOf(t), to.slack + k);
+    }
+  }
+}
+
 /// Converts the candidates of packs to coordinates about a centre. @return their number
 inline std::uint32_t prepare(const TreeView& tree, const double middle[3], const std::uint32_t* packs,
                              std::uint32_t count, CandidatePack* to) {
   for (std::uint32_t i = 0; i < count; ++i) {
     for (unsigned first = 0; first < kPack; first += kNodesWide) {
-      const std::uint32_t* const numbers = tree.packs[packs[i]].triangle + first;
+      const std::uint32_t* const numbers = tree.numbers[packs[i]].triangle + first;
+      if (tree.frames) {
+        const PackFrames& made = tree.frames[packs[i]];
+        const std::uint32_t at = i * kPack + first;
+        float* const lanes = reinterpret_cast<float*>(to + at / kWide) + at % kWide;
+        for (unsigned axis = 0; axis < 3; ++axis)
+          for (unsigned k = 0; k < kNodesWide; ++k)
+            lanes[kWide * axis + k] = static_cast<float>(made.corner[axis][first + k] - middle[axis]);
+        for (unsigned l = 0; l < kFrameArrays; ++l)
+          store(load<NodeFloats>(made.frame[l] + first), lanes + kWide * (3 + l));
+        store(load<NodeFloats>(made.slack + first), lanes + kWide * kSlackAt);
+        __builtin_memcpy(lanes + kWide * kNumberAt, numbers, kNodesWide * sizeof(*numbers));
+        continue;
+      }
       const Triangle<NodeFloats> t = trianglesAt(tree, numbers, middle);
       const NodeFloats slack = slackOf(t);
       const std::uint32_t at = i * kPack + first;
@@ -452,11 +558,35 @@ inline std::uint32_t choose(const CandidatePack* from, std::uint32_t count, cons
 
 /// Copies the candidates of a list.
 inline void take(const CandidatePack* from, const std::uint32_t* list, std::uint32_t count, CandidatePack* to) {
+#if defined(__AVX512F__)
+  // All candidates of one vector at a time: together they fill the end of a vector and the beginning of the next one.
+  std::uint32_t taken = 0;
+  for (std::uint32_t i = 0; i < count;) {
+    const std::uint32_t vector = list[i] / kWide;
+    __mmask16 lanes = 0;
+    unsigned more = 0;
+    for (; i < count && list[i] / kWide == vector; ++i, ++more) lanes |= static_cast<__mmask16>(1U << list[i] % kWide);
+    const unsigned at = taken % kWide;
+    const auto* const source = reinterpret_cast<const Floats*>(from + vector);
+    auto* const target = reinterpret_cast<Floats*>(to + taken / kWide);
+    const auto here = static_cast<__mmask16>(0xffffU << at);
+    const bool flows = at + more > kWide;
+    const __m512i turn = _mm512_sub_epi32(_mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0),
+                                          _mm512_set1_epi32(static_cast<int>(at)));
+    for (unsigned l = 0; l < kArrays; ++l) {
+      const __m512 packed = _mm512_maskz_permutexvar_ps(0xffff, turn, _mm512_maskz_compress_ps(lanes, source[l]));
+      target[l] = _mm512_mask_mov_ps(target[l], here, packed);
+      if (flows) target[kArrays + l] = packed;
+    }
+    taken += more;
+  }
+#else
   for (std::uint32_t i = 0; i < count; ++i) {
     const float* const source = candidate(from, list[i]);
     float* const target = reinterpret_cast<float*>(to + i / kWide) + i % kWide;
     for (unsigned l = 0; l < kArrays; ++l) __builtin_memcpy(target + kWide * l, source + kWide * l, sizeof(float));
   }
+#endif
   fill(to, count);
 }
 

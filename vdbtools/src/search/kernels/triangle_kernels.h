@@ -12,11 +12,24 @@ namespace vdbtools::kernels {
 inline constexpr unsigned kPack = 8;         ///< triangles of a pack, children of a node
 inline constexpr unsigned kMostLevels = 11;  ///< 8^11 packs hold more triangles than 32 bits can count
 
-/// Eight triangles; missing ones are copies of the first.
+/// The corners of eight triangles; missing ones are copies of the first.
 struct TrianglePack {
   float corner[3][3][kPack];  ///< by corner, then axis; relative to the origin
   double origin[3];
+};
+
+inline constexpr unsigned kFrameArrays = 14;
+
+/// The numbers of the same triangles in the mesh.
+struct PackNumbers {
   std::uint32_t triangle[kPack];
+};
+
+/// The frames of the same triangles, which do not depend on a position: in the order of Triangle, without its corner.
+struct PackFrames {
+  double corner[3][kPack];
+  float frame[kFrameArrays][kPack];
+  float slack[kPack];
 };
 
 /// The boxes of eight children, relative to the tree's centre; missing ones are far away.
@@ -28,7 +41,9 @@ struct BoxNode {
 /// A TriangleTree as plain data. Node i of level l has the nodes 8 i to 8 i + 7 of level l - 1 as children, or those
 /// packs if l is 0.
 struct TreeView {
-  const TrianglePack* packs;
+  const TrianglePack* packs;  ///< for nearest() and collect()
+  const PackNumbers* numbers;
+  const PackFrames* frames;  ///< null: they are made again for each block
   const BoxNode* levels[kMostLevels];
   unsigned levelCount;
   double centre[3];
@@ -69,13 +84,24 @@ struct Kernels {
   std::uint32_t (*collect)(const TreeView&, const double middle[3], float half, Place best, std::uint32_t* packs,
                            std::uint32_t capacity);
 
+  /// Does what collect() does for the packs below some nodes of level 0, without a tree above them, and leaves out
+  /// those that are farther than @a far from the whole cube.
+  std::uint32_t (*gather)(const TreeView&, const double middle[3], float half, float far, const std::uint32_t* nodes,
+                          std::uint32_t nodeCount, std::uint32_t* packs, std::uint32_t capacity);
+
+  /// Makes the frames of some packs.
+  void (*makeFrames)(const TreeView&, std::uint32_t first, std::uint32_t count, PackFrames* frames);
+
   /// Finds the nearest triangles of the 8^3 nodes about @a middle, and their distances.
-  /// @param packs  the result of collect() for half a side of 3.5
+  /// @param packs  the result of collect() or gather() for half a side of 3.5
   /// @param far  nodes that are farther than this may be left unchanged
   void (*resolve)(const TreeView&, const double middle[3], const std::uint32_t* packs, std::uint32_t count, float far,
                   const Scratch& scratch, float distance[kBlockNodes], std::uint32_t triangle[kBlockNodes]);
 };
 
 extern const Kernels kPortable, kAvx2, kAvx512;
+
+/// Those of julia::instructionSet().
+const Kernels& chosen();
 
 }  // namespace vdbtools::kernels

@@ -4,6 +4,6 @@
 
 namespace vdbtools::kernels {
 
-const Kernels kAvx2 = {nearest, collect, resolve};
+const Kernels kAvx2 = {nearest, collect, gather, makeFrames, resolve};
 
 }  // namespace vdbtools::kernels

@@ -4,6 +4,6 @@
 
 namespace vdbtools::kernels {
 
-const Kernels kAvx512 = {nearest, collect, resolve};
+const Kernels kAvx512 = {nearest, collect, gather, makeFrames, resolve};
 
 }  // namespace vdbtools::kernels

@@ -4,6 +4,6 @@
 
 namespace vdbtools::kernels {
 
-const Kernels kPortable = {nearest, collect, resolve};
+const Kernels kPortable = {nearest, collect, gather, makeFrames, resolve};
 
 }  // namespace vdbtools::kernels
