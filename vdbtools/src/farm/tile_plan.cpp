@@ -203,13 +203,13 @@ std::vector<TileBox> cutIntoCubes(const CoordBBox& domain, std::span<const Coord
 namespace {
 
 /// Measures how much of the surface lies in each tile: its points on a lattice of at most kSurveyVoxels along the
-/// domain's longest side. The scene gets the voxel size of that lattice.
+/// domain's longest side.
 void surveySurface(Scene& scene, const TileLattice& lattice, const std::vector<TileBox>& tiles, TilePlan& plan,
                    Monitor& monitor) {
   constexpr double kSurveyVoxels = 400;
   const Coord sides = lattice.domain.dim();
   const double ratio = std::max(1.0, std::max({sides[0], sides[1], sides[2]}) / kSurveyVoxels);
-  scene.voxelSize = lattice.voxelSize * ratio;
+  const double voxelSize = lattice.voxelSize * ratio;
   const auto coarse = [&](int node) { return static_cast<int>(std::floor(node / ratio)); };
   openvdb::Int32Tree owners(-1);
   for (std::size_t i = 0; i < tiles.size(); ++i) {
@@ -220,12 +220,15 @@ void surveySurface(Scene& scene, const TileLattice& lattice, const std::vector<T
     }
     owners.fill(box, static_cast<std::int32_t>(i));
   }
+  // The plan alone has other voxels: the scene is written for the tasks afterwards.
+  const double planned = std::exchange(scene.voxelSize, voxelSize);
   const FieldPlan whole = planScene(scene);
+  scene.voxelSize = planned;
   const FractalField field = evaluateField(whole, scene.source(), {}, monitor);
   constexpr double kRough = 0.5;  // voxels; only the tile of a point matters
   const Mesh mesh = extractMesh(field, scene.source(), {.tolerance = kRough, .border = Border::Cap}, monitor);
   for (const openvdb::Vec3d& point : mesh.points)
-    if (const std::int32_t owner = owners.getValue(Coord::floor(point / scene.voxelSize)); owner >= 0)
+    if (const std::int32_t owner = owners.getValue(Coord::floor(point / voxelSize)); owner >= 0)
       ++plan.work[static_cast<std::size_t>(owner)].surface;
 }
 
