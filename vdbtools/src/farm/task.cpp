@@ -106,8 +106,9 @@ TaskFile fileRecord(const fs::path& folder, const std::string& name) {
 TaskMaker makerOf(const fs::path& folder, const Manifest& manifest) {
   switch (manifest.kind) {
     case PlanKind::Tiles:
-      return [](const fs::path& where, const Manifest& plan, std::uint64_t index, Monitor& monitor) {
-        return makeTile(where, plan, index, monitor);
+      return [maker = std::make_shared<TileMaker>(folder, manifest)](const fs::path&, const Manifest&,
+                                                                     std::uint64_t index, Monitor& monitor) {
+        return maker->make(index, monitor);
       };
     case PlanKind::Frames:
     case PlanKind::Sheet:

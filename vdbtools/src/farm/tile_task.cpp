@@ -278,26 +278,30 @@ bool tilesNeedDoubles(const TileJob& job) {
   });
 }
 
-TaskCounts makeTile(const std::filesystem::path& folder, const Manifest& manifest, std::uint64_t index,
-                    Monitor& monitor) {
-  const bool onlyCounts = makes(manifest, kMakeCount);
-  const FractalProducts wanted{.grids = makes(manifest, "vdb"), .mesh = makesMesh(manifest) || onlyCounts};
-  const PlannedTask& task = manifest.tasks.at(index - 1);
-  const TileJob job = tileJob(manifest);
-  const FractalOptions& options = job.options;
-  const TileFiles& written = job.files;
-  OutputFiles files(inputsOf(options));
-  AtomicFile* const mesh = written.mesh ? &files.add(folder / tileMeshName(index)) : nullptr;
-  AtomicFile* const grids = written.grids ? &files.add(folder / tileGridsName(index)) : nullptr;
-  AtomicFile* const islands = written.islands ? &files.add(folder / tileIslandsName(index)) : nullptr;
-  AtomicFile* const count = written.count ? &files.add(folder / tileCountName(index)) : nullptr;
+TileMaker::TileMaker(std::filesystem::path folder, const Manifest& manifest)
+    : mFolder(std::move(folder)), mManifest(manifest), mJob(tileJob(mManifest)) {}
+
+const Scene& TileMaker::scene() {
+  if (mScene) return *mScene;
   // The files of controls have been used for the exponent, and need not be available.
-  std::vector<NamedFile> present = options.map->files();
+  std::vector<NamedFile> present = mJob.options.map->files();
   std::erase_if(present, [](const NamedFile& file) { return !std::filesystem::exists(file.path); });
   verifiedHashes(present);
-  const Scene scene = readPreparedScene(options, folder / kPreparedName);
-  requireLattice(job.lattice(), planScene(scene, CoordBBox()));
-  const Tile tile = makeTile(scene, task.box.value(), wanted, monitor);
+  Scene scene = readPreparedScene(mJob.options, mFolder / kPreparedName);
+  requireLattice(mJob.lattice(), planScene(scene, CoordBBox()));
+  return mScene.emplace(std::move(scene));
+}
+
+TaskCounts TileMaker::make(std::uint64_t index, Monitor& monitor) {
+  const bool onlyCounts = makes(mManifest, kMakeCount);
+  const FractalProducts wanted{.grids = makes(mManifest, "vdb"), .mesh = makesMesh(mManifest) || onlyCounts};
+  const TileFiles& written = mJob.files;
+  OutputFiles files(inputsOf(mJob.options));
+  AtomicFile* const mesh = written.mesh ? &files.add(mFolder / tileMeshName(index)) : nullptr;
+  AtomicFile* const grids = written.grids ? &files.add(mFolder / tileGridsName(index)) : nullptr;
+  AtomicFile* const islands = written.islands ? &files.add(mFolder / tileIslandsName(index)) : nullptr;
+  AtomicFile* const count = written.count ? &files.add(mFolder / tileCountName(index)) : nullptr;
+  const Tile tile = makeTile(scene(), mManifest.tasks.at(index - 1).box.value(), wanted, monitor);
   monitor.begin(PhaseKind::Writing, 0);
   TaskCounts counts;
   counts.counts["evaluatedNodes"] = static_cast<double>(tile.evaluatedNodes);
@@ -312,7 +316,7 @@ TaskCounts makeTile(const std::filesystem::path& folder, const Manifest& manifes
     counts.counts["triangles"] = static_cast<double>(of.triangles);
   }
   if (mesh) {
-    const TileCounts of = writeTile(mesh->stream(), tile.layers, written.cappedMesh || tilesNeedDoubles(job));
+    const TileCounts of = writeTile(mesh->stream(), tile.layers, written.cappedMesh || tilesNeedDoubles(mJob));
     counts.counts["points"] = static_cast<double>(of.points);
     counts.counts["triangles"] = static_cast<double>(of.triangles);
   }

@@ -80,8 +80,28 @@ struct Tile {
 /// @param box  the nodes that the tile owns
 Tile makeTile(const Scene& scene, const openvdb::CoordBBox& box, const FractalProducts& wanted, Monitor& monitor);
 
-TaskCounts makeTile(const std::filesystem::path& folder, const Manifest& manifest, std::uint64_t index,
-                    Monitor& monitor);
+/// Runs the tasks of one plan one after another; what they share is read once.
+class TileMaker {
+ public:
+  /// @param folder, manifest  of a plan of tiles
+  TileMaker(std::filesystem::path folder, const Manifest& manifest);
+  TileMaker(const TileMaker&) = delete;
+  TileMaker& operator=(const TileMaker&) = delete;
+
+  /// Makes the files of task @a index, and commits all of them together. The first task checks the map's files, and
+  /// reads the prepared scene.
+  /// @throw DataError  the scene is not that of the plan, or a file of the map is not that of its recipe
+  /// @throw as readPreparedScene(); CreateError, IoError
+  TaskCounts make(std::uint64_t index, Monitor& monitor);
+
+ private:
+  const Scene& scene();
+
+  std::filesystem::path mFolder;
+  Manifest mManifest;
+  TileJob mJob;
+  std::optional<Scene> mScene;
+};
 
 /// Whether the mesh of a plan must be stored in doubles until it is merged.
 bool tilesNeedDoubles(const TileJob& job);
