@@ -6,6 +6,7 @@
 
 #include "farm/tile_file.h"
 #include "farm/tile_islands.h"
+#include "farm/tile_layers.h"
 
 #include "vdbtools/farm/task.h"
 #include "vdbtools/job/fractal_job.h"
@@ -69,16 +70,19 @@ inline constexpr int kTileHalo = 5;
 /// beyond, where caps and bands lie.
 openvdb::CoordBBox ownNodes(const openvdb::CoordBBox& box, const openvdb::CoordBBox& domain);
 
+/// What is made of a tile beside the layers of its mesh.
 struct Tile {
-  std::vector<TileLayer> layers;              ///< of the mesh, if it is requested
   std::vector<openvdb::GridBase::Ptr> grids;  ///< the tile's parts of the requested grids that are made of parts
   std::optional<TileIslands> islands;         ///< if islands are to be dropped
   std::uint64_t evaluatedNodes = 0;
   std::optional<CrumbReport> crumbs{};  ///< for the nodes that the tile owns, if crumbs are dropped
 };
 
-/// @param box  the nodes that the tile owns
-Tile makeTile(const Scene& scene, const openvdb::CoordBBox& box, const FractalProducts& wanted, Monitor& monitor);
+/// A tile that has neither grids nor islands is made in layers of blocks, and is never held as a whole.
+/// @param box     the nodes that the tile owns
+/// @param layers  takes those of the mesh, if the tile has one
+Tile makeTile(const Scene& scene, const openvdb::CoordBBox& box, const FractalProducts& wanted,
+              const TileLayerSink& layers, Monitor& monitor);
 
 /// Runs the tasks of one plan one after another; what they share is read once.
 class TileMaker {
