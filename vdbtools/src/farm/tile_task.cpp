@@ -201,11 +201,12 @@ CoordBBox ownNodes(const CoordBBox& box, const CoordBBox& domain) {
 
 Tile makeTile(const Scene& scene, const CoordBBox& box, const FractalProducts& wanted, const TileLayerSink& layers,
               Monitor& monitor) {
+  const bool held = wanted.grids || dropsIslands(scene.options);
   CoordBBox window = box;
-  window.expand(kTileHalo);
+  window.expand(held ? kTileHalo : kMeshHalo);
   FieldPlan plan = planScene(scene, window);
   if (plan.crumbs) plan.crumbs->counted = box;
-  if (wanted.grids || dropsIslands(scene.options)) return makeHeldTile(scene, plan, box, wanted, layers, monitor);
+  if (held) return makeHeldTile(scene, plan, box, wanted, layers, monitor);
   TileLayers own(ownNodes(box, plan.domain), nullptr, layers);
   const MeshCounts made = streamPlacedMesh(
       plan, scene.source(),

@@ -63,8 +63,10 @@ std::vector<std::string> tileNames(const TileFiles& files, std::uint64_t index);
 ///                               counted tile by tile
 void requireCuttable(const FractalOptions& options, const std::vector<std::string>& makes);
 
-/// How far a tile's level set and its normals depend on nodes of other tiles, in nodes.
+/// How far a tile's level set depends on nodes of other tiles, in nodes.
 inline constexpr int kTileHalo = 5;
+/// How far its mesh does: a normal is that of the triangles in the cells around an edge.
+inline constexpr int kMeshHalo = 2;
 
 /// The nodes of a tile for points, triangles and grids: if the domain ends at a face of its box, they include the nodes
 /// beyond, where caps and bands lie.
