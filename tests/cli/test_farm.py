@@ -366,7 +366,7 @@ class Parallel(farm.FarmTest):
         self.check_done()
         self.check_merged()
         log = self.path(f"{FARM}/logs/joblog").read_text().splitlines()
-        self.assertEqual(len(log), 4, "a line for each process, and the head")
+        self.assertEqual(len(log), 3, "a line for each process")
         for words in (("--missing", "--batch", 0), ("--batch", 2), ("--missing", "--lines", "--batch", 2)):
             self.refused(USAGE, "status", FARM, *words)
 
