@@ -12,14 +12,17 @@
 #include <cstdint>
 #include <cstdio>
 #include <iostream>
+#include <optional>
 
 namespace po = boost::program_options;
 
 namespace cli {
 namespace {
 
+constexpr int kMostBatch = 1'000'000;
+
 constexpr Usage kStatusUsage = {
-    "status", "DIR [--missing [--lines]] [options]",
+    "status", "DIR [--missing [--lines | --batch N]] [options]",
     "Shows how many tasks of the plan in the folder DIR are done, are being made, have failed, or are missing, and "
     "what they took. What is to come is told from the tasks that are done, as if the others were like them.\n\n"
     "With --missing, nothing is printed but the numbers of the tasks that are neither done nor being made, in the "
@@ -68,11 +71,19 @@ std::string count(double value) {
   return text.data();
 }
 
-void printLists(const std::vector<std::uint64_t>& missing, bool lines) {
-  if (!lines) {
+/// @param batch  most tasks of a range, where ranges are wanted
+void printLists(const std::vector<std::uint64_t>& missing, bool lines, std::optional<std::uint64_t> batch) {
+  if (!lines && !batch) {
     if (!missing.empty()) std::cout << vdbtools::farm::taskList(missing) << '\n';
     return;
   }
+  for (std::size_t i = 0; batch && i < missing.size();) {
+    std::size_t end = i + 1;
+    while (end < missing.size() && end - i < *batch && missing[end] == missing[end - 1] + 1) ++end;
+    std::cout << missing[i] << '-' << missing[end - 1] << '\n';
+    i = end;
+  }
+  if (batch) return;
   for (const std::uint64_t index : missing) std::cout << index << '\n';
 }
 
@@ -83,6 +94,8 @@ int runStatus(const Arguments& arguments) {
   line.addPositional("folder", 1, "the folder of the plan");
   line.addOptions()("missing", po::bool_switch(), "print the numbers of the tasks that have to be made")(
       "lines", po::bool_switch(), "with --missing: one number a line, as GNU parallel reads them")(
+      "batch", po::value<std::string>()->value_name("N"),
+      "with --missing: ranges of up to N tasks such as 7-12, one a line, as 'juliavdb task --range' reads them")(
       "verify", po::bool_switch(),
       "read every file and compare its SHA-256; otherwise a file of the recorded size and "
       "time counts as unchanged");
@@ -90,6 +103,10 @@ int runStatus(const Arguments& arguments) {
   if (!line.has("folder")) throw std::invalid_argument("no plan was given; name its folder");
   const bool onlyMissing = line.values()["missing"].as<bool>(), lines = line.values()["lines"].as<bool>();
   if (lines && !onlyMissing) throw std::invalid_argument("--lines goes with --missing only");
+  std::optional<std::uint64_t> batch;
+  if (line.has("batch")) batch = static_cast<std::uint64_t>(line.integer("batch", 1, kMostBatch));
+  if (batch && !onlyMissing) throw std::invalid_argument("--batch goes with --missing only");
+  if (batch && lines) throw std::invalid_argument("--batch and --lines exclude each other");
   const auto check =
       line.values()["verify"].as<bool>() ? vdbtools::farm::FileCheck::Content : vdbtools::farm::FileCheck::Quick;
 
@@ -124,7 +141,7 @@ int runStatus(const Arguments& arguments) {
     }
   }
   if (onlyMissing) {
-    printLists(missing, lines);
+    printLists(missing, lines, batch);
     return kDone;
   }
 

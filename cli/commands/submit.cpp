@@ -102,6 +102,7 @@ struct Submission {
   std::uint64_t tasks = 0;
   std::vector<std::uint64_t> missing;
   int jobs = 0, threads = 1;
+  std::uint64_t batch = 1;  ///< tasks of a process
   bool threadsGiven = false;
   std::vector<std::string> common;  ///< options of each task and of the merge
   std::vector<std::string> merge;   ///< the words behind "juliavdb merge ."; empty for none
@@ -120,7 +121,7 @@ std::string slurmScript(const Submission& s) {
   if (!s.missing.empty()) {
     // Indices of an array stay below its largest size; beyond that each job makes several tasks.
     const std::uint64_t most = mostArraySize() - 1;
-    const std::uint64_t each = (s.tasks + most - 1) / most;
+    const std::uint64_t each = std::max(s.batch, (s.tasks + most - 1) / most);
     std::vector<std::uint64_t> array;
     for (const std::uint64_t index : s.missing)
       if (const std::uint64_t job = (index - 1) / each + 1; array.empty() || array.back() != job) array.push_back(job);
@@ -152,10 +153,12 @@ std::string parallelScript(const Submission& s) {
       "# Makes the missing tasks of a plan by GNU parallel" +
       std::string(s.merge.empty() ? "" : ", and merges all tasks once they are done") +
       ".\nset -eu\n# What is running is told to stop as well, and waited for.\ntrap 'exit 75' INT TERM\ncd " +
-      vdbtools::shellWord(s.folder.string()) + "\n" + program + " status . --missing --lines |\n" +
+      vdbtools::shellWord(s.folder.string()) + "\n" + program + " status . --missing " +
+      (s.batch == 1 ? "--lines" : "--batch " + std::to_string(s.batch)) + " |\n" +
       "  parallel --no-run-if-empty --jobs " + std::to_string(s.jobs) +
       " --joblog +logs/joblog --termseq TERM,2000,KILL,25" + quoted(s.engineArguments) + " --quote \\\n    " + program +
-      " task . --threads " + std::to_string(s.threads) + quoted(s.common) + " --index {}\n";
+      " task . --threads " + std::to_string(s.threads) + quoted(s.common) +
+      (s.batch == 1 ? " --index {}\n" : " --range {}\n");
   if (!s.merge.empty())
     script += program + " merge ." + (s.threadsGiven ? " --threads " + std::to_string(s.threads) : "") +
               quoted(s.common) + quoted(s.merge) + "\n";
@@ -173,17 +176,21 @@ struct Outcome {
 
 /// What GNU parallel wrote down of tasks, behind @a from: the exit codes of those that ended by themselves. A full disk
 /// may have no room for what a task says of its failure.
-std::map<std::uint64_t, int> loggedCodes(const fs::path& joblog, std::uintmax_t from) {
+std::map<std::uint64_t, int> loggedCodes(const fs::path& joblog, std::uintmax_t from, std::uint64_t tasks) {
   std::map<std::uint64_t, int> codes;
   std::ifstream log = vdbtools::openToRead(joblog);
   log.seekg(static_cast<std::streamoff>(from));
   for (std::string line; std::getline(log, line);) {
-    // Seq, Host, Starttime, JobRuntime, Send, Receive, Exitval, Signal, Command; the last word is the task's number.
+    // Seq, Host, Starttime, JobRuntime, Send, Receive, Exitval, Signal, Command; the last word is the task's number, or
+    // a range of them.
     const std::vector<std::string> columns = vdbtools::split(line, '\t');
     if (columns.size() < 9) continue;
     const auto code = vdbtools::wholeFromText<int>(columns[6]);
-    const auto index = vdbtools::wholeFromText<std::uint64_t>(line.substr(line.rfind(' ') + 1));
-    if (code && index && columns[7] == "0") codes[*index] = *code;
+    const std::vector<std::string> ends = vdbtools::split(line.substr(line.rfind(' ') + 1), '-');
+    const auto first = vdbtools::wholeFromText<std::uint64_t>(ends.front());
+    const auto last = vdbtools::wholeFromText<std::uint64_t>(ends.back());
+    if (!code || !first || !last || columns[7] != "0") continue;
+    for (std::uint64_t index = *first; index <= std::min(*last, tasks); ++index) codes[index] = *code;
   }
   return codes;
 }
@@ -276,7 +283,7 @@ void runScript(const Submission& s, Engine engine, const vdbtools::farm::Manifes
   if (engine == Engine::Parallel) vdbtools::farm::removeUnneeded(s.folder, manifest);
   if (code == kDone) return;
   std::map<std::uint64_t, int> codes;
-  if (engine == Engine::Parallel && fs::exists(joblog, error)) codes = loggedCodes(joblog, logged);
+  if (engine == Engine::Parallel && fs::exists(joblog, error)) codes = loggedCodes(joblog, logged, s.tasks);
   Outcome outcome = outcomeOf(s, manifest, codes, since);
   // A disk may be so full that nothing of what failed could be written down.
   if (outcome.codes.empty() && fs::space(s.folder, error).available == 0) outcome.codes.insert(kInputOutput);
@@ -292,7 +299,9 @@ int runSubmit(const Arguments& arguments) {
       "dry-run", po::bool_switch(), "print the script, and do nothing")(
       "jobs", po::value<std::string>()->value_name("N"),
       "how many tasks may run at a time (default: 100 for slurm; for parallel the processors that this process may "
-      "use, divided by --threads)");
+      "use, divided by --threads)")(
+      "batch", po::value<std::string>()->value_name("N"),
+      "how many tasks a process makes one after another, which spares small ones reading what they share (default: 1)");
   addMergeOptions(line);
   const auto dashes = std::find(arguments.begin(), arguments.end(), "--");
   if (!line.parse(Arguments(arguments.begin(), dashes))) return kDone;
@@ -315,6 +324,7 @@ int runSubmit(const Arguments& arguments) {
   if (dashes != arguments.end()) submission.engineArguments.assign(dashes + 1, arguments.end());
   submission.threadsGiven = line.has("threads");
   if (submission.threadsGiven) submission.threads = line.integer("threads", 1, kMostJobs);
+  if (line.has("batch")) submission.batch = static_cast<std::uint64_t>(line.integer("batch", 1, kMostJobs));
   const int processors = static_cast<int>(std::thread::hardware_concurrency());
   submission.jobs = line.has("jobs")          ? line.integer("jobs", 1, kMostJobs)
                     : engine == Engine::Slurm ? kUsualJobs

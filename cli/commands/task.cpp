@@ -18,6 +18,8 @@
 #include <optional>
 #include <ostream>
 
+#include <malloc.h>
+
 namespace po = boost::program_options;
 
 namespace cli {
@@ -80,6 +82,16 @@ Range rangeOf(const CommandLine& line) {
       "parallel");
 }
 
+/// Lets the layers of a lattice, which come and go, take memory from those before them, as every page that the system
+/// takes back has to be cleared again.
+void keepFreedMemory() {
+#ifdef __GLIBC__
+  constexpr int kLargestOfHeap = 32 << 20, kKept = 1 << 30;
+  mallopt(M_MMAP_THRESHOLD, kLargestOfHeap);
+  mallopt(M_TRIM_THRESHOLD, kKept);
+#endif
+}
+
 }  // namespace
 
 int runTask(const Arguments& arguments) {
@@ -91,6 +103,7 @@ int runTask(const Arguments& arguments) {
   if (!line.has("folder")) throw std::invalid_argument("no plan was given; name its folder");
   const Range range = rangeOf(line);
 
+  keepFreedMemory();
   vdbtools::farm::TaskRunner runner(line.text("folder"));
   const Number count = runner.manifest().tasks.size();
   if (range.last > count)

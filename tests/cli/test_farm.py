@@ -355,6 +355,21 @@ class Parallel(farm.FarmTest):
         log = self.path(f"{FARM}/logs/joblog").read_text().splitlines()
         self.assertEqual(len(log), TILES + 1, "each task once, and the killed one twice")
 
+    def test_a_process_makes_several_tasks(self):
+        self.plan()
+        self.assertEqual(self.ok("status", FARM, "--missing", "--batch", 7, data=True).split(), ["1-7", "8-14", "15-16"])
+        self.ok("task", FARM, "--index", 3)
+        self.assertEqual(self.ok("status", FARM, "--missing", "--batch", 7, data=True).split(), ["1-2", "4-10", "11-16"])
+        process = self.submit("--batch", 7)
+        _, said = process.communicate(timeout=harness.TIMEOUT)
+        self.assertEqual(process.returncode, DONE, said)
+        self.check_done()
+        self.check_merged()
+        log = self.path(f"{FARM}/logs/joblog").read_text().splitlines()
+        self.assertEqual(len(log), 3, "a line for each process")
+        for words in (("--missing", "--batch", 0), ("--batch", 2), ("--missing", "--lines", "--batch", 2)):
+            self.refused(USAGE, "status", FARM, *words)
+
     def test_stopped_and_resumed(self):
         self.plan()
         process = self.submit()

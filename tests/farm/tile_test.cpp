@@ -380,6 +380,51 @@ TEST_F(Tiles, ACountIsThatOfTheTilesThatAnotherPlanKeeps) {
   EXPECT_EQ(Vec3d(numbers.data() + 3), box.max());
 }
 
+// The tasks of a plan share a scene in one process, and none in processes of their own.
+TEST_F(Tiles, OneProcessMakesTheFilesOfOneForEachTask) {
+  for (const std::vector<std::string>& makes : std::vector<std::vector<std::string>>{{"ply"}, {"count"}, {"vdb"}}) {
+    const fs::path together = made(shape({{"detail", "0.5"}}), {.tileNodes = 19, .makes = makes});
+    const fs::path apart = inFolder("apart-" + makes.front());
+    fs::create_directory(apart);
+    for (const char* name : {kManifestName, "prepared.vdb"}) fs::copy_file(together / name, apart / name);
+    ASSERT_GT(mPlan.manifest.tasks.size(), 3u);
+    for (std::size_t i = 1; i <= mPlan.manifest.tasks.size(); ++i) EXPECT_TRUE(TaskRunner(apart).run(i, mMonitor));
+    for (const PlannedTask& task : mPlan.manifest.tasks)
+      for (const std::string& name : task.writes)
+        EXPECT_TRUE(readWholeFile(together / name) == readWholeFile(apart / name)) << name;
+  }
+}
+
+// Grids need the whole field of a tile. A tile that has none is made in layers, and has the same mesh.
+TEST_F(Tiles, AStreamedTileIsThatOfAHeldField) {
+  const Recipe box = {{"box", "-0.4,-0.9,-0.35,1.5,0.6,0.9"}};
+  Recipe capped = box;
+  capped["cap"] = "true";
+  const std::vector<Recipe> recipes = {
+      shape({{"detail", "0.5"}}),
+      shape(box),
+      shape(capped),
+      shape({{"alpha", "8"}, {"versor", "random"}, {"crumbs", "drop"}}),
+      completed({{"map", "cross"}, {"scheme", "5"}, {"pair", "A"}, {"c", "0.39,0.2,0"}, {"resolution", "24"}}),
+      completed({{"map", "mandelbulb"}, {"resolution", "30"}, {"crumbs", "drop"}})};
+  for (std::size_t i = 0; i < recipes.size(); ++i)
+    for (const char* grids : {"surface", "logmodulus"}) {
+      SCOPED_TRACE(std::to_string(i) + " with " + grids);
+      Recipe recipe = recipes[i];
+      recipe["grids"] = grids;
+      for (const TilePlanOptions& cut : {TilePlanOptions{.tiles = 3}, TilePlanOptions{.tileNodes = 13}}) {
+        TilePlanOptions with = cut, without = cut;
+        with.makes = {"vdb", "ply"};
+        without.makes = {"ply"};
+        const fs::path held = made(recipe, with), streamed = made(recipe, without);
+        for (std::size_t tile = 1; tile <= mPlan.manifest.tasks.size(); ++tile) {
+          const std::string name = "tiles/" + taskName(tile) + ".tile";
+          EXPECT_TRUE(readWholeFile(held / name) == readWholeFile(streamed / name)) << name;
+        }
+      }
+    }
+}
+
 TEST_F(Tiles, WhatCannotBeCountedIsRefused) {
   const Recipe recipe = shape({{"resolution", "20"}});
   const auto plan = [&](const Recipe& given, const std::vector<std::string>& makes) {

@@ -298,7 +298,10 @@ void addFarm(Seeds& seeds) {
     for (const bool parts : {false, true}) {
       if (parts) layer.pointParts = {0, 2, 0}, layer.triangleParts = {2};
       std::ostringstream stream(std::ios::binary);
-      writeTile(stream, {layer, layer}, doubles);
+      TileEncoder tile(doubles);
+      tile.add(layer);
+      tile.add(layer);
+      tile.write(stream);
       seeds.push_back({"tile", std::to_string(2 * doubles + parts), std::move(stream).str()});
       layer.pointParts.clear();
       layer.triangleParts.clear();

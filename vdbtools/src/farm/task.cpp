@@ -106,8 +106,9 @@ TaskFile fileRecord(const fs::path& folder, const std::string& name) {
 TaskMaker makerOf(const fs::path& folder, const Manifest& manifest) {
   switch (manifest.kind) {
     case PlanKind::Tiles:
-      return [](const fs::path& where, const Manifest& plan, std::uint64_t index, Monitor& monitor) {
-        return makeTile(where, plan, index, monitor);
+      return [maker = std::make_shared<TileMaker>(folder, manifest)](const fs::path&, const Manifest&,
+                                                                     std::uint64_t index, Monitor& monitor) {
+        return maker->make(index, monitor);
       };
     case PlanKind::Frames:
     case PlanKind::Sheet:
@@ -158,11 +159,17 @@ TaskRunner::TaskRunner(fs::path folder, TaskMaker maker)
   if (!mMaker) mMaker = makerOf(mFolder, mManifest);
 }
 
+void TaskRunner::sweep() {
+  if (mSwept && Clock::now() - *mSwept < kSweepInterval) return;
+  sweepPlan(mFolder, mManifest);
+  mSwept = Clock::now();
+}
+
 bool TaskRunner::run(std::uint64_t index, Monitor& monitor) {
   TaskRecord record;
   record.hash = taskHash(mManifest, index);
   // Also if nothing is to be made: another process with the same task may have been killed.
-  sweepPlan(mFolder, mManifest);
+  sweep();
   if (finishedTask(mFolder, mManifest, index, FileCheck::Content)) {
     removeUnneeded(mFolder, mManifest);
     return false;

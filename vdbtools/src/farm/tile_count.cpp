@@ -30,15 +30,18 @@ void addTo(std::uint64_t& sum, std::uint64_t value) {
 
 }  // namespace
 
-TileCount countTile(const std::vector<TileLayer>& layers) {
+void TileCounter::add(const TileLayer& layer) {
+  mTile.add(layer);
+  for (std::size_t i = 0; i < layer.positions.size(); ++i)
+    if ((layer.edges[i] & kGuest) == 0) mBox.expand(layer.positions[i]);
+}
+
+TileCount TileCounter::count() const {
   HashStream stream;
-  const TileCounts written = writeTile(stream, layers, false);
-  TileCount count{.points = written.points, .triangles = written.triangles, .sha256 = stream.sha256Hex()};
-  openvdb::BBoxd box;
-  for (const TileLayer& layer : layers)
-    for (std::size_t i = 0; i < layer.positions.size(); ++i)
-      if ((layer.edges[i] & kGuest) == 0) box.expand(layer.positions[i]);
-  if (count.points > 0) count.box = box;
+  mTile.write(stream);
+  const TileCounts& counts = mTile.counts();
+  TileCount count{.points = counts.points, .triangles = counts.triangles, .sha256 = stream.sha256Hex()};
+  if (count.points > 0) count.box = mBox;
   return count;
 }
 

@@ -25,8 +25,17 @@ struct TileCount {
   std::string sha256{};                 ///< of the tile file (tile_file.h), with 32-bit coordinates
 };
 
-/// @param layers  as writeTile() takes them
-TileCount countTile(const std::vector<TileLayer>& layers);
+/// Counts a tile while its layers arrive.
+class TileCounter {
+ public:
+  /// Adds the next layer in the order of x.
+  void add(const TileLayer& layer);
+  TileCount count() const;
+
+ private:
+  TileEncoder mTile{false};
+  openvdb::BBoxd mBox;
+};
 
 nlohmann::ordered_json jsonOf(const TileCount& count);
 /// That JSON as the text that parseTileCount() reads.

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <string>
 #include <string_view>
 #include <utility>
 
@@ -35,52 +34,48 @@ struct LayerHead {
 };
 
 template <class Value>
-void put(std::ostream& stream, const Value* values, std::size_t count) {
-  stream.write(reinterpret_cast<const char*>(values), static_cast<std::streamsize>(count * sizeof(Value)));
-}
-
-template <class Real>
-std::vector<openvdb::math::Vec3<Real>> converted(const std::vector<openvdb::Vec3d>& positions) {
-  return {positions.begin(), positions.end()};
+void put(std::string& bytes, const std::vector<Value>& values) {
+  bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value));
 }
 
 }  // namespace
 
-TileCounts writeTile(std::ostream& stream, const std::vector<TileLayer>& layers, bool doubles) {
-  TileCounts counts{.layers = layers.size()};
-  for (const TileLayer& layer : layers) {
-    for (const std::uint16_t edge : layer.edges) ++(edge & kGuest ? counts.guests : counts.points);
-    counts.triangles += layer.triangles.size();
-  }
-  const bool parts =
-      std::any_of(layers.begin(), layers.end(), [](const TileLayer& l) { return !l.pointParts.empty(); });
+void TileEncoder::add(const TileLayer& layer) {
+  for (const std::uint16_t edge : layer.edges) ++(edge & kGuest ? mCounts.guests : mCounts.points);
+  mCounts.triangles += layer.triangles.size();
+  ++mCounts.layers;
+  mParts = mParts || !layer.pointParts.empty();
+  const std::size_t coordinate = mDoubles ? sizeof(double) : sizeof(float);
+  std::string& bytes = mLayers.emplace_back();
+  bytes.reserve(sizeof(LayerHead) + layer.blocks.size() * sizeof(TileLayer::Block) +
+                layer.edges.size() * (sizeof(std::uint16_t) + 3 * coordinate + sizeof(openvdb::Vec3s)) +
+                layer.triangles.size() * sizeof(TileLayer::Triangle) +
+                (layer.pointParts.size() + layer.triangleParts.size()) * sizeof(std::uint32_t));
+  put(bytes, std::vector{LayerHead{layer.x, static_cast<std::uint32_t>(layer.blocks.size())}});
+  put(bytes, layer.blocks);
+  put(bytes, layer.edges);
+  if (mDoubles)
+    put(bytes, layer.positions);
+  else
+    put(bytes, std::vector<openvdb::Vec3s>(layer.positions.begin(), layer.positions.end()));
+  put(bytes, layer.normals);
+  put(bytes, layer.triangles);
+  put(bytes, layer.pointParts);
+  put(bytes, layer.triangleParts);
+}
+
+void TileEncoder::write(std::ostream& stream) const {
   Header header{.magic = {},
                 .version = kVersion,
-                .coordinate = static_cast<std::uint16_t>(doubles ? 8 : 4),
-                .parts = static_cast<std::uint16_t>(parts ? 1 : 0),
-                .points = counts.points,
-                .guests = counts.guests,
-                .triangles = counts.triangles,
-                .layers = counts.layers};
+                .coordinate = static_cast<std::uint16_t>(mDoubles ? sizeof(double) : sizeof(float)),
+                .parts = static_cast<std::uint16_t>(mParts ? 1 : 0),
+                .points = mCounts.points,
+                .guests = mCounts.guests,
+                .triangles = mCounts.triangles,
+                .layers = mCounts.layers};
   std::memcpy(header.magic, kMagic.data(), kMagic.size());
-  put(stream, &header, 1);
-  for (const TileLayer& layer : layers) {
-    const LayerHead head{layer.x, static_cast<std::uint32_t>(layer.blocks.size())};
-    put(stream, &head, 1);
-    put(stream, layer.blocks.data(), layer.blocks.size());
-    put(stream, layer.edges.data(), layer.edges.size());
-    if (doubles) {
-      put(stream, layer.positions.data(), layer.positions.size());
-    } else {
-      const std::vector<openvdb::Vec3s> floats = converted<float>(layer.positions);
-      put(stream, floats.data(), floats.size());
-    }
-    put(stream, layer.normals.data(), layer.normals.size());
-    put(stream, layer.triangles.data(), layer.triangles.size());
-    put(stream, layer.pointParts.data(), layer.pointParts.size());
-    put(stream, layer.triangleParts.data(), layer.triangleParts.size());
-  }
-  return counts;
+  stream.write(reinterpret_cast<const char*>(&header), sizeof header);
+  for (const std::string& layer : mLayers) stream.write(layer.data(), static_cast<std::streamsize>(layer.size()));
 }
 
 bool applyFilter(const TileFilter& filter, TileLayer& layer) {

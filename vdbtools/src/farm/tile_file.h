@@ -26,6 +26,7 @@
 #include <fstream>
 #include <optional>
 #include <ostream>
+#include <string>
 #include <vector>
 
 namespace vdbtools::farm {
@@ -66,9 +67,24 @@ struct TileCounts {
   std::uint64_t layers = 0;
 };
 
-/// @param layers  ordered by x
-/// @return the written counts
-TileCounts writeTile(std::ostream& stream, const std::vector<TileLayer>& layers, bool doubles);
+/// Makes the file of a tile from its layers, of which it keeps only the encoded bytes: the head of the file has the
+/// counts of all.
+class TileEncoder {
+ public:
+  /// @param doubles  whether coordinates have 64 bits
+  explicit TileEncoder(bool doubles) : mDoubles(doubles) {}
+
+  /// Adds the next layer in the order of x.
+  void add(const TileLayer& layer);
+  /// Counts of what was added.
+  const TileCounts& counts() const { return mCounts; }
+  void write(std::ostream& stream) const;
+
+ private:
+  bool mDoubles, mParts = false;
+  TileCounts mCounts;
+  std::vector<std::string> mLayers;
+};
 
 /// Removes what a filter does not select, and the marks kOnCap and the parts.
 /// @return false, without changes, if a part is unknown to the filter

@@ -2,7 +2,7 @@
 #include "farm/tile_task.h"
 
 #include "farm/tile_count.h"
-
+#include "farm/tile_layers.h"
 #include "field/block_layers.h"
 
 #include "vdbtools/base/errors.h"
@@ -15,6 +15,8 @@
 #include <openvdb/tree/ValueAccessor.h>
 
 #include <algorithm>
+#include <span>
+#include <utility>
 
 namespace vdbtools::farm {
 namespace {
@@ -31,8 +33,6 @@ void requireLattice(const TileLattice& lattice, const FieldPlan& plan) {
   if (lattice.domain == plan.domain && lattice.bounded == plan.bounded && lattice.voxelSize == plan.voxelSize) return;
   throw DataError(std::string("the lattice of the plan is not that of '") + kPreparedName + "'; plan again");
 }
-
-Coord leafOf(const Coord& node) { return node & ~(kBlock - 1); }
 
 /// The mesh without its caps, and the places of the rest.
 PlacedMesh withoutCaps(PlacedMesh placed) {
@@ -61,90 +61,20 @@ void setOpenNormals(PlacedMesh& placed) {
     if (!placed.places.points[i].cut) placed.mesh.normals[i] = open.mesh.normals[next++];
 }
 
-/// Collects the part of a window's mesh that a tile owns, by layers and blocks, and the further points that its
-/// triangles use.
-class LayerMaker {
- public:
-  /// @param islands  counts the points of its parts; may be null
-  LayerMaker(const PlacedMesh& placed, const CoordBBox& own, TileIslands* islands)
-      : mPlaced(placed), mOwn(own), mIslands(islands) {}
-
-  std::vector<TileLayer> make() {
-    const std::vector<EdgePlace>& edges = mPlaced.places.points;
-    const std::vector<Coord>& cells = mPlaced.places.triangles;
-    std::vector<char> used(edges.size(), 0);
-    for (std::size_t i = 0; i < cells.size(); ++i)
-      if (mOwn.isInside(cells[i]))
-        for (int k = 0; k < 3; ++k) used[mPlaced.mesh.triangles[i][k]] = 1;
-    // Both are ordered by blocks; a layer has the blocks of either.
-    std::size_t point = 0, triangle = 0;
-    while (point < edges.size() || triangle < cells.size()) {
-      const bool pointFirst =
-          point < edges.size() && (triangle == cells.size() || leafOf(edges[point].node) <= leafOf(cells[triangle]));
-      const Coord block = leafOf(pointFirst ? edges[point].node : cells[triangle]);
-      TileLayer::Block record{block[1], block[2]};
-      for (; point < edges.size() && leafOf(edges[point].node) == block; ++point)
-        if (const bool own = mOwn.isInside(edges[point].node); own || used[point]) {
-          addPoint(block, point, own);
-          ++record.points;
-        }
-      for (; triangle < cells.size() && leafOf(cells[triangle]) == block; ++triangle)
-        if (mOwn.isInside(cells[triangle])) {
-          addTriangle(block, triangle);
-          ++record.triangles;
-        }
-      if (record.points > 0 || record.triangles > 0) mLayers.back().blocks.push_back(record);
-    }
-    return std::move(mLayers);
+/// Passes on a mesh whose points and triangles are ordered by blocks.
+void passOn(const PlacedMesh& placed, PlacedMeshSink& sink) {
+  sink.addPoints({placed.mesh.points, placed.mesh.normals}, placed.places.points);
+  const std::span<const openvdb::Vec3I> triangles = placed.mesh.triangles;
+  const std::vector<Coord>& cells = placed.places.triangles;
+  std::vector<std::uint16_t> offsets;
+  for (std::size_t begin = 0; begin < cells.size(); begin += offsets.size()) {
+    const Coord block = cells[begin] & ~(kBlock - 1);
+    offsets.clear();
+    for (std::size_t i = begin; i < cells.size() && (cells[i] & ~(kBlock - 1)) == block; ++i)
+      offsets.push_back(static_cast<std::uint16_t>(Leaf::coordToOffset(cells[i])));
+    sink.addTriangles(triangles.subspan(begin, offsets.size()), block, offsets);
   }
-
- private:
-  TileLayer& layerOf(const Coord& block) {
-    if (mLayers.empty() || mLayers.back().x != block[0]) mLayers.push_back({.x = block[0]});
-    return mLayers.back();
-  }
-
-  static std::uint16_t edgeOf(const EdgePlace& edge) {
-    return static_cast<std::uint16_t>(3 * Leaf::coordToOffset(edge.node) + edge.axis);
-  }
-
-  void addPoint(const Coord& block, std::size_t point, bool own) {
-    TileLayer& layer = layerOf(block);
-    const EdgePlace& place = mPlaced.places.points[point];
-    std::uint16_t edge = edgeOf(place);
-    if (!own) edge |= kGuest;
-    if (mIslands) {
-      if (place.cut) edge |= kOnCap;
-      const std::uint32_t part = mIslands->partOf(place);
-      layer.pointParts.push_back(part);
-      if (own) mIslands->countPoint(part, place.cut);
-    }
-    layer.edges.push_back(edge);
-    layer.positions.push_back(mPlaced.mesh.points[point]);
-    layer.normals.push_back(mPlaced.mesh.normals[point]);
-  }
-
-  void addTriangle(const Coord& block, std::size_t triangle) {
-    TileLayer::Triangle record{static_cast<std::uint16_t>(Leaf::coordToOffset(mPlaced.places.triangles[triangle]))};
-    for (int k = 0; k < 3; ++k) {
-      const EdgePlace& edge = mPlaced.places.points[mPlaced.mesh.triangles[triangle][k]];
-      const Coord ahead = leafOf(edge.node) - block;
-      const unsigned neighbour = (ahead[0] ? 1u : 0) | (ahead[1] ? 2u : 0) | (ahead[2] ? 4u : 0);
-      record[static_cast<std::size_t>(k) + 1] = static_cast<std::uint16_t>(edgeOf(edge) | neighbour << kEdgeBits);
-      if (mIslands && edge.cut) record[0] |= kOnCap;
-    }
-    TileLayer& layer = layerOf(block);
-    layer.triangles.push_back(record);
-    // No triangle belongs to two islands.
-    if (mIslands)
-      layer.triangleParts.push_back(mIslands->partOf(mPlaced.places.points[mPlaced.mesh.triangles[triangle][0]]));
-  }
-
-  const PlacedMesh& mPlaced;
-  CoordBBox mOwn;
-  TileIslands* mIslands;
-  std::vector<TileLayer> mLayers;
-};
+}
 
 /// The evaluated nodes of a grid within a box; its leaves stay, even those without an evaluated node.
 FloatGrid::Ptr ownPart(const FloatGrid& whole, const CoordBBox& own) {
@@ -163,6 +93,43 @@ FloatGrid::Ptr ownPart(const FloatGrid& whole, const CoordBBox& own) {
     }
   }
   return part;
+}
+
+bool capsMesh(const Scene& scene, const FieldPlan& plan) { return scene.options.surface.cap || !plan.bounded; }
+
+/// A tile with grids, or with islands: its window's field and mesh are held as a whole.
+Tile makeHeldTile(const Scene& scene, const FieldPlan& plan, const CoordBBox& box, const FractalProducts& wanted,
+                  const TileLayerSink& layers, Monitor& monitor) {
+  const GridPlan grids = wanted.grids ? planGrids(scene.options.output) : GridPlan{};
+  const CoordBBox own = ownNodes(box, plan.domain);
+  const FractalField field = evaluateField(plan, scene.source(), grids.evaluation(), monitor);
+  Tile tile{.evaluatedNodes = field.evaluatedNodes, .crumbs = field.crumbs};
+  const bool dropped = dropsIslands(scene.options);
+  if (dropped) tile.islands.emplace(field, scene.source(), box, monitor);
+  const bool wantsSurface = grids.needsLevelSet();
+  const bool capMesh = capsMesh(scene, plan);
+  PlacedMesh placed = extractPlacedMesh(
+      field, scene.source(),
+      {.tolerance = scene.options.surface.tolerance, .border = capMesh || wantsSurface ? Border::Cap : Border::Open},
+      monitor);
+  if (wantsSurface && !dropped) {
+    const FloatGrid::Ptr surface = levelSetPart(field, scene.source(), placed.mesh, own, monitor);
+    surface->setName("surface");
+    tile.grids.push_back(surface);
+  }
+  if (grids.has(OutputGrid::LogModulus)) tile.grids.push_back(ownPart(*field.field, own));
+  if (grids.has(OutputGrid::Iterations)) tile.grids.push_back(ownPart(*field.iterations, own));
+  if (!wanted.mesh && !(wantsSurface && dropped)) return tile;
+  if (wantsSurface && !capMesh) {
+    if (dropped)
+      setOpenNormals(placed);
+    else
+      placed = withoutCaps(std::move(placed));
+  }
+  TileLayers ownLayers(own, tile.islands ? &*tile.islands : nullptr, layers);
+  passOn(placed, ownLayers);
+  ownLayers.finish();
+  return tile;
 }
 
 }  // namespace
@@ -232,39 +199,21 @@ CoordBBox ownNodes(const CoordBBox& box, const CoordBBox& domain) {
   return own;
 }
 
-Tile makeTile(const Scene& scene, const CoordBBox& box, const FractalProducts& wanted, Monitor& monitor) {
-  const GridPlan grids = wanted.grids ? planGrids(scene.options.output) : GridPlan{};
+Tile makeTile(const Scene& scene, const CoordBBox& box, const FractalProducts& wanted, const TileLayerSink& layers,
+              Monitor& monitor) {
+  const bool held = wanted.grids || dropsIslands(scene.options);
   CoordBBox window = box;
-  window.expand(kTileHalo);
+  window.expand(held ? kTileHalo : kMeshHalo);
   FieldPlan plan = planScene(scene, window);
   if (plan.crumbs) plan.crumbs->counted = box;
-  const CoordBBox own = ownNodes(box, plan.domain);
-  const FractalField field = evaluateField(plan, scene.source(), grids.evaluation(), monitor);
-  Tile tile{.evaluatedNodes = field.evaluatedNodes, .crumbs = field.crumbs};
-  const bool dropped = dropsIslands(scene.options);
-  if (dropped) tile.islands.emplace(field, scene.source(), box, monitor);
-  const bool wantsSurface = grids.needsLevelSet();
-  const bool capMesh = scene.options.surface.cap || !plan.bounded;
-  PlacedMesh placed = extractPlacedMesh(
-      field, scene.source(),
-      {.tolerance = scene.options.surface.tolerance, .border = capMesh || wantsSurface ? Border::Cap : Border::Open},
+  if (held) return makeHeldTile(scene, plan, box, wanted, layers, monitor);
+  TileLayers own(ownNodes(box, plan.domain), nullptr, layers);
+  const MeshCounts made = streamPlacedMesh(
+      plan, scene.source(),
+      {.tolerance = scene.options.surface.tolerance, .border = capsMesh(scene, plan) ? Border::Cap : Border::Open}, own,
       monitor);
-  if (wantsSurface && !dropped) {
-    const FloatGrid::Ptr surface = levelSetPart(field, scene.source(), placed.mesh, own, monitor);
-    surface->setName("surface");
-    tile.grids.push_back(surface);
-  }
-  if (grids.has(OutputGrid::LogModulus)) tile.grids.push_back(ownPart(*field.field, own));
-  if (grids.has(OutputGrid::Iterations)) tile.grids.push_back(ownPart(*field.iterations, own));
-  if (!wanted.mesh && !(wantsSurface && dropped)) return tile;
-  if (wantsSurface && !capMesh) {
-    if (dropped)
-      setOpenNormals(placed);
-    else
-      placed = withoutCaps(std::move(placed));
-  }
-  tile.layers = LayerMaker(placed, own, tile.islands ? &*tile.islands : nullptr).make();
-  return tile;
+  own.finish();
+  return {.evaluatedNodes = made.evaluatedNodes, .crumbs = made.crumbs};
 }
 
 bool tilesNeedDoubles(const TileJob& job) {
@@ -278,26 +227,38 @@ bool tilesNeedDoubles(const TileJob& job) {
   });
 }
 
-TaskCounts makeTile(const std::filesystem::path& folder, const Manifest& manifest, std::uint64_t index,
-                    Monitor& monitor) {
-  const bool onlyCounts = makes(manifest, kMakeCount);
-  const FractalProducts wanted{.grids = makes(manifest, "vdb"), .mesh = makesMesh(manifest) || onlyCounts};
-  const PlannedTask& task = manifest.tasks.at(index - 1);
-  const TileJob job = tileJob(manifest);
-  const FractalOptions& options = job.options;
-  const TileFiles& written = job.files;
-  OutputFiles files(inputsOf(options));
-  AtomicFile* const mesh = written.mesh ? &files.add(folder / tileMeshName(index)) : nullptr;
-  AtomicFile* const grids = written.grids ? &files.add(folder / tileGridsName(index)) : nullptr;
-  AtomicFile* const islands = written.islands ? &files.add(folder / tileIslandsName(index)) : nullptr;
-  AtomicFile* const count = written.count ? &files.add(folder / tileCountName(index)) : nullptr;
+TileMaker::TileMaker(std::filesystem::path folder, const Manifest& manifest)
+    : mFolder(std::move(folder)), mManifest(manifest), mJob(tileJob(mManifest)) {}
+
+const Scene& TileMaker::scene() {
+  if (mScene) return *mScene;
   // The files of controls have been used for the exponent, and need not be available.
-  std::vector<NamedFile> present = options.map->files();
+  std::vector<NamedFile> present = mJob.options.map->files();
   std::erase_if(present, [](const NamedFile& file) { return !std::filesystem::exists(file.path); });
   verifiedHashes(present);
-  const Scene scene = readPreparedScene(options, folder / kPreparedName);
-  requireLattice(job.lattice(), planScene(scene, CoordBBox()));
-  const Tile tile = makeTile(scene, task.box.value(), wanted, monitor);
+  Scene scene = readPreparedScene(mJob.options, mFolder / kPreparedName);
+  requireLattice(mJob.lattice(), planScene(scene, CoordBBox()));
+  return mScene.emplace(std::move(scene));
+}
+
+TaskCounts TileMaker::make(std::uint64_t index, Monitor& monitor) {
+  const bool onlyCounts = makes(mManifest, kMakeCount);
+  const FractalProducts wanted{.grids = makes(mManifest, "vdb"), .mesh = makesMesh(mManifest) || onlyCounts};
+  const TileFiles& written = mJob.files;
+  OutputFiles files(inputsOf(mJob.options));
+  AtomicFile* const mesh = written.mesh ? &files.add(mFolder / tileMeshName(index)) : nullptr;
+  AtomicFile* const grids = written.grids ? &files.add(mFolder / tileGridsName(index)) : nullptr;
+  AtomicFile* const islands = written.islands ? &files.add(mFolder / tileIslandsName(index)) : nullptr;
+  AtomicFile* const count = written.count ? &files.add(mFolder / tileCountName(index)) : nullptr;
+  TileEncoder encoder(written.cappedMesh || tilesNeedDoubles(mJob));
+  TileCounter counter;
+  const Tile tile = makeTile(
+      scene(), mManifest.tasks.at(index - 1).box.value(), wanted,
+      [&](const TileLayer& layer) {
+        if (mesh) encoder.add(layer);
+        if (count) counter.add(layer);
+      },
+      monitor);
   monitor.begin(PhaseKind::Writing, 0);
   TaskCounts counts;
   counts.counts["evaluatedNodes"] = static_cast<double>(tile.evaluatedNodes);
@@ -306,13 +267,14 @@ TaskCounts makeTile(const std::filesystem::path& folder, const Manifest& manifes
     counts.counts[kCrumbNodesCount] = static_cast<double>(tile.crumbs->nodes);
   }
   if (count) {
-    const TileCount of = countTile(tile.layers);
+    const TileCount of = counter.count();
     count->stream() << encodeTileCount(of);
     counts.counts["points"] = static_cast<double>(of.points);
     counts.counts["triangles"] = static_cast<double>(of.triangles);
   }
   if (mesh) {
-    const TileCounts of = writeTile(mesh->stream(), tile.layers, written.cappedMesh || tilesNeedDoubles(job));
+    encoder.write(mesh->stream());
+    const TileCounts& of = encoder.counts();
     counts.counts["points"] = static_cast<double>(of.points);
     counts.counts["triangles"] = static_cast<double>(of.triangles);
   }

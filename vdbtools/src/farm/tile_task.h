@@ -6,6 +6,7 @@
 
 #include "farm/tile_file.h"
 #include "farm/tile_islands.h"
+#include "farm/tile_layers.h"
 
 #include "vdbtools/farm/task.h"
 #include "vdbtools/job/fractal_job.h"
@@ -62,26 +63,51 @@ std::vector<std::string> tileNames(const TileFiles& files, std::uint64_t index);
 ///                               counted tile by tile
 void requireCuttable(const FractalOptions& options, const std::vector<std::string>& makes);
 
-/// How far a tile's level set and its normals depend on nodes of other tiles, in nodes.
+/// How far a tile's level set depends on nodes of other tiles, in nodes.
 inline constexpr int kTileHalo = 5;
+/// How far its mesh does: a normal is that of the triangles in the cells around an edge.
+inline constexpr int kMeshHalo = 2;
 
 /// The nodes of a tile for points, triangles and grids: if the domain ends at a face of its box, they include the nodes
 /// beyond, where caps and bands lie.
 openvdb::CoordBBox ownNodes(const openvdb::CoordBBox& box, const openvdb::CoordBBox& domain);
 
+/// What is made of a tile beside the layers of its mesh.
 struct Tile {
-  std::vector<TileLayer> layers;              ///< of the mesh, if it is requested
   std::vector<openvdb::GridBase::Ptr> grids;  ///< the tile's parts of the requested grids that are made of parts
   std::optional<TileIslands> islands;         ///< if islands are to be dropped
   std::uint64_t evaluatedNodes = 0;
   std::optional<CrumbReport> crumbs{};  ///< for the nodes that the tile owns, if crumbs are dropped
 };
 
-/// @param box  the nodes that the tile owns
-Tile makeTile(const Scene& scene, const openvdb::CoordBBox& box, const FractalProducts& wanted, Monitor& monitor);
+/// A tile that has neither grids nor islands is made in layers of blocks, and is never held as a whole.
+/// @param box     the nodes that the tile owns
+/// @param layers  takes those of the mesh, if the tile has one
+Tile makeTile(const Scene& scene, const openvdb::CoordBBox& box, const FractalProducts& wanted,
+              const TileLayerSink& layers, Monitor& monitor);
 
-TaskCounts makeTile(const std::filesystem::path& folder, const Manifest& manifest, std::uint64_t index,
-                    Monitor& monitor);
+/// Runs the tasks of one plan one after another; what they share is read once.
+class TileMaker {
+ public:
+  /// @param folder, manifest  of a plan of tiles
+  TileMaker(std::filesystem::path folder, const Manifest& manifest);
+  TileMaker(const TileMaker&) = delete;
+  TileMaker& operator=(const TileMaker&) = delete;
+
+  /// Makes the files of task @a index, and commits all of them together. The first task checks the map's files, and
+  /// reads the prepared scene.
+  /// @throw DataError  the scene is not that of the plan, or a file of the map is not that of its recipe
+  /// @throw as readPreparedScene(); CreateError, IoError
+  TaskCounts make(std::uint64_t index, Monitor& monitor);
+
+ private:
+  const Scene& scene();
+
+  std::filesystem::path mFolder;
+  Manifest mManifest;
+  TileJob mJob;
+  std::optional<Scene> mScene;
+};
 
 /// Whether the mesh of a plan must be stored in doubles until it is merged.
 bool tilesNeedDoubles(const TileJob& job);

@@ -30,15 +30,51 @@ std::vector<const Leaf*> sortedLeaves(const openvdb::FloatTree& tree) {
   return leaves;
 }
 
+/// Keeps the whole mesh and its places.
+class PlacedCollector final : public PlacedMeshSink {
+ public:
+  explicit PlacedCollector(PlacedMesh& mesh) : mPlaces(mesh.places), mMesh(mesh.mesh) {}
+  void addPoints(const PointBatch& batch, std::span<const EdgePlace> places) override {
+    mMesh.addPoints(batch);
+    mPlaces.points.insert(mPlaces.points.end(), places.begin(), places.end());
+  }
+  void addTriangles(std::span<const openvdb::Vec3I> triangles, const openvdb::Coord& block,
+                    std::span<const std::uint16_t> cells) override {
+    mMesh.addTriangles(triangles, 0);
+    for (const std::uint16_t cell : cells) mPlaces.triangles.push_back(block + Leaf::offsetToLocalCoord(cell));
+  }
+
+ private:
+  MeshPlaces& mPlaces;
+  MeshCollector mMesh;
+};
+
+/// Keeps the whole mesh, and which of its points lie on caps.
+class CappedCollector final : public PlacedMeshSink {
+ public:
+  explicit CappedCollector(CappedMesh& mesh) : mOnCap(mesh.onCap), mMesh(mesh.mesh) {}
+  void addPoints(const PointBatch& batch, std::span<const EdgePlace> places) override {
+    mMesh.addPoints(batch);
+    for (const EdgePlace& edge : places) mOnCap.push_back(edge.cut);
+  }
+  void addTriangles(std::span<const openvdb::Vec3I> triangles, const openvdb::Coord&,
+                    std::span<const std::uint16_t>) override {
+    mMesh.addTriangles(triangles, 0);
+  }
+
+ private:
+  std::vector<bool>& mOnCap;
+  MeshCollector mMesh;
+};
+
 MeshCounts extract(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
-                   bool normals, MeshPlaces* places, MeshSink& sink, Monitor& monitor) {
+                   bool normals, SurfaceExtractor::Sink sink, Monitor& monitor) {
   SurfaceExtractor extractor(source,
                              {.extract = options,
                               .domain = field.domain,
                               .window = field.window,
                               .voxelSize = field.field->voxelSize()[0],
-                              .normals = normals,
-                              .places = places},
+                              .normals = normals},
                              sink, monitor);
   const std::vector<const Leaf*> leaves = sortedLeaves(field.field->tree());
   monitor.begin(PhaseKind::Surface, leaves.size());
@@ -52,65 +88,9 @@ MeshCounts extract(const FractalField& field, const FieldSource& source, const E
   return {extractor.points(), extractor.triangles()};
 }
 
-}  // namespace
-
-Mesh extractMesh(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
-                 Monitor& monitor) {
-  Mesh mesh;
-  MeshCollector collector(mesh);
-  extract(field, source, options, false, nullptr, collector, monitor);
-  return mesh;
-}
-
-MeshCounts extractMesh(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
-                       MeshSink& sink, Monitor& monitor) {
-  return extract(field, source, options, true, nullptr, sink, monitor);
-}
-
-CappedMesh extractCappedMesh(const FractalField& field, const FieldSource& source, double tolerance, Monitor& monitor) {
-  CappedMesh result;
-  MeshCollector collector(result.mesh);
-  MeshPlaces places;
-  extract(field, source, {.tolerance = tolerance, .border = Border::Cap}, false, &places, collector, monitor);
-  result.onCap.reserve(places.points.size());
-  for (const EdgePlace& edge : places.points) result.onCap.push_back(edge.cut);
-  return result;
-}
-
-PlacedMesh extractPlacedMesh(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
-                             Monitor& monitor) {
-  PlacedMesh result;
-  MeshCollector collector(result.mesh);
-  extract(field, source, options, true, &result.places, collector, monitor);
-  return result;
-}
-
-Mesh withoutCaps(CappedMesh capped) {
-  // Every triangle of a cell that the border crosses has a corner on a cap: around the inside corners of such a cell, a
-  // loop crosses at most two edges within the domain's face, and leaves the domain between them.
-  constexpr openvdb::Index kDropped = std::numeric_limits<openvdb::Index>::max();
-  Mesh& mesh = capped.mesh;
-  std::vector<openvdb::Index> kept(mesh.points.size(), kDropped);
-  openvdb::Index count = 0;
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    if (capped.onCap[i]) continue;
-    mesh.points[count] = mesh.points[i];
-    kept[i] = count++;
-  }
-  mesh.points.resize(count);
-  std::erase_if(mesh.triangles, [&](const openvdb::Vec3I& triangle) {
-    return kept[triangle[0]] == kDropped || kept[triangle[1]] == kDropped || kept[triangle[2]] == kDropped;
-  });
-  for (openvdb::Vec3I& triangle : mesh.triangles)
-    for (int k = 0; k < 3; ++k) triangle[k] = kept[triangle[k]];
-  return std::move(mesh);
-}
-
-namespace {
-
-/// @param band  may be null
-MeshCounts stream(const FieldPlan& plan, const FieldSource& source, const ExtractMeshOptions& options, bool normals,
-                  BandMaker* band, MeshSink& sink, Monitor& monitor) {
+/// @param band  receives all layers, too; may be null
+MeshCounts streamLayers(const FieldPlan& plan, const FieldSource& source, const ExtractMeshOptions& options,
+                        bool normals, BandMaker* band, SurfaceExtractor::Sink sink, Monitor& monitor) {
   SurfaceExtractor extractor(source,
                              {.extract = options,
                               .domain = plan.domain,
@@ -155,17 +135,76 @@ MeshCounts stream(const FieldPlan& plan, const FieldSource& source, const Extrac
 
 }  // namespace
 
+Mesh extractMesh(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
+                 Monitor& monitor) {
+  Mesh mesh;
+  MeshCollector collector(mesh);
+  extract(field, source, options, false, &collector, monitor);
+  return mesh;
+}
+
+MeshCounts extractMesh(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
+                       MeshSink& sink, Monitor& monitor) {
+  return extract(field, source, options, true, &sink, monitor);
+}
+
+CappedMesh extractCappedMesh(const FractalField& field, const FieldSource& source, double tolerance, Monitor& monitor) {
+  CappedMesh result;
+  CappedCollector collector(result);
+  extract(field, source, {.tolerance = tolerance, .border = Border::Cap}, false, &collector, monitor);
+  return result;
+}
+
+PlacedMesh extractPlacedMesh(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
+                             Monitor& monitor) {
+  PlacedMesh result;
+  PlacedCollector collector(result);
+  extract(field, source, options, true, &collector, monitor);
+  return result;
+}
+
+MeshCounts extractPlacedMesh(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
+                             PlacedMeshSink& sink, Monitor& monitor) {
+  return extract(field, source, options, true, &sink, monitor);
+}
+
+Mesh withoutCaps(CappedMesh capped) {
+  // Every triangle of a cell that the border crosses has a corner on a cap: around the inside corners of such a cell, a
+  // loop crosses at most two edges within the domain's face, and leaves the domain between them.
+  constexpr openvdb::Index kDropped = std::numeric_limits<openvdb::Index>::max();
+  Mesh& mesh = capped.mesh;
+  std::vector<openvdb::Index> kept(mesh.points.size(), kDropped);
+  openvdb::Index count = 0;
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    if (capped.onCap[i]) continue;
+    mesh.points[count] = mesh.points[i];
+    kept[i] = count++;
+  }
+  mesh.points.resize(count);
+  std::erase_if(mesh.triangles, [&](const openvdb::Vec3I& triangle) {
+    return kept[triangle[0]] == kDropped || kept[triangle[1]] == kDropped || kept[triangle[2]] == kDropped;
+  });
+  for (openvdb::Vec3I& triangle : mesh.triangles)
+    for (int k = 0; k < 3; ++k) triangle[k] = kept[triangle[k]];
+  return std::move(mesh);
+}
+
 MeshCounts streamMesh(const FieldPlan& plan, const FieldSource& source, const ExtractMeshOptions& options,
                       MeshSink& sink, Monitor& monitor) {
-  return stream(plan, source, options, true, nullptr, sink, monitor);
+  return streamLayers(plan, source, options, true, nullptr, &sink, monitor);
+}
+
+MeshCounts streamPlacedMesh(const FieldPlan& plan, const FieldSource& source, const ExtractMeshOptions& options,
+                            PlacedMeshSink& sink, Monitor& monitor) {
+  return streamLayers(plan, source, options, true, nullptr, &sink, monitor);
 }
 
 StreamedSurface streamSurface(const FieldPlan& plan, const FieldSource& source, double tolerance, bool normals,
                               MeshSink& sink, Monitor& monitor) {
   BandMaker band(plan.voxelSize, plan.domain, monitor);
-  StreamedSurface surface{
-      .mesh = stream(plan, source, {.tolerance = tolerance, .border = Border::Cap}, normals, &band, sink, monitor),
-      .levelSet = nullptr};
+  StreamedSurface surface{.mesh = streamLayers(plan, source, {.tolerance = tolerance, .border = Border::Cap}, normals,
+                                               &band, &sink, monitor),
+                          .levelSet = nullptr};
   if (surface.mesh.triangles == 0) return surface;
   monitor.begin(PhaseKind::LevelSet, 0);
   surface.levelSet = band.finish();

@@ -51,7 +51,7 @@ struct SurfaceExtractor::Layer {
 
   int x = 0;  // x of the blocks' first nodes
   std::vector<const Leaf*> leaves;
-  std::vector<Coord> origins;      // of each leaf; if a band is made
+  std::vector<Coord> origins;      // of each leaf; if places are requested or a band is made
   std::vector<InsideBits> inside;  // of each leaf
   std::vector<Sides> sides;        // of each leaf's nodes
   std::shared_ptr<void> owner;
@@ -62,7 +62,8 @@ struct SurfaceExtractor::Layer {
   std::vector<Vec3d> normals;                           // sums of the triangles' normals, weighted by area
   std::uint64_t first = 0;                              // index among all vertices
   std::vector<std::vector<openvdb::Vec3I>> triangles;   // of each leaf
-  std::vector<std::vector<Coord>> cells;                // of each triangle, for each leaf; if requested
+  std::vector<EdgePlace> places;                        // of the vertices, if requested
+  std::vector<std::vector<std::uint16_t>> cells;        // of each triangle, for each leaf; if requested
 
   /// Finds the neighbours of all leaves, in the order of LeafSigns.
   void findNeighbours(const Layer* next) {
@@ -83,8 +84,12 @@ struct SurfaceExtractor::Layer {
   }
 };
 
-SurfaceExtractor::SurfaceExtractor(const FieldSource& source, const Options& options, MeshSink& sink, Monitor& monitor)
-    : mSource(source), mOptions(options), mSink(sink), mMonitor(monitor) {
+SurfaceExtractor::SurfaceExtractor(const FieldSource& source, const Options& options, Sink sink, Monitor& monitor)
+    : mSource(source), mOptions(options), mMonitor(monitor) {
+  MeshSink* const* const plain = std::get_if<MeshSink*>(&sink);
+  PlacedMeshSink* const* const placed = std::get_if<PlacedMeshSink*>(&sink);
+  mSink = plain ? *plain : nullptr;
+  mPlaced = placed ? *placed : nullptr;
   mNodes = options.window;
   for (int axis = 0; axis < 3; ++axis) {
     // The window ends there with the domain, and a cap lies beyond.
@@ -115,7 +120,8 @@ void SurfaceExtractor::add(std::vector<const Leaf*> leaves, std::shared_ptr<void
                                                                : Layer::Sides::Both;
     }
   });
-  if (mOptions.band) {
+  // The leaves will be gone when the triangles are passed on.
+  if (mPlaced || mOptions.band) {
     layer->origins.reserve(leaves.size());
     for (const Leaf* const leaf : leaves) layer->origins.push_back(leaf->origin());
   }
@@ -234,9 +240,6 @@ void SurfaceExtractor::countVertices(Layer& layer) {
     if (part) {
       part->first = count;
       count += part->edges.size();
-      if (mOptions.places)
-        for (const LatticeEdge& edge : part->edges)
-          mOptions.places->points.push_back({edge.begin, static_cast<std::uint8_t>(edge.axis), edge.cut});
     }
   layer.first = mPoints;
   mPoints += count;
@@ -245,6 +248,7 @@ void SurfaceExtractor::countVertices(Layer& layer) {
                     " vertices, the most that 32-bit indices can count; use larger voxels, or cut the lattice into "
                     "tiles that are meshed one by one");
   layer.positions.resize(count);
+  if (mPlaced) layer.places.resize(count);
   if (mOptions.normals) layer.normals.assign(count, Vec3d(0));
 }
 
@@ -262,6 +266,11 @@ void SurfaceExtractor::placeVertices(Layer& layer) const {
       edges.insert(edges.end(), layer.vertices[i]->edges.begin(), layer.vertices[i]->edges.end());
       layer.vertices[i]->edges = {};
     }
+    if (mPlaced)
+      std::transform(edges.begin(), edges.end(), layer.places.begin() + static_cast<std::ptrdiff_t>(first),
+                     [](const LatticeEdge& edge) {
+                       return EdgePlace{edge.begin, static_cast<std::uint8_t>(edge.axis), edge.cut};
+                     });
     const std::vector<Vec3d> found = searchEdges(edges, mOptions.voxelSize, mSource, mOptions.extract.tolerance);
     std::copy(found.begin(), found.end(), layer.positions.begin() + static_cast<std::ptrdiff_t>(first));
   });
@@ -302,17 +311,19 @@ void SurfaceExtractor::walk(std::size_t leafIndex, Layer& layer, const Layer* ne
   const bool nearBorder = !mOptions.domain.isInside(reached), nearEnd = !mNodes.isInside(reached);
   std::vector<openvdb::Vec3I>& triangles = layer.triangles[leafIndex];
   triangles.reserve(2 * kUsualEdges);
+  if (mPlaced) layer.cells[leafIndex].reserve(2 * kUsualEdges);
   for (unsigned x = 0; x < kSide; ++x)
     for (unsigned y = 0; y < kSide; ++y)
       for (unsigned rest = signs.mixedCells(x, y); rest != 0; rest &= rest - 1) {
         const auto z = static_cast<unsigned>(std::countr_zero(rest));
-        const Coord node = leaf.offsetToGlobalCoord((x * kSide + y) * kSide + z);
+        const Index offset = (x * kSide + y) * kSide + z;
+        const Coord node = leaf.offsetToGlobalCoord(offset);
         if (nearBorder && mOptions.extract.border == Border::Open &&
             !mOptions.domain.isInside(CoordBBox(node, node.offsetBy(1))))
           continue;
         if (nearEnd && !mNodes.isInside(CoordBBox(node, node.offsetBy(1)))) continue;
         for (const CellTriangle& triangle : cellTriangles(signs.cell(x, y, z))) {
-          if (mOptions.places) layer.cells[leafIndex].push_back(node);
+          if (mPlaced) layer.cells[leafIndex].push_back(static_cast<std::uint16_t>(offset));
           triangles.emplace_back(vertex(node, triangle[0]), vertex(node, triangle[1]), vertex(node, triangle[2]));
         }
       }
@@ -320,7 +331,7 @@ void SurfaceExtractor::walk(std::size_t leafIndex, Layer& layer, const Layer* ne
 
 void SurfaceExtractor::findTriangles(Layer& layer, Layer* next) {
   layer.triangles.resize(layer.leaves.size());
-  if (mOptions.places) layer.cells.resize(layer.leaves.size());
+  if (mPlaced) layer.cells.resize(layer.leaves.size());
   inParallel(layer.leaves.size(), 16, mMonitor, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       if (!isOneSided(i, layer, next)) walk(i, layer, next);
@@ -351,8 +362,13 @@ void SurfaceExtractor::emitPoints(Layer& layer) {
   inParallel(units.size(), 4096, mMonitor, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) units[i] = unitNormal(layer.normals[i]);
   });
-  if (!layer.positions.empty()) mSink.addPoints({layer.positions, units});
   layer.normals = {};
+  const PointBatch batch{layer.positions, units};
+  if (layer.positions.empty()) return;
+  if (mPlaced)
+    mPlaced->addPoints(batch, layer.places);
+  else
+    mSink->addPoints(batch);
 }
 
 void SurfaceExtractor::addToBand(const Layer& layer, const Layer* next) {
@@ -366,14 +382,15 @@ void SurfaceExtractor::addToBand(const Layer& layer, const Layer* next) {
 }
 
 void SurfaceExtractor::emitTriangles(Layer& layer) {
-  for (const auto& part : layer.triangles) {
+  for (std::size_t i = 0; i < layer.triangles.size(); ++i) {
+    const std::vector<openvdb::Vec3I>& part = layer.triangles[i];
     if (part.empty()) continue;
-    mSink.addTriangles(part, layer.first);
+    if (mPlaced)
+      mPlaced->addTriangles(part, layer.origins[i], layer.cells[i]);
+    else
+      mSink->addTriangles(part, layer.first);
     mTriangles += part.size();
   }
-  if (!mOptions.places) return;
-  for (const auto& part : layer.cells)
-    mOptions.places->triangles.insert(mOptions.places->triangles.end(), part.begin(), part.end());
 }
 
 }  // namespace vdbtools

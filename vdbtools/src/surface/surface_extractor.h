@@ -16,6 +16,7 @@
 #include <deque>
 #include <memory>
 #include <span>
+#include <variant>
 #include <vector>
 
 namespace vdbtools {
@@ -32,11 +33,13 @@ class SurfaceExtractor {
     openvdb::CoordBBox window;  ///< as FieldPlan::window
     double voxelSize = 0;       ///< world units
     bool normals = false;
-    MeshPlaces* places = nullptr;  ///< if not null, receives the places of all points and triangles in order
-    BandMaker* band = nullptr;     ///< if not null, receives all layers in order; needs Border::Cap
+    BandMaker* band = nullptr;  ///< if not null, receives all layers in order; needs Border::Cap
   };
 
-  SurfaceExtractor(const FieldSource& source, const Options& options, MeshSink& sink, Monitor& monitor);
+  /// What takes the mesh: with its places, or without.
+  using Sink = std::variant<MeshSink*, PlacedMeshSink*>;
+
+  SurfaceExtractor(const FieldSource& source, const Options& options, Sink sink, Monitor& monitor);
   ~SurfaceExtractor();
   SurfaceExtractor(const SurfaceExtractor&) = delete;
   SurfaceExtractor& operator=(const SurfaceExtractor&) = delete;
@@ -80,7 +83,8 @@ class SurfaceExtractor {
   FieldSource mSource;
   Options mOptions;
   openvdb::CoordBBox mNodes;  ///< nodes that edges and cells may use: those of the window, and those beyond the domain
-  MeshSink& mSink;
+  MeshSink* mSink;            ///< null if the mesh is wanted with its places
+  PlacedMeshSink* mPlaced;    ///< else null
   Monitor& mMonitor;
   std::deque<std::unique_ptr<Layer>> mLayers;
   std::uint64_t mPoints = 0, mTriangles = 0;

@@ -11,6 +11,7 @@
 #include "vdbtools/farm/manifest.h"
 #include "vdbtools/files/input_files.h"
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -101,8 +102,9 @@ class TaskRunner {
 
   const Manifest& manifest() const { return mManifest; }
 
-  /// Sweeps the folder, checks the inputs, makes the task's files and writes its side-car; then removes what no task
-  /// needs any more. An interruption leaves the task missing.
+  /// Makes the task's files and writes its side-car; then removes what no task needs any more. Before the first task,
+  /// it sweeps the folder and checks the inputs; it sweeps again where the last time is kSweepInterval ago. An
+  /// interruption leaves the task missing.
   /// @return false if the task was already done
   /// @throw as requireInputs(), AtomicFile and the maker; std::out_of_range
   bool run(std::uint64_t index, Monitor& monitor);
@@ -110,10 +112,16 @@ class TaskRunner {
   /// Records that a task has failed, if the disk permits. @param error  one line
   void recordFailure(std::uint64_t index, int exitCode, const std::string& error) const noexcept;
 
+  /// Sweeping lists whole folders, which is too much for each of many small tasks.
+  static constexpr std::chrono::seconds kSweepInterval{10};
+
  private:
+  void sweep();
+
   std::filesystem::path mFolder;
   TaskMaker mMaker;
   Manifest mManifest;
+  std::optional<std::chrono::steady_clock::time_point> mSwept;  ///< when it last did
   bool mInputsChecked = false;
 };
 

@@ -16,6 +16,10 @@
 #include "vdbtools/mesh/mesh.h"
 #include "vdbtools/mesh/mesh_sink.h"
 
+#include <cstdint>
+#include <span>
+#include <vector>
+
 namespace vdbtools {
 
 /// What happens where the domain cuts the set.
@@ -53,6 +57,21 @@ struct PlacedMesh {
   MeshPlaces places;
 };
 
+/// Takes a mesh in pieces, as a MeshSink does, with the places of its points and triangles.
+class PlacedMeshSink {
+ public:
+  virtual ~PlacedMeshSink() = default;
+
+  /// Adds the next points. @param places  of each point
+  virtual void addPoints(const PointBatch& batch, std::span<const EdgePlace> places) = 0;
+
+  /// Adds the next triangles, as indices into all points, of cells in one block of 8^3 nodes.
+  /// @param block  the first node of the block
+  /// @param cells  for each triangle the offset of its cell's first node in the block
+  virtual void addTriangles(std::span<const openvdb::Vec3I> triangles, const openvdb::Coord& block,
+                            std::span<const std::uint16_t> cells) = 0;
+};
+
 struct MeshCounts {
   std::uint64_t points = 0, triangles = 0;
   std::uint64_t evaluatedNodes = 0;     ///< evaluated nodes of the lattice; 0 if the field was evaluated before
@@ -77,6 +96,10 @@ Mesh withoutCaps(CappedMesh capped);
 PlacedMesh extractPlacedMesh(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
                              Monitor& monitor);
 
+/// Extracts the same in pieces.
+MeshCounts extractPlacedMesh(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
+                             PlacedMeshSink& sink, Monitor& monitor);
+
 /// Extracts the mesh in pieces, with normals as computeNormals() makes them.
 MeshCounts extractMesh(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
                        MeshSink& sink, Monitor& monitor);
@@ -85,6 +108,8 @@ MeshCounts extractMesh(const FractalField& field, const FieldSource& source, con
 /// Crumbs are dropped on the way, if the plan drops them.
 MeshCounts streamMesh(const FieldPlan& plan, const FieldSource& source, const ExtractMeshOptions& options,
                       MeshSink& sink, Monitor& monitor);
+MeshCounts streamPlacedMesh(const FieldPlan& plan, const FieldSource& source, const ExtractMeshOptions& options,
+                            PlacedMeshSink& sink, Monitor& monitor);
 
 struct StreamedSurface {
   MeshCounts mesh;
