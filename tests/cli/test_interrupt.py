@@ -48,10 +48,10 @@ class Interrupt(harness.CliTest):
 
     def test_field(self):
         self.interrupt_in("field", "fractal", "s.obj", "-o", "x.vdb", "--mesh", "x.ply", "--resolution", 1000,
-                          "--alpha", 6, "--sdf-resolution", 48)
+                          "--alpha", 6, "--sdf-resolution", 48, "--grids", "surface,logmodulus")
 
-    def test_field_by_sigterm(self):
-        self.interrupt_in("field", "fractal", "s.obj", "-o", "x.vdb", "--resolution", 1000, "--alpha", 6,
+    def test_level_set_by_sigterm(self):
+        self.interrupt_in("surface", "fractal", "s.obj", "-o", "x.vdb", "--resolution", 1000, "--alpha", 6,
                           "--sdf-resolution", 48, by=signal.SIGTERM)
 
     def test_surface(self):
@@ -100,7 +100,7 @@ class Interrupt(harness.CliTest):
 
     def test_an_existing_output_stays(self):
         self.write("x.vdb", "precious")
-        self.interrupt_in("field", "fractal", "s.obj", "-o", "x.vdb", "--resolution", 1000, "--alpha", 6,
+        self.interrupt_in("surface", "fractal", "s.obj", "-o", "x.vdb", "--resolution", 1000, "--alpha", 6,
                           "--sdf-resolution", 48)
         self.assertEqual(self.bytes("x.vdb"), b"precious")
 

@@ -129,7 +129,7 @@ class Progress(harness.CliTest):
         text = b""
         for line in process.stderr:
             text += line
-            if json.loads(line).get("phase") == "field":
+            if json.loads(line).get("phase") == "surface":
                 break
         process.send_signal(signal.SIGINT)
         text += process.communicate(timeout=harness.TIMEOUT)[1]
