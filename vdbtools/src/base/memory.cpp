@@ -214,7 +214,10 @@ std::optional<std::string> memoryRunsOut() {
 void requireMemory(double bytes, MemoryUse use, const std::string& what) {
   // Too little to ask the system.
   constexpr double kLittle = 8 * kKibi * kKibi;
-  if (bytes < kLittle) return;
+  if (bytes >= kLittle) requireMemoryForStep(bytes, use, what);
+}
+
+void requireMemoryForStep(double bytes, MemoryUse use, const std::string& what) {
   const MemoryLeft left = memoryLeft();
   if (bytes <= left.bytes) return;
   throw MemoryError(what + " would take at least " + memoryText(bytes) + " of memory, but " + left.limit + " leaves " +

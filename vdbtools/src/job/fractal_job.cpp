@@ -2,6 +2,7 @@
 #include "vdbtools/job/fractal_job.h"
 
 #include "base/elementary.h"
+#include "field/block_layers.h"
 #include "job/output_grids.h"
 #include "job/point_attributes.h"
 #include "vdbtools/base/errors.h"
@@ -75,9 +76,37 @@ void meshInto(const Scene& scene, const FractalPlan& plan, MeshOutput* output, F
   if (plan.border == Border::Cap || !scene.options.lattice.box) result.solid = meter.measure();
 }
 
+/// A lower bound of the lines of the lattice along an axis that meet the set, on average over the three axes; 0 if
+/// nothing is known.
+double leastShadow(const Scene& scene) {
+  // A box may cut the set off.
+  if (!scene.exponent() || scene.options.lattice.box) return 0;
+  double nodes = 0;
+  const FloatGrid& exponent = *scene.exponent()->grid;
+  for (auto value = exponent.cbeginValueAll(); value; ++value)
+    if (*value <= scene.exponent()->shell.lower) nodes += static_cast<double>(value.getVoxelCount());
+  const double volume = nodes * std::abs(exponent.transform().voxelSize().product());
+  // What is surely inside has a volume V, and V^2 is at most the product of its three shadows (Loomis and Whitney),
+  // whose sum is therefore at least 3 V^(2/3). V is counted in nodes, of which those at its surface have a part
+  // outside.
+  constexpr double kSure = 0.8;
+  return kSure * elementary::cbrt(volume * volume) / (scene.voxelSize * scene.voxelSize);
+}
+
+/// @throw MemoryError  the band of the level set will not fit
+void requireMemoryForLevelSet(const Scene& scene) {
+  // A column of blocks that the set meets has a block of the band where a line enters and one where it leaves.
+  constexpr double kBytesOfLeaf = 2200;
+  const double blocks = 2 * leastShadow(scene) / (kBlock * kBlock);
+  requireMemory(
+      kBytesOfLeaf * blocks, MemoryUse::Field,
+      "a level set of more than " + std::to_string(static_cast<std::uint64_t>(blocks)) + " blocks of 8^3 nodes");
+}
+
 /// The mesh, the level set, or both, in layers.
 void makeStreamed(const Scene& scene, const FractalPlan& plan, const PointAttributes* attributes, MeshOutput* output,
                   FractalResult& result, Monitor& monitor) {
+  if (!plan.grids.empty()) requireMemoryForLevelSet(scene);
   const FieldSource source = scene.source();
   FloatGrid::Ptr surface;
   meshInto(scene, plan, output, result, [&](const ExtractMeshOptions& options, MeshSink& sink) {
@@ -178,18 +207,10 @@ FractalResult runFractal(const Scene& scene, const FractalPlan& plan, MeshSink* 
 }
 
 void requireMemoryForMesh(const Scene& scene) {
-  // A box may cut the surface off, and flat places may need few triangles.
-  if (!scene.exponent() || scene.options.lattice.box || scene.options.surface.adaptivity > 0) return;
-  double nodes = 0;
-  const FloatGrid& exponent = *scene.exponent()->grid;
-  for (auto value = exponent.cbeginValueAll(); value; ++value)
-    if (*value <= scene.exponent()->shell.lower) nodes += static_cast<double>(value.getVoxelCount());
-  const double volume = nodes * std::abs(exponent.transform().voxelSize().product());
-  // Each line of the lattice through that volume V crosses the surface twice, and V^2 is at most the product of its
-  // three shadows (Loomis and Whitney), whose sum is therefore at least 3 V^(2/3). A point lies at each crossing. V is
-  // counted in nodes, of which those at its surface have a part outside.
-  constexpr double kSure = 0.8;
-  const double points = kSure * 2 * 3 * elementary::cbrt(volume * volume) / (scene.voxelSize * scene.voxelSize);
+  // Flat places may need few triangles.
+  if (scene.options.surface.adaptivity > 0) return;
+  // Each line of a shadow crosses the surface twice, along each of the three axes, and a point lies at each crossing.
+  const double points = 2 * 3 * leastShadow(scene);
   // A closed surface has two triangles for each point.
   constexpr double kBytes = sizeof(openvdb::Vec3d) + sizeof(openvdb::Vec3s) + 2 * sizeof(openvdb::Vec3I);
   requireMemory(points * kBytes, MemoryUse::Field,

@@ -68,6 +68,7 @@ class BandMaker {
   std::int64_t mNext;         ///< x of that layer
   tbb::enumerable_thread_specific<BlockDistances> mDistances;
   std::vector<std::unique_ptr<Leaf>> mLeaves;
+  std::size_t mNextStep = 0;  ///< how many leaves there are when memory is checked again
 };
 
 }  // namespace vdbtools

@@ -97,6 +97,9 @@ std::optional<std::string> memoryRunsOut();
 /// @throw MemoryError  more than is left; the message gives both figures
 void requireMemory(double bytes, MemoryUse use, const std::string& what);
 
+/// The same for work whose size shows in small steps. It asks the system each time: call it once for several MiB.
+void requireMemoryForStep(double bytes, MemoryUse use, const std::string& what);
+
 /// "1.5 GiB"
 std::string memoryText(double bytes);
 
