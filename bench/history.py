@@ -58,6 +58,11 @@ def slower(runs):
             if time > SLOWER * before["cpuSeconds"].get(what, float("inf"))]
 
 
+def verdict(runs):
+    lines = slower(runs)
+    return "\n".join(["slower than before:", *lines]) if lines else "nothing has become slower"
+
+
 def plot(runs):
     """A curve for each thing that was done, as SVG: CPU seconds over the runs, on a logarithmic scale."""
     width, height, left, top = 640, 360, 60, 20
@@ -94,9 +99,8 @@ def main():
     runs = read(options.file)
     if options.plot:
         options.plot.write_text(plot(runs))
-    lines = slower(runs)
-    print("\n".join(lines) if lines else "nothing has become slower")
-    return 1 if lines else 0
+    print(verdict(runs))
+    return 1 if slower(runs) else 0
 
 
 if __name__ == "__main__":

@@ -58,9 +58,8 @@ TileJob tileJob(const Manifest& manifest);
 std::vector<std::string> tileNames(const TileFiles& files, std::uint64_t index);
 
 /// @param makes  the final products, as Manifest::makes
-/// @throw std::invalid_argument  a fractal with these options cannot be cut into tiles or, if the plan counts, cannot
-/// be
-///                               counted tile by tile
+/// @throw std::invalid_argument  a fractal with these options cannot be cut into tiles or, if the plan counts, its
+///                               tiles cannot be counted one by one
 void requireCuttable(const FractalOptions& options, const std::vector<std::string>& makes);
 
 /// How far a tile's level set depends on nodes of other tiles, in nodes.

@@ -17,6 +17,9 @@ using BlockSet = openvdb::MaskTree;
 inline constexpr int kBlockLog2 = openvdb::FloatTree::LeafNodeType::LOG2DIM;
 inline constexpr int kBlock = 1 << kBlockLog2;
 
+/// The memory of a leaf of a FloatTree with its mask.
+inline constexpr double kBytesOfFloatLeaf = 2200;
+
 /// The number of nodes in a box, which may exceed an integer.
 inline double volumeOf(const openvdb::CoordBBox& box) {
   const openvdb::Vec3d sides = box.dim().asVec3d();

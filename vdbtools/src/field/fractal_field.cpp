@@ -319,10 +319,10 @@ void fillTiles(FractalField& field) {
 
 /// @param leaves  number of leaves per block
 void requireMemoryForField(std::uint64_t blocks, int leaves, Proofs proofs) {
-  // A leaf with its mask. If single blocks may be proved to have one sign, not all of them become leaves.
-  constexpr double kBytesOfLeaf = 2200, kLeastShare = 0.3;
+  // If single blocks may be proved to have one sign, not all of them become leaves.
+  constexpr double kLeastShare = 0.3;
   const double count = static_cast<double>(blocks) * leaves * (proofs == Proofs::None ? 1 : kLeastShare);
-  requireMemory(count * kBytesOfLeaf, MemoryUse::Field,
+  requireMemory(count * kBytesOfFloatLeaf, MemoryUse::Field,
                 "the field on " + std::to_string(blocks) + " blocks of 8^3 nodes");
 }
 

@@ -96,10 +96,9 @@ double leastShadow(const Scene& scene) {
 /// @throw MemoryError  the band of the level set will not fit
 void requireMemoryForLevelSet(const Scene& scene) {
   // A column of blocks that the set meets has a block of the band where a line enters and one where it leaves.
-  constexpr double kBytesOfLeaf = 2200;
   const double blocks = 2 * leastShadow(scene) / (kBlock * kBlock);
   requireMemory(
-      kBytesOfLeaf * blocks, MemoryUse::Field,
+      kBytesOfFloatLeaf * blocks, MemoryUse::Field,
       "a level set of more than " + std::to_string(static_cast<std::uint64_t>(blocks)) + " blocks of 8^3 nodes");
 }
 

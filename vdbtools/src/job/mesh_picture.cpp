@@ -2,6 +2,7 @@
 #include "job/mesh_picture.h"
 
 #include "base/timed_part.h"
+#include "field/block_layers.h"
 #include "mesh_files/format_readers.h"
 #include "vdbtools/job/fractal_files.h"
 #include "vdbtools/job/fractal_job.h"
@@ -22,8 +23,6 @@ namespace {
 
 using openvdb::Coord;
 using openvdb::CoordBBox;
-
-constexpr int kBlockSide = 8;  // nodes along each axis
 
 /// The mesh as it comes back from a PLY: the file turns it, rounds its places and its colours, and welds nothing.
 Mesh meshOfFile(const Scene& scene, const OutputOptions& output, Monitor& monitor) {
@@ -93,10 +92,10 @@ double estimatedMeshSeconds(const Scene& scene, Monitor& monitor) {
     monitor.throwIfCancelled();
     const Coord at = block.getCoord();
     const auto nodeOf = [&](int away, int within) {
-      return Coord((at[0] + away) * kBlockSide + within, (at[1] + away) * kBlockSide + within,
-                   (at[2] + away) * kBlockSide + within);
+      return Coord((at[0] + away) * kBlock + within, (at[1] + away) * kBlock + within,
+                   (at[2] + away) * kBlock + within);
     };
-    CoordBBox nodes(nodeOf(-kAround, 0), nodeOf(kAround, kBlockSide - 1));
+    CoordBBox nodes(nodeOf(-kAround, 0), nodeOf(kAround, kBlock - 1));
     nodes.intersect(plan.window);
     const FieldPlan part = planScene(scene, nodes);
     made += part.blocks->activeVoxelCount();

@@ -11,13 +11,12 @@
 namespace vdbtools {
 namespace {
 
+using kernels::kFarAway;
 using kernels::kPack;
 using openvdb::BBoxd;
 using openvdb::Coord;
 using openvdb::Vec3d;
 using openvdb::Vec3I;
-
-constexpr float kFarAway = 1e15F;
 
 std::uint32_t packsOf(std::size_t triangles) { return static_cast<std::uint32_t>((triangles + kPack - 1) / kPack); }
 std::uint32_t nodesOf(std::size_t triangles) { return (packsOf(triangles) + kPack - 1) / kPack; }
@@ -38,9 +37,7 @@ unsigned cubeOf(const Vec3d& middle, const Coord& block) {
 
 TriangleBins::TriangleBins(const Coord& origin, const openvdb::CoordBBox& nodes) : mOrigin(origin) {
   const Vec3d centre = nodes.getCenter() - origin.asVec3d();
-  for (int axis = 0; axis < 3; ++axis) mView.centre[axis] = centre[axis];
-  // Covers coordinates up to half the longest side, and positions as far away again.
-  mView.boxSlack = 1e-5F + 4e-7F * static_cast<float>(nodes.dim()[static_cast<int>(nodes.maxExtent())]);
+  kernels::setCentre(mView, {centre[0], centre[1], centre[2]}, nodes.dim()[static_cast<int>(nodes.maxExtent())]);
   mView.levelCount = 1;
 }
 

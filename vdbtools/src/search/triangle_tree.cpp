@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <new>
 #include <utility>
@@ -28,15 +29,21 @@ const kernels::Kernels& kernels::chosen() {
   return kPortable;
 }
 
+void kernels::setCentre(TreeView& tree, const double (&centre)[3], double longestSide) {
+  std::copy(std::begin(centre), std::end(centre), tree.centre);
+  // Covers coordinates up to half the longest side, and positions as far away again.
+  tree.boxSlack = 1e-5F + 4e-7F * static_cast<float>(longestSide);
+}
+
 namespace {
 
+using kernels::kFarAway;
 using kernels::kPack;
 using openvdb::BBoxd;
 using openvdb::Coord;
 using openvdb::Vec3d;
 using openvdb::Vec3I;
 
-constexpr float kFarAway = 1e15F;
 constexpr std::align_val_t kAlignment{64};
 
 /// Spreads the lowest 21 bits to every third bit.
@@ -159,9 +166,7 @@ TriangleTree::TriangleTree(const std::vector<Vec3d>& givenPoints, const std::vec
   mView.numbers = mNumbers.data();
   for (std::size_t l = 0; l < mLevels.size(); ++l) mView.levels[l] = mLevels[l].data();
   mView.levelCount = static_cast<unsigned>(mLevels.size());
-  for (int axis = 0; axis < 3; ++axis) mView.centre[axis] = centre[axis];
-  // Covers coordinates up to half the longest side, and positions as far away again.
-  mView.boxSlack = 1e-5F + 4e-7F * static_cast<float>(std::max({sides[0], sides[1], sides[2]}));
+  kernels::setCentre(mView, {centre[0], centre[1], centre[2]}, std::max({sides[0], sides[1], sides[2]}));
   static_assert(sizeof(Vec3d) == 3 * sizeof(double) && sizeof(Vec3I) == 3 * sizeof(std::uint32_t));
   mView.points = points.front().asPointer();
   mView.triangles = triangles.front().asPointer();

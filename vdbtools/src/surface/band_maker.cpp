@@ -126,12 +126,11 @@ void BandMaker::makeBand(int x) {
   }
   std::sort(blocks.begin(), blocks.end());
   blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
-  constexpr double kBytesOfLeaf = 2200;
   constexpr std::size_t kLeavesOfStep = 4096;
   if (mLeaves.size() + blocks.size() >= mNextStep) {
     mNextStep = mLeaves.size() + blocks.size() + kLeavesOfStep;
     // Not each of these blocks becomes a leaf.
-    requireMemoryForStep(0.5 * kBytesOfLeaf * static_cast<double>(blocks.size()), MemoryUse::Field,
+    requireMemoryForStep(0.5 * kBytesOfFloatLeaf * static_cast<double>(blocks.size()), MemoryUse::Field,
                          "a level set of more than " + std::to_string(mLeaves.size()) + " blocks of 8^3 nodes");
   }
   std::vector<std::unique_ptr<Leaf>> leaves(blocks.size());

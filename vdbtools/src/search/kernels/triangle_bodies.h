@@ -371,27 +371,23 @@ inline std::uint32_t prepare(const TreeView& tree, const double middle[3], const
   for (std::uint32_t i = 0; i < count; ++i) {
     for (unsigned first = 0; first < kPack; first += kNodesWide) {
       const std::uint32_t* const numbers = tree.numbers[packs[i]].triangle + first;
+      const std::uint32_t at = i * kPack + first;
+      float* const lanes = reinterpret_cast<float*>(to + at / kWide) + at % kWide;
+      __builtin_memcpy(lanes + kWide * kNumberAt, numbers, kNodesWide * sizeof(*numbers));
       if (tree.frames) {
         const PackFrames& made = tree.frames[packs[i]];
-        const std::uint32_t at = i * kPack + first;
-        float* const lanes = reinterpret_cast<float*>(to + at / kWide) + at % kWide;
         for (unsigned axis = 0; axis < 3; ++axis)
           for (unsigned k = 0; k < kNodesWide; ++k)
             lanes[kWide * axis + k] = static_cast<float>(made.corner[axis][first + k] - middle[axis]);
         for (unsigned l = 0; l < kFrameArrays; ++l)
           store(load<NodeFloats>(made.frame[l] + first), lanes + kWide * (3 + l));
         store(load<NodeFloats>(made.slack + first), lanes + kWide * kSlackAt);
-        __builtin_memcpy(lanes + kWide * kNumberAt, numbers, kNodesWide * sizeof(*numbers));
-        continue;
+      } else {
+        const Triangle<NodeFloats> t = trianglesAt(tree, numbers, middle);
+        const auto* from = reinterpret_cast<const NodeFloats*>(&t);
+        for (unsigned l = 0; l < kSlackAt; ++l) store(from[l], lanes + kWide * l);
+        store(slackOf(t), lanes + kWide * kSlackAt);
       }
-      const Triangle<NodeFloats> t = trianglesAt(tree, numbers, middle);
-      const NodeFloats slack = slackOf(t);
-      const std::uint32_t at = i * kPack + first;
-      float* const lanes = reinterpret_cast<float*>(to + at / kWide) + at % kWide;
-      const auto* from = reinterpret_cast<const NodeFloats*>(&t);
-      for (unsigned l = 0; l < kSlackAt; ++l) store(from[l], lanes + kWide * l);
-      store(slack, lanes + kWide * kSlackAt);
-      __builtin_memcpy(lanes + kWide * kNumberAt, numbers, kNodesWide * sizeof(*numbers));
     }
   }
   return count * kPack;

@@ -10,6 +10,7 @@
 namespace vdbtools::kernels {
 
 inline constexpr unsigned kPack = 8;         ///< triangles of a pack, children of a node
+inline constexpr float kFarAway = 1e15F;     ///< where the boxes of missing children are
 inline constexpr unsigned kMostLevels = 11;  ///< 8^11 packs hold more triangles than 32 bits can count
 
 /// The corners of eight triangles; missing ones are copies of the first.
@@ -103,5 +104,8 @@ extern const Kernels kPortable, kAvx2, kAvx512;
 
 /// Those of julia::instructionSet().
 const Kernels& chosen();
+
+/// Sets the centre of a tree's boxes, and their error bound for boxes up to half of @a longestSide from it.
+void setCentre(TreeView& tree, const double (&centre)[3], double longestSide);
 
 }  // namespace vdbtools::kernels

@@ -15,7 +15,6 @@ namespace {
 
 constexpr unsigned kWide = JULIA_FLOATS;
 constexpr float kHuge = 1e30F;
-constexpr float kFarAway = 1e15F;
 
 typedef float Floats __attribute__((vector_size(4 * kWide)));
 typedef std::int32_t Numbers __attribute__((vector_size(4 * kWide)));
