@@ -35,7 +35,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kBufferSize = std::size_t{1} << 20;
-constexpr int kMostLinks = 40;            ///< the limit of Linux
 constexpr std::uint32_t kAttempts = 100;  ///< to find an unused name; the first nearly always succeeds
 
 std::string nameOf(const fs::path& path) { return inOneLine(path.native()); }
