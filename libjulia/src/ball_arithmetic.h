@@ -68,7 +68,7 @@ Ball imageOf(const Cone& cone, const LogRange& l, const Embedding* embedding) {
   const double rounding = 16 * kEpsilonOf<Real> * high + kVanishing<Real>;
   if (!(cone.quadrants < 1)) return {{}, high + rounding};
   double sine = 0, cosine = 1;
-  kernels::sineCosine(cone.quadrants * (1 + kSlack), sine, cosine);
+  kernels::sineCosine(cone.quadrants * (1 + kSlack), &sine, &cosine);
   const double along = std::min(high * cosine, (low + high) / (2 * cosine));
   const double across = along * sine, behind = along * cosine;
   const double longest = std::max(std::abs(low - behind), std::abs(high - behind));

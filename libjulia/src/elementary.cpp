@@ -207,7 +207,7 @@ SineCosine sineCosine(double x) {
   if (!std::isfinite(x)) return {kNaN, kNaN};
   const Quarters angle = quartersOf(x);
   double sine = 0, cosine = 0;
-  kernels::sineCosine(angle.rest, sine, cosine);
+  kernels::sineCosine(angle.rest, &sine, &cosine);
   switch (angle.number & 3) {
     case 1: return {cosine, -sine};
     case 2: return {-sine, -cosine};
@@ -352,7 +352,7 @@ double atan2(double y, double x) {
   } else {
     const int exponent = std::ilogb(std::max(across, up));
     double inverse = 0;
-    angle = kernels::angleInQuadrants(std::scalbn(x, -exponent), std::scalbn(up, -exponent), inverse) * kQuarter;
+    angle = kernels::angleInQuadrants(std::scalbn(x, -exponent), std::scalbn(up, -exponent), &inverse) * kQuarter;
   }
   return std::copysign(angle, y);
 }

@@ -80,10 +80,10 @@ class Expressions {
         {"y", &mY},
         {"z", &mZ},
         {"r", &mR},
-        {"cos2phi", &mAngles.cos2phi},
-        {"sin2phi", &mAngles.sin2phi},
-        {"cos2theta", &mAngles.cos2theta},
-        {"sin2theta", &mAngles.sin2theta},
+        {"cos2phi", &mAngles[0]},
+        {"sin2phi", &mAngles[1]},
+        {"cos2theta", &mAngles[2]},
+        {"sin2theta", &mAngles[3]},
     };
     for (std::size_t i = 0; i < components.size(); ++i) {
       refuseAssignment(components[i]);
@@ -106,7 +106,7 @@ class Expressions {
     mY = y;
     mZ = z;
     mR = std::sqrt(x * x + y * y + z * z);
-    mAngles = kernels::doubleAngles(x, y, z);
+    kernels::doubleAngles(x, y, z, mAngles.data());
     for (std::size_t i = 0; i < mParsers.size(); ++i)
       if (!mIsConstant[i]) mValues[i] = mParsers[i].Eval();
     return mValues;
@@ -114,7 +114,7 @@ class Expressions {
 
  private:
   double mX = 0, mY = 0, mZ = 0, mR = 0;
-  kernels::DoubleAngles<double> mAngles{1, 0, 1, 0};
+  std::array<double, 4> mAngles{1, 0, 1, 0};  ///< cos 2phi, sin 2phi, cos 2theta, sin 2theta
   std::array<mu::Parser, 6> mParsers;
   std::array<double, 6> mValues{};
   std::array<bool, 6> mIsConstant{};

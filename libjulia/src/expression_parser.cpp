@@ -19,7 +19,7 @@ constexpr double kMostAngle = 0x1p30;
 double sine(double x) {
   if (!(std::abs(x) < kMostAngle)) return elementary::sin(x);
   double result = 0, other = 0;
-  kernels::sineCosineOfRadians(x, result, other);
+  kernels::sineCosineOfRadians(x, &result, &other);
   return result;
 }
 double cosineOfAny(double x) { return std::abs(x) < kMostAngle ? kernels::cosineOfRadians(x) : elementary::cos(x); }

@@ -76,7 +76,7 @@ SymmetricVersor<Real>::SymmetricVersor(std::shared_ptr<const VersorField<Real>> 
     // Whole quadrants of the rotation are exact.
     Turn next{1, 0};
     const int whole = 4 * k / symmetry.fold, rest = 4 * k % symmetry.fold;
-    kernels::sineCosine(static_cast<double>(rest) / symmetry.fold, next.sine, next.cosine);
+    kernels::sineCosine(static_cast<double>(rest) / symmetry.fold, &next.sine, &next.cosine);
     for (int i = 0; i < whole; ++i) next = {-next.sine, next.cosine};
     mTurns.push_back(next);
   }

@@ -108,7 +108,7 @@ double Panels::integral(const Panel& panel, const Point& x) {
     const double cosine =
         r[0] * r[1] * r[2] + dot(to[0], to[1]) * r[2] + dot(to[1], to[2]) * r[0] + dot(to[2], to[0]) * r[1];
     double unused;
-    const double quadrants = kernels::angleInQuadrants(cosine, height * panel.doubleArea, unused);
+    const double quadrants = kernels::angleInQuadrants(cosine, height * panel.doubleArea, &unused);
     sum -= height * (std::numbers::pi * quadrants);
   }
   return sum;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file blocks.h
-/// How the kernels traverse their arrays: block by block. See kernel_bodies.h for the restrictions on this code.
+/// What the kernels do at a point, in the shared text, and how they traverse their arrays: block by block. See
+/// kernel_bodies.h for the restrictions on this code.
 #pragma once
 
 #include "elementary.h"
@@ -9,6 +10,11 @@
 
 namespace julia::kernels {
 namespace {
+
+#include "shared/cartesian.h"
+#include "shared/lattice.h"
+#include "shared/rational.h"
+#include "shared/waves.h"
 
 // Points processed at once: all arrays of a block fit in the first-level cache.
 constexpr std::size_t kBlock = 128;

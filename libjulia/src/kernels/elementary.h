@@ -4,11 +4,13 @@
 /// 754 fixes the result of each, so every instruction set and vector width gives the same bits. The code has no
 /// branches, so compilers vectorise it inside a loop. Errors are a few ulp.
 ///
-/// The polynomials are Chebyshev fits, with 40 digits, to the functions named beside them.
+/// The polynomials are Chebyshev fits, with 40 digits, to the functions named beside them. The functions themselves are
+/// shared text (shared/elementary.h), which devices compile as well.
 ///
 /// Included by sources that are compiled for different instruction sets: everything has internal linkage.
 #pragma once
 
+#include "language.h"
 #include "loop_pragmas.h"
 
 #include <bit>
@@ -31,9 +33,10 @@ struct Ieee<float> {
   static constexpr float kEpsilon = 0x1p-23f;
   static constexpr Unsigned kMagnitude = 0x7fffffff;  ///< all but the sign
   static constexpr float kRounder = 0x1.8p23f;        ///< x + this - this = x to the nearest integer, |x| < 2^22
-  static constexpr Unsigned kExponent = 0x7f800000;   ///< the bits of the exponent
+  static constexpr Unsigned kExponentBits = 0x7f800000;   ///< the bits of the exponent
   static constexpr Unsigned kBiasTwice = 0x7f000000;  ///< the bits of 2^k and of its inverse add up to this
   static constexpr Unsigned kSqrtHalf = 0x3f3504f3;   ///< bits of sqrt(1/2)
+  static constexpr float kLog2E = float(1.4426950408889634074);
   /// ln 2 in two parts; the product of the first with any exponent is exact.
   static constexpr float kLn2High = 0x1.62ep-1f, kLn2Low = 0x1.0bfbe8p-15f;
   static constexpr float kLeastExponent = -87;  ///< e^x is a normal number from this x on
@@ -67,9 +70,10 @@ struct Ieee<double> {
   static constexpr double kEpsilon = 0x1p-52;
   static constexpr Unsigned kMagnitude = 0x7fffffffffffffff;
   static constexpr double kRounder = 0x1.8p52;
-  static constexpr Unsigned kExponent = 0x7ff0000000000000;
+  static constexpr Unsigned kExponentBits = 0x7ff0000000000000;
   static constexpr Unsigned kBiasTwice = 0x7fe0000000000000;
   static constexpr Unsigned kSqrtHalf = 0x3fe6a09e667f3bcd;
+  static constexpr double kLog2E = 1.4426950408889634074;
   static constexpr double kLn2High = 0x1.62e42fee00000p-1, kLn2Low = 0x1.a39ef35793c76p-33;
   static constexpr double kLeastExponent = -708;
   static constexpr double kMostExponent = 709;
@@ -113,11 +117,6 @@ JULIA_INLINE Real fromBits(Unsigned<Real> bits) {
 JULIA_INLINE float squareRoot(float x) { return __builtin_sqrtf(x); }
 JULIA_INLINE double squareRoot(double x) { return __builtin_sqrt(x); }
 
-template <class Real>
-JULIA_INLINE Real magnitude(Real x) {
-  return fromBits<Real>(bitsOf(x) & Ieee<Real>::kMagnitude);
-}
-
 /// Horner's rule, the highest coefficient first.
 template <class Real, std::size_t N>
 JULIA_INLINE Real polynomial(const Real (&coefficients)[N], Real x) {
@@ -127,119 +126,15 @@ JULIA_INLINE Real polynomial(const Real (&coefficients)[N], Real x) {
   return sum;
 }
 
-/// 1 / sqrt(x) within 3.5 per cent, for normal x > 0.
-template <class Real>
-JULIA_INLINE Real guessedInverseRoot(Real x) {
-  return fromBits<Real>(Ieee<Real>::kRootGuess - (bitsOf(x) >> 1));
+/// The angle of x radians, |x| < 2^30, in quadrants between -2 and 2, with an absolute error of a few epsilon of the
+/// number's type, however large x is. Whole turns are subtracted in double, where the products of their number with the
+/// first two parts of 2 pi are exact.
+JULIA_INLINE double quadrantsOfRadians(double x){
+#include "shared/quadrants_of_doubles.h"
+} JULIA_INLINE float quadrantsOfRadians(float x) {
+#include "shared/quadrants_of_floats.h"
 }
 
-/// ln x for normal x > 0.
-template <class Real>
-JULIA_INLINE Real logarithm(Real x) {
-  using I = Ieee<Real>;
-  // x = 2^e m with m from sqrt(1/2) to sqrt(2); the bias keeps the shifted number positive.
-  constexpr Unsigned<Real> kBias = Unsigned<Real>(1) << (sizeof(Real) * 8 - 2);
-  const Unsigned<Real> shifted = (bitsOf(x) - I::kSqrtHalf + kBias) >> I::kMantissaBits;
-  const Unsigned<Real> e = shifted - (kBias >> I::kMantissaBits);
-  const Real m = fromBits<Real>(bitsOf(x) - (e << I::kMantissaBits));
-  // The integer is converted to floating point through the low bits of a large number; AVX2 has no other way for 64
-  // bits.
-  const Real exponent = fromBits<Real>(bitsOf(I::kRounder) + e) - I::kRounder;
-  const Real f = m - 1;
-  const Real s = f / (f + 2);
-  const Real z = s * s;
-  // ln m = 2 artanh s, written so that its leading part f is exact.
-  const Real rest = exponent * I::kLn2Low + s * (z * polynomial(I::kLog, z) - f);
-  return exponent * I::kLn2High + (f + rest);
-}
-
-/// e^x for x up to 88; 0 where it would be denormal.
-template <class Real>
-JULIA_INLINE Real exponential(Real x) {
-  using I = Ieee<Real>;
-  constexpr Real kLog2E = Real(1.4426950408889634074);
-  const Real clamped = x > I::kLeastExponent ? x : I::kLeastExponent;
-  const Real rounded = clamped * kLog2E + I::kRounder;
-  const Real n = rounded - I::kRounder;
-  const Real r = (clamped - n * I::kLn2High) - n * I::kLn2Low;
-  const Real value = 1 + (r + r * r * polynomial(I::kExp, r));
-  const Real scaled = fromBits<Real>(bitsOf(value) + (bitsOf(rounded) << I::kMantissaBits));
-  return x > I::kLeastExponent ? scaled : Real(0);
-}
-
-/// The angle of a + i y, y > 0, in quadrants: 0 on the positive real axis, 2 on the negative.
-/// @param inverseY  1 / y, a by-product
-template <class Real>
-JULIA_INLINE Real angleInQuadrants(Real a, Real y, Real& inverseY) {
-  const Real x = magnitude(a);
-  const Real larger = x > y ? x : y, smaller = x > y ? y : x;
-  const Real inverse = 1 / (y * larger);
-  inverseY = larger * inverse;
-  const Real t = smaller * (y * inverse);
-  const Real steep = t * polynomial(Ieee<Real>::kAtan, t * t);
-  const Real acute = x > y ? steep : 1 - steep;
-  return a < 0 ? 2 - acute : acute;
-}
-
-/// Sine and cosine of an angle in quadrants, for |angle| < 2^22 in floats and 2^51 in doubles.
-template <class Real>
-JULIA_INLINE void sineCosine(Real quadrants, Real& sine, Real& cosine) {
-  using I = Ieee<Real>;
-  // Each half turn changes both signs.
-  const Real rounded = quadrants * Real(0.5) + I::kRounder;
-  const Unsigned<Real> sign = bitsOf(rounded) << (sizeof(Real) * 8 - 1);
-  const Real rest = quadrants - 2 * (rounded - I::kRounder);
-  const Real z = rest * rest;
-  sine = fromBits<Real>(bitsOf(rest * polynomial(I::kSin, z)) ^ sign);
-  cosine = fromBits<Real>(bitsOf(1 + z * polynomial(I::kCos, z)) ^ sign);
-}
-
-/// Sine and cosine of x radians, |x| < 2^30, with an absolute error of a few epsilon of the number's type, however
-/// large x is. Whole turns are subtracted in double, where the products of their number with the first two parts of 2
-/// pi are exact.
-JULIA_INLINE void sineCosineOfRadians(double x, double& sine, double& cosine) {
-  constexpr double kTurns = 0.15915494309189533577, kQuadrants = 0.63661977236758134308;
-  constexpr double kTurnHigh = 0x1.921fb4p+2, kTurnMiddle = 0x1.4442dp-22, kTurnLow = 0x1.8469898cc5170p-46;
-  const double turns = (x * kTurns + Ieee<double>::kRounder) - Ieee<double>::kRounder;
-  const double rest = ((x - turns * kTurnHigh) - turns * kTurnMiddle) - turns * kTurnLow;
-  sineCosine(rest * kQuadrants, sine, cosine);
-}
-JULIA_INLINE void sineCosineOfRadians(float x, float& sine, float& cosine) {
-  constexpr double kQuadrants = 0.63661977236758134308;
-  const double quadrants = static_cast<double>(x) * kQuadrants;
-  const double turns = (quadrants * 0.25 + Ieee<double>::kRounder) - Ieee<double>::kRounder;
-  sineCosine(static_cast<float>(quadrants - 4 * turns), sine, cosine);
-}
-
-template <class Real>
-JULIA_INLINE Real cosineOfRadians(Real x) {
-  Real sine, cosine;
-  sineCosineOfRadians(x, sine, cosine);
-  return cosine;
-}
-
-/// The power of two that scales x >= 0 to between 1 and 2; for 0 and denormal numbers, the second largest power.
-template <class Real>
-JULIA_INLINE Real scaleToOne(Real x) {
-  return fromBits<Real>(Ieee<Real>::kBiasTwice - (bitsOf(x) & Ieee<Real>::kExponent));
-}
-
-/// Twice the angles of [ZB25] Eq. (1), phi about the z axis and theta above the xy plane, from the components alone;
-/// x = y = 0 means phi = 0, and p = 0 means theta = 0 also.
-template <class Real>
-struct DoubleAngles {
-  Real cos2phi, sin2phi, cos2theta, sin2theta;
-};
-
-template <class Real>
-JULIA_INLINE DoubleAngles<Real> doubleAngles(Real x, Real y, Real z) {
-  const Real flat = magnitude(x) > magnitude(y) ? magnitude(x) : magnitude(y);
-  const Real largest = flat > magnitude(z) ? flat : magnitude(z);
-  // Scaled, so that no square underflows.
-  const Real s = scaleToOne(flat), X = x * s, Y = y * s, across = X * X + Y * Y;
-  const Real t = scaleToOne(largest), U = x * t, V = y * t, W = z * t, level = U * U + V * V, r = level + W * W;
-  return {across > 0 ? (X * X - Y * Y) / across : Real(1), across > 0 ? 2 * (X * Y) / across : Real(0),
-          r > 0 ? (level - W * W) / r : Real(1), r > 0 ? 2 * (squareRoot(level) * W) / r : Real(0)};
-}
+#include "shared/elementary.h"
 
 }  // namespace julia::kernels

@@ -25,7 +25,7 @@ JULIA_INLINE bool anyUnusual(const Row<Real> (&q)[4], const Row<Real>& least, st
   constexpr Real kTiny = Ieee<Real>::kTiny;
   typename Ieee<Real>::Int unusual = 0;
   JULIA_FOR_POINTS {
-    const Real norm = q[0][i] * q[0][i] + q[1][i] * q[1][i] + q[2][i] * q[2][i] + q[3][i] * q[3][i];
+    const Real norm = sumOfSquares(q[0][i], q[1][i], q[2][i], q[3][i]);
     unusual |= least[i] >= kTiny && norm <= 1 / kTiny ? 0 : 1;  // a NaN is unusual too
   }
   return unusual != 0;
@@ -37,8 +37,7 @@ struct Factor {
   alignas(64) Row<Real> real, imaginary;
 };
 
-/// Computes an integer power by squaring, in the plane of 1 and v: (R + S v)^2 = R^2 - S^2 s + 2 R S v with s = |v|^2,
-/// and likewise the product with a + v. @a scale makes |q - t| about 1.
+/// Computes an integer power by squaring. @a scale makes |q - t| about 1.
 template <class Real>
 JULIA_INLINE void powerByProducts(std::uint32_t integer, const Row<Real>& a, const Row<Real>& s, const Row<Real>& scale,
                                   Factor<Real>& factor, std::size_t padded) {
@@ -47,20 +46,10 @@ JULIA_INLINE void powerByProducts(std::uint32_t integer, const Row<Real>& a, con
     factor.imaginary[i] = 1;
   }
   for (int bit = 30 - __builtin_clz(integer); bit >= 0; --bit) {
-    if (integer >> bit & 1) {
-      JULIA_FOR_POINTS {
-        const Real R = factor.real[i], S = factor.imaginary[i];
-        const Real squareR = R * R - S * S * s[i], squareS = 2 * (R * S);
-        factor.real[i] = squareR * a[i] - squareS * s[i];
-        factor.imaginary[i] = squareR + squareS * a[i];
-      }
-    } else {
-      JULIA_FOR_POINTS {
-        const Real R = factor.real[i], S = factor.imaginary[i];
-        factor.real[i] = R * R - S * S * s[i];
-        factor.imaginary[i] = 2 * (R * S);
-      }
-    }
+    if (integer >> bit & 1)
+      JULIA_FOR_POINTS squareAndMultiplyFactor(a[i], s[i], &factor.real[i], &factor.imaginary[i]);
+    else
+      JULIA_FOR_POINTS squareFactor(s[i], &factor.real[i], &factor.imaginary[i]);
   }
   JULIA_FOR_POINTS factor.imaginary[i] *= scale[i];
 }
@@ -72,13 +61,13 @@ JULIA_INLINE void factorByAngle(const RootFactor<Real>& root, const Row<Real> (&
   const Real ta = root.root[0], tb = root.root[1], tc = root.root[2], td = root.root[3], power = root.power;
   JULIA_FOR_POINTS {
     const Real da = q[0][i] - ta, db = q[1][i] - tb, dc = q[2][i] - tc, dd = q[3][i] - td;
-    const Real square = db * db + dc * dc + dd * dd;
+    const Real square = imaginarySquare(db, dc, dd);
     smallest[i] = square < smallest[i] ? square : smallest[i];
-    angle[i] = power * angleInQuadrants(da, squareRoot(square), inverse[i]);
+    angle[i] = power * angleInQuadrants(da, squareRoot(square), &inverse[i]);
   }
   JULIA_FOR_POINTS {
     Real sine, cosine;
-    sineCosine(angle[i], sine, cosine);
+    sineCosine(angle[i], &sine, &cosine);
     factor.real[i] = cosine;
     factor.imaginary[i] = sine * inverse[i];
   }
@@ -100,8 +89,7 @@ JULIA_INLINE void scaledDifference(const RootFactor<Real>& root, const Row<Real>
   const Real ta = root.root[0], tb = root.root[1], tc = root.root[2], td = root.root[3];
   JULIA_FOR_POINTS {
     const Real da = q[0][i] - ta, db = q[1][i] - tb, dc = q[2][i] - tc, dd = q[3][i] - td;
-    const Real square = db * db + dc * dc + dd * dd;
-    const Real norm = da * da + square;
+    const Real square = imaginarySquare(db, dc, dd), norm = da * da + square;
     smallest[i] = norm < smallest[i] ? norm : smallest[i];
     const Real by = inverseRoot<kGuess>(norm);
     scale[i] = by;
@@ -118,11 +106,7 @@ JULIA_INLINE void multiplyBy(const Factor<Real>& factor, const RootFactor<Real>&
   JULIA_FOR_POINTS {
     const Real fa = factor.real[i], by = factor.imaginary[i];
     const Real fb = (q[1][i] - tb) * by, fc = (q[2][i] - tc) * by, fd = (q[3][i] - td) * by;
-    const Real ua = u[0][i], ub = u[1][i], uc = u[2][i], ud = u[3][i];
-    u[0][i] = ua * fa - ub * fb - uc * fc - ud * fd;
-    u[1][i] = ua * fb + ub * fa + uc * fd - ud * fc;
-    u[2][i] = ua * fc - ub * fd + uc * fa + ud * fb;
-    u[3][i] = ua * fd + ub * fc - uc * fb + ud * fa;
+    multiplyQuaternion(fa, fb, fc, fd, &u[0][i], &u[1][i], &u[2][i], &u[3][i]);
   }
 }
 
@@ -131,7 +115,7 @@ template <bool kGuess, class Real>
 JULIA_INLINE void normaliseRows(Row<Real> (&u)[4], std::size_t padded) {
   JULIA_FOR_POINTS {
     const Real ua = u[0][i], ub = u[1][i], uc = u[2][i], ud = u[3][i];
-    const Real by = inverseRoot<kGuess>(ua * ua + ub * ub + uc * uc + ud * ud);
+    const Real by = inverseRoot<kGuess>(sumOfSquares(ua, ub, uc, ud));
     u[0][i] = ua * by;
     u[1][i] = ub * by;
     u[2][i] = uc * by;
@@ -196,7 +180,7 @@ bool logModulus(const RootFactor<Real>* roots, std::size_t rootCount, Real const
       const Real halfPower = root.power * Real(0.5);
       JULIA_FOR_POINTS {
         const Real da = q[0][i] - ta, db = q[1][i] - tb, dc = q[2][i] - tc, dd = q[3][i] - td;
-        const Real norm = da * da + (db * db + dc * dc + dd * dd);
+        const Real norm = da * da + imaginarySquare(db, dc, dd);
         smallest[i] = norm < smallest[i] ? norm : smallest[i];
         sum[i] += halfPower * logarithm(norm);
       }
@@ -263,7 +247,7 @@ JULIA_FOR_POINTS {
   const Real quadrants = sum[i] * (slack * Real(0.63661977236758134));
   const bool known = quadrants < 1;
   Real sine, cosine;
-  sineCosine(known ? quadrants : Real(0), sine, cosine);
+  sineCosine(known ? quadrants : Real(0), &sine, &cosine);
   const Real ua = u[0][i] * u[0][i], ub = u[1][i] * u[1][i], uc = u[2][i] * u[2][i], ud = u[3][i] * u[3][i];
   const Real squares =
       (dropped == 0 ? 0 : ua) + (dropped == 1 ? 0 : ub) + (dropped == 2 ? 0 : uc) + (dropped == 3 ? 0 : ud);
@@ -358,7 +342,7 @@ bool logNorm(ConstBatch<Real> points, Real* l, std::size_t size) {
     const Range range = blockAt(begin, size);
     const std::size_t padded = range.padded;
     for (int k = 0; k < 4; ++k) load(points.component[k], q[k], range);
-    JULIA_FOR_POINTS norm[i] = q[0][i] * q[0][i] + (q[1][i] * q[1][i] + q[2][i] * q[2][i] + q[3][i] * q[3][i]);
+    JULIA_FOR_POINTS norm[i] = q[0][i] * q[0][i] + imaginarySquare(q[1][i], q[2][i], q[3][i]);
     JULIA_FOR_POINTS result[i] = Real(0.5) * logarithm(norm[i]);
     JULIA_FOR_POINTS unusual |= norm[i] >= kLeast && norm[i] <= kMost ? 0 : 1;  // a NaN is unusual too
     store(result, l, range);
@@ -374,7 +358,7 @@ void normalise(Batch<Real> batch, std::size_t size) {
     const std::size_t padded = range.padded;
     for (int k = 0; k < 4; ++k) load<Real>(batch.component[k], q[k], range);
     JULIA_FOR_POINTS {
-      const Real by = 1 / squareRoot(q[0][i] * q[0][i] + (q[1][i] * q[1][i] + q[2][i] * q[2][i] + q[3][i] * q[3][i]));
+      const Real by = 1 / squareRoot(q[0][i] * q[0][i] + imaginarySquare(q[1][i], q[2][i], q[3][i]));
       q[0][i] *= by;
       q[1][i] *= by;
       q[2][i] *= by;
@@ -391,11 +375,8 @@ JULIA_INLINE void latticePositions(const BrickLattice<Real>& lattice, const Row<
   for (int row = 0; row < 3; ++row) {
     const Real mx = lattice.matrix[row][0], my = lattice.matrix[row][1], mz = lattice.matrix[row][2];
     const Real offset = lattice.offset[row], low = lattice.low[row], high = lattice.high[row];
-    JULIA_FOR_POINTS {
-      const Real at = mx * point[0][i] + my * point[1][i] + mz * point[2][i] + offset;
-      const Real above = at > low ? at : low;  // this handles a NaN, too
-      position[row][i] = above < high ? above : high;
-    }
+    JULIA_FOR_POINTS
+    position[row][i] = latticePosition(mx, my, mz, offset, low, high, point[0][i], point[1][i], point[2][i]);
   }
 }
 
@@ -446,10 +427,7 @@ void sampleTrilinear(const BrickLattice<Real>& lattice, const Real* x, const Rea
       const Real tx = position[0][i], ty = position[1][i], tz = position[2][i];
       const Real v0 = edge[0][2 * i], v1 = edge[0][2 * i + 1], v2 = edge[1][2 * i], v3 = edge[1][2 * i + 1];
       const Real v4 = edge[2][2 * i], v5 = edge[2][2 * i + 1], v6 = edge[3][2 * i], v7 = edge[3][2 * i + 1];
-      const Real e0 = v0 + (v1 - v0) * tz, e1 = v2 + (v3 - v2) * tz;
-      const Real e2 = v4 + (v5 - v4) * tz, e3 = v6 + (v7 - v6) * tz;
-      const Real f0 = e0 + (e1 - e0) * ty, f1 = e2 + (e3 - e2) * ty;
-      result[i] = f0 + (f1 - f0) * tx;
+      result[i] = trilinear(v0, v1, v2, v3, v4, v5, v6, v7, tx, ty, tz);
     }
     store(result, out, range);
   }
@@ -473,9 +451,7 @@ void sampleQuadratic(const BrickLattice<Real>& lattice, const Real* x, const Rea
         const std::int32_t nearest = static_cast<std::int32_t>(position[axis][i] + half);
         const Real t = position[axis][i] - static_cast<Real>(nearest);
         cell[axis][i] = nearest;
-        weight[axis][0][i] = half * ((half - t) * (half - t));
-        weight[axis][1][i] = Real(0.75) - t * t;
-        weight[axis][2][i] = half * ((half + t) * (half + t));
+        splineWeights(t, &weight[axis][0][i], &weight[axis][1][i], &weight[axis][2][i]);
       }
     findCells<Real, kSide>(lattice, cell, brick, offset, padded);
     for (std::size_t i = 0; i < range.size; ++i) {
@@ -486,7 +462,7 @@ void sampleQuadratic(const BrickLattice<Real>& lattice, const Real* x, const Rea
         Real face = 0;
         for (std::size_t dy = 0; dy < 3; ++dy, value += kSide) {
           const Real edge =
-              Real(value[0]) * weight[2][0][i] + Real(value[1]) * weight[2][1][i] + Real(value[2]) * weight[2][2][i];
+              weightedSum<Real>(value[0], value[1], value[2], weight[2][0][i], weight[2][1][i], weight[2][2][i]);
           face += edge * weight[1][dy][i];
         }
         sum += face * weight[0][dx][i];

@@ -17,13 +17,7 @@ template <class Real>
 JULIA_INLINE void unitRows(const Rows4<Real>& from, Rows4<Real>& to, std::size_t padded) {
   JULIA_FOR_POINTS {
     const Real a = from[0][i], b = from[1][i], c = from[2][i], d = from[3][i];
-    const Real square = a * a + b * b + c * c + d * d;
-    const bool has = square >= Ieee<Real>::kTiny;
-    const Real by = has ? 1 / squareRoot(has ? square : Real(1)) : Real(0);
-    to[0][i] = has ? a * by : Real(1);
-    to[1][i] = b * by;
-    to[2][i] = c * by;
-    to[3][i] = d * by;
+    makeUnit(a, b, c, d, &to[0][i], &to[1][i], &to[2][i], &to[3][i]);
   }
 }
 
@@ -32,18 +26,13 @@ template <class Real>
 JULIA_INLINE void multiplyRows(Rows4<Real>& u, const Rows4<Real>& g, Real conjugated, std::size_t padded) {
   JULIA_FOR_POINTS {
     const Real ga = g[0][i], gb = conjugated * g[1][i], gc = conjugated * g[2][i], gd = conjugated * g[3][i];
-    const Real ua = u[0][i], ub = u[1][i], uc = u[2][i], ud = u[3][i];
-    u[0][i] = ua * ga - ub * gb - uc * gc - ud * gd;
-    u[1][i] = ua * gb + ub * ga + uc * gd - ud * gc;
-    u[2][i] = ua * gc - ub * gd + uc * ga + ud * gb;
-    u[3][i] = ua * gd + ub * gc - uc * gb + ud * ga;
+    multiplyQuaternion(ga, gb, gc, gd, &u[0][i], &u[1][i], &u[2][i], &u[3][i]);
   }
 }
 
 template <class Real>
 void waveVersor(const WaveTerm<Real>* waves, const WaveSpan<Real>* factors, std::size_t factorCount, const Real* origin,
                 ConstBatch<Real> points, const Real* octave, Batch<Real> out, std::size_t size) {
-  using I = Ieee<Real>;
   alignas(64) Rows4<Real> q, coarse, fine, sum, sumFine;
   alignas(64) Row<Real> blend;
   for (std::size_t begin = 0; begin < size; begin += kBlock) {
@@ -52,11 +41,9 @@ void waveVersor(const WaveTerm<Real>* waves, const WaveSpan<Real>* factors, std:
     for (int k = 0; k < 4; ++k) load(points.component[k], q[k], range);
     load(octave, blend, range);
     JULIA_FOR_POINTS {
-      const Real o = blend[i], nearest = (o + I::kRounder) - I::kRounder, k = nearest > o ? nearest - 1 : nearest;
-      const Real f = o - k;
-      blend[i] = f * f * (3 - 2 * f);
-      // 2^k, and the points in quadrants of waves with one cycle per unit.
-      const Real scale = fromBits<Real>(bitsOf(Real(4)) + (bitsOf(k + I::kRounder) << I::kMantissaBits));
+      // The points are in quadrants of waves with one cycle per unit.
+      Real scale;
+      splitOctave(blend[i], &blend[i], &scale);
       for (int c = 0; c < 4; ++c) {
         q[c][i] = (q[c][i] - origin[c]) * scale;
         coarse[c][i] = fine[c][i] = c == 0 ? Real(1) : Real(0);
@@ -68,11 +55,11 @@ void waveVersor(const WaveTerm<Real>* waves, const WaveSpan<Real>* factors, std:
       for (std::size_t w = factor.first; w < factor.last; ++w) {
         const WaveTerm<Real> wave = waves[w];
         JULIA_FOR_POINTS {
-          const Real angle = wave.frequency[0] * q[0][i] + wave.frequency[1] * q[1][i] + wave.frequency[2] * q[2][i] +
-                             wave.frequency[3] * q[3][i];
-          Real sine, cosine;
-          sineCosine(angle, sine, cosine);
-          const Real sineFine = 2 * (sine * cosine), cosineFine = 1 - 2 * (sine * sine);
+          const Real angle = wavePhase(wave.frequency[0], wave.frequency[1], wave.frequency[2], wave.frequency[3],
+                                       q[0][i], q[1][i], q[2][i], q[3][i]);
+          Real sine, cosine, sineFine, cosineFine;
+          sineCosine(angle, &sine, &cosine);
+          doublePhase(sine, cosine, &sineFine, &cosineFine);
           for (int c = 0; c < 4; ++c) {
             sum[c][i] += wave.cosine[c] * cosine + wave.sine[c] * sine;
             sumFine[c][i] += wave.cosine[c] * cosineFine + wave.sine[c] * sineFine;
