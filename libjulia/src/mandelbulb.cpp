@@ -22,6 +22,11 @@ constexpr double kMostByProducts = 64;
 
 }  // namespace
 
+int wholeTriplexPower(double power) {
+  const bool byProducts = power >= 2 && power <= kMostByProducts && power == std::floor(power);
+  return byProducts ? static_cast<int>(power) : 0;
+}
+
 template <class Real>
 Mandelbulb<Real>::Mandelbulb(const MandelbulbOptions& options) : mOptions(options) {
   if (!(std::abs(options.power) <= kMostPower))
@@ -54,23 +59,17 @@ void Mandelbulb<Real>::direction(const QuaternionBatch<Real>& start, QuaternionB
 
 template <class Real>
 std::optional<Ball> Mandelbulb<Real>::imageOf(const Ball& ball, const Ball& start, int) const {
-  if (wholePower() == 0) return std::nullopt;
-  const Ball power = triplexPowerOf<Real>(wholePower(), mOptions.angle, ball);
+  if (wholeTriplexPower(mOptions.power) == 0) return std::nullopt;
+  const Ball power = triplexPowerOf<Real>(wholeTriplexPower(mOptions.power), mOptions.angle, ball);
   return sumOf<Real>(power, mConstant ? Ball{mConstant->template as<double>(), 0} : start);
-}
-
-template <class Real>
-int Mandelbulb<Real>::wholePower() const {
-  const double power = mOptions.power;
-  const bool byProducts = power >= 2 && power <= kMostByProducts && power == std::floor(power);
-  return byProducts ? static_cast<int>(power) : 0;
 }
 
 template <class Real>
 template <class Constant>
 void Mandelbulb<Real>::power(const QuaternionBatch<Real>& p, const Constant& constant,
                              QuaternionBatch<Real>& next) const {
-  const kernels::TriplexPower<Real> triplex{static_cast<Real>(mOptions.power), static_cast<std::uint32_t>(wholePower()),
+  const kernels::TriplexPower<Real> triplex{static_cast<Real>(mOptions.power),
+                                            static_cast<std::uint32_t>(wholeTriplexPower(mOptions.power)),
                                             mOptions.angle == TriplexAngle::FromPole};
   next.resize(p.size());
   kernels::kernels<Real>().triplex(triplex, addend(constant), view(p), view(next), p.size());

@@ -12,6 +12,7 @@
 #include "careful.h"
 #include "number_text.h"
 #include "object_pool.h"
+#include "orbit_limits.h"
 
 #include <algorithm>
 #include <array>
@@ -70,21 +71,21 @@ class OrbitEvaluator : public FieldEvaluator {
   };
 
   OrbitEvaluator(const Embedding& embedding, const OrbitOptions& options, Real level)
+      : OrbitEvaluator(embedding, options, level, OrbitLimits<Real>(options)) {}
+  OrbitEvaluator(const Embedding& embedding, const OrbitOptions& options, Real level, const OrbitLimits<Real>& limits)
       : mEmbedding(embedding),
         mOptions(options),
-        mEscapeSquared(static_cast<Real>(options.escapeRadius * options.escapeRadius)),
-        mNearSquared(mEscapeSquared * (1 - 8 * std::numeric_limits<Real>::epsilon())),
-        mLogEscape(logEscapeOf(options)),
-        mLogTrap(static_cast<Real>(options.logTrap)),
+        mEscapeSquared(limits.escapeSquared),
+        mNearSquared(limits.nearSquared),
+        mLogEscape(limits.logEscape),
+        mLogTrap(limits.logTrap),
         mLevel(level) {
     requireValid(options);
     if (!std::isfinite(embedding.slice) || std::abs(embedding.slice) > kMaxEscapeRadius)
       throw std::invalid_argument("slice is " + textOf(embedding.slice) + "; it must be between -1e9 and 1e9");
   }
 
-  static Real logEscapeOf(const OrbitOptions& options) {
-    return static_cast<Real>(elementary::log(options.escapeRadius));
-  }
+  static Real logEscapeOf(const OrbitOptions& options) { return OrbitLimits<Real>(options).logEscape; }
 
   /// Sets batch.l to l of the iterates that follow batch.q, after @a step steps.
   virtual void takeStep(Batch& batch, int step) const = 0;
@@ -122,7 +123,7 @@ class OrbitEvaluator : public FieldEvaluator {
   Embedding mEmbedding;
   OrbitOptions mOptions;
   Real mEscapeSquared;
-  Real mNearSquared;  ///< below this, a point has not escaped, in whichever order squares are added
+  Real mNearSquared;
   Real mLogEscape, mLogTrap, mLevel;
 
  private:
@@ -285,12 +286,7 @@ class OrbitEvaluator : public FieldEvaluator {
     const std::size_t size = batch.q.size();
     const Real* const l = batch.l.data();
     const std::uint32_t* const index = batch.index.data();
-    const Real level = mLevel;
-    const auto fieldOf = [level](Real at) {
-      const double value = static_cast<double>(at - level);
-      const double above = value > -kFieldLimit ? value : -kFieldLimit;
-      return above < kFieldLimit ? above : kFieldLimit;
-    };
+    const auto fieldOf = [level = mLevel](Real at) { return fieldOfEnd(at, level); };
     if (size == field.size())
       for (std::size_t i = 0; i < size; ++i) field[i] = fieldOf(l[i]);
     else

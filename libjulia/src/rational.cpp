@@ -151,7 +151,7 @@ Quaternion<Real> unitPower(const Quaternion<Real>& u, const kernels::RootFactor<
     axis = axis * (1 / sinus);
   }
   Real inverse, sine, cosine;
-  kernels::sineCosine(factor.power * kernels::angleInQuadrants(u.a, sinus, inverse), sine, cosine);
+  kernels::sineCosine(factor.power * kernels::angleInQuadrants(u.a, sinus, &inverse), &sine, &cosine);
   return {cosine, axis.b * sine, axis.c * sine, axis.d * sine};
 }
 
@@ -162,22 +162,33 @@ QuaternionBatch<double> widened(const QuaternionBatch<float>& q) {
 }  // namespace
 
 template <class Real>
-RationalEvaluator<Real>::RationalEvaluator(const Rational& rational) {
-  requireFinite(rational);
-  auto factors = std::make_shared<Factors>();
-  factors->logScale = static_cast<Real>(rational.logScale);
-  factors->rational = rational;
-  double largest = 0;
+std::vector<kernels::RootFactor<Real>> rootFactors(const Rational& rational, double& largest) {
+  std::vector<kernels::RootFactor<Real>> factors;
+  largest = 0;
   const auto append = [&](const Root& root, double power) {
     if (power == 0) return;
-    factors->roots.push_back(makeFactor<Real>(root, power));
+    factors.push_back(makeFactor<Real>(root, power));
     largest = std::max(largest, std::abs(power));
   };
   for (const Root& root : rational.top.roots) append(root, root.power * rational.top.powerScale);
   // The factors of the inverse of an ordered product are in reverse order.
   for (auto root = rational.bottom.roots.rbegin(); root != rational.bottom.roots.rend(); ++root)
     append(*root, -root->power * rational.bottom.powerScale);
-  planRenormalisations(factors->roots);
+  planRenormalisations(factors);
+  return factors;
+}
+
+template std::vector<kernels::RootFactor<float>> rootFactors(const Rational&, double&);
+template std::vector<kernels::RootFactor<double>> rootFactors(const Rational&, double&);
+
+template <class Real>
+RationalEvaluator<Real>::RationalEvaluator(const Rational& rational) {
+  requireFinite(rational);
+  auto factors = std::make_shared<Factors>();
+  factors->logScale = static_cast<Real>(rational.logScale);
+  factors->rational = rational;
+  double largest = 0;
+  factors->roots = rootFactors<Real>(rational, largest);
   mFactors = std::move(factors);
   if (largest > Ieee<Real>::kLargestPower) mWide = std::make_shared<RationalEvaluator<double>>(rational);
 }

@@ -11,6 +11,10 @@
 
 namespace julia {
 
+/// The factors of a rational, in the order of multiplication. @param largest  receives the largest |power|
+template <class Real>
+std::vector<kernels::RootFactor<Real>> rootFactors(const Rational& rational, double& largest);
+
 template <class Real>
 struct RationalEvaluator<Real>::Factors {
   std::vector<kernels::RootFactor<Real>> roots;  ///< in the order of multiplication

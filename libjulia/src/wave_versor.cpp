@@ -4,6 +4,7 @@
 #include "batch_view.h"
 #include "cone_arithmetic.h"
 #include "number_text.h"
+#include "wave_tables.h"
 
 #include "julia/elementary.h"
 
@@ -56,10 +57,8 @@ void requireValid(const WaveTexture& texture) {
 
 template <class Real>
 struct WaveVersor<Real>::Plan {
-  std::vector<kernels::WaveTerm<Real>> waves;
-  std::vector<kernels::WaveSpan<Real>> factors;
+  WaveTables<Real> tables;
   std::vector<FactorBound> bounds;
-  Real origin[4];
 };
 
 template <class Real>
@@ -67,21 +66,10 @@ WaveVersor<Real>::WaveVersor(const WaveTexture& texture, std::shared_ptr<const S
                              DropAxis dropped)
     : mTexture(texture), mOctave(std::move(octave)), mEmbedding{.dropped = dropped} {
   requireValid(texture);
-  auto plan = std::make_unique<Plan>();
-  const auto store = [](const Quaternion<double>& q, Real(&to)[4]) {
-    const std::array<double, 4> parts{q.a, q.b, q.c, q.d};
-    std::transform(parts.begin(), parts.end(), to, [](double x) { return static_cast<Real>(x); });
-  };
-  store(texture.origin, plan->origin);
+  auto plan = std::make_unique<Plan>(Plan{WaveTables<Real>(texture), {}});
   for (const WaveFactor& factor : texture.factors) {
-    const std::size_t first = plan->waves.size();
     FactorBound bound;
     for (const Wave& wave : factor.waves) {
-      kernels::WaveTerm<Real> term{};
-      store(wave.frequency, term.frequency);
-      store(wave.cosine, term.cosine);
-      store(wave.sine, term.sine);
-      plan->waves.push_back(term);
       // |c cos + s sin| is at most the square root of |c|^2 + |s|^2, and so is its derivative.
       const double size = std::sqrt(normSquared(wave.cosine) + normSquared(wave.sine));
       constexpr double kTurn = 6.28318530717958647693;
@@ -91,8 +79,6 @@ WaveVersor<Real>::WaveVersor(const WaveTexture& texture, std::shared_ptr<const S
       bound.reach = std::max(bound.reach, 4 * length);
     }
     plan->bounds.push_back(bound);
-    plan->factors.push_back({first, plan->waves.size(), static_cast<std::uint32_t>(std::abs(factor.power)),
-                             static_cast<Real>(factor.power < 0 ? -1 : 1)});
   }
   mPlan = std::move(plan);
 }
@@ -108,8 +94,9 @@ void WaveVersor<Real>::versor(const QuaternionBatch<Real>& q, QuaternionBatch<Re
   mOctave->sample(x, y, z, octave);
   constexpr Real kMost = static_cast<Real>(kMostOctave);
   for (Real& o : octave) o = std::clamp(o, -kMost, kMost);
-  kernels::kernels<Real>().waveVersor(mPlan->waves.data(), mPlan->factors.data(), mPlan->factors.size(), mPlan->origin,
-                                      view(q), octave.data(), view(u), q.size());
+  kernels::kernels<Real>().waveVersor(mPlan->tables.waves.data(), mPlan->tables.factors.data(),
+                                      mPlan->tables.factors.size(), mPlan->tables.origin, view(q), octave.data(),
+                                      view(u), q.size());
 }
 
 namespace {
@@ -131,7 +118,7 @@ Quaternion<double> sumOfWaves(const WaveFactor& factor, const Quaternion<double>
   for (const Wave& wave : factor.waves) {
     const Quaternion<double>& w = wave.frequency;
     double sine = 0, cosine = 1;
-    kernels::sineCosine(4 * (w.a * p.a + w.b * p.b + w.c * p.c + w.d * p.d), sine, cosine);
+    kernels::sineCosine(4 * (w.a * p.a + w.b * p.b + w.c * p.c + w.d * p.d), &sine, &cosine);
     sum = sum + wave.cosine * cosine + wave.sine * sine;
   }
   return sum;

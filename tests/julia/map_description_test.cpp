@@ -14,6 +14,7 @@
 #include "julia/reference_waves.h"
 #include "julia/shape_modulus.h"
 #include "support/float128.h"
+#include "support/lumpy_bricks.h"
 
 #include "support/random_waves.h"
 
@@ -48,6 +49,7 @@ using julia::QuadraticDescription;
 using julia::Quaternion;
 using julia::Rational;
 using julia::ShapeModulusDescription;
+using law_tests::lumpyBricks;
 using law_tests::Random;
 using Long = long double;
 
@@ -190,36 +192,6 @@ Rational someRoots(int count) {
   for (int i = 0; i < count; ++i)
     rational.top.roots.push_back({random.inBall() * 0.4, i % 2 ? random.between(2, 9) : random.integer(2, 9)});
   return rational;
-}
-
-/// A ball with lumps, as bricks about the origin.
-julia::PlacedBricks lumpyBricks(Interpolation interpolation) {
-  constexpr std::uint32_t kAcross = 5, kNodes = 33;
-  constexpr double kSpacing = 1. / 24, kHalf = kSpacing * (kNodes - 1) / 2;
-  auto bricks = std::make_shared<julia::Bricks>();
-  bricks->interpolation = interpolation;
-  bricks->count = {kAcross, kAcross, kAcross};
-  const auto coordinate = [&](std::uint32_t brick, std::uint32_t k) {
-    return kSpacing * (static_cast<double>(brick * julia::kBrickSide + k) - bricks->before()) - kHalf;
-  };
-  for (std::uint32_t place = 0; place < kAcross * kAcross * kAcross; ++place) {
-    bricks->brickAt.push_back(place);
-    for (std::uint32_t i = 0; i < bricks->side(); ++i)
-      for (std::uint32_t j = 0; j < bricks->side(); ++j)
-        for (std::uint32_t k = 0; k < bricks->side(); ++k) {
-          const double x = coordinate(place / (kAcross * kAcross), i), y = coordinate(place / kAcross % kAcross, j);
-          const double z = coordinate(place % kAcross, k);
-          const double phi = std::sqrt(x * x + y * y + z * z) - 0.375 - 0.04 * std::sin(8 * x) * std::sin(9 * y);
-          bricks->values.push_back(static_cast<float>(12 * phi));
-        }
-  }
-  julia::BrickPlacement placement;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    placement.matrix[axis][axis] = 1 / kSpacing;
-    placement.offset[axis] = kHalf / kSpacing;
-    placement.high[axis] = kNodes - 1;
-  }
-  return {bricks, placement};
 }
 
 TEST(MapDescription, ofTheShapeModulusHoldsItsBricksRootsAndPowers) {

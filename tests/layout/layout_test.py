@@ -14,6 +14,7 @@ import unittest
 # lies below; `include` and `src` are two halves of one room.
 ORDER = [
     "libjulia",
+    "libjulia/device",
     "libjulia/fit",
     "vdbtools/base",
     "vdbtools/files",
@@ -50,6 +51,8 @@ ORDER = [
 PLACES = [
     ("libjulia/include/julia/fit/", "libjulia/fit"),
     ("libjulia/src/fit/", "libjulia/fit"),
+    ("libjulia/include/julia/device/", "libjulia/device"),
+    ("libjulia/src/device/", "libjulia/device"),
     ("libjulia/include/julia/", "libjulia"),
     ("libjulia/src/", "libjulia"),
     *[(f"vdbtools/{half}/{room.partition('/')[2]}/", room)

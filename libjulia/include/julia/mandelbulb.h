@@ -30,6 +30,9 @@ struct MandelbulbOptions {
   std::optional<Point> constant;  ///< c; if empty, the point where the orbit starts (Mandelbrot)
 };
 
+/// The power of a triplex number if products compute it, which they do for whole powers from 2 to 64; otherwise 0.
+int wholeTriplexPower(double power);
+
 /// describe() returns the MandelbulbOptions.
 template <class Real>
 class Mandelbulb final : public CartesianMap<Real> {
@@ -51,9 +54,6 @@ class Mandelbulb final : public CartesianMap<Real> {
  private:
   template <class Constant>
   void power(const QuaternionBatch<Real>& p, const Constant& constant, QuaternionBatch<Real>& next) const;
-
-  /// The power if it is computed by products, otherwise 0.
-  int wholePower() const;
 
   MandelbulbOptions mOptions;
   std::optional<Quaternion<Real>> mConstant;

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "julia/device/device.h"
+
+#ifdef JULIA_OPENCL
+#include "device/opencl_device.h"
+#endif
+
+#include <mutex>
+#include <stdexcept>
+#include <utility>
+
+namespace julia {
+namespace {
+
+std::mutex& currentMutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+std::shared_ptr<const Device>& currentPlace() {
+  // Never destroyed: at exit, a driver may be gone before this would be.
+  static auto* const current = new std::shared_ptr<const Device>;
+  return *current;
+}
+
+}  // namespace
+
+std::shared_ptr<const Device> currentDevice() {
+  const std::lock_guard lock(currentMutex());
+  return currentPlace();
+}
+
+void setCurrentDevice(std::shared_ptr<const Device> device) {
+  const std::lock_guard lock(currentMutex());
+  currentPlace() = std::move(device);
+}
+
+std::unique_ptr<FieldEvaluator> onCurrentDevice(std::unique_ptr<FieldEvaluator> host) {
+  const std::shared_ptr<const Device> device = currentDevice();
+  if (!device) return host;
+  std::string reason;
+  auto evaluator = device->evaluator(std::move(host), reason);
+  if (!reason.empty()) device->notify("The processor evaluates the field, and not the device: " + reason + ".");
+  return evaluator;
+}
+
+#ifdef JULIA_OPENCL
+
+std::vector<DeviceInfo> listDevices(std::string& refusal) {
+  std::vector<DeviceInfo> infos;
+  for (const auto& place : device::OpenClDevice::places(refusal))
+    infos.push_back(device::OpenClDevice(place, {}).info());
+  return infos;
+}
+
+std::shared_ptr<const Device> openDevice(std::size_t number, DeviceNotice notice) {
+  std::string refusal;
+  const auto places = device::OpenClDevice::places(refusal);
+  if (places.empty()) throw std::runtime_error(refusal);
+  if (number >= places.size())
+    throw std::runtime_error("there is no device " + std::to_string(number) + "; the last one is " +
+                             std::to_string(places.size() - 1));
+  auto device = std::make_shared<const device::OpenClDevice>(places[number], std::move(notice));
+  if (!device->info().refusal.empty())
+    throw std::runtime_error(device->info().name + " is not used: " + device->info().refusal);
+  return device;
+}
+
+#else
+
+namespace {
+constexpr const char* kBuiltWithout = "this program was built without OpenCL's headers";
+}
+
+std::vector<DeviceInfo> listDevices(std::string& refusal) {
+  refusal = kBuiltWithout;
+  return {};
+}
+
+std::shared_ptr<const Device> openDevice(std::size_t, DeviceNotice) { throw std::runtime_error(kBuiltWithout); }
+
+#endif
+
+}  // namespace julia

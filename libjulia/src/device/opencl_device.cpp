@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device/opencl_device.h"
+
+#include "device/program_text.h"
+#include "device/same_bits.h"
+
+#include "kernels/elementary.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+namespace julia::device {
+namespace {
+
+/// What OpenCL's error codes mean that a user can do something about.
+std::string meaningOf(cl_int error) {
+  switch (error) {
+    case CL_MEM_OBJECT_ALLOCATION_FAILURE:
+    case CL_OUT_OF_RESOURCES: return "it is out of memory or was lost";
+    case CL_OUT_OF_HOST_MEMORY: return "the driver is out of memory";
+    case CL_DEVICE_NOT_AVAILABLE: return "it is not available";
+    case CL_BUILD_PROGRAM_FAILURE: return "its compiler failed";
+    case CL_INVALID_BUFFER_SIZE: return "it cannot hold that much in one piece";
+    default: return "an error of its driver";
+  }
+}
+
+void require(cl_int error, const char* what) {
+  if (error != CL_SUCCESS)
+    throw DeviceFailure(std::string(what) + ": OpenCL's error " + std::to_string(error) + ", " + meaningOf(error));
+}
+
+template <class T>
+T valueOf(const OpenClFunctions& cl, cl_device_id device, cl_device_info what) {
+  T value{};
+  require(cl.GetDeviceInfo(device, what, sizeof(value), &value, nullptr), "asking for its properties failed");
+  return value;
+}
+
+template <class Ask>
+std::string textOf(const Ask& ask) {
+  std::size_t size = 0;
+  require(ask(0, nullptr, &size), "asking for its name failed");
+  std::string text(size, '\0');
+  require(ask(size, text.data(), nullptr), "asking for its name failed");
+  while (!text.empty() && (text.back() == '\0' || text.back() == ' ')) text.pop_back();
+  return text;
+}
+
+std::string textOf(const OpenClFunctions& cl, cl_device_id device, cl_device_info what) {
+  return textOf([&](std::size_t size, char* to, std::size_t* needed) {
+    return cl.GetDeviceInfo(device, what, size, to, needed);
+  });
+}
+
+/// Why floating-point numbers of one size are not those of IEEE 754; empty if they are.
+std::string arithmeticRefusal(cl_device_fp_config has, bool floats) {
+  if (!(has & CL_FP_DENORM)) return "it has no denormal numbers";
+  if (!(has & CL_FP_ROUND_TO_NEAREST)) return "it does not round to the nearest number";
+  if (!(has & CL_FP_INF_NAN)) return "it has no infinities";
+  if (floats && !(has & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT))
+    return "its divisions and square roots are not correctly rounded";
+  return {};
+}
+
+/// Numbers whose products, quotients and sums betray fused operations, flushed denormal numbers and rough roots.
+template <class Real>
+std::array<std::vector<Real>, 3> treacherousNumbers() {
+  constexpr std::size_t kCount = 4096;
+  constexpr Real eps = std::numeric_limits<Real>::epsilon(), least = std::numeric_limits<Real>::min();
+  std::array<std::vector<Real>, 3> numbers;
+  std::uint64_t state = 0x9e3779b97f4a7c15;
+  // Of all exponents, from those of denormal numbers on: a mantissa from 1 to 2 times a power of two.
+  const auto next = [&](int exponents) {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    const int exponent = static_cast<int>(state >> 40) % (2 * exponents) - exponents;
+    const Real mantissa = 1 + static_cast<Real>(state >> 33 & 0x7fffff) * eps * (sizeof(Real) == 8 ? 0x1p29f : 1);
+    return std::ldexp(state >> 63 ? -mantissa : mantissa, exponent);
+  };
+  const int all = std::numeric_limits<Real>::max_exponent;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const auto k = static_cast<Real>(i % 61 + 1);
+    Real x = next(all), y = next(all), z = next(all);
+    if (i % 4 == 0) x = next(8), y = next(8), z = -x * y;                       // fused: the product's rounding error
+    if (i % 4 == 1) x = 1 + k * eps, y = 1 - k * eps, z = -1;                   // the same, where it is known
+    if (i % 4 == 2) x = least * k, y = Real(1) / (1 << i % 31), z = least / k;  // denormal results
+    numbers[0].push_back(x);
+    numbers[1].push_back(y);
+    numbers[2].push_back(z);
+  }
+  return numbers;
+}
+
+template <class Real>
+std::array<Real, 6> arithmeticOf(Real x, Real y, Real z) {
+  const Real product = x * y;
+  return {product + z, x / y, std::sqrt(std::abs(x)), product, z - product, product * z};
+}
+
+}  // namespace
+
+// --- The device ---
+
+std::vector<OpenClDevice::Place> OpenClDevice::places(std::string& refusal) {
+  const OpenClFunctions* const cl = openClFunctions(refusal);
+  if (!cl) return {};
+  cl_uint count = 0;
+  if (cl->GetPlatformIDs(0, nullptr, &count) != CL_SUCCESS) count = 0;
+  std::vector<cl_platform_id> platforms(count);
+  if (count != 0 && cl->GetPlatformIDs(count, platforms.data(), nullptr) != CL_SUCCESS) platforms.clear();
+  std::vector<Place> places;
+  for (const cl_platform_id platform : platforms) {
+    cl_uint found = 0;
+    if (cl->GetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, nullptr, &found) != CL_SUCCESS || found == 0) continue;
+    std::vector<cl_device_id> devices(found);
+    if (cl->GetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, found, devices.data(), nullptr) != CL_SUCCESS) continue;
+    for (const cl_device_id device : devices) places.push_back({platform, device});
+  }
+  if (places.empty()) {
+    refusal = platforms.empty() ? "OpenCL's loader found no platform: no driver of OpenCL is installed"
+                                : "none of OpenCL's platforms has a device";
+  }
+  return places;
+}
+
+OpenClDevice::OpenClDevice(const Place& place, DeviceNotice notice)
+    : mCl(*openClFunctions(mInfo.refusal)), mDevice(place.device), mNotice(std::move(notice)) {
+  try {
+    const auto platform = textOf([&](std::size_t size, char* to, std::size_t* needed) {
+      return mCl.GetPlatformInfo(place.platform, CL_PLATFORM_NAME, size, to, needed);
+    });
+    mInfo.name = textOf(mCl, mDevice, CL_DEVICE_NAME) + " (" + platform + ", driver " +
+                 textOf(mCl, mDevice, CL_DRIVER_VERSION) + ")";
+    mInfo.isGpu = (valueOf<cl_device_type>(mCl, mDevice, CL_DEVICE_TYPE) & CL_DEVICE_TYPE_GPU) != 0;
+    mMostBytes = valueOf<cl_ulong>(mCl, mDevice, CL_DEVICE_MAX_MEM_ALLOC_SIZE);
+    mInfo.refusal = refusalOf();
+  } catch (const DeviceFailure& failure) {
+    mInfo.refusal = failure.what();
+  }
+}
+
+OpenClDevice::~OpenClDevice() {
+  mPrograms.clear();
+  if (mContext) mCl.ReleaseContext(mContext);
+}
+
+std::string OpenClDevice::refusalOf() {
+  if (!valueOf<cl_bool>(mCl, mDevice, CL_DEVICE_AVAILABLE) ||
+      !valueOf<cl_bool>(mCl, mDevice, CL_DEVICE_COMPILER_AVAILABLE))
+    return "it is not available, or has no compiler";
+  if (!valueOf<cl_bool>(mCl, mDevice, CL_DEVICE_ENDIAN_LITTLE)) return "its bytes are in the other order";
+  std::string why = arithmeticRefusal(valueOf<cl_device_fp_config>(mCl, mDevice, CL_DEVICE_SINGLE_FP_CONFIG), true);
+  if (!why.empty()) return why;
+  cl_device_fp_config doubles = 0;
+  // A device without doubles may not know the question.
+  if (mCl.GetDeviceInfo(mDevice, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof(doubles), &doubles, nullptr) != CL_SUCCESS)
+    doubles = 0;
+  mInfo.doubles = arithmeticRefusal(doubles, false).empty();
+  cl_int error = CL_SUCCESS;
+  mContext = mCl.CreateContext(nullptr, 1, &mDevice, nullptr, nullptr, &error);
+  require(error, "its context cannot be made");
+  if (!hasArithmetic<float>()) return "its 32-bit arithmetic has other bits than the processor's";
+  if (mInfo.doubles) mInfo.doubles = hasArithmetic<double>();
+  return {};
+}
+
+/// Compiles and runs the kernel tryArithmetic().
+template <class Real>
+bool OpenClDevice::hasArithmetic() {
+  const auto numbers = treacherousNumbers<Real>();
+  const std::size_t count = numbers[0].size();
+  ProgramData plain;
+  plain.map = MapKind::Quadratic;
+  plain.versor = VersorKind::None;
+  const auto program = std::make_shared<const Program>(*this, sizeof(Real) == sizeof(float), plain.switches());
+  Lane lane(*this, program, "tryArithmetic");
+  std::array<Memory, 3> in;
+  for (std::size_t k = 0; k < 3; ++k) in[k] = lane.uploaded(numbers[k].data(), count * sizeof(Real));
+  Memory out = lane.made(6 * count * sizeof(Real));
+  for (std::size_t k = 0; k < 3; ++k) lane.setArgument(static_cast<cl_uint>(k), in[k].get());
+  lane.setArgument(3, out.get());
+  lane.setArgument(4, static_cast<cl_uint>(count));
+  lane.run(count);
+  std::vector<Real> results(6 * count);
+  lane.read(out.get(), results.data(), results.size() * sizeof(Real));
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto expected = arithmeticOf<Real>(numbers[0][i], numbers[1][i], numbers[2][i]);
+    for (std::size_t k = 0; k < expected.size(); ++k)
+      if (!sameBits(expected[k], results[6 * i + k])) return false;
+  }
+  return true;
+}
+
+std::shared_ptr<const OpenClDevice::Program> OpenClDevice::program(bool floats, const std::string& switches) const {
+  const std::lock_guard lock(mMutex);
+  auto& program = mPrograms[(floats ? "float" : "double") + switches];
+  if (!program) program = std::make_shared<const Program>(*this, floats, switches);
+  return program;
+}
+
+// --- Programs, and what a thread runs them with ---
+
+OpenClDevice::Program::Program(const OpenClDevice& device, bool floats, const std::string& switches) : mCl(device.mCl) {
+  const std::string text = programText(floats);
+  const char* source = text.c_str();
+  const std::size_t length = text.size();
+  cl_int error = CL_SUCCESS;
+  mProgram = mCl.CreateProgramWithSource(device.mContext, 1, &source, &length, &error);
+  require(error, "its program cannot be made");
+  const std::string options = "-cl-std=CL1.2 -cl-fp32-correctly-rounded-divide-sqrt -w" + switches;
+  error = mCl.BuildProgram(mProgram, 1, &device.mDevice, options.c_str(), nullptr, nullptr);
+  if (error == CL_SUCCESS) return;
+  std::string log;
+  try {
+    log = textOf([&](std::size_t size, char* to, std::size_t* needed) {
+      return mCl.GetProgramBuildInfo(mProgram, device.mDevice, CL_PROGRAM_BUILD_LOG, size, to, needed);
+    });
+  } catch (const DeviceFailure&) {
+  }
+  mCl.ReleaseProgram(mProgram);
+  // The first error says most.
+  const std::size_t first = std::min(log.find("error:"), log.size());
+  throw DeviceFailure("its compiler refused the program: " + log.substr(first, log.find('\n', first) - first));
+}
+
+OpenClDevice::Program::~Program() { mCl.ReleaseProgram(mProgram); }
+
+OpenClDevice::Lane::Lane(const OpenClDevice& device, std::shared_ptr<const Program> program, const char* kernel)
+    : mCl(device.mCl), mContext(device.mContext), mProgram(std::move(program)) {
+  cl_int error = CL_SUCCESS;
+  mQueue = mCl.CreateCommandQueue(device.mContext, device.mDevice, 0, &error);
+  require(error, "its queue cannot be made");
+  mKernel = mCl.CreateKernel(mProgram->get(), kernel, &error);
+  if (error == CL_SUCCESS) return;
+  mCl.ReleaseCommandQueue(mQueue);
+  require(error, "its kernel cannot be made");
+}
+
+OpenClDevice::Lane::~Lane() {
+  mCl.ReleaseKernel(mKernel);
+  mCl.ReleaseCommandQueue(mQueue);
+}
+
+OpenClDevice::Memory OpenClDevice::Lane::made(std::size_t bytes) const {
+  cl_int error = CL_SUCCESS;
+  // A kernel's argument cannot be empty memory.
+  const cl_mem memory =
+      mCl.CreateBuffer(mContext, CL_MEM_READ_WRITE, std::max<std::size_t>(bytes, 16), nullptr, &error);
+  require(error, "its memory cannot be had");
+  return Memory(memory, {&mCl});
+}
+
+OpenClDevice::Memory OpenClDevice::Lane::uploaded(const void* data, std::size_t bytes) const {
+  Memory memory = made(bytes);
+  if (bytes != 0)
+    require(mCl.EnqueueWriteBuffer(mQueue, memory.get(), CL_TRUE, 0, bytes, data, 0, nullptr, nullptr),
+            "its memory cannot be written");
+  return memory;
+}
+
+void OpenClDevice::Lane::write(cl_mem memory, const void* data, std::size_t bytes) const {
+  require(mCl.EnqueueWriteBuffer(mQueue, memory, CL_FALSE, 0, bytes, data, 0, nullptr, nullptr),
+          "its memory cannot be written");
+}
+
+void OpenClDevice::Lane::read(cl_mem memory, void* data, std::size_t bytes) const {
+  require(mCl.EnqueueReadBuffer(mQueue, memory, CL_TRUE, 0, bytes, data, 0, nullptr, nullptr),
+          "its results cannot be read");
+}
+
+void OpenClDevice::Lane::run(std::size_t count) const {
+  // All groups are whole: devices may want that, and the kernels leave out the numbers beyond the last point.
+  constexpr std::size_t kGroup = 64;
+  const std::size_t size = (count + kGroup - 1) / kGroup * kGroup;
+  require(mCl.EnqueueNDRangeKernel(mQueue, mKernel, 1, nullptr, &size, &kGroup, 0, nullptr, nullptr),
+          "its kernel cannot be run");
+}
+
+}  // namespace julia::device

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file opencl_device.h
+/// A device of OpenCL: its programs, and what threads run them with.
+#pragma once
+
+#include "julia/device/device.h"
+
+#include "device/opencl_library.h"
+#include "device/program_data.h"
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace julia::device {
+
+/// What a device or its driver could not do, in a few words.
+class DeviceFailure : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+class OpenClDevice final : public Device, public std::enable_shared_from_this<OpenClDevice> {
+ public:
+  /// Where a device is found.
+  struct Place {
+    cl_platform_id platform;
+    cl_device_id device;
+  };
+
+  /// All devices. @param refusal  says why there is none, if there is none
+  static std::vector<Place> places(std::string& refusal);
+
+  /// Opens a device and tries its arithmetic; if it cannot be used, info().refusal says why.
+  OpenClDevice(const Place& place, DeviceNotice notice);
+  OpenClDevice(const OpenClDevice&) = delete;
+  ~OpenClDevice() override;
+
+  const DeviceInfo& info() const override { return mInfo; }
+  std::unique_ptr<FieldEvaluator> evaluator(std::unique_ptr<FieldEvaluator> host, std::string& reason) const override;
+
+  /// A compiled program.
+  class Program {
+   public:
+    /// @throw DeviceFailure
+    Program(const OpenClDevice& device, bool floats, const std::string& switches);
+    Program(const Program&) = delete;
+    ~Program();
+    cl_program get() const { return mProgram; }
+
+   private:
+    const OpenClFunctions& mCl;
+    cl_program mProgram = nullptr;
+  };
+
+  void notify(const std::string& sentence) const override {
+    if (mNotice) mNotice(sentence);
+  }
+  /// The program of a field, compiled once for all fields with the same switches. @throw DeviceFailure
+  std::shared_ptr<const Program> program(bool floats, const std::string& switches) const;
+  std::size_t mostBytes() const { return mMostBytes; }  ///< in one piece of memory
+
+  struct ReleaseMemory {
+    const OpenClFunctions* cl;
+    void operator()(cl_mem memory) const { cl->ReleaseMemObject(memory); }
+  };
+  /// Memory of the device.
+  using Memory = std::unique_ptr<std::remove_pointer_t<cl_mem>, ReleaseMemory>;
+
+  /// A queue and a kernel with its arguments. One thread at a time uses it; its functions throw DeviceFailure.
+  class Lane {
+   public:
+    Lane(const OpenClDevice& device, std::shared_ptr<const Program> program, const char* kernel);
+    Lane(const Lane&) = delete;
+    ~Lane();
+
+    Memory made(std::size_t bytes) const;
+    Memory uploaded(const void* data, std::size_t bytes) const;
+    /// Begins to write; read() waits for it. @a data must stay until then.
+    void write(cl_mem memory, const void* data, std::size_t bytes) const;
+    void read(cl_mem memory, void* data, std::size_t bytes) const;
+    template <class T>
+    void setArgument(cl_uint number, const T& value) const {
+      if (mCl.SetKernelArg(mKernel, number, sizeof(T), &value) != CL_SUCCESS)
+        throw DeviceFailure("its kernel refused argument " + std::to_string(number));
+    }
+    /// Runs the kernel for the numbers 0 to @a count - 1 and some more.
+    void run(std::size_t count) const;
+
+   private:
+    const OpenClFunctions& mCl;
+    cl_context mContext;
+    std::shared_ptr<const Program> mProgram;
+    cl_command_queue mQueue = nullptr;
+    cl_kernel mKernel = nullptr;
+  };
+
+ private:
+  std::string refusalOf();
+  template <class Real>
+  bool hasArithmetic();
+
+  DeviceInfo mInfo;
+  const OpenClFunctions& mCl;
+  cl_device_id mDevice;
+  cl_context mContext = nullptr;
+  std::size_t mMostBytes = 0;
+  DeviceNotice mNotice;
+  mutable std::mutex mMutex;
+  mutable std::map<std::string, std::shared_ptr<const Program>> mPrograms;  ///< by their options; mMutex guards them
+};
+
+}  // namespace julia::device

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device/program_text.h"
+
+#include "device/program_data.h"
+#include "kernels/elementary.h"
+#include "kernels/kernels.h"
+
+#include "julia/wave_versor.h"
+
+#include <cinttypes>
+#include <cstdio>
+#include <span>
+#include <string_view>
+#include <type_traits>
+
+namespace julia::device {
+namespace {
+
+struct EmbeddedBytes {
+  const char* name;
+  const unsigned char* bytes;
+  std::size_t size;
+};
+#include "device_text_bytes.h"  // kEmbedded
+
+std::string_view textNamed(std::string_view name) {
+  for (const EmbeddedBytes& text : kEmbedded)
+    if (name == text.name) return {reinterpret_cast<const char*>(text.bytes), text.size};
+  return {};
+}
+
+/// A number as OpenCL C has it, exactly.
+template <class Real>
+std::string literal(Real value) {
+  char text[64];
+  std::snprintf(text, sizeof(text), std::is_same_v<Real, float> ? "%af" : "%a", static_cast<double>(value));
+  return text;
+}
+
+void define(std::string& text, const char* name, const std::string& value) {
+  text += std::string("#define ") + name + " (" + value + ")\n";
+}
+
+/// A polynomial by Horner's rule, as kernels::polynomial() computes it.
+template <class Real>
+void definePolynomial(std::string& text, const char* name, std::span<const Real> coefficients) {
+  std::string sum = literal(coefficients[0]);
+  for (const Real c : coefficients.subspan(1)) sum = "(" + sum + " * x + " + literal(c) + ")";
+  text += std::string("inline Real polynomial_") + name + "(Real x) { return " + sum + "; }\n";
+}
+
+/// The words of kernels/language.h and the constants of Ieee<Real>.
+template <class Real>
+std::string words() {
+  using I = kernels::Ieee<Real>;
+  constexpr bool kFloats = std::is_same_v<Real, float>;
+  std::string text = "#pragma OPENCL FP_CONTRACT OFF\n";
+  text += kFloats ? "typedef float Real;\ntypedef uint Bits;\n"
+                    "#define JULIA_TO_BITS(x) as_uint((Real)(x))\n#define JULIA_FROM_BITS(x) as_float((Bits)(x))\n"
+                  : "typedef double Real;\ntypedef ulong Bits;\n"
+                    "#define JULIA_TO_BITS(x) as_ulong((Real)(x))\n#define JULIA_FROM_BITS(x) as_double((Bits)(x))\n";
+  text +=
+      "#define JULIA_SHARED inline\n"
+      "#define JULIA_IEEE(name) name\n"
+      "#define JULIA_POLYNOMIAL(name, x) polynomial_##name(x)\n"
+      "#define JULIA_REAL(x) ((Real)(x))\n"
+      "#define JULIA_INFINITY ((Real)INFINITY)\n"
+      "#define JULIA_BITS Bits\n"
+      "#define squareRoot(x) sqrt(x)\n";
+  const auto bits = [](auto value) { return "(Bits)" + std::to_string(value) + (kFloats ? "u" : "ul"); };
+  define(text, "kMantissaBits", std::to_string(I::kMantissaBits));
+  define(text, "kMagnitude", bits(I::kMagnitude));
+  define(text, "kExponentBits", bits(I::kExponentBits));
+  define(text, "kBiasTwice", bits(I::kBiasTwice));
+  define(text, "kSqrtHalf", bits(I::kSqrtHalf));
+  define(text, "kRootGuess", bits(I::kRootGuess));
+  define(text, "kRounder", literal(I::kRounder));
+  define(text, "kLog2E", literal(I::kLog2E));
+  define(text, "kLn2High", literal(I::kLn2High));
+  define(text, "kLn2Low", literal(I::kLn2Low));
+  define(text, "kLeastExponent", literal(I::kLeastExponent));
+  define(text, "kMostExponent", literal(I::kMostExponent));
+  define(text, "kTiny", literal(I::kTiny));
+  define(text, "kHuge", literal(I::kHuge));
+  define(text, "MOST_OCTAVE", literal(static_cast<Real>(kMostOctave)));
+  definePolynomial<Real>(text, "kAtan", I::kAtan);
+  definePolynomial<Real>(text, "kSin", I::kSin);
+  definePolynomial<Real>(text, "kCos", I::kCos);
+  definePolynomial<Real>(text, "kLog", I::kLog);
+  definePolynomial<Real>(text, "kExp", I::kExp);
+  const auto number = [&](const char* name, int value) { define(text, name, std::to_string(value)); };
+  number("METHOD_PRODUCTS", static_cast<int>(kernels::PowerMethod::Products));
+  number("METHOD_ANGLE", static_cast<int>(kernels::PowerMethod::Angle));
+  number("MAP_SHAPE_MODULUS", static_cast<int>(MapKind::ShapeModulus));
+  number("MAP_RATIONAL", static_cast<int>(MapKind::Rational));
+  number("MAP_QUADRATIC", static_cast<int>(MapKind::Quadratic));
+  number("MAP_CROSS", static_cast<int>(MapKind::Cross));
+  number("MAP_TRIPLEX", static_cast<int>(MapKind::Triplex));
+  number("VERSOR_NONE", static_cast<int>(VersorKind::None));
+  number("VERSOR_VALUE", static_cast<int>(VersorKind::Value));
+  number("VERSOR_ROOTS", static_cast<int>(VersorKind::Roots));
+  number("VERSOR_WAVES", static_cast<int>(VersorKind::Waves));
+  number("SLICE", kSlice);
+  number("NEAR_SQUARED", kNearSquared);
+  number("LOG_ESCAPE", kLogEscape);
+  number("LOG_TRAP", kLogTrap);
+  number("EXPONENT", kExponent);
+  number("OCTAVE", kOctave);
+  number("CONSTANT", kConstant);
+  number("SCALE", kScale);
+  number("LIST", kList);
+  number("MOST_STEPS", kMostSteps);
+  number("COUNT", kCount);
+  number("EXPONENT_BRICKS", kExponentBricks);
+  number("EXPONENT_QUADRATIC", kExponentQuadratic);
+  number("OCTAVE_BRICKS", kOctaveBricks);
+  number("OCTAVE_QUADRATIC", kOctaveQuadratic);
+  number("FROM_POLE", kFromPole);
+  number("PAIR", kPair);
+  number("INTEGER_LIST", kIntegerList);
+  return text;
+}
+
+/// The angle of radians, which uses doubles in floats too: only for the maps that need it.
+std::string radians(bool floats) {
+  const std::string type = floats ? "float" : "double";
+  return "#if MAP == MAP_CROSS\ninline " + type + " quadrantsOfRadians(" + type + " x) {\n" +
+         std::string(textNamed(floats ? "quadrants_of_floats.h" : "quadrants_of_doubles.h")) +
+         "}\n#else\ninline Real quadrantsOfRadians(Real x) { return x; }\n#endif\n";
+}
+
+}  // namespace
+
+std::string programText(bool floats) {
+  std::string text = floats ? words<float>() : words<double>();
+  text += radians(floats);
+  for (const char* name : {"elementary.h", "rational.h", "lattice.h", "waves.h", "cartesian.h", "orbit.cl"})
+    text += std::string(textNamed(name)) + "\n";
+  return text;
+}
+
+}  // namespace julia::device

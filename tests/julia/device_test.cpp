@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a device evaluates has the bits of what the processor evaluates, for every map, and its failures change no bit.
+#include "julia/device/device.h"
+
+#include "julia/brick_field.h"
+#include "julia/cross_map.h"
+#include "julia/mandelbulb.h"
+#include "julia/quadratic_map.h"
+#include "julia/rational_map.h"
+#include "julia/shape_modulus.h"
+#include "julia/wave_versor.h"
+#include "support/float128.h"
+#include "support/lumpy_bricks.h"
+#include "support/random_waves.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace {
+
+using julia::CrossOptions;
+using julia::CrossPair;
+using julia::CrossScheme;
+using julia::Device;
+using julia::DropAxis;
+using julia::Embedding;
+using julia::FieldEvaluator;
+using julia::Interpolation;
+using julia::OrbitOptions;
+using julia::Point;
+using julia::Rational;
+
+/// The first device that can be used; nullptr if there is none at all. That none of some can be used is a failure.
+std::shared_ptr<const Device> firstDevice() {
+  static const std::shared_ptr<const Device> device = [] {
+    std::string refusal;
+    const auto infos = julia::listDevices(refusal);
+    for (std::size_t i = 0; i < infos.size(); ++i) {
+      if (infos[i].refusal.empty()) return julia::openDevice(i, {});
+      refusal += infos[i].name + ": " + infos[i].refusal + "; ";
+    }
+    if (!infos.empty()) throw std::runtime_error(refusal);
+    return std::shared_ptr<const Device>();
+  }();
+  return device;
+}
+
+template <class Real>
+class Devices : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!firstDevice()) GTEST_SKIP() << "no device of OpenCL; on Debian, pocl-opencl-icd makes the processor one";
+    if (sizeof(Real) == sizeof(double) && !firstDevice()->info().doubles) GTEST_SKIP() << "the device has no doubles";
+  }
+};
+using Reals = testing::Types<float, double>;
+TYPED_TEST_SUITE(Devices, Reals);
+
+/// Points about the origin, some far out and some next to each other, and those given.
+std::vector<Point> pointsAbout(double radius, const std::vector<Point>& others) {
+  law_tests::Random random(7);
+  std::vector<Point> points = others;
+  for (int i = 0; i < 20000; ++i) {
+    const double scale = i % 50 == 0 ? 40 * radius : i % 7 == 0 ? 1e-3 : i % 97 == 0 ? 1e-24 : radius;
+    points.push_back({scale * random.between(-1, 1), scale * random.between(-1, 1), scale * random.between(-1, 1)});
+  }
+  points.push_back({0, 0, 0});
+  points.push_back({1e30, 0, 0});
+  return points;
+}
+
+/// The device's evaluator of a field has the bits of @a host at all of the points.
+void expectSameBitsOnDevice(std::unique_ptr<FieldEvaluator> host, double radius, const std::string& what,
+                            const std::vector<Point>& others = {}) {
+  const std::vector<Point> points = pointsAbout(radius, others);
+  std::vector<double> expected(points.size()), found(points.size());
+  std::vector<int> expectedSteps(points.size()), foundSteps(points.size());
+  host->evaluate(points, expected, expectedSteps);
+  std::string reason = "not asked";
+  const auto there = firstDevice()->evaluator(std::move(host), reason);
+  ASSERT_EQ(reason, "") << what;
+  there->evaluate(points, found, foundSteps);
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    different += std::bit_cast<std::uint64_t>(expected[i]) != std::bit_cast<std::uint64_t>(found[i]) ||
+                 expectedSteps[i] != foundSteps[i];
+  EXPECT_EQ(different, 0u) << what;
+  // Without the steps, and a few points at a time.
+  std::vector<double> again(points.size());
+  for (std::size_t first = 0; first < points.size(); first += 1000) {
+    const std::size_t count = std::min<std::size_t>(1000, points.size() - first);
+    there->evaluate(std::span(points).subspan(first, count), std::span(again).subspan(first, count), {});
+  }
+  EXPECT_EQ(again, found) << what;
+}
+
+Rational rationalOf(const std::vector<double>& powers, const std::vector<double>& bottomPowers) {
+  law_tests::Random random(11);
+  Rational rational;
+  rational.logScale = -1.5;
+  for (const double power : powers) rational.top.roots.push_back({random.inBall(), power});
+  for (const double power : bottomPowers) rational.bottom.roots.push_back({random.inBall(), power});
+  return rational;
+}
+
+/// Roots of each kind of power: by products, by more products than their norms allow, and from angles.
+const std::vector<Rational>& rationals() {
+  static const std::vector<Rational> all = {
+      rationalOf({4, 1, 2}, {}),
+      rationalOf({64, 63, 50, 33, 17, 60, 61}, {7, 2}),
+      rationalOf({100, 3}, {900}),
+      rationalOf({2.5, 0.3, 7.25}, {1.5, 3}),
+  };
+  return all;
+}
+
+TYPED_TEST(Devices, theShapeModulusOfRoots) {
+  using Real = TypeParam;
+  for (const Interpolation interpolation : {Interpolation::Trilinear, Interpolation::Quadratic})
+    for (std::size_t k = 0; k < rationals().size(); ++k) {
+      const julia::PlacedBricks bricks = law_tests::lumpyBricks(interpolation);
+      const auto field = std::make_shared<julia::BrickField<Real>>(bricks.bricks, bricks.placement);
+      const auto dropped = static_cast<DropAxis>(k % 3);
+      const auto map = std::make_shared<const julia::ShapeModulus<Real>>(field, rationals()[k], dropped);
+      const julia::Quaternion<double> root = rationals()[k].top.roots[0].position;
+      // A root of the slice is hit exactly.
+      const auto hit = Embedding{0, dropped}.point(root);
+      const double slice = Embedding{0, dropped}.slicePart(root);
+      expectSameBitsOnDevice(julia::makeFieldEvaluator<Real>(map, Embedding{k == 0 ? slice : 0.05, dropped},
+                                                             OrbitOptions{.maxIterations = 5, .logTrap = -6}),
+                             0.6, "roots " + std::to_string(k), {hit});
+    }
+}
+
+TYPED_TEST(Devices, theShapeModulusOfWaves) {
+  using Real = TypeParam;
+  law_tests::Random random(51);
+  for (int round = 0; round < 6; ++round) {
+    const auto interpolation = round % 2 ? Interpolation::Quadratic : Interpolation::Trilinear;
+    const julia::PlacedBricks bricks = law_tests::lumpyBricks(interpolation);
+    const auto field = std::make_shared<julia::BrickField<Real>>(bricks.bricks, bricks.placement);
+    const auto dropped = static_cast<DropAxis>(round % 3);
+    const auto versor = std::make_shared<julia::WaveVersor<Real>>(law_tests::randomWaves(random), field, dropped);
+    const auto map = std::make_shared<const julia::ShapeModulus<Real>>(field, versor, dropped);
+    expectSameBitsOnDevice(
+        julia::makeFieldEvaluator<Real>(map, Embedding{0.05, dropped}, OrbitOptions{.maxIterations = 6}), 0.6,
+        "waves " + std::to_string(round));
+  }
+}
+
+TYPED_TEST(Devices, rationalMaps) {
+  using Real = TypeParam;
+  for (std::size_t k = 0; k < rationals().size(); ++k) {
+    const auto map = std::make_shared<const julia::RationalMap<Real>>(rationals()[k]);
+    expectSameBitsOnDevice(julia::makeFieldEvaluator<Real>(map, Embedding{-0.1}, OrbitOptions{}), 1,
+                           "rational " + std::to_string(k));
+  }
+}
+
+TYPED_TEST(Devices, quadraticMaps) {
+  using Real = TypeParam;
+  const OrbitOptions orbit{.maxIterations = 9, .escapeRadius = 8};
+  const julia::Quaternion<double> c{-0.2, 0.6, 0.1, -0.3};
+  const auto fixed = std::make_shared<const julia::QuadraticMap<Real>>(c);
+  expectSameBitsOnDevice(julia::makeFieldEvaluator<Real>(std::shared_ptr<const julia::Map<Real>>(fixed), {0.1}, orbit),
+                         1.5, "Julia");
+  const auto mandelbrot = std::make_shared<const julia::QuadraticMandelbrot<Real>>();
+  expectSameBitsOnDevice(julia::makeFieldEvaluator<Real>(std::shared_ptr<const julia::CartesianMap<Real>>(mandelbrot),
+                                                         {0.1, DropAxis::J}, orbit),
+                         1.5, "Mandelbrot");
+}
+
+TYPED_TEST(Devices, crossMaps) {
+  using Real = TypeParam;
+  if (!firstDevice()->info().doubles) GTEST_SKIP() << "cosines of radians need doubles";
+  const OrbitOptions orbit{.maxIterations = 6, .escapeRadius = 2};
+  for (const CrossScheme scheme : {CrossScheme::FixedFactor, CrossScheme::Mandelbrot, CrossScheme::Julia})
+    for (const CrossPair pair :
+         {CrossPair::A, CrossPair::APrime, CrossPair::B, CrossPair::C, CrossPair::D, CrossPair::E}) {
+      const auto map =
+          std::make_shared<const julia::CrossMap<Real>>(CrossOptions{pair, scheme, {0.2, -0.3, 0.1}, "", ""});
+      expectSameBitsOnDevice(
+          julia::makeFieldEvaluator<Real>(std::shared_ptr<const julia::CartesianMap<Real>>(map), {}, orbit), 1.4,
+          "pair " + std::to_string(static_cast<int>(pair)) + ", scheme " + std::to_string(static_cast<int>(scheme)),
+          {{0, 0, 0.5}, {0.3, 0.3, 0.1}});
+    }
+}
+
+TYPED_TEST(Devices, mandelbulbs) {
+  using Real = TypeParam;
+  const OrbitOptions orbit{.maxIterations = 6, .escapeRadius = 2};
+  for (const auto angle : {julia::TriplexAngle::AbovePlane, julia::TriplexAngle::FromPole})
+    for (const double power : {2., 8., 2.5, -3.})
+      for (const bool fixed : {false, true}) {
+        const julia::MandelbulbOptions options{power, angle,
+                                               fixed ? std::optional(Point{0.2, 0.3, -0.4}) : std::nullopt};
+        const auto map = std::make_shared<const julia::Mandelbulb<Real>>(options);
+        expectSameBitsOnDevice(
+            julia::makeFieldEvaluator<Real>(std::shared_ptr<const julia::CartesianMap<Real>>(map), {}, orbit), 1.2,
+            "power " + std::to_string(power), {{0, 0, 0.5}, {0.5, 0, 0}});
+      }
+}
+
+TYPED_TEST(Devices, blocksHaveTheSignsOfTheirNodes) {
+  using Real = TypeParam;
+  const julia::PlacedBricks bricks = law_tests::lumpyBricks(Interpolation::Trilinear);
+  const auto field = std::make_shared<julia::BrickField<Real>>(bricks.bricks, bricks.placement);
+  const auto map = std::make_shared<const julia::ShapeModulus<Real>>(field, rationals()[0], DropAxis::K);
+  const auto make = [&] { return julia::makeFieldEvaluator<Real>(map, {}, OrbitOptions{.maxIterations = 5}); };
+  const auto host = make();
+  std::string reason;
+  const auto there = firstDevice()->evaluator(make(), reason);
+  ASSERT_EQ(reason, "");
+  std::vector<float> here(julia::NodeBlock::kSize, 0.5f), onDevice(julia::NodeBlock::kSize, 0.5f);
+  const auto blockOf = [](std::vector<float>& values) {
+    julia::NodeBlock block{.wanted = 0x5b, .field = std::span<float, julia::NodeBlock::kSize>(values)};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (std::size_t k = 0; k < julia::NodeBlock::kSide; ++k)
+        block.at[axis][k] = (axis == 0 ? 0.06 : 0.02) * static_cast<double>(k);
+    return block;
+  };
+  host->evaluateBlocks(std::vector{blockOf(here)});
+  there->evaluateBlocks(std::vector{blockOf(onDevice)});
+  int inside = 0;
+  for (std::size_t i = 0; i < here.size(); ++i) {
+    EXPECT_EQ(here[i] < 0, onDevice[i] < 0) << i;
+    EXPECT_EQ(here[i] == 0.5f, onDevice[i] == 0.5f) << i;  // eighths that are not wanted keep their values
+    inside += here[i] < 0;
+  }
+  EXPECT_GT(inside, 10);
+  EXPECT_LT(inside, 400);
+}
+
+TYPED_TEST(Devices, leaveToTheProcessorWhatTheyCannotEvaluate) {
+  using Real = TypeParam;
+  const auto reasonOf = [](std::unique_ptr<FieldEvaluator> host) {
+    const FieldEvaluator* const before = host.get();
+    std::string reason;
+    const auto evaluator = firstDevice()->evaluator(std::move(host), reason);
+    EXPECT_EQ(evaluator.get(), before);
+    return reason;
+  };
+  const auto user = std::make_shared<const julia::CrossMap<Real>>(
+      CrossOptions{CrossPair::User, CrossScheme::Mandelbrot, {}, "x, y, z", "1, x, y"});
+  EXPECT_NE(reasonOf(julia::makeFieldEvaluator<Real>(std::shared_ptr<const julia::CartesianMap<Real>>(user), {}, {}))
+                .find("expressions"),
+            std::string::npos);
+  const auto rational = std::make_shared<const julia::RationalMap<Real>>(rationals()[0]);
+  EXPECT_NE(reasonOf(julia::makeFieldEvaluator<Real>(rational, {}, OrbitOptions{.logTrap = -3, .confirmTrap = true}))
+                .find("trap"),
+            std::string::npos);
+}
+
+TEST(Device, thatDoesNotExistIsRefused) { EXPECT_THROW(julia::openDevice(1000, {}), std::runtime_error); }
+
+TEST(Device, currentIsNoneUntilOneIsSet) {
+  EXPECT_EQ(julia::currentDevice(), nullptr);
+  const auto rational = std::make_shared<const julia::RationalMap<float>>(rationals()[0]);
+  auto host = julia::makeFieldEvaluator<float>(rational, {}, {});
+  const FieldEvaluator* const before = host.get();
+  EXPECT_EQ(julia::onCurrentDevice(std::move(host)).get(), before);
+}
+
+}  // namespace
