@@ -8,6 +8,7 @@
 #include "vdbtools/base/utf8.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/io_failure.h"
+#include "vdbtools/maps/device_choice.h"
 #include "vdbtools/records/failure_text.h"
 
 #include <algorithm>
@@ -39,6 +40,8 @@ Failure failureOf() {
     return {kInterrupted, error.what()};
   } catch (const vdbtools::IoError& error) {
     return {kInputOutput, error.what()};
+  } catch (const vdbtools::DeviceError& error) {
+    return {kInternal, error.what()};
   } catch (const vdbtools::Interrupted&) {
     return {kInterrupted, "interrupted; " + whatIsLeft()};
   } catch (const vdbtools::MemoryError& error) {

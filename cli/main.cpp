@@ -44,6 +44,7 @@ const Command kCommands[] = {
     {"usd", runUsd, "write a scene of USD beside VDBs and a mesh"},
     {"info", runInfo, "show what is in a mesh, a VDB or a versor file"},
     {"maps", runMaps, "list the maps and their options"},
+    {"devices", runDevices, "list the devices of OpenCL on which maps can be evaluated"},
     {"man", runMan, "write the manual pages"},
     {"completion", runCompletion, "write the completion of command lines for bash"},
 };

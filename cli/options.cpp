@@ -14,6 +14,7 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/sheet_file.h"
+#include "vdbtools/maps/device_choice.h"
 #include "vdbtools/recipe/option_name.h"
 #include "vdbtools/records/recorded_files.h"
 #include "vdbtools/records/recorded_recipe.h"
@@ -27,7 +28,10 @@
 #include <cctype>
 #include <cstdlib>
 #include <iostream>
+#include <memory>
+#include <mutex>
 #include <ostream>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <typeinfo>
@@ -181,6 +185,9 @@ CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions
                         "this process may use)")(
       "instructions", po::value<std::string>()->value_name("auto|portable|avx2|avx512"),
       "the vector instructions to use; the result is the same with all of them (default auto, the widest)")(
+      "device", po::value<std::string>()->value_name("cpu|auto|opencl[:N]"),
+      "where the map is evaluated: the processor (the default), device N of 'juliavdb devices', the first one that can "
+      "be used, or with auto the first graphics processor if there is one; the result is the same (docs/gpu.md)")(
       "memory", po::value<std::string>()->value_name("SIZE"),
       "how much memory this run may take, such as 16G or 500M: work that is known to need more is refused before it "
       "begins. unlimited tries everything (default: JULIAVDB_MEMORY, or else what the machine, the control group and "
@@ -277,6 +284,7 @@ bool CommandLine::parse(const Arguments& arguments) {
   }
   applyThreads();
   applyInstructions();
+  applyDevice();
   applyMemory(*this);
   mGiven = given();
   if (mUsage.hides) mGiven.erase(mUsage.hides);
@@ -375,6 +383,19 @@ void CommandLine::applyInstructions() const {
        {julia::InstructionSet::Portable, julia::InstructionSet::Avx2, julia::InstructionSet::Avx512})
     if (name == julia::nameOf(set)) return julia::setInstructionSet(set);
   vdbtools::refuseChoice("instructions", name, std::vector<std::string>{"auto", "portable", "avx2", "avx512"});
+}
+
+void CommandLine::applyDevice() const {
+  if (!has("device")) return;
+  // Each sentence once, however many fields it holds for.
+  const auto said = std::make_shared<std::set<std::string>>();
+  const auto mutex = std::make_shared<std::mutex>();
+  const auto say = [said, mutex](const std::string& sentence) {
+    const std::lock_guard lock(*mutex);
+    if (said->insert(sentence).second) report().text() << sentence << '\n';
+  };
+  const std::string sentence = vdbtools::chooseDevice(text("device"), say);
+  if (!sentence.empty()) say(sentence);
 }
 
 std::vector<CommandLine::Group> CommandLine::groups() const {

@@ -120,6 +120,7 @@ class CommandLine {
   void readConfig(const std::string& file);
   void applyThreads();
   void applyInstructions() const;
+  void applyDevice() const;
   void printHelp(const std::string& topic) const;
   std::string shortHelp(const std::vector<Group>& groups) const;
   void describe(const std::string& how) const;

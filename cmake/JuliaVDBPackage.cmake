@@ -36,7 +36,7 @@ if(TARGET juliavdb_python)
   # The module is for one version of Python; without it the program works all the same.
   set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "${JULIAVDB_PYTHON_RECOMMENDS}")
 endif()
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "parallel, slurm-client")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "ocl-icd-libopencl1, parallel, slurm-client")
 set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "${CPACK_PACKAGE_DESCRIPTION}")
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "${CPACK_PACKAGE_DESCRIPTION}")
 include(CPack)

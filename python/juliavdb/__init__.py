@@ -26,7 +26,7 @@ import os
 from . import _juliavdb, _options
 from ._juliavdb import DataError, Fit, Fractal
 
-__all__ = ["DataError", "Field", "Fit", "Fractal", "fit", "fractal", "render"]
+__all__ = ["DataError", "Field", "Fit", "Fractal", "devices", "fit", "fractal", "render", "use_device"]
 __version__ = _juliavdb.version
 Fit.__module__ = Fractal.__module__ = "juliavdb"
 
@@ -49,6 +49,20 @@ def _target(vertices, faces, options):
     elif vertices is not None and "input" in recipe:
         raise ValueError("the target was given twice, as arrays and as input; leave one of them out")
     return recipe, vertices, faces
+
+
+def devices():
+    """The devices of OpenCL, in the order of their numbers: a list of dictionaries with the entries "name", "gpu",
+    "doubles" and "refusal", which says why a device is not used and is empty if it is."""
+    return _juliavdb.devices()
+
+
+def use_device(choice):
+    """Evaluates maps on a device from now on: "cpu", "auto", "opencl" or "opencl:N", as --device of the program. The
+    results are the same, to the bit. Returns a sentence about where maps are evaluated. Raises ValueError for a choice that
+    is none, and RuntimeError if no device can be used. A device that fails later is a RuntimeWarning, and the processor
+    goes on."""
+    return _juliavdb.use_device(choice)
 
 
 def _scene(vertices, faces, progress, memory, options):

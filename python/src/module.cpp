@@ -8,6 +8,7 @@
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/memory.h"
 #include "vdbtools/base/number_text.h"
+#include "vdbtools/maps/device_choice.h"
 #include "vdbtools/picture/screen_codes.h"
 #include "vdbtools/recipe/option_name.h"
 #include "vdbtools/records/failure_text.h"
@@ -290,6 +291,35 @@ py::list listingOf(const vdbtools::OptionTable& table) {
   return list;
 }
 
+py::list listedDevices() {
+  std::string refusal;
+  std::vector<julia::DeviceInfo> devices;
+  {
+    const py::gil_scoped_release free;
+    devices = julia::listDevices(refusal);
+  }
+  py::list list;
+  for (const julia::DeviceInfo& device : devices) {
+    py::dict entry;
+    entry["name"] = device.name;
+    entry["gpu"] = device.isGpu;
+    entry["doubles"] = device.doubles;
+    entry["refusal"] = device.refusal;
+    list.append(entry);
+  }
+  return list;
+}
+
+/// What happens to the device is a warning of Python.
+std::string useDevice(const std::string& choice) {
+  const py::gil_scoped_release free;
+  return vdbtools::chooseDevice(choice, [](const std::string& sentence) {
+    const py::gil_scoped_acquire held;
+    PyErr_WarnEx(PyExc_RuntimeWarning, sentence.c_str(), 1);
+    PyErr_Clear();  // a warning that is turned into an error stops nothing in another thread
+  });
+}
+
 PyObject* theDataError = nullptr;  ///< juliavdb.DataError, which the module holds
 
 void translate(std::exception_ptr failure) {
@@ -306,6 +336,8 @@ void translate(std::exception_ptr failure) {
     raise(PyExc_OSError, error.what());
   } catch (const vdbtools::IoError& error) {
     raise(PyExc_OSError, error.what());
+  } catch (const vdbtools::DeviceError& error) {
+    raise(PyExc_RuntimeError, error.what());
   } catch (const vdbtools::Interrupted& error) {
     raise(PyExc_KeyboardInterrupt, error.what());
   } catch (const vdbtools::MemoryError& error) {
@@ -333,6 +365,8 @@ PYBIND11_MODULE(_juliavdb, m) {
   m.def("fit_options", [] { return listingOf(vdbtools::fit::fitOptionTable()); });
   m.def("view_options", [] { return listingOf(viewTable()); });
   m.def("check_view", checkView);
+  m.def("devices", listedDevices);
+  m.def("use_device", useDevice);
   m.attr("version") = JULIAVDB_VERSION;
 
   py::class_<MadeScene, std::shared_ptr<MadeScene>>(m, "Scene")

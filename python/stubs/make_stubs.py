@@ -27,7 +27,7 @@ __version__: str
 OWN = {"vertices": "Optional[Target]", "faces": "Optional[ArrayLike]", "progress": "Optional[Progress]",
        "memory": "Optional[str]", "texture": "Optional[Union[Value, Directions]]",
        "texture_over": "Optional[Union[Value, Directions]]",
-       "points": "ArrayLike", "paths": "Union[str, os.PathLike[str]]", "path": "Union[str, os.PathLike[str]]"}
+       "choice": "str", "points": "ArrayLike", "paths": "Union[str, os.PathLike[str]]", "path": "Union[str, os.PathLike[str]]"}
 
 
 def parameter(each):
@@ -75,6 +75,7 @@ def stubs():
         attribute(field, "metadata", "dict[str, str]"), stub(field.render, picture, "    "),
         f'class Fit:\n    """{fit.__doc__}"""\n', attribute(fit, "info", "dict[str, Any]"),
         stub(fit.write, "None", "    "), stub(juliavdb.fit, "Fit"),
+        stub(juliavdb.devices, "list[dict[str, Any]]"), stub(juliavdb.use_device, "str"),
         stub(juliavdb.fractal, "Fractal"), stub(juliavdb.render, picture)])
 
 

@@ -45,6 +45,11 @@ def program():
     return os.path.abspath(path)
 
 
+def has_opencl():
+    """Whether a driver of OpenCL is installed, as Debian's packages install it."""
+    return any(pathlib.Path("/etc/OpenCL/vendors").glob("*.icd"))
+
+
 def main():
     program()
     unittest.main(verbosity=2 if "-v" in sys.argv else 1)
@@ -84,7 +89,7 @@ def stop(process, by=signal.SIGINT):
 
 COMMANDS = ("sdf", "fractal", "fit", "mesh", "versor", "sheet", "slice", "study", "render", "info", "maps",
             "points", "print",
-            "plan tiles", "plan frames", "plan sheet", "task", "status", "merge", "submit", "explore")
+            "plan tiles", "plan frames", "plan sheet", "task", "status", "merge", "submit", "explore", "devices")
 
 
 def quiet(arguments):

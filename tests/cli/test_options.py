@@ -109,7 +109,7 @@ VALUES = {
         "tolerance": "0.4", "adaptivity": "2", "crumbs": "keep", "largest": "1", "min-size": "0.9", "precision": "double",
         "grids": "surface,density", "lod": "100%,40%", "attributes": "iterations", "colour": "trap:magma",
         "transfer": "weight", "target-up": "z", "up": ("z", "y"), "frame": "3", "frames": "1-2", "key": "iterations@1=2",
-        "ease": "step", "search": ".", "config": "list.txt", "threads": "1", "instructions": "portable", "memory": "64G",
+        "ease": "step", "search": ".", "config": "list.txt", "threads": "1", "instructions": "portable", "device": "cpu", "memory": "64G",
         "progress": "json", "mesh": "g.ply", "curve": "c.png", "csv": "c.csv", "report": "r.csv", "plot": "p.png", "charge": "c.ply",
     },
 }
@@ -118,6 +118,7 @@ VALUES = {
 CHANGES_NOTHING = {
     "threads": "no bit depends on the number of threads: cli_determinism",
     "instructions": "nor on the instruction set: cli_determinism",
+    "device": "nor on the device: cli_device",
     "memory": "what is too large is refused: cli_resources",
     "search": "files that have moved are found: cli_moved_files",
     "force": "frames that are there are made again: cli_sequence",

@@ -535,6 +535,27 @@ class Versors(ModuleTest):
                             self.assertLess((plain.inside(points) == plain.inside(points @ image.T)).mean(), 0.99)
 
 
+class Devices(ModuleTest):
+
+    def tearDown(self):
+        juliavdb.use_device("cpu")
+        super().tearDown()
+
+    def test_choices(self):
+        self.assertEqual(juliavdb.use_device("cpu"), "")
+        for choice in ("gpu", "opencl:", "opencl:9999"):
+            with self.subTest(choice=choice):
+                self.assertRaises((ValueError, RuntimeError), juliavdb.use_device, choice)
+
+    @unittest.skipUnless(harness.has_opencl(), "no device of OpenCL is installed")
+    def test_a_device_gives_the_same_mesh(self):
+        self.assertEqual(juliavdb.devices()[0]["refusal"], "")
+        here = juliavdb.fractal(map="mandelbulb", resolution=24)
+        self.assertIn("device 0", juliavdb.use_device("opencl"))
+        there = juliavdb.fractal(map="mandelbulb", resolution=24)
+        self.assertTrue((here.vertices == there.vertices).all() and (here.faces == there.faces).all())
+
+
 class Words(ModuleTest):
 
     def test_stubs_and_docstrings_name_every_option(self):

@@ -23,6 +23,7 @@
 #include "vdbtools/recipe/option_table.h"
 #include "vdbtools/recipe/recipe_reader.h"
 
+#include "julia/device/device.h"
 #include "julia/embedding.h"
 #include "julia/evaluator.h"
 #include "julia/orbit.h"
@@ -177,13 +178,14 @@ class MapDescriptor {
   virtual std::shared_ptr<const MapSettings> parse(const RecipeReader& reader) const = 0;
 };
 
-/// Makes the evaluator of a map that both arithmetics have. @param makeMap  called as `makeMap.operator()<Real>()`
+/// Makes the evaluator of a map that both arithmetics have, on the current device if there is one. @param makeMap  called as `makeMap.operator()<Real>()`
 template <class MakeMap>
 std::unique_ptr<julia::FieldEvaluator> makeEvaluator(Arithmetic arithmetic, const julia::Embedding& embedding,
                                                      const julia::OrbitOptions& orbit, const MakeMap& makeMap) {
-  return arithmetic == Arithmetic::Float
-             ? julia::makeFieldEvaluator<float>(makeMap.template operator()<float>(), embedding, orbit)
-             : julia::makeFieldEvaluator<double>(makeMap.template operator()<double>(), embedding, orbit);
+  return julia::onCurrentDevice(
+      arithmetic == Arithmetic::Float
+          ? julia::makeFieldEvaluator<float>(makeMap.template operator()<float>(), embedding, orbit)
+          : julia::makeFieldEvaluator<double>(makeMap.template operator()<double>(), embedding, orbit));
 }
 
 }  // namespace vdbtools

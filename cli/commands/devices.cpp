@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands.h"
+
+#include "exit_code.h"
+#include "options.h"
+
+#include "julia/device/device.h"
+
+#include <nlohmann/json.hpp>
+
+#include <iostream>
+
+namespace cli {
+namespace {
+
+constexpr Usage kDevicesUsage = {
+    "devices", "[--json]",
+    "Lists the devices of OpenCL, with their numbers for --device, and tries the arithmetic of each: a device is used "
+    "only if its results have the bits of the processor's. What is not used is listed with the reason.",
+    "  juliavdb devices\n"
+    "  juliavdb devices --json\n"};
+
+}  // namespace
+
+int runDevices(const Arguments& arguments) {
+  CommandLine line(kDevicesUsage, vdbtools::OptionTable());
+  line.addOptions()("json", "the list for other programs");
+  if (!line.parse(arguments)) return kDone;
+  std::string refusal;
+  const std::vector<julia::DeviceInfo> devices = julia::listDevices(refusal);
+  if (line.has("json")) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const julia::DeviceInfo& device : devices)
+      list.push_back({{"name", device.name},
+                      {"gpu", device.isGpu},
+                      {"doubles", device.doubles},
+                      {"usable", device.refusal.empty()},
+                      {"refusal", device.refusal}});
+    std::cout << nlohmann::json{{"devices", list}, {"refusal", refusal}}.dump(1) << '\n';
+    return kDone;
+  }
+  if (devices.empty()) std::cout << "There is no device: " << refusal << ".\n";
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    const julia::DeviceInfo& device = devices[i];
+    std::cout << "opencl:" << i << "  " << device.name << '\n' << "          ";
+    if (device.refusal.empty())
+      std::cout << (device.isGpu ? "a graphics processor" : "not a graphics processor") << ", "
+                << (device.doubles ? "in 32 and 64 bits" : "in 32 bits only")
+                << "; its arithmetic has the processor's bits\n";
+    else
+      std::cout << "not used: " << device.refusal << '\n';
+  }
+  return kDone;
+}
+
+}  // namespace cli

@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Devices of OpenCL: the files have the processor's bytes, and a device that is missing, fails or lies costs none.
+
+pocl makes the processor a device of OpenCL. tests/device/fake_opencl.cpp is a loader that fails or lies.
+"""
+
+import json
+import os
+import pathlib
+import re
+import unittest
+
+import harness
+from harness import INTERNAL, USAGE
+
+LOW = ("--resolution", 28, "--sdf-resolution", 28)
+ON = ("--device", "opencl")
+NO_PLATFORM = {"OCL_ICD_VENDORS": "/nonexistent"}
+
+
+def fake(mode):
+    return {"JULIAVDB_OPENCL": os.environ["JULIAVDB_FAKE_LOADER"], "JULIAVDB_FAKE_OPENCL": mode}
+
+
+class Devices(harness.CliTest):
+
+    def setUp(self):
+        super().setUp()
+        self.write("t.obj", harness.obj(harness.torus()))
+
+    def listed(self, env=None):
+        return json.loads(self.ok("devices", "--json", data=True, env=env))
+
+
+@unittest.skipUnless(harness.has_opencl(), "no device of OpenCL is installed")
+class SameBytes(Devices):
+
+    def same(self, *arguments, outputs=("-o", ".vdb", "--mesh", ".ply"), said="Evaluates on device 0"):
+        files = {}
+        for name, device in (("here", ()), ("there", ON)):
+            named = [word if word.startswith("-") else name + word for word in outputs]
+            text = self.ok(*arguments, *named, *device)
+            if device:
+                self.assertIn(said, text)
+                self.assertNotIn("The processor evaluates the field", text)
+            files[name] = [self.bytes(name + word) for word in outputs if not word.startswith("-")]
+        self.assertTrue(files["here"] == files["there"], f"{arguments}: the bytes differ")
+
+    def test_of_every_map(self):
+        self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))
+        for options in (("t.obj",), ("t.obj", "--precision", "double"), ("t.obj", "--texture", "v.o3d", "--sampling", "quadratic"),
+                        ("t.obj", "--texture-seed", 5, "--drop-axis", "i", "--slice", 0.1),
+                        ("t.obj", "--map", "rational", "--texture", "v.o3d")):
+            with self.subTest(options=options):
+                self.same("fractal", *options, *LOW)
+        for options in (("--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "--iterations", 8),
+                        ("--map", "mandelbulb", "--power", 8), ("--map", "mandelbulb", "--power", 5.5),
+                        ("--map", "cross", "--pair", "A"), ("--map", "cross", "--pair", "C", "--scheme", 3)):
+            with self.subTest(options=options):
+                self.same("fractal", *options, "--resolution", 28)
+
+    def test_of_grids_whose_values_are_those_of_the_field(self):
+        self.same("fractal", "t.obj", *LOW, "--grids", "surface,logmodulus,iterations,versor", outputs=("-o", ".vdb"))
+
+    def test_of_a_picture_of_the_field(self):
+        self.same("render", "--field", "--map", "mandelbulb", "--size", "64x48", outputs=("-o", ".png"))
+
+    def test_of_tiles(self):
+        self.ok("plan", "tiles", "t.obj", *LOW, "--tiles", 2, "-o", "here")
+        self.ok("plan", "tiles", "t.obj", *LOW, "--tiles", 2, "-o", "there")
+        for name, device in (("here", ()), ("there", ON)):
+            self.ok("task", name, "--range", "1-8", *device)
+            self.ok("merge", name, "-o", f"{name}.vdb", "--mesh", f"{name}.ply")
+        for extension in (".vdb", ".ply"):
+            self.assertTrue(self.bytes("here" + extension) == self.bytes("there" + extension), extension)
+
+    def test_with_any_number_of_threads(self):
+        for threads in (1, 3):
+            self.ok("fractal", "t.obj", *LOW, "--mesh", f"{threads}.ply", "--threads", threads, *ON)
+        self.assertTrue(self.bytes("1.ply") == self.bytes("3.ply"))
+
+    def test_of_what_the_device_leaves_to_the_processor(self):
+        options = ("fractal", "t.obj", *LOW, "--texture-symmetry", "3:y")
+        self.ok(*options, "--mesh", "here.ply")
+        self.assertIn("The processor evaluates the field, and not the device: its texture",
+                      self.ok(*options, "--mesh", "there.ply", *ON))
+        self.assertTrue(self.bytes("here.ply") == self.bytes("there.ply"))
+
+    def test_the_list_and_the_choice_by_number(self):
+        devices = self.listed()["devices"]
+        self.assertTrue(devices[0]["usable"], devices)
+        self.assertEqual(devices[0]["refusal"], "")
+        self.assertIn(devices[0]["name"], self.ok("devices", data=True))
+        self.ok("fractal", "t.obj", *LOW, "--mesh", "a.ply", "--device", "opencl:0")
+        self.refused(USAGE, "fractal", "t.obj", *LOW, "-o", "a.vdb", "--device", f"opencl:{len(devices)}",
+                     mentions=("there is no such device", devices[0]["name"]))
+
+    def test_the_commands_of_the_page(self):
+        page = pathlib.Path(__file__).resolve().parents[2] / "docs" / "gpu.md"
+        commands = re.findall(r"^    juliavdb (.*)$", page.read_text(), re.M)
+        self.assertEqual(len(commands), 2)
+        for command in commands:
+            words = command.replace("bunny.obj", "t.obj").split()
+            low = LOW if words[0] == "fractal" else ()
+            self.ok(*words, *low, data=words[0] == "devices")
+
+    def test_auto_takes_a_graphics_processor_or_the_processor(self):
+        said = self.ok("fractal", "t.obj", *LOW, "--mesh", "a.ply", "--device", "auto")
+        if not any(device["gpu"] and device["usable"] for device in self.listed()["devices"]):
+            self.assertIn("Evaluates on the processor", said)
+
+
+class Missing(Devices):
+
+    def test_choices_that_are_none(self):
+        for choice in ("gpu", "opencl:", "opencl:x", "opencl:-1", "opencl:1.5", ""):
+            with self.subTest(choice=choice):
+                self.refused(USAGE, "fractal", "t.obj", *LOW, "-o", "a.vdb", "--device", choice, mentions="device")
+
+    def test_no_platform(self):
+        self.refused(INTERNAL, "fractal", "t.obj", *LOW, "-o", "a.vdb", *ON, env=NO_PLATFORM, mentions="no driver of OpenCL")
+        self.assertIn("Evaluates on the processor",
+                      self.ok("fractal", "t.obj", *LOW, "-o", "a.vdb", "--device", "auto", env=NO_PLATFORM))
+        self.assertEqual(self.listed(NO_PLATFORM)["devices"], [])
+        self.assertIn("There is no device", self.ok("devices", env=NO_PLATFORM, data=True))
+
+    def test_no_loader(self):
+        env = {"JULIAVDB_OPENCL": "/nonexistent/libOpenCL.so.1"}
+        self.refused(INTERNAL, "fractal", "t.obj", *LOW, "-o", "a.vdb", *ON, env=env, mentions="/nonexistent/libOpenCL.so.1")
+        self.ok("fractal", "t.obj", *LOW, "-o", "a.vdb", env=env)
+
+
+@unittest.skipUnless(harness.has_opencl() and "JULIAVDB_FAKE_LOADER" in os.environ, "no device of OpenCL, or no fake of one")
+class FailingDevices(Devices):
+
+    def setUp(self):
+        super().setUp()
+        self.ok("fractal", "t.obj", *LOW, "--mesh", "here.ply")
+
+    def here(self, mode, mentions):
+        """The run goes on without the device, with the same bytes, and says why."""
+        said = self.ok("fractal", "t.obj", *LOW, "--mesh", "there.ply", *ON, env=fake(mode))
+        self.assertIn(mentions, said)
+        self.assertEqual(said.count(mentions), 1, said)
+        self.assertTrue(self.bytes("here.ply") == self.bytes("there.ply"), mode)
+
+    def test_one_that_is_lost_in_the_middle(self):
+        # Two kernels try the arithmetic when the list is made, two when the device is opened, and a few try the fields.
+        for number in (8, 12, 20):
+            with self.subTest(number=number):
+                self.here(f"lost:{number}", "The processor goes on; the result is the same.")
+
+    def test_one_that_is_lost_at_the_start(self):
+        self.refused(INTERNAL, "fractal", "t.obj", *LOW, "-o", "a.vdb", *ON, env=fake("lost:1"), mentions="OpenCL's error -5")
+
+    def test_one_whose_arithmetic_is_wrong(self):
+        self.refused(INTERNAL, "fractal", "t.obj", *LOW, "-o", "a.vdb", *ON, env=fake("wrong:1"),
+                     mentions="its 32-bit arithmetic has other bits")
+
+    def test_one_whose_field_is_wrong(self):
+        """Its arithmetic passes: four results are read for that."""
+        self.here("wrong:5", "has other bits than the processor at some of the points")
+
+    def test_one_without_denormal_numbers(self):
+        self.refused(INTERNAL, "fractal", "t.obj", *LOW, "-o", "a.vdb", *ON, env=fake("denormals"),
+                     mentions="it has no denormal numbers")
+        self.assertIn("denormal", self.listed(fake("denormals"))["devices"][0]["refusal"])
+
+    def test_one_without_doubles(self):
+        said = self.ok("fractal", "t.obj", *LOW, "--precision", "double", "--mesh", "there.ply", *ON, env=fake("singles"))
+        self.assertIn("does not compute in 64 bits", said)
+        said = self.ok("fractal", "t.obj", *LOW, "--precision", "float", "--mesh", "there.ply", *ON, env=fake("singles"))
+        self.assertNotIn("64 bits", said)
+
+    def test_one_with_too_little_memory(self):
+        self.here("small", "the field needs")
+
+
+if __name__ == "__main__":
+    harness.main()

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// A loader of OpenCL that fails or lies, for tests of devices. What it does not define comes from the true one, to
+// which it is linked. JULIAVDB_FAKE_OPENCL says what it does:
+//
+//   lost:N      the Nth kernel that is run, and every later one, fails
+//   wrong:N     the Nth result that is read, and every later one, has one bit that is wrong
+//   denormals   the device has no denormal numbers
+//   singles     the device does not compute in 64 bits
+//   small       the device's memory holds a thousand bytes in one piece
+#define CL_TARGET_OPENCL_VERSION 120
+#include <CL/cl.h>
+
+#include <dlfcn.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <string>
+
+namespace {
+
+std::string mode() {
+  const char* const text = std::getenv("JULIAVDB_FAKE_OPENCL");
+  return text ? text : "";
+}
+
+/// Whether the mode is @a name with a number that @a calls has reached.
+bool isDue(const std::string& name, std::atomic<int>& calls) {
+  const std::string set = mode();
+  return set.rfind(name + ":", 0) == 0 && ++calls >= std::atoi(set.c_str() + name.size() + 1);
+}
+
+template <class Function>
+Function* next(const char* name) {
+  return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
+}
+
+std::atomic<int> kernels{0}, reads{0};
+
+}  // namespace
+
+extern "C" {
+
+cl_int clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t* offset,
+                              const size_t* size, const size_t* group, cl_uint count, const cl_event* events,
+                              cl_event* event) {
+  if (isDue("lost", kernels)) return CL_OUT_OF_RESOURCES;
+  return next<decltype(clEnqueueNDRangeKernel)>("clEnqueueNDRangeKernel")(queue, kernel, dimensions, offset, size,
+                                                                          group, count, events, event);
+}
+
+cl_int clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t size,
+                           void* to, cl_uint count, const cl_event* events, cl_event* event) {
+  const cl_int error = next<decltype(clEnqueueReadBuffer)>("clEnqueueReadBuffer")(queue, buffer, blocking, offset, size,
+                                                                                  to, count, events, event);
+  if (isDue("wrong", reads) && size > 0) static_cast<unsigned char*>(to)[size / 8 * 4] ^= 1;
+  return error;
+}
+
+cl_int clGetDeviceInfo(cl_device_id device, cl_device_info what, size_t size, void* to, size_t* needed) {
+  const cl_int error = next<decltype(clGetDeviceInfo)>("clGetDeviceInfo")(device, what, size, to, needed);
+  if (error != CL_SUCCESS || !to) return error;
+  if (mode() == "denormals" && what == CL_DEVICE_SINGLE_FP_CONFIG)
+    *static_cast<cl_device_fp_config*>(to) &= ~static_cast<cl_device_fp_config>(CL_FP_DENORM);
+  if (mode() == "singles" && what == CL_DEVICE_DOUBLE_FP_CONFIG) *static_cast<cl_device_fp_config*>(to) = 0;
+  if (mode() == "small" && what == CL_DEVICE_MAX_MEM_ALLOC_SIZE) *static_cast<cl_ulong*>(to) = 1000;
+  return error;
+}
+
+}  // extern "C"
