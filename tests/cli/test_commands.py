@@ -49,7 +49,7 @@ class Help(harness.CliTest):
         self.refused(USAGE, "", mentions="''")
         for command in commands():
             with self.subTest(command=command):
-                if command not in ("maps", "man", "completion"):
+                if command not in ("devices", "maps", "man", "completion"):
                     self.refused(USAGE, command)
                 self.refused(USAGE, command, "--frobnicate", mentions="frobnicate")
                 self.refused(USAGE, command, "--thr", "2", mentions="thr")  # no guessing of abbreviations
@@ -107,7 +107,7 @@ class Examples(harness.CliTest):
                 with self.subTest(line=line):
                     run = self.run_program(command, *self.cheaper(command, words[2:]))
                     self.assertEqual(run.returncode, DONE, run.stderr.decode())
-                    wants_data = command in ("info", "maps", "status") or words[2] in ("inspect", "list") or "--dry-run" in words
+                    wants_data = command in ("devices", "info", "maps", "status") or words[2] in ("inspect", "list") or "--dry-run" in words
                     self.assertEqual(run.stdout != b"", wants_data)
                     for option, name in zip(words, words[1:]):
                         if option in ("-o", "--mesh"):

@@ -21,7 +21,7 @@ struct EmbeddedBytes {
   const unsigned char* bytes;
   std::size_t size;
 };
-#include "device_text_bytes.h"  // kEmbedded
+#include <device_text_bytes.h>  // kEmbedded
 
 std::string_view textNamed(std::string_view name) {
   for (const EmbeddedBytes& text : kEmbedded)
