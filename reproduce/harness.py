@@ -94,7 +94,7 @@ class Entry:
     @param steps     (size) -> the commands
     @param table     (outputs by label, size) -> the numbers
     @param meshes    names of meshes.MESHES that the commands read
-    @param needs     programs other than juliavdb, or modules of Python, without which the entry cannot run
+    @param needs     program:NAME and python:MODULE without which the entry cannot run, or a function (size) -> these
     @param remarks   what differs from the paper, as sentences
     """
     name: str
@@ -104,7 +104,7 @@ class Entry:
     steps: Callable
     table: Callable
     meshes: tuple = ()
-    needs: tuple = ()
+    needs: object = ()
     remarks: str = ""
 
     @property
@@ -279,14 +279,15 @@ class Runner:
         """The numbers of a result: those of the entry's table, of what its commands said."""
         return entry.table({step["label"]: Output(step) for step in result["steps"]}, self.size)
 
-
-def missing_needs(entry):
-    """Of what the entry needs beside the program, what is not there, in words."""
-    missing = []
-    for need in entry.needs:
-        kind, _, name = need.partition(":")
-        found = shutil.which(name) if kind == "program" else not subprocess.run(
-            [sys.executable, "-c", f"import {name}"], capture_output=True).returncode
-        if not found:
-            missing.append(f"the {'program' if kind == 'program' else 'Python module'} {name}")
-    return missing
+    def missing_needs(self, entry):
+        """Of what the entry needs beside the program, what is not there, in words."""
+        environment, missing = self.environment({}), []
+        for need in entry.needs(self.size) if callable(entry.needs) else entry.needs:
+            kind, _, name = need.partition(":")
+            if kind == "program":
+                found = shutil.which(name, path=environment["PATH"])
+            else:
+                found = not subprocess.run([sys.executable, "-c", f"import {name}"], capture_output=True, env=environment).returncode
+            if not found:
+                missing.append(f"the {'program' if kind == 'program' else 'Python module'} {name}")
+        return missing

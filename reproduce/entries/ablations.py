@@ -13,8 +13,8 @@ def coarse(size):
 
 def decided_steps(size):
     alphas = size.pick((40,), (10, 40, 100), (10, 40, 100))
-    return [Step(f"alpha {alpha}", f"reproduce/tools/decided $bunny --alpha {alpha} --points {size.pick(2000, 100000, 1000000)} "
-                                   f"--steps {size.pick(4, 10, 10)} --resolution {size.pick(40, 200, 200)}") for alpha in alphas]
+    return [Step(f"alpha {alpha}", f"reproduce/tools/decided $bunny --alpha {alpha} --points {size.pick(2000, 40000, 1000000)} "
+                                   f"--steps {size.pick(4, 8, 10)} --resolution {size.pick(40, 100, 200)}") for alpha in alphas]
 
 
 def decided(outputs, size):
@@ -67,7 +67,7 @@ def phases(output):
 
 
 def proof_steps(size):
-    ns = size.pick((32,), (100, 200), (200, 400))
+    ns = size.pick((32,), (80, 160), (200, 400))
     return [Step(f"N = {n}, {words}", f"juliavdb fractal $bunny --alpha 40 --texture-roots 10 --texture-integer{coarse(size)} --resolution {n}"
                                       f"{option} --mesh mesh.stl\nsha256sum mesh.stl")
             for n in ns for words, option in (("proofs", ""), ("no proofs", " --exhaustive"))]
@@ -84,7 +84,7 @@ def proofs(outputs, size):
 
 
 def stop_steps(size):
-    n = size.pick(32, 150, 300)
+    n = size.pick(32, 120, 300)
     return [Step(f"escape {escape}", f"juliavdb fractal $bunny --alpha 40 --texture-roots 10 --texture-integer --iterations 8 "
                                      f"--escape {escape} --exhaustive{coarse(size)} --resolution {n} --mesh /dev/null")
             for escape in ("2", "20", "1e3", "1e6")]
@@ -100,7 +100,7 @@ ALPHAS = (10, 20, 40, 80, 160, 320)
 
 def island_steps(size):
     return [Step(f"alpha {alpha}", f"juliavdb fractal $bunny --alpha {alpha} --texture-roots 10 --texture-integer{coarse(size)} "
-                                   f"--resolution {size.pick(32, 200, 300)} --crumbs keep -o fractal.vdb")
+                                   f"--resolution {size.pick(32, 150, 300)} --crumbs keep -o fractal.vdb")
             for alpha in size.pick(ALPHAS[2:4], ALPHAS, ALPHAS)]
 
 

@@ -96,6 +96,25 @@ def monopoles(outputs, size):
     return values
 
 
+# ------------------------------------------------------------------------------------------------ Appendix A
+
+def appendix_steps(size):
+    return [Step("the derivatives", f"reproduce/tools/gradient --points {size.pick(10, 200, 200)}")]
+
+
+# What differs, in words.
+SLIPS = {"Eq. 10": "tau stands where T_i has to", "Eq. 21": "the minus sign and 1 / eta are missing",
+         "Eq. 23": "the inverse of the bottom is missing", "Eqs. 24 and 27": "right",
+         "Eq. 25": "the inverse of the bottom is missing", "Eq. 26": "the inverse of a sum stands where a sum of inverses has to"}
+
+
+def appendix(outputs, size):
+    found = outputs["the derivatives"].json()
+    return [value for name in SLIPS for value in (
+        Value(name, "what is printed", SLIPS[name]), Value(name, "relative error as printed, median", found[name]["printed"], 0, False),
+        Value(name, "relative error as corrected, largest", found[name]["corrected"]))]
+
+
 PUBLISHED = {
     "kim15-2": ("Fig. 2", "the quadratic set of c = 0.285 + 0.485i"),
     "kim15-3": ("Fig. 3", "a root that is dragged (Property 1)"),
@@ -117,6 +136,8 @@ ENTRIES = [
           "sum by different code. The picture is its Fig. 7: the distance and its inverse on a plane."),
     Entry("kim15-monopoles", "Kim15", "Algorithm 1", "how many monopoles are negative", monopole_steps, monopoles, ("tooth", "bunny"),
           ("python:numpy",), "The program takes columns of length 1, the algorithm written again those of the paper."),
+    Entry("kim15-appendix", "Kim15", "Appendix A", "the derivatives as they are printed", appendix_steps, appendix, (), ("python:numpy",),
+          "Beside central differences, at random points of random maps with five roots on either side."),
     gallery("kim15-figures", "Kim15", list(PUBLISHED), ["kim15-2", "kim15-5"], PUBLISHED,
             "The pictures are those of docs/gallery.md, beside the commands of each. Figs. 1, 9 and 10 are on docs/fitting.md, of the "
             "bunny and the dragon; the tooth and the frog of the paper are not available."),

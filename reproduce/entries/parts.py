@@ -10,7 +10,7 @@ def hours(text):
     return 3600 * h + 60 * m + s
 
 
-def growth(size, small="24,32,40,48", medium="60,85,120,170", full="100,200,400,800"):
+def growth(size, small="24,32,40,48", medium="50,70,100,140", full="100,200,400,800"):
     return size.pick(small, medium, full)
 
 
