@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The page docs/reproduction.md: every entry with its commands, its table and its pictures."""
+import json
 import os
 import shutil
 
+import harness
 import meshes
 import tables
 
@@ -41,15 +43,19 @@ def conditions(results, missing):
     return "\n".join(lines)
 
 
+def shown(entry, result):
+    """The pictures that the page shows. Those of the gallery are on its own page."""
+    return result["pictures"] if entry.item != "Figures" else []
+
+
 def section(entry, result, values, pictures):
     lines = [f"### {entry.source}: {entry.title}", ""]
     if entry.remarks:
         lines += [entry.remarks, ""]
     lines += [tables.as_markdown(values)]
-    for picture in result["pictures"]:
-        if pictures:
-            lines += [f"![{entry.name}, {picture}]({pictures}/{entry.name}-{picture})"]
-    if result["pictures"] and pictures:
+    for picture in shown(entry, result):
+        lines += [f"![{entry.name}, {picture}]({pictures}/{entry.name}-{picture})"]
+    if shown(entry, result):
         lines.append("")
     cpu = sum(step["cpu"] for step in result["steps"])
     lines += [f"`reproduce/run {entry.name}` took {tables.text(float(cpu))} CPU seconds. Its commands:", "", "```"]
@@ -64,10 +70,10 @@ def write(path, folder, entries, runner):
         result = runner.stored(entry)
         (found if result else missing).append((entry, result) if result else entry)
     images = path.parent / "images/reproduction"
-    if any(result["pictures"] for _, result in found):
-        images.mkdir(parents=True, exist_ok=True)
+    shutil.rmtree(images, ignore_errors=True)
     for entry, result in found:
-        for picture in result["pictures"]:
+        for picture in shown(entry, result):
+            images.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(folder / entry.name / picture, images / f"{entry.name}-{picture}")
     parts = []
     for paper, title in PAPERS.items():
@@ -76,8 +82,10 @@ def write(path, folder, entries, runner):
             parts += [f"## {title}", ""]
             parts += [section(entry, result, runner.values(entry, result), "images/reproduction") for entry, result in of]
     used = sorted({name for _, result in found for name in result["inputs"]}, key=list(meshes.SOURCES).index)
-    origins = {name: result["inputs"][name] for _, result in found for name in result["inputs"]}
-    variables = [f"{name}={name}.obj   # {origins[name]['origin']}, SHA-256 {origins[name]['sha256'][:16]}..." for name in used]
+    inputs = {name: result["inputs"][name] for _, result in found for name in result["inputs"]}
+    known = json.loads((harness.ROOT / "reproduce/data/meshes.json").read_text())
+    variables = [f"{name}={name}.obj   # {known.get(of['sha256'], of['origin'])}; SHA-256 {of['sha256'][:12]}"
+                 for name, of in ((name, inputs[name]) for name in used)]
     text = HEAD.format(conditions=conditions([result for _, result in found], missing), variables="\n".join(variables),
                        entries="\n".join(parts).rstrip("\n"))
     beside = path.with_name(path.name + ".new")

@@ -15,7 +15,9 @@ def text(value):
     if isinstance(value, int):
         return f"{value:,}".replace(",", " ") if abs(value) >= 10000 else str(value)
     if isinstance(value, float):
-        return f"{value:.0f}" if 1e3 <= abs(value) < 1e4 else f"{round(value):,}".replace(",", " ") if abs(value) >= 1e4 else f"{value:.4g}"
+        if abs(value) >= 1e4:
+            return f"{round(value):,}".replace(",", " ")
+        return f"{value:.0f}" if abs(value) >= 1e3 else f"{value:.4g}"
     return str(value).replace("|", "\\|")
 
 

@@ -116,10 +116,12 @@ ENTRIES = [
     Entry("kd20-table-1", "KD20", "Table 1", "roots and summed powers of the bunny", table_1_steps, table_1, ("bunny",), (),
           "The paper has the bunny of [Kim15]; ours is another fit of the same shape."),
     Entry("kd20-dimension", "KD20", "Section 6", "the dimension of the surface", dimension_steps, dimension_table, ("bunny",), (),
-          "The paper does not say over which resolutions it measured. The rows below the plain bunny are shape moduli with the textures of "
+          "The paper does not say over which resolutions it measured. The rows below the plain bunny are shape moduli "
+          "with the textures of "
           "the shelf, which it does not have."),
     Entry("kd20-figure-3", "KD20", "Fig. 3", "infinities and NaN of the products", figure_3_steps, figure_3, ("bunny",), ("python:pyopenvdb",),
-          "The map is iterated four times by ordered products, in a space in which the longest side is 8, as the released program has it. "
+          "The map is iterated four times by ordered products, in a space in which the longest side is 8, as the "
+          "released program has it. "
           "The last row is the program itself, which adds logarithms."),
     Entry("kd20-precision", "KD20", "Section 3.3", "32 bits against 64, and against 128", precision_steps, precision, ("bunny",),
           lambda size: size.pick((), (), ("program:juliavdb_precision",)),

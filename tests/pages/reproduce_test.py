@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """reproduce/run at its small size: laws of the results, what it refuses, and what becomes of a run that is killed."""
 import csv
+import hashlib
 import json
 import os
 import pathlib
@@ -197,6 +198,26 @@ class SmallRun(unittest.TestCase):
         whole = sizes.pop("all") - self.results.ours("zb25-classes", "pairs that show nothing")["all"]
         self.assertEqual(sum(sizes.values()), whole)
 
+    def test_each_claim_of_the_page_on_replication_has_its_command(self):
+        text = PAGE.read_text()
+        # What no command shows stands in the last section, which says so.
+        sections = re.split(r"^## ", text, flags=re.M)[1:]
+        self.assertEqual(sections[-1].splitlines()[0], "Not shown here")
+        for section in sections[:-1]:
+            blocks = re.findall(r"```sh\n(.*?)```", section, re.S)
+            self.assertTrue(blocks, section)
+            for block in blocks:
+                names = re.fullmatch(r"reproduce/run ([\w -]+)\n", block)
+                if names:
+                    for name in names.group(1).split():
+                        self.assertIn(name, self.made())
+                    continue
+                with tempfile.TemporaryDirectory() as folder:
+                    done = run_in_shell(block, folder)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                said = re.search(r"It prints `([^`]*)`", section).group(1)
+                self.assertEqual(done.stdout.split(), said.split(), block)
+
     def test_a_killed_run_goes_on_and_makes_the_same(self):
         names = ["ablation-islands", "kd20-table-1", "sk23-table-2"]
         with tempfile.TemporaryDirectory() as temporary:
@@ -221,6 +242,49 @@ class SmallRun(unittest.TestCase):
             self.assertEqual([path.name for path in folder.glob(".*") if path.is_dir()], [".meshes"])
             for name in names:
                 self.assertEqual(Results(folder).untimed(name), self.results.untimed(name))
+
+
+class StoredResults(unittest.TestCase):
+    """What docs/reproduction.md and reproduce/data hold of the last run."""
+
+    def test_the_page_has_every_entry_or_says_that_it_was_not_run(self):
+        page = (ROOT / "docs/reproduction.md").read_text()
+        not_run = re.search(r"^The entries without a result were not run: (.*?)\.$", page, re.M)
+        left_out = set(re.findall(r"`([\w-]+)`", not_run.group(1))) if not_run else set()
+        shown = set(re.findall(r"`reproduce/run ([\w-]+)` took", page))
+        self.assertEqual((shown | left_out, shown & left_out), (set(entries()), set()))
+        stored = {path.stem for path in (ROOT / "reproduce/data/medium").glob("*.csv")}
+        self.assertEqual(stored, shown)
+
+    def test_the_page_and_the_data_have_the_same_numbers(self):
+        page = (ROOT / "docs/reproduction.md").read_text()
+        shown = {name: section for section in re.split(r"^### ", page, flags=re.M)[1:]
+                 for name in re.findall(r"`reproduce/run ([\w-]+)` took", section)}
+        for path in (ROOT / "reproduce/data/medium").glob("*.csv"):
+            with open(path) as file:
+                for row in csv.DictReader(file):
+                    case = "| " + row["case"].replace("|", r"\|") + " |"
+                    line = next(line for line in shown[path.stem].splitlines() if line.startswith(case))
+                    found = number(row["ours"])
+                    if found is None:
+                        continue
+                    cells = [number(cell.strip(" |").replace(" ", "")) for cell in line.split(" | ")]
+                    self.assertTrue(any(cell is not None and abs(cell - found) <= 5.1e-4 * abs(found) for cell in cells),
+                                    (path.stem, row, line))
+
+    def test_the_hashes_of_the_data(self):
+        done = subprocess.run(["sha256sum", "--strict", "-c", "SHA256SUMS"], cwd=ROOT / "reproduce/data", capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        listed = {line.split()[1] for line in (ROOT / "reproduce/data/SHA256SUMS").read_text().splitlines()}
+        files = {str(path.relative_to(ROOT / "reproduce/data")) for path in (ROOT / "reproduce/data").rglob("*") if path.is_file()}
+        self.assertEqual(listed, files - {"README.md", "SHA256SUMS"})
+
+    def test_the_substitutes_are_those_that_the_data_name(self):
+        named = json.loads((ROOT / "reproduce/data/meshes.json").read_text())
+        for command, words in (("reproduce/shapes tooth", "tooth"), ("reproduce/shapes frog", "frog"), ("reproduce/shapes hand", "hand"),
+                               ("docs/make-shapes chair", "chair")):
+            made = subprocess.run([sys.executable, ROOT / command.split()[0], command.split()[1]], check=True, capture_output=True).stdout
+            self.assertIn(words, named.get(hashlib.sha256(made).hexdigest(), ""), command)
 
 
 class Refusals(unittest.TestCase):
