@@ -116,6 +116,10 @@ class StepFailed(Exception):
     """A command of an entry did not succeed."""
 
 
+class WrongProgram(Exception):
+    """A file that can be executed, but is not juliavdb."""
+
+
 class Output:
     """What the commands of a step did."""
 
@@ -165,7 +169,10 @@ def machine():
     """The machine in words: its processor, how many of it, its memory and its system."""
     model = re.search(r"^model name\s*: (.*)$", pathlib.Path("/proc/cpuinfo").read_text(), re.M)
     memory = re.search(r"^MemTotal:\s*(\d+)", pathlib.Path("/proc/meminfo").read_text(), re.M)
-    system = platform.freedesktop_os_release().get("PRETTY_NAME", platform.system())
+    try:
+        system = platform.freedesktop_os_release().get("PRETTY_NAME", platform.system())
+    except OSError:
+        system = platform.system()
     return (f"{model.group(1) if model else platform.machine()}, {len(os.sched_getaffinity(0))} processors, "
             f"{int(memory.group(1)) / 2**20:.0f} GiB, {system}")
 
@@ -180,7 +187,11 @@ class Runner:
 
     def __init__(self, program, folder, size):
         self.program, self.folder, self.size = program, folder, size
-        self.version = subprocess.run([program, "--version"], check=True, capture_output=True, text=True).stdout.strip()
+        asked = subprocess.run([program, "--version"], capture_output=True, text=True)
+        self.version = asked.stdout.strip()
+        if asked.returncode or not self.version.startswith("juliavdb "):
+            said = (self.version or asked.stderr.strip() or "nothing").splitlines()[0]
+            raise WrongProgram(f"{program} is not juliavdb: its --version says '{said}'; set JULIAVDB to the path of juliavdb")
 
     def environment(self, meshes):
         python = self.program.parent.parent / "python"
@@ -196,6 +207,8 @@ class Runner:
         steps = [dataclasses.asdict(step) for step in entry.steps(self.size)]
         tools = {name: sha256(ROOT / name) for step in entry.steps(self.size)
                  for name in set(re.findall(r"\b(?:reproduce/(?:tools|shapes|data)[\w/.-]*|docs/make-[a-z]+)", step.command))}
+        if any(name.startswith("docs/make-gallery") for name in tools):
+            tools["docs/gallery.md"] = sha256(ROOT / "docs/gallery.md")
         inputs = {name: mesh.hash for name, mesh in meshes.items()}
         text = json.dumps([FORMAT, self.size.name, self.version, steps, inputs, tools], sort_keys=True, default=list)
         return hashlib.sha256(text.encode()).hexdigest()

@@ -3,6 +3,7 @@
 import json
 import os
 import shutil
+import textwrap
 
 import harness
 import meshes
@@ -14,9 +15,10 @@ PAPERS = {"SK23": "A Shape Modulus for Fractal Geometry Generation", "Kim15": "Q
 
 HEAD = """# The papers' tables and figures
 
-This page is written by `reproduce/run`. Each section is one of its entries: the commands as they ran, what the paper has,
+`reproduce/run` has written this page. Each section is one of its entries: the commands as they ran, what the paper has,
 what they gave here, and the ratio of ours to the paper's. [replication.md](replication.md) says what the replication found,
 [gallery.md](gallery.md) has the figures at their full size, and `reproduce/data/README.md` describes meshes and data.
+`reproduce/run --help` explains its options. A run that was interrupted goes on where it stopped, and makes the same tables.
 
 {conditions}
 
@@ -51,7 +53,7 @@ def shown(entry, result):
 def section(entry, result, values, pictures):
     lines = [f"### {entry.source}: {entry.title}", ""]
     if entry.remarks:
-        lines += [entry.remarks, ""]
+        lines += [textwrap.fill(entry.remarks, 120, break_long_words=False, break_on_hyphens=False), ""]
     lines += [tables.as_markdown(values)]
     for picture in shown(entry, result):
         lines += [f"![{entry.name}, {picture}]({pictures}/{entry.name}-{picture})"]
@@ -61,6 +63,18 @@ def section(entry, result, values, pictures):
     lines += [f"`reproduce/run {entry.name}` took {tables.text(float(cpu))} CPU seconds. Its commands:", "", "```"]
     lines += [step["command"] for step in result["steps"]]
     return "\n".join(lines + ["```", ""])
+
+
+def write_data(data, folder, entries, runner):
+    """Copies the tables of the results into the folder SIZE of `data`, and writes the hashes of all files of `data`."""
+    place = data / runner.size.name
+    shutil.rmtree(place, ignore_errors=True)
+    place.mkdir(parents=True)
+    for entry in entries:
+        if runner.stored(entry):
+            shutil.copyfile(folder / entry.name / "table.csv", place / f"{entry.name}.csv")
+    files = sorted(path for path in data.rglob("*") if path.is_file() and path.name not in ("README.md", "SHA256SUMS"))
+    (data / "SHA256SUMS").write_text("".join(f"{harness.sha256(path)}  {path.relative_to(data)}\n" for path in files))
 
 
 def write(path, folder, entries, runner):

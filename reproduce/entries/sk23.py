@@ -128,7 +128,7 @@ ENTRIES = [
     Entry("sk23-table-1", "SK23", "Table 1", "what each method has to find", table_1_steps, table_1, ("bunny",), (),
           "The table of the paper compares formulas and the numbers that have to be found for them; some 300 roots, "
           "their powers and "
-          "three more on the one side, alpha and beta on the other. The 55.1 s are the paper's for bunnies like those "
+          "three more on the one side (331 roots for the bunny of [Kim15]), alpha and beta on the other. The 55.1 s are the paper's for bunnies like those "
           "of its Fig. 12, at "
           "a resolution that it does not state."),
     Entry("sk23-table-2", "SK23", "Table 2", "six examples on a lattice of 1600^3", table_2_steps, table_2,

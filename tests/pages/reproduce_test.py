@@ -306,6 +306,12 @@ class Refusals(unittest.TestCase):
         self.assertIn(str(self.folder / "nothing"), done.stderr)
         self.assertFalse((self.folder / "r").exists())
 
+    def test_another_program(self):
+        done = reproduce("--small", "--into", self.folder / "r", environment={"JULIAVDB": "/bin/true"})
+        self.assertEqual(done.returncode, 2)
+        self.assertRegex(done.stderr, "^reproduce/run: .*true is not juliavdb: .*; set JULIAVDB to the path of juliavdb\n$")
+        self.assertFalse((self.folder / "r").exists())
+
     def test_a_mesh_that_is_not_known(self):
         for word, mention in (("teapot=x.obj", "armadillo"), ("bunny", "NAME=FILE")):
             done = reproduce("--small", "--into", self.folder / "r", "--mesh", word)
