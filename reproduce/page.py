@@ -38,11 +38,11 @@ def conditions(results, missing):
     lines = [f"**Run at the size {size}** on {date}, on {machine}, by {version}." for size, date, machine, version in sizes]
     note = {"small": "The size small shows that everything runs; its numbers mean nothing.",
             "medium": "The size medium has fewer voxels than the papers, so that all of it takes some minutes. Where a number "
-                      "depends on that, there is no ratio. The full size was not run.", "full": ""}
+                      "grows with that, there is no ratio. The full size was not run.", "full": ""}
     lines += [note[size] for size in dict.fromkeys(result["size"] for result in results) if note[size]]
     lines.append("The entries without a result were not run: " + ", ".join(f"`{entry.name}`" for entry in missing) + "."
                  if missing else "All entries were run.")
-    return "\n".join(lines)
+    return "\n".join(textwrap.fill(line, 120, break_long_words=False, break_on_hyphens=False) for line in lines)
 
 
 def shown(entry, result):

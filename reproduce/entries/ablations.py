@@ -117,9 +117,8 @@ ENTRIES = [
     Entry("ablation-steps", "", "steps", "what is decided after each step", decided_steps, decided, ("bunny",), ("python:numpy", "python:juliavdb"),
           "Random points of the box that holds the set. Ten random roots with whole powers, escape radius 20."),
     Entry("ablation-dimension", "", "dimension", "what makes a surface rough", dimension_steps, dimension_table, ("bunny",), (),
-          "[KD20] ask which settings give more surface for each voxel. Powers, roots and iterations are those of random"
-          " roots at alpha 20; "
-          "detail is that of the default texture."),
+          "[KD20] ask which settings give more surface for each voxel. Powers, roots and iterations are those of "
+          "random roots at alpha 20; detail is that of the default texture."),
     Entry("ablation-proofs", "", "proofs", "the work that proofs of signs save", proof_steps, proofs, ("bunny",), (),
           "With `--exhaustive` every node is evaluated; the mesh has to be the same. An STL holds no recipe, so the "
           "files can be compared."),

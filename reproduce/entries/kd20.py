@@ -27,7 +27,7 @@ def dimension_table(outputs, size):
     values = []
     for name, output in outputs.items():
         if name != "the fit":
-            values += dimension_values(name, output, 2 if name == "plain bunny" else DIMENSION if name.startswith("rational") else None)
+            values += dimension_values(name, output, DIMENSION if name.startswith("rational") else None)
     return values
 
 
@@ -116,13 +116,12 @@ ENTRIES = [
     Entry("kd20-table-1", "KD20", "Table 1", "roots and summed powers of the bunny", table_1_steps, table_1, ("bunny",), (),
           "The paper has the bunny of [Kim15]; ours is another fit of the same shape."),
     Entry("kd20-dimension", "KD20", "Section 6", "the dimension of the surface", dimension_steps, dimension_table, ("bunny",), (),
-          "The paper does not say over which resolutions it measured. The rows below the plain bunny are shape moduli "
-          "with the textures of "
-          "the shelf, which it does not have."),
+          "The paper does not say over which resolutions it measured. The plain bunny is smooth and shows how near to 2 "
+          "these resolutions come. The rows below it are shape moduli with the textures of the shelf, which the paper does not "
+          "have."),
     Entry("kd20-figure-3", "KD20", "Fig. 3", "infinities and NaN of the products", figure_3_steps, figure_3, ("bunny",), ("python:pyopenvdb",),
-          "The map is iterated four times by ordered products, in a space in which the longest side is 8, as the "
-          "released program has it. "
-          "The last row is the program itself, which adds logarithms."),
+          "The map is iterated four times by ordered products, in a space in which the longest side is 8: the released "
+          "program scales a shape to a radius of 4. The last row is the program itself, which adds logarithms."),
     Entry("kd20-precision", "KD20", "Section 3.3", "32 bits against 64, and against 128", precision_steps, precision, ("bunny",),
           lambda size: size.pick((), (), ("program:juliavdb_precision",)),
           "At the full size the benchmark of docs/precision.md compares all of them with 128 bits; that page has its numbers."),

@@ -127,25 +127,21 @@ PUBLISHED = {
 ENTRIES = [
     Entry("sk23-table-1", "SK23", "Table 1", "what each method has to find", table_1_steps, table_1, ("bunny",), (),
           "The table of the paper compares formulas and the numbers that have to be found for them; some 300 roots, "
-          "their powers and "
-          "three more on the one side (331 roots for the bunny of [Kim15]), alpha and beta on the other. The 55.1 s are the paper's for bunnies like those "
-          "of its Fig. 12, at "
-          "a resolution that it does not state."),
+          "their powers and three more on the one side (331 roots for the bunny of [Kim15]), alpha and beta on the "
+          "other. The 55.1 s are the paper's for bunnies like those of its Fig. 12, at a resolution that it does not "
+          "state."),
     Entry("sk23-table-2", "SK23", "Table 2", "six examples on a lattice of 1600^3", table_2_steps, table_2,
           ("dragon", "armadillo", "chair", "hand", "bunny"), (),
-          "The lattice of the paper covers a cube of a width that it does not state; here the longest side of the shape"
-          " has the number "
-          "of voxels. At the medium size that is 400, so neither triangles nor times can be compared. It does not state"
-          " the powers of its roots either, on which the number of triangles depends. Rows of the paper "
-          "that are averages over the frames of an animation are one frame here. The chair is thinner than theirs and "
-          "needs a larger "
-          "alpha. Times include reading the mesh and its distances; crumbs are kept."),
+          "The lattice of the paper covers a cube of a width that it does not state; here the longest side of the "
+          "shape has the number of voxels. At the medium size that is 400, so neither triangles nor times can be "
+          "compared. It does not state the powers of its roots either, on which the number of triangles depends. Rows"
+          " of the paper that are averages over the frames of an animation are one frame here. The chair is thinner "
+          "than theirs and needs a larger alpha. Times include reading the mesh and its distances; crumbs are kept."),
     Entry("sk23-average", "SK23", "Fig. 8", "the average of many sets", average_steps, average, ("bunny",), (),
           "The paper does not say at which alpha its figure was made."),
     Entry("sk23-sweeps", "SK23", "Section 3.2", "alpha, beta and the origin", sweep_steps, sweep, ("bunny",), (),
           "The paper has no numbers of these, but says in which direction each goes."),
     gallery("sk23-figures", "SK23", list(PUBLISHED), ["sk23-3"], PUBLISHED,
             "The pictures are those of docs/gallery.md, beside the commands of each. Fig. 1 has meshes and textures "
-            "that the paper does not "
-            "state; its place is taken by the first picture of the README."),
+            "that the paper does not state; its place is taken by the first picture of the README."),
 ]

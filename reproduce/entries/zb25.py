@@ -50,7 +50,6 @@ ENTRIES = [
             "The pictures are those of docs/gallery.md, beside the commands of each. The other parts of Fig. 1 are drawings."),
     Entry("zb25-classes", "ZB25", "Summary and conclusions", "pairs of functions, clustered by their pictures", sweep_steps, sweep, (),
           ("python:numpy",),
-          "The paper suggests to sample and cluster the space of functions. Each row of the picture is a class: pairs "
-          "whose pictures "
-          "are near to each other, by their outlines and greys, under average linkage."),
+          "The paper suggests to sample and cluster the space of functions. Each row of the picture is a class: pairs"
+          " whose pictures are near to each other, by their outlines and greys, under average linkage."),
 ]

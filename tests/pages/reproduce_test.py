@@ -249,7 +249,7 @@ class StoredResults(unittest.TestCase):
 
     def test_the_page_has_every_entry_or_says_that_it_was_not_run(self):
         page = (ROOT / "docs/reproduction.md").read_text()
-        not_run = re.search(r"^The entries without a result were not run: (.*?)\.$", page, re.M)
+        not_run = re.search(r"^The entries without a result were not run: (.*?)\.$", page, re.M | re.S)
         left_out = set(re.findall(r"`([\w-]+)`", not_run.group(1))) if not_run else set()
         shown = set(re.findall(r"`reproduce/run ([\w-]+)` took", page))
         self.assertEqual((shown | left_out, shown & left_out), (set(entries()), set()))
