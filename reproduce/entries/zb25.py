@@ -30,7 +30,7 @@ def sweep_steps(size):
     listed = [" ".join(f'"{x}"' for x in functions) for functions in (f, g)]
     # A number of two digits puts the pictures into their order.
     return [Step("the pictures", f"mkdir cells\ni=10\nfor f in {listed[0]}; do\n  for g in {listed[1]}; do\n"
-                                 f"    juliavdb render --field --map cross --scheme 4 --radius 4 --f \"$f\" --g \"$g\" {view} "
+                                 f"    juliavdb render --field --map cross --scheme 4 --radius 4 --f \"$f\" --g \"$g\" --background \"#ffffff\" {view} "
                                  "-o cells/$i.png\n    i=$((i + 1))\n  done\ndone"),
             Step("the classes", f"reproduce/tools/classes -o classes.png --most {size.pick(2, 8, 8)} cells/*.png")]
 
