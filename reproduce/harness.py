@@ -93,7 +93,7 @@ class Entry:
     @param title     what it shows, in a few words
     @param steps     (size) -> the commands
     @param table     (outputs by label, size) -> the numbers
-    @param meshes    names of meshes.MESHES that the commands read
+    @param meshes    names of meshes.SOURCES that the commands read
     @param needs     program:NAME and python:MODULE without which the entry cannot run, or a function (size) -> these
     @param remarks   what differs from the paper, as sentences
     """

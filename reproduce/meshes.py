@@ -86,7 +86,7 @@ def prepare(names, given, folder, runner):
     for name in names:
         source, small = SOURCES[name], runner.size.name == "small"
         if name in given:
-            path = given[name].resolve()
+            path = given[name]
             if not path.is_file():
                 raise MissingMesh(f"there is no file {path} for the mesh {name}")
             found[name] = Mesh(path, f"--mesh {name}={path.name}")

@@ -313,7 +313,7 @@ class Refusals(unittest.TestCase):
         self.assertFalse((self.folder / "r").exists())
 
     def test_a_mesh_that_is_not_known(self):
-        for word, mention in (("teapot=x.obj", "armadillo"), ("bunny", "NAME=FILE")):
+        for word, mention in (("teapot=x.obj", "armadillo"), ("bunny", "NAME=FILE"), ("bunny=a b.obj", "holds a space")):
             done = reproduce("--small", "--into", self.folder / "r", "--mesh", word)
             self.assertEqual((done.returncode, len(done.stderr.splitlines())), (2, 1))
             self.assertIn(mention, done.stderr)
