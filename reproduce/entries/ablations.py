@@ -44,7 +44,8 @@ def dimension_steps(size):
     for name, (options, places) in DIMENSIONS.items():
         for x in size.pick(places[:2], places, places):
             shell = "" if name == "detail" else "--alpha 20 "
-            steps.append(dimension(f"{name} {x}", f"$bunny {shell}{options.format(x, x)}{coarse(size)}", growth(size, full="80,160,320,640")))
+            steps.append(dimension(f"{name} {x}", f"$bunny {shell}{options.format(x, x)}{size.pick(COARSE, ' --sdf-resolution 60', '')}",
+                                   growth(size, medium="30,42,60,85", full="80,160,320,640")))
     return steps
 
 

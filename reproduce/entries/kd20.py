@@ -50,7 +50,7 @@ PAPER_ALPHA = 49
 
 
 def figure_3_steps(size):
-    nodes = size.pick(6, 20, 40)
+    nodes = size.pick(6, 14, 40)
     naive = f"reproduce/tools/naive {{}} --nodes {nodes}"
     return [Step("the fit", fit(size, "bunny.json", None)), Step("the fit, thicker", fit(size, "thick.json", PAPER_ALPHA)),
             *(Step(words, naive.format("bunny.json") + option)
@@ -110,7 +110,7 @@ def precision(outputs, size):
 
 def scale_steps(size):
     n = size.pick(100, 11500, 11500)
-    tiles, sample = size.pick((8, 2), (20000, 24), (20000, 32))
+    tiles, sample = size.pick((8, 2), (50000, 16), (20000, 32))
     coarse = size.pick(" --sdf-resolution 40", "", "")
     rough = "--alpha 12 --beta 0.05 --iterations 8 --texture random"
     # A tile of the rough one takes half a minute.

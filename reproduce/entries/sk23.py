@@ -57,9 +57,9 @@ ALPHAS = (20, 40, 100)
 
 
 def average_steps(size):
-    coarse = size.pick(" --sdf-resolution 40", "", "")
+    coarse = size.pick(" --sdf-resolution 40", " --sdf-resolution 60", "")
     return [Step(f"alpha {alpha}", f"juliavdb study $bunny --alpha {alpha} --texture-powers 1:6{coarse} "
-                                   f"--versors {size.pick(10, 1000, 1000)} --size {size.pick(40, 120, 400)} -o average-{alpha}.png "
+                                   f"--versors {size.pick(10, 1000, 1000)} --size {size.pick(40, 60, 400)} -o average-{alpha}.png "
                                    f"--curve curve-{alpha}.png --csv circles-{alpha}.csv", (f"circles-{alpha}.csv",))
             for alpha in ALPHAS]
 

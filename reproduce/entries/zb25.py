@@ -25,7 +25,7 @@ def pairs(size):
 
 def sweep_steps(size):
     f, g = pairs(size)
-    view = size.pick("--size 40x40 --samples 1 --iterations 10", "--size 96x96 --samples 1 --iterations 30",
+    view = size.pick("--size 40x40 --samples 1 --iterations 10", "--size 64x64 --samples 1 --iterations 30",
                      "--size 160x160 --iterations 50")
     listed = [" ".join(f'"{x}"' for x in functions) for functions in (f, g)]
     # A number of two digits puts the pictures into their order.
