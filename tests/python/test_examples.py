@@ -59,6 +59,45 @@ class Examples(harness.CliTest):
             self.assertGreater(len({pixel for row in third for pixel in row}), 100, "something is seen")
         self.assertNotEqual(thirds[0], thirds[1])
 
+    def run_notebook(self, name, *arguments, mesh=True):
+        """@return the numbers at the end of its lines, of which it prints one for each case"""
+        if mesh and not self.path("torus.obj").exists():
+            self.write("torus.obj", harness.obj(harness.torus()))
+        said = self.run_example(f"notebooks/{name}", *(["torus.obj"] if mesh else []), "out.png", *arguments)
+        width, height = harness.png_size(self.bytes("out.png"))
+        colours = {pixel for row in harness.read_png(self.bytes("out.png")) for pixel in row}
+        self.assertGreaterEqual(len(colours), 3, "something is seen")
+        return [float(re.search(r": (?:at most .*: |a volume of some |dimension |IoU )?([\d.]+)", line).group(1))
+                for line in said.splitlines()]
+
+    def test_deeper_detail_leaves_less(self):
+        shares = self.run_notebook("1_first_fractal.py", 48)
+        self.assertEqual(shares, sorted(shares, reverse=True))
+
+    def test_a_larger_alpha_leaves_less_open(self):
+        shares = self.run_notebook("2_alpha.py", 48)
+        self.assertEqual(shares, sorted(shares, reverse=True))
+
+    def test_a_map_of_ones_own(self):
+        volumes = self.run_notebook("3_own_map.py", 48, mesh=False)
+        self.assertEqual(len(set(volumes)), 3)
+        self.assertTrue(all(0 < volume < 4 / 3 * 3.15 * 4**3 for volume in volumes), volumes)
+
+    def test_more_roots_fit_better(self):
+        overlaps = self.run_notebook("4_fitting.py", 48)
+        self.assertEqual(overlaps, sorted(overlaps))
+        self.assertGreater(overlaps[-1], 0.8)
+
+    def test_the_dimension_of_a_smooth_surface_is_2(self):
+        smooth, *rough = self.run_notebook("5_dimension.py", 60)
+        self.assertAlmostEqual(smooth, 2, delta=0.1)
+        self.assertTrue(all(smooth < dimension < 3 for dimension in rough), rough)
+
+    def test_floats_fail_where_points_are_near(self):
+        flips = self.run_notebook("6_precision.py", 2000)
+        self.assertLess(flips[0], 1)
+        self.assertGreater(flips[-1], 5)
+
 
 if __name__ == "__main__":
     unittest.main()
