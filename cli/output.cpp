@@ -95,7 +95,7 @@ void noteLeftOut(const std::filesystem::path& file, std::span<const vdbtools::Ve
 void tellCrumbs(const vdbtools::CrumbReport& dropped, double voxelSize, std::optional<double> left, bool counts) {
   const double volume = static_cast<double>(dropped.nodes) * voxelSize * voxelSize * voxelSize;
   if (counts) {
-    report().count("crumbs", static_cast<double>(dropped.crumbs));
+    report().count("crumbs", dropped.crumbs);
     report().count("crumbVolume", volume);
   }
   if (dropped.crumbs == 0) return;

@@ -19,9 +19,13 @@ namespace cli {
 namespace {
 
 /// Integers are written without a decimal point.
-nlohmann::json numberOf(double value) {
+nlohmann::json jsonOf(double value) {
   constexpr double kLargest = 9007199254740992;  // up to here doubles represent every integer
   if (std::floor(value) == value && std::abs(value) <= kLargest) return static_cast<std::int64_t>(value);
+  return value;
+}
+template <std::integral Whole>
+nlohmann::json jsonOf(Whole value) {
   return value;
 }
 
@@ -89,7 +93,7 @@ void Report::start(std::string command, bool json) {
 
 std::ostream& Report::text() { return mJson ? mText : std::cerr; }
 
-void Report::count(const std::string& name, double value) {
+void Report::keep(const std::string& name, Number value) {
   const std::lock_guard lock(mMutex);
   mCounts.emplace_back(name, value);
 }
@@ -172,7 +176,8 @@ void Report::end(int exitCode, const std::string& error) {
                        {"phases", nlohmann::json::array()},
                        {"messages", linesOf(mSentences.lines())}};
   if (!error.empty()) event["error"] = error;
-  for (const auto& [name, value] : mCounts) event["counts"][name] = numberOf(value);
+  for (const auto& [name, value] : mCounts)
+    event["counts"][name] = std::visit([](auto number) { return jsonOf(number); }, value);
   for (const Phase& phase : mPhases)
     event["phases"].push_back({{"phase", phase.name}, {"wall", phase.wall}, {"cpu", phase.cpu}});
   const std::string line = lineOf(std::move(event));

@@ -9,12 +9,16 @@
 
 #include <atomic>
 #include <chrono>
+#include <concepts>
+#include <cstdint>
 #include <filesystem>
 #include <mutex>
 #include <ostream>
 #include <streambuf>
 #include <string>
+#include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace cli {
@@ -43,8 +47,13 @@ class Report {
   /// The stream for the sentences of a command that has finished its work. In JSON mode they wait for the closing
   /// event.
   std::ostream& text();
-  /// A number of the summary, such as that of the triangles.
-  void count(const std::string& name, double value);
+  /// A number of the summary, such as that of the triangles. The last one of a name counts.
+  void count(const std::string& name, double value) { keep(name, value); }
+  /// Whole numbers keep all their digits.
+  template <std::integral Whole>
+  void count(const std::string& name, Whole value) {
+    keep(name, std::conditional_t<std::is_signed_v<Whole>, std::int64_t, std::uint64_t>{value});
+  }
 
   /// Announces a file that is being made. @param first  whether it is the first of the files that appear together
   void making(const std::filesystem::path& file, bool first);
@@ -74,6 +83,9 @@ class Report {
     double wall, cpu;
   };
 
+  using Number = std::variant<double, std::int64_t, std::uint64_t>;
+  void keep(const std::string& name, Number value);
+
   /// The event as a line. mMutex must be held.
   std::string lineOf(nlohmann::json event) const;
 
@@ -87,7 +99,7 @@ class Report {
   std::string mCommand;
   std::vector<std::string> mMaking, mWritten;
   std::string mKept;
-  std::vector<std::pair<std::string, double>> mCounts;
+  std::vector<std::pair<std::string, Number>> mCounts;
   std::vector<Phase> mPhases;
   double mShare = 0;
   bool mEnded = false;

@@ -82,7 +82,7 @@ int exportLook(const CommandLine& line, const vdbtools::Recipe& given, Progress&
   progress.begin(vdbtools::PhaseKind::Writing, 0);
   file << page;
   outputs.commit();
-  report().count("bytes", static_cast<double>(page.size()));
+  report().count("bytes", page.size());
   report().text() << "wrote " << outputs.names() << ": " << page.size() << " bytes\n";
   return kDone;
 }

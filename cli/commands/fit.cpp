@@ -72,10 +72,10 @@ int runFit(const Arguments& arguments) {
   outputs.commit();
   const vdbtools::fit::FitMeasure& measure = fit.measure;
   const auto number = [](double value) { return vdbtools::shortText(value); };
-  report().count("topRoots", static_cast<double>(fit.rational.top.roots.size()));
-  report().count("bottomRoots", static_cast<double>(fit.rational.bottom.roots.size()));
+  report().count("topRoots", fit.rational.top.roots.size());
+  report().count("bottomRoots", fit.rational.bottom.roots.size());
   report().count("iou", measure.iou);
-  report().count("steps", static_cast<double>(fit.rows.size()));
+  report().count("steps", fit.rows.size());
   report().text() << "wrote " << outputs.names() << ": " << fit.rational.top.roots.size() << " top and "
                   << fit.rational.bottom.roots.size() << " bottom roots, IoU " << number(measure.iou) << ", psi "
                   << number(measure.psi) << ", mean distance " << number(measure.meanDistance) << ", Hausdorff "

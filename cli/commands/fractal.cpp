@@ -103,7 +103,7 @@ std::string followText(const vdbtools::FollowReport& report) {
 constexpr const char* kOutputOptions[] = {"output", "mesh"};
 
 struct FractalCounts {
-  double evaluatedNodes = 0, triangles = 0;
+  std::uint64_t evaluatedNodes = 0, triangles = 0;
 };
 
 /// The shares of the surface where something is finer than two voxels, 0 to 1, and the resolution that was chosen.
@@ -138,18 +138,18 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
   const vdbtools::FractalResult result = vdbtools::writeFractal(scene, run.recipe, files, progress);
   outputs.commit(run.isLast);
 
-  const FractalCounts counts{static_cast<double>(result.evaluatedNodes), static_cast<double>(result.mesh.triangles)};
+  const FractalCounts counts{result.evaluatedNodes, result.mesh.triangles};
   if (!isFrame) {
     report().count("voxelSize", scene.voxelSize);
     report().count("evaluatedNodes", counts.evaluatedNodes);
     countFiner(scene);
     if (wantMesh) report().count("triangles", counts.triangles);
   }
-  if (result.solid && !isFrame) report().count("islands", static_cast<double>(result.solid->islands.size()));
+  if (result.solid && !isFrame) report().count("islands", result.solid->islands.size());
   report().text() << "wrote " << outputs.names() << ": voxels of " << vdbtools::shortText(scene.voxelSize);
   for (const auto& grid : result.grids)
     if (grid->getName() == "surface") {
-      if (!isFrame) report().count("bandVoxels", static_cast<double>(grid->activeVoxelCount()));
+      if (!isFrame) report().count("bandVoxels", grid->activeVoxelCount());
       report().text() << ", " << grid->activeVoxelCount() << " in the band, |grad| within 0.5 of 1 in "
                       << vdbtools::shortText(100 * result.check.gradientFraction) << " % of them";
     }

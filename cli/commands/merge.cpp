@@ -49,8 +49,8 @@ int runMerge(const Arguments& arguments) {
 
   for (const std::filesystem::path& file : result.files) report().wrote(file);
   workIsDone();
-  report().count("triangles", static_cast<double>(result.mesh.triangles));
-  report().count("bandVoxels", static_cast<double>(result.bandVoxels));
+  report().count("triangles", result.mesh.triangles);
+  report().count("bandVoxels", result.bandVoxels);
   constexpr std::size_t kNamed = 4;
   report().text() << "wrote ";
   for (std::size_t i = 0; i < std::min(kNamed, result.files.size()); ++i)

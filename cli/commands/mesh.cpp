@@ -125,8 +125,8 @@ int runMesh(const Arguments& arguments) {
                                                 : meshFromGrid(input, line, file, format, adaptivity, line.progress());
   line.progress().throwIfCancelled();
   outputs.commit();
-  report().count("points", static_cast<double>(counts.points));
-  report().count("triangles", static_cast<double>(counts.triangles));
+  report().count("points", counts.points);
+  report().count("triangles", counts.triangles);
   report().text() << "wrote " << outputs.names() << ": " << counts.triangles << " triangles\n";
   if (isFractal)
     noteLeftOut(file.target(), vdbtools::meshColumns(vdbtools::parseFractalOptions(recorded.recipe).output.attributes));

@@ -62,7 +62,7 @@ int finishPlan(const std::filesystem::path& folder, const vdbtools::farm::Manife
   vdbtools::farm::writePlan(folder, manifest);
   report().wrote(folder / vdbtools::farm::kManifestName);
   workIsDone();
-  report().count("tasks", static_cast<double>(manifest.tasks.size()));
+  report().count("tasks", manifest.tasks.size());
   report().text() << "wrote " << (folder / vdbtools::farm::kManifestName).string() << ": " << manifest.tasks.size()
                   << (manifest.tasks.size() == 1 ? " task\n" : " tasks\n");
   return kDone;

@@ -89,7 +89,7 @@ void tellEstimate(const vdbtools::farm::PlanEstimate& estimate) {
   report().text() << "from " << estimate.sampled << " of " << estimate.tasks
                   << " tiles, which are done now, with 95 % intervals:\n";
   tellEstimate("  triangles         ", "estimatedTriangles", estimate.triangles,
-               {{1e9, " billion"}, {1e6, " million"}, {1e3, " thousand"}, {1, ""}});
+               {{1e12, " trillion"}, {1e9, " billion"}, {1e6, " million"}, {1e3, " thousand"}, {1, ""}});
   tellEstimate("  CPU time          ", "estimatedCpuSeconds", estimate.cpuSeconds,
                {{3600, " h"}, {60, " min"}, {1, " s"}});
   tellEstimate("  memory of a task  ", "estimatedPeakBytes", estimate.peakBytes, {{0x1p30, " GiB"}, {0x1p20, " MiB"}});

@@ -151,10 +151,10 @@ int runPoints(const Arguments& arguments) {
   line.progress().throwIfCancelled();
   outputs.commit();
 
-  report().count("points", static_cast<double>(points.positions.size()));
+  report().count("points", points.positions.size());
   report().count("spacing", points.spacing);
   report().count("reach", points.reach);
-  report().count("lost", static_cast<double>(points.lost));
+  report().count("lost", points.lost);
   report().text() << "wrote " << outputs.names() << ": " << points.positions.size()
                   << (points.positions.size() == 1 ? " point" : " points") << ", no two of them nearer than "
                   << vdbtools::shortText(points.spacing, vdbtools::Rounding::Down)

@@ -181,18 +181,18 @@ int runPrint(const Arguments& arguments) {
   line.progress().throwIfCancelled();
   outputs.commit();
 
-  report().count("points", static_cast<double>(part.mesh.points.size()));
-  report().count("triangles", static_cast<double>(part.mesh.triangles.size()));
+  report().count("points", part.mesh.points.size());
+  report().count("triangles", part.mesh.triangles.size());
   report().count("x", part.extents[0]);
   report().count("y", part.extents[1]);
   report().count("z", part.extents[2]);
   report().count("volume", part.volume);
   report().count("scale", part.scale);
-  report().count("islands", static_cast<double>(part.islands));
+  report().count("islands", part.islands);
   report().count("droppedShare", part.droppedShare);
-  report().count("cavities", static_cast<double>(part.cavities));
+  report().count("cavities", part.cavities);
   report().count("thinnest", part.thinnest);
-  report().count("thinPlaces", static_cast<double>(part.thinPlaces));
+  report().count("thinPlaces", part.thinPlaces);
   tellPart(part, options, outputs.names());
   return kDone;
 }

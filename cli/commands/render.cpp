@@ -235,7 +235,7 @@ class Shooting {
     if (isLast) {
       report().count("width", image.beauty.width);
       report().count("height", image.beauty.height);
-      report().count("frames", static_cast<int>(mCount));
+      report().count("frames", mCount);
     }
     report().text() << "wrote " << mOutputs->names() << ": " << image.beauty.width << " x " << image.beauty.height
                     << more << '\n';

@@ -52,7 +52,7 @@ int runSdf(const Arguments& arguments) {
   file << vdbtools::encodeVdb({result.grid}, write);
   line.progress().throwIfCancelled();
   outputs.commit();
-  report().count("voxels", static_cast<double>(result.grid->activeVoxelCount()));
+  report().count("voxels", result.grid->activeVoxelCount());
   report().count("voxelSize", result.grid->voxelSize()[0]);
   report().text() << "wrote " << outputs.names() << ": " << result.grid->activeVoxelCount() << " voxels of "
                   << vdbtools::shortText(result.grid->voxelSize()[0]) << '\n';

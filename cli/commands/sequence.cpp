@@ -83,9 +83,9 @@ SequenceCounts makeSequence(const CommandLine& line, const vdbtools::farm::Frame
 
 int finishSequence(const SequenceCounts& counts) {
   const std::size_t made = counts.frames - counts.kept - counts.failed;
-  report().count("frames", static_cast<double>(counts.frames));
-  report().count("keptFrames", static_cast<double>(counts.kept));
-  report().count("failedFrames", static_cast<double>(counts.failed));
+  report().count("frames", counts.frames);
+  report().count("keptFrames", counts.kept);
+  report().count("failedFrames", counts.failed);
   report().text() << "made " << framesText(made) << ", kept " << counts.kept << " of " << framesText(counts.frames)
                   << '\n';
   if (counts.failed == 0) return kDone;

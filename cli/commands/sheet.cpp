@@ -87,7 +87,7 @@ void requireEffects(const CommandLine& line, const vdbtools::SheetOptions& optio
 void tellFiner(const std::vector<vdbtools::SheetCell>& cells) {
   const auto isFiner = [](const vdbtools::SheetCell& cell) { return !cell.finer.empty(); };
   const auto count = std::count_if(cells.begin(), cells.end(), isFiner);
-  report().count("finerCells", static_cast<double>(count));
+  report().count("finerCells", count);
   if (count == 0) return;
   const auto first = std::find_if(cells.begin(), cells.end(), isFiner);
   report().text() << "warning: " << count << (count == 1 ? " cell shows" : " cells show")
@@ -134,9 +134,9 @@ int runSheet(const Arguments& arguments) {
   outputs.commit();
   const std::vector<vdbtools::SheetCell>& cells = made.sheet.cells;
   const auto failed = std::count_if(cells.begin(), cells.end(), [](const auto& cell) { return !cell.error.empty(); });
-  report().count("cells", static_cast<double>(cells.size()));
-  report().count("keptCells", static_cast<double>(made.kept));
-  report().count("failedCells", static_cast<double>(failed));
+  report().count("cells", cells.size());
+  report().count("keptCells", made.kept);
+  report().count("failedCells", failed);
   for (std::size_t i = 0; i < cells.size(); ++i)
     if (!cells[i].error.empty()) report().text() << "warning: cell " << i + 1 << " failed: " << cells[i].error << '\n';
   tellFiner(cells);

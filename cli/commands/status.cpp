@@ -35,7 +35,8 @@ using vdbtools::farm::TaskState;
 /// What all tasks of one state have in common.
 struct Sums {
   std::uint64_t tasks = 0, bytes = 0, peakBytes = 0;
-  double made = 0, cpuSeconds = 0, wallSeconds = 0;  ///< what was made: triangles, or evaluated nodes
+  std::uint64_t made = 0;  ///< triangles, or evaluated nodes
+  double cpuSeconds = 0, wallSeconds = 0;
 };
 
 std::string rounded(double value, const char* unit) {
@@ -61,13 +62,23 @@ std::string size(double bytes) {
   return rounded(bytes / kStep, "TiB");
 }
 
-std::string count(double value) {
-  constexpr double kMany = 1e7;
+/// An estimated number.
+std::string roughCount(double value) {
+  constexpr double kMany = 1e7, kThousand = 1e3;
   std::array<char, 32> text{};
-  if (value < kMany)
+  if (value < kMany) {
     std::snprintf(text.data(), text.size(), "%.0f", value);
-  else
-    std::snprintf(text.data(), text.size(), "%.3g million", value / 1e6);
+    return text.data();
+  }
+  value /= 1e6;
+  const char* unit = "million";
+  for (const char* larger : {"billion", "trillion"}) {
+    // What would be rounded to 1000 of a unit is one of the next.
+    if (value < 0.9995 * kThousand) break;
+    value /= kThousand;
+    unit = larger;
+  }
+  std::snprintf(text.data(), text.size(), "%.3g %s", value, unit);
   return text.data();
 }
 
@@ -112,7 +123,8 @@ int runStatus(const Arguments& arguments) {
 
   const std::filesystem::path folder = line.text("folder");
   const vdbtools::farm::Manifest manifest = vdbtools::farm::readManifest(folder);
-  const bool meshes = vdbtools::farm::makesMesh(manifest);
+  const bool triangles =
+      vdbtools::farm::makesMesh(manifest) || vdbtools::farm::makes(manifest, vdbtools::farm::kMakeCount);
   Sums done;
   std::uint64_t running = 0, failed = 0;
   std::vector<std::uint64_t> missing;
@@ -123,8 +135,9 @@ int runStatus(const Arguments& arguments) {
     switch (status.state) {
       case TaskState::Done: {
         ++done.tasks;
-        const auto made = status.record->counts.find(meshes ? "triangles" : "evaluatedNodes");
-        if (made != status.record->counts.end()) done.made += made->second;
+        if (onlyMissing) break;
+        const auto made = status.record->counts.find(triangles ? "triangles" : "evaluatedNodes");
+        if (made != status.record->counts.end()) done.made = vdbtools::farm::sumOfCounts(done.made, made->second);
         done.cpuSeconds += status.record->cpuSeconds;
         done.wallSeconds += status.record->wallSeconds;
         done.peakBytes = std::max(done.peakBytes, status.record->peakBytes);
@@ -152,15 +165,17 @@ int runStatus(const Arguments& arguments) {
   if (done.tasks == 0) return kDone;
   const double left = static_cast<double>(manifest.tasks.size() - done.tasks);
   const double part = left / static_cast<double>(done.tasks);
-  const auto both = [&](const char* what, const auto& format, double soFar) {
-    std::cout << what << ": " << format(soFar);
-    if (left > 0) std::cout << " so far, about " << format(soFar * part) << " to go";
+  const auto both = [&](const char* what, const std::string& soFar, const std::string& toGo) {
+    std::cout << what << ": " << soFar;
+    if (left > 0) std::cout << " so far, about " << toGo << " to go";
     std::cout << '\n';
   };
-  both(meshes ? "triangles" : "evaluated nodes", count, done.made);
-  both("CPU time", duration, done.cpuSeconds);
-  both("time of tasks", duration, done.wallSeconds);
-  both("files", size, static_cast<double>(done.bytes));
+  const auto bytes = static_cast<double>(done.bytes);
+  both(triangles ? "triangles" : "evaluated nodes", std::to_string(done.made),
+       roughCount(static_cast<double>(done.made) * part));
+  both("CPU time", duration(done.cpuSeconds), duration(done.cpuSeconds * part));
+  both("time of tasks", duration(done.wallSeconds), duration(done.wallSeconds * part));
+  both("files", size(bytes), size(bytes * part));
   std::cout << "memory of a task: at most " << size(static_cast<double>(done.peakBytes)) << '\n';
   return kDone;
 }

@@ -82,7 +82,7 @@ int runStudy(const Arguments& arguments) {
   outputs.commit();
   report().count("width", plane.width());
   report().count("height", plane.height());
-  report().count("versors", static_cast<double>(result.versors));
+  report().count("versors", result.versors);
   report().text() << "wrote " << outputs.names() << ": " << plane.width() << " x " << plane.height() << ", "
                   << result.versors << " versors from seed " << vdbtools::VersorSeeds(scene).first() << " on";
   if (result.undecided)

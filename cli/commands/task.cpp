@@ -111,11 +111,11 @@ int runTask(const Arguments& arguments) {
                     << vdbtools::farm::taskList({std::max(range.first, count + 1)})
                     << (range.last > std::max(range.first, count + 1) ? " and later ones" : "") << '\n';
   std::vector<Failure> failures;
-  Number failed = 0;
+  Number failed = 0, madeTasks = 0, keptTasks = 0;
   for (Number index = range.first; index <= std::min(range.last, count); ++index) {
     try {
       const bool made = runner.run(index, line.progress());
-      report().count(made ? "madeTasks" : "keptTasks", 1);
+      report().count(made ? "madeTasks" : "keptTasks", ++(made ? madeTasks : keptTasks));
       report().text() << "task " << index << (made ? " is done\n" : " was done already\n");
       report().noteKept("finished tasks are kept, and the same command goes on from there");
       if (index == std::min(range.last, count) && failures.empty()) workIsDone();

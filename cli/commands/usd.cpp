@@ -59,8 +59,8 @@ int runUsd(const Arguments& arguments) {
   options.scene = line.text("output");
   const vdbtools::UsdCounts counts = vdbtools::writeUsdScene(file, options, line.progress());
   outputs.commit();
-  report().count("frames", static_cast<double>(counts.frames));
-  report().count("triangles", static_cast<double>(counts.triangles));
+  report().count("frames", counts.frames);
+  report().count("triangles", counts.triangles);
   report().text() << "wrote " << outputs.names() << ": ";
   if (counts.frames > 0)
     report().text() << counts.fields << (counts.fields == 1 ? " grid" : " grids") << " of " << counts.frames

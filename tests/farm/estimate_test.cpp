@@ -89,6 +89,24 @@ TEST(Estimate, EqualWorksGiveTheMean) {
   EXPECT_GE(estimated.low, 18) << "less than the sample itself";
 }
 
+TEST(Estimate, AllTasksTellCountsThat32BitsDoNotHold) {
+  std::vector<TaskWork> work;
+  std::vector<SampledTask> sample;
+  std::uint64_t triangles = 0, bytes = 0;
+  for (std::uint64_t i = 1; i <= 9; ++i) {
+    TaskRecord record;
+    record.counts["triangles"] = (std::uint64_t{1} << 32) + i;
+    record.files = {{.name = "tile", .bytes = (std::uint64_t{1} << 35) + i}};
+    triangles += record.counts["triangles"];
+    bytes += record.files[0].bytes;
+    work.push_back({static_cast<double>(i), 1});
+    sample.push_back({work.back(), record});
+  }
+  const PlanEstimate estimate = estimatePlan(work, sample);
+  EXPECT_NEAR(estimate.triangles.value, static_cast<double>(triangles), 1);
+  EXPECT_NEAR(estimate.diskBytes.value, static_cast<double>(bytes), 1);
+}
+
 TEST(Estimate, OneTaskTellsNothingOfOthers) {
   const std::vector<TaskWork> work(10, {5, 1});
   EXPECT_THROW(estimateTotal(work, Pairs{{{5, 1}, 1}}), std::invalid_argument);

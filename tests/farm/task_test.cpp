@@ -27,8 +27,11 @@ namespace vdbtools {
 namespace {
 
 namespace fs = std::filesystem;
+using namespace farm;
 
 void put(const fs::path& path, const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
+
+constexpr std::uint64_t kMany = std::uint64_t{1} << 60;
 
 std::string contentOf(const PlannedTask& task, const std::string& name) {
   return "result of " + task.recipe.at("alpha") + " in " + name + "\n";
@@ -42,7 +45,8 @@ TaskCounts makeFiles(const fs::path& folder, const Manifest& manifest, std::uint
     file.stream() << contentOf(task, name);
     file.commit();
   }
-  return {{{"triangles", 100.0 * static_cast<double>(index)}}};
+  // The second is more than a double holds with all digits.
+  return {{{"triangles", 100 * index}, {"points", kMany + index}}};
 }
 
 class TaskTest : public ::testing::Test {
@@ -118,7 +122,8 @@ TEST_F(TaskTest, IsDoneOnceItsFilesAndItsRecordAreThere) {
                                               "tasks/0002.json"}));
   const std::optional<TaskRecord> record = finishedTask(mFolder, runner.manifest(), 2, FileCheck::Content);
   ASSERT_TRUE(record);
-  EXPECT_EQ(record->counts.at("triangles"), 200);
+  EXPECT_EQ(record->counts.at("triangles"), 200u);
+  EXPECT_EQ(record->counts.at("points"), kMany + 2);
   ASSERT_EQ(record->files.size(), 2u);
   EXPECT_EQ(record->files[1].sha256, sha256OfFile(mFolder / "out/b.0002.ply"));
   EXPECT_EQ(record->files[1].bytes, fs::file_size(mFolder / "out/b.0002.ply"));

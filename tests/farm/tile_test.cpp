@@ -328,6 +328,16 @@ TEST_F(Tiles, WhatCannotBeMergedIsRefused) {
   EXPECT_FALSE(fs::exists(inFolder("a.ply")));
 }
 
+TEST_F(Tiles, AMeshHasNoMorePointsThanItsTrianglesCanReferTo) {
+  const fs::path folder = made(shape({{"resolution", "20"}}), {.tiles = 2, .makes = {"ply"}});
+  const Manifest manifest = readManifest(folder);
+  constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
+  EXPECT_THROW(mergePlan(folder, manifest, {.mesh = inFolder("a.ply"), .mostPoints = kMost + 1}, mMonitor),
+               std::invalid_argument);
+  EXPECT_FALSE(fs::exists(inFolder("a.ply")));
+  EXPECT_NO_THROW(mergePlan(folder, manifest, {.mesh = inFolder("a.ply"), .mostPoints = kMost}, mMonitor));
+}
+
 TEST_F(Tiles, BrokenTilesAreRefused) {
   const fs::path folder = made(shape({{"resolution", "20"}}), {.tiles = 1, .makes = {"ply"}});
   const std::string bytes = readWholeFile(folder / "tiles" / "0001.tile");

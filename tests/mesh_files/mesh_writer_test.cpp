@@ -20,6 +20,7 @@
 #include <cstring>
 #include <fstream>
 #include <functional>
+#include <limits>
 #include <random>
 #include <set>
 #include <sstream>
@@ -523,6 +524,36 @@ TEST_F(MeshStream, CountsThatDoNotFitAreRefusedAtOnce) {
   }
   MeshStreamWriter writer(stream, mFolder, {.format = MeshFormat::Stl});
   EXPECT_THROW(writer.addTriangles(triangles.span(), 0), std::invalid_argument);
+}
+
+TEST_F(MeshStream, WhatAFormatCannotCountIsKnownBeforeAMeshIsMade) {
+  constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
+  for (const MeshFormat format : {MeshFormat::Ply, MeshFormat::Obj, MeshFormat::Stl}) {
+    EXPECT_NO_THROW(requireMeshCounts({.format = format}, true, kMost, kMost));
+    EXPECT_THROW(requireMeshCounts({.format = format}, true, kMost + 1, 1), DataError);
+    if (format == MeshFormat::Stl)
+      EXPECT_THROW(requireMeshCounts({.format = format}, true, 3, kMost + 1), std::invalid_argument);
+    else
+      EXPECT_NO_THROW(requireMeshCounts({.format = format}, true, kMost, 5 * kMost));
+  }
+}
+
+TEST_F(MeshStream, AGlbIsRefusedFromTheByteOnThatItCannotCount) {
+  Mesh mesh = test_meshes::makeSphere(1, 1);
+  for (const bool normals : {false, true}) {
+    if (normals) computeNormals(mesh);
+    std::ostringstream stream;
+    writeMesh(stream, mesh, {.format = MeshFormat::Glb});
+    const std::uint64_t point = normals ? 24 : 12, triangle = 12;  // bytes
+    const std::uint64_t others = stream.str().size() - mesh.points.size() * point - mesh.triangles.size() * triangle;
+    constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
+    for (const std::uint64_t points : {3ul, 1000ul, 70'000'001ul, 150'000'000ul}) {
+      const std::uint64_t triangles = (kMost - others - points * point) / triangle;
+      EXPECT_NO_THROW(requireMeshCounts({.format = MeshFormat::Glb}, normals, points, triangles));
+      EXPECT_THROW(requireMeshCounts({.format = MeshFormat::Glb}, normals, points, triangles + 1),
+                   std::invalid_argument);
+    }
+  }
 }
 
 TEST_F(MeshStream, VoxelsNeedTheirBox) {

@@ -17,7 +17,7 @@ namespace {
 
 double countOf(const TaskRecord& record, const char* name) {
   const auto found = record.counts.find(name);
-  return found == record.counts.end() ? 0 : found->second;
+  return found == record.counts.end() ? 0 : static_cast<double>(found->second);
 }
 
 using Vector = std::array<double, 2>;

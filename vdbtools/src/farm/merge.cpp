@@ -78,11 +78,7 @@ void requireTriangles(const MergeResult& result) {
 CrumbReport crumbsOf(const TaskRecord& record) {
   const auto count = [&](const char* name) {
     const auto found = record.counts.find(name);
-    // A side-car may contain any number.
-    constexpr double kMost = 9e15;
-    return found != record.counts.end() && found->second >= 0 && found->second <= kMost
-               ? static_cast<std::uint64_t>(found->second)
-               : 0;
+    return found == record.counts.end() ? std::uint64_t{0} : found->second;
   };
   return {count(kCrumbsCount), count(kCrumbNodesCount)};
 }
@@ -97,7 +93,8 @@ std::optional<CrumbReport> requireDone(const fs::path& folder, const TileJob& jo
   CrumbReport crumbs;
   for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index) {
     if (const std::optional<TaskRecord> record = finishedTask(folder, manifest, index, FileCheck::Content)) {
-      crumbs += crumbsOf(*record);
+      const CrumbReport more = crumbsOf(*record);
+      crumbs = {sumOfCounts(crumbs.crumbs, more.crumbs), sumOfCounts(crumbs.nodes, more.nodes)};
     } else {
       if (missing.empty()) reason = taskStatus(folder, manifest, index, FileCheck::Content).error;
       missing.push_back(index);
@@ -229,10 +226,19 @@ MeshCounts mergeMesh(const fs::path& folder, const TileJob& job, const MergeOpti
                      Monitor& monitor) {
   const MeshFormat format = meshFormat(*options.mesh);
   std::vector<TileReader> tiles = openTiles(folder, job, islands, islands && islands->capMesh);
-  std::uint64_t points = 0;
-  for (const TileReader& tile : tiles) points += tile.counts().points;
-  if (islands) points = islands->meshPoints();
-  MeshFiles meshes(*options.mesh, meshOptions(job, format), attributes, points > options.mostPoints, files, monitor);
+  std::uint64_t points = 0, triangles = 0;
+  for (const TileReader& tile : tiles) {
+    points = sumOfCounts(points, tile.counts().points);
+    triangles = sumOfCounts(triangles, tile.counts().triangles);
+  }
+  if (islands) {
+    points = islands->meshPoints();
+    triangles = 0;  // how many are left is not known yet
+  }
+  const bool cut = points > options.mostPoints;
+  const MeshWriteOptions written = meshOptions(job, format);
+  if (!cut) requireMeshCounts(written, true, points, triangles);
+  MeshFiles meshes(*options.mesh, written, attributes, cut, files, monitor);
   const std::function<MeshSink&()> next = [&]() -> MeshSink& { return meshes.next(); };
   const MeshCounts counts = mergeTiles(tiles, {.mostPoints = options.mostPoints}, next, monitor);
   meshes.finish();
@@ -393,6 +399,11 @@ nlohmann::json writeOneTile(const fs::path& folder, const TileJob& job, std::uin
   if (makesMesh(manifest)) {
     std::vector<TileReader> tile;
     tile.push_back(openTile(folder, index, islands, islands && islands->capMesh));
+    const std::uint64_t points = sumOfCounts(tile[0].counts().points, tile[0].counts().guests);
+    if (points > kMostMeshPoints)
+      throw DataError("tile " + std::to_string(index) + " has " + std::to_string(points) +
+                      " points, and its PLY is to have up to " + std::to_string(kMostMeshPoints) +
+                      "; plan again with more tiles");
     MeshCounts counts;
     {
       MeshFiles meshes(pieceOf(listed, index, ".ply"), meshOptions(job, MeshFormat::Ply), attributes, false, files,

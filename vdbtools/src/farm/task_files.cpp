@@ -17,6 +17,7 @@
 #include <climits>
 #include <csignal>
 #include <ctime>
+#include <limits>
 
 namespace vdbtools::farm {
 namespace {
@@ -58,7 +59,7 @@ std::optional<TaskRecord> recordFrom(const Json& json) {
     for (const Json& entry : json.at("files"))
       record.files.push_back({entry.at("name").get<std::string>(), wholeOf<std::uint64_t>(entry.at("bytes")),
                               wholeOf<std::int64_t>(entry.at("modified")), entry.at("sha256").get<std::string>()});
-    for (const auto& [name, value] : json.at("counts").items()) record.counts[name] = value.get<double>();
+    for (const auto& [name, value] : json.at("counts").items()) record.counts[name] = wholeOf<std::uint64_t>(value);
     record.wallSeconds = json.at("wallSeconds").get<double>();
     record.cpuSeconds = json.at("cpuSeconds").get<double>();
     record.peakBytes = wholeOf<std::uint64_t>(json.at("peakBytes"));
@@ -152,6 +153,12 @@ std::optional<TaskRecord> fittingRecord(const fs::path& folder, const Manifest& 
 }
 
 }  // namespace
+
+std::uint64_t sumOfCounts(std::uint64_t a, std::uint64_t b) {
+  if (b > std::numeric_limits<std::uint64_t>::max() - a)
+    throw DataError("the counts of the tasks are too large to be added up; run the tasks again");
+  return a + b;
+}
 
 std::string taskName(std::uint64_t index) {
   constexpr std::size_t kDigits = 4;

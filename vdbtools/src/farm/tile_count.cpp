@@ -3,12 +3,10 @@
 
 #include "base/json_text.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/farm/task.h"
 #include "vdbtools/files/file_hash.h"
 
 #include <nlohmann/json.hpp>
-
-#include <algorithm>
-#include <limits>
 
 namespace vdbtools::farm {
 namespace {
@@ -20,12 +18,6 @@ constexpr std::size_t kDigits = 64;  // of a SHA-256
 
 bool isDigest(const std::string& text) {
   return text.size() == kDigits && text.find_first_not_of("0123456789abcdef") == text.npos;
-}
-
-void addTo(std::uint64_t& sum, std::uint64_t value) {
-  if (value > std::numeric_limits<std::uint64_t>::max() - sum)
-    throw DataError("the counts of the tiles are too large to be added up; run the tasks again");
-  sum += value;
 }
 
 }  // namespace
@@ -84,8 +76,8 @@ TileCount addedUp(std::span<const TileCount> tiles) {
   TileCount whole;
   std::string hashes;
   for (const TileCount& tile : tiles) {
-    addTo(whole.points, tile.points);
-    addTo(whole.triangles, tile.triangles);
+    whole.points = sumOfCounts(whole.points, tile.points);
+    whole.triangles = sumOfCounts(whole.triangles, tile.triangles);
     if (tile.box && whole.box) whole.box->expand(*tile.box);
     if (tile.box && !whole.box) whole.box = tile.box;
     hashes += tile.sha256;

@@ -7,8 +7,10 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <map>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -200,6 +202,10 @@ class LayerWriter {
 
 MeshCounts mergeTiles(std::vector<TileReader>& tiles, const TileMergeOptions& options,
                       const std::function<MeshSink&()>& nextMesh, Monitor& monitor) {
+  if (options.mostPoints > std::numeric_limits<Index>::max())
+    throw std::invalid_argument("a mesh of up to " + std::to_string(options.mostPoints) +
+                                " points is asked for, and triangles can refer to " +
+                                std::to_string(std::numeric_limits<Index>::max()) + " of them");
   std::uint64_t layers = 0;
   for (const TileReader& tile : tiles) layers += tile.counts().layers;
   monitor.begin(PhaseKind::Merging, layers);

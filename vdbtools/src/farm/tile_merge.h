@@ -27,6 +27,7 @@ struct TileMergeOptions {
 /// holds two layers of blocks of all tiles.
 /// @param nextMesh  returns the sink for the first mesh, and for each following mesh
 /// @return the totals of all meshes; points that are in two of them count twice
+/// @throw std::invalid_argument  more points to a mesh than 32 bits count
 /// @throw DataError  a tile is broken, or lacks a point to which another one refers; one layer alone has more than
 ///                   mostPoints
 MeshCounts mergeTiles(std::vector<TileReader>& tiles, const TileMergeOptions& options,

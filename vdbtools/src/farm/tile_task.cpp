@@ -261,22 +261,22 @@ TaskCounts TileMaker::make(std::uint64_t index, Monitor& monitor) {
       monitor);
   monitor.begin(PhaseKind::Writing, 0);
   TaskCounts counts;
-  counts.counts["evaluatedNodes"] = static_cast<double>(tile.evaluatedNodes);
+  counts.counts["evaluatedNodes"] = tile.evaluatedNodes;
   if (tile.crumbs) {
-    counts.counts[kCrumbsCount] = static_cast<double>(tile.crumbs->crumbs);
-    counts.counts[kCrumbNodesCount] = static_cast<double>(tile.crumbs->nodes);
+    counts.counts[kCrumbsCount] = tile.crumbs->crumbs;
+    counts.counts[kCrumbNodesCount] = tile.crumbs->nodes;
   }
   if (count) {
     const TileCount of = counter.count();
     count->stream() << encodeTileCount(of);
-    counts.counts["points"] = static_cast<double>(of.points);
-    counts.counts["triangles"] = static_cast<double>(of.triangles);
+    counts.counts["points"] = of.points;
+    counts.counts["triangles"] = of.triangles;
   }
   if (mesh) {
     encoder.write(mesh->stream());
     const TileCounts& of = encoder.counts();
-    counts.counts["points"] = static_cast<double>(of.points);
-    counts.counts["triangles"] = static_cast<double>(of.triangles);
+    counts.counts["points"] = of.points;
+    counts.counts["triangles"] = of.triangles;
   }
   // Not in half floats like the result: merging needs all digits.
   if (grids) grids->stream() << encodeVdb(tile.grids, {});

@@ -102,10 +102,10 @@ TaskCounts VariantMaker::make(std::uint64_t index, Monitor& monitor) {
     return writeFractal(scene, taskRecipe(mManifest, index), files.wanted(), monitor);
   });
   files.commit();
-  TaskCounts counts{{{"evaluatedNodes", static_cast<double>(result.evaluatedNodes)}}};
+  TaskCounts counts{{{"evaluatedNodes", result.evaluatedNodes}}};
   if (!files.wanted().meshes.empty()) {
-    counts.counts["triangles"] = static_cast<double>(result.mesh.triangles);
-    counts.counts["points"] = static_cast<double>(result.mesh.points);
+    counts.counts["triangles"] = result.mesh.triangles;
+    counts.counts["points"] = result.mesh.points;
   }
   return counts;
 }

@@ -79,6 +79,12 @@ std::vector<std::string> columnsLeftOut(MeshFormat format, std::span<const Verte
   return names;
 }
 
+void requireMeshCounts(const MeshWriteOptions& options, bool normals, std::uint64_t points, std::uint64_t triangles) {
+  MeshEncoder encoder(options);
+  encoder.setNormals(normals);
+  encoder.requireCounts(points, triangles);
+}
+
 std::vector<MeshLevel> writeMesh(std::ostream& stream, const Mesh& mesh, const MeshWriteOptions& options,
                                  std::span<const float> values) {
   requirePoints(mesh.triangles, 0, mesh.points.size());

@@ -24,7 +24,7 @@ namespace vdbtools::farm {
 
 /// What the maker of a task returns after committing its files.
 struct TaskCounts {
-  std::map<std::string, double> counts;  ///< "triangles", "points", "evaluatedNodes" and the like
+  std::map<std::string, std::uint64_t> counts;  ///< "triangles", "points", "evaluatedNodes" and the like
 };
 
 struct TaskFile {
@@ -38,7 +38,7 @@ struct TaskFile {
 struct TaskRecord {
   std::string hash;             ///< taskHash()
   std::vector<TaskFile> files;  ///< in the order of PlannedTask::writes
-  std::map<std::string, double> counts;
+  std::map<std::string, std::uint64_t> counts;
   double wallSeconds = 0, cpuSeconds = 0;
   std::uint64_t peakBytes = 0;  ///< peak of the whole process while it ran the task
   std::string host;
@@ -49,6 +49,10 @@ enum class FileCheck {
   Quick,    ///< by size and time; by SHA-256 if the time has changed
   Content,  ///< by SHA-256
 };
+
+/// The sum of what two tasks, or groups of tasks, have counted.
+/// @throw DataError  it does not fit into 64 bits
+std::uint64_t sumOfCounts(std::uint64_t a, std::uint64_t b);
 
 /// Returns the record of task @a index if its side-car matches the plan and the files.
 std::optional<TaskRecord> finishedTask(const std::filesystem::path& folder, const Manifest& manifest,

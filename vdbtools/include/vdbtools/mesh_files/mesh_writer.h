@@ -67,6 +67,11 @@ std::vector<std::string> columnsLeftOut(MeshFormat format, std::span<const Verte
 /// @throw std::invalid_argument  a voxel size without a box, or an STL that cannot hold the mesh
 bool needsDoublePositions(const MeshWriteOptions& options);
 
+/// Checks before a mesh is made that a file with these options can hold so many points and triangles.
+/// @throw DataError              more points than triangles can refer to
+/// @throw std::invalid_argument  more than the format can count, or a GLB of more than 4 GiB
+void requireMeshCounts(const MeshWriteOptions& options, bool normals, std::uint64_t points, std::uint64_t triangles);
+
 /// Writes normals if the mesh has them (STL has its own normals, those of the faces). The stream's owner must check it
 /// for errors.
 /// @param values  of options.columns, row by row (PointBatch)
