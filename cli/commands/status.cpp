@@ -2,10 +2,13 @@
 #include "commands.h"
 
 #include "exit_code.h"
+#include "gravest_code.h"
 #include "options.h"
 #include "report.h"
 
 #include "vdbtools/farm/task.h"
+
+#include <nlohmann/json.hpp>
 
 #include <array>
 #include <cmath>
@@ -13,6 +16,7 @@
 #include <cstdio>
 #include <iostream>
 #include <optional>
+#include <set>
 
 namespace po = boost::program_options;
 
@@ -22,12 +26,16 @@ namespace {
 constexpr int kMostBatch = 1'000'000;
 
 constexpr Usage kStatusUsage = {
-    "status", "DIR [--missing [--lines | --batch N]] [options]",
+    "status", "DIR [--json] [--exit-code] | [--missing [--lines | --batch N]] [options]",
     "Shows how many tasks of the plan in the folder DIR are done, are being made, have failed, or are missing, and "
     "what they took. What is to come is told from the tasks that are done, as if the others were like them.\n\n"
     "With --missing, nothing is printed but the numbers of the tasks that are neither done nor being made, in the "
-    "notation of Slurm's arrays, such as 3,7,10-12; failed tasks are among them.",
+    "notation of Slurm's arrays, such as 3,7,10-12; failed tasks are among them.\n\n"
+    "With --exit-code, the code is 0 if all tasks are done, that of the tasks if some have failed (the gravest, if "
+    "they "
+    "differ), and 75 if tasks are left to be made.",
     "  juliavdb status farm\n"
+    "  juliavdb status farm --json\n"
     "  juliavdb status farm --missing\n"};
 
 using vdbtools::farm::TaskState;
@@ -107,6 +115,8 @@ int runStatus(const Arguments& arguments) {
       "lines", po::bool_switch(), "with --missing: one number a line, as GNU parallel reads them")(
       "batch", po::value<std::string>()->value_name("N"),
       "with --missing: ranges of up to N tasks such as 7-12, one a line, as 'juliavdb task --range' reads them")(
+      "json", po::bool_switch(), "the same for other programs")("exit-code", po::bool_switch(),
+                                                                "end with the code that the tasks have come to")(
       "verify", po::bool_switch(),
       "read every file and compare its SHA-256; otherwise a file of the recorded size and "
       "time counts as unchanged");
@@ -117,6 +127,8 @@ int runStatus(const Arguments& arguments) {
   std::optional<std::uint64_t> batch;
   if (line.has("batch")) batch = static_cast<std::uint64_t>(line.integer("batch", 1, kMostBatch));
   if (batch && !onlyMissing) throw std::invalid_argument("--batch goes with --missing only");
+  const bool json = line.values()["json"].as<bool>();
+  if (json && onlyMissing) throw std::invalid_argument("--json and --missing exclude each other");
   if (batch && lines) throw std::invalid_argument("--batch and --lines exclude each other");
   const auto check =
       line.values()["verify"].as<bool>() ? vdbtools::farm::FileCheck::Content : vdbtools::farm::FileCheck::Quick;
@@ -129,6 +141,8 @@ int runStatus(const Arguments& arguments) {
   std::uint64_t running = 0, failed = 0;
   std::vector<std::uint64_t> missing;
   std::string failures;
+  nlohmann::json failedTasks = nlohmann::json::array();
+  std::set<int> codes;
   for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index) {
     line.progress().throwIfCancelled();
     const vdbtools::farm::TaskStatus status = vdbtools::farm::taskStatus(folder, manifest, index, check);
@@ -147,22 +161,46 @@ int runStatus(const Arguments& arguments) {
       case TaskState::Running: ++running; break;
       case TaskState::Failed:
         ++failed;
+        if (status.exitCode) codes.insert(*status.exitCode);
+        if (json) {
+          failedTasks.push_back({{"task", index}, {"error", status.error}});
+          if (status.exitCode) failedTasks.back()["code"] = *status.exitCode;
+        }
         failures += "task " + std::to_string(index) + " failed: " + status.error + '\n';
         missing.push_back(index);
         break;
       case TaskState::Missing: missing.push_back(index); break;
     }
   }
+  int code = kDone;
+  if (line.values()["exit-code"].as<bool>() && done.tasks != manifest.tasks.size())
+    code = failed ? gravestCode(codes) : static_cast<int>(kInterrupted);
   if (onlyMissing) {
     printLists(missing, lines, batch);
-    return kDone;
+    return code;
+  }
+  if (json) {
+    std::cout << nlohmann::json{{"tasks", manifest.tasks.size()},
+                                {"done", done.tasks},
+                                {"running", running},
+                                {"failed", failedTasks},
+                                {"missing", missing.size() - failed},
+                                {"toBeMade", vdbtools::farm::taskList(missing)},
+                                {triangles ? "triangles" : "evaluatedNodes", done.made},
+                                {"cpuSeconds", done.cpuSeconds},
+                                {"wallSeconds", done.wallSeconds},
+                                {"bytes", done.bytes},
+                                {"peakBytes", done.peakBytes}}
+                     .dump(1, ' ', false, nlohmann::json::error_handler_t::replace)
+              << '\n';
+    return code;
   }
 
   std::cout << manifest.tasks.size() << " tasks: " << done.tasks << " done, " << running << " running, " << failed
             << " failed, " << missing.size() - failed << " missing\n"
             << failures;
   if (!missing.empty()) std::cout << "to be made: " << vdbtools::farm::taskList(missing) << '\n';
-  if (done.tasks == 0) return kDone;
+  if (done.tasks == 0) return code;
   const double left = static_cast<double>(manifest.tasks.size() - done.tasks);
   const double part = left / static_cast<double>(done.tasks);
   const auto both = [&](const char* what, const std::string& soFar, const std::string& toGo) {
@@ -177,7 +215,7 @@ int runStatus(const Arguments& arguments) {
   both("time of tasks", duration(done.wallSeconds), duration(done.wallSeconds * part));
   both("files", size(bytes), size(bytes * part));
   std::cout << "memory of a task: at most " << size(static_cast<double>(done.peakBytes)) << '\n';
-  return kDone;
+  return code;
 }
 
 }  // namespace cli

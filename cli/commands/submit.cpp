@@ -4,6 +4,7 @@
 #include "child_process.h"
 #include "exit_code.h"
 #include "failure.h"
+#include "gravest_code.h"
 #include "interruption.h"
 #include "merge_request.h"
 #include "options.h"
@@ -219,13 +220,6 @@ Outcome outcomeOf(const Submission& s, const vdbtools::farm::Manifest& manifest,
   return outcome;
 }
 
-/// The one that all share, or else the gravest: first what will fail again in the same way, and last what may not.
-int codeOf(const std::set<int>& codes) {
-  for (const int code : {kInternal, kUsage, kBadData, kNoInput, kCannotCreate, kInputOutput})
-    if (codes.contains(code)) return code;
-  return kInterrupted;
-}
-
 std::string tasksText(const std::vector<std::uint64_t>& tasks) {
   return (tasks.size() == 1 ? "task " : "tasks ") + vdbtools::farm::taskList(tasks);
 }
@@ -250,7 +244,7 @@ std::string tasksText(const std::vector<std::uint64_t>& tasks) {
                                       (s.engineArguments.empty() ? std::string() : "see the words behind --; ") +
                                       kAgain});
   if (outcome.notDone.empty() && outcome.running.empty()) {
-    const bool known = codeOf({code}) == code;
+    const bool known = gravestCode({code}) == code;
     throw FailedWith(
         {known ? code : kInterrupted,
          "all tasks are done, but not their merge, which has said why above; the same command merges them"});
@@ -266,9 +260,9 @@ std::string tasksText(const std::vector<std::uint64_t>& tasks) {
     reasons += (reasons.empty() ? ": " : "; ") + ("task " + std::to_string(index) + ": " + error);
   }
   if (outcome.errors.size() > kNamed) reasons += "; " + std::to_string(outcome.errors.size() - kNamed) + " more failed";
-  throw FailedWith({codeOf(outcome.codes), tasksText(outcome.notDone) + all +
-                                               (outcome.notDone.size() == 1 ? " is" : " are") + " not done" + reasons +
-                                               "; " + kAgain});
+  throw FailedWith({gravestCode(outcome.codes), tasksText(outcome.notDone) + all +
+                                                    (outcome.notDone.size() == 1 ? " is" : " are") + " not done" +
+                                                    reasons + "; " + kAgain});
 }
 
 /// Waits for the script.

@@ -51,6 +51,33 @@ class Tasks(farm.FarmTest):
         self.refused(USAGE, "task", FARM, env={"SLURM_ARRAY_TASK_ID": "many"}, mentions="SLURM_ARRAY_TASK_ID")
         self.refused(USAGE, "task", FARM, env={"PARALLEL_SEQ": "-1"}, mentions="PARALLEL_SEQ")
 
+    def test_status_for_other_programs(self):
+        self.plan()
+
+        def status(code, *words):
+            run = self.run_program("status", FARM, "--json", *words, "--progress", "none")
+            self.assertEqual((run.returncode, run.stderr), (code, b""))
+            return json.loads(run.stdout)
+
+        nothing = status(DONE)
+        self.assertEqual((nothing["tasks"], nothing["done"], nothing["failed"], nothing["toBeMade"]),
+                         (TILES, 0, [], f"1-{TILES}"))
+        self.assertEqual(status(INTERRUPTED, "--exit-code"), nothing)
+        self.ok("task", FARM, "--range", "1-3")
+        some, records = status(INTERRUPTED, "--exit-code"), [self.record(task) for task in (1, 2, 3)]
+        self.assertEqual((some["done"], some["missing"], some["toBeMade"]), (3, TILES - 3, f"4-{TILES}"))
+        self.assertEqual(some["bytes"], sum(file["bytes"] for record in records for file in record["files"]))
+        self.assertEqual(some["peakBytes"], max(record["peakBytes"] for record in records))
+        self.assertAlmostEqual(some["cpuSeconds"], sum(record["cpuSeconds"] for record in records))
+        run = self.run_program("task", FARM, "--index", 4, "--memory", "1M")
+        failed = status(run.returncode, "--exit-code")
+        self.assertEqual([(each["task"], each.get("code")) for each in failed["failed"]], [(4, run.returncode)])
+        self.assertIn("memory", failed["failed"][0]["error"])
+        self.assertEqual((failed["missing"], failed["toBeMade"]), (TILES - 4, f"4-{TILES}"))
+        self.ok("task", FARM, "--range", f"4-{TILES}")
+        self.assertEqual(status(DONE, "--exit-code")["done"], TILES)
+        self.refused(USAGE, "status", FARM, "--json", "--missing", mentions="--json and --missing")
+
     def test_a_task_that_is_done_is_left_alone(self):
         self.plan(done=True)
         before = {path: path.stat().st_mtime_ns for path in self.path(FARM).rglob("*")}
