@@ -111,6 +111,35 @@ TEST(TriangleTree, BlocksHaveTheDistancesToAllTriangles) {
   }
 }
 
+TEST(TriangleTree, NeitherFramesNorEarlierQueriesChangeABit) {
+  std::mt19937 random(11);
+  std::uniform_int_distribution<int> place(-9, 9);
+  constexpr float kFar = 60;
+  for (const Case& c : cases()) {
+    const TriangleTree tree(c.mesh.points, c.mesh.triangles);
+    const TriangleTree framed(c.mesh.points, c.mesh.triangles, {}, TriangleTree::Frames::Once);
+    EXPECT_EQ(tree.frames(), TriangleTree::Frames::ForEachBlock);
+    EXPECT_EQ(framed.frames(), TriangleTree::Frames::Once);
+    BlockDistances used(tree), framedAndUsed(framed);
+    for (int i = 0; i < 40; ++i) {
+      const Coord origin(8 * place(random), 8 * place(random), 8 * place(random));
+      BlockDistances fresh(tree);
+      fresh.evaluate(origin, kFar);
+      const Vec3d middle = origin.asVec3d() + Vec3d(3.5), elsewhere(place(random), 3 * place(random), 0);
+      for (BlockDistances* const block : {&used, &framedAndUsed}) {
+        // The last query is for the middle of this block, or another place, or what it was before.
+        if (i % 3 > 0) block->distance(i % 3 == 1 ? middle : elsewhere, i % 2 == 0 ? 3 : 200);
+        block->evaluate(origin, kFar);
+        for (int n = 0; n < 512; ++n) {
+          if (!(fresh.distances()[n] <= kFar)) continue;
+          ASSERT_EQ(block->distances()[n], fresh.distances()[n]) << c.name;
+          ASSERT_EQ(block->triangles()[n], fresh.triangles()[n]) << c.name;
+        }
+      }
+    }
+  }
+}
+
 TEST(TriangleTree, NodesWithinReachAreNeverLeftOut) {
   for (const Case& c : cases()) {
     const TriangleTree tree(c.mesh.points, c.mesh.triangles);

@@ -372,13 +372,15 @@ FloatGrid::Ptr signedDistances(const TriangleTree& tree, float exterior, float i
     *united = 0;
     if (const auto outer = outerSurface(tree.points(), tree.triangles(), sides.buriesSurface, monitor)) {
       *united = outer->parts;
-      return signedDistances(TriangleTree(outer->points, outer->triangles), exterior, interior, phase, monitor);
+      return signedDistances(TriangleTree(outer->points, outer->triangles, {}, tree.frames()), exterior, interior,
+                             phase, monitor);
     }
   }
   if (sides.buriesSurface) {
     const std::vector<Vec3I> kept = boundingTriangles(tree, sides, monitor);
     if (!kept.empty() && kept.size() < tree.triangles().size())
-      return signedBand(TriangleTree(tree.points(), kept), sides.sign, exterior, interior, phase, monitor);
+      return signedBand(TriangleTree(tree.points(), kept, {}, tree.frames()), sides.sign, exterior, interior, phase,
+                        monitor);
   }
   return signedBand(tree, sides.sign, exterior, interior, phase, monitor);
 }

@@ -51,6 +51,31 @@ double nodesIn(const Vec3d& sides, double band) {
   return (sides[0] + 2 * band + 1) * (sides[1] + 2 * band + 1) * (sides[2] + 2 * band + 1);
 }
 
+/// The nodes of a band, which is as large as the area times its width, but no larger than the bounding box.
+/// @param area, box  index space
+double nodesOfBand(double area, const openvdb::BBoxd& box, const MeshToSdfOptions& options) {
+  const double exterior = options.exteriorBandWidth + kWorkingBand;
+  const double interior = finiteInteriorBand(box, options.interiorBandWidth) + kWorkingBand;
+  return std::min(area * exterior, nodesIn(box.extents(), exterior)) +
+         std::min(area * interior, nodesIn(box.extents(), 0));
+}
+
+double bytesOfBand(double area, double nodes) { return kBytesForArea * area + kBytesForNode * nodes; }
+
+/// The frames of triangles are made once if they take no more memory than the distances do at least.
+TriangleTree::Frames framesFor(const std::vector<Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,
+                               const MeshToSdfOptions& options) {
+  double area = 0;
+  openvdb::BBoxd box;
+  for (const openvdb::Vec3I& t : triangles) {
+    area += (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).length() / 2;
+    for (int c = 0; c < 3; ++c) box.expand(points[t[c]]);
+  }
+  const auto bytes = static_cast<double>(triangles.size() * TriangleTree::kFrameBytes);
+  return bytes <= bytesOfBand(area, nodesOfBand(area, box, options)) ? TriangleTree::Frames::Once
+                                                                     : TriangleTree::Frames::ForEachBlock;
+}
+
 /// Leaf values are scaled in parallel; tiles and the background are few.
 void scaleValues(FloatGrid& grid, float factor) {
   openvdb::FloatTree& tree = grid.tree();
@@ -94,18 +119,13 @@ void checkOptions(const MeshReport& report, const MeshToSdfOptions& options) {
                                   "the mesh nearer to the origin");
     }
   }
-  // A band is as large as the area times its width, but no larger than the bounding box.
-  const double area = report.area / (h * h);
-  const double exterior = options.exteriorBandWidth + kWorkingBand;
-  const double interior = finiteInteriorBand(box, options.interiorBandWidth) + kWorkingBand;
-  const double nodes = std::min(area * exterior, nodesIn(box.extents(), exterior)) +
-                       std::min(area * interior, nodesIn(box.extents(), 0));
+  const double area = report.area / (h * h), nodes = nodesOfBand(area, box, options);
   if (!(nodes < kMostNodes)) {
     throw std::invalid_argument("at the voxel size " + shortText(h) + " the narrow band of this mesh has about " +
                                 shortText(nodes) + " nodes, more than the " + shortText(kMostNodes) +
                                 " that are allowed; use a larger voxel size or a narrower band");
   }
-  requireMemory(kBytesForArea * area + kBytesForNode * nodes, MemoryUse::Distances,
+  requireMemory(bytesOfBand(area, nodes), MemoryUse::Distances,
                 "at the voxel size " + shortText(h) + " the distances to this mesh");
 }
 
@@ -127,7 +147,7 @@ FloatGrid::Ptr toWorld(FloatGrid::Ptr grid, double voxelSize) {
 
 FloatGrid::Ptr convert(const std::vector<Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,
                        const MeshToSdfOptions& options, Monitor& monitor, std::size_t* united) {
-  const TriangleTree tree(points, triangles);
+  const TriangleTree tree(points, triangles, {}, framesFor(points, triangles, options));
   return toWorld(signedDistances(tree, static_cast<float>(options.exteriorBandWidth),
                                  static_cast<float>(finiteInteriorBand(tree.box(), options.interiorBandWidth)),
                                  PhaseKind::DistanceField, monitor, united),

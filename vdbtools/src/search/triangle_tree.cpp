@@ -112,7 +112,7 @@ kernels::BoxNode nodeOf(const std::vector<Box>& boxes, std::size_t first) {
 }  // namespace
 
 TriangleTree::TriangleTree(const std::vector<Vec3d>& givenPoints, const std::vector<Vec3I>& triangles,
-                           std::optional<Vec3d> about)
+                           std::optional<Vec3d> about, Frames frames)
     : mPoints(givenPoints), mTriangles(triangles) {
   for (const Vec3I& t : triangles)
     for (int c = 0; c < 3; ++c) mBox.expand(mPoints[t[c]]);
@@ -170,6 +170,13 @@ TriangleTree::TriangleTree(const std::vector<Vec3d>& givenPoints, const std::vec
   static_assert(sizeof(Vec3d) == 3 * sizeof(double) && sizeof(Vec3I) == 3 * sizeof(std::uint32_t));
   mView.points = points.front().asPointer();
   mView.triangles = triangles.front().asPointer();
+  if (frames == Frames::ForEachBlock) return;
+  mFrames.resize(mPacks.size());
+  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, static_cast<std::uint32_t>(mFrames.size()), 512),
+                    [&](const auto& range) {
+                      kernels::chosen().makeFrames(mView, range.begin(), range.end() - range.begin(), mFrames.data());
+                    });
+  mView.frames = mFrames.data();
 }
 
 Coord TriangleTree::originNear(const Vec3d& position) {
@@ -185,7 +192,7 @@ std::optional<TriangleTree::Nearest> TriangleTree::nearest(const Vec3d& position
   auto squared = static_cast<float>(std::min(reach * reach, 1e30));
   kernels::Place place{};
   const Vec3d local = position - mOrigin.asVec3d();
-  if (!kernels::chosen().nearest(mView, local.asPointer(), squared, place)) return std::nullopt;
+  if (!kernels::chosen().nearest(mView, local.asPointer(), kernels::kNoPack, squared, place)) return std::nullopt;
   const std::uint32_t triangle = mNumbers[place.pack].triangle[place.lane];
   const Vec3I& t = mTriangles[triangle];
   const std::vector<Vec3d>& points = localPoints();
@@ -229,7 +236,8 @@ void BlockDistances::reserve(std::uint32_t packs) {
 std::optional<float> BlockDistances::distance(const Vec3d& position, float within) {
   float squared = within * within;
   const Vec3d local = position - mOrigin.asVec3d();
-  if (!kernels::chosen().nearest(mView, local.asPointer(), squared, mLast)) return std::nullopt;
+  if (!kernels::chosen().nearest(mView, local.asPointer(), mLast.pack, squared, mLast)) return std::nullopt;
+  mLastAt = local;
   return std::sqrt(squared);
 }
 
@@ -258,8 +266,11 @@ void BlockDistances::resolve(const Vec3d& middle, std::uint32_t packs, float far
 
 void BlockDistances::evaluate(const Coord& origin, float far) {
   const Vec3d middle = middleOf(origin);
-  float squared = 1e30F;
-  kernels::chosen().nearest(mView, middle.asPointer(), squared, mLast);
+  if (mLastAt != middle) {
+    float squared = 1e30F;
+    kernels::chosen().nearest(mView, middle.asPointer(), mLast.pack, squared, mLast);
+    mLastAt = middle;
+  }
   const std::uint32_t count = packsBy(mPacks, [&](std::uint32_t* packs, std::uint32_t capacity) {
     return kernels::chosen().collect(mView, middle.asPointer(), kMiddle, mLast, packs, capacity);
   });

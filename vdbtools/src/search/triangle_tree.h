@@ -8,6 +8,7 @@
 #include "vdbtools/base/grids.h"
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -19,13 +20,18 @@ namespace vdbtools {
 /// The unit is a voxel: bounds are rounded for positions a few voxels from the nodes of a lattice.
 class TriangleTree {
  public:
+  /// When the frames of triangles are made (kernels/triangle_lanes.h): for each block in which one may be nearest, or
+  /// once, which is faster and takes kFrameBytes for each triangle. The results have the same bits.
+  enum class Frames { ForEachBlock, Once };
+  static constexpr std::size_t kFrameBytes = sizeof(kernels::PackFrames) / kernels::kPack;
+
   /// Keeps references to points and triangles. Triangles need not be connected, and may be points or lines.
   /// @param about  where doubles should be finest: a node near the mesh, rounded to multiples of kOriginStep; by
   ///               default the middle of the mesh. With the same value, BlockDistances gives a node the same distance,
   ///               to the bit, whatever other triangles there are besides its nearest one.
   /// @pre there is a triangle, all coordinates are finite, and there are fewer than 2^31 triangles
   TriangleTree(const std::vector<openvdb::Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,
-               std::optional<openvdb::Vec3d> about = {});
+               std::optional<openvdb::Vec3d> about = {}, Frames frames = Frames::ForEachBlock);
   TriangleTree(const TriangleTree&) = delete;
   TriangleTree& operator=(const TriangleTree&) = delete;
 
@@ -50,6 +56,7 @@ class TriangleTree {
   /// The points relative to that node.
   const std::vector<openvdb::Vec3d>& localPoints() const { return mMoved.empty() ? mPoints : mMoved; }
   const std::vector<openvdb::Vec3I>& triangles() const { return mTriangles; }
+  Frames frames() const { return mFrames.empty() ? Frames::ForEachBlock : Frames::Once; }
 
  private:
   friend class BlockDistances;
@@ -61,6 +68,7 @@ class TriangleTree {
   openvdb::BBoxd mBox;
   std::vector<kernels::TrianglePack> mPacks;
   std::vector<kernels::PackNumbers> mNumbers;
+  std::vector<kernels::PackFrames> mFrames;
   std::vector<std::vector<kernels::BoxNode>> mLevels;
   kernels::TreeView mView{};
 };
@@ -75,7 +83,8 @@ class BlockDistances {
   explicit BlockDistances(const TriangleBins& bins);
 
   /// The distance of a position, up to the rounding of floats, if it is at most @a within. Consecutive queries of
-  /// nearby positions are cheap.
+  /// nearby positions are cheap, and so is evaluate() for a block whose middle was asked for last. The last bits may
+  /// depend on earlier queries.
   std::optional<float> distance(const openvdb::Vec3d& position, float within);
 
   /// Computes the nearest triangle and its distance at each node of the block that begins at @a origin, in the node
@@ -97,7 +106,8 @@ class BlockDistances {
 
   const kernels::TreeView& mView;
   openvdb::Coord mOrigin;
-  kernels::Place mLast{};
+  kernels::Place mLast{};                                            ///< the nearest triangle that was found last,
+  openvdb::Vec3d mLastAt{std::numeric_limits<double>::quiet_NaN()};  ///< and where, relative to mOrigin
   std::vector<std::uint32_t> mPacks;
   std::vector<std::uint32_t> mLists;
   struct Release {

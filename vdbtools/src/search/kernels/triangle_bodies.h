@@ -30,14 +30,15 @@ struct Entry {
 };
 
 /// For a depth-first traversal: on each level, all children but the visited one.
-constexpr unsigned kStack = kPack * (kMostLevels + 1);
+constexpr unsigned kStack = kPack * (kMostLevels + 1) + 1;
 
-bool nearest(const TreeView& tree, const double position[3], float& squared, Place& place) {
+bool nearest(const TreeView& tree, const double position[3], std::uint32_t first, float& squared, Place& place) {
   float p[3];
   toCentre(tree, position, p);
   Entry stack[kStack];
   unsigned size = 0;
   stack[size++] = {0, tree.levelCount - 1, 0};
+  if (first != kNoPack) stack[size++] = {first, tree.levelCount, 0};
   bool found = false;
   while (size > 0) {
     const Entry entry = stack[--size];
@@ -69,12 +70,12 @@ bool nearest(const TreeView& tree, const double position[3], float& squared, Pla
       store(sum, each + k);
     }
     // Push the nearest child last, so that it is popped first.
-    const unsigned first = size;
+    const unsigned begin = size;
     const std::uint32_t below = entry.level == 0 ? tree.levelCount : entry.level - 1;
     for (unsigned k = 0; k < kPack; ++k) {
       if (!(each[k] < squared)) continue;
       unsigned at = size++;
-      for (; at > first && stack[at - 1].squared < each[k]; --at) stack[at] = stack[at - 1];
+      for (; at > begin && stack[at - 1].squared < each[k]; --at) stack[at] = stack[at - 1];
       stack[at] = {entry.node * kPack + k, below, each[k]};
     }
   }
@@ -612,28 +613,43 @@ constexpr double kHalfCorner[3][8] = {{-0.5, -0.5, -0.5, -0.5, 0.5, 0.5, 0.5, 0.
                                       {-0.5, -0.5, 0.5, 0.5, -0.5, -0.5, 0.5, 0.5},
                                       {-0.5, 0.5, -0.5, 0.5, -0.5, 0.5, -0.5, 0.5}};
 
-/// Computes the distances of the chosen triangles.
-/// @param corner  the number of the cube's first node
-inline void finish(const TreeView& tree, const double middle[3], const float about[3], const std::uint32_t (&chosen)[8],
-                   unsigned corner, float* distance, std::uint32_t* triangle) {
-  double at[3][3][8];
-  for (unsigned k = 0; k < 8; ++k) {
-    const std::uint32_t* const points = tree.triangles + 3 * std::size_t{chosen[k]};
+/// Some triangles in doubles, about their own corners.
+struct ExactTriangles {
+  std::uint32_t numbers[kDoublesWide];
+  Doubles corner[3];
+  Triangle<Doubles> about;
+};
+
+inline void frameExactly(const TreeView& tree, const std::uint32_t* numbers, ExactTriangles& to) {
+  double at[3][3][kDoublesWide];
+  for (unsigned k = 0; k < kDoublesWide; ++k) {
+    const std::uint32_t* const points = tree.triangles + 3 * std::size_t{numbers[k]};
     for (unsigned c = 0; c < 3; ++c)
       for (unsigned axis = 0; axis < 3; ++axis) at[c][axis][k] = tree.points[3 * std::size_t{points[c]} + axis];
   }
+  __builtin_memcpy(to.numbers, numbers, sizeof(to.numbers));
+  const Doubles zero = {};
+  Doubles p[3], q[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    to.corner[axis] = load<Doubles>(at[0][axis]);
+    p[axis] = load<Doubles>(at[1][axis]) - to.corner[axis];
+    q[axis] = load<Doubles>(at[2][axis]) - to.corner[axis];
+  }
+  to.about = frameOf<Doubles>(zero, zero, zero, p[0], p[1], p[2], q[0], q[1], q[2]);
+}
+
+/// Computes the distances of the chosen triangles.
+/// @param last  the triangles of the last call, which are often the same
+/// @param corner  the number of the cube's first node
+inline void finish(const TreeView& tree, const double middle[3], const float about[3], const std::uint32_t (&chosen)[8],
+                   ExactTriangles& last, unsigned corner, float* distance, std::uint32_t* triangle) {
   float exact[8];
   for (unsigned k = 0; k < 8; k += kDoublesWide) {
-    const Doubles zero = {};
-    Doubles a[3], p[3], q[3], x[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      a[axis] = load<Doubles>(at[0][axis] + k);
-      p[axis] = load<Doubles>(at[1][axis] + k) - a[axis];
-      q[axis] = load<Doubles>(at[2][axis] + k) - a[axis];
-      x[axis] = load<Doubles>(kHalfCorner[axis] + k) + (middle[axis] + double{about[axis]});
-    }
-    const Triangle<Doubles> t = frameOf<Doubles>(zero, zero, zero, p[0], p[1], p[2], q[0], q[1], q[2]);
-    const Doubles found = squareRoot(awayFrom<Doubles>(t, x[0] - a[0], x[1] - a[1], x[2] - a[2]).squared);
+    if (__builtin_memcmp(last.numbers, chosen + k, sizeof(last.numbers)) != 0) frameExactly(tree, chosen + k, last);
+    Doubles x[3];
+    for (int axis = 0; axis < 3; ++axis)
+      x[axis] = load<Doubles>(kHalfCorner[axis] + k) + (middle[axis] + double{about[axis]}) - last.corner[axis];
+    const Doubles found = squareRoot(awayFrom<Doubles>(last.about, x[0], x[1], x[2]).squared);
     for (unsigned lane = 0; lane < kDoublesWide; ++lane) exact[k + lane] = static_cast<float>(found[lane]);
   }
   for (unsigned k = 0; k < 8; ++k) {
@@ -658,6 +674,8 @@ void resolve(const TreeView& tree, const double middle[3], const std::uint32_t* 
   fill(all, total);
   const std::uint32_t vectors = (total + kWide - 1) / kWide;
   const std::uint32_t boxVectors = prepareBoxes(tree, middle, packs, count, boxes);
+  ExactTriangles exact;
+  frameExactly(tree, tree.numbers[packs[0]].triangle, exact);
   for (unsigned i = 0; i < 8; ++i) {
     const unsigned at4[3] = {i & 4, 2 * (i & 2), 4 * (i & 1)};
     float about4[3], least = 0;
@@ -685,7 +703,7 @@ void resolve(const TreeView& tree, const double middle[3], const std::uint32_t* 
       }
       std::uint32_t numbers[8];
       decide(some, list, of2, about2, numbers);
-      finish(tree, middle, about2, numbers, at2[0] * 64 + at2[1] * 8 + at2[2], distance, triangle);
+      finish(tree, middle, about2, numbers, exact, at2[0] * 64 + at2[1] * 8 + at2[2], distance, triangle);
     }
   }
 }

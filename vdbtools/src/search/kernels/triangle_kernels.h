@@ -59,6 +59,8 @@ struct Place {
   std::uint32_t lane;
 };
 
+inline constexpr std::uint32_t kNoPack = 0xffffffff;
+
 /// Memory for the candidates of a block: the constants below give the bytes for each of @a capacity packs, and there is
 /// room for one vector more. Aligned to 64 bytes.
 struct Scratch {
@@ -76,7 +78,8 @@ inline constexpr unsigned kBlockNodes = 512;
 struct Kernels {
   /// Finds the triangle nearest to a position, up to the rounding of floats. @a squared is the squared search radius on
   /// entry and receives the squared distance. Returns false if there is none within the radius.
-  bool (*nearest)(const TreeView&, const double position[3], float& squared, Place& place);
+  /// @param first  the pack to look at first, or kNoPack; one that is near spares most others
+  bool (*nearest)(const TreeView&, const double position[3], std::uint32_t first, float& squared, Place& place);
 
   /// Collects the packs that may hold the triangle nearest to some point of a cube.
   /// @param half  half of the cube's side
