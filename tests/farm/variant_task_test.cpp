@@ -214,8 +214,8 @@ TEST_F(Variants, AFrameIsTheFractalWithItsValues) {
   auto [vdb, ply] = vdbAndPly(typed);
   EXPECT_TRUE(made("out/ball.0002.vdb") == vdb);
   EXPECT_TRUE(made("out/ball.0002.ply") == ply);
-  EXPECT_GT(counts.counts.at("triangles"), 0);
-  EXPECT_GT(counts.counts.at("evaluatedNodes"), 0);
+  EXPECT_GT(counts.counts.at("triangles"), 0u);
+  EXPECT_GT(counts.counts.at("evaluatedNodes"), 0u);
   makeVariant(mFolder.path() / "plan", manifest, 3, mMonitor);
   typed["alpha"] = "60";
   typed["origin-shift"] = "0.1,0,0";
