@@ -29,9 +29,27 @@ struct Loaded {
       if (!address && refusal.empty()) refusal = loader + " has no function " + name;
       function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(address);
     };
-#define JULIA_OPENCL_FIND(name) find("cl" #name, functions.name);
-    JULIA_OPENCL_FUNCTIONS(JULIA_OPENCL_FIND)
-#undef JULIA_OPENCL_FIND
+    find("clGetPlatformIDs", functions.GetPlatformIDs);
+    find("clGetPlatformInfo", functions.GetPlatformInfo);
+    find("clGetDeviceIDs", functions.GetDeviceIDs);
+    find("clGetDeviceInfo", functions.GetDeviceInfo);
+    find("clCreateContext", functions.CreateContext);
+    find("clReleaseContext", functions.ReleaseContext);
+    find("clCreateCommandQueue", functions.CreateCommandQueue);
+    find("clReleaseCommandQueue", functions.ReleaseCommandQueue);
+    find("clCreateProgramWithSource", functions.CreateProgramWithSource);
+    find("clBuildProgram", functions.BuildProgram);
+    find("clGetProgramBuildInfo", functions.GetProgramBuildInfo);
+    find("clReleaseProgram", functions.ReleaseProgram);
+    find("clCreateKernel", functions.CreateKernel);
+    find("clReleaseKernel", functions.ReleaseKernel);
+    find("clSetKernelArg", functions.SetKernelArg);
+    find("clCreateBuffer", functions.CreateBuffer);
+    find("clReleaseMemObject", functions.ReleaseMemObject);
+    find("clEnqueueWriteBuffer", functions.EnqueueWriteBuffer);
+    find("clEnqueueReadBuffer", functions.EnqueueReadBuffer);
+    find("clEnqueueNDRangeKernel", functions.EnqueueNDRangeKernel);
+    find("clFinish", functions.Finish);
   }
 };
 

@@ -13,18 +13,27 @@ namespace julia::device {
 
 /// The functions of OpenCL 1.2 that are used, by their names without `cl`.
 struct OpenClFunctions {
-#define JULIA_OPENCL_FUNCTIONS(X)                                                                               \
-  X(GetPlatformIDs)                                                                                             \
-  X(GetPlatformInfo)                                                                                            \
-  X(GetDeviceIDs)                                                                                               \
-  X(GetDeviceInfo)                                                                                              \
-  X(CreateContext)                                                                                              \
-  X(ReleaseContext) X(CreateCommandQueue) X(ReleaseCommandQueue) X(CreateProgramWithSource) X(BuildProgram)     \
-      X(GetProgramBuildInfo) X(ReleaseProgram) X(CreateKernel) X(ReleaseKernel) X(SetKernelArg) X(CreateBuffer) \
-          X(ReleaseMemObject) X(EnqueueWriteBuffer) X(EnqueueReadBuffer) X(EnqueueNDRangeKernel) X(Finish)
-#define JULIA_OPENCL_MEMBER(name) decltype(&::cl##name) name = nullptr;
-  JULIA_OPENCL_FUNCTIONS(JULIA_OPENCL_MEMBER)
-#undef JULIA_OPENCL_MEMBER
+  decltype(&::clGetPlatformIDs) GetPlatformIDs = nullptr;
+  decltype(&::clGetPlatformInfo) GetPlatformInfo = nullptr;
+  decltype(&::clGetDeviceIDs) GetDeviceIDs = nullptr;
+  decltype(&::clGetDeviceInfo) GetDeviceInfo = nullptr;
+  decltype(&::clCreateContext) CreateContext = nullptr;
+  decltype(&::clReleaseContext) ReleaseContext = nullptr;
+  decltype(&::clCreateCommandQueue) CreateCommandQueue = nullptr;
+  decltype(&::clReleaseCommandQueue) ReleaseCommandQueue = nullptr;
+  decltype(&::clCreateProgramWithSource) CreateProgramWithSource = nullptr;
+  decltype(&::clBuildProgram) BuildProgram = nullptr;
+  decltype(&::clGetProgramBuildInfo) GetProgramBuildInfo = nullptr;
+  decltype(&::clReleaseProgram) ReleaseProgram = nullptr;
+  decltype(&::clCreateKernel) CreateKernel = nullptr;
+  decltype(&::clReleaseKernel) ReleaseKernel = nullptr;
+  decltype(&::clSetKernelArg) SetKernelArg = nullptr;
+  decltype(&::clCreateBuffer) CreateBuffer = nullptr;
+  decltype(&::clReleaseMemObject) ReleaseMemObject = nullptr;
+  decltype(&::clEnqueueWriteBuffer) EnqueueWriteBuffer = nullptr;
+  decltype(&::clEnqueueReadBuffer) EnqueueReadBuffer = nullptr;
+  decltype(&::clEnqueueNDRangeKernel) EnqueueNDRangeKernel = nullptr;
+  decltype(&::clFinish) Finish = nullptr;
 };
 
 /// @return nullptr if there is no loader on this machine; @a refusal says so then

@@ -31,11 +31,11 @@ struct Ieee<float> {
   using Unsigned = std::uint32_t;
   static constexpr int kMantissaBits = 23;
   static constexpr float kEpsilon = 0x1p-23f;
-  static constexpr Unsigned kMagnitude = 0x7fffffff;  ///< all but the sign
-  static constexpr float kRounder = 0x1.8p23f;        ///< x + this - this = x to the nearest integer, |x| < 2^22
-  static constexpr Unsigned kExponentBits = 0x7f800000;   ///< the bits of the exponent
-  static constexpr Unsigned kBiasTwice = 0x7f000000;  ///< the bits of 2^k and of its inverse add up to this
-  static constexpr Unsigned kSqrtHalf = 0x3f3504f3;   ///< bits of sqrt(1/2)
+  static constexpr Unsigned kMagnitude = 0x7fffffff;     ///< all but the sign
+  static constexpr float kRounder = 0x1.8p23f;           ///< x + this - this = x to the nearest integer, |x| < 2^22
+  static constexpr Unsigned kExponentBits = 0x7f800000;  ///< the bits of the exponent
+  static constexpr Unsigned kBiasTwice = 0x7f000000;     ///< the bits of 2^k and of its inverse add up to this
+  static constexpr Unsigned kSqrtHalf = 0x3f3504f3;      ///< bits of sqrt(1/2)
   static constexpr float kLog2E = float(1.4426950408889634074);
   /// ln 2 in two parts; the product of the first with any exponent is exact.
   static constexpr float kLn2High = 0x1.62ep-1f, kLn2Low = 0x1.0bfbe8p-15f;

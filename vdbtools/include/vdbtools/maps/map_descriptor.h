@@ -178,7 +178,8 @@ class MapDescriptor {
   virtual std::shared_ptr<const MapSettings> parse(const RecipeReader& reader) const = 0;
 };
 
-/// Makes the evaluator of a map that both arithmetics have, on the current device if there is one. @param makeMap  called as `makeMap.operator()<Real>()`
+/// Makes the evaluator of a map that both arithmetics have, on the current device if there is one. @param makeMap
+/// called as `makeMap.operator()<Real>()`
 template <class MakeMap>
 std::unique_ptr<julia::FieldEvaluator> makeEvaluator(Arithmetic arithmetic, const julia::Embedding& embedding,
                                                      const julia::OrbitOptions& orbit, const MakeMap& makeMap) {
