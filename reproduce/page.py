@@ -65,14 +65,15 @@ def section(entry, result, values, pictures):
     return "\n".join(lines + ["```", ""])
 
 
-def write_data(data, folder, entries, runner):
-    """Copies the tables of the results into the folder SIZE of `data`, and writes the hashes of all files of `data`."""
+def write_data(data, entries, runner):
+    """Writes the tables of the results into the folder SIZE of `data`, and writes the hashes of all files of `data`."""
     place = data / runner.size.name
     shutil.rmtree(place, ignore_errors=True)
     place.mkdir(parents=True)
     for entry in entries:
-        if runner.stored(entry):
-            shutil.copyfile(folder / entry.name / "table.csv", place / f"{entry.name}.csv")
+        result = runner.stored(entry)
+        if result:
+            (place / f"{entry.name}.csv").write_text(tables.as_csv(runner.values(entry, result)))
     files = sorted(path for path in data.rglob("*") if path.is_file() and path.name not in ("README.md", "SHA256SUMS"))
     (data / "SHA256SUMS").write_text("".join(f"{harness.sha256(path)}  {path.relative_to(data)}\n" for path in files))
 
