@@ -55,14 +55,15 @@ class Page(unittest.TestCase):
     @unittest.skipIf(LACKING, f"there is no {', '.join(LACKING)}")
     def test_every_snippet_runs(self):
         names, said, files = run_snippets(PAGE)
-        self.assertEqual(len(said), 11)
+        self.assertEqual(len(said), 12)
         self.assertEqual(files, ["bunny.obj", "bunny.ply", "bunny.vdb", "cube.obj", "shape.json"])
         self.assertEqual(names["strip"].shape, (30, 80, 3))
         self.assertTrue(0.05 < names["share"] < 0.95)
         for corner in (names["cube"].vertices.max(axis=0), -names["cube"].vertices.min(axis=0)):
             self.assertTrue((abs(corner - 1) < 0.3).all(), "the cube is about as large as it was")
-        self.assertRegex(said[-3], r"100%(.|\n)*\ncancelled\n\Z")
-        self.assertIn("would take at least", said[-2])
+        self.assertRegex(said[-4], r"100%(.|\n)*\ncancelled\n\Z")
+        self.assertIn("would take at least", said[-3])
+        self.assertIn("Evaluates on", said[-2])
         self.assertIn("detail is '7'", said[-1])
         self.assertNotIn("--", said[-1])
 
