@@ -109,12 +109,12 @@ int frameOf(const json& object) {
 Recipe sharedBy(const std::map<int, const Recipe*>& given, const std::map<int, const Recipe*>& completed) {
   Recipe shared;
   for (const auto& [frame, recipe] : given)
-    for (const auto& [name, value] : *recipe)
+    for (const Recipe::value_type& said : *recipe)
       if (std::all_of(completed.begin(), completed.end(), [&](const auto& key) {
-            const auto entry = key.second->find(name);
-            return entry != key.second->end() && entry->second == value;
+            const auto entry = key.second->find(said.first);
+            return entry != key.second->end() && *entry == said;
           }))
-        shared[name] = value;
+        shared.insert(said);
   return shared;
 }
 
