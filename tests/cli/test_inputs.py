@@ -158,7 +158,7 @@ EXTENSIONS = {
 }
 
 # They write nothing, or only what is data on the standard output.
-WITHOUT_OUTPUT = {"info", "maps", "completion", "status"}
+WITHOUT_OUTPUT = {"info", "maps", "completion", "status", "devices"}
 # They write into a folder that is a plan's or their own.
 INTO_FOLDERS = {"plan", "plan tiles", "plan frames", "plan sheet", "task", "man"}
 
