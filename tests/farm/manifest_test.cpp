@@ -17,6 +17,7 @@
 namespace vdbtools {
 namespace {
 
+using namespace vdbtools::farm;
 namespace fs = std::filesystem;
 
 class ManifestTest : public ::testing::Test {
