@@ -320,7 +320,7 @@ TEST(Preview, ReportsProgress) {
     std::string phase;
     std::uint64_t total = 0;
     std::atomic<std::uint64_t> done{0};
-    void begin(const Phase& name, std::uint64_t steps) override { phase = name.text(), total = steps; }
+    void begin(const vdbtools::Phase& name, std::uint64_t steps) override { phase = name.text(), total = steps; }
     void advance(std::uint64_t steps) override { done += steps; }
   } monitor;
   renderPreview(*sphere(1, 0.1), smallPreview(31, 17), monitor);
