@@ -17,4 +17,4 @@ foreach(file IN LISTS FILES)
   math(EXPR number "${number} + 1")
 endforeach()
 file(WRITE "${OUTPUT}"
-  "// Made by cmake/JuliaVDBEmbed.cmake.\n${arrays}constexpr EmbeddedBytes kEmbedded[] = {\n${entries}};\n")
+  "// Made by cmake/JuliaVDBEmbed.cmake.\nstruct EmbeddedBytes {\n  const char* name;\n  const unsigned char* bytes;\n  std::size_t size;\n};\n${arrays}constexpr EmbeddedBytes kEmbedded[] = {\n${entries}};\n")

@@ -88,6 +88,17 @@ function(juliavdb_precompile target)
   endif()
 endfunction()
 
+# Makes the rest of the arguments, files, bytes of a target: its sources include the header, in the target's binary folder.
+function(juliavdb_embed target header)
+  set(output ${CMAKE_CURRENT_BINARY_DIR}/${header})
+  add_custom_command(
+    OUTPUT ${output}
+    COMMAND ${CMAKE_COMMAND} "-DFILES=${ARGN}" -DOUTPUT=${output} -P ${PROJECT_SOURCE_DIR}/cmake/JuliaVDBEmbed.cmake
+    DEPENDS ${ARGN} ${PROJECT_SOURCE_DIR}/cmake/JuliaVDBEmbed.cmake
+    VERBATIM)
+  target_sources(${target} PRIVATE ${output})
+endfunction()
+
 # For unity builds (CMAKE_UNITY_BUILD=ON, as `quickstart` and `run-tests` do), which compile several sources as one file:
 # most of the time goes into what OpenVDB's and JSON's headers bring to each. The sources of a folder are taken together,
 # in the order of the list, as long as they are not too large for a file that is compiled in half a minute. Two of them

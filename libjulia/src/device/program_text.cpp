@@ -16,11 +16,6 @@
 namespace julia::device {
 namespace {
 
-struct EmbeddedBytes {
-  const char* name;
-  const unsigned char* bytes;
-  std::size_t size;
-};
 #include <device_text_bytes.h>  // kEmbedded
 
 std::string_view textNamed(std::string_view name) {

@@ -8,12 +8,6 @@
 namespace vdbtools::explore {
 namespace {
 
-struct EmbeddedBytes {
-  const char* name;
-  const unsigned char* bytes;
-  std::size_t size;
-};
-
 #include <embedded_page_bytes.h>
 
 std::string_view contentTypeOf(std::string_view name) {
