@@ -32,8 +32,7 @@ constexpr Usage kStatusUsage = {
     "With --missing, nothing is printed but the numbers of the tasks that are neither done nor being made, in the "
     "notation of Slurm's arrays, such as 3,7,10-12; failed tasks are among them.\n\n"
     "With --exit-code, the code is 0 if all tasks are done, that of the tasks if some have failed (the gravest, if "
-    "they "
-    "differ), and 75 if tasks are left to be made.",
+    "they differ), and 75 if tasks are left to be made.",
     "  juliavdb status farm\n"
     "  juliavdb status farm --json\n"
     "  juliavdb status farm --missing\n"};

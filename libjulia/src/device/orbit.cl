@@ -33,7 +33,7 @@ typedef struct {
 #endif
 
 #if MAP == MAP_SHAPE_MODULUS
-Real readTrilinear(__global const Real* lattice, __global const int* bricks, __global const uint* brickAt,
+Real readTrilinear(__global const int* bricks, __global const uint* brickAt,
                    __global const float* values, const Real* at) {
   int cell[3];
   Real t[3];
@@ -47,7 +47,7 @@ Real readTrilinear(__global const Real* lattice, __global const int* bricks, __g
   return trilinear(v[0], v[1], v[9], v[10], v[81], v[82], v[90], v[91], t[0], t[1], t[2]);
 }
 
-Real readQuadratic(__global const Real* lattice, __global const int* bricks, __global const uint* brickAt,
+Real readQuadratic(__global const int* bricks, __global const uint* brickAt,
                    __global const float* values, const Real* at) {
   int cell[3];
   Real weight[3][3];
@@ -79,8 +79,8 @@ Real readLattice(__global const Real* lattice, __global const int* bricks, __glo
     at[row] =
         latticePosition(m[0], m[1], m[2], lattice[9 + row], lattice[12 + row], lattice[15 + row], q[X], q[Y], q[Z]);
   }
-  return quadratic ? readQuadratic(lattice, bricks, brickAt, values, at)
-                   : readTrilinear(lattice, bricks, brickAt, values, at);
+  return quadratic ? readQuadratic(bricks, brickAt, values, at)
+                   : readTrilinear(bricks, brickAt, values, at);
 }
 #endif
 

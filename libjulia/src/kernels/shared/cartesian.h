@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Steps of maps in Cartesian form as text of C++ and OpenCL C (kernels/language.h). kernels/cartesian_bodies.h includes
-// it.
+// Steps of maps in Cartesian form as text of C++ and OpenCL C (kernels/language.h). kernels/blocks.h includes it.
 
 /// The square of a quaternion.
 JULIA_SHARED void squareQuaternion(Real a, Real b, Real c, Real d, Real* sa, Real* sb, Real* sc, Real* sd) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reading a lattice of bricks (julia/brick_field.h) as text of C++ and OpenCL C (kernels/language.h).
-// kernels/kernel_bodies.h includes it.
+// kernels/blocks.h includes it.
 
 /// A point's position along one axis of the lattice, clamped to it.
 JULIA_SHARED Real latticePosition(Real mx, Real my, Real mz, Real offset, Real low, Real high, Real x, Real y, Real z) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The factors (q - t)^p of a rational as text of C++ and OpenCL C (kernels/language.h). kernels/kernel_bodies.h
-// includes it. A factor is real + imaginary v, where v is the imaginary part of q - t.
+// The factors (q - t)^p of a rational as text of C++ and OpenCL C (kernels/language.h). kernels/blocks.h includes it. A
+// factor is real + imaginary v, where v is the imaginary part of q - t.
 
 /// The squared length of the imaginary part; with the square of the real part in front, that of the quaternion.
 JULIA_SHARED Real imaginarySquare(Real b, Real c, Real d) { return b * b + c * c + d * d; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Versors of waves (julia/wave_versor.h) as text of C++ and OpenCL C (kernels/language.h). kernels/wave_bodies.h
-// includes it.
+// Versors of waves (julia/wave_versor.h) as text of C++ and OpenCL C (kernels/language.h). kernels/blocks.h includes
+// it.
 
 /// Splits an octave: the weight of the finer of the two octaves that are blended, and 2^k of the coarser.
 JULIA_SHARED void splitOctave(Real octave, Real* weight, Real* scale) {
