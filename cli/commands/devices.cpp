@@ -27,21 +27,23 @@ int runDevices(const Arguments& arguments) {
   line.addOptions()("json", "the list for other programs");
   if (!line.parse(arguments)) return kDone;
   std::string refusal;
-  const std::vector<julia::DeviceInfo> devices = julia::listDevices(refusal);
+  const auto devices = julia::openDevices({}, refusal);
   if (line.has("json")) {
     nlohmann::json list = nlohmann::json::array();
-    for (const julia::DeviceInfo& device : devices)
-      list.push_back({{"name", device.name},
-                      {"gpu", device.isGpu},
-                      {"doubles", device.doubles},
-                      {"usable", device.refusal.empty()},
-                      {"refusal", device.refusal}});
+    for (const auto& device : devices) {
+      const julia::DeviceInfo& info = device->info();
+      list.push_back({{"name", info.name},
+                      {"gpu", info.isGpu},
+                      {"doubles", info.doubles},
+                      {"usable", info.refusal.empty()},
+                      {"refusal", info.refusal}});
+    }
     std::cout << nlohmann::json{{"devices", list}, {"refusal", refusal}}.dump(1) << '\n';
     return kDone;
   }
   if (devices.empty()) std::cout << "There is no device: " << refusal << ".\n";
   for (std::size_t i = 0; i < devices.size(); ++i) {
-    const julia::DeviceInfo& device = devices[i];
+    const julia::DeviceInfo& device = devices[i]->info();
     std::cout << "opencl:" << i << "  " << device.name << '\n' << "          ";
     if (device.refusal.empty())
       std::cout << (device.isGpu ? "a graphics processor" : "not a graphics processor") << ", "

@@ -293,18 +293,19 @@ py::list listingOf(const vdbtools::OptionTable& table) {
 
 py::list listedDevices() {
   std::string refusal;
-  std::vector<julia::DeviceInfo> devices;
+  std::vector<std::shared_ptr<const julia::Device>> devices;
   {
     const py::gil_scoped_release free;
-    devices = julia::listDevices(refusal);
+    devices = julia::openDevices({}, refusal);
   }
   py::list list;
-  for (const julia::DeviceInfo& device : devices) {
+  for (const auto& device : devices) {
+    const julia::DeviceInfo& info = device->info();
     py::dict entry;
-    entry["name"] = device.name;
-    entry["gpu"] = device.isGpu;
-    entry["doubles"] = device.doubles;
-    entry["refusal"] = device.refusal;
+    entry["name"] = info.name;
+    entry["gpu"] = info.isGpu;
+    entry["doubles"] = info.doubles;
+    entry["refusal"] = info.refusal;
     list.append(entry);
   }
   return list;

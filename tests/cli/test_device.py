@@ -145,7 +145,7 @@ class FailingDevices(Devices):
         self.assertTrue(self.bytes("here.ply") == self.bytes("there.ply"), mode)
 
     def test_one_that_is_lost_in_the_middle(self):
-        # Two kernels try the arithmetic when the list is made, two when the device is opened, and a few try the fields.
+        # Two kernels try the arithmetic of the device, and a few try the fields.
         for number in (8, 12, 20):
             with self.subTest(number=number):
                 self.here(f"lost:{number}", "The processor goes on; the result is the same.")
@@ -158,8 +158,8 @@ class FailingDevices(Devices):
                      mentions="its 32-bit arithmetic has other bits")
 
     def test_one_whose_field_is_wrong(self):
-        """Its arithmetic passes: four results are read for that."""
-        self.here("wrong:5", "has other bits than the processor at some of the points")
+        """Its arithmetic passes: two results are read for that."""
+        self.here("wrong:3", "has other bits than the processor at some of the points")
 
     def test_one_without_denormal_numbers(self):
         self.refused(INTERNAL, "fractal", "t.obj", *LOW, "-o", "a.vdb", *ON, env=fake("denormals"),

@@ -41,12 +41,12 @@ using julia::Rational;
 std::shared_ptr<const Device> firstDevice() {
   static const std::shared_ptr<const Device> device = [] {
     std::string refusal;
-    const auto infos = julia::listDevices(refusal);
-    for (std::size_t i = 0; i < infos.size(); ++i) {
-      if (infos[i].refusal.empty()) return julia::openDevice(i, {});
-      refusal += infos[i].name + ": " + infos[i].refusal + "; ";
+    const auto devices = julia::openDevices({}, refusal);
+    for (const auto& each : devices) {
+      if (each->info().refusal.empty()) return each;
+      refusal += each->info().name + ": " + each->info().refusal + "; ";
     }
-    if (!infos.empty()) throw std::runtime_error(refusal);
+    if (!devices.empty()) throw std::runtime_error(refusal);
     return std::shared_ptr<const Device>();
   }();
   return device;

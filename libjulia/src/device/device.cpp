@@ -45,11 +45,11 @@ std::unique_ptr<FieldEvaluator> onCurrentDevice(std::unique_ptr<FieldEvaluator> 
 
 #ifdef JULIA_OPENCL
 
-std::vector<DeviceInfo> listDevices(std::string& refusal) {
-  std::vector<DeviceInfo> infos;
+std::vector<std::shared_ptr<const Device>> openDevices(const DeviceNotice& notice, std::string& refusal) {
+  std::vector<std::shared_ptr<const Device>> devices;
   for (const auto& place : device::OpenClDevice::places(refusal))
-    infos.push_back(device::OpenClDevice(place, {}).info());
-  return infos;
+    devices.push_back(std::make_shared<const device::OpenClDevice>(place, notice));
+  return devices;
 }
 
 std::shared_ptr<const Device> openDevice(std::size_t number, DeviceNotice notice) {
@@ -71,7 +71,7 @@ namespace {
 constexpr const char* kBuiltWithout = "this program was built without OpenCL's headers";
 }
 
-std::vector<DeviceInfo> listDevices(std::string& refusal) {
+std::vector<std::shared_ptr<const Device>> openDevices(const DeviceNotice&, std::string& refusal) {
   refusal = kBuiltWithout;
   return {};
 }

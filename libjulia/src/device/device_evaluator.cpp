@@ -5,6 +5,7 @@
 
 #include "object_pool.h"
 #include "orbit_limits.h"
+#include "random_numbers.h"
 
 #include <algorithm>
 #include <atomic>
@@ -18,18 +19,15 @@
 namespace julia::device {
 namespace {
 
-/// Points of the space of a map: over the ball in which orbits begin, and more of them near its centre.
+/// Points of the space of a map: in the ball in which orbits begin, and more of them near its centre. The processor
+/// evaluates those outside of it, which would try nothing.
 std::vector<Point> pointsToTry(double escapeRadius) {
   constexpr std::size_t kCount = 4096;
   std::vector<Point> points(kCount);
-  std::uint64_t state = 0x2545f4914f6cdd1d;
-  const auto next = [&] {
-    state = state * 6364136223846793005u + 1442695040888963407u;
-    return static_cast<double>(state >> 11) * 0x1p-52 - 1;  // -1 to 1
-  };
+  Random random(2);
   for (std::size_t i = 0; i < kCount; ++i) {
-    const double scale = i % 8 == 0 ? escapeRadius : i % 8 == 1 ? 1e-3 : i % 2 == 0 ? 1 : 0.5;
-    for (double& x : points[i]) x = scale * next();
+    const double scale = i % 8 == 0 ? 0.57 * escapeRadius : i % 8 == 1 ? 1e-3 : i % 2 == 0 ? 1 : 0.5;
+    for (double& x : points[i]) x = scale * random.between(-1, 1);
   }
   points[0] = {0, 0, 0};
   return points;

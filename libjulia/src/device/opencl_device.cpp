@@ -4,7 +4,7 @@
 #include "device/program_text.h"
 #include "device/same_bits.h"
 
-#include "kernels/elementary.h"
+#include "random_numbers.h"
 
 #include <algorithm>
 #include <array>
@@ -73,13 +73,12 @@ std::array<std::vector<Real>, 3> treacherousNumbers() {
   constexpr std::size_t kCount = 4096;
   constexpr Real eps = std::numeric_limits<Real>::epsilon(), least = std::numeric_limits<Real>::min();
   std::array<std::vector<Real>, 3> numbers;
-  std::uint64_t state = 0x9e3779b97f4a7c15;
+  Random random(1);
   // Of all exponents, from those of denormal numbers on: a mantissa from 1 to 2 times a power of two.
   const auto next = [&](int exponents) {
-    state = state * 6364136223846793005u + 1442695040888963407u;
-    const int exponent = static_cast<int>(state >> 40) % (2 * exponents) - exponents;
-    const Real mantissa = 1 + static_cast<Real>(state >> 33 & 0x7fffff) * eps * (sizeof(Real) == 8 ? 0x1p29f : 1);
-    return std::ldexp(state >> 63 ? -mantissa : mantissa, exponent);
+    const auto mantissa = static_cast<Real>(1 + random.unit());
+    const auto exponent = static_cast<int>(random.between(-exponents, exponents));
+    return std::ldexp(random.unit() < 0.5 ? -mantissa : mantissa, exponent);
   };
   const int all = std::numeric_limits<Real>::max_exponent;
   for (std::size_t i = 0; i < kCount; ++i) {
@@ -176,8 +175,7 @@ bool OpenClDevice::hasArithmetic() {
   ProgramData plain;
   plain.map = MapKind::Quadratic;
   plain.versor = VersorKind::None;
-  const auto program = std::make_shared<const Program>(*this, sizeof(Real) == sizeof(float), plain.switches());
-  Lane lane(*this, program, "tryArithmetic");
+  Lane lane(*this, program(sizeof(Real) == sizeof(float), plain.switches()), "tryArithmetic");
   std::array<Memory, 3> in;
   for (std::size_t k = 0; k < 3; ++k) in[k] = lane.uploaded(numbers[k].data(), count * sizeof(Real));
   Memory out = lane.made(6 * count * sizeof(Real));

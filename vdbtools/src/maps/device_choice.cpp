@@ -15,35 +15,29 @@
 namespace vdbtools {
 namespace {
 
+using Devices = std::vector<std::shared_ptr<const julia::Device>>;
+
 /// All devices in one line, each with why it is not used.
-std::string listed(const std::vector<julia::DeviceInfo>& devices) {
+std::string listed(const Devices& devices) {
   std::string text;
   for (std::size_t i = 0; i < devices.size(); ++i) {
-    const julia::DeviceInfo& device = devices[i];
-    text += (i == 0 ? "" : "; ") + std::to_string(i) + " is " + device.name +
-            (device.refusal.empty() ? "" : ", which is not used: " + device.refusal);
+    const julia::DeviceInfo& info = devices[i]->info();
+    text += (i == 0 ? "" : "; ") + std::to_string(i) + " is " + info.name +
+            (info.refusal.empty() ? "" : ", which is not used: " + info.refusal);
   }
   return text;
 }
 
 /// The first device that can be used. @param gpu  whether it must be a graphics processor
-std::optional<std::size_t> firstUsable(const std::vector<julia::DeviceInfo>& devices, bool gpu) {
+std::optional<std::size_t> firstUsable(const Devices& devices, bool gpu) {
   for (std::size_t i = 0; i < devices.size(); ++i)
-    if (devices[i].refusal.empty() && (devices[i].isGpu || !gpu)) return i;
+    if (const julia::DeviceInfo& info = devices[i]->info(); info.refusal.empty() && (info.isGpu || !gpu)) return i;
   return std::nullopt;
 }
 
 }  // namespace
 
 std::string chooseDevice(const std::string& choice, const julia::DeviceNotice& notice) {
-  const auto use = [&](std::size_t number) {
-    try {
-      julia::setCurrentDevice(julia::openDevice(number, notice));
-    } catch (const std::runtime_error& error) {
-      throw DeviceError(error.what());
-    }
-    return "Evaluates on device " + std::to_string(number) + ", " + julia::currentDevice()->info().name + ".";
-  };
   constexpr std::string_view kNumbered = "opencl:";
   if (choice == "cpu") {
     julia::setCurrentDevice(nullptr);
@@ -60,7 +54,11 @@ std::string chooseDevice(const std::string& choice, const julia::DeviceNotice& n
                                   "'; after opencl: stands the number of a device, as 'juliavdb devices' lists them");
   }
   std::string refusal;
-  const std::vector<julia::DeviceInfo> devices = julia::listDevices(refusal);
+  const Devices devices = julia::openDevices(notice, refusal);
+  const auto use = [&](std::size_t place) {
+    julia::setCurrentDevice(devices[place]);
+    return "Evaluates on device " + std::to_string(place) + ", " + devices[place]->info().name + ".";
+  };
   if (isAuto) {
     const std::optional<std::size_t> first = firstUsable(devices, true);
     if (first) return use(*first);
@@ -78,9 +76,9 @@ std::string chooseDevice(const std::string& choice, const julia::DeviceNotice& n
   const auto place = static_cast<std::size_t>(*number);
   if (place >= devices.size())
     throw std::invalid_argument("the device is '" + choice + "', and there is no such device: " + listed(devices));
-  if (!devices[place].refusal.empty())
-    throw DeviceError("the device '" + choice + "' cannot be used: " + devices[place].name + ": " +
-                      devices[place].refusal);
+  const julia::DeviceInfo& info = devices[place]->info();
+  if (!info.refusal.empty())
+    throw DeviceError("the device '" + choice + "' cannot be used: " + info.name + ": " + info.refusal);
   return use(place);
 }
 

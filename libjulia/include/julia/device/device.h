@@ -49,11 +49,12 @@ class Device {
 /// Receives what happens to a device: one sentence. Threads may call it.
 using DeviceNotice = std::function<void(const std::string&)>;
 
-/// All devices, in OpenCL's order: platform by platform. Each one's arithmetic is tried.
+/// Opens all devices, in OpenCL's order: platform by platform. Each one's arithmetic is tried, and those whose info has
+/// a refusal cannot be used.
 /// @param refusal  receives why there is none, if there is none
-std::vector<DeviceInfo> listDevices(std::string& refusal);
+std::vector<std::shared_ptr<const Device>> openDevices(const DeviceNotice& notice, std::string& refusal);
 
-/// Opens a device. @param number  its place in the list
+/// Opens one of them. @param number  its place in the list
 /// @throw std::runtime_error  there is no such device, or it is not usable: why
 std::shared_ptr<const Device> openDevice(std::size_t number, DeviceNotice notice);
 

@@ -16,7 +16,7 @@ class DeviceError : public std::runtime_error {
 };
 
 /// Makes a device that of the process: "cpu" for none, "opencl" for the first one that can be used, a graphics
-/// processor before any other, "opencl:N" for number N of julia::listDevices(), and "auto" for the first graphics
+/// processor before any other, "opencl:N" for number N of julia::openDevices(), and "auto" for the first graphics
 /// processor that can be used, or none.
 /// @param notice  receives later what happens to the device
 /// @return a sentence about where maps are evaluated; empty for "cpu"
