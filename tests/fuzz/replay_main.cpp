@@ -57,8 +57,8 @@ bool replay(const std::string& name, const std::string& what, std::string_view b
   }
   // Once it had that much, what comes next cannot be told from it.
   static bool reported = false;
-  if (const double bytes = mostBytesSoFar(); !reported && bytes > kMostBytes) {
-    std::cerr << what << ": it took " << bytes / 1e9 << " GB\n";
+  if (const double taken = mostBytesSoFar(); !reported && taken > kMostBytes) {
+    std::cerr << what << ": it took " << taken / 1e9 << " GB\n";
     reported = true;
     return false;
   }
