@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <set>
@@ -78,6 +79,34 @@ TEST(Estimate, TheIntervalHoldsTheTotalNineteenTimesInTwenty) {
   // 950 are expected, with a standard deviation of 7; the scatter is not quite normal.
   EXPECT_GT(held, 910);
   EXPECT_LT(held, 990);
+}
+
+/// A plan most of whose tasks have neither work nor a value, as far from the surface.
+Population mostlyEmpty(std::mt19937& random) {
+  Population population(random, 100, 150);
+  for (std::size_t i = 0; i < population.work.size(); ++i) {
+    if (random() % 4 == 0) continue;
+    population.total -= population.value[i];
+    population.work[i] = {0, 0};
+    population.value[i] = 0;
+  }
+  return population;
+}
+
+TEST(Estimate, EmptyTasksGiveNoCertainty) {
+  std::mt19937 random(3);
+  int held = 0;
+  constexpr int kRounds = 1000;
+  for (int round = 0; round < kRounds; ++round) {
+    const Population population = mostlyEmpty(random);
+    const Pairs sample = population.sample(12, static_cast<std::uint64_t>(round));
+    const auto full = std::count_if(sample.begin(), sample.end(), [](const auto& one) { return one.second > 0; });
+    const Estimated estimated = estimateTotal(population.work, sample);
+    if (full > 0) EXPECT_GT(estimated.high - estimated.low, 1e-6 * estimated.value) << full << " tasks with a value";
+    held += estimated.low <= population.total && population.total <= estimated.high;
+  }
+  // Few of twelve tasks have a value, and their number is far from normal: 90 of 100 are less than the 95 of theory.
+  EXPECT_GT(held, 900);
 }
 
 TEST(Estimate, EqualWorksGiveTheMean) {

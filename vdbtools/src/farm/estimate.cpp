@@ -24,6 +24,14 @@ using Vector = std::array<double, 2>;
 
 Vector vectorOf(const TaskWork& work) { return {work.shell, work.surface}; }
 
+/// The number of tasks in the sample that tell something of a line through it. Tasks without work and without a value
+/// lie on one point, so they count as one, however many they are.
+std::size_t tellingTasks(std::span<const std::pair<TaskWork, double>> sample) {
+  const auto empty = static_cast<std::size_t>(std::ranges::count_if(
+      sample, [](const auto& one) { return one.first.shell == 0 && one.first.surface == 0 && one.second == 0; }));
+  return sample.size() - empty + std::min<std::size_t>(empty, 1);
+}
+
 /// A linear function of the work fitted to a sample, or its mean.
 class Fit {
  public:
@@ -44,8 +52,9 @@ class Fit {
     }
     constexpr std::size_t kLeastForSlopes = 6;
     constexpr double kNone = 1e-9;
+    const std::size_t telling = tellingTasks(sample);
     const auto spreads = [&](double squares, std::size_t k) {
-      return sample.size() >= kLeastForSlopes && squares > kNone * count * mMeanWork[k] * mMeanWork[k];
+      return telling >= kLeastForSlopes && squares > kNone * count * mMeanWork[k] * mMeanWork[k];
     };
     const bool first = spreads(xx, 0), second = spreads(yy, 1);
     const double determinant = xx * yy - xy * xy;
@@ -61,7 +70,7 @@ class Fit {
       slopes = 0;
     }
     for (std::size_t k = 0; k < 2; ++k) mSlope[k] = mInverse[k][0] * both[0] + mInverse[k][1] * both[1];
-    mDegrees = static_cast<int>(sample.size()) - 1 - slopes;
+    mDegrees = static_cast<int>(slopes > 0 ? telling : sample.size()) - 1 - slopes;
     if (mDegrees < 1) return;
     for (const auto& [work, value] : sample) {
       const double residual = value - at(about(work));

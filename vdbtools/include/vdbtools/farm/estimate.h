@@ -43,7 +43,8 @@ std::vector<std::uint64_t> sampleTasks(std::uint64_t tasks, std::uint64_t count,
 /// Estimates the total of a quantity over all tasks from its values in a random sample without replacement. It uses the
 /// regression estimator of survey sampling ([Coc77] chapter 7): a linear function of the work, which is known for all
 /// tasks, is fitted to the values, and the residuals give the interval by Student's t. For a sample of fewer than 6
-/// tasks, or if all works are equal, the mean is used.
+/// tasks, or if all works are equal, the mean is used. Tasks with neither work nor a value count as one task there,
+/// because a line through them and a few others fits whatever the others are.
 /// @param work    of all tasks
 /// @param sample  work and value of each task in the sample, at least two unless there is only one task
 /// @throw std::invalid_argument  fewer than two tasks in the sample of a plan that has more than one
