@@ -105,8 +105,9 @@ TEST(Estimate, EmptyTasksGiveNoCertainty) {
     if (full > 0) EXPECT_GT(estimated.high - estimated.low, 1e-6 * estimated.value) << full << " tasks with a value";
     held += estimated.low <= population.total && population.total <= estimated.high;
   }
-  // Few of twelve tasks have a value, and their number is far from normal: 90 of 100 are less than the 95 of theory.
-  EXPECT_GT(held, 900);
+  // The number of tasks with a value, three of twelve or so, is far from normal, so the interval holds the total in 90
+  // rounds of 100 and not in 95; of 1000 rounds with a standard deviation of 10.
+  EXPECT_GT(held, 860);
 }
 
 TEST(Estimate, EqualWorksGiveTheMean) {
