@@ -10,11 +10,11 @@ BUILD_PACKAGES=(g++ cmake ninja-build libopenvdb-dev libtbb-dev libeigen3-dev li
 QUICKSTART_PACKAGES=(glmark2-data)
 # slurm-wlm and parallel run the tests of farms: a true cluster, of one node. python3-dev and pybind11-dev build the Python
 # module, and python3-numpy runs it. blender runs the tests of the add-on; with what it needs, it is a download of 90 MB.
-# pocl-opencl-icd makes the processor a device of OpenCL, with which the devices are tested.
+# pocl-opencl-icd makes the processor a device of OpenCL, with which the devices are tested; oclgrind is one that watches.
 # chromium and its driver, which Selenium speaks to, show the page of 'juliavdb explore'; 90 MB.
 TEST_PACKAGES=(dpkg-dev file groff-base libgtest-dev libbenchmark-dev libopenvdb-tools python3 python3-openvdb python3-dev
   pybind11-dev python3-numpy libtinygltf-dev clang-format doxygen git ca-certificates slurm-wlm munge parallel blender
-  chromium chromium-driver python3-selenium pocl-opencl-icd)
+  chromium chromium-driver python3-selenium pocl-opencl-icd oclgrind)
 
 as_root() {
   local sudo=()

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Devices of OpenCL: the files have the processor's bytes, and a device that is missing, fails or lies costs none.
 
-pocl makes the processor a device of OpenCL. tests/device/fake_opencl.cpp is a loader that fails or lies.
+pocl makes the processor a device of OpenCL. tests/device/fake_opencl.cpp is a loader that fails or lies. Oclgrind is a
+device that watches what kernels do.
 """
 
 import json
@@ -15,11 +16,12 @@ from harness import INTERNAL, USAGE
 
 LOW = ("--resolution", 28, "--sdf-resolution", 28)
 ON = ("--device", "opencl")
+OCLGRIND = pathlib.Path("/usr/lib/oclgrind/liboclgrind-rt-icd.so")
 NO_PLATFORM = {"OCL_ICD_VENDORS": "/nonexistent"}
 
 
-def fake(mode):
-    return {"JULIAVDB_OPENCL": os.environ["JULIAVDB_FAKE_LOADER"], "JULIAVDB_FAKE_OPENCL": mode}
+def fake(mode, **more):
+    return {"JULIAVDB_OPENCL": os.environ["JULIAVDB_FAKE_LOADER"], "JULIAVDB_FAKE_OPENCL": mode, **more}
 
 
 class Devices(harness.CliTest):
@@ -137,9 +139,9 @@ class FailingDevices(Devices):
         super().setUp()
         self.ok("fractal", "t.obj", *LOW, "--mesh", "here.ply")
 
-    def here(self, mode, mentions):
+    def here(self, mode, mentions, **more):
         """The run goes on without the device, with the same bytes, and says why."""
-        said = self.ok("fractal", "t.obj", *LOW, "--mesh", "there.ply", *ON, env=fake(mode))
+        said = self.ok("fractal", "t.obj", *LOW, "--mesh", "there.ply", *ON, env=fake(mode, **more))
         self.assertIn(mentions, said)
         self.assertEqual(said.count(mentions), 1, said)
         self.assertTrue(self.bytes("here.ply") == self.bytes("there.ply"), mode)
@@ -152,6 +154,19 @@ class FailingDevices(Devices):
 
     def test_one_that_is_lost_at_the_start(self):
         self.refused(INTERNAL, "fractal", "t.obj", *LOW, "-o", "a.vdb", *ON, env=fake("lost:1"), mentions="OpenCL's error -5")
+
+    def test_one_that_gives_no_answer(self):
+        # Two results are read for its arithmetic, and a few for the fields.
+        for number in (4, 9, 14):
+            with self.subTest(number=number):
+                self.here(f"hang:{number}", "gave no answer in 0.5 s", JULIAVDB_DEVICE_TIMEOUT="0.5")
+        self.refused(INTERNAL, "fractal", "t.obj", *LOW, "-o", "a.vdb", *ON, mentions="gave no answer in 0.5 s",
+                     env=fake("hang:1", JULIAVDB_DEVICE_TIMEOUT="0.5"))
+
+    def test_a_time_limit_that_is_none(self):
+        for limit in ("x", "0", "-1", "inf", "1s"):
+            self.refused(INTERNAL, "fractal", "t.obj", *LOW, "-o", "a.vdb", *ON, env={"JULIAVDB_DEVICE_TIMEOUT": limit},
+                         mentions=f"JULIAVDB_DEVICE_TIMEOUT is '{limit}'")
 
     def test_one_whose_arithmetic_is_wrong(self):
         self.refused(INTERNAL, "fractal", "t.obj", *LOW, "-o", "a.vdb", *ON, env=fake("wrong:1"),
@@ -174,6 +189,29 @@ class FailingDevices(Devices):
 
     def test_one_with_too_little_memory(self):
         self.here("small", "the field needs")
+
+
+@unittest.skipUnless(OCLGRIND.exists() and "JULIAVDB_FAKE_LOADER" in os.environ, "no Oclgrind, or no loader to name it")
+class UnderOclgrind(Devices):
+
+    def test_no_kernel_races_or_reads_what_is_not_there(self):
+        """Of waves and of roots, in floats and in doubles, points and edges."""
+        os.mkdir(self.path("vendors"))
+        self.write("vendors/oclgrind.icd", str(OCLGRIND))
+        complaints = pathlib.Path(self.path("complaints"))
+        self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))
+        low = ("--resolution", 8, "--sdf-resolution", 12)
+        for options in (("--iterations", 2), ("--texture", "v.o3d", "--precision", "double", "--iterations", 2)):
+            with self.subTest(options=options):
+                self.ok("fractal", "t.obj", *low, *options, "--mesh", "here.ply")
+                said = self.ok("fractal", "t.obj", *low, *options, "--mesh", "there.ply", *ON,
+                               env=fake("rounded", OCL_ICD_VENDORS=str(self.path("vendors")), OCLGRIND_DATA_RACES="1",
+                                        OCLGRIND_UNINITIALIZED="1", OCLGRIND_LOG=str(complaints),
+                                        JULIAVDB_DEVICE_TIMEOUT="3600"))
+                self.assertIn("Oclgrind", said)
+                self.assertNotIn("The processor", said)
+                self.assertEqual(complaints.read_text() if complaints.exists() else "", "")
+                self.assertTrue(self.bytes("here.ply") == self.bytes("there.ply"))
 
 
 if __name__ == "__main__":

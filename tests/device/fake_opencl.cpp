@@ -4,6 +4,8 @@
 //
 //   lost:N      the Nth kernel that is run, and every later one, fails
 //   wrong:N     the Nth result that is read, and every later one, has one bit that is wrong
+//   hang:N      the Nth result that is read, and every later one, never arrives
+//   rounded     the device claims correctly rounded divisions and square roots, as Oclgrind has and does not say
 //   denormals   the device has no denormal numbers
 //   singles     the device does not compute in 64 bits
 //   small       the device's memory holds a thousand bytes in one piece
@@ -34,7 +36,8 @@ Function* next(const char* name) {
   return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
 }
 
-std::atomic<int> kernels{0}, reads{0};
+std::atomic<int> kernels{0}, wrongReads{0}, hungReads{0};
+std::atomic<bool> hangs{false};
 
 }  // namespace
 
@@ -50,9 +53,18 @@ cl_int clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint 
 
 cl_int clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t size,
                            void* to, cl_uint count, const cl_event* events, cl_event* event) {
-  const cl_int error = next<decltype(clEnqueueReadBuffer)>("clEnqueueReadBuffer")(queue, buffer, blocking, offset, size,
-                                                                                  to, count, events, event);
-  if (isDue("wrong", reads) && size > 0) static_cast<unsigned char*>(to)[size / 8 * 4] ^= 1;
+  const bool isWrong = isDue("wrong", wrongReads);
+  if (isDue("hang", hungReads)) hangs = true;
+  const cl_int error = next<decltype(clEnqueueReadBuffer)>("clEnqueueReadBuffer")(
+      queue, buffer, isWrong ? CL_TRUE : blocking, offset, size, to, count, events, event);
+  if (isWrong && size > 0) static_cast<unsigned char*>(to)[size / 8 * 4] ^= 1;
+  return error;
+}
+
+cl_int clGetEventInfo(cl_event event, cl_event_info what, size_t size, void* to, size_t* needed) {
+  const cl_int error = next<decltype(clGetEventInfo)>("clGetEventInfo")(event, what, size, to, needed);
+  if (hangs && error == CL_SUCCESS && to && what == CL_EVENT_COMMAND_EXECUTION_STATUS)
+    *static_cast<cl_int*>(to) = CL_RUNNING;
   return error;
 }
 
@@ -61,6 +73,8 @@ cl_int clGetDeviceInfo(cl_device_id device, cl_device_info what, size_t size, vo
   if (error != CL_SUCCESS || !to) return error;
   if (mode() == "denormals" && what == CL_DEVICE_SINGLE_FP_CONFIG)
     *static_cast<cl_device_fp_config*>(to) &= ~static_cast<cl_device_fp_config>(CL_FP_DENORM);
+  if (mode() == "rounded" && what == CL_DEVICE_SINGLE_FP_CONFIG)
+    *static_cast<cl_device_fp_config*>(to) |= CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT;
   if (mode() == "singles" && what == CL_DEVICE_DOUBLE_FP_CONFIG) *static_cast<cl_device_fp_config*>(to) = 0;
   if (mode() == "small" && what == CL_DEVICE_MAX_MEM_ALLOC_SIZE) *static_cast<cl_ulong*>(to) = 1000;
   return error;

@@ -15,6 +15,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -76,16 +77,69 @@ std::vector<Point> pointsAbout(double radius, const std::vector<Point>& others) 
   return points;
 }
 
-/// The device's evaluator of a field has the bits of @a host at all of the points.
-void expectSameBitsOnDevice(std::unique_ptr<FieldEvaluator> host, double radius, const std::string& what,
-                            const std::vector<Point>& others = {}) {
+/// Edges of a lattice, in all three directions, on which the sign of F changes. Of some ends, only the sign is known.
+std::vector<julia::CrossedEdge> crossedEdges(const FieldEvaluator& evaluator, const julia::SearchLattice& lattice,
+                                             int side) {
+  std::vector<julia::CrossedEdge> edges;
+  std::vector<Point> points;
+  for (int x = -side; x <= side; ++x)
+    for (int y = -side; y <= side; ++y)
+      for (int z = -side; z <= side; ++z)
+        for (int axis = 0; axis < 3; ++axis) {
+          const double node[3] = {x + 0.25, y - 0.125, z + 0.5};
+          const Point begin{lattice.at(node[0], 0), lattice.at(node[1], 1), lattice.at(node[2], 2)};
+          Point end = begin;
+          end[static_cast<std::size_t>(axis)] = lattice.at(node[axis] + 1, axis);
+          edges.push_back({begin, axis, node[axis], 0, 0});
+          points.insert(points.end(), {begin, end});
+        }
+  std::vector<double> field(points.size());
+  evaluator.evaluate(points, field, {});
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const double from = field[2 * i], to = field[2 * i + 1];
+    if ((from < 0) == (to < 0)) continue;
+    julia::CrossedEdge edge = edges[i];
+    edge.from = julia::storedField(from);
+    edge.to = julia::storedField(to);
+    if (i % 5 == 0) (from < 0 ? edge.to : edge.from) = static_cast<float>(julia::kFieldLimit);
+    edges[kept++] = edge;
+  }
+  edges.resize(kept);
+  return edges;
+}
+
+/// The device's search ends at the processor's places, to the bit. @return the number of edges
+std::size_t expectSameCrossings(const FieldEvaluator& host, const FieldEvaluator& there, double radius,
+                                const std::string& what) {
+  std::size_t searched = 0;
+  for (const double tolerance : {0.1, 1e-3, 1e-9}) {
+    const julia::SearchLattice lattice{
+        .voxelSize = radius / 10, .centre = {0.1, -0.2, 0.03}, .scale = 1.25, .tolerance = tolerance};
+    const auto edges = crossedEdges(host, lattice, 12);
+    std::vector<double> expected(edges.size()), found(edges.size());
+    host.findCrossings(edges, lattice, expected);
+    there.findCrossings(edges, lattice, found);
+    EXPECT_EQ(expected, found) << what;
+    EXPECT_TRUE(std::ranges::all_of(found, [](double t) { return t >= 0 && t <= 1; })) << what;
+    searched += edges.size();
+  }
+  return searched;
+}
+
+/// The device's evaluator of a field has the bits of @a host at all of the points and on edges about them.
+/// @return the number of edges
+std::size_t expectSameBitsOnDevice(std::unique_ptr<FieldEvaluator> host, double radius, const std::string& what,
+                                   const std::vector<Point>& others = {}) {
   const std::vector<Point> points = pointsAbout(radius, others);
   std::vector<double> expected(points.size()), found(points.size());
   std::vector<int> expectedSteps(points.size()), foundSteps(points.size());
   host->evaluate(points, expected, expectedSteps);
   std::string reason = "not asked";
+  // The evaluator on the device keeps the host.
+  const FieldEvaluator& here = *host;
   const auto there = firstDevice()->evaluator(std::move(host), reason);
-  ASSERT_EQ(reason, "") << what;
+  EXPECT_EQ(reason, "") << what;
   there->evaluate(points, found, foundSteps);
   std::size_t different = 0;
   for (std::size_t i = 0; i < points.size(); ++i)
@@ -99,6 +153,7 @@ void expectSameBitsOnDevice(std::unique_ptr<FieldEvaluator> host, double radius,
     there->evaluate(std::span(points).subspan(first, count), std::span(again).subspan(first, count), {});
   }
   EXPECT_EQ(again, found) << what;
+  return expectSameCrossings(here, *there, radius, what);
 }
 
 Rational rationalOf(const std::vector<double>& powers, const std::vector<double>& bottomPowers) {
@@ -123,6 +178,7 @@ const std::vector<Rational>& rationals() {
 
 TYPED_TEST(Devices, theShapeModulusOfRoots) {
   using Real = TypeParam;
+  std::size_t searched = 0;
   for (const Interpolation interpolation : {Interpolation::Trilinear, Interpolation::Quadratic})
     for (std::size_t k = 0; k < rationals().size(); ++k) {
       const julia::PlacedBricks bricks = law_tests::lumpyBricks(interpolation);
@@ -133,10 +189,12 @@ TYPED_TEST(Devices, theShapeModulusOfRoots) {
       // A root of the slice is hit exactly.
       const auto hit = Embedding{0, dropped}.point(root);
       const double slice = Embedding{0, dropped}.slicePart(root);
-      expectSameBitsOnDevice(julia::makeFieldEvaluator<Real>(map, Embedding{k == 0 ? slice : 0.05, dropped},
-                                                             OrbitOptions{.maxIterations = 5, .logTrap = -6}),
-                             0.6, "roots " + std::to_string(k), {hit});
+      searched +=
+          expectSameBitsOnDevice(julia::makeFieldEvaluator<Real>(map, Embedding{k == 0 ? slice : 0.05, dropped},
+                                                                 OrbitOptions{.maxIterations = 5, .logTrap = -6}),
+                                 0.6, "roots " + std::to_string(k), {hit});
     }
+  EXPECT_GT(searched, 1000u);
 }
 
 TYPED_TEST(Devices, theShapeModulusOfWaves) {

@@ -6,6 +6,7 @@
 
 #include "julia/ball.h"
 #include "julia/cartesian_map.h"
+#include "julia/edge_search.h"
 #include "julia/embedding.h"
 #include "julia/map.h"
 #include "julia/orbit.h"
@@ -87,6 +88,11 @@ class FieldEvaluator {
   /// Evaluates the sign of F at the nodes of blocks: field receives F or, if F >= 0 is known without following the
   /// orbit to its end, kFieldLimit. The result at a node depends on its block alone.
   virtual void evaluateBlocks(std::span<const NodeBlock> blocks) const;
+
+  /// Sets found[i] to a place on edge i, in voxels from its beginning, within the lattice's tolerance of which the sign
+  /// of F changes. It depends on the edge alone. @pre found.size() == edges.size()
+  virtual void findCrossings(std::span<const CrossedEdge> edges, const SearchLattice& lattice,
+                             std::span<double> found) const;
 };
 
 /// Makes the only back end so far, which runs batches through the vector kernels in the type Real (float or double).

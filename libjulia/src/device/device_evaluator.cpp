@@ -8,7 +8,9 @@
 #include "random_numbers.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -44,8 +46,8 @@ class DeviceEvaluator final : public FieldEvaluator {
         mData(std::move(data)),
         mHost(&host),
         mLevel(static_cast<Real>(mData->level)),
-        mProgram(mDevice->program(mData->floats, mData->switches())) {
-    const OpenClDevice::Lane lane(*mDevice, mProgram, kKernel);
+        mProgram(mDevice->program(mData->floats, mData->switches(mDevice->info().doubles))) {
+    const OpenClDevice::Lane lane(*mDevice, mProgram, kFollow);
     const auto& numbers = std::get<std::vector<Real>>(mData->numbers);
     mNumbers = lane.uploaded(numbers.data(), numbers.size() * sizeof(Real));
     mIntegers = lane.uploaded(mData->integers.data(), mData->integers.size() * sizeof(std::int32_t));
@@ -73,22 +75,22 @@ class DeviceEvaluator final : public FieldEvaluator {
     mHost->evaluate(points, here, stepsHere);
     for (std::size_t i = 0; i < points.size(); ++i)
       if (!sameBits(here[i], there[i]) || stepsHere[i] != stepsThere[i]) return false;
-    return true;
+    return !searches() || agreesOnEdges(points, here);
   }
 
   void evaluate(std::span<const Point> points, std::span<double> field, std::span<int> iterations) const override {
     // A few points are evaluated sooner than they are sent.
     constexpr std::size_t kFew = 64;
-    if (points.size() >= kFew && !mLost) {
-      try {
-        return evaluateThere(points, field, iterations);
-      } catch (const DeviceFailure& failure) {
-        if (!mLost.exchange(true))
-          mDevice->notify("The device " + mDevice->info().name + " failed (" + failure.what() +
-                          "). The processor goes on; the result is the same.");
-      }
-    }
-    mHost->evaluate(points, field, iterations);
+    if (points.size() < kFew || !isDone([&] { evaluateThere(points, field, iterations); }))
+      mHost->evaluate(points, field, iterations);
+  }
+
+  /// All rounds of the search in one call.
+  void findCrossings(std::span<const CrossedEdge> edges, const SearchLattice& lattice,
+                     std::span<double> found) const override {
+    constexpr std::size_t kFew = 16;
+    if (edges.size() < kFew || !searches()) return FieldEvaluator::findCrossings(edges, lattice, found);
+    if (!isDone([&] { findThere(edges, lattice, found); })) mHost->findCrossings(edges, lattice, found);
   }
 
   /// A device wants many points at a time.
@@ -110,12 +112,12 @@ class DeviceEvaluator final : public FieldEvaluator {
   }
 
  private:
-  static constexpr const char* kKernel = "followOrbits";
-  static constexpr std::size_t kMostAtOnce = std::size_t{1} << 20;
+  static constexpr const char* kFollow = "followOrbits";
+  static constexpr std::size_t kMostAtOnce = std::size_t{1} << 18;
 
-  /// What one thread needs, kept between calls.
+  /// What one thread evaluates points with, kept between calls.
   struct Work {
-    explicit Work(const DeviceEvaluator& of) : lane(*of.mDevice, of.mProgram, kKernel) {}
+    explicit Work(const DeviceEvaluator& of) : lane(*of.mDevice, of.mProgram, kFollow) {}
 
     OpenClDevice::Lane lane;
     std::size_t capacity = 0;
@@ -123,29 +125,120 @@ class DeviceEvaluator final : public FieldEvaluator {
     std::vector<Real> pointsHere{}, endsHere{};
     std::vector<std::int32_t> stepsHere{};
   };
+  /// What one thread searches edges with.
+  struct Search {
+    explicit Search(const DeviceEvaluator& of) : lane(*of.mDevice, of.mProgram, "searchEdges") {}
+
+    OpenClDevice::Lane lane;
+    std::size_t capacity = 0;
+    OpenClDevice::Memory edges{}, axes{}, found{}, lattice{};
+    std::vector<double> edgesHere{}, foundHere{};
+    std::vector<std::int32_t> axesHere{};
+    std::array<double, 5> latticeHere{};
+  };
+
+  bool searches() const { return mDevice->info().doubles; }
+
+  /// Whether the device has done @a work; if it fails, it is not asked again.
+  template <class Function>
+  bool isDone(const Function& work) const {
+    if (mLost) return false;
+    try {
+      work();
+      return true;
+    } catch (const DeviceFailure& failure) {
+      if (!mLost.exchange(true))
+        mDevice->notify("The device " + mDevice->info().name + " failed (" + failure.what() +
+                        "). The processor goes on; the result is the same.");
+      return false;
+    }
+  }
+
+  /// Whether the device finds the places of the processor on edges whose first ends are @a points.
+  bool agreesOnEdges(std::span<const Point> points, std::span<const double> field) const {
+    constexpr double kVoxel = 1e-2;
+    const SearchLattice lattice{.voxelSize = kVoxel, .centre = {0.5, -0.25, 0}, .scale = 0.75};
+    std::vector<CrossedEdge> edges;
+    std::vector<Point> ends;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const int axis = static_cast<int>(i % 3);
+      const double at = points[i][static_cast<std::size_t>(axis)];
+      const double index = (at * lattice.scale + lattice.centre[static_cast<std::size_t>(axis)]) / kVoxel;
+      edges.push_back({points[i], axis, index, storedField(field[i]), 0});
+      ends.push_back(points[i]);
+      ends.back()[static_cast<std::size_t>(axis)] = lattice.at(index + 1, axis);
+    }
+    std::vector<double> atEnds(ends.size());
+    mHost->evaluate(ends, atEnds, {});
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      edges[i].to = storedField(atEnds[i]);
+      // Of some, only the sign is known.
+      if (i % 4 == 0) (edges[i].to < 0 ? edges[i].from : edges[i].to) = static_cast<float>(kFieldLimit);
+      if ((field[i] < 0) != (atEnds[i] < 0)) edges[kept++] = edges[i];
+    }
+    edges.resize(kept);
+    std::vector<double> here(kept), there(kept);
+    findThere(edges, lattice, there);
+    mHost->findCrossings(edges, lattice, here);
+    return std::equal(here.begin(), here.end(), there.begin(), [](double a, double b) { return sameBits(a, b); });
+  }
+
+  /// For how many points or edges memory is made that has to hold @a count.
+  static std::size_t roomFor(std::size_t count) {
+    std::size_t capacity = 4096;
+    while (capacity < count) capacity *= 2;
+    return capacity;
+  }
+  /// The arguments from number 3 on, which kernels have in common.
+  void setShared(const OpenClDevice::Lane& lane, std::size_t count) const {
+    lane.setArgument(3, static_cast<cl_uint>(count));
+    const cl_mem shared[] = {mNumbers.get(),   mIntegers.get(),  mPlaces[0].get(),
+                             mValues[0].get(), mPlaces[1].get(), mValues[1].get()};
+    for (cl_uint k = 0; k < 6; ++k) lane.setArgument(4 + k, shared[k]);
+  }
 
   void reserve(Work& work, std::size_t count) const {
     if (count <= work.capacity) return;
-    std::size_t capacity = 4096;
-    while (capacity < count) capacity *= 2;
+    const std::size_t capacity = roomFor(count);
     work.points = work.lane.made(3 * capacity * sizeof(Real));
     work.ends = work.lane.made(capacity * sizeof(Real));
     work.steps = work.lane.made(capacity * sizeof(std::int32_t));
     const cl_mem arguments[] = {work.points.get(), work.ends.get(), work.steps.get()};
     for (cl_uint k = 0; k < 3; ++k) work.lane.setArgument(k, arguments[k]);
-    const cl_mem shared[] = {mNumbers.get(),   mIntegers.get(),  mPlaces[0].get(),
-                             mValues[0].get(), mPlaces[1].get(), mValues[1].get()};
-    for (cl_uint k = 0; k < 6; ++k) work.lane.setArgument(4 + k, shared[k]);
     work.capacity = capacity;
+  }
+
+  void reserve(Search& search, std::size_t count) const {
+    if (count <= search.capacity) return;
+    const std::size_t capacity = roomFor(count);
+    search.edges = search.lane.made(6 * capacity * sizeof(double));
+    search.axes = search.lane.made(capacity * sizeof(std::int32_t));
+    search.found = search.lane.made(capacity * sizeof(double));
+    search.lattice = search.lane.made(search.latticeHere.size() * sizeof(double));
+    const cl_mem arguments[] = {search.edges.get(), search.axes.get(), search.found.get()};
+    for (cl_uint k = 0; k < 3; ++k) search.lane.setArgument(k, arguments[k]);
+    search.lane.setArgument(10, search.lattice.get());
+    search.capacity = capacity;
   }
 
   /// @throw DeviceFailure
   void evaluateThere(std::span<const Point> points, std::span<double> field, std::span<int> iterations) const {
-    const auto work = mWork.borrow();
-    for (std::size_t first = 0; first < points.size(); first += kMostAtOnce) {
-      const std::size_t count = std::min(kMostAtOnce, points.size() - first);
+    auto work = mWork.borrow();
+    inPieces(points.size(), work, [&](std::size_t first, std::size_t count) {
       evaluatePiece(*work, points.subspan(first, count), field.subspan(first, count),
                     iterations.empty() ? iterations : iterations.subspan(first, count));
+    });
+  }
+
+  /// Calls @a piece for as many things as a device gets at a time. @param loan  what it works with
+  template <class Loan, class Function>
+  static void inPieces(std::size_t size, Loan& loan, const Function& piece) {
+    try {
+      for (std::size_t first = 0; first < size; first += kMostAtOnce) piece(first, std::min(kMostAtOnce, size - first));
+    } catch (const DeviceHangs&) {
+      loan.release();
+      throw;
     }
   }
 
@@ -159,7 +252,7 @@ class DeviceEvaluator final : public FieldEvaluator {
     for (std::size_t i = 0; i < count; ++i)
       for (std::size_t k = 0; k < 3; ++k) work.pointsHere[3 * i + k] = static_cast<Real>(points[i][k]);
     work.lane.write(work.points.get(), work.pointsHere.data(), 3 * count * sizeof(Real));
-    work.lane.setArgument(3, static_cast<cl_uint>(count));
+    setShared(work.lane, count);
     work.lane.run(count);
     work.lane.read(work.ends.get(), work.endsHere.data(), count * sizeof(Real));
     work.lane.read(work.steps.get(), work.stepsHere.data(), count * sizeof(std::int32_t));
@@ -173,6 +266,49 @@ class DeviceEvaluator final : public FieldEvaluator {
       if (!iterations.empty()) iterations[i] = work.stepsHere[i];
     }
     evaluateHere(unusual, points, field, iterations);
+  }
+
+  /// @throw DeviceFailure
+  void findThere(std::span<const CrossedEdge> edges, const SearchLattice& lattice, std::span<double> found) const {
+    auto search = mSearch.borrow();
+    inPieces(edges.size(), search, [&](std::size_t first, std::size_t count) {
+      findPiece(*search, edges.subspan(first, count), lattice, found.subspan(first, count));
+    });
+  }
+
+  void findPiece(Search& search, std::span<const CrossedEdge> edges, const SearchLattice& lattice,
+                 std::span<double> found) const {
+    const std::size_t count = edges.size();
+    reserve(search, count);
+    search.edgesHere.clear();
+    search.axesHere.clear();
+    for (const CrossedEdge& edge : edges) {
+      search.edgesHere.insert(search.edgesHere.end(), {edge.begin[0], edge.begin[1], edge.begin[2], edge.index,
+                                                       static_cast<double>(edge.from), static_cast<double>(edge.to)});
+      search.axesHere.push_back(edge.axis);
+    }
+    search.latticeHere = {lattice.voxelSize, lattice.scale, lattice.centre[0], lattice.centre[1], lattice.centre[2]};
+    search.lane.write(search.edges.get(), search.edgesHere.data(), 6 * count * sizeof(double));
+    search.lane.write(search.axes.get(), search.axesHere.data(), count * sizeof(std::int32_t));
+    search.lane.write(search.lattice.get(), search.latticeHere.data(), search.latticeHere.size() * sizeof(double));
+    setShared(search.lane, count);
+    const double width = narrowBracket(lattice);
+    search.lane.setArgument(11, width);
+    search.lane.setArgument(12, std::ldexp(width, mostEvaluations(lattice) - 1));
+    search.lane.run(count);
+    search.foundHere.resize(count);
+    search.lane.read(search.found.get(), search.foundHere.data(), count * sizeof(double));
+    std::copy(search.foundHere.begin(), search.foundHere.end(), found.begin());
+    // Those that the device leaves out.
+    std::vector<CrossedEdge> some;
+    for (std::size_t i = 0; i < count; ++i)
+      if (found[i] < 0) some.push_back(edges[i]);
+    if (some.empty()) return;
+    std::vector<double> places(some.size());
+    mHost->findCrossings(some, lattice, places);
+    auto place = places.begin();
+    for (double& one : found)
+      if (one < 0) one = *place++;
   }
 
   /// Evaluates those points of a piece that the device leaves out.
@@ -199,6 +335,7 @@ class DeviceEvaluator final : public FieldEvaluator {
   OpenClDevice::Memory mNumbers, mIntegers, mPlaces[2], mValues[2];
   mutable std::atomic<bool> mLost = false;
   mutable ObjectPool<Work> mWork{[this] { return std::make_unique<Work>(*this); }};
+  mutable ObjectPool<Search> mSearch{[this] { return std::make_unique<Search>(*this); }};
 };
 
 }  // namespace

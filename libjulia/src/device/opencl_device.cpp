@@ -8,9 +8,13 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
+#include <cstdlib>
 #include <limits>
+#include <thread>
 #include <utility>
 
 namespace julia::device {
@@ -100,6 +104,20 @@ std::array<Real, 6> arithmeticOf(Real x, Real y, Real z) {
   return {product + z, x / y, std::sqrt(std::abs(x)), product, z - product, product * z};
 }
 
+constexpr const char* kTimeLimit = "JULIAVDB_DEVICE_TIMEOUT";
+
+std::string givenTimeLimit() {
+  const char* const text = std::getenv(kTimeLimit);
+  return text ? text : "";
+}
+
+/// 0 if it is no number.
+double secondsOf(const std::string& text) {
+  char* end = nullptr;
+  const double seconds = std::strtod(text.c_str(), &end);
+  return *end == '\0' && std::isfinite(seconds) ? seconds : 0;
+}
+
 }  // namespace
 
 // --- The device ---
@@ -144,10 +162,16 @@ OpenClDevice::OpenClDevice(const Place& place, DeviceNotice notice)
 
 OpenClDevice::~OpenClDevice() {
   mPrograms.clear();
-  if (mContext) mCl.ReleaseContext(mContext);
+  if (mContext && !mHangs) mCl.ReleaseContext(mContext);
 }
 
 std::string OpenClDevice::refusalOf() {
+  if (const std::string text = givenTimeLimit(); !text.empty()) {
+    mSeconds = secondsOf(text);
+    if (!(mSeconds > 0)) return std::string(kTimeLimit) + " is '" + text + "'; it must be a number of seconds above 0";
+  } else {
+    mSeconds = 60;
+  }
   if (!valueOf<cl_bool>(mCl, mDevice, CL_DEVICE_AVAILABLE) ||
       !valueOf<cl_bool>(mCl, mDevice, CL_DEVICE_COMPILER_AVAILABLE))
     return "it is not available, or has no compiler";
@@ -175,7 +199,7 @@ bool OpenClDevice::hasArithmetic() {
   ProgramData plain;
   plain.map = MapKind::Quadratic;
   plain.versor = VersorKind::None;
-  Lane lane(*this, program(sizeof(Real) == sizeof(float), plain.switches()), "tryArithmetic");
+  Lane lane(*this, program(sizeof(Real) == sizeof(float), plain.switches(false)), "tryArithmetic");
   std::array<Memory, 3> in;
   for (std::size_t k = 0; k < 3; ++k) in[k] = lane.uploaded(numbers[k].data(), count * sizeof(Real));
   Memory out = lane.made(6 * count * sizeof(Real));
@@ -183,8 +207,14 @@ bool OpenClDevice::hasArithmetic() {
   lane.setArgument(3, out.get());
   lane.setArgument(4, static_cast<cl_uint>(count));
   lane.run(count);
-  std::vector<Real> results(6 * count);
-  lane.read(out.get(), results.data(), results.size() * sizeof(Real));
+  auto held = std::make_unique<std::vector<Real>>(6 * count);
+  std::vector<Real>& results = *held;
+  try {
+    lane.read(out.get(), results.data(), results.size() * sizeof(Real));
+  } catch (const DeviceHangs&) {
+    held.release();
+    throw;
+  }
   for (std::size_t i = 0; i < count; ++i) {
     const auto expected = arithmeticOf<Real>(numbers[0][i], numbers[1][i], numbers[2][i]);
     for (std::size_t k = 0; k < expected.size(); ++k)
@@ -202,79 +232,119 @@ std::shared_ptr<const OpenClDevice::Program> OpenClDevice::program(bool floats, 
 
 // --- Programs, and what a thread runs them with ---
 
-OpenClDevice::Program::Program(const OpenClDevice& device, bool floats, const std::string& switches) : mCl(device.mCl) {
+OpenClDevice::Program::Program(const OpenClDevice& device, bool floats, const std::string& switches) : mDevice(device) {
+  const OpenClFunctions& cl = device.mCl;
   const std::string text = programText(floats);
   const char* source = text.c_str();
   const std::size_t length = text.size();
   cl_int error = CL_SUCCESS;
-  mProgram = mCl.CreateProgramWithSource(device.mContext, 1, &source, &length, &error);
+  mProgram = cl.CreateProgramWithSource(device.mContext, 1, &source, &length, &error);
   require(error, "its program cannot be made");
   const std::string options = "-cl-std=CL1.2 -cl-fp32-correctly-rounded-divide-sqrt -w" + switches;
-  error = mCl.BuildProgram(mProgram, 1, &device.mDevice, options.c_str(), nullptr, nullptr);
+  error = cl.BuildProgram(mProgram, 1, &device.mDevice, options.c_str(), nullptr, nullptr);
   if (error == CL_SUCCESS) return;
   std::string log;
   try {
     log = textOf([&](std::size_t size, char* to, std::size_t* needed) {
-      return mCl.GetProgramBuildInfo(mProgram, device.mDevice, CL_PROGRAM_BUILD_LOG, size, to, needed);
+      return cl.GetProgramBuildInfo(mProgram, device.mDevice, CL_PROGRAM_BUILD_LOG, size, to, needed);
     });
   } catch (const DeviceFailure&) {
   }
-  mCl.ReleaseProgram(mProgram);
+  cl.ReleaseProgram(mProgram);
   // The first error says most.
   const std::size_t first = std::min(log.find("error:"), log.size());
   throw DeviceFailure("its compiler refused the program: " + log.substr(first, log.find('\n', first) - first));
 }
 
-OpenClDevice::Program::~Program() { mCl.ReleaseProgram(mProgram); }
+OpenClDevice::Program::~Program() {
+  if (!mDevice.mHangs) mDevice.mCl.ReleaseProgram(mProgram);
+}
 
 OpenClDevice::Lane::Lane(const OpenClDevice& device, std::shared_ptr<const Program> program, const char* kernel)
-    : mCl(device.mCl), mContext(device.mContext), mProgram(std::move(program)) {
+    : mDevice(device), mProgram(std::move(program)) {
+  const OpenClFunctions& cl = device.mCl;
   cl_int error = CL_SUCCESS;
-  mQueue = mCl.CreateCommandQueue(device.mContext, device.mDevice, 0, &error);
+  mQueue = cl.CreateCommandQueue(device.mContext, device.mDevice, 0, &error);
   require(error, "its queue cannot be made");
-  mKernel = mCl.CreateKernel(mProgram->get(), kernel, &error);
+  mKernel = cl.CreateKernel(mProgram->get(), kernel, &error);
   if (error == CL_SUCCESS) return;
-  mCl.ReleaseCommandQueue(mQueue);
+  cl.ReleaseCommandQueue(mQueue);
   require(error, "its kernel cannot be made");
 }
 
 OpenClDevice::Lane::~Lane() {
-  mCl.ReleaseKernel(mKernel);
-  mCl.ReleaseCommandQueue(mQueue);
+  if (mDevice.mHangs) return;
+  mDevice.mCl.ReleaseKernel(mKernel);
+  mDevice.mCl.ReleaseCommandQueue(mQueue);
 }
 
 OpenClDevice::Memory OpenClDevice::Lane::made(std::size_t bytes) const {
   cl_int error = CL_SUCCESS;
   // A kernel's argument cannot be empty memory.
   const cl_mem memory =
-      mCl.CreateBuffer(mContext, CL_MEM_READ_WRITE, std::max<std::size_t>(bytes, 16), nullptr, &error);
+      mDevice.mCl.CreateBuffer(mDevice.mContext, CL_MEM_READ_WRITE, std::max<std::size_t>(bytes, 16), nullptr, &error);
   require(error, "its memory cannot be had");
-  return Memory(memory, {&mCl});
+  return Memory(memory, {&mDevice});
 }
 
 OpenClDevice::Memory OpenClDevice::Lane::uploaded(const void* data, std::size_t bytes) const {
   Memory memory = made(bytes);
   if (bytes != 0)
-    require(mCl.EnqueueWriteBuffer(mQueue, memory.get(), CL_TRUE, 0, bytes, data, 0, nullptr, nullptr),
+    require(mDevice.mCl.EnqueueWriteBuffer(mQueue, memory.get(), CL_TRUE, 0, bytes, data, 0, nullptr, nullptr),
             "its memory cannot be written");
   return memory;
 }
 
 void OpenClDevice::Lane::write(cl_mem memory, const void* data, std::size_t bytes) const {
-  require(mCl.EnqueueWriteBuffer(mQueue, memory, CL_FALSE, 0, bytes, data, 0, nullptr, nullptr),
+  require(mDevice.mCl.EnqueueWriteBuffer(mQueue, memory, CL_FALSE, 0, bytes, data, 0, nullptr, nullptr),
           "its memory cannot be written");
 }
 
 void OpenClDevice::Lane::read(cl_mem memory, void* data, std::size_t bytes) const {
-  require(mCl.EnqueueReadBuffer(mQueue, memory, CL_TRUE, 0, bytes, data, 0, nullptr, nullptr),
+  cl_event event = nullptr;
+  require(mDevice.mCl.EnqueueReadBuffer(mQueue, memory, CL_FALSE, 0, bytes, data, 0, nullptr, &event),
           "its results cannot be read");
+  await(event);
+}
+
+/// Waits for an event, and releases it.
+void OpenClDevice::Lane::await(cl_event event) const {
+  using Clock = std::chrono::steady_clock;
+  const OpenClFunctions& cl = mDevice.mCl;
+  const auto release = [&](cl_event one) { cl.ReleaseEvent(one); };
+  std::unique_ptr<std::remove_pointer_t<cl_event>, decltype(release)> held(event, release);
+  require(cl.Flush(mQueue), "its queue cannot be started");
+  // A driver's own wait has no end. Most answers take less than a millisecond.
+  constexpr int kRoundsAwake = 200;
+  constexpr std::chrono::microseconds kNap(100);
+  const auto begin = Clock::now();
+  for (int round = 0;; ++round) {
+    cl_int status = CL_QUEUED;
+    require(cl.GetEventInfo(event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof(status), &status, nullptr),
+            "it does not say how far it is");
+    if (status < 0) require(status, "its work failed");
+    if (status == CL_COMPLETE) break;
+    if (std::chrono::duration<double>(Clock::now() - begin).count() > mDevice.mSeconds) {
+      mDevice.mHangs = true;
+      held.release();
+      char seconds[32];
+      std::snprintf(seconds, sizeof(seconds), "%g", mDevice.mSeconds);
+      throw DeviceHangs("it gave no answer in " + std::string(seconds) + " s");
+    }
+    if (round < kRoundsAwake)
+      std::this_thread::yield();
+    else
+      std::this_thread::sleep_for(kNap);
+  }
+  // Only this makes sure that what was read is seen.
+  require(cl.WaitForEvents(1, &event), "its work failed");
 }
 
 void OpenClDevice::Lane::run(std::size_t count) const {
   // All groups are whole: devices may want that, and the kernels leave out the numbers beyond the last point.
   constexpr std::size_t kGroup = 64;
   const std::size_t size = (count + kGroup - 1) / kGroup * kGroup;
-  require(mCl.EnqueueNDRangeKernel(mQueue, mKernel, 1, nullptr, &size, &kGroup, 0, nullptr, nullptr),
+  require(mDevice.mCl.EnqueueNDRangeKernel(mQueue, mKernel, 1, nullptr, &size, &kGroup, 0, nullptr, nullptr),
           "its kernel cannot be run");
 }
 

@@ -8,6 +8,7 @@
 #include "device/opencl_library.h"
 #include "device/program_data.h"
 
+#include <atomic>
 #include <cstddef>
 #include <map>
 #include <memory>
@@ -23,6 +24,13 @@ namespace julia::device {
 class DeviceFailure : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
+};
+
+/// The device or its driver did not answer in time. It may still read and write the memory that it was given, so that
+/// memory is never released.
+class DeviceHangs : public DeviceFailure {
+ public:
+  using DeviceFailure::DeviceFailure;
 };
 
 class OpenClDevice final : public Device, public std::enable_shared_from_this<OpenClDevice> {
@@ -54,7 +62,7 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
     cl_program get() const { return mProgram; }
 
    private:
-    const OpenClFunctions& mCl;
+    const OpenClDevice& mDevice;
     cl_program mProgram = nullptr;
   };
 
@@ -66,8 +74,10 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
   std::size_t mostBytes() const { return mMostBytes; }  ///< in one piece of memory
 
   struct ReleaseMemory {
-    const OpenClFunctions* cl;
-    void operator()(cl_mem memory) const { cl->ReleaseMemObject(memory); }
+    const OpenClDevice* device;
+    void operator()(cl_mem memory) const {
+      if (!device->mHangs) device->mCl.ReleaseMemObject(memory);
+    }
   };
   /// Memory of the device.
   using Memory = std::unique_ptr<std::remove_pointer_t<cl_mem>, ReleaseMemory>;
@@ -83,18 +93,20 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
     Memory uploaded(const void* data, std::size_t bytes) const;
     /// Begins to write; read() waits for it. @a data must stay until then.
     void write(cl_mem memory, const void* data, std::size_t bytes) const;
+    /// Waits until all is done that was begun. @throw DeviceHangs
     void read(cl_mem memory, void* data, std::size_t bytes) const;
     template <class T>
     void setArgument(cl_uint number, const T& value) const {
-      if (mCl.SetKernelArg(mKernel, number, sizeof(T), &value) != CL_SUCCESS)
+      if (mDevice.mCl.SetKernelArg(mKernel, number, sizeof(T), &value) != CL_SUCCESS)
         throw DeviceFailure("its kernel refused argument " + std::to_string(number));
     }
     /// Runs the kernel for the numbers 0 to @a count - 1 and some more.
     void run(std::size_t count) const;
 
    private:
-    const OpenClFunctions& mCl;
-    cl_context mContext;
+    void await(cl_event event) const;
+
+    const OpenClDevice& mDevice;
     std::shared_ptr<const Program> mProgram;
     cl_command_queue mQueue = nullptr;
     cl_kernel mKernel = nullptr;
@@ -110,7 +122,9 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
   cl_device_id mDevice;
   cl_context mContext = nullptr;
   std::size_t mMostBytes = 0;
+  double mSeconds = 0;  ///< how long an answer may take
   DeviceNotice mNotice;
+  mutable std::atomic<bool> mHangs = false;  ///< then nothing is released: that would wait for the driver
   mutable std::mutex mMutex;
   mutable std::map<std::string, std::shared_ptr<const Program>> mPrograms;  ///< by their options; mMutex guards them
 };

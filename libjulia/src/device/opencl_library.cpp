@@ -49,7 +49,10 @@ struct Loaded {
     find("clEnqueueWriteBuffer", functions.EnqueueWriteBuffer);
     find("clEnqueueReadBuffer", functions.EnqueueReadBuffer);
     find("clEnqueueNDRangeKernel", functions.EnqueueNDRangeKernel);
-    find("clFinish", functions.Finish);
+    find("clFlush", functions.Flush);
+    find("clGetEventInfo", functions.GetEventInfo);
+    find("clWaitForEvents", functions.WaitForEvents);
+    find("clReleaseEvent", functions.ReleaseEvent);
   }
 };
 

@@ -33,7 +33,10 @@ struct OpenClFunctions {
   decltype(&::clEnqueueWriteBuffer) EnqueueWriteBuffer = nullptr;
   decltype(&::clEnqueueReadBuffer) EnqueueReadBuffer = nullptr;
   decltype(&::clEnqueueNDRangeKernel) EnqueueNDRangeKernel = nullptr;
-  decltype(&::clFinish) Finish = nullptr;
+  decltype(&::clFlush) Flush = nullptr;
+  decltype(&::clGetEventInfo) GetEventInfo = nullptr;
+  decltype(&::clWaitForEvents) WaitForEvents = nullptr;
+  decltype(&::clReleaseEvent) ReleaseEvent = nullptr;
 };
 
 /// @return nullptr if there is no loader on this machine; @a refusal says so then

@@ -287,22 +287,17 @@ bool logNormOf(const Real* q, Real* l) {
 }
 #endif
 
-/// Follows the orbits of @a count points: ends[i] is the last l, steps[i] the number of steps or, where the processor
+/// Follows the orbit of a point of space and sets *end to its last l. Returns the number of steps or, where the processor
 /// has to look at the point, -1.
-__kernel void followOrbits(__global const Real* points, __global Real* ends, __global int* steps, uint count,
-                           __global const Real* numbers, __global const int* integers,
-                           __global const uint* exponentBricks, __global const float* exponentValues,
-                           __global const uint* octaveBricks, __global const float* octaveValues) {
-  const uint i = get_global_id(0);
-  if (i >= count) return;
-  const Data data = {numbers, integers, exponentBricks, exponentValues, octaveBricks, octaveValues};
+int followOrbit(Data data, Real x, Real y, Real z, Real* end) {
+  __global const Real* numbers = data.numbers;
   const Real slice = numbers[SLICE], near = numbers[NEAR_SQUARED];
   const Real escape = numbers[LOG_ESCAPE], trap = numbers[LOG_TRAP];
-  const int most = integers[MOST_STEPS];
+  const int most = data.integers[MOST_STEPS];
   Real q[4];
-  q[X] = points[3 * (size_t)i];
-  q[Y] = points[3 * (size_t)i + 1];
-  q[Z] = points[3 * (size_t)i + 2];
+  q[X] = x;
+  q[Y] = y;
+  q[Z] = z;
   q[S] = slice;
   bool valid = q[X] * q[X] + q[Y] * q[Y] + q[Z] * q[Z] + slice * slice < near;
   Real l = 0;
@@ -315,8 +310,8 @@ __kernel void followOrbits(__global const Real* points, __global Real* ends, __g
     ++step;
     Real next[4];
 #if MAP == MAP_SHAPE_MODULUS
-    l = readLattice(numbers + EXPONENT, integers + EXPONENT_BRICKS, exponentBricks, exponentValues,
-                    integers[EXPONENT_QUADRATIC], q);
+    l = readLattice(numbers + EXPONENT, data.integers + EXPONENT_BRICKS, data.exponentBricks, data.exponentValues,
+                    data.integers[EXPONENT_QUADRATIC], q);
 #elif MAP == MAP_RATIONAL
     valid = logModulusOfRoots(data, q, &l);
 #else
@@ -339,9 +334,91 @@ __kernel void followOrbits(__global const Real* points, __global Real* ends, __g
 #endif
     for (int k = 0; k < 4; ++k) q[k] = next[k];
   }
-  ends[i] = l;
-  steps[i] = valid ? step : -1;
+  *end = l;
+  return valid ? step : -1;
 }
+
+/// Follows the orbits of @a count points: ends[i] is the last l, steps[i] what followOrbit() returns.
+__kernel void followOrbits(__global const Real* points, __global Real* ends, __global int* steps, uint count,
+                           __global const Real* numbers, __global const int* integers,
+                           __global const uint* exponentBricks, __global const float* exponentValues,
+                           __global const uint* octaveBricks, __global const float* octaveValues) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  const Data data = {numbers, integers, exponentBricks, exponentValues, octaveBricks, octaveValues};
+  __global const Real* point = points + 3 * (size_t)i;
+  Real end;
+  steps[i] = followOrbit(data, point[0], point[1], point[2], &end);
+  ends[i] = end;
+}
+
+#if SEARCHES
+/// Sets *field to F at a point. Returns whether it is valid.
+bool fieldAt(Data data, const double* at, double* field) {
+  Real end;
+  if (followOrbit(data, (Real)at[0], (Real)at[1], (Real)at[2], &end) < 0) return false;
+  const double value = (double)(end - data.numbers[LEVEL]);
+  const double above = value > -FIELD_LIMIT ? value : -FIELD_LIMIT;
+  *field = above < FIELD_LIMIT ? above : FIELD_LIMIT;
+  return true;
+}
+
+/// The coordinate of a place in index space. @param lattice  voxel size, scale, centre
+double coordinateAt(__global const double* lattice, double index, int axis) {
+  return (index * lattice[0] - lattice[2 + axis]) / lattice[1];
+}
+
+/// Finds where F changes its sign on @a count edges, in voxels from their beginnings, or -1 where the processor has to
+/// look at an edge: FieldEvaluator::findCrossings(), edge by edge.
+/// @param edges   six numbers of each: its beginning, the index there, F at its ends
+/// @param width   of a bracket that is narrow enough
+/// @param widest  that a bracket may be after the first round
+__kernel void searchEdges(__global const double* edges, __global const int* axes, __global double* found, uint count,
+                          __global const Real* numbers, __global const int* integers,
+                          __global const uint* exponentBricks, __global const float* exponentValues,
+                          __global const uint* octaveBricks, __global const float* octaveValues,
+                          __global const double* lattice, double width, double widest) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  const Data data = {numbers, integers, exponentBricks, exponentValues, octaveBricks, octaveValues};
+  __global const double* edge = edges + 6 * (size_t)i;
+  const int axis = axes[i];
+  const double index = edge[3], from = edge[4], to = edge[5];
+  double at[3] = {edge[0], edge[1], edge[2]};
+  double low = 0, high = 1, atLow = damped(from), atHigh = damped(to), field;
+  if (!(from < STORED_FIELD_LIMIT && to < STORED_FIELD_LIMIT)) {
+    const bool atEnd = to >= STORED_FIELD_LIMIT;
+    if (atEnd) at[axis] = coordinateAt(lattice, index + 1, axis);
+    if (!fieldAt(data, at, &field)) {
+      found[i] = -1;
+      return;
+    }
+    // As it would have been stored.
+    float stored = (float)field;
+    if (stored == 0 && field < 0) stored = -LEAST_STORED;
+    if (atEnd)
+      atHigh = damped((double)stored);
+    else
+      atLow = damped((double)stored);
+  }
+  for (; high - low > width; widest = widest / 2) {
+    const double next = nextPoint(low, high, atLow, atHigh, widest);
+    at[axis] = coordinateAt(lattice, index + next, axis);
+    if (!fieldAt(data, at, &field)) {
+      found[i] = -1;
+      return;
+    }
+    if ((field < 0) == (atLow < 0)) {
+      low = next;
+      atLow = damped(field);
+    } else {
+      high = next;
+      atHigh = damped(field);
+    }
+  }
+  found[i] = low + (high - low) / 2;
+}
+#endif
 
 /// What betrays arithmetic that is not IEEE 754's: fused operations, flushed denormal numbers, rough quotients and
 /// roots.

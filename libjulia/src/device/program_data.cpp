@@ -37,6 +37,7 @@ class Builder {
     mNumbers[kLogEscape] = limits.logEscape;
     mData.traps = limits.logTrap > -std::numeric_limits<Real>::infinity();
     mNumbers[kLogTrap] = mData.traps ? limits.logTrap : Real(0);
+    mNumbers[kLevel] = static_cast<Real>(mField.level);
     mIntegers[kMostSteps] = mField.orbit.maxIterations;
     mData.dropped = static_cast<int>(mField.embedding.dropped);
     mData.floats = std::is_same_v<Real, float>;
@@ -174,10 +175,11 @@ class Builder {
 
 }  // namespace
 
-std::string ProgramData::switches() const {
+std::string ProgramData::switches(bool searches) const {
   const auto one = [](const char* name, int value) { return std::string(" -D ") + name + "=" + std::to_string(value); };
   return one("MAP", static_cast<int>(map)) + one("VERSOR", static_cast<int>(versor)) + one("DROPPED", dropped) +
-         one("TRAPS", traps) + one("OWN_CONSTANT", ownConstant) + one("FIXED_FACTOR", fixedFactor);
+         one("TRAPS", traps) + one("OWN_CONSTANT", ownConstant) + one("FIXED_FACTOR", fixedFactor) +
+         one("SEARCHES", searches);
 }
 
 std::unique_ptr<const ProgramData> programDataOf(const FieldDescription& field, std::string& reason) {

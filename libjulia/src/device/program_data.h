@@ -31,6 +31,7 @@ enum Number {
   kNearSquared,
   kLogEscape,
   kLogTrap,
+  kLevel,                    ///< F = l - level
   kExponent,                 ///< the lattice of E: matrix, offset, low, high
   kOctave = kExponent + 18,  ///< the lattice of the octave
   kConstant = kOctave + 18,  ///< the map's constant, or the origin of waves
@@ -66,7 +67,8 @@ struct ProgramData {
   std::shared_ptr<const Bricks> exponent, octave;  ///< nullptr if the map reads none
 
   /// The values of the program's words, for the compiler of the device.
-  std::string switches() const;
+  /// @param searches  whether the program searches edges, which takes doubles
+  std::string switches(bool searches) const;
 };
 
 /// The data of a field, or in @a reason why it has none: its map, its texture or its options are for the processor

@@ -5,10 +5,12 @@
 #include "kernels/elementary.h"
 #include "kernels/kernels.h"
 
+#include "julia/orbit.h"
 #include "julia/wave_versor.h"
 
 #include <cinttypes>
 #include <cstdio>
+#include <limits>
 #include <span>
 #include <string_view>
 #include <type_traits>
@@ -56,6 +58,7 @@ std::string words() {
                     "#define JULIA_TO_BITS(x) as_ulong((Real)(x))\n#define JULIA_FROM_BITS(x) as_double((Bits)(x))\n";
   text +=
       "#define JULIA_SHARED inline\n"
+      "#define JULIA_SHARED_IN_DOUBLES inline\n"
       "#define JULIA_IEEE(name) name\n"
       "#define JULIA_POLYNOMIAL(name, x) polynomial_##name(x)\n"
       "#define JULIA_REAL(x) ((Real)(x))\n"
@@ -77,6 +80,9 @@ std::string words() {
   define(text, "kMostExponent", literal(I::kMostExponent));
   define(text, "kTiny", literal(I::kTiny));
   define(text, "kHuge", literal(I::kHuge));
+  define(text, "FIELD_LIMIT", literal(kFieldLimit));
+  define(text, "STORED_FIELD_LIMIT", literal(static_cast<float>(kFieldLimit)));
+  define(text, "LEAST_STORED", literal(std::numeric_limits<float>::min()));
   define(text, "MOST_OCTAVE", literal(static_cast<Real>(kMostOctave)));
   definePolynomial<Real>(text, "kAtan", I::kAtan);
   definePolynomial<Real>(text, "kSin", I::kSin);
@@ -99,6 +105,7 @@ std::string words() {
   number("NEAR_SQUARED", kNearSquared);
   number("LOG_ESCAPE", kLogEscape);
   number("LOG_TRAP", kLogTrap);
+  number("LEVEL", kLevel);
   number("EXPONENT", kExponent);
   number("OCTAVE", kOctave);
   number("CONSTANT", kConstant);
@@ -129,8 +136,11 @@ std::string radians(bool floats) {
 std::string programText(bool floats) {
   std::string text = floats ? words<float>() : words<double>();
   text += radians(floats);
-  for (const char* name : {"elementary.h", "rational.h", "lattice.h", "waves.h", "cartesian.h", "orbit.cl"})
+  for (const char* name : {"elementary.h", "rational.h", "lattice.h", "waves.h", "cartesian.h"})
     text += std::string(textNamed(name)) + "\n";
+  // Edges are searched in doubles, which a device need not have.
+  text += "#if SEARCHES\n" + std::string(textNamed("search.h")) + "#endif\n";
+  text += textNamed("orbit.cl");
   return text;
 }
 

@@ -12,6 +12,8 @@
 #define JULIA_SHARED    \
   template <class Real> \
   JULIA_INLINE
+/// Begins the definition of a shared function whose numbers are doubles whatever Real is.
+#define JULIA_SHARED_IN_DOUBLES JULIA_INLINE
 /// A constant of Ieee<Real>.
 #define JULIA_IEEE(name) Ieee<Real>::name
 /// The polynomial whose coefficients are a constant of Ieee<Real>.

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file edge_search.h
+/// Edges of a lattice on which F changes its sign, and how near to the change a search ends ([Kim15], [KD20] Fig. 4).
+#pragma once
+
+#include "julia/embedding.h"
+
+#include <array>
+
+namespace julia {
+
+/// An edge from one node of a lattice to the next, one voxel along an axis.
+struct CrossedEdge {
+  Point begin;       ///< its beginning, as F is evaluated there
+  int axis = 0;      ///< the coordinate along which it runs
+  double index = 0;  ///< of its beginning along that axis, in index space
+  float from = 0;    ///< F at its beginning; kFieldLimit if no more is known than that F >= 0
+  float to = 0;      ///< the same at its end; one of the two is below 0, and the other is not
+};
+
+/// A lattice of nodes, and how precisely its edges are searched.
+struct SearchLattice {
+  double voxelSize = 1;  ///< node n has the coordinate (n voxelSize - centre) / scale along an axis
+  std::array<double, 3> centre{};
+  double scale = 1;
+  double tolerance = 1e-3;  ///< voxels: F changes its sign within this of what is found
+
+  /// The coordinate of a place in index space.
+  double at(double index, int axis) const {
+    return (index * voxelSize - centre[static_cast<std::size_t>(axis)]) / scale;
+  }
+};
+
+/// The width of a bracket that is narrow enough, in voxels: the middle of the last bracket is within half of it.
+inline double narrowBracket(const SearchLattice& lattice) { return 2 * lattice.tolerance; }
+
+/// How many evaluations an edge may take: those of bisection, and one more for interpolation. Rounding may take
+/// another.
+int mostEvaluations(const SearchLattice& lattice);
+
+}  // namespace julia
