@@ -274,7 +274,7 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
 };
 
 /// Evaluates with a trap and without it, and uses the result without it where their signs differ.
-class ConfirmingEvaluator final : public FieldEvaluator {
+class ConfirmingEvaluator final : public FieldEvaluator, public OrbitTracer {
  public:
   ConfirmingEvaluator(std::unique_ptr<FieldEvaluator> trapped, std::unique_ptr<FieldEvaluator> full)
       : mTrapped(std::move(trapped)), mFull(std::move(full)) {}
@@ -297,6 +297,9 @@ class ConfirmingEvaluator final : public FieldEvaluator {
   }
   void orbitTraps(std::span<const Point> points, std::span<double> nearest) const override {
     mTrapped->orbitTraps(points, nearest);
+  }
+  void trace(std::span<const Point> points, const OrbitTrace& trace) const override {
+    traceOrbits(*mFull, points, trace);
   }
 
  private:

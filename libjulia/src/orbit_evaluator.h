@@ -6,6 +6,7 @@
 
 #include "julia/elementary.h"
 #include "julia/evaluator.h"
+#include "julia/orbit_trace.h"
 
 #include "ball_arithmetic.h"
 #include "batch_view.h"
@@ -28,7 +29,7 @@
 namespace julia {
 
 template <class Real>
-class OrbitEvaluator : public FieldEvaluator {
+class OrbitEvaluator : public FieldEvaluator, public OrbitTracer {
  public:
   void evaluate(std::span<const Point> points, std::span<double> field, std::span<int> iterations) const final {
     evaluatePieces(points, field, iterations, {});
@@ -38,6 +39,17 @@ class OrbitEvaluator : public FieldEvaluator {
     std::vector<double> field(points.size());
     std::fill(nearest.begin(), nearest.end(), kFieldLimit);
     evaluatePieces(points, field, {}, nearest);
+  }
+
+  void trace(std::span<const Point> points, const OrbitTrace& trace) const final {
+    const auto batch = mBatches.borrow();
+    const auto row = static_cast<std::size_t>(mOptions.maxIterations) + 1;
+    for (std::size_t first = 0; first < points.size(); first += kPiece) {
+      const std::size_t size = std::min(kPiece, points.size() - first);
+      tracePiece(points.subspan(first, size), *batch,
+                 {trace.iterates.subspan(first * row, size * row), trace.logModuli.subspan(first * row, size * row),
+                  trace.steps.subspan(first, size), trace.ends.subspan(first, size)});
+    }
   }
 
   void evaluateBlocks(std::span<const NodeBlock> blocks) const final {
@@ -155,6 +167,39 @@ class OrbitEvaluator : public FieldEvaluator {
         }
       finishStep(batch, step == mOptions.maxIterations, isTrapped(mLogTrap), field, iterations, step);
       if (batch.q.size() != 0) formIterates(batch);
+    }
+  }
+
+  /// The loop of evaluatePiece(). Iterates are formed before the orbits that end leave the batch.
+  void tracePiece(std::span<const Point> points, Batch& batch, const OrbitTrace& trace) const {
+    const auto row = static_cast<std::size_t>(mOptions.maxIterations) + 1;
+    const auto write = [&](std::size_t point, int step, const Quaternion<double>& q, double l) {
+      constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+      const bool finite = std::isfinite(q.a) && std::isfinite(q.b) && std::isfinite(q.c) && std::isfinite(q.d);
+      const std::size_t entry = point * row + static_cast<std::size_t>(step);
+      trace.iterates[entry] = finite ? q : Quaternion<double>{kNaN, kNaN, kNaN, kNaN};
+      trace.logModuli[entry] = std::clamp(l, -kFieldLimit, kFieldLimit);
+      trace.ends[point] = l >= static_cast<double>(mLogEscape)          ? OrbitEnd::Escaped
+                          : step > 0 && isTrapped(static_cast<Real>(l)) ? OrbitEnd::Trapped
+                                                                        : OrbitEnd::Steps;
+    };
+    std::vector<double> field(points.size());
+    start(points, batch, field, trace.steps);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Quaternion<Real> q = mEmbedding.quaternion<Real>(points[i]);
+      const Real l = careful::logNorm(q);
+      // As start() decides it: by the square, and not by its logarithm.
+      const bool escaped = !(normSquared(q) < mEscapeSquared);
+      const double below = std::nextafter(static_cast<double>(mLogEscape), -kFieldLimit);
+      write(i, 0, q.template as<double>(),
+            escaped ? static_cast<double>(std::max(l, mLogEscape)) : std::min(static_cast<double>(l), below));
+    }
+    for (int step = 1; batch.q.size() != 0; ++step) {
+      takeStep(batch, step);
+      formIterates(batch);
+      for (std::size_t i = 0; i < batch.l.size(); ++i)
+        write(batch.index[i], step, batch.q.get(i).template as<double>(), static_cast<double>(batch.l[i]));
+      finishStep(batch, step == mOptions.maxIterations, isTrapped(mLogTrap), field, trace.steps, step);
     }
   }
 

@@ -23,32 +23,13 @@ OSError for files that cannot be read to their end or written, and MemoryError.
 """
 import os
 
-from . import _juliavdb, _options
+from . import _juliavdb, _options, _target
+from ._field import Field, Orbit
 from ._juliavdb import DataError, Fit, Fractal
 
-__all__ = ["DataError", "Field", "Fit", "Fractal", "devices", "fit", "fractal", "render", "use_device"]
+__all__ = ["DataError", "Field", "Fit", "Fractal", "Orbit", "devices", "fit", "fractal", "render", "use_device"]
 __version__ = _juliavdb.version
-Fit.__module__ = Fractal.__module__ = "juliavdb"
-
-
-def _target(vertices, faces, options):
-    """The recipe, and the arrays if the target is in memory."""
-    recipe = _options.recipe(options)
-    if isinstance(vertices, (str, os.PathLike)):
-        if faces is not None:
-            raise ValueError("faces were given with the name of a file; give vertices and faces, or the name alone")
-        if "input" in recipe:
-            raise ValueError("the target was given twice, as an argument and as input; leave one of them out")
-        recipe["input"] = os.fspath(vertices)
-        vertices = None
-    elif vertices is None and faces is not None:
-        raise ValueError("faces were given without vertices; give both")
-    elif vertices is not None and faces is None and "points-radius" not in recipe:
-        raise ValueError("vertices were given without faces; give both, or, if they are points of a surface, also "
-                         "points_radius")
-    elif vertices is not None and "input" in recipe:
-        raise ValueError("the target was given twice, as arrays and as input; leave one of them out")
-    return recipe, vertices, faces
+Field.__module__ = Fit.__module__ = Fractal.__module__ = Orbit.__module__ = "juliavdb"
 
 
 def devices():
@@ -65,11 +46,6 @@ def use_device(choice):
     return _juliavdb.use_device(choice)
 
 
-def _scene(vertices, faces, progress, memory, options):
-    options, function = _options.with_function(options)
-    return _juliavdb.Scene(*_target(vertices, faces, options), memory, progress, function)
-
-
 @_options.documented(_options.FRACTAL)
 def fractal(vertices=None, faces=None, *, progress=None, memory=None, **options):
     """Makes a fractal in the shape of a target, and returns it as a Fractal.
@@ -79,7 +55,7 @@ def fractal(vertices=None, faces=None, *, progress=None, memory=None, **options)
     own, such as map="mandelbulb", needs none. The grids that grids= names are made at once; without it they are made
     when the first VDB is written, which takes as long again, but for the target's distances.
     """
-    return _scene(vertices, faces, progress, memory, options).fractal(options.get("grids") is not None, progress)
+    return _target.scene(vertices, faces, progress, memory, options).fractal(options.get("grids") is not None, progress)
 
 
 @_options.documented(_options.FRACTAL, _options.VIEW)
@@ -90,7 +66,7 @@ def render(vertices=None, faces=None, *, progress=None, memory=None, **options):
     """
     view = {name: options.pop(name) for name in list(options) if name in _options.VIEW}
     _juliavdb.check_view(_options.recipe(view))
-    return _scene(vertices, faces, progress, memory, options).render(_options.recipe(view), progress)
+    return _target.scene(vertices, faces, progress, memory, options).render(_options.recipe(view), progress)
 
 
 @_options.documented(_options.FIT)
@@ -99,39 +75,7 @@ def fit(vertices=None, faces=None, *, progress=None, memory=None, **options):
 
     Written to shape.json, it is a map for fractal(map="rational", rational="shape.json").
     """
-    return Fit(*_target(vertices, faces, options), memory, progress)
-
-
-class Field:
-    """The function F whose set F < 0 is the fractal, to be evaluated anywhere."""
-
-    @_options.documented(_options.FRACTAL)
-    def __init__(self, vertices=None, faces=None, *, progress=None, memory=None, **options):
-        """Prepares the field. The target and the options are the same as those of fractal()."""
-        self._scene = _scene(vertices, faces, progress, memory, options)
-
-    def __call__(self, points, *, progress=None):
-        """F at points, an array (n, 3) in the target's units: an array (n,) of float64, below 0 inside the set."""
-        return self._scene.evaluate(points, progress)
-
-    def inside(self, points, *, progress=None):
-        """Whether each of the points, an array (n, 3), lies in the set: an array (n,) of bool."""
-        return self(points, progress=progress) < 0
-
-    @property
-    def bounds(self):
-        """Two corners of a box that holds the set, in the target's units; of an option box, that box."""
-        return self._scene.bounds
-
-    @property
-    def metadata(self):
-        """The options and what was found on the way, as files hold them."""
-        return self._scene.metadata
-
-    @_options.documented(_options.VIEW)
-    def render(self, *, progress=None, **view):
-        """A picture as that of juliavdb.render(); the field is made once for any number of pictures."""
-        return self._scene.render(_options.recipe(view), progress)
+    return Fit(*_target.given(vertices, faces, options), memory, progress)
 
 
 def _write(self, *paths, progress=None):

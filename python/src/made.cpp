@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "made.h"
 
+#include "patient_lock.h"
+
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/output_files.h"
@@ -10,11 +12,7 @@
 #include "vdbtools/render/view_options.h"
 #include "vdbtools/scene/scene_picture.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
-#include <chrono>
 #include <stdexcept>
 #include <utility>
 
@@ -36,29 +34,6 @@ std::shared_ptr<MadeScene> makeNamedScene(const Recipe& given, std::shared_ptr<c
   return made;
 }
 
-void evaluateAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, std::span<double> field,
-                Monitor& monitor) {
-  const auto broken = std::find_if(points.begin(), points.end(), [](const auto& point) { return !point.isFinite(); });
-  if (broken != points.end())
-    throw std::invalid_argument("point " + std::to_string(broken - points.begin()) +
-                                " has a coordinate that is not finite");
-  const julia::FieldEvaluator& evaluator = *made.scene.field.evaluator;
-  const vdbtools::FractalSpace& space = made.scene.field.space;
-  monitor.begin(vdbtools::PhaseKind::Evaluating, points.size());
-  const std::size_t batch = evaluator.preferredBatch(), batches = (points.size() + batch - 1) / batch;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, batches, 1), [&](const auto& range) {
-    std::vector<julia::Point> at;
-    for (std::size_t i = range.begin(); i < range.end() && !monitor.cancelled(); ++i) {
-      const std::size_t first = i * batch, count = std::min(batch, points.size() - first);
-      at.clear();
-      for (const openvdb::Vec3d& point : points.subspan(first, count)) at.push_back(space.toFractal(point));
-      evaluator.evaluate(at, field.subspan(first, count), {});
-      monitor.advance(count);
-    }
-  });
-  monitor.throwIfCancelled();
-}
-
 vdbtools::OptionTable viewTable() {
   std::vector<vdbtools::OptionSpec> options = vdbtools::pictureOptionSpecs("800x800", true);
   options.push_back(vdbtools::colourOptionSpec());
@@ -66,14 +41,6 @@ vdbtools::OptionTable viewTable() {
 }
 
 namespace {
-
-/// Waits for another thread that holds the mutex and may work for long.
-std::unique_lock<std::timed_mutex> lockPatiently(std::timed_mutex& mutex, const Monitor& monitor) {
-  constexpr std::chrono::milliseconds kStep(50);
-  std::unique_lock lock(mutex, std::defer_lock);
-  while (!lock.try_lock_for(kStep)) monitor.throwIfCancelled();
-  return lock;
-}
 
 const vdbtools::Scene& pictureScene(const MadeScene& made, Monitor& monitor) {
   const vdbtools::FractalOptions options = vdbtools::forPictures(made.options);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "vdbtools/base/monitor.h"
+#include "vdbtools/control/control.h"
 #include "vdbtools/files/input_files.h"
 #include "vdbtools/fit/fit_job.h"
 #include "vdbtools/job/fractal_job.h"
@@ -12,7 +13,11 @@
 #include "vdbtools/picture/image.h"
 #include "vdbtools/recipe/recipe.h"
 
+#include "julia/evaluator.h"
+#include "julia/scalar_field.h"
+
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -22,6 +27,15 @@
 
 /// The name under which a mesh that came from memory stands in recipes.
 inline constexpr const char* kMemory = "memory";
+
+/// What queries of a field need besides the scene (queries.h), each made when it is first asked for.
+struct FieldParts {
+  std::timed_mutex mutex;
+  std::optional<vdbtools::Control> distance, thickness;
+  std::shared_ptr<const julia::ScalarField<double>> exponent;
+  std::unique_ptr<julia::FieldEvaluator> inDoubles;
+  std::map<std::string, std::unique_ptr<julia::FieldEvaluator>> evaluators;  ///< by the choice of a device
+};
 
 /// A recipe and its scene.
 struct MadeScene {
@@ -35,6 +49,8 @@ struct MadeScene {
   mutable std::timed_mutex pictureMutex;
   mutable vdbtools::SceneMaker scenes;
   mutable std::optional<vdbtools::Scene> pictureScene;
+
+  mutable FieldParts parts{};
 };
 
 /// @param mesh      the target, if it is in memory; the recipe must then have no input
@@ -43,12 +59,6 @@ struct MadeScene {
 /// @throw as vdbtools::makeScene()
 std::shared_ptr<MadeScene> makeNamedScene(const vdbtools::Recipe& given, std::shared_ptr<const vdbtools::Mesh> mesh,
                                           const vdbtools::VersorFunction& function, vdbtools::Monitor& monitor);
-
-/// F at points, world units, by as many threads as there are.
-/// @throw std::invalid_argument  a coordinate is not finite
-/// @throw vdbtools::Interrupted
-void evaluateAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, std::span<double> field,
-                vdbtools::Monitor& monitor);
 
 /// @throw std::invalid_argument  a view's option is wrong
 void checkView(const vdbtools::Recipe& view);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Python module juliavdb._juliavdb. What users see stands in juliavdb/__init__.py, which turns arguments into the
 // text of a recipe; here are the arrays, the errors and the work.
+#include "arrays.h"
+#include "device_use.h"
+#include "field_methods.h"
 #include "made.h"
 #include "python_words.h"
 #include "watched_work.h"
@@ -37,35 +40,6 @@ namespace {
 using openvdb::Vec3d;
 using vdbtools::Monitor;
 using vdbtools::Recipe;
-
-std::string shapeText(const py::array& array) { return py::str(array.attr("shape")).cast<std::string>(); }
-
-/// Whatever numpy makes an array of. @throw std::invalid_argument
-py::array arrayOf(const py::object& values, const char* what) {
-  py::array array = py::array::ensure(values);
-  if (!array) throw std::invalid_argument(std::string(what) + " must be an array of numbers");
-  return array;
-}
-
-/// @throw std::invalid_argument  it is no (n, 3)
-void requireTriples(const py::array& array, const char* what) {
-  if (array.ndim() != 2 || array.shape(1) != 3)
-    throw std::invalid_argument(std::string(what) + " must be an array of the shape (n, 3); it is " + shapeText(array));
-}
-
-/// Doubles in rows of three, without a copy where they are that already.
-py::array_t<double> triplesOf(const py::array& array, const char* what) {
-  requireTriples(array, what);
-  const char kind = array.dtype().kind();
-  if (kind != 'f' && kind != 'i' && kind != 'u')
-    throw std::invalid_argument(std::string(what) + " must hold real numbers");
-  return py::array_t<double, py::array::c_style | py::array::forcecast>(array);
-}
-
-std::span<const Vec3d> spanOf(const py::array_t<double>& triples) {
-  static_assert(sizeof(Vec3d) == 3 * sizeof(double));
-  return {reinterpret_cast<const Vec3d*>(triples.data()), static_cast<std::size_t>(triples.shape(0))};
-}
 
 std::shared_ptr<const vdbtools::Mesh> meshOf(const py::array& vertices, const py::array& faces) {
   const py::array_t<double> points = triplesOf(vertices, "vertices");
@@ -111,13 +85,6 @@ std::optional<double> memoryOf(const std::optional<std::string>& text) {
     throw std::invalid_argument((text ? "--memory is '" : "JULIAVDB_MEMORY is '") + value + "'; it must be " +
                                 vdbtools::kMemoryTexts);
   return bytes;
-}
-
-/// "(1, 0.5, nan)"
-std::string tupleText(const double* numbers, std::size_t count) {
-  std::string text;
-  for (std::size_t i = 0; i < count; ++i) text += (i == 0 ? "(" : ", ") + vdbtools::shortText(numbers[i]);
-  return text + ")";
 }
 
 /// Calls a function of Python with the points of a batch, in whichever thread asks: for as long it takes the
@@ -194,15 +161,6 @@ py::dict infoOfFit(const MadeFit& fit) {
   info["hausdorff"] = measure.hausdorff;
   info["steps"] = fit.result.rows.size();
   return info;
-}
-
-py::array_t<double> evaluate(const MadeScene& made, const py::object& points, const py::object& progress) {
-  const py::array_t<double> at = triplesOf(arrayOf(points, "points"), "points");
-  py::array_t<double> field(at.shape(0));
-  const std::span<double> values(field.mutable_data(), static_cast<std::size_t>(field.size()));
-  const std::span<const Vec3d> places = spanOf(at);
-  doWatched(progress, made.memory, [&](Monitor& monitor) { evaluateAt(made, places, values, monitor); });
-  return field;
 }
 
 /// An array over memory that @a owner keeps alive. It cannot be written to: what write() writes is the same memory.
@@ -311,16 +269,6 @@ py::list listedDevices() {
   return list;
 }
 
-/// What happens to the device is a warning of Python.
-std::string useDevice(const std::string& choice) {
-  const py::gil_scoped_release free;
-  return vdbtools::chooseDevice(choice, [](const std::string& sentence) {
-    const py::gil_scoped_acquire held;
-    PyErr_WarnEx(PyExc_RuntimeWarning, sentence.c_str(), 1);
-    PyErr_Clear();  // a warning that is turned into an error stops nothing in another thread
-  });
-}
-
 PyObject* theDataError = nullptr;  ///< juliavdb.DataError, which the module holds
 
 void translate(std::exception_ptr failure) {
@@ -370,12 +318,13 @@ PYBIND11_MODULE(_juliavdb, m) {
   m.def("use_device", useDevice);
   m.attr("version") = JULIAVDB_VERSION;
 
-  py::class_<MadeScene, std::shared_ptr<MadeScene>>(m, "Scene")
+  py::class_<MadeScene, std::shared_ptr<MadeScene>> scene(m, "Scene");
+  addFieldMethods(scene);
+  scene
       .def(py::init(
           [](const Recipe& recipe, const py::object& vertices, const py::object& faces,
              const std::optional<std::string>& memory, const py::object& progress,
              const py::object& function) { return openScene(recipe, vertices, faces, memory, progress, function); }))
-      .def("evaluate", evaluate)
       .def("render", render)
       .def("fractal",
            [](const std::shared_ptr<MadeScene>& made, bool wantGrids, const py::object& progress) {

@@ -12,7 +12,7 @@ HEAD = '''# SPDX-License-Identifier: Apache-2.0
 # Made by make_stubs.py from the tables of options.
 import os
 from collections.abc import Callable, Sequence
-from typing import Any, Optional, Union
+from typing import Any, NamedTuple, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,7 +27,8 @@ __version__: str
 OWN = {"vertices": "Optional[Target]", "faces": "Optional[ArrayLike]", "progress": "Optional[Progress]",
        "memory": "Optional[str]", "texture": "Optional[Union[Value, Directions]]",
        "texture_over": "Optional[Union[Value, Directions]]",
-       "choice": "str", "points": "ArrayLike", "paths": "Union[str, os.PathLike[str]]", "path": "Union[str, os.PathLike[str]]"}
+       "choice": "str", "points": "ArrayLike", "centres": "ArrayLike", "radius": "ArrayLike", "step": "Optional[float]",
+       "threads": "Optional[int]", "device": "Optional[str]", "paths": "Union[str, os.PathLike[str]]", "path": "Union[str, os.PathLike[str]]"}
 
 
 def parameter(each):
@@ -63,15 +64,21 @@ def attribute(owner, name, result):
 def stubs():
     picture, floats = "NDArray[np.uint8]", "NDArray[np.float64]"
     corner = "tuple[float, float, float]"
-    fractal, field, fit = juliavdb.Fractal, juliavdb.Field, juliavdb.Fit
+    fractal, field, fit, orbit = juliavdb.Fractal, juliavdb.Field, juliavdb.Fit, juliavdb.Orbit
     return "\n".join([
         HEAD, f'class DataError(ValueError):\n    """{juliavdb.DataError.__doc__}"""\n',
         f'class Fractal:\n    """{fractal.__doc__}"""\n',
         attribute(fractal, "vertices", floats), attribute(fractal, "faces", "NDArray[np.uint32]"),
         attribute(fractal, "normals", "NDArray[np.float32]"), attribute(fractal, "info", "dict[str, Any]"),
-        stub(fractal.write, "None", "    "), f'class Field:\n    """{field.__doc__}"""\n',
+        stub(fractal.write, "None", "    "), f'class Orbit(NamedTuple):\n    """{orbit.__doc__}"""\n',
+        f"    iterates: {floats}\n    log_moduli: {floats}\n    steps: NDArray[np.int32]\n    ends: NDArray[np.str_]\n",
+        f'class Field:\n    """{field.__doc__}"""\n',
         stub(field.__init__, "None", "    "), stub(field.__call__, floats, "    "),
-        stub(field.inside, "NDArray[np.bool_]", "    "), attribute(field, "bounds", f"tuple[{corner}, {corner}]"),
+        stub(field.inside, "NDArray[np.bool_]", "    "),
+        *(stub(each, floats, "    ") for each in (field.distance, field.thickness, field.exponent, field.versor, field.trap,
+                                                  field.gradient)),
+        stub(field.orbit, "Orbit", "    "), stub(field.decide, "NDArray[np.int8]", "    "),
+        attribute(field, "space", f"tuple[{corner}, float]"), attribute(field, "bounds", f"tuple[{corner}, {corner}]"),
         attribute(field, "metadata", "dict[str, str]"), stub(field.render, picture, "    "),
         f'class Fit:\n    """{fit.__doc__}"""\n', attribute(fit, "info", "dict[str, Any]"),
         stub(fit.write, "None", "    "), stub(juliavdb.fit, "Fit"),

@@ -55,10 +55,13 @@ class Page(unittest.TestCase):
     @unittest.skipIf(LACKING, f"there is no {', '.join(LACKING)}")
     def test_every_snippet_runs(self):
         names, said, files = run_snippets(PAGE)
-        self.assertEqual(len(said), 12)
+        self.assertEqual(len(said), 13)
         self.assertEqual(files, ["bunny.obj", "bunny.ply", "bunny.vdb", "cube.obj", "shape.json"])
         self.assertEqual(names["strip"].shape, (30, 80, 3))
         self.assertTrue(0.05 < names["share"] < 0.95)
+        self.assertEqual(names["slopes"].shape, (24, 24, 24, 3))
+        self.assertTrue(((names["proved"] == -1) <= (names["values"] < 0)).all())
+        self.assertGreater((names["proved"] != 0).mean(), 0.1)
         for corner in (names["cube"].vertices.max(axis=0), -names["cube"].vertices.min(axis=0)):
             self.assertTrue((abs(corner - 1) < 0.3).all(), "the cube is about as large as it was")
         self.assertRegex(said[-4], r"100%(.|\n)*\ncancelled\n\Z")

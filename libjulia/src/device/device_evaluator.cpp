@@ -3,6 +3,8 @@
 #include "device/opencl_device.h"
 #include "device/same_bits.h"
 
+#include "julia/orbit_trace.h"
+
 #include "object_pool.h"
 #include "orbit_limits.h"
 #include "random_numbers.h"
@@ -37,7 +39,7 @@ std::vector<Point> pointsToTry(double escapeRadius) {
 
 /// Evaluates a field of ProgramData in the type Real.
 template <class Real>
-class DeviceEvaluator final : public FieldEvaluator {
+class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
  public:
   /// @param host  must outlive this until own() is called with it
   DeviceEvaluator(std::shared_ptr<const OpenClDevice> device, std::unique_ptr<const ProgramData> data,
@@ -102,6 +104,9 @@ class DeviceEvaluator final : public FieldEvaluator {
   }
   void orbitTraps(std::span<const Point> points, std::span<double> nearest) const override {
     mHost->orbitTraps(points, nearest);
+  }
+  void trace(std::span<const Point> points, const OrbitTrace& trace) const override {
+    traceOrbits(*mHost, points, trace);
   }
   void decide(std::span<const Point> centres, double radius, std::span<Decision> out) const override {
     mHost->decide(centres, radius, out);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A FloatGrid, read trilinearly in its own world space.
-#include "control/clamped_control.h"
 #include "control/control_kinds.h"
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/control/clamped_control.h"
 #include "vdbtools/formats/vdb_file.h"
 
 #include <cmath>

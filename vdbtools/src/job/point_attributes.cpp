@@ -3,11 +3,11 @@
 
 #include "base/in_parallel.h"
 #include "base/srgb.h"
-#include "control/clamped_control.h"
 #include "control/control_lattice.h"
 #include "repair/solid_input.h"
 #include "scene/scene_colouring.h"
 #include "search/surface_search.h"
+#include "vdbtools/control/clamped_control.h"
 
 #include <openvdb/tree/LeafManager.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/scene_colouring.h"
 
-#include "control/clamped_control.h"
 #include "repair/solid_input.h"
+#include "vdbtools/control/clamped_control.h"
 
 #include <tbb/parallel_for.h>
 

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Targets as they are given to functions: the name of a file, or arrays."""
+import os
+
+from . import _juliavdb, _options
+
+
+def given(vertices, faces, options):
+    """The recipe, and the arrays if the target is in memory."""
+    recipe = _options.recipe(options)
+    if isinstance(vertices, (str, os.PathLike)):
+        if faces is not None:
+            raise ValueError("faces were given with the name of a file; give vertices and faces, or the name alone")
+        if "input" in recipe:
+            raise ValueError("the target was given twice, as an argument and as input; leave one of them out")
+        recipe["input"] = os.fspath(vertices)
+        vertices = None
+    elif vertices is None and faces is not None:
+        raise ValueError("faces were given without vertices; give both")
+    elif vertices is not None and faces is None and "points-radius" not in recipe:
+        raise ValueError("vertices were given without faces; give both, or, if they are points of a surface, also "
+                         "points_radius")
+    elif vertices is not None and "input" in recipe:
+        raise ValueError("the target was given twice, as arrays and as input; leave one of them out")
+    return recipe, vertices, faces
+
+
+def scene(vertices, faces, progress, memory, options):
+    """What a field or a fractal is made of."""
+    options, function = _options.with_function(options)
+    return _juliavdb.Scene(*given(vertices, faces, options), memory, progress, function)
