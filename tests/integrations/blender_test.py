@@ -180,13 +180,15 @@ class Addon(unittest.TestCase):
         first = len(result.data.polygons)
         meshes = len(bpy.data.meshes)
         result.data.materials.append(bpy.data.materials.new("stone"))
+        materials = [material.name for material in result.data.materials]
         result.location.x = 7
         result.juliavdb.detail = 0.6
         result.juliavdb.versor = "thorns"
         bpy.ops.juliavdb.update()
         self.assertNotEqual(len(result.data.polygons), first)
         self.assertEqual(len(bpy.data.meshes), meshes, "the old mesh is gone")
-        self.assertEqual(result.data.materials[0].name, "stone")
+        self.assertIn("stone", materials)
+        self.assertEqual([material.name for material in result.data.materials], materials)
         self.assertEqual(result.location.x, 7)
         self.assertIn("--texture=thorns", result["juliavdb_command"])
         self.assertEqual(source.juliavdb.versor, "scales", "a result has settings of its own")
@@ -439,6 +441,125 @@ class Addon(unittest.TestCase):
         self.assertEqual(pictures.missing(shelf), [])
         image = bpy.data.images.load(str(folder / "thorns.png"))
         self.assertEqual(tuple(image.size), (pictures.SIZE, pictures.SIZE))
+
+    def test_frequency_roots_and_powers_reach_the_program(self):
+        """Each of the textures that have them, and no other."""
+        command = lambda **recipe: (self.source(hide_source=False, **recipe), self.make()["juliavdb_command"])[1]   # noqa: E731
+        self.assertIn("--frequency=3.5", command(versor="scales", frequency=3.5))
+        said = command(versor="random", roots=7, power_low=2, power_high=5, seed=3)
+        for word in ("--texture-roots=7", "--texture-powers=2:5", "--texture-seed=3"):
+            self.assertIn(word, said)
+        self.assertNotIn("--frequency", said)
+        self.assertNotIn("--texture-roots", command(versor="scales"))
+        for texture in self.addon.pictures.shelf(PROGRAM).textures:
+            self.assertIn("--texture=" + texture["name"], command(versor=texture["name"]), "every texture is accepted as it is")
+        self.source(versor="random", power_low=9, power_high=3)
+        with self.assertRaisesRegex(RuntimeError, "least power"):
+            bpy.ops.juliavdb.make()
+
+    def base_colour(self, material):
+        """What the base colour of its surface is taken from: the name of an attribute, or None."""
+        shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+        links = shader.inputs["Base Color"].links
+        return links[0].from_node.attribute_name if links else None
+
+    def test_colours_and_materials(self):
+        for colour in ("direction", "versor", "trap", "iterations", "depth"):
+            with self.subTest(colour=colour):
+                self.source(colour=colour, gradient="magma", hide_source=False)
+                result = self.make()
+                values = {tuple(entry.color)[:3] for entry in result.data.color_attributes["Cd"].data}
+                # Orbits at the surface escape after the same number of steps.
+                self.assertGreater(len(values), 0 if colour == "iterations" else 20, "it is one colour")
+                self.assertEqual(self.base_colour(result.data.materials[0]), "Cd")
+                self.assertTrue(all(polygon.use_smooth for polygon in result.data.polygons))
+                self.assertEqual(f"{colour}:magma" in result["juliavdb_command"], colour in self.addon.settings.THROUGH_GRADIENT)
+        self.plain(hide_source=False)
+        result = self.make()
+        self.assertIsNone(self.base_colour(result.data.materials[0]))
+        source = self.plain(hide_source=False)
+        source.data.materials.append(bpy.data.materials.new("stone"))
+        self.assertEqual([material.name for material in self.make().data.materials], ["stone"])
+        self.plain(hide_source=False, material=False)
+        self.assertEqual(len(self.make().data.materials), 0)
+        self.source(output="VOLUME", colour="trap")
+        result = self.make()
+        self.assertIn("Cd", [grid.name for grid in result.data.grids])
+        shader = next(node for node in result.data.materials[0].node_tree.nodes if node.type == "PRINCIPLED_VOLUME")
+        self.assertEqual(shader.inputs["Color Attribute"].default_value, "Cd")
+
+    def test_colours_are_those_of_blenders_own_importer(self):
+        """Bytes of a PLY are sRGB, for both."""
+        source = self.source(colour="trap")
+        result = self.make()
+        command = result["juliavdb_command"].split()
+        words = [word for word in command[3:] if word.startswith("--") and not word.startswith("--mesh")]
+        self.write_source(source)
+        made = str(self.folder / "made.ply")
+        subprocess.run([PROGRAM, "fractal", str(self.folder / "source.ply"), "--mesh", made, *words, "--progress", "none"],
+                       check=True, capture_output=True)
+        bpy.ops.import_mesh.ply(filepath=made)
+        theirs = bpy.context.object.data
+        ours = self.addon.bring.mesh_object(made).data
+        attribute = theirs.color_attributes[0]
+        spots = [loop.vertex_index for loop in theirs.loops] if attribute.domain == "CORNER" else range(len(theirs.vertices))
+        for spot, entry in list(zip(spots, attribute.data))[::97]:
+            for one, other in zip(entry.color[:3], ours.color_attributes["Cd"].data[spot].color[:3]):
+                self.assertAlmostEqual(one, other, delta=0.005)
+
+    def write_source(self, source):
+        points, triangles, attributes = self.addon.meshes.to_arrays(source, bpy.context)
+        data = self.addon.ply.encoded(self.addon.meshes.z_up_to_y_up(points), triangles, attributes)
+        (self.folder / "source.ply").write_bytes(data)
+
+    def test_files_come_in_upright_smooth_and_with_a_material(self):
+        source = self.plain()
+        self.write_source(source)
+        box = [numpy.array(side) for side in ([min(v.co[a] for v in source.data.vertices) for a in range(3)],
+                                              [max(v.co[a] for v in source.data.vertices) for a in range(3)])]
+        for up in ("keep", "y", "z", "auto"):
+            subprocess.run([PROGRAM, "fractal", "source.ply", "--mesh", f"{up}.ply", "-o", f"{up}.vdb", "--up", up, "--mask", "0",
+                            "--grids", "surface,density", "--resolution", str(RESOLUTION), "--sdf-resolution", "60",
+                            "--progress", "none"], cwd=self.folder, check=True, capture_output=True)
+            for kind in ("ply", "vdb"):
+                with self.subTest(up=up, kind=kind):
+                    self.assertEqual(bpy.ops.juliavdb.import_file(filepath=str(self.folder / f"{up}.{kind}")), {"FINISHED"})
+                    result = bpy.context.object
+                    self.assertEqual(len(result.data.materials), 1)
+                    if kind == "ply":
+                        self.assertTrue(all(polygon.use_smooth for polygon in result.data.polygons))
+                    bpy.context.view_layer.update()
+                    self.assert_same_box(box, corners(result), 4 * self.voxel(source))
+        for name, content in (("cut.ply", (self.folder / "z.ply").read_bytes()[:-5]), ("none.ply", None), ("bad.vdb", b"no VDB")):
+            if content is not None:
+                (self.folder / name).write_bytes(content)
+            before = set(bpy.data.objects)
+            with self.assertRaises(RuntimeError):
+                bpy.ops.juliavdb.import_file(filepath=str(self.folder / name))
+            self.assertEqual(set(bpy.data.objects), before)
+
+    def test_nodes_make_a_surface_of_a_volume(self):
+        source = self.plain(output="VOLUME")
+        box = corners(source)
+        result = self.make()
+        self.assertEqual(bpy.ops.juliavdb.add_surface(), {"FINISHED"})
+        self.assertEqual(bpy.ops.juliavdb.add_surface(), {"FINISHED"})
+        self.assertEqual(len(result.modifiers), 1, "it is added once")
+        group = result.modifiers[0].node_group
+        self.assertIsNotNone(group.asset_data, "it is an asset")
+        bpy.context.view_layer.update()
+        points, smooth, materials = [], [], set()
+        for instance in bpy.context.evaluated_depsgraph_get().object_instances:
+            if instance.object.type == "MESH" and instance.object.original == result:
+                mesh = instance.object.data
+                points += [instance.matrix_world @ vertex.co for vertex in mesh.vertices]
+                smooth += [polygon.use_smooth for polygon in mesh.polygons]
+                materials |= {material.name for material in mesh.materials if material}
+        self.assertGreater(len(points), 100)
+        points = numpy.array(points)
+        self.assert_same_box(box, (points.min(0), points.max(0)), self.voxel(source))
+        self.assertTrue(all(smooth))
+        self.assertEqual(len(materials), 1)
 
     def test_colours_of_a_ply_arrive(self):
         ply, meshes = self.addon.ply, self.addon.meshes

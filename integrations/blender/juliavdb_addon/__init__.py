@@ -9,7 +9,9 @@ ply.py      reading and writing PLY, without Blender
 meshes.py   Blender's meshes from and to arrays
 settings.py the add-on's preferences, and the settings that every object keeps
 pictures.py a small picture of each texture
+materials.py the materials of results, and nodes that make a surface of a volume
 make.py     from the settings to the result in the scene
+bring.py    File > Import > JuliaVDB
 panel.py    what is seen
 """
 
@@ -23,9 +25,9 @@ bl_info = {
     "category": "Object",
 }
 
-from . import make, panel, pictures, settings
+from . import bring, make, panel, pictures, settings
 
-PARTS = (settings, pictures, make, panel)
+PARTS = (settings, pictures, make, bring, panel)
 
 
 def register():

@@ -16,12 +16,10 @@ import time
 import bpy
 from bpy.app.handlers import persistent
 
-from . import meshes, pictures, ply, program as programs, settings
+from . import materials, meshes, pictures, ply, program as programs, settings
 
 # How often a running task is looked at, in seconds.
 INTERVAL = 0.2
-# How opaque a volume is: its density times its longest side, in the units of its object.
-OPACITY = 60
 
 # The task that runs, and what the last one had to say: (message, whether it failed).
 running = None
@@ -66,6 +64,7 @@ class Making:
         self._scene = context.scene.name
         self._layer = context.view_layer.name
         self._hide = source.juliavdb.hide_source and not made_before
+        self._material = source.juliavdb.material
         # As a dictionary, because sliders may move while the program runs.
         self._recipe = {name: getattr(owner.juliavdb, name) for name in settings.RECIPE}
         self._volume = owner.juliavdb.output == "VOLUME"
@@ -181,8 +180,11 @@ class Making:
             points = meshes.y_up_to_z_up(points)
         mesh = meshes.from_arrays(name, points, triangles, colours)
         if old is None or old.type != "MESH":
-            for material in source.data.materials:
-                mesh.materials.append(material)
+            if self._material and (colours is not None or not source.data.materials):
+                mesh.materials.append(materials.surface(colours is not None))
+            else:
+                for material in source.data.materials:
+                    mesh.materials.append(material)
             return bpy.data.objects.new(name, mesh)
         replaced = old.data
         for material in replaced.materials:
@@ -208,7 +210,7 @@ class Making:
         # The import operator of Blender would decide by the file's metadata whether to turn a volume; a volume whose
         # path is set here is never turned. So what was turned for the program is turned back by the object.
         if fresh:
-            volume.materials.append(_fog(OPACITY / self._longest))
+            volume.materials.append(materials.fog(materials.OPACITY / self._longest, "Cd" in names))
             result = bpy.data.objects.new(name, volume)
             result.rotation_euler.x = math.pi / 2 if self._recipe["up"] == "Z" else 0
             return result
@@ -239,20 +241,6 @@ class Making:
         if self._hide:
             source.hide_set(True, view_layer=layer)
             source.hide_render = True
-
-
-def _fog(density):
-    """A new material for volumes that is as opaque as cloth at this density per unit of length."""
-    material = bpy.data.materials.new("Fractal fog")
-    material.use_nodes = True
-    nodes = material.node_tree.nodes
-    nodes.clear()
-    output = nodes.new("ShaderNodeOutputMaterial")
-    shader = nodes.new("ShaderNodeVolumePrincipled")
-    shader.location.x = output.location.x - 300
-    shader.inputs["Density"].default_value = density
-    material.node_tree.links.new(shader.outputs["Volume"], output.inputs["Volume"])
-    return material
 
 
 def run_to_the_end(task):

@@ -51,6 +51,12 @@ def _settings(layout, context, source):
         row = layout.row()
         row.enabled = pictures.has_seed(known.textures, chosen.versor)
         row.prop(chosen, "seed")
+        if pictures.follows_thickness(known.textures, chosen.versor):
+            layout.prop(chosen, "frequency")
+        if chosen.versor == pictures.RANDOM["name"]:
+            layout.prop(chosen, "roots")
+            layout.prop(chosen, "power_low")
+            layout.prop(chosen, "power_high")
         if pictures.missing(known):
             layout.operator("juliavdb.pictures", icon="IMAGE_DATA").wait = False
     layout.prop(chosen, "paint")
@@ -60,11 +66,15 @@ def _settings(layout, context, source):
         layout.prop(chosen, "paint_channel")
     if chosen.paint == "DETAIL":
         layout.prop(chosen, "detail_black", slider=True)
+    layout.prop(chosen, "colour")
+    if chosen.colour in settings.THROUGH_GRADIENT:
+        layout.prop(chosen, "gradient")
     layout.prop(chosen, "up", expand=True)
     layout.prop(chosen, "repair")
     layout.prop(chosen, "more")
     layout.prop(chosen, "output", expand=True)
     if chosen.source is None:
+        layout.prop(chosen, "material")
         layout.prop(chosen, "hide_source")
     if chosen.output == "VOLUME" and make.is_lost_with_blender(context):
         _wrapped(layout, "Save the .blend file first: until then, volumes are kept only while Blender runs.", "INFO")
@@ -75,6 +85,8 @@ def _buttons(layout, context):
     row.scale_y = 1.4
     if settings.is_result(context.object):
         row.operator("juliavdb.update", icon="FILE_REFRESH").wait = False
+        if context.object.type == "VOLUME":
+            layout.operator("juliavdb.add_surface", icon="GEOMETRY_NODES")
         return
     row.operator("juliavdb.make", icon="PLAY").wait = False
     if settings.results_of(context.object):

@@ -21,7 +21,8 @@ SIZE = 128
 # How the pictures show the ball.
 VIEW = ("--colour", "clay", "--sdf-resolution", "80", "--size", f"{SIZE}x{SIZE}")
 # Not a texture with a name, but it can be chosen like one.
-RANDOM = {"name": "random", "description": "Random roots, another texture for every seed.", "seed": True}
+RANDOM = {"name": "random", "description": "Random roots, another texture for every seed.", "seed": True,
+          "follows_thickness": False}
 # After a program that did not answer, in seconds.
 ASK_AGAIN = 5
 # How often one looks whether it has answered, in seconds.
@@ -119,6 +120,11 @@ def _textures(program):
 def has_seed(textures, name):
     """Whether a seed varies the texture. What is not on the shelf may be a file, which has no seed."""
     return any(texture["name"] == name and texture["seed"] for texture in textures)
+
+
+def follows_thickness(textures, name):
+    """Whether the texture has a frequency."""
+    return any(texture["name"] == name and texture.get("follows_thickness", False) for texture in textures)
 
 
 def _names(program):

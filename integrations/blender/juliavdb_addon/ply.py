@@ -51,8 +51,25 @@ def _header(file, path):
     return elements
 
 
+def _linear(values):
+    """Linear light of values in sRGB (IEC 61966-2-1): bytes of colours are stored so."""
+    return numpy.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4).astype(numpy.float32)
+
+
+def up_axis(path):
+    """'y' or 'z' as juliavdb has written it into the file, or None."""
+    with open(path, "rb") as file:
+        for line in iter(file.readline, b""):
+            words = line.decode("utf-8", "replace").split()
+            if words[:1] == ["end_header"]:
+                return None
+            if words[:3] == ["comment", "juliavdb", "julia_up_axis"]:
+                return words[3] if words[3:] in (["y"], ["z"]) else None
+    return None
+
+
 def read(path):
-    """Points (n, 3), triangles (m, 3), and the colours (n, 3) from 0 to 1, or None.
+    """Points (n, 3), triangles (m, 3), and the colours (n, 3) from 0 to 1 in linear light, or None.
 
     Raises ValueError if the file is anything but a mesh of triangles as juliavdb writes it.
     """
@@ -80,5 +97,5 @@ def read(path):
     if all(name in vertices.dtype.names for name in COLOUR):
         colours = numpy.column_stack([vertices[name] for name in COLOUR]).astype(numpy.float32)
         if vertices.dtype["red"] == numpy.uint8:
-            colours /= 255
+            colours = _linear(colours / 255)
     return points, faces[corners].astype(numpy.int32), colours

@@ -53,8 +53,11 @@ def textures(program):
 
 
 def options(program):
-    """The options of a recipe: a dict of name (without dashes) to whether the option is a flag. None of them writes."""
-    return {option["name"]: option["argument"] == "" for option in json.loads(answer(program, "maps", "--json"))["options"]}
+    """The options of a recipe: a dict of name (without dashes) to whether the option is a flag. None of them writes. A
+    recipe calls a texture a versor, and its options have both names."""
+    listed = json.loads(answer(program, "maps", "--json"))["options"]
+    flags = {option["name"]: option["argument"] == "" for option in listed}
+    return {**flags, **{name.replace("versor", "texture", 1): flag for name, flag in flags.items()}}
 
 
 class Run:

@@ -10,8 +10,10 @@ from . import pictures
 from .program import ProgramError
 
 # What a result takes over from the object that it was made of.
-RECIPE = ("detail", "outward", "versor", "seed", "resolution", "output", "paint", "paint_channel", "detail_black",
-          "up", "repair", "more")
+RECIPE = ("detail", "outward", "versor", "seed", "frequency", "roots", "power_low", "power_high", "resolution", "output",
+          "paint", "paint_channel", "detail_black", "colour", "gradient", "up", "repair", "more")
+# The colours that have a gradient; the others are colours by themselves.
+THROUGH_GRADIENT = ("trap", "iterations", "depth")
 
 
 class Preferences(bpy.types.AddonPreferences):
@@ -66,6 +68,18 @@ class Settings(bpy.types.PropertyGroup):
     seed: IntProperty(
         name="Seed", min=0, default=1,
         description="Every number is another variation, of textures that have something random")
+    frequency: FloatProperty(
+        name="Frequency", min=0.05, soft_max=8, max=1000, default=2, precision=2, step=10,
+        description="How many features of the texture lie across the local thickness, of textures that follow it: 1 is "
+                    "coarse, 2 medium, 4 fine")
+    roots: IntProperty(
+        name="Roots", min=1, soft_max=100, max=100000, default=10, description="The number of roots of a random texture")
+    power_low: FloatProperty(
+        name="Least Power", min=0.1, soft_max=30, max=1000, default=2, precision=1, step=100,
+        description="The least power of the roots of a random texture")
+    power_high: FloatProperty(
+        name="Greatest Power", min=0.1, soft_max=30, max=1000, default=11, precision=1, step=100,
+        description="The greatest power of the roots of a random texture. Higher powers make finer detail")
     resolution: IntProperty(
         name="Resolution", min=8, soft_max=1000, max=20000, default=200,
         description="Voxels along the longest side of the object")
@@ -86,6 +100,20 @@ class Settings(bpy.types.PropertyGroup):
     detail_black: FloatProperty(
         name="Detail in black", min=0, max=1, default=0.05, precision=2, step=5,
         description="The detail where the paint is black")
+    colour: EnumProperty(
+        name="Colour", default="NONE", description="What the fractal is coloured by, as the colour attribute or grid Cd",
+        items=[("NONE", "Nothing", "The fractal has no colours of its own"),
+               ("direction", "Direction", "The direction of the first step, as red, green and blue"),
+               ("versor", "Versor", "The versor of the texture, as red, green and blue"),
+               ("trap", "Trap", "How near the orbit comes to the trap, through a gradient"),
+               ("iterations", "Iterations", "How soon the orbit escapes, through a gradient"),
+               ("depth", "Depth", "How deep in the shape a place lies, through a gradient")])
+    gradient: EnumProperty(
+        name="Gradient", default="viridis", description="The colours from the least number to the greatest",
+        items=[(name, name.capitalize(), "") for name in ("viridis", "magma", "inferno", "cividis", "coolwarm", "grey")])
+    material: BoolProperty(
+        name="Material", default=True,
+        description="Give a new mesh a material that shows its colours, or a plain one if the object has none")
     up: EnumProperty(
         name="Up", default="Z", description="Which axis of the object the texture takes for upright",
         items=[("Z", "Z", "The vertical axis of Blender"), ("Y", "Y", "The vertical axis of many other programs")])
@@ -124,6 +152,17 @@ def words(settings):
         result.append(f"--mask={channel}")
     if pictures.has_seed(known.textures, settings.versor):
         result.append(f"--texture-seed={settings.seed}")
+    if pictures.follows_thickness(known.textures, settings.versor):
+        result.append(f"--frequency={number(settings.frequency)}")
+    if settings.versor == pictures.RANDOM["name"]:
+        if settings.power_low > settings.power_high:
+            raise ProgramError(f"The least power, {number(settings.power_low)}, is above the greatest, "
+                               f"{number(settings.power_high)}")
+        result += [f"--texture-roots={settings.roots}",
+                   f"--texture-powers={number(settings.power_low)}:{number(settings.power_high)}"]
+    if settings.colour != "NONE":
+        through = f":{settings.gradient}" if settings.colour in THROUGH_GRADIENT else ""
+        result += ["--attributes=Cd", f"--colour={settings.colour}{through}"]
     if settings.repair:
         result.append("--repair")
     return result + _more(settings.more, known)
