@@ -183,7 +183,7 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
   using NodePairs = NodeCubes<Real, 2>;
   /// What is proved about the second step after the first.
   const EscapeProof& escapeProof() const {
-    std::call_once(mOutlookMade, [this] {
+    std::call_once(mEscapeProofMade, [this] {
       if (!signsFollowEnds() || mOptions.maxIterations < 2) return;
       mEscapeProof = mMap->escapeProof(static_cast<double>(mOptions.maxIterations == 2 ? mLevel : mLogEscape));
     });
@@ -269,7 +269,7 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
   }
 
   std::shared_ptr<const Map<Real>> mMap;
-  mutable std::once_flag mOutlookMade;
+  mutable std::once_flag mEscapeProofMade;
   mutable EscapeProof mEscapeProof;
 };
 
