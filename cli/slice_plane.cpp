@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slice_plane.h"
 
-#include <algorithm>
-
 namespace po = boost::program_options;
 
 namespace cli {
@@ -21,16 +19,6 @@ PlanePlacement parsePlacement(const CommandLine& line) {
   if (line.has("position")) placement.position = line.number("position");
   placement.size = line.integer("size", 1, 32768);
   return placement;
-}
-
-openvdb::BBoxd frameOf(const vdbtools::Scene& scene) {
-  constexpr double kAir = 0.08;  // of the target's longest side
-  if (scene.options.lattice.box) return *scene.options.lattice.box;
-  if (!scene.target) return scene.region();
-  openvdb::BBoxd box = scene.target->distances.box;
-  const openvdb::Vec3d extents = box.extents();
-  box.expand(kAir * std::max({extents[0], extents[1], extents[2]}));
-  return box;
 }
 
 }  // namespace cli

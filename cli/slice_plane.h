@@ -6,7 +6,6 @@
 #include "options.h"
 
 #include "vdbtools/picture/slice_image.h"
-#include "vdbtools/scene/scene.h"
 
 #include <optional>
 
@@ -28,8 +27,5 @@ void addPlaneOptions(CommandLine& line, const std::string& usual);
 
 /// @throw std::invalid_argument
 PlanePlacement parsePlacement(const CommandLine& line);
-
-/// The rectangle that a picture of the scene shows: its box, or its target with a margin.
-openvdb::BBoxd frameOf(const vdbtools::Scene& scene);
 
 }  // namespace cli

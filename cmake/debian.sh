@@ -13,8 +13,8 @@ QUICKSTART_PACKAGES=(glmark2-data)
 # pocl-opencl-icd makes the processor a device of OpenCL, with which the devices are tested; oclgrind is one that watches.
 # chromium and its driver, which Selenium speaks to, show the page of 'juliavdb explore'; 90 MB.
 TEST_PACKAGES=(dpkg-dev file groff-base libgtest-dev libbenchmark-dev libopenvdb-tools python3 python3-openvdb python3-dev
-  pybind11-dev python3-numpy libtinygltf-dev clang-format doxygen git ca-certificates slurm-wlm munge parallel blender
-  chromium chromium-driver python3-selenium pocl-opencl-icd oclgrind)
+  pybind11-dev python3-numpy python3-pip python3-setuptools python3-wheel libtinygltf-dev clang-format doxygen git
+  ca-certificates slurm-wlm munge parallel blender chromium chromium-driver python3-selenium pocl-opencl-icd oclgrind)
 
 as_root() {
   local sudo=()

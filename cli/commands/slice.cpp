@@ -11,6 +11,7 @@
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/picture/slice_image.h"
 #include "vdbtools/recipe/option_value.h"
+#include "vdbtools/scene/slice_frame.h"
 
 #include "julia/elementary.h"
 
@@ -209,7 +210,7 @@ vdbtools::Image sliceOfScene(const Scene& scene, SliceField field, const SlicePl
 
 vdbtools::Image sliceOfScene(const Scene& scene, SliceField field, const PlanePlacement& placement, double range,
                              const std::vector<openvdb::Vec3d>& arrows, Progress& progress) {
-  const openvdb::BBoxd frame = frameOf(scene);
+  const openvdb::BBoxd frame = vdbtools::sliceFrame(scene);
   const SlicePlane plane = placement.plane(frame, frame.getCenter());
   const std::vector<vdbtools::SliceArrow> steps =
       arrows.empty() ? std::vector<vdbtools::SliceArrow>() : arrowsFrom(arrows, scene);

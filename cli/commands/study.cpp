@@ -11,6 +11,7 @@
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/maps/texture_shelf.h"
 #include "vdbtools/scene/fractal_options.h"
+#include "vdbtools/scene/slice_frame.h"
 #include "vdbtools/study/study.h"
 
 #include <algorithm>
@@ -72,7 +73,7 @@ int runStudy(const Arguments& arguments) {
       line.has("curve") ? &outputs.add("curve", line.text("curve"), ".png .svg .exr").stream() : nullptr;
   std::ostream* const csv = line.has("csv") ? &outputs.add("csv", line.text("csv"), ".csv").stream() : nullptr;
   const vdbtools::Scene scene = vdbtools::makeScene(options, line.progress());
-  const vdbtools::SlicePlane plane = placement.plane(frameOf(scene), scene.field.space.centre);
+  const vdbtools::SlicePlane plane = placement.plane(vdbtools::sliceFrame(scene), scene.field.space.centre);
   const vdbtools::Study result = vdbtools::runStudy(scene, plane, study, line.progress());
   line.progress().begin(vdbtools::PhaseKind::Writing, 0);
   file << vdbtools::encodeImage(vdbtools::studyImage(plane, result), formatOf(line.text("output"), ".png"));

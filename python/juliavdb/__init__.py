@@ -14,6 +14,9 @@ texture=FUNCTION takes any function of the place for the texture: it is called w
 the target's coordinates, and returns their directions, an array (n, 3) of vectors or (n, 4) of quaternions, of any
 length. It is called in many threads, one at a time, with batches of points in any order.
 
+map=FUNCTION takes a function of iterates, an array (n, 4) of quaternions, and of the points where their orbits began, for
+the map: it returns the next iterates, (n, 4).
+
 While a call works, other threads run. progress=FUNCTION is called in the calling thread with the name of a phase and
 the share of it that is done, from 0 to 1, or None where that is not known; where it returns False, the work is
 cancelled as by Ctrl-C, which is a KeyboardInterrupt. memory="16G" says how much memory the process may take for that
@@ -23,13 +26,18 @@ OSError for files that cannot be read to their end or written, and MemoryError.
 """
 import os
 
-from . import _juliavdb, _options, _target
+from . import _juliavdb, _options, _target, fitting
 from ._field import Field, Orbit
+from ._grid import Grid, sdf
 from ._juliavdb import DataError, Fit, Fractal
+from ._study import dimension, slice, study
 
-__all__ = ["DataError", "Field", "Fit", "Fractal", "Orbit", "devices", "fit", "fractal", "render", "use_device"]
+__all__ = ["DataError", "Field", "Fit", "Fractal", "Grid", "Orbit", "devices", "dimension", "fit", "fractal", "render",
+           "sdf", "slice", "study", "use_device"]
 __version__ = _juliavdb.version
-Field.__module__ = Fit.__module__ = Fractal.__module__ = Orbit.__module__ = "juliavdb"
+for _function in (dimension, sdf, slice, study):
+    _function.__module__ = "juliavdb"
+Field.__module__ = Grid.__module__ = Fit.__module__ = Fractal.__module__ = Orbit.__module__ = "juliavdb"
 
 
 def devices():
@@ -86,6 +94,16 @@ def _write(self, *paths, progress=None):
     self._write([os.fspath(path) for path in paths], progress)
 
 
+def _to_meshio(self):
+    """The mesh for meshio, which Debian has as python3-meshio: its points and triangles are the memory of this result, and so
+    are the attributes, as point_data. They cannot be written to."""
+    import meshio
+
+    return meshio.Mesh(self.vertices, [("triangle", self.faces)], point_data=dict(self.attributes))
+
+
+_to_meshio.__name__, _to_meshio.__qualname__ = "to_meshio", "Fractal.to_meshio"
+Fractal.to_meshio = _to_meshio
 _write.__name__, _write.__qualname__ = "write", "Fractal.write"
 Fractal.write = _write
 

@@ -31,7 +31,19 @@ class Field:
     @_options.documented(_options.FRACTAL)
     def __init__(self, vertices=None, faces=None, *, progress=None, memory=None, **options):
         """Prepares the field. The target and the options are the same as those of fractal()."""
+        self._given = vertices, faces, memory, options
         self._scene = _target.scene(vertices, faces, progress, memory, options)
+
+    def __reduce__(self):
+        """A field is pickled as what it was made of, and made again of it."""
+        return _made_again, self._given
+
+    def __copy__(self):
+        """A field does not change, so that a copy may share it."""
+        return self
+
+    def __deepcopy__(self, memo):
+        return self
 
     def __call__(self, points, *, progress=None, threads=None, device=None):
         """F at points: an array of float64, below 0 inside the set.
@@ -93,6 +105,15 @@ class Field:
         """
         return self._scene.decide(centres, radius, progress, threads)
 
+    def plane(self, *, axis="z", position=None, size=800):
+        """The places of the pixels of a slice, (height, width, 3), in the target's units: see slice()."""
+        return self._scene.plane(axis, position, size)
+
+    @property
+    def recipe(self):
+        """All options of the field, as text: a dict."""
+        return self._scene.recipe
+
     @property
     def space(self):
         """The space of the map, as (origin, scale): x stands for the point origin + scale x of the target's space."""
@@ -112,3 +133,7 @@ class Field:
     def render(self, *, progress=None, **view):
         """A picture as that of juliavdb.render(); the field is made once for any number of pictures."""
         return self._scene.render(_options.recipe(view), progress)
+
+
+def _made_again(vertices, faces, memory, options):
+    return Field(vertices, faces, memory=memory, **options)

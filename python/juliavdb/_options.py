@@ -33,13 +33,17 @@ def _text(name, value):
     raise TypeError(f"{name} is {value!r}; it must be a number, a string, a path, a list of these, or True for a flag")
 
 
-def with_function(options):
-    """The options with the word "function" for a texture that is one, and that function, or None."""
+def with_functions(options):
+    """The options with the word "function" for a texture and a map that are one, and these functions, or None for each."""
     names = ("texture", "texture_over", "versor", "versor_over")
     functions = {name: options[name] for name in names if callable(options.get(name))}
     if len(functions) > 1:
         raise ValueError(" and ".join(functions) + " are both functions; mix them in one function, and give that as texture")
-    return {**options, **dict.fromkeys(functions, "function")}, next(iter(functions.values()), None)
+    own_map = options["map"] if callable(options.get("map")) else None
+    if own_map is not None:
+        functions["map"] = own_map
+    words = {**options, **dict.fromkeys(functions, "function")}
+    return words, next((functions[name] for name in names if name in functions), None), own_map
 
 
 def recipe(options):

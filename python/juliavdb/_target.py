@@ -8,6 +8,14 @@ from . import _juliavdb, _options
 def given(vertices, faces, options):
     """The recipe, and the arrays if the target is in memory."""
     recipe = _options.recipe(options)
+    if hasattr(vertices, "cells_dict"):  # a mesh of meshio
+        if faces is not None:
+            raise ValueError("faces were given with a mesh of meshio; leave them out")
+        triangles = vertices.cells_dict.get("triangle")
+        if triangles is None:
+            raise ValueError(f"the mesh of meshio has no triangles, but cells of the kinds {sorted(vertices.cells_dict)}; turn "
+                             "them into triangles first")
+        vertices, faces = vertices.points, triangles
     if isinstance(vertices, (str, os.PathLike)):
         if faces is not None:
             raise ValueError("faces were given with the name of a file; give vertices and faces, or the name alone")
@@ -27,5 +35,5 @@ def given(vertices, faces, options):
 
 def scene(vertices, faces, progress, memory, options):
     """What a field or a fractal is made of."""
-    options, function = _options.with_function(options)
-    return _juliavdb.Scene(*given(vertices, faces, options), memory, progress, function)
+    options, versor, own_map = _options.with_functions(options)
+    return _juliavdb.Scene(*given(vertices, faces, options), memory, progress, versor, own_map)

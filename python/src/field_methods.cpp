@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "field_methods.h"
+#include "module_parts.h"
 
 #include "arrays.h"
 #include "queries.h"

@@ -19,18 +19,26 @@
 using vdbtools::Monitor;
 using vdbtools::Recipe;
 
+NamedOptions namedOptions(const Recipe& given, std::shared_ptr<const vdbtools::Mesh> mesh,
+                          const OwnFunctions& functions) {
+  vdbtools::MapRegistry maps = vdbtools::builtInMaps(functions.versor);
+  if (functions.map) maps.add(functionMap(functions.map));
+  NamedOptions named{given, {}};
+  if (mesh) named.recipe["input"] = kMemory;
+  named.recipe = vdbtools::completeRecipe(std::move(named.recipe), vdbtools::fractalOptionTable(maps));
+  named.options = vdbtools::parseFractalOptions(named.recipe, maps);
+  if (mesh) named.options.target.value().mesh = std::move(mesh);
+  return named;
+}
+
 std::shared_ptr<MadeScene> makeNamedScene(const Recipe& given, std::shared_ptr<const vdbtools::Mesh> mesh,
-                                          const vdbtools::VersorFunction& function, Monitor& monitor) {
-  const vdbtools::MapRegistry maps = vdbtools::builtInMaps(function);
+                                          const OwnFunctions& functions, Monitor& monitor) {
   auto made = std::make_shared<MadeScene>();
-  made->recipe = given;
-  if (mesh) made->recipe["input"] = kMemory;
-  made->recipe = vdbtools::completeRecipe(std::move(made->recipe), vdbtools::fractalOptionTable(maps));
-  vdbtools::FractalOptions& options = made->options;
-  options = vdbtools::parseFractalOptions(made->recipe, maps);
-  if (mesh) options.target.value().mesh = std::move(mesh);
-  made->inputs = vdbtools::inputsOf(options);
-  made->scene = made->scenes.make(options, monitor);
+  NamedOptions named = namedOptions(given, std::move(mesh), functions);
+  made->recipe = std::move(named.recipe);
+  made->options = std::move(named.options);
+  made->inputs = vdbtools::inputsOf(made->options);
+  made->scene = made->scenes.make(made->options, monitor);
   return made;
 }
 

@@ -3,6 +3,8 @@
 /// What the Python module has a hold of: scenes, fractals and fits. Nothing here knows Python.
 #pragma once
 
+#include "function_map.h"
+
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/control/control.h"
 #include "vdbtools/files/input_files.h"
@@ -53,12 +55,27 @@ struct MadeScene {
   mutable FieldParts parts{};
 };
 
-/// @param mesh      the target, if it is in memory; the recipe must then have no input
-/// @param function  the versor that the recipe calls "function", if it does
+/// Options as they were given, and what they say.
+struct NamedOptions {
+  vdbtools::Recipe recipe;  ///< completed
+  vdbtools::FractalOptions options;
+};
+
+/// What a recipe calls "function", if it does.
+struct OwnFunctions {
+  vdbtools::VersorFunction versor{};
+  MapFunction map{};
+};
+
+/// @throw as makeNamedScene() for wrong options
+NamedOptions namedOptions(const vdbtools::Recipe& given, std::shared_ptr<const vdbtools::Mesh> mesh,
+                          const OwnFunctions& functions = {});
+
+/// @param mesh  the target, if it is in memory; the recipe must then have no input
 /// @throw std::invalid_argument  the options do not fit
 /// @throw as vdbtools::makeScene()
 std::shared_ptr<MadeScene> makeNamedScene(const vdbtools::Recipe& given, std::shared_ptr<const vdbtools::Mesh> mesh,
-                                          const vdbtools::VersorFunction& function, vdbtools::Monitor& monitor);
+                                          const OwnFunctions& functions, vdbtools::Monitor& monitor);
 
 /// @throw std::invalid_argument  a view's option is wrong
 void checkView(const vdbtools::Recipe& view);

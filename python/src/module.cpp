@@ -3,14 +3,15 @@
 // text of a recipe; here are the arrays, the errors and the work.
 #include "arrays.h"
 #include "device_use.h"
-#include "field_methods.h"
 #include "made.h"
+#include "module_parts.h"
+#include "python_functions.h"
 #include "python_words.h"
 #include "watched_work.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/memory.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/job/sdf_job.h"
 #include "vdbtools/maps/device_choice.h"
 #include "vdbtools/picture/screen_codes.h"
 #include "vdbtools/recipe/option_name.h"
@@ -66,76 +67,15 @@ std::shared_ptr<const vdbtools::Mesh> meshOf(const py::array& vertices, const py
   return mesh;
 }
 
-/// The target, unless a file is.
-std::shared_ptr<const vdbtools::Mesh> targetOf(const py::object& vertices, const py::object& faces) {
-  if (vertices.is_none()) return nullptr;
-  // Points alone; the Python side has seen to it that they have a radius.
-  const py::array all =
-      faces.is_none() ? py::array(py::array_t<std::int64_t>(std::vector<py::ssize_t>{0, 3})) : arrayOf(faces, "faces");
-  return meshOf(arrayOf(vertices, "vertices"), all);
-}
-
-/// @param text  "16G"; nothing: the environment's, as for the command @throw std::invalid_argument
-std::optional<double> memoryOf(const std::optional<std::string>& text) {
-  const char* const usual = std::getenv("JULIAVDB_MEMORY");
-  if (!text && !usual) return std::nullopt;
-  const std::string value = text.value_or(usual ? usual : "");
-  const std::optional<double> bytes = vdbtools::memoryFromText(value);
-  if (!bytes)
-    throw std::invalid_argument((text ? "--memory is '" : "JULIAVDB_MEMORY is '") + value + "'; it must be " +
-                                vdbtools::kMemoryTexts);
-  return bytes;
-}
-
-/// Calls a function of Python with the points of a batch, in whichever thread asks: for as long it takes the
-/// interpreter's lock. What the function raises goes its way as an exception of C++ and is raised in the calling
-/// thread.
-std::vector<double> directionsFrom(const py::object& function, std::span<const Vec3d> points) {
-  const py::gil_scoped_acquire lock;
-  const auto count = static_cast<py::ssize_t>(points.size());
-  py::array_t<double> at({count, py::ssize_t{3}});
-  std::copy_n(points.data()->asPointer(), 3 * points.size(), at.mutable_data());
-  const py::array given = arrayOf(function(at), "what the function of versor returns");
-  if (given.ndim() != 2 || given.shape(0) != count || (given.shape(1) != 3 && given.shape(1) != 4))
-    throw std::invalid_argument("the function of versor was given " + std::to_string(count) +
-                                " points and returned an array of the shape " + shapeText(given) +
-                                "; it must be (n, 3) or (n, 4), one row a point");
-  if (const char kind = given.dtype().kind(); kind != 'f' && kind != 'i' && kind != 'u')
-    throw std::invalid_argument("the function of versor must return real numbers");
-  const py::array_t<double, py::array::c_style | py::array::forcecast> directions(given);
-  const double* const first = directions.data();
-  std::vector<double> values(first, first + directions.size());
-  const auto broken = std::find_if(values.begin(), values.end(), [](double x) { return !std::isfinite(x); });
-  if (broken != values.end()) {
-    const auto components = static_cast<std::size_t>(directions.shape(1));
-    const std::size_t row = static_cast<std::size_t>(broken - values.begin()) / components;
-    throw std::invalid_argument("the function of versor returned " + tupleText(&values[row * components], components) +
-                                " at the point " + tupleText(points[row].asPointer(), 3) +
-                                "; directions must be finite");
-  }
-  return values;
-}
-
-/// @param function  None, or what the recipe calls "function"
-vdbtools::VersorFunction versorOf(const py::object& function) {
-  if (function.is_none()) return {};
-  // The last evaluator that has it may end in any thread.
-  const std::shared_ptr<py::object> held(new py::object(function), [](py::object* object) {
-    const py::gil_scoped_acquire lock;
-    delete object;
-  });
-  return [held](std::span<const Vec3d> points) { return directionsFrom(*held, points); };
-}
-
 std::shared_ptr<MadeScene> openScene(const Recipe& recipe, const py::object& vertices, const py::object& faces,
                                      const std::optional<std::string>& memoryText, const py::object& progress,
-                                     const py::object& function) {
+                                     const py::object& versor, const py::object& map) {
   const std::optional<double> memory = memoryOf(memoryText);
-  const vdbtools::VersorFunction versor = versorOf(function);
+  const OwnFunctions functions{versorOf(versor), mapOf(map)};
   std::shared_ptr<const vdbtools::Mesh> mesh = targetOf(vertices, faces);
   std::shared_ptr<MadeScene> made;
   doWatched(progress, memory,
-            [&](Monitor& monitor) { made = makeNamedScene(recipe, std::exchange(mesh, {}), versor, monitor); });
+            [&](Monitor& monitor) { made = makeNamedScene(recipe, std::exchange(mesh, {}), functions, monitor); });
   made->memory = memory;
   return made;
 }
@@ -301,6 +241,25 @@ void translate(std::exception_ptr failure) {
 
 }  // namespace
 
+std::shared_ptr<const vdbtools::Mesh> targetOf(const py::object& vertices, const py::object& faces) {
+  if (vertices.is_none()) return nullptr;
+  // Points alone; the Python side has seen to it that they have a radius.
+  const py::array all =
+      faces.is_none() ? py::array(py::array_t<std::int64_t>(std::vector<py::ssize_t>{0, 3})) : arrayOf(faces, "faces");
+  return meshOf(arrayOf(vertices, "vertices"), all);
+}
+
+std::optional<double> memoryOf(const std::optional<std::string>& text) {
+  const char* const usual = std::getenv("JULIAVDB_MEMORY");
+  if (!text && !usual) return std::nullopt;
+  const std::string value = text.value_or(usual ? usual : "");
+  const std::optional<double> bytes = vdbtools::memoryFromText(value);
+  if (!bytes)
+    throw std::invalid_argument((text ? "--memory is '" : "JULIAVDB_MEMORY is '") + value + "'; it must be " +
+                                vdbtools::kMemoryTexts);
+  return bytes;
+}
+
 PYBIND11_MODULE(_juliavdb, m) {
   theDataError = PyErr_NewExceptionWithDoc(
       "juliavdb.DataError", "The input was read, but cannot be used: truncated, leaky, empty, not finite.",
@@ -316,15 +275,15 @@ PYBIND11_MODULE(_juliavdb, m) {
   m.def("check_view", checkView);
   m.def("devices", listedDevices);
   m.def("use_device", useDevice);
+  m.def("sdf_options", [] { return listingOf(vdbtools::sdfOptionTable()); });
   m.attr("version") = JULIAVDB_VERSION;
+  addFitParts(m);
+  addGrids(m);
 
   py::class_<MadeScene, std::shared_ptr<MadeScene>> scene(m, "Scene");
   addFieldMethods(scene);
-  scene
-      .def(py::init(
-          [](const Recipe& recipe, const py::object& vertices, const py::object& faces,
-             const std::optional<std::string>& memory, const py::object& progress,
-             const py::object& function) { return openScene(recipe, vertices, faces, memory, progress, function); }))
+  addStudies(m, scene);
+  scene.def(py::init(&openScene))
       .def("render", render)
       .def("fractal",
            [](const std::shared_ptr<MadeScene>& made, bool wantGrids, const py::object& progress) {
@@ -335,7 +294,8 @@ PYBIND11_MODULE(_juliavdb, m) {
            })
       .def_property_readonly("bounds", boundsOf)
       .def_property_readonly("metadata",
-                             [](const MadeScene& made) { return vdbtools::sceneMetadata(made.scene, made.recipe); });
+                             [](const MadeScene& made) { return vdbtools::sceneMetadata(made.scene, made.recipe); })
+      .def_property_readonly("recipe", [](const MadeScene& made) { return made.recipe; });
 
   py::class_<MadeFractal, std::shared_ptr<MadeFractal>>(m, "Fractal", "A fractal in memory, as fractal() makes it.")
       .def_property_readonly("vertices", viewGetter<double>(&vdbtools::Mesh::points),

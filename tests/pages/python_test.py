@@ -18,7 +18,8 @@ from shell import put_bunny
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 PAGE, README = ROOT / "docs/python.md", ROOT / "README.md"
 SMALL = [(r"\bresolution=\d{2,3}\b", "resolution=40"), (r"size=\(400, 300\)", "size=(40, 30)"),
-         (r'("bunny\.obj"), (?!roots)', r"\1, sdf_resolution=40, "), (r"roots=331", "roots=12, resolution=24"), ("100000, 3", "2000, 3")]
+         (r'("bunny\.obj"), (?!roots|resolution=\d+, band)', r"\1, sdf_resolution=40, "), (r"roots=331", "roots=12, resolution=24"), ("100000, 3", "2000, 3"),
+         (r"\bsize=[12]00\b", "size=30"), (r"\[20, 30, 45\]", "[10, 14, 20]"), ("versors=20", "versors=3"), (r"band=4", "band=2")]
 LACKING = [name for name in ("juliavdb", "numpy") if importlib.util.find_spec(name) is None]
 if LACKING:
     print(f"skipped: there is no {', '.join(LACKING)}")
@@ -55,9 +56,11 @@ class Page(unittest.TestCase):
     @unittest.skipIf(LACKING, f"there is no {', '.join(LACKING)}")
     def test_every_snippet_runs(self):
         names, said, files = run_snippets(PAGE)
-        self.assertEqual(len(said), 13)
-        self.assertEqual(files, ["bunny.obj", "bunny.ply", "bunny.vdb", "cube.obj", "shape.json"])
+        self.assertEqual(len(said), 17)
+        self.assertEqual(files, ["bunny.obj", "bunny.ply", "bunny.vdb", "cube.json", "cube.obj", "noise.vdb", "shape.json"])
         self.assertEqual(names["strip"].shape, (30, 80, 3))
+        self.assertEqual((names["members"].shape, names["members"].dtype.kind), (names["phi_on_plane"].shape, "b"))
+        self.assertLess(names["lowest"], names["value"])
         self.assertTrue(0.05 < names["share"] < 0.95)
         self.assertEqual(names["slopes"].shape, (24, 24, 24, 3))
         self.assertTrue(((names["proved"] == -1) <= (names["values"] < 0)).all())

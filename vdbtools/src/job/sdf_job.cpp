@@ -5,6 +5,7 @@
 #include "repair/solid_input.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/recipe/recipe_reader.h"
+#include "vdbtools/target/target_input.h"
 
 #include <stdexcept>
 
@@ -50,7 +51,7 @@ SdfOptions parseSdfOptions(const Recipe& recipe) {
 
 SdfResult runSdf(const SdfOptions& options, Monitor& monitor) {
   openvdb::initialize();
-  const SolidSource source = openSolid(options.input, nullptr, options.mend);
+  const SolidSource source = openSolid(options.input, options.mesh, options.mend);
   SdfResult result;
   result.report = source.report;
   const double voxel = options.voxels.sizeFor(longestSide(source.box));
@@ -62,7 +63,7 @@ SdfResult runSdf(const SdfOptions& options, Monitor& monitor) {
   result.moved = sdf.moved;
   result.closedGap = sdf.closedGap;
   result.caps = sdf.caps;
-  result.metadata["julia_source_sha256"] = sha256OfFile(options.input);
+  result.metadata["julia_source_sha256"] = options.mesh ? sha256OfMesh(*options.mesh) : sha256OfFile(options.input);
   // The program reads it back with the grid, and so in the axes of the file.
   result.metadata[kTargetBox] = boxText(UpTurn(options.axes.target, options.axes.ofVdb())(source.box));
   if (sdf.moved) result.metadata["julia_repair_moved"] = numbersText({*sdf.moved});

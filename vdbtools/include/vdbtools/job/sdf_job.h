@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -21,6 +22,7 @@ namespace vdbtools {
 
 struct SdfOptions {
   std::filesystem::path input;
+  std::shared_ptr<const Mesh> mesh{};  ///< a mesh in memory, for which nothing is read; input is its name
   VoxelChoice voxels;
   MendOptions mend;
   double band = 3;  ///< voxels on each side, above 1

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "python_functions.h"
+
+#include "arrays.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace py = pybind11;
+
+namespace {
+
+using openvdb::Vec3d;
+
+/// The last evaluator that has the function may end in any thread.
+std::shared_ptr<py::object> heldInAnyThread(const py::object& function) {
+  return {new py::object(function), [](py::object* object) {
+            const py::gil_scoped_acquire lock;
+            delete object;
+          }};
+}
+
+/// The real numbers of an array that a function returned. @throw std::invalid_argument
+std::vector<double> numbersReturned(const py::array& given, const char* what) {
+  if (const char kind = given.dtype().kind(); kind != 'f' && kind != 'i' && kind != 'u')
+    throw std::invalid_argument(std::string("the function of ") + what + " must return real numbers");
+  const py::array_t<double, py::array::c_style | py::array::forcecast> numbers(given);
+  return {numbers.data(), numbers.data() + numbers.size()};
+}
+
+std::vector<double> directionsFrom(const py::object& function, std::span<const Vec3d> points) {
+  const py::gil_scoped_acquire lock;
+  const auto count = static_cast<py::ssize_t>(points.size());
+  py::array_t<double> at({count, py::ssize_t{3}});
+  std::copy_n(points.data()->asPointer(), 3 * points.size(), at.mutable_data());
+  const py::array given = arrayOf(function(at), "what the function of versor returns");
+  if (given.ndim() != 2 || given.shape(0) != count || (given.shape(1) != 3 && given.shape(1) != 4))
+    throw std::invalid_argument("the function of versor was given " + std::to_string(count) +
+                                " points and returned an array of the shape " + shapeText(given) +
+                                "; it must be (n, 3) or (n, 4), one row a point");
+  std::vector<double> values = numbersReturned(given, "versor");
+  const auto broken = std::find_if(values.begin(), values.end(), [](double x) { return !std::isfinite(x); });
+  if (broken != values.end()) {
+    const auto components = static_cast<std::size_t>(given.shape(1));
+    const std::size_t row = static_cast<std::size_t>(broken - values.begin()) / components;
+    throw std::invalid_argument("the function of versor returned " + tupleText(&values[row * components], components) +
+                                " at the point " + tupleText(points[row].asPointer(), 3) +
+                                "; directions must be finite");
+  }
+  return values;
+}
+
+std::vector<double> iteratesFrom(const py::object& function, std::span<const double> iterates,
+                                 std::span<const double> starts) {
+  const py::gil_scoped_acquire lock;
+  const auto count = static_cast<py::ssize_t>(iterates.size() / 4);
+  py::array_t<double> q({count, py::ssize_t{4}}), c({count, py::ssize_t{4}});
+  std::copy(iterates.begin(), iterates.end(), q.mutable_data());
+  std::copy(starts.begin(), starts.end(), c.mutable_data());
+  const py::array given = arrayOf(function(q, c), "what the function of map returns");
+  if (given.ndim() != 2 || given.shape(0) != count || given.shape(1) != 4)
+    throw std::invalid_argument("the function of map was given " + std::to_string(count) +
+                                " iterates and returned an array of the shape " + shapeText(given) +
+                                "; it must be (n, 4), one row an iterate");
+  return numbersReturned(given, "map");
+}
+
+}  // namespace
+
+vdbtools::VersorFunction versorOf(const py::object& function) {
+  if (function.is_none()) return {};
+  return [held = heldInAnyThread(function)](std::span<const Vec3d> points) { return directionsFrom(*held, points); };
+}
+
+MapFunction mapOf(const py::object& function) {
+  if (function.is_none()) return {};
+  return [held = heldInAnyThread(function)](std::span<const double> iterates, std::span<const double> starts) {
+    return iteratesFrom(*held, iterates, starts);
+  };
+}
