@@ -28,6 +28,7 @@ const Command kCommands[] = {
     {"fractal", runFractal, "make a fractal (VDB, mesh) from a mesh or a signed distance field"},
     {"fit", runFit, "find a rational map whose Julia set has the shape of a mesh"},
     {"mesh", runMesh, "make a mesh from a VDB"},
+    {"convert", runConvert, "write the grids of a VDB as NanoVDB"},
     {"points", runPoints, "spread oriented points over a surface"},
     {"print", runPrint, "make a part for 3D printing: one closed piece, in millimetres, with a minimum wall thickness"},
     {"versor", runVersor, "make, inspect and change versors, the texture of a fractal"},

@@ -78,7 +78,8 @@ std::string formatOf(const std::string& name, const char* usual) {
 void noteLeftOut(const std::filesystem::path& file, std::span<const vdbtools::VertexColumn> columns) {
   const std::string extension = vdbtools::lowerExtension(file);
   std::vector<std::string> names;
-  if (extension == ".vdb") {
+  const bool grids = extension == ".vdb" || extension == ".nvdb";
+  if (grids) {
     for (const vdbtools::VertexColumn& column : columns)
       if (column.kind == vdbtools::ColumnKind::TextureCoordinate) names.push_back(column.name);
   } else if (!extension.empty()) {
@@ -88,8 +89,8 @@ void noteLeftOut(const std::filesystem::path& file, std::span<const vdbtools::Ve
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
   report().text() << "note: " << file.string() << " holds no "
-                  << (names.size() == columns.size() && extension != ".vdb" ? "attributes" : list)
-                  << (extension == ".vdb" ? "" : "; a PLY holds all") << '\n';
+                  << (names.size() == columns.size() && !grids ? "attributes" : list)
+                  << (grids ? "" : "; a PLY holds all") << '\n';
 }
 
 void tellCrumbs(const vdbtools::CrumbReport& dropped, double voxelSize, std::optional<double> left, bool counts) {

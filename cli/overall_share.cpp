@@ -75,6 +75,7 @@ constexpr auto kSheet = scenePhases({{PhaseKind::Proofs, 5},
                                      {PhaseKind::RayTree, 5},
                                      {PhaseKind::Render, 60},
                                      {PhaseKind::Writing, 2}});
+constexpr PhaseWeight kConvert[] = {{PhaseKind::Reading, 50}, {PhaseKind::Writing, 50}};
 constexpr PhaseWeight kUsd[] = {{PhaseKind::Reading, 80}, {PhaseKind::Writing, 20}};
 constexpr PhaseWeight kFit[] = {{PhaseKind::Reading, 1},         {PhaseKind::Thickening, 3},
                                 {PhaseKind::Sides, 2},           {PhaseKind::DistanceField, 3},
@@ -99,6 +100,7 @@ std::span<const PhaseWeight> phasesOf(std::string_view command) {
   if (command == "sheet") return kSheet;
   if (command == "fit") return kFit;
   if (command == "usd") return kUsd;
+  if (command == "convert") return kConvert;
   return {};
 }
 

@@ -6,7 +6,7 @@
 BUILD_PACKAGES=(g++ cmake ninja-build libopenvdb-dev libtbb-dev libeigen3-dev liblbfgspp-dev libmuparser-dev
   libopenmesh-dev libopenimageio-dev openimageio-tools libcairo2-dev libfreetype-dev fonts-dejavu-core pkg-config libssl-dev
   nlohmann-json3-dev libmeshoptimizer-dev libboost-dev libboost-iostreams-dev libboost-program-options-dev libblosc-dev
-  zlib1g-dev libpng-dev libzip-dev libcpp-httplib-dev opencl-c-headers)
+  zlib1g-dev libpng-dev libzip-dev libcpp-httplib-dev opencl-c-headers libnanovdb-dev)
 QUICKSTART_PACKAGES=(glmark2-data)
 # slurm-wlm and parallel run the tests of farms: a true cluster, of one node. python3-dev and pybind11-dev build the Python
 # module, and python3-numpy runs it. blender runs the tests of the add-on; with what it needs, it is a download of 90 MB.
@@ -15,6 +15,13 @@ QUICKSTART_PACKAGES=(glmark2-data)
 TEST_PACKAGES=(dpkg-dev file groff-base libgtest-dev libbenchmark-dev libopenvdb-tools python3 python3-openvdb python3-dev
   pybind11-dev python3-numpy python3-pip python3-setuptools python3-wheel libtinygltf-dev clang-format doxygen git
   ca-certificates slurm-wlm munge parallel blender chromium chromium-driver python3-selenium pocl-opencl-icd oclgrind)
+# pocl-opencl-icd makes the processor a device of OpenCL, with which the devices are tested.
+# libnanovdb-tools reads our NanoVDB files, and python3-tifffile the layers of stacks.
+# chromium and its driver, which Selenium speaks to, show the page of 'juliavdb explore'; 90 MB.
+TEST_PACKAGES=(dpkg-dev file groff-base libgtest-dev libbenchmark-dev libopenvdb-tools python3 python3-openvdb python3-dev
+  pybind11-dev python3-numpy libtinygltf-dev clang-format doxygen git ca-certificates slurm-wlm munge parallel blender
+  chromium chromium-driver python3-selenium pocl-opencl-icd libnanovdb-tools
+  python3-tifffile)
 
 as_root() {
   local sudo=()

@@ -17,6 +17,7 @@ int runMerge(const Arguments& arguments);
 int runMesh(const Arguments& arguments);
 int runFit(const Arguments& arguments);
 int runVersor(const Arguments& arguments);
+int runConvert(const Arguments& arguments);
 int runPoints(const Arguments& arguments);
 int runPrint(const Arguments& arguments);
 int runSheet(const Arguments& arguments);

@@ -2,6 +2,7 @@
 #include "commands.h"
 
 #include "exit_code.h"
+#include "grid_file.h"
 #include "options.h"
 #include "output.h"
 #include "plan.h"
@@ -26,7 +27,7 @@ namespace cli {
 namespace {
 
 constexpr Usage kFractalUsage = {
-    "fractal", "MESH|SDF.vdb -o F.vdb [--mesh F.ply] [--detail D] [--resolution N | --voxel-size H] [options]",
+    "fractal", "MESH|SDF.vdb -o F.vdb|F.nvdb [--mesh F.ply] [--detail D] [--resolution N | --voxel-size H] [options]",
     "Turns a target into a fractal of the same shape: a level set for Houdini or Blender, and the mesh of its true "
     "surface. The distances of a VDB input are used as they are. The maps quadratic, cross and mandelbulb make sets of "
     "their own, without a target, within the ball from which no orbit has escaped, or within a --box.\n\n"
@@ -34,6 +35,7 @@ constexpr Usage kFractalUsage = {
     "place for the frame, and --key says what an option is at some frames ('juliavdb plan frames --help'). A frame "
     "whose files are there and were made by the same options from the same inputs is kept.",
     "  juliavdb fractal bunny.obj -o bunny.vdb --mesh bunny.ply --resolution 150\n"
+    "  juliavdb fractal bunny.obj -o bunny.nvdb --nvdb-bits 8 --resolution 100\n"
     "  juliavdb fractal bunny.obj -o deep.vdb --detail 0.6 --texture-seed 7 --resolution 100\n"
     "  juliavdb fractal bunny.obj -o ramp.vdb --detail x:0.05:0.6:smooth --resolution 100\n"
     "  juliavdb fractal bunny.obj -o papers.vdb --alpha 40 --beta 0.02 --origin centre --resolution 100\n"
@@ -129,11 +131,12 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
   const bool wantVdb = line.has("output"), wantMesh = line.has("mesh"), isFrame = run.frame && line.has("frames");
   const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(run.found);
   Outputs outputs(line, vdbtools::inputsOf(options), run.frame);
-  vdbtools::AtomicFile* vdb = wantVdb ? &outputs.add("output", line.text("output"), ".vdb") : nullptr;
+  vdbtools::AtomicFile* vdb = wantVdb ? &outputs.add("output", line.text("output"), kGridExtensions) : nullptr;
   vdbtools::AtomicFile* mesh = wantMesh ? &outputs.add("mesh", line.text("mesh"), vdbtools::kMeshExtensions) : nullptr;
 
   const vdbtools::Scene scene = maker.make(options, progress);
-  vdbtools::FractalFiles files{.vdb = vdb};
+  std::vector<vdbtools::NvdbWritten> nvdb;
+  vdbtools::FractalFiles files{.vdb = vdb, .nvdb = nvdbValues(line), .nvdbReport = &nvdb};
   if (mesh) files.meshes = {{mesh, vdbtools::meshFormat("mesh" + formatOf(line.text("mesh"), ".ply"))}};
   const vdbtools::FractalResult result = vdbtools::writeFractal(scene, run.recipe, files, progress);
   outputs.commit(run.isLast);
@@ -165,6 +168,7 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
   report().text() << ", " << result.evaluatedNodes << " nodes evaluated";
   if (wantMesh) report().text() << ", " << result.mesh.triangles << " triangles";
   report().text() << '\n';
+  tellNvdb(nvdb);
   const std::vector<vdbtools::VertexColumn> columns = vdbtools::meshColumns(options.output.attributes);
   for (const vdbtools::AtomicFile* file : {vdb, mesh})
     if (file) noteLeftOut(file->target(), columns);
@@ -218,15 +222,17 @@ int makeFrames(const CommandLine& line) {
 
 int runFractal(const Arguments& arguments) {
   CommandLine line(kFractalUsage, vdbtools::fractalOptionTable());
-  line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), "the VDB to write")(
+  line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), kGridsHelp)(
       "mesh", po::value<std::string>()->value_name("F.ply"), kMeshHelp)(
       "frame", po::value<std::string>()->value_name("N"), "the frame number, for names such as name.####.vdb");
+  addNvdbOption(line);
   addSequenceOptions(line);
   addSearchOption(line);
   if (!line.parse(arguments)) return kDone;
   vdbtools::parseFractalOptions(line.recipe());
   if (!line.has("output") && !line.has("mesh"))
     throw std::invalid_argument("no output was given; use -o F.vdb, --mesh F.ply, or both");
+  nvdbValues(line);
   requireSequenceFits(line);
   if (line.has("frames")) return makeFrames(line);
   line.requireEffect(productsOf(line));

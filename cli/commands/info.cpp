@@ -8,6 +8,7 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
+#include "vdbtools/formats/nvdb_file.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/versor_file.h"
 #include "vdbtools/mesh/mesh.h"
@@ -38,10 +39,12 @@ using Json = nlohmann::ordered_json;
 
 constexpr Usage kInfoUsage = {
     "info", "FILE... [--json]",
-    "Shows what is in a mesh (.obj, .ply, .stl, .off, .glb, .gltf), in a VDB, with the recipe it was made by, or in a "
-    "versor (.json, .p4d, .poly4d, .o3d). A file that cannot be read does not keep the others from being shown.",
+    "Shows what is in a mesh (.obj, .ply, .stl, .off, .glb, .gltf), in a VDB, with the recipe it was made by, in a "
+    "NanoVDB file (.nvdb), all of whose checksums and places of nodes are checked, or in a versor (.json, .p4d, "
+    ".poly4d, .o3d). A file that cannot be read does not keep the others from being shown.",
     "  juliavdb info bunny.obj\n"
-    "  juliavdb info bunny.vdb --json\n"};
+    "  juliavdb info bunny.vdb --json\n"
+    "  juliavdb info bunny.nvdb\n"};
 
 Json vector(const openvdb::Vec3d& v) { return {v[0], v[1], v[2]}; }
 
@@ -170,6 +173,31 @@ Json vdbInfo(const std::string& path) {
   return info;
 }
 
+Json nvdbInfo(const std::string& path) {
+  const vdbtools::NvdbFile file = vdbtools::readNvdb(path);
+  Json info{
+      {"kind", "NanoVDB"}, {"version", file.version}, {"compression", file.compression}, {"grids", Json::array()}};
+  for (const vdbtools::NvdbGrid& grid : file.grids) {
+    Json one{{"name", grid.name},
+             {"type", grid.type},
+             {"class", grid.gridClass},
+             {"active voxels", grid.activeVoxels},
+             {"voxel size", vector(grid.voxelSize)},
+             {"memory (bytes)", grid.bytes},
+             {"leaves, lower and upper nodes", grid.nodes}};
+    if (!grid.box.empty()) {
+      one["box min"] = vector(grid.box.min());
+      one["box max"] = vector(grid.box.max());
+    }
+    using Checksum = vdbtools::NvdbGrid::Checksum;
+    one["checksum"] = grid.checksum == Checksum::Full   ? "fits"
+                      : grid.checksum == Checksum::Head ? "fits; the nodes have none"
+                                                        : "none";
+    info["grids"].push_back(one);
+  }
+  return info;
+}
+
 Json polynomialInfo(const julia::Polynomial& polynomial) {
   Json info{{"roots", polynomial.roots.size()},
             {"power scale", polynomial.powerScale},
@@ -196,6 +224,7 @@ Json versorInfo(const std::string& path) {
 Json infoOf(const std::string& path) {
   const std::string extension = vdbtools::lowerExtension(path);
   if (extension == ".vdb") return vdbInfo(path);
+  if (vdbtools::isNvdbPath(path)) return nvdbInfo(path);
   for (const char* versor : {".json", ".p4d", ".poly4d", ".o3d"})
     if (extension == versor) return versorInfo(path);
   return meshInfo(path);

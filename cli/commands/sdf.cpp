@@ -2,6 +2,7 @@
 #include "commands.h"
 
 #include "exit_code.h"
+#include "grid_file.h"
 #include "options.h"
 #include "output.h"
 #include "report.h"
@@ -12,16 +13,18 @@
 #include "vdbtools/job/sdf_job.h"
 
 #include <map>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace po = boost::program_options;
 
 namespace cli {
 namespace {
 
-constexpr Usage kSdfUsage = {"sdf", "MESH -o F.vdb [--resolution N | --voxel-size H] [--repair] [options]",
+constexpr Usage kSdfUsage = {"sdf", "MESH -o F.vdb|F.nvdb [--resolution N | --voxel-size H] [--repair] [options]",
                              "Makes a signed distance field of a mesh: a narrow-band level set, negative inside. A "
                              "mesh that leaks is refused; --repair closes it. --solidify makes a block of terrain, "
                              "--thicken a plate of a sheet, and --points-radius a solid of a cloud of points.",
@@ -32,16 +35,18 @@ constexpr Usage kSdfUsage = {"sdf", "MESH -o F.vdb [--resolution N | --voxel-siz
 
 int runSdf(const Arguments& arguments) {
   CommandLine line(kSdfUsage, vdbtools::sdfOptionTable());
-  line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), "the VDB to write")(
+  line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), kGridsHelp)(
       "frame", po::value<std::string>()->value_name("N"), "the frame number, for names such as name.####.vdb");
+  addNvdbOption(line);
   if (!line.parse(arguments)) return kDone;
   const vdbtools::SdfOptions options = vdbtools::parseSdfOptions(line.recipe());
   line.requireEffect({vdbtools::Product::Vdb});
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.vdb");
+  const std::optional<vdbtools::NvdbValues> nvdb = nvdbValues(line);
   vdbtools::InputFiles inputs;
   inputs.add(options.input);
   Outputs outputs(line, std::move(inputs), parseFrame(line.text("frame")));
-  std::ostream& file = outputs.add("output", line.text("output"), ".vdb").stream();
+  std::ostream& file = outputs.add("output", line.text("output"), kGridExtensions).stream();
 
   vdbtools::SdfResult result = vdbtools::runSdf(options, line.progress());
   std::map<std::string, std::string> metadata = vdbtools::recipeToMetadata(line.recipe(), "sdf");
@@ -49,13 +54,18 @@ int runSdf(const Arguments& arguments) {
   vdbtools::VdbWriteOptions write = vdbtools::vdbWriteOptions(options.axes, std::move(metadata));
   write.half = options.half;
   line.progress().begin(vdbtools::PhaseKind::Writing, 0);
-  file << vdbtools::encodeVdb({result.grid}, write);
+  std::vector<vdbtools::NvdbWritten> written;
+  if (nvdb)
+    written = vdbtools::writeNvdb(file, {result.grid}, {.values = *nvdb, .turn = write.turn});
+  else
+    file << vdbtools::encodeVdb({result.grid}, write);
   line.progress().throwIfCancelled();
   outputs.commit();
   report().count("voxels", result.grid->activeVoxelCount());
   report().count("voxelSize", result.grid->voxelSize()[0]);
   report().text() << "wrote " << outputs.names() << ": " << result.grid->activeVoxelCount() << " voxels of "
                   << vdbtools::shortText(result.grid->voxelSize()[0]) << '\n';
+  tellNvdb(written);
   if (result.caps > 0)
     report().text() << "repaired: " << result.caps << (result.caps == 1 ? " hole" : " holes") << " of up to "
                     << vdbtools::shortText(*result.closedGap, vdbtools::Rounding::Up)

@@ -6,6 +6,8 @@
 #include "output.h"
 #include "report.h"
 #include "slice_plane.h"
+#include "slice_samples.h"
+#include "slice_stack.h"
 
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_job.h"
@@ -14,10 +16,6 @@
 #include "vdbtools/scene/slice_frame.h"
 
 #include "julia/elementary.h"
-
-#include <openvdb/tools/Interpolation.h>
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -37,8 +35,9 @@ using vdbtools::SlicePlane;
 constexpr Usage kSliceUsage = {
     "slice",
     "MESH|SDF.vdb|FRACTAL.vdb -o F.png [--field phi|e|f|membership|iterations|versor|grid] [--axis x|y|z] "
-    "[options]",
-    "Makes a picture of a field on a plane. For a fractal that this program made, the options come from its recipe; "
+    "[--stack] [options]",
+    "Makes a picture of a field on a plane, or with --stack one of each layer. For a fractal that this program made, "
+    "the options come from its recipe; "
     "for a mesh or a signed distance, they are those of 'fractal'.\n\n"
     "  phi         the target's signed distance: blue inside, red outside, the surface dark\n"
     "  e           ln |f(x)| of the first step, in the same colours: for the shape modulus, its exponent\n"
@@ -49,10 +48,9 @@ constexpr Usage kSliceUsage = {
     "  grid        the voxels of a VDB as they are",
     "  juliavdb slice bunny.vdb -o membership.png --field membership\n"
     "  juliavdb slice bunny.vdb -o versor.png --field versor --axis x\n"
+    "  juliavdb slice bunny.vdb --stack -o layers.####.tif --axis y --size 60 --units mm\n"
     "  juliavdb slice bunny.obj -o e.exr --field e --alpha 40 --position 0.1 --size 400\n"
     "  juliavdb slice bunny.obj -o first_step.png --field e --arrow 0,0,0.2 --arrow 0.5,0.6,0\n"};
-
-enum class SliceField { Phi, Exponent, Field, Membership, Iterations, Versor, Grid };
 
 SliceField parseField(const CommandLine& line) {
   return line.choice<SliceField>("field", {{"phi", SliceField::Phi},
@@ -63,86 +61,6 @@ SliceField parseField(const CommandLine& line) {
                                            {"iterations", SliceField::Iterations},
                                            {"versor", SliceField::Versor},
                                            {"grid", SliceField::Grid}});
-}
-
-/// A row of pixels at a time, in threads.
-template <class Row>
-void forEachRow(const SlicePlane& plane, Progress& progress, const Row& row) {
-  progress.begin(vdbtools::PhaseKind::Slice, static_cast<std::uint64_t>(plane.height()));
-  tbb::parallel_for(0, plane.height(), [&](int y) {
-    if (progress.cancelled()) return;
-    row(y);
-    progress.advance(1);
-  });
-  progress.throwIfCancelled();
-}
-
-std::vector<julia::Point> pointsOfRow(const SlicePlane& plane, int y, const vdbtools::FractalSpace& space) {
-  std::vector<julia::Point> points;
-  for (int x = 0; x < plane.width(); ++x) points.push_back(space.toFractal(plane.position(x, y)));
-  return points;
-}
-
-std::size_t rowStart(const SlicePlane& plane, int y) {
-  return static_cast<std::size_t>(y) * static_cast<std::size_t>(plane.width());
-}
-
-/// Numbers of points of a scene, in 32 bits. @param evaluate  (points, values, number of the first one)
-template <class Evaluate>
-std::vector<float> sampleNumbers(const SlicePlane& plane, const Scene& scene, Progress& progress,
-                                 const Evaluate& evaluate) {
-  std::vector<float> numbers(rowStart(plane, plane.height()));
-  forEachRow(plane, progress, [&](int y) {
-    const std::vector<julia::Point> points = pointsOfRow(plane, y, scene.field.space);
-    std::vector<double> values(points.size());
-    const std::size_t start = rowStart(plane, y);
-    evaluate(points, values, start);
-    std::transform(values.begin(), values.end(), numbers.begin() + static_cast<std::ptrdiff_t>(start),
-                   [](double value) { return static_cast<float>(value); });
-  });
-  return numbers;
-}
-
-std::vector<float> sampleGrid(const SlicePlane& plane, const openvdb::FloatGrid& grid, Progress& progress) {
-  std::vector<float> values(rowStart(plane, plane.height()));
-  forEachRow(plane, progress, [&](int y) {
-    const auto accessor = grid.getConstAccessor();
-    for (int x = 0; x < plane.width(); ++x)
-      values[rowStart(plane, y) + static_cast<std::size_t>(x)] =
-          openvdb::tools::BoxSampler::sample(accessor, grid.worldToIndex(plane.position(x, y)));
-  });
-  return values;
-}
-
-struct FieldSamples {
-  std::vector<float> field;
-  std::vector<int> iterations;
-};
-
-FieldSamples sampleField(const SlicePlane& plane, const Scene& scene, Progress& progress) {
-  FieldSamples samples;
-  samples.iterations.resize(rowStart(plane, plane.height()));
-  samples.field = sampleNumbers(
-      plane, scene, progress, [&](std::span<const julia::Point> points, std::span<double> values, std::size_t start) {
-        scene.field.evaluator->evaluate(points, values, std::span(samples.iterations).subspan(start, points.size()));
-      });
-  return samples;
-}
-
-/// The evaluator of the orbit's first step alone.
-std::unique_ptr<julia::FieldEvaluator> firstStep(const Scene& scene) {
-  julia::OrbitOptions orbit = scene.field.orbit;
-  orbit.maxIterations = 1;
-  return scene.field.map->evaluator(scene.field.arithmetic, orbit);
-}
-
-/// ln |f|.
-std::vector<float> sampleFirstStep(const SlicePlane& plane, const Scene& scene, Progress& progress) {
-  const auto step = firstStep(scene);
-  return sampleNumbers(plane, scene, progress,
-                       [&](std::span<const julia::Point> points, std::span<double> values, std::size_t) {
-                         step->orbitTraps(points, values);
-                       });
 }
 
 /// The first steps from these points, world units.
@@ -176,16 +94,6 @@ std::vector<vdbtools::SliceArrow> arrowsFrom(const std::vector<openvdb::Vec3d>& 
   return arrows;
 }
 
-std::vector<openvdb::Vec3s> sampleVersor(const SlicePlane& plane, const Scene& scene, Progress& progress) {
-  std::vector<openvdb::Vec3s> values(rowStart(plane, plane.height()));
-  forEachRow(plane, progress, [&](int y) {
-    const std::vector<julia::Point> points = pointsOfRow(plane, y, scene.field.space);
-    const std::vector<openvdb::Vec3s> versors = scene.source().versorVectors(points);
-    std::copy(versors.begin(), versors.end(), values.begin() + static_cast<std::ptrdiff_t>(rowStart(plane, y)));
-  });
-  return values;
-}
-
 vdbtools::Image sliceOfScene(const Scene& scene, SliceField field, const SlicePlane& plane, double range,
                              Progress& progress) {
   switch (field) {
@@ -208,6 +116,53 @@ vdbtools::Image sliceOfScene(const Scene& scene, SliceField field, const SlicePl
   return vdbtools::membershipSlice(plane, sampleField(plane, scene, progress).field);
 }
 
+vdbtools::SliceCodes layerOfScene(const Scene& scene, SliceField field, const SlicePlane& plane,
+                                  const StackOptions& stack, vdbtools::Monitor& progress) {
+  const auto signedLayer = [&](std::vector<float> values) {
+    return vdbtools::signedCodes(plane, values, stack.range, stack.bits);
+  };
+  switch (field) {
+    case SliceField::Phi: return signedLayer(sampleGrid(plane, *scene.target->distances.phi, progress));
+    case SliceField::Exponent:
+      return signedLayer(scene.exponent() ? sampleGrid(plane, *scene.exponent()->grid, progress)
+                                          : sampleFirstStep(plane, scene, progress));
+    case SliceField::Field: return signedLayer(sampleField(plane, scene, progress).field);
+    case SliceField::Iterations:
+      return vdbtools::countCodes(plane, sampleField(plane, scene, progress).iterations, stack.bits);
+    case SliceField::Versor: return vdbtools::versorCodes(plane, sampleVersor(plane, scene, progress), stack.bits);
+    case SliceField::Membership:
+    case SliceField::Grid: break;
+  }
+  return vdbtools::membershipCodes(plane, sampleField(plane, scene, progress).field, stack.bits);
+}
+
+/// What the numbers of a stack mean, for the text beside it.
+std::string meaningOf(SliceField field, const StackOptions& stack) {
+  const std::string most = stack.bits == 8 ? "255" : "65535";
+  switch (field) {
+    case SliceField::Membership: return most + " inside, 0 outside";
+    case SliceField::Iterations: return "steps of the orbit, at most " + most;
+    case SliceField::Versor: return "three channels, 0 is -1 and " + most + " is 1";
+    default: break;
+  }
+  const std::string range = vdbtools::numbersText({stack.range});
+  return "0 is -" + range + " and " + most + " is " + range + ", negative inside";
+}
+
+struct NamedGrid {
+  openvdb::FloatGrid::Ptr grid;
+  openvdb::BBoxd frame;
+};
+
+/// The grid of a VDB, with the box of its active voxels.
+NamedGrid gridToSlice(const std::string& input, const std::string& name) {
+  NamedGrid result{vdbtools::chooseFloatGrid(vdbtools::readVdb(input), name, input), {}};
+  const openvdb::CoordBBox active = result.grid->evalActiveVoxelBoundingBox();
+  if (active.empty()) throw vdbtools::DataError("the grid '" + result.grid->getName() + "' is empty");
+  result.frame = result.grid->transform().indexToWorld(openvdb::BBoxd(active.min().asVec3d(), active.max().asVec3d()));
+  return result;
+}
+
 vdbtools::Image sliceOfScene(const Scene& scene, SliceField field, const PlanePlacement& placement, double range,
                              const std::vector<openvdb::Vec3d>& arrows, Progress& progress) {
   const openvdb::BBoxd frame = vdbtools::sliceFrame(scene);
@@ -220,13 +175,28 @@ vdbtools::Image sliceOfScene(const Scene& scene, SliceField field, const PlanePl
 
 vdbtools::Image sliceOfGrid(const std::string& input, const std::string& name, const PlanePlacement& placement,
                             double range, Progress& progress) {
-  const auto grid = vdbtools::chooseFloatGrid(vdbtools::readVdb(input), name, input);
-  const openvdb::CoordBBox active = grid->evalActiveVoxelBoundingBox();
-  if (active.empty()) throw vdbtools::DataError("the grid '" + grid->getName() + "' is empty");
-  const openvdb::BBoxd frame =
-      grid->transform().indexToWorld(openvdb::BBoxd(active.min().asVec3d(), active.max().asVec3d()));
-  const SlicePlane plane = placement.plane(frame, frame.getCenter());
-  return vdbtools::signedSlice(plane, sampleGrid(plane, *grid, progress), range);
+  const NamedGrid named = gridToSlice(input, name);
+  const SlicePlane plane = placement.plane(named.frame, named.frame.getCenter());
+  return vdbtools::signedSlice(plane, sampleGrid(plane, *named.grid, progress), range);
+}
+
+/// @param options  none: the grid of a VDB
+void writeStack(const CommandLine& line, const std::optional<vdbtools::FractalOptions>& options, SliceField field,
+                const PlanePlacement& placement, const StackOptions& stack) {
+  StackWriter writer(line, options ? vdbtools::inputsOf(*options) : vdbtools::InputFiles(), stack);
+  const std::string meaning = meaningOf(field, stack);
+  if (!options) {
+    const NamedGrid named = gridToSlice(line.text("input"), line.text("grid"));
+    writer.write(placement, named.frame, meaning, [&](const SlicePlane& plane, vdbtools::Monitor& progress) {
+      return vdbtools::signedCodes(plane, sampleGrid(plane, *named.grid, progress), stack.range, stack.bits);
+    });
+    return;
+  }
+  const Scene scene = vdbtools::makeScene(*options, line.progress());
+  if (field == SliceField::Phi && !scene.target) throw std::invalid_argument("there is no phi without a target");
+  writer.write(placement, frameOf(scene), meaning, [&](const SlicePlane& plane, vdbtools::Monitor& progress) {
+    return layerOfScene(scene, field, plane, stack, progress);
+  });
 }
 
 /// The voxels of a VDB are shown as they are.
@@ -250,6 +220,7 @@ int runSlice(const Arguments& arguments) {
       "draw the first step from this point, in the target's units: an arrow to f(x), and the circle about "
       "the origin of the dynamics on which the texture places it. White if the point belongs to the set, "
       "black if not; any number of times");
+  addStackOptions(line);
   addSearchOption(line);
   if (!line.parse(arguments)) return kDone;
   const SliceField field = parseField(line);
@@ -259,6 +230,7 @@ int runSlice(const Arguments& arguments) {
   const bool isSigned =
       field != SliceField::Membership && field != SliceField::Iterations && field != SliceField::Versor;
   line.requireUse(isSigned, {"range"}, "it is for --field phi, e, f and grid; leave it out");
+  const StackOptions stack = parseStack(line, field);
   std::vector<openvdb::Vec3d> arrows;
   for (const std::string& point : line.texts("arrow")) arrows.push_back(vdbtools::parseVector("arrow", point));
   const std::string input = line.text("input");
@@ -270,6 +242,10 @@ int runSlice(const Arguments& arguments) {
     const vdbtools::Recipe recipe = sceneRecipe(line, input);
     options = vdbtools::parseFractalOptions(recipe);
     line.requireEffect({{recipe, {vdbtools::Product::Slice}}});
+  }
+  if (line.has("stack")) {
+    writeStack(line, options, field, placement, stack);
+    return kDone;
   }
   Outputs outputs(line, options ? vdbtools::inputsOf(*options) : vdbtools::InputFiles());
   std::ostream& file = outputs.add("output", line.text("output"), ".png .exr").stream();

@@ -87,7 +87,7 @@ def stop(process, by=signal.SIGINT):
     return stdout, stderr, ended_children() - others - before
 
 
-COMMANDS = ("sdf", "fractal", "fit", "mesh", "versor", "sheet", "slice", "study", "render", "info", "maps",
+COMMANDS = ("sdf", "fractal", "convert", "fit", "mesh", "versor", "sheet", "slice", "study", "render", "info", "maps",
             "points", "print",
             "plan tiles", "plan frames", "plan sheet", "task", "status", "merge", "submit", "explore", "devices")
 

@@ -323,7 +323,8 @@ class Places(harness.CliTest):
                 (("render", "s.vdb", "--size", "16x16", "-o"), ".exr"), (("render", "s.obj", "--size", "16x16", "-o"), ".png"),
                 (("render", "--field", "s.obj", *LOW, "--size", "16x16", "-o"), ".png"),
                 (("points", "s.vdb", "--points", 9, "-o"), ".ply"), (("print", "s.vdb", "--size", 9, "-o"), ".stl"),
-                (("fit", "s.obj", "--roots", 3, "--resolution", 20, "-o"), ".json"), (("usd", "s.vdb", "-o"), ".usda")]
+                (("fit", "s.obj", "--roots", 3, "--resolution", 20, "-o"), ".json"), (("usd", "s.vdb", "-o"), ".usda"),
+                (("convert", "s.vdb", "-o"), ".nvdb")]
 
     def test_no_such_folder(self):
         self.all_refused(CANNOT_CREATE, [(*job, f"nowhere/x{extension}") for job, extension in self.jobs()],
@@ -569,7 +570,8 @@ class EveryCommand(harness.CliTest):
                (("slice", "-o", "x.png"), ("obj", "vdb")), (("study", "-o", "x.png"), ("obj", "vdb")),
                (("render", "-o", "x.png"), ("obj", "vdb")), (("render", "--field", "-o", "x.png"), ("obj", "vdb")),
                (("explore", "--export", "x.html"), ("obj", "vdb")), (("plan", "tiles", "-o", "x", "--tiles", 2), ("obj", "vdb")),
-               (("plan", "sheet", "-o", "x"), ("json",)), (("usd", "-o", "x.usda"), ("vdb",)), (("info",), ("obj", "vdb", "json")))
+               (("plan", "sheet", "-o", "x"), ("json",)), (("usd", "-o", "x.usda"), ("vdb",)), (("info",), ("obj", "vdb", "json", "nvdb")),
+               (("convert", "-o", "x.nvdb"), ("vdb",)))
 
     def test_an_input_that_is_not_there(self):
         self.write("s.obj", harness.obj(harness.sphere(2)))

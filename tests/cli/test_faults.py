@@ -57,6 +57,7 @@ COMMANDS = {
     "study": ("study", "s.obj", "-o", "x.png", "--curve", "x.svg", "--csv", "x.csv", "--versors", 2, "--size", 16,
               "--sdf-resolution", 16),
     "render": ("render", "s.vdb", "-o", "x.exr", "--size", "16x16", "--samples", 1),
+    "convert": ("convert", "f.vdb", "-o", "x.nvdb"),
     "usd": ("usd", "f.vdb", "-o", "x.usda", "--mesh", "f.ply"),
     "plan tiles": ("plan", "tiles", "s.obj", "-o", "x", "--tiles", 2, *LOW),
     "plan frames": ("plan", "frames", "s.obj", "-o", "x", "--frames", "1-2", "--key", "detail@1=0.1", "--key",

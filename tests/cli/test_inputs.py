@@ -39,6 +39,7 @@ CASES = [
     ("sdf", "b.obj", ("b.obj", "-o", OUT)),
     ("sdf", "s.vdb", ("--config", "s.vdb", "-o", OUT)),
     ("sdf", "b.obj", ("--config", "s.vdb", "-o", OUT)),
+    ("convert", "s.vdb", ("s.vdb", "-o", OUT)),
     ("fractal", "b.obj", ("b.obj", "--mesh", OUT)),
     ("fractal", "b.obj", ("b.obj", "-o", "new.vdb", "--mesh", OUT)),
     ("fractal", "s.vdb", ("s.vdb", "-o", OUT)),
@@ -128,8 +129,9 @@ for _command, _words in RECIPES.items():
             CASES.append((_command, _victim, (*_options, *_words)))
 
 EXTENSIONS = {
-    ("sdf", "-o"): ".vdb",
-    ("fractal", "-o"): ".vdb",
+    ("sdf", "-o"): ".vdb .nvdb",
+    ("convert", "-o"): ".nvdb",
+    ("fractal", "-o"): ".vdb .nvdb",
     ("fractal", "--mesh"): ".ply .obj .stl .glb",
     ("fit", "-o"): ".json .o3d",
     ("fit", "--report"): ".csv",

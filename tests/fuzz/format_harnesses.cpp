@@ -5,6 +5,7 @@
 #include "harness.h"
 
 #include "vdbtools/base/memory.h"
+#include "vdbtools/formats/nvdb_file.h"
 #include "vdbtools/formats/peer_formats.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/versor_file.h"
@@ -57,6 +58,28 @@ void openVdbTarget(std::string_view bytes) {
 void readVdbHead(std::string_view bytes) {
   vdbHeadMetadata(bytes);
   readVdbMetadata(scratchFile("head.vdb", bytes));
+}
+
+/// A grid of NanoVDB takes 300 KB, most of them zeros: a zero and two bytes stand for as many zeros.
+std::string withZeros(std::string_view bytes) {
+  constexpr std::size_t kMost = 2'000'000;
+  std::string result;
+  while (!bytes.empty() && result.size() < kMost) {
+    const char byte = bytes.front();
+    bytes.remove_prefix(1);
+    std::uint16_t count = 1;
+    if (byte == '\0' && bytes.size() >= sizeof count) {
+      std::memcpy(&count, bytes.data(), sizeof count);
+      bytes.remove_prefix(sizeof count);
+    }
+    result.append(count, byte);
+  }
+  return result;
+}
+
+void readNvdbFile(std::string_view bytes) {
+  const std::size_t choice = takeChoice(bytes, 2);
+  withMemory(500e6, [&] { decodeNvdb(choice == 0 ? std::string(bytes) : withZeros(bytes)); });
 }
 
 /// What is read can be written, and reads back as the same.
@@ -127,10 +150,11 @@ std::size_t mutateVdb(std::span<std::uint8_t> bytes, std::size_t size, unsigned 
   return size;
 }
 
-constexpr std::array<Harness, 7> kFormatHarnesses = {{
+constexpr std::array<Harness, 8> kFormatHarnesses = {{
     {"vdb", readVdbFile, Refusal::Data, mutateVdb},
     {"vdb_target", openVdbTarget, Refusal::Data, mutateVdb},
     {"vdb_head", readVdbHead, Refusal::Data, mutateVdb},
+    {"nvdb", readNvdbFile, Refusal::Data, mutateVdb},
     {"rational", readJson},
     {"p4d", readP4d},
     {"o3d", readO3d},

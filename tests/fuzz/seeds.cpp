@@ -6,6 +6,7 @@
 #include "fuzz_plan.h"
 
 #include "vdbtools/base/grids.h"
+#include "vdbtools/formats/nvdb_file.h"
 #include "vdbtools/formats/peer_formats.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/vdb_points.h"
@@ -179,6 +180,44 @@ void addVdbs(Seeds& seeds) {
   files["points"] = encoded({pointGrid({.positions = positions}, {}, 0.5)}, COMPRESS_ACTIVE_MASK);
   for (const auto& [name, bytes] : files)
     for (const char* harness : {"vdb", "vdb_target", "vdb_head"}) seeds.push_back({harness, name, bytes});
+}
+
+/// The other way round than the harness: each run of zeros is a zero and its length.
+std::string withoutZeros(const std::string& bytes) {
+  std::string result;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    result += bytes[i];
+    if (bytes[i] != '\0') continue;
+    std::uint16_t count = 1;
+    while (i + 1 < bytes.size() && bytes[i + 1] == '\0' && count < 0xffff) ++count, ++i;
+    result.append(reinterpret_cast<const char*>(&count), sizeof count);
+  }
+  return result;
+}
+
+void addNvdbs(Seeds& seeds) {
+  seeds.push_back({"nvdb", "head", "0NanoVDB0"});
+  if (!canWriteNvdb()) return;
+  const openvdb::FloatGrid::Ptr tile = openvdb::FloatGrid::create(1);
+  tile->setName("density");
+  tile->tree().addTile(3, {0, 0, 0}, 0.5f, true);
+  const openvdb::GridPtrVec others = {few<openvdb::Int32Grid>("int", 0, 5),
+                                      few<openvdb::Vec3SGrid>("vector", openvdb::Vec3s(0), openvdb::Vec3s(1, 2, 3))};
+  for (const auto& [name, grids, values] : {std::tuple("tile", openvdb::GridPtrVec{tile}, NvdbValues::Full),
+                                            {"surface", {ball(3)}, NvdbValues::Full},
+                                            {"bits", {ball(3)}, NvdbValues::Variable},
+                                            {"types", others, NvdbValues::Full}}) {
+    std::ostringstream stream;
+    writeNvdb(stream, grids, {.values = values});
+    std::string bytes = std::move(stream).str();
+    seeds.push_back({"nvdb", name, '1' + withoutZeros(bytes)});
+    // Without checksums, which refuse nearly everything: behind the heads and the names are the grids.
+    if (grids.size() > 1) continue;
+    constexpr std::size_t kHeads = 16 + 176, kChecksums = 8;
+    const std::size_t at = kHeads + grids.front()->getName().size() + 1 + kChecksums;
+    bytes.replace(at, 8, 8, '\xff');
+    seeds.push_back({"nvdb", std::string(name) + "_unsigned", '1' + withoutZeros(bytes)});
+  }
 }
 
 void addRationals(Seeds& seeds) {
@@ -358,6 +397,7 @@ std::vector<Seed> seeds() {
   Seeds all;
   addMeshes(all);
   addVdbs(all);
+  addNvdbs(all);
   addRationals(all);
   addPictures(all);
   addTexts(all);

@@ -28,6 +28,8 @@ REMAINING = {
     "vdbtools": {
         "cos": "OpenMesh's cosine of one angle, 60 degrees, by which a collapse may turn a triangle at most; nothing but a "
                "triangle that turns by exactly so much could tell",
+        "pow": "OpenVDB's question, with a tolerance, whether the voxels of a NanoVDB file have equal sides",
+        "sincos": "rotations of OpenVDB's affine maps, which are compiled with the writer of NanoVDB and never called",
     },
     "vdbtools_fit": {},
     "vdbtools_farm": {},

@@ -2,6 +2,7 @@
 #include "vdbtools/formats/vdb_file.h"
 
 #include "base/lattice_transform.h"
+#include "formats/turn_matrix.h"
 #include "formats/vdb_check.h"
 #include "formats/vdb_cursor.h"
 #include "vdbtools/files/file_bytes.h"
@@ -54,23 +55,11 @@ std::string creatorText(const std::optional<UpAxis>& up) {
   return up == UpAxis::Y ? std::string("Houdini axes (Y up), written by ") + kProgram : kProgram;
 }
 
-/// The quarter turn as a matrix by which OpenVDB multiplies row vectors: its rows are the images of the axes.
-openvdb::Mat4d matrixOf(const UpTurn& turn) {
-  openvdb::Mat4d matrix = openvdb::Mat4d::identity();
-  for (int axis = 0; axis < 3; ++axis) {
-    openvdb::Vec3d unit(0);
-    unit[axis] = 1;
-    const openvdb::Vec3d to = turn(unit);
-    for (int k = 0; k < 3; ++k) matrix(axis, k) = to[k];
-  }
-  return matrix;
-}
-
 /// The grid for the file, which shares the tree.
 openvdb::GridBase::Ptr filed(const openvdb::GridBase& grid, const VdbWriteOptions& options) {
   openvdb::GridBase::Ptr copy = std::const_pointer_cast<openvdb::GridBase>(grid.copyGrid());
   for (const auto& [key, value] : options.metadata) copy->insertMeta(key, openvdb::StringMetadata(value));
-  if (options.turn.turns()) copy->transform().postMult(matrixOf(options.turn));
+  if (options.turn.turns()) copy->transform().postMult(turnMatrix(options.turn));
   copy->setSaveFloatAsHalf(options.half);
   copy->setCreator(creatorText(options.up));
   return copy;

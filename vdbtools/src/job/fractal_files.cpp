@@ -37,10 +37,17 @@ class MeshFiles final : public MeshSink {
 };
 
 void writeGrids(const Scene& scene, const std::map<std::string, std::string>& metadata, const FractalResult& result,
-                AtomicFile& file) {
+                const FractalFiles& files) {
   if (!result.check.failure.empty())
     throw std::logic_error("the level set fails OpenVDB's check: " + result.check.failure);
-  file.stream() << encodeVdb(result.grids, vdbWriteOptions(scene.options.output, metadata));
+  const VdbWriteOptions options = vdbWriteOptions(scene.options.output, metadata);
+  if (!files.nvdb) {
+    files.vdb->stream() << encodeVdb(result.grids, options);
+    return;
+  }
+  std::vector<NvdbWritten> written =
+      writeNvdb(files.vdb->stream(), result.grids, {.values = *files.nvdb, .turn = options.turn});
+  if (files.nvdbReport) *files.nvdbReport = std::move(written);
 }
 
 /// The files take a mesh in this box.
@@ -79,7 +86,7 @@ FractalResult writeFractal(const Scene& scene, const Recipe& recipe, const Fract
   addMeshFiles(meshes, scene, meshBox(plan.nodes), metadata, files);
   FractalResult result = runFractal(scene, plan, plan.mesh ? &meshes : nullptr, monitor);
   monitor.begin(PhaseKind::Writing, 0);
-  if (files.vdb) writeGrids(scene, metadata, result, *files.vdb);
+  if (files.vdb) writeGrids(scene, metadata, result, files);
   result.levels = meshes.finish();
   monitor.throwIfCancelled();
   return result;
@@ -92,7 +99,7 @@ void writeMadeFractal(const Scene& scene, const Recipe& recipe, const FractalRes
   if (files.vdb) requireVdbVoxel(scene.voxelSize);
   MeshFiles meshes;
   addMeshFiles(meshes, scene, meshBox(planScene(scene)), metadata, files);
-  if (files.vdb) writeGrids(scene, metadata, made, *files.vdb);
+  if (files.vdb) writeGrids(scene, metadata, made, files);
   meshes.addPoints({mesh.points, mesh.normals, values});
   meshes.addTriangles(mesh.triangles, 0);
   meshes.finish();

@@ -4,10 +4,12 @@
 #pragma once
 
 #include "vdbtools/files/atomic_file.h"
+#include "vdbtools/formats/nvdb_file.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
 
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,6 +24,9 @@ struct FractalMeshFile {
 /// The files outlive the call. At least one is wanted.
 struct FractalFiles {
   AtomicFile* vdb = nullptr;  ///< takes the grids; none: they are not made
+  /// The file of grids is one of NanoVDB, and how its values are stored.
+  std::optional<NvdbValues> nvdb{};
+  std::vector<NvdbWritten>* nvdbReport = nullptr;  ///< takes what became of the grids in such a file
   std::vector<FractalMeshFile> meshes{};
 };
 

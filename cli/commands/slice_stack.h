@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file slice_stack.h
+/// 'juliavdb slice --stack': a picture for each layer of voxels.
+#pragma once
+
+#include "options.h"
+#include "slice_plane.h"
+#include "slice_samples.h"
+
+#include "vdbtools/files/input_files.h"
+#include "vdbtools/picture/slice_stack.h"
+
+#include <functional>
+#include <optional>
+#include <string>
+
+namespace cli {
+
+/// --stack, --bits and --units.
+void addStackOptions(CommandLine& line);
+
+/// What the numbers of a stack are.
+struct StackOptions {
+  int bits = 8;
+  double range = 0;  ///< of fields with a sign
+  std::optional<vdbtools::LengthUnit> unit;
+};
+/// @throw std::invalid_argument  without --stack: one of its options; with it: one that does not go with it, or no
+/// range
+StackOptions parseStack(const CommandLine& line, SliceField field);
+
+/// The numbers of a layer.
+using LayerMaker = std::function<vdbtools::SliceCodes(const vdbtools::SlicePlane&, vdbtools::Monitor&)>;
+
+/// Claims the names of a stack's files before the field is made, and writes the layers one by one.
+class StackWriter {
+ public:
+  /// @param inputs  what is read in addition to CommandLine::inputs()
+  /// @throw std::invalid_argument  the extension is neither .png nor .tif, or the text beside the layers is an input
+  StackWriter(const CommandLine& line, vdbtools::InputFiles inputs, StackOptions options);
+
+  /// @param box     world units
+  /// @param values  what the numbers mean, for the text
+  /// @throw vdbtools::IoError, vdbtools::Interrupted  the layers before it stay
+  void write(const PlanePlacement& placement, const openvdb::BBoxd& box, const std::string& values,
+             const LayerMaker& make);
+
+ private:
+  const CommandLine& mLine;
+  vdbtools::InputFiles mInputs;
+  StackOptions mOptions;
+  std::string mText;  ///< the name of the text
+};
+
+}  // namespace cli

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "grid_file.h"
+
+#include "options.h"
+#include "report.h"
+
+#include "vdbtools/base/number_text.h"
+#include "vdbtools/files/file_bytes.h"
+
+#include <algorithm>
+#include <ostream>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+namespace cli {
+
+void addNvdbOption(CommandLine& line) {
+  line.addOptions()("nvdb-bits", boost::program_options::value<std::string>()->value_name("32|16|8|auto"),
+                    "the bits of a number in a .nvdb (default: 32). With 16 and 8 each block of 512 voxels has a scale "
+                    "of its own, and auto takes as few for each block as keep distances within 0.1 voxels and "
+                    "densities within 0.01 (Fp16, Fp8 and FpN of NanoVDB). How far values are off is said at the end");
+}
+
+std::optional<vdbtools::NvdbValues> nvdbValues(const CommandLine& line) {
+  if (!vdbtools::isNvdbPath(line.text("output"))) {
+    line.requireUse(false, {"nvdb-bits"}, "it goes with -o F.nvdb; --half stores 16 bits in a .vdb");
+    return std::nullopt;
+  }
+  if (!vdbtools::canWriteNvdb()) {
+    std::ostringstream nothing;
+    vdbtools::writeNvdb(nothing, {}, {});  // says so
+  }
+  if (line.given().contains("half"))
+    throw std::invalid_argument("--half is for a .vdb; --nvdb-bits 16 stores 16 bits in a .nvdb");
+  if (line.given().contains("target-up") && line.recipe().at("up") == "keep" && !line.has("mesh"))
+    throw std::invalid_argument(
+        "--target-up has no effect: a .nvdb does not say which axis points up; give --up too, or leave it out");
+  if (!line.has("nvdb-bits")) return vdbtools::NvdbValues::Full;
+  return line.choice<vdbtools::NvdbValues>("nvdb-bits", {{"32", vdbtools::NvdbValues::Full},
+                                                         {"16", vdbtools::NvdbValues::Fp16},
+                                                         {"8", vdbtools::NvdbValues::Fp8},
+                                                         {"auto", vdbtools::NvdbValues::Variable}});
+}
+
+void tellNvdb(const std::vector<vdbtools::NvdbWritten>& grids) {
+  double greatest = 0;
+  for (const vdbtools::NvdbWritten& grid : grids) {
+    if (!grid.quantized) continue;
+    const auto short3 = [](double value) { return vdbtools::shortText(value, vdbtools::Rounding::Up); };
+    report().text() << "grid " << vdbtools::inOneLine(grid.name) << " as " << grid.type
+                    << ": values are off by at most " << short3(grid.greatestError);
+    if (grid.levelSet) report().text() << ", " << short3(grid.greatestError / grid.voxelSize) << " voxels";
+    report().text() << '\n';
+    greatest = std::max(greatest, grid.greatestError);
+  }
+  if (!grids.empty()) report().count("greatestError", greatest);
+}
+
+}  // namespace cli

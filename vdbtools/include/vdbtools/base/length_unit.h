@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file length_unit.h
+/// What a number of a shape's coordinates is in the world, where somebody has said so.
+#pragma once
+
+namespace vdbtools {
+
+enum class LengthUnit { Millimetre, Centimetre, Metre, Inch };
+
+/// "mm", "cm", "m" or "in".
+constexpr const char* nameOf(LengthUnit unit) {
+  switch (unit) {
+    case LengthUnit::Millimetre: return "mm";
+    case LengthUnit::Centimetre: return "cm";
+    case LengthUnit::Metre: return "m";
+    case LengthUnit::Inch: return "in";
+  }
+  return "";
+}
+
+constexpr double metresOf(LengthUnit unit) {
+  switch (unit) {
+    case LengthUnit::Millimetre: return 1e-3;
+    case LengthUnit::Centimetre: return 1e-2;
+    case LengthUnit::Metre: return 1;
+    case LengthUnit::Inch: return 0.0254;
+  }
+  return 1;
+}
+
+}  // namespace vdbtools
