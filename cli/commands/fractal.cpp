@@ -223,6 +223,7 @@ int runFractal(const Arguments& arguments) {
       "frame", po::value<std::string>()->value_name("N"), "the frame number, for names such as name.####.vdb");
   addSequenceOptions(line);
   addSearchOption(line);
+  line.acceptStandardInput();
   if (!line.parse(arguments)) return kDone;
   vdbtools::parseFractalOptions(line.recipe());
   if (!line.has("output") && !line.has("mesh"))

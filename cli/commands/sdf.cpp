@@ -34,6 +34,7 @@ int runSdf(const Arguments& arguments) {
   CommandLine line(kSdfUsage, vdbtools::sdfOptionTable());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), "the VDB to write")(
       "frame", po::value<std::string>()->value_name("N"), "the frame number, for names such as name.####.vdb");
+  line.acceptStandardInput();
   if (!line.parse(arguments)) return kDone;
   const vdbtools::SdfOptions options = vdbtools::parseSdfOptions(line.recipe());
   line.requireEffect({vdbtools::Product::Vdb});
