@@ -44,6 +44,7 @@ const Command kCommands[] = {
     {"merge", runMerge, "put the tiles of a plan together into one VDB and one mesh"},
     {"usd", runUsd, "write a scene of USD beside VDBs and a mesh"},
     {"info", runInfo, "show what is in a mesh, a VDB or a versor file"},
+    {"recipe", runRecipe, "write the recipe that a file holds as a file of its own"},
     {"maps", runMaps, "list the maps and their options"},
     {"devices", runDevices, "list the devices of OpenCL on which maps can be evaluated"},
     {"man", runMan, "write the manual pages"},

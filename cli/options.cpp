@@ -12,6 +12,7 @@
 #include "vdbtools/base/near_words.h"
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/files/file_bytes.h"
+#include "vdbtools/files/standard_streams.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/sheet_file.h"
 #include "vdbtools/maps/device_choice.h"
@@ -45,6 +46,9 @@ namespace {
 constexpr int kStyle = po::command_line_style::unix_style & ~po::command_line_style::allow_guessing;
 constexpr int kMostThreads = 4096;
 constexpr std::size_t kMostAtOnce = 30;  ///< a command with more options shows groups of them
+
+constexpr const char* kConfig = "config";
+constexpr const char* kRecipeAlias = "recipe";  ///< another name of --config
 
 constexpr const char* kOwn = "Options";
 constexpr const char* kCommon = "Common options";
@@ -134,7 +138,7 @@ std::vector<po::option> takeNegativeNumber(std::vector<std::string>& words) {
   return {option};
 }
 
-bool isRecipeFile(const std::string& file) {
+bool holdsRecipe(const std::string& file) {
   const std::string extension = vdbtools::lowerExtension(file);
   return extension == ".vdb" || extension == ".ply" || extension == ".obj" || extension == ".glb" ||
          vdbtools::isSheetCell(file);
@@ -178,8 +182,9 @@ CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions
   if (!options.empty())
     mCommon.add_options()(
         "config", po::value<std::string>()->value_name("FILE"),
-        "read options from a file: lines NAME = VALUE, a VDB, PLY, OBJ or GLB that this program made, or "
-        "cell N of a contact sheet as in sheet.json#7; options on the command line take precedence");
+        "read options from a file: lines NAME = VALUE, a VDB, PLY, OBJ or GLB that this program made, a recipe of "
+        "'juliavdb recipe', or cell N of a contact sheet as in sheet.json#7; options on the command line take "
+        "precedence. --recipe is the same");
   mCommon.add_options()("threads", po::value<std::string>()->value_name("N"),
                         "the number of threads (default: SLURM_CPUS_PER_TASK or SLURM_CPUS_ON_NODE, or else all that "
                         "this process may use)")(
@@ -246,7 +251,8 @@ Arguments CommandLine::renamed(Arguments arguments, const po::options_descriptio
     if (word == "--") break;
     if (!word.starts_with("--") || optionOf(word, all)) continue;
     const std::size_t end = std::min(word.find('='), word.size());
-    const std::string now = "--" + vdbtools::optionName(word.substr(2, end - 2)) + word.substr(end);
+    const std::string name = word.substr(2, end - 2);
+    const std::string now = "--" + (name == kRecipeAlias ? kConfig : vdbtools::optionName(name)) + word.substr(end);
     if (optionOf(now, all)) word = now;
   }
   return arguments;
@@ -286,6 +292,7 @@ bool CommandLine::parse(const Arguments& arguments) {
   applyInstructions();
   applyDevice();
   applyMemory(*this);
+  takePipes();
   mGiven = given();
   if (mUsage.hides) mGiven.erase(mUsage.hides);
   if (has("config")) readConfig(text("config"));
@@ -293,6 +300,19 @@ bool CommandLine::parse(const Arguments& arguments) {
   mProgress =
       std::make_unique<Progress>(parseProgressStyle(has("progress") ? text("progress") : "bar"), mUsage.command);
   return true;
+}
+
+void CommandLine::takePipes() const {
+  for (const std::string& name : mPositionalNames) {
+    if (!has(name)) continue;
+    const bool isText = mValues[name].value().type() == typeid(std::string);
+    const std::vector<std::string> words = isText ? std::vector<std::string>{text(name)} : texts(name);
+    if (std::find(words.begin(), words.end(), vdbtools::kStandardStream) == words.end()) continue;
+    if (name != "input" || !mAcceptsStandardInput)
+      throw std::invalid_argument(std::string("'-' is the standard input, which 'juliavdb ") + mUsage.command +
+                                  "' does not read; name a file, which may be ./- if it is called so");
+    vdbtools::takeStandardInput();
+  }
 }
 
 const po::variable_value& CommandLine::parsed(const std::string& name) const {
@@ -336,11 +356,9 @@ std::vector<std::string> CommandLine::commonWords() const {
 
 void CommandLine::readConfig(const std::string& file) {
   vdbtools::Recipe base;
-  if (isRecipeFile(file)) {
+  if (holdsRecipe(file)) {
     auto [command, recipe] = vdbtools::readRecordedRecipe(file);
-    if (command.empty())
-      throw vdbtools::DataError("'" + file +
-                                "' holds no recipe of juliavdb; only a VDB, PLY, OBJ or GLB that it made does");
+    if (command.empty()) throw vdbtools::DataError(vdbtools::noRecipeText(file));
     if (command != (mUsage.recipesOf ? mUsage.recipesOf : mUsage.command))
       throw std::invalid_argument("'" + file + "' was made by 'juliavdb " + command + "', not by 'juliavdb " +
                                   mUsage.command + "'");

@@ -49,6 +49,10 @@ class CommandLine {
   /// Adds a positional argument that is not part of a recipe; @a count -1 takes all that follow.
   void addPositional(const char* name, int count, const char* help);
 
+  /// Lets the positional argument "input" be "-", the standard input. parse() then stores it
+  /// (vdbtools/files/standard_streams.h). All other commands refuse a positional argument of that name.
+  void acceptStandardInput() { mAcceptsStandardInput = true; }
+
   /// @return false if help was requested and shown
   /// @throw std::invalid_argument  says in one line what is wrong with the words
   bool parse(const Arguments& arguments);
@@ -118,6 +122,7 @@ class CommandLine {
   /// Finds words that boost would misread: an option without its value, an option that does not exist.
   void checkWords(const Arguments& arguments, const boost::program_options::options_description& all) const;
   void readConfig(const std::string& file);
+  void takePipes() const;
   void applyThreads();
   void applyInstructions() const;
   void applyDevice() const;
@@ -136,6 +141,7 @@ class CommandLine {
   boost::program_options::variables_map mValues;
   vdbtools::Recipe mRecipe, mGiven;
   std::filesystem::path mConfigHolder;
+  bool mAcceptsStandardInput = false;
   std::unique_ptr<Progress> mProgress;
 };
 

@@ -8,6 +8,7 @@
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/frame_name.h"
+#include "vdbtools/files/standard_streams.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/records/recorded_files.h"
 
@@ -24,20 +25,36 @@ vdbtools::InputFiles allInputs(const CommandLine& line, vdbtools::InputFiles inp
   return vdbtools::withRecordedFiles(std::move(inputs));
 }
 
+/// Whether @a list, as in ".vdb .ply", has an extension.
+bool hasExtension(std::string_view list, std::string_view extension) {
+  for (std::size_t at = 0; at < list.size();) {
+    const std::size_t end = std::min(list.find(' ', at), list.size());
+    if (list.substr(at, end - at) == extension) return true;
+    at = end + 1;
+  }
+  return false;
+}
+
 }  // namespace
+
+bool isStandardOutput(const std::string& name) { return name == "-" || name == "-.ply" || name == "-.obj"; }
 
 Outputs::Outputs(const CommandLine& line, vdbtools::InputFiles inputs, std::optional<int> frame)
     : mFrame(frame), mFiles(allInputs(line, std::move(inputs))) {}
 
 vdbtools::AtomicFile& Outputs::add(const std::string& option, const std::string& name, std::string_view extensions) {
-  const std::filesystem::path path = vdbtools::expandFrame(name, mFrame);
-  const std::string extension = vdbtools::lowerExtension(path);
-  bool known = false;
-  for (std::size_t at = 0; at < extensions.size();) {
-    const std::size_t end = std::min(extensions.find(' ', at), extensions.size());
-    known = known || extensions.substr(at, end - at) == extension;
-    at = end + 1;
+  if (isStandardOutput(name)) {
+    // The formats of the pipes between programs; the others are for files.
+    if (!hasExtension(extensions, formatOf(name, "")))
+      throw std::invalid_argument("--" + option + " is '" + name +
+                                  "'; the standard output takes a PLY (-) or an OBJ (-.obj), and this is a file of " +
+                                  std::string(extensions));
+    vdbtools::AtomicFile& file = mFiles.addStandardOutput();
+    report().making(file.target(), mFiles.files().size() == 1);
+    return file;
   }
+  const std::filesystem::path path = vdbtools::expandFrame(name, mFrame);
+  const bool known = hasExtension(extensions, vdbtools::lowerExtension(path));
   // Devices such as /dev/null have no extension and accept any content.
   if (!known && !(std::filesystem::exists(path) && !std::filesystem::is_regular_file(path)))
     throw std::invalid_argument("--" + option + " is '" + name + "'; its extension must be one of " +
@@ -67,10 +84,15 @@ void requireFramePlaces(const CommandLine& line, vdbtools::InputFiles inputs, st
   vdbtools::OutputPlaces places(allInputs(line, std::move(inputs)));
   for (const int frame : frames)
     for (const char* option : options)
-      if (line.has(option)) places.claim(vdbtools::expandFrame(line.text(option), frame));
+      if (line.has(option) && isStandardOutput(line.text(option)))
+        throw std::invalid_argument(std::string("--") + option + " is '" + line.text(option) +
+                                    "', and a sequence has a file for each frame; give it a name such as out.####.ply");
+      else if (line.has(option))
+        places.claim(vdbtools::expandFrame(line.text(option), frame));
 }
 
 std::string formatOf(const std::string& name, const char* usual) {
+  if (name == vdbtools::kStandardStream) return ".ply";
   const std::string extension = vdbtools::lowerExtension(name);
   return extension.empty() ? usual : extension;
 }

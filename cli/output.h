@@ -27,7 +27,7 @@ class Outputs {
   /// @param frame   the frame number for names such as name.####.vdb, if there is one
   explicit Outputs(const CommandLine& line, vdbtools::InputFiles inputs, std::optional<int> frame = {});
 
-  /// Claims a path; the content is written to the file's stream.
+  /// Claims a path, or the standard output for "-", "-.ply" and "-.obj"; the content is written to the file's stream.
   /// @throw std::invalid_argument  the name has none of the @a extensions (".vdb .ply"), or the file is an input or the
   ///                               same as another output
   /// @throw vdbtools::CreateError
@@ -53,9 +53,13 @@ void requireFramePlaces(const CommandLine& line, vdbtools::InputFiles inputs, st
                         std::span<const int> frames);
 
 /// The help on a mesh to write.
-inline constexpr const char* kMeshHelp = "the mesh to write: .ply, .obj, .stl or .glb";
+inline constexpr const char* kMeshHelp =
+    "the mesh to write: .ply, .obj, .stl or .glb; - is a PLY on the standard output, -.obj an OBJ";
 
-/// The extension that determines the format of @a name; @a usual for a device, which has none.
+/// Whether an output's name is that of the standard output, "-" or "-.ply" and "-.obj".
+bool isStandardOutput(const std::string& name);
+
+/// The extension that determines the format of @a name: ".ply" for "-", and @a usual for a device, which has none.
 std::string formatOf(const std::string& name, const char* usual);
 
 /// Reports which attributes a mesh or a VDB cannot hold, if there are any.

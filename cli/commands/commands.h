@@ -31,6 +31,7 @@ int runSubmit(const Arguments& arguments);
 int runUsd(const Arguments& arguments);
 int runInfo(const Arguments& arguments);
 int runPlan(const Arguments& arguments);
+int runRecipe(const Arguments& arguments);
 int runMaps(const Arguments& arguments);
 int runDevices(const Arguments& arguments);
 int runMan(const Arguments& arguments);

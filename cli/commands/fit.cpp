@@ -65,8 +65,10 @@ int runFit(const Arguments& arguments) {
   if (plot) *plot << vdbtools::encodePlot(vdbtools::fit::fitReportPlot(fit.rows), formatOf(line.text("plot"), ".png"));
   if (chargeFile) {
     const vdbtools::fit::ChargedSurface surface = vdbtools::fit::chargedSurface(fit, line.progress());
-    vdbtools::writeMesh(*chargeFile, surface.mesh, {.format = vdbtools::meshFormat(charge), .columns = surface.columns},
-                        surface.values);
+    vdbtools::writeMesh(
+        *chargeFile, surface.mesh,
+        {.format = vdbtools::meshFormat("charge" + formatOf(charge, ".ply")), .columns = surface.columns},
+        surface.values);
   }
   line.progress().throwIfCancelled();
   outputs.commit();

@@ -228,6 +228,7 @@ int runFractal(const Arguments& arguments) {
   addNvdbOption(line);
   addSequenceOptions(line);
   addSearchOption(line);
+  line.acceptStandardInput();
   if (!line.parse(arguments)) return kDone;
   vdbtools::parseFractalOptions(line.recipe());
   if (!line.has("output") && !line.has("mesh"))

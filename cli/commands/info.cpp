@@ -42,6 +42,8 @@ constexpr Usage kInfoUsage = {
     "Shows what is in a mesh (.obj, .ply, .stl, .off, .glb, .gltf), in a VDB, with the recipe it was made by, in a "
     "NanoVDB file (.nvdb), all of whose checksums and places of nodes are checked, or in a versor (.json, .p4d, "
     ".poly4d, .o3d). A file that cannot be read does not keep the others from being shown.",
+    "versor (.json, .p4d, .poly4d, .o3d), or in a recipe (.json). A file that cannot be read does not keep the others "
+    "from being shown. A mesh may come through a pipe, with - for its name.",
     "  juliavdb info bunny.obj\n"
     "  juliavdb info bunny.vdb --json\n"
     "  juliavdb info bunny.nvdb\n"};
@@ -221,8 +223,16 @@ Json versorInfo(const std::string& path) {
   return info;
 }
 
+Json recipeInfo(const std::string& path) {
+  const auto [command, recipe] = vdbtools::readRecordedRecipe(path);
+  Json info{{"kind", "recipe"}, {"recipe", {{"command", command}}}};
+  for (const auto& [name, value] : recipe) info["recipe"][name] = value;
+  return info;
+}
+
 Json infoOf(const std::string& path) {
   const std::string extension = vdbtools::lowerExtension(path);
+  if (vdbtools::isRecipeFile(path)) return recipeInfo(path);
   if (extension == ".vdb") return vdbInfo(path);
   if (vdbtools::isNvdbPath(path)) return nvdbInfo(path);
   for (const char* versor : {".json", ".p4d", ".poly4d", ".o3d"})
@@ -284,6 +294,7 @@ int runInfo(const Arguments& arguments) {
   CommandLine line(kInfoUsage, vdbtools::OptionTable());
   line.addPositional("input", -1, "the files to look at");
   line.addOptions()("json", "print JSON, one object per line");
+  line.acceptStandardInput();
   if (!line.parse(arguments)) return kDone;
   const std::vector<std::string> files = line.texts("input");
   if (files.empty()) throw std::invalid_argument("no file was given");

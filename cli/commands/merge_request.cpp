@@ -30,7 +30,8 @@ fs::path nameWith(const CommandLine& line, const char* option, std::string_view 
 
 void addMergeOptions(CommandLine& line) {
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
-  line.addOptions()("output,o", text("F.vdb"), "the VDB to merge the tiles into")("mesh", text("F.ply"), kMeshHelp)(
+  line.addOptions()("output,o", text("F.vdb"), "the VDB to merge the tiles into")(
+      "mesh", text("F.ply"), "the mesh to write: .ply, .obj, .stl or .glb")(
       "index", text("F.json"), "writes each tile as files of its own, and this list of them")(
       "counts", text("F.json"), "of a plan with --make count: how many points and triangles there are")(
       kMostPoints, text("N")->default_value(std::to_string(vdbtools::farm::kMostMeshPoints)),

@@ -83,7 +83,7 @@ Made pointsFromShape(const std::string& input, const std::string& grid, const vd
 }
 
 bool mayHoldRecipe(const std::string& input) {
-  const std::string extension = vdbtools::lowerExtension(input);
+  const std::string extension = vdbtools::meshExtension(input);
   return extension == ".vdb" || extension == ".ply" || extension == ".obj";
 }
 
@@ -101,6 +101,7 @@ int runPoints(const Arguments& arguments) {
                                                                      "which grid of a VDB to use, as with --from-grid");
   line.addOptions(vdbtools::attributeOptionSpecs());
   addSearchOption(line);
+  line.acceptStandardInput();
   if (!line.parse(arguments)) return kDone;
   const std::string input = line.text("input");
   if (input.empty()) throw std::invalid_argument("no VDB or mesh was given");

@@ -63,7 +63,7 @@ vdbtools::PrintOptions parsePrint(const CommandLine& line) {
 
 /// The fractal whose recipe the input has, if it is to be computed again.
 std::optional<vdbtools::FractalOptions> recordedFractal(const CommandLine& line, const std::string& input) {
-  const std::string extension = vdbtools::lowerExtension(input);
+  const std::string extension = vdbtools::meshExtension(input);
   const bool plain = line.has("from-grid") || line.has("grid") || line.has("repair");
   if (plain || (extension != ".vdb" && extension != ".ply" && extension != ".obj")) return std::nullopt;
   const vdbtools::RecordedRecipe recorded = vdbtools::readRecordedRecipe(input);
@@ -156,6 +156,7 @@ int runPrint(const Arguments& arguments) {
       "the least thickness, 250 to 600)")("repair", "close holes and gaps of an open mesh or a triangle soup")(
       "from-grid", "use the voxels or triangles, even of a fractal")("grid", text("NAME"),
                                                                      "which grid of a VDB to use, as with --from-grid");
+  line.acceptStandardInput();
   if (!line.parse(arguments)) return kDone;
   const std::string input = line.text("input");
   if (input.empty()) throw std::invalid_argument("no VDB or mesh was given");

@@ -381,6 +381,7 @@ int runRender(const Arguments& arguments) {
       "how the numbers change between keys: of all options, or of the option NAME; any number of times");
   line.addOptions(vdbtools::fieldViewOptionSpecs());
   addSearchOption(line);
+  line.acceptStandardInput();
   if (!line.parse(arguments)) return kDone;
   const bool field = line.values()["field"].as<bool>();
   requireFits(line, field);

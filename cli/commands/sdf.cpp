@@ -38,6 +38,7 @@ int runSdf(const Arguments& arguments) {
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), kGridsHelp)(
       "frame", po::value<std::string>()->value_name("N"), "the frame number, for names such as name.####.vdb");
   addNvdbOption(line);
+  line.acceptStandardInput();
   if (!line.parse(arguments)) return kDone;
   const vdbtools::SdfOptions options = vdbtools::parseSdfOptions(line.recipe());
   line.requireEffect({vdbtools::Product::Vdb});

@@ -13,9 +13,11 @@
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/base/shell_word.h"
+#include "vdbtools/farm/job_template.h"
 #include "vdbtools/farm/task.h"
 #include "vdbtools/files/atomic_file.h"
 #include "vdbtools/files/file_bytes.h"
+#include "vdbtools/files/input_files.h"
 #include "vdbtools/recipe/option_value.h"
 
 #include <algorithm>
@@ -27,6 +29,7 @@
 #include <iostream>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <system_error>
 #include <thread>
@@ -41,19 +44,23 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr Usage kSubmitUsage = {
-    "submit", "DIR --engine slurm|parallel [-o F.vdb] [--mesh F.ply] [options] [-- ENGINE ARGS]",
-    "Gives the missing tasks of the plan in the folder DIR to Slurm, as the jobs of an array, or to GNU parallel on "
-    "this machine. With -o or --mesh, 'juliavdb merge' follows once they are all done; under Slurm as a job that "
-    "depends on them. The words behind -- go to sbatch or to parallel, as in '-- --partition=long --mem=8G'.\n\n"
-    "This is done by a short script, DIR/logs/submit.sh; --dry-run prints it instead. After a failure, or if tasks "
+    "submit",
+    "DIR --engine slurm|parallel|script [--template FILE] [-o F.vdb] [--mesh F.ply] [options] [-- ENGINE ARGS]",
+    "Gives the missing tasks of the plan in the folder DIR to Slurm, as the jobs of an array, to GNU parallel on this "
+    "machine, or to any other engine by a script that you write as a template. With -o or --mesh, 'juliavdb merge' "
+    "follows once they are all done; under Slurm as a job that depends on them. The words behind -- go to sbatch or to "
+    "parallel, as in '-- --partition=long --mem=8G', or into the field 'arguments' of the template.\n\n"
+    "This is done by a short script, DIR/logs/submit.sh or DIR/logs/submit; --dry-run prints it instead. After a "
+    "failure, or if tasks "
     "were killed, give the same command again: only tasks that are neither done nor being made are submitted. GNU "
     "parallel is waited for, and the exit code is that of the tasks: the one that all failed ones share, or else the "
     "gravest. --threads N is the number of processors of each task, and not of this command; --memory, --instructions "
     "and --progress are handed on to each task and to the merge.",
     "  juliavdb submit farm --engine parallel --jobs 2 -o bunny.vdb --mesh bunny.ply\n"
-    "  juliavdb submit farm --engine slurm --dry-run -- --partition=long --time=02:00:00\n"};
+    "  juliavdb submit farm --engine slurm --dry-run -- --partition=long --time=02:00:00\n"
+    "  juliavdb submit farm --engine script --template tractor.py --dry-run -o bunny.vdb\n"};
 
-enum class Engine { Slurm, Parallel };
+enum class Engine { Slurm, Parallel, Script };
 
 /// Slurm's own default of MaxArraySize; indices stay below it.
 constexpr std::uint64_t kUsualArraySize = 1001;
@@ -166,7 +173,32 @@ std::string parallelScript(const Submission& s) {
   return script;
 }
 
-const char* programOf(Engine engine) { return engine == Engine::Slurm ? "sbatch" : "parallel"; }
+/// @param jobTemplate  that of --template, read
+std::string scriptOf(const Submission& s, const vdbtools::farm::JobTemplate& jobTemplate) {
+  std::vector<std::string> task{"task", s.folder.string(), "--threads", std::to_string(s.threads)};
+  task.insert(task.end(), s.common.begin(), s.common.end());
+  std::vector<std::string> merge;
+  if (!s.merge.empty()) {
+    merge = {"merge", s.folder.string()};
+    if (s.threadsGiven) merge.insert(merge.end(), {"--threads", std::to_string(s.threads)});
+    merge.insert(merge.end(), s.common.begin(), s.common.end());
+    merge.insert(merge.end(), s.merge.begin(), s.merge.end());
+  }
+  return jobTemplate.fill({.name = s.folder.filename().string(),
+                           .folder = s.folder.string(),
+                           .program = ownPath(),
+                           .tasks = s.missing,
+                           .jobs = s.jobs,
+                           .threads = s.threads,
+                           .batch = s.batch,
+                           .taskArguments = std::move(task),
+                           .mergeArguments = std::move(merge),
+                           .arguments = s.engineArguments});
+}
+
+const char* programOf(Engine engine) {
+  return engine == Engine::Slurm ? "sbatch" : engine == Engine::Parallel ? "parallel" : "the script of --template";
+}
 
 /// What has become of the tasks.
 struct Outcome {
@@ -239,7 +271,7 @@ std::string tasksText(const std::vector<std::uint64_t>& tasks) {
                                              : tasksText(outcome.notDone) + all +
                                                    (outcome.notDone.size() == 1 ? " is" : " are") + " not done, and ") +
                                         kAgain});
-  if (engine == Engine::Slurm || (code == kEngineFailed && outcome.codes.empty()))
+  if (engine != Engine::Parallel || (code == kEngineFailed && outcome.codes.empty()))
     throw FailedWith({engineCode, program + " failed with code " + std::to_string(code) + ", and has said why above; " +
                                       (s.engineArguments.empty() ? std::string() : "see the words behind --; ") +
                                       kAgain});
@@ -273,7 +305,7 @@ void runScript(const Submission& s, Engine engine, const vdbtools::farm::Manifes
   if (error) logged = 0;
   const fs::file_time_type since = fs::last_write_time(script);  // by the clock of the disk that has the records
   std::cout.flush();
-  const int code = runProgram({"/bin/sh", script.string()});
+  const int code = engine == Engine::Script ? runProgram({script.string()}) : runProgram({"/bin/sh", script.string()});
   if (engine == Engine::Parallel) vdbtools::farm::removeUnneeded(s.folder, manifest);
   if (code == kDone) return;
   std::map<std::uint64_t, int> codes;
@@ -289,10 +321,14 @@ void runScript(const Submission& s, Engine engine, const vdbtools::farm::Manifes
 int runSubmit(const Arguments& arguments) {
   CommandLine line(kSubmitUsage, {});
   line.addPositional("folder", 1, "the folder of the plan");
-  line.addOptions()("engine", po::value<std::string>()->value_name("slurm|parallel"), "what runs the tasks")(
-      "dry-run", po::bool_switch(), "print the script, and do nothing")(
+  line.addOptions()("engine", po::value<std::string>()->value_name("slurm|parallel|script"), "what runs the tasks")(
+      "template", po::value<std::string>()->value_name("FILE"),
+      "with --engine script: the template of the script that submits the tasks (docs/farm.md); those for OpenCue, "
+      "Deadline and Tractor are installed in share/juliavdb/templates")("dry-run", po::bool_switch(),
+                                                                        "print the script, and do nothing")(
       "jobs", po::value<std::string>()->value_name("N"),
-      "how many tasks may run at a time (default: 100 for slurm; for parallel the processors that this process may "
+      "how many tasks may run at a time (default: 100 for slurm and script; for parallel the processors that this "
+      "process may "
       "use, divided by --threads)")(
       "batch", po::value<std::string>()->value_name("N"),
       "how many tasks a process makes one after another, which spares small ones reading what they share (default: 1)");
@@ -300,8 +336,19 @@ int runSubmit(const Arguments& arguments) {
   const auto dashes = std::find(arguments.begin(), arguments.end(), "--");
   if (!line.parse(Arguments(arguments.begin(), dashes))) return kDone;
   if (!line.has("folder")) throw std::invalid_argument("no plan was given; name its folder");
-  if (!line.has("engine")) throw std::invalid_argument("no engine was given; use --engine slurm or --engine parallel");
-  const auto engine = line.choice<Engine>("engine", {{"slurm", Engine::Slurm}, {"parallel", Engine::Parallel}});
+  if (!line.has("engine"))
+    throw std::invalid_argument("no engine was given; use --engine slurm, --engine parallel or --engine script");
+  const auto engine = line.choice<Engine>(
+      "engine", {{"slurm", Engine::Slurm}, {"parallel", Engine::Parallel}, {"script", Engine::Script}});
+  line.requireUse(engine == Engine::Script, {"template"}, "it goes with --engine script; give that, or leave it out");
+  std::optional<vdbtools::farm::JobTemplate> jobTemplate;
+  if (engine == Engine::Script) {
+    if (!line.has("template"))
+      throw std::invalid_argument("--engine script needs a template; name it with --template FILE");
+    jobTemplate.emplace(line.text("template"), vdbtools::readWholeFile(line.text("template")));
+    line.requireUse(jobTemplate->has("batch"), {"batch"},
+                    "the template has no field @{batch}; add it there, or leave this out");
+  }
 
   const vdbtools::farm::Manifest manifest = vdbtools::farm::readManifest(line.text("folder"));
   Submission submission;
@@ -312,6 +359,12 @@ int runSubmit(const Arguments& arguments) {
     if (manifest.kind != vdbtools::farm::PlanKind::Tiles)
       throw std::invalid_argument("only a plan of tiles is merged; leave out -o, --mesh and --index");
     requireMergeable(submission.folder, manifest, merge);
+    if (jobTemplate) {
+      vdbtools::InputFiles inputs;
+      inputs.add(line.text("template"));
+      for (const auto& output : {merge.files.vdb, merge.files.mesh, merge.index, merge.counts})
+        if (output) inputs.requireNot(*output);
+    }
     submission.merge = mergeWords(line);
   }
   submission.common = line.commonWords();
@@ -320,9 +373,9 @@ int runSubmit(const Arguments& arguments) {
   if (submission.threadsGiven) submission.threads = line.integer("threads", 1, kMostJobs);
   if (line.has("batch")) submission.batch = static_cast<std::uint64_t>(line.integer("batch", 1, kMostJobs));
   const int processors = static_cast<int>(std::thread::hardware_concurrency());
-  submission.jobs = line.has("jobs")          ? line.integer("jobs", 1, kMostJobs)
-                    : engine == Engine::Slurm ? kUsualJobs
-                                              : std::max(1, processors / submission.threads);
+  submission.jobs = line.has("jobs")             ? line.integer("jobs", 1, kMostJobs)
+                    : engine == Engine::Parallel ? std::max(1, processors / submission.threads)
+                                                 : kUsualJobs;
   for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index) {
     const auto state =
         vdbtools::farm::taskStatus(submission.folder, manifest, index, vdbtools::farm::FileCheck::Quick).state;
@@ -330,7 +383,9 @@ int runSubmit(const Arguments& arguments) {
       submission.missing.push_back(index);
   }
 
-  const std::string script = engine == Engine::Slurm ? slurmScript(submission) : parallelScript(submission);
+  const std::string script = jobTemplate               ? scriptOf(submission, *jobTemplate)
+                             : engine == Engine::Slurm ? slurmScript(submission)
+                                                       : parallelScript(submission);
   if (line.values()["dry-run"].as<bool>()) {
     std::cout << script;
     return kDone;
@@ -341,7 +396,7 @@ int runSubmit(const Arguments& arguments) {
     return kDone;
   }
   const std::string program = programOf(engine);
-  if (!isInPath(program))
+  if (engine != Engine::Script && !isInPath(program))
     throw vdbtools::MissingInputError("there is no program '" + program + "' in PATH; install it (Debian: " +
                                       (engine == Engine::Slurm ? "slurm-client" : "parallel") +
                                       "), or choose another --engine");
@@ -349,12 +404,17 @@ int runSubmit(const Arguments& arguments) {
   std::error_code error;
   fs::create_directories(logs, error);
   if (error) throw vdbtools::CreateError("cannot create '" + logs.string() + "': " + error.message());
+  const fs::path place = logs / (engine == Engine::Script ? "submit" : "submit.sh");
   {
-    vdbtools::AtomicFile file(logs / "submit.sh");
+    vdbtools::AtomicFile file(place);
     file.stream() << script;
     file.commit();
   }
-  runScript(submission, engine, manifest, logs / "submit.sh");
+  if (engine == Engine::Script) {
+    fs::permissions(place, fs::perms::owner_exec | fs::perms::group_exec, fs::perm_options::add, error);
+    if (error) throw vdbtools::CreateError("cannot make '" + place.string() + "' executable: " + error.message());
+  }
+  runScript(submission, engine, manifest, place);
   return kDone;
 }
 

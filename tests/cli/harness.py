@@ -89,7 +89,7 @@ def stop(process, by=signal.SIGINT):
 
 COMMANDS = ("sdf", "fractal", "convert", "fit", "mesh", "versor", "sheet", "slice", "study", "render", "info", "maps",
             "points", "print",
-            "plan tiles", "plan frames", "plan sheet", "task", "status", "merge", "submit", "explore", "devices")
+            "plan tiles", "plan frames", "plan sheet", "task", "status", "merge", "submit", "explore", "devices", "recipe")
 
 
 def quiet(arguments):

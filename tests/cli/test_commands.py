@@ -3,6 +3,7 @@
 
 import json
 import os
+import pathlib
 import re
 import shlex
 import subprocess
@@ -96,6 +97,7 @@ class Examples(harness.CliTest):
     def test_the_lines_of_every_help_run_as_printed(self):
         self.write("bunny.obj", harness.obj(harness.sphere(3)))
         self.write("scan.ply", harness.ply(harness.with_hole(harness.sphere(3, 0.2), 0.9)))
+        self.write("tractor.py", (pathlib.Path(__file__).resolve().parents[2] / "integrations/farm/tractor.py").read_bytes())
         self.ok("plan", "tiles", "bunny.obj", "-o", "farm", "--tiles", 16, "--resolution", 32, "--sdf-resolution", 32)
         # The others' serve until they are stopped, take minutes, need other files, or are for a shell.
         for command in [name for name in commands() if name not in ("explore", "fit", "plan", "usd", "completion", "man")]:
@@ -107,7 +109,7 @@ class Examples(harness.CliTest):
                 with self.subTest(line=line):
                     run = self.run_program(command, *self.cheaper(command, words[2:]))
                     self.assertEqual(run.returncode, DONE, run.stderr.decode())
-                    wants_data = command in ("devices", "info", "maps", "status") or words[2] in ("inspect", "list") or "--dry-run" in words
+                    wants_data = (command in ("devices", "info", "maps", "status") or (command == "recipe" and "-o" not in words)) or words[2] in ("inspect", "list") or "--dry-run" in words
                     self.assertEqual(run.stdout != b"", wants_data)
                     for option, name in zip(words, words[1:]):
                         if option in ("-o", "--mesh"):

@@ -365,6 +365,160 @@ class Kills(farm.FarmTest):
             self.check_merged()
 
 
+TEMPLATES = pathlib.Path(__file__).resolve().parent.parent.parent / "integrations/farm"
+
+# What the templates that are shipped ask of their engines, as far as they ask: each runs what it is given, tasks first.
+FAKE_OUTLINE = """
+import subprocess, types, sys
+class Outline:
+    def __init__(self, name, show, shot, user): self.name, self.layers = name, []
+    def add_layer(self, layer): self.layers.append(layer)
+class Shell:
+    def __init__(self, name, command, range, chunk, threads, threadable):
+        self.name, self.command, self.range, self.behind = name, command, range, []
+    def depend_all(self, layer): self.behind.append(layer)
+    def run(self):
+        frames = []
+        for part in self.range.split(","):
+            ends = part.split("-")
+            frames += __import__("builtins").range(int(ends[0]), int(ends[-1]) + 1)
+        for frame in frames:
+            subprocess.run([word.replace("#IFRAME#", str(frame)) for word in self.command], check=True)
+def launch(job, use_pycuerun):
+    for number, layer in enumerate(job.layers):
+        assert layer.behind == job.layers[:number]
+        layer.run()
+for name in ("outline.cuerun", "outline.modules", "outline.modules.shell"): sys.modules[name] = types.ModuleType(name)
+cuerun, modules = sys.modules["outline.cuerun"], sys.modules["outline.modules"]
+cuerun.launch, modules.shell = launch, sys.modules["outline.modules.shell"]
+modules.shell.Shell = Shell
+"""
+FAKE_TRACTOR = """
+import subprocess
+class Job:
+    def __init__(self, title, service, argv=None, maxactive=0): self.argv, self.below = argv, []
+    def newTask(self, title, argv, service):
+        self.below.append(Job(title, service, argv))
+        return self.below[-1]
+    def spool(self):
+        for task in self.below: task.spool()
+        if self.argv: subprocess.run(self.argv, check=True)
+        return 1
+"""
+# It reads both files, and runs the plugin's command for each piece of frames.
+FAKE_DEADLINE = """#!/usr/bin/env python3
+import re, shlex, subprocess, sys
+job, plugin = (dict(line.split("=", 1) for line in open(name).read().splitlines()) for name in sys.argv[1:3])
+assert job["Plugin"] == "CommandLine"
+size = int(job.get("ChunkSize", 1))
+for part in job["Frames"].split(","):
+    first, last = int(part.split("-")[0]), int(part.split("-")[-1])
+    for start in range(first, last + 1, size):
+        words = plugin["Arguments"].replace("<STARTFRAME>", str(start)).replace("<ENDFRAME>", str(min(start + size - 1, last)))
+        subprocess.run([plugin["Executable"], *shlex.split(words)], check=True)
+print("Result=Success\\nJobID=" + str(len(job)))
+"""
+LEAST = "#!/bin/sh\nexec @{program:shell} @{task-arguments} --range @{tasks}\n"
+
+
+class Script(farm.FarmTest):
+    """--engine script: templates, those that are shipped, and those that cannot be used."""
+
+    def engines(self):
+        os.makedirs(self.path("python/tractor/api"))
+        self.write("python/outline.py", FAKE_OUTLINE)
+        for name in ("__init__.py", "api/__init__.py"):
+            self.write(f"python/tractor/{name}", "")
+        self.write("python/tractor/api/author.py", FAKE_TRACTOR)
+        os.mkdir(self.path("bin"))
+        self.write("bin/deadlinecommand", FAKE_DEADLINE)
+        self.path("bin/deadlinecommand").chmod(0o755)
+        return {"PYTHONPATH": str(self.path("python")), "PATH": f"{self.path('bin')}:{os.environ['PATH']}"}
+
+    def submit(self, template, *words, env=None):
+        return self.run_program("submit", FARM, "--engine", "script", "--template", template, *words, env=env)
+
+    def test_the_shipped_templates_make_what_is_missing_and_merge_it(self):
+        env = self.engines()
+        for name in ("opencue.py", "deadline.sh", "tractor.py"):
+            with self.subTest(name=name):
+                shutil.rmtree(self.path(FARM), ignore_errors=True)
+                self.plan(done=True)
+                for task in (2, 3, 7):
+                    self.path(f"{FARM}/tasks/{task:04}.json").unlink()
+                run = self.submit(TEMPLATES / name, "-o", "m.vdb", "--mesh", "m.ply", env=env)
+                self.assertEqual(run.returncode, DONE, run.stdout + run.stderr)
+                self.check_done()
+                self.check_merged()
+                # Once all is done, only the merge is left.
+                run = self.submit(TEMPLATES / name, "-o", "m.vdb", "--dry-run", env=env)
+                self.assertNotIn(b"--index", run.stdout)
+                self.assertNotIn(b"--range", run.stdout)
+
+    def test_dry_runs_are_scripts(self):
+        """Read by the parsers of their own languages; nothing is written."""
+        self.plan()
+        before = self.listing()
+        for name in ("opencue.py", "deadline.sh", "tractor.py"):
+            for words in ((), ("-o", "it's.vdb"), ("--threads", 3, "--jobs", 7, "--memory", "5G")):
+                text = self.ok("submit", FARM, "--engine", "script", "--template", TEMPLATES / name, "--dry-run", *words,
+                               data=True)
+                self.assertNotIn("@{", text)
+                if name.endswith(".sh"):
+                    subprocess.run(["sh", "-n"], input=text.encode(), check=True)
+                else:
+                    compile(text, name, "exec")
+        self.assertEqual(self.listing(), before)
+
+    def test_a_template_of_ones_own(self):
+        self.plan()
+        self.ok("task", FARM, "--range", "2-9")
+        self.write("t.sh", "#!/bin/sh\n# @{count} of @{name}, @@{as it is}\nset -eu\n@{each task}\n"
+                   "@{program:shell} @{task-arguments} --index @{task}\n@{end}\n@{if merge}\n@{program:shell} @{merge-arguments}\n"
+                   "@{end}\necho @{arguments}\n")
+        run = self.submit("t.sh", "-o", "m.vdb", "--mesh", "m.ply", "--", "two words", "$HOME")
+        self.assertEqual((run.returncode, run.stdout), (DONE, b"two words $HOME\n"), run.stderr)
+        self.check_done()
+        self.check_merged()
+        script = self.path(f"{FARM}/logs/submit").read_text()
+        self.assertIn(f"# 8 of {FARM}, @{{as it is}}\n", script)
+
+    def test_what_a_script_says_by_its_code(self):
+        self.plan()
+        self.write("t.sh", "#!/bin/sh\nexit 3\n# @{program} @{task-arguments} @{tasks} @{arguments}\n")
+        run = self.submit("t.sh")
+        self.assertEqual(run.returncode, INTERRUPTED)
+        self.assertIn(b"code 3", run.stderr)
+        self.assertEqual(self.submit("t.sh", "--", "x").returncode, USAGE)
+
+    def test_templates_that_cannot_be_used(self):
+        """Refused with the line, before anything is written."""
+        self.plan()
+        bad = {
+            "no interpreter": ("echo @{program} @{task-arguments} @{tasks}\n", "#!"),
+            "unknown": (LEAST + "@{progam}\n", "did you mean 'program'"), "form": (LEAST + "@{name:html}\n", "line 3"),
+            "open": (LEAST + "@{name\n", "line 3"), "outside": (LEAST + "@{task}\n", "line 3"),
+            "no end": (LEAST + "@{if merge}\n", "@{end}"), "no begin": (LEAST + "@{end}\n", "line 3"),
+            "nested": (LEAST + "@{if merge}\n@{if tasks}\n@{end}\n@{end}\n", "nest"),
+            "no program": ("#!/bin/sh\n@{task-arguments} @{tasks}\n", "@{program}"),
+            "no way to tasks": ("#!/bin/sh\n@{program} @{task-arguments}\n", "@{tasks}"),
+            "no arguments of tasks": ("#!/bin/sh\n@{program} @{tasks}\n", "@{task-arguments}"), "bytes": (LEAST + "\0", "text"),
+        }
+        self.write("least.sh", LEAST)
+        for name, (text, mention) in bad.items():
+            self.write(name, text)
+        submit = ("submit", FARM, "--engine", "script")
+        for name, (text, mention) in bad.items():
+            with self.subTest(name=name):
+                self.refused(BAD_DATA, *submit, "--template", name, mentions=mention)
+        self.refused(BAD_DATA, *submit, "--template", "least.sh", "-o", "m.vdb", mentions="@{merge-arguments}")
+        self.refused(BAD_DATA, *submit, "--template", "least.sh", "--", "more", mentions="@{arguments}")
+        self.refused(USAGE, *submit, "--template", "least.sh", "--batch", 2, mentions="--batch")
+        self.refused(USAGE, *submit, mentions="--template")
+        self.refused(USAGE, "submit", FARM, "--engine", "slurm", "--template", "least.sh", mentions="--template")
+        self.refused(NO_INPUT, *submit, "--template", "none.sh", mentions="none.sh")
+
+
 @unittest.skipUnless(shutil.which("parallel"), "GNU parallel is not installed")
 class Parallel(farm.FarmTest):
 

@@ -109,6 +109,10 @@ CASES = [
     ("merge", "plan/prepared.vdb", ("plan", "-o", OUT)),
     ("merge", "b.obj", ("plan", "--mesh", OUT)),
     ("merge", "plan/manifest.json", ("plan", "--index", OUT)),
+    ("recipe", "x.vdb", ("x.vdb", "-o", OUT)),
+    ("recipe", "b.obj", ("x.vdb", "-o", OUT)),
+    ("recipe", "t.json", ("t.json#1", "-o", OUT)),
+    ("submit", "t.sh", ("plan", "--engine", "script", "--template", "t.sh", "--index", OUT)),
     ("usd", "x.vdb", ("x.vdb", "-o", OUT)),
     ("usd", "x.ply", ("--mesh", "x.ply", "-o", OUT)),
 ]
@@ -156,6 +160,7 @@ EXTENSIONS = {
     ("merge", "--mesh"): ".ply .obj",
     ("merge", "--index"): ".json",
     ("merge", "--counts"): ".json",
+    ("recipe", "-o"): ".json",
     ("usd", "-o"): ".usda",
 }
 
@@ -181,6 +186,7 @@ class Inputs(harness.CliTest):
         maker.write("v.json", harness.rational_json(harness.ROOTS))
         maker.write("r.json", harness.rational_json(harness.ROOTS, harness.ROOTS[:1]))
         maker.write("list.txt", "iterations = 5\n")
+        maker.write("t.sh", "#!/bin/sh\n@{program} @{task-arguments} @{tasks} @{merge-arguments}\n")
         maker.write("fit.txt", "roots = 8\n")
         maker.ok("sdf", "b.obj", "-o", "s.vdb", "--resolution", 24)
         maker.ok("fractal", "b.obj", "-o", "x.vdb", "--mesh", "x.ply", *LOW)

@@ -71,6 +71,7 @@ RUNS = {
             ("open.obj", "--repair", "-o", "f.json", "--schedule", "9(VF)", "--resolution", 17)],
     "info": [("s.obj",), ("made.vdb",)],
     "maps": [()],
+    "recipe": [("made.vdb",)],
     "usd": [("made.vdb", "-o", "f.usda"), ("grow.####.vdb", "-o", "f.usda", "--frames", "1-2")],
 }
 

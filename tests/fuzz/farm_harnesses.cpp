@@ -7,6 +7,7 @@
 #include "harness.h"
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/farm/job_template.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/job/sheet_file.h"
 #include "vdbtools/records/recorded_recipe.h"
@@ -86,12 +87,32 @@ void readSheet(std::string_view bytes) {
   readRecordedRecipe(path.string() + "#1");
 }
 
-constexpr std::array<Harness, 5> kFarmHarnesses = {{
+void readRecipeFile(std::string_view bytes) {
+  const std::filesystem::path path = scratchFile("recipe.json", bytes);
+  if (!isRecipeFile(path)) throw DataError("no recipe");
+  const RecordedRecipe recorded = readRecordedRecipe(path);
+  const std::filesystem::path again = scratchFile("again.json", encodeRecipe(recorded));
+  if (readRecordedRecipe(again).recipe != recorded.recipe) throw std::logic_error("a recipe does not survive its file");
+}
+
+void readTemplate(std::string_view bytes) {
+  const JobTemplate jobTemplate("template.sh", bytes);
+  JobFields fields{.name = "a 'farm'", .folder = "/a \"farm\"", .program = "/bin/juliavdb", .tasks = {1, 2, 5}};
+  fields.taskArguments = {"task", fields.folder};
+  jobTemplate.fill(fields);
+  fields.mergeArguments = {"merge", "it's", "$HOME"};
+  fields.arguments = {"--more"};
+  jobTemplate.fill(fields);
+}
+
+constexpr std::array<Harness, 7> kFarmHarnesses = {{
     {"plan", readPlan},
     {"side_car", readSideCar, Refusal::None},
     {"tile", readTile},
     {"tile_islands", readIslands},
     {"sheet", readSheet},
+    {"recipe_file", readRecipeFile},
+    {"job_template", readTemplate},
 }};
 
 }  // namespace

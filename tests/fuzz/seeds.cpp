@@ -14,6 +14,7 @@
 #include "vdbtools/job/sheet_file.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/picture/image.h"
+#include "vdbtools/records/recorded_recipe.h"
 #include "vdbtools/scene/fractal_options.h"
 
 #include <openvdb/io/Stream.h>
@@ -357,6 +358,11 @@ void addFarm(Seeds& seeds) {
   sheet.varied = {{"c", {"0,1,0,0", "0,0,1,0"}}};
   sheet.cells = {{{{"c", "0,1,0,0"}}, smallRecipe(), ""}, {{{"c", "0,0,1,0"}}, smallRecipe(), "it is empty"}};
   seeds.push_back({"sheet", "own", encodeSheet(sheet)});
+  seeds.push_back({"recipe_file", "own", encodeRecipe({"fractal", smallRecipe()})});
+  seeds.push_back({"job_template", "all",
+                   "#!/bin/sh\n# @{name} @{count} @{jobs} @{threads} @{batch} @@{no field}\n@{program:shell} "
+                   "@{task-arguments:json} @{tasks}\n@{if tasks}\n@{folder:json}\n@{end}\n@{if merge}\n"
+                   "@{merge-arguments} @{arguments:shell}\n@{end}\n@{each task}\n@{task}\n@{end}\n"});
 }
 
 void addExplore(Seeds& seeds) {

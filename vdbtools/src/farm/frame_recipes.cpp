@@ -4,6 +4,7 @@
 #include "scene/file_hashes.h"
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/files/standard_streams.h"
 #include "vdbtools/scene/fractal_options.h"
 #include "vdbtools/scene/scene.h"
 
@@ -25,7 +26,7 @@ class FilesOfFrames {
     if (!mKnown.insert(file.path).second) return;
     mInputs.add(file.path);
     std::error_code error;
-    if (std::filesystem::exists(file.path, error)) return;
+    if (std::filesystem::exists(pathToOpen(file.path), error)) return;
     ++mCount;
     constexpr std::size_t kMostNamed = 3;
     if (mCount <= kMostNamed)

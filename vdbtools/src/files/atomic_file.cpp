@@ -2,11 +2,13 @@
 #include "vdbtools/files/atomic_file.h"
 
 #include "files/file_place.h"
+#include "files/scratch_file.h"
 #include "files/temporaries.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/io_failure.h"
+#include "vdbtools/files/standard_streams.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -27,6 +29,7 @@
 #include <streambuf>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 namespace vdbtools {
@@ -337,6 +340,24 @@ void syncFolder(const fs::path& folder) {
   if (error != 0) throwIoError("cannot flush the folder " + nameOf(folder) + " to the disk", error);
 }
 
+/// @param source  a descriptor of an ordinary file
+void copyToStandardOutput(int source) {
+  std::vector<char> piece(std::size_t{1} << 20);
+  for (off_t at = 0;;) {
+    const ssize_t count = ::pread(source, piece.data(), piece.size(), at);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) throwIoError("reading the temporary file for the standard output failed", errno);
+    if (count == 0) return;
+    for (ssize_t done = 0; done < count;) {
+      const ssize_t written = ::write(STDOUT_FILENO, piece.data() + done, static_cast<std::size_t>(count - done));
+      if (written < 0 && errno == EINTR) continue;
+      if (written <= 0) throwIoError("writing to the standard output failed", written < 0 ? errno : EIO);
+      done += written;
+    }
+    at += count;
+  }
+}
+
 }  // namespace
 
 struct AtomicFile::State {
@@ -346,6 +367,7 @@ struct AtomicFile::State {
   bool replaces = true;
   bool finished = false;
   bool committed = false;
+  int copySource = -1;  ///< of the standard output: the bytes that deliver() copies there
   int lockHolder = -1;  ///< lock of the temporary file; the buffer's descriptor is closed before the file is committed
 
   State() = default;
@@ -353,6 +375,7 @@ struct AtomicFile::State {
   State& operator=(const State&) = delete;
   ~State() {
     removeTemporary();
+    if (copySource >= 0) ::close(copySource);
     if (lockHolder >= 0) ::close(lockHolder);
   }
 
@@ -388,6 +411,24 @@ AtomicFile::AtomicFile(const fs::path& target) : mState(std::make_unique<State>(
   if (place.exists) keepOwnerAndMode(descriptor, place.status);
 }
 
+AtomicFile::AtomicFile() : mState(std::make_unique<State>()) {}
+
+AtomicFile AtomicFile::standardOutput() {
+  AtomicFile file;
+  State& s = *file.mState;
+  s.given = s.target = kStandardStream;
+  s.replaces = false;
+  if (::fcntl(STDOUT_FILENO, F_GETFD) < 0) cannotCreate("the standard output", errorText(errno));
+  const fs::path folder = scratchFolder();
+  const int descriptor = openNameless(folder);
+  if (descriptor < 0)
+    cannotCreate("the standard output", "no temporary file can be made in " + nameOf(folder) + ": " + errorText(errno));
+  s.buffer.attach(descriptor, true);
+  s.copySource = ::fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
+  if (s.copySource < 0) cannotCreate("the standard output", errorText(errno));
+  return file;
+}
+
 AtomicFile::~AtomicFile() = default;
 AtomicFile::AtomicFile(AtomicFile&&) noexcept = default;
 AtomicFile& AtomicFile::operator=(AtomicFile&&) noexcept = default;
@@ -406,6 +447,19 @@ void AtomicFile::finish() {
   s.buffer.finish();
   s.requireWritten();
   s.finished = true;
+}
+
+void AtomicFile::deliver() {
+  finish();
+  State& s = state();
+  if (s.copySource < 0) return;
+  const int source = std::exchange(s.copySource, -1);
+  struct Closed {
+    ~Closed() { ::close(descriptor); }
+    int descriptor;
+  };
+  const Closed closed{source};
+  copyToStandardOutput(source);
 }
 
 void AtomicFile::commit() {
@@ -431,6 +485,7 @@ void commitAll(std::span<AtomicFile* const> files) {
     states.push_back(&s);
   }
   for (AtomicFile* file : files) file->finish();
+  for (AtomicFile* file : files) file->deliver();
   for (const AtomicFile::State* s : states) s->requireWritten();  // also after an earlier finish()
 
   std::set<fs::path> folders;

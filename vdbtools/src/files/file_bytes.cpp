@@ -5,6 +5,7 @@
 #include "vdbtools/base/memory.h"
 #include "vdbtools/base/utf8.h"
 #include "vdbtools/files/io_failure.h"
+#include "vdbtools/files/standard_streams.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -34,8 +35,9 @@ constexpr std::size_t kLongestInMessage = 400;
 class Input {
  public:
   explicit Input(const std::filesystem::path& path) : mName(inOneLine(path.native())) {
+    const std::filesystem::path place = pathToOpen(path);
     do {
-      mDescriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+      mDescriptor = ::open(place.c_str(), O_RDONLY | O_CLOEXEC);
     } while (mDescriptor < 0 && errno == EINTR);
     if (mDescriptor < 0) cannotOpen(mName, errno);
     struct stat status {};
@@ -94,14 +96,15 @@ std::string readWholeFile(const std::filesystem::path& path) {
 
 std::ifstream openToRead(const std::filesystem::path& path) {
   std::ifstream stream;
+  const std::filesystem::path place = pathToOpen(path);
   do {
     errno = 0;
     stream.clear();
-    stream.open(path, std::ios::binary);
+    stream.open(place, std::ios::binary);
   } while (!stream.is_open() && errno == EINTR);
   if (!stream.is_open()) cannotOpen(inOneLine(path.native()), errno);
   std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) isDirectory(inOneLine(path.native()));
+  if (std::filesystem::is_directory(place, ignored)) isDirectory(inOneLine(path.native()));
   return stream;
 }
 

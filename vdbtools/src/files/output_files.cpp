@@ -29,8 +29,18 @@ AtomicFile& OutputFiles::add(const fs::path& path) {
   return mFiles.emplace_back(path);
 }
 
+AtomicFile& OutputFiles::addStandardOutput() {
+  if (mHasStandardOutput)
+    throw std::invalid_argument("two outputs are to go to the standard output; give one of them the name of a file");
+  mPlaces.claim("/dev/stdout");  // which may be an ordinary file
+  mFiles.push_back(AtomicFile::standardOutput());
+  mHasStandardOutput = true;
+  return mFiles.back();
+}
+
 void OutputFiles::finish() {
   for (AtomicFile& file : mFiles) file.finish();
+  for (AtomicFile& file : mFiles) file.deliver();
 }
 
 void OutputFiles::commit() {

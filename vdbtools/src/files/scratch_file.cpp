@@ -12,6 +12,8 @@
 #include <cerrno>
 #include <cstdlib>
 #include <ostream>
+#include <string>
+#include <system_error>
 #include <vector>
 
 namespace vdbtools {
@@ -19,7 +21,8 @@ namespace {
 
 constexpr std::size_t kCopiedAtOnce = std::size_t{1} << 20;
 
-/// @return its descriptor, or -1 with errno
+}  // namespace
+
 int openNameless(const std::filesystem::path& folder) {
   const int descriptor = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
   if (descriptor >= 0) return descriptor;
@@ -30,7 +33,12 @@ int openNameless(const std::filesystem::path& folder) {
   return named;
 }
 
-}  // namespace
+std::filesystem::path scratchFolder() {
+  std::error_code error;
+  const std::filesystem::path folder = std::filesystem::temp_directory_path(error);
+  if (error) throw CreateError("there is no folder for temporary files: TMPDIR names none that can be used");
+  return folder;
+}
 
 ScratchFile::ScratchFile(const std::filesystem::path& folder) {
   const std::filesystem::path place = folder.empty() ? "." : folder;
@@ -63,6 +71,8 @@ void ScratchFile::moveTo(std::ostream& stream) {
     at += count;
   }
 }
+
+std::filesystem::path ScratchFile::pathWhileOpen() const { return "/proc/self/fd/" + std::to_string(mDescriptor); }
 
 void ScratchFile::fail(const std::string& reason) const {
   throw IoError("a temporary file in " + mFolder + " " + reason);

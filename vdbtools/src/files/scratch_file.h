@@ -12,6 +12,14 @@
 
 namespace vdbtools {
 
+/// Opens an unnamed file for reading and writing, which disappears when it is closed.
+/// @return its descriptor, or -1 with errno
+int openNameless(const std::filesystem::path& folder);
+
+/// The folder for temporary files that belong to no output: TMPDIR, or else /tmp.
+/// @throw CreateError  there is no such folder
+std::filesystem::path scratchFolder();
+
 class ScratchFile {
  public:
   /// @param folder  empty: the working directory
@@ -27,6 +35,9 @@ class ScratchFile {
   /// Writes all bytes to @a stream until it fails, and frees their space on the disk progressively.
   /// @throw IoError  reading failed midway
   void moveTo(std::ostream& stream);
+
+  /// A path by which this process can open the bytes for reading, as long as this object lives.
+  std::filesystem::path pathWhileOpen() const;
 
  private:
   [[noreturn]] void fail(const std::string& reason) const;

@@ -3,6 +3,7 @@
 
 #include "mesh_files/text_scan.h"
 #include "vdbtools/files/file_bytes.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
 
 #include <set>
 #include <string>
@@ -32,7 +33,7 @@ struct Named {
 
 MeshNames readMeshNames(const std::filesystem::path& path) {
   MeshNames names;
-  if (lowerExtension(path) != ".obj") return names;
+  if (meshExtension(path) != ".obj") return names;
   const std::string contents = readWholeFile(path);
   LineScanner lines(path, contents);
   Named material, group;

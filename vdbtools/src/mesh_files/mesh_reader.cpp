@@ -3,17 +3,19 @@
 #include "mesh_files/format_readers.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
+#include "vdbtools/files/standard_streams.h"
 #include "vdbtools/mesh/mesh.h"
 #include "vdbtools/mesh_files/point_cloud.h"
 
 #include <string>
+#include <string_view>
 
 namespace vdbtools {
 namespace {
 
 std::string contentsOf(const std::filesystem::path& path) {
   std::error_code error;
-  const auto status = std::filesystem::status(path, error);
+  const auto status = std::filesystem::status(pathToOpen(path), error);
   if (!std::filesystem::exists(status)) throw MissingInputError(path.string() + ": no such file; check its name");
   if (!std::filesystem::is_regular_file(status)) {
     throw MissingInputError(path.string() + ": this is " +
@@ -26,7 +28,7 @@ std::string contentsOf(const std::filesystem::path& path) {
 /// With triangles or without.
 Mesh readAny(const std::filesystem::path& path) {
   const std::string contents = contentsOf(path);
-  const std::string extension = lowerExtension(path);
+  const std::string extension = meshExtension(path);
   const auto reader = extension == ".obj"                           ? readObj
                       : extension == ".off"                         ? readOff
                       : extension == ".ply"                         ? readPly
@@ -45,6 +47,14 @@ Mesh readAny(const std::filesystem::path& path) {
 }
 
 }  // namespace
+
+std::string meshExtension(const std::filesystem::path& path) {
+  if (!isStandardInput(path)) return lowerExtension(path);
+  constexpr std::string_view kPly = "ply";
+  char first[kPly.size()] = {};
+  openToRead(path).read(first, sizeof first);
+  return std::string_view(first, sizeof first) == kPly ? ".ply" : ".obj";
+}
 
 Mesh readMesh(const std::filesystem::path& path) {
   Mesh mesh = readAny(path);

@@ -6,6 +6,7 @@
 #include "mesh_files/mesh_encoder.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
 
 #include <algorithm>
 #include <fstream>
@@ -238,7 +239,7 @@ const std::vector<MeshLevel>& MeshStreamWriter::levels() const { return mState->
 
 std::map<std::string, std::string> readMeshComments(const std::filesystem::path& path) {
   std::ifstream file = openToRead(path);
-  const std::string extension = lowerExtension(path);
+  const std::string extension = meshExtension(path);
   if (extension == ".glb") return readGltfExtras(path);
   std::map<std::string, std::string> comments = readMeshComments(file, extension);
   if (file.bad()) throw IoError("reading '" + path.string() + "' broke off");

@@ -5,6 +5,7 @@
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
+#include "vdbtools/files/standard_streams.h"
 #include "vdbtools/job/sdf_job.h"
 #include "vdbtools/recipe/option_value.h"
 #include "vdbtools/records/recorded_recipe.h"
@@ -27,7 +28,7 @@ namespace fs = std::filesystem;
 
 bool isFile(const fs::path& path) {
   std::error_code error;
-  return fs::is_regular_file(path, error);
+  return fs::is_regular_file(pathToOpen(path), error);
 }
 
 bool holds(const fs::path& path, const std::string& hash) {
@@ -38,13 +39,22 @@ bool holds(const fs::path& path, const std::string& hash) {
   }
 }
 
-/// The files in a folder and below that have an extension, in the order of their names.
-std::vector<fs::path> filesBelow(const fs::path& folder, const std::string& extension) {
+/// Whether a name in a recipe is that of the standard input, which is gone.
+bool wasPiped(const fs::path& recorded) { return recorded == kStandardStream; }
+
+/// The files in a folder and below that may be the recorded one by their extension, in the order of their names. What
+/// came through a pipe has none.
+std::vector<fs::path> filesBelow(const fs::path& folder, const fs::path& recorded) {
+  const std::string extension = lowerExtension(recorded);
+  const auto fits = [&](const fs::path& file) {
+    const std::string has = lowerExtension(file);
+    return wasPiped(recorded) ? has == ".ply" || has == ".obj" : has == extension;
+  };
   std::vector<fs::path> files;
   std::error_code error;
   fs::recursive_directory_iterator entry(folder, fs::directory_options::skip_permission_denied, error);
   for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error))
-    if (lowerExtension(entry->path()) == extension && isFile(entry->path())) files.push_back(entry->path());
+    if (fits(entry->path()) && isFile(entry->path())) files.push_back(entry->path());
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -65,13 +75,19 @@ std::optional<fs::path> find(const fs::path& recorded, const std::string& hash, 
   for (const fs::path& candidate : candidates)
     if (holds(candidate, hash)) return candidate.lexically_normal();
   for (const fs::path& folder : search.folders)
-    for (const fs::path& candidate : filesBelow(folder, lowerExtension(recorded)))
+    for (const fs::path& candidate : filesBelow(folder, recorded))
       if (holds(candidate, hash)) return candidate.lexically_normal();
   return std::nullopt;
 }
 
 [[noreturn]] void refuseMissing(const fs::path& recorded, const std::string& hash, const FileSearch& search) {
   constexpr std::size_t kDigits = 12;
+  if (wasPiped(recorded))
+    throw MissingInputError("the target of the recipe in '" + search.holder.string() +
+                            "' came through a pipe (SHA-256 " + hash.substr(0, kDigits) +
+                            "...); name the file that it came from in its place, or that file's folder with --search "
+                            "DIR" +
+                            search.wayOut);
   std::string places = "where the recipe says, nor beside '" + search.holder.string() + "'";
   for (const fs::path& folder : search.folders) places += ", nor in '" + folder.string() + "'";
   throw MissingInputError("'" + recorded.string() + "' (SHA-256 " + hash.substr(0, kDigits) + "...) is neither " +
@@ -95,7 +111,8 @@ std::vector<std::pair<fs::path, std::string>> hashedFiles(const Recipe& recipe, 
 /// The files that the recipe in a file names; none where there is no recipe that could be read.
 std::vector<fs::path> recordedNames(const fs::path& file, const MapRegistry& maps) {
   constexpr std::string_view kHolders[] = {".vdb", ".ply", ".obj", ".glb"};
-  if (std::ranges::find(kHolders, lowerExtension(file)) == std::end(kHolders) || !isFile(file)) return {};
+  if (!isFile(file)) return {};
+  if (std::ranges::find(kHolders, lowerExtension(file)) == std::end(kHolders) && !isRecipeFile(file)) return {};
   std::vector<fs::path> names;
   try {
     const auto [command, recipe] = readRecordedRecipe(file, maps);

@@ -1,17 +1,93 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/records/recorded_recipe.h"
 
+#include "base/json_text.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/near_words.h"
+#include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/sdf_job.h"
 #include "vdbtools/job/sheet_file.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
+#include "vdbtools/recipe/option_name.h"
 #include "vdbtools/render/view_options.h"
 #include "vdbtools/scene/fractal_options.h"
 
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
 #include <stdexcept>
+#include <vector>
 
 namespace vdbtools {
+namespace {
+
+using OrderedJson = nlohmann::ordered_json;
+
+constexpr const char* kRecipeKind = "recipe";
+constexpr int kRecipeVersion = 1;
+
+/// The content of a recipe file; null if it is none.
+OrderedJson recipeJson(const std::filesystem::path& path) {
+  OrderedJson json = parsedJson<OrderedJson>(readWholeFile(path));
+  const bool ours = json.is_object() && json.value("juliavdb", OrderedJson()) == kRecipeKind;
+  return ours ? std::move(json) : OrderedJson();
+}
+
+/// @throw DataError
+RecordedRecipe readRecipeFile(const std::filesystem::path& path, const MapRegistry& maps) {
+  const std::string file = "'" + path.string() + "'";
+  const OrderedJson json = recipeJson(path);
+  if (json.value("version", OrderedJson()) != kRecipeVersion)
+    throw DataError(file + " is a recipe of another version of juliavdb; write it again with 'juliavdb recipe'");
+  const OrderedJson command = json.value("command", OrderedJson()), entries = json.value("recipe", OrderedJson());
+  if ((command != "fractal" && command != "sdf") || !entries.is_object())
+    throw DataError(file +
+                    " is a broken recipe: it needs a 'command', which is fractal or sdf, and a 'recipe' with the "
+                    "options; write it again with 'juliavdb recipe'");
+  const OptionTable table = command == "sdf" ? sdfOptionTable() : fractalOptionTable(maps);
+  const std::vector<std::string> hashes = table.hashNames();
+  RecordedRecipe recorded{command.get<std::string>(), {}};
+  for (const auto& [name, value] : entries.items()) {
+    if (!value.is_string())
+      throw DataError("the recipe in " + file + " is broken: the value of '" + inOneLine(name) +
+                      "' is not a text; put it in quotes");
+    const std::string entry = recipeEntry(name);
+    if (!table.knows(entry) && std::ranges::find(hashes, entry) == hashes.end())
+      throw DataError("the recipe in " + file + " is broken: there is no option '" + inOneLine(name) +
+                      "' of 'juliavdb " + recorded.command + "'" + didYouMean(name, optionNames(table.names())));
+    if (!recorded.recipe.emplace(entry, value.get<std::string>()).second)
+      throw DataError("the recipe in " + file + " is broken: it has '" + inOneLine(name) + "' twice");
+  }
+  return recorded;
+}
+
+}  // namespace
+
+bool isRecipeFile(const std::filesystem::path& path) {
+  if (lowerExtension(path) != ".json") return false;
+  try {
+    return !recipeJson(path).is_null();
+  } catch (const std::runtime_error&) {
+    return false;  // it is not there, or cannot be read
+  }
+}
+
+std::string noRecipeText(const std::filesystem::path& path) {
+  return "'" + path.string() + "' holds no recipe of juliavdb; only a VDB, PLY, OBJ or GLB that it made does";
+}
+
+std::string encodeRecipe(const RecordedRecipe& recorded) {
+  OrderedJson entries = OrderedJson::object();
+  for (const auto& [name, value] : recorded.recipe) entries[name] = value;
+  const OrderedJson json{{"juliavdb", kRecipeKind},
+                         {"version", kRecipeVersion},
+                         {"program", JULIAVDB_VERSION},
+                         {"command", recorded.command},
+                         {"recipe", std::move(entries)}};
+  // Names of files need not be UTF-8.
+  return json.dump(1, ' ', false, OrderedJson::error_handler_t::replace) + '\n';
+}
 
 RecordedRecipe recordedRecipe(const std::map<std::string, std::string>& metadata, const MapRegistry& maps) {
   const std::string command = commandOfMetadata(metadata);
@@ -25,7 +101,8 @@ RecordedRecipe recordedRecipe(const std::map<std::string, std::string>& metadata
 
 RecordedRecipe readRecordedRecipe(const std::filesystem::path& path, const MapRegistry& maps) {
   RecordedRecipe recorded =
-      isSheetCell(path.string())
+      isRecipeFile(path) ? readRecipeFile(path, maps)
+      : isSheetCell(path.string())
           ? RecordedRecipe{"fractal", readSheetCell(path.string()).recipe}
           : recordedRecipe(isVdbPath(path) ? readVdbMetadata(path) : readMeshComments(path), maps);
   try {

@@ -31,6 +31,11 @@ class AtomicFile {
   ///                     and is write-protected, or this process is already writing it
   explicit AtomicFile(const std::filesystem::path& target);
 
+  /// In the place of a file, the standard output. The bytes go to an unnamed temporary file, which deliver() copies, so
+  /// that nothing reaches the standard output unless all work before has succeeded. The target is called "-".
+  /// @throw CreateError  no temporary file can be created, or the standard output is closed
+  static AtomicFile standardOutput();
+
   /// Removes the temporary file, unless it was committed.
   ~AtomicFile();
 
@@ -47,7 +52,13 @@ class AtomicFile {
   /// @throw IoError  something could not be written, now or earlier, e.g. because of a full disk or a lost mount
   void finish();
 
-  /// Calls finish() if necessary, renames the temporary file over the target and flushes the folder to the disk.
+  /// Copies the finished bytes to the standard output, if that is the target; else it does nothing. Calls after the
+  /// first do nothing.
+  /// @throw IoError  e.g. because the reader of a pipe is gone
+  void deliver();
+
+  /// Calls finish() and deliver() if necessary, renames the temporary file over the target and flushes the folder to
+  /// the disk.
   /// @throw IoError           as finish(), or the rename failed
   /// @throw std::logic_error  the file was committed already
   void commit();
@@ -59,6 +70,7 @@ class AtomicFile {
   std::filesystem::path temporaryPath() const;
 
  private:
+  AtomicFile();
   friend void commitAll(std::span<AtomicFile* const> files);
   struct State;
   State& state() const;

@@ -38,19 +38,28 @@ class OutputFiles {
   /// @throw std::invalid_argument  as OutputPlaces::claim()
   /// @throw CreateError
   AtomicFile& add(const std::filesystem::path& path);
+  /// Claims the standard output. It gets its bytes after all files are on the disk, and before they are committed.
+  /// @throw std::invalid_argument  it is an output already, or a file that is an input
+  /// @throw CreateError
+  AtomicFile& addStandardOutput();
 
-  /// Flushes all files to the disk, which takes most of the time of a commit. @throw IoError
+  /// Flushes all files to the disk, which takes most of the time of a commit, and fills the standard output if that is
+  /// one of them. @throw IoError
   void finish();
   /// Commits all files. @throw as commitAll()
   void commit();
 
   const std::list<AtomicFile>& files() const { return mFiles; }
   /// Discards what was added so far.
-  void clear() { mFiles.clear(); }
+  void clear() {
+    mFiles.clear();
+    mHasStandardOutput = false;
+  }
 
  private:
   OutputPlaces mPlaces;
   std::list<AtomicFile> mFiles;
+  bool mHasStandardOutput = false;
 };
 
 }  // namespace vdbtools

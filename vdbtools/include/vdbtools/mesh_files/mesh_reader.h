@@ -9,10 +9,16 @@
 #include "vdbtools/mesh/mesh.h"
 
 #include <filesystem>
+#include <string>
 
 namespace vdbtools {
 
-/// Reads OBJ, PLY, STL, OFF or glTF (.glb, .gltf), according to the file's extension, ignoring case. Polygons are split
+/// The format of a mesh as an extension in lower case: that of the name, or ".ply" or ".obj" by the first bytes of the
+/// standard input (standard_streams.h), which has no name.
+/// @throw as openToRead()
+std::string meshExtension(const std::filesystem::path& path);
+
+/// Reads OBJ, PLY, STL, OFF or glTF (.glb, .gltf), according to meshExtension(). Polygons are split
 /// into triangles: convex ones into fans, others by ear clipping. Normals are skipped; unused points are kept; STL and
 /// glTF are welded. Coordinates are read in double precision, except those of STL and glTF, which are floats. In OBJ,
 /// corners that a face repeats are dropped. In glTF, all triangles of the default scene are joined, in the positions

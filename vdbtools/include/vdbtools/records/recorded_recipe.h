@@ -24,8 +24,17 @@ struct RecordedRecipe {
 RecordedRecipe recordedRecipe(const std::map<std::string, std::string>& metadata,
                               const MapRegistry& maps = builtInMaps());
 
-/// The same of a VDB, PLY or OBJ, or of a cell of a contact sheet ("sheet.json#7", see sheet_file.h), checked: its
-/// options can be used.
+/// Whether a file is a recipe by itself, as encodeRecipe() makes it. The name has to end in .json.
+bool isRecipeFile(const std::filesystem::path& path);
+
+/// What is wrong with a file in which there is no recipe.
+std::string noRecipeText(const std::filesystem::path& path);
+
+/// A recipe as a file of its own: JSON with the command, and each entry as a text.
+std::string encodeRecipe(const RecordedRecipe& recorded);
+
+/// The same of a VDB, PLY, OBJ or GLB, of a recipe file, or of a cell of a contact sheet ("sheet.json#7", see
+/// sheet_file.h), checked: its options can be used.
 /// @throw DataError  an entry is broken; MissingInputError, IoError
 /// @throw std::invalid_argument  there is no such cell
 RecordedRecipe readRecordedRecipe(const std::filesystem::path& path, const MapRegistry& maps = builtInMaps());
