@@ -40,10 +40,9 @@ using Json = nlohmann::ordered_json;
 constexpr Usage kInfoUsage = {
     "info", "FILE... [--json]",
     "Shows what is in a mesh (.obj, .ply, .stl, .off, .glb, .gltf), in a VDB, with the recipe it was made by, in a "
-    "NanoVDB file (.nvdb), all of whose checksums and places of nodes are checked, or in a versor (.json, .p4d, "
-    ".poly4d, .o3d). A file that cannot be read does not keep the others from being shown.",
-    "versor (.json, .p4d, .poly4d, .o3d), or in a recipe (.json). A file that cannot be read does not keep the others "
-    "from being shown. A mesh may come through a pipe, with - for its name.",
+    "NanoVDB file (.nvdb), all of whose checksums and places of nodes are checked, in a versor (.json, .p4d, .poly4d, "
+    ".o3d), or in a recipe (.json). A file that cannot be read does not keep the others from being shown. A mesh may "
+    "come through a pipe, with - for its name.",
     "  juliavdb info bunny.obj\n"
     "  juliavdb info bunny.vdb --json\n"
     "  juliavdb info bunny.nvdb\n"};
