@@ -112,6 +112,8 @@ struct Submission {
   int jobs = 0, threads = 1;
   std::uint64_t batch = 1;  ///< tasks of a process
   bool threadsGiven = false;
+  std::vector<int> devices;         ///< of the tasks, by their slots in GNU parallel; empty for none
+  bool allocatesGpus = false;       ///< whether Slurm gives each task a graphics processor
   std::vector<std::string> common;  ///< options of each task and of the merge
   std::vector<std::string> merge;   ///< the words behind "juliavdb merge ."; empty for none
   std::vector<std::string> engineArguments;
@@ -139,8 +141,9 @@ std::string slurmScript(const Submission& s) {
                                               std::to_string(each) + "))\"";
     script += "tasks=$(sbatch --parsable --array=" + vdbtools::farm::taskList(array) + "%" + std::to_string(s.jobs) +
               " --requeue --signal=B:TERM@60 \\\n    --cpus-per-task=" + std::to_string(s.threads) +
-              " --output=logs/%A_%a.log " + common +
-              " \\\n    --wrap=" + vdbtools::shellWord("exec " + program + " task ." + quoted(s.common) + " " + which) +
+              (s.allocatesGpus ? " --gres=gpu:1" : "") + " --output=logs/%A_%a.log " + common + " \\\n    --wrap=" +
+              vdbtools::shellWord("exec " + program + " task ." + quoted(s.common) +
+                                  (s.allocatesGpus ? " --device opencl " : " ") + which) +
               ")\necho \"tasks: job ${tasks%%;*}\"\n";
   }
   if (!s.merge.empty())
@@ -154,6 +157,13 @@ std::string slurmScript(const Submission& s) {
   return script;
 }
 
+/// What GNU parallel puts in the place of {device}: of each slot another device, in turn.
+std::string devicesBySlot(const std::vector<int>& devices) {
+  std::string list;
+  for (const int device : devices) list += (list.empty() ? "" : ",") + std::to_string(device);
+  return " --rpl '{device} $_ = (" + list + ")[($job->slot() - 1) % " + std::to_string(devices.size()) + "]'";
+}
+
 std::string parallelScript(const Submission& s) {
   const std::string program = vdbtools::shellWord(ownPath());
   std::string script =
@@ -164,8 +174,9 @@ std::string parallelScript(const Submission& s) {
       vdbtools::shellWord(s.folder.string()) + "\n" + program + " status . --missing " +
       (s.batch == 1 ? "--lines" : "--batch " + std::to_string(s.batch)) + " |\n" +
       "  parallel --no-run-if-empty --jobs " + std::to_string(s.jobs) +
-      " --joblog +logs/joblog --termseq TERM,2000,KILL,25" + quoted(s.engineArguments) + " --quote \\\n    " + program +
-      " task . --threads " + std::to_string(s.threads) + quoted(s.common) +
+      " --joblog +logs/joblog --termseq TERM,2000,KILL,25" + (s.devices.empty() ? "" : devicesBySlot(s.devices)) +
+      quoted(s.engineArguments) + " --quote \\\n    " + program + " task . --threads " + std::to_string(s.threads) +
+      quoted(s.common) + (s.devices.empty() ? "" : " --device opencl:{device}") +
       (s.batch == 1 ? " --index {}\n" : " --range {}\n");
   if (!s.merge.empty())
     script += program + " merge ." + (s.threadsGiven ? " --threads " + std::to_string(s.threads) : "") +
@@ -316,6 +327,30 @@ void runScript(const Submission& s, Engine engine, const vdbtools::farm::Manifes
   refuseOutcome(s, engine, outcome, code);
 }
 
+/// Reads --gpus.
+void addGpus(const CommandLine& line, Engine engine, Submission& submission) {
+  const std::string value = line.text("gpus");
+  if (line.has("device"))
+    throw std::invalid_argument("--gpus and --device both say where tasks are evaluated; leave out one of them");
+  if (engine == Engine::Script)
+    throw std::invalid_argument("--gpus goes with --engine slurm or parallel; put --device into the template instead");
+  if (engine == Engine::Slurm) {
+    if (value != "allocated")
+      throw std::invalid_argument("--gpus is '" + value + "'; Slurm chooses the devices, so it must be 'allocated'");
+    submission.allocatesGpus = true;
+    return;
+  }
+  for (const std::string& word : vdbtools::split(value, ',')) {
+    const auto number = vdbtools::wholeFromText<int>(word);
+    if (!number || *number < 0)
+      throw std::invalid_argument(
+          "--gpus is '" + value +
+          "'; with --engine parallel it must be numbers of devices such as 0,1, which 'juliavdb "
+          "devices' lists");
+    submission.devices.push_back(*number);
+  }
+}
+
 }  // namespace
 
 int runSubmit(const Arguments& arguments) {
@@ -332,6 +367,11 @@ int runSubmit(const Arguments& arguments) {
       "use, divided by --threads)")(
       "batch", po::value<std::string>()->value_name("N"),
       "how many tasks a process makes one after another, which spares small ones reading what they share (default: 1)");
+  line.addOptions()(
+      "gpus", po::value<std::string>()->value_name("LIST|allocated"),
+      "the devices that evaluate the tasks, as 'juliavdb devices' numbers them, such as 0,1: with parallel, "
+      "each slot has one of them in turn, and --jobs is their number; with slurm, 'allocated' asks for one "
+      "graphics processor for each task (--gres=gpu:1)");
   addMergeOptions(line);
   const auto dashes = std::find(arguments.begin(), arguments.end(), "--");
   if (!line.parse(Arguments(arguments.begin(), dashes))) return kDone;
@@ -372,10 +412,12 @@ int runSubmit(const Arguments& arguments) {
   submission.threadsGiven = line.has("threads");
   if (submission.threadsGiven) submission.threads = line.integer("threads", 1, kMostJobs);
   if (line.has("batch")) submission.batch = static_cast<std::uint64_t>(line.integer("batch", 1, kMostJobs));
+  if (line.has("gpus")) addGpus(line, engine, submission);
   const int processors = static_cast<int>(std::thread::hardware_concurrency());
-  submission.jobs = line.has("jobs")             ? line.integer("jobs", 1, kMostJobs)
-                    : engine == Engine::Parallel ? std::max(1, processors / submission.threads)
-                                                 : kUsualJobs;
+  submission.jobs = line.has("jobs")                                 ? line.integer("jobs", 1, kMostJobs)
+                    : line.has("gpus") && engine == Engine::Parallel ? static_cast<int>(submission.devices.size())
+                    : engine == Engine::Parallel                     ? std::max(1, processors / submission.threads)
+                                                                     : kUsualJobs;
   for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index) {
     const auto state =
         vdbtools::farm::taskStatus(submission.folder, manifest, index, vdbtools::farm::FileCheck::Quick).state;

@@ -76,6 +76,15 @@ class SameBytes(Devices):
         for extension in (".vdb", ".ply"):
             self.assertTrue(self.bytes("here" + extension) == self.bytes("there" + extension), extension)
 
+    def test_of_tasks_that_gnu_parallel_gives_to_devices(self):
+        for name in ("here", "there"):
+            self.ok("plan", "tiles", "t.obj", *LOW, "--tiles", 2, "-o", name)
+        self.ok("submit", "here", "--engine", "parallel", "--jobs", 2, "--mesh", "here.ply")
+        self.ok("submit", "there", "--engine", "parallel", "--gpus", "0,0", "--mesh", "there.ply")
+        self.assertTrue(self.bytes("here.ply") == self.bytes("there.ply"))
+        log = self.path("there/logs/joblog").read_text()
+        self.assertEqual(log.count("--device opencl:0 --index"), 8, log)
+
     def test_with_any_number_of_threads(self):
         for threads in (1, 3):
             self.ok("fractal", "t.obj", *LOW, "--mesh", f"{threads}.ply", "--threads", threads, *ON)
@@ -113,6 +122,21 @@ class SameBytes(Devices):
 
 
 class Missing(Devices):
+
+    def test_the_devices_of_submitted_tasks(self):
+        self.ok("plan", "tiles", "t.obj", *LOW, "--tiles", 2, "-o", "farm")
+        script = self.ok("submit", "farm", "--engine", "parallel", "--gpus", "3,1", "--dry-run", data=True)
+        self.assertIn("--jobs 2 ", script)
+        self.assertIn("$_ = (3,1)[($job->slot() - 1) % 2]", script)
+        self.assertIn("--device opencl:{device}", script)
+        script = self.ok("submit", "farm", "--engine", "slurm", "--gpus", "allocated", "--dry-run", data=True)
+        self.assertIn("--gres=gpu:1", script)
+        self.assertIn("--device opencl --index", script)
+        for engine, value in (("parallel", "allocated"), ("parallel", ""), ("parallel", "0,"), ("parallel", "-1"),
+                              ("slurm", "0"), ("slurm", "all")):
+            with self.subTest(engine=engine, value=value):
+                self.refused(USAGE, "submit", "farm", "--engine", engine, f"--gpus={value}", "--dry-run", mentions="--gpus is")
+        self.refused(USAGE, "submit", "farm", "--engine", "parallel", "--gpus", "0", "--device", "opencl", mentions="leave out one")
 
     def test_choices_that_are_none(self):
         for choice in ("gpu", "opencl:", "opencl:x", "opencl:-1", "opencl:1.5", ""):
