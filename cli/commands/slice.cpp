@@ -194,9 +194,10 @@ void writeStack(const CommandLine& line, const std::optional<vdbtools::FractalOp
   }
   const Scene scene = vdbtools::makeScene(*options, line.progress());
   if (field == SliceField::Phi && !scene.target) throw std::invalid_argument("there is no phi without a target");
-  writer.write(placement, frameOf(scene), meaning, [&](const SlicePlane& plane, vdbtools::Monitor& progress) {
-    return layerOfScene(scene, field, plane, stack, progress);
-  });
+  writer.write(placement, vdbtools::sliceFrame(scene), meaning,
+               [&](const SlicePlane& plane, vdbtools::Monitor& progress) {
+                 return layerOfScene(scene, field, plane, stack, progress);
+               });
 }
 
 /// The voxels of a VDB are shown as they are.
