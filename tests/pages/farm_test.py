@@ -78,7 +78,7 @@ class Page(unittest.TestCase):
     def test_the_script_is_the_one_that_the_program_writes(self):
         shown, = re.findall(r"```\n(#!/bin/sh\n.*?)```", self.text, re.S)
         self.run_block("".join(block for block in self.blocks if "cp " in block))
-        block, = [block for block in self.blocks if "--dry-run" in block]
+        block, = [block for block in self.blocks if "--engine slurm --dry-run" in block]
         with mock.patch.dict(os.environ, {"SLURM_CONF": os.devnull}):
             script = self.run_block(block)
         script = script[script.index("#!"):].replace(str(PROGRAM), "/usr/bin/juliavdb")

@@ -44,7 +44,7 @@ class Readme(unittest.TestCase):
                     done = run(small(with_bunny(block, folder)), folder)
                     self.assertEqual(done.returncode, 0, f"{block}\n{done.stderr}")
                 made = set(os.listdir(folder))
-                for name in set(re.findall(r"(?:-o|--mesh) (\S+\.\w+)", "".join(blocks))):
+                for name in set(re.findall(r"(?:-o|--mesh) ([^-\s]\S*\.\w+)", "".join(blocks))):
                     self.assertIn(name.replace("####", "0001"), made)
 
     def test_it_is_short(self):
