@@ -7,10 +7,13 @@
 #include "report.h"
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/files/input_files.h"
+#include "vdbtools/job/sheet_file.h"
 #include "vdbtools/records/recorded_recipe.h"
 
 #include <iostream>
 #include <stdexcept>
+#include <utility>
 
 namespace po = boost::program_options;
 
@@ -20,11 +23,10 @@ namespace {
 constexpr Usage kRecipeUsage = {
     "recipe", "F.vdb|F.ply|F.obj|F.glb|SHEET.json#N [-o R.json]",
     "Writes the recipe that a file of this program holds, or that of a cell of a contact sheet, as JSON: on the "
-    "standard "
-    "output, or with -o into a file. 'juliavdb fractal --recipe R.json' makes the same fractal again, and 'juliavdb "
-    "sdf "
-    "--recipe R.json' the same distances. The names of files stay as the recipe has them, and so do their SHA-256; "
-    "delete the entry of a SHA-256 if you name another file.",
+    "standard output, or with -o into a file. 'juliavdb fractal --recipe R.json' makes the same fractal again, and "
+    "'juliavdb sdf --recipe R.json' the same distances. The names of files stay as the recipe has them, and so do "
+    "their "
+    "SHA-256; delete the entry of a SHA-256 if you name another file.",
     "  juliavdb recipe bunny.vdb -o bunny.json\n"
     "  juliavdb recipe bunny.ply\n"};
 
@@ -44,7 +46,9 @@ int runRecipe(const Arguments& arguments) {
     std::cout << text;
     return kDone;
   }
-  Outputs outputs(line, {});
+  vdbtools::InputFiles inputs;
+  inputs.add(vdbtools::isSheetCell(file) ? vdbtools::sheetOfCell(file) : file);
+  Outputs outputs(line, std::move(inputs));
   outputs.add("output", line.text("output"), ".json").stream() << text;
   outputs.commit();
   report().text() << "wrote " << outputs.names() << ": the recipe of 'juliavdb " << recorded.command << "' in " << file
