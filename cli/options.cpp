@@ -304,9 +304,7 @@ bool CommandLine::parse(const Arguments& arguments) {
 
 void CommandLine::takePipes() const {
   for (const std::string& name : mPositionalNames) {
-    if (!has(name)) continue;
-    const bool isText = mValues[name].value().type() == typeid(std::string);
-    const std::vector<std::string> words = isText ? std::vector<std::string>{text(name)} : texts(name);
+    const std::vector<std::string> words = wordsOf(name);
     if (std::find(words.begin(), words.end(), vdbtools::kStandardStream) == words.end()) continue;
     if (name != "input" || !mAcceptsStandardInput)
       throw std::invalid_argument(std::string("'-' is the standard input, which 'juliavdb ") + mUsage.command +
@@ -327,19 +325,21 @@ std::vector<std::string> CommandLine::texts(const std::string& name) const {
   return has(name) ? mValues[name].as<std::vector<std::string>>() : std::vector<std::string>();
 }
 
+std::vector<std::string> CommandLine::wordsOf(const std::string& name) const {
+  const bool isText = has(name) && mValues[name].value().type() == typeid(std::string);
+  return isText ? std::vector<std::string>{text(name)} : texts(name);
+}
+
 vdbtools::InputFiles CommandLine::inputs() const {
   vdbtools::InputFiles inputs;
-  for (const std::string& name : mPositionalNames) {
-    if (!has(name)) continue;
-    if (mValues[name].value().type() == typeid(std::string))
-      inputs.add(text(name));
-    else
-      for (const std::string& word : texts(name)) inputs.add(word);
-  }
-  if (has("config")) {
-    const std::string file = text("config");
-    inputs.add(vdbtools::isSheetCell(file) ? vdbtools::sheetOfCell(file) : file);
-  }
+  // "sheet.json#7" is a cell in a file of another name.
+  const auto add = [&](const std::string& name) {
+    inputs.add(name);
+    if (vdbtools::isSheetCell(name)) inputs.add(vdbtools::sheetOfCell(name));
+  };
+  for (const std::string& name : mPositionalNames)
+    for (const std::string& word : wordsOf(name)) add(word);
+  if (has("config")) add(text("config"));
   return inputs;
 }
 

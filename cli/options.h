@@ -122,6 +122,8 @@ class CommandLine {
   /// Finds words that boost would misread: an option without its value, an option that does not exist.
   void checkWords(const Arguments& arguments, const boost::program_options::options_description& all) const;
   void readConfig(const std::string& file);
+  /// All words of a positional argument, of which there are one or many.
+  std::vector<std::string> wordsOf(const std::string& name) const;
   void takePipes() const;
   void applyThreads();
   void applyInstructions() const;

@@ -7,13 +7,10 @@
 #include "report.h"
 
 #include "vdbtools/base/errors.h"
-#include "vdbtools/files/input_files.h"
-#include "vdbtools/job/sheet_file.h"
 #include "vdbtools/records/recorded_recipe.h"
 
 #include <iostream>
 #include <stdexcept>
-#include <utility>
 
 namespace po = boost::program_options;
 
@@ -25,8 +22,7 @@ constexpr Usage kRecipeUsage = {
     "Writes the recipe that a file of this program holds, or that of a cell of a contact sheet, as JSON: on the "
     "standard output, or with -o into a file. 'juliavdb fractal --recipe R.json' makes the same fractal again, and "
     "'juliavdb sdf --recipe R.json' the same distances. The names of files stay as the recipe has them, and so do "
-    "their "
-    "SHA-256; delete the entry of a SHA-256 if you name another file.",
+    "their SHA-256; delete the entry of a SHA-256 if you name another file.",
     "  juliavdb recipe bunny.vdb -o bunny.json\n"
     "  juliavdb recipe bunny.ply\n"};
 
@@ -46,9 +42,7 @@ int runRecipe(const Arguments& arguments) {
     std::cout << text;
     return kDone;
   }
-  vdbtools::InputFiles inputs;
-  inputs.add(vdbtools::isSheetCell(file) ? vdbtools::sheetOfCell(file) : file);
-  Outputs outputs(line, std::move(inputs));
+  Outputs outputs(line, {});
   outputs.add("output", line.text("output"), ".json").stream() << text;
   outputs.commit();
   report().text() << "wrote " << outputs.names() << ": the recipe of 'juliavdb " << recorded.command << "' in " << file
