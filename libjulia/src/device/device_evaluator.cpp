@@ -122,7 +122,7 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
 
   /// What one thread evaluates points with, kept between calls.
   struct Work {
-    explicit Work(const DeviceEvaluator& of) : lane(*of.mDevice, of.mProgram, kFollow) {}
+    explicit Work(const DeviceEvaluator& of) : lane(*of.mDevice, of.mProgram, kFollow) { of.setShared(lane); }
 
     OpenClDevice::Lane lane;
     std::size_t capacity = 0;
@@ -132,7 +132,7 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
   };
   /// What one thread searches edges with.
   struct Search {
-    explicit Search(const DeviceEvaluator& of) : lane(*of.mDevice, of.mProgram, "searchEdges") {}
+    explicit Search(const DeviceEvaluator& of) : lane(*of.mDevice, of.mProgram, "searchEdges") { of.setShared(lane); }
 
     OpenClDevice::Lane lane;
     std::size_t capacity = 0;
@@ -195,9 +195,8 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
     while (capacity < count) capacity *= 2;
     return capacity;
   }
-  /// The arguments from number 3 on, which kernels have in common.
-  void setShared(const OpenClDevice::Lane& lane, std::size_t count) const {
-    lane.setArgument(3, static_cast<cl_uint>(count));
+  /// The arguments 4 to 9, which kernels have in common. Number 3 is how many points or edges there are.
+  void setShared(const OpenClDevice::Lane& lane) const {
     const cl_mem shared[] = {mNumbers.get(),   mIntegers.get(),  mPlaces[0].get(),
                              mValues[0].get(), mPlaces[1].get(), mValues[1].get()};
     for (cl_uint k = 0; k < 6; ++k) lane.setArgument(4 + k, shared[k]);
@@ -257,7 +256,7 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
     for (std::size_t i = 0; i < count; ++i)
       for (std::size_t k = 0; k < 3; ++k) work.pointsHere[3 * i + k] = static_cast<Real>(points[i][k]);
     work.lane.write(work.points.get(), work.pointsHere.data(), 3 * count * sizeof(Real));
-    setShared(work.lane, count);
+    work.lane.setArgument(3, static_cast<cl_uint>(count));
     work.lane.run(count);
     work.lane.read(work.ends.get(), work.endsHere.data(), count * sizeof(Real));
     work.lane.read(work.steps.get(), work.stepsHere.data(), count * sizeof(std::int32_t));
@@ -296,7 +295,7 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
     search.lane.write(search.edges.get(), search.edgesHere.data(), 6 * count * sizeof(double));
     search.lane.write(search.axes.get(), search.axesHere.data(), count * sizeof(std::int32_t));
     search.lane.write(search.lattice.get(), search.latticeHere.data(), search.latticeHere.size() * sizeof(double));
-    setShared(search.lane, count);
+    search.lane.setArgument(3, static_cast<cl_uint>(count));
     const double width = narrowBracket(lattice);
     search.lane.setArgument(11, width);
     search.lane.setArgument(12, std::ldexp(width, mostEvaluations(lattice) - 1));
