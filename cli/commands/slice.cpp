@@ -37,8 +37,7 @@ constexpr Usage kSliceUsage = {
     "MESH|SDF.vdb|FRACTAL.vdb -o F.png [--field phi|e|f|membership|iterations|versor|grid] [--axis x|y|z] "
     "[--stack] [options]",
     "Makes a picture of a field on a plane, or with --stack one of each layer. For a fractal that this program made, "
-    "the options come from its recipe; "
-    "for a mesh or a signed distance, they are those of 'fractal'.\n\n"
+    "the options come from its recipe; for a mesh or a signed distance, they are those of 'fractal'.\n\n"
     "  phi         the target's signed distance: blue inside, red outside, the surface dark\n"
     "  e           ln |f(x)| of the first step, in the same colours: for the shape modulus, its exponent\n"
     "  f           the log-modulus after the last step, in the same colours; also called logmodulus\n"
@@ -228,9 +227,7 @@ int runSlice(const Arguments& arguments) {
   const PlanePlacement placement = parsePlacement(line);
   const double range = line.has("range") ? line.number("range") : 0;
   if (line.has("range") && !(range > 0)) line.refuse("range", "above 0");
-  const bool isSigned =
-      field != SliceField::Membership && field != SliceField::Iterations && field != SliceField::Versor;
-  line.requireUse(isSigned, {"range"}, "it is for --field phi, e, f and grid; leave it out");
+  line.requireUse(isSigned(field), {"range"}, "it is for --field phi, e, f and grid; leave it out");
   const StackOptions stack = parseStack(line, field);
   std::vector<openvdb::Vec3d> arrows;
   for (const std::string& point : line.texts("arrow")) arrows.push_back(vdbtools::parseVector("arrow", point));

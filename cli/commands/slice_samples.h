@@ -15,6 +15,11 @@ namespace cli {
 
 enum class SliceField { Phi, Exponent, Field, Membership, Iterations, Versor, Grid };
 
+/// Whether its numbers have a sign, and so a range that is shown.
+constexpr bool isSigned(SliceField field) {
+  return field != SliceField::Membership && field != SliceField::Iterations && field != SliceField::Versor;
+}
+
 // All throw vdbtools::Interrupted.
 
 std::vector<float> sampleGrid(const vdbtools::SlicePlane& plane, const openvdb::FloatGrid& grid,

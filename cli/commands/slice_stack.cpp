@@ -79,12 +79,10 @@ StackOptions parseStack(const CommandLine& line, SliceField field) {
                                                                {"cm", vdbtools::LengthUnit::Centimetre},
                                                                {"m", vdbtools::LengthUnit::Metre},
                                                                {"in", vdbtools::LengthUnit::Inch}});
-  const bool isSigned =
-      field != SliceField::Membership && field != SliceField::Iterations && field != SliceField::Versor;
-  if (isSigned && !line.has("range"))
+  if (isSigned(field) && !line.has("range"))
     throw std::invalid_argument(
         "a --stack of this field needs --range R: all its layers go from 0 at -R to the largest number at R");
-  if (isSigned) options.range = line.number("range");
+  if (isSigned(field)) options.range = line.number("range");
   return options;
 }
 
