@@ -51,8 +51,8 @@ constexpr Usage kSubmitUsage = {
     "follows once they are all done; under Slurm as a job that depends on them. The words behind -- go to sbatch or to "
     "parallel, as in '-- --partition=long --mem=8G', or into the field 'arguments' of the template.\n\n"
     "This is done by a short script, DIR/logs/submit.sh or DIR/logs/submit; --dry-run prints it instead. After a "
-    "failure, or if tasks "
-    "were killed, give the same command again: only tasks that are neither done nor being made are submitted. GNU "
+    "failure, or if tasks were killed, give the same command again: only tasks that are neither done nor being made "
+    "are submitted. GNU "
     "parallel is waited for, and the exit code is that of the tasks: the one that all failed ones share, or else the "
     "gravest. --threads N is the number of processors of each task, and not of this command; --memory, --instructions "
     "and --progress are handed on to each task and to the merge.",
@@ -343,10 +343,9 @@ void addGpus(const CommandLine& line, Engine engine, Submission& submission) {
   for (const std::string& word : vdbtools::split(value, ',')) {
     const auto number = vdbtools::wholeFromText<int>(word);
     if (!number || *number < 0)
-      throw std::invalid_argument(
-          "--gpus is '" + value +
-          "'; with --engine parallel it must be numbers of devices such as 0,1, which 'juliavdb "
-          "devices' lists");
+      throw std::invalid_argument("--gpus is '" + value +
+                                  "'; with --engine parallel it must be numbers of devices such as 0,1, which "
+                                  "'juliavdb devices' lists");
     submission.devices.push_back(*number);
   }
 }
@@ -363,8 +362,7 @@ int runSubmit(const Arguments& arguments) {
                                                                         "print the script, and do nothing")(
       "jobs", po::value<std::string>()->value_name("N"),
       "how many tasks may run at a time (default: 100 for slurm and script; for parallel the processors that this "
-      "process may "
-      "use, divided by --threads)")(
+      "process may use, divided by --threads)")(
       "batch", po::value<std::string>()->value_name("N"),
       "how many tasks a process makes one after another, which spares small ones reading what they share (default: 1)");
   line.addOptions()(
@@ -414,10 +412,10 @@ int runSubmit(const Arguments& arguments) {
   if (line.has("batch")) submission.batch = static_cast<std::uint64_t>(line.integer("batch", 1, kMostJobs));
   if (line.has("gpus")) addGpus(line, engine, submission);
   const int processors = static_cast<int>(std::thread::hardware_concurrency());
-  submission.jobs = line.has("jobs")                                 ? line.integer("jobs", 1, kMostJobs)
-                    : line.has("gpus") && engine == Engine::Parallel ? static_cast<int>(submission.devices.size())
-                    : engine == Engine::Parallel                     ? std::max(1, processors / submission.threads)
-                                                                     : kUsualJobs;
+  submission.jobs = line.has("jobs")              ? line.integer("jobs", 1, kMostJobs)
+                    : !submission.devices.empty() ? static_cast<int>(submission.devices.size())
+                    : engine == Engine::Parallel  ? std::max(1, processors / submission.threads)
+                                                  : kUsualJobs;
   for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index) {
     const auto state =
         vdbtools::farm::taskStatus(submission.folder, manifest, index, vdbtools::farm::FileCheck::Quick).state;

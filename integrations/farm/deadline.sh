@@ -4,6 +4,13 @@
 set -eu
 files=$(mktemp -d)
 trap 'rm -rf "$files"' EXIT
+# Submits a job by its two files, and sets job to its number.
+submit() {
+  said=$(deadlinecommand "$files/$1.job" "$files/$1.plugin" @{arguments})
+  job=$(printf '%s\n' "$said" | sed -n 's/^JobID=//p')
+  test -n "$job" || { printf '%s\n' "$said" >&2; exit 1; }
+  echo "$1: job $job"
+}
 tasks=
 @{if tasks}
 cat > "$files/tasks.job" <<'END_OF_FILE'
@@ -18,10 +25,8 @@ Executable=@{program}
 Arguments=@{task-arguments} --range <STARTFRAME>-<ENDFRAME>
 SingleFramesOnly=False
 END_OF_FILE
-said=$(deadlinecommand "$files/tasks.job" "$files/tasks.plugin" @{arguments})
-tasks=$(printf '%s\n' "$said" | sed -n 's/^JobID=//p')
-test -n "$tasks" || { printf '%s\n' "$said" >&2; exit 1; }
-echo "tasks: job $tasks"
+submit tasks
+tasks=$job
 @{end}
 @{if merge}
 cat > "$files/merge.job" <<'END_OF_FILE'
@@ -35,8 +40,5 @@ Executable=@{program}
 Arguments=@{merge-arguments}
 SingleFramesOnly=True
 END_OF_FILE
-said=$(deadlinecommand "$files/merge.job" "$files/merge.plugin" @{arguments})
-merge=$(printf '%s\n' "$said" | sed -n 's/^JobID=//p')
-test -n "$merge" || { printf '%s\n' "$said" >&2; exit 1; }
-echo "merge: job $merge"
+submit merge
 @{end}

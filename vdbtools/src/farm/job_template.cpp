@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/farm/job_template.h"
 
+#include "base/trimmed.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/near_words.h"
 #include "vdbtools/base/shell_word.h"
@@ -23,14 +24,6 @@ constexpr std::string_view kFieldOpen = "@{";
 
 [[noreturn]] void refuseTemplate(const std::string& file, std::size_t line, const std::string& what) {
   throw DataError("the template '" + file + "'" + (line > 0 ? ", line " + std::to_string(line) : "") + ": " + what);
-}
-
-/// The text without the blanks about it.
-std::string_view stripped(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r";
-  const std::size_t begin = text.find_first_not_of(kBlank);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
 }
 
 std::string asJson(const nlohmann::json& value) {
@@ -80,7 +73,7 @@ JobTemplate::JobTemplate(const std::string& file, std::string_view text) : mFile
   std::size_t number = 0, opened = 0;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size() - 1) + 1;
-    const std::string_view line = text.substr(0, end), word = stripped(line.substr(0, line.find('\n')));
+    const std::string_view line = text.substr(0, end), word = trimmed(line.substr(0, line.find('\n')));
     text.remove_prefix(end);
     ++number;
     const bool ends = word == "@{end}";

@@ -1,21 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/recipe/option_list.h"
 
+#include "base/trimmed.h"
 #include "vdbtools/base/utf8.h"
 
 #include <algorithm>
 
 namespace vdbtools {
-namespace {
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kSpace = " \t\r";
-  const std::size_t first = text.find_first_not_of(kSpace);
-  if (first == text.npos) return {};
-  return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
-}
-
-}  // namespace
 
 std::vector<ListedOption> listedOptions(std::string_view text) {
   std::vector<ListedOption> options;

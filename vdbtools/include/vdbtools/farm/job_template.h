@@ -3,14 +3,15 @@
 /// Scripts that give the tasks of a plan to any engine, written as templates. A template is a script in which
 /// `@{NAME}` stands for a field, and `@@{` for the characters `@{`:
 ///
-///   name                            of the folder of the plan
-///   folder, program                 absolute paths of that folder and of this program
-///   tasks                           the missing tasks, as 3,7,10-12
-///   count                           how many these are
-///   jobs, threads, batch            as in the options of 'juliavdb submit'
-///   task-arguments                  the words behind the program that make a task; `--index N` or `--range A-B`
-///   follows merge-arguments                 the words behind the program that merge all tasks arguments the words
-///   behind -- of the command line task                            the number of a task, within `each task`
+/// - `name`: of the folder of the plan
+/// - `folder`, `program`: absolute paths of that folder and of this program
+/// - `tasks`: the missing tasks, as 3,7,10-12
+/// - `count`: how many these are
+/// - `jobs`, `threads`, `batch`: as in the options of 'juliavdb submit'
+/// - `task-arguments`: the words behind the program that make a task; `--index N` or `--range A-B` follows
+/// - `merge-arguments`: the words behind the program that merge all tasks
+/// - `arguments`: the words behind -- of the command line
+/// - `task`: the number of a task, within `each task`
 ///
 /// `@{NAME}` is the plain text, with lists of words as a shell reads them, `@{NAME:shell}` is quoted for a shell, and
 /// `@{NAME:json}` is JSON, which Python reads as well. Lines between one of `@{if tasks}`, `@{if merge}` or
