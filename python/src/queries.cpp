@@ -25,6 +25,16 @@ using vdbtools::Monitor;
 
 namespace {
 
+/// Does @a work in an arena of so many threads; 0: as many as there are.
+template <class Function>
+void inThreads(int threads, const Function& work) {
+  if (threads == 0) return work();
+  // oneTBB would print a warning where an arena asks for more.
+  const std::size_t allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  tbb::task_arena arena(static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(threads), allowed)));
+  arena.execute(work);
+}
+
 /// Calls body(first, count) for pieces of so many points.
 template <class Body>
 void forEachPiece(std::size_t points, std::size_t piece, const QueryWork& work, Monitor& monitor, const Body& body) {
@@ -93,16 +103,6 @@ const julia::FieldEvaluator& evaluatorFor(const MadeScene& made, const std::stri
 }
 
 }  // namespace
-
-void inThreads(int threads, const std::function<void()>& work) {
-  if (threads < 0)
-    throw std::invalid_argument("threads is " + std::to_string(threads) + "; it must be 1 or more, or None");
-  if (threads == 0) return work();
-  // oneTBB would print a warning where an arena asks for more.
-  const std::size_t allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-  tbb::task_arena arena(static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(threads), allowed)));
-  arena.execute(work);
-}
 
 void evaluateAt(const MadeScene& made, std::span<const Vec3d> points, std::span<double> field, const QueryWork& work,
                 Monitor& monitor) {
@@ -181,8 +181,6 @@ void trapsAt(const MadeScene& made, std::span<const Vec3d> points, std::span<dou
 void gradientsAt(const MadeScene& made, std::span<const Vec3d> points, double step, std::span<Vec3d> gradients,
                  const QueryWork& work, Monitor& monitor) {
   constexpr double kShare = 1e-7;
-  if (!(step >= 0 && std::isfinite(step)))
-    throw std::invalid_argument("step is " + std::to_string(step) + "; it must be above 0 and finite, or None");
   const julia::FieldEvaluator& evaluator = partOf(
       made, monitor, [](FieldParts & parts) -> auto& { return parts.inDoubles; },
       [&] { return made.scene.field.map->evaluator(vdbtools::Arithmetic::Double, made.scene.field.orbit); });
@@ -221,9 +219,6 @@ void gradientsAt(const MadeScene& made, std::span<const Vec3d> points, double st
 
 void decideAt(const MadeScene& made, std::span<const Vec3d> centres, std::span<const double> radii,
               std::span<std::int8_t> decisions, const QueryWork& work, Monitor& monitor) {
-  for (const double radius : radii)
-    if (!(radius >= 0 && std::isfinite(radius)))
-      throw std::invalid_argument("a radius is " + std::to_string(radius) + "; it must be 0 or more and finite");
   const julia::FieldEvaluator& evaluator = *made.scene.field.evaluator;
   const double scale = made.scene.placed.space.scale;
   // Points of the ball are rounded on their way into fractal space.

@@ -15,13 +15,9 @@
 
 /// How a query is answered.
 struct QueryWork {
-  int threads = 0;          ///< at most this many; 0: as many as there are
+  int threads = 0;          ///< at most this many; 0: as many as there are. Not below 0
   std::string device = {};  ///< as --device has it; empty: where the process evaluates
 };
-
-/// Does @a work in an arena of so many threads; 0: as many as there are.
-/// @throw std::invalid_argument  less than 0
-void inThreads(int threads, const std::function<void()>& work);
 
 // All of these throw vdbtools::Interrupted, and std::invalid_argument where the scene has no such thing.
 
@@ -54,13 +50,13 @@ void trapsAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, std:
 /// The slope of F along the axes per world unit: central differences of F in doubles. It is NaN where the orbits of the
 /// seven points do not take the same number of steps, since F jumps there.
 /// @param step  to either side, world units; 0: a share of 1e-7 of the target's longest side
-/// @throw std::invalid_argument  a step below 0, or not finite
+/// @pre 0 or above, and finite
 void gradientsAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, double step,
                  std::span<openvdb::Vec3d> gradients, const QueryWork& work, vdbtools::Monitor& monitor);
 
 /// What ball arithmetic proves of balls: -1, F < 0 at each point; 1, F >= 0 at each point; 0, nothing.
 /// @param radii  world units, one a ball, or one for all
-/// @throw std::invalid_argument  a radius below 0, or not finite
+/// @pre radii of 0 or above, and finite
 void decideAt(const MadeScene& made, std::span<const openvdb::Vec3d> centres, std::span<const double> radii,
               std::span<std::int8_t> decisions, const QueryWork& work, vdbtools::Monitor& monitor);
 
