@@ -17,7 +17,7 @@ PlanePlacement parsePlacement(const CommandLine& line) {
   PlanePlacement placement;
   placement.axis = line.choice<Axis>("axis", {{"x", Axis::X}, {"y", Axis::Y}, {"z", Axis::Z}});
   if (line.has("position")) placement.position = line.number("position");
-  placement.size = line.integer("size", 1, 32768);
+  placement.size = line.integer("size", 1, vdbtools::kMostSlicePixels);
   return placement;
 }
 

@@ -32,17 +32,18 @@ constexpr Usage kStudyDimensionUsage = {
     "fractal"};
 
 std::vector<int> parseResolutions(const CommandLine& line) {
-  constexpr int kLeast = 8, kGreatest = 1'000'000;
+  using vdbtools::kLeastGrowthResolution, vdbtools::kMostGrowthResolution;
   std::vector<int> resolutions;
   for (const std::string& part : vdbtools::split(line.text("dimension"), ',')) {
     const auto resolution = vdbtools::wholeFromText<int>(part);
-    if (!resolution || *resolution < kLeast || *resolution > kGreatest ||
+    if (!resolution || *resolution < kLeastGrowthResolution || *resolution > kMostGrowthResolution ||
         (!resolutions.empty() && *resolution <= resolutions.back()))
-      line.refuse("dimension", "a list of resolutions from " + std::to_string(kLeast) + " to " +
-                                   std::to_string(kGreatest) + ", the smallest first, such as 50,100,200,400");
+      line.refuse("dimension", "a list of resolutions from " + std::to_string(kLeastGrowthResolution) + " to " +
+                                   std::to_string(kMostGrowthResolution) +
+                                   ", the smallest first, such as 50,100,200,400");
     resolutions.push_back(*resolution);
   }
-  if (resolutions.size() < 3) line.refuse("dimension", "a list of at least three resolutions");
+  if (resolutions.size() < vdbtools::kLeastGrowthRows) line.refuse("dimension", "a list of at least three resolutions");
   return resolutions;
 }
 

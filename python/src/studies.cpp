@@ -26,12 +26,11 @@ using vdbtools::Monitor;
 /// @param usual  a point of the plane if there is no position @throw std::invalid_argument
 vdbtools::SlicePlane planeOf(const MadeScene& made, const std::string& axis, const std::optional<double>& position,
                              int size, const Vec3d& usual) {
-  constexpr int kMostPixels = 32768;
   if (axis != "x" && axis != "y" && axis != "z")
     throw std::invalid_argument("axis is '" + axis + "'; it must be x, y or z");
-  if (size < 1 || size > kMostPixels)
+  if (size < 1 || size > vdbtools::kMostSlicePixels)
     throw std::invalid_argument("size is " + std::to_string(size) + "; it must be from 1 to " +
-                                std::to_string(kMostPixels));
+                                std::to_string(vdbtools::kMostSlicePixels));
   const auto number = static_cast<vdbtools::Axis>(axis[0] - 'x');
   return {number, position.value_or(usual[static_cast<int>(number)]), vdbtools::sliceFrame(made.scene), size};
 }
@@ -85,12 +84,15 @@ py::dict studyOf(const MadeScene& made, const std::string& axis, const std::opti
 py::dict dimensionOf(const vdbtools::Recipe& recipe, const py::object& vertices, const py::object& faces,
                      const std::vector<int>& resolutions, const std::optional<std::string>& memory,
                      const py::object& progress) {
-  constexpr int kLeast = 8, kGreatest = 1'000'000;
   for (std::size_t i = 0; i < resolutions.size(); ++i)
-    if (resolutions[i] < kLeast || resolutions[i] > kGreatest || (i > 0 && resolutions[i] <= resolutions[i - 1]))
+    if (resolutions[i] < vdbtools::kLeastGrowthResolution || resolutions[i] > vdbtools::kMostGrowthResolution ||
+        (i > 0 && resolutions[i] <= resolutions[i - 1]))
       throw std::invalid_argument("resolutions hold " + std::to_string(resolutions[i]) +
-                                  "; they must be whole numbers from 8 to 1000000, the smallest first");
-  if (resolutions.size() < 3) throw std::invalid_argument("resolutions must be at least three");
+                                  "; they must be whole numbers from " +
+                                  std::to_string(vdbtools::kLeastGrowthResolution) + " to " +
+                                  std::to_string(vdbtools::kMostGrowthResolution) + ", the smallest first");
+  if (resolutions.size() < vdbtools::kLeastGrowthRows)
+    throw std::invalid_argument("resolutions must be at least three");
   for (const char* option : {"resolution", "voxel-size"})
     if (recipe.contains(option))
       throw std::invalid_argument(std::string("--") + option +

@@ -19,6 +19,9 @@ namespace vdbtools {
 
 enum class Axis { X = 0, Y = 1, Z = 2 };
 
+/// Pixels along the longer side of a picture of a plane: Cairo draws no line beyond.
+inline constexpr int kMostSlicePixels = 32768;
+
 /// A raster over a rectangle of the plane where coordinate @a axis equals @a position, seen from the positive end of
 /// the axis. For Z, +x points right and +y up; for Y, +x right and +z down; for X, -z right and +y up. The view is
 /// always right-handed, and world Y is up if it lies in the plane.

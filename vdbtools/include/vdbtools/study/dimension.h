@@ -9,12 +9,17 @@
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/scene/fractal_options.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
 
 namespace vdbtools {
+
+/// The resolutions that a dimension is measured over, and how many there are at least.
+inline constexpr int kLeastGrowthResolution = 8, kMostGrowthResolution = 1'000'000;
+inline constexpr std::size_t kLeastGrowthRows = 3;
 
 /// The mesh of a fractal at one resolution.
 struct GrowthRow {
