@@ -92,11 +92,10 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
     kernels::kernels<Real>().scaleByExponential(batch.l.data(), view(batch.q), batch.q.size());
   }
 
-  /// Nodes are decided in cubes: first the largest cubes for which something is known, then the smaller ones where
-  /// these left nodes undecided.
-  void markEscaping(std::span<const NodeBlock> blocks, Batch& batch) const override {
-    const EscapeProof& proof = this->escapeProof();
-    if (!(proof.least < mLogEscape)) return;
+  void markDecided(std::span<const NodeBlock> blocks, Batch& batch) const override {
+    const Proofs& proofs = this->proofs();
+    const bool escapes = proofs.escape.least < mLogEscape;
+    if (!escapes && !(proofs.usefulRadius > 0)) return;
     // The lattice is the same for all blocks, up to rounding.
     double diagonal = 0;
     for (const auto& at : blocks[0].at) {
@@ -104,7 +103,9 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
       diagonal += length * length;
     }
     const double half = 0.5 * std::sqrt(diagonal) * (1 + 1e-3) / (NodeBlock::kSide - 1);
-    if (!(half <= proof.radius)) return;
+    const bool isEscapeUseful = escapes && half <= proofs.escape.radius;
+    const bool isImageUseful = static_cast<double>(kImagedSide - 1) * half <= proofs.usefulRadius;
+    if (!isEscapeUseful && !isImageUseful) return;
     // Treats all nodes as wanted.
     const std::size_t size = blocks.size() * NodeBlock::kSize;
     Real* values = batch.l.data();
@@ -114,6 +115,17 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
       for (std::size_t i = 0; i < batch.l.size(); ++i) all[batch.index[i]] = batch.l[i];
       values = all.data();
     }
+    if (isEscapeUseful) markEscaping(blocks, half, values, batch.next);
+    if (isImageUseful) markByImages(blocks, half, values);
+    if (!all.empty())
+      for (std::size_t i = 0; i < batch.l.size(); ++i) batch.l[i] = all[batch.index[i]];
+  }
+
+  /// Nodes are decided in cubes: first the largest cubes for which something is known, then the smaller ones where
+  /// these left nodes undecided. @param half  half the diagonal of a cell  @param centres  working memory
+  void markEscaping(std::span<const NodeBlock> blocks, double half, Real* values,
+                    QuaternionBatch<Real>& centres) const {
+    const EscapeProof& proof = mProofs.escape;
     Pairs pairs;
     pairs.most.resize(blocks.size() * NodePairs::kCount);
     pairs.bounds.assign(pairs.most.size(), std::numeric_limits<Real>::infinity());
@@ -121,11 +133,92 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
       NodePairs::findMost(values + i * NodeBlock::kSize, mLogEscape, pairs.most.data() + i * NodePairs::kCount);
     for (std::size_t side = NodeBlock::kSide; side > 1; side /= 2)
       if (static_cast<double>(side - 1) * half <= proof.radius)
-        boundCubes(blocks, side, static_cast<double>(side - 1) * half, pairs, batch.next);
+        boundCubes(blocks, side, static_cast<double>(side - 1) * half, pairs, centres);
     for (std::size_t i = 0; i < blocks.size(); ++i)
       NodePairs::raise(values + i * NodeBlock::kSize, pairs.bounds.data() + i * NodePairs::kCount);
-    if (!all.empty())
-      for (std::size_t i = 0; i < batch.l.size(); ++i) batch.l[i] = all[batch.index[i]];
+  }
+
+  /// The side of the smallest cubes whose images are formed: for cubes of two nodes this costs more than it saves.
+  static constexpr std::size_t kImagedSide = 4;
+  using ImagedCubes = NodeCubes<Real, kImagedSide>;
+
+  /// A cube of nodes that the first step leaves undecided.
+  struct Cube {
+    std::size_t first = 0, across = 1;  ///< its first imaged cube, and how many of these there are along a side
+    LogRange l;                         ///< of its undecided nodes
+  };
+
+  /// Decides cubes of nodes by the second step of all of their undecided nodes at once: whole blocks first, and then
+  /// their eighths. Values of decided nodes become infinite. @param half  as for markEscaping()
+  void markByImages(std::span<const NodeBlock> blocks, double half, Real* values) const {
+    constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
+    constexpr std::size_t kCount = ImagedCubes::kCount, kAcross = ImagedCubes::kAcross;
+    const Real trap = isTrapped(mLogTrap) ? mLogTrap : -kInfinity;
+    std::vector<Real> least(blocks.size() * kCount), most(least.size()), decided(least.size(), 0);
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+      ImagedCubes::findExtremes(values + i * NodeBlock::kSize, trap, mLogEscape, least.data() + i * kCount,
+                                most.data() + i * kCount);
+    std::vector<Cube> cubes;
+    std::vector<Ball> balls;
+    const auto add = [&](std::size_t first, std::size_t across) {
+      const NodeBlock& block = blocks[first / kCount];
+      const std::size_t cube = first % kCount, last = across * kImagedSide - 1;
+      Cube added{first, across, {static_cast<double>(kInfinity), -static_cast<double>(kInfinity)}};
+      forEachCube(added, [&](std::size_t k) {
+        added.l.low = std::min(added.l.low, static_cast<double>(least[k]));
+        added.l.high = std::max(added.l.high, static_cast<double>(most[k]));
+      });
+      if (!(added.l.low <= added.l.high)) return;
+      const auto middle = [&](std::size_t axis, std::size_t at) {
+        return 0.5 * (block.at[axis][at * kImagedSide] + block.at[axis][at * kImagedSide + last]);
+      };
+      const Point centre{middle(0, cube / kAcross / kAcross), middle(1, cube / kAcross % kAcross),
+                         middle(2, cube % kAcross)};
+      cubes.push_back(added);
+      balls.push_back(this->embeddedBall(centre, static_cast<double>(last) * half));
+    };
+    for (std::size_t first = 0; first < least.size(); first += kCount) add(first, kAcross);
+    decideCubes(cubes, balls, decided);
+    cubes.clear();
+    balls.clear();
+    for (std::size_t first = 0; first < least.size(); ++first)
+      if (decided[first] == 0) add(first, 1);
+    decideCubes(cubes, balls, decided);
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+      ImagedCubes::replace(values + i * NodeBlock::kSize, trap, mLogEscape, decided.data() + i * kCount);
+  }
+
+  /// Calls body(number of an imaged cube) for those of a cube.
+  template <class Body>
+  static void forEachCube(const Cube& cube, const Body& body) {
+    constexpr std::size_t kAcross = ImagedCubes::kAcross;
+    for (std::size_t x = 0; x < cube.across; ++x)
+      for (std::size_t y = 0; y < cube.across; ++y)
+        for (std::size_t z = 0; z < cube.across; ++z) body(cube.first + (x * kAcross + y) * kAcross + z);
+  }
+
+  /// Sets decided[k] to +inf or -inf for the imaged cubes of those cubes whose next l escapes or is trapped everywhere.
+  void decideCubes(const std::vector<Cube>& cubes, const std::vector<Ball>& balls, std::vector<Real>& decided) const {
+    constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
+    const double escape = static_cast<double>(mLogEscape), trap = static_cast<double>(mLogTrap);
+    std::vector<LogRange> l;
+    for (const Cube& cube : cubes) l.push_back(cube.l);
+    std::vector<std::optional<Ball>> images(balls.size());
+    mMap->images(balls, l, images);
+    std::vector<Ball> known;
+    std::vector<std::size_t> numbers;
+    for (std::size_t i = 0; i < images.size(); ++i)
+      if (images[i] && std::isfinite(images[i]->radius)) {
+        known.push_back(*images[i]);
+        numbers.push_back(i);
+      }
+    l.resize(known.size());
+    mMap->logModulusRanges(known, l);
+    for (std::size_t i = 0; i < known.size(); ++i) {
+      const bool outside = l[i].low >= escape, inside = isTrapped(mLogTrap) && l[i].high <= trap;
+      if (outside || inside)
+        forEachCube(cubes[numbers[i]], [&](std::size_t k) { decided[k] = outside ? kInfinity : -kInfinity; });
+    }
   }
 
   /// Data of the cubes of two nodes a side, for all blocks.
@@ -138,7 +231,7 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
   void boundCubes(std::span<const NodeBlock> blocks, std::size_t side, double radius, Pairs& pairs,
                   QuaternionBatch<Real>& centres) const {
     // A bound is seldom closer to the smallest possible one.
-    const Real least = mEscapeProof.least + Real(0.15);
+    const Real least = mProofs.escape.least + Real(0.15);
     const std::size_t across = NodeBlock::kSide / side, inside = side / 2;
     const auto forEachPair = [&](std::size_t first, const auto& body) {
       for (std::size_t x = 0; x < inside; ++x)
@@ -174,20 +267,25 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
     // The centres and the nodes, none of which has escaped, are rounded.
     const double rounded = radius * (1 + kSlack) + 4 * kEpsilonOf<Real> * (mOptions.escapeRadius + radius);
     std::vector<Real> found(asked.size());
-    mMap->escapeBounds(centres, static_cast<Real>(rounded * (1 + kEpsilonOf<Real>)), mEscapeProof, found);
+    mMap->escapeBounds(centres, static_cast<Real>(rounded * (1 + kEpsilonOf<Real>)), mProofs.escape, found);
     for (std::size_t i = 0; i < asked.size(); ++i)
       forEachPair(asked[i], [&](std::size_t k) { pairs.bounds[k] = std::min(pairs.bounds[k], found[i]); });
   }
 
   using EscapeProof = typename Map<Real>::EscapeProof;
   using NodePairs = NodeCubes<Real, 2>;
-  /// What is proved about the second step after the first.
-  const EscapeProof& escapeProof() const {
-    std::call_once(mEscapeProofMade, [this] {
+  /// What can be proved about the second step after the first.
+  struct Proofs {
+    EscapeProof escape;
+    double usefulRadius = 0;  ///< of balls whose images are worth forming
+  };
+  const Proofs& proofs() const {
+    std::call_once(mProofsMade, [this] {
       if (!signsFollowEnds() || mOptions.maxIterations < 2) return;
-      mEscapeProof = mMap->escapeProof(static_cast<double>(mOptions.maxIterations == 2 ? mLevel : mLogEscape));
+      mProofs.escape = mMap->escapeProof(static_cast<double>(mOptions.maxIterations == 2 ? mLevel : mLogEscape));
+      if (mOptions.maxIterations > 2) mProofs.usefulRadius = mMap->usefulRadius();
     });
-    return mEscapeProof;
+    return mProofs;
   }
 
   /// The number of a ball, and the answers that its ended orbits still allow.
@@ -269,8 +367,8 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
   }
 
   std::shared_ptr<const Map<Real>> mMap;
-  mutable std::once_flag mEscapeProofMade;
-  mutable EscapeProof mEscapeProof;
+  mutable std::once_flag mProofsMade;
+  mutable Proofs mProofs;
 };
 
 /// Evaluates with a trap and without it, and uses the result without it where their signs differ.

@@ -5,6 +5,7 @@
 
 #include "julia/evaluator.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <limits>
@@ -14,6 +15,45 @@ namespace julia {
 template <class Real, std::size_t kSide>
 struct NodeCubes {
   static constexpr std::size_t kAcross = NodeBlock::kSide / kSide, kCount = kAcross * kAcross * kAcross;
+
+  /// Sets least[cube] and most[cube] to the extremes of the values between @a low and @a high, or to +inf and -inf.
+  static void findExtremes(const Real* values, Real low, Real high, Real* least, Real* most) {
+    constexpr Real kNone = std::numeric_limits<Real>::infinity();
+    forEachColumn([&](std::size_t cube, std::size_t first) {
+      std::array<Real, NodeBlock::kSide> smallest, largest;
+      smallest.fill(kNone);
+      largest.fill(-kNone);
+      forEachRow(first, [&](std::size_t node) {
+        for (std::size_t z = 0; z < NodeBlock::kSide; ++z) {
+          const Real value = values[node + z];
+          const bool isBetween = (value > low) & (value < high);
+          const Real up = isBetween ? value : kNone, down = isBetween ? value : -kNone;
+          smallest[z] = up < smallest[z] ? up : smallest[z];
+          largest[z] = down > largest[z] ? down : largest[z];
+        }
+      });
+      for (std::size_t c = 0; c < kAcross; ++c) {
+        const auto begin = static_cast<std::ptrdiff_t>(c * kSide), end = begin + static_cast<std::ptrdiff_t>(kSide);
+        least[cube + c] = *std::min_element(smallest.begin() + begin, smallest.begin() + end);
+        most[cube + c] = *std::max_element(largest.begin() + begin, largest.begin() + end);
+      }
+    });
+  }
+
+  /// Sets the values between @a low and @a high to those of their cubes, unless these are 0.
+  static void replace(Real* values, Real low, Real high, const Real* byCube) {
+    forEachColumn([&](std::size_t cube, std::size_t first) {
+      std::array<Real, NodeBlock::kSide> column;
+      for (std::size_t z = 0; z < NodeBlock::kSide; ++z) column[z] = byCube[cube + z / kSide];
+      forEachRow(first, [&](std::size_t node) {
+        for (std::size_t z = 0; z < NodeBlock::kSide; ++z) {
+          const Real value = values[node + z];
+          const bool isReplaced = (value > low) & (value < high) & (column[z] != 0);
+          values[node + z] = isReplaced ? column[z] : value;
+        }
+      });
+    });
+  }
 
   /// Sets most[cube] to the largest of the values below @a limit, or to -inf.
   static void findMost(const Real* values, Real limit, Real* most) {

@@ -104,9 +104,9 @@ class OrbitEvaluator : public FieldEvaluator, public OrbitTracer {
   /// Sets batch.q to those iterates, for the continuing orbits.
   virtual void formIterates(Batch& batch) const = 0;
   virtual MapDescription describeMap() const = 0;
-  /// After the first step: sets batch.l to +inf if the node is outside whatever its next iterate is.
-  /// @pre batch.index holds the numbers of the nodes, counted through the blocks
-  virtual void markEscaping(std::span<const NodeBlock> /*blocks*/, Batch& /*batch*/) const {}
+  /// After the first step: sets batch.l to +inf or -inf for nodes that are proved to be outside or inside, so that
+  /// their orbits end. @pre batch.index holds the numbers of the nodes, counted through the blocks
+  virtual void markDecided(std::span<const NodeBlock> /*blocks*/, Batch& /*batch*/) const {}
 
   QuaternionBatch<Real> embed(std::span<const Point> points) const {
     QuaternionBatch<Real> q;
@@ -219,7 +219,7 @@ class OrbitEvaluator : public FieldEvaluator, public OrbitTracer {
     };
     for (int step = 1; batch.q.size() != 0; ++step) {
       takeStep(batch, step);
-      if (step == 1) markEscaping(blocks, batch);
+      if (step == 1) markDecided(blocks, batch);
       const std::size_t size = batch.l.size();
       if (size == blocks.size() * NodeBlock::kSize)
         for (std::size_t i = 0; i < size; ++i) field[i] = fieldOf(batch.l[i]);

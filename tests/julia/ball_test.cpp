@@ -8,6 +8,8 @@
 #include "julia/random_roots.h"
 #include "julia/rational_map.h"
 #include "julia/shape_modulus.h"
+#include "support/block_signs.h"
+#include "support/brick_fields.h"
 #include "support/float128.h"
 #include "support/limits.h"
 #include "support/random_waves.h"
@@ -26,7 +28,6 @@ namespace {
 
 using julia::Ball;
 using julia::BrickField;
-using julia::Bricks;
 using julia::Decision;
 using julia::DropAxis;
 using julia::Embedding;
@@ -38,7 +39,9 @@ using julia::OrbitOptions;
 using julia::Point;
 using julia::Quaternion;
 using julia::Rational;
+using law_tests::brickFieldOf;
 using law_tests::kEpsilon;
+using law_tests::lumpy;
 using law_tests::Random;
 using law_tests::text;
 using test_limits::kInfinity;
@@ -62,43 +65,6 @@ Point pointInBall(Random& random, const Point& centre, double radius, int number
 
 // ------------------------------------------------------------------------------------------------------ brick fields
 
-using Function = std::function<double(double, double, double)>;
-
-/// A ball of radius 3/8 with lumps.
-double lumpy(double x, double y, double z) {
-  return std::sqrt(x * x + y * y + z * z) - 0.375 - 0.04 * std::sin(8 * x) * std::sin(9 * y) * std::sin(7 * z);
-}
-
-/// A function of fractal space from -half to half, sampled every @a spacing.
-template <class Real>
-std::shared_ptr<BrickField<Real>> brickFieldOf(const Function& value, Interpolation interpolation, double half,
-                                               double spacing) {
-  auto bricks = std::make_shared<Bricks>();
-  bricks->interpolation = interpolation;
-  const auto nodes = static_cast<std::uint32_t>(2 * half / spacing) + 1;
-  const std::uint32_t across = (nodes + 1) / julia::kBrickSide + 1;
-  bricks->count = {across, across, across};
-  for (std::uint32_t place = 0; place < across * across * across; ++place) {
-    bricks->brickAt.push_back(place);
-    const auto coordinate = [&](std::uint32_t brick, std::uint32_t k) {
-      return -half + spacing * (static_cast<double>(brick * julia::kBrickSide + k) - bricks->before());
-    };
-    for (std::uint32_t x = 0; x < bricks->side(); ++x)
-      for (std::uint32_t y = 0; y < bricks->side(); ++y)
-        for (std::uint32_t z = 0; z < bricks->side(); ++z)
-          bricks->values.push_back(
-              static_cast<float>(value(coordinate(place / (across * across), x), coordinate(place / across % across, y),
-                                       coordinate(place % across, z))));
-  }
-  julia::BrickPlacement placement;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    placement.matrix[axis][axis] = 1 / spacing;
-    placement.offset[axis] = half / spacing;
-    placement.high[axis] = nodes - 1;
-  }
-  return std::make_shared<BrickField<Real>>(bricks, placement);
-}
-
 template <class Real>
 class BallLaws : public testing::Test {
  protected:
@@ -113,7 +79,7 @@ TYPED_TEST(BallLaws, rangeOfBricksHoldsEverySample) {
   for (const Interpolation interpolation : {Interpolation::Trilinear, Interpolation::Quadratic})
     for (const int kind : {0, 1, 2}) {
       // Smooth, rough at the scale of a node, and flat but for a step.
-      const Function function = [&](double x, double y, double z) {
+      const law_tests::SpaceFunction function = [&](double x, double y, double z) {
         if (kind == 0) return 40 * lumpy(x, y, z);
         return kind == 1 ? 5 * std::sin(1e5 * (x + 1.7 * y + 2.3 * z)) : (x + 0.3 * y > 0.1 ? 7. : -1e6);
       };
@@ -178,7 +144,7 @@ TYPED_TEST(BallLaws, lowestBeyondBoundsEverySample) {
 TYPED_TEST(BallLaws, rangeFollowsThePlacement) {
   using Real = TypeParam;
   Random random(901);
-  auto bricks = std::make_shared<Bricks>();
+  auto bricks = std::make_shared<julia::Bricks>();
   bricks->count = {5, 6, 7};
   for (std::uint32_t place = 0; place < 5 * 6 * 7; ++place) {
     bricks->brickAt.push_back(place);
@@ -582,12 +548,10 @@ TYPED_TEST(BallLaws, decisionsOfTheShapeModulusHold) {
     }
 }
 
-/// A block says F at its nodes, or no more than that F >= 0, and leaves alone what is not asked for.
 TYPED_TEST(BallLaws, blocksHaveTheSignsOfTheirNodes) {
   using Real = TypeParam;
-  using julia::NodeBlock;
   Random random(912);
-  int settled = 0, nodes = 0;
+  law_tests::BlockCount sum;
   for (int round = 0; round < 60; ++round) {
     const double alpha = std::array{6., 40., 300.}[static_cast<std::size_t>(round) % 3];
     const auto field =
@@ -599,47 +563,12 @@ TYPED_TEST(BallLaws, blocksHaveTheSignsOfTheirNodes) {
     const Embedding embedding = randomEmbedding(random);
     const auto evaluator = julia::makeFieldEvaluator<Real>(
         std::make_shared<julia::ShapeModulus<Real>>(field, versor, embedding.dropped), embedding, options);
-    const double spacing = logUniform(random, 1e-4, 0.02);
-    constexpr float kUntouched = -77;
-    std::vector<float> values(7 * NodeBlock::kSize, kUntouched);
-    std::vector<NodeBlock> blocks;
-    for (std::size_t i = 0; i < 7; ++i) {
-      NodeBlock block{.field =
-                          std::span<float, NodeBlock::kSize>(values.data() + i * NodeBlock::kSize, NodeBlock::kSize)};
-      for (auto& at : block.at) {
-        const double first = random.between(-0.6, 0.6);
-        for (std::size_t k = 0; k < NodeBlock::kSide; ++k) at[k] = first + spacing * static_cast<double>(k);
-      }
-      if (i % 3 == 1) block.wanted = static_cast<std::uint8_t>(random.integer(0, 255));
-      blocks.push_back(block);
-    }
-    evaluator->evaluateBlocks(blocks);
-    std::vector<Point> points;
-    for (const NodeBlock& block : blocks)
-      for (std::size_t k = 0; k < NodeBlock::kSize; ++k)
-        points.push_back({block.at[0][k / 64], block.at[1][k / 8 % 8], block.at[2][k % 8]});
-    std::vector<double> expected(points.size());
-    evaluator->evaluate(points, expected, {});
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      const std::size_t k = i % NodeBlock::kSize;
-      const bool wanted = blocks[i / NodeBlock::kSize].wanted >> (k / 256 * 4 + k / 32 % 2 * 2 + k / 4 % 2) & 1;
-      const std::string where = text(points[i]) + " round " + std::to_string(round) + " spacing " +
-                                std::to_string(spacing) + law_tests::text(versor);
-      if (!wanted) {
-        ASSERT_EQ(values[i], kUntouched) << where;
-        continue;
-      }
-      ++nodes;
-      if (values[i] == static_cast<float>(julia::kFieldLimit)) {
-        ++settled;
-        ASSERT_GE(expected[i], 0) << where;
-      } else {
-        ASSERT_EQ(values[i], julia::storedField(expected[i])) << where;
-      }
-    }
+    sum += law_tests::expectBlockSigns(*evaluator, random, logUniform(random, 1e-4, 0.02),
+                                       "round " + std::to_string(round) + law_tests::text(versor));
+    if (this->HasFailure()) return;
   }
-  this->RecordProperty("settled", settled);
-  EXPECT_GT(settled, nodes / 50);
+  this->RecordProperty("settled", sum.outside);
+  EXPECT_GT(sum.outside, sum.nodes / 50);
 }
 
 TYPED_TEST(BallLaws, decisionsOfRationalsHold) {

@@ -85,8 +85,8 @@ class FieldEvaluator {
     std::fill(out.begin(), out.end(), Decision::Undecided);
   }
 
-  /// Evaluates the sign of F at the nodes of blocks: field receives F or, if F >= 0 is known without following the
-  /// orbit to its end, kFieldLimit. The result at a node depends on its block alone.
+  /// Evaluates the sign of F at the nodes of blocks: field receives F or, if its sign is known without following the
+  /// orbit to its end, kFieldLimit with that sign. The result at a node depends on its block alone.
   virtual void evaluateBlocks(std::span<const NodeBlock> blocks) const;
 
   /// Sets found[i] to a place on edge i, in voxels from its beginning, within the lattice's tolerance of which the sign

@@ -46,6 +46,10 @@ class Map {
     std::fill(images.begin(), images.end(), std::nullopt);
   }
 
+  /// Larger balls than this one are not worth sending through images() where a step of all their points is nearly as
+  /// cheap. A map that can prove nothing inherits this function.
+  virtual double usefulRadius() const { return 0; }
+
   /// Where escapeBounds() can prove that the step after the first one escapes, without taking that step.
   struct EscapeProof {
     Real least = std::numeric_limits<Real>::infinity();  ///< nothing is proved for a smaller l

@@ -46,6 +46,7 @@ class ShapeModulus final : public Map<Real> {
               std::span<std::optional<Ball>> images) const override;
   /// The proof rests on two facts: beyond some distance from the origin E is nowhere below @a wanted, and the part of
   /// an image without its dropped component has the length e^l times that of the same part of the versor.
+  double usefulRadius() const override { return mVersor->usefulRadius(); }
   typename Map<Real>::EscapeProof escapeProof(double wanted) const override;
   void escapeBounds(const QuaternionBatch<Real>& centres, Real radius, const typename Map<Real>::EscapeProof& proof,
                     std::span<Real> bounds) const override;

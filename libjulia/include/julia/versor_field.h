@@ -29,6 +29,8 @@ class VersorField {
   virtual void cones(std::span<const Ball> /*balls*/, std::span<Cone> cones) const {
     std::fill(cones.begin(), cones.end(), Cone{});
   }
+  /// As Map::usefulRadius(), for cones().
+  virtual double usefulRadius() const { return 0; }
   /// Sets l[i] to a lower bound of ln|v| over the ball of that radius about centre i, where v is what versor() computes
   /// without the component number @a dropped; -inf where nothing is known.
   virtual void logLeastParts(const QuaternionBatch<Real>& /*centres*/, Real /*radius*/, unsigned /*dropped*/,

@@ -76,12 +76,17 @@ class WaveVersor final : public VersorField<Real> {
 
   void versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const override;
   void cones(std::span<const Ball> balls, std::span<Cone> cones) const override;
+  double usefulRadius() const override;
   std::any describe() const override {
     return WaveVersorDescription{mTexture, mOctave->describe(), mEmbedding.dropped};
   }
 
  private:
   struct Plan;
+
+  double sizeOf(const Ball& ball) const;
+  Cone coneBySlopes(const Ball& ball, double low, double high, double slack) const;
+
   WaveTexture mTexture;
   std::shared_ptr<const ScalarField<Real>> mOctave;
   Embedding mEmbedding;

@@ -11,6 +11,7 @@
 #include "fit_bodies.h"
 #include "kernels.h"
 #include "wave_bodies.h"
+#include "wave_discs.h"
 
 #if defined(__AVX512F__)
 #include <immintrin.h>
@@ -394,6 +395,14 @@ JULIA_INLINE void findCells(const BrickLattice<Real>& lattice, const Row<std::in
   }
 }
 
+/// Whether kWidest points from @a first on read the same cell.
+JULIA_INLINE bool isOneCell(const Row<std::int32_t>& brick, const Row<std::int32_t>& offset, std::size_t first) {
+  std::int32_t differing = 0;
+  for (std::size_t i = first; i < first + kWidest; ++i)
+    differing |= (brick[i] ^ brick[first]) | (offset[i] ^ offset[first]);
+  return differing == 0;
+}
+
 template <class Real>
 void sampleTrilinear(const BrickLattice<Real>& lattice, const Real* x, const Real* y, const Real* z, Real* out,
                      std::size_t size) {
@@ -401,8 +410,10 @@ void sampleTrilinear(const BrickLattice<Real>& lattice, const Real* x, const Rea
   alignas(64) Row<Real> point[3], position[3], result;
   alignas(64) Row<std::int32_t> cell[3], brick, offset;
   const float* at[kBlock];
-  alignas(64) float edge[4][2 * kBlock];  // the two values along z that one read takes
+  bool isShared[kBlock / kWidest];
   const Real* const from[3] = {x, y, z};
+  // The two values along z that one read takes, and where the four reads begin.
+  constexpr std::size_t kReads = 4, kBegins[kReads] = {0, kSide, kSide * kSide, kSide * kSide + kSide};
   for (std::size_t begin = 0; begin < size; begin += kBlock) {
     const Range range = blockAt(begin, size);
     const std::size_t padded = range.padded;
@@ -414,20 +425,34 @@ void sampleTrilinear(const BrickLattice<Real>& lattice, const Real* x, const Rea
         position[axis][i] -= static_cast<Real>(floor);
       }
     findCells<Real, kSide>(lattice, cell, brick, offset, padded);
-    // Addresses are computed in advance: points of a block may lie far apart, and a read waits for memory.
-    for (std::size_t i = 0; i < padded; ++i) {
-      at[i] = lattice.values + std::size_t{lattice.brickAt[brick[i]]} * (kSide * kSide * kSide) + offset[i];
-      __builtin_prefetch(at[i]);
-      __builtin_prefetch(at[i] + kSide * kSide + kSide);
+    // Addresses are computed in advance: points of a block may lie far apart, and a read waits for memory. Where the
+    // voxels are much finer than the lattice, most groups read one cell.
+    for (std::size_t first = 0; first < padded; first += kWidest) {
+      const bool isOne = isShared[first / kWidest] = isOneCell(brick, offset, first);
+      for (std::size_t i = first; i < first + (isOne ? 1 : kWidest); ++i) {
+        at[i] = lattice.values + std::size_t{lattice.brickAt[brick[i]]} * (kSide * kSide * kSide) + offset[i];
+        __builtin_prefetch(at[i]);
+        __builtin_prefetch(at[i] + kSide * kSide + kSide);
+      }
     }
-    for (std::size_t i = 0; i < padded; ++i)
-      for (std::size_t k = 0; k < 4; ++k)
-        __builtin_memcpy(&edge[k][2 * i], at[i] + (k >> 1) * kSide * kSide + (k & 1) * kSide, 2 * sizeof(float));
-    JULIA_FOR_POINTS {
-      const Real tx = position[0][i], ty = position[1][i], tz = position[2][i];
-      const Real v0 = edge[0][2 * i], v1 = edge[0][2 * i + 1], v2 = edge[1][2 * i], v3 = edge[1][2 * i + 1];
-      const Real v4 = edge[2][2 * i], v5 = edge[2][2 * i + 1], v6 = edge[3][2 * i], v7 = edge[3][2 * i + 1];
-      result[i] = trilinear(v0, v1, v2, v3, v4, v5, v6, v7, tx, ty, tz);
+    for (std::size_t first = 0; first < padded; first += kWidest) {
+      if (isShared[first / kWidest]) {
+        Real v[2 * kReads];
+        for (std::size_t k = 0; k < 2 * kReads; ++k) v[k] = at[first][kBegins[k / 2] + k % 2];
+        JULIA_INDEPENDENT for (std::size_t i = first; i < first + kWidest; ++i) result[i] =
+            trilinear(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], position[0][i], position[1][i], position[2][i]);
+        continue;
+      }
+      alignas(64) float edge[kReads][2 * kWidest];
+      for (std::size_t i = 0; i < kWidest; ++i)
+        for (std::size_t k = 0; k < kReads; ++k)
+          __builtin_memcpy(&edge[k][2 * i], at[first + i] + kBegins[k], 2 * sizeof(float));
+      JULIA_INDEPENDENT for (std::size_t i = 0; i < kWidest; ++i) {
+        const Real v0 = edge[0][2 * i], v1 = edge[0][2 * i + 1], v2 = edge[1][2 * i], v3 = edge[1][2 * i + 1];
+        const Real v4 = edge[2][2 * i], v5 = edge[2][2 * i + 1], v6 = edge[3][2 * i], v7 = edge[3][2 * i + 1];
+        result[first + i] = trilinear(v0, v1, v2, v3, v4, v5, v6, v7, position[0][first + i], position[1][first + i],
+                                      position[2][first + i]);
+      }
     }
     store(result, out, range);
   }
@@ -491,6 +516,7 @@ constexpr Kernels<Real> kTable = {
     .crossProduct = crossProduct<Real>,
     .triplex = triplex<Real>,
     .waveVersor = waveVersor<Real>,
+    .waveDiscs = waveDiscs,
     .sampleTrilinear = sampleTrilinear<Real>,
     .sampleQuadratic = sampleQuadratic<Real>,
     .logDistances = logDistances<Real>,

@@ -82,6 +82,26 @@ struct WaveSpan {
   Real conjugated;      ///< -1 for a negative power, else 1
 };
 
+/// How fast a factor of waves may change at octave 0, and how its Real rounds it.
+struct WaveFactorBound {
+  double curvature = 0;    ///< of the sum of waves: units of amplitude per unit of space squared
+  double rounding = 0;     ///< of the sum, however small its phases are
+  double perQuadrant = 0;  ///< of the sum, for each unit of a place's size
+};
+/// A ball over which the versor of waves is asked for. Its octaves lie between one whole number and the next.
+struct WaveBall {
+  double place[4];  ///< its centre, from the texture's origin, units of the map's space
+  double radius = 0;
+  double size = 0;             ///< upper bound of the distances of its points from 0 and from the origin, added up
+  double scale = 1;            ///< 2 to the power of the whole number
+  double least = 0, most = 0;  ///< the weights of the finer octave
+};
+/// A versor, and an upper bound of how far those of a ball are from it; infinity if nothing is known.
+struct VersorDisc {
+  double centre[4];
+  double radius;
+};
+
 /// Rows and columns of the tiles in which dense matrices are multiplied.
 constexpr std::size_t kTile = 64;
 
@@ -126,6 +146,11 @@ struct Kernels {
   /// The versors of waves about @a origin, for octaves from -40 to 40.
   void (*waveVersor)(const WaveTerm<Real>* waves, const WaveSpan<Real>* factors, std::size_t factorCount,
                      const Real* origin, ConstBatch<Real> q, const Real* octave, Batch<Real> u, std::size_t size);
+  /// Discs that contain the versors of waves over balls, as waveVersor() computes them in another type, whose rounding
+  /// of a versor is at most @a slack. They are formed from the derivatives at the centre and from bounds of the terms
+  /// of higher order.
+  void (*waveDiscs)(const WaveTerm<double>* waves, const WaveSpan<double>* factors, const WaveFactorBound* bounds,
+                    std::size_t factorCount, double slack, const WaveBall* balls, VersorDisc* discs, std::size_t size);
   /// Trilinear: bricks of 8^3 cells, 9^3 values. Between nodes of a cell the result is linear along each axis.
   void (*sampleTrilinear)(const BrickLattice<Real>& lattice, const Real* x, const Real* y, const Real* z, Real* out,
                           std::size_t size);
