@@ -36,6 +36,8 @@ std::optional<vdbtools::NvdbValues> nvdbValues(const CommandLine& line) {
   if (line.given().contains("target-up") && line.recipe().at("up") == "keep" && !line.has("mesh"))
     throw std::invalid_argument(
         "--target-up has no effect: a .nvdb does not say which axis points up; give --up too, or leave it out");
+  if (line.given().contains("units") && !line.has("mesh"))
+    throw std::invalid_argument("--units has no effect: a .nvdb has no room for a unit; leave it out");
   if (!line.has("nvdb-bits")) return vdbtools::NvdbValues::Full;
   return line.choice<vdbtools::NvdbValues>("nvdb-bits", {{"32", vdbtools::NvdbValues::Full},
                                                          {"16", vdbtools::NvdbValues::Fp16},

@@ -246,13 +246,17 @@ void CommandLine::addPositional(const char* name, int count, const char* help) {
   mPositionalNames.emplace_back(name);
 }
 
-Arguments CommandLine::renamed(Arguments arguments, const po::options_description& all) {
+Arguments CommandLine::renamed(Arguments arguments, const po::options_description& all) const {
   for (std::string& word : arguments) {
     if (word == "--") break;
     if (!word.starts_with("--") || optionOf(word, all)) continue;
     const std::size_t end = std::min(word.find('='), word.size());
     const std::string name = word.substr(2, end - 2);
-    const std::string now = "--" + (name == kRecipeAlias ? kConfig : vdbtools::optionName(name)) + word.substr(end);
+    const auto former = mFormerNames.find(name);
+    const std::string known = former != mFormerNames.end() ? former->second
+                              : name == kRecipeAlias       ? kConfig
+                                                           : vdbtools::optionName(name);
+    const std::string now = "--" + known + word.substr(end);
     if (optionOf(now, all)) word = now;
   }
   return arguments;

@@ -49,6 +49,9 @@ class CommandLine {
   /// Adds a positional argument that is not part of a recipe; @a count -1 takes all that follow.
   void addPositional(const char* name, int count, const char* help);
 
+  /// Takes an option by the name that it had in earlier versions, too. Help does not show it.
+  void addFormerName(const std::string& former, const std::string& now) { mFormerNames[former] = now; }
+
   /// Lets the positional argument "input" be "-", the standard input. parse() then stores it
   /// (vdbtools/files/standard_streams.h). All other commands refuse a positional argument of that name.
   void acceptStandardInput() { mAcceptsStandardInput = true; }
@@ -118,7 +121,7 @@ class CommandLine {
   std::vector<Group> groups() const;
 
   /// Options by the names that they have now. The names of recipes are taken, too: --versor-seed is --texture-seed.
-  static Arguments renamed(Arguments arguments, const boost::program_options::options_description& all);
+  Arguments renamed(Arguments arguments, const boost::program_options::options_description& all) const;
   /// Finds words that boost would misread: an option without its value, an option that does not exist.
   void checkWords(const Arguments& arguments, const boost::program_options::options_description& all) const;
   void readConfig(const std::string& file);
@@ -143,6 +146,7 @@ class CommandLine {
   boost::program_options::variables_map mValues;
   vdbtools::Recipe mRecipe, mGiven;
   std::filesystem::path mConfigHolder;
+  std::map<std::string, std::string> mFormerNames;
   bool mAcceptsStandardInput = false;
   std::unique_ptr<Progress> mProgress;
 };

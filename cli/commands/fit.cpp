@@ -5,11 +5,14 @@
 #include "options.h"
 #include "output.h"
 #include "report.h"
+#include "shape_unit.h"
 
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/fit/fit_job.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
+#include "vdbtools/scene/file_axes.h"
 
+#include <optional>
 #include <ostream>
 #include <utility>
 
@@ -38,10 +41,14 @@ int runFit(const Arguments& arguments) {
       "plot", po::value<std::string>()->value_name("F.png"), "the same as a picture: .png, .svg or .exr")(
       "charge", po::value<std::string>()->value_name("F.ply"),
       "the surface that roots are placed on, with its electrostatic charge as a grey: .ply, .obj or .glb");
+  addUnitsOption(line);
   if (!line.parse(arguments)) return kDone;
   const vdbtools::fit::FitOptions options = vdbtools::fit::parseFitOptions(line.recipe());
   line.requireEffect({vdbtools::Product::Recipe});
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.json");
+  line.requireUse(line.has("charge"), {"units"}, "it is for the mesh of --charge; leave it out");
+  const std::optional<vdbtools::LengthUnit> unit =
+      line.has("charge") ? unitOf(line, options.target.input.string()) : std::nullopt;
   vdbtools::InputFiles inputs;
   inputs.add(options.target.input);
   Outputs outputs(line, std::move(inputs));
@@ -65,10 +72,10 @@ int runFit(const Arguments& arguments) {
   if (plot) *plot << vdbtools::encodePlot(vdbtools::fit::fitReportPlot(fit.rows), formatOf(line.text("plot"), ".png"));
   if (chargeFile) {
     const vdbtools::fit::ChargedSurface surface = vdbtools::fit::chargedSurface(fit, line.progress());
-    vdbtools::writeMesh(
-        *chargeFile, surface.mesh,
-        {.format = vdbtools::meshFormat("charge" + formatOf(charge, ".ply")), .columns = surface.columns},
-        surface.values);
+    vdbtools::MeshWriteOptions write{.format = vdbtools::meshFormat("charge" + formatOf(charge, ".ply")),
+                                     .columns = surface.columns};
+    if (unit) vdbtools::setUnit(write, *unit);
+    vdbtools::writeMesh(*chargeFile, surface.mesh, write, surface.values);
   }
   line.progress().throwIfCancelled();
   outputs.commit();

@@ -76,6 +76,7 @@ void addSolidInfo(const vdbtools::Mesh& mesh, const vdbtools::MeshReport& report
 
 /// What a file says besides its surface, as far as there is any.
 void addParts(const vdbtools::Mesh& mesh, const std::string& path, Json& info) {
+  if (const auto unit = vdbtools::unitOfFile(path)) info["unit"] = nameOf(*unit);
   if (!mesh.attributes.empty()) {
     info["attributes"] = Json::array();
     for (const vdbtools::VertexAttribute& attribute : mesh.attributes) info["attributes"].push_back(attribute.name);
@@ -166,9 +167,10 @@ Json vdbInfo(const std::string& path) {
   for (const auto& [name, value] : file.metadata)
     if (!info.contains("recipe") || !name.starts_with("julia_")) rest[name] = value;
   // Facts that the program found out are no options, and worth seeing; the roots themselves are for 'versor inspect'.
-  for (const char* fact : {"julia_version", vdbtools::kUpAxis, "julia_target_box", "julia_space_centre",
-                           "julia_space_scale", "julia_shell", "julia_repair_moved", "julia_united_parts",
-                           "julia_origin_at", "julia_thickness", "julia_alpha_range", "julia_beta_range"})
+  for (const char* fact :
+       {"julia_version", vdbtools::kUpAxis, vdbtools::kLengthUnit, "julia_target_box", "julia_space_centre",
+        "julia_space_scale", "julia_shell", "julia_repair_moved", "julia_united_parts", "julia_origin_at",
+        "julia_thickness", "julia_alpha_range", "julia_beta_range"})
     if (const auto found = file.metadata.find(fact); found != file.metadata.end()) rest[fact] = found->second;
   if (!rest.empty()) info["metadata"] = rest;
   return info;

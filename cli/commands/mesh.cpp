@@ -5,6 +5,7 @@
 #include "options.h"
 #include "output.h"
 #include "report.h"
+#include "shape_unit.h"
 
 #include "vdbtools/decimation/adaptive_mesh.h"
 #include "vdbtools/files/file_hash.h"
@@ -15,6 +16,7 @@
 #include "vdbtools/scene/file_axes.h"
 #include "vdbtools/surface/grid_mesh.h"
 
+#include <optional>
 #include <ostream>
 #include <stdexcept>
 
@@ -60,12 +62,15 @@ vdbtools::MeshCounts meshFromRecipe(const MeshRecipe& recipe, vdbtools::AtomicFi
 }
 
 vdbtools::MeshCounts meshFromGrid(const std::string& input, const CommandLine& line, vdbtools::AtomicFile& file,
-                                  vdbtools::MeshFormat format, double adaptivity, Progress& progress) {
+                                  vdbtools::MeshFormat format, double adaptivity,
+                                  std::optional<vdbtools::LengthUnit> unit) {
+  Progress& progress = line.progress();
   const vdbtools::VdbFile vdb = vdbtools::readVdb(input);
   const auto levelSet = vdbtools::chooseFloatGrid(vdb, line.text("grid"), input);
   const vdbtools::FileAxes axes{
       .target = vdbtools::recordedUpAxis(vdb.metadata),
-      .rule = line.has("up") ? vdbtools::parseUpRule(line.text("up")) : vdbtools::UpRule::Keep};
+      .rule = line.has("up") ? vdbtools::parseUpRule(line.text("up")) : vdbtools::UpRule::Keep,
+      .unit = unit};
   vdbtools::MeshWriteOptions options = vdbtools::meshWriteOptions(format, axes, {});
   vdbtools::Mesh mesh = vdbtools::meshOfLevelSet(*levelSet, progress);
   vdbtools::computeNormals(mesh);
@@ -96,6 +101,7 @@ int runMesh(const Arguments& arguments) {
                                                         "which grid to use, with --from-grid")(
       "up", po::value<std::string>()->value_name("keep|y|z|auto"),
       "the axis that points up in the mesh, as of 'fractal' (default: as recorded in the VDB)");
+  addUnitsOption(line);
   addSearchOption(line);
   line.addOptions()("adaptivity", po::value<std::string>()->value_name("E"),
                     "larger triangles where the surface is flat, as 'juliavdb fractal' has it, in voxels");
@@ -107,11 +113,13 @@ int runMesh(const Arguments& arguments) {
   if (line.has("adaptivity")) asked["adaptivity"] = line.text("adaptivity");
   const vdbtools::OptionTable table(vdbtools::surfaceOptionSpecs());
   const double adaptivity = vdbtools::parseSurfaceOptions(vdbtools::RecipeReader(asked, table)).adaptivity;
+  const std::optional<vdbtools::LengthUnit> unit = unitOf(line, input);
   vdbtools::RecordedRecipe recorded;
   if (!line.has("from-grid") && !line.has("grid")) recorded = vdbtools::readRecordedRecipe(input);
   if (recorded.command == "fractal") {
     if (line.has("adaptivity")) recorded.recipe["adaptivity"] = asked["adaptivity"];
     if (line.has("up")) recorded.recipe["up"] = line.text("up");
+    if (line.has("units")) recorded.recipe["units"] = line.text("units");
   }
   const bool isFractal = recorded.command == "fractal";
   line.requireUse(isFractal, {"input", "search"},
@@ -122,7 +130,7 @@ int runMesh(const Arguments& arguments) {
   vdbtools::AtomicFile& file = outputs.add("output", line.text("output"), vdbtools::kMeshExtensions);
   const vdbtools::MeshFormat format = vdbtools::meshFormat("mesh" + formatOf(line.text("output"), ".ply"));
   const vdbtools::MeshCounts counts = isFractal ? meshFromRecipe(recipe, file, format, line.progress())
-                                                : meshFromGrid(input, line, file, format, adaptivity, line.progress());
+                                                : meshFromGrid(input, line, file, format, adaptivity, unit);
   line.progress().throwIfCancelled();
   outputs.commit();
   report().count("points", counts.points);

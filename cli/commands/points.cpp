@@ -5,6 +5,7 @@
 #include "options.h"
 #include "output.h"
 #include "report.h"
+#include "shape_unit.h"
 
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/files/file_bytes.h"
@@ -100,6 +101,7 @@ int runPoints(const Arguments& arguments) {
       "from-grid", "use the voxels or triangles, even of a fractal")("grid", text("NAME"),
                                                                      "which grid of a VDB to use, as with --from-grid");
   line.addOptions(vdbtools::attributeOptionSpecs());
+  addUnitsOption(line);
   addSearchOption(line);
   line.acceptStandardInput();
   if (!line.parse(arguments)) return kDone;
@@ -109,6 +111,7 @@ int runPoints(const Arguments& arguments) {
   const vdbtools::PointsOptions options = parsePoints(line);
   line.requireUse(vdbtools::isVdbPath(input), {"grid"},
                   "it chooses a grid of a VDB, and the input is a mesh; leave it out");
+  const std::optional<vdbtools::LengthUnit> unit = unitOf(line, input);
   vdbtools::RecordedRecipe recorded;
   if (!line.has("from-grid") && !line.has("grid") && mayHoldRecipe(input))
     recorded = vdbtools::readRecordedRecipe(input);
@@ -124,12 +127,14 @@ int runPoints(const Arguments& arguments) {
   if (recorded.command == "fractal") {
     recipe = withFoundFiles(line, recorded.recipe, input);
     for (const auto& [name, value] : asked) recipe[name] = value;
+    if (line.has("units")) recipe["units"] = line.text("units");
     fractal = vdbtools::parseFractalOptions(recipe);
   }
   Outputs outputs(line, fractal ? vdbtools::inputsOf(*fractal) : vdbtools::InputFiles());
   vdbtools::AtomicFile& file = outputs.add("output", line.text("output"), ".ply .vdb");
-  const Made made = fractal ? pointsFromRecipe(recipe, *fractal, options, line.progress())
-                            : pointsFromShape(input, line.text("grid"), options, line.progress());
+  Made made = fractal ? pointsFromRecipe(recipe, *fractal, options, line.progress())
+                      : pointsFromShape(input, line.text("grid"), options, line.progress());
+  if (!fractal) made.axes.unit = unit;
   const vdbtools::OrientedPoints& points = made.points;
   line.progress().begin(vdbtools::PhaseKind::Writing, 0);
   if (formatOf(line.text("output"), ".ply") == ".vdb") {
@@ -142,10 +147,11 @@ int runPoints(const Arguments& arguments) {
     write.turn = {};
     file.stream() << vdbtools::encodeVdb({vdbtools::pointGrid(turned.batch(), turned.columns, spacing)}, write);
   } else {
-    vdbtools::MeshWriteOptions write = vdbtools::meshWriteOptions(vdbtools::MeshFormat::Ply, made.axes, {});
+    vdbtools::MeshWriteOptions write = vdbtools::meshWriteOptions(vdbtools::MeshFormat::Ply, made.axes, made.metadata);
     write.voxelSize = points.spacing;
     write.columns = points.columns;
-    write.comments = {};
+    // Such a PLY holds no recipe, and no more than the unit.
+    std::erase_if(write.comments, [](const auto& entry) { return entry.first != vdbtools::kLengthUnit; });
     vdbtools::writeMesh(file.stream(), {.points = points.positions, .triangles = {}, .normals = points.normals}, write,
                         points.values);
   }

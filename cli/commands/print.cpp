@@ -5,6 +5,7 @@
 #include "options.h"
 #include "output.h"
 #include "report.h"
+#include "shape_unit.h"
 
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/files/file_bytes.h"
@@ -15,6 +16,7 @@
 #include "vdbtools/mesh_files/three_mf.h"
 #include "vdbtools/print/print_job.h"
 #include "vdbtools/records/recorded_recipe.h"
+#include "vdbtools/scene/file_axes.h"
 #include "vdbtools/surface/grid_mesh.h"
 
 #include <cmath>
@@ -28,24 +30,33 @@ namespace cli {
 namespace {
 
 constexpr Usage kPrintUsage = {
-    "print", "F.vdb|MESH -o PART.stl|PART.3mf|PART.ply|PART.obj --size MM [--min-thickness MM] [options]",
+    "print", "F.vdb|MESH -o PART.stl|PART.3mf|PART.ply|PART.obj [--longest-side MM] [--min-thickness MM] [options]",
     "Makes a part for 3D printing: one closed piece without cavities, in millimetres, with z up, standing on z = 0 and "
     "centred in x and y. With --min-thickness hairs and walls that are thinner are thickened, or taken off. If the "
-    "input is a fractal that this program made, VDB, PLY or OBJ, its true surface is computed again from the recipe in "
+    "unit "
+    "of the input is known, the part has its true size unless --longest-side says another one. If the input is a "
+    "fractal that this program made, VDB, PLY or OBJ, its true surface is computed again from the recipe in "
     "the file.",
-    "  juliavdb print bunny.vdb -o bunny.stl --size 60\n"
-    "  juliavdb print bunny.vdb -o bunny.3mf --size 60 --min-thickness 1.2 --flat-base 0.5\n"
-    "  juliavdb print bunny.vdb -o plain.stl --size 60 --min-thickness 1.2 --thin drop --tolerance 0.05\n"};
+    "  juliavdb print bunny.vdb -o bunny.stl --longest-side 60\n"
+    "  juliavdb print bunny.vdb -o bunny.3mf --longest-side 60 --min-thickness 1.2 --flat-base 0.5\n"
+    "  juliavdb print bunny.vdb -o plain.stl --longest-side 60 --min-thickness 1.2 --thin drop --tolerance 0.05\n"
+    "  juliavdb print bunny.obj -o true.3mf --units in\n"};
 
-vdbtools::PrintOptions parsePrint(const CommandLine& line) {
+vdbtools::PrintOptions parsePrint(const CommandLine& line, std::optional<vdbtools::LengthUnit> unit) {
   vdbtools::PrintOptions options;
-  if (!line.has("size")) throw std::invalid_argument("no size was given; use --size MM");
+  if (!line.has("longest-side") && !unit)
+    throw std::invalid_argument(
+        "no size was given, and the unit of the input is not known; use --longest-side MM, or --units");
   const auto length = [&](const char* name) {
     const double value = line.number(name);
     if (!(value > 0 && std::isfinite(value))) line.refuse(name, "a length above 0, in millimetres");
     return value;
   };
-  options.size = length("size");
+  constexpr double kMillimetres = 1000;  // in a metre
+  if (line.has("longest-side"))
+    options.size = length("longest-side");
+  else
+    options.scale = kMillimetres * metresOf(*unit);
   if (line.has("min-thickness")) options.minThickness = length("min-thickness");
   if (line.has("thin")) {
     options.thin = line.choice<vdbtools::ThinParts>(
@@ -53,8 +64,6 @@ vdbtools::PrintOptions parsePrint(const CommandLine& line) {
     if (!options.minThickness) throw std::invalid_argument("--thin can be used with --min-thickness only");
   }
   if (line.has("flat-base")) options.flatBase = length("flat-base");
-  if (line.has("up"))
-    options.up = line.choice<vdbtools::UpAxis>("up", {{"y", vdbtools::UpAxis::Y}, {"z", vdbtools::UpAxis::Z}});
   if (line.has("islands")) options.islands = line.integer<std::uint64_t>("islands", 1, 1'000'000'000);
   if (line.has("resolution")) options.resolution = line.integer<std::uint64_t>("resolution", 20, 4000);
   if (line.has("tolerance")) options.tolerance = length("tolerance");
@@ -71,6 +80,16 @@ std::optional<vdbtools::FractalOptions> recordedFractal(const CommandLine& line,
   vdbtools::FractalOptions options = vdbtools::parseFractalOptions(recorded.recipe);
   options.surface.cap = true;
   return options;
+}
+
+/// The axis of the shape that points up.
+vdbtools::UpAxis upOf(const CommandLine& line, const std::string& input,
+                      const std::optional<vdbtools::FractalOptions>& fractal) {
+  using vdbtools::UpAxis;
+  if (line.has("target-up")) return line.choice<UpAxis>("target-up", {{"y", UpAxis::Y}, {"z", UpAxis::Z}});
+  if (fractal) return fractal->output.axes.target;
+  return vdbtools::recordedUpAxis(vdbtools::isVdbPath(input) ? vdbtools::readVdbMetadata(input)
+                                                             : vdbtools::readMeshComments(input));
 }
 
 /// Refuses what has no effect on a part of this input.
@@ -141,13 +160,13 @@ int runPrint(const Arguments& arguments) {
   line.addPositional("input", 1, "the VDB or the mesh");
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
   line.addOptions()("output,o", text("PART.stl"), "the part to write: .stl, .3mf, .ply or .obj")(
-      "size", text("MM"), "the longest side of the part, in millimetres")(
+      "longest-side", text("MM"), "the longest side of the part, in millimetres (default: as in the input's unit)")(
       "min-thickness", text("MM"),
       "the least thickness, in millimetres. Edges and tips of 60 degrees or more, and roughness of up to half of it, "
       "do "
       "not count as thin")("thin", text("HOW"), "what happens to thinner parts: thicken or drop (default: thicken)")(
       "flat-base", text("MM"), "cut off so much below, for a flat base")(
-      "up", text("AXIS"), "which axis of the input points up: y or z (default: y)")(
+      "target-up", text("y|z"), "which axis of the input points up (default: as the input says, or else y)")(
       "islands", text("N"), "how many pieces to keep, the largest by volume (default: 1)")(
       "tolerance", text("MM"), "make triangles larger where that moves the surface by no more than this")(
       "resolution", text("N"),
@@ -156,16 +175,21 @@ int runPrint(const Arguments& arguments) {
       "the least thickness, 250 to 600)")("repair", "close holes and gaps of an open mesh or a triangle soup")(
       "from-grid", "use the voxels or triangles, even of a fractal")("grid", text("NAME"),
                                                                      "which grid of a VDB to use, as with --from-grid");
+  addUnitsOption(line);
+  line.addFormerName("size", "longest-side");
+  line.addFormerName("up", "target-up");
   line.acceptStandardInput();
   if (!line.parse(arguments)) return kDone;
   const std::string input = line.text("input");
   if (input.empty()) throw std::invalid_argument("no VDB or mesh was given");
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o PART.stl");
-  const vdbtools::PrintOptions options = parsePrint(line);
+  const std::optional<vdbtools::LengthUnit> unit = unitOf(line, input);
+  vdbtools::PrintOptions options = parsePrint(line, unit);
   requirePartFits(line, input, options);
   const std::string format = vdbtools::lowerCase(formatOf(line.text("output"), ".stl"));
   if (format == ".3mf" && !vdbtools::canWrite3mf()) vdbtools::encode3mf({});  // says why
   const std::optional<vdbtools::FractalOptions> fractal = recordedFractal(line, input);
+  options.up = upOf(line, input, fractal);
   Outputs outputs(line, fractal ? vdbtools::inputsOf(*fractal) : vdbtools::InputFiles());
   vdbtools::AtomicFile& file = outputs.add("output", line.text("output"), ".stl .3mf .ply .obj");
 
@@ -175,10 +199,14 @@ int runPrint(const Arguments& arguments) {
                                     : readShape(line, input, options.resolution),
                             options, progress);
   line.progress().begin(vdbtools::PhaseKind::Writing, 0);
-  if (format == ".3mf")
+  vdbtools::MeshWriteOptions write;
+  if (unit) vdbtools::setUnit(write, vdbtools::LengthUnit::Millimetre);
+  if (format == ".3mf") {
     file.stream() << vdbtools::encode3mf(part.mesh);
-  else
-    vdbtools::writeMesh(file.stream(), part.mesh, {.format = vdbtools::meshFormat("part" + format), .comments = {}});
+  } else {
+    write.format = vdbtools::meshFormat("part" + format);
+    vdbtools::writeMesh(file.stream(), part.mesh, write);
+  }
   line.progress().throwIfCancelled();
   outputs.commit();
 

@@ -5,6 +5,7 @@
 #include "options.h"
 #include "output.h"
 #include "report.h"
+#include "shape_unit.h"
 #include "slice_plane.h"
 #include "slice_samples.h"
 #include "slice_stack.h"
@@ -148,6 +149,11 @@ std::string meaningOf(SliceField field, const StackOptions& stack) {
   return "0 is -" + range + " and " + most + " is " + range + ", negative inside";
 }
 
+std::optional<vdbtools::LengthUnit> unitOf(const Scene& scene) {
+  const std::optional<vdbtools::LengthUnit> recorded = vdbtools::recordedUnit(scene.metadata);
+  return recorded ? recorded : scene.options.output.axes.unit;
+}
+
 struct NamedGrid {
   openvdb::FloatGrid::Ptr grid;
   openvdb::BBoxd frame;
@@ -180,20 +186,21 @@ vdbtools::Image sliceOfGrid(const std::string& input, const std::string& name, c
 }
 
 /// @param options  none: the grid of a VDB
+/// @param unit     of the input, if there is one that is known
 void writeStack(const CommandLine& line, const std::optional<vdbtools::FractalOptions>& options, SliceField field,
-                const PlanePlacement& placement, const StackOptions& stack) {
+                const PlanePlacement& placement, const StackOptions& stack, std::optional<vdbtools::LengthUnit> unit) {
   StackWriter writer(line, options ? vdbtools::inputsOf(*options) : vdbtools::InputFiles(), stack);
   const std::string meaning = meaningOf(field, stack);
   if (!options) {
     const NamedGrid named = gridToSlice(line.text("input"), line.text("grid"));
-    writer.write(placement, named.frame, meaning, [&](const SlicePlane& plane, vdbtools::Monitor& progress) {
+    writer.write(placement, named.frame, meaning, unit, [&](const SlicePlane& plane, vdbtools::Monitor& progress) {
       return vdbtools::signedCodes(plane, sampleGrid(plane, *named.grid, progress), stack.range, stack.bits);
     });
     return;
   }
   const Scene scene = vdbtools::makeScene(*options, line.progress());
   if (field == SliceField::Phi && !scene.target) throw std::invalid_argument("there is no phi without a target");
-  writer.write(placement, vdbtools::sliceFrame(scene), meaning,
+  writer.write(placement, vdbtools::sliceFrame(scene), meaning, unit ? unit : unitOf(scene),
                [&](const SlicePlane& plane, vdbtools::Monitor& progress) {
                  return layerOfScene(scene, field, plane, stack, progress);
                });
@@ -202,7 +209,8 @@ void writeStack(const CommandLine& line, const std::optional<vdbtools::FractalOp
 /// The voxels of a VDB are shown as they are.
 void requireGridOptions(const CommandLine& line) {
   const std::string why = "it is for the fields of a fractal, and --field is grid; leave it out";
-  for (const std::string& name : line.typedNames()) line.requireUse(name == "grid", {name.c_str()}, why);
+  for (const std::string& name : line.typedNames())
+    line.requireUse(name == "grid" || name == "units", {name.c_str()}, why);
   line.requireUse(false, {"config", "search", "arrow"}, why);
 }
 
@@ -239,10 +247,13 @@ int runSlice(const Arguments& arguments) {
   if (field != SliceField::Grid) {
     const vdbtools::Recipe recipe = sceneRecipe(line, input);
     options = vdbtools::parseFractalOptions(recipe);
-    line.requireEffect({{recipe, {vdbtools::Product::Slice}}});
+    std::set<vdbtools::Product> makes = {vdbtools::Product::Slice};
+    if (line.has("stack")) makes.insert(vdbtools::Product::Stack);
+    line.requireEffect({{recipe, makes}});
   }
   if (line.has("stack")) {
-    writeStack(line, options, field, placement, stack);
+    const auto unit = input.empty() ? std::nullopt : unitOf(line, input);
+    writeStack(line, options, field, placement, stack, unit);
     return kDone;
   }
   Outputs outputs(line, options ? vdbtools::inputsOf(*options) : vdbtools::InputFiles());

@@ -38,15 +38,16 @@ std::string directionText(const openvdb::Vec3d& step) {
 }
 
 /// What other programs need to know of a stack, a line for each.
-std::string stackText(const vdbtools::SliceStack& stack, const StackOptions& options, vdbtools::Axis axis,
-                      const std::string& field, const std::string& values) {
+std::string stackText(const vdbtools::SliceStack& stack, const StackOptions& options,
+                      std::optional<vdbtools::LengthUnit> unit, vdbtools::Axis axis, const std::string& field,
+                      const std::string& values) {
   const vdbtools::SlicePlane first = stack.plane(0);
   const openvdb::Vec3d corner = first.position(0, 0);
   std::ostringstream text;
   text << "layers: " << stack.count() << "\npixels: " << first.width() << " x " << first.height()
        << "\nbits: " << options.bits << "\nfield: " << field << "\nvalues: " << values
        << "\nvoxel size: " << vdbtools::numbersText({stack.voxelSize()})
-       << "\nunit: " << (options.unit ? nameOf(*options.unit) : "not known")
+       << "\nunit: " << (unit ? nameOf(*unit) : "not known")
        << "\ncentre of the first voxel: " << vdbtools::numbersText({corner[0], corner[1], corner[2]})
        << "\nto the right: " << directionText(first.position(1, 0) - corner)
        << "\ndown: " << directionText(first.position(0, 1) - corner) << "\nto the next layer: +"
@@ -64,8 +65,7 @@ void addStackOptions(CommandLine& line) {
       "along the axis from its lowest end, and s.txt, which says the size of the voxels. --size is the "
       "number of voxels along the longer side of a layer. The numbers are data, not colours: membership "
       "is white inside; phi, e, f and grid go from 0 at -R to the largest number at R of --range; "
-      "iterations are the counts")("bits", text("8|16"), "with --stack: the bits of a number (default: 8)")(
-      "units", text("mm|cm|m|in"), "with --stack: the unit of the target, which a TIFF and s.txt then say");
+      "iterations are the counts")("bits", text("8|16"), "with --stack: the bits of a number (default: 8)");
 }
 
 StackOptions parseStack(const CommandLine& line, SliceField field) {
@@ -74,11 +74,6 @@ StackOptions parseStack(const CommandLine& line, SliceField field) {
   if (!line.has("stack")) return options;
   line.requireUse(false, {"position", "arrow"}, "a --stack has all positions, and no arrows; leave it out");
   if (line.has("bits")) options.bits = line.choice<int>("bits", {{"8", 8}, {"16", 16}});
-  if (line.has("units"))
-    options.unit = line.choice<vdbtools::LengthUnit>("units", {{"mm", vdbtools::LengthUnit::Millimetre},
-                                                               {"cm", vdbtools::LengthUnit::Centimetre},
-                                                               {"m", vdbtools::LengthUnit::Metre},
-                                                               {"in", vdbtools::LengthUnit::Inch}});
   if (isSigned(field) && !line.has("range"))
     throw std::invalid_argument(
         "a --stack of this field needs --range R: all its layers go from 0 at -R to the largest number at R");
@@ -95,7 +90,7 @@ StackWriter::StackWriter(const CommandLine& line, vdbtools::InputFiles inputs, S
 }
 
 void StackWriter::write(const PlanePlacement& placement, const openvdb::BBoxd& box, const std::string& values,
-                        const LayerMaker& make) {
+                        std::optional<vdbtools::LengthUnit> unit, const LayerMaker& make) {
   const vdbtools::SliceStack stack(placement.axis, box, placement.size);
   std::vector<int> layers(static_cast<std::size_t>(stack.count()));
   std::iota(layers.begin(), layers.end(), 1);
@@ -109,11 +104,11 @@ void StackWriter::write(const PlanePlacement& placement, const openvdb::BBoxd& b
     const vdbtools::SliceCodes codes = make(plane, monitor);
     Outputs outputs(mLine, mInputs, layer);
     outputs.add("output", mLine.text("output"), ".png .tif .tiff").stream() << vdbtools::encodeSlice(
-        codes, {.size = stack.voxelSize(), .unit = mOptions.unit}, vdbtools::lowerExtension(mLine.text("output")));
+        codes, {.size = stack.voxelSize(), .unit = unit}, vdbtools::lowerExtension(mLine.text("output")));
     outputs.commit(/*isAll=*/false);
     report().noteKept("the finished layers are kept");
   }
-  lines << stackText(stack, mOptions, placement.axis, mLine.text("field"), values);
+  lines << stackText(stack, mOptions, unit, placement.axis, mLine.text("field"), values);
   text.commit();
   const vdbtools::SlicePlane first = stack.plane(0);
   report().count("layers", stack.count());
@@ -122,8 +117,7 @@ void StackWriter::write(const PlanePlacement& placement, const openvdb::BBoxd& b
   report().count("voxelSize", stack.voxelSize());
   report().text() << "wrote " << stack.count() << " layers of " << first.width() << " x " << first.height()
                   << " pixels, voxels of " << vdbtools::shortText(stack.voxelSize())
-                  << (mOptions.unit ? std::string(" ") + nameOf(*mOptions.unit) : "") << ", and " << text.names()
-                  << '\n';
+                  << (unit ? std::string(" ") + nameOf(*unit) : "") << ", and " << text.names() << '\n';
 }
 
 }  // namespace cli

@@ -16,14 +16,13 @@
 
 namespace cli {
 
-/// --stack, --bits and --units.
+/// --stack and --bits; --units is an option of the fractal.
 void addStackOptions(CommandLine& line);
 
 /// What the numbers of a stack are.
 struct StackOptions {
   int bits = 8;
   double range = 0;  ///< of fields with a sign
-  std::optional<vdbtools::LengthUnit> unit;
 };
 /// @throw std::invalid_argument  without --stack: one of its options; with it: one that does not go with it, or no
 /// range
@@ -41,9 +40,10 @@ class StackWriter {
 
   /// @param box     world units
   /// @param values  what the numbers mean, for the text
+  /// @param unit    of the coordinates, if it is known
   /// @throw vdbtools::IoError, vdbtools::Interrupted  the layers before it stay
   void write(const PlanePlacement& placement, const openvdb::BBoxd& box, const std::string& values,
-             const LayerMaker& make);
+             std::optional<vdbtools::LengthUnit> unit, const LayerMaker& make);
 
  private:
   const CommandLine& mLine;

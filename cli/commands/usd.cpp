@@ -8,6 +8,7 @@
 
 #include "vdbtools/farm/frame_plan.h"
 #include "vdbtools/files/frame_name.h"
+#include "vdbtools/scene/file_axes.h"
 #include "vdbtools/usd/usd_job.h"
 
 #include <ostream>
@@ -35,15 +36,21 @@ int runUsd(const Arguments& arguments) {
   line.addOptions()("output,o", text("F.usda"), "the scene to write")(
       "mesh", text("F.ply"), "a mesh to put into the scene")("frames", text("A-B"),
                                                              "the frames of a sequence, such as 1-48 or 1-48x2")(
-      "fps", text("N")->default_value("24"), "frames a second")("meters-per-unit", text("M")->default_value("1"),
-                                                                "the length of a unit of the files, in metres");
+      "fps", text("N")->default_value("24"), "frames a second")("meters-per-unit", text("M"),
+                                                                "the length of a unit of the files, in metres, where "
+                                                                "it is none of those of --units (default: that of "
+                                                                "their unit, or else 1)")(
+      "units", text("mm|cm|m|in"), "the unit of files that do not name their own");
   if (!line.parse(arguments)) return kDone;
-  vdbtools::UsdOptions options{.vdb = line.text("input"),
-                               .metersPerUnit = line.number("meters-per-unit"),
-                               .framesPerSecond = line.number("fps")};
+  vdbtools::UsdOptions options{.vdb = line.text("input"), .framesPerSecond = line.number("fps")};
   if (options.vdb.empty() && !line.has("mesh"))
     throw std::invalid_argument("nothing was given for the scene; name a VDB, --mesh F.ply, or both");
-  if (!(options.metersPerUnit > 0)) line.refuse("meters-per-unit", "above 0");
+  if (line.has("meters-per-unit")) {
+    options.metersPerUnit = line.number("meters-per-unit");
+    if (!(*options.metersPerUnit > 0)) line.refuse("meters-per-unit", "above 0");
+    line.requireUse(false, {"units"}, "--meters-per-unit says the same; leave one of them out");
+  }
+  if (line.has("units")) options.unit = vdbtools::parseLengthUnit(line.text("units"));
   if (!(options.framesPerSecond > 0)) line.refuse("fps", "above 0");
   if (line.has("mesh")) options.mesh = line.text("mesh");
   if (line.has("frames")) options.frames = vdbtools::farm::parseFrames(line.text("frames"));

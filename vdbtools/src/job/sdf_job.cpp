@@ -51,6 +51,8 @@ SdfOptions parseSdfOptions(const Recipe& recipe) {
 
 SdfResult runSdf(const SdfOptions& options, Monitor& monitor) {
   openvdb::initialize();
+  const std::optional<LengthUnit> unit =
+      options.mesh ? options.axes.unit : agreedUnit(options.axes.unit, unitOfFile(options.input), options.input);
   const SolidSource source = openSolid(options.input, options.mesh, options.mend);
   SdfResult result;
   result.report = source.report;
@@ -66,6 +68,7 @@ SdfResult runSdf(const SdfOptions& options, Monitor& monitor) {
   result.metadata["julia_source_sha256"] = options.mesh ? sha256OfMesh(*options.mesh) : sha256OfFile(options.input);
   // The program reads it back with the grid, and so in the axes of the file.
   result.metadata[kTargetBox] = boxText(UpTurn(options.axes.target, options.axes.ofVdb())(source.box));
+  if (unit) result.metadata[kLengthUnit] = nameOf(*unit);
   if (sdf.moved) result.metadata["julia_repair_moved"] = numbersText({*sdf.moved});
   if (sdf.united > 0) result.metadata[kUnitedParts] = std::to_string(sdf.united);
   return result;

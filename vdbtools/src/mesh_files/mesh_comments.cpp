@@ -2,12 +2,26 @@
 #include "mesh_files/mesh_comments.h"
 
 #include "mesh_files/mesh_encoder.h"
+#include "vdbtools/base/length_unit.h"
 #include "vdbtools/base/utf8.h"
 
 namespace vdbtools {
+namespace {
+
+/// The unit in the title of an STL, which ends with the first zero.
+std::map<std::string, std::string> stlUnit(std::istream& stream) {
+  constexpr std::size_t kTitle = 80;
+  std::string title(kTitle, '\0');
+  stream.read(title.data(), kTitle);
+  if (!title.starts_with(kStlUnit)) return {};
+  return {{kLengthUnit, title.substr(kStlUnit.size(), title.find('\0') - kStlUnit.size())}};
+}
+
+}  // namespace
 
 std::map<std::string, std::string> readMeshComments(std::istream& stream, const std::string& extension) {
   std::map<std::string, std::string> comments;
+  if (extension == ".stl") return stlUnit(stream);
   if (extension != ".ply" && extension != ".obj") return comments;
   const std::string prefix = (extension == ".ply" ? "comment " : "# ") + std::string(kCommentMark);
   bool first = true;

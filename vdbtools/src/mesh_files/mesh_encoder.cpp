@@ -4,6 +4,7 @@
 #include "base/srgb.h"
 #include "decimation/simplify.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/length_unit.h"
 #include "vdbtools/base/number_text.h"
 
 #include <algorithm>
@@ -232,7 +233,10 @@ MeshEncoder::MeshEncoder(const MeshWriteOptions& options)
                                 " is to be written without a box; give the box that holds it");
   if (format() == MeshFormat::Stl) requireFloatsServe(*options.box, options.voxelSize);
   mDoubles = needsDoubles(*options.box, options.voxelSize);
-  if (mDoubles && format() == MeshFormat::Glb) mGlb.centre = middleOf(options.turn(*options.box), options.voxelSize);
+  if (mDoubles && format() == MeshFormat::Glb) {
+    const openvdb::BBoxd box = options.turn(*options.box);
+    mGlb.centre = middleOf({box.min() * options.scale, box.max() * options.scale}, options.voxelSize * options.scale);
+  }
 }
 
 void MeshEncoder::requireCounts(std::uint64_t points, std::uint64_t triangles) const {
@@ -281,6 +285,7 @@ void MeshEncoder::finishSurvey() {
   for (const double share : mOptions.levels) {
     SimplifiedTriangles level = simplified(mPositions, mTriangles, share);
     mGlb.levels.push_back({level.triangles.size(), level.error});
+    mMadeLevels.push_back({level.triangles.size(), level.error / mOptions.scale});
     mLevels.push_back(std::move(level.triangles));
   }
 }
@@ -303,6 +308,8 @@ std::string MeshEncoder::header(std::uint64_t points, std::uint64_t triangles) c
     case MeshFormat::Glb: return glbHeader(contentOf(points, triangles), mOptions);
     case MeshFormat::Stl: {
       std::string header = "JuliaVDB";
+      if (const auto unit = mOptions.comments.find(kLengthUnit); unit != mOptions.comments.end())
+        header = std::string(kStlUnit) + unit->second;
       header.resize(kStlTitle + sizeof(std::uint32_t), '\0');
       put(header.data() + kStlTitle, static_cast<std::uint32_t>(triangles));
       return header;

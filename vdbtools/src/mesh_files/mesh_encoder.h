@@ -20,6 +20,8 @@ namespace vdbtools {
 
 /// The prefix of this project's comments.
 inline constexpr std::string_view kCommentMark = "juliavdb ";
+/// What precedes the unit in the title of an STL.
+inline constexpr std::string_view kStlUnit = "JuliaVDB, unit ";
 
 /// A part of a file on its way into the stream: directly, or through a scratch file until everything before it is
 /// complete.
@@ -82,7 +84,7 @@ class MeshEncoder {
                         std::uint64_t firstPoint) const;
   /// Makes the levels of detail.
   void finishSurvey();
-  const std::vector<MeshLevel>& levels() const { return mGlb.levels; }
+  const std::vector<MeshLevel>& levels() const { return mMadeLevels; }
 
   /// @throw DataError              more points than triangles can refer to
   /// @throw std::invalid_argument  more triangles than the format can count
@@ -115,8 +117,9 @@ class MeshEncoder {
   std::optional<std::size_t> mColour, mCoordinates;  ///< for OBJ: their offsets in a row
   bool mDoubles = false;
   bool mNormals = false;
-  GlbContent mGlb;
-  bool mSurveyed = false;  ///< whether any point was surveyed
+  GlbContent mGlb;                     ///< in the unit of the file
+  std::vector<MeshLevel> mMadeLevels;  ///< world units
+  bool mSurveyed = false;              ///< whether any point was surveyed
   // For a GLB with levels of detail.
   std::vector<float> mPositions;
   std::vector<openvdb::Vec3I> mTriangles;

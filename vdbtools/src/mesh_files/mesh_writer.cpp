@@ -38,23 +38,24 @@ void requirePoints(std::span<const Vec3I> triangles, std::uint64_t first, std::u
                                std::to_string(first) + " to before " + std::to_string(end));
 }
 
-/// Rotates batches to the axes of the file, one at a time.
+/// Takes batches to the axes and the unit of the file, one at a time.
 class BatchTurner {
  public:
-  explicit BatchTurner(const UpTurn& turn) : mTurn(turn) {}
+  explicit BatchTurner(const MeshWriteOptions& options) : mTurn(options.turn), mScale(options.scale) {}
 
   /// The result is valid until the next call.
   PointBatch operator()(const PointBatch& batch) {
-    if (!mTurn.turns()) return batch;
+    if (!mTurn.turns() && mScale == 1) return batch;
     mPositions.assign(batch.positions.begin(), batch.positions.end());
     mNormals.assign(batch.normals.begin(), batch.normals.end());
-    for (Vec3d& position : mPositions) position = mTurn(position);
+    for (Vec3d& position : mPositions) position = mTurn(position) * mScale;
     for (Vec3s& normal : mNormals) normal = mTurn(normal);
     return {mPositions, mNormals, batch.values};
   }
 
  private:
   UpTurn mTurn;
+  double mScale;
   std::vector<Vec3d> mPositions;
   std::vector<Vec3s> mNormals;
 };
@@ -95,7 +96,7 @@ std::vector<MeshLevel> writeMesh(std::ostream& stream, const Mesh& mesh, const M
     for (const Vec3d& point : mesh.points) complete.box->expand(point);
   }
   MeshEncoder encoder(complete);
-  BatchTurner turner(options.turn);
+  BatchTurner turner(options);
   const PointBatch points = turner({mesh.points, mesh.normals, values});
   requireFits(points, encoder.rowLength());
   encoder.setNormals(!mesh.normals.empty());
@@ -119,7 +120,7 @@ struct MeshStreamWriter::State {
   State(std::ostream& target, const std::filesystem::path& folder, const MeshWriteOptions& options)
       : stream(target),
         encoder(options),
-        turner(options.turn),
+        turner(options),
         seekable(stream.tellp() != std::ostream::pos_type(-1)),
         points(stream,
                scratch(folder, !seekable && (options.format == MeshFormat::Ply || options.format == MeshFormat::Glb))),

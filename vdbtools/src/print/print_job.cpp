@@ -213,8 +213,9 @@ Mesh closedMesh(const Mesh& mesh, std::uint64_t resolution, bool repair, Monitor
   return meshOfLevelSet(*sdf.grid, monitor);
 }
 
-PrintedPart printedPart(const Mesh& mesh, const PrintOptions& options, Monitor& monitor) {
-  requireOptions(options);
+PrintedPart printedPart(const Mesh& mesh, const PrintOptions& asked, Monitor& monitor) {
+  PrintOptions options = asked;
+  if (!options.scale) requireOptions(options);
   openvdb::initialize();
   const MeshReport report = checkedReport(mesh);
   if (!report.closed())
@@ -232,6 +233,10 @@ PrintedPart printedPart(const Mesh& mesh, const PrintOptions& options, Monitor& 
   stand(solid);
   const double given = longestSide(boxOf(solid));
   if (!(given > 0)) throw DataError("the mesh has no extent");
+  if (options.scale) {
+    options.size = *options.scale * given;
+    requireOptions(options);
+  }
   scaleTo(solid, options.size);
   computeNormals(solid);
 
@@ -286,8 +291,8 @@ PrintedPart printedPart(const Mesh& mesh, const PrintOptions& options, Monitor& 
   monitor.begin(PhaseKind::Thickness, 0);
   computeNormals(solid);
   constexpr std::size_t kMostPlaces = 20000;
-  const double asked = options.minThickness.value_or(1.0);
-  const ThinPlaces found = findThinPlaces(solid, asked, kThicknessRounding, kMostPlaces, monitor);
+  const double thickness = options.minThickness.value_or(1.0);
+  const ThinPlaces found = findThinPlaces(solid, thickness, kThicknessRounding, kMostPlaces, monitor);
   part.places = found.places;
   part.thinPlaces = found.thin;
   part.thinnest = found.thinnest;

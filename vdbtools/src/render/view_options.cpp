@@ -35,10 +35,11 @@ double numberWithin(const RecipeReader& reader, const char* name, double low, do
 void parseUp(const RecipeReader& reader, ViewOptions& options) {
   if (!reader.has("up")) return;
   const std::string text = reader.text("up");
+  if (text == "keep" || text == "auto") return;  // both are what the file has
   if (text == "y" || text == "z") {
     options.upAxis = text == "y" ? UpAxis::Y : UpAxis::Z;
   } else {
-    if (text.find(',') == std::string::npos) reader.refuse("up", "y, z, or a direction X,Y,Z");
+    if (text.find(',') == std::string::npos) reader.refuse("up", "keep, y, z, auto, or a direction X,Y,Z");
     options.up = reader.vector("up");
     if (options.up->length() == 0) reader.refuse("up", "a direction");
   }
@@ -71,10 +72,10 @@ std::vector<OptionSpec> viewOptionSpecs(const std::string& size) {
            .help = "rays per pixel: 1, 4, 9 or 16; rough pixels get twice as many"},
           {.name = "zoom", .argument = "F", .defaultValue = "1", .help = "magnification: above 1 comes closer"},
           {.name = "up",
-           .argument = "y|z|X,Y,Z",
-           .help = "the axis of the world that points up; or, with --field, the direction that is up in the picture "
-                   "alone",
-           .defaultNote = "as the file or --target-up has it"}};
+           .argument = "keep|y|z|auto|X,Y,Z",
+           .help = "the axis of the world that points up: y, z, or, with keep and auto, that of the file or of "
+                   "--target-up; or, with --field, the direction that is up in the picture alone",
+           .defaultNote = "keep"}};
 }
 
 ViewOptions parseViewOptions(const RecipeReader& reader) {

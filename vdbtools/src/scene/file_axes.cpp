@@ -2,7 +2,9 @@
 #include "vdbtools/scene/file_axes.h"
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/recipe/option_value.h"
 
+#include <stdexcept>
 #include <utility>
 
 namespace vdbtools {
@@ -34,6 +36,19 @@ std::string idleUp(const OptionRun& run) {
   return (up == "keep" ? run.text("target-up") : up) == "z" ? "a GLB has Y up always; leave it out" : "";
 }
 
+std::string idleUnits(const OptionRun& run) {
+  if (run.makesAny({Product::Vdb, Product::Mesh, Product::Glb, Product::Stl, Product::Stack})) return {};
+  return "it is for files that have room for a unit, which are VDBs, meshes and stacks of slices; leave it out";
+}
+
+constexpr std::pair<const char*, LengthUnit> kUnits[] = {
+    {"mm", LengthUnit::Millimetre}, {"cm", LengthUnit::Centimetre}, {"m", LengthUnit::Metre}, {"in", LengthUnit::Inch}};
+
+/// The unit of the target of which a file is made.
+std::optional<LengthUnit> unitOf(const FileAxes& axes, const std::map<std::string, std::string>& metadata) {
+  return axes.unit ? axes.unit : recordedUnit(metadata);
+}
+
 }  // namespace
 
 UpAxis FileAxes::ofVdb() const { return axisOf(*this, UpAxis::Y); }
@@ -56,7 +71,13 @@ std::vector<OptionSpec> fileAxesOptionSpecs() {
        .help = "the axis that points up in the files: keep writes the target's coordinates, y and z turn them where "
                "needed, and auto turns each file as most programs take its format (PLY and STL: z, others: y); "
                "GLB has Y up always",
-       .idle = idleUp}};
+       .idle = idleUp},
+      {.name = "units",
+       .argument = "mm|cm|m|in",
+       .help = "the unit of the target's coordinates. The files then say it, a GLB is scaled to metres, as its "
+               "specification has it, and print and usd know the true size",
+       .defaultNote = "as a target that this program made says, or none",
+       .idle = idleUnits}};
 }
 
 UpRule parseUpRule(const std::string& value) {
@@ -66,7 +87,38 @@ UpRule parseUpRule(const std::string& value) {
 
 FileAxes parseFileAxes(const RecipeReader& reader) {
   return {.target = reader.choice<UpAxis>("target-up", {{"y", UpAxis::Y}, {"z", UpAxis::Z}}),
-          .rule = parseUpRule(reader.text("up"))};
+          .rule = parseUpRule(reader.text("up")),
+          .unit = reader.has("units") ? std::optional(parseLengthUnit(reader.text("units"))) : std::nullopt};
+}
+
+LengthUnit parseLengthUnit(const std::string& value) {
+  for (const auto& [name, unit] : kUnits)
+    if (value == name) return unit;
+  std::vector<std::string> names;
+  for (const auto& unit : kUnits) names.emplace_back(unit.first);
+  refuseChoice("units", value, names);
+}
+
+std::optional<LengthUnit> recordedUnit(const std::map<std::string, std::string>& metadata) {
+  const auto entry = metadata.find(kLengthUnit);
+  if (entry == metadata.end()) return std::nullopt;
+  for (const auto& [name, unit] : kUnits)
+    if (entry->second == name) return unit;
+  throw DataError("the file's metadata " + std::string(kLengthUnit) + " is '" + entry->second +
+                  "'; it must be mm, cm, m or in");
+}
+
+std::optional<LengthUnit> unitOfFile(const std::filesystem::path& path) {
+  return recordedUnit(isVdbPath(path) ? readVdbMetadata(path) : readMeshComments(path));
+}
+
+std::optional<LengthUnit> agreedUnit(std::optional<LengthUnit> asked, std::optional<LengthUnit> recorded,
+                                     const std::filesystem::path& path) {
+  if (asked && recorded && *asked != *recorded)
+    throw std::invalid_argument("--units is '" + std::string(nameOf(*asked)) + "', but '" + path.string() +
+                                "' says that its unit is " + nameOf(*recorded) +
+                                "; leave --units out, or make that file again");
+  return recorded ? recorded : asked;
 }
 
 UpAxis recordedUpAxis(const std::map<std::string, std::string>& metadata, UpAxis otherwise) {
@@ -77,9 +129,16 @@ UpAxis recordedUpAxis(const std::map<std::string, std::string>& metadata, UpAxis
   throw DataError("the file's metadata " + std::string(kUpAxis) + " is '" + entry->second + "'; it must be y or z");
 }
 
+void setUnit(MeshWriteOptions& options, LengthUnit unit) {
+  const LengthUnit ofFile = options.format == MeshFormat::Glb ? LengthUnit::Metre : unit;
+  options.scale = metresOf(unit) / metresOf(ofFile);
+  options.comments[kLengthUnit] = nameOf(ofFile);
+}
+
 VdbWriteOptions vdbWriteOptions(const FileAxes& axes, std::map<std::string, std::string> metadata) {
   const UpAxis up = axes.ofVdb();
   metadata[kUpAxis] = nameOf(up);
+  if (const std::optional<LengthUnit> unit = unitOf(axes, metadata)) metadata[kLengthUnit] = nameOf(*unit);
   return {.metadata = std::move(metadata), .up = up, .turn = {axes.target, up}};
 }
 
@@ -87,7 +146,10 @@ MeshWriteOptions meshWriteOptions(MeshFormat format, const FileAxes& axes,
                                   std::map<std::string, std::string> metadata) {
   const UpAxis up = axes.ofMesh(format);
   metadata[kUpAxis] = nameOf(up);
-  return {.format = format, .comments = std::move(metadata), .turn = {axes.target, up}};
+  const std::optional<LengthUnit> unit = unitOf(axes, metadata);
+  MeshWriteOptions options{.format = format, .comments = std::move(metadata), .turn = {axes.target, up}};
+  if (unit) setUnit(options, *unit);
+  return options;
 }
 
 }  // namespace vdbtools

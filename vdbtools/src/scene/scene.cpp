@@ -216,6 +216,13 @@ std::shared_ptr<const MapInstance> mapInstance(const Scene& scene, const MapFile
 
 namespace {
 
+/// The unit of the target's coordinates, if somebody has said it.
+std::optional<LengthUnit> unitOfTarget(const FractalOptions& options) {
+  const TargetOptions& target = options.target.value();
+  const std::optional<LengthUnit> asked = options.output.axes.unit;
+  return target.mesh ? asked : agreedUnit(asked, unitOfFile(target.input.path), target.input.path);
+}
+
 /// Sets all of a scene that its target decides.
 /// @return the target's box
 BBoxd setTarget(Scene& scene, SharedTarget& shared, Monitor& monitor) {
@@ -281,7 +288,9 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
 
   std::optional<BBoxd> shape;
   if (options.target) {
-    shape = setTarget(scene, mShared->over(options, scene.metadata), monitor);
+    SharedTarget& shared = mShared->over(options, scene.metadata);
+    if (const std::optional<LengthUnit> unit = unitOfTarget(options)) scene.metadata[kLengthUnit] = nameOf(*unit);
+    shape = setTarget(scene, shared, monitor);
   } else {
     const std::optional<FittedTo> fitted = files.roots ? files.roots->target : std::nullopt;
     scene.metadata.merge(hashesOf(options));

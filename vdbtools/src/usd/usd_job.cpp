@@ -57,12 +57,25 @@ fs::path relativeTo(const fs::path& scene, const fs::path& file) {
   return fs::absolute(file).lexically_normal().lexically_relative(folder);
 }
 
-void addFrame(const fs::path& path, std::optional<int> number, const fs::path& scenePath, UsdScene& scene) {
+/// Refuses a file that names another unit than the options do.
+void requireUnit(const UsdOptions& options, std::optional<LengthUnit> recorded, const fs::path& path) {
+  agreedUnit(options.unit, recorded, path);
+  if (recorded && options.metersPerUnit && *options.metersPerUnit != metresOf(*recorded))
+    throw std::invalid_argument("'" + path.string() + "' says that its unit is " + nameOf(*recorded) +
+                                ", which is not what --meters-per-unit says; leave that out");
+}
+
+/// @param unit  of the first frame; becomes it
+void addFrame(const fs::path& path, std::optional<int> number, const UsdOptions& options, UsdScene& scene,
+              std::optional<LengthUnit>& unit) {
   const VdbFile file = readVdb(path);
   std::vector<UsdField> fields;
   for (const auto& grid : file.grids) fields.push_back({grid->getName(), dataTypeOf(*grid), classOf(*grid)});
   const UpAxis up = recordedUpAxis(file.metadata);
+  const std::optional<LengthUnit> recorded = recordedUnit(file.metadata);
+  requireUnit(options, recorded, path);
   if (scene.frames.empty()) {
+    unit = recorded;
     scene.fields = std::move(fields);
     scene.up = up;
   } else if (fields != scene.fields) {
@@ -71,15 +84,19 @@ void addFrame(const fs::path& path, std::optional<int> number, const fs::path& s
   } else if (up != scene.up) {
     throw DataError("'" + path.string() + "' has " + nameOf(up) +
                     " up, unlike the first frame; make all frames with the same --up");
+  } else if (recorded != unit) {
+    const auto said = [](std::optional<LengthUnit> one) { return one ? nameOf(*one) : "none"; };
+    throw DataError("the unit of '" + path.string() + "' is " + said(recorded) + ", and that of the first frame is " +
+                    said(unit) + "; make all frames with the same --units");
   }
-  scene.frames.push_back({number, relativeTo(scenePath, path), boxOf(file)});
+  scene.frames.push_back({number, relativeTo(options.scene, path), boxOf(file)});
 }
 
-/// The mesh in the axes of the scene, with normals, and with colours as linear light.
-Mesh meshFor(const fs::path& path, const UsdScene& scene, std::optional<UpAxis> recorded) {
+/// The mesh in the axes and the unit of the scene, with normals, and with colours as linear light.
+Mesh meshFor(const fs::path& path, const UsdScene& scene, std::optional<UpAxis> recorded, double scale) {
   Mesh mesh = readMesh(path);
   const UpTurn turn(recorded.value_or(scene.up), scene.up);
-  for (openvdb::Vec3d& point : mesh.points) point = turn(point);
+  for (openvdb::Vec3d& point : mesh.points) point = turn(point) * scale;
   computeNormals(mesh);
   if (lowerExtension(path) != ".glb" && lowerExtension(path) != ".gltf")
     for (VertexAttribute& attribute : mesh.attributes)
@@ -91,7 +108,8 @@ Mesh meshFor(const fs::path& path, const UsdScene& scene, std::optional<UpAxis> 
 }  // namespace
 
 UsdCounts writeUsdScene(std::ostream& stream, const UsdOptions& options, Monitor& monitor) {
-  UsdScene scene{.metersPerUnit = options.metersPerUnit, .framesPerSecond = options.framesPerSecond};
+  UsdScene scene{.framesPerSecond = options.framesPerSecond};
+  std::optional<LengthUnit> unit;
   if (!options.vdb.empty()) {
     const bool pattern = hasFramePattern(options.vdb);
     if (pattern != !options.frames.empty())
@@ -107,7 +125,7 @@ UsdCounts writeUsdScene(std::ostream& stream, const UsdOptions& options, Monitor
     monitor.begin(PhaseKind::Reading, frames.size());
     for (const int frame : frames) {
       const std::optional<int> number = pattern ? std::optional(frame) : std::nullopt;
-      addFrame(expandFrame(options.vdb, number), number, options.scene, scene);
+      addFrame(expandFrame(options.vdb, number), number, options, scene, unit);
       monitor.advance(1);
       monitor.throwIfCancelled();
     }
@@ -118,9 +136,18 @@ UsdCounts writeUsdScene(std::ostream& stream, const UsdOptions& options, Monitor
     std::optional<UpAxis> recorded;
     if (comments.contains(kUpAxis)) recorded = recordedUpAxis(comments);
     if (scene.frames.empty() && recorded) scene.up = *recorded;
-    mesh = meshFor(*options.mesh, scene, recorded);
+    const std::optional<LengthUnit> ofMesh = recordedUnit(comments);
+    if (scene.frames.empty()) {
+      requireUnit(options, ofMesh, *options.mesh);
+      unit = ofMesh;
+    }
+    if (!unit) unit = options.unit;
+    const double scale = unit && ofMesh ? metresOf(*ofMesh) / metresOf(*unit) : 1;
+    mesh = meshFor(*options.mesh, scene, recorded, scale);
     scene.mesh = &mesh;
   }
+  if (!unit) unit = options.unit;
+  scene.metersPerUnit = unit ? metresOf(*unit) : options.metersPerUnit.value_or(1);
   monitor.begin(PhaseKind::Writing, 0);
   writeUsda(stream, scene);
   monitor.throwIfCancelled();

@@ -5,6 +5,9 @@
 
 namespace vdbtools {
 
+/// The metadata that names the unit of a file's own coordinates, as nameOf() has it. A file without it has none.
+inline constexpr const char* kLengthUnit = "julia_length_unit";
+
 enum class LengthUnit { Millimetre, Centimetre, Metre, Inch };
 
 /// "mm", "cm", "m" or "in".

@@ -51,10 +51,13 @@ struct MeshWriteOptions {
   /// all of them. A GLB has colours as COLOR_0 (linear, 0 to 1), texture coordinates as TEXCOORD_0, with v counted from
   /// the top of the picture, and vectors and numbers as _NAME.
   std::vector<VertexColumn> columns{};
-  /// The recipe, as comment lines "juliavdb KEY VALUE" in PLY and OBJ, and as the extras of the asset in GLB.
+  /// The recipe, as comment lines "juliavdb KEY VALUE" in PLY and OBJ, and as the extras of the asset in GLB. An STL
+  /// has room for the unit alone (kLengthUnit), in its title.
   std::map<std::string, std::string> comments{};
   /// Rotates points, normals and the box to the axes of the file; columns stay unchanged.
   UpTurn turn{};
+  /// Multiplies positions, and the box with them, for a file whose unit is another one; columns stay unchanged.
+  double scale = 1;
   /// Levels of detail that a GLB has in addition to the mesh, as fractions of its triangles. They require holding the
   /// whole mesh in memory. Other formats have none.
   std::vector<double> levels{};
@@ -129,7 +132,8 @@ class MeshStreamWriter final : public MeshSink {
   std::unique_ptr<State> mState;
 };
 
-/// The comments of a PLY, OBJ or GLB written by this project; empty for any other file.
+/// The comments of a PLY, OBJ or GLB written by this project, and the unit in the title of an STL; empty for any other
+/// file.
 /// @throw MissingInputError, IoError
 std::map<std::string, std::string> readMeshComments(const std::filesystem::path& path);
 

@@ -20,6 +20,7 @@ enum class ThinParts { Thicken, Drop };
 
 struct PrintOptions {
   double size = 0;                     ///< the longest side of the part, millimetres, > 0
+  std::optional<double> scale;         ///< millimetres a unit of the mesh, for its true size in the place of size
   std::optional<double> minThickness;  ///< millimetres, > 0: nowhere thinner, in the sense of ThinParts
   ThinParts thin = ThinParts::Thicken;
   std::optional<double> flatBase;  ///< millimetres that are cut off below, of the shape as large as the part

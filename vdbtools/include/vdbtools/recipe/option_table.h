@@ -30,6 +30,7 @@ enum class Product {
   MeshCount,  ///< a mesh that is counted and not written
   Picture,    ///< made by rays through the map itself
   Slice,      ///< made on a plane, of the map itself
+  Stack,      ///< slices with the size of their voxels
   Recipe,     ///< a record of all options, for other runs
 };
 

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file file_axes.h
-/// Which axis points up in the target, and in the files that are made of it.
+/// Which axis points up in the target and in the files that are made of it, and in which unit their coordinates are.
 #pragma once
 
+#include "vdbtools/base/length_unit.h"
 #include "vdbtools/base/up_axis.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/recipe/recipe_reader.h"
 
+#include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,23 +30,42 @@ enum class UpRule {
 struct FileAxes {
   UpAxis target = UpAxis::Y;  ///< of the target's own coordinates, in which the fractal is made
   UpRule rule = UpRule::Keep;
+  std::optional<LengthUnit> unit{};  ///< of the target's coordinates, where --units says it
 
   UpAxis ofVdb() const;
   UpAxis ofMesh(MeshFormat format) const;
 };
 
-/// --target-up and --up.
+/// --target-up, --up and --units.
 std::vector<OptionSpec> fileAxesOptionSpecs();
 /// @throw std::invalid_argument naming the option and the value
 FileAxes parseFileAxes(const RecipeReader& reader);
 /// The value of --up. @throw std::invalid_argument
 UpRule parseUpRule(const std::string& value);
 
+/// The value of --units. @throw std::invalid_argument
+LengthUnit parseLengthUnit(const std::string& value);
+
 /// The axis that metadata name; @a otherwise if they name none.
 /// @throw DataError  the entry is neither "y" nor "z"
 UpAxis recordedUpAxis(const std::map<std::string, std::string>& metadata, UpAxis otherwise = UpAxis::Y);
 
-/// What turns a file's content from the target's coordinates to its own, with the metadata and the axis as one of them.
+/// The unit that metadata name, if they name one. @throw DataError  the entry is no unit
+std::optional<LengthUnit> recordedUnit(const std::map<std::string, std::string>& metadata);
+/// The unit that a VDB or mesh of this program names. None of other files: they may have one, but do not say so here.
+/// @throw what reading the beginning of the file throws
+std::optional<LengthUnit> unitOfFile(const std::filesystem::path& path);
+/// The unit of a file's coordinates: the one that it names itself, or else the one that was asked for.
+/// @throw std::invalid_argument  the two differ
+std::optional<LengthUnit> agreedUnit(std::optional<LengthUnit> asked, std::optional<LengthUnit> recorded,
+                                     const std::filesystem::path& path);
+
+/// Lets the file of a mesh say its unit; a GLB is scaled to metres. @param unit  of the mesh
+void setUnit(MeshWriteOptions& options, LengthUnit unit);
+
+/// What turns a file's content from the target's coordinates to its own, with the metadata, and with the axis and the
+/// unit among them. The unit of the target is that of the axes, or else that of the metadata. Without one, nothing is
+/// said; with one, a GLB is scaled to metres, and all other files keep the coordinates.
 VdbWriteOptions vdbWriteOptions(const FileAxes& axes, std::map<std::string, std::string> metadata);
 MeshWriteOptions meshWriteOptions(MeshFormat format, const FileAxes& axes, std::map<std::string, std::string> metadata);
 
