@@ -581,10 +581,12 @@ struct SceneRecipe {
 };
 
 SceneRecipe sceneRecipeFor(const CommandLine& line, const std::string& input) {
-  if (!vdbtools::isVdbPath(input)) return {line.givenRecipe(), line.configHolder()};
-  auto [command, recipe] = vdbtools::readRecordedRecipe(input);
-  if (command != "fractal") return {line.givenRecipe(), line.configHolder()};
   vdbtools::Recipe given = line.givenRecipe();
+  // The command line may name the inputs of all frames.
+  if (!input.empty()) given["input"] = input;
+  if (!vdbtools::isVdbPath(input)) return {given, line.configHolder()};
+  auto [command, recipe] = vdbtools::readRecordedRecipe(input);
+  if (command != "fractal") return {given, line.configHolder()};
   given.erase("input");
   return {vdbtools::overridden(std::move(recipe), given, vdbtools::fractalOptionTable()), input};
 }

@@ -131,8 +131,7 @@ void tellCrumbs(const vdbtools::CrumbReport& dropped, double voxelSize, std::opt
 std::optional<int> parseFrame(const std::string& text) {
   if (text.empty()) return std::nullopt;
   const std::optional<int> frame = vdbtools::wholeFromText<int>(text);
-  if (!frame || *frame < 0)
-    throw std::invalid_argument("--frame is '" + text + "'; it must be a whole number of at least 0");
+  if (!frame) throw std::invalid_argument("--frame is '" + text + "'; it must be a whole number");
   return frame;
 }
 

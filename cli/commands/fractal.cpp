@@ -195,6 +195,7 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
 
 /// The frames of a sequence, those left out that are there already.
 int makeFrames(const CommandLine& line) {
+  framesOf(line, kOutputOptions);
   vdbtools::farm::FramePlanOptions options = parseFrameOptions(line, productsOf(line));
   // The options and places of all frames are checked before the first of them is looked at.
   {
@@ -208,14 +209,14 @@ int makeFrames(const CommandLine& line) {
   FractalCounts total;
   bool saysFiner = true;
   const SequenceCounts counts =
-      makeSequence(line, recipes, kOutputOptions, [&](const FractalRun& run, vdbtools::Monitor& monitor) {
+      makeFractals(line, recipes, kOutputOptions, [&](const FractalRun& run, vdbtools::Monitor& monitor) {
         const FractalCounts made = makeFractal(line, run, maker, saysFiner, monitor);
         total.evaluatedNodes += made.evaluatedNodes;
         total.triangles += made.triangles;
       });
   report().count("evaluatedNodes", total.evaluatedNodes);
   if (line.has("mesh")) report().count("triangles", total.triangles);
-  return finishSequence(counts);
+  return finishSequence(counts, /*keeps=*/true);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "options.h"
 #include "output.h"
 #include "report.h"
+#include "sequence.h"
 #include "shape_unit.h"
 
 #include "vdbtools/decimation/adaptive_mesh.h"
@@ -32,7 +33,10 @@ constexpr Usage kMeshUsage = {"mesh", "F.vdb -o F.ply [--from-grid] [options]",
                               "  juliavdb mesh bunny.vdb -o bunny.ply\n"
                               "  juliavdb mesh bunny.vdb -o same.ply --input bunny.obj\n"
                               "  juliavdb mesh bunny_sdf.vdb -o bunny.stl\n"
-                              "  juliavdb mesh bunny.vdb -o blocky.obj --from-grid\n"};
+                              "  juliavdb mesh bunny.vdb -o blocky.obj --from-grid\n"
+                              "  juliavdb mesh grow.####.vdb -o grow.####.ply --frames 1-2\n"};
+
+constexpr const char* kMeshOutput[] = {"output"};
 
 /// The recipe in the VDB, as it is recorded, and with its files where they are.
 struct MeshRecipe {
@@ -56,15 +60,14 @@ MeshRecipe recipeFor(const CommandLine& line, const std::string& vdb, const vdbt
 }
 
 vdbtools::MeshCounts meshFromRecipe(const MeshRecipe& recipe, vdbtools::AtomicFile& file, vdbtools::MeshFormat format,
-                                    Progress& progress) {
+                                    vdbtools::Monitor& progress) {
   const vdbtools::Scene scene = vdbtools::makeScene(vdbtools::parseFractalOptions(recipe.found), progress);
   return vdbtools::writeFractal(scene, recipe.recorded, {.meshes = {{&file, format}}}, progress).mesh;
 }
 
 vdbtools::MeshCounts meshFromGrid(const std::string& input, const CommandLine& line, vdbtools::AtomicFile& file,
                                   vdbtools::MeshFormat format, double adaptivity,
-                                  std::optional<vdbtools::LengthUnit> unit) {
-  Progress& progress = line.progress();
+                                  std::optional<vdbtools::LengthUnit> unit, vdbtools::Monitor& progress) {
   const vdbtools::VdbFile vdb = vdbtools::readVdb(input);
   const auto levelSet = vdbtools::chooseFloatGrid(vdb, line.text("grid"), input);
   const vdbtools::FileAxes axes{
@@ -89,6 +92,41 @@ vdbtools::MeshCounts meshFromGrid(const std::string& input, const CommandLine& l
   return {mesh.points.size(), mesh.triangles.size()};
 }
 
+/// @param asked       what the command line says about a fractal's surface
+/// @param adaptivity  of a mesh of voxels
+FrameJob meshJob(const CommandLine& line, const std::string& input, const vdbtools::Recipe& asked, double adaptivity) {
+  const std::optional<vdbtools::LengthUnit> unit = unitOf(line, input);
+  vdbtools::RecordedRecipe recorded;
+  if (!line.has("from-grid") && !line.has("grid")) recorded = vdbtools::readRecordedRecipe(input);
+  const bool isFractal = recorded.command == "fractal";
+  if (isFractal) {
+    for (const auto& [name, value] : asked) recorded.recipe[name] = value;
+    if (line.has("up")) recorded.recipe["up"] = line.text("up");
+    if (line.has("units")) recorded.recipe["units"] = line.text("units");
+  }
+  line.requireUse(isFractal, {"input", "search"},
+                  "it is for the files of a fractal's recipe, and here the voxels are used; leave it out");
+  const MeshRecipe recipe = isFractal ? recipeFor(line, input, recorded.recipe) : MeshRecipe();
+  FrameJob job;
+  if (isFractal) job.inputs = vdbtools::inputsOf(vdbtools::parseFractalOptions(recipe.found));
+  job.make = [&line, input, recipe, isFractal, adaptivity, unit](const FrameRun& run) {
+    vdbtools::AtomicFile& file = run.outputs.add("output", line.text("output"), vdbtools::kMeshExtensions);
+    const vdbtools::MeshFormat format = vdbtools::meshFormat("mesh" + formatOf(line.text("output"), ".ply"));
+    const vdbtools::MeshCounts counts = isFractal
+                                            ? meshFromRecipe(recipe, file, format, run.monitor)
+                                            : meshFromGrid(input, line, file, format, adaptivity, unit, run.monitor);
+    run.monitor.throwIfCancelled();
+    run.outputs.commit(run.isLast);
+    report().count("points", counts.points);
+    report().count("triangles", counts.triangles);
+    report().text() << "wrote " << run.outputs.names() << ": " << counts.triangles << " triangles\n";
+    if (isFractal)
+      noteLeftOut(file.target(),
+                  vdbtools::meshColumns(vdbtools::parseFractalOptions(recipe.recorded).output.attributes));
+  };
+  return job;
+}
+
 }  // namespace
 
 int runMesh(const Arguments& arguments) {
@@ -103,6 +141,7 @@ int runMesh(const Arguments& arguments) {
       "the axis that points up in the mesh, as of 'fractal' (default: as recorded in the VDB)");
   addUnitsOption(line);
   addSearchOption(line);
+  addFramesOption(line);
   line.addOptions()("adaptivity", po::value<std::string>()->value_name("E"),
                     "larger triangles where the surface is flat, as 'juliavdb fractal' has it, in voxels");
   if (!line.parse(arguments)) return kDone;
@@ -113,32 +152,8 @@ int runMesh(const Arguments& arguments) {
   if (line.has("adaptivity")) asked["adaptivity"] = line.text("adaptivity");
   const vdbtools::OptionTable table(vdbtools::surfaceOptionSpecs());
   const double adaptivity = vdbtools::parseSurfaceOptions(vdbtools::RecipeReader(asked, table)).adaptivity;
-  const std::optional<vdbtools::LengthUnit> unit = unitOf(line, input);
-  vdbtools::RecordedRecipe recorded;
-  if (!line.has("from-grid") && !line.has("grid")) recorded = vdbtools::readRecordedRecipe(input);
-  if (recorded.command == "fractal") {
-    if (line.has("adaptivity")) recorded.recipe["adaptivity"] = asked["adaptivity"];
-    if (line.has("up")) recorded.recipe["up"] = line.text("up");
-    if (line.has("units")) recorded.recipe["units"] = line.text("units");
-  }
-  const bool isFractal = recorded.command == "fractal";
-  line.requireUse(isFractal, {"input", "search"},
-                  "it is for the files of a fractal's recipe, and here the voxels are used; leave it out");
-  const MeshRecipe recipe = isFractal ? recipeFor(line, input, recorded.recipe) : MeshRecipe();
-  Outputs outputs(line,
-                  isFractal ? vdbtools::inputsOf(vdbtools::parseFractalOptions(recipe.found)) : vdbtools::InputFiles());
-  vdbtools::AtomicFile& file = outputs.add("output", line.text("output"), vdbtools::kMeshExtensions);
-  const vdbtools::MeshFormat format = vdbtools::meshFormat("mesh" + formatOf(line.text("output"), ".ply"));
-  const vdbtools::MeshCounts counts = isFractal ? meshFromRecipe(recipe, file, format, line.progress())
-                                                : meshFromGrid(input, line, file, format, adaptivity, unit);
-  line.progress().throwIfCancelled();
-  outputs.commit();
-  report().count("points", counts.points);
-  report().count("triangles", counts.triangles);
-  report().text() << "wrote " << outputs.names() << ": " << counts.triangles << " triangles\n";
-  if (isFractal)
-    noteLeftOut(file.target(), vdbtools::meshColumns(vdbtools::parseFractalOptions(recorded.recipe).output.attributes));
-  return kDone;
+  return runFrames(line, input, kMeshOutput,
+                   [&](const std::string& name) { return meshJob(line, name, asked, adaptivity); });
 }
 
 }  // namespace cli

@@ -24,9 +24,9 @@ int planTiles(const Arguments& arguments);
 int planFrames(const Arguments& arguments);
 int planSheet(const Arguments& arguments);
 
-/// --frames, --key and --ease, which 'fractal' has as well.
-void addFrameOptions(CommandLine& line);
-/// Their values. @param makes  what is made of each frame
+/// --key and --ease of 'plan frames' and 'fractal'.
+void addKeyOptions(CommandLine& line);
+/// The values of these and of --frames. @param makes  what is made of each frame
 /// @throw std::invalid_argument  also where an option or a key has an effect in no frame
 vdbtools::farm::FramePlanOptions parseFrameOptions(const CommandLine& line, const std::set<vdbtools::Product>& makes);
 

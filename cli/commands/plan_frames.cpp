@@ -37,11 +37,9 @@ constexpr Usage kPlanFramesUsage = {
 
 }  // namespace
 
-void addFrameOptions(CommandLine& line) {
+void addKeyOptions(CommandLine& line) {
   const auto texts = [](const char* name) { return po::value<std::vector<std::string>>()->value_name(name); };
-  line.addOptions()("frames", po::value<std::string>()->value_name("LIST"),
-                    "the frames: a list of numbers and ranges such as 7, 1-48, or 1-48x2 for every second one")(
-      "key", texts("NAME@FRAME=VALUE"), "what an option of 'fractal' is at a frame; any number of times")(
+  line.addOptions()("key", texts("NAME@FRAME=VALUE"), "what an option of 'fractal' is at a frame; any number of times")(
       "ease", texts("[NAME=]linear|smooth|step"),
       "how the numbers change between keys: of all options, or of the option NAME; any number of times");
 }
@@ -76,7 +74,9 @@ std::string frameResolutionText(const vdbtools::farm::FramePlanOptions& options)
 int planFrames(const Arguments& arguments) {
   CommandLine line(kPlanFramesUsage, vdbtools::fractalOptionTable());
   addVariantOptions(line);
-  addFrameOptions(line);
+  line.addOptions()("frames", po::value<std::string>()->value_name("LIST"),
+                    "the frames: a list of numbers and ranges such as 7, 1-48, -5-5, or 1-48x2 for every second one");
+  addKeyOptions(line);
   addSearchOption(line);
   if (!line.parse(arguments)) return kDone;
   if (!line.has("frames"))

@@ -5,6 +5,7 @@
 #include "options.h"
 #include "output.h"
 #include "report.h"
+#include "sequence.h"
 #include "shape_unit.h"
 
 #include "vdbtools/base/number_text.h"
@@ -37,7 +38,10 @@ constexpr Usage kPointsUsage = {
     "are of any other level set or mesh.",
     "  juliavdb points bunny.vdb -o bunny_points.ply --points 20000\n"
     "  juliavdb points bunny.vdb -o bunny_points.vdb --spacing 0.02\n"
-    "  juliavdb points bunny.obj -o even.ply --spacing 0.05 --seed 7\n"};
+    "  juliavdb points bunny.obj -o even.ply --spacing 0.05 --seed 7\n"
+    "  juliavdb points grow.####.vdb -o points.####.ply --points 2000 --frames 1-2\n"};
+
+constexpr const char* kPointsOutput[] = {"output"};
 
 vdbtools::PointsOptions parsePoints(const CommandLine& line) {
   vdbtools::PointsOptions options;
@@ -67,14 +71,14 @@ const vdbtools::OptionTable& attributeTable() {
 }
 
 Made pointsFromRecipe(const vdbtools::Recipe& recipe, const vdbtools::FractalOptions& fractal,
-                      const vdbtools::PointsOptions& options, Progress& progress) {
+                      const vdbtools::PointsOptions& options, vdbtools::Monitor& progress) {
   const vdbtools::Scene scene = vdbtools::makeScene(fractal, progress);
   return {vdbtools::fractalPoints(scene, options, progress), vdbtools::sceneMetadata(scene, recipe), scene.voxelSize,
           scene.options.output.axes};
 }
 
 Made pointsFromShape(const std::string& input, const std::string& grid, const vdbtools::PointsOptions& options,
-                     Progress& progress) {
+                     vdbtools::Monitor& progress) {
   if (!vdbtools::isVdbPath(input)) {
     return {vdbtools::meshPoints(vdbtools::readMesh(input), options, progress), {}, 0};
   }
@@ -88,27 +92,47 @@ bool mayHoldRecipe(const std::string& input) {
   return extension == ".vdb" || extension == ".ply" || extension == ".obj";
 }
 
-}  // namespace
+void writePoints(const CommandLine& line, const Made& made, const FrameRun& run, vdbtools::AtomicFile& file) {
+  const vdbtools::OrientedPoints& points = made.points;
+  run.monitor.begin(vdbtools::PhaseKind::Writing, 0);
+  if (formatOf(line.text("output"), ".ply") == ".vdb") {
+    const double spacing = points.spacing > 0 ? points.spacing : points.reach > 0 ? points.reach : 1;
+    // Points have their turn in themselves, as the transform of a grid would not turn normals.
+    vdbtools::VdbWriteOptions write = vdbtools::vdbWriteOptions(made.axes, made.metadata);
+    vdbtools::OrientedPoints turned = points;
+    for (openvdb::Vec3d& position : turned.positions) position = write.turn(position);
+    for (openvdb::Vec3s& normal : turned.normals) normal = write.turn(normal);
+    write.turn = {};
+    file.stream() << vdbtools::encodeVdb({vdbtools::pointGrid(turned.batch(), turned.columns, spacing)}, write);
+  } else {
+    vdbtools::MeshWriteOptions write = vdbtools::meshWriteOptions(vdbtools::MeshFormat::Ply, made.axes, made.metadata);
+    write.voxelSize = points.spacing;
+    write.columns = points.columns;
+    // Such a PLY holds no recipe, and no more than the unit.
+    std::erase_if(write.comments, [](const auto& entry) { return entry.first != vdbtools::kLengthUnit; });
+    vdbtools::writeMesh(file.stream(), {.points = points.positions, .triangles = {}, .normals = points.normals}, write,
+                        points.values);
+  }
+  run.monitor.throwIfCancelled();
+  run.outputs.commit(run.isLast);
 
-int runPoints(const Arguments& arguments) {
-  CommandLine line(kPointsUsage, vdbtools::OptionTable());
-  line.addPositional("input", 1, "the VDB or the mesh");
-  const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
-  line.addOptions()("output,o", text("P.ply"), "the points to write: .ply or .vdb")("points", text("N"),
-                                                                                    "how many points, exactly")(
-      "spacing", text("S"), "the least distance between two points, in the units of the input")(
-      "seed", text("N"), "another number gives other points (default: 1)")(
-      "from-grid", "use the voxels or triangles, even of a fractal")("grid", text("NAME"),
-                                                                     "which grid of a VDB to use, as with --from-grid");
-  line.addOptions(vdbtools::attributeOptionSpecs());
-  addUnitsOption(line);
-  addSearchOption(line);
-  line.acceptStandardInput();
-  if (!line.parse(arguments)) return kDone;
-  const std::string input = line.text("input");
-  if (input.empty()) throw std::invalid_argument("no VDB or mesh was given");
-  if (!line.has("output")) throw std::invalid_argument("no output was given; use -o P.ply");
-  const vdbtools::PointsOptions options = parsePoints(line);
+  report().count("points", points.positions.size());
+  report().count("spacing", points.spacing);
+  report().count("reach", points.reach);
+  report().count("lost", points.lost);
+  report().text() << "wrote " << run.outputs.names() << ": " << points.positions.size()
+                  << (points.positions.size() == 1 ? " point" : " points") << ", no two of them nearer than "
+                  << vdbtools::shortText(points.spacing, vdbtools::Rounding::Down)
+                  << ", the surface nowhere found farther than "
+                  << vdbtools::shortText(points.reach, vdbtools::Rounding::Up) << " from one of them\n";
+  if (points.lost > 0)
+    report().text() << "note: " << points.lost
+                    << " places were left out, as the true surface lies farther than a voxel ("
+                    << vdbtools::shortText(made.voxelSize)
+                    << ") from the mesh there; a higher --resolution of the fractal has fewer of them\n";
+}
+
+FrameJob pointsJob(const CommandLine& line, const std::string& input, const vdbtools::PointsOptions& options) {
   line.requireUse(vdbtools::isVdbPath(input), {"grid"},
                   "it chooses a grid of a VDB, and the input is a mesh; leave it out");
   const std::optional<vdbtools::LengthUnit> unit = unitOf(line, input);
@@ -130,49 +154,41 @@ int runPoints(const Arguments& arguments) {
     if (line.has("units")) recipe["units"] = line.text("units");
     fractal = vdbtools::parseFractalOptions(recipe);
   }
-  Outputs outputs(line, fractal ? vdbtools::inputsOf(*fractal) : vdbtools::InputFiles());
-  vdbtools::AtomicFile& file = outputs.add("output", line.text("output"), ".ply .vdb");
-  Made made = fractal ? pointsFromRecipe(recipe, *fractal, options, line.progress())
-                      : pointsFromShape(input, line.text("grid"), options, line.progress());
-  if (!fractal) made.axes.unit = unit;
-  const vdbtools::OrientedPoints& points = made.points;
-  line.progress().begin(vdbtools::PhaseKind::Writing, 0);
-  if (formatOf(line.text("output"), ".ply") == ".vdb") {
-    const double spacing = points.spacing > 0 ? points.spacing : points.reach > 0 ? points.reach : 1;
-    // Points have their turn in themselves, as the transform of a grid would not turn normals.
-    vdbtools::VdbWriteOptions write = vdbtools::vdbWriteOptions(made.axes, made.metadata);
-    vdbtools::OrientedPoints turned = points;
-    for (openvdb::Vec3d& position : turned.positions) position = write.turn(position);
-    for (openvdb::Vec3s& normal : turned.normals) normal = write.turn(normal);
-    write.turn = {};
-    file.stream() << vdbtools::encodeVdb({vdbtools::pointGrid(turned.batch(), turned.columns, spacing)}, write);
-  } else {
-    vdbtools::MeshWriteOptions write = vdbtools::meshWriteOptions(vdbtools::MeshFormat::Ply, made.axes, made.metadata);
-    write.voxelSize = points.spacing;
-    write.columns = points.columns;
-    // Such a PLY holds no recipe, and no more than the unit.
-    std::erase_if(write.comments, [](const auto& entry) { return entry.first != vdbtools::kLengthUnit; });
-    vdbtools::writeMesh(file.stream(), {.points = points.positions, .triangles = {}, .normals = points.normals}, write,
-                        points.values);
-  }
-  line.progress().throwIfCancelled();
-  outputs.commit();
+  FrameJob job;
+  if (fractal) job.inputs = vdbtools::inputsOf(*fractal);
+  job.make = [&line, &options, input, recipe, fractal, unit](const FrameRun& run) {
+    vdbtools::AtomicFile& file = run.outputs.add("output", line.text("output"), ".ply .vdb");
+    Made made = fractal ? pointsFromRecipe(recipe, *fractal, options, run.monitor)
+                        : pointsFromShape(input, line.text("grid"), options, run.monitor);
+    if (!fractal) made.axes.unit = unit;
+    writePoints(line, made, run, file);
+  };
+  return job;
+}
 
-  report().count("points", points.positions.size());
-  report().count("spacing", points.spacing);
-  report().count("reach", points.reach);
-  report().count("lost", points.lost);
-  report().text() << "wrote " << outputs.names() << ": " << points.positions.size()
-                  << (points.positions.size() == 1 ? " point" : " points") << ", no two of them nearer than "
-                  << vdbtools::shortText(points.spacing, vdbtools::Rounding::Down)
-                  << ", the surface nowhere found farther than "
-                  << vdbtools::shortText(points.reach, vdbtools::Rounding::Up) << " from one of them\n";
-  if (points.lost > 0)
-    report().text() << "note: " << points.lost
-                    << " places were left out, as the true surface lies farther than a voxel ("
-                    << vdbtools::shortText(made.voxelSize)
-                    << ") from the mesh there; a higher --resolution of the fractal has fewer of them\n";
-  return kDone;
+}  // namespace
+
+int runPoints(const Arguments& arguments) {
+  CommandLine line(kPointsUsage, vdbtools::OptionTable());
+  line.addPositional("input", 1, "the VDB or the mesh");
+  const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
+  line.addOptions()("output,o", text("P.ply"), "the points to write: .ply or .vdb")("points", text("N"),
+                                                                                    "how many points, exactly")(
+      "spacing", text("S"), "the least distance between two points, in the units of the input")(
+      "seed", text("N"), "another number gives other points (default: 1)")(
+      "from-grid", "use the voxels or triangles, even of a fractal")("grid", text("NAME"),
+                                                                     "which grid of a VDB to use, as with --from-grid");
+  line.addOptions(vdbtools::attributeOptionSpecs());
+  addUnitsOption(line);
+  addSearchOption(line);
+  addFramesOption(line);
+  line.acceptStandardInput();
+  if (!line.parse(arguments)) return kDone;
+  const std::string input = line.text("input");
+  if (input.empty()) throw std::invalid_argument("no VDB or mesh was given");
+  if (!line.has("output")) throw std::invalid_argument("no output was given; use -o P.ply");
+  const vdbtools::PointsOptions options = parsePoints(line);
+  return runFrames(line, input, kPointsOutput, [&](const std::string& name) { return pointsJob(line, name, options); });
 }
 
 }  // namespace cli

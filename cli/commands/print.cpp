@@ -5,6 +5,7 @@
 #include "options.h"
 #include "output.h"
 #include "report.h"
+#include "sequence.h"
 #include "shape_unit.h"
 
 #include "vdbtools/base/number_text.h"
@@ -40,7 +41,10 @@ constexpr Usage kPrintUsage = {
     "  juliavdb print bunny.vdb -o bunny.stl --longest-side 60\n"
     "  juliavdb print bunny.vdb -o bunny.3mf --longest-side 60 --min-thickness 1.2 --flat-base 0.5\n"
     "  juliavdb print bunny.vdb -o plain.stl --longest-side 60 --min-thickness 1.2 --thin drop --tolerance 0.05\n"
-    "  juliavdb print bunny.obj -o true.3mf --units in\n"};
+    "  juliavdb print bunny.obj -o true.3mf --units in\n"
+    "  juliavdb print grow.####.vdb -o part.####.stl --longest-side 60 --frames 1-2\n"};
+
+constexpr const char* kPrintOutput[] = {"output"};
 
 vdbtools::PrintOptions parsePrint(const CommandLine& line, std::optional<vdbtools::LengthUnit> unit) {
   vdbtools::PrintOptions options;
@@ -102,9 +106,9 @@ void requirePartFits(const CommandLine& line, const std::string& input, const vd
 }
 
 /// The shape as a closed mesh.
-vdbtools::Mesh readShape(const CommandLine& line, const std::string& input, std::uint64_t resolution) {
+vdbtools::Mesh readShape(const CommandLine& line, const std::string& input, std::uint64_t resolution,
+                         vdbtools::Monitor& progress) {
   const std::string extension = vdbtools::lowerExtension(input);
-  Progress& progress = line.progress();
   if (extension == ".vdb") {
     const vdbtools::VdbFile vdb = vdbtools::readVdb(input);
     return vdbtools::meshOfLevelSet(*vdbtools::chooseFloatGrid(vdb, line.text("grid"), input), progress);
@@ -153,6 +157,42 @@ void tellPart(const vdbtools::PrintedPart& part, const vdbtools::PrintOptions& o
          << " mm are coarse for this thickness, and detail is lost; try a higher --resolution\n";
 }
 
+/// @param fractal  whose surface is to be computed again
+void makePart(const CommandLine& line, const std::string& input, const std::optional<vdbtools::FractalOptions>& fractal,
+              const vdbtools::PrintOptions& options, std::optional<vdbtools::LengthUnit> unit,
+              const std::string& format, const FrameRun& run) {
+  vdbtools::AtomicFile& file = run.outputs.add("output", line.text("output"), ".stl .3mf .ply .obj");
+  const vdbtools::PrintedPart part =
+      vdbtools::printedPart(fractal ? vdbtools::fractalMesh(vdbtools::makeScene(*fractal, run.monitor), run.monitor)
+                                    : readShape(line, input, options.resolution, run.monitor),
+                            options, run.monitor);
+  run.monitor.begin(vdbtools::PhaseKind::Writing, 0);
+  if (format == ".3mf") {
+    file.stream() << vdbtools::encode3mf(part.mesh);
+  } else {
+    vdbtools::MeshWriteOptions write;
+    write.format = vdbtools::meshFormat("part" + format);
+    if (unit) vdbtools::setUnit(write, vdbtools::LengthUnit::Millimetre);
+    vdbtools::writeMesh(file.stream(), part.mesh, write);
+  }
+  run.monitor.throwIfCancelled();
+  run.outputs.commit(run.isLast);
+
+  report().count("points", part.mesh.points.size());
+  report().count("triangles", part.mesh.triangles.size());
+  report().count("x", part.extents[0]);
+  report().count("y", part.extents[1]);
+  report().count("z", part.extents[2]);
+  report().count("volume", part.volume);
+  report().count("scale", part.scale);
+  report().count("islands", part.islands);
+  report().count("droppedShare", part.droppedShare);
+  report().count("cavities", part.cavities);
+  report().count("thinnest", part.thinnest);
+  report().count("thinPlaces", part.thinPlaces);
+  tellPart(part, options, run.outputs.names());
+}
+
 }  // namespace
 
 int runPrint(const Arguments& arguments) {
@@ -178,52 +218,27 @@ int runPrint(const Arguments& arguments) {
   addUnitsOption(line);
   line.addFormerName("size", "longest-side");
   line.addFormerName("up", "target-up");
+  addFramesOption(line);
   line.acceptStandardInput();
   if (!line.parse(arguments)) return kDone;
   const std::string input = line.text("input");
   if (input.empty()) throw std::invalid_argument("no VDB or mesh was given");
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o PART.stl");
-  const std::optional<vdbtools::LengthUnit> unit = unitOf(line, input);
-  vdbtools::PrintOptions options = parsePrint(line, unit);
-  requirePartFits(line, input, options);
   const std::string format = vdbtools::lowerCase(formatOf(line.text("output"), ".stl"));
   if (format == ".3mf" && !vdbtools::canWrite3mf()) vdbtools::encode3mf({});  // says why
-  const std::optional<vdbtools::FractalOptions> fractal = recordedFractal(line, input);
-  options.up = upOf(line, input, fractal);
-  Outputs outputs(line, fractal ? vdbtools::inputsOf(*fractal) : vdbtools::InputFiles());
-  vdbtools::AtomicFile& file = outputs.add("output", line.text("output"), ".stl .3mf .ply .obj");
-
-  Progress& progress = line.progress();
-  const vdbtools::PrintedPart part =
-      vdbtools::printedPart(fractal ? vdbtools::fractalMesh(vdbtools::makeScene(*fractal, progress), progress)
-                                    : readShape(line, input, options.resolution),
-                            options, progress);
-  line.progress().begin(vdbtools::PhaseKind::Writing, 0);
-  vdbtools::MeshWriteOptions write;
-  if (unit) vdbtools::setUnit(write, vdbtools::LengthUnit::Millimetre);
-  if (format == ".3mf") {
-    file.stream() << vdbtools::encode3mf(part.mesh);
-  } else {
-    write.format = vdbtools::meshFormat("part" + format);
-    vdbtools::writeMesh(file.stream(), part.mesh, write);
-  }
-  line.progress().throwIfCancelled();
-  outputs.commit();
-
-  report().count("points", part.mesh.points.size());
-  report().count("triangles", part.mesh.triangles.size());
-  report().count("x", part.extents[0]);
-  report().count("y", part.extents[1]);
-  report().count("z", part.extents[2]);
-  report().count("volume", part.volume);
-  report().count("scale", part.scale);
-  report().count("islands", part.islands);
-  report().count("droppedShare", part.droppedShare);
-  report().count("cavities", part.cavities);
-  report().count("thinnest", part.thinnest);
-  report().count("thinPlaces", part.thinPlaces);
-  tellPart(part, options, outputs.names());
-  return kDone;
+  return runFrames(line, input, kPrintOutput, [&](const std::string& name) {
+    const std::optional<vdbtools::LengthUnit> unit = unitOf(line, name);
+    vdbtools::PrintOptions options = parsePrint(line, unit);
+    requirePartFits(line, name, options);
+    const std::optional<vdbtools::FractalOptions> fractal = recordedFractal(line, name);
+    options.up = upOf(line, name, fractal);
+    FrameJob job;
+    if (fractal) job.inputs = vdbtools::inputsOf(*fractal);
+    job.make = [&line, &format, name, fractal, options, unit](const FrameRun& run) {
+      makePart(line, name, fractal, options, unit, format, run);
+    };
+    return job;
+  });
 }
 
 }  // namespace cli

@@ -6,10 +6,11 @@
 #include "output.h"
 #include "render_mesh.h"
 #include "report.h"
+#include "sequence.h"
 
-#include "vdbtools/base/numbered_monitor.h"
 #include "vdbtools/farm/frame_plan.h"
 #include "vdbtools/files/file_bytes.h"
+#include "vdbtools/files/frame_inputs.h"
 #include "vdbtools/files/frame_name.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/versor_file.h"
@@ -26,7 +27,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <memory>
+#include <functional>
 #include <ostream>
 #include <set>
 #include <sstream>
@@ -136,9 +137,25 @@ struct Shot {
   vdbtools::Recipe view;  ///< of pictureTable(): what was given, and what the keys say
   double turn = 0;        ///< degrees by which the camera has turned
   std::string input;
+
+  bool isAs(const Shot& other) const { return view == other.view && turn == other.turn && input == other.input; }
 };
 
+constexpr const char* kRenderOutput[] = {"output"};
+
+/// Refuses the way in which a turntable was asked for before version 1, when --frames was a count.
+void requireNoCount(const CommandLine& line, bool field, const std::vector<int>& frames) {
+  if (!field || frames.size() != 1 || frames.front() < 2 || line.has("turn") || line.has("key")) return;
+  const std::string text = line.text("frames");
+  if (vdbtools::hasFramePattern(line.text("input")) || text.find_first_not_of("0123456789") != std::string::npos)
+    return;
+  throw std::invalid_argument("--frames " + text + " is frame " + text + " alone, and no count; write --frames 1-" +
+                              text + " --turn 360 for a turntable of " + text + " frames, or --frames " + text + '-' +
+                              text + " for that frame");
+}
+
 /// In the order in which they are made.
+/// @throw vdbtools::MissingInputError  the input of a frame is missing
 std::vector<Shot> shotsOf(const CommandLine& line, bool field) {
   const std::string input = line.text("input");
   const vdbtools::Recipe given = line.given(pictureTable(field));
@@ -147,12 +164,10 @@ std::vector<Shot> shotsOf(const CommandLine& line, bool field) {
       field && line.has("config") ? vdbtools::readRecordedView(line.text("config")) : vdbtools::Recipe();
   line.requireUse(line.has("frames"), {"turn", "key", "ease"}, "it goes with --frames; give that too, or leave it out");
   line.requireUse(line.has("key"), {"ease"}, "it goes with --key; give that too, or leave it out");
-  if (!line.has("frames")) return {{std::nullopt, vdbtools::overriddenView(base, given), 0, input}};
+  const std::vector<int> frames = framesOf(line, kRenderOutput);
+  if (frames.empty()) return {{std::nullopt, vdbtools::overriddenView(base, given), 0, input}};
+  requireNoCount(line, field, frames);
   const bool isSequence = vdbtools::hasFramePattern(input);
-  if (!isSequence && !line.has("turn") && !line.has("key"))
-    throw std::invalid_argument("--frames " + line.text("frames") +
-                                " would make the same picture each time; add --turn 360, --key, or an input such as "
-                                "x.####.vdb");
   constexpr double kMostDegrees = 1e6;
   const double turn = line.has("turn") ? line.number("turn") : 0;
   if (line.has("turn") && !(turn != 0 && std::abs(turn) <= kMostDegrees))
@@ -163,12 +178,13 @@ std::vector<Shot> shotsOf(const CommandLine& line, bool field) {
     if (given.contains(keyed.name))
       throw std::invalid_argument("--" + vdbtools::optionName(keyed.name) +
                                   " is given and has keys; give only one of them");
-  const std::vector<int> frames = vdbtools::farm::parseFrames(line.text("frames"));
   std::vector<int> inTime = frames;
   std::sort(inTime.begin(), inTime.end());
+  vdbtools::FrameInputs inputs;
   std::vector<Shot> shots;
   for (const int frame : frames) {
     Shot shot{frame, given, 0, isSequence ? vdbtools::expandFrame(input, frame) : input};
+    if (!input.empty()) inputs.add(shot.input, frame);
     for (const vdbtools::farm::KeyedOption& keyed : keys) shot.view[keyed.name] = vdbtools::farm::valueAt(keyed, frame);
     // In the order of time, whatever the order of the list.
     const auto before = std::lower_bound(inTime.begin(), inTime.end(), frame) - inTime.begin();
@@ -176,6 +192,7 @@ std::vector<Shot> shotsOf(const CommandLine& line, bool field) {
     shot.turn = turn * static_cast<double>(before) / static_cast<double>(frames.size());
     shots.push_back(std::move(shot));
   }
+  inputs.requireNoneMissing();
   return shots;
 }
 
@@ -201,58 +218,73 @@ Layers layersOf(const vdbtools::RecipeReader& reader, const std::string& format,
   return layers;
 }
 
-/// Makes the pictures one after the other. All their options and places are checked before the first is made.
+/// A picture that is made.
+struct Picture {
+  vdbtools::ShadedImage image;
+  std::string more;  ///< what the summary says of it, behind its size
+};
+
+/// The picture of a shot, by the shot's place in the list.
+using PictureMaker = std::function<Picture(std::size_t shot, vdbtools::Monitor& monitor)>;
+
+/// Makes the pictures one after the other. All their places are checked before the first is made.
 class Shooting {
  public:
   /// @param inputs  beside the command's own
-  Shooting(const CommandLine& line, const std::vector<Shot>& shots, vdbtools::InputFiles inputs)
-      : mLine(line), mInputs(std::move(inputs)), mCount(shots.size()) {
-    std::vector<int> frames;
+  Shooting(const CommandLine& line, const std::vector<Shot>& shots, vdbtools::InputFiles inputs, std::string format)
+      : mLine(line), mShots(shots), mInputs(std::move(inputs)), mFormat(std::move(format)) {
     for (const Shot& shot : shots) {
       if (!shot.input.empty()) mInputs.add(shot.input);
-      if (shot.frame) frames.push_back(*shot.frame);
+      if (shot.frame) mFrames.push_back(*shot.frame);
     }
-    if (!frames.empty()) requireFramePlaces(line, mInputs, std::array{"output"}, frames);
-    // The first place is claimed before the work begins, the others with their frames.
-    claim(shots.front());
+    if (!mFrames.empty()) requireFramePlaces(line, mInputs, kRenderOutput, mFrames);
   }
 
-  /// For the next picture; the work that is then done is told with the number of the frame.
-  vdbtools::Monitor& begin(const Shot& shot) {
-    if (mNumber > 0) claim(shot);
-    ++mNumber;
-    if (!shot.frame) return mLine.progress();
-    return mMonitor.emplace(mLine.progress(), "frame", mNumber, mCount);
-  }
-
-  /// @param more  what the summary says of the picture, behind its size
-  void end(const vdbtools::ShadedImage& image, const Layers& layers, const std::string& format,
-           const std::string& more) {
-    (mMonitor ? static_cast<vdbtools::Monitor&>(*mMonitor) : mLine.progress()).begin(vdbtools::PhaseKind::Writing, 0);
-    *mFile << vdbtools::encodeShadedImage(image, format, layers.alpha, layers.passes);
-    const bool isLast = mNumber == mCount;
-    mOutputs->commit(isLast);
-    if (isLast) {
-      report().count("width", image.beauty.width);
-      report().count("height", image.beauty.height);
-      report().count("frames", mCount);
+  /// @param layers  of all shots @return the exit code
+  int make(const std::vector<Layers>& layers, const PictureMaker& pictureOf) const {
+    if (mFrames.empty()) {
+      makeOne(0, layers.front(), pictureOf, true, mLine.progress());
+      report().count("frames", 1);
+      return kDone;
     }
-    report().text() << "wrote " << mOutputs->names() << ": " << image.beauty.width << " x " << image.beauty.height
-                    << more << '\n';
+    std::optional<std::size_t> before;
+    bool areHeld = true;
+    const SequenceCounts counts =
+        makeSequence(mLine, mFrames, [&](std::size_t i, bool isLast, vdbtools::Monitor& monitor) {
+          monitor.throwIfCancelled();
+          const bool isHeld = before && mShots[i].isAs(mShots[*before]);
+          areHeld = areHeld && (isHeld || i == 0);
+          if (!isHeld || !copyFrame(mLine, kRenderOutput, mFrames[*before], mFrames[i], isLast))
+            makeOne(i, layers[i], pictureOf, isLast, monitor);
+          before = i;
+          report().noteKept("finished frames are kept");
+          return FrameOutcome::Made;
+        });
+    if (areHeld) noteHeld(mFrames.size());
+    return finishSequence(counts, /*keeps=*/false);
   }
 
  private:
-  void claim(const Shot& shot) {
-    mOutputs = std::make_unique<Outputs>(mLine, mInputs, shot.frame);
-    mFile = &mOutputs->add("output", mLine.text("output"), ".png .exr").stream();
+  void makeOne(std::size_t shot, const Layers& layers, const PictureMaker& pictureOf, bool isLast,
+               vdbtools::Monitor& monitor) const {
+    // The place is claimed before the work begins.
+    Outputs outputs(mLine, mInputs, mShots[shot].frame);
+    std::ostream& file = outputs.add("output", mLine.text("output"), ".png .exr").stream();
+    const Picture picture = pictureOf(shot, monitor);
+    monitor.begin(vdbtools::PhaseKind::Writing, 0);
+    file << vdbtools::encodeShadedImage(picture.image, mFormat, layers.alpha, layers.passes);
+    outputs.commit(isLast);
+    report().count("width", picture.image.beauty.width);
+    report().count("height", picture.image.beauty.height);
+    report().text() << "wrote " << outputs.names() << ": " << picture.image.beauty.width << " x "
+                    << picture.image.beauty.height << picture.more << '\n';
   }
 
   const CommandLine& mLine;
+  const std::vector<Shot>& mShots;
   vdbtools::InputFiles mInputs;
-  std::size_t mCount, mNumber = 0;
-  std::unique_ptr<Outputs> mOutputs;
-  std::ostream* mFile = nullptr;
-  std::optional<vdbtools::NumberedMonitor> mMonitor;
+  std::string mFormat;
+  std::vector<int> mFrames;
 };
 
 std::string requireOutput(const CommandLine& line) {
@@ -265,42 +297,44 @@ int renderSurface(const CommandLine& line) {
   if (line.text("input").empty()) throw std::invalid_argument("no VDB and no mesh was given");
   const std::vector<Shot> shots = shotsOf(line, false);
   const vdbtools::OptionTable table = pictureTable(false);
-  std::vector<std::pair<vdbtools::ViewOptions, Layers>> pictures;
+  std::vector<vdbtools::ViewOptions> views;
+  std::vector<Layers> layers;
   const std::vector<vdbtools::PreviewBall> balls =
       line.has("roots") ? ballsOf(line.text("roots")) : std::vector<vdbtools::PreviewBall>();
   const std::string format = requireOutput(line);
   for (const Shot& shot : shots) {
     const vdbtools::RecipeReader reader(shot.view, table);
-    pictures.emplace_back(vdbtools::parseViewOptions(reader), layersOf(reader, format, kSurfacePasses));
-    if (pictures.back().first.up) throw std::invalid_argument("--up X,Y,Z can be used with --field only; give y or z");
+    views.push_back(vdbtools::parseViewOptions(reader));
+    layers.push_back(layersOf(reader, format, kSurfacePasses));
+    if (views.back().up) throw std::invalid_argument("--up X,Y,Z can be used with --field only; give y or z");
   }
   vdbtools::InputFiles inputs;
   if (line.has("roots")) inputs.add(line.text("roots"));
-  Shooting shooting(line, shots, std::move(inputs));
   std::optional<vdbtools::VdbFile> vdb;
-  for (std::size_t i = 0; i < shots.size(); ++i) {
+  std::string vdbName;
+  return Shooting(line, shots, std::move(inputs), format).make(layers, [&](std::size_t i, vdbtools::Monitor& monitor) {
     const Shot& shot = shots[i];
-    const auto& [view, layers] = pictures[i];
-    vdbtools::Monitor& monitor = shooting.begin(shot);
+    const vdbtools::ViewOptions& view = views[i];
     vdbtools::PreviewOptions options{.width = view.width,
                                      .height = view.height,
                                      .samples = view.samples,
                                      .view = view.angles,
-                                     .look = layers.look,
-                                     .passes = layers.passes,
+                                     .look = layers[i].look,
+                                     .passes = layers[i].passes,
                                      .balls = balls};
     options.view.azimuth += shot.turn;
     const bool mesh = isMesh(shot.input);
-    if (!mesh && (!vdb || shot.input != shots[i - 1].input)) vdb = vdbtools::readVdb(shot.input);
+    if (!mesh && (!vdb || shot.input != vdbName)) {
+      vdb = vdbtools::readVdb(shot.input);
+      vdbName = shot.input;
+    }
     options.up = view.upAxis ? *view.upAxis
                              : vdbtools::recordedUpAxis(mesh ? vdbtools::readMeshComments(shot.input) : vdb->metadata);
-    const vdbtools::ShadedImage image =
-        mesh ? imageOfMesh(line, shot.input, options, monitor)
-             : vdbtools::renderPreview(*vdbtools::chooseFloatGrid(*vdb, line.text("grid"), shot.input), options,
-                                       monitor);
-    shooting.end(image, layers, format, "");
-  }
-  return kDone;
+    return Picture{mesh ? imageOfMesh(line, shot.input, options, monitor)
+                        : vdbtools::renderPreview(*vdbtools::chooseFloatGrid(*vdb, line.text("grid"), shot.input),
+                                                  options, monitor),
+                   ""};
+  });
 }
 
 /// A map's set, and what renders it.
@@ -320,41 +354,45 @@ int renderMap(const CommandLine& line) {
   const std::vector<Shot> shots = shotsOf(line, true);
   const vdbtools::OptionTable table = pictureTable(true);
   const std::string format = requireOutput(line);
-  std::vector<std::pair<vdbtools::FieldPicture, Layers>> pictures;
+  std::vector<vdbtools::FieldPicture> pictures;
+  std::vector<Layers> layers;
   std::vector<vdbtools::FractalOptions> fractals;
+  std::vector<std::size_t> fractalOf;  // by shot
   vdbtools::InputFiles inputs;
   for (std::size_t i = 0; i < shots.size(); ++i) {
     const vdbtools::RecipeReader reader(shots[i].view, table);
-    pictures.emplace_back(vdbtools::parseFieldPicture(shots[i].view, table), layersOf(reader, format, kFieldPasses));
-    if (i > 0 && shots[i].input == shots[i - 1].input) continue;
-    const vdbtools::Recipe recipe = sceneRecipe(line, shots[i].input);
-    fractals.push_back(vdbtools::forPictures(vdbtools::parseFractalOptions(recipe)));
-    line.requireEffect({{recipe, {vdbtools::Product::Picture}}});
-    inputs.add(vdbtools::inputsOf(fractals.back()));
+    pictures.push_back(vdbtools::parseFieldPicture(shots[i].view, table));
+    layers.push_back(layersOf(reader, format, kFieldPasses));
+    if (i == 0 || shots[i].input != shots[i - 1].input) {
+      const vdbtools::Recipe recipe = sceneRecipe(line, shots[i].input);
+      fractals.push_back(vdbtools::forPictures(vdbtools::parseFractalOptions(recipe)));
+      line.requireEffect({{recipe, {vdbtools::Product::Picture}}});
+      inputs.add(vdbtools::inputsOf(fractals.back()));
+    }
+    fractalOf.push_back(fractals.size() - 1);
   }
-  Shooting shooting(line, shots, std::move(inputs));
   std::optional<FieldStage> stage;
-  auto next = fractals.begin();
-  for (std::size_t i = 0; i < shots.size(); ++i) {
-    const Shot& shot = shots[i];
-    const auto& [picture, layers] = pictures[i];
-    vdbtools::Monitor& monitor = shooting.begin(shot);
-    if (!stage || shot.input != shots[i - 1].input) stage.emplace(*next++, monitor);
+  std::size_t staged = 0;  // which of the fractals that is
+  return Shooting(line, shots, std::move(inputs), format).make(layers, [&](std::size_t i, vdbtools::Monitor& monitor) {
+    if (!stage || staged != fractalOf[i]) {
+      stage.emplace(fractals[fractalOf[i]], monitor);
+      staged = fractalOf[i];
+    }
+    const vdbtools::FieldPicture& picture = pictures[i];
     vdbtools::FieldRenderOptions options = vdbtools::pictureOptions(stage->scene, stage->region, picture);
     options.camera =
-        vdbtools::turned(options.camera, picture.view.axis(stage->scene.options.output.axes.target), shot.turn);
-    options.look = layers.look;
-    options.passes = layers.passes;
+        vdbtools::turned(options.camera, picture.view.axis(stage->scene.options.output.axes.target), shots[i].turn);
+    options.look = layers[i].look;
+    options.passes = layers[i].passes;
     const auto start = std::chrono::steady_clock::now();
-    const vdbtools::FieldImage image = stage->renderer.render(options, monitor);
+    vdbtools::FieldImage image = stage->renderer.render(options, monitor);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     std::ostringstream more;
     more << ", " << image.rays << " rays, "
          << static_cast<std::uint64_t>(static_cast<double>(image.rays) / seconds.count()) << " a second, "
          << image.evaluations << " samples evaluated";
-    shooting.end(image, layers, format, more.str());
-  }
-  return kDone;
+    return Picture{std::move(image), more.str()};
+  });
 }
 
 }  // namespace
@@ -371,14 +409,12 @@ int runRender(const Arguments& arguments) {
       "field", po::bool_switch(),
       "show the set of the map itself and not the level set of a VDB. --eye, --look-at, --epsilon, --alpha-clarity, "
       "--delta, --no-skip, --search and the options of 'fractal' go with it")(
-      "frames", text("LIST"),
-      "make a sequence: a list of numbers and ranges such as 1-36 or 1-48x2. Names such as turn.####.png and "
-      "grow.####.vdb have a place for the frame")(
       "turn", text("DEG"), "the camera turns about the vertical axis by so much over all frames; 360 is a turntable")(
       "key", texts("NAME@FRAME=VALUE"),
       "what an option of the camera or the light is at a frame, such as zoom@48=3; any number of times")(
       "ease", texts("[NAME=]linear|smooth|step"),
       "how the numbers change between keys: of all options, or of the option NAME; any number of times");
+  addFramesOption(line);
   line.addOptions(vdbtools::fieldViewOptionSpecs());
   addSearchOption(line);
   line.acceptStandardInput();

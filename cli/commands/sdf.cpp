@@ -6,6 +6,7 @@
 #include "options.h"
 #include "output.h"
 #include "report.h"
+#include "sequence.h"
 #include "united_text.h"
 
 #include "vdbtools/base/number_text.h"
@@ -29,42 +30,33 @@ constexpr Usage kSdfUsage = {"sdf", "MESH -o F.vdb|F.nvdb [--resolution N | --vo
                              "mesh that leaks is refused; --repair closes it. --solidify makes a block of terrain, "
                              "--thicken a plate of a sheet, and --points-radius a solid of a cloud of points.",
                              "  juliavdb sdf bunny.obj -o bunny_sdf.vdb --resolution 200\n"
-                             "  juliavdb sdf scan.ply -o scan_sdf.vdb --voxel-size 0.01 --repair\n"};
+                             "  juliavdb sdf scan.ply -o scan_sdf.vdb --voxel-size 0.01 --repair\n"
+                             "  juliavdb sdf walk.####.obj -o walk.####.vdb --frames 1-2 --resolution 60\n"};
 
-}  // namespace
+constexpr const char* kSdfOutput[] = {"output"};
 
-int runSdf(const Arguments& arguments) {
-  CommandLine line(kSdfUsage, vdbtools::sdfOptionTable());
-  line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), kGridsHelp)(
-      "frame", po::value<std::string>()->value_name("N"), "the frame number, for names such as name.####.vdb");
-  addNvdbOption(line);
-  line.acceptStandardInput();
-  if (!line.parse(arguments)) return kDone;
-  const vdbtools::SdfOptions options = vdbtools::parseSdfOptions(line.recipe());
-  line.requireEffect({vdbtools::Product::Vdb});
-  if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.vdb");
+/// Makes the distances of one mesh. @param recipe  to be recorded
+void makeSdf(const CommandLine& line, const vdbtools::Recipe& recipe, const FrameRun& run) {
+  const vdbtools::SdfOptions options = vdbtools::parseSdfOptions(recipe);
   const std::optional<vdbtools::NvdbValues> nvdb = nvdbValues(line);
-  vdbtools::InputFiles inputs;
-  inputs.add(options.input);
-  Outputs outputs(line, std::move(inputs), parseFrame(line.text("frame")));
-  std::ostream& file = outputs.add("output", line.text("output"), kGridExtensions).stream();
+  std::ostream& file = run.outputs.add("output", line.text("output"), kGridExtensions).stream();
 
-  vdbtools::SdfResult result = vdbtools::runSdf(options, line.progress());
-  std::map<std::string, std::string> metadata = vdbtools::recipeToMetadata(line.recipe(), "sdf");
+  vdbtools::SdfResult result = vdbtools::runSdf(options, run.monitor);
+  std::map<std::string, std::string> metadata = vdbtools::recipeToMetadata(recipe, "sdf");
   metadata.insert(result.metadata.begin(), result.metadata.end());
   vdbtools::VdbWriteOptions write = vdbtools::vdbWriteOptions(options.axes, std::move(metadata));
   write.half = options.half;
-  line.progress().begin(vdbtools::PhaseKind::Writing, 0);
+  run.monitor.begin(vdbtools::PhaseKind::Writing, 0);
   std::vector<vdbtools::NvdbWritten> written;
   if (nvdb)
     written = vdbtools::writeNvdb(file, {result.grid}, {.values = *nvdb, .turn = write.turn});
   else
     file << vdbtools::encodeVdb({result.grid}, write);
-  line.progress().throwIfCancelled();
-  outputs.commit();
+  run.monitor.throwIfCancelled();
+  run.outputs.commit(run.isLast);
   report().count("voxels", result.grid->activeVoxelCount());
   report().count("voxelSize", result.grid->voxelSize()[0]);
-  report().text() << "wrote " << outputs.names() << ": " << result.grid->activeVoxelCount() << " voxels of "
+  report().text() << "wrote " << run.outputs.names() << ": " << result.grid->activeVoxelCount() << " voxels of "
                   << vdbtools::shortText(result.grid->voxelSize()[0]) << '\n';
   tellNvdb(written);
   if (result.caps > 0)
@@ -77,7 +69,29 @@ int runSdf(const Arguments& arguments) {
                     << " closed, the surface moved by at most "
                     << vdbtools::shortText(*result.moved, vdbtools::Rounding::Up) << '\n';
   report().text() << unitedText(result.metadata);
-  return kDone;
+}
+
+}  // namespace
+
+int runSdf(const Arguments& arguments) {
+  CommandLine line(kSdfUsage, vdbtools::sdfOptionTable());
+  line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), kGridsHelp)(
+      "frame", po::value<std::string>()->value_name("N"), "the frame number, for names such as name.####.vdb");
+  addNvdbOption(line);
+  addFramesOption(line);
+  line.acceptStandardInput();
+  if (!line.parse(arguments)) return kDone;
+  const vdbtools::SdfOptions options = vdbtools::parseSdfOptions(line.recipe());
+  line.requireEffect({vdbtools::Product::Vdb});
+  if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.vdb");
+  nvdbValues(line);
+  return runFrames(line, options.input, kSdfOutput, [&](const std::string& input) {
+    vdbtools::Recipe recipe = line.recipe();
+    recipe["input"] = input;
+    vdbtools::InputFiles inputs;
+    inputs.add(input);
+    return FrameJob{inputs, [&line, recipe](const FrameRun& run) { makeSdf(line, recipe, run); }};
+  });
 }
 
 }  // namespace cli

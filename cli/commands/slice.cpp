@@ -5,6 +5,7 @@
 #include "options.h"
 #include "output.h"
 #include "report.h"
+#include "sequence.h"
 #include "shape_unit.h"
 #include "slice_plane.h"
 #include "slice_samples.h"
@@ -50,7 +51,10 @@ constexpr Usage kSliceUsage = {
     "  juliavdb slice bunny.vdb -o versor.png --field versor --axis x\n"
     "  juliavdb slice bunny.vdb --stack -o layers.####.tif --axis y --size 60 --units mm\n"
     "  juliavdb slice bunny.obj -o e.exr --field e --alpha 40 --position 0.1 --size 400\n"
-    "  juliavdb slice bunny.obj -o first_step.png --field e --arrow 0,0,0.2 --arrow 0.5,0.6,0\n"};
+    "  juliavdb slice bunny.obj -o first_step.png --field e --arrow 0,0,0.2 --arrow 0.5,0.6,0\n"
+    "  juliavdb slice grow.####.vdb -o cut.####.png --frames 1-2\n"};
+
+constexpr const char* kSliceOutput[] = {"output"};
 
 SliceField parseField(const CommandLine& line) {
   return line.choice<SliceField>("field", {{"phi", SliceField::Phi},
@@ -95,7 +99,7 @@ std::vector<vdbtools::SliceArrow> arrowsFrom(const std::vector<openvdb::Vec3d>& 
 }
 
 vdbtools::Image sliceOfScene(const Scene& scene, SliceField field, const SlicePlane& plane, double range,
-                             Progress& progress) {
+                             vdbtools::Monitor& progress) {
   switch (field) {
     case SliceField::Phi:
       if (!scene.target) throw std::invalid_argument("there is no phi without a target");
@@ -169,7 +173,7 @@ NamedGrid gridToSlice(const std::string& input, const std::string& name) {
 }
 
 vdbtools::Image sliceOfScene(const Scene& scene, SliceField field, const PlanePlacement& placement, double range,
-                             const std::vector<openvdb::Vec3d>& arrows, Progress& progress) {
+                             const std::vector<openvdb::Vec3d>& arrows, vdbtools::Monitor& progress) {
   const openvdb::BBoxd frame = vdbtools::sliceFrame(scene);
   const SlicePlane plane = placement.plane(frame, frame.getCenter());
   const std::vector<vdbtools::SliceArrow> steps =
@@ -179,7 +183,7 @@ vdbtools::Image sliceOfScene(const Scene& scene, SliceField field, const PlanePl
 }
 
 vdbtools::Image sliceOfGrid(const std::string& input, const std::string& name, const PlanePlacement& placement,
-                            double range, Progress& progress) {
+                            double range, vdbtools::Monitor& progress) {
   const NamedGrid named = gridToSlice(input, name);
   const SlicePlane plane = placement.plane(named.frame, named.frame.getCenter());
   return vdbtools::signedSlice(plane, sampleGrid(plane, *named.grid, progress), range);
@@ -214,6 +218,18 @@ void requireGridOptions(const CommandLine& line) {
   line.requireUse(false, {"config", "search", "arrow"}, why);
 }
 
+/// What is shown; nothing if it is the grid of a VDB.
+std::optional<vdbtools::FractalOptions> sliceRecipe(const CommandLine& line, SliceField field,
+                                                    const std::string& input) {
+  if (field == SliceField::Grid) return std::nullopt;
+  const vdbtools::Recipe recipe = sceneRecipe(line, input);
+  vdbtools::FractalOptions options = vdbtools::parseFractalOptions(recipe);
+  std::set<vdbtools::Product> makes = {vdbtools::Product::Slice};
+  if (line.has("stack")) makes.insert(vdbtools::Product::Stack);
+  line.requireEffect({{recipe, makes}});
+  return options;
+}
+
 }  // namespace
 
 int runSlice(const Arguments& arguments) {
@@ -229,6 +245,7 @@ int runSlice(const Arguments& arguments) {
       "the origin of the dynamics on which the texture places it. White if the point belongs to the set, "
       "black if not; any number of times");
   addStackOptions(line);
+  addFramesOption(line);
   addSearchOption(line);
   if (!line.parse(arguments)) return kDone;
   const SliceField field = parseField(line);
@@ -243,31 +260,30 @@ int runSlice(const Arguments& arguments) {
   if (field == SliceField::Grid) requireGridOptions(line);
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.png");
   if (field == SliceField::Grid && input.empty()) throw std::invalid_argument("no VDB was given");
-  std::optional<vdbtools::FractalOptions> options;
-  if (field != SliceField::Grid) {
-    const vdbtools::Recipe recipe = sceneRecipe(line, input);
-    options = vdbtools::parseFractalOptions(recipe);
-    std::set<vdbtools::Product> makes = {vdbtools::Product::Slice};
-    if (line.has("stack")) makes.insert(vdbtools::Product::Stack);
-    line.requireEffect({{recipe, makes}});
-  }
   if (line.has("stack")) {
-    const auto unit = input.empty() ? std::nullopt : unitOf(line, input);
-    writeStack(line, options, field, placement, stack, unit);
+    line.requireUse(false, {"frames", "keep-going"}, "a --stack has a file for each layer of one shape; leave it out");
+    writeStack(line, sliceRecipe(line, field, input), field, placement, stack,
+               input.empty() ? std::nullopt : unitOf(line, input));
     return kDone;
   }
-  Outputs outputs(line, options ? vdbtools::inputsOf(*options) : vdbtools::InputFiles());
-  std::ostream& file = outputs.add("output", line.text("output"), ".png .exr").stream();
-  const vdbtools::Image image = options ? sliceOfScene(vdbtools::makeScene(*options, line.progress()), field, placement,
-                                                       range, arrows, line.progress())
-                                        : sliceOfGrid(input, line.text("grid"), placement, range, line.progress());
-  line.progress().begin(vdbtools::PhaseKind::Writing, 0);
-  file << vdbtools::encodeImage(image, formatOf(line.text("output"), ".png"));
-  outputs.commit();
-  report().count("width", image.width);
-  report().count("height", image.height);
-  report().text() << "wrote " << outputs.names() << ": " << image.width << " x " << image.height << '\n';
-  return kDone;
+  return runFrames(line, input, kSliceOutput, [&](const std::string& name) {
+    const std::optional<vdbtools::FractalOptions> options = sliceRecipe(line, field, name);
+    FrameJob job;
+    if (options) job.inputs = vdbtools::inputsOf(*options);
+    job.make = [&, name, options](const FrameRun& run) {
+      std::ostream& file = run.outputs.add("output", line.text("output"), ".png .exr").stream();
+      const vdbtools::Image image = options ? sliceOfScene(vdbtools::makeScene(*options, run.monitor), field, placement,
+                                                           range, arrows, run.monitor)
+                                            : sliceOfGrid(name, line.text("grid"), placement, range, run.monitor);
+      run.monitor.begin(vdbtools::PhaseKind::Writing, 0);
+      file << vdbtools::encodeImage(image, formatOf(line.text("output"), ".png"));
+      run.outputs.commit(run.isLast);
+      report().count("width", image.width);
+      report().count("height", image.height);
+      report().text() << "wrote " << run.outputs.names() << ": " << image.width << " x " << image.height << '\n';
+    };
+    return job;
+  });
 }
 
 }  // namespace cli

@@ -5,15 +5,19 @@
 #include "options.h"
 #include "output.h"
 #include "report.h"
+#include "sequence.h"
 
-#include "vdbtools/farm/frame_plan.h"
+#include "vdbtools/files/frame_inputs.h"
 #include "vdbtools/files/frame_name.h"
 #include "vdbtools/scene/file_axes.h"
 #include "vdbtools/usd/usd_job.h"
 
+#include <filesystem>
 #include <ostream>
 #include <stdexcept>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace po = boost::program_options;
 
@@ -21,11 +25,37 @@ namespace cli {
 namespace {
 
 constexpr Usage kUsdUsage = {
-    "usd", "[F.vdb | F.####.vdb --frames A-B] [--mesh F.ply] -o F.usda [options]",
-    "Writes a scene of USD (.usda) beside files that were made before: a Volume that refers to the grids of a VDB, or "
-    "of one VDB for each frame, by relative paths, and a mesh, which is part of the scene.",
+    "usd", "[F.vdb] [--mesh F.ply] [--frames LIST] -o F.usda|--package F.usdz [options]",
+    "Writes a scene of USD: a Volume that refers to the grids of a VDB by a relative path, and a mesh, which is part "
+    "of "
+    "the scene. With --frames, names such as F.####.vdb and F.####.ply are another file in each frame, and what has no "
+    "place for the frame stays as it is. A package holds meshes, and no VDB: USD allows none there.",
     "  juliavdb usd bunny.vdb -o bunny.usda --mesh bunny.ply\n"
-    "  juliavdb usd grow.####.vdb --frames 1-48 -o grow.usda\n"};
+    "  juliavdb usd grow.####.vdb --frames 1-3 -o grow.usda\n"
+    "  juliavdb usd --mesh grow.####.ply --frames 1-3 --package grow.usdz\n"};
+
+constexpr const char* kUsdInputs[] = {"input", "mesh"};
+
+/// The files of the scene. @throw vdbtools::MissingInputError  that of a frame is missing
+vdbtools::InputFiles usdInputs(const CommandLine& line, const std::vector<int>& frames) {
+  vdbtools::FrameInputs inputs;
+  vdbtools::InputFiles others;
+  for (const char* name : kUsdInputs) {
+    const std::string text = line.text(name);
+    if (text.empty()) continue;
+    if (!vdbtools::hasFramePattern(text))
+      others.add(text);
+    else
+      for (const int frame : frames) inputs.add(vdbtools::expandFrame(text, frame), frame);
+  }
+  inputs.requireNoneMissing();
+  others.add(inputs.files());
+  return others;
+}
+
+std::string countText(std::size_t count, const char* one, const char* several) {
+  return std::to_string(count) + ' ' + (count == 1 ? one : several);
+}
 
 }  // namespace
 
@@ -34,16 +64,19 @@ int runUsd(const Arguments& arguments) {
   line.addPositional("input", 1, "the VDB, or the name of a sequence");
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
   line.addOptions()("output,o", text("F.usda"), "the scene to write")(
-      "mesh", text("F.ply"), "a mesh to put into the scene")("frames", text("A-B"),
-                                                             "the frames of a sequence, such as 1-48 or 1-48x2")(
+      "package", text("F.usdz"), "the scene as one file, as phones and web pages take it; it holds meshes only")(
+      "mesh", text("F.ply"), "a mesh to put into the scene")("frames", text("LIST"), kFramesHelp)(
       "fps", text("N")->default_value("24"), "frames a second")("meters-per-unit", text("M"),
                                                                 "the length of a unit of the files, in metres, where "
                                                                 "it is none of those of --units (default: that of "
                                                                 "their unit, or else 1)")(
       "units", text("mm|cm|m|in"), "the unit of files that do not name their own");
   if (!line.parse(arguments)) return kDone;
-  vdbtools::UsdOptions options{.vdb = line.text("input"), .framesPerSecond = line.number("fps")};
-  if (options.vdb.empty() && !line.has("mesh"))
+  vdbtools::UsdOptions options{.vdb = line.text("input"),
+                               .mesh = line.text("mesh"),
+                               .frames = framesOf(line, {}),
+                               .framesPerSecond = line.number("fps")};
+  if (options.vdb.empty() && options.mesh.empty())
     throw std::invalid_argument("nothing was given for the scene; name a VDB, --mesh F.ply, or both");
   if (line.has("meters-per-unit")) {
     options.metersPerUnit = line.number("meters-per-unit");
@@ -52,27 +85,32 @@ int runUsd(const Arguments& arguments) {
   }
   if (line.has("units")) options.unit = vdbtools::parseLengthUnit(line.text("units"));
   if (!(options.framesPerSecond > 0)) line.refuse("fps", "above 0");
-  if (line.has("mesh")) options.mesh = line.text("mesh");
-  if (line.has("frames")) options.frames = vdbtools::farm::parseFrames(line.text("frames"));
   line.requireUse(line.has("frames"), {"fps"}, "it is for a sequence; give --frames too, or leave it out");
-  line.requireUse(!options.vdb.empty(), {"frames"}, "it is for a sequence of VDBs, and none is given; leave it out");
-  if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.usda");
-  vdbtools::InputFiles inputs;
-  if (options.mesh) inputs.add(*options.mesh);
-  if (!options.vdb.empty())
-    for (const int frame : options.frames) inputs.add(vdbtools::expandFrame(options.vdb, frame));
-  Outputs outputs(line, std::move(inputs));
-  std::ostream& file = outputs.add("output", line.text("output"), ".usda").stream();
+  if (!line.has("output") && !line.has("package"))
+    throw std::invalid_argument("no output was given; use -o F.usda, --package F.usdz, or both");
+  if (line.has("package") && !options.vdb.empty())
+    throw std::invalid_argument("--package is '" + line.text("package") +
+                                "', and the specification of .usdz allows no " +
+                                "VDB in it; write -o F.usda beside the VDB, or package --mesh alone");
+  Outputs outputs(line, usdInputs(line, options.frames));
+  vdbtools::UsdOutputs written;
+  if (line.has("output")) written.scene = &outputs.add("output", line.text("output"), ".usda").stream();
+  if (line.has("package")) {
+    written.package = &outputs.add("package", line.text("package"), ".usdz").stream();
+    written.packageName = std::filesystem::path(line.text("package")).stem().string() + ".usda";
+  }
   options.scene = line.text("output");
-  const vdbtools::UsdCounts counts = vdbtools::writeUsdScene(file, options, line.progress());
+  const vdbtools::UsdCounts counts = vdbtools::writeUsdScene(written, options, line.progress());
   outputs.commit();
   report().count("frames", counts.frames);
+  report().count("meshes", counts.meshes);
   report().count("triangles", counts.triangles);
   report().text() << "wrote " << outputs.names() << ": ";
   if (counts.frames > 0)
-    report().text() << counts.fields << (counts.fields == 1 ? " grid" : " grids") << " of " << counts.frames
-                    << (counts.frames == 1 ? " VDB" : " VDBs");
-  if (counts.triangles > 0) report().text() << (counts.frames > 0 ? ", " : "") << counts.triangles << " triangles";
+    report().text() << countText(counts.fields, "grid", "grids") << " of " << countText(counts.frames, "VDB", "VDBs");
+  if (counts.meshes > 0)
+    report().text() << (counts.frames > 0 ? ", " : "") << counts.triangles << " triangles"
+                    << (counts.meshes > 1 ? " of " + countText(counts.meshes, "mesh", "meshes") : "");
   report().text() << '\n';
   return kDone;
 }

@@ -115,6 +115,8 @@ CASES = [
     ("submit", "t.sh", ("plan", "--engine", "script", "--template", "t.sh", "--index", OUT)),
     ("usd", "x.vdb", ("x.vdb", "-o", OUT)),
     ("usd", "x.ply", ("--mesh", "x.ply", "-o", OUT)),
+    ("usd", "x.ply", ("--mesh", "x.ply", "--package", OUT)),
+    ("usd", "b.obj", ("--mesh", "x.ply", "-o", "new.usda", "--package", OUT)),
 ]
 
 # How a command comes to have a recipe of options, and which of its outputs are tried with it.
@@ -162,6 +164,7 @@ EXTENSIONS = {
     ("merge", "--counts"): ".json",
     ("recipe", "-o"): ".json",
     ("usd", "-o"): ".usda",
+    ("usd", "--package"): ".usdz",
 }
 
 # They write nothing, or only what is data on the standard output.
@@ -302,6 +305,10 @@ class Inputs(harness.CliTest):
         os.link(self.path("in.0001.obj"), self.path("later.0002.obj"))
         os.link(self.path("p.png"), self.path("turn.0002.png"))
         os.link(self.path("g.0002.vdb"), self.path("scene.usda"))
+        os.link(self.path("in.0002.obj"), self.path("mesh.usdz"))
+        os.link(self.path("in.0002.obj"), self.path("cut.0001.png"))
+        os.link(self.path("in.0002.obj"), self.path("dots.0001.ply"))
+        os.link(self.path("g.0002.vdb"), self.path("grids.0001.nvdb"))
         self.check([
             ("in.0001.obj", "in.0001.obj", ("fractal", "in.####.obj", "--mesh", "in.####.obj", *sequence)),
             ("./in.0001.obj", "in.0001.obj", ("fractal", "in.####.obj", "--mesh", "./in.$F4.obj", *sequence)),
@@ -311,6 +318,14 @@ class Inputs(harness.CliTest):
             ("turn.0002.png", "p.png", ("render", "--field", "b.obj", "--mask", "texture:p.png:0:1", "-o",
                                         "turn.####.png", "--frames", "1-2", "--turn", 90, "--size", "16x16", *LOW)),
             ("scene.usda", "g.0002.vdb", ("usd", "g.####.vdb", "--frames", "1-2", "-o", "scene.usda")),
+            ("mesh.usdz", "in.0002.obj", ("usd", "--mesh", "in.####.obj", "--frames", "1-2", "--package", "mesh.usdz")),
+            # The target of the second frame is known from the recipe in its VDB alone.
+            ("cut.0001.png", "in.0002.obj", ("slice", "g.####.vdb", "--frames", "1-2", "-o", "cut.####.png")),
+            ("in.0001.obj", "in.0001.obj", ("mesh", "g.####.vdb", "--frames", "1-2", "-o", "in.####.obj")),
+            ("in.0001.obj", "in.0001.obj", ("print", "g.####.vdb", "--size", 9, "--frames", "1-2", "-o", "in.####.obj")),
+            ("dots.0001.ply", "in.0002.obj",
+             ("points", "g.####.vdb", "--points", 9, "--frames", "1-2", "-o", "dots.####.ply")),
+            ("grids.0001.nvdb", "g.0002.vdb", ("convert", "g.####.vdb", "--frames", "1-2", "-o", "grids.####.nvdb")),
         ])
 
     def test_the_pieces_of_a_plan(self):

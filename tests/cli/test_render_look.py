@@ -119,7 +119,7 @@ class RenderLook(harness.CliTest):
             self.all_refused(USAGE, [(*command, *bad, "-o", "x.####.png" if "--frames" in bad else "x.png") for bad in (
                 ("--material", "wood"), ("--material", "1,2,3"), ("--light", "3"), ("--light", "0,-10", "--ground"), ("--sky", -1),
                 ("--exposure", 99), ("--background", "blue"), ("--turn", 360), ("--key", "zoom@1=2"), ("--ease", "smooth"),
-                ("--frames", "1-3"), ("--frames", "3-1", "--turn", 360), ("--frames", "1-3", "--turn", 0),
+                ("--frames", "3-1", "--turn", 360), ("--frames", "1-3", "--turn", 0),
                 ("--frames", "1-3", "--key", "size@1=10x10"), ("--frames", "1-3", "--key", "zoom@1=2", "--zoom", 3),
                 ("--frames", "1-3", "--key", "zoom@2=0"), ("--frames", "1-3", "--turn", 90, "--ease", "smooth"))])
         self.refused(USAGE, *self.kinds["mesh"], "--material", "bronce", "-o", "x.png", mentions="did you mean 'bronze'?")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sequences that one process makes: `juliavdb fractal --frames`."""
+"""Sequences that one process makes: --frames of 'fractal' and of all other commands that have it."""
 
 import os
 
@@ -107,8 +107,8 @@ class Sequences(harness.CliTest):
         self.assertEqual([name for name in self.listing() if name.endswith(".vdb")], ["g.0001.vdb", "g.0003.vdb"])
 
     def test_what_does_not_fit(self):
-        base = ("fractal", "lumpy.obj", "-o", "g.vdb", *SMALL)
-        for words, mention in (((*base, "--frames", "1-3"), "nothing changes"),
+        base = ("fractal", "lumpy.obj", "-o", "g.####.vdb", *SMALL)
+        for words, mention in ((("fractal", "lumpy.obj", "-o", "g.vdb", *SMALL, "--frames", "1-3", *KEYS), "g.####.vdb"),
                                ((*base, "--frames", "1-3", "--frame", "2", *KEYS), "--frame"),
                                ((*base, "--frames", "3-1", *KEYS), "--frames"),
                                ((*base, "--frames", "1-9x0", *KEYS), "--frames"),
@@ -118,6 +118,124 @@ class Sequences(harness.CliTest):
                                ((*base, "--frames", "1-2", "--alpha", "9", *KEYS), "--alpha"),
                                ((*base, "--frames", "1-2", "--key", "alpha@1=x"), "frame 1")):
             self.refused(harness.USAGE, *words, mentions=(mention,))
+
+    def test_a_list_without_keys_holds_the_frame(self):
+        """Also between keys: frames with the same recipe are copied, and the others made."""
+        self.ok("fractal", "lumpy.obj", "-o", "one.vdb", "--mesh", "one.ply", *SMALL)
+        words = ("fractal", "lumpy.obj", "-o", "h.####.vdb", "--mesh", "h.####.ply", *SMALL)
+        text = self.ok(*words, "--frames", "-1-1")
+        self.assertIn("nothing changes from frame to frame", text)
+        self.assertEqual(text.count("the same as frame"), 2)
+        for frame in ("-0001", "0000", "0001"):
+            self.assertEqual(self.bytes(f"h.{frame}.vdb"), self.bytes("one.vdb"))
+            self.assertEqual(self.bytes(f"h.{frame}.ply"), self.bytes("one.ply"))
+        keys = ("--key", "iterations@2=3", "--key", "iterations@3=4")
+        text = self.ok("fractal", "lumpy.obj", "-o", "k.####.vdb", *SMALL, *keys, "--frames", "1-4")
+        self.assertEqual(text.count("the same as frame"), 2)
+        self.assertNotIn("nothing changes", text)
+        for frame, count in enumerate((3, 3, 4, 4), 1):
+            self.ok("fractal", "lumpy.obj", "-o", "one.vdb", *SMALL, "--iterations", count)
+            self.assertEqual(self.bytes(f"k.{frame:04}.vdb"), self.bytes("one.vdb"), frame)
+
+
+# The words of each command, and the ending of what it makes, but for 'fractal', which is above.
+COMMANDS = {
+    "sdf": ("in.{}.obj", ("--resolution", 16), ".vdb"),
+    "fractal": ("in.{}.obj", SMALL, ".vdb"),
+    "convert": ("g.{}.vdb", (), ".nvdb"),
+    "mesh": ("g.{}.vdb", (), ".ply"),
+    "points": ("g.{}.vdb", ("--points", 40), ".ply"),
+    "slice": ("in.{}.obj", ("--size", 16, "--field", "phi", "--sdf-resolution", 24), ".png"),
+    "print": ("in.{}.obj", ("--size", 30), ".stl"),
+    "render": ("g.{}.vdb", ("--size", "16x16"), ".png"),
+    "render --field": ("in.{}.obj", ("--size", "16x16", *SMALL), ".png"),
+}
+
+
+class EveryCommand(harness.CliTest):
+    """The same list means the same to each of them."""
+
+    def setUp(self):
+        super().setUp()
+        points, faces = harness.lumpy()
+        for name, size in (("-0001", 1), ("0002", 1.5)):
+            self.write(f"in.{name}.obj", harness.obj((([(x, size * y, z) for x, y, z in points]), faces)))
+            self.ok("fractal", f"in.{name}.obj", "-o", f"g.{name}.vdb", *SMALL)
+
+    def test_a_frame_has_the_bytes_of_its_own_input(self):
+        for command, (name, words, kind) in COMMANDS.items():
+            with self.subTest(command=command):
+                self.ok(*command.split(), name.format("$F4"), *words, "-o", f"all.####{kind}", "--frames", "-1,2")
+                for frame in ("-0001", "0002"):
+                    self.ok(*command.split(), name.format(frame), *words, "-o", f"one{kind}")
+                    self.assertEqual(self.bytes(f"all.{frame}{kind}"), self.bytes(f"one{kind}"))
+                self.assertNotEqual(self.bytes(f"all.-0001{kind}"), self.bytes(f"all.0002{kind}"))
+
+    def test_an_input_without_a_place_is_held(self):
+        for command, (name, words, kind) in COMMANDS.items():
+            with self.subTest(command=command):
+                text = self.ok(*command.split(), name.format("0002"), *words, "-o", f"all.####{kind}", "--frames", "3,-2--1")
+                self.assertIn("nothing changes from frame to frame", text)
+                self.ok(*command.split(), name.format("0002"), *words, "-o", f"one{kind}")
+                for frame in ("-0002", "-0001", "0003"):
+                    self.assertEqual(self.bytes(f"all.{frame}{kind}"), self.bytes(f"one{kind}"))
+
+    def test_one_frame_needs_no_place(self):
+        """A single frame goes before the extension, as with --frame."""
+        for command, (name, words, kind) in COMMANDS.items():
+            with self.subTest(command=command):
+                self.ok(*command.split(), name.format("####"), *words, "-o", f"one{kind}", "--frames", "2-2")
+                self.assertTrue(self.path(f"one.0002{kind}").is_file())
+                self.path(f"one.0002{kind}").unlink()
+
+    def test_a_gap_is_named_before_the_work(self):
+        for command, (name, words, kind) in COMMANDS.items():
+            text = self.refused(harness.NO_INPUT, *command.split(), name.format("####"), *words, "-o", f"all.####{kind}",
+                                "--frames", "-1-2", mentions=(f"'{name.format('0000')}' (frame 0)", "(frame 1)"))
+            self.assertNotIn("(frame 2)", text)
+
+    def test_what_is_no_sequence(self):
+        for command, (name, words, kind) in COMMANDS.items():
+            start = (*command.split(), name.format("####"), *words)
+            for rest, mention in ((("-o", f"all{kind}", "--frames", "-1,2"), f"all.####{kind}"),
+                                  (("-o", f"a.##.##{kind}", "--frames", "-1,2"), "more than one frame pattern"),
+                                  (("-o", f"all.####{kind}", "--frames", "2-1"), "--frames is '2-1'"),
+                                  (("-o", f"all.####{kind}", "--frames", "one"), "--frames is 'one'"),
+                                  (("-o", f"all.####{kind}", "--frames="), "--frames"),
+                                  (("-o", f"all.####{kind}"), "no frame is given"),
+                                  (("-o", f"all.####{kind}", "--keep-going"), "--keep-going")):
+                # Without --frames the name of the input may be that of a file.
+                words_now = start if "--frames" in " ".join(map(str, rest)) else (*command.split(), name.format("0002"), *words)
+                self.refused(harness.USAGE, *words_now, *rest, mentions=mention)
+
+    def test_a_failure_names_its_frame(self):
+        self.write("in.0001.obj", "v 0 0 0\n")
+        words = ("sdf", "in.####.obj", "-o", "d.$F4.vdb", "--resolution", 16, "--frames", "-1,1-2", "--progress", "none")
+        run = self.run_program(*words)
+        self.assertEqual(run.returncode, harness.BAD_DATA, run.stderr)
+        self.assertRegex(run.stderr.decode(), r"(?m)^juliavdb: frame 1: [^\n]*in\.0001\.obj[^\n]*frames before it are finished$")
+        self.assertEqual([name for name in self.listing() if name.startswith("d.")], ["d.-0001.vdb"])
+        run = self.run_program(*words, "--keep-going")
+        self.assertEqual(run.returncode, harness.BAD_DATA, run.stderr)
+        self.assertEqual([name for name in self.listing() if name.startswith("d.")], ["d.-0001.vdb", "d.0002.vdb"])
+
+    def test_notations(self):
+        """As Houdini, Nuke, Blender and printf write them; printf counts the sign."""
+        for pattern, made in (("$F4", "-0001"), ("${F4}", "-0001"), ("$F", "-1"), ("####", "-0001"), ("%04d", "-001"), ("%d", "-1")):
+            self.ok("sdf", "in.-0001.obj", "-o", f"n.{pattern}.vdb", "--resolution", 16, "--frames", "-1")
+            self.assertEqual([name for name in self.listing() if name.startswith("n.")], [f"n.{made}.vdb"])
+            self.path(f"n.{made}.vdb").unlink()
+
+    def test_a_count_of_earlier_versions(self):
+        """--frames of 'render --field' was a count once."""
+        words = ("render", "--field", "in.0002.obj", "--size", "16x16", *SMALL, "-o", "t.####.png", "--frames")
+        self.refused(harness.USAGE, *words, 36, mentions=("--frames 1-36 --turn 360", "--frames 36-36"))
+        self.ok(*words, "36-36")
+        self.assertTrue(self.path("t.0036.png").is_file())
+
+    def test_a_stack_is_no_sequence(self):
+        self.refused(harness.USAGE, "slice", "in.0002.obj", "--stack", "--size", 6, "-o", "s.####.png", "--frames", "1-2",
+                     mentions="--frames")
 
 
 if __name__ == "__main__":

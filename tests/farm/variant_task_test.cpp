@@ -288,6 +288,15 @@ TEST_F(Variants, AChangedInputIsRefused) {
   EXPECT_FALSE(fs::exists(mFolder.path() / "plan/out/ball.0001.vdb"));
 }
 
+TEST_F(Variants, FramesOfWhatDoesNotChangeAreTheSame) {
+  const Manifest manifest = written(planFrames(frames(mBall, {}, -1, 1)));
+  for (const std::uint64_t task : {1, 2, 3}) makeVariant(mFolder.path() / "plan", manifest, task, mMonitor);
+  const std::string first = made("out/ball.-0001.vdb");
+  EXPECT_FALSE(first.empty());
+  EXPECT_EQ(made("out/ball.0000.vdb"), first);
+  EXPECT_EQ(made("out/ball.0001.vdb"), first);
+}
+
 TEST_F(Variants, FramesAreRefusedAtPlanning) {
   const auto refused = [&](const FramePlanOptions& options, const std::string& mention) {
     try {
@@ -297,7 +306,6 @@ TEST_F(Variants, FramesAreRefusedAtPlanning) {
       EXPECT_NE(std::string(error.what()).find(mention), std::string::npos) << error.what();
     }
   };
-  refused(frames(mBall, {}, 1, 3), "nothing changes");
   refused(frames("", {"alpha@1=20"}, 1, 3), "frame 1: there is no target, which the map needs");
   refused(frames(mBall, {"versor-seed@1=1", "versor-seed@3=2"}, 1, 3), "frame 2: --texture-seed is '1.5'");
   refused(frames(mBall, {"resolution@1=10", "resolution@3=-10"}, 1, 3), "frame 2: --resolution");

@@ -8,6 +8,7 @@
 #include "vdbtools/recipe/option_value.h"
 
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <optional>
 #include <set>
@@ -79,18 +80,20 @@ std::vector<int> parseFrames(const std::string& text) {
   std::vector<int> frames;
   std::set<int> seen;
   for (const std::string& part : split(text, ',')) {
-    const std::size_t times = part.find('x'), dash = part.find('-');
+    // A minus sign may stand before each number, so the dash of a range is not the first character.
+    const std::size_t times = part.find('x'), dash = part.find('-', 1);
     const std::string range = part.substr(0, times);
     const std::optional<int> first = wholeFromText<int>(range.substr(0, dash));
     const std::optional<int> last = dash < times ? wholeFromText<int>(range.substr(dash + 1)) : first;
     const std::optional<int> step = times == std::string::npos ? 1 : wholeFromText<int>(part.substr(times + 1));
-    if (!first || !last || !step || *first < 0 || *last < *first || *step < 1)
+    if (!first || !last || !step || *last < *first || *step < 1)
       refuse("frames", text,
-             "frames and ranges of frames from 0 on, such as 1-48, 1-48x2 or 7,10-12, in each range the smaller number "
+             "frames and ranges of frames, such as 1-48, 1-48x2, 7,10-12 or -5-5, in each range the smaller number "
              "first");
-    if ((*last - *first) / *step >= kMostFrames) refuse("frames", text, "a range of at most " + most + " frames");
-    for (int i = 0; i <= (*last - *first) / *step; ++i)
-      if (const int frame = *first + i * *step; seen.insert(frame).second) frames.push_back(frame);
+    const std::int64_t length = (std::int64_t{*last} - *first) / *step;
+    if (length >= kMostFrames) refuse("frames", text, "a range of at most " + most + " frames");
+    for (std::int64_t i = 0; i <= length; ++i)
+      if (const int frame = static_cast<int>(*first + i * *step); seen.insert(frame).second) frames.push_back(frame);
     if (frames.size() > kMostFrames) refuse("frames", text, "a list of at most " + most + " frames");
   }
   return frames;
@@ -107,7 +110,7 @@ std::vector<KeyedOption> parseKeys(const std::vector<std::string>& keys, const s
     if (!table.knows(name))
       refuse("key", text, "for an option of a fractal; there is none with the name '" + text.substr(0, at) + "'");
     const std::optional<int> frame = wholeFromText<int>(text.substr(at + 1, equals - at - 1));
-    if (!frame || *frame < 0) refuse("key", text, "NAME@FRAME=VALUE with a whole number of at least 0 for the frame");
+    if (!frame) refuse("key", text, "NAME@FRAME=VALUE with a whole number for the frame");
     KeyedOption& option = options[name];
     option.name = name;
     if (!option.keys.emplace(*frame, text.substr(equals + 1)).second)

@@ -58,12 +58,8 @@ void chooseResolution(FramePlanOptions& options, Monitor& monitor) {
   options.resolution = resolution;
 }
 
-void requireChange(const FramePlanOptions& options) {
+void requireKeysWithoutPatterns(const FramePlanOptions& options) {
   const auto hasPattern = [](const auto& key) { return hasFramePattern(key.second); };
-  if (options.keys.empty() && animatedFiles(options.base, fractalOptionTable()).empty())
-    throw std::invalid_argument(
-        "nothing changes from frame to frame; give keys such as --key alpha@1=40 --key alpha@48=120, or a target with "
-        "a file for each frame such as in.####.obj");
   for (const KeyedOption& option : options.keys)
     if (std::any_of(option.keys.begin(), option.keys.end(), hasPattern))
       throw std::invalid_argument("a key of --" + optionName(option.name) +
@@ -71,7 +67,7 @@ void requireChange(const FramePlanOptions& options) {
 }
 
 Manifest planFrames(const FramePlanOptions& options) {
-  requireChange(options);
+  requireKeysWithoutPatterns(options);
   std::vector<Variant> variants;
   for (const int frame : options.frames)
     variants.push_back({frame, "frame " + std::to_string(frame), recipeAt(options, frame)});

@@ -3,53 +3,14 @@
 
 #include "scene/file_hashes.h"
 
-#include "vdbtools/base/errors.h"
-#include "vdbtools/files/standard_streams.h"
+#include "vdbtools/files/frame_inputs.h"
 #include "vdbtools/scene/fractal_options.h"
 #include "vdbtools/scene/scene.h"
 
-#include <filesystem>
-#include <set>
 #include <stdexcept>
-#include <system_error>
 #include <utility>
 
 namespace vdbtools::farm {
-namespace {
-
-/// The files of all frames and, for missing ones, the first frame that names each.
-class FilesOfFrames {
- public:
-  explicit FilesOfFrames(InputFiles& inputs) : mInputs(inputs) {}
-
-  void add(const NamedFile& file, int frame) {
-    if (!mKnown.insert(file.path).second) return;
-    mInputs.add(file.path);
-    std::error_code error;
-    if (std::filesystem::exists(pathToOpen(file.path), error)) return;
-    ++mCount;
-    constexpr std::size_t kMostNamed = 3;
-    if (mCount <= kMostNamed)
-      mNames += (mNames.empty() ? "'" : ", '") + file.path.string() + "' (frame " + std::to_string(frame) + ")";
-  }
-  /// @throw MissingInputError
-  void requireNoneMissing() const {
-    if (mCount == 0) return;
-    throw MissingInputError(mCount == 1 ? "an input of the sequence is missing: " + mNames
-                                        : std::to_string(mCount) +
-                                              " inputs of the sequence are missing, the first of "
-                                              "them " +
-                                              mNames);
-  }
-
- private:
-  InputFiles& mInputs;
-  std::set<std::filesystem::path> mKnown;
-  std::size_t mCount = 0;
-  std::string mNames;
-};
-
-}  // namespace
 
 struct FrameRecipes::Hashes {
   FileHashes files;
@@ -57,19 +18,20 @@ struct FrameRecipes::Hashes {
 
 FrameRecipes::FrameRecipes(FramePlanOptions options)
     : mOptions(std::move(options)), mHashes(std::make_unique<Hashes>()) {
-  requireChange(mOptions);
+  requireKeysWithoutPatterns(mOptions);
   const OptionTable table = fractalOptionTable();
-  FilesOfFrames files(mInputs);
+  FrameInputs files;
   for (const int frame : mOptions.frames) {
     try {
       const FractalOptions fractal = parseFractalOptions(completeRecipe(recipeAt(mOptions, frame), table));
       requireTarget(fractal);
-      for (const NamedFile& file : filesOf(fractal)) files.add(file, frame);
+      for (const NamedFile& file : filesOf(fractal)) files.add(file.path, frame);
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument("frame " + std::to_string(frame) + ": " + error.what());
     }
   }
   files.requireNoneMissing();
+  mInputs = files.files();
 }
 
 FrameRecipes::~FrameRecipes() = default;

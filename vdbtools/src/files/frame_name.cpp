@@ -12,7 +12,8 @@ constexpr std::size_t kWidest = 16;  ///< more digits than any int; a wider patt
 
 struct Pattern {
   std::size_t begin, size;
-  int width;  ///< minimum number of digits
+  int width;                   ///< minimum number of digits
+  bool countsTheSign = false;  ///< whether a minus sign takes the place of a digit, as printf has it
 };
 
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
@@ -44,6 +45,12 @@ std::optional<Pattern> patternAt(std::string_view path, std::size_t begin, bool 
     const auto end = std::find_if_not(rest.begin() + static_cast<std::ptrdiff_t>(i), rest.end(), isDigit);
     return rest.substr(i, static_cast<std::size_t>(end - rest.begin()) - i);
   };
+  if (rest.starts_with("${F")) {
+    const std::string_view digits = digitsFrom(3);
+    const std::size_t size = 4 + digits.size();
+    if (size > rest.size() || rest[size - 1] != '}') return std::nullopt;
+    return Pattern{begin, size, widthOf(digits, rest.substr(0, size))};
+  }
   if (rest.starts_with("$F")) {
     const std::string_view digits = digitsFrom(2);
     const std::size_t size = 2 + digits.size();
@@ -59,7 +66,7 @@ std::optional<Pattern> patternAt(std::string_view path, std::size_t begin, bool 
       throw std::invalid_argument("the frame pattern \"" + std::string(pattern) + "\" pads with blanks; write \"%0" +
                                   std::string(pattern.substr(1)) + "\" to pad with zeros");
     }
-    return Pattern{begin, size, widthOf(digits, pattern)};
+    return Pattern{begin, size, widthOf(digits, pattern), true};
   }
   if (rest.starts_with('#') && inFileName) {
     const std::size_t size = std::min(rest.find_first_not_of('#'), rest.size());
@@ -95,17 +102,16 @@ std::size_t extensionBegin(std::string_view path) {
   return dot == std::string_view::npos || dot <= nameBegin ? path.size() : dot;
 }
 
-std::string padded(int frame, int width) {
-  const std::string digits = std::to_string(frame);
-  return std::string(static_cast<std::size_t>(std::max(0, width - static_cast<int>(digits.size()))), '0') + digits;
+std::string padded(int frame, int width, bool countsTheSign) {
+  const bool isNegative = frame < 0;
+  const std::string digits = std::to_string(frame).substr(isNegative ? 1 : 0);
+  const int zeros = width - static_cast<int>(digits.size()) - (isNegative && countsTheSign ? 1 : 0);
+  return (isNegative ? "-" : "") + std::string(static_cast<std::size_t>(std::max(0, zeros)), '0') + digits;
 }
 
 }  // namespace
 
 std::string expandFrame(std::string_view name, std::optional<int> frame) {
-  if (frame && *frame < 0) {
-    throw std::invalid_argument("the frame is " + std::to_string(*frame) + "; file names take frames from 0 on");
-  }
   const std::optional<Pattern> pattern = findPattern(name);
   if (!frame) {
     if (!pattern) return std::string(name);
@@ -114,7 +120,7 @@ std::string expandFrame(std::string_view name, std::optional<int> frame) {
                                 "\", but no frame is given; give one, or a name without the pattern");
   }
   if (pattern) {
-    return std::string(name.substr(0, pattern->begin)) + padded(*frame, pattern->width) +
+    return std::string(name.substr(0, pattern->begin)) + padded(*frame, pattern->width, pattern->countsTheSign) +
            std::string(name.substr(pattern->begin + pattern->size));
   }
   const std::string_view fileName = name.substr(fileNameBegin(name));
@@ -123,7 +129,7 @@ std::string expandFrame(std::string_view name, std::optional<int> frame) {
                                 std::to_string(*frame) + " into");
   }
   const std::size_t extension = extensionBegin(name);
-  return std::string(name.substr(0, extension)) + "." + padded(*frame, kDefaultWidth) +
+  return std::string(name.substr(0, extension)) + "." + padded(*frame, kDefaultWidth, false) +
          std::string(name.substr(extension));
 }
 

@@ -95,15 +95,39 @@ void writeVolume(std::ostream& stream, const UsdScene& scene) {
 
 /// A list with many elements per line.
 template <class Write>
-void writeList(std::ostream& stream, const char* declaration, std::size_t count, const Write& write,
-               const char* after = "") {
+void writeElements(std::ostream& stream, std::size_t count, const Write& write) {
   constexpr std::size_t kOnALine = 16;
-  stream << "        " << declaration << " = [";
+  stream << '[';
   for (std::size_t i = 0; i < count; ++i) {
     if (i > 0) stream << (i % kOnALine == 0 ? ",\n            " : ", ");
     write(i);
   }
-  stream << ']' << after << '\n';
+  stream << ']';
+}
+
+/// An attribute of meshes: a list, or one for each frame.
+/// @param write  writes the element of a mesh at an index @param details  what else is said of the attribute
+template <class Count, class Write>
+void writeMeshAttribute(std::ostream& stream, const UsdMeshes& meshes, const std::string& declaration,
+                        const Count& countOf, const Write& write, const char* details = "") {
+  const auto writeList = [&](const Mesh& mesh) {
+    writeElements(stream, countOf(mesh), [&](std::size_t i) { write(mesh, i); });
+  };
+  stream << "        " << declaration;
+  if (!meshes.frames.front()) {
+    stream << " = ";
+    writeList(meshes.at(0));
+    stream << details << '\n';
+    return;
+  }
+  if (*details != 0) stream << details << "\n        " << declaration;
+  stream << ".timeSamples = {\n";
+  for (std::size_t k = 0; k < meshes.frames.size(); ++k) {
+    stream << "            " << *meshes.frames[k] << ": ";
+    writeList(meshes.at(k));
+    stream << ",\n";
+  }
+  stream << "        }\n";
 }
 
 const VertexAttribute* attributeOf(const Mesh& mesh, const char* name) {
@@ -123,31 +147,46 @@ Vec3d centreFor(const openvdb::BBoxd& box) {
   return largest > kFar * size ? box.getCenter() : Vec3d(0);
 }
 
-void writeMeshPrim(std::ostream& stream, const Mesh& mesh) {
+void writeMeshPrim(std::ostream& stream, const UsdMeshes& meshes) {
   constexpr const char* kVertex = " (\n            interpolation = \"vertex\"\n        )";
-  openvdb::BBoxd box;
-  for (const Vec3d& point : mesh.points) box.expand(point);
-  const Vec3d centre = centreFor(box);
-  const auto position = [&](std::size_t i) { return openvdb::Vec3s(mesh.points[i] - centre); };
+  openvdb::BBoxd all;
+  for (const openvdb::BBoxd& box : meshes.boxes) all.expand(box);
+  const Vec3d centre = centreFor(all);
+  const auto extentAt = [&](std::size_t k) {
+    return extentOf({meshes.boxes[k].min() - centre, meshes.boxes[k].max() - centre});
+  };
   stream << "\n    def Mesh \"mesh\"\n    {\n        uniform token subdivisionScheme = \"none\"\n"
-            "        uniform token orientation = \"rightHanded\"\n        float3[] extent = "
-         << extentOf({box.min() - centre, box.max() - centre}) << '\n';
-  writeList(stream, "int[] faceVertexCounts", mesh.triangles.size(), [&](std::size_t) { stream << 3; });
-  writeList(stream, "int[] faceVertexIndices", mesh.triangles.size(), [&](std::size_t i) {
+            "        uniform token orientation = \"rightHanded\"\n        float3[] extent";
+  if (meshes.frames.front()) {
+    stream << ".timeSamples = {\n";
+    for (std::size_t k = 0; k < meshes.frames.size(); ++k)
+      stream << "            " << *meshes.frames[k] << ": " << extentAt(k) << ",\n";
+    stream << "        }\n";
+  } else {
+    stream << " = " << extentAt(0) << '\n';
+  }
+  const auto triangles = [](const Mesh& mesh) { return mesh.triangles.size(); };
+  const auto points = [](const Mesh& mesh) { return mesh.points.size(); };
+  writeMeshAttribute(stream, meshes, "int[] faceVertexCounts", triangles,
+                     [&](const Mesh&, std::size_t) { stream << 3; });
+  writeMeshAttribute(stream, meshes, "int[] faceVertexIndices", triangles, [&](const Mesh& mesh, std::size_t i) {
     const openvdb::Vec3I& t = mesh.triangles[i];
     stream << t[0] << ", " << t[1] << ", " << t[2];
   });
-  writeList(stream, "point3f[] points", mesh.points.size(), [&](std::size_t i) { stream << tupleOf(position(i)); });
-  if (!mesh.normals.empty())
-    writeList(
-        stream, "normal3f[] normals", mesh.normals.size(), [&](std::size_t i) { stream << tupleOf(mesh.normals[i]); },
-        kVertex);
-  const VertexAttribute *red = attributeOf(mesh, "red"), *green = attributeOf(mesh, "green"),
-                        *blue = attributeOf(mesh, "blue");
-  if (red && green && blue)
-    writeList(
-        stream, "color3f[] primvars:displayColor", mesh.points.size(),
-        [&](std::size_t i) { stream << tupleOf(openvdb::Vec3s(red->values[i], green->values[i], blue->values[i])); },
+  writeMeshAttribute(stream, meshes, "point3f[] points", points, [&](const Mesh& mesh, std::size_t i) {
+    stream << tupleOf(openvdb::Vec3s(mesh.points[i] - centre));
+  });
+  if (meshes.hasNormals)
+    writeMeshAttribute(
+        stream, meshes, "normal3f[] normals", [](const Mesh& mesh) { return mesh.normals.size(); },
+        [&](const Mesh& mesh, std::size_t i) { stream << tupleOf(mesh.normals[i]); }, kVertex);
+  if (meshes.hasColours)
+    writeMeshAttribute(
+        stream, meshes, "color3f[] primvars:displayColor", points,
+        [&](const Mesh& mesh, std::size_t i) {
+          const auto valueOf = [&](const char* name) { return attributeOf(mesh, name)->values[i]; };
+          stream << tupleOf(openvdb::Vec3s(valueOf("red"), valueOf("green"), valueOf("blue")));
+        },
         kVertex);
   if (centre != Vec3d(0))
     stream << "        double3 xformOp:translate = " << tupleOf(centre)
@@ -161,12 +200,11 @@ void writeUsda(std::ostream& stream, const UsdScene& scene) {
   if (scene.frames.empty() && !scene.mesh)
     throw std::invalid_argument("a scene needs a volume or a mesh; name a VDB, or a mesh");
   stream << "#usda 1.0\n(\n    defaultPrim = \"fractal\"\n    doc = \"Written by JuliaVDB " JULIAVDB_VERSION "\"\n";
-  const bool moves = !scene.frames.empty() && scene.frames.front().number;
-  if (moves) stream << "    endTimeCode = " << *scene.frames.back().number << '\n';
-  if (moves) stream << "    framesPerSecond = " << textOf(scene.framesPerSecond) << '\n';
+  if (scene.range) stream << "    endTimeCode = " << scene.range->second << '\n';
+  if (scene.range) stream << "    framesPerSecond = " << textOf(scene.framesPerSecond) << '\n';
   stream << "    metersPerUnit = " << textOf(scene.metersPerUnit) << '\n';
-  if (moves) stream << "    startTimeCode = " << *scene.frames.front().number << '\n';
-  if (moves) stream << "    timeCodesPerSecond = " << textOf(scene.framesPerSecond) << '\n';
+  if (scene.range) stream << "    startTimeCode = " << scene.range->first << '\n';
+  if (scene.range) stream << "    timeCodesPerSecond = " << textOf(scene.framesPerSecond) << '\n';
   stream << "    upAxis = \"" << (scene.up == UpAxis::Y ? 'Y' : 'Z')
          << "\"\n)\n\ndef Xform \"fractal\" (\n    kind = \"component\"\n)\n{";
   if (!scene.frames.empty()) writeVolume(stream, scene);

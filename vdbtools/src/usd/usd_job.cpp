@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/usd/usd_job.h"
-#include "vdbtools/mesh_files/mesh_reader.h"
 
 #include "base/srgb.h"
 
@@ -8,12 +7,16 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/frame_name.h"
 #include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/scene/file_axes.h"
 #include "vdbtools/surface/extract_mesh.h"
 #include "vdbtools/usd/usd_file.h"
+#include "vdbtools/usd/usd_package.h"
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
@@ -92,66 +95,143 @@ void addFrame(const fs::path& path, std::optional<int> number, const UsdOptions&
   scene.frames.push_back({number, relativeTo(options.scene, path), boxOf(file)});
 }
 
-/// The mesh in the axes and the unit of the scene, with normals, and with colours as linear light.
-Mesh meshFor(const fs::path& path, const UsdScene& scene, std::optional<UpAxis> recorded, double scale) {
-  Mesh mesh = readMesh(path);
-  const UpTurn turn(recorded.value_or(scene.up), scene.up);
-  for (openvdb::Vec3d& point : mesh.points) point = turn(point) * scale;
-  computeNormals(mesh);
-  if (lowerExtension(path) != ".glb" && lowerExtension(path) != ".gltf")
-    for (VertexAttribute& attribute : mesh.attributes)
-      if (attribute.name == "red" || attribute.name == "green" || attribute.name == "blue")
-        for (float& value : attribute.values) value = linearFromSrgb(std::clamp(value, 0.0F, 1.0F));
-  return mesh;
+/// The meshes of a scene. Reads each of them as often as the scene asks for it, and keeps the last one.
+class MeshReader {
+ public:
+  /// Reads all of them once. @param number  of the frames, or none
+  /// @param unit  of the scene, as far as it is known; becomes that of the first mesh if there is no VDB
+  void add(const fs::path& path, std::optional<int> number, const UsdOptions& options, UsdScene& scene,
+           std::optional<LengthUnit>& unit) {
+    const std::map<std::string, std::string> comments = readMeshComments(path);
+    std::optional<UpAxis> recorded;
+    if (comments.contains(kUpAxis)) recorded = recordedUpAxis(comments);
+    if (mEntries.empty() && scene.frames.empty() && recorded) scene.up = *recorded;
+    const std::optional<LengthUnit> ofMesh = recordedUnit(comments);
+    if (scene.frames.empty()) {
+      requireUnit(options, ofMesh, path);
+      if (mEntries.empty()) unit = ofMesh;
+    }
+    if (!unit) unit = options.unit;
+    const double scale = unit && ofMesh ? metresOf(*ofMesh) / metresOf(*unit) : 1;
+    mEntries.push_back({.path = path, .recorded = recorded, .scale = scale});
+    mEntries.back().triangles = read(mEntries.size() - 1, scene.up).triangles.size();
+    mEntries.back().points = mMesh.points.size();
+    const bool hasColours = std::count_if(mMesh.attributes.begin(), mMesh.attributes.end(), isColour) == 3;
+    if (mEntries.size() > 1 && hasColours != mMeshes.hasColours)
+      throw DataError("'" + path.string() + "' has " + (hasColours ? "" : "no ") +
+                      "colours, unlike the first frame; make all frames in the same way");
+    mMeshes.hasColours = hasColours;
+    mMeshes.hasNormals = true;
+    mMeshes.frames.push_back(number);
+    openvdb::BBoxd& box = mMeshes.boxes.emplace_back();
+    for (const openvdb::Vec3d& point : mMesh.points) box.expand(point);
+  }
+
+  /// For the scene, whose up axis is known now. This must outlive it.
+  UsdMeshes meshes(UpAxis up) {
+    UsdMeshes meshes = mMeshes;
+    meshes.at = [this, up](std::size_t index) -> const Mesh& {
+      if (index == mIndex) return mMesh;
+      const Entry& entry = mEntries[index];
+      if (read(index, up).triangles.size() != entry.triangles || mMesh.points.size() != entry.points)
+        throw DataError("'" + entry.path.string() + "' has changed while it was read; try again");
+      return mMesh;
+    };
+    return meshes;
+  }
+
+  std::size_t count() const { return mEntries.size(); }
+  std::size_t triangles() const {
+    std::size_t all = 0;
+    for (const Entry& entry : mEntries) all += entry.triangles;
+    return all;
+  }
+
+ private:
+  struct Entry {
+    fs::path path;
+    std::optional<UpAxis> recorded;
+    double scale = 1;  ///< from its unit to the scene's
+    std::size_t triangles = 0, points = 0;
+  };
+
+  static bool isColour(const VertexAttribute& attribute) {
+    return attribute.name == "red" || attribute.name == "green" || attribute.name == "blue";
+  }
+
+  /// The mesh in the axes and the unit of the scene, with normals, and with colours as linear light.
+  const Mesh& read(std::size_t index, UpAxis up) {
+    const Entry& entry = mEntries[index];
+    mMesh = Mesh();  // frees the one before
+    mMesh = readMesh(entry.path);
+    const UpTurn turn(entry.recorded.value_or(up), up);
+    for (openvdb::Vec3d& point : mMesh.points) point = turn(point) * entry.scale;
+    computeNormals(mMesh);
+    if (lowerExtension(entry.path) != ".glb" && lowerExtension(entry.path) != ".gltf")
+      for (VertexAttribute& attribute : mMesh.attributes)
+        if (isColour(attribute))
+          for (float& value : attribute.values) value = linearFromSrgb(std::clamp(value, 0.0F, 1.0F));
+    mIndex = index;
+    return mMesh;
+  }
+
+  std::vector<Entry> mEntries;
+  UsdMeshes mMeshes;
+  Mesh mMesh;
+  std::optional<std::size_t> mIndex;  ///< of mMesh
+};
+
+/// The frames in the order of time; one without a number if the name is that of one file.
+std::vector<std::optional<int>> framesOfName(const std::string& name, const std::vector<int>& frames) {
+  if (!hasFramePattern(name)) return {std::nullopt};
+  if (frames.empty())
+    throw std::invalid_argument("'" + name + "' is the name of a sequence; say which frames, as in --frames 1-48");
+  return {frames.begin(), frames.end()};
 }
 
 }  // namespace
 
-UsdCounts writeUsdScene(std::ostream& stream, const UsdOptions& options, Monitor& monitor) {
+UsdCounts writeUsdScene(const UsdOutputs& outputs, const UsdOptions& options, Monitor& monitor) {
   UsdScene scene{.framesPerSecond = options.framesPerSecond};
   std::optional<LengthUnit> unit;
-  if (!options.vdb.empty()) {
-    const bool pattern = hasFramePattern(options.vdb);
-    if (pattern != !options.frames.empty())
-      throw std::invalid_argument(pattern ? "'" + options.vdb +
-                                                "' is the name of a sequence; say which frames, as in "
-                                                "--frames 1-48"
-                                          : "'" + options.vdb +
-                                                "' is one file; for frames give a name such as "
-                                                "name.####.vdb");
-    std::vector<int> frames = options.frames;
-    if (frames.empty()) frames.push_back(0);
-    std::sort(frames.begin(), frames.end());
-    monitor.begin(PhaseKind::Reading, frames.size());
-    for (const int frame : frames) {
-      const std::optional<int> number = pattern ? std::optional(frame) : std::nullopt;
-      addFrame(expandFrame(options.vdb, number), number, options, scene, unit);
-      monitor.advance(1);
-      monitor.throwIfCancelled();
-    }
+  std::vector<int> frames = options.frames;
+  std::sort(frames.begin(), frames.end());
+  if (!frames.empty()) scene.range = {frames.front(), frames.back()};
+  std::vector<std::optional<int>> ofVdb, ofMesh;
+  if (!options.vdb.empty()) ofVdb = framesOfName(options.vdb, frames);
+  if (!options.mesh.empty()) ofMesh = framesOfName(options.mesh, frames);
+  monitor.begin(PhaseKind::Reading, ofVdb.size() + ofMesh.size());
+  const auto advance = [&] {
+    monitor.advance(1);
+    monitor.throwIfCancelled();
+  };
+  for (const std::optional<int>& number : ofVdb) {
+    addFrame(number ? expandFrame(options.vdb, number) : options.vdb, number, options, scene, unit);
+    advance();
   }
-  Mesh mesh;
-  if (options.mesh) {
-    const std::map<std::string, std::string> comments = readMeshComments(*options.mesh);
-    std::optional<UpAxis> recorded;
-    if (comments.contains(kUpAxis)) recorded = recordedUpAxis(comments);
-    if (scene.frames.empty() && recorded) scene.up = *recorded;
-    const std::optional<LengthUnit> ofMesh = recordedUnit(comments);
-    if (scene.frames.empty()) {
-      requireUnit(options, ofMesh, *options.mesh);
-      unit = ofMesh;
-    }
-    if (!unit) unit = options.unit;
-    const double scale = unit && ofMesh ? metresOf(*ofMesh) / metresOf(*unit) : 1;
-    mesh = meshFor(*options.mesh, scene, recorded, scale);
-    scene.mesh = &mesh;
+  MeshReader meshes;
+  for (const std::optional<int>& number : ofMesh) {
+    meshes.add(number ? expandFrame(options.mesh, number) : options.mesh, number, options, scene, unit);
+    advance();
+  }
+  if (!unit) unit = options.unit;
+  scene.metersPerUnit = unit ? metresOf(*unit) : options.metersPerUnit.value_or(1);
+  if (meshes.count() > 0) {
+    scene.mesh = meshes.meshes(scene.up);
+    // The writing asks for the meshes again, which can be interrupted between two of them.
+    scene.mesh->at = [&monitor, at = scene.mesh->at](std::size_t index) -> const Mesh& {
+      monitor.throwIfCancelled();
+      return at(index);
+    };
   }
   if (!unit) unit = options.unit;
   scene.metersPerUnit = unit ? metresOf(*unit) : options.metersPerUnit.value_or(1);
   monitor.begin(PhaseKind::Writing, 0);
-  writeUsda(stream, scene);
+  if (outputs.scene) writeUsda(*outputs.scene, scene);
+  if (outputs.package)
+    writeUsdPackage(*outputs.package, outputs.packageName, [&](std::ostream& stream) { writeUsda(stream, scene); });
   monitor.throwIfCancelled();
-  return {scene.frames.size(), scene.fields.size(), mesh.triangles.size()};
+  return {scene.frames.size(), scene.fields.size(), meshes.count(), meshes.triangles()};
 }
 
 }  // namespace vdbtools

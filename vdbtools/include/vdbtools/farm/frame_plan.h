@@ -37,7 +37,8 @@ struct KeyedOption {
 inline constexpr int kMostFrames = 100'000;
 
 /// Parses a list of frames and ranges such as "7", "1-48", "1-48x2" (every second one, from 1 on) or "1-48x8,1-48"
-/// (every eighth first, and then the others). The result is in the order of the list, each frame once.
+/// (every eighth first, and then the others). Numbers may be negative, as in "-5-5" or "-8--4". The result is in the
+/// order of the list, each frame once.
 /// @throw std::invalid_argument  not such a list, a reversed range, or more than kMostFrames
 std::vector<int> parseFrames(const std::string& text);
 
@@ -70,13 +71,12 @@ void chooseResolution(FramePlanOptions& options, Monitor& monitor);
 /// @throw std::invalid_argument  keys cannot be blended, or a name has more than one place for the frame
 Recipe recipeAt(const FramePlanOptions& options, int frame);
 
-/// @throw std::invalid_argument  nothing changes from frame to frame, or a key is a file name with a frame pattern
-void requireChange(const FramePlanOptions& options);
+/// @throw std::invalid_argument  a key is a file name with a frame pattern
+void requireKeysWithoutPatterns(const FramePlanOptions& options);
 
 /// Plans a task for each frame, whose files are out/NAME.0007.vdb and the like. Every frame's recipe is checked, and
-/// all files that it names are read and hashed.
-/// @throw std::invalid_argument  an option is refused (the message names the frame), or nothing changes from frame to
-///                               frame
+/// all files that it names are read and hashed. If nothing changes from frame to frame, all are the same.
+/// @throw std::invalid_argument  an option is refused (the message names the frame)
 /// @throw MissingInputError      a frame's file is missing
 /// @throw DataError, IoError
 Manifest planFrames(const FramePlanOptions& options);

@@ -14,8 +14,7 @@ class FrameRecipes {
  public:
   /// Checks the options of every frame, and that the files they name exist. Nothing is opened.
   /// @param options  without names and makes, which belong to plans
-  /// @throw std::invalid_argument  an option is refused (the message names the frame), or nothing changes from frame to
-  ///                               frame
+  /// @throw std::invalid_argument  an option is refused (the message names the frame)
   /// @throw MissingInputError      names the first few missing files
   explicit FrameRecipes(FramePlanOptions options);
   ~FrameRecipes();

@@ -11,13 +11,15 @@ namespace vdbtools {
 
 /// Returns the name of one frame's file. A pattern is one of
 ///   - `$F4`, padded with zeros to 4 digits, or `$F`, not padded. `$F` before a letter or `_` is another variable, and
-///     left alone.
+///     left alone. `${F4}` and `${F}` are the same and may stand before a letter.
 ///   - a run of `#`, one for each digit; only in the file's own name, since folder names often contain it.
 ///   - `%04d`, padded with zeros to 4 digits, or `%d`, not padded.
-/// A number too long for its padding is written in full. If the name has no pattern, the frame goes before the
-/// extension, with 4 digits: `name.vdb` becomes `name.0001.vdb`. Without a pattern and a frame the name is unchanged.
-/// @throw std::invalid_argument  a pattern without a frame, more than one pattern, a negative frame, padding with
-///                               blanks (`%4d`) or beyond 16 digits, or a frame for a path without a file name
+/// The sign of a negative number stands before its digits: `-0005` for `$F4` and `####`, as Blender has it, and `-005`
+/// for `%04d`, where printf counts the sign. A number too long for its padding is written in full. If the name has no
+/// pattern, the frame goes before the extension, with 4 digits: `name.vdb` becomes `name.0001.vdb`. Without a pattern
+/// and a frame the name is unchanged.
+/// @throw std::invalid_argument  a pattern without a frame, more than one pattern, padding with blanks (`%4d`) or
+///                               beyond 16 digits, or a frame for a path without a file name
 std::string expandFrame(std::string_view name, std::optional<int> frame);
 
 /// Whether the name has such a pattern. @throw std::invalid_argument  as expandFrame() for its pattern

@@ -3,17 +3,20 @@
 /// The room `usd` writes USD scenes. It uses the rooms up to `job`.
 ///
 /// This header writes scenes in the text form of USD (.usda, OpenUSD), as a side-car to the program's outputs: a Volume
-/// whose fields are the grids of VDB files, frame by frame, and a mesh. The scene refers to the VDB files. It contains
-/// the mesh itself, because USD cannot refer to mesh files other than its own.
+/// whose fields are the grids of VDB files, frame by frame, and a mesh, which may be another one in each frame. The
+/// scene refers to the VDB files. It contains the meshes themselves, because USD cannot refer to mesh files other than
+/// its own.
 #pragma once
 
 #include "vdbtools/base/up_axis.h"
 #include "vdbtools/mesh/mesh.h"
 
 #include <filesystem>
+#include <functional>
 #include <iosfwd>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace vdbtools {
@@ -33,14 +36,25 @@ struct UsdFrame {
   openvdb::BBoxd box;         ///< bounds of the grids, world units
 };
 
+/// A mesh, or one for each frame, whose points and triangles may all differ.
+struct UsdMeshes {
+  std::vector<std::optional<int>> frames;  ///< one without a number, or any number of them in ascending order
+  std::vector<openvdb::BBoxd> boxes;       ///< of each, in the axes of the scene
+  bool hasNormals = false;
+  bool hasColours = false;  ///< the attributes red, green and blue, as linear light
+  /// The mesh at a place of the list, in the axes of the scene. The scene asks for each of them several times, one
+  /// after the other, and the result is valid until the next call.
+  std::function<const Mesh&(std::size_t)> at;
+};
+
 struct UsdScene {
   UpAxis up = UpAxis::Y;
   double metersPerUnit = 1;
   double framesPerSecond = 24;
   std::vector<UsdField> fields{};
   std::vector<UsdFrame> frames{};  ///< one without a number, or any number of them in ascending order
-  /// In the axes of the scene. Its attributes red, green and blue become its colours, as linear light.
-  const Mesh* mesh = nullptr;
+  std::optional<UsdMeshes> mesh{};
+  std::optional<std::pair<int, int>> range{};  ///< the first and the last frame, if there are frames
 };
 
 /// Writes a scene. The same scene gives the same bytes.
