@@ -96,6 +96,8 @@ class Examples(harness.CliTest):
 
     def test_the_lines_of_every_help_run_as_printed(self):
         self.write("bunny.obj", harness.obj(harness.sphere(3)))
+        for frame in (1, 2):
+            self.write(f"walk.{frame:04}.obj", harness.obj(harness.sphere(3, 1 + 0.2 * frame)))
         self.write("scan.ply", harness.ply(harness.with_hole(harness.sphere(3, 0.2), 0.9)))
         self.write("tractor.py", (pathlib.Path(__file__).resolve().parents[2] / "integrations/farm/tractor.py").read_bytes())
         self.ok("plan", "tiles", "bunny.obj", "-o", "farm", "--tiles", 16, "--resolution", 32, "--sdf-resolution", 32)

@@ -244,7 +244,7 @@ class Options(harness.CliTest):
         phi, other = (pyopenvdb.read(str(self.path(name)), "phi") for name in ("s.vdb", "t.vdb"))
         other.name = "surface"
         pyopenvdb.write(str(self.path("pair.vdb")), grids=[phi, other])
-        for frame in (1, 2):
+        for frame in (1, 2, 3):
             shutil.copy(self.path("made.vdb"), self.path(f"grow.{frame:04d}.vdb"))
         self.ok("fit", "s.obj", "-o", "fitted.json", "--roots", 30, "--resolution", 17)
         self.ok("versor", "translate", "fitted.json", "0.6,0,0", "-o", "beside.json")

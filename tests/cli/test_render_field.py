@@ -116,7 +116,7 @@ class RenderField(harness.CliTest):
 
     def test_progress_names_the_frame(self):
         text = self.ok(*JULIA, "--size", "150x150", "--alpha-clarity", 0.002, "--frames", "1-2", "--turn", 90, "--no-skip",
-                       "--progress", "json", "-o", "x.png")
+                       "--progress", "json", "-o", "x.####.png")
         if '"phase"' in text:  # the run took long enough
             self.assertIn("frame 2 of 2", text)
 

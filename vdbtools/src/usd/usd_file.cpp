@@ -93,13 +93,13 @@ void writeVolume(std::ostream& stream, const UsdScene& scene) {
   stream << "    }\n";
 }
 
-/// A list with many elements per line.
+/// A list. @param breaks  whether it has many lines. The value of a frame has one, as some readers expect
 template <class Write>
-void writeElements(std::ostream& stream, std::size_t count, const Write& write) {
+void writeElements(std::ostream& stream, std::size_t count, bool breaks, const Write& write) {
   constexpr std::size_t kOnALine = 16;
   stream << '[';
   for (std::size_t i = 0; i < count; ++i) {
-    if (i > 0) stream << (i % kOnALine == 0 ? ",\n            " : ", ");
+    if (i > 0) stream << (breaks && i % kOnALine == 0 ? ",\n            " : ", ");
     write(i);
   }
   stream << ']';
@@ -110,11 +110,12 @@ void writeElements(std::ostream& stream, std::size_t count, const Write& write) 
 template <class Count, class Write>
 void writeMeshAttribute(std::ostream& stream, const UsdMeshes& meshes, const std::string& declaration,
                         const Count& countOf, const Write& write, const char* details = "") {
+  const bool isStill = !meshes.frames.front();
   const auto writeList = [&](const Mesh& mesh) {
-    writeElements(stream, countOf(mesh), [&](std::size_t i) { write(mesh, i); });
+    writeElements(stream, countOf(mesh), isStill, [&](std::size_t i) { write(mesh, i); });
   };
   stream << "        " << declaration;
-  if (!meshes.frames.front()) {
+  if (isStill) {
     stream << " = ";
     writeList(meshes.at(0));
     stream << details << '\n';
