@@ -10,8 +10,13 @@
 
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/scene/file_axes.h"
+#include "vdbtools/scene/grid_names.h"
 
+#include <algorithm>
+#include <optional>
 #include <ostream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -21,28 +26,62 @@ namespace cli {
 namespace {
 
 constexpr Usage kConvertUsage = {
-    "convert", "F.vdb -o F.nvdb [--nvdb-bits 32|16|8|auto]",
-    "Writes the grids of a VDB as NanoVDB, for renderers and graphics processors. The VDB may be of any program. A "
-    "NanoVDB file holds no recipe and no other text, so keep the VDB.",
+    "convert", "F.vdb -o F.nvdb|G.vdb [--nvdb-bits 32|16|8|auto] [--grid-names NAMES]",
+    "Writes the grids of a VDB as NanoVDB, for renderers and graphics processors, or as a VDB in which they have other "
+    "names. The VDB may be of any program. A NanoVDB file holds no recipe and no other text, so keep the VDB.",
     "  juliavdb convert bunny.vdb -o bunny.nvdb\n"
     "  juliavdb convert bunny.vdb -o small.nvdb --nvdb-bits 8\n"
+    "  juliavdb convert bunny.vdb -o blender.vdb --grid-names blender,surface=shape\n"
     "  juliavdb convert grow.####.vdb -o grow.####.nvdb --frames 1-2\n"};
 
 constexpr const char* kConvertOutput[] = {"output"};
 
-void convertVdb(const CommandLine& line, const std::string& input, const FrameRun& run) {
-  std::ostream& file = run.outputs.add("output", line.text("output"), ".nvdb").stream();
-  const vdbtools::NvdbValues values = nvdbValues(line).value_or(vdbtools::NvdbValues::Full);
+/// What a VDB says, in one whose grids have other names.
+vdbtools::VdbWriteOptions writeOptions(const vdbtools::VdbFile& vdb, const vdbtools::GridNames& names) {
+  vdbtools::VdbWriteOptions write{.metadata = vdb.metadata, .names = names};
+  write.half = std::ranges::all_of(vdb.grids, [](const auto& grid) { return grid->saveFloatAsHalf(); });
+  if (vdb.metadata.contains(vdbtools::kUpAxis)) write.up = vdbtools::recordedUpAxis(vdb.metadata);
+  const auto recorded = vdb.metadata.find(vdbtools::kDistanceGrid);
+  for (const std::string& distances :
+       {recorded == vdb.metadata.end() ? std::string() : recorded->second, std::string("surface"), std::string("phi")})
+    if (names.contains(distances)) {
+      write.metadata[vdbtools::kDistanceGrid] = names.at(distances);
+      break;
+    }
+  return write;
+}
+
+/// @throw std::invalid_argument  there are grids that cannot be written again
+void requireWritable(const vdbtools::VdbFile& vdb, const std::string& input) {
+  for (const auto& grid : vdb.grids)
+    if (grid->valueType() == "ptdataidx32")
+      throw std::invalid_argument("'" + input + "' holds the points '" + vdbtools::inOneLine(grid->getName()) +
+                                  "', which this program does not convert; make them again with 'juliavdb points'");
+}
+
+/// @param values  of a NanoVDB file; none: a VDB is written
+void convertVdb(const CommandLine& line, const std::string& input, std::optional<vdbtools::NvdbValues> values,
+                const FrameRun& run) {
+  std::ostream& file = run.outputs.add("output", line.text("output"), kGridExtensions).stream();
   run.monitor.begin(vdbtools::PhaseKind::Reading, 0);
   const vdbtools::VdbFile vdb = vdbtools::readVdb(input);
+  std::vector<std::string> own;
+  for (const auto& grid : vdb.grids) own.push_back(grid->getName());
+  const vdbtools::GridNames names = vdbtools::parseGridNames(line.text("grid-names"), own);
   run.monitor.throwIfCancelled();
   run.monitor.begin(vdbtools::PhaseKind::Writing, 0);
-  const std::vector<vdbtools::NvdbWritten> written = vdbtools::writeNvdb(file, vdb.grids, {.values = values});
+  std::vector<vdbtools::NvdbWritten> written;
+  if (values) {
+    written = vdbtools::writeNvdb(file, vdbtools::renamed(vdb.grids, names), {.values = *values});
+  } else {
+    requireWritable(vdb, input);
+    file << vdbtools::encodeVdb(vdb.grids, writeOptions(vdb, names));
+  }
   run.monitor.throwIfCancelled();
   run.outputs.commit(run.isLast);
-  report().count("grids", written.size());
-  report().text() << "wrote " << run.outputs.names() << ": " << written.size()
-                  << (written.size() == 1 ? " grid" : " grids") << '\n';
+  report().count("grids", vdb.grids.size());
+  report().text() << "wrote " << run.outputs.names() << ": " << vdb.grids.size()
+                  << (vdb.grids.size() == 1 ? " grid" : " grids") << '\n';
   for (const vdbtools::VdbFile::UnreadGrid& grid : vdb.unread)
     report().text() << "note: the grid " << vdbtools::inOneLine(grid.name) << " of the unknown type "
                     << vdbtools::inOneLine(grid.type) << " was left out\n";
@@ -54,16 +93,20 @@ void convertVdb(const CommandLine& line, const std::string& input, const FrameRu
 int runConvert(const Arguments& arguments) {
   CommandLine line(kConvertUsage, vdbtools::OptionTable());
   line.addPositional("vdb", 1, "the VDB");
-  line.addOptions()("output,o", po::value<std::string>()->value_name("F.nvdb"), "the NanoVDB file to write");
+  line.addOptions()("output,o", po::value<std::string>()->value_name("F.nvdb"),
+                    "the file to write: .nvdb, or .vdb with --grid-names");
   addNvdbOption(line);
+  line.addOptions({vdbtools::gridNamesOption()});
   addFramesOption(line);
   if (!line.parse(arguments)) return kDone;
   const std::string input = line.text("vdb");
   if (input.empty()) throw std::invalid_argument("no VDB was given");
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.nvdb");
-  nvdbValues(line);
-  return runFrames(line, input, kConvertOutput, [&line](const std::string& name) {
-    return FrameJob{{}, [&line, name](const FrameRun& run) { convertVdb(line, name, run); }};
+  const std::optional<vdbtools::NvdbValues> values = nvdbValues(line);
+  if (!values && !line.has("grid-names"))
+    throw std::invalid_argument("a VDB with the same names would be the same; give --grid-names, or -o F.nvdb");
+  return runFrames(line, input, kConvertOutput, [&line, values](const std::string& name) {
+    return FrameJob{{}, [&line, values, name](const FrameRun& run) { convertVdb(line, name, values, run); }};
   });
 }
 

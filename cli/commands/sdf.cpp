@@ -46,10 +46,12 @@ void makeSdf(const CommandLine& line, const vdbtools::Recipe& recipe, const Fram
   metadata.insert(result.metadata.begin(), result.metadata.end());
   vdbtools::VdbWriteOptions write = vdbtools::vdbWriteOptions(options.axes, std::move(metadata));
   write.half = options.half;
+  write.names = options.gridNames;
   run.monitor.begin(vdbtools::PhaseKind::Writing, 0);
   std::vector<vdbtools::NvdbWritten> written;
   if (nvdb)
-    written = vdbtools::writeNvdb(file, {result.grid}, {.values = *nvdb, .turn = write.turn});
+    written =
+        vdbtools::writeNvdb(file, vdbtools::renamed({result.grid}, write.names), {.values = *nvdb, .turn = write.turn});
   else
     file << vdbtools::encodeVdb({result.grid}, write);
   run.monitor.throwIfCancelled();

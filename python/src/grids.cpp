@@ -49,6 +49,8 @@ std::shared_ptr<MadeGrid> distancesOf(const vdbtools::Recipe& given, const py::o
     options.mesh = std::move(mesh);
     vdbtools::SdfResult result = vdbtools::runSdf(options, monitor);
     made->grid = result.grid;
+    if (const auto name = options.gridNames.find(result.grid->getName()); name != options.gridNames.end())
+      made->grid->setName(name->second);
     made->metadata = vdbtools::recipeToMetadata(recipe, "sdf");
     made->metadata.insert(result.metadata.begin(), result.metadata.end());
   });

@@ -39,7 +39,7 @@ CASES = [
     ("sdf", "b.obj", ("b.obj", "-o", OUT)),
     ("sdf", "s.vdb", ("--config", "s.vdb", "-o", OUT)),
     ("sdf", "b.obj", ("--config", "s.vdb", "-o", OUT)),
-    ("convert", "s.vdb", ("s.vdb", "-o", OUT)),
+    ("convert", "s.vdb", ("s.vdb", "--grid-names", "phi=d", "-o", OUT)),
     ("fractal", "b.obj", ("b.obj", "--mesh", OUT)),
     ("fractal", "b.obj", ("b.obj", "-o", "new.vdb", "--mesh", OUT)),
     ("fractal", "s.vdb", ("s.vdb", "-o", OUT)),
@@ -136,7 +136,7 @@ for _command, _words in RECIPES.items():
 
 EXTENSIONS = {
     ("sdf", "-o"): ".vdb .nvdb",
-    ("convert", "-o"): ".nvdb",
+    ("convert", "-o"): ".vdb .nvdb",
     ("fractal", "-o"): ".vdb .nvdb",
     ("fractal", "--mesh"): ".ply .obj .stl .glb",
     ("fit", "-o"): ".json .o3d",

@@ -50,10 +50,10 @@ RUNS = {
              ("grow.####.vdb", "-o", "m.####.ply", "--from-grid", "--frames", "1-2")],
     "points": [("ring.vdb", "-o", "p.ply", "--points", 100), ("s.obj", "-o", "p.ply", "--spacing", 0.5),
                ("s.vdb", "-o", "p.vdb", "--points", 100), ("s.vdb", "-o", "p.####.ply", "--points", 50, "--frames", "1-2")],
-    "print": [("made.vdb", "-o", "p.stl", "--size", 60, "--islands", 3, "--resolution", 20), ("two.obj", "-o", "p.stl", "--size", 60, "--flat-base", 4, "--resolution", 20),
-              ("s.vdb", "-o", "p.ply", "--size", 60, "--min-thickness", 9, "--resolution", 20),
-              ("fin.obj", "-o", "p.ply", "--size", 60, "--min-thickness", 6, "--resolution", 20),
-              ("s.vdb", "-o", "p.####.stl", "--size", 60, "--frames", "1-2")],
+    "print": [("made.vdb", "-o", "p.stl", "--longest-side", 60, "--islands", 3, "--resolution", 20), ("two.obj", "-o", "p.stl", "--longest-side", 60, "--flat-base", 4, "--resolution", 20),
+              ("s.vdb", "-o", "p.ply", "--longest-side", 60, "--min-thickness", 9, "--resolution", 20),
+              ("fin.obj", "-o", "p.ply", "--longest-side", 60, "--min-thickness", 6, "--resolution", 20),
+              ("s.vdb", "-o", "p.####.stl", "--longest-side", 60, "--frames", "1-2")],
     "versor": [("list",), ("new", "-o", "v.json"), ("new", "--texture", "rings", "-o", "v.json"), ("inspect", "swirl.json"),
                ("new", "--placement", "cluster", "-o", "v.json"), ("add", "swirl.json", "swirl.json", "-o", "v.json"),
                ("scale", "swirl.json", 0.5, "-o", "v.json"), ("translate", "swirl.json", "0.1,0,0", "-o", "v.json")],
@@ -72,7 +72,8 @@ RUNS = {
                ("made.vdb", "-o", "f.####.png", "--size", "24x24", "--frames", "1-2", "--key", "zoom@1=1", "--key", "zoom@4=1.5")],
     "fit": [("s.obj", "-o", "f.json", "--roots", 9, "--resolution", 17),
             ("pair.vdb", "--grid", "phi", "-o", "f.json", "--roots", 9, "--resolution", 17),
-            ("open.obj", "--repair", "-o", "f.json", "--schedule", "9(VF)", "--resolution", 17)],
+            ("open.obj", "--repair", "-o", "f.json", "--schedule", "9(VF)", "--resolution", 17),
+            ("s.obj", "-o", "f.json", "--roots", 9, "--resolution", 17, "--charge", "g.ply")],
     "info": [("s.obj",), ("made.vdb",)],
     "maps": [()],
     "recipe": [("made.vdb",)],
@@ -90,10 +91,10 @@ LOOK = {"up": "z", "alpha-clarity": "0.02", "delta": "2", "epsilon": "0.05", "az
 VALUES = {
     "fit": {"method": "kim15", "resolution": "15", "alpha": "30", "epsilon": "0.3", "roots": "7", "weights": "layers", "schedule": "11(VF)",
             "smooth": "2", "triangles": "300", "target-iou": "0.3", "seed": "5", "start": "monopoles", "power-penalty": "0.01"},
-    "print": {"size": "50", "up": "z", "resolution": "22", "tolerance": "0.7", "islands": "2", "flat-base": "5",
+    "print": {"longest-side": "50", "target-up": "z", "resolution": "22", "tolerance": "0.7", "islands": "2", "flat-base": "5",
               "min-thickness": "8", "thin": "drop"},
     "render": {**LOOK, "sampling": "trilinear", "passes": "ao", "turn": "90", "key": "zoom@1=3", "ease": "zoom=smooth", "roots": "beside.json"},
-    "slice": {"size": "20", "bits": "16", "units": "mm", "field": "iterations", "range": "0.5", "axis": "x", "position": "0.1", "arrow": "0.1,0.2,0"},
+    "slice": {"size": "20", "bits": "16", "field": "iterations", "range": "0.5", "axis": "x", "position": "0.1", "arrow": "0.1,0.2,0"},
     "study": {"size": "12", "dimension": "11,12,13", "axis": "x", "position": "0.1", "versors": "3"},
     "sheet": {**LOOK, "sampling": "trilinear", "vary": "iterations=1,2", "columns": "1", "preview": ("mesh", "field")},
     "points": {"points": "80", "spacing": "0.4", "seed": "5"},
@@ -101,8 +102,8 @@ VALUES = {
     "versor": {"seed": "5", "roots": "4", "powers": "3:4", "placement": ("cluster", "inside"), "box": "0,0,0,1,1,1",
                "centre": "1,0,0", "radius": "0.3", "texture": "shells"},
     "usd": {"frames": "2", "fps": "12", "meters-per-unit": "0.01", "mesh": "t.ply", "package": "p.usdz"},
-    "convert": {"nvdb-bits": "8"},
-    "sdf": {"band": "5", "config": "half.txt"},
+    "convert": {"nvdb-bits": "8", "grid-names": "phi=d"},
+    "sdf": {"band": "5", "grid-names": "houdini", "config": "half.txt"},
     "": {
         "grid": "surface", "sdf-resolution": "19", "sdf-voxel-size": "0.11", "resolution": "15", "voxel-size": "0.15",
         "repair-gap": "1.2", "solidify": "0.4", "thicken": "0.7", "points-radius": "0.7", "map": ("mandelbulb", "quadratic"),
@@ -115,7 +116,7 @@ VALUES = {
         "texture-symmetry": "3:y", "texture-scale": "1.5", "texture-translate": "0.1,0,0", "origin": "0.1,0,0", "origin-near": "0.4,0,0",
         "origin-shift": "0.1,0,0", "space": "world", "box": "-0.6,-0.5,-0.3,0.7,0.8,0.9", "seed-stride": "32",
         "tolerance": "0.4", "adaptivity": "2", "crumbs": "keep", "largest": "1", "min-size": "0.9", "precision": "double",
-        "grids": "surface,density", "lod": "100%,40%", "attributes": "iterations", "colour": "trap:magma",
+        "grids": "surface,density", "lod": "100%,40%", "grid-names": "surface=shape", "units": "mm", "attributes": "iterations", "colour": "trap:magma",
         "transfer": "weight", "target-up": "z", "up": ("z", "y"), "frame": "3", "frames": ("1-2", "1-3"), "key": "iterations@1=2",
         "ease": "step", "search": ".", "config": "list.txt", "nvdb-bits": "8", "threads": "1", "instructions": "portable", "device": "cpu", "memory": "64G",
         "progress": "json", "mesh": "g.ply", "curve": "c.png", "csv": "c.csv", "report": "r.csv", "plot": "p.png", "charge": "c.ply",
@@ -173,21 +174,21 @@ def content(path):
         return grids(data)
     if path.suffix == ".ply":
         head, mark, body = data.partition(b"end_header\n")
-        return re.sub(rb"comment juliavdb (?!julia_up_axis )[^\n]*\n", b"", head) + mark + body
+        return re.sub(rb"comment juliavdb (?!julia_(?:up_axis|length_unit) )[^\n]*\n", b"", head) + mark + body
     if path.suffix == ".obj":
-        return re.sub(rb"(?m)^# juliavdb (?!julia_up_axis )[^\n]*\n", b"", data)
+        return re.sub(rb"(?m)^# juliavdb (?!julia_(?:up_axis|length_unit) )[^\n]*\n", b"", data)
     if path.suffix == ".glb":
         size = struct.unpack_from("<I", data, 12)[0]
         head = json.loads(data[20:20 + size])
         extras = head["asset"].pop("extras", {})
-        return [head, extras.get("julia_up_axis"), data[20 + size:]]
+        return [head, extras.get("julia_up_axis"), extras.get("julia_length_unit"), data[20 + size:]]
     if path.suffix == ".json" and b'"juliavdb": "rational"' in data:
         return re.sub(rb'\n *"note": [^\n]*\n', b"\n", data)
     return data
 
 
 def grids(data):
-    """The grids of a VDB, from their transforms on, and which axis is up."""
+    """The grids of a VDB, from their transforms on, which axis is up, and the unit."""
     at = 8 + 4 + 4 + 4 + 1 + 36
 
     def number(layout):
@@ -204,7 +205,7 @@ def grids(data):
     def metadata():
         return {text(): (text(), text())[1] for _ in range(number("I"))}
 
-    up, found = metadata().get(b"julia_up_axis"), []
+    said, found = metadata(), []
     for _ in range(number("I")):
         name = text(), text(), text()
         at, _, end = number("q"), number("q"), number("q")
@@ -212,7 +213,7 @@ def grids(data):
         metadata()
         found.append((name, data[at:end]))
         at = end
-    return up, found
+    return said.get(b"julia_up_axis"), said.get(b"julia_length_unit"), found
 
 
 class Options(harness.CliTest):
@@ -471,7 +472,7 @@ class Numbers(harness.CliTest):
                 ("sdf", "open.obj", "--repair", "-o", "d.vdb", "--resolution", 20),
                 ("sdf", "c.obj", "--points-radius", 0.31, "-o", "c.vdb", "--resolution", 20),
                 ("points", "s.obj", "-o", "p.ply", "--spacing", 0.3), ("points", "f.vdb", "-o", "q.ply", "--points", 90),
-                ("print", "f.vdb", "-o", "p.stl", "--size", 60, "--min-thickness", 7, "--flat-base", 2, "--resolution", 30),
+                ("print", "f.vdb", "-o", "p.stl", "--longest-side", 60, "--min-thickness", 7, "--flat-base", 2, "--resolution", 30),
                 ("study", "s.obj", "--alpha", 20, "-o", "s.png", "--size", 16, "--versors", 3, *LOW),
                 ("fit", "s.obj", "-o", "r.json", "--schedule", "9(VF)", "--resolution", 17)]
         for words in runs:

@@ -233,6 +233,27 @@ class Handoff(unittest.TestCase):
         self.assertIn("startTimeCode = 1\n", text)
         self.assertIn("endTimeCode = 3\n", text)
 
+    def test_a_glb_has_the_size_of_its_unit(self):
+        """Blender takes GLBs for metres, and so they have them. Its objects have no scale that would have to be applied."""
+        self.juliavdb("mesh", "p.vdb", "-o", "in.glb", "--units", "in")
+        plain, scaled = self.bring("p.glb"), self.bring("in.glb")
+        self.assertEqual(tuple(scaled.scale), (1, 1, 1))
+        self.assert_same_box([0.0254 * end for end in corners(plain)], corners(scaled), 1e-6, "inches")
+
+    def test_grid_names(self):
+        """The Principled Volume asks for density, temperature and, as its manual has it, color."""
+        self.juliavdb("fractal", "pear.obj", *PLAIN, "--grids", "surface,density", "--attributes", "Cd,trap", "--grid-names",
+                      "blender,trap=temperature", "-o", "n.vdb")
+        grids = self.bring("n.vdb").data.grids
+        self.assertTrue(grids.load())
+        self.assertEqual({grid.name: grid.data_type for grid in grids},
+                         {"surface": "FLOAT", "density": "FLOAT", "color": "VECTOR_FLOAT", "temperature": "FLOAT"})
+        material = bpy.data.materials.new("fog")
+        material.use_nodes = True
+        shader = material.node_tree.nodes.new("ShaderNodeVolumePrincipled")
+        for attribute in ("Density", "Temperature"):
+            self.assertIn(shader.inputs[f"{attribute} Attribute"].default_value, grids.keys())
+
     def test_levels_of_detail(self):
         self.juliavdb("fractal", "pear.obj", *PLAIN, "--mesh", "l.glb", "--lod", "100%,25%,5%")
         bpy.ops.import_scene.gltf(filepath=str(self.folder / "l.glb"))

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The commands of docs/controls.md, textures.md, attributes.md, points.md, printing.md, pictures.md, handoff.md and coming-from.md run as they stand, at a small
-size, and the blocks of a terminal look like what the program says."""
+"""The commands of docs/controls.md, textures.md, attributes.md, points.md, printing.md, pictures.md, handoff.md, unreal.md and
+coming-from.md run as they stand, at a small size, and the blocks of a terminal look like what the program says."""
 import pathlib
 import re
 import tempfile
@@ -25,7 +25,7 @@ def small(block):
 
 class Pages(unittest.TestCase):
     def test_every_command_runs(self):
-        for page in ("controls", "textures", "attributes", "points", "printing", "pictures", "handoff", "coming-from"):
+        for page in ("controls", "textures", "attributes", "points", "printing", "pictures", "handoff", "unreal", "coming-from"):
             text = (ROOT / f"docs/{page}.md").read_text()
             blocks = re.findall(r"```sh\n(.*?)```", text, re.S)
             self.assertTrue(blocks, page)

@@ -205,6 +205,9 @@ def check_surface(surface, recipe, low, high, exact):
     if recipe.value("up", "keep") != "keep" or recipe.value("target-up", "y") != "y":
         low, high = [min(low)] * 3, [max(high)] * 3
         low, high = [min(l, -h) for l, h in zip(low, high)], [max(h, -l) for l, h in zip(low, high)]
+    if recipe.mesh == ".glb" and recipe.has("units"):
+        metres = {"mm": 1e-3, "cm": 1e-2, "m": 1, "in": 0.0254}[recipe.value("units")]
+        low, high = ([metres * c for c in end] for end in (low, high))
     for p in points:
         require(all(l <= c <= h for l, c, h in zip(low, p, high)), "in the box", f"{p} is outside {low}, {high}")
 

@@ -167,6 +167,7 @@ class Draw:
             "repair-gap": length(0, 0.15), "thicken": length(0.12, 0.4), "points-radius": length(0.12, 0.3),
             "solidify": lambda: chance.choice(["", "y:", "z:"]) + self.number(0.2 * size, size),
             "grid": lambda: "",
+            "grid-names": lambda: "houdini",
         }
 
     def guessed(self, option):
@@ -230,7 +231,7 @@ class Draw:
             drawn += [(n, self.function()) for n in ("f", "g")]
         mesh = ".glb" if "lod" in given else chance.choice(FORMATS)
         # Options of a VDB alone have one. The program refuses what else has no effect, and such an option is taken out.
-        vdb = chance.random() < VDB_SHARE or bool({"grids", "half"} & given.keys())
+        vdb = chance.random() < VDB_SHARE or bool({"grids", "half", "grid-names"} & given.keys())
         return Recipe(self.target.name if self.target else None, tuple(lattice + drawn), mesh, vdb)
 
 

@@ -14,6 +14,7 @@
 #include <fstream>
 #include <set>
 #include <sstream>
+#include <utility>
 
 namespace vdbtools {
 namespace {
@@ -225,7 +226,19 @@ void requireVdbVoxel(double voxelSize, std::string_view wayOut) {
   throw std::invalid_argument(text.str());
 }
 
-std::string encodeVdb(const std::vector<openvdb::GridBase::Ptr>& grids, const VdbWriteOptions& options) {
+std::vector<openvdb::GridBase::Ptr> renamed(const std::vector<openvdb::GridBase::Ptr>& grids,
+                                            const std::map<std::string, std::string>& names) {
+  std::vector<openvdb::GridBase::Ptr> result = grids;
+  for (openvdb::GridBase::Ptr& grid : result)
+    if (const auto found = names.find(grid->getName()); found != names.end()) {
+      grid = std::const_pointer_cast<openvdb::GridBase>(std::as_const(*grid).copyGrid());
+      grid->setName(found->second);
+    }
+  return result;
+}
+
+std::string encodeVdb(const std::vector<openvdb::GridBase::Ptr>& given, const VdbWriteOptions& options) {
+  const std::vector<openvdb::GridBase::Ptr> grids = renamed(given, options.names);
   requireDistinctNames(grids);
   openvdb::MetaMap metadata;
   for (const auto& [key, value] : options.metadata) metadata.insertMeta(key, openvdb::StringMetadata(value));
@@ -290,8 +303,10 @@ openvdb::FloatGrid::Ptr chooseFloatGrid(const VdbFile& file, const std::string& 
     const auto floats = openvdb::gridPtrCast<openvdb::FloatGrid>(grid);
     if (floats && (name.empty() || grid->getName() == name)) candidates.push_back(floats);
   }
+  const auto recorded = file.metadata.find(kDistanceGrid);
+  const std::string distances = recorded == file.metadata.end() ? "surface" : recorded->second;
   if (candidates.size() > 1 && name.empty())
-    for (const char* preferred : {"surface", "phi"})
+    for (const std::string& preferred : {distances, std::string("surface"), std::string("phi")})
       for (const auto& candidate : candidates)
         if (candidate->getName() == preferred) return candidate;
   if (candidates.size() != 1)

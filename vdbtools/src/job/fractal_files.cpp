@@ -45,8 +45,8 @@ void writeGrids(const Scene& scene, const std::map<std::string, std::string>& me
     files.vdb->stream() << encodeVdb(result.grids, options);
     return;
   }
-  std::vector<NvdbWritten> written =
-      writeNvdb(files.vdb->stream(), result.grids, {.values = *files.nvdb, .turn = options.turn});
+  std::vector<NvdbWritten> written = writeNvdb(files.vdb->stream(), renamed(result.grids, options.names),
+                                               {.values = *files.nvdb, .turn = options.turn});
   if (files.nvdbReport) *files.nvdbReport = std::move(written);
 }
 
@@ -67,6 +67,8 @@ void addMeshFiles(MeshFiles& meshes, const Scene& scene, const openvdb::BBoxd& b
 VdbWriteOptions vdbWriteOptions(const OutputOptions& output, std::map<std::string, std::string> metadata) {
   VdbWriteOptions options = vdbWriteOptions(output.axes, std::move(metadata));
   options.half = output.half;
+  options.names = output.gridNames;
+  options.metadata.merge(distanceGridMetadata(output.gridNames, "surface"));
   return options;
 }
 

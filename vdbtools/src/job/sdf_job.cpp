@@ -11,6 +11,12 @@
 
 namespace vdbtools {
 
+namespace {
+
+constexpr const char* kGrid = "phi";
+
+}  // namespace
+
 OptionTable sdfOptionTable() {
   std::vector<OptionSpec> options = {
       {.name = "input",
@@ -30,6 +36,8 @@ OptionTable sdfOptionTable() {
       {.name = "half", .help = "write 16-bit floats"},
   };
   for (OptionSpec& option : mendOptionSpecs()) options.insert(options.end() - 1, std::move(option));
+  options.push_back(gridNamesOption());
+  options.back().defaultNote = kGrid;
   for (OptionSpec& option : fileAxesOptionSpecs()) options.push_back(std::move(option));
   return OptionTable(std::move(options));
 }
@@ -46,6 +54,7 @@ SdfOptions parseSdfOptions(const Recipe& recipe) {
   if (!(options.band > 1 && options.band <= 1e6)) reader.refuse("band", "above 1 and at most 1e6");
   options.half = reader.flag("half");
   options.axes = parseFileAxes(reader);
+  options.gridNames = parseGridNames(reader.text("grid-names"), std::vector<std::string>{kGrid});
   return options;
 }
 
@@ -61,13 +70,14 @@ SdfResult runSdf(const SdfOptions& options, Monitor& monitor) {
   requireResolved(options.mend, voxel);
   MeshSdf sdf = makeSdf(*source.solid, sdfBand(voxel, options.band, options.band), options.mend, monitor);
   result.grid = sdf.grid;
-  result.grid->setName("phi");
+  result.grid->setName(kGrid);
   result.moved = sdf.moved;
   result.closedGap = sdf.closedGap;
   result.caps = sdf.caps;
   result.metadata["julia_source_sha256"] = options.mesh ? sha256OfMesh(*options.mesh) : sha256OfFile(options.input);
   // The program reads it back with the grid, and so in the axes of the file.
   result.metadata[kTargetBox] = boxText(UpTurn(options.axes.target, options.axes.ofVdb())(source.box));
+  result.metadata.merge(distanceGridMetadata(options.gridNames, kGrid));
   if (unit) result.metadata[kLengthUnit] = nameOf(*unit);
   if (sdf.moved) result.metadata["julia_repair_moved"] = numbersText({*sdf.moved});
   if (sdf.united > 0) result.metadata[kUnitedParts] = std::to_string(sdf.united);

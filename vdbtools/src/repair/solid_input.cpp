@@ -10,6 +10,7 @@
 #include "vdbtools/mesh_files/mesh_reader.h"
 #include "vdbtools/mesh_files/point_cloud.h"
 #include "vdbtools/recipe/option_value.h"
+#include "vdbtools/recipe/recipe.h"
 #include "vdbtools/repair/mesh_repair.h"
 
 #include <openvdb/tools/SignedFloodFill.h>
@@ -180,6 +181,14 @@ BBoxd boxFromMetadata(const std::string& text, const std::filesystem::path& path
                   "'; it must be six finite numbers with commas between them, the smaller corner first");
 }
 
+/// Whether a grid is the distances that this program made of a mesh.
+bool isOfMesh(const VdbFile& file, const FloatGrid& grid) {
+  if (grid.getName() == "phi") return true;
+  const auto renamed = file.metadata.find(kDistanceGrid);
+  return commandOfMetadata(file.metadata) == "sdf" && renamed != file.metadata.end() &&
+         renamed->second == grid.getName();
+}
+
 }  // namespace
 
 Target readVdbTarget(const std::filesystem::path& path, const std::string& grid) {
@@ -187,7 +196,7 @@ Target readVdbTarget(const std::filesystem::path& path, const std::string& grid)
   const FloatGrid::Ptr phi = chooseFloatGrid(file, grid, path);
   // The project's own SDF records the box of its mesh, half a voxel more exactly than its nodes do.
   std::optional<BBoxd> box;
-  if (const auto found = file.metadata.find(kTargetBox); found != file.metadata.end() && phi->getName() == "phi") {
+  if (const auto found = file.metadata.find(kTargetBox); found != file.metadata.end() && isOfMesh(file, *phi)) {
     box = boxFromMetadata(found->second, path);
   }
   return makeTarget(phi, box);

@@ -5,6 +5,7 @@
 #include "vdbtools/recipe/option_value.h"
 
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 namespace vdbtools {
@@ -109,6 +110,9 @@ std::optional<LengthUnit> recordedUnit(const std::map<std::string, std::string>&
 }
 
 std::optional<LengthUnit> unitOfFile(const std::filesystem::path& path) {
+  // What comes through a pipe can be read once only.
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) return std::nullopt;
   return recordedUnit(isVdbPath(path) ? readVdbMetadata(path) : readMeshComments(path));
 }
 

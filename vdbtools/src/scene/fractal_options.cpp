@@ -61,6 +61,8 @@ std::vector<double> parseLevels(const RecipeReader& reader) {
 
 std::vector<OptionSpec> outputOptionSpecs() {
   const IdleRule noVdb = idleWithout({Product::Vdb}, "a VDB");
+  OptionSpec gridNames = gridNamesOption();
+  gridNames.idle = noVdb;
   return {{.name = "precision",
            .argument = "auto|float|double",
            .defaultValue = "auto",
@@ -70,6 +72,7 @@ std::vector<OptionSpec> outputOptionSpecs() {
            .defaultValue = "surface",
            .help = "the grids of the VDB, a list of surface, density, logmodulus, iterations, versor",
            .idle = noVdb},
+          gridNames,
           {.name = "half", .help = "write 16-bit floats", .idle = noVdb},
           {.name = "lod",
            .argument = "LIST",
@@ -110,6 +113,9 @@ FractalOptions parseFractalOptions(const Recipe& recipe, const MapRegistry& maps
                     .axes = parseFileAxes(reader),
                     .levels = parseLevels(reader),
                     .attributes = parseAttributeOptions(reader)};
+  std::vector<std::string> grids = split(reader.text("grids"), ',');
+  for (const VertexColumn& column : meshColumns(options.output.attributes)) grids.push_back(column.name);
+  options.output.gridNames = parseGridNames(reader.text("grid-names"), grids);
   requireSources(reader, options);
   if (options.lattice.automatic && !options.map->shell())
     reader.refuse("resolution", "a number, as only --map shape-modulus has a texture by which to choose it");

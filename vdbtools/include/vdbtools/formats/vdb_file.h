@@ -20,6 +20,9 @@
 
 namespace vdbtools {
 
+/// The metadata that names the grid of distances in a file of this program, where it has another name than usual.
+inline constexpr const char* kDistanceGrid = "julia_distance_grid";
+
 struct VdbWriteOptions {
   bool half = false;  ///< 16-bit floats on disk: half the size, 3 digits
   /// String metadata of the file and of every grid.
@@ -29,7 +32,13 @@ struct VdbWriteOptions {
   std::optional<UpAxis> up{};
   /// Rotates the grids to these axes through their transforms alone: values, including vectors, stay unchanged.
   UpTurn turn{};
+  /// Names of grids in the file, by those that they have.
+  std::map<std::string, std::string> names{};
 };
+
+/// The grids by the names that they are to have; the others as they are. Values are shared.
+std::vector<openvdb::GridBase::Ptr> renamed(const std::vector<openvdb::GridBase::Ptr>& grids,
+                                            const std::map<std::string, std::string>& names);
 
 /// Checks the voxel size before grids for other programs are made. encodeVdb() does not check it, because files that
 /// only this program reads may have voxels of any size.
@@ -68,8 +77,8 @@ VdbFile readVdb(const std::filesystem::path& path);
 /// @throw  as readVdb()
 std::map<std::string, std::string> readVdbMetadata(const std::filesystem::path& path);
 
-/// Returns the FloatGrid called @a name. If the name is empty, it is the only FloatGrid, or among several the one
-/// called "surface" or "phi".
+/// Returns the FloatGrid called @a name. If the name is empty, it is the only FloatGrid, or among several the one that
+/// the file's metadata name (kDistanceGrid), or else the one called "surface" or "phi".
 /// @throw DataError  there is no such grid, it is of another type, or the choice is ambiguous; the message lists the
 ///                   grids
 openvdb::FloatGrid::Ptr chooseFloatGrid(const VdbFile& file, const std::string& name,

@@ -10,6 +10,7 @@
 #include "vdbtools/recipe/recipe.h"
 #include "vdbtools/repair/mend_options.h"
 #include "vdbtools/scene/file_axes.h"
+#include "vdbtools/scene/grid_names.h"
 
 #include <cstddef>
 #include <filesystem>
@@ -28,6 +29,7 @@ struct SdfOptions {
   double band = 3;  ///< voxels on each side, above 1
   bool half = false;
   FileAxes axes;
+  GridNames gridNames{};  ///< of the one grid, which is called "phi"
 };
 
 OptionTable sdfOptionTable();

@@ -9,6 +9,7 @@
 #include "vdbtools/recipe/recipe.h"
 #include "vdbtools/scene/attribute_options.h"
 #include "vdbtools/scene/file_axes.h"
+#include "vdbtools/scene/grid_names.h"
 #include "vdbtools/surface/surface_options.h"
 #include "vdbtools/target/space_options.h"
 #include "vdbtools/target/target_input.h"
@@ -32,6 +33,7 @@ struct OutputOptions {
   FileAxes axes;
   std::vector<double> levels{};  ///< of detail in a GLB besides the mesh itself: shares of its triangles, falling
   AttributeOptions attributes;   ///< of the mesh and, by the same names, of the VDB
+  GridNames gridNames{};         ///< of both kinds of grids, in a file of grids
 };
 
 struct FractalOptions {

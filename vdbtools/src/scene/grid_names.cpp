@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdbtools/scene/grid_names.h"
+
+#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/recipe/option_value.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace vdbtools {
+namespace {
+
+constexpr const char* kGridNames = "grid-names";
+
+struct Naming {
+  const char* program;
+  std::vector<std::pair<const char*, const char*>> names;
+};
+
+/// As the programs' documentation has them (docs/handoff.md). Densities have the name "density" everywhere.
+const std::vector<Naming>& namings() {
+  static const std::vector<Naming> all = {{"houdini", {{"phi", "surface"}}},
+                                          {"blender", {{"phi", "surface"}, {"Cd", "color"}}},
+                                          {"unreal", {{"phi", "surface"}, {"Cd", "color"}}},
+                                          {"arnold", {{"phi", "surface"}, {"Cd", "color"}}}};
+  return all;
+}
+
+std::string listOf(std::span<const std::string> words) {
+  std::string list;
+  for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
+  return list;
+}
+
+bool isGridName(const std::string& name) {
+  return !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '.';
+  });
+}
+
+void addPair(const std::string& text, const std::string& pair, std::span<const std::string> grids, GridNames& names) {
+  const std::size_t equals = pair.find('=');
+  const std::string own = pair.substr(0, equals), name = pair.substr(equals + 1);
+  if (std::find(grids.begin(), grids.end(), own) == grids.end())
+    throw std::invalid_argument("--grid-names is '" + text + "', but there is no grid '" + own + "' here; there are " +
+                                listOf(grids));
+  if (!isGridName(name)) refuse(kGridNames, text, "a list of names that consist of letters, digits, '_' and '.'");
+  names[own] = name;
+}
+
+void requireDistinct(const std::string& text, std::span<const std::string> grids, const GridNames& names) {
+  std::map<std::string, std::string> taken;
+  for (const std::string& own : grids) {
+    const auto found = names.find(own);
+    const std::string& name = found == names.end() ? own : found->second;
+    const auto [other, isNew] = taken.emplace(name, own);
+    if (!isNew)
+      throw std::invalid_argument("--grid-names is '" + text + "', which calls both the grid '" + other->second +
+                                  "' and the grid '" + own + "' '" + name + "'; give one of them another name");
+  }
+}
+
+}  // namespace
+
+OptionSpec gridNamesOption() {
+  return {.name = kGridNames,
+          .argument = "houdini|blender|unreal|arnold|NAME=NEW,...",
+          .help =
+              "the names of the grids as the volume shader of a program finds them, or single ones, such as "
+              "trap=temperature, or both, as in blender,trap=temperature",
+          .defaultNote = "the names of --grids and --attributes"};
+}
+
+GridNames parseGridNames(const std::string& text, std::span<const std::string> grids) {
+  if (text.empty()) return {};
+  GridNames names;
+  bool isFirst = true;
+  for (const std::string& part : split(text, ',')) {
+    if (part.find('=') != std::string::npos) {
+      addPair(text, part, grids, names);
+    } else {
+      const auto naming =
+          std::find_if(namings().begin(), namings().end(), [&](const Naming& known) { return known.program == part; });
+      if (naming == namings().end() || !isFirst)
+        refuse(kGridNames, text,
+               "houdini, blender, unreal, arnold, or pairs NAME=NEW, behind the program if there is one");
+      for (const auto& [own, name] : naming->names)
+        if (std::find(grids.begin(), grids.end(), own) != grids.end()) names[own] = name;
+    }
+    isFirst = false;
+  }
+  requireDistinct(text, grids, names);
+  return names;
+}
+
+std::map<std::string, std::string> distanceGridMetadata(const GridNames& names, const std::string& own) {
+  const auto found = names.find(own);
+  if (found == names.end()) return {};
+  return {{kDistanceGrid, found->second}};
+}
+
+}  // namespace vdbtools
