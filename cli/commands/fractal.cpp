@@ -32,7 +32,8 @@ constexpr Usage kFractalUsage = {
     "surface. The distances of a VDB input are used as they are. The maps quadratic, cross and mandelbulb make sets of "
     "their own, without a target, within the ball from which no orbit has escaped, or within a --box.\n\n"
     "With --frames it makes a sequence, one frame after the other. Names such as in.####.obj and out.####.vdb have a "
-    "place for the frame, and --key says what an option is at some frames ('juliavdb plan frames --help'). A frame "
+    "place for the frame, an animated glTF is played, and --key says what an option is at some frames ('juliavdb plan "
+    "frames --help'). A frame "
     "whose files are there and were made by the same options from the same inputs is kept.",
     "  juliavdb fractal bunny.obj -o bunny.vdb --mesh bunny.ply --resolution 150\n"
     "  juliavdb fractal bunny.obj -o bunny.nvdb --nvdb-bits 8 --resolution 100\n"

@@ -12,6 +12,7 @@
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/versor_file.h"
 #include "vdbtools/mesh/mesh.h"
+#include "vdbtools/mesh_files/mesh_animation.h"
 #include "vdbtools/mesh_files/mesh_names.h"
 #include "vdbtools/mesh_files/mesh_reader.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
@@ -82,6 +83,8 @@ void addParts(const vdbtools::Mesh& mesh, const std::string& path, Json& info) {
     for (const vdbtools::VertexAttribute& attribute : mesh.attributes) info["attributes"].push_back(attribute.name);
   }
   if (!mesh.cornerUvs.empty()) info["texture coordinates"] = true;
+  for (const vdbtools::MeshAnimation& animation : vdbtools::readAnimations(path))
+    info["animations"].push_back({{"name", animation.name}, {"seconds", {animation.first, animation.last}}});
   const vdbtools::MeshNames names = vdbtools::readMeshNames(path);
   if (!names.materials.empty()) info["materials"] = names.materials;
   if (!names.groups.empty()) info["groups"] = names.groups;

@@ -29,7 +29,8 @@ constexpr Usage kPlanFramesUsage = {
     "  --ease smooth    a + (b - a) (3 t^2 - 2 t^3), which starts and ends at rest\n"
     "  --ease step      a, up to the frame of b; for options that are no numbers\n\n"
     "The name of a target, a versor or another file may hold a place for the frame, as in in.####.obj, in.$F4.obj or "
-    "in.%04d.obj. All files must exist; the plan holds their hashes, and a task whose file has changed fails.",
+    "in.%04d.obj. A glTF that is animated is played: each frame has its number as --target-frame, unless that is given "
+    "or has keys. All files must exist; the plan holds their hashes, and a task whose file has changed fails.",
     "  juliavdb plan frames bunny.obj --frames 1-48 -o grow --key alpha@1=20 --key alpha@48=120 --resolution 100\n"
     "  juliavdb plan frames bunny.obj --frames 1-24 -o turn --key versor-translate@1=0,0,0 \\\n"
     "      --key versor-translate@24=0.2,0,0 --ease smooth --make vdb,ply --resolution 100\n",
@@ -49,6 +50,7 @@ vdbtools::farm::FramePlanOptions parseFrameOptions(const CommandLine& line, cons
       .base = withFoundFiles(line, line.givenRecipe(), line.configHolder()),
       .keys = vdbtools::farm::parseKeys(line.texts("key"), line.texts("ease"), vdbtools::fractalOptionTable()),
       .frames = vdbtools::farm::parseFrames(line.text("frames"))};
+  vdbtools::farm::playTarget(options);
   const vdbtools::OptionTable table = vdbtools::fractalOptionTable();
   const vdbtools::Recipe typed = line.given();
   std::set<std::string> names = line.typedNames();

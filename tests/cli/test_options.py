@@ -19,6 +19,7 @@ import struct
 import pyopenvdb
 
 import harness
+import test_animation
 from harness import DONE, USAGE
 
 LOW = ("--resolution", 14, "--sdf-resolution", 16)
@@ -42,6 +43,7 @@ RUNS = {
         ("--map", "mandelbulb", "--mesh", "f.obj", "--resolution", 14),
         ("--map", "cross", "--scheme", 5, "-o", "f.vdb", "--resolution", 14),
         ("s.obj", "-o", "f.####.vdb", "--frames", "1-3", "--key", "detail@1=0.2", "--key", "detail@3=0.4", *LOW),
+        ("walk.gltf", "-o", "f.vdb", "--target-frame", 18, *LOW),
     ],
     "sdf": [("s.obj", "-o", "f.vdb", "--resolution", 14), ("s.obj", "-o", "f.nvdb", "--resolution", 14), ("open.obj", "--repair", "-o", "f.vdb", "--resolution", 14),
             ("s.obj", "-o", "f.####.vdb", "--resolution", 14, "--frames", "1-2")],
@@ -118,7 +120,7 @@ VALUES = {
         "tolerance": "0.4", "adaptivity": "2", "crumbs": "keep", "largest": "1", "min-size": "0.9", "precision": "double",
         "grids": "surface,density", "lod": "100%,40%", "grid-names": "surface=shape", "units": "mm", "attributes": "iterations", "colour": "trap:magma",
         "transfer": "weight", "target-up": "z", "up": ("z", "y"), "frame": "3", "frames": ("1-2", "1-3"), "key": "iterations@1=2",
-        "ease": "step", "search": ".", "config": "list.txt", "nvdb-bits": "8", "threads": "1", "instructions": "portable", "device": "cpu", "memory": "64G",
+        "target-frame": "24", "target-fps": "30", "target-animation": "jump", "ease": "step", "search": ".", "config": "list.txt", "nvdb-bits": "8", "threads": "1", "instructions": "portable", "device": "cpu", "memory": "64G",
         "progress": "json", "mesh": "g.ply", "curve": "c.png", "csv": "c.csv", "report": "r.csv", "plot": "p.png", "charge": "c.ply",
     },
 }
@@ -235,6 +237,7 @@ class Options(harness.CliTest):
         self.write("fin.obj", harness.obj(([(x, 0.05 * y if x > 0.3 else y, z) for x, y, z in points], faces)))
         self.write("swirl.json", harness.rational_json(harness.ROOTS))
         self.write("roots.json", harness.rational_json(harness.ROOTS[:2]))
+        self.write("walk.gltf", test_animation.walk().text())
         self.write("list.txt", "iterations = 2\n")
         self.write("half.txt", "half = true\n")
         self.ok("sdf", "s.obj", "-o", "s.vdb", "--resolution", 20)

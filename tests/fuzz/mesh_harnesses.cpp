@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Meshes: what the readers give must be a mesh that the program can work with.
 #include "harness.h"
+#include "mesh_files/face_names.h"
 #include "mesh_files/format_readers.h"
 
 #include "vdbtools/base/errors.h"
@@ -49,11 +50,30 @@ void readMesh(const char* name, std::string_view bytes) {
   requireWhole(vdbtools::asPoints(std::move(mesh)));
 }
 
+Mesh readStill(const std::filesystem::path& path, std::string_view bytes) { return vdbtools::readGltf(path, bytes); }
+
+Mesh readPlayed(const std::filesystem::path& path, std::string_view bytes) {
+  return vdbtools::readGltf(path, bytes, vdbtools::MeshMoment{.seconds = 0.5, .animation = "all"});
+}
+
 void readGltf(const char* name, std::string_view bytes) {
   try {
-    readMesh<vdbtools::readGltf, true>(name, bytes);
+    try {
+      vdbtools::readAnimations(scratchFile(name, bytes));
+      readMesh<readPlayed, true>(name, bytes);
+    } catch (const vdbtools::DataError&) {  // it may still be read without an animation
+    }
+    readMesh<readStill, true>(name, bytes);
   } catch (const vdbtools::MissingInputError&) {  // a buffer that it names
   }
+}
+
+/// A library by itself, and as that of a mesh.
+void readMtl(std::string_view bytes) {
+  vdbtools::readMaterialColours("library.mtl", bytes);
+  scratchFile("library.mtl", bytes);
+  const std::string_view obj = "mtllib library.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\nusemtl n\nf 3 2 1\n";
+  readMesh<vdbtools::readObj, false>("mesh.obj", obj);
 }
 
 void put32(std::span<std::uint8_t> bytes, std::size_t at, std::size_t value) {
@@ -95,9 +115,10 @@ std::size_t mutateGlb(std::span<std::uint8_t> bytes, std::size_t size, unsigned 
   return whole;
 }
 
-constexpr std::array<Harness, 6> kMeshHarnesses = {{
+constexpr std::array<Harness, 7> kMeshHarnesses = {{
     {"ply", [](std::string_view bytes) { readMesh<vdbtools::readPly, false>("mesh.ply", bytes); }},
     {"obj", [](std::string_view bytes) { readMesh<vdbtools::readObj, false>("mesh.obj", bytes); }},
+    {"mtl", readMtl},
     {"stl", [](std::string_view bytes) { readMesh<vdbtools::readStl, true>("mesh.stl", bytes); }},
     {"off", [](std::string_view bytes) { readMesh<vdbtools::readOff, false>("mesh.off", bytes); }},
     {"glb", [](std::string_view bytes) { readGltf("mesh.glb", bytes); }, Refusal::Data, mutateGlb},

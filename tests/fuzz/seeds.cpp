@@ -77,6 +77,12 @@ void addMeshes(Seeds& seeds) {
       "# by hand\nmtllib a.mtl\no part\nv 0 0 0 1 0 0\nv 1 0 0\nv 1 1 0 1.0\nv 0 1 0\nv 0.5 0.4 0\nvt 0 0\nvt 1 0\nvt "
       "1 "
       "1 0\nvn 0 0 1\nusemtl m\ns 1\nf 1/1/1 2/2/1 3/3/1\nf -5 -4 -3 \\\n -2 -1\nf 1//1 3//1 4//1\nfo 1 2 5\nl 1 2\n");
+  add("mtl", "text",
+      "# by hand\nnewmtl m\nKa 0 0 0\nKd 0.5 0.25 1\nd 1\nmap_Kd a.png\nnewmtl n\nKd xyz 1 2 3\nKd spectral f.rfl "
+      "1\nKd 0.5\n");
+  add("obj", "names",
+      "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\no one\ng a b\nusemtl m\nf 1 2 3\ng c\nusemtl n\nf 3 2 1\ng a\nf 2 1 "
+      "3\n");
   add("stl", "own", written({.format = MeshFormat::Stl}));
   add("stl", "text",
       "solid a name\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1e-1 0\nendloop\nendfacet\n"
@@ -98,6 +104,33 @@ void addMeshes(Seeds& seeds) {
       R"("bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":6}],"buffers":[)"
       R"({"byteLength":42,"uri":"data:application/octet-stream;base64,)"
       R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIA"}]})");
+  add("gltf", "animated",
+      R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0,"skin":0,"children":[1]},{"children":[2]},{},{"mesh":0,"sc)"
+      R"(ale":[1,1,1]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0,"JOINTS_0":2,"WEIGHTS_0":3},"indices)"
+      R"(":1,"targets":[{"POSITION":10}]}],"weights":[0.5]}],"skins":[{"joints":[1,2],"inverseBindMatrices":4}],")"
+      R"(animations":[{"name":"a","channels":[{"sampler":0,"target":{"node":1,"path":"translation"}},{"sampler":1)"
+      R"(,"target":{"node":2,"path":"rotation"}},{"sampler":2,"target":{"node":3,"path":"scale"}},{"sampler":3,"t)"
+      R"(arget":{"node":3,"path":"weights"}}],"samplers":[{"input":5,"output":6},{"input":5,"output":7,"interpola)"
+      R"(tion":"LINEAR"},{"input":5,"output":8,"interpolation":"CUBICSPLINE"},{"input":5,"output":9,"interpolatio)"
+      R"(n":"STEP"}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},{"bufferView":1)"
+      R"(,"componentType":5123,"count":3,"type":"SCALAR"},{"bufferView":2,"componentType":5121,"count":3,"type":")"
+      R"(VEC4"},{"bufferView":3,"componentType":5126,"count":3,"type":"VEC4"},{"bufferView":4,"componentType":512)"
+      R"(6,"count":2,"type":"MAT4"},{"bufferView":5,"componentType":5126,"count":2,"type":"SCALAR"},{"bufferView")"
+      R"(:6,"componentType":5126,"count":2,"type":"VEC3"},{"bufferView":7,"componentType":5126,"count":2,"type":")"
+      R"(VEC4"},{"bufferView":8,"componentType":5126,"count":6,"type":"VEC3"},{"bufferView":9,"componentType":512)"
+      R"(6,"count":2,"type":"SCALAR"},{"componentType":5126,"count":3,"type":"VEC3","sparse":{"count":1,"indices")"
+      R"(:{"bufferView":11,"componentType":5123},"values":{"bufferView":10}}}],"bufferViews":[{"buffer":0,"byteOf)"
+      R"(fset":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":6},{"buffer":0,"byteOffset":44,"byteLe)"
+      R"(ngth":12},{"buffer":0,"byteOffset":56,"byteLength":48},{"buffer":0,"byteOffset":104,"byteLength":128},{")"
+      R"(buffer":0,"byteOffset":232,"byteLength":8},{"buffer":0,"byteOffset":240,"byteLength":24},{"buffer":0,"by)"
+      R"(teOffset":264,"byteLength":32},{"buffer":0,"byteOffset":296,"byteLength":72},{"buffer":0,"byteOffset":36)"
+      R"(8,"byteLength":8},{"buffer":0,"byteOffset":376,"byteLength":12},{"buffer":0,"byteOffset":388,"byteLength)"
+      R"(":2}],"buffers":[{"byteLength":390,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAA)"
+      R"(AAAAAAAAAAAAAAAgD8AAAAAAAABAAIAAAAAAQAAAAEAAAABAAAAAIA/AAAAAAAAAAAAAAAAAAAAPwAAAD8AAAAAAAAAAAAAAAAAAIA/A)"
+      R"(AAAAAAAAAAAAIA/AAAAAAAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAAAAAAIA/AACAPwAAA)"
+      R"(AAAAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAAAAAACAPwAAAAAAAIA/AAAAAAAAAAAAAAAAA)"
+      R"(ACAPwAAAEAAAEBAAAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAmpkZP83MTD8AAAAAAAAAAAAAAAAAAIA/AACAPwAAgD8AAAAAAAAAAAAAA)"
+      R"(AAAAAAAAAAAAAAAAAAAAABAAAAAQAAAAEAAAAAAAAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAACAPwIA"}]})");
 }
 
 /// In few leaves, so that the file is small: its lowest corner is at the origin.

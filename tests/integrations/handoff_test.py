@@ -146,6 +146,69 @@ class Handoff(unittest.TestCase):
         volume = self.bring("p.vdb")
         self.assert_same_box(source, corners(surface_of(volume)), self.voxel, "p.vdb")
 
+    def animated_pear(self):
+        """A pear with Z up that a bone bends, a shape key swells, and an object moves; exported as walk.glb."""
+        points, faces = pear()
+        points = numpy.stack([points[:, 0], -points[:, 2], points[:, 1]], 1)
+        data = bpy.data.meshes.new("pear")
+        data.from_pydata([tuple(point) for point in points], [], faces)
+        thing = bpy.data.objects.new("pear", data)
+        bpy.context.scene.collection.objects.link(thing)
+        thing.shape_key_add(name="Basis")
+        swollen = thing.shape_key_add(name="swollen")
+        for i, (x, y, z) in enumerate(points):
+            swollen.data[i].co = (x + 0.4 * max(0, x), y, z)
+        for frame, value in ((1, 0), (20, 1)):
+            swollen.value = value
+            swollen.keyframe_insert("value", frame=frame)
+
+        bpy.ops.object.armature_add()
+        rig = bpy.context.object
+        bpy.ops.object.mode_set(mode="EDIT")
+        low = rig.data.edit_bones[0]
+        low.name, low.head, low.tail = "low", (0.3, -0.2, -0.7), (0.3, -0.2, 0.8)
+        high = rig.data.edit_bones.new("high")
+        high.head, high.tail, high.parent = low.tail, (0.3, -0.2, 2.3), low
+        bpy.ops.object.mode_set(mode="OBJECT")
+        thing.parent = rig
+        for name, share in (("low", lambda t: 1 - t), ("high", lambda t: t)):
+            group = thing.vertex_groups.new(name=name)
+            for i, point in enumerate(points):
+                group.add([i], share(min(max((point[2] + 0.2) / 2, 0), 1)), "REPLACE")
+        thing.modifiers.new("Armature", "ARMATURE").object = rig
+        bone = rig.pose.bones["high"]
+        bone.rotation_mode = "QUATERNION"
+        for frame, turn, place in ((1, (1, 0, 0, 0), (0, 0, 0)), (20, (0.9, 0.3, 0.1, 0.3), (1, 2, -0.5))):
+            bone.rotation_quaternion = turn
+            bone.keyframe_insert("rotation_quaternion", frame=frame)
+            rig.location = place
+            rig.keyframe_insert("location", frame=frame)
+        bpy.context.scene.frame_end = 20
+        bpy.context.scene.render.fps = 24
+        bpy.context.scene.frame_set(1)
+        bpy.ops.export_scene.gltf(filepath=str(self.folder / "walk.glb"), export_format="GLB")
+        return thing
+
+    def test_an_animated_gltf_is_what_blender_shows(self):
+        """The surface at a frame, against the points that Blender itself shows there."""
+        thing = self.animated_pear()
+        for frame in (1, 7, 20):
+            bpy.context.scene.frame_set(frame)
+            shown = evaluated(thing)
+            corners = [tuple(shown.matrix_world @ vertex.co) for vertex in shown.data.vertices]
+            polygons = [tuple(polygon.vertices) for polygon in shown.data.polygons]
+            self.juliavdb("fractal", "walk.glb", "--target-frame", str(frame), "--target-animation", "all", *PLAIN, "--up", "keep",
+                          "--mesh", "found.obj")
+            lines = [line.split() for line in (self.folder / "found.obj").read_text().splitlines()]
+            # Of glTF's axes, Y up, to Blender's.
+            found = [(float(w[1]), -float(w[3]), float(w[2])) for w in lines if w[:1] == ["v"]]
+            faces = [tuple(int(c.split("/")[0]) - 1 for c in w[1:]) for w in lines if w[:1] == ["f"]]
+            for one, others, what in ((BVHTree.FromPolygons(corners, polygons), found, "found"),
+                                      (BVHTree.FromPolygons(found, faces), corners, "shown")):
+                self.assertGreater(len(others), 300)
+                worst = max(one.find_nearest(point)[3] for point in others)
+                self.assertLess(worst, self.voxel / 2, f"{what} at frame {frame}")
+
     def test_usd_lies_there_too(self):
         """Debian's Blender cannot read USD: what the scene says is read here as text."""
         source = corners(self.bring("pear.obj"))

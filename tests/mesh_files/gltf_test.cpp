@@ -16,6 +16,7 @@
 #include <cstring>
 #include <random>
 #include <sstream>
+#include <tuple>
 
 namespace {
 
@@ -299,6 +300,44 @@ TEST(Gltf, NodesPlaceTheirMeshes) {
   const MeshReport report = reportMesh(mesh);
   EXPECT_TRUE(report.closed());
   EXPECT_NEAR(report.volume, (8 + 1) / 6.0, 1e-12) << "a mirrored mesh keeps its orientation";
+}
+
+TEST(Gltf, InstancesAreNodes) {
+  // Two instances, moved, turned and scaled: the same surface as that of two nodes.
+  const float half = std::sqrt(0.5F);
+  const std::string places = packedNumbers<float>({5, 0, 0, 0, 7, 0}) +
+                             packedNumbers<float>({0, 0, half, half, 0, 0, 0, 1}) +
+                             packedNumbers<float>({2, 2, 2, 1, 1, 3});
+  Json instanced = tetrahedron();
+  instanced["nodes"][0]["translation"] = {0, 0, 10};
+  instanced["nodes"][0]["extensions"] = {
+      {"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", 2}, {"ROTATION", 3}, {"SCALE", 4}}}}}};
+  instanced["buffers"].push_back(
+      {{"byteLength", places.size()}, {"uri", "data:application/octet-stream;base64," + base64(places)}});
+  for (const auto& [offset, size, type] : {std::tuple(0, 24, "VEC3"), {24, 32, "VEC4"}, {56, 24, "VEC3"}}) {
+    instanced["bufferViews"].push_back({{"buffer", 1}, {"byteOffset", offset}, {"byteLength", size}});
+    instanced["accessors"].push_back(
+        {{"bufferView", instanced["bufferViews"].size() - 1}, {"componentType", 5126}, {"count", 2}, {"type", type}});
+  }
+  Json nodes = tetrahedron();
+  const double turn = static_cast<double>(half);
+  nodes["nodes"] =
+      Json::array({{{"children", {1, 2}}, {"translation", {0, 0, 10}}},
+                   {{"mesh", 0}, {"translation", {5, 0, 0}}, {"rotation", {0, 0, turn, turn}}, {"scale", {2, 2, 2}}},
+                   {{"mesh", 0}, {"translation", {0, 7, 0}}, {"scale", {1, 1, 3}}}});
+  const Mesh one = readJson(instanced), other = readJson(nodes);
+  EXPECT_EQ(one.triangles, other.triangles);
+  EXPECT_EQ(one.points, other.points);
+
+  for (const auto& [path, value, why] :
+       {std::tuple("/nodes/0/extensions/EXT_mesh_gpu_instancing", Json(7), "attributes"),
+        {"/accessors/3/count", Json(1), "instances"},
+        {"/accessors/2/type", Json("VEC2"), "instances"},
+        {"/accessors/4/count", Json(9), "does not lie within"}}) {
+    Json bad = instanced;
+    bad[Json::json_pointer(path)] = value;
+    expectRefused(bad, why);
+  }
 }
 
 TEST(Gltf, CornersOfSeamsAreJoined) {

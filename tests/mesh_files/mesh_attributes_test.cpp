@@ -52,6 +52,66 @@ TEST(MeshAttributes, ThereAreNoneWhereTheFileHasNone) {
                                    kPlyEnd + "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n"));
 }
 
+/// Two squares side by side, of four triangles: the middle edge has faces of both.
+const std::string kTwoSquares =
+    "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\nv 9 9 9\n"
+    "g left part\nusemtl stone age\nf 1 2 5\nusemtl stone age\nf 1 5 4\ng right\nusemtl moss:1\nf 2 3 6\nf 2 6 5\n";
+
+const Values& valuesOf(const Mesh& mesh, const std::string& name) {
+  static const Values none;
+  for (const vdbtools::VertexAttribute& attribute : mesh.attributes)
+    if (attribute.name == name) return attribute.values;
+  ADD_FAILURE() << "there is no attribute " << name;
+  return none;
+}
+
+TEST(MeshAttributes, MaterialsAndGroupsOfObjAreSharesOfFaces) {
+  const Mesh mesh = readText("a.obj", "mtllib nowhere.mtl\n" + kTwoSquares);
+  EXPECT_EQ(namesOf(mesh),
+            (std::vector<std::string>{"material_stone", "material_moss_1", "group_left", "group_right"}));
+  // Point 2 has a face on the left and two on the right, point 5 two and one; point 7 has none.
+  const float third = 1.0F / 3;
+  EXPECT_EQ(valuesOf(mesh, "group_left"), (Values{1, third, 0, 1, 2.0F / 3, 0, 0}));
+  for (std::size_t p = 0; p < 6; ++p)
+    EXPECT_FLOAT_EQ(valuesOf(mesh, "group_left")[p] + valuesOf(mesh, "group_right")[p], 1);
+  EXPECT_EQ(valuesOf(mesh, "material_stone"), valuesOf(mesh, "group_left"));
+  EXPECT_EQ(valuesOf(mesh, "material_moss_1"), valuesOf(mesh, "group_right"));
+  // What all faces share says nothing.
+  expectNone(readText("b.obj", "g all\nusemtl one\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
+  // Faces may precede their points, and a name may come back.
+  const Mesh again = readText("c.obj", "g a\nf 1 2 3\ng b\nf 1 3 2\ng a\nf 2 1 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n");
+  EXPECT_EQ(namesOf(again), (std::vector<std::string>{"group_a", "group_b"}));
+  EXPECT_EQ(valuesOf(again, "group_a"), (Values{2.0F / 3, 2.0F / 3, 2.0F / 3}));
+}
+
+TEST(MeshAttributes, ManyGroupsAreNotAttributes) {
+  std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  for (int group = 0; group < 1000; ++group) obj += "g part" + std::to_string(group) + "\nf 1 2 3\n";
+  EXPECT_EQ(readText("a.obj", obj).attributes.size(), 32U);
+}
+
+TEST(MeshAttributes, ColoursOfALibraryAreTheMeanOfFaces) {
+  const TemporaryFolder folder;
+  folder.write("a b.mtl", "# made by hand\nnewmtl stone\nKa 9 9 9\nKd 0.5 0.25 1\nnewmtl moss:1\nKd 0.25\n");
+  const Mesh mesh = readMesh(folder.write("a.obj", "mtllib a b.mtl\n" + kTwoSquares));
+  EXPECT_EQ(namesOf(mesh), (std::vector<std::string>{"red", "green", "blue", "material_stone", "material_moss_1",
+                                                     "group_left", "group_right"}));
+  EXPECT_EQ(valuesOf(mesh, "red"), (Values{0.5F, 1.0F / 3, 0.25F, 0.5F, 1.25F / 3, 0.25F, 1}));
+  EXPECT_EQ(valuesOf(mesh, "blue")[0], 1);
+  // Colours behind the points come first, and a library elsewhere is not read.
+  const Mesh painted =
+      readMesh(folder.write("p.obj", "mtllib a b.mtl\nv 0 0 0 0 0 1\nv 1 0 0\nv 0 1 0\nusemtl stone\nf 1 2 3\n"));
+  EXPECT_EQ(valuesOf(painted, "red"), (Values{0, 1, 1}));
+  std::filesystem::create_directories(folder.path() / "below");
+  EXPECT_EQ(namesOf(readMesh(folder.write("below/a.obj", "mtllib ../a b.mtl\n" + kTwoSquares))).front(),
+            "material_stone");
+  for (const char* bad :
+       {"newmtl stone\nKd 0.5 x 1\n", "Kd 1 1 1\n", "newmtl stone\nKd nan 0 0\n", "newmtl stone\nKd\n"}) {
+    folder.write("a b.mtl", bad);
+    EXPECT_THROW(readMesh(folder.path() / "a.obj"), DataError) << bad;
+  }
+}
+
 TEST(MeshAttributes, AreTheNumbersOfPlyVertices) {
   const Mesh mesh = readText(
       "a.ply", kPlyStart +

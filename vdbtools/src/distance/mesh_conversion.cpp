@@ -62,7 +62,11 @@ double nodesOfBand(double area, const openvdb::BBoxd& box, const MeshToSdfOption
 
 double bytesOfBand(double area, double nodes) { return kBytesForArea * area + kBytesForNode * nodes; }
 
-/// The frames of triangles are made once if they take no more memory than the distances do at least.
+/// The share of the memory that is left which the frames of triangles may take.
+constexpr double kShareForFrames = 0.125;
+
+/// The frames of triangles are made once if they take no more memory than the distances do at least, or little of what
+/// is left. Meshes of many triangles in a voxel need this most: each triangle is near many blocks.
 TriangleTree::Frames framesFor(const std::vector<Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,
                                const MeshToSdfOptions& options) {
   double area = 0;
@@ -72,8 +76,9 @@ TriangleTree::Frames framesFor(const std::vector<Vec3d>& points, const std::vect
     for (int c = 0; c < 3; ++c) box.expand(points[t[c]]);
   }
   const auto bytes = static_cast<double>(triangles.size() * TriangleTree::kFrameBytes);
-  return bytes <= bytesOfBand(area, nodesOfBand(area, box, options)) ? TriangleTree::Frames::Once
-                                                                     : TriangleTree::Frames::ForEachBlock;
+  const bool isLittle =
+      bytes <= bytesOfBand(area, nodesOfBand(area, box, options)) || bytes <= kShareForFrames * memoryLeft().bytes;
+  return isLittle ? TriangleTree::Frames::Once : TriangleTree::Frames::ForEachBlock;
 }
 
 /// Leaf values are scaled in parallel; tiles and the background are few.

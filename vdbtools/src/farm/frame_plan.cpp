@@ -4,17 +4,22 @@
 #include "farm/variant_plan.h"
 
 #include "vdbtools/files/frame_name.h"
+#include "vdbtools/mesh_files/mesh_animation.h"
 #include "vdbtools/recipe/option_name.h"
 #include "vdbtools/recipe/option_value.h"
 #include "vdbtools/scene/fractal_options.h"
 #include "vdbtools/scene/scene.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <set>
 #include <stdexcept>
+#include <system_error>
 
 namespace vdbtools::farm {
 namespace {
+
+constexpr const char* kTargetFrame = "target-frame";
 
 /// The options of a recipe that name a different file for each frame.
 std::vector<std::string> animatedFiles(const Recipe& recipe, const OptionTable& table) {
@@ -33,6 +38,21 @@ std::string nameFor(const FramePlanOptions& options, const OptionTable& table) {
 }
 
 }  // namespace
+
+void playTarget(FramePlanOptions& options) {
+  const auto input = options.base.find("input");
+  if (input == options.base.end() || !isGltfPath(input->second) || hasFramePattern(input->second)) return;
+  const bool isChosen = options.base.contains(kTargetFrame) ||
+                        std::any_of(options.keys.begin(), options.keys.end(),
+                                    [](const KeyedOption& option) { return option.name == kTargetFrame; });
+  // A file that is missing is named with the others.
+  std::error_code error;
+  if (isChosen || !std::filesystem::is_regular_file(input->second, error)) return;
+  if (readAnimations(input->second).empty()) return;
+  KeyedOption played{.name = kTargetFrame};
+  for (const int frame : options.frames) played.keys[frame] = std::to_string(frame);
+  options.keys.push_back(std::move(played));
+}
 
 Recipe recipeAt(const FramePlanOptions& options, int frame) {
   const OptionTable table = fractalOptionTable();

@@ -150,7 +150,7 @@ std::string targetKey(const TargetOptions& options) {
   const std::string text = options.input.expectedHash + lowerExtension(options.input.path) +
                            (voxels.voxelSize ? " voxels of " + numbersText({*voxels.voxelSize})
                                              : " voxels " + numbersText({voxels.resolution.value()})) +
-                           ' ' + mendText(options.mend);
+                           ' ' + mendText(options.mend) + (options.grid.empty() ? "" : " at " + options.grid);
   return sha256Hex(text).substr(0, kKeyDigits);
 }
 

@@ -36,6 +36,12 @@ class Polygons {
     add(corners);
   }
   bool empty() const { return mEnds.empty(); }
+  std::size_t size() const { return mEnds.size(); }
+  /// The corners of polygon @a i, as they were added.
+  std::span<const std::uint32_t> corners(std::size_t i) const {
+    const std::size_t begin = i == 0 ? 0 : mEnds[i - 1];
+    return std::span(mCorners).subspan(begin, mEnds[i] - begin);
+  }
 
   /// Appends the triangles of all polygons to @a mesh. @pre every corner is one of its points
   void triangulate(Mesh& mesh) const { triangulate(mesh, {}); }

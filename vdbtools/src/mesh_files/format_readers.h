@@ -11,9 +11,11 @@
 #pragma once
 
 #include "vdbtools/mesh/mesh.h"
+#include "vdbtools/mesh_files/mesh_animation.h"
 
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <string_view>
 
 namespace vdbtools {
@@ -24,7 +26,9 @@ inline constexpr float kNoNumber = std::numeric_limits<float>::quiet_NaN();
 /// @throw DataError  see readMesh()
 /// Reads glTF, as .gltf or .glb. Corners that differ in their normal or texture coordinates become separate points; see
 /// weldMesh().
-Mesh readGltf(const std::filesystem::path& path, std::string_view contents);
+/// @param moment  of an animation; without one the nodes stand as the file says
+Mesh readGltf(const std::filesystem::path& path, std::string_view contents,
+              const std::optional<MeshMoment>& moment = std::nullopt);
 Mesh readObj(const std::filesystem::path& path, std::string_view contents);
 Mesh readOff(const std::filesystem::path& path, std::string_view contents);
 Mesh readPly(const std::filesystem::path& path, std::string_view contents);

@@ -91,12 +91,34 @@ std::string percentDecoded(const std::string& text) {
 
 }  // namespace
 
+/// The elements of a sparse accessor that are given.
+struct GltfArray::Sparse {
+  GltfArray numbers, values;
+};
+
 bool GltfArray::isUnsigned() const {
   return mType == glb::kUnsignedByte || mType == glb::kUnsignedShort || mType == glb::kUnsignedInt;
 }
 
+const char* GltfArray::placeOf(std::uint64_t i, int k) const {
+  if (mSparse) {
+    std::uint64_t low = 0, high = mSparse->numbers.count();
+    while (low < high) {
+      const std::uint64_t middle = low + (high - low) / 2;
+      if (mSparse->numbers.index(middle) < i)
+        low = middle + 1;
+      else
+        high = middle;
+    }
+    if (low < mSparse->numbers.count() && mSparse->numbers.index(low) == i) return mSparse->values.placeOf(low, k);
+  }
+  static constexpr char kZeros[sizeof(double)] = {};
+  if (!mData) return kZeros;
+  return mData + i * mStride + static_cast<std::uint64_t>(k) * sizeOfType(static_cast<std::uint64_t>(mType));
+}
+
 double GltfArray::value(std::uint64_t i, int k) const {
-  const char* at = mData + i * mStride + static_cast<std::uint64_t>(k) * sizeOfType(static_cast<std::uint64_t>(mType));
+  const char* at = placeOf(i, k);
   const auto share = [&](double number, double largest) {
     return mNormalized ? std::max(number / largest, -1.0) : number;
   };
@@ -110,8 +132,8 @@ double GltfArray::value(std::uint64_t i, int k) const {
   }
 }
 
-std::uint32_t GltfArray::index(std::uint64_t i) const {
-  const char* at = mData + i * mStride;
+std::uint32_t GltfArray::index(std::uint64_t i, int k) const {
+  const char* at = placeOf(i, k);
   switch (mType) {
     case glb::kUnsignedByte: return load<std::uint8_t>(at);
     case glb::kUnsignedShort: return load<std::uint16_t>(at);
@@ -225,6 +247,12 @@ std::string GltfFile::readExternal(const std::string& uri) const {
   return readWholeFile(file);
 }
 
+std::uint64_t GltfFile::bytesOfBuffers() const {
+  std::uint64_t sum = 0;
+  for (const std::string_view& buffer : mBuffers) sum += buffer.size();
+  return sum;
+}
+
 std::string_view GltfFile::bufferOf(std::uint64_t index) {
   const Json& buffer = element("buffers", index);
   const std::uint64_t length = whole(buffer, "byteLength");
@@ -252,12 +280,8 @@ std::string_view GltfFile::bufferOf(std::uint64_t index) {
   return bytes.substr(0, length);
 }
 
-GltfArray GltfFile::array(std::uint64_t index) const {
-  const Json& accessor = element("accessors", index);
-  const std::string name = "accessor " + std::to_string(index);
-  if (accessor.contains("sparse")) fail(name + " is sparse, which cannot be read; export a plain .glb");
-  if (!accessor.contains("bufferView")) fail(name + " has no data");
-  const Json& view = element("bufferViews", whole(accessor, "bufferView"));
+void GltfFile::place(GltfArray& array, const Json& where, const std::string& name) const {
+  const Json& view = element("bufferViews", whole(where, "bufferView"));
   if (const auto extensions = view.find("extensions");
       extensions != view.end() && extensions->is_object() &&
       (extensions->contains("EXT_meshopt_compression") || extensions->contains("KHR_meshopt_compression")))
@@ -268,26 +292,73 @@ GltfArray GltfFile::array(std::uint64_t index) const {
   const std::string_view bytes = mBuffers[buffer];
   if (offset > bytes.size() || length > bytes.size() - offset)
     fail("a part of buffer " + std::to_string(buffer) + " does not lie within it");
-
-  GltfArray array;
-  const std::uint64_t type = whole(accessor, "componentType");
-  const auto shape = accessor.find("type");
-  array.mType = static_cast<int>(std::min<std::uint64_t>(type, std::numeric_limits<int>::max()));
-  array.mComponents = shape != accessor.end() && shape->is_string() ? componentsOf(shape->get<std::string>()) : 0;
-  array.mNormalized = accessor.value("normalized", Json(false)) == true;
-  array.mCount = whole(accessor, "count");
-  const std::uint64_t size = sizeOfType(type) * static_cast<std::uint64_t>(array.mComponents);
-  if (size == 0) fail(name + " is of a type that cannot be read");
+  const std::uint64_t size =
+      sizeOfType(static_cast<std::uint64_t>(array.mType)) * static_cast<std::uint64_t>(array.mComponents);
   array.mStride = whole(view, "byteStride", 0);
   if (array.mStride == 0) array.mStride = size;
-  const std::uint64_t start = whole(accessor, "byteOffset", 0);
+  const std::uint64_t start = whole(where, "byteOffset", 0);
   // Written so that nothing can overflow: the last element must end within the part.
   const bool fits =
       start <= length && array.mStride >= size &&
       (array.mCount == 0 || (size <= length - start && array.mCount - 1 <= (length - start - size) / array.mStride));
   if (!fits) fail(name + " does not lie within its part of the buffer");
   array.mData = bytes.data() + offset + start;
+}
+
+GltfArray GltfFile::typedArray(const Json& accessor, const std::string& name, int components) const {
+  GltfArray array;
+  const std::uint64_t type = whole(accessor, "componentType");
+  if (sizeOfType(type) == 0 || components == 0) fail(name + " is of a type that cannot be read");
+  array.mType = static_cast<int>(type);
+  array.mComponents = components;
+  array.mNormalized = accessor.value("normalized", Json(false)) == true;
+  array.mCount = whole(accessor, "count");
+  const auto sparse = accessor.find("sparse");
+  if (sparse == accessor.end()) {
+    if (!accessor.contains("bufferView")) fail(name + " has no data");
+    place(array, accessor, name);
+    return array;
+  }
+  if (accessor.contains("bufferView"))
+    place(array, accessor, name);
+  else if (array.mCount > bytesOfBuffers())
+    fail(name + " is sparse, and has more elements than the file has bytes");
+  const auto part = [&](const char* member) -> const Json& {
+    if (!sparse->is_object() || !sparse->contains(member) || !(*sparse)[member].is_object())
+      fail(name + " is sparse, and has no '" + member + "'");
+    return (*sparse)[member];
+  };
+  const Json &indices = part("indices"), &values = part("values");
+  const auto found = std::make_shared<GltfArray::Sparse>();
+  found->values = array;
+  found->values.mCount = found->numbers.mCount = whole(*sparse, "count");
+  place(found->values, values, name);
+  const std::uint64_t numbers = whole(indices, "componentType");
+  found->numbers.mComponents = 1;
+  found->numbers.mType = sizeOfType(numbers) == 0 ? 0 : static_cast<int>(numbers);
+  if (!found->numbers.isUnsigned()) fail(name + " is sparse, and its indices are not whole numbers");
+  place(found->numbers, indices, name);
+  for (std::uint64_t i = 0; i < found->numbers.mCount; ++i)
+    if (found->numbers.index(i) >= array.mCount || (i > 0 && found->numbers.index(i) <= found->numbers.index(i - 1)))
+      fail(name + " is sparse, and its indices do not increase or are too large");
+  array.mSparse = found;
   return array;
+}
+
+GltfArray GltfFile::array(std::uint64_t index) const {
+  const Json& accessor = element("accessors", index);
+  const auto shape = accessor.find("type");
+  return typedArray(accessor, "accessor " + std::to_string(index),
+                    shape != accessor.end() && shape->is_string() ? componentsOf(shape->get<std::string>()) : 0);
+}
+
+GltfArray GltfFile::matrices(std::uint64_t index) const {
+  const Json& accessor = element("accessors", index);
+  const std::string name = "accessor " + std::to_string(index);
+  constexpr int kNumbers = 16;
+  if (accessor.value("type", Json()) != "MAT4" || whole(accessor, "componentType") != glb::kFloat)
+    fail(name + " is not of matrices of floats");
+  return typedArray(accessor, name, kNumbers);
 }
 
 std::map<std::string, std::string> readGltfExtras(const std::filesystem::path& path) {

@@ -22,7 +22,7 @@
 
 namespace vdbtools {
 
-/// The numbers of an accessor.
+/// The numbers of an accessor, at most as many elements as the file has bytes.
 class GltfArray {
  public:
   std::uint64_t count() const { return mCount; }
@@ -31,15 +31,19 @@ class GltfArray {
 
   /// Component @a k of element @a i; normalised integers are scaled to fractions of the largest.
   double value(std::uint64_t i, int k) const;
-  /// An integer element, not scaled.
-  std::uint32_t index(std::uint64_t i) const;
+  /// Component @a k of an integer element, not scaled.
+  std::uint32_t index(std::uint64_t i, int k = 0) const;
 
  private:
   friend class GltfFile;
-  const char* mData = nullptr;
+  struct Sparse;
+  const char* placeOf(std::uint64_t i, int k) const;
+
+  const char* mData = nullptr;  ///< null: zeros
   std::uint64_t mCount = 0, mStride = 0;
   int mComponents = 0, mType = 0;
   bool mNormalized = false;
+  std::shared_ptr<const Sparse> mSparse{};  ///< the elements that differ from mData
 };
 
 class GltfFile {
@@ -56,8 +60,10 @@ class GltfFile {
   const nlohmann::json& element(const char* list, std::uint64_t index) const;
   std::uint64_t sizeOf(const char* list) const;
 
-  /// @throw DataError  the accessor does not exist, does not lie within its buffer, or is sparse
+  /// @throw DataError  the accessor does not exist, does not lie within its buffer, or is of matrices
   GltfArray array(std::uint64_t accessor) const;
+  /// An accessor of matrices of 4 x 4 floats, column by column. @throw DataError
+  GltfArray matrices(std::uint64_t accessor) const;
 
   /// An integer member; @a otherwise if there is none. @throw DataError
   std::uint64_t whole(const nlohmann::json& object, const char* name, std::uint64_t otherwise) const;
@@ -71,6 +77,10 @@ class GltfFile {
 
  private:
   std::string_view bufferOf(std::uint64_t index);
+  std::uint64_t bytesOfBuffers() const;
+  GltfArray typedArray(const nlohmann::json& accessor, const std::string& name, int components) const;
+  /// Gives an array, whose other members are set, its bytes.
+  void place(GltfArray& array, const nlohmann::json& where, const std::string& name) const;
   std::string readExternal(const std::string& uri) const;
   void refuseCompression() const;
 

@@ -2,6 +2,7 @@
 // The triangles of a glTF's default scene as one mesh.
 #include "mesh_files/format_readers.h"
 #include "mesh_files/gltf_file.h"
+#include "mesh_files/gltf_pose.h"
 
 #include <nlohmann/json.hpp>
 
@@ -9,6 +10,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -23,39 +26,40 @@ using openvdb::Vec3I;
 /// several times count each time, and a small file must not become a mesh that fills the memory.
 constexpr std::uint64_t kMostRepeated = 10'000'000;
 
-/// The transform of a node: p -> A p + t. Columns of A, then t.
-struct Placement {
-  std::array<Vec3d, 4> columns{Vec3d(1, 0, 0), Vec3d(0, 1, 0), Vec3d(0, 0, 1), Vec3d(0)};
+constexpr const char* kInstancing = "EXT_mesh_gpu_instancing";
 
-  Vec3d direction(const Vec3d& v) const { return v[0] * columns[0] + v[1] * columns[1] + v[2] * columns[2]; }
-  Vec3d point(const Vec3d& p) const { return direction(p) + columns[3]; }
-  bool mirrors() const { return columns[0].cross(columns[1]).dot(columns[2]) < 0; }
+bool isInstanced(const Json& node) {
+  const auto extensions = node.find("extensions");
+  return extensions != node.end() && extensions->is_object() && extensions->contains(kInstancing);
+}
 
-  Placement after(const Placement& inner) const {
-    Placement result;
-    for (std::size_t k = 0; k < 3; ++k) result.columns[k] = direction(inner.columns[k]);
-    result.columns[3] = point(inner.columns[3]);
+/// Where a node shows its mesh, relative to the node: once, or as often as the extension EXT_mesh_gpu_instancing says.
+std::vector<Placement> instancesOf(const GltfFile& file, const Json& node) {
+  if (!isInstanced(node)) return {Placement()};
+  const Json& instancing = node["extensions"][kInstancing];
+  const auto attributes = instancing.is_object() ? instancing.find("attributes") : instancing.end();
+  if (!instancing.is_object() || attributes == instancing.end() || !attributes->is_object())
+    file.fail(std::string(kInstancing) + " has no attributes");
+  std::uint64_t count = 0;
+  const auto read = [&](const char* name, int components) -> std::optional<GltfArray> {
+    if (!attributes->contains(name)) return std::nullopt;
+    const GltfArray array = file.array(file.whole(*attributes, name));
+    if (array.components() != components || (count != 0 && array.count() != count) || array.count() > kMostRepeated)
+      file.fail(std::string("'") + name + "' of " + kInstancing +
+                " does not fit the other attributes of the instances");
+    count = array.count();
+    return array;
+  };
+  const auto translation = read("TRANSLATION", 3), rotation = read("ROTATION", 4), scale = read("SCALE", 3);
+  std::vector<Placement> placements(count);
+  const auto numbers = [](const std::optional<GltfArray>& array, std::uint64_t i) {
+    std::vector<double> result;
+    for (int k = 0; array && k < array->components(); ++k) result.push_back(array->value(i, k));
     return result;
-  }
-};
-
-Placement placementOf(const GltfFile& file, const Json& node) {
-  Placement result;
-  if (const std::vector<double> m = file.numbers(node, "matrix", 16); !m.empty()) {
-    for (std::size_t k = 0; k < 4; ++k) result.columns[k] = Vec3d(m[4 * k], m[4 * k + 1], m[4 * k + 2]);
-    return result;
-  }
-  if (const std::vector<double> q = file.numbers(node, "rotation", 4); !q.empty()) {
-    const double x = q[0], y = q[1], z = q[2], w = q[3];
-    result.columns[0] = Vec3d(1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w));
-    result.columns[1] = Vec3d(2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w));
-    result.columns[2] = Vec3d(2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y));
-  }
-  if (const std::vector<double> s = file.numbers(node, "scale", 3); !s.empty())
-    for (std::size_t k = 0; k < 3; ++k) result.columns[k] *= s[k];
-  if (const std::vector<double> t = file.numbers(node, "translation", 3); !t.empty())
-    result.columns[3] = Vec3d(t[0], t[1], t[2]);
-  return result;
+  };
+  for (std::uint64_t i = 0; i < count; ++i)
+    placements[i] = placed(numbers(translation, i), numbers(rotation, i), numbers(scale, i));
+  return placements;
 }
 
 /// The mesh to which primitives are added.
@@ -66,7 +70,9 @@ class JoinedMesh {
       : mFile(file),
         mMost(std::min<std::uint64_t>(fileSize + kMostRepeated, std::numeric_limits<std::uint32_t>::max())) {}
 
-  void add(const Json& primitive, const Placement& placement) {
+  /// @param weights, joints  as in GltfShape
+  void add(const Json& primitive, const Placement& placement, const std::vector<double>& weights,
+           const std::vector<Placement>& joints) {
     constexpr std::uint64_t kTriangles = 4, kStrip = 5, kFan = 6;
     const std::uint64_t mode = mFile.whole(primitive, "mode", kTriangles);
     if (mode != kTriangles && mode != kStrip && mode != kFan) return;  // points and lines
@@ -78,21 +84,22 @@ class JoinedMesh {
     const auto attributes = primitive.find("attributes");
     if (attributes == primitive.end() || !attributes->is_object()) mFile.fail("a primitive has no attributes");
     if (!attributes->contains("POSITION")) return;
-    const GltfArray positions = mFile.array(mFile.whole(*attributes, "POSITION"));
-    if (positions.components() != 3) mFile.fail("positions are not vectors of three numbers");
-    requireRoom(mMesh.points.size(), positions.count());
+    const GltfShape shape(mFile, primitive, weights, joints, placement);
+    requireRoom(mMesh.points.size(), shape.count());
+    mMorphed += shape.count() * shape.morphs();
+    requireRoom(mMorphed / kMostMorphsOfPoint, 0);
     const std::size_t first = mMesh.points.size();
-    for (std::uint64_t i = 0; i < positions.count(); ++i) {
-      const Vec3d p = placement.point({positions.value(i, 0), positions.value(i, 1), positions.value(i, 2)});
+    for (std::uint64_t i = 0; i < shape.count(); ++i) {
+      const Vec3d p = shape.point(i);
       if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2]))
         mFile.fail("point " + std::to_string(i) + " of a mesh has coordinates that are not finite");
       mMesh.points.push_back(p);
     }
-    const std::vector<std::uint32_t> corners = cornersOf(primitive, positions.count());
+    const std::vector<std::uint32_t> corners = cornersOf(primitive, shape.count());
     const std::size_t firstTriangle = mMesh.triangles.size();
-    addTriangles(corners, mode == kStrip, mode == kFan, static_cast<std::uint32_t>(first), placement.mirrors());
-    addAttributes(*attributes, first, positions.count());
-    addUvs(*attributes, first, firstTriangle, positions.count());
+    addTriangles(corners, mode == kStrip, mode == kFan, static_cast<std::uint32_t>(first), shape.mirrors());
+    addAttributes(*attributes, first, shape.count());
+    addUvs(*attributes, first, firstTriangle, shape.count());
   }
 
   Mesh finish() {
@@ -189,8 +196,12 @@ class JoinedMesh {
       }
   }
 
+  /// On average over all points, of those in use.
+  static constexpr std::uint64_t kMostMorphsOfPoint = 16;
+
   const GltfFile& mFile;
-  std::uint64_t mMost;  ///< points, and triangles
+  std::uint64_t mMost;         ///< points, and triangles
+  std::uint64_t mMorphed = 0;  ///< points times the morph targets that move them
   Mesh mMesh;
 };
 
@@ -220,8 +231,9 @@ std::vector<std::uint64_t> rootsOf(const GltfFile& file) {
 
 }  // namespace
 
-Mesh readGltf(const std::filesystem::path& path, std::string_view contents) {
+Mesh readGltf(const std::filesystem::path& path, std::string_view contents, const std::optional<MeshMoment>& moment) {
   const GltfFile file(path, contents);
+  const GltfPose pose(file, moment);
   JoinedMesh joined(file, contents.size());
   std::vector<std::pair<std::uint64_t, Placement>> open;
   for (const std::uint64_t root : rootsOf(file)) open.emplace_back(root, Placement());
@@ -233,17 +245,25 @@ Mesh readGltf(const std::filesystem::path& path, std::string_view contents) {
     const Json& node = file.element("nodes", index);
     if (seen[index]) file.fail("node " + std::to_string(index) + " occurs twice in the tree of nodes");
     seen[index] = true;
-    const Placement placement = outer.after(placementOf(file, node));
+    const Placement placement = outer.after(pose.local(index));
     if (node.contains("mesh")) {
       const std::uint64_t mesh = file.whole(node, "mesh");
       const Json& shape = file.element("meshes", mesh);
       const auto primitives = shape.find("primitives");
       if (primitives == shape.end() || !primitives->is_array())
         file.fail("mesh " + std::to_string(mesh) + " has no primitives");
-      for (const Json& primitive : *primitives) {
-        if (!primitive.is_object()) file.fail("a primitive is not an object");
-        joined.add(primitive, placement);
+      const std::vector<Placement> instances = instancesOf(file, node);
+      std::vector<Placement> joints;
+      if (node.contains("skin")) {
+        joints = pose.jointsOf(file.whole(node, "skin"));
+        if (isInstanced(node)) file.fail("node " + std::to_string(index) + " has a skin and instances");
       }
+      const std::vector<double> weights = pose.morphWeights(index);
+      for (const Placement& instance : instances)
+        for (const Json& primitive : *primitives) {
+          if (!primitive.is_object()) file.fail("a primitive is not an object");
+          joined.add(primitive, placement.after(instance), weights, joints);
+        }
     }
     if (!node.contains("children")) continue;
     const Json& children = node["children"];

@@ -26,24 +26,25 @@ std::string contentsOf(const std::filesystem::path& path) {
 }
 
 /// With triangles or without.
-Mesh readAny(const std::filesystem::path& path) {
+Mesh readAny(const std::filesystem::path& path, const std::optional<MeshMoment>& moment) {
   const std::string contents = contentsOf(path);
   const std::string extension = meshExtension(path);
-  const auto reader = extension == ".obj"                           ? readObj
-                      : extension == ".off"                         ? readOff
-                      : extension == ".ply"                         ? readPly
-                      : extension == ".stl"                         ? readStl
-                      : extension == ".glb" || extension == ".gltf" ? readGltf
-                                                                    : nullptr;
-  if (!reader) {
+  const bool isGltf = extension == ".glb" || extension == ".gltf";
+  const auto reader = extension == ".obj"   ? readObj
+                      : extension == ".off" ? readOff
+                      : extension == ".ply" ? readPly
+                      : extension == ".stl" ? readStl
+                                            : nullptr;
+  if (!reader && !isGltf) {
     throw DataError(path.string() + ": the format '" + extension +
                     "' cannot be read; name a file that ends in .obj, .ply, .stl, .off, .glb or .gltf");
   }
   if (contents.empty()) throw DataError(path.string() + ": the file is empty (0 bytes); export the mesh again");
 
+  if (isGltf) return weldMesh(readGltf(path, contents, moment));
+  if (moment) throw DataError(path.string() + ": it has no animation, which only a glTF may have");
   Mesh mesh = reader(path, contents);
-  if (reader == readStl || reader == readGltf) mesh = weldMesh(mesh);
-  return mesh;
+  return reader == readStl ? weldMesh(mesh) : mesh;
 }
 
 }  // namespace
@@ -56,8 +57,10 @@ std::string meshExtension(const std::filesystem::path& path) {
   return std::string_view(first, sizeof first) == kPly ? ".ply" : ".obj";
 }
 
-Mesh readMesh(const std::filesystem::path& path) {
-  Mesh mesh = readAny(path);
+Mesh readMesh(const std::filesystem::path& path) { return readMesh(path, std::nullopt); }
+
+Mesh readMesh(const std::filesystem::path& path, const std::optional<MeshMoment>& moment) {
+  Mesh mesh = readAny(path, moment);
   if (mesh.triangles.empty()) {
     const std::string points = path.string() + ": it has " + std::to_string(mesh.points.size()) + " points, ";
     if (mesh.points.empty()) throw DataError(points + "and no triangle; export the mesh again");
@@ -67,8 +70,10 @@ Mesh readMesh(const std::filesystem::path& path) {
   return mesh;
 }
 
-Mesh readPoints(const std::filesystem::path& path) {
-  Mesh mesh = asPoints(readAny(path));
+Mesh readPoints(const std::filesystem::path& path) { return readPoints(path, std::nullopt); }
+
+Mesh readPoints(const std::filesystem::path& path, const std::optional<MeshMoment>& moment) {
+  Mesh mesh = asPoints(readAny(path, moment));
   if (mesh.points.empty()) throw DataError(path.string() + ": there is no point in it; export the points again");
   return mesh;
 }

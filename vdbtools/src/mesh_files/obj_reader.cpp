@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mesh/polygon.h"
+#include "mesh_files/face_names.h"
 #include "mesh_files/format_readers.h"
 #include "mesh_files/text_scan.h"
 #include "vdbtools/base/errors.h"
@@ -88,7 +89,7 @@ void dropRepetitions(std::vector<std::uint32_t>& corners, std::vector<std::uint3
   if (!uvs.empty()) uvs.resize(kept);
 }
 
-/// Statements that say nothing about the surface (normals, groups, lines, materials) are skipped.
+/// Statements that say nothing about the surface (normals, lines) are skipped.
 class ObjReader {
  public:
   ObjReader(const std::filesystem::path& path, std::string_view contents) : mPath(path), mLines(path, contents) {}
@@ -101,11 +102,15 @@ class ObjReader {
       if (keyword == "v") readPoint(words);
       if (keyword == "vt") readUv(words);
       if (keyword == "f" || keyword == "fo") readFace(words);  // fo: the obsolete form from before 1995
+      if (keyword == "usemtl") mNames.setMaterial(words.next());
+      if (keyword == "g" || keyword == "o") mNames.setGroup(words.next());
+      if (keyword == "mtllib") mNames.addLibrary(line->substr(line->find("mtllib") + keyword.size()));
     }
     // Faces may precede their points, so this can be checked only here.
     requirePoints();
     requireUvs();
     for (VertexAttribute& channel : mMesh.attributes) channel.values.resize(mMesh.points.size(), kNoColour);
+    mNames.addAttributes(mPath, mPolygons, mMesh);
     mPolygons.triangulate(mMesh, mUvs);
     return std::move(mMesh);
   }
@@ -165,6 +170,7 @@ class ObjReader {
     if (!uvs.empty()) uvs.resize(corners.size(), Polygons::kNoUv);
     dropRepetitions(corners, uvs);
     if (corners.size() < 3) return;
+    mNames.addFace();
     if (uvs.empty())
       mPolygons.add(corners);
     else
@@ -195,6 +201,7 @@ class ObjReader {
   LineScanner mLines;
   Mesh mMesh;
   Polygons mPolygons;
+  FaceNames mNames;
   std::vector<openvdb::Vec2s> mUvs;
   Largest mLargestPoint, mLargestUv;  ///< largest indices to which faces refer
 };

@@ -7,7 +7,7 @@
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/mesh_files/mesh_reader.h"
+#include "vdbtools/mesh_files/mesh_animation.h"
 #include "vdbtools/mesh_files/point_cloud.h"
 #include "vdbtools/recipe/option_value.h"
 #include "vdbtools/recipe/recipe.h"
@@ -53,13 +53,18 @@ void requireUsable(const Mesh& mesh, bool asCloud) {
 
 SolidSource openSolid(const std::filesystem::path& path, const std::shared_ptr<const Mesh>& given,
                       const MendOptions& mend) {
+  return openSolid(path, given, mend, std::nullopt);
+}
+
+SolidSource openSolid(const std::filesystem::path& path, const std::shared_ptr<const Mesh>& given,
+                      const MendOptions& mend, const std::optional<MeshMoment>& moment) {
   const bool asCloud = mend.pointsRadius > 0;
   SolidSource source;
   if (given) {
     requireUsable(*given, asCloud);
     source.mesh = asCloud ? std::make_shared<const Mesh>(asPoints(*given)) : given;
   } else {
-    source.mesh = std::make_shared<const Mesh>(asCloud ? readPoints(path) : readMesh(path));
+    source.mesh = std::make_shared<const Mesh>(asCloud ? readPoints(path, moment) : readMesh(path, moment));
   }
   source.solid =
       mend.solidify ? std::make_shared<const Mesh>(solidified(*source.mesh, *mend.solidify, mend.repair)) : source.mesh;

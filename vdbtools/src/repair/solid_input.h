@@ -5,6 +5,7 @@
 
 #include "vdbtools/distance/mesh_to_sdf.h"
 #include "vdbtools/distance/target.h"
+#include "vdbtools/mesh_files/mesh_animation.h"
 #include "vdbtools/repair/mend_options.h"
 
 #include <cstddef>
@@ -38,6 +39,9 @@ struct SolidSource {
 ///                   the shape has no extent from which a voxel size could follow
 SolidSource openSolid(const std::filesystem::path& path, const std::shared_ptr<const Mesh>& given,
                       const MendOptions& mend);
+/// The same at a moment of an animation.
+SolidSource openSolid(const std::filesystem::path& path, const std::shared_ptr<const Mesh>& given,
+                      const MendOptions& mend, const std::optional<MeshMoment>& moment);
 
 /// @throw std::invalid_argument  a plate or balls that are too thin for voxels of this size
 void requireResolved(const MendOptions& mend, double voxelSize);

@@ -44,12 +44,20 @@ std::vector<std::string> unusedParts(const TargetParts& parts, const Recipe& rec
   const std::set<std::string> used = wordsOf(recipe);
   std::vector<std::string> unused;
   std::string attributes;
-  for (const std::string& attribute : parts.attributes)
-    if (!used.contains(attribute)) attributes += (attributes.empty() ? "" : " ") + attribute;
+  bool usesMaterials = false, usesGroups = false;
+  for (const std::string& attribute : parts.attributes) {
+    const bool isUsed = used.contains(attribute);
+    if (attribute.starts_with("material_") && parts.materials > 0)
+      usesMaterials = usesMaterials || isUsed;
+    else if (attribute.starts_with("group_") && parts.groups > 0)
+      usesGroups = usesGroups || isUsed;
+    else if (!isUsed)
+      attributes += (attributes.empty() ? "" : " ") + attribute;
+  }
   if (!attributes.empty()) unused.push_back("the attributes " + attributes);
   if (parts.uvs && !used.contains("texture") && !used.contains("uv")) unused.push_back("texture coordinates");
-  if (parts.materials > 0) unused.push_back(counted(parts.materials, "material"));
-  if (parts.groups > 1) unused.push_back(counted(parts.groups, "group"));
+  if (parts.materials > 0 && !usesMaterials) unused.push_back(counted(parts.materials, "material"));
+  if (parts.groups > 1 && !usesGroups) unused.push_back(counted(parts.groups, "group"));
   return unused;
 }
 

@@ -8,6 +8,8 @@
 #include "repair/solid_input.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/mesh_files/mesh_animation.h"
+#include "vdbtools/recipe/option_value.h"
 
 #include <openvdb/tools/Interpolation.h>
 
@@ -17,6 +19,7 @@
 #include <limits>
 #include <mutex>
 #include <optional>
+#include <stdexcept>
 
 namespace vdbtools {
 namespace {
@@ -54,10 +57,16 @@ FloatGrid::ConstPtr resampled(const Target& deep, double voxel) {
   return coarse;
 }
 
+/// The moment at which a mesh is read.
+std::optional<MeshMoment> momentOf(const TargetOptions& options) {
+  if (options.mesh || options.grid.empty() || !isGltfPath(options.input.path)) return std::nullopt;
+  return parseMoment(options.grid);
+}
+
 class MeshInput final : public TargetInput {
  public:
   explicit MeshInput(const TargetOptions& options)
-      : mSource(openSolid(options.input.path, options.mesh, options.mend)),
+      : mSource(openSolid(options.input.path, options.mesh, options.mend, momentOf(options))),
         mVoxel(options.sdfVoxels.sizeFor(longestSide(mSource.box))),
         mMend(options.mend) {
     requireResolved(mMend, mVoxel);
@@ -179,6 +188,53 @@ std::string idleWithoutVdb(const OptionRun& run) {
          (input.empty() ? "there is no target" : "'" + input + "' is a mesh") + "; leave it out";
 }
 
+namespace {
+
+constexpr double kUsualFps = 24;
+
+/// The rule for options that apply to an animated glTF.
+std::string idleWithoutGltf(const OptionRun& run) {
+  const std::string input = run.text("input");
+  if (input.empty()) return "it is for an animated glTF as the target, and there is no target; leave it out";
+  if (isGltfPath(input)) return {};
+  return "it is for an animated glTF as the target, and '" + input + "' is none; leave it out";
+}
+
+std::string idleWithoutFrame(const OptionRun& run) {
+  return run.text("target-frame").empty() ? "it is for --target-frame, which is not given" : "";
+}
+
+std::vector<OptionSpec> animationOptionSpecs() {
+  return {{.name = "target-frame",
+           .argument = "F",
+           .help = "the frame at which an animated glTF is the target; with --frames each frame by itself. Without a "
+                   "frame the nodes stand as the file says",
+           .idle = idleWithoutGltf},
+          {.name = "target-fps",
+           .argument = "N",
+           .help = "frames of that animation per second: frame F is F / N seconds after its beginning",
+           .defaultNote = numbersText({kUsualFps}),
+           .idle = idleByAny({idleWithoutGltf, idleWithoutFrame})},
+          {.name = "target-animation",
+           .argument = "NAME",
+           .help = "which animation, by its name or by its number from 0; all: all of them at once",
+           .defaultNote = "the first",
+           .idle = idleByAny({idleWithoutGltf, idleWithoutFrame})}};
+}
+
+/// The moment that a recipe names, as text; empty: none.
+std::string parseMomentOptions(const RecipeReader& reader, const std::filesystem::path& input) {
+  const double fps = reader.has("target-fps") ? reader.positive("target-fps") : kUsualFps;
+  if (!reader.has("target-frame")) return {};
+  const double frame = reader.number("target-frame");
+  if (!isGltfPath(input))
+    throw std::invalid_argument("--target-frame is for an animated glTF, and '" + input.string() +
+                                "' is none; leave it out");
+  return momentText({frame / fps, reader.has("target-animation") ? reader.text("target-animation") : ""});
+}
+
+}  // namespace
+
 std::vector<OptionSpec> targetOptionSpecs() {
   std::vector<OptionSpec> options = {
       {.name = "input",
@@ -203,6 +259,7 @@ std::vector<OptionSpec> targetOptionSpecs() {
        .idle = idleWithoutMesh},
   };
   for (OptionSpec& option : mendOptionSpecs()) options.push_back(std::move(option));
+  for (OptionSpec& option : animationOptionSpecs()) options.push_back(std::move(option));
   return options;
 }
 
@@ -212,6 +269,8 @@ std::optional<TargetOptions> parseTargetOptions(const RecipeReader& reader) {
                         .sdfVoxels = reader.voxels("sdf-resolution", "sdf-voxel-size"),
                         .mend = parseMendOptions(reader)};
   if (options.input.path.empty()) return std::nullopt;
+  if (const std::string moment = parseMomentOptions(reader, options.input.path); isGltfPath(options.input.path))
+    options.grid = moment;
   return options;
 }
 

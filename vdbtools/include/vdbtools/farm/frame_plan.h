@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file frame_plan.h
-/// Plans of frames: a fractal for each frame, with options that change from frame to frame by keys, and inputs with a
-/// file for each frame.
+/// Plans of frames: a fractal for each frame, with options that change from frame to frame by keys, inputs with a file
+/// for each frame, and targets that are animated.
 ///
 /// Between two keys, at the fraction t of the way from one frame to the other, a number is
 ///
@@ -61,6 +61,10 @@ struct FramePlanOptions {
   std::vector<std::string> makes{"vdb"};  ///< any of "vdb" and the formats of meshes
   std::optional<double> resolution{};     ///< the value of `--resolution auto` at every frame that has it
 };
+
+/// If the target is one glTF with animations, and its frame is neither given nor keyed, gives each frame its own number
+/// as `--target-frame`, by a key. @throw DataError, IoError  the target cannot be read
+void playTarget(FramePlanOptions& options);
 
 /// Sets options.resolution if a frame has `auto`: to the largest number that the first of these frames, the middle one
 /// and the last would choose by themselves, so that the frames of a sequence have matching voxels.

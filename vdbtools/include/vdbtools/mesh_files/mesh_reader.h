@@ -22,15 +22,20 @@ std::string meshExtension(const std::filesystem::path& path);
 /// into triangles: convex ones into fans, others by ear clipping. Normals are skipped; unused points are kept; STL and
 /// glTF are welded. Coordinates are read in double precision, except those of STL and glTF, which are floats. In OBJ,
 /// corners that a face repeats are dropped. In glTF, all triangles of the default scene are joined, in the positions
-/// given by their nodes; skins, morph targets and materials are ignored, and a .gltf may only name buffers in its own
-/// folder.
+/// given by their nodes, skins and morph targets as they stand in the file (mesh_animation.h plays animations);
+/// instances (EXT_mesh_gpu_instancing) as often as they occur. Materials are ignored, and a .gltf may only name buffers
+/// in its own folder.
 ///
 /// The attributes of a PLY are all scalar properties of the vertices except x, y, z, nx, ny, nz and texture
 /// coordinates; integers that are colour channels (red, green, blue, alpha) are scaled to 0..1. Those of an OBJ are
-/// red, green and blue where they follow the three coordinates (and 1 at points without, if others have them). Texture
-/// coordinates are those of OBJ's corners, of PLY's vertices if they have s and t, u and v, or texture_u and texture_v,
-/// and the first set of glTF, flipped so that v counts from the bottom. In glTF, COLOR_0 gives red, green, blue and
-/// perhaps alpha unchanged, which is linear light, and _NAME gives the attribute NAME, or NAME_x, NAME_y and so on.
+/// red, green and blue where they follow the three coordinates (and 1 at points without, if others have them), or else
+/// the mean diffuse colour (Kd) of the faces at a point, if the file's material library lies in its folder; and
+/// material_NAME and group_NAME, the share of the faces at a point that have this name, where faces differ in it. Of
+/// each kind there are at most 32, and characters that are no letters, digits, dots or dashes are underscores there.
+/// Texture coordinates are those of OBJ's corners, of PLY's vertices if they have s and t, u and v, or texture_u and
+/// texture_v, and the first set of glTF, flipped so that v counts from the bottom. In glTF, COLOR_0 gives red, green,
+/// blue and perhaps alpha unchanged, which is linear light, and _NAME gives the attribute NAME, or NAME_x, NAME_y and
+/// so on.
 /// @throw MissingInputError  the file does not exist, is not an ordinary file, or may not be opened
 /// @throw IoError            reading failed midway
 /// @throw DataError          unknown format, empty, truncated, counts that do not fit the file, an index out of range,

@@ -26,9 +26,11 @@ namespace vdbtools {
 struct TargetOptions {
   NamedFile input;
   std::shared_ptr<const Mesh> mesh;  ///< a target in memory, for which nothing is read; input.path is its name
-  std::string grid;                  ///< the grid of a VDB input; empty: the only one
-  VoxelChoice sdfVoxels;             ///< the voxels of a mesh's distance field
-  MendOptions mend;                  ///< how a mesh is mended
+  /// Of a VDB input its grid, where empty stands for the only one; of a glTF the moment that is shown (momentText()),
+  /// where empty stands for none.
+  std::string grid;
+  VoxelChoice sdfVoxels;  ///< the voxels of a mesh's distance field
+  MendOptions mend;       ///< how a mesh is mended
 
   bool operator==(const TargetOptions&) const = default;
 };

@@ -448,19 +448,33 @@ inline std::uint32_t append(Floats over, std::uint32_t first, std::uint32_t* lis
   return count;
 }
 
+/// The vectors from boxes to a position.
+struct FromBoxes {
+  Floats d[3];
+  Floats squared;
+};
+
+inline FromBoxes fromBoxes(const PackBoxes& boxes, const float p[3]) {
+  const Floats zero = {};
+  FromBoxes from;
+  for (int axis = 0; axis < 3; ++axis)
+    from.d[axis] = greater(p[axis] - boxes.high[axis], zero) - greater(boxes.low[axis] - p[axis], zero);
+  from.squared = from.d[0] * from.d[0] + from.d[1] * from.d[1] + from.d[2] * from.d[2];
+  return from;
+}
+
 /// Finds the vectors of candidates that may hold the triangle nearest to some point of the cube about @a about, at most
 /// @a far from it.
+/// @param packs  receives the packs of which that is so, @a chosen in number
 inline std::uint32_t chooseVectors(const PackBoxes* boxes, std::uint32_t count, const float about[3], float half,
-                                   const CornerBounds& bounds, float far, std::uint32_t* list, std::uint32_t* packs) {
+                                   const CornerBounds& bounds, float far, std::uint32_t* list, std::uint32_t* packs,
+                                   std::uint32_t& chosen) {
   const Floats zero = {};
-  std::uint32_t chosen = 0;
+  chosen = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
-    Floats d[3];
-    for (int axis = 0; axis < 3; ++axis)
-      d[axis] = greater(about[axis] - boxes[i].high[axis], zero) - greater(boxes[i].low[axis] - about[axis], zero);
-    const Floats squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    const Floats over = greater(excess(d[0], d[1], d[2], squared, half, zero, bounds),
-                                excessOver(far, d[0], d[1], d[2], squared, half, zero));
+    const FromBoxes to = fromBoxes(boxes[i], about);
+    const Floats over = greater(excess(to.d[0], to.d[1], to.d[2], to.squared, half, zero, bounds),
+                                excessOver(far, to.d[0], to.d[1], to.d[2], to.squared, half, zero));
     chosen = append(over, i * kWide, packs, chosen);
   }
   // A pack may be several vectors, or a vector several packs.
@@ -659,8 +673,122 @@ inline void finish(const TreeView& tree, const double middle[3], const float abo
   }
 }
 
+/// The number of the lane with the least value.
+inline unsigned leastLane(Floats values) {
+  unsigned least = 0;
+  for (unsigned k = 1; k < kWide; ++k)
+    if (values[k] < values[least]) least = k;
+  return least;
+}
+
+/// Many candidates, of which most are far from any single node: triangles much smaller than a voxel, as those of scans.
+/// Each node then asks the boxes of packs first, which costs less than to select the triangles of a cube.
+class ManyCandidates {
+ public:
+  /// @param vectors  of @a all
+  /// @param squares  memory for a number per box
+  ManyCandidates(const CandidatePack* all, std::uint32_t vectors, const PackBoxes* boxes, float boxSlack,
+                 float* squares)
+      : mAll(all), mBoxes(boxes), mSquares(squares) {
+    const Floats zero = {};
+    Floats slack = zero;
+    for (std::uint32_t i = 0; i < vectors; ++i) slack = greater(slack, all[i].slack);
+    mSlack = 2 * boxSlack + 1e-5F;
+    float most = 0;
+    for (unsigned k = 0; k < kWide; ++k) most = most < slack[k] ? slack[k] : most;
+    mSlack += 2 * most;
+  }
+
+  struct Found {
+    float squared;
+    std::int32_t number;
+    std::uint32_t candidate;
+  };
+
+  /// The candidate nearest to a position; ties go to the smallest number.
+  /// @param list  the vectors of boxes in which to look
+  Found nearest(const std::uint32_t* list, std::uint32_t count, const float p[3]) const {
+    const Floats zero = {};
+    Floats leasts = zero + kHuge;
+    Numbers firsts = {};
+    for (std::uint32_t n = 0; n < count; ++n) {
+      const Floats squared = fromBoxes(mBoxes[list[n]], p).squared;
+      store(squared, mSquares + n * kWide);
+      const auto nearer = squared < leasts;
+      leasts = nearer ? squared : leasts;
+      firsts = nearer ? Numbers{} + static_cast<std::int32_t>(list[n] * kWide) : firsts;
+    }
+    const unsigned winner = leastLane(leasts);
+    Search search{.p = {zero + p[0], zero + p[1], zero + p[2]}, .leasts = zero + kHuge};
+    meet(static_cast<std::uint32_t>(firsts[winner]) + winner, search);
+    float reach = reachOf(search.leasts);
+    for (std::uint32_t n = 0; n < count; ++n) {
+      const Floats squared = load<Floats>(mSquares + n * kWide);
+      for (unsigned bits = lanesUpTo0(squared - reach); bits != 0; bits &= bits - 1)
+        if (meet(list[n] * kWide + static_cast<unsigned>(__builtin_ctz(bits)), search)) reach = reachOf(search.leasts);
+    }
+    Found found{search.leasts[0], search.numbers[0], static_cast<std::uint32_t>(search.vectors[0])};
+    for (unsigned k = 1; k < kWide; ++k)
+      if (search.leasts[k] < found.squared || (search.leasts[k] == found.squared && search.numbers[k] < found.number))
+        found = {search.leasts[k], search.numbers[k], static_cast<std::uint32_t>(search.vectors[k]) + k};
+    return found;
+  }
+
+  /// Of some vectors of boxes, those that may hold the triangle nearest to some point of a cube.
+  /// @param near  a candidate near the cube
+  std::uint32_t choose(const std::uint32_t* list, std::uint32_t count, const float about[3], float half,
+                       std::uint32_t near, std::uint32_t* chosen) const {
+    const CornerBounds bounds = cornerBounds(triangleOf(candidate(mAll, near)), about, half, mSlack);
+    const Floats zero = {};
+    std::uint32_t kept = 0;
+    for (std::uint32_t n = 0; n < count; ++n) {
+      const FromBoxes to = fromBoxes(mBoxes[list[n]], about);
+      chosen[kept] = list[n];
+      kept += lanesUpTo0(excess(to.d[0], to.d[1], to.d[2], to.squared, half, zero, bounds)) != 0;
+    }
+    return kept;
+  }
+
+ private:
+  struct Search {
+    Floats p[3];
+    Floats leasts;
+    Numbers numbers{}, vectors{};
+  };
+
+  /// Meets the candidates of a pack. @return whether one is nearer than those of its lane were
+  bool meet(std::uint32_t pack, Search& search) const {
+    bool isNearer = false;
+    for (unsigned k = 0; k < kPack; k += kWide) {
+      const std::uint32_t vector = (pack * kPack + k) / kWide;
+      const CandidatePack& some = mAll[vector];
+      const Floats squared = awayFrom<Floats>(some.triangle, search.p[0], search.p[1], search.p[2]).squared;
+      const auto nearer = (squared < search.leasts) | ((squared == search.leasts) & (some.number < search.numbers));
+      isNearer = isNearer || lanesUpTo0(squared - search.leasts) != 0;
+      search.leasts = nearer ? squared : search.leasts;
+      search.numbers = nearer ? some.number : search.numbers;
+      search.vectors = nearer ? Numbers{} + static_cast<std::int32_t>(vector * kWide) : search.vectors;
+    }
+    return isNearer;
+  }
+
+  /// The square of the distance beyond which a box has nothing nearer.
+  float reachOf(Floats leasts) const {
+    const float reach = std::sqrt(leasts[leastLane(leasts)]) * 1.00001F + mSlack;
+    return reach * reach * 1.00001F;
+  }
+
+  const CandidatePack* mAll;
+  const PackBoxes* mBoxes;
+  float* mSquares;
+  float mSlack;
+};
+
 /// With fewer candidates, selecting again for a smaller cube does not pay off.
 constexpr std::uint32_t kFew = 6;
+
+/// With more candidates near a cube of 4^3 nodes, they are ManyCandidates.
+constexpr std::uint32_t kMany = 2048;
 
 /// Upper bounds of half the diagonals of cubes of 4^3 and 2^3 nodes.
 constexpr float kHalfDiagonal4 = 2.599F, kHalfDiagonal2 = 0.867F;
@@ -674,6 +802,7 @@ void resolve(const TreeView& tree, const double middle[3], const std::uint32_t* 
   fill(all, total);
   const std::uint32_t vectors = (total + kWide - 1) / kWide;
   const std::uint32_t boxVectors = prepareBoxes(tree, middle, packs, count, boxes);
+
   ExactTriangles exact;
   frameExactly(tree, tree.numbers[packs[0]].triangle, exact);
   for (unsigned i = 0; i < 8; ++i) {
@@ -684,9 +813,35 @@ void resolve(const TreeView& tree, const double middle[3], const std::uint32_t* 
     const CornerBounds bounds =
         cornerBounds(triangleOf(one), about4, 1.5F, one[kWide * kSlackAt] + 2 * tree.boxSlack + 1e-5F);
     std::uint32_t* const list = scratch.list[0];
+    std::uint32_t nearPacks = 0;
     const std::uint32_t near = chooseVectors(boxes, boxVectors, about4, 1.5F, bounds,
-                                             far * 1.00001F + 2 * tree.boxSlack, scratch.list[1], list);
+                                             far * 1.00001F + 2 * tree.boxSlack, scratch.list[1], list, nearPacks);
     if (near == 0) continue;
+    if (nearPacks * kPack > kMany) {
+      const ManyCandidates many(all, vectors, boxes, tree.boxSlack, static_cast<float*>(scratch.found));
+      std::uint32_t boxCount = 0;
+      for (std::uint32_t n = 0; n < nearPacks; ++n) {
+        const std::uint32_t vector = list[n] / kWide;
+        if (boxCount == 0 || list[boxCount - 1] != vector) list[boxCount++] = vector;
+      }
+      if (std::sqrt(many.nearest(list, boxCount, about4).squared) > far + kHalfDiagonal4) continue;
+      for (unsigned j = 0; j < 8; ++j) {
+        const unsigned at2[3] = {at4[0] + (j & 4) / 2, at4[1] + (j & 2), at4[2] + 2 * (j & 1)};
+        float about2[3];
+        for (int axis = 0; axis < 3; ++axis) about2[axis] = static_cast<float>(at2[axis]) - 3.0F;
+        const ManyCandidates::Found middle2 = many.nearest(list, boxCount, about2);
+        if (std::sqrt(middle2.squared) > far + kHalfDiagonal2) continue;
+        const std::uint32_t of2 = many.choose(list, boxCount, about2, 0.5F, middle2.candidate, scratch.list[1]);
+        std::uint32_t numbers[8];
+        for (unsigned k = 0; k < 8; ++k) {
+          float p[3];
+          for (int axis = 0; axis < 3; ++axis) p[axis] = about2[axis] + 0.5F * kCorner[axis][k];
+          numbers[k] = static_cast<std::uint32_t>(many.nearest(scratch.list[1], of2, p).number);
+        }
+        finish(tree, middle, about2, numbers, exact, at2[0] * 64 + at2[1] * 8 + at2[2], distance, triangle);
+      }
+      continue;
+    }
     const std::uint32_t of4 = choose(all, total, scratch.list[1], near, about4, 1.5F, scratch, list, least);
     if (least > far + kHalfDiagonal4) continue;
     take(all, list, of4, some);
