@@ -130,7 +130,7 @@ class Streams(harness.CliTest):
 
     def test_the_lines_say_what_was_written_chosen_and_left(self):
         self.write("s.obj", harness.obj(harness.sphere(2)))
-        text = self.ok("fractal", "s.obj", "-o", "s.vdb", "--mesh", "s.ply", "--resolution", 24, "--sdf-resolution", 24)
+        text = self.ok("fractal", "s.obj", "-o", "s.vdb", "--mesh", "s.ply", "--resolution", 24, "--sdf-resolution", 24, "--progress", "none")
         self.assertRegex(text, r"\Awrote s\.vdb, s\.ply: [^\n]*triangles\norigin at [^\n]*\nthe set holds [^\n]*\n\Z")
         self.assertEqual(self.listing(), ["s.obj", "s.ply", "s.vdb"])
 

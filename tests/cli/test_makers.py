@@ -247,8 +247,8 @@ class Makers(harness.CliTest):
 
     def test_parts_refuse_what_makes_no_sense(self):
         part = ("print", "s.obj", "-o", "p.stl")
-        self.refused(USAGE, *part, mentions="--size")
-        self.refused(USAGE, *part, "--size", 0, mentions="--size")
+        self.refused(USAGE, *part, mentions="--longest-side")
+        self.refused(USAGE, *part, "--size", 0, mentions="--longest-side")
         self.refused(USAGE, *part, "--size", 10, "--min-thickness", 9, mentions="quarter")
         self.refused(USAGE, *part, "--size", 10, "--thin", "drop", mentions="--min-thickness")
         self.refused(USAGE, *part, "--size", 10, "--min-thickness", 1, "--thin", "melt", mentions="drop")

@@ -43,7 +43,7 @@ RUNS = {
         ("--map", "mandelbulb", "--mesh", "f.obj", "--resolution", 14),
         ("--map", "cross", "--scheme", 5, "-o", "f.vdb", "--resolution", 14),
         ("s.obj", "-o", "f.####.vdb", "--frames", "1-3", "--key", "detail@1=0.2", "--key", "detail@3=0.4", *LOW),
-        ("walk.gltf", "-o", "f.vdb", "--target-frame", 18, *LOW),
+        ("walk.gltf", "-o", "f.vdb", "--target-frame", 18, "--resolution", 14, "--sdf-resolution", 100),
     ],
     "sdf": [("s.obj", "-o", "f.vdb", "--resolution", 14), ("s.obj", "-o", "f.nvdb", "--resolution", 14), ("open.obj", "--repair", "-o", "f.vdb", "--resolution", 14),
             ("s.obj", "-o", "f.####.vdb", "--resolution", 14, "--frames", "1-2")],

@@ -102,7 +102,9 @@ TEST(Estimate, EmptyTasksGiveNoCertainty) {
     const Pairs sample = population.sample(12, static_cast<std::uint64_t>(round));
     const auto full = std::count_if(sample.begin(), sample.end(), [](const auto& one) { return one.second > 0; });
     const Estimated estimated = estimateTotal(population.work, sample);
-    if (full > 0) EXPECT_GT(estimated.high - estimated.low, 1e-6 * estimated.value) << full << " tasks with a value";
+    if (full > 0) {
+      EXPECT_GT(estimated.high - estimated.low, 1e-6 * estimated.value) << full << " tasks with a value";
+    }
     held += estimated.low <= population.total && population.total <= estimated.high;
   }
   // The number of tasks with a value, three of twelve or so, is far from normal, so the interval holds the total in 90

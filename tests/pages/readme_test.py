@@ -105,7 +105,7 @@ exec {PROGRAM} "${{words[@]/#250/60}}"
 
     def test_every_option_it_names_exists(self):
         text = ""
-        for command in ("sdf", "fractal", "fit", "mesh", "points", "print", "convert", "versor", "sheet", "slice", "study", "render", "explore", "info",
+        for command in ("sdf", "fractal", "fit", "mesh", "points", "print", "convert", "versor", "sheet", "slice", "study", "render", "explore", "info", "usd",
                         "plan tiles", "submit", "merge"):
             text += subprocess.run([PROGRAM, *command.split(), "--help", "all"], capture_output=True, text=True,
                                    check=True).stdout
