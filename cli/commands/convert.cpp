@@ -103,7 +103,7 @@ int runConvert(const Arguments& arguments) {
   if (input.empty()) throw std::invalid_argument("no VDB was given");
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.nvdb");
   const std::optional<vdbtools::NvdbValues> values = nvdbValues(line);
-  if (!values && !line.has("grid-names"))
+  if (!values && !line.has("grid-names") && vdbtools::isVdbPath(line.text("output")))
     throw std::invalid_argument("a VDB with the same names would be the same; give --grid-names, or -o F.nvdb");
   return runFrames(line, input, kConvertOutput, [&line, values](const std::string& name) {
     return FrameJob{{}, [&line, values, name](const FrameRun& run) { convertVdb(line, name, values, run); }};

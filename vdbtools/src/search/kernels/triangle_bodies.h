@@ -802,7 +802,6 @@ void resolve(const TreeView& tree, const double middle[3], const std::uint32_t* 
   fill(all, total);
   const std::uint32_t vectors = (total + kWide - 1) / kWide;
   const std::uint32_t boxVectors = prepareBoxes(tree, middle, packs, count, boxes);
-
   ExactTriangles exact;
   frameExactly(tree, tree.numbers[packs[0]].triangle, exact);
   for (unsigned i = 0; i < 8; ++i) {
