@@ -57,8 +57,10 @@ TEST(FileAccess, NoOptionThatNamesAFileIsForgotten) {
         }();
         takesFile = takesFile || names;
         if (!names) {
-          // The names of a grid and of attributes are any text; other maps' options are kept, and read by nobody.
-          EXPECT_TRUE(spec->name == "grid" || spec->name == "transfer" || spec->kept)
+          // The names of a grid, of attributes and of an animation are any text; other maps' options are kept, and read
+          // by nobody.
+          EXPECT_TRUE(spec->name == "grid" || spec->name == "transfer" || spec->name == "target-animation" ||
+                      spec->kept)
               << map->name() << " --" << spec->name << ' ' << text;
           continue;
         }
