@@ -103,7 +103,6 @@ class Frames(PlanTest):
         frames = ("plan", "frames", "s.obj", *LOW, "-o", "p")
         self.all_refused(USAGE, [
             frames,
-            (*frames, "--frames", "1-3"),
             (*frames, "--frames", "3-1", *KEYS),
             (*frames, "--frames", "x", *KEYS),
             (*frames, "--frames", "1-3", "--key", "alfa@1=20"),
