@@ -222,11 +222,12 @@ std::vector<OptionSpec> animationOptionSpecs() {
            .idle = idleByAny({idleWithoutGltf, idleWithoutFrame})}};
 }
 
-/// The moment that a recipe names, as text; empty: none.
+/// The moment that a recipe names, as text; empty: none. @param input  empty if there is no target
 std::string parseMomentOptions(const RecipeReader& reader, const std::filesystem::path& input) {
   const double fps = reader.has("target-fps") ? reader.positive("target-fps") : kUsualFps;
   if (!reader.has("target-frame")) return {};
   const double frame = reader.number("target-frame");
+  if (input.empty()) return {};
   if (!isGltfPath(input))
     throw std::invalid_argument("--target-frame is for an animated glTF, and '" + input.string() +
                                 "' is none; leave it out");
@@ -268,9 +269,9 @@ std::optional<TargetOptions> parseTargetOptions(const RecipeReader& reader) {
                         .grid = reader.text("grid"),
                         .sdfVoxels = reader.voxels("sdf-resolution", "sdf-voxel-size"),
                         .mend = parseMendOptions(reader)};
+  const std::string moment = parseMomentOptions(reader, options.input.path);
   if (options.input.path.empty()) return std::nullopt;
-  if (const std::string moment = parseMomentOptions(reader, options.input.path); isGltfPath(options.input.path))
-    options.grid = moment;
+  if (isGltfPath(options.input.path)) options.grid = moment;
   return options;
 }
 
