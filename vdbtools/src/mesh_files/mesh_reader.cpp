@@ -29,7 +29,7 @@ std::string contentsOf(const std::filesystem::path& path) {
 Mesh readAny(const std::filesystem::path& path, const std::optional<MeshMoment>& moment) {
   const std::string contents = contentsOf(path);
   const std::string extension = meshExtension(path);
-  const bool isGltf = extension == ".glb" || extension == ".gltf";
+  const bool isGltf = isGltfPath(path);
   const auto reader = extension == ".obj"   ? readObj
                       : extension == ".off" ? readOff
                       : extension == ".ply" ? readPly

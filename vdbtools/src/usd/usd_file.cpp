@@ -106,14 +106,12 @@ void writeElements(std::ostream& stream, std::size_t count, bool breaks, const W
 }
 
 /// An attribute of meshes: a list, or one for each frame.
-/// @param write  writes the element of a mesh at an index @param details  what else is said of the attribute
-template <class Count, class Write>
+/// @param writerOf  of a mesh: writes the element at an index  @param details  what else is said of the attribute
+template <class Count, class WriterOf>
 void writeMeshAttribute(std::ostream& stream, const UsdMeshes& meshes, const std::string& declaration,
-                        const Count& countOf, const Write& write, const char* details = "") {
+                        const Count& countOf, const WriterOf& writerOf, const char* details = "") {
   const bool isStill = !meshes.frames.front();
-  const auto writeList = [&](const Mesh& mesh) {
-    writeElements(stream, countOf(mesh), isStill, [&](std::size_t i) { write(mesh, i); });
-  };
+  const auto writeList = [&](const Mesh& mesh) { writeElements(stream, countOf(mesh), isStill, writerOf(mesh)); };
   stream << "        " << declaration;
   if (isStill) {
     stream << " = ";
@@ -169,24 +167,27 @@ void writeMeshPrim(std::ostream& stream, const UsdMeshes& meshes) {
   const auto triangles = [](const Mesh& mesh) { return mesh.triangles.size(); };
   const auto points = [](const Mesh& mesh) { return mesh.points.size(); };
   writeMeshAttribute(stream, meshes, "int[] faceVertexCounts", triangles,
-                     [&](const Mesh&, std::size_t) { stream << 3; });
-  writeMeshAttribute(stream, meshes, "int[] faceVertexIndices", triangles, [&](const Mesh& mesh, std::size_t i) {
-    const openvdb::Vec3I& t = mesh.triangles[i];
-    stream << t[0] << ", " << t[1] << ", " << t[2];
+                     [&](const Mesh&) { return [&](std::size_t) { stream << 3; }; });
+  writeMeshAttribute(stream, meshes, "int[] faceVertexIndices", triangles, [&](const Mesh& mesh) {
+    return [&](std::size_t i) {
+      const openvdb::Vec3I& t = mesh.triangles[i];
+      stream << t[0] << ", " << t[1] << ", " << t[2];
+    };
   });
-  writeMeshAttribute(stream, meshes, "point3f[] points", points, [&](const Mesh& mesh, std::size_t i) {
-    stream << tupleOf(openvdb::Vec3s(mesh.points[i] - centre));
+  writeMeshAttribute(stream, meshes, "point3f[] points", points, [&](const Mesh& mesh) {
+    return [&](std::size_t i) { stream << tupleOf(openvdb::Vec3s(mesh.points[i] - centre)); };
   });
   if (meshes.hasNormals)
     writeMeshAttribute(
         stream, meshes, "normal3f[] normals", [](const Mesh& mesh) { return mesh.normals.size(); },
-        [&](const Mesh& mesh, std::size_t i) { stream << tupleOf(mesh.normals[i]); }, kVertex);
+        [&](const Mesh& mesh) { return [&](std::size_t i) { stream << tupleOf(mesh.normals[i]); }; }, kVertex);
   if (meshes.hasColours)
     writeMeshAttribute(
         stream, meshes, "color3f[] primvars:displayColor", points,
-        [&](const Mesh& mesh, std::size_t i) {
-          const auto valueOf = [&](const char* name) { return attributeOf(mesh, name)->values[i]; };
-          stream << tupleOf(openvdb::Vec3s(valueOf("red"), valueOf("green"), valueOf("blue")));
+        [&](const Mesh& mesh) {
+          const auto &red = attributeOf(mesh, "red")->values, &green = attributeOf(mesh, "green")->values,
+                     &blue = attributeOf(mesh, "blue")->values;
+          return [&](std::size_t i) { stream << tupleOf(openvdb::Vec3s(red[i], green[i], blue[i])); };
         },
         kVertex);
   if (centre != Vec3d(0))

@@ -7,6 +7,7 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/frame_name.h"
 #include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/mesh_files/mesh_animation.h"
 #include "vdbtools/mesh_files/mesh_reader.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/scene/file_axes.h"
@@ -167,7 +168,7 @@ class MeshReader {
     const UpTurn turn(entry.recorded.value_or(up), up);
     for (openvdb::Vec3d& point : mMesh.points) point = turn(point) * entry.scale;
     computeNormals(mMesh);
-    if (lowerExtension(entry.path) != ".glb" && lowerExtension(entry.path) != ".gltf")
+    if (!isGltfPath(entry.path))
       for (VertexAttribute& attribute : mMesh.attributes)
         if (isColour(attribute))
           for (float& value : attribute.values) value = linearFromSrgb(std::clamp(value, 0.0F, 1.0F));
@@ -224,8 +225,6 @@ UsdCounts writeUsdScene(const UsdOutputs& outputs, const UsdOptions& options, Mo
       return at(index);
     };
   }
-  if (!unit) unit = options.unit;
-  scene.metersPerUnit = unit ? metresOf(*unit) : options.metersPerUnit.value_or(1);
   monitor.begin(PhaseKind::Writing, 0);
   if (outputs.scene) writeUsda(*outputs.scene, scene);
   if (outputs.package)
