@@ -33,7 +33,6 @@ void requireWaveNumbers(const Quaternion<double>& q, const char* what) {
 /// Bounds of a factor over a ball, and of how fast it turns.
 struct FactorBound {
   double slope = 0;      ///< maximum change of g per unit, at octave 0
-  double curvature = 0;  ///< maximum change of that change per unit, at octave 0
   double amplitude = 0;  ///< upper bound of |g|
   double reach = 0;      ///< the largest frequency, quadrants per unit
 };
@@ -72,22 +71,25 @@ WaveVersor<Real>::WaveVersor(const WaveTexture& texture, std::shared_ptr<const S
   auto plan = std::make_unique<Plan>(Plan{WaveTables<Real>(texture), WaveTables<double>(texture), {}, {}});
   for (const WaveFactor& factor : texture.factors) {
     FactorBound bound;
+    double curvature = 0;
     for (const Wave& wave : factor.waves) {
       // |c cos + s sin| is at most the square root of |c|^2 + |s|^2, and so is its derivative.
       const double size = std::sqrt(normSquared(wave.cosine) + normSquared(wave.sine));
       constexpr double kTurn = 6.28318530717958647693;
       const double length = norm(wave.frequency);
       bound.slope += size * length * kTurn;
-      bound.curvature += size * (length * kTurn) * (length * kTurn);
+      curvature += size * (length * kTurn) * (length * kTurn);
       bound.amplitude += size;
       bound.reach = std::max(bound.reach, 4 * length);
     }
     plan->bounds.push_back(bound);
-    // As coneBySlopes() has it, for places of any size.
+    // An angle consists of four products and three sums of numbers of the size of a place; frequencies, the origin and
+    // the difference to it are rounded. Then come the sine and cosine, those of the doubled angle, and the sum. A
+    // quadrant is pi/2 radians.
     const double rounding = bound.amplitude * 4 * kEpsilonOf<Real>;
-    plan->discBounds.push_back({.curvature = bound.curvature,
+    plan->discBounds.push_back({.curvature = curvature,
                                 .rounding = rounding * (8 + static_cast<double>(factor.waves.size())),
-                                .perQuadrant = rounding * kQuadrant * 8 * bound.reach});
+                                .perSize = rounding * kQuadrant * 8 * bound.reach});
   }
   mPlan = std::move(plan);
 }
@@ -154,12 +156,9 @@ Cone WaveVersor<Real>::coneBySlopes(const Ball& ball, double low, double high, d
     for (std::size_t f = 0; f < mTexture.factors.size(); ++f) {
       const WaveFactor& factor = mTexture.factors[f];
       const FactorBound& bound = mPlan->bounds[f];
-      // An angle consists of four products and three sums of numbers of this size; frequencies, the origin and the
-      // difference to it are rounded. Then come the sine and cosine, those of the doubled angle, and the sum. A
-      // quadrant is pi/2 radians.
-      const double quadrants = bound.reach * size * scale, count = static_cast<double>(factor.waves.size());
-      if (!(quadrants < kMostQuadrants)) return Texel{result.versor, kUnbounded};
-      const double rounding = bound.amplitude * 4 * kEpsilonOf<Real> * (kQuadrant * 8 * quadrants + 8 + count);
+      if (!(bound.reach * size * scale < kMostQuadrants)) return Texel{result.versor, kUnbounded};
+      const kernels::WaveFactorBound& ofDisc = mPlan->discBounds[f];
+      const double rounding = ofDisc.rounding + ofDisc.perSize * (size * scale);
       const Quaternion<double> g = sumOfWaves(factor, centre * scale);
       const double turn = arcSine((bound.slope * scale * ball.radius * (1 + kSlack) + rounding) / norm(g));
       result.turning += std::abs(factor.power) * (turn + 16 * kEpsilonOf<Real>);

@@ -84,9 +84,9 @@ struct WaveSpan {
 
 /// How fast a factor of waves may change at octave 0, and how its Real rounds it.
 struct WaveFactorBound {
-  double curvature = 0;    ///< of the sum of waves: units of amplitude per unit of space squared
-  double rounding = 0;     ///< of the sum, however small its phases are
-  double perQuadrant = 0;  ///< of the sum, for each unit of a place's size
+  double curvature = 0;  ///< of the sum of waves: units of amplitude per unit of space squared
+  double rounding = 0;   ///< of the sum, however small its phases are
+  double perSize = 0;    ///< of the sum, for each unit of a place's size
 };
 /// A ball over which the versor of waves is asked for. Its octaves lie between one whole number and the next.
 struct WaveBall {

@@ -114,7 +114,7 @@ JULIA_INLINE bool findOctaves(const WaveTerm<double>* waves, const WaveSpan<doub
       const double scale = octave == 0 ? ball.scale : 2 * ball.scale, turn = scale * ball.radius;
       const WaveFactorBound& bound = bounds[number];
       sum.rest =
-          0.5 * bound.curvature * turn * turn * kDiscSlack + bound.rounding + bound.perQuadrant * (ball.size * scale);
+          0.5 * bound.curvature * turn * turn * kDiscSlack + bound.rounding + bound.perSize * (ball.size * scale);
       if (!makeVersor(sum, ball.radius)) return false;
       sum.rest += slack;
       sum.change += slack;
