@@ -33,8 +33,7 @@ constexpr Usage kFractalUsage = {
     "their own, without a target, within the ball from which no orbit has escaped, or within a --box.\n\n"
     "With --frames it makes a sequence, one frame after the other. Names such as in.####.obj and out.####.vdb have a "
     "place for the frame, an animated glTF is played, and --key says what an option is at some frames ('juliavdb plan "
-    "frames --help'). A frame "
-    "whose files are there and were made by the same options from the same inputs is kept.",
+    "frames --help'). A frame whose files are there and were made by the same options from the same inputs is kept.",
     "  juliavdb fractal bunny.obj -o bunny.vdb --mesh bunny.ply --resolution 150\n"
     "  juliavdb fractal bunny.obj -o bunny.nvdb --nvdb-bits 8 --resolution 100\n"
     "  juliavdb fractal bunny.obj -o deep.vdb --detail 0.6 --texture-seed 7 --resolution 100\n"
@@ -196,8 +195,7 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
 
 /// The frames of a sequence, those left out that are there already.
 int makeFrames(const CommandLine& line) {
-  framesOf(line, kOutputOptions);
-  vdbtools::farm::FramePlanOptions options = parseFrameOptions(line, productsOf(line));
+  vdbtools::farm::FramePlanOptions options = parseFrameOptions(line, framesOf(line, kOutputOptions), productsOf(line));
   // The options and places of all frames are checked before the first of them is looked at.
   {
     const vdbtools::farm::FrameRecipes asked(options);

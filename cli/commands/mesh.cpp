@@ -36,8 +36,6 @@ constexpr Usage kMeshUsage = {"mesh", "F.vdb -o F.ply [--from-grid] [options]",
                               "  juliavdb mesh bunny.vdb -o blocky.obj --from-grid\n"
                               "  juliavdb mesh grow.####.vdb -o grow.####.ply --frames 1-2\n"};
 
-constexpr const char* kMeshOutput[] = {"output"};
-
 /// The recipe in the VDB, as it is recorded, and with its files where they are.
 struct MeshRecipe {
   vdbtools::Recipe recorded, found;
@@ -152,7 +150,7 @@ int runMesh(const Arguments& arguments) {
   if (line.has("adaptivity")) asked["adaptivity"] = line.text("adaptivity");
   const vdbtools::OptionTable table(vdbtools::surfaceOptionSpecs());
   const double adaptivity = vdbtools::parseSurfaceOptions(vdbtools::RecipeReader(asked, table)).adaptivity;
-  return runFrames(line, input, kMeshOutput,
+  return runFrames(line, input, kOnlyOutput,
                    [&](const std::string& name) { return meshJob(line, name, asked, adaptivity); });
 }
 

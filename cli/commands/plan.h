@@ -26,9 +26,10 @@ int planSheet(const Arguments& arguments);
 
 /// --key and --ease of 'plan frames' and 'fractal'.
 void addKeyOptions(CommandLine& line);
-/// The values of these and of --frames. @param makes  what is made of each frame
+/// Their values. @param frames  those of --frames  @param makes  what is made of each of them
 /// @throw std::invalid_argument  also where an option or a key has an effect in no frame
-vdbtools::farm::FramePlanOptions parseFrameOptions(const CommandLine& line, const std::set<vdbtools::Product>& makes);
+vdbtools::farm::FramePlanOptions parseFrameOptions(const CommandLine& line, std::vector<int> frames,
+                                                   const std::set<vdbtools::Product>& makes);
 
 /// Of options whose resolution was chosen: what it is, in a sentence.
 std::string frameResolutionText(const vdbtools::farm::FramePlanOptions& options);

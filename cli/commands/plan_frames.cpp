@@ -45,11 +45,12 @@ void addKeyOptions(CommandLine& line) {
       "how the numbers change between keys: of all options, or of the option NAME; any number of times");
 }
 
-vdbtools::farm::FramePlanOptions parseFrameOptions(const CommandLine& line, const std::set<vdbtools::Product>& makes) {
+vdbtools::farm::FramePlanOptions parseFrameOptions(const CommandLine& line, std::vector<int> frames,
+                                                   const std::set<vdbtools::Product>& makes) {
   vdbtools::farm::FramePlanOptions options{
       .base = withFoundFiles(line, line.givenRecipe(), line.configHolder()),
       .keys = vdbtools::farm::parseKeys(line.texts("key"), line.texts("ease"), vdbtools::fractalOptionTable()),
-      .frames = vdbtools::farm::parseFrames(line.text("frames"))};
+      .frames = std::move(frames)};
   vdbtools::farm::playTarget(options);
   const vdbtools::OptionTable table = vdbtools::fractalOptionTable();
   const vdbtools::Recipe typed = line.given();
@@ -84,7 +85,8 @@ int planFrames(const Arguments& arguments) {
   if (!line.has("frames"))
     throw std::invalid_argument("no frames were given; use --frames LIST, such as --frames 1-48");
   const std::vector<std::string> makes = parseMakes(line);
-  vdbtools::farm::FramePlanOptions options = parseFrameOptions(line, productsOf(makes));
+  vdbtools::farm::FramePlanOptions options =
+      parseFrameOptions(line, vdbtools::farm::parseFrames(line.text("frames")), productsOf(makes));
   options.name = line.text("name");
   options.makes = makes;
   const std::filesystem::path folder = newPlanFolder(line);

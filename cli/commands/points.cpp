@@ -41,8 +41,6 @@ constexpr Usage kPointsUsage = {
     "  juliavdb points bunny.obj -o even.ply --spacing 0.05 --seed 7\n"
     "  juliavdb points grow.####.vdb -o points.####.ply --points 2000 --frames 1-2\n"};
 
-constexpr const char* kPointsOutput[] = {"output"};
-
 vdbtools::PointsOptions parsePoints(const CommandLine& line) {
   vdbtools::PointsOptions options;
   if (line.has("points") == line.has("spacing")) throw std::invalid_argument("give either --points N or --spacing S");
@@ -188,7 +186,7 @@ int runPoints(const Arguments& arguments) {
   if (input.empty()) throw std::invalid_argument("no VDB or mesh was given");
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o P.ply");
   const vdbtools::PointsOptions options = parsePoints(line);
-  return runFrames(line, input, kPointsOutput, [&](const std::string& name) { return pointsJob(line, name, options); });
+  return runFrames(line, input, kOnlyOutput, [&](const std::string& name) { return pointsJob(line, name, options); });
 }
 
 }  // namespace cli

@@ -34,17 +34,13 @@ constexpr Usage kPrintUsage = {
     "print", "F.vdb|MESH -o PART.stl|PART.3mf|PART.ply|PART.obj [--longest-side MM] [--min-thickness MM] [options]",
     "Makes a part for 3D printing: one closed piece without cavities, in millimetres, with z up, standing on z = 0 and "
     "centred in x and y. With --min-thickness hairs and walls that are thinner are thickened, or taken off. If the "
-    "unit "
-    "of the input is known, the part has its true size unless --longest-side says another one. If the input is a "
-    "fractal that this program made, VDB, PLY or OBJ, its true surface is computed again from the recipe in "
-    "the file.",
+    "unit of the input is known, the part has its true size unless --longest-side says another one. If the input is a "
+    "fractal that this program made, VDB, PLY or OBJ, its true surface is computed again from the recipe in the file.",
     "  juliavdb print bunny.vdb -o bunny.stl --longest-side 60\n"
     "  juliavdb print bunny.vdb -o bunny.3mf --longest-side 60 --min-thickness 1.2 --flat-base 0.5\n"
     "  juliavdb print bunny.vdb -o plain.stl --longest-side 60 --min-thickness 1.2 --thin drop --tolerance 0.05\n"
     "  juliavdb print bunny.obj -o true.3mf --units in\n"
     "  juliavdb print grow.####.vdb -o part.####.stl --longest-side 60 --frames 1-2\n"};
-
-constexpr const char* kPrintOutput[] = {"output"};
 
 vdbtools::PrintOptions parsePrint(const CommandLine& line, std::optional<vdbtools::LengthUnit> unit) {
   vdbtools::PrintOptions options;
@@ -226,7 +222,7 @@ int runPrint(const Arguments& arguments) {
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o PART.stl");
   const std::string format = vdbtools::lowerCase(formatOf(line.text("output"), ".stl"));
   if (format == ".3mf" && !vdbtools::canWrite3mf()) vdbtools::encode3mf({});  // says why
-  return runFrames(line, input, kPrintOutput, [&](const std::string& name) {
+  return runFrames(line, input, kOnlyOutput, [&](const std::string& name) {
     const std::optional<vdbtools::LengthUnit> unit = unitOf(line, name);
     vdbtools::PrintOptions options = parsePrint(line, unit);
     requirePartFits(line, name, options);

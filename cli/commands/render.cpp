@@ -141,8 +141,6 @@ struct Shot {
   bool isAs(const Shot& other) const { return view == other.view && turn == other.turn && input == other.input; }
 };
 
-constexpr const char* kRenderOutput[] = {"output"};
-
 /// Refuses the way in which a turntable was asked for before version 1, when --frames was a count.
 void requireNoCount(const CommandLine& line, bool field, const std::vector<int>& frames) {
   if (!field || frames.size() != 1 || frames.front() < 2 || line.has("turn") || line.has("key")) return;
@@ -164,7 +162,7 @@ std::vector<Shot> shotsOf(const CommandLine& line, bool field) {
       field && line.has("config") ? vdbtools::readRecordedView(line.text("config")) : vdbtools::Recipe();
   line.requireUse(line.has("frames"), {"turn", "key", "ease"}, "it goes with --frames; give that too, or leave it out");
   line.requireUse(line.has("key"), {"ease"}, "it goes with --key; give that too, or leave it out");
-  const std::vector<int> frames = framesOf(line, kRenderOutput);
+  const std::vector<int> frames = framesOf(line, kOnlyOutput);
   if (frames.empty()) return {{std::nullopt, vdbtools::overriddenView(base, given), 0, input}};
   requireNoCount(line, field, frames);
   const bool isSequence = vdbtools::hasFramePattern(input);
@@ -237,7 +235,7 @@ class Shooting {
       if (!shot.input.empty()) mInputs.add(shot.input);
       if (shot.frame) mFrames.push_back(*shot.frame);
     }
-    if (!mFrames.empty()) requireFramePlaces(line, mInputs, kRenderOutput, mFrames);
+    if (!mFrames.empty()) requireFramePlaces(line, mInputs, kOnlyOutput, mFrames);
   }
 
   /// @param layers  of all shots @return the exit code
@@ -254,7 +252,7 @@ class Shooting {
           monitor.throwIfCancelled();
           const bool isHeld = before && mShots[i].isAs(mShots[*before]);
           areHeld = areHeld && (isHeld || i == 0);
-          if (!isHeld || !copyFrame(mLine, kRenderOutput, mFrames[*before], mFrames[i], isLast))
+          if (!isHeld || !copyFrame(mLine, kOnlyOutput, mFrames[*before], mFrames[i], isLast))
             makeOne(i, layers[i], pictureOf, isLast, monitor);
           before = i;
           report().noteKept("finished frames are kept");

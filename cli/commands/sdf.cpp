@@ -33,8 +33,6 @@ constexpr Usage kSdfUsage = {"sdf", "MESH -o F.vdb|F.nvdb [--resolution N | --vo
                              "  juliavdb sdf scan.ply -o scan_sdf.vdb --voxel-size 0.01 --repair\n"
                              "  juliavdb sdf walk.####.obj -o walk.####.vdb --frames 1-2 --resolution 60\n"};
 
-constexpr const char* kSdfOutput[] = {"output"};
-
 /// Makes the distances of one mesh. @param recipe  to be recorded
 void makeSdf(const CommandLine& line, const vdbtools::Recipe& recipe, const FrameRun& run) {
   const vdbtools::SdfOptions options = vdbtools::parseSdfOptions(recipe);
@@ -87,7 +85,7 @@ int runSdf(const Arguments& arguments) {
   line.requireEffect({vdbtools::Product::Vdb});
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.vdb");
   nvdbValues(line);
-  return runFrames(line, options.input, kSdfOutput, [&](const std::string& input) {
+  return runFrames(line, options.input, kOnlyOutput, [&](const std::string& input) {
     vdbtools::Recipe recipe = line.recipe();
     recipe["input"] = input;
     vdbtools::InputFiles inputs;

@@ -26,6 +26,9 @@ inline constexpr const char* kFramesHelp =
     "in.####.obj and out.$F4.vdb have a place for the frame, and outputs need one; what has none is the same in all "
     "frames";
 
+/// The options that name the files of a frame, for commands with one output.
+inline constexpr const char* kOnlyOutput[] = {"output"};
+
 /// --frames and --keep-going.
 void addFramesOption(CommandLine& line);
 /// These, and --key, --ease and --force of 'fractal'.
