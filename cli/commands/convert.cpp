@@ -34,16 +34,12 @@ constexpr Usage kConvertUsage = {
     "  juliavdb convert bunny.vdb -o blender.vdb --grid-names blender,surface=shape\n"
     "  juliavdb convert grow.####.vdb -o grow.####.nvdb --frames 1-2\n"};
 
-constexpr const char* kConvertOutput[] = {"output"};
-
 /// What a VDB says, in one whose grids have other names.
 vdbtools::VdbWriteOptions writeOptions(const vdbtools::VdbFile& vdb, const vdbtools::GridNames& names) {
   vdbtools::VdbWriteOptions write{.metadata = vdb.metadata, .names = names};
   write.half = std::ranges::all_of(vdb.grids, [](const auto& grid) { return grid->saveFloatAsHalf(); });
   if (vdb.metadata.contains(vdbtools::kUpAxis)) write.up = vdbtools::recordedUpAxis(vdb.metadata);
-  const auto recorded = vdb.metadata.find(vdbtools::kDistanceGrid);
-  for (const std::string& distances :
-       {recorded == vdb.metadata.end() ? std::string() : recorded->second, std::string("surface"), std::string("phi")})
+  for (const std::string& distances : vdbtools::distanceGrids(vdb.metadata))
     if (names.contains(distances)) {
       write.metadata[vdbtools::kDistanceGrid] = names.at(distances);
       break;
@@ -105,7 +101,7 @@ int runConvert(const Arguments& arguments) {
   const std::optional<vdbtools::NvdbValues> values = nvdbValues(line);
   if (!values && !line.has("grid-names") && vdbtools::isVdbPath(line.text("output")))
     throw std::invalid_argument("a VDB with the same names would be the same; give --grid-names, or -o F.nvdb");
-  return runFrames(line, input, kConvertOutput, [&line, values](const std::string& name) {
+  return runFrames(line, input, kOnlyOutput, [&line, values](const std::string& name) {
     return FrameJob{{}, [&line, values, name](const FrameRun& run) { convertVdb(line, name, values, run); }};
   });
 }

@@ -54,8 +54,6 @@ constexpr Usage kSliceUsage = {
     "  juliavdb slice bunny.obj -o first_step.png --field e --arrow 0,0,0.2 --arrow 0.5,0.6,0\n"
     "  juliavdb slice grow.####.vdb -o cut.####.png --frames 1-2\n"};
 
-constexpr const char* kSliceOutput[] = {"output"};
-
 SliceField parseField(const CommandLine& line) {
   return line.choice<SliceField>("field", {{"phi", SliceField::Phi},
                                            {"e", SliceField::Exponent},
@@ -153,11 +151,6 @@ std::string meaningOf(SliceField field, const StackOptions& stack) {
   return "0 is -" + range + " and " + most + " is " + range + ", negative inside";
 }
 
-std::optional<vdbtools::LengthUnit> unitOf(const Scene& scene) {
-  const std::optional<vdbtools::LengthUnit> recorded = vdbtools::recordedUnit(scene.metadata);
-  return recorded ? recorded : scene.options.output.axes.unit;
-}
-
 struct NamedGrid {
   openvdb::FloatGrid::Ptr grid;
   openvdb::BBoxd frame;
@@ -204,7 +197,8 @@ void writeStack(const CommandLine& line, const std::optional<vdbtools::FractalOp
   }
   const Scene scene = vdbtools::makeScene(*options, line.progress());
   if (field == SliceField::Phi && !scene.target) throw std::invalid_argument("there is no phi without a target");
-  writer.write(placement, vdbtools::sliceFrame(scene), meaning, unit ? unit : unitOf(scene),
+  writer.write(placement, vdbtools::sliceFrame(scene), meaning,
+               unit ? unit : vdbtools::unitOfTarget(scene.options.output.axes, scene.metadata),
                [&](const SlicePlane& plane, vdbtools::Monitor& progress) {
                  return layerOfScene(scene, field, plane, stack, progress);
                });
@@ -266,7 +260,7 @@ int runSlice(const Arguments& arguments) {
                input.empty() ? std::nullopt : unitOf(line, input));
     return kDone;
   }
-  return runFrames(line, input, kSliceOutput, [&](const std::string& name) {
+  return runFrames(line, input, kOnlyOutput, [&](const std::string& name) {
     const std::optional<vdbtools::FractalOptions> options = sliceRecipe(line, field, name);
     FrameJob job;
     if (options) job.inputs = vdbtools::inputsOf(*options);

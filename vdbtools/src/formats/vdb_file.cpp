@@ -294,6 +294,13 @@ std::map<std::string, std::string> readVdbMetadata(const std::filesystem::path& 
   });
 }
 
+std::vector<std::string> distanceGrids(const std::map<std::string, std::string>& metadata) {
+  std::vector<std::string> names;
+  if (const auto recorded = metadata.find(kDistanceGrid); recorded != metadata.end()) names.push_back(recorded->second);
+  names.insert(names.end(), {"surface", "phi"});
+  return names;
+}
+
 openvdb::FloatGrid::Ptr chooseFloatGrid(const VdbFile& file, const std::string& name,
                                         const std::filesystem::path& path) {
   std::vector<openvdb::FloatGrid::Ptr> candidates;
@@ -303,10 +310,8 @@ openvdb::FloatGrid::Ptr chooseFloatGrid(const VdbFile& file, const std::string& 
     const auto floats = openvdb::gridPtrCast<openvdb::FloatGrid>(grid);
     if (floats && (name.empty() || grid->getName() == name)) candidates.push_back(floats);
   }
-  const auto recorded = file.metadata.find(kDistanceGrid);
-  const std::string distances = recorded == file.metadata.end() ? "surface" : recorded->second;
   if (candidates.size() > 1 && name.empty())
-    for (const std::string& preferred : {distances, std::string("surface"), std::string("phi")})
+    for (const std::string& preferred : distanceGrids(file.metadata))
       for (const auto& candidate : candidates)
         if (candidate->getName() == preferred) return candidate;
   if (candidates.size() != 1)

@@ -42,12 +42,11 @@ std::string idleUnits(const OptionRun& run) {
   return "it is for files that have room for a unit, which are VDBs, meshes and stacks of slices; leave it out";
 }
 
-constexpr std::pair<const char*, LengthUnit> kUnits[] = {
-    {"mm", LengthUnit::Millimetre}, {"cm", LengthUnit::Centimetre}, {"m", LengthUnit::Metre}, {"in", LengthUnit::Inch}};
-
-/// The unit of the target of which a file is made.
-std::optional<LengthUnit> unitOf(const FileAxes& axes, const std::map<std::string, std::string>& metadata) {
-  return axes.unit ? axes.unit : recordedUnit(metadata);
+/// The unit of that name.
+std::optional<LengthUnit> unitCalled(const std::string& name) {
+  for (const LengthUnit unit : kLengthUnits)
+    if (name == nameOf(unit)) return unit;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -93,20 +92,22 @@ FileAxes parseFileAxes(const RecipeReader& reader) {
 }
 
 LengthUnit parseLengthUnit(const std::string& value) {
-  for (const auto& [name, unit] : kUnits)
-    if (value == name) return unit;
+  if (const std::optional<LengthUnit> unit = unitCalled(value)) return *unit;
   std::vector<std::string> names;
-  for (const auto& unit : kUnits) names.emplace_back(unit.first);
+  for (const LengthUnit unit : kLengthUnits) names.emplace_back(nameOf(unit));
   refuseChoice("units", value, names);
 }
 
 std::optional<LengthUnit> recordedUnit(const std::map<std::string, std::string>& metadata) {
   const auto entry = metadata.find(kLengthUnit);
   if (entry == metadata.end()) return std::nullopt;
-  for (const auto& [name, unit] : kUnits)
-    if (entry->second == name) return unit;
+  if (const std::optional<LengthUnit> unit = unitCalled(entry->second)) return unit;
   throw DataError("the file's metadata " + std::string(kLengthUnit) + " is '" + entry->second +
                   "'; it must be mm, cm, m or in");
+}
+
+std::optional<LengthUnit> unitOfTarget(const FileAxes& axes, const std::map<std::string, std::string>& metadata) {
+  return axes.unit ? axes.unit : recordedUnit(metadata);
 }
 
 std::optional<LengthUnit> unitOfFile(const std::filesystem::path& path) {
@@ -142,7 +143,7 @@ void setUnit(MeshWriteOptions& options, LengthUnit unit) {
 VdbWriteOptions vdbWriteOptions(const FileAxes& axes, std::map<std::string, std::string> metadata) {
   const UpAxis up = axes.ofVdb();
   metadata[kUpAxis] = nameOf(up);
-  if (const std::optional<LengthUnit> unit = unitOf(axes, metadata)) metadata[kLengthUnit] = nameOf(*unit);
+  if (const std::optional<LengthUnit> unit = unitOfTarget(axes, metadata)) metadata[kLengthUnit] = nameOf(*unit);
   return {.metadata = std::move(metadata), .up = up, .turn = {axes.target, up}};
 }
 
@@ -150,7 +151,7 @@ MeshWriteOptions meshWriteOptions(MeshFormat format, const FileAxes& axes,
                                   std::map<std::string, std::string> metadata) {
   const UpAxis up = axes.ofMesh(format);
   metadata[kUpAxis] = nameOf(up);
-  const std::optional<LengthUnit> unit = unitOf(axes, metadata);
+  const std::optional<LengthUnit> unit = unitOfTarget(axes, metadata);
   MeshWriteOptions options{.format = format, .comments = std::move(metadata), .turn = {axes.target, up}};
   if (unit) setUnit(options, *unit);
   return options;

@@ -10,6 +10,9 @@ inline constexpr const char* kLengthUnit = "julia_length_unit";
 
 enum class LengthUnit { Millimetre, Centimetre, Metre, Inch };
 
+inline constexpr LengthUnit kLengthUnits[] = {LengthUnit::Millimetre, LengthUnit::Centimetre, LengthUnit::Metre,
+                                              LengthUnit::Inch};
+
 /// "mm", "cm", "m" or "in".
 constexpr const char* nameOf(LengthUnit unit) {
   switch (unit) {

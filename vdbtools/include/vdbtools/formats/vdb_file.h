@@ -77,6 +77,9 @@ VdbFile readVdb(const std::filesystem::path& path);
 /// @throw  as readVdb()
 std::map<std::string, std::string> readVdbMetadata(const std::filesystem::path& path);
 
+/// The names that a file's distances may have, by its metadata, the likeliest first.
+std::vector<std::string> distanceGrids(const std::map<std::string, std::string>& metadata);
+
 /// Returns the FloatGrid called @a name. If the name is empty, it is the only FloatGrid, or among several the one that
 /// the file's metadata name (kDistanceGrid), or else the one called "surface" or "phi".
 /// @throw DataError  there is no such grid, it is of another type, or the choice is ambiguous; the message lists the

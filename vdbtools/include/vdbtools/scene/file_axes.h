@@ -52,6 +52,8 @@ UpAxis recordedUpAxis(const std::map<std::string, std::string>& metadata, UpAxis
 
 /// The unit that metadata name, if they name one. @throw DataError  the entry is no unit
 std::optional<LengthUnit> recordedUnit(const std::map<std::string, std::string>& metadata);
+/// The unit of the target of which files are made: the one that was asked for, or else the one that was found out.
+std::optional<LengthUnit> unitOfTarget(const FileAxes& axes, const std::map<std::string, std::string>& metadata);
 /// The unit that a VDB or mesh of this program names. None of other files: they may have one, but do not say so here.
 /// @throw what reading the beginning of the file throws
 std::optional<LengthUnit> unitOfFile(const std::filesystem::path& path);
