@@ -147,10 +147,12 @@ class KeptTarget final : public TargetInput {
 std::string targetKey(const TargetOptions& options) {
   if (options.input.expectedHash.empty() || (!options.mesh && isVdbPath(options.input.path))) return {};
   const VoxelChoice& voxels = options.sdfVoxels;
-  const std::string text = options.input.expectedHash + lowerExtension(options.input.path) +
-                           (voxels.voxelSize ? " voxels of " + numbersText({*voxels.voxelSize})
-                                             : " voxels " + numbersText({voxels.resolution.value()})) +
-                           ' ' + mendText(options.mend) + (options.grid.empty() ? "" : " at " + options.grid);
+  const std::string text =
+      options.input.expectedHash + lowerExtension(options.input.path) +
+      (voxels.voxelSize ? " voxels of " + numbersText({*voxels.voxelSize})
+                        : " voxels " + numbersText({voxels.resolution.value()})) +
+      ' ' + mendText(options.mend) +
+      (options.moment ? " at " + numbersText({options.moment->seconds}) + ' ' + options.moment->animation : "");
   return sha256Hex(text).substr(0, kKeyDigits);
 }
 

@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <iterator>
 #include <stdexcept>
 #include <string>
 
@@ -355,21 +354,6 @@ Vec3d GltfShape::point(std::uint64_t i) const {
     }
   // The shares of a point should sum to 1; one that has none moves with the first joint.
   return whole > 0 ? sum / whole : mJoints.front().point(p);
-}
-
-std::string momentText(const MeshMoment& moment) {
-  char digits[32];
-  const std::string seconds(digits, std::to_chars(digits, std::end(digits), moment.seconds).ptr);
-  return seconds + ' ' + moment.animation;
-}
-
-MeshMoment parseMoment(const std::string& text) {
-  MeshMoment moment;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), moment.seconds);
-  if (error != std::errc() || end == text.data() + text.size() || *end != ' ')
-    throw std::invalid_argument("'" + inOneLine(text) + "' is no moment of an animation");
-  moment.animation = text.substr(static_cast<std::size_t>(end - text.data()) + 1);
-  return moment;
 }
 
 bool isGltfPath(const std::filesystem::path& path) {

@@ -57,16 +57,10 @@ FloatGrid::ConstPtr resampled(const Target& deep, double voxel) {
   return coarse;
 }
 
-/// The moment at which a mesh is read.
-std::optional<MeshMoment> momentOf(const TargetOptions& options) {
-  if (options.mesh || options.grid.empty() || !isGltfPath(options.input.path)) return std::nullopt;
-  return parseMoment(options.grid);
-}
-
 class MeshInput final : public TargetInput {
  public:
   explicit MeshInput(const TargetOptions& options)
-      : mSource(openSolid(options.input.path, options.mesh, options.mend, momentOf(options))),
+      : mSource(openSolid(options.input.path, options.mesh, options.mend, options.moment)),
         mVoxel(options.sdfVoxels.sizeFor(longestSide(mSource.box))),
         mMend(options.mend) {
     requireResolved(mMend, mVoxel);
@@ -222,16 +216,16 @@ std::vector<OptionSpec> animationOptionSpecs() {
            .idle = idleByAny({idleWithoutGltf, idleWithoutFrame})}};
 }
 
-/// The moment that a recipe names, as text; empty: none. @param input  empty if there is no target
-std::string parseMomentOptions(const RecipeReader& reader, const std::filesystem::path& input) {
+/// The moment that a recipe names. @param input  empty if there is no target
+std::optional<MeshMoment> parseMomentOptions(const RecipeReader& reader, const std::filesystem::path& input) {
   const double fps = reader.has("target-fps") ? reader.positive("target-fps") : kUsualFps;
-  if (!reader.has("target-frame")) return {};
+  if (!reader.has("target-frame")) return std::nullopt;
   const double frame = reader.number("target-frame");
-  if (input.empty()) return {};
+  if (input.empty()) return std::nullopt;
   if (!isGltfPath(input))
     throw std::invalid_argument("--target-frame is for an animated glTF, and '" + input.string() +
                                 "' is none; leave it out");
-  return momentText({frame / fps, reader.has("target-animation") ? reader.text("target-animation") : ""});
+  return MeshMoment{frame / fps, reader.has("target-animation") ? reader.text("target-animation") : ""};
 }
 
 }  // namespace
@@ -269,9 +263,8 @@ std::optional<TargetOptions> parseTargetOptions(const RecipeReader& reader) {
                         .grid = reader.text("grid"),
                         .sdfVoxels = reader.voxels("sdf-resolution", "sdf-voxel-size"),
                         .mend = parseMendOptions(reader)};
-  const std::string moment = parseMomentOptions(reader, options.input.path);
+  options.moment = parseMomentOptions(reader, options.input.path);
   if (options.input.path.empty()) return std::nullopt;
-  if (isGltfPath(options.input.path)) options.grid = moment;
   return options;
 }
 

@@ -27,11 +27,6 @@ Mesh readMesh(const std::filesystem::path& path, const std::optional<MeshMoment>
 /// The same for readPoints() (point_cloud.h).
 Mesh readPoints(const std::filesystem::path& path, const std::optional<MeshMoment>& moment);
 
-/// A moment as text, from which parseMoment() makes the same.
-std::string momentText(const MeshMoment& moment);
-/// @throw std::invalid_argument  the text was not made by momentText()
-MeshMoment parseMoment(const std::string& text);
-
 /// By the extension, .glb or .gltf.
 bool isGltfPath(const std::filesystem::path& path);
 

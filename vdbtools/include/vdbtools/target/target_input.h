@@ -13,6 +13,7 @@
 #include "vdbtools/distance/target.h"
 #include "vdbtools/files/named_file.h"
 #include "vdbtools/mesh/mesh.h"
+#include "vdbtools/mesh_files/mesh_animation.h"
 #include "vdbtools/recipe/recipe_reader.h"
 #include "vdbtools/repair/mend_options.h"
 
@@ -25,12 +26,11 @@ namespace vdbtools {
 
 struct TargetOptions {
   NamedFile input;
-  std::shared_ptr<const Mesh> mesh;  ///< a target in memory, for which nothing is read; input.path is its name
-  /// Of a VDB input its grid, where empty stands for the only one; of a glTF the moment that is shown (momentText()),
-  /// where empty stands for none.
-  std::string grid;
-  VoxelChoice sdfVoxels;  ///< the voxels of a mesh's distance field
-  MendOptions mend;       ///< how a mesh is mended
+  std::shared_ptr<const Mesh> mesh;    ///< a target in memory, for which nothing is read; input.path is its name
+  std::string grid;                    ///< of a VDB input; empty: its only one
+  std::optional<MeshMoment> moment{};  ///< of a glTF input, at which its animation is shown
+  VoxelChoice sdfVoxels;               ///< the voxels of a mesh's distance field
+  MendOptions mend;                    ///< how a mesh is mended
 
   bool operator==(const TargetOptions&) const = default;
 };
