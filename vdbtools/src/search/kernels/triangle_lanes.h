@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file triangle_lanes.h
-/// Vectors of numbers, and distances to triangles computed with them. Only triangle_bodies.h includes it.
+/// Vectors of numbers, and distances to triangles computed with them. Only triangle_bounds.h includes it.
 #pragma once
 
 #include "search/kernels/triangle_kernels.h"
