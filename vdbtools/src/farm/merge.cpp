@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/farm/merge.h"
 
-#include "base/lattice_transform.h"
+#include "farm/merged_grids.h"
+#include "farm/merged_mesh.h"
 #include "farm/tile_count.h"
-#include "farm/tile_islands.h"
-#include "farm/tile_merge.h"
 #include "farm/tile_task.h"
-#include "field/block_evaluator.h"
-#include "field/block_layers.h"
-#include "job/output_grids.h"
-#include "job/point_attributes.h"
-#include "surface/band_distances.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/farm/task.h"
@@ -21,13 +15,10 @@
 #include "vdbtools/job/fractal_files.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh_files/mesh_file.h"
-#include "vdbtools/scene/prepared_scene.h"
 
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
 #include <functional>
-#include <list>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -38,14 +29,6 @@ namespace vdbtools::farm {
 namespace {
 
 namespace fs = std::filesystem;
-using openvdb::FloatGrid;
-using openvdb::FloatTree;
-using Leaf = FloatTree::LeafNodeType;
-
-bool writes(const Manifest& manifest, std::uint64_t index, const std::string& name) {
-  const std::vector<std::string>& names = manifest.tasks.at(index - 1).writes;
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
 
 void requireTiles(const Manifest& manifest) {
   if (manifest.kind != PlanKind::Tiles)
@@ -111,267 +94,6 @@ std::optional<CrumbReport> requireDone(const fs::path& folder, const TileJob& jo
   return crumbs;
 }
 
-/// The attributes of a plan's points and voxels. No tile has them: they are computed when the tiles are merged.
-class PlanAttributes {
- public:
-  PlanAttributes(const FractalOptions& options, const fs::path& prepared)
-      : mScene(opened(options, prepared)), mAttributes(mScene) {}
-
-  const PointAttributes& operator*() const { return mAttributes; }
-  const PointAttributes* operator->() const { return &mAttributes; }
-
- private:
-  /// Opens the scene, with what is transferred from its target.
-  static Scene opened(const FractalOptions& options, const fs::path& prepared) {
-    Scene scene = readPreparedScene(options, prepared);
-    if (options.output.attributes.transferred.empty()) return scene;
-    const TargetOptions& target = options.target.value();
-    verifiedHashes({&target.input, 1});
-    scene.target->mesh = transferredMesh(options, *openTarget(target));
-    return scene;
-  }
-
-  Scene mScene;
-  PointAttributes mAttributes;
-};
-
-/// Null if none are requested.
-std::unique_ptr<const PlanAttributes> planAttributes(const fs::path& folder, const TileJob& job) {
-  if (job.options.output.attributes.empty()) return nullptr;
-  return std::make_unique<const PlanAttributes>(job.options, folder / kPreparedName);
-}
-
-MeshWriteOptions meshOptions(const TileJob& job, MeshFormat format) {
-  const TileLattice& lattice = job.lattice();
-  MeshWriteOptions options = meshWriteOptions(format, job.options.output, job.manifest.metadata);
-  options.voxelSize = lattice.voxelSize;
-  options.box = meshBox({.domain = lattice.domain, .voxelSize = lattice.voxelSize});
-  return options;
-}
-
-/// Meshes that are started on demand: one file, or several numbered ones.
-class MeshFiles {
- public:
-  /// @param attributes  of the points; may be null
-  MeshFiles(const fs::path& path, const MeshWriteOptions& options, const PlanAttributes* attributes, bool numbered,
-            OutputFiles& files, const Monitor& monitor)
-      : mPath(path),
-        mOptions(options),
-        mAttributes(attributes),
-        mNumbered(numbered),
-        mFiles(files),
-        mMonitor(monitor) {}
-
-  MeshSink& next() {
-    if (!mMeshes.empty()) mMeshes.back().finish();
-    fs::path path = mPath;
-    if (mNumbered)
-      path.replace_filename(mPath.stem().string() + '.' + std::to_string(mMeshes.size() + 1) +
-                            mPath.extension().string());
-    MeshFile& mesh = mMeshes.emplace_back(mFiles.add(path), mOptions);
-    if (!mAttributes) return mesh;
-    return mAttributed.emplace_back(**mAttributes, mesh, mMonitor);
-  }
-  void finish() {
-    if (!mMeshes.empty()) mMeshes.back().finish();
-  }
-
- private:
-  fs::path mPath;
-  MeshWriteOptions mOptions;
-  const PlanAttributes* mAttributes;
-  bool mNumbered;
-  OutputFiles& mFiles;
-  const Monitor& mMonitor;
-  std::list<MeshFile> mMeshes;
-  std::list<AttributedSink> mAttributed;  ///< in front of the meshes
-};
-
-/// The islands of a plan that drops some of them.
-struct PlanIslands {
-  IslandOptions options;
-  std::vector<TileIslandsReader> tiles;
-  JoinedIslands joined;
-  bool capMesh = false;  ///< whether the written mesh has caps
-
-  std::uint64_t meshPoints() const { return joined.points + (capMesh ? joined.capPoints : 0); }
-};
-
-std::optional<PlanIslands> joinIslands(const fs::path& folder, const TileJob& job, Monitor& monitor) {
-  if (!job.files.islands) return std::nullopt;
-  const SurfaceOptions& options = job.options.surface;
-  PlanIslands islands{.options = options.islands, .capMesh = options.cap || !job.lattice().bounded};
-  for (std::uint64_t index = 1; index <= job.manifest.tasks.size(); ++index)
-    islands.tiles.emplace_back(folder / tileIslandsName(index));
-  islands.joined = joinIslands(islands.tiles, islands.options, job.lattice().voxelSize, monitor);
-  return islands;
-}
-
-TileReader openTile(const fs::path& folder, std::uint64_t index, const PlanIslands* islands, bool caps) {
-  TileReader tile(folder / tileMeshName(index));
-  if (islands) tile.setFilter({islands->joined.kept[index - 1], caps});
-  return tile;
-}
-
-std::vector<TileReader> openTiles(const fs::path& folder, const TileJob& job, const PlanIslands* islands, bool caps) {
-  const std::uint64_t count = job.manifest.tasks.size();
-  std::vector<TileReader> tiles;
-  tiles.reserve(count);
-  for (std::uint64_t index = 1; index <= count; ++index) tiles.push_back(openTile(folder, index, islands, caps));
-  return tiles;
-}
-
-MeshCounts mergeMesh(const fs::path& folder, const TileJob& job, const MergeOptions& options,
-                     const PlanIslands* islands, const PlanAttributes* attributes, OutputFiles& files,
-                     Monitor& monitor) {
-  const MeshFormat format = meshFormat(*options.mesh);
-  std::vector<TileReader> tiles = openTiles(folder, job, islands, islands && islands->capMesh);
-  std::uint64_t points = 0, triangles = 0;
-  for (const TileReader& tile : tiles) {
-    points = sumOfCounts(points, tile.counts().points);
-    triangles = sumOfCounts(triangles, tile.counts().triangles);
-  }
-  if (islands) {
-    points = islands->meshPoints();
-    triangles = 0;  // how many are left is not known yet
-  }
-  const bool cut = points > options.mostPoints;
-  const MeshWriteOptions written = meshOptions(job, format);
-  if (!cut) requireMeshCounts(written, true, points, triangles);
-  MeshFiles meshes(*options.mesh, written, attributes, cut, files, monitor);
-  const std::function<MeshSink&()> next = [&]() -> MeshSink& { return meshes.next(); };
-  const MeshCounts counts = mergeTiles(tiles, {.mostPoints = options.mostPoints}, next, monitor);
-  meshes.finish();
-  return counts;
-}
-
-/// Adds the leaves and the active values of one tree to another.
-void addPart(FloatTree& whole, const FloatTree& part) {
-  for (auto leaf = part.cbeginLeaf(); leaf; ++leaf) {
-    Leaf* const there = whole.probeLeaf(leaf->origin());
-    if (!there) {
-      whole.addLeaf(new Leaf(*leaf));
-      continue;
-    }
-    for (auto value = leaf->cbeginValueOn(); value; ++value) there->setValueOn(value.pos(), *value);
-  }
-}
-
-/// The mesh of the islands that are kept, closed by caps.
-Mesh keptMesh(const fs::path& folder, const TileJob& job, const PlanIslands& islands, Monitor& monitor) {
-  std::vector<TileReader> tiles = openTiles(folder, job, &islands, true);
-  Mesh mesh;
-  MeshCollector collector(mesh);
-  bool begun = false;
-  const std::function<MeshSink&()> next = [&]() -> MeshSink& {
-    if (std::exchange(begun, true))
-      throw DataError("the mesh has more than " + std::to_string(kMostMeshPoints) +
-                      " points, too many for the distances to what is left of the islands; merge the mesh alone");
-    return collector;
-  };
-  mergeTiles(tiles, {.mostPoints = kMostMeshPoints}, next, monitor);
-  return mesh;
-}
-
-/// The distances to the remaining mesh; negative at the nodes of the islands that are kept.
-FloatGrid::Ptr keptSurface(const fs::path& folder, const TileJob& job, const PlanIslands& islands, Monitor& monitor) {
-  const Mesh mesh = keptMesh(folder, job, islands, monitor);
-  if (mesh.triangles.empty()) return nullptr;
-  const TileLattice& lattice = job.lattice();
-  FloatGrid::Ptr surface = bandDistances(mesh, lattice.voxelSize, lattice.domain, monitor);
-  openvdb::tree::ValueAccessor<FloatTree> leaves(surface->tree());
-  monitor.begin(PhaseKind::Signs, islands.tiles.size());
-  for (std::size_t tile = 0; tile < islands.tiles.size(); ++tile) {
-    islands.tiles[tile].forEachOwn([&](std::span<const InsideRun> runs) {
-      for (const InsideRun& run : runs) {
-        if (!islands.joined.kept[tile][run.part]) continue;
-        for (int z = run.first; z <= run.last; z = (z | (kBlock - 1)) + 1) {
-          Leaf* const leaf = leaves.probeLeaf({run.x, run.y, z});
-          if (!leaf) continue;
-          const int end = std::min(run.last, z | (kBlock - 1));
-          for (int k = z; k <= end; ++k)
-            if (const openvdb::Index at = Leaf::coordToOffset({run.x, run.y, k}); leaf->isValueOn(at))
-              leaf->setValueOnly(at, -leaf->getValue(at));
-        }
-      }
-    });
-    monitor.advance(1);
-    monitor.throwIfCancelled();
-  }
-  return surface;
-}
-
-/// The grids of a plan while their parts arrive.
-struct GridParts {
-  FloatGrid::Ptr surface;
-  FractalField field;
-};
-
-FloatGrid::Ptr partNamed(const VdbFile& file, const char* name) {
-  for (const auto& grid : file.grids)
-    if (grid->getName() == name) return openvdb::gridPtrCast<FloatGrid>(grid);
-  return nullptr;
-}
-
-GridParts readGrids(const fs::path& folder, const TileJob& job, Monitor& monitor) {
-  const Manifest& manifest = job.manifest;
-  const TileLattice& lattice = job.lattice();
-  GridParts parts{.field = emptyField({.domain = lattice.domain,
-                                       .bounded = lattice.bounded,
-                                       .voxelSize = lattice.voxelSize,
-                                       .window = lattice.domain,
-                                       .blocks = nullptr},
-                                      true)};
-  monitor.begin(PhaseKind::MergingGrids, manifest.tasks.size());
-  for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index) {
-    if (!writes(manifest, index, tileGridsName(index))) continue;
-    const VdbFile file = readVdb(folder / tileGridsName(index));
-    if (const FloatGrid::Ptr part = partNamed(file, "surface"); part && !part->empty()) {
-      if (!parts.surface) {
-        parts.surface = FloatGrid::create(part->background());
-        parts.surface->setTransform(latticeTransform(lattice.voxelSize));
-      }
-      addPart(parts.surface->tree(), part->tree());
-    }
-    if (const FloatGrid::Ptr part = partNamed(file, "logmodulus")) addPart(parts.field.field->tree(), part->tree());
-    if (const FloatGrid::Ptr part = partNamed(file, "iterations"))
-      addPart(parts.field.iterations->tree(), part->tree());
-    monitor.advance(1);
-    monitor.throwIfCancelled();
-  }
-  return parts;
-}
-
-std::vector<openvdb::GridBase::Ptr> mergeGrids(const fs::path& folder, const TileJob& job, const PlanIslands* islands,
-                                               const PlanAttributes* attributes, MergeResult& result,
-                                               Monitor& monitor) {
-  GridParts parts = readGrids(folder, job, monitor);
-  if (job.grids.needsLevelSet()) {
-    if (islands) parts.surface = keptSurface(folder, job, *islands, monitor);
-    if (!parts.surface && result.crumbs) requireMoreThanCrumbs(*result.crumbs);
-    if (!parts.surface) throw DataError("the fractal is empty: no tile has a part of its level set");
-    finishLevelSet(*parts.surface);
-    result.check = checkSurface(*parts.surface);
-    if (!result.check.failure.empty())
-      throw std::logic_error("the level set fails OpenVDB's check: " + result.check.failure);
-    result.bandVoxels = parts.surface->activeVoxelCount();
-  }
-  if (job.grids.has(OutputGrid::LogModulus)) {
-    fillTiles(parts.field);
-    if (islands) dropIslands(parts.field, islands->options, monitor);
-  }
-  std::optional<Scene> scene;
-  std::optional<FieldSource> source;
-  if (job.grids.has(OutputGrid::Versor))
-    source.emplace(scene.emplace(readPreparedScene(job.options, folder / kPreparedName)).source());
-  return outputGrids(job.grids,
-                     {.surface = parts.surface,
-                      .field = &parts.field,
-                      .source = source ? &*source : nullptr,
-                      .attributes = attributes ? &**attributes : nullptr},
-                     monitor);
-}
-
 void commit(OutputFiles& files, MergeResult& result) {
   for (const AtomicFile& file : files.files()) result.files.push_back(file.target());
   files.commit();
@@ -423,7 +145,7 @@ nlohmann::json writeOneTile(const fs::path& folder, const TileJob& job, std::uin
   }
   if (makes(manifest, "vdb")) {
     const VdbFile file = readVdb(folder / tileGridsName(index));
-    if (const FloatGrid::Ptr part = partNamed(file, "surface"); part && !part->empty()) {
+    if (const openvdb::FloatGrid::Ptr part = partNamed(file, "surface"); part && !part->empty()) {
       finishLevelSet(*part);
       entry["band_voxels"] = part->activeVoxelCount();
       result.bandVoxels += part->activeVoxelCount();
