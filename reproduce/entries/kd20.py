@@ -79,6 +79,31 @@ def figure_3(outputs, size):
     return values
 
 
+# At --alpha 40 the set of three steps has lost its ears.
+COPIES_ALPHA = 100
+COPIES = ("whole", "first", "second")
+
+
+def copies_steps(size):
+    n, voxels, pixels = size.pick((3, 16, 40), (4, 160, 480), (4, 400, 800))
+    pictures = "".join(f"juliavdb fractal --map rational --rational copies.json --iterations {n} $(cat {name}.box) --mesh {name}.ply\n"
+                       f"juliavdb render {name}.ply -o {i}-{name}.png --material plaster --size {pixels}x{pixels}\n"
+                       for i, name in enumerate(COPIES, 1))
+    return [Step("the fit", fit(size, "bunny.json", COPIES_ALPHA)),
+            Step("the copies", f"reproduce/tools/copies bunny.json -o copies.json --iterations {n} --voxels {voxels}"),
+            Step("the pictures", pictures.rstrip())]
+
+
+def copies(outputs, size):
+    values = []
+    for name, found in zip(("copy", "copy of the copy"), outputs["the copies"].json()["copies"]):
+        values += [Value(name, "times smaller", found["times smaller"], "asks whether there are any"),
+                   Value(name, "steps of the set that it is a copy of", found["steps"]),
+                   Value(name, "intersection over union with that set", found["intersection over union"]),
+                   Value(name, "fourth coordinate of the slice", found["place"][3])]
+    return values
+
+
 def precision_steps(size):
     n = size.pick(40, 200, 400)
     rational = f"--map rational --rational bunny.json --iterations 4 --resolution {n}"
@@ -143,6 +168,10 @@ ENTRIES = [
     Entry("kd20-figure-3", "KD20", "Fig. 3", "infinities and NaN of the products", figure_3_steps, figure_3, ("bunny",), ("python:pyopenvdb",),
           "The map is iterated four times by ordered products, in a space in which the longest side is 8: the released "
           "program scales a shape to a radius of 4. The last row is the program itself, which adds logarithms."),
+    Entry("kd20-copies", "KD20", "Section 6", "copies of the whole bunny", copies_steps, copies, ("bunny",), ("python:numpy", "python:juliavdb"),
+          "The paper asks whether the fractal contains copies of the whole bunny. A fitted map has them as soon as it has a simple "
+          "root outside the shape at a place where the other factors multiply to a positive real number: "
+          "[replication.md](replication.md#kd20-copies-of-the-whole-bunny). The pictures are the set, its copy, and the copy of the copy, each of which fills the picture."),
     Entry("kd20-precision", "KD20", "Section 3.3", "32 bits against 64, and against 128", precision_steps, precision, ("bunny",),
           lambda size: size.pick((), (), ("program:juliavdb_precision",)),
           "At the full size the benchmark of docs/precision.md compares all of them with 128 bits; that page has its numbers."),

@@ -20,7 +20,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 RUN = ROOT / "reproduce/run"
 PAGE = ROOT / "docs/replication.md"
 # A build without them leaves these entries out, and says so.
-OPTIONAL = {"ablation-steps": "the Python module juliavdb"}
+OPTIONAL = {name: "the Python module juliavdb" for name in ("ablation-steps", "kd20-copies")}
 
 
 def reproduce(*arguments, environment=None):
@@ -145,6 +145,13 @@ class SmallRun(unittest.TestCase):
         self.assertEqual(radii, sorted(radii))
         nodes = [count for case, count in self.results.ours("sk23-sweeps", "nodes that are evaluated").items() if case.startswith("alpha")]
         self.assertEqual(nodes, sorted(nodes, reverse=True))
+
+    def test_a_map_with_a_simple_root_outside_has_copies_of_its_set(self):
+        results = self.need("kd20-copies")
+        overlap = results.ours("kd20-copies", "intersection over union with that set")
+        self.assertEqual(len(overlap), 2)
+        for case, found in overlap.items():
+            self.assertGreater(found, 0.85, case)
 
     def test_single_and_double_precision_agree(self):
         for case, ratio in self.results.ours("kd20-precision", "their ratio").items():
