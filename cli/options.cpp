@@ -17,9 +17,7 @@
 #include "vdbtools/job/sheet_file.h"
 #include "vdbtools/maps/device_choice.h"
 #include "vdbtools/recipe/option_name.h"
-#include "vdbtools/records/recorded_files.h"
 #include "vdbtools/records/recorded_recipe.h"
-#include "vdbtools/scene/fractal_options.h"
 
 #include "julia/instruction_set.h"
 
@@ -143,11 +141,6 @@ bool holdsRecipe(const std::string& file) {
   return extension == ".vdb" || extension == ".ply" || extension == ".obj" || extension == ".glb" ||
          vdbtools::isSheetCell(file);
 }
-
-constexpr const char* kSearchHelp =
-    "where to look for the files of a recipe that a VDB, PLY or OBJ holds, if they are neither where it says nor "
-    "beside "
-    "it: by name, then by SHA-256; any number of times";
 
 po::value_semantic* valueOf(const vdbtools::OptionListing& option) {
   auto* value = po::value<std::string>();
@@ -554,52 +547,6 @@ void CommandLine::describe(const std::string& how) const {
     writeCompletionTable(std::cout, mUsage, described);
   else
     throw std::invalid_argument("--describe is '" + how + "'; it must be man or completion");
-}
-
-void addSearchOption(CommandLine& line) {
-  line.addOptions()("search", po::value<std::vector<std::string>>()->value_name("DIR"), kSearchHelp);
-}
-
-vdbtools::Recipe withFoundFiles(const CommandLine& line, const vdbtools::Recipe& recipe,
-                                const std::filesystem::path& holder, const std::string& wayOut) {
-  line.requireUse(!holder.empty(), {"search"},
-                  "it is for the files of a recipe that the program recorded, and none is read here; leave it out");
-  if (holder.empty()) return recipe;
-  vdbtools::FileSearch search{.holder = holder, .wayOut = wayOut};
-  for (const std::string& folder : line.texts("search")) search.folders.emplace_back(folder);
-  vdbtools::FoundFiles found = vdbtools::findRecordedFiles(recipe, search);
-  for (const auto& [recorded, path] : found.elsewhere)
-    report().text() << "note: '" << recorded.string() << "' of the recipe was found as '" << path.string() << "'\n";
-  return std::move(found.recipe);
-}
-
-namespace {
-
-struct SceneRecipe {
-  vdbtools::Recipe given;
-  std::filesystem::path holder;  ///< of the file that holds it; empty: it was typed
-};
-
-SceneRecipe sceneRecipeFor(const CommandLine& line, const std::string& input) {
-  vdbtools::Recipe given = line.givenRecipe();
-  // The command line may name the inputs of all frames.
-  if (!input.empty()) given["input"] = input;
-  if (!vdbtools::isVdbPath(input)) return {given, line.configHolder()};
-  auto [command, recipe] = vdbtools::readRecordedRecipe(input);
-  if (command != "fractal") return {given, line.configHolder()};
-  given.erase("input");
-  return {vdbtools::overridden(std::move(recipe), given, vdbtools::fractalOptionTable()), input};
-}
-
-}  // namespace
-
-vdbtools::Recipe givenSceneRecipe(const CommandLine& line, const std::string& input) {
-  const auto [given, holder] = sceneRecipeFor(line, input);
-  return withFoundFiles(line, given, holder);
-}
-
-vdbtools::Recipe sceneRecipe(const CommandLine& line, const std::string& input) {
-  return vdbtools::completeRecipe(givenSceneRecipe(line, input), vdbtools::fractalOptionTable());
 }
 
 }  // namespace cli

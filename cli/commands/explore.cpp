@@ -6,6 +6,7 @@
 #include "options.h"
 #include "output.h"
 #include "report.h"
+#include "scene_recipe.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/explore/explore_server.h"

@@ -8,6 +8,7 @@
 #include "plan.h"
 #include "products.h"
 #include "report.h"
+#include "scene_recipe.h"
 #include "sequence.h"
 #include "united_text.h"
 

@@ -5,6 +5,7 @@
 #include "options.h"
 #include "products.h"
 #include "report.h"
+#include "scene_recipe.h"
 
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/farm/frame_plan.h"

@@ -5,6 +5,7 @@
 #include "options.h"
 #include "output.h"
 #include "report.h"
+#include "scene_recipe.h"
 #include "sequence.h"
 #include "shape_unit.h"
 

@@ -6,6 +6,7 @@
 #include "output.h"
 #include "render_mesh.h"
 #include "report.h"
+#include "scene_recipe.h"
 #include "sequence.h"
 
 #include "vdbtools/farm/frame_plan.h"

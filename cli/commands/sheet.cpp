@@ -5,6 +5,7 @@
 #include "options.h"
 #include "output.h"
 #include "report.h"
+#include "scene_recipe.h"
 
 #include "vdbtools/job/sheet_job.h"
 #include "vdbtools/records/recorded_recipe.h"

@@ -5,6 +5,7 @@
 #include "options.h"
 #include "output.h"
 #include "report.h"
+#include "scene_recipe.h"
 #include "slice_plane.h"
 #include "study_dimension.h"
 
