@@ -18,7 +18,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -126,14 +125,11 @@ nlohmann::json writeOneTile(const fs::path& folder, const TileJob& job, std::uin
       throw DataError("tile " + std::to_string(index) + " has " + std::to_string(points) +
                       " points, and its PLY is to have up to " + std::to_string(kMostMeshPoints) +
                       "; plan again with more tiles");
-    MeshCounts counts;
-    {
-      MeshFiles meshes(pieceOf(listed, index, ".ply"), meshOptions(job, MeshFormat::Ply), attributes, false, files,
-                       monitor);
-      const std::function<MeshSink&()> next = [&]() -> MeshSink& { return meshes.next(); };
-      counts = mergeTiles(tile, {.keepGuests = true}, next, monitor);
-      meshes.finish();
-    }
+    MeshCounts counts = writeMesh(tile, {.keepGuests = true},
+                                  {.path = pieceOf(listed, index, ".ply"),
+                                   .options = meshOptions(job, MeshFormat::Ply),
+                                   .attributes = attributes},
+                                  files, monitor);
     if (counts.triangles == 0) {
       files.clear();
       counts = {};

@@ -7,6 +7,7 @@
 #include "vdbtools/scene/prepared_scene.h"
 
 #include <functional>
+#include <list>
 #include <string>
 #include <utility>
 
@@ -32,6 +33,35 @@ std::vector<TileReader> openTiles(const fs::path& folder, const TileJob& job, co
   for (std::uint64_t index = 1; index <= count; ++index) tiles.push_back(openTile(folder, index, islands, caps));
   return tiles;
 }
+
+/// Mesh files that are started on demand: one, or several numbered ones.
+class MeshFiles {
+ public:
+  MeshFiles(const PlanMesh& mesh, OutputFiles& files, const Monitor& monitor)
+      : mMesh(mesh), mFiles(files), mMonitor(monitor) {}
+
+  /// The next file, after the one before is finished.
+  MeshSink& next() {
+    finish();
+    std::filesystem::path path = mMesh.path;
+    if (mMesh.numbered)
+      path.replace_filename(path.stem().string() + '.' + std::to_string(mMeshes.size() + 1) +
+                            path.extension().string());
+    MeshFile& mesh = mMeshes.emplace_back(mFiles.add(path), mMesh.options);
+    if (!mMesh.attributes) return mesh;
+    return mAttributed.emplace_back(**mMesh.attributes, mesh, mMonitor);
+  }
+  void finish() {
+    if (!mMeshes.empty()) mMeshes.back().finish();
+  }
+
+ private:
+  const PlanMesh& mMesh;
+  OutputFiles& mFiles;
+  const Monitor& mMonitor;
+  std::list<MeshFile> mMeshes;
+  std::list<AttributedSink> mAttributed;  ///< in front of the meshes
+};
 
 }  // namespace
 
@@ -61,20 +91,19 @@ MeshWriteOptions meshOptions(const TileJob& job, MeshFormat format) {
   return options;
 }
 
-MeshSink& MeshFiles::next() {
-  if (!mMeshes.empty()) mMeshes.back().finish();
-  fs::path path = mPath;
-  if (mNumbered)
-    path.replace_filename(mPath.stem().string() + '.' + std::to_string(mMeshes.size() + 1) +
-                          mPath.extension().string());
-  MeshFile& mesh = mMeshes.emplace_back(mFiles.add(path), mOptions);
-  if (!mAttributes) return mesh;
-  return mAttributed.emplace_back(**mAttributes, mesh, mMonitor);
-}
 TileReader openTile(const fs::path& folder, std::uint64_t index, const PlanIslands* islands, bool caps) {
   TileReader tile(folder / tileMeshName(index));
   if (islands) tile.setFilter({islands->joined.kept[index - 1], caps});
   return tile;
+}
+
+MeshCounts writeMesh(std::vector<TileReader>& tiles, const TileMergeOptions& merging, const PlanMesh& mesh,
+                     OutputFiles& files, Monitor& monitor) {
+  MeshFiles meshes(mesh, files, monitor);
+  const std::function<MeshSink&()> next = [&]() -> MeshSink& { return meshes.next(); };
+  const MeshCounts counts = mergeTiles(tiles, merging, next, monitor);
+  meshes.finish();
+  return counts;
 }
 
 MeshCounts mergeMesh(const fs::path& folder, const TileJob& job, const MergeOptions& options,
@@ -94,11 +123,9 @@ MeshCounts mergeMesh(const fs::path& folder, const TileJob& job, const MergeOpti
   const bool cut = points > options.mostPoints;
   const MeshWriteOptions written = meshOptions(job, format);
   if (!cut) requireMeshCounts(written, true, points, triangles);
-  MeshFiles meshes(*options.mesh, written, attributes, cut, files, monitor);
-  const std::function<MeshSink&()> next = [&]() -> MeshSink& { return meshes.next(); };
-  const MeshCounts counts = mergeTiles(tiles, {.mostPoints = options.mostPoints}, next, monitor);
-  meshes.finish();
-  return counts;
+  return writeMesh(tiles, {.mostPoints = options.mostPoints},
+                   {.path = *options.mesh, .options = written, .attributes = attributes, .numbered = cut}, files,
+                   monitor);
 }
 
 Mesh keptMesh(const fs::path& folder, const TileJob& job, const PlanIslands& islands, Monitor& monitor) {

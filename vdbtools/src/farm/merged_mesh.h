@@ -17,7 +17,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <list>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -58,42 +57,25 @@ std::optional<PlanIslands> joinIslands(const std::filesystem::path& folder, cons
 /// How a mesh of the plan is written.
 MeshWriteOptions meshOptions(const TileJob& job, MeshFormat format);
 
-/// Meshes that are started on demand: one file, or several numbered ones.
-class MeshFiles {
- public:
-  /// @param attributes  of the points; may be null
-  MeshFiles(const std::filesystem::path& path, const MeshWriteOptions& options, const PlanAttributes* attributes,
-            bool numbered, OutputFiles& files, const Monitor& monitor)
-      : mPath(path),
-        mOptions(options),
-        mAttributes(attributes),
-        mNumbered(numbered),
-        mFiles(files),
-        mMonitor(monitor) {}
-
-  /// The next file, after the one before is finished.
-  MeshSink& next();
-  void finish() {
-    if (!mMeshes.empty()) mMeshes.back().finish();
-  }
-
- private:
-  std::filesystem::path mPath;
-  MeshWriteOptions mOptions;
-  const PlanAttributes* mAttributes;
-  bool mNumbered;
-  OutputFiles& mFiles;
-  const Monitor& mMonitor;
-  std::list<MeshFile> mMeshes;
-  std::list<AttributedSink> mAttributed;  ///< in front of the meshes
-};
-
 /// Opens the mesh of a tile.
 /// @param islands  to drop the other islands; may be null
 /// @param caps     whether the points and triangles of caps are read, of a plan that drops islands
 TileReader openTile(const std::filesystem::path& folder, std::uint64_t index, const PlanIslands* islands, bool caps);
 
-/// Merges the tiles into one mesh file, or several if there are more points than one is to have.
+/// How the mesh of some tiles is written.
+struct PlanMesh {
+  std::filesystem::path path;
+  MeshWriteOptions options;
+  const PlanAttributes* attributes = nullptr;  ///< of the points
+  bool numbered = false;                       ///< several files, F.1.ply and so on
+};
+
+/// Merges some tiles into a mesh file, or several numbered ones.
+/// @throw as mergeTiles()
+MeshCounts writeMesh(std::vector<TileReader>& tiles, const TileMergeOptions& merging, const PlanMesh& mesh,
+                     OutputFiles& files, Monitor& monitor);
+
+/// Merges all tiles into one mesh file, or several if there are more points than one is to have.
 /// @param islands, attributes  may be null
 MeshCounts mergeMesh(const std::filesystem::path& folder, const TileJob& job, const MergeOptions& options,
                      const PlanIslands* islands, const PlanAttributes* attributes, OutputFiles& files,
