@@ -7,15 +7,12 @@
 
 #include "blocks.h"
 #include "cartesian_bodies.h"
+#include "compress.h"
 #include "elementary.h"
 #include "fit_bodies.h"
 #include "kernels.h"
 #include "wave_bodies.h"
 #include "wave_discs.h"
-
-#if defined(__AVX512F__)
-#include <immintrin.h>
-#endif
 
 namespace julia::kernels {
 namespace {
@@ -261,21 +258,6 @@ store(result, l, range);
 }  // namespace
 }  // namespace julia::kernels
 
-#if defined(__AVX512F__)
-JULIA_INLINE void compress(float* to, __mmask16 kept, const float* from) {
-  _mm512_storeu_ps(to, _mm512_maskz_compress_ps(kept, _mm512_loadu_ps(from)));
-}
-JULIA_INLINE void compress(double* to, __mmask16 kept, const double* from) {
-  const auto low = static_cast<__mmask8>(kept), high = static_cast<__mmask8>(kept >> 8);
-  const __m512d second = _mm512_loadu_pd(from + 8);
-  _mm512_storeu_pd(to, _mm512_maskz_compress_pd(low, _mm512_loadu_pd(from)));
-  _mm512_storeu_pd(to + __builtin_popcount(low), _mm512_maskz_compress_pd(high, second));
-}
-JULIA_INLINE void compress(std::uint32_t* to, __mmask16 kept, const std::uint32_t* from) {
-  _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(kept, _mm512_loadu_si512(from)));
-}
-#endif
-
 template <class Real>
 std::size_t compact(Real escape, bool traps, Real trap, Real* l, std::uint32_t* index, Real* const* rows,
                     std::size_t rowCount, std::size_t size) {
@@ -290,11 +272,10 @@ std::size_t compact(Real escape, bool traps, Real trap, Real* l, std::uint32_t* 
     alignas(64) std::uint8_t isKept[kTogether];
     for (std::size_t i = 0; i < count; ++i) isKept[i] = (values[i] < escape) & (all | (values[i] > trap)) ? 1 : 0;
     std::size_t done = 0;
-#if defined(__AVX512F__)
+#if defined(__AVX2__)
     // A vector is read completely before it is stored, at its own place or before it.
-    for (; done + 16 <= count; done += 16) {
-      const __m128i flags = _mm_load_si128(reinterpret_cast<const __m128i*>(isKept + done));
-      const __mmask16 mask = _mm_test_epi8_mask(flags, flags);
+    for (; done + kCompressed <= count; done += kCompressed) {
+      const KeptMask mask = keptMask(isKept + done);
       for (std::size_t row = 0; row < rowCount; ++row) compress(rows[row] + kept, mask, rows[row] + begin + done);
       compress(index + kept, mask, index + begin + done);
       compress(l + kept, mask, values + done);
