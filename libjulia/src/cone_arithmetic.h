@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file cone_arithmetic.h
-/// Directions of sums of quaternions, for versors and for their bounds over balls.
+/// Bounds of the directions of quaternions over balls.
 #pragma once
 
 #include "ball_arithmetic.h"
+#include "versor_arithmetic.h"
 
 #include "julia/elementary.h"
 #include "julia/embedding.h"
@@ -19,17 +20,6 @@
 namespace julia {
 
 inline constexpr double kQuadrant = 1.57079632679489661923;  ///< pi/2
-
-/// The versor of @a q, even if its square is outside the range of Real; 1 if q is 0 or not finite.
-template <class Real>
-Quaternion<Real> directionOf(const Quaternion<Real>& q) {
-  const Real most = std::max({std::abs(q.a), std::abs(q.b), std::abs(q.c), std::abs(q.d)});
-  if (!(most > 0) || !std::isfinite(q.a) || !std::isfinite(q.b) || !std::isfinite(q.c) || !std::isfinite(q.d))
-    return Quaternion<Real>::one();
-  const Quaternion<Real> scaled{q.a / most, q.b / most, q.c / most, q.d / most};
-  const Real length = std::sqrt(normSquared(scaled));
-  return {scaled.a / length, scaled.b / length, scaled.c / length, scaled.d / length};
-}
 
 template <class Real>
 std::vector<Ball> roundedTo(std::span<const Ball> balls) {

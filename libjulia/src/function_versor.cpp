@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "julia/function_versor.h"
 
-#include "cone_arithmetic.h"
+#include "versor_arithmetic.h"
 
 #include <stdexcept>
 #include <utility>

@@ -9,6 +9,16 @@
 
 namespace julia {
 
+namespace {
+
+template <class Real>
+Quaternion<Real> mixed(const Quaternion<Real>& u, const Quaternion<Real>& v, Real m) {
+  return {kernels::mixedPart(u.a, v.a, m), kernels::mixedPart(u.b, v.b, m), kernels::mixedPart(u.c, v.c, m),
+          kernels::mixedPart(u.d, v.d, m)};
+}
+
+}  // namespace
+
 template <class Real>
 MixedVersor<Real>::MixedVersor(std::shared_ptr<const VersorField<Real>> under,
                                std::shared_ptr<const VersorField<Real>> over,
@@ -28,7 +38,7 @@ void MixedVersor<Real>::versor(const QuaternionBatch<Real>& q, QuaternionBatch<R
   for (std::size_t i = 0; i < q.size(); ++i) {
     const Real m = mix[i];
     if (m <= 0) continue;
-    u.set(i, m >= 1 ? v.get(i) : directionOf(u.get(i) * (1 - m) + v.get(i) * m));
+    u.set(i, m >= 1 ? v.get(i) : directionOf(mixed(u.get(i), v.get(i), m)));
   }
 }
 

@@ -21,9 +21,10 @@ bool isFinite(const Quaternion<double>& q) {
 /// (@a q - t) / s, for every number type.
 template <class Number>
 Quaternion<Number> placedAt(const Quaternion<Number>& q, const Quaternion<double>& t, double s) {
-  const Quaternion<Number> moved = q - t.as<Number>();
+  const Quaternion<Number> by = t.as<Number>();
   const Number scale = static_cast<Number>(s);
-  return {moved.a / scale, moved.b / scale, moved.c / scale, moved.d / scale};
+  return {kernels::movedBack(q.a, by.a, scale), kernels::movedBack(q.b, by.b, scale),
+          kernels::movedBack(q.c, by.c, scale), kernels::movedBack(q.d, by.d, scale)};
 }
 
 }  // namespace
@@ -67,33 +68,36 @@ void requireValid(const Symmetry& symmetry) {
     if (!std::isfinite(x)) throw std::invalid_argument("the centre of a symmetry is not finite");
 }
 
+std::vector<SectorTurn> sectorTurns(int fold) {
+  std::vector<SectorTurn> turns;
+  for (int k = 0; k < fold; ++k) {
+    // Whole quadrants of the rotation are exact.
+    SectorTurn next{1, 0};
+    const int whole = 4 * k / fold, rest = 4 * k % fold;
+    kernels::sineCosine(static_cast<double>(rest) / fold, &next.sine, &next.cosine);
+    for (int i = 0; i < whole; ++i) next = {-next.sine, next.cosine};
+    turns.push_back(next);
+  }
+  return turns;
+}
+
 template <class Real>
 SymmetricVersor<Real>::SymmetricVersor(std::shared_ptr<const VersorField<Real>> versor, const Symmetry& symmetry,
                                        DropAxis dropped)
     : mVersor(std::move(versor)), mSymmetry(symmetry), mEmbedding{.dropped = dropped} {
   requireValid(symmetry);
-  for (int k = 0; k < symmetry.fold; ++k) {
-    // Whole quadrants of the rotation are exact.
-    Turn next{1, 0};
-    const int whole = 4 * k / symmetry.fold, rest = 4 * k % symmetry.fold;
-    kernels::sineCosine(static_cast<double>(rest) / symmetry.fold, &next.sine, &next.cosine);
-    for (int i = 0; i < whole; ++i) next = {-next.sine, next.cosine};
-    mTurns.push_back(next);
-  }
+  mTurns = sectorTurns(symmetry.fold);
 }
 
 template <class Real>
 template <class Number>
-void SymmetricVersor<Real>::turn(Number& first, Number& second, const Turn& by) {
-  const Number cosine = static_cast<Number>(by.cosine), sine = static_cast<Number>(by.sine);
-  const Number x = first * cosine + second * sine;
-  second = second * cosine - first * sine;
-  first = x;
+void SymmetricVersor<Real>::turn(Number& first, Number& second, const SectorTurn& by) {
+  kernels::turnBy(static_cast<Number>(by.cosine), static_cast<Number>(by.sine), &first, &second);
 }
 
 template <class Real>
 template <class Number>
-Quaternion<Number> SymmetricVersor<Real>::turned(const Quaternion<Number>& q, const Turn& by) const {
+Quaternion<Number> SymmetricVersor<Real>::turned(const Quaternion<Number>& q, const SectorTurn& by) const {
   std::array<Number, 3> at = mEmbedding.point(q);
   const std::size_t first = static_cast<std::size_t>(mSymmetry.axis + 1) % 3, second = (first + 1) % 3;
   for (const std::size_t axis : {first, second}) at[axis] -= static_cast<Number>(mSymmetry.centre[axis]);
@@ -107,8 +111,7 @@ template <class Number>
 Quaternion<Number> SymmetricVersor<Real>::folded(const Quaternion<Number>& q) const {
   std::array<Number, 3> at = mEmbedding.point(q);
   const auto mirror = [&](std::size_t axis) {
-    const Number middle = static_cast<Number>(mSymmetry.centre[axis]);
-    at[axis] = middle + std::abs(at[axis] - middle);
+    at[axis] = kernels::mirroredUp(at[axis], static_cast<Number>(mSymmetry.centre[axis]));
   };
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (mSymmetry.mirrored[axis]) mirror(axis);
@@ -120,7 +123,8 @@ Quaternion<Number> SymmetricVersor<Real>::folded(const Quaternion<Number>& q) co
     std::size_t nearest = 0;
     Number most = x;
     for (std::size_t k = 1; k < mTurns.size(); ++k) {
-      const Number along = x * static_cast<Number>(mTurns[k].cosine) + y * static_cast<Number>(mTurns[k].sine);
+      const Number along =
+          kernels::reachAlong(static_cast<Number>(mTurns[k].cosine), static_cast<Number>(mTurns[k].sine), x, y);
       if (along > most) {
         most = along;
         nearest = k;
@@ -128,7 +132,7 @@ Quaternion<Number> SymmetricVersor<Real>::folded(const Quaternion<Number>& q) co
     }
     turn(x, y, mTurns[nearest]);
     at[first] = x + static_cast<Number>(mSymmetry.centre[first]);
-    at[second] = std::abs(y) + static_cast<Number>(mSymmetry.centre[second]);
+    at[second] = kernels::magnitude(y) + static_cast<Number>(mSymmetry.centre[second]);
   }
   return mEmbedding.put(q, at);
 }
@@ -168,7 +172,7 @@ void SymmetricVersor<Real>::cones(std::span<const Ball> balls, std::span<Cone> c
   }
   if (mSymmetry.kaleidoscope || mTurns.size() == 1) return mVersor->cones(at, cones);
   std::vector<Ball> sums(balls.size()), there(balls.size());
-  for (const Turn& by : mTurns) {
+  for (const SectorTurn& by : mTurns) {
     for (std::size_t i = 0; i < balls.size(); ++i)
       there[i] = {turned(at[i].centre, by), at[i].radius + roundingOf(at[i])};
     mVersor->cones(there, cones);

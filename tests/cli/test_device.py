@@ -90,10 +90,18 @@ class SameBytes(Devices):
             self.ok("fractal", "t.obj", *LOW, "--mesh", f"{threads}.ply", "--threads", threads, *ON)
         self.assertTrue(self.bytes("1.ply") == self.bytes("3.ply"))
 
+    def test_of_textures_made_of_others(self):
+        self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))
+        for options in (("--texture-symmetry", "3:y"), ("--texture-symmetry", "5:z:mirror"),
+                        ("--texture", "v.o3d", "--texture-over", "thorns", "--texture-mix", "expr:hy")):
+            self.ok("fractal", "t.obj", *LOW, *options, "--mesh", "here.ply")
+            self.assertNotIn("The processor", self.ok("fractal", "t.obj", *LOW, *options, "--mesh", "there.ply", *ON))
+            self.assertTrue(self.bytes("here.ply") == self.bytes("there.ply"), options)
+
     def test_of_what_the_device_leaves_to_the_processor(self):
-        options = ("fractal", "t.obj", *LOW, "--texture-symmetry", "3:y")
+        options = ("fractal", "t.obj", *LOW, "--texture", "expr:y,-x,z+2")
         self.ok(*options, "--mesh", "here.ply")
-        self.assertIn("The processor evaluates the field, and not the device: its texture",
+        self.assertIn("The processor evaluates the field, and not the device: its texture is a formula",
                       self.ok(*options, "--mesh", "there.ply", *ON))
         self.assertTrue(self.bytes("here.ply") == self.bytes("there.ply"))
 
@@ -219,13 +227,14 @@ class FailingDevices(Devices):
 class UnderOclgrind(Devices):
 
     def test_no_kernel_races_or_reads_what_is_not_there(self):
-        """Of waves and of roots, in floats and in doubles, points and edges."""
+        """Of symmetric waves and of roots, in floats and in doubles, points and edges."""
         os.mkdir(self.path("vendors"))
         self.write("vendors/oclgrind.icd", str(OCLGRIND))
         complaints = pathlib.Path(self.path("complaints"))
         self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))
         low = ("--resolution", 8, "--sdf-resolution", 28)
-        for options in (("--iterations", 2), ("--texture", "v.o3d", "--precision", "double", "--iterations", 2)):
+        for options in (("--iterations", 2, "--texture-symmetry", "3:y"),
+                        ("--texture", "v.o3d", "--precision", "double", "--iterations", 2)):
             with self.subTest(options=options):
                 self.ok("fractal", "t.obj", *low, *options, "--mesh", "here.ply")
                 said = self.ok("fractal", "t.obj", *low, *options, "--mesh", "there.ply", *ON,

@@ -4,10 +4,15 @@
 
 #include "julia/brick_field.h"
 #include "julia/cross_map.h"
+#include "julia/function_versor.h"
 #include "julia/mandelbulb.h"
+#include "julia/mixed_versor.h"
+#include "julia/moved_versor.h"
 #include "julia/quadratic_map.h"
 #include "julia/rational_map.h"
+#include "julia/rational_versor.h"
 #include "julia/shape_modulus.h"
+#include "julia/vector_versor.h"
 #include "julia/wave_versor.h"
 #include "support/float128.h"
 #include "support/lumpy_bricks.h"
@@ -16,6 +21,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -213,6 +219,66 @@ TYPED_TEST(Devices, theShapeModulusOfWaves) {
   }
 }
 
+/// Textures made of others: everything that a versor can be, alone and nested.
+template <class Real>
+std::vector<std::shared_ptr<const julia::VersorField<Real>>> composedVersors(DropAxis dropped) {
+  using Versor = std::shared_ptr<const julia::VersorField<Real>>;
+  using Field = std::shared_ptr<const julia::ScalarField<Real>>;
+  law_tests::Random random(17);
+  // Fields that differ by where their bricks lie. The mask is below 0, between, and above 1.
+  const auto shifted = [&](Interpolation interpolation, double by, double scale) -> Field {
+    const julia::PlacedBricks from = law_tests::lumpyBricks(interpolation);
+    auto bricks = std::make_shared<julia::Bricks>(*from.bricks);
+    for (float& value : bricks->values) value = static_cast<float>(0.5 + scale * static_cast<double>(value));
+    julia::BrickPlacement placement = from.placement;
+    for (double& x : placement.offset) x += by;
+    return std::make_shared<julia::BrickField<Real>>(bricks, placement);
+  };
+  const auto trilinear = Interpolation::Trilinear, quadratic = Interpolation::Quadratic;
+  const Versor roots = std::make_shared<julia::RationalVersor<Real>>(rationals()[3]);
+  const Versor waves =
+      std::make_shared<julia::WaveVersor<Real>>(law_tests::randomWaves(random), shifted(trilinear, 0.3, 0.5), dropped);
+  const Versor vectors = std::make_shared<julia::VectorVersor<Real>>(
+      std::vector{shifted(trilinear, 0.1, 1), shifted(quadratic, -0.4, -1), shifted(trilinear, 0.2, 3)}, dropped);
+  const Versor quaternions =
+      std::make_shared<julia::VectorVersor<Real>>(std::vector{shifted(quadratic, 0, 1), shifted(trilinear, 0.3, 1),
+                                                              shifted(trilinear, 0.7, -2), shifted(quadratic, -0.2, 1)},
+                                                  dropped);
+  const Versor moved =
+      std::make_shared<julia::MovedVersor<Real>>(vectors, -0.7, julia::Quaternion<double>{0.1, -0.2, 0.05, 0.3});
+  const auto symmetric = [&](const Versor& of, int fold, int axis, bool kaleidoscope, std::array<bool, 3> mirrored) {
+    const julia::Symmetry symmetry{fold, axis, kaleidoscope, mirrored, {0.05, -0.1, 0.02}};
+    return Versor(std::make_shared<julia::SymmetricVersor<Real>>(of, symmetry, dropped));
+  };
+  const auto mixed = [&](const Versor& under, const Versor& over, double by, double scale) {
+    return Versor(std::make_shared<julia::MixedVersor<Real>>(under, over, shifted(trilinear, by, scale), dropped));
+  };
+  return {vectors,
+          quaternions,
+          moved,
+          symmetric(roots, 1, 0, false, {true, false, true}),
+          symmetric(waves, 3, 1, false, {}),
+          symmetric(roots, 5, 2, true, {false, false, true}),
+          symmetric(moved, 7, 0, false, {true, false, false}),
+          mixed(roots, waves, 0.4, 0.8),
+          mixed(symmetric(waves, 4, 0, true, {}), symmetric(moved, 2, 2, false, {}), -0.3, 1.5)};
+}
+
+TYPED_TEST(Devices, theShapeModulusOfTexturesMadeOfOthers) {
+  using Real = TypeParam;
+  for (const DropAxis dropped : {DropAxis::I, DropAxis::J, DropAxis::K}) {
+    const julia::PlacedBricks bricks = law_tests::lumpyBricks(Interpolation::Trilinear);
+    const auto field = std::make_shared<julia::BrickField<Real>>(bricks.bricks, bricks.placement);
+    const auto versors = composedVersors<Real>(dropped);
+    for (std::size_t k = 0; k < versors.size(); ++k) {
+      const auto map = std::make_shared<const julia::ShapeModulus<Real>>(field, versors[k], dropped);
+      expectSameBitsOnDevice(
+          julia::makeFieldEvaluator<Real>(map, Embedding{0.05, dropped}, OrbitOptions{.maxIterations = 4}), 0.6,
+          "texture " + std::to_string(k) + ", dropped " + std::to_string(static_cast<int>(dropped)));
+    }
+  }
+}
+
 TYPED_TEST(Devices, rationalMaps) {
   using Real = TypeParam;
   for (std::size_t k = 0; k < rationals().size(); ++k) {
@@ -310,6 +376,13 @@ TYPED_TEST(Devices, leaveToTheProcessorWhatTheyCannotEvaluate) {
   EXPECT_NE(reasonOf(julia::makeFieldEvaluator<Real>(std::shared_ptr<const julia::CartesianMap<Real>>(user), {}, {}))
                 .find("expressions"),
             std::string::npos);
+  const julia::PlacedBricks bricks = law_tests::lumpyBricks(Interpolation::Trilinear);
+  const auto field = std::make_shared<julia::BrickField<Real>>(bricks.bricks, bricks.placement);
+  const auto function = std::make_shared<julia::FunctionVersor<Real>>(
+      [](auto points, auto directions) { std::ranges::copy(points, directions.begin()); });
+  const auto moved = std::make_shared<julia::MovedVersor<Real>>(function, 2, julia::Quaternion<double>{});
+  const auto map = std::make_shared<const julia::ShapeModulus<Real>>(field, moved, DropAxis::K);
+  EXPECT_NE(reasonOf(julia::makeFieldEvaluator<Real>(map, {}, {})).find("formula"), std::string::npos);
   const auto rational = std::make_shared<const julia::RationalMap<Real>>(rationals()[0]);
   EXPECT_NE(reasonOf(julia::makeFieldEvaluator<Real>(rational, {}, OrbitOptions{.logTrap = -3, .confirmTrap = true}))
                 .find("trap"),

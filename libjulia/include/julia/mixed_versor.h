@@ -8,10 +8,19 @@
 #include "julia/scalar_field.h"
 #include "julia/versor_field.h"
 
+#include <any>
 #include <memory>
+#include <optional>
 #include <span>
 
 namespace julia {
+
+/// What MixedVersor::describe() returns.
+struct MixedVersorDescription {
+  std::any under, over;             ///< as VersorField::describe() of u and v
+  std::optional<PlacedBricks> mix;  ///< m; empty if its field does not describe itself
+  DropAxis dropped = DropAxis::K;   ///< the component of q at which m is not read
+};
 
 /// Equals u bit for bit where m <= 0, and v where m >= 1.
 template <class Real>
@@ -25,6 +34,9 @@ class MixedVersor final : public VersorField<Real> {
   /// Computes cones from the cones of both versors. If one of them is unknown, it uses the other, as long as m leaves
   /// little of the first.
   void cones(std::span<const Ball> balls, std::span<Cone> cones) const override;
+  std::any describe() const override {
+    return MixedVersorDescription{mUnder->describe(), mOver->describe(), mMix->describe(), mEmbedding.dropped};
+  }
 
  private:
   std::shared_ptr<const VersorField<Real>> mUnder, mOver;

@@ -6,12 +6,20 @@
 #include "julia/embedding.h"
 #include "julia/versor_field.h"
 
+#include <any>
 #include <array>
 #include <memory>
 #include <span>
 #include <vector>
 
 namespace julia {
+
+/// What MovedVersor::describe() returns.
+struct MovedVersorDescription {
+  std::any versor;  ///< as VersorField::describe() of v
+  double scale = 1;
+  Quaternion<double> translate{};
+};
 
 /// u(q) = v((q - t) / s), which is v scaled by s about the origin and then moved by t.
 template <class Real>
@@ -22,6 +30,7 @@ class MovedVersor final : public VersorField<Real> {
 
   void versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const override;
   void cones(std::span<const Ball> balls, std::span<Cone> cones) const override;
+  std::any describe() const override { return MovedVersorDescription{mVersor->describe(), mScale, mTranslate}; }
 
  private:
   std::shared_ptr<const VersorField<Real>> mVersor;
@@ -45,6 +54,21 @@ inline constexpr int kMostFold = 64;
 /// @throw std::invalid_argument  a number out of its range
 void requireValid(const Symmetry& symmetry);
 
+/// A rotation of the plane.
+struct SectorTurn {
+  double cosine, sine;
+};
+
+/// The rotations onto which a texture of @a fold sectors repeats, beginning with none.
+std::vector<SectorTurn> sectorTurns(int fold);
+
+/// What SymmetricVersor::describe() returns.
+struct SymmetricVersorDescription {
+  std::any versor;  ///< as VersorField::describe() of the versor that is made symmetric
+  Symmetry symmetry;
+  DropAxis dropped = DropAxis::K;  ///< the component of q on which the symmetry does not act
+};
+
 /// A versor with the same value at all points that the symmetry maps to each other. The shape modulus then maps these
 /// points to the same image, and the set over a target of that symmetry has the symmetry too.
 ///
@@ -60,24 +84,24 @@ class SymmetricVersor final : public VersorField<Real> {
 
   void versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const override;
   void cones(std::span<const Ball> balls, std::span<Cone> cones) const override;
+  std::any describe() const override {
+    return SymmetricVersorDescription{mVersor->describe(), mSymmetry, mEmbedding.dropped};
+  }
 
  private:
-  struct Turn {
-    double cosine, sine;
-  };
   /// Folds @a q into its half-space or sector.
   template <class Number>
   Quaternion<Number> folded(const Quaternion<Number>& q) const;
   template <class Number>
-  Quaternion<Number> turned(const Quaternion<Number>& q, const Turn& by) const;
+  Quaternion<Number> turned(const Quaternion<Number>& q, const SectorTurn& by) const;
   template <class Number>
-  static void turn(Number& first, Number& second, const Turn& by);
+  static void turn(Number& first, Number& second, const SectorTurn& by);
   double roundingOf(const Ball& ball) const;
 
   std::shared_ptr<const VersorField<Real>> mVersor;
   Symmetry mSymmetry;
-  Embedding mEmbedding;      ///< only its dropped axis is used
-  std::vector<Turn> mTurns;  ///< one for each sector
+  Embedding mEmbedding;            ///< only its dropped axis is used
+  std::vector<SectorTurn> mTurns;  ///< one for each sector
 };
 
 extern template class MovedVersor<float>;

@@ -8,11 +8,19 @@
 #include "julia/scalar_field.h"
 #include "julia/versor_field.h"
 
+#include <any>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace julia {
+
+/// What VectorVersor::describe() returns.
+struct VectorVersorDescription {
+  std::vector<std::optional<PlacedBricks>> components;  ///< each empty if its field does not describe itself
+  DropAxis dropped = DropAxis::K;                       ///< the component of q at which they are not read
+};
 
 /// The versor is 1 where all components are 0.
 template <class Real>
@@ -27,6 +35,11 @@ class VectorVersor final : public VersorField<Real> {
   void versor(const QuaternionBatch<Real>& q, QuaternionBatch<Real>& u) const override;
   /// Computes cones from the ranges of the components, which form a box of quaternions.
   void cones(std::span<const Ball> balls, std::span<Cone> cones) const override;
+  std::any describe() const override {
+    VectorVersorDescription description{{}, mEmbedding.dropped};
+    for (const auto& component : mComponents) description.components.push_back(component->describe());
+    return description;
+  }
 
  private:
   std::vector<std::shared_ptr<const ScalarField<Real>>> mComponents;

@@ -48,22 +48,23 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
         mData(std::move(data)),
         mHost(&host),
         mLevel(static_cast<Real>(mData->level)),
-        mProgram(mDevice->program(mData->floats, mData->switches(mDevice->info().doubles))) {
+        mProgram(mDevice->program(mData->floats, mData->switches(mDevice->info().doubles), mData->texture)) {
     const OpenClDevice::Lane lane(*mDevice, mProgram, kFollow);
     const auto& numbers = std::get<std::vector<Real>>(mData->numbers);
     mNumbers = lane.uploaded(numbers.data(), numbers.size() * sizeof(Real));
     mIntegers = lane.uploaded(mData->integers.data(), mData->integers.size() * sizeof(std::int32_t));
-    const auto upload = [&](const std::shared_ptr<const Bricks>& bricks, auto& places, auto& values) {
-      const std::size_t size = bricks ? bricks->values.size() * sizeof(float) : 0;
-      if (size > mDevice->mostBytes())
-        throw DeviceFailure("its memory holds " + std::to_string(mDevice->mostBytes() >> 20) +
-                            " MB in one piece, and the field needs " + std::to_string(size >> 20));
-      places = lane.uploaded(bricks ? bricks->brickAt.data() : nullptr,
-                             bricks ? bricks->brickAt.size() * sizeof(std::uint32_t) : 0);
-      values = lane.uploaded(bricks ? bricks->values.data() : nullptr, size);
-    };
-    upload(mData->exponent, mPlaces[0], mValues[0]);
-    upload(mData->octave, mPlaces[1], mValues[1]);
+    std::vector<std::uint32_t> places;
+    std::vector<float> values;
+    for (const std::shared_ptr<const Bricks>& bricks : mData->bricks) {
+      places.insert(places.end(), bricks->brickAt.begin(), bricks->brickAt.end());
+      values.insert(values.end(), bricks->values.begin(), bricks->values.end());
+    }
+    const std::size_t bytes = values.size() * sizeof(float);
+    if (bytes > mDevice->mostBytes())
+      throw DeviceFailure("its memory holds " + std::to_string(mDevice->mostBytes() >> 20) +
+                          " MB in one piece, and the field needs " + std::to_string(bytes >> 20));
+    mPlaces = lane.uploaded(places.data(), places.size() * sizeof(std::uint32_t));
+    mValues = lane.uploaded(values.data(), bytes);
   }
 
   void own(std::unique_ptr<const FieldEvaluator> host) { mOwnedHost = std::move(host); }
@@ -195,11 +196,10 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
     while (capacity < count) capacity *= 2;
     return capacity;
   }
-  /// The arguments 4 to 9, which kernels have in common. Number 3 is how many points or edges there are.
+  /// The arguments 4 to 7, which kernels have in common. Number 3 is how many points or edges there are.
   void setShared(const OpenClDevice::Lane& lane) const {
-    const cl_mem shared[] = {mNumbers.get(),   mIntegers.get(),  mPlaces[0].get(),
-                             mValues[0].get(), mPlaces[1].get(), mValues[1].get()};
-    for (cl_uint k = 0; k < 6; ++k) lane.setArgument(4 + k, shared[k]);
+    const cl_mem shared[] = {mNumbers.get(), mIntegers.get(), mPlaces.get(), mValues.get()};
+    for (cl_uint k = 0; k < 4; ++k) lane.setArgument(4 + k, shared[k]);
   }
 
   void reserve(Work& work, std::size_t count) const {
@@ -222,7 +222,7 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
     search.lattice = search.lane.made(search.latticeHere.size() * sizeof(double));
     const cl_mem arguments[] = {search.edges.get(), search.axes.get(), search.found.get()};
     for (cl_uint k = 0; k < 3; ++k) search.lane.setArgument(k, arguments[k]);
-    search.lane.setArgument(10, search.lattice.get());
+    search.lane.setArgument(8, search.lattice.get());
     search.capacity = capacity;
   }
 
@@ -297,8 +297,8 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
     search.lane.write(search.lattice.get(), search.latticeHere.data(), search.latticeHere.size() * sizeof(double));
     search.lane.setArgument(3, static_cast<cl_uint>(count));
     const double width = narrowBracket(lattice);
-    search.lane.setArgument(11, width);
-    search.lane.setArgument(12, std::ldexp(width, mostEvaluations(lattice) - 1));
+    search.lane.setArgument(9, width);
+    search.lane.setArgument(10, std::ldexp(width, mostEvaluations(lattice) - 1));
     search.lane.run(count);
     search.foundHere.resize(count);
     search.lane.read(search.found.get(), search.foundHere.data(), count * sizeof(double));
@@ -336,7 +336,7 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
   std::unique_ptr<const FieldEvaluator> mOwnedHost;
   Real mLevel;
   std::shared_ptr<const OpenClDevice::Program> mProgram;
-  OpenClDevice::Memory mNumbers, mIntegers, mPlaces[2], mValues[2];
+  OpenClDevice::Memory mNumbers, mIntegers, mPlaces, mValues;
   mutable std::atomic<bool> mLost = false;
   mutable ObjectPool<Work> mWork{[this] { return std::make_unique<Work>(*this); }};
   mutable ObjectPool<Search> mSearch{[this] { return std::make_unique<Search>(*this); }};

@@ -199,7 +199,7 @@ bool OpenClDevice::hasArithmetic() {
   ProgramData plain;
   plain.map = MapKind::Quadratic;
   plain.versor = VersorKind::None;
-  Lane lane(*this, program(sizeof(Real) == sizeof(float), plain.switches(false)), "tryArithmetic");
+  Lane lane(*this, program(sizeof(Real) == sizeof(float), plain.switches(false), plain.texture), "tryArithmetic");
   std::array<Memory, 3> in;
   for (std::size_t k = 0; k < 3; ++k) in[k] = lane.uploaded(numbers[k].data(), count * sizeof(Real));
   Memory out = lane.made(6 * count * sizeof(Real));
@@ -223,18 +223,21 @@ bool OpenClDevice::hasArithmetic() {
   return true;
 }
 
-std::shared_ptr<const OpenClDevice::Program> OpenClDevice::program(bool floats, const std::string& switches) const {
+std::shared_ptr<const OpenClDevice::Program> OpenClDevice::program(bool floats, const std::string& switches,
+                                                                   const std::string& texture) const {
   const std::lock_guard lock(mMutex);
-  auto& program = mPrograms[(floats ? "float" : "double") + switches];
-  if (!program) program = std::make_shared<const Program>(*this, floats, switches);
+  auto& program = mPrograms[(floats ? "float" : "double") + switches + "\n" + texture];
+  if (!program) program = std::make_shared<const Program>(*this, floats, switches, texture);
   return program;
 }
 
 // --- Programs, and what a thread runs them with ---
 
-OpenClDevice::Program::Program(const OpenClDevice& device, bool floats, const std::string& switches) : mDevice(device) {
+OpenClDevice::Program::Program(const OpenClDevice& device, bool floats, const std::string& switches,
+                               const std::string& texture)
+    : mDevice(device) {
   const OpenClFunctions& cl = device.mCl;
-  const std::string text = programText(floats);
+  const std::string text = programText(floats, texture);
   const char* source = text.c_str();
   const std::size_t length = text.size();
   cl_int error = CL_SUCCESS;

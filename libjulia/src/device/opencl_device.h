@@ -56,7 +56,7 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
   class Program {
    public:
     /// @throw DeviceFailure
-    Program(const OpenClDevice& device, bool floats, const std::string& switches);
+    Program(const OpenClDevice& device, bool floats, const std::string& switches, const std::string& texture);
     Program(const Program&) = delete;
     ~Program();
     cl_program get() const { return mProgram; }
@@ -69,8 +69,9 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
   void notify(const std::string& sentence) const override {
     if (mNotice) mNotice(sentence);
   }
-  /// The program of a field, compiled once for all fields with the same switches. @throw DeviceFailure
-  std::shared_ptr<const Program> program(bool floats, const std::string& switches) const;
+  /// The program of a field, compiled once for all fields with the same switches and textures of the same kind.
+  /// @param switches, texture  as ProgramData has them  @throw DeviceFailure
+  std::shared_ptr<const Program> program(bool floats, const std::string& switches, const std::string& texture) const;
   std::size_t mostBytes() const { return mMostBytes; }  ///< in one piece of memory
 
   struct ReleaseMemory {

@@ -3,9 +3,12 @@
 
 #include "julia/cross_map.h"
 #include "julia/mandelbulb.h"
+#include "julia/mixed_versor.h"
+#include "julia/moved_versor.h"
 #include "julia/quadratic_map.h"
 #include "julia/rational.h"
 #include "julia/shape_modulus.h"
+#include "julia/vector_versor.h"
 #include "julia/wave_versor.h"
 
 #include "kernels/elementary.h"
@@ -14,7 +17,10 @@
 #include "wave_tables.h"
 
 #include <any>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <initializer_list>
 #include <limits>
 #include <optional>
 #include <type_traits>
@@ -27,7 +33,7 @@ template <class Real>
 class Builder {
  public:
   Builder(const FieldDescription& field, ProgramData& data, std::string& reason)
-      : mField(field), mData(data), mReason(reason), mNumbers(kList), mIntegers(kIntegerList) {}
+      : mField(field), mData(data), mReason(reason), mNumbers(kNumbersList), mIntegers(kIntegersList) {}
 
   bool build() {
     if (mField.orbit.confirmTrap) return refuse("it checks its trap");
@@ -44,6 +50,12 @@ class Builder {
     mData.needsDoubles = !mData.floats;
     mData.level = mField.level;
     if (!addMap()) return false;
+    if (!mNodes.empty()) {
+      mData.versor = VersorKind::Texture;
+      mData.texture += "#define versorOfTexture " + nameOf(mNodes.size() - 1) + "\n";
+    }
+    addRecords(kLatticesAt, mLattices);
+    addRecords(kNodesAt, mNodes);
     mData.numbers = std::move(mNumbers);
     mData.integers = std::move(mIntegers);
     return true;
@@ -61,7 +73,7 @@ class Builder {
     if (const auto* rational = std::any_cast<Rational>(&map)) {
       mData.map = MapKind::Rational;
       mNumbers[kScale] = static_cast<Real>(rational->logScale);
-      return addRoots(*rational);
+      return addTexture(*rational);
     }
     if (const auto* quadratic = std::any_cast<QuadraticDescription>(&map)) {
       mData.map = MapKind::Quadratic;
@@ -77,7 +89,7 @@ class Builder {
       mData.ownConstant = !bulb->constant;
       if (bulb->constant) addConstant(Embedding{}.quaternion<double>(*bulb->constant));
       mNumbers[kScale] = static_cast<Real>(bulb->power);
-      mIntegers[kCount] = wholeTriplexPower(bulb->power);
+      mIntegers[kPower] = wholeTriplexPower(bulb->power);
       mIntegers[kFromPole] = bulb->angle == TriplexAngle::FromPole ? 1 : 0;
       return true;
     }
@@ -100,18 +112,26 @@ class Builder {
     mData.map = MapKind::ShapeModulus;
     if (!shape.exponent) return refuse("its exponent is not one of bricks");
     if (shape.dropped != mField.embedding.dropped) return refuse("its exponent is read along other axes");
-    addLattice(*shape.exponent, kExponent, kExponentBricks, kExponentQuadratic);
-    mData.exponent = shape.exponent->bricks;
-    if (const auto* rational = std::any_cast<Rational>(&shape.versor)) return addRoots(*rational);
-    if (const auto* waves = std::any_cast<WaveVersorDescription>(&shape.versor)) return addWaves(*waves);
-    return refuse("its texture is neither one of roots nor one of waves, or it is moved, mixed or symmetric");
+    addLattice(*shape.exponent);
+    return addTexture(shape.versor);
+  }
+
+  /// Adds the nodes of a texture. @param described  as VersorField::describe()
+  bool addTexture(const std::any& described) {
+    if (const auto* rational = std::any_cast<Rational>(&described)) return addRoots(*rational);
+    if (const auto* waves = std::any_cast<WaveVersorDescription>(&described)) return addWaves(*waves);
+    if (const auto* fields = std::any_cast<VectorVersorDescription>(&described)) return addFields(*fields);
+    if (const auto* moved = std::any_cast<MovedVersorDescription>(&described)) return addMoved(*moved);
+    if (const auto* symmetric = std::any_cast<SymmetricVersorDescription>(&described)) return addSymmetric(*symmetric);
+    if (const auto* mixed = std::any_cast<MixedVersorDescription>(&described)) return addMixed(*mixed);
+    return refuse("its texture is a formula or a function");
   }
 
   bool addRoots(const Rational& rational) {
-    mData.versor = VersorKind::Roots;
     double largest = 0;
     const auto factors = rootFactors<Real>(rational, largest);
     if (largest > kernels::Ieee<Real>::kLargestPower) return refuse("its powers are too large");
+    addNode("ROOTS_VERSOR", factors.size());
     for (const kernels::RootFactor<Real>& factor : factors) {
       mNumbers.insert(mNumbers.end(), factor.root, factor.root + 4);
       mNumbers.push_back(factor.power);
@@ -119,18 +139,16 @@ class Builder {
       mIntegers.push_back(static_cast<std::int32_t>(factor.integer));
       mIntegers.push_back(factor.renormaliseAfterward ? 1 : 0);
     }
-    mIntegers[kCount] = static_cast<std::int32_t>(factors.size());
     return true;
   }
 
   bool addWaves(const WaveVersorDescription& waves) {
-    mData.versor = VersorKind::Waves;
     if (!waves.octave) return refuse("its octave is not one of bricks");
     if (waves.dropped != mField.embedding.dropped) return refuse("its octave is read along other axes");
-    addLattice(*waves.octave, kOctave, kOctaveBricks, kOctaveQuadratic);
-    mData.octave = waves.octave->bricks;
     const WaveTables<Real> tables(waves.texture);
-    for (int k = 0; k < 4; ++k) mNumbers[static_cast<std::size_t>(kConstant + k)] = tables.origin[k];
+    addLattice(*waves.octave);
+    addNode("WAVES_VERSOR", tables.factors.size(), {}, 1);
+    mNumbers.insert(mNumbers.end(), tables.origin, tables.origin + 4);
     for (const kernels::WaveTerm<Real>& wave : tables.waves)
       for (const Real(*part)[4] : {&wave.frequency, &wave.cosine, &wave.sine})
         mNumbers.insert(mNumbers.end(), *part, *part + 4);
@@ -140,8 +158,71 @@ class Builder {
       mIntegers.push_back(static_cast<std::int32_t>(factor.power));
       mIntegers.push_back(factor.conjugated < 0 ? -1 : 1);
     }
-    mIntegers[kCount] = static_cast<std::int32_t>(tables.factors.size());
     return true;
+  }
+
+  bool addFields(const VectorVersorDescription& fields) {
+    if (fields.dropped != mField.embedding.dropped) return refuse("its texture is read along other axes");
+    for (const auto& component : fields.components)
+      if (!component) return refuse("the fields of its texture are not of bricks");
+    for (const auto& component : fields.components) addLattice(*component);
+    addNode("FIELDS_VERSOR", fields.components.size(), {}, fields.components.size());
+    return true;
+  }
+
+  bool addMoved(const MovedVersorDescription& moved) {
+    if (!addTexture(moved.versor)) return false;
+    addNode("MOVED_VERSOR", 0, {mNodes.size() - 1});
+    const Quaternion<Real> by = moved.translate.as<Real>();
+    mNumbers.insert(mNumbers.end(), {by.a, by.b, by.c, by.d, static_cast<Real>(moved.scale)});
+    return true;
+  }
+
+  bool addSymmetric(const SymmetricVersorDescription& symmetric) {
+    const Symmetry& symmetry = symmetric.symmetry;
+    if (symmetric.dropped != mField.embedding.dropped) return refuse("its symmetry is one along other axes");
+    if (!addTexture(symmetric.versor)) return false;
+    const std::vector<SectorTurn> turns = sectorTurns(symmetry.fold);
+    addNode(symmetry.kaleidoscope || turns.size() == 1 ? "FOLDED_VERSOR" : "TURNED_VERSOR", turns.size(),
+            {mNodes.size() - 1});
+    for (const double x : symmetry.centre) mNumbers.push_back(static_cast<Real>(x));
+    for (const SectorTurn& turn : turns)
+      mNumbers.insert(mNumbers.end(), {static_cast<Real>(turn.cosine), static_cast<Real>(turn.sine)});
+    std::int32_t mirrored = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) mirrored |= symmetry.mirrored[axis] ? 1 << axis : 0;
+    mIntegers.insert(mIntegers.end(), {symmetry.axis, mirrored, symmetry.kaleidoscope ? 1 : 0});
+    return true;
+  }
+
+  bool addMixed(const MixedVersorDescription& mixed) {
+    if (!mixed.mix) return refuse("the mask of its texture is not one of bricks");
+    if (mixed.dropped != mField.embedding.dropped) return refuse("the mask of its texture is read along other axes");
+    if (!addTexture(mixed.under)) return false;
+    const std::size_t under = mNodes.size() - 1;
+    if (!addTexture(mixed.over)) return false;
+    addLattice(*mixed.mix);
+    addNode("MIXED_VERSOR", 0, {under, mNodes.size() - 1}, 1);
+    return true;
+  }
+
+  static std::string nameOf(std::size_t node) { return "versor" + std::to_string(node); }
+
+  /// Begins a node whose numbers and integers follow. @param word  of versors.cl, which defines its function
+  /// @param lattices  how many of the last lattices it reads
+  void addNode(const char* word, std::size_t count, std::initializer_list<std::size_t> children = {},
+               std::size_t lattices = 0) {
+    const std::size_t number = mNodes.size();
+    mData.texture += std::string(word) + "(" + nameOf(number) + ", " + std::to_string(number);
+    for (const std::size_t child : children) mData.texture += ", " + nameOf(child);
+    mData.texture += ")\n";
+    mNodes.push_back({static_cast<std::int32_t>(mNumbers.size()), static_cast<std::int32_t>(mIntegers.size()),
+                      static_cast<std::int32_t>(count), static_cast<std::int32_t>(mLattices.size() - lattices)});
+  }
+
+  template <std::size_t kSize>
+  void addRecords(Integer where, const std::vector<std::array<std::int32_t, kSize>>& records) {
+    mIntegers[where] = static_cast<std::int32_t>(mIntegers.size());
+    for (const auto& record : records) mIntegers.insert(mIntegers.end(), record.begin(), record.end());
   }
 
   void addConstant(const Quaternion<double>& c) {
@@ -153,17 +234,21 @@ class Builder {
   }
 
   /// @pre a BrickField was made of them, which has checked them
-  void addLattice(const PlacedBricks& placed, int numbers, int bricks, int quadratic) {
-    Real* to = mNumbers.data() + numbers;
-    const auto add = [&](double x) { *to++ = static_cast<Real>(x); };
+  void addLattice(const PlacedBricks& placed) {
+    const Bricks& bricks = *placed.bricks;
+    constexpr int kLowerBits = 31;  // no place is negative
+    mLattices.push_back({static_cast<std::int32_t>(mNumbers.size()), static_cast<std::int32_t>(bricks.count[1]),
+                         static_cast<std::int32_t>(bricks.count[2]),
+                         bricks.interpolation == Interpolation::Quadratic ? 1 : 0, static_cast<std::int32_t>(mPlaces),
+                         static_cast<std::int32_t>(mValues % (std::uint64_t{1} << kLowerBits)),
+                         static_cast<std::int32_t>(mValues >> kLowerBits)});
     for (const auto& row : placed.placement.matrix)
-      for (const double x : row) add(x);
+      for (const double x : row) mNumbers.push_back(static_cast<Real>(x));
     for (const auto& part : {placed.placement.offset, placed.placement.low, placed.placement.high})
-      for (const double x : part) add(x);
-    for (int axis = 1; axis < 3; ++axis)
-      mIntegers[static_cast<std::size_t>(bricks + axis - 1)] =
-          static_cast<std::int32_t>(placed.bricks->count[static_cast<std::size_t>(axis)]);
-    mIntegers[static_cast<std::size_t>(quadratic)] = placed.bricks->interpolation == Interpolation::Quadratic ? 1 : 0;
+      for (const double x : part) mNumbers.push_back(static_cast<Real>(x));
+    mData.bricks.push_back(placed.bricks);
+    mPlaces += bricks.brickAt.size();
+    mValues += bricks.values.size();
   }
 
   const FieldDescription& mField;
@@ -171,6 +256,9 @@ class Builder {
   std::string& mReason;
   std::vector<Real> mNumbers;
   std::vector<std::int32_t> mIntegers;
+  std::vector<std::array<std::int32_t, kLatticeSize>> mLattices;
+  std::vector<std::array<std::int32_t, kNodeSize>> mNodes;
+  std::uint64_t mPlaces = 0, mValues = 0;  ///< of the lattices so far
 };
 
 }  // namespace

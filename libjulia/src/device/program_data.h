@@ -19,42 +19,66 @@ namespace julia::device {
 enum class MapKind { ShapeModulus, Rational, Quadratic, Cross, Triplex };
 /// Values of the program's word VERSOR: how the iterate that follows is formed.
 enum class VersorKind {
-  None,   ///< it is the map's value
-  Value,  ///< of the map's value, by its length
-  Roots,
-  Waves,
+  None,     ///< it is the map's value
+  Value,    ///< of the map's value, by its length
+  Texture,  ///< of the field's texture, whose functions ProgramData::texture has
 };
 
-/// Places in ProgramData::numbers.
+/// Places in ProgramData::numbers. The lists of lattices and nodes follow.
 enum Number {
   kSlice,
   kNearSquared,
   kLogEscape,
   kLogTrap,
-  kLevel,                    ///< F = l - level
-  kExponent,                 ///< the lattice of E: matrix, offset, low, high
-  kOctave = kExponent + 18,  ///< the lattice of the octave
-  kConstant = kOctave + 18,  ///< the map's constant, or the origin of waves
-  kScale = kConstant + 4,    ///< ln of a rational's scale, or the power of a triplex number
-  kList = 48,                ///< roots, each with its power, or waves: frequency, cosine, sine
+  kLevel,                  ///< F = l - level
+  kConstant,               ///< the map's constant
+  kScale = kConstant + 4,  ///< ln of a rational's scale, or the power of a triplex number
+  kNumbersList,
 };
-/// Places in ProgramData::integers.
+/// Places in ProgramData::integers. The lists of nodes follow, and then the records of lattices and nodes.
 enum Integer {
   kMostSteps,
-  kCount,           ///< of roots, or of factors of waves; of a triplex number the power by products, or 0
-  kExponentBricks,  ///< along y and z
-  kExponentQuadratic = kExponentBricks + 2,
-  kOctaveBricks,
-  kOctaveQuadratic = kOctaveBricks + 2,
+  kPower,  ///< of a triplex number by products, or 0
   kFromPole,
   kPair,
-  kIntegerList = 16,  ///< roots: method, power, whether to renormalise; factors: first, end, power, sign
+  kLatticesAt,  ///< where the records of the lattices begin
+  kNodesAt,     ///< where the records of the nodes begin
+  kIntegersList,
 };
+/// The record of a lattice of bricks. Number 0 is the exponent's.
+enum LatticeRecord {
+  kLatticeNumbers,  ///< the place of its numbers: matrix, offset, low, high
+  kLatticeBricks,   ///< how many there are along y and z
+  kLatticeQuadratic = kLatticeBricks + 2,
+  kLatticePlaces,  ///< where its bricks' places begin
+  kLatticeValues,  ///< where its values begin: the lower 31 bits, and the others
+  kLatticeSize = kLatticeValues + 2,
+};
+/// The record of a node of a texture, which is a tree of versors. Children come before their parents, and the last node
+/// is the texture.
+///
+/// | node      | numbers                             | integers                                | count      |
+/// |-----------|-------------------------------------|-----------------------------------------|------------|
+/// | roots     | each root with its power            | method, power, whether to renormalise   | roots      |
+/// | waves     | origin; frequency, cosine, sine     | of each factor first, end, power, sign  | factors    |
+/// | fields    |                                     |                                         | components |
+/// | moved     | by what, scale                      |                                         |            |
+/// | symmetric | centre; cosine and sine of each turn| axis, mirrored axes, kaleidoscope       | turns      |
+/// | mixed     |                                     |                                         |            |
+enum NodeRecord {
+  kNodeNumbers,
+  kNodeIntegers,
+  kNodeCount,
+  kNodeLattice,  ///< the first lattice that it reads
+  kNodeSize,
+};
+/// Integers of a symmetric node.
+enum SymmetryInteger { kSymmetryAxis, kSymmetryMirrored, kSymmetryKaleidoscope };
 
 /// A field for a device.
 struct ProgramData {
   MapKind map = MapKind::ShapeModulus;
-  VersorKind versor = VersorKind::Roots;
+  VersorKind versor = VersorKind::None;
   bool floats = false;
   int dropped = 2;           ///< 0, 1, 2: the components i, j, k
   bool traps = false;        ///< whether orbits end in the trap
@@ -64,7 +88,8 @@ struct ProgramData {
   double level = 0;
   std::variant<std::vector<float>, std::vector<double>> numbers;
   std::vector<std::int32_t> integers;
-  std::shared_ptr<const Bricks> exponent, octave;  ///< nullptr if the map reads none
+  std::vector<std::shared_ptr<const Bricks>> bricks;  ///< of the lattices, in their order
+  std::string texture;                                ///< the functions of the texture's nodes, in OpenCL C
 
   /// The values of the program's words, for the compiler of the device.
   /// @param searches  whether the program searches edges, which takes doubles

@@ -99,27 +99,34 @@ std::string words() {
   number("MAP_TRIPLEX", static_cast<int>(MapKind::Triplex));
   number("VERSOR_NONE", static_cast<int>(VersorKind::None));
   number("VERSOR_VALUE", static_cast<int>(VersorKind::Value));
-  number("VERSOR_ROOTS", static_cast<int>(VersorKind::Roots));
-  number("VERSOR_WAVES", static_cast<int>(VersorKind::Waves));
+  number("VERSOR_TEXTURE", static_cast<int>(VersorKind::Texture));
   number("SLICE", kSlice);
   number("NEAR_SQUARED", kNearSquared);
   number("LOG_ESCAPE", kLogEscape);
   number("LOG_TRAP", kLogTrap);
   number("LEVEL", kLevel);
-  number("EXPONENT", kExponent);
-  number("OCTAVE", kOctave);
   number("CONSTANT", kConstant);
   number("SCALE", kScale);
-  number("LIST", kList);
   number("MOST_STEPS", kMostSteps);
-  number("COUNT", kCount);
-  number("EXPONENT_BRICKS", kExponentBricks);
-  number("EXPONENT_QUADRATIC", kExponentQuadratic);
-  number("OCTAVE_BRICKS", kOctaveBricks);
-  number("OCTAVE_QUADRATIC", kOctaveQuadratic);
+  number("POWER", kPower);
   number("FROM_POLE", kFromPole);
   number("PAIR", kPair);
-  number("INTEGER_LIST", kIntegerList);
+  number("LATTICES_AT", kLatticesAt);
+  number("LATTICE_NUMBERS", kLatticeNumbers);
+  number("LATTICE_BRICKS", kLatticeBricks);
+  number("LATTICE_QUADRATIC", kLatticeQuadratic);
+  number("LATTICE_PLACES", kLatticePlaces);
+  number("LATTICE_VALUES", kLatticeValues);
+  number("LATTICE_SIZE", kLatticeSize);
+  number("NODES_AT", kNodesAt);
+  number("NODE_NUMBERS", kNodeNumbers);
+  number("NODE_INTEGERS", kNodeIntegers);
+  number("NODE_COUNT", kNodeCount);
+  number("NODE_LATTICE", kNodeLattice);
+  number("NODE_SIZE", kNodeSize);
+  number("SYMMETRY_AXIS", kSymmetryAxis);
+  number("SYMMETRY_MIRRORED", kSymmetryMirrored);
+  number("SYMMETRY_KALEIDOSCOPE", kSymmetryKaleidoscope);
   return text;
 }
 
@@ -133,13 +140,15 @@ std::string radians(bool floats) {
 
 }  // namespace
 
-std::string programText(bool floats) {
+std::string programText(bool floats, const std::string& texture) {
   std::string text = floats ? words<float>() : words<double>();
   text += radians(floats);
-  for (const char* name : {"elementary.h", "rational.h", "lattice.h", "waves.h", "cartesian.h"})
+  for (const char* name : {"elementary.h", "rational.h", "lattice.h", "waves.h", "versors.h", "cartesian.h"})
     text += std::string(textNamed(name)) + "\n";
   // Edges are searched in doubles, which a device need not have.
   text += "#if SEARCHES\n" + std::string(textNamed("search.h")) + "#endif\n";
+  text += textNamed("versors.cl");
+  text += texture;
   text += textNamed("orbit.cl");
   return text;
 }

@@ -7,7 +7,8 @@
 
 namespace julia::device {
 
-/// OpenCL C 1.2, the same for all fields; the switches of a field (program_data.h) go with it to the compiler.
-std::string programText(bool floats);
+/// OpenCL C 1.2. The switches of a field (program_data.h) go with it to the compiler.
+/// @param texture  ProgramData::texture, the only part that depends on the field
+std::string programText(bool floats, const std::string& texture);
 
 }  // namespace julia::device
