@@ -389,8 +389,6 @@ TYPED_TEST(Devices, leaveToTheProcessorWhatTheyCannotEvaluate) {
             std::string::npos);
 }
 
-TEST(Device, thatDoesNotExistIsRefused) { EXPECT_THROW(julia::openDevice(1000, {}), std::runtime_error); }
-
 TEST(Device, currentIsNoneUntilOneIsSet) {
   EXPECT_EQ(julia::currentDevice(), nullptr);
   const auto rational = std::make_shared<const julia::RationalMap<float>>(rationals()[0]);

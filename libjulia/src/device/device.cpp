@@ -6,7 +6,6 @@
 #endif
 
 #include <mutex>
-#include <stdexcept>
 #include <utility>
 
 namespace julia {
@@ -52,31 +51,12 @@ std::vector<std::shared_ptr<const Device>> openDevices(const DeviceNotice& notic
   return devices;
 }
 
-std::shared_ptr<const Device> openDevice(std::size_t number, DeviceNotice notice) {
-  std::string refusal;
-  const auto places = device::OpenClDevice::places(refusal);
-  if (places.empty()) throw std::runtime_error(refusal);
-  if (number >= places.size())
-    throw std::runtime_error("there is no device " + std::to_string(number) + "; the last one is " +
-                             std::to_string(places.size() - 1));
-  auto device = std::make_shared<const device::OpenClDevice>(places[number], std::move(notice));
-  if (!device->info().refusal.empty())
-    throw std::runtime_error(device->info().name + " is not used: " + device->info().refusal);
-  return device;
-}
-
 #else
 
-namespace {
-constexpr const char* kBuiltWithout = "this program was built without OpenCL's headers";
-}
-
 std::vector<std::shared_ptr<const Device>> openDevices(const DeviceNotice&, std::string& refusal) {
-  refusal = kBuiltWithout;
+  refusal = "this program was built without OpenCL's headers";
   return {};
 }
-
-std::shared_ptr<const Device> openDevice(std::size_t, DeviceNotice) { throw std::runtime_error(kBuiltWithout); }
 
 #endif
 

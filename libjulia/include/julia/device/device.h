@@ -54,10 +54,6 @@ using DeviceNotice = std::function<void(const std::string&)>;
 /// @param refusal  receives why there is none, if there is none
 std::vector<std::shared_ptr<const Device>> openDevices(const DeviceNotice& notice, std::string& refusal);
 
-/// Opens one of them. @param number  its place in the list
-/// @throw std::runtime_error  there is no such device, or it is not usable: why
-std::shared_ptr<const Device> openDevice(std::size_t number, DeviceNotice notice);
-
 /// The device on which the process evaluates fields; nullptr, the default, for none. Like the instruction set
 /// (instruction_set.h), it changes no result.
 std::shared_ptr<const Device> currentDevice();
