@@ -11,12 +11,12 @@ QUICKSTART_PACKAGES=(glmark2-data)
 # slurm-wlm and parallel run the tests of farms: a true cluster, of one node. python3-dev and pybind11-dev build the Python
 # module, and python3-numpy runs it. blender runs the tests of the add-on; with what it needs, it is a download of 90 MB.
 # pocl-opencl-icd makes the processor a device of OpenCL, with which the devices are tested; oclgrind is one that watches.
-# libnanovdb-tools reads our NanoVDB files, and python3-tifffile the layers of stacks.
+# libnanovdb-tools reads our NanoVDB files, python3-tifffile the layers of stacks, and python3-meshio our meshes.
 # chromium and its driver, which Selenium speaks to, show the page of 'juliavdb explore'; 90 MB.
 TEST_PACKAGES=(dpkg-dev file groff-base libgtest-dev libbenchmark-dev libopenvdb-tools python3 python3-openvdb python3-dev
   pybind11-dev python3-numpy python3-pip python3-setuptools python3-wheel libtinygltf-dev clang-format doxygen git
   ca-certificates slurm-wlm munge parallel blender chromium chromium-driver python3-selenium pocl-opencl-icd oclgrind
-  libnanovdb-tools python3-tifffile)
+  libnanovdb-tools python3-tifffile python3-meshio)
 
 as_root() {
   local sudo=()

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Python for research: grids, slices, studies and the parts of fitting, beside the command, numpy, and what is known."""
 import copy
+import importlib.util
 import json
 import pathlib
 import pickle
@@ -73,13 +74,22 @@ class Copies(ResearchTest):
         MeshioMesh.cells_dict = {"quad": np.zeros((1, 4), int)}
         with self.assertRaisesRegex(ValueError, "no triangles.*quad"):
             juliavdb.fractal(MeshioMesh(), **SMALL)
-        try:
-            import meshio
-        except ImportError:
-            return
+
+    @unittest.skipUnless(importlib.util.find_spec("meshio"), "meshio is missing; on Debian, install python3-meshio")
+    def test_a_mesh_goes_to_meshio_and_comes_back(self):
+        import meshio
+        made = juliavdb.fractal(self.mesh[0], self.mesh[1], attributes="trap", **SMALL)
         there = made.to_meshio()
         self.assertIsInstance(there, meshio.Mesh)
         self.assertTrue(np.shares_memory(there.points, made.vertices))
+        for name, values in made.attributes.items():
+            self.assertTrue(np.array_equal(there.point_data[name], values), name)
+        file = self.path("there.vtu")
+        meshio.write(file, there)
+        again = meshio.read(file)
+        self.assertTrue(np.array_equal(again.cells_dict["triangle"], made.faces))
+        self.assertTrue(np.array_equal(juliavdb.fractal(again, **SMALL).vertices,
+                                       juliavdb.fractal(made.vertices, made.faces, **SMALL).vertices))
 
 
 class Maps(ResearchTest):
