@@ -241,7 +241,7 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
     try {
       for (std::size_t first = 0; first < size; first += kMostAtOnce) piece(first, std::min(kMostAtOnce, size - first));
     } catch (const DeviceHangs&) {
-      loan.release();
+      keepUntilExit(loan.release());
       throw;
     }
   }

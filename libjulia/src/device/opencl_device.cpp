@@ -120,6 +120,13 @@ double secondsOf(const std::string& text) {
 
 }  // namespace
 
+void keepUntilExit(void* object) {
+  static std::mutex mutex;
+  static auto* const kept = new std::vector<void*>;
+  const std::lock_guard lock(mutex);
+  kept->push_back(object);
+}
+
 // --- The device ---
 
 std::vector<OpenClDevice::Place> OpenClDevice::places(std::string& refusal) {
@@ -162,7 +169,10 @@ OpenClDevice::OpenClDevice(const Place& place, DeviceNotice notice)
 
 OpenClDevice::~OpenClDevice() {
   mPrograms.clear();
-  if (mContext && !mHangs) mCl.ReleaseContext(mContext);
+  if (mHangs)
+    keepUntilExit(mContext);
+  else if (mContext)
+    mCl.ReleaseContext(mContext);
 }
 
 std::string OpenClDevice::refusalOf() {
@@ -212,7 +222,7 @@ bool OpenClDevice::hasArithmetic() {
   try {
     lane.read(out.get(), results.data(), results.size() * sizeof(Real));
   } catch (const DeviceHangs&) {
-    held.release();
+    keepUntilExit(held.release());
     throw;
   }
   for (std::size_t i = 0; i < count; ++i) {
@@ -260,7 +270,10 @@ OpenClDevice::Program::Program(const OpenClDevice& device, bool floats, const st
 }
 
 OpenClDevice::Program::~Program() {
-  if (!mDevice.mHangs) mDevice.mCl.ReleaseProgram(mProgram);
+  if (mDevice.mHangs)
+    keepUntilExit(mProgram);
+  else
+    mDevice.mCl.ReleaseProgram(mProgram);
 }
 
 OpenClDevice::Lane::Lane(const OpenClDevice& device, std::shared_ptr<const Program> program, const char* kernel)
@@ -276,7 +289,11 @@ OpenClDevice::Lane::Lane(const OpenClDevice& device, std::shared_ptr<const Progr
 }
 
 OpenClDevice::Lane::~Lane() {
-  if (mDevice.mHangs) return;
+  if (mDevice.mHangs) {
+    keepUntilExit(mKernel);
+    keepUntilExit(mQueue);
+    return;
+  }
   mDevice.mCl.ReleaseKernel(mKernel);
   mDevice.mCl.ReleaseCommandQueue(mQueue);
 }
@@ -329,7 +346,7 @@ void OpenClDevice::Lane::await(cl_event event) const {
     if (status == CL_COMPLETE) break;
     if (std::chrono::duration<double>(Clock::now() - begin).count() > mDevice.mSeconds) {
       mDevice.mHangs = true;
-      held.release();
+      keepUntilExit(held.release());
       char seconds[32];
       std::snprintf(seconds, sizeof(seconds), "%g", mDevice.mSeconds);
       throw DeviceHangs("it gave no answer in " + std::string(seconds) + " s");

@@ -33,6 +33,9 @@ class DeviceHangs : public DeviceFailure {
   using DeviceFailure::DeviceFailure;
 };
 
+/// Takes what a device that gave no answer may still use. It is never released, and stays reachable.
+void keepUntilExit(void* object);
+
 class OpenClDevice final : public Device, public std::enable_shared_from_this<OpenClDevice> {
  public:
   /// Where a device is found.
@@ -77,7 +80,10 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
   struct ReleaseMemory {
     const OpenClDevice* device;
     void operator()(cl_mem memory) const {
-      if (!device->mHangs) device->mCl.ReleaseMemObject(memory);
+      if (device->mHangs)
+        keepUntilExit(memory);
+      else
+        device->mCl.ReleaseMemObject(memory);
     }
   };
   /// Memory of the device.
