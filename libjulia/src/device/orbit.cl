@@ -95,8 +95,8 @@ bool logNormOf(const Real* q, Real* l) {
 }
 #endif
 
-/// Follows the orbit of a point of space and sets *end to its last l. Returns the number of steps or, where the processor
-/// has to look at the point, -1.
+/// Follows the orbit of a point of space and sets *end to its last l. Returns the number of steps or, where the
+/// processor has to look at the point, -1.
 int followOrbit(Data data, Real x, Real y, Real z, Real* end) {
   __global const Real* numbers = data.numbers;
   const Real slice = numbers[SLICE], near = numbers[NEAR_SQUARED];

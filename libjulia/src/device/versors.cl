@@ -13,11 +13,6 @@ typedef struct {
   __global const float* values;
 } Data;
 
-__global const int* latticeOf(Data data, int number) {
-  return data.integers + data.integers[LATTICES_AT] + LATTICE_SIZE * number;
-}
-__global const int* nodeOf(Data data, int number) { return data.integers + data.integers[NODES_AT] + NODE_SIZE * number; }
-
 // The components of q at which fields over space are read.
 #if DROPPED == 0
 #define X 0
@@ -36,31 +31,43 @@ __global const int* nodeOf(Data data, int number) { return data.integers + data.
 #define S 3
 #endif
 
-Real readTrilinear(__global const int* lattice, __global const uint* brickAt,
-                   __global const float* values, const Real* at) {
+#if MAP == MAP_SHAPE_MODULUS || MAP == MAP_RATIONAL
+__global const int* latticeOf(Data data, int number) {
+  return data.integers + data.integers[LATTICES_AT] + LATTICE_SIZE * number;
+}
+__global const int* nodeOf(Data data, int number) {
+  return data.integers + data.integers[NODES_AT] + NODE_SIZE * number;
+}
+
+/// The number of a cell's brick in the lattice.
+int brickOf(__global const int* lattice, const int* cell) {
+  const int ny = lattice[LATTICE_BRICKS], nz = lattice[LATTICE_BRICKS + 1];
+  return ((cell[0] >> 3) * ny + (cell[1] >> 3)) * nz + (cell[2] >> 3);
+}
+
+Real readTrilinear(__global const int* lattice, __global const uint* brickAt, __global const float* values,
+                   const Real* at) {
   int cell[3];
   Real t[3];
   for (int axis = 0; axis < 3; ++axis) {
     cell[axis] = (int)at[axis];
     t[axis] = at[axis] - (Real)cell[axis];
   }
-  const int brick = ((cell[0] >> 3) * lattice[LATTICE_BRICKS] + (cell[1] >> 3)) * lattice[LATTICE_BRICKS + 1] + (cell[2] >> 3);
   const int offset = ((cell[0] & 7) * 9 + (cell[1] & 7)) * 9 + (cell[2] & 7);
-  __global const float* v = values + (size_t)brickAt[brick] * 729 + offset;
+  __global const float* v = values + (size_t)brickAt[brickOf(lattice, cell)] * 729 + offset;
   return trilinear(v[0], v[1], v[9], v[10], v[81], v[82], v[90], v[91], t[0], t[1], t[2]);
 }
 
-Real readQuadratic(__global const int* lattice, __global const uint* brickAt,
-                   __global const float* values, const Real* at) {
+Real readQuadratic(__global const int* lattice, __global const uint* brickAt, __global const float* values,
+                   const Real* at) {
   int cell[3];
   Real weight[3][3];
   for (int axis = 0; axis < 3; ++axis) {
     cell[axis] = (int)(at[axis] + JULIA_REAL(0.5));
     splineWeights(at[axis] - (Real)cell[axis], &weight[axis][0], &weight[axis][1], &weight[axis][2]);
   }
-  const int brick = ((cell[0] >> 3) * lattice[LATTICE_BRICKS] + (cell[1] >> 3)) * lattice[LATTICE_BRICKS + 1] + (cell[2] >> 3);
   const int offset = ((cell[0] & 7) * 10 + (cell[1] & 7)) * 10 + (cell[2] & 7);
-  __global const float* value = values + (size_t)brickAt[brick] * 1000 + offset;
+  __global const float* value = values + (size_t)brickAt[brickOf(lattice, cell)] * 1000 + offset;
   Real sum = 0;
   for (int dx = 0; dx < 3; ++dx) {
     Real face = 0;
@@ -79,7 +86,8 @@ Real readField(Data data, int number, const Real* q) {
   __global const int* lattice = latticeOf(data, number);
   __global const Real* m = data.numbers + lattice[LATTICE_NUMBERS];
   __global const uint* brickAt = data.places + lattice[LATTICE_PLACES];
-  __global const float* values = data.values + (((size_t)lattice[LATTICE_VALUES + 1] << 31) + (size_t)lattice[LATTICE_VALUES]);
+  const size_t first = ((size_t)lattice[LATTICE_VALUES + 1] << 31) + (size_t)lattice[LATTICE_VALUES];
+  __global const float* values = data.values + first;
   Real at[3];
   for (int row = 0; row < 3; ++row)
     at[row] = latticePosition(m[3 * row], m[3 * row + 1], m[3 * row + 2], m[9 + row], m[12 + row], m[15 + row], q[X],
@@ -199,11 +207,15 @@ void versorOfWaves(Data data, int number, const Real* q, Real* u) {
   makeUnit(u[0], u[1], u[2], u[3], &u[0], &u[1], &u[2], &u[3]);
 }
 
+/// The component of q that is a coordinate of space.
+int componentOf(int axis) { return axis == 0 ? X : axis == 1 ? Y : Z; }
+
+/// Sets u to the versor of three or four fields.
 void versorOfFields(Data data, int number, const Real* q, Real* u) {
   __global const int* node = nodeOf(data, number);
-  const int places[4] = {node[NODE_COUNT] == 4 ? 0 : X, node[NODE_COUNT] == 4 ? 1 : Y, node[NODE_COUNT] == 4 ? 2 : Z, 3};
+  const int count = node[NODE_COUNT];
   Real v[4] = {0, 0, 0, 0};
-  for (int k = 0; k < node[NODE_COUNT]; ++k) v[places[k]] = readField(data, node[NODE_LATTICE] + k, q);
+  for (int k = 0; k < count; ++k) v[count == 3 ? componentOf(k) : k] = readField(data, node[NODE_LATTICE] + k, q);
   makeDirection(v[0], v[1], v[2], v[3], &u[0], &u[1], &u[2], &u[3]);
 }
 
@@ -212,9 +224,6 @@ void moveBack(Data data, int number, const Real* q, Real* to) {
   __global const Real* by = data.numbers + nodeOf(data, number)[NODE_NUMBERS];
   for (int c = 0; c < 4; ++c) to[c] = movedBack(q[c], by[c], by[4]);
 }
-
-// The components of q as coordinates.
-int componentOf(int axis) { return axis == 0 ? X : axis == 1 ? Y : Z; }
 
 /// Sets @a to to q, folded into the half-space or the sector of a symmetry.
 void foldInto(Data data, int number, const Real* q, Real* to) {
@@ -309,3 +318,4 @@ void turnTo(Data data, int number, int sector, const Real* q, Real* to) {
     makeDirection(u[0], u[1], u[2], u[3], &u[0], &u[1], &u[2], &u[3]);                   \
     return valid;                                                                        \
   }
+#endif
