@@ -127,6 +127,22 @@ TEST_F(SceneDataTest, theVolumeIsTheExponentWithinItsError) {
   EXPECT_GT(undecided, 100) << "the points say nothing of the shell";
 }
 
+TEST_F(SceneDataTest, whatThePageCannotShowIsRefusedAtOnce) {
+  const auto with = [&](const Recipe& options) {
+    Recipe recipe = target();
+    recipe.insert(options.begin(), options.end());
+    return scene(recipe);
+  };
+  for (const Recipe& shown : std::vector<Recipe>{{}, {{"versor", "random"}}})
+    EXPECT_NO_THROW(requireShown(with(shown)));
+  for (const Recipe& other : std::vector<Recipe>{{{"versor-symmetry", "3:y"}},
+                                                 {{"versor-over", "thorns"}, {"versor-mix", "expr:0.2+0.5*hx"}},
+                                                 {{"versor", "expr:y,-x,z+2"}}}) {
+    const Scene made = with(other);
+    EXPECT_THROW(requireShown(made), std::invalid_argument) << other.begin()->first;
+  }
+}
+
 TEST_F(SceneDataTest, aCoarserVolumeReadsTheSameExponent) {
   const Scene made = scene(target());
   const SceneData data = sceneData(made, {.side = 24}, mMonitor);

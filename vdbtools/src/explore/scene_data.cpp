@@ -200,6 +200,12 @@ constexpr const char* kNotShown =
     "the page has no live picture of this versor: it shows one texture or roots, without a layer and a symmetry; "
     "'juliavdb render --field' makes pictures of any";
 
+/// Whether the page's shader has the versor. @param described  as VersorField::describe()
+bool isShown(const std::any& described) {
+  const auto* const wave = std::any_cast<julia::WaveVersorDescription>(&described);
+  return std::any_cast<julia::Rational>(&described) || (wave && wave->octave);
+}
+
 /// Adds the entries of the map, and the exponent's to @a volume.
 void describeMap(const julia::MapDescription& map, const SceneDataOptions& options, SceneData& data) {
   json& scene = data.description;
@@ -207,12 +213,11 @@ void describeMap(const julia::MapDescription& map, const SceneDataOptions& optio
     if (!shape->exponent) throw std::invalid_argument("the map's exponent has no description");
     const Volume volume(*shape->exponent, options.side);
     scene["map"] = "shape-modulus";
+    if (!isShown(shape->versor)) throw std::invalid_argument(kNotShown);
     if (const auto* roots = std::any_cast<julia::Rational>(&shape->versor))
       scene["factors"] = factors(*roots);
-    else if (const auto* wave = std::any_cast<julia::WaveVersorDescription>(&shape->versor); wave && wave->octave)
-      scene["waves"] = waves(*wave);
     else
-      throw std::invalid_argument(kNotShown);
+      scene["waves"] = waves(std::any_cast<const julia::WaveVersorDescription&>(shape->versor));
     scene["exponent"] = volume.description();
     data.volume = volume.bytes();
   } else if (const auto* rational = std::any_cast<julia::Rational>(&map)) {
@@ -264,7 +269,7 @@ std::string base64(std::string_view bytes) {
 void requireShown(const Scene& scene) {
   const julia::MapDescription map = scene.field.evaluator->describe().map;
   const auto* const shape = std::any_cast<julia::ShapeModulusDescription>(&map);
-  if (shape && !shape->versor.has_value()) throw std::invalid_argument(kNotShown);
+  if (shape && !isShown(shape->versor)) throw std::invalid_argument(kNotShown);
 }
 
 SceneData sceneData(const Scene& scene, const SceneDataOptions& options, Monitor& monitor) {
