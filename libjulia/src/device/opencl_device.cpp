@@ -169,10 +169,7 @@ OpenClDevice::OpenClDevice(const Place& place, DeviceNotice notice)
 
 OpenClDevice::~OpenClDevice() {
   mPrograms.clear();
-  if (mHangs)
-    keepUntilExit(mContext);
-  else if (mContext)
-    mCl.ReleaseContext(mContext);
+  if (mContext) release(mContext, mCl.ReleaseContext);
 }
 
 std::string OpenClDevice::refusalOf() {
@@ -269,12 +266,7 @@ OpenClDevice::Program::Program(const OpenClDevice& device, bool floats, const st
   throw DeviceFailure("its compiler refused the program: " + log.substr(first, log.find('\n', first) - first));
 }
 
-OpenClDevice::Program::~Program() {
-  if (mDevice.mHangs)
-    keepUntilExit(mProgram);
-  else
-    mDevice.mCl.ReleaseProgram(mProgram);
-}
+OpenClDevice::Program::~Program() { mDevice.release(mProgram, mDevice.mCl.ReleaseProgram); }
 
 OpenClDevice::Lane::Lane(const OpenClDevice& device, std::shared_ptr<const Program> program, const char* kernel)
     : mDevice(device), mProgram(std::move(program)) {
@@ -289,13 +281,8 @@ OpenClDevice::Lane::Lane(const OpenClDevice& device, std::shared_ptr<const Progr
 }
 
 OpenClDevice::Lane::~Lane() {
-  if (mDevice.mHangs) {
-    keepUntilExit(mKernel);
-    keepUntilExit(mQueue);
-    return;
-  }
-  mDevice.mCl.ReleaseKernel(mKernel);
-  mDevice.mCl.ReleaseCommandQueue(mQueue);
+  mDevice.release(mKernel, mDevice.mCl.ReleaseKernel);
+  mDevice.release(mQueue, mDevice.mCl.ReleaseCommandQueue);
 }
 
 OpenClDevice::Memory OpenClDevice::Lane::made(std::size_t bytes) const {

@@ -79,12 +79,7 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
 
   struct ReleaseMemory {
     const OpenClDevice* device;
-    void operator()(cl_mem memory) const {
-      if (device->mHangs)
-        keepUntilExit(memory);
-      else
-        device->mCl.ReleaseMemObject(memory);
-    }
+    void operator()(cl_mem memory) const { device->release(memory, device->mCl.ReleaseMemObject); }
   };
   /// Memory of the device.
   using Memory = std::unique_ptr<std::remove_pointer_t<cl_mem>, ReleaseMemory>;
@@ -120,6 +115,14 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
   };
 
  private:
+  /// Gives an object back to the driver by its own function, unless the device may still use it.
+  template <class Object, class Function>
+  void release(Object object, const Function& function) const {
+    if (mHangs)
+      keepUntilExit(object);
+    else
+      function(object);
+  }
   std::string refusalOf();
   template <class Real>
   bool hasArithmetic();
