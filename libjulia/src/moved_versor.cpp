@@ -110,11 +110,8 @@ template <class Real>
 template <class Number>
 Quaternion<Number> SymmetricVersor<Real>::folded(const Quaternion<Number>& q) const {
   std::array<Number, 3> at = mEmbedding.point(q);
-  const auto mirror = [&](std::size_t axis) {
-    at[axis] = kernels::mirroredUp(at[axis], static_cast<Number>(mSymmetry.centre[axis]));
-  };
   for (std::size_t axis = 0; axis < 3; ++axis)
-    if (mSymmetry.mirrored[axis]) mirror(axis);
+    if (mSymmetry.mirrored[axis]) at[axis] = kernels::mirroredUp(at[axis], static_cast<Number>(mSymmetry.centre[axis]));
   if (mSymmetry.kaleidoscope) {
     const std::size_t first = static_cast<std::size_t>(mSymmetry.axis + 1) % 3, second = (first + 1) % 3;
     Number x = at[first] - static_cast<Number>(mSymmetry.centre[first]);

@@ -211,9 +211,9 @@ void describeMap(const julia::MapDescription& map, const SceneDataOptions& optio
   json& scene = data.description;
   if (const auto* shape = std::any_cast<julia::ShapeModulusDescription>(&map)) {
     if (!shape->exponent) throw std::invalid_argument("the map's exponent has no description");
+    if (!isShown(shape->versor)) throw std::invalid_argument(kNotShown);
     const Volume volume(*shape->exponent, options.side);
     scene["map"] = "shape-modulus";
-    if (!isShown(shape->versor)) throw std::invalid_argument(kNotShown);
     if (const auto* roots = std::any_cast<julia::Rational>(&shape->versor))
       scene["factors"] = factors(*roots);
     else
