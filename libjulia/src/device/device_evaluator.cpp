@@ -53,16 +53,23 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
     const auto& numbers = std::get<std::vector<Real>>(mData->numbers);
     mNumbers = lane.uploaded(numbers.data(), numbers.size() * sizeof(Real));
     mIntegers = lane.uploaded(mData->integers.data(), mData->integers.size() * sizeof(std::int32_t));
+    std::size_t placeCount = 0, valueCount = 0;
+    for (const std::shared_ptr<const Bricks>& bricks : mData->bricks) {
+      placeCount += bricks->brickAt.size();
+      valueCount += bricks->values.size();
+    }
+    const std::size_t bytes = valueCount * sizeof(float);
+    if (bytes > mDevice->mostBytes())
+      throw DeviceFailure("its memory holds " + std::to_string(mDevice->mostBytes() >> 20) +
+                          " MB in one piece, and the field needs " + std::to_string(bytes >> 20));
     std::vector<std::uint32_t> places;
     std::vector<float> values;
+    places.reserve(placeCount);
+    values.reserve(valueCount);
     for (const std::shared_ptr<const Bricks>& bricks : mData->bricks) {
       places.insert(places.end(), bricks->brickAt.begin(), bricks->brickAt.end());
       values.insert(values.end(), bricks->values.begin(), bricks->values.end());
     }
-    const std::size_t bytes = values.size() * sizeof(float);
-    if (bytes > mDevice->mostBytes())
-      throw DeviceFailure("its memory holds " + std::to_string(mDevice->mostBytes() >> 20) +
-                          " MB in one piece, and the field needs " + std::to_string(bytes >> 20));
     mPlaces = lane.uploaded(places.data(), places.size() * sizeof(std::uint32_t));
     mValues = lane.uploaded(values.data(), bytes);
   }

@@ -236,19 +236,33 @@ class Builder {
   /// @pre a BrickField was made of them, which has checked them
   void addLattice(const PlacedBricks& placed) {
     const Bricks& bricks = *placed.bricks;
+    const auto [places, values] = startOf(placed.bricks);
     constexpr int kLowerBits = 31;  // no place is negative
     mLattices.push_back({static_cast<std::int32_t>(mNumbers.size()), static_cast<std::int32_t>(bricks.count[1]),
                          static_cast<std::int32_t>(bricks.count[2]),
-                         bricks.interpolation == Interpolation::Quadratic ? 1 : 0, static_cast<std::int32_t>(mPlaces),
-                         static_cast<std::int32_t>(mValues % (std::uint64_t{1} << kLowerBits)),
-                         static_cast<std::int32_t>(mValues >> kLowerBits)});
+                         bricks.interpolation == Interpolation::Quadratic ? 1 : 0, static_cast<std::int32_t>(places),
+                         static_cast<std::int32_t>(values % (std::uint64_t{1} << kLowerBits)),
+                         static_cast<std::int32_t>(values >> kLowerBits)});
     for (const auto& row : placed.placement.matrix)
       for (const double x : row) mNumbers.push_back(static_cast<Real>(x));
     for (const auto& part : {placed.placement.offset, placed.placement.low, placed.placement.high})
       for (const double x : part) mNumbers.push_back(static_cast<Real>(x));
-    mData.bricks.push_back(placed.bricks);
-    mPlaces += bricks.brickAt.size();
-    mValues += bricks.values.size();
+  }
+
+  /// Where places and values of bricks begin among those of all bricks.
+  struct Start {
+    std::uint64_t places = 0, values = 0;
+  };
+  /// Adds the bricks, unless another lattice has added them.
+  Start startOf(const std::shared_ptr<const Bricks>& bricks) {
+    Start start;
+    for (const std::shared_ptr<const Bricks>& added : mData.bricks) {
+      if (added == bricks) return start;
+      start.places += added->brickAt.size();
+      start.values += added->values.size();
+    }
+    mData.bricks.push_back(bricks);
+    return start;
   }
 
   const FieldDescription& mField;
@@ -258,7 +272,6 @@ class Builder {
   std::vector<std::int32_t> mIntegers;
   std::vector<std::array<std::int32_t, kLatticeSize>> mLattices;
   std::vector<std::array<std::int32_t, kNodeSize>> mNodes;
-  std::uint64_t mPlaces = 0, mValues = 0;  ///< of the lattices so far
 };
 
 }  // namespace

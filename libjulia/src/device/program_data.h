@@ -88,7 +88,7 @@ struct ProgramData {
   double level = 0;
   std::variant<std::vector<float>, std::vector<double>> numbers;
   std::vector<std::int32_t> integers;
-  std::vector<std::shared_ptr<const Bricks>> bricks;  ///< of the lattices, in their order
+  std::vector<std::shared_ptr<const Bricks>> bricks;  ///< of the lattices, each of them once
   std::string texture;                                ///< the functions of the texture's nodes, in OpenCL C
 
   /// The values of the program's words, for the compiler of the device.
