@@ -290,7 +290,7 @@ class Runner:
 
     def values(self, entry, result):
         """The numbers of a result: those of the entry's table, of what its commands said."""
-        return entry.table({step["label"]: Output(step) for step in result["steps"]}, self.size)
+        return entry.table({step["label"]: Output(step) for step in result["steps"]}, Size(result["size"]))
 
     def missing_needs(self, entry):
         """Of what the entry needs beside the program, what is not there, in words."""

@@ -34,11 +34,15 @@ mean the same. The commands run in one folder for each entry, in this order, aft
 
 
 def conditions(results, missing):
-    sizes = sorted({(result["size"], result["date"][:10], result["machine"], result["version"]) for result in results})
-    lines = [f"**Run at the size {size}** on {date}, on {machine}, by {version}." for size, date, machine, version in sizes]
+    runs = {}
+    for result in results:
+        runs.setdefault((result["size"], result["date"][:10], result["machine"], result["version"]), []).append(result["entry"])
+    lines = [f"**Run at the size {size}** on {date}, on {machine}, by {version}"
+             + (": " + ", ".join(f"`{name}`" for name in names) if len(runs) > 1 else "") + "."
+             for (size, date, machine, version), names in runs.items()]
     note = {"small": "The size small shows that everything runs; its numbers mean nothing.",
             "medium": "The size medium has fewer voxels than the papers, so that all of it takes some minutes. Where a number "
-                      "grows with that, there is no ratio. The full size was not run.", "full": ""}
+                      "grows with that, there is no ratio.", "full": ""}
     lines += [note[size] for size in dict.fromkeys(result["size"] for result in results) if note[size]]
     lines.append("The entries without a result were not run: " + ", ".join(f"`{entry.name}`" for entry in missing) + "."
                  if missing else "All entries were run.")
@@ -60,19 +64,20 @@ def section(entry, result, values, pictures):
     if shown(entry, result):
         lines.append("")
     cpu = sum(step["cpu"] for step in result["steps"])
-    lines += [f"`reproduce/run {entry.name}` took {tables.text(float(cpu))} CPU seconds. Its commands:", "", "```"]
+    lines += [f"`reproduce/run {entry.name}` took {tables.text(float(cpu))} CPU seconds at the size {result['size']}. Its commands:", "", "```"]
     lines += [step["command"] for step in result["steps"]]
     return "\n".join(lines + ["```", ""])
 
 
 def write_data(data, entries, runner):
-    """Writes the tables of the results into the folder SIZE of `data`, and writes the hashes of all files of `data`."""
-    place = data / runner.size.name
-    shutil.rmtree(place, ignore_errors=True)
-    place.mkdir(parents=True)
+    """Writes the tables of the results into the folders SIZE of `data`, and writes the hashes of all files of `data`."""
+    for size in harness.SIZES:
+        shutil.rmtree(data / size, ignore_errors=True)
     for entry in entries:
         result = runner.stored(entry)
         if result:
+            place = data / result["size"]
+            place.mkdir(parents=True, exist_ok=True)
             (place / f"{entry.name}.csv").write_text(tables.as_csv(runner.values(entry, result)))
     files = sorted(path for path in data.rglob("*") if path.is_file() and path.name not in ("README.md", "SHA256SUMS"))
     (data / "SHA256SUMS").write_text("".join(f"{harness.sha256(path)}  {path.relative_to(data)}\n" for path in files))

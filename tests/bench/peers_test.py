@@ -77,6 +77,13 @@ class Peers(unittest.TestCase):
             faces = sum(line.startswith("f ") for line in own.read_text().splitlines())
             self.assertEqual(int(row[5]), faces)
 
+    def test_a_resolution_that_is_none_is_refused_before_the_build(self):
+        for wrong in ("abc", "100,", "100,1", ""):
+            done = self.peers("--resolution", wrong)
+            self.assertEqual((done.returncode, done.stdout), (2, ""))
+            self.assertIn(f"'{wrong}'", done.stderr.splitlines()[-1])
+        self.assertFalse((self.released / "bin").exists())
+
     def test_what_does_not_build_is_said(self):
         (self.released / "Makefile").write_text("all:\n\tfalse\n")
         done = self.peers()

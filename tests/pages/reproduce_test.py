@@ -161,7 +161,9 @@ class SmallRun(unittest.TestCase):
         shares = self.results.ours("kd20-figure-3", "share of nodes with an infinity or NaN")
         self.assertEqual(shares["in logarithms, 32 bits"], 0)
         self.assertGreater(shares["32 bits"], 0.1)
-        self.assertLessEqual(shares["80 bits"], shares["64 bits"])
+        for fit in ("", "--alpha 49, ", "--alpha 113, "):
+            self.assertLessEqual(shares[fit + "80 bits"], shares[fit + "64 bits"])
+            self.assertLessEqual(shares[fit + "64 bits"], shares[fit + "32 bits"])
         self.assertEqual(shares["64 bits, with the guard of Eq. 2"], 0)
 
     def test_psi_is_that_of_independent_sums(self):
@@ -251,6 +253,24 @@ class SmallRun(unittest.TestCase):
                 self.assertEqual(Results(folder).untimed(name), self.results.untimed(name))
 
 
+class TwoSizes(unittest.TestCase):
+    def test_each_entry_keeps_the_size_at_which_it_ran(self):
+        with tempfile.TemporaryDirectory() as temporary:
+            folder = pathlib.Path(temporary)
+            page, data = folder / "page.md", folder / "data"
+            into = ("--into", folder / "results")
+            for options in (("--small", *into, "ablation-islands", "kim15-appendix"),
+                            ("--medium", *into, "--page", page, "--data", data, "kim15-appendix")):
+                done = reproduce(*options)
+                self.assertEqual(done.returncode, 0, done.stderr)
+            text = re.sub(r"\s+", " ", page.read_text())
+            for size, name in (("small", "ablation-islands"), ("medium", "kim15-appendix")):
+                self.assertRegex(text, rf"\*\*Run at the size {size}\*\* on [^*]*: `{name}`\.")
+                self.assertRegex(text, rf"`reproduce/run {name}` took [\d.]+ CPU seconds at the size {size}\.")
+            self.assertEqual({str(path.relative_to(data)) for path in data.rglob("*") if path.is_file()},
+                             {"SHA256SUMS", "small/ablation-islands.csv", "medium/kim15-appendix.csv"})
+
+
 class StoredResults(unittest.TestCase):
     """What docs/reproduction.md and reproduce/data hold of the last run."""
 
@@ -260,14 +280,14 @@ class StoredResults(unittest.TestCase):
         left_out = set(re.findall(r"`([\w-]+)`", not_run.group(1))) if not_run else set()
         shown = set(re.findall(r"`reproduce/run ([\w-]+)` took", page))
         self.assertEqual((shown | left_out, shown & left_out), (set(entries()), set()))
-        stored = {path.stem for path in (ROOT / "reproduce/data/medium").glob("*.csv")}
-        self.assertEqual(stored, shown)
+        stored = {path.stem: path.parent.name for path in (ROOT / "reproduce/data").glob("*/*.csv")}
+        self.assertEqual(stored, dict(re.findall(r"`reproduce/run ([\w-]+)` took [\d. ]+ CPU seconds at the size (\w+)\.", page)))
 
     def test_the_page_and_the_data_have_the_same_numbers(self):
         page = (ROOT / "docs/reproduction.md").read_text()
         shown = {name: section for section in re.split(r"^### ", page, flags=re.M)[1:]
                  for name in re.findall(r"`reproduce/run ([\w-]+)` took", section)}
-        for path in (ROOT / "reproduce/data/medium").glob("*.csv"):
+        for path in (ROOT / "reproduce/data").glob("*/*.csv"):
             with open(path) as file:
                 for row in csv.DictReader(file):
                     case = "| " + row["case"].replace("|", r"\|") + " |"
