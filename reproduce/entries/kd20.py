@@ -57,7 +57,7 @@ def figure_3_steps(size):
              *(Step(words, naive.format("bunny") + option) for words, option in NAIVE.items())]
     for alpha, side in PAPER_ALPHAS.items():
         steps += [Step(f"the fit, --alpha {alpha}", fit(size, f"{side}.json", alpha)),
-                  *(Step(f"--alpha {alpha}, {words}", naive.format(side) + option) for words, option in NAIVE.items() if "guard" not in words)]
+                  *(Step(f"--alpha {alpha}, {words}", naive.format(side) + option) for words, option in NAIVE.items())]
     return steps + [Step("in logarithms, 32 bits", f"juliavdb fractal --map rational --rational bunny.json --iterations 4 --precision float "
                                                    f"--resolution {size.pick(32, 100, 200)} --grids surface,logmodulus -o bunny.vdb\n"
                                                    "reproduce/tools/finite bunny.vdb logmodulus")]

@@ -164,7 +164,7 @@ class SmallRun(unittest.TestCase):
         for fit in ("", "--alpha 49, ", "--alpha 113, "):
             self.assertLessEqual(shares[fit + "80 bits"], shares[fit + "64 bits"])
             self.assertLessEqual(shares[fit + "64 bits"], shares[fit + "32 bits"])
-        self.assertEqual(shares["64 bits, with the guard of Eq. 2"], 0)
+            self.assertEqual(shares[fit + "64 bits, with the guard of Eq. 2"], 0)
 
     def test_psi_is_that_of_independent_sums(self):
         psi = self.results.ours("kim15-psi", "psi")
