@@ -33,6 +33,10 @@ mean the same. The commands run in one folder for each entry, in this order, aft
 """
 
 
+def cpu_seconds(result):
+    return float(sum(step["cpu"] for step in result["steps"]))
+
+
 def conditions(results, missing):
     runs = {}
     for result in results:
@@ -45,7 +49,7 @@ def conditions(results, missing):
                       "grows with that, there is no ratio.", "full": ""}
     lines += [note[size] for size in dict.fromkeys(result["size"] for result in results) if note[size]]
     lines.append("The entries without a result were not run: " + ", ".join(f"`{entry.name}`" for entry in missing) + "."
-                 if missing else "All entries were run.")
+                 if missing else f"All entries were run, in {sum(cpu_seconds(result) for result in results) / 60:.0f} minutes of CPU time.")
     return "\n".join(textwrap.fill(line, 120, break_long_words=False, break_on_hyphens=False) for line in lines)
 
 
@@ -63,8 +67,7 @@ def section(entry, result, values, pictures):
         lines += [f"![{entry.name}, {picture}]({pictures}/{entry.name}-{picture})"]
     if shown(entry, result):
         lines.append("")
-    cpu = sum(step["cpu"] for step in result["steps"])
-    lines += [f"`reproduce/run {entry.name}` took {tables.text(float(cpu))} CPU seconds at the size {result['size']}. Its commands:", "", "```"]
+    lines += [f"`reproduce/run {entry.name}` took {tables.text(cpu_seconds(result))} CPU seconds at the size {result['size']}. Its commands:", "", "```"]
     lines += [step["command"] for step in result["steps"]]
     return "\n".join(lines + ["```", ""])
 
