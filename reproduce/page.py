@@ -45,9 +45,9 @@ def conditions(results, missing):
              + (": " + ", ".join(f"`{name}`" for name in names) if len(runs) > 1 else "") + "."
              for (size, date, machine, version), names in runs.items()]
     note = {"small": "The size small shows that everything runs; its numbers mean nothing.",
-            "medium": "The size medium has fewer voxels than the papers, so that all of it takes some minutes. Where a number "
-                      "grows with that, there is no ratio.", "full": ""}
-    lines += [note[size] for size in dict.fromkeys(result["size"] for result in results) if note[size]]
+            "medium": "The size medium has fewer voxels than the papers, where that saves time. Where a number grows with that, "
+                      "there is no ratio."}
+    lines += [note[size] for size in dict.fromkeys(result["size"] for result in results) if size in note]
     lines.append("The entries without a result were not run: " + ", ".join(f"`{entry.name}`" for entry in missing) + "."
                  if missing else f"All entries were run, in {sum(cpu_seconds(result) for result in results) / 60:.0f} minutes of CPU time.")
     return "\n".join(textwrap.fill(line, 120, break_long_words=False, break_on_hyphens=False) for line in lines)
