@@ -11,8 +11,6 @@ find_dependency(ZLIB)
 find_dependency(PNG)
 find_dependency(PkgConfig)
 pkg_check_modules(Cairo REQUIRED cairo-svg cairo-ft freetype2)
-# Of 'juliavdb explore'. It derives from a class of this version's.
-pkg_check_modules(Httplib "cpp-httplib>=0.11" "cpp-httplib<0.12")
 # For 3MF; without it that format is refused.
 pkg_check_modules(LibZip QUIET libzip)
 find_dependency(nlohmann_json)

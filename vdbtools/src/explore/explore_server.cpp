@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The only source that sees cpp-httplib, besides http_connection.cpp. Of cpp-httplib it uses the loop that accepts
-// connections, the parsing of heads and the writing of answers; which requests are served at all is decided here,
-// before a body is read.
+// Accepts connections, and decides which requests are served at all, before a body is read.
 #include "vdbtools/explore/explore_server.h"
 
 #include "explore/explore_session.h"
 #include "explore/http_connection.h"
+#include "explore/http_listener.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/explore/embedded_page.h"
@@ -14,16 +13,16 @@
 #include <openssl/crypto.h>
 #include <openssl/rand.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <condition_variable>
+#include <exception>
+#include <functional>
 #include <mutex>
-#include <new>
 #include <stdexcept>
 #include <thread>
 
-#include <arpa/inet.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 namespace vdbtools::explore {
@@ -33,24 +32,17 @@ using std::chrono::milliseconds;
 
 constexpr int kMostConnections = 64;
 constexpr int kMostRequests = 1000;  // on one connection
-constexpr int kBacklog = 128;
 
 // What a browser may do with the page: nothing but what comes from the same address.
-constexpr std::pair<const char*, const char*> kSecurityHeaders[] = {
-    {"Content-Security-Policy",
-     "default-src 'self'; img-src 'self' blob: data:; worker-src 'self' blob:; object-src 'none'; base-uri 'none'; "
-     "form-action 'none'; frame-ancestors 'none'"},
-    {"X-Content-Type-Options", "nosniff"},
-    {"X-Frame-Options", "DENY"},
-    {"Referrer-Policy", "no-referrer"},
-    {"Cross-Origin-Opener-Policy", "same-origin"},
-    {"Cross-Origin-Resource-Policy", "same-origin"},
-    {"Cache-Control", "no-store"}};
-
-/// The connection whose request the thread is at.
-thread_local HttpConnection* theConnection = nullptr;
-/// Whether the thread is to refuse the connection that it is given.
-thread_local bool theServerIsFull = false;
+constexpr std::string_view kSecurityFields =
+    "Content-Security-Policy: default-src 'self'; img-src 'self' blob: data:; worker-src 'self' blob:; "
+    "object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'\r\n"
+    "X-Content-Type-Options: nosniff\r\n"
+    "X-Frame-Options: DENY\r\n"
+    "Referrer-Policy: no-referrer\r\n"
+    "Cross-Origin-Opener-Policy: same-origin\r\n"
+    "Cross-Origin-Resource-Policy: same-origin\r\n"
+    "Cache-Control: no-store\r\n";
 
 /// 128 random bits in hexadecimal.
 std::string randomKey() {
@@ -71,16 +63,6 @@ bool sameKey(std::string_view a, std::string_view b) {
   return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
 }
 
-bool isIp4(const std::string& address) {
-  in_addr ignored;
-  return ::inet_pton(AF_INET, address.c_str(), &ignored) == 1;
-}
-
-bool isIp6(const std::string& address) {
-  in6_addr ignored;
-  return ::inet_pton(AF_INET6, address.c_str(), &ignored) == 1;
-}
-
 std::string machineName() {
   std::array<char, 256> name{};
   return ::gethostname(name.data(), name.size() - 1) == 0 ? std::string(name.data()) : std::string();
@@ -88,12 +70,6 @@ std::string machineName() {
 
 /// As it stands in an address.
 std::string inAddress(const std::string& address) { return isIp6(address) ? '[' + address + ']' : address; }
-
-/// Content-Length, if it is there and valid.
-std::optional<std::size_t> bodyLength(const httplib::Request& request) {
-  if (!request.has_header("Content-Length")) return std::nullopt;
-  return wholeFromText<std::size_t>(request.get_header_value("Content-Length"));
-}
 
 /// Whoever waits for an answer: gone, once the connection is.
 class Waiting final : public Monitor {
@@ -119,33 +95,29 @@ class Waiting final : public Monitor {
   mutable std::atomic<bool> mGone{false};
 };
 
-/// A thread for each connection, up to a number of them; the others are refused where they are accepted.
-class ConnectionThreads final : public httplib::TaskQueue {
+/// A thread for each connection, up to a number of them.
+class ConnectionThreads {
  public:
-  void enqueue(std::function<void()> serve) override {
-    {
-      const std::lock_guard lock(mMutex);
-      if (mActive < kMostConnections) {
-        ++mActive;
-        try {
-          std::thread([this, serve] {
-            serve();
-            const std::lock_guard ended(mMutex);
-            --mActive;
-            mEnded.notify_all();
-          }).detach();
-          return;
-        } catch (const std::system_error&) {
-          --mActive;  // no more threads: full
-        }
-      }
+  /// @return false: there are too many already
+  bool start(const std::function<void()>& serve) {
+    const std::lock_guard lock(mMutex);
+    if (mActive == kMostConnections) return false;
+    try {
+      std::thread([this, serve] {
+        serve();
+        const std::lock_guard ended(mMutex);
+        --mActive;
+        mEnded.notify_all();
+      }).detach();
+    } catch (const std::exception&) {
+      return false;  // the system has no more threads, or no more memory
     }
-    theServerIsFull = true;
-    serve();
-    theServerIsFull = false;
+    ++mActive;
+    return true;
   }
 
-  void shutdown() override {
+  /// Until all have ended.
+  void wait() {
     std::unique_lock lock(mMutex);
     mEnded.wait(lock, [this] { return mActive == 0; });
   }
@@ -165,25 +137,14 @@ bool isLoopback(const std::string& address) {
                               "'; it must be an IP address, such as 127.0.0.1");
 }
 
-class ExploreServer::State final : public httplib::Server {
+class ExploreServer::State {
  public:
   State(const ExploreOptions& options, Monitor& monitor)
-      : mLoopback(isLoopback(options.address)), mAddress(options.address), mSession(options, monitor) {
-    new_task_queue = [] { return new ConnectionThreads; };
-    // A second server at the same port would take every other connection; the library's default allows it.
-    set_socket_options([](socket_t socket) {
-      const int on = 1;
-      ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-    });
-    set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
-      handle(request, response);
-      return HandlerResponse::Handled;
-    });
-    mPort = options.port != 0 ? options.port : bind_to_any_port(mAddress);
-    if (mPort <= 0 || (options.port != 0 && !bind_to_port(mAddress, mPort)))
-      throw CreateError("cannot listen at port " + std::to_string(options.port) + " of " + mAddress +
-                        ": another program may have it; choose another port");
-    ::listen(svr_sock_, kBacklog);  // the library's own number is 5
+      : mLoopback(isLoopback(options.address)),
+        mAddress(options.address),
+        mSession(options, monitor),
+        mListener(options.address, options.port),
+        mPort(mListener.port()) {
     findHosts();
   }
 
@@ -193,33 +154,30 @@ class ExploreServer::State final : public httplib::Server {
   }
 
   void serve(const Monitor& monitor) {
-    std::thread listener([this] { listen_after_bind(); });
     constexpr milliseconds kPeriod(50);
-    while (!monitor.cancelled()) std::this_thread::sleep_for(kPeriod);
+    while (!monitor.cancelled()) {
+      const int socket = mListener.accept(kPeriod);
+      if (socket >= 0 && !mThreads.start([this, socket] { serveConnection(socket); }))
+        HttpConnection(socket, mStopped).refuse(503, /*atOnce=*/true);  // this thread accepts the others
+    }
     mStopped = true;
     mSession.stop();
-    httplib::Server::stop();
-    listener.join();
+    mThreads.wait();
   }
 
  private:
-  bool process_and_close_socket(socket_t socket) override {
+  void serveConnection(int socket) {
     HttpConnection connection(socket, mStopped);
-    if (theServerIsFull) {
-      connection.refuse("503 Service Unavailable", /*atOnce=*/true);  // this thread accepts the others
-      return false;
-    }
-    theConnection = &connection;
     try {
-      for (int left = kMostRequests; left > 0 && connection.readHead(); --left) {
-        bool closed = false;
-        if (!process_request(connection, left == 1, closed, nullptr) || closed || connection.ends()) break;
+      for (int left = kMostRequests; left > 0 && !connection.ends(); --left) {
+        const std::optional<HttpHead> head = connection.readHead();
+        if (!head) return;
+        if (left == 1 || !head->persists()) connection.endAfterThis();
+        handle(*head, connection);
       }
     } catch (const std::exception&) {
-      connection.refuse("500 Internal Server Error");  // out of memory; the others go on
+      connection.refuse(500);  // out of memory; the others go on
     }
-    theConnection = nullptr;
-    return true;
   }
 
   /// What the header Host may be. An address that an attacker's own name leads to (DNS rebinding) is not among them.
@@ -243,95 +201,91 @@ class ExploreServer::State final : public httplib::Server {
   }
 
   /// The status of a refusal before anything of the body is read; 0: none.
-  int refusalOf(const httplib::Request& request, std::string& path) const {
-    if (request.get_header_value_count("Host") != 1 || !isKnownHost(lowerCase(request.get_header_value("Host"))))
-      return 403;
-    const std::size_t origins = request.get_header_value_count("Origin");
-    if (origins > 1 || (origins == 1 && lowerCase(request.get_header_value("Origin")) !=
-                                            "http://" + lowerCase(request.get_header_value("Host"))))
-      return 403;
+  /// @param path    receives what is behind the key
+  /// @param length  receives the length of the body
+  int refusalOf(const HttpHead& head, std::string& path, std::size_t& length) const {
+    const std::string host = lowerCase(head.value("host"));
+    if (head.count("host") != 1 || !isKnownHost(host)) return 403;
+    const std::size_t origins = head.count("origin");
+    if (origins > 1 || (origins == 1 && lowerCase(head.value("origin")) != "http://" + host)) return 403;
     // "/key/path"
-    const std::size_t slash = request.path.find('/', 1);
-    if (slash == std::string::npos || !sameKey(std::string_view(request.path).substr(1, slash - 1), mKey)) return 404;
-    path = request.path.substr(slash + 1);
-    const bool post = request.method == "POST";
-    if (!post && request.method != "GET" && request.method != "HEAD" && request.method != "DELETE") return 405;
-    if (request.has_header("Transfer-Encoding")) return 411;
-    if (request.has_header("Content-Encoding")) return 415;
-    if (request.get_header_value_count("Content-Length") > 1) return 400;
-    const std::optional<std::size_t> length = bodyLength(request);
-    if (request.has_header("Content-Length") && !length) return 400;
-    if (!post) return length.value_or(0) == 0 ? 0 : 400;
-    if (!length) return 411;
-    if (*length > ExploreSession::mostBytes(path)) return 413;
+    path = head.path();
+    const std::size_t slash = path.find('/', 1);
+    if (slash == std::string::npos || !sameKey(std::string_view(path).substr(1, slash - 1), mKey)) return 404;
+    path.erase(0, slash + 1);
+    const bool post = head.method == "POST";
+    if (!post && head.method != "GET" && head.method != "HEAD" && head.method != "DELETE") return 405;
+    if (head.count("transfer-encoding") != 0) return 411;
+    if (head.count("content-encoding") != 0) return 415;
+    const std::size_t lengths = head.count("content-length");
+    if (lengths == 0) return post ? 411 : 0;
+    const std::optional<std::size_t> given = wholeFromText<std::size_t>(head.value("content-length"));
+    if (lengths > 1 || !given) return 400;
+    length = *given;
+    if (!post) return length == 0 ? 0 : 400;
+    if (length > ExploreSession::mostBytes(path)) return 413;
     // A form of another site can send neither of these without asking.
     const char* const type = path == "recipe" ? "application/octet-stream" : "application/json";
-    return lowerCase(request.get_header_value("Content-Type")).starts_with(type) ? 0 : 415;
+    return lowerCase(head.value("content-type")).starts_with(type) ? 0 : 415;
   }
 
-  void handle(const httplib::Request& request, httplib::Response& response) {
-    HttpConnection& connection = *theConnection;
-    for (const auto& [name, value] : kSecurityHeaders) response.set_header(name, value);
+  void handle(const HttpHead& head, HttpConnection& connection) {
+    HttpAnswer answer{.fields = kSecurityFields, .type = "application/json", .headOnly = head.method == "HEAD"};
     std::string path;
-    if (const int status = refusalOf(request, path)) {
-      response.status = status;
-      setBody(response, "{\"error\":\"refused\"}", "application/json");
-      return end(connection, response);
+    std::size_t length = 0;
+    if (const int status = refusalOf(head, path, length)) {
+      answer.status = status;
+      answer.body = "{\"error\":\"refused\"}";
+      connection.endAfterThis();
+      return connection.send(answer);
     }
-    if (request.method != "POST" && request.method != "DELETE") {
+    if (head.method == "GET" || head.method == "HEAD") {
       const PageFile* file = path.empty()                ? findPageFile("index.html")
                              : path.starts_with("page/") ? findPageFile(std::string_view(path).substr(5))
                                                          : nullptr;
       if (file) {
-        response.status = 200;
-        return setBody(response, std::string(file->bytes), std::string(file->contentType));
+        answer.type = file->contentType;
+        answer.body = file->bytes;
+        return connection.send(answer);
       }
     }
-    ExploreRequest asked{.method = request.method == "HEAD" ? "GET" : request.method, .path = path};
-    if (request.has_param("name")) asked.name = request.get_param_value("name");
-    if (request.method == "POST") {
-      // Large bodies one after another: together they would not fit into the memory.
-      const std::size_t length = bodyLength(request).value_or(0);
-      std::unique_lock lock(mLargeBody, std::defer_lock);
-      constexpr std::size_t kLarge = 1 << 20;
-      if (length > kLarge) lock.lock();
-      std::optional<std::string> body = connection.readBody(length);
-      if (!body) {
-        response.status = 408;
-        return end(connection, response);
-      }
-      asked.body = std::move(*body);
-      answer(asked, connection, response);
+    ExploreRequest asked{.method = answer.headOnly ? "GET" : head.method, .path = path, .name = head.parameter("name")};
+    const std::optional<ExploreAnswer> made = answerTo(asked, length, connection);
+    if (made) {
+      answer.status = made->status;
+      answer.type = made->type;
+      answer.body = made->body;
     } else {
-      answer(asked, connection, response);
+      answer.status = 408;
+      answer.type = {};
+      connection.endAfterThis();
     }
+    connection.send(answer);
   }
 
-  void answer(const ExploreRequest& asked, HttpConnection& connection, httplib::Response& response) {
+  /// Nothing if the body does not come.
+  std::optional<ExploreAnswer> answerTo(ExploreRequest& asked, std::size_t length, HttpConnection& connection) {
+    // Large bodies one after another: together they would not fit into the memory.
+    std::unique_lock lock(mLargeBody, std::defer_lock);
+    constexpr std::size_t kLarge = 1 << 20;
+    if (length > kLarge) lock.lock();
+    std::optional<std::string> body = connection.readBody(length);
+    if (!body) return std::nullopt;
+    asked.body = std::move(*body);
     Waiting waiting(connection, mStopped);
-    ExploreAnswer answer = mSession.answer(asked, waiting);
-    response.status = answer.status;
-    setBody(response, std::move(answer.body), answer.type);
-  }
-
-  static void setBody(httplib::Response& response, std::string body, const std::string& type) {
-    response.body = std::move(body);
-    response.set_header("Content-Type", type);
-  }
-
-  static void end(HttpConnection& connection, httplib::Response& response) {
-    response.set_header("Connection", "close");
-    connection.endAfterThis();
+    return mSession.answer(asked, waiting);
   }
 
   bool mLoopback;
   std::string mAddress;
-  int mPort = 0;
   const std::string mKey = randomKey();
-  std::vector<std::string> mHosts;
   std::atomic<bool> mStopped{false};
   std::mutex mLargeBody;
   ExploreSession mSession;
+  HttpListener mListener;
+  int mPort;
+  std::vector<std::string> mHosts;
+  ConnectionThreads mThreads;
 };
 
 ExploreServer::ExploreServer(const ExploreOptions& options, Monitor& monitor)

@@ -6,9 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdio>
 #include <utility>
 
-#include <fcntl.h>
+#include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -28,47 +29,30 @@ constexpr seconds kWriteTime(30);   // without a byte that the client takes
 constexpr milliseconds kSlice(50);  // how soon waiting ends once the server is stopped
 constexpr std::size_t kMiB = 1 << 20;
 
-constexpr std::string_view kUsedHeaders[] = {"host",         "origin",           "connection",       "content-length",
-                                             "content-type", "content-encoding", "transfer-encoding"};
-
-bool isControl(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }
-
-/// A character of a header's name, RFC 9110 5.6.2.
-bool isToken(char c) {
-  constexpr std::string_view kOthers = "!#$%&'*+-.^_`|~";
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || kOthers.find(c) != kOthers.npos;
+/// What a status says besides its number.
+const char* reasonOf(int status) {
+  switch (status) {
+    case 200: return "OK";
+    case 400: return "Bad Request";
+    case 403: return "Forbidden";
+    case 404: return "Not Found";
+    case 405: return "Method Not Allowed";
+    case 408: return "Request Timeout";
+    case 409: return "Conflict";
+    case 411: return "Length Required";
+    case 413: return "Content Too Large";
+    case 415: return "Unsupported Media Type";
+    case 422: return "Unprocessable Content";
+    case 431: return "Request Header Fields Too Large";
+    case 500: return "Internal Server Error";
+    case 503: return "Service Unavailable";
+    default: return "";
+  }
 }
 
 }  // namespace
 
-std::optional<std::string> acceptedHead(std::string_view head) {
-  std::string accepted;
-  bool first = true;
-  while (!head.empty()) {
-    const std::size_t end = head.find("\r\n");
-    if (end == head.npos) return std::nullopt;
-    const std::string_view line = head.substr(0, end);
-    head.remove_prefix(end + 2);
-    if (line.empty()) break;
-    if (std::any_of(line.begin(), line.end(), [](char c) { return isControl(c) && c != '\t'; })) return std::nullopt;
-    if (first) {
-      accepted.append(line).append("\r\n");
-      first = false;
-      continue;
-    }
-    const std::size_t colon = line.find(':');
-    if (colon == 0 || colon == line.npos) return std::nullopt;
-    const std::string_view name = line.substr(0, colon);
-    if (!std::all_of(name.begin(), name.end(), isToken)) return std::nullopt;
-    if (std::find(std::begin(kUsedHeaders), std::end(kUsedHeaders), lowerCase(name)) != std::end(kUsedHeaders))
-      accepted.append(line).append("\r\n");
-  }
-  if (first) return std::nullopt;
-  return accepted + "\r\n";
-}
-
 HttpConnection::HttpConnection(int socket, const std::atomic<bool>& stopped) : mSocket(socket), mStopped(stopped) {
-  ::fcntl(mSocket, F_SETFL, ::fcntl(mSocket, F_GETFL) | O_NONBLOCK);
   const int on = 1;
   ::setsockopt(mSocket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
 }
@@ -103,27 +87,22 @@ bool HttpConnection::receive(Clock::time_point deadline) {
   return false;
 }
 
-bool HttpConnection::readHead() {
-  if (mReceived.empty() && !receive(Clock::now() + kIdle)) return false;
+std::optional<HttpHead> HttpConnection::readHead() {
+  if (mReceived.empty() && !receive(Clock::now() + kIdle)) return std::nullopt;
   const auto deadline = Clock::now() + kHeadTime;
   std::size_t end;
   while ((end = mReceived.find("\r\n\r\n")) == std::string::npos) {
     if (mReceived.size() > kMostHeadBytes) break;
-    if (!receive(deadline)) return false;
+    if (!receive(deadline)) return std::nullopt;
   }
   if (end > kMostHeadBytes) {  // or nowhere: npos is more than that
-    refuse("431 Request Header Fields Too Large");
-    return false;
+    refuse(431);
+    return std::nullopt;
   }
-  std::optional<std::string> head = acceptedHead(std::string_view(mReceived).substr(0, end + 4));
+  std::optional<HttpHead> head = parsedHead(std::string_view(mReceived).substr(0, end + 4));
   mReceived.erase(0, end + 4);
-  if (!head) {
-    refuse("400 Bad Request");
-    return false;
-  }
-  mHead = std::move(*head);
-  mNext = 0;
-  return true;
+  if (!head) refuse(400);
+  return head;
 }
 
 std::optional<std::string> HttpConnection::readBody(std::size_t length) {
@@ -140,11 +119,38 @@ bool HttpConnection::isDropped() const {
   return ::poll(&entry, 1, 0) > 0 && (entry.revents & (POLLRDHUP | POLLHUP | POLLERR | POLLNVAL)) != 0;
 }
 
-void HttpConnection::refuse(std::string_view status, bool atOnce) {
-  const std::string answer = "HTTP/1.1 " + std::string(status) + "\r\nContent-Length: 0\r\nConnection: close\r\n\r\n";
+void HttpConnection::send(const HttpAnswer& answer) {
+  std::string head = "HTTP/1.1 " + std::to_string(answer.status) + ' ' + reasonOf(answer.status) + "\r\n";
+  head.append(answer.fields);
+  if (!answer.type.empty()) head.append("Content-Type: ").append(answer.type).append("\r\n");
+  head += "Content-Length: " + std::to_string(answer.body.size()) + "\r\n";
+  if (mEnds) head += "Connection: close\r\n";
+  head += "\r\n";
+  if (!write(head) || (!answer.headOnly && !write(answer.body))) mEnds = true;
+}
+
+void HttpConnection::refuse(int status, bool atOnce) {
+  std::array<char, 128> answer;
+  const int size =
+      std::snprintf(answer.data(), answer.size(), "HTTP/1.1 %d %s\r\nContent-Length: 0\r\nConnection: close\r\n\r\n",
+                    status, reasonOf(status));
   // It fits into the socket's buffer, or is not worth waiting for.
-  [[maybe_unused]] const ssize_t sent = ::send(mSocket, answer.data(), answer.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+  [[maybe_unused]] const ssize_t sent =
+      ::send(mSocket, answer.data(), static_cast<std::size_t>(size), MSG_NOSIGNAL | MSG_DONTWAIT);
   mEnds = !atOnce;
+}
+
+bool HttpConnection::write(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = ::send(mSocket, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    if (count > 0)
+      bytes.remove_prefix(static_cast<std::size_t>(count));
+    else if (count < 0 && errno == EINTR)
+      continue;
+    else if ((count < 0 && errno != EAGAIN && errno != EWOULDBLOCK) || !await(POLLOUT, Clock::now() + kWriteTime))
+      return false;
+  }
+  return true;
 }
 
 void HttpConnection::linger() {
@@ -153,41 +159,12 @@ void HttpConnection::linger() {
   constexpr milliseconds kLinger(300);
   constexpr std::size_t kMost = 4 * kMiB;
   const auto deadline = Clock::now() + kLinger;
-  for (std::size_t read = 0; read < kMost; read += mReceived.size()) {
-    mReceived.clear();
-    if (!receive(deadline)) return;
+  std::array<char, 65536> unread;
+  for (std::size_t size = 0; size < kMost && await(POLLIN, deadline);) {
+    const ssize_t count = ::recv(mSocket, unread.data(), unread.size(), 0);
+    if (count <= 0) return;
+    size += static_cast<std::size_t>(count);
   }
-}
-
-ssize_t HttpConnection::read(char* bytes, size_t size) {
-  const std::size_t count = mHead.copy(bytes, size, mNext);
-  mNext += count;
-  return static_cast<ssize_t>(count);
-}
-
-ssize_t HttpConnection::write(const char* bytes, size_t size) {
-  std::size_t done = 0;
-  while (done < size) {
-    const ssize_t count = ::send(mSocket, bytes + done, size - done, MSG_NOSIGNAL);
-    if (count > 0) {
-      done += static_cast<std::size_t>(count);
-      continue;
-    }
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0 && errno != EAGAIN && errno != EWOULDBLOCK) return -1;
-    if (!await(POLLOUT, Clock::now() + kWriteTime)) return -1;
-  }
-  return static_cast<ssize_t>(size);
-}
-
-void HttpConnection::get_remote_ip_and_port(std::string& address, int& port) const {
-  address.clear();
-  port = 0;
-}
-
-void HttpConnection::get_local_ip_and_port(std::string& address, int& port) const {
-  address.clear();
-  port = 0;
 }
 
 }  // namespace vdbtools::explore

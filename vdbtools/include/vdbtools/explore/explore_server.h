@@ -74,7 +74,7 @@ bool isLoopback(const std::string& address);
 class ExploreServer {
  public:
   /// Makes the first scene, so that what is wrong with the target is known at once, and takes the port.
-  /// @throw std::invalid_argument  options, or this library was built without cpp-httplib
+  /// @throw std::invalid_argument  options
   /// @throw CreateError            there is no such folder and none can be made, or the port cannot be taken
   /// @throw                        as makeScene()
   ExploreServer(const ExploreOptions& options, Monitor& monitor);
@@ -83,7 +83,8 @@ class ExploreServer {
   /// With the key: whoever has it may use the page.
   std::string url() const;
 
-  /// Serves until @a monitor cancels, then cancels what is being made, and returns. It is asked twenty times a second.
+  /// Serves until @a monitor cancels, then cancels what is being made, and returns. It is asked at least twenty times a
+  /// second.
   void serve(const Monitor& monitor);
 
  private:
