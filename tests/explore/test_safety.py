@@ -7,6 +7,7 @@ import http.client
 import json
 import os
 import pathlib
+import re
 import signal
 import socket
 import time
@@ -303,6 +304,62 @@ class Safety(harness.CliTest):
         body = self.head("scene", JSON_LINE, "Content-Length: 100") + b"{"
         self.assertIn(b" 408 ", self.send(body, timeout=60)[:20])
         self.assert_alive()
+
+    # ---------------------------------------------------------------------------------------------------- connections
+
+    def test_requests_that_come_together_are_answered_in_their_order(self):
+        """A body is no request, and neither is what a HEAD would have as its body."""
+        body = b'GET /x HTTP/1.1\r\n\r\n'
+        asked = (self.head("nothing", method="GET") + self.head("", method="HEAD") +
+                 self.head("command", JSON_LINE, f"Content-Length: {len(body)}") + body +
+                 self.head("jobs", "Connection: Close", method="GET") + self.head("start", method="GET"))
+        rest, told, whole = self.send(asked), [], self.page.raw("GET", "")[2]
+        for method in ("GET", "HEAD", "POST", "GET"):
+            head, _, rest = rest.partition(b"\r\n\r\n")
+            length = int(re.search(rb"\r\nContent-Length: (\d+)", head).group(1))
+            size = 0 if method == "HEAD" else length
+            told.append((int(head.split()[1]), length, rest[:size], b"\r\nConnection: close" in head))
+            rest = rest[size:]
+        self.assertEqual([(status, closes) for status, _, _, closes in told],
+                         [(404, False), (200, False), (400, False), (200, True)])
+        self.assertEqual(told[1][1], len(whole))
+        self.assertEqual(told[3][2], b"[]")
+        self.assertEqual(rest, b"", "an answer to what came after the last request")
+
+    def test_a_connection_ends_after_a_thousand_requests(self):
+        connection = self.page.connect()
+        self.addCleanup(connection.close)
+        connection.connect()
+        first, closes = connection.sock, []
+        for _ in range(1000):
+            connection.request("GET", f"/{self.page.key}/jobs")
+            answer = connection.getresponse()
+            self.assertEqual(answer.read(), b"[]")
+            closes.append(answer.headers["Connection"])
+            self.assertTrue(connection.sock is first or closes[-1] == "close")
+        self.assertEqual(closes, [None] * 999 + ["close"])
+
+    def test_clients_of_old(self):
+        asked = self.head("jobs", method="GET").replace(b"HTTP/1.1", b"HTTP/1.0")
+        answer = self.send(asked + asked)
+        self.assertEqual(answer.count(b"HTTP/1.1 200 OK\r\n"), 1)
+        self.assertIn(b"\r\nConnection: close\r\n", answer)
+        self.assertTrue(answer.endswith(b"\r\n\r\n[]"), answer)
+
+    def test_addresses(self):
+        taken = self.refused(harness.CANNOT_CREATE, "explore", "s.obj", *QUICK, "--port", self.page.port)
+        self.assertIn(f"cannot listen at port {self.page.port} of 127.0.0.1: another program may have it", taken)
+        # 192.0.2.1 is reserved for documentation: no machine has it.
+        other = self.run_program(*harness.quiet(("explore", "s.obj", *QUICK, "--bind", "192.0.2.1")))
+        self.assertEqual(other.returncode, harness.CANNOT_CREATE)
+        self.assertIn("of 192.0.2.1: ", other.stderr.decode())
+        self.assertNotIn("another program", other.stderr.decode())
+        if not pathlib.Path("/proc/net/if_inet6").exists() or "lo" not in pathlib.Path("/proc/net/if_inet6").read_text():
+            return
+        for address, host in (("::1", "::1"), ("::", "::1"), ("::", "127.0.0.1")):
+            page = self.serve("s.obj", *QUICK, "--bind", address)
+            page.host = host
+            self.assertEqual(page.raw("GET", "jobs")[0], 200, (address, host))
 
     # --------------------------------------------------------------------------------------------------------- the end
 
