@@ -310,6 +310,7 @@ class Browser(browser.BrowserTest):
         self.choice(5, "Vary").click()
         self.wait_for_looks()
         self.assertEqual([recipe for _, recipe, _ in self.looks()], [recipe for _, recipe, _ in again])
+        self.settle()  # the large picture has asked, too
         asked = self.run_script("return asked")
         for looks in pages[-2::-1]:
             self.button("Back").click()
