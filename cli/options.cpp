@@ -11,6 +11,7 @@
 #include "vdbtools/base/memory.h"
 #include "vdbtools/base/near_words.h"
 #include "vdbtools/base/number_text.h"
+#include "vdbtools/base/scheduler.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/standard_streams.h"
 #include "vdbtools/formats/vdb_file.h"
@@ -286,6 +287,7 @@ bool CommandLine::parse(const Arguments& arguments) {
     return false;
   }
   applyThreads();
+  vdbtools::startScheduler();
   applyInstructions();
   applyDevice();
   applyMemory(*this);

@@ -4,6 +4,7 @@
 JULIAVDB_FAULTS=all sweeps limits and allocations closely, which takes an hour.
 """
 
+import errno
 import itertools
 import os
 import re
@@ -244,6 +245,18 @@ class Resources(harness.CliTest):
         self.assertRegex(text, r"memory is running out: this run has taken [\d.]+ [MG]iB, and .* leaves 9\.\d+ MiB; nothing was written")
         # It is not to blame who has taken little.
         self.ok(*words, 40, env=env)
+
+    def test_mappings_that_fail(self):
+        """oneTBB waits for itself where memory fails while it starts; a run ends all the same."""
+        words = harness.quiet(("sdf", "s.obj", "-o", "x.vdb", "--resolution", 20))
+        for threads in (1, 2):
+            codes = set()
+            # The allocator of oneTBB maps pieces of a third of a MiB and more.
+            for size in range(0, 12 * MIB, MIB // 4):
+                env = {"LD_PRELOAD": self.shim(), "FAULT": f"space:{size}:{errno.ENOMEM}"}
+                run = self.run_program(*words, "--threads", threads, env=env)
+                codes.add(self.ends(run, {DONE, INTERNAL}, f"{threads} threads, {size} bytes"))
+            self.assertEqual(codes, {DONE, INTERNAL})
 
     def test_allocations_that_fail(self):
         shim = self.shim()

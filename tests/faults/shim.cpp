@@ -12,6 +12,8 @@
 /// - FAULT=crash:N:SIGNAL: while the N-th file is flushed, a thread gets this signal
 /// - FAULT=stop:N:SIGNAL: while the N-th file is flushed, the process gets this signal; the flush takes two seconds
 /// - FAULT=alloc:N:BYTES: the N-th allocation of at least so many bytes fails; N+ as above
+/// - FAULT=space:N:ERROR: a mapping fails that would make more than N bytes of those that the libraries map themselves,
+///   as under a limit of address space
 /// - FAULT_PATH=FOLDER: only files below this folder are meant
 /// - FAULT_COUNTS=FILE: an existing file of 8 bytes for each kind of call, which receives how often each was made
 /// - FAULT_MEMINFO=FILE: is read in place of /proc/meminfo
@@ -65,7 +67,7 @@ struct Fault {
   std::uint64_t at = 0;
   int error = 0;
   std::uint64_t least = 0;  ///< bytes of an allocation that counts
-  bool bytes = false, isShort = false, clock = false, throws = false, crashes = false, stops = false;
+  bool bytes = false, isShort = false, clock = false, throws = false, crashes = false, stops = false, space = false;
   char folder[PATH_MAX] = {};
   std::size_t folderLength = 0;
 };
@@ -73,7 +75,7 @@ struct Fault {
 Fault theFault;
 std::atomic<std::uint64_t> theOwnCounts[kKindCount];
 std::atomic<std::uint64_t>* theCounts = theOwnCounts;
-std::atomic<std::uint64_t> theWritten{0}, theTimes{0};
+std::atomic<std::uint64_t> theWritten{0}, theTimes{0}, theMapped{0};
 std::atomic<bool> theReady{false};
 
 template <class Function>
@@ -107,6 +109,7 @@ __attribute__((constructor)) void begin() {
       theFault.throws = std::strcmp(kind, "throw") == 0;
       theFault.crashes = std::strcmp(kind, "crash") == 0;
       theFault.stops = std::strcmp(kind, "stop") == 0;
+      theFault.space = std::strcmp(kind, "space") == 0;
       if (theFault.throws || theFault.crashes || theFault.stops) theFault.kind = Fsync;
       theFault.at = std::strtoull(at, nullptr, 10);
       theFault.mode = std::strchr(at, '*') ? Mode::EverySecond : std::strchr(at, '+') ? Mode::FromThen : Mode::Once;
@@ -334,6 +337,23 @@ int fstat(int descriptor, struct stat* status) {
   if (isMeant(descriptor) && fails(Stat)) return -1;
   REAL(fstat);
   return call(descriptor, status);
+}
+
+void* mmap(void* at, std::size_t size, int protection, int flags, int descriptor, off_t offset) {
+  REAL(mmap);
+  const bool counts = theReady && theFault.space && descriptor < 0;
+  if (counts && theMapped.fetch_add(size) + size > theFault.at) {
+    theMapped -= size;
+    errno = theFault.error;
+    return MAP_FAILED;
+  }
+  return call(at, size, protection, flags, descriptor, offset);
+}
+
+int munmap(void* at, std::size_t size) {
+  REAL(munmap);
+  if (theReady && theFault.space) theMapped -= std::min<std::uint64_t>(size, theMapped);
+  return call(at, size);
 }
 
 ssize_t getrandom(void* to, std::size_t size, unsigned int flags) {
