@@ -36,7 +36,7 @@ std::unique_lock<std::mutex> tryToLock(std::mutex& mutex) {
   std::unique_lock lock(mutex, std::try_to_lock);
   for (int i = 0; i < kTries && !lock; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    lock.try_lock();
+    static_cast<void>(lock.try_lock());  // the loop asks the lock itself
   }
   return lock;
 }
