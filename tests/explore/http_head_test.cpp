@@ -80,7 +80,9 @@ TEST(HttpHead, RefusesWhatIsNotWellFormed) {
   for (int c = 0; c < 0x20; ++c) {
     if (c == '\t') continue;
     EXPECT_FALSE(parsedHead(kLine + "a: b" + static_cast<char>(c) + "c\r\n\r\n")) << c;
-    EXPECT_FALSE(parsedHead(std::string("GET /a") + static_cast<char>(c) + "b HTTP/1.1\r\n\r\n")) << c;
+    std::string target = "GET /a?b HTTP/1.1\r\n\r\n";
+    target[6] = static_cast<char>(c);
+    EXPECT_FALSE(parsedHead(target)) << c;
   }
 }
 
