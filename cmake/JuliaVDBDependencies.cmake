@@ -3,13 +3,13 @@
 # shared ones bring all of this themselves.
 include("${CMAKE_CURRENT_LIST_DIR}/JuliaVDBPublicDependencies.cmake")
 find_dependency(Threads)
-find_dependency(TBB)
-find_dependency(OpenMesh)
-find_dependency(OpenImageIO)
-find_dependency(OpenSSL)
-find_dependency(ZLIB)
-find_dependency(PNG)
-find_dependency(PkgConfig)
+juliavdb_dependency(TBB 2021 libtbb-dev)
+juliavdb_dependency(OpenMesh "" libopenmesh-dev)
+juliavdb_dependency(OpenImageIO 2.4 "libopenimageio-dev and openimageio-tools")
+juliavdb_dependency(OpenSSL 3.0 libssl-dev)
+juliavdb_dependency(ZLIB 1.2 zlib1g-dev)
+juliavdb_dependency(PNG 1.6 libpng-dev)
+juliavdb_dependency(PkgConfig "" pkg-config)
 pkg_check_modules(Cairo REQUIRED cairo-svg cairo-ft freetype2)
 # For 3MF; without it that format is refused.
 pkg_check_modules(LibZip QUIET libzip)
@@ -31,9 +31,9 @@ foreach(library Cairo LibZip)
   set(${library}_INCLUDE_DIRS "${directories}")
 endforeach()
 
-find_dependency(nlohmann_json)
-find_dependency(meshoptimizer)
-find_dependency(muparser)
+juliavdb_dependency(nlohmann_json 3.11 nlohmann-json3-dev)
+juliavdb_dependency(meshoptimizer 0.18 libmeshoptimizer-dev)
+juliavdb_dependency(muparser 2.3 libmuparser-dev)
 
 # Debian's OpenImageIO names include folders of packages that it does not depend on. CMake rejects folders that do not
 # exist, so they are dropped here.

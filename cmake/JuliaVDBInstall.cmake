@@ -14,6 +14,7 @@ configure_package_config_file(cmake/JuliaVDBConfig.cmake.in ${PROJECT_BINARY_DIR
                               INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/JuliaVDBConfigVersion.cmake COMPATIBILITY SameMajorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/JuliaVDBConfig.cmake ${PROJECT_BINARY_DIR}/JuliaVDBConfigVersion.cmake
+              ${PROJECT_SOURCE_DIR}/cmake/JuliaVDBDependency.cmake
               ${PROJECT_SOURCE_DIR}/cmake/JuliaVDBPublicDependencies.cmake
               ${PROJECT_SOURCE_DIR}/cmake/JuliaVDBDependencies.cmake
         DESTINATION ${package_dir} COMPONENT Development)

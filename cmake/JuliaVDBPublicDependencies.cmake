@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # What the headers of the libraries need. The build uses this file, and so does the installed package.
-include(CMakeFindDependencyMacro)
+include("${CMAKE_CURRENT_LIST_DIR}/JuliaVDBDependency.cmake")
 
 # OpenVDB has its own find module, in a folder that CMake does not search by default.
 list(APPEND CMAKE_MODULE_PATH "/usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/OpenVDB" "/usr/lib/cmake/OpenVDB")
 # Without this, its find module warns about deprecated options each time CMake runs.
 set(OPENVDB_ENABLE_DEPRECATED_WARNINGS OFF)
-find_dependency(OpenVDB)
+juliavdb_dependency(OpenVDB 10.0 libopenvdb-dev)

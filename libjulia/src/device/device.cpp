@@ -54,7 +54,7 @@ std::vector<std::shared_ptr<const Device>> openDevices(const DeviceNotice& notic
 #else
 
 std::vector<std::shared_ptr<const Device>> openDevices(const DeviceNotice&, std::string& refusal) {
-  refusal = "this program was built without OpenCL's headers";
+  refusal = "this program was built without devices: " JULIA_NO_OPENCL;
   return {};
 }
 

@@ -21,9 +21,7 @@ namespace vdbtools {
 bool canWrite3mf() { return false; }
 
 std::string encode3mf(const Mesh&, const std::map<std::string, std::string>&) {
-  throw std::invalid_argument(
-      "this build of the program cannot write 3MF, as libzip was not there when it was built (Debian's package "
-      "libzip-dev); write .stl instead");
+  throw std::invalid_argument("this program was built without 3MF files: " VDBTOOLS_NO_LIBZIP "; write .stl instead");
 }
 
 #else
