@@ -401,7 +401,7 @@ async function run() {
   thumbnails?.make();
   // For tests, and for scripts in the browser's console.
   window.explore = {
-    store, stage, renderer, choices, keys: page.keys, scene: () => scene,
+    store, stage, renderer, choices, thumbnails, keys: page.keys, scene: () => scene,
     isBusy: () => Boolean(asking) || Boolean(reading) || scenes.key(store.state.recipe) !== shownOf && !isExported,
     settled: () => stage.settled(),
     // A picture apart from that on the page, without the camera of the state: linear colours and coverage.

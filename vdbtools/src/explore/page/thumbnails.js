@@ -23,6 +23,12 @@ export class Thumbnails {
     this.page.stage.dropSmalls(THUMBNAILS_OWNER);
   }
 
+  // Those that are not made yet keep their pictures of another target.
+  stop() {
+    this.left = [];
+    this.giveWay();
+  }
+
   async make() {
     const { page } = this;
     await page.stage.settled();
