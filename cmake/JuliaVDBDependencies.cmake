@@ -10,7 +10,7 @@ juliavdb_dependency(OpenSSL 3.0 libssl-dev)
 juliavdb_dependency(ZLIB 1.2 zlib1g-dev)
 juliavdb_dependency(PNG 1.6 libpng-dev)
 juliavdb_dependency(PkgConfig "" pkg-config)
-pkg_check_modules(Cairo REQUIRED cairo-svg cairo-ft freetype2)
+pkg_check_modules(Cairo REQUIRED cairo-ft freetype2)
 # For 3MF; without it that format is refused.
 pkg_check_modules(LibZip QUIET libzip)
 # pkg-config names the compiler's own include folders, too. They must stay where the compiler has them in its order: given

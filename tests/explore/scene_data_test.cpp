@@ -2,6 +2,7 @@
 // What the page is told of a scene is what the scene evaluates.
 #include "explore/scene_data.h"
 
+#include "base/base64.h"
 #include "base/srgb.h"
 #include "explore/export_page.h"
 #include "support/temporary_folder.h"

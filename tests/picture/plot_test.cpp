@@ -223,7 +223,7 @@ TEST(Plot, SvgShowsTheSameAsPixels) {
   EXPECT_EQ(svg, encodePlot(plot, "svg"));
   EXPECT_NE(svg.find("width=\"900px\" height=\"600px\""), std::string::npos);
   // The curve's path goes through the dots of the picture.
-  const std::size_t stroke = svg.find("stroke:rgb(100%,0%,0%)");
+  const std::size_t stroke = svg.find("stroke=\"#ff0000\"");
   ASSERT_NE(stroke, std::string::npos);
   const std::size_t path = svg.find("d=\"M ", stroke);
   double x[3], y[3];

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "explore/export_page.h"
 
+#include "base/base64.h"
 #include "explore/look_data.h"
 #include "explore/scene_data.h"
 #include "vdbtools/base/errors.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "explore/look_data.h"
 
+#include "base/base64.h"
 #include "explore/scene_data.h"
 #include "scene/scene_colouring.h"
 #include "vdbtools/files/file_bytes.h"

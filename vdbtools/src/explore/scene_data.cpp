@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "explore/scene_data.h"
 
+#include "base/base64.h"
 #include "render/occupancy.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/scene/scene_picture.h"
@@ -13,7 +14,6 @@
 #include "julia/shape_modulus.h"
 #include "julia/wave_versor.h"
 
-#include <openssl/evp.h>
 #include <openvdb/math/Half.h>
 
 #include <algorithm>
@@ -256,14 +256,6 @@ float appendHalf(std::string& bytes, float value) {
   bytes.push_back(static_cast<char>(bits & 0xff));
   bytes.push_back(static_cast<char>(bits >> 8));
   return rounded;
-}
-
-std::string base64(std::string_view bytes) {
-  std::string text((bytes.size() + 2) / 3 * 4 + 1, '\0');  // OpenSSL ends it with a 0
-  EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), reinterpret_cast<const unsigned char*>(bytes.data()),
-                  static_cast<int>(bytes.size()));
-  text.pop_back();
-  return text;
 }
 
 void requireShown(const Scene& scene) {

@@ -33,9 +33,6 @@ SceneData sceneData(const Scene& scene, const SceneDataOptions& options, Monitor
 /// A 16-bit float, little-endian; values beyond those that it can hold become the largest. @return it as a float
 float appendHalf(std::string& bytes, float value);
 
-/// In the alphabet of RFC 4648, with padding.
-std::string base64(std::string_view bytes);
-
 /// @throw std::invalid_argument  the page has no shader for the scene's versor: a formula, a field or layers, say
 void requireShown(const Scene& scene);
 

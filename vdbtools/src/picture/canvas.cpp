@@ -3,24 +3,27 @@
 
 #include "base/srgb.h"
 #include "picture/embedded_fonts.h"
+#include "picture/svg_drawing.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/memory.h"
 #include "vdbtools/files/file_bytes.h"
 
 #include <cairo-ft.h>
-#include <cairo-svg.h>
 #include <cairo.h>
 #include <ft2build.h>
 #include FT_FREETYPE_H
 #include FT_MODULE_H
+#include FT_OUTLINE_H
 #include FT_SYSTEM_H
 
 #include <algorithm>
-#include <cctype>
+#include <cmath>
 #include <cstdlib>
-#include <map>
+#include <initializer_list>
+#include <memory>
 #include <new>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -39,16 +42,6 @@ void require(cairo_status_t status) {
   if (status == CAIRO_STATUS_NO_MEMORY) throw std::bad_alloc();
   if (status != CAIRO_STATUS_SUCCESS)
     throw IoError(std::string("Cairo cannot draw: ") + cairo_status_to_string(status));
-}
-
-cairo_status_t append(void* text, const unsigned char* data, unsigned int length) {
-  // An exception must not pass through Cairo, which is written in C.
-  try {
-    static_cast<std::string*>(text)->append(reinterpret_cast<const char*>(data), length);
-    return CAIRO_STATUS_SUCCESS;
-  } catch (const std::bad_alloc&) {
-    return CAIRO_STATUS_NO_MEMORY;
-  }
 }
 
 /// Reads from the string_view to which @a rest points, and advances it.
@@ -107,45 +100,85 @@ cairo_font_face_t* fontOf(const TextStyle& style) {
   return (style.bold ? bold : regular)->get();
 }
 
-/// Cairo numbers the parts of an SVG throughout the process ("surface9", "image13"). Here they count from 1 in every
-/// file, so that the same drawing has the same bytes.
-std::string renumbered(const std::string& svg) {
-  constexpr std::string_view kMarks[] = {"id=\"", "\"#", "(#"};
-  std::map<std::string, std::string, std::less<>> names;
-  std::string result;
-  result.reserve(svg.size());
-  for (std::size_t at = 0; at < svg.size();) {
-    std::size_t mark = 0;
-    for (const std::string_view candidate : kMarks)
-      if (svg.compare(at, candidate.size(), candidate) == 0) mark = candidate.size();
-    if (mark == 0) {
-      result += svg[at++];
-      continue;
-    }
-    result.append(svg, at, mark);
-    at += mark;
-    std::size_t digits = at;
-    while (digits < svg.size() && std::isalpha(static_cast<unsigned char>(svg[digits]))) ++digits;
-    std::size_t end = digits;
-    while (end < svg.size() && std::isdigit(static_cast<unsigned char>(svg[end]))) ++end;
-    // Names in two parts, such as glyph0-1, already count anew in each file.
-    const bool whole = digits > at && end > digits && end < svg.size() && (svg[end] == '"' || svg[end] == ')');
-    if (!whole) continue;
-    const std::string letters = svg.substr(at, digits - at);
-    const auto [name, isNew] = names.try_emplace(svg.substr(at, end - at));
-    if (isNew) name->second = letters + std::to_string(names.size());
-    result += name->second;
-    at = end;
+struct DestroyGlyphs {
+  void operator()(cairo_glyph_t* glyphs) const { cairo_glyph_free(glyphs); }
+};
+
+/// The glyphs of a text in UTF-8, from a point on.
+struct Glyphs {
+  Glyphs(cairo_scaled_font_t* font, std::string_view utf8, double x, double y) {
+    cairo_glyph_t* made = nullptr;
+    require(cairo_scaled_font_text_to_glyphs(font, x, y, std::string(utf8).c_str(), -1, &made, &count, nullptr, nullptr,
+                                             nullptr));
+    first.reset(made);
   }
-  return result;
-}
+  std::span<cairo_glyph_t> all() const { return {first.get(), static_cast<std::size_t>(count)}; }
+
+  std::unique_ptr<cairo_glyph_t, DestroyGlyphs> first;
+  int count = 0;
+};
+
+/// Outlines of glyphs, as commands of an SVG path in units of the font.
+struct Outline {
+  std::string path;
+  FT_Pos left = 0;  ///< of the glyph that is added
+
+  FT_Error add(char command, std::initializer_list<const FT_Vector*> points) {
+    // An exception must not pass through FreeType, which is written in C.
+    try {
+      path += command;
+      const char* gap = "";
+      for (const FT_Vector* point : points) {
+        path += gap + std::to_string(left + point->x) + ' ' + std::to_string(point->y);
+        gap = " ";
+      }
+      return FT_Err_Ok;
+    } catch (const std::bad_alloc&) {
+      return FT_Err_Out_Of_Memory;
+    }
+  }
+
+  void add(FT_Outline& glyph) {
+    FT_Outline_Funcs functions{};
+    functions.move_to = [](const FT_Vector* to, void* outline) { return its(outline).add('M', {to}); };
+    functions.line_to = [](const FT_Vector* to, void* outline) { return its(outline).add('L', {to}); };
+    functions.conic_to = [](const FT_Vector* control, const FT_Vector* to, void* outline) {
+      return its(outline).add('Q', {control, to});
+    };
+    functions.cubic_to = [](const FT_Vector* first, const FT_Vector* second, const FT_Vector* to, void* outline) {
+      return its(outline).add('C', {first, second, to});
+    };
+    require(FT_Outline_Decompose(&glyph, &functions, this));
+  }
+
+ private:
+  static Outline& its(void* outline) { return *static_cast<Outline*>(outline); }
+};
+
+/// Lends the FreeType face of a font of Cairo to one thread.
+class LentFace {
+ public:
+  explicit LentFace(cairo_scaled_font_t* font) : mFont(font), mFace(cairo_ft_scaled_font_lock_face(font)) {
+    require(cairo_scaled_font_status(font));
+    if (!mFace) throw std::bad_alloc();
+  }
+  ~LentFace() { cairo_ft_scaled_font_unlock_face(mFont); }
+  LentFace(const LentFace&) = delete;
+  LentFace& operator=(const LentFace&) = delete;
+  FT_Face operator->() const { return mFace; }
+  FT_Face get() const { return mFace; }
+
+ private:
+  cairo_scaled_font_t* mFont;
+  FT_Face mFace;
+};
 
 }  // namespace
 
 struct Canvas::State {
   CanvasKind kind;
   int width, height;
-  std::string svg;  ///< declared before the surface, which appends to it
+  std::optional<SvgDrawing> svg;  ///< Cairo only measures text then
   Owned<cairo_surface_t> surface;
   Owned<cairo_t> context;
 
@@ -163,8 +196,39 @@ struct Canvas::State {
     cairo_rectangle(context.get(), box.left, box.top, box.width, box.height);
     cairo_fill(context.get());
   }
-  void addPath(std::span<const CanvasPoint> points) const {
-    for (const CanvasPoint& point : points) cairo_line_to(context.get(), point.x, point.y);
+
+  /// Draws the text from the current point on.
+  void show(std::string_view utf8) const {
+    cairo_t* const cairo = context.get();
+    CanvasPoint start;
+    cairo_get_current_point(cairo, &start.x, &start.y);
+    const Glyphs glyphs(cairo_get_scaled_font(cairo), utf8, start.x, start.y);
+    // Glyphs stand on whole pixels: Cairo 1.16 put them there, and later releases put them where they are told.
+    for (cairo_glyph_t& glyph : glyphs.all()) {
+      cairo_user_to_device(cairo, &glyph.x, &glyph.y);
+      glyph.x = std::floor(glyph.x + 0.5);
+      glyph.y = std::floor(glyph.y + 0.5);
+      cairo_device_to_user(cairo, &glyph.x, &glyph.y);
+    }
+    cairo_show_glyphs(cairo, glyphs.first.get(), glyphs.count);
+  }
+
+  /// The outlines are those of the font, whatever the size: they are whole numbers, which no library rounds.
+  void showInSvg(std::string_view utf8, const CanvasPoint& origin, const TextStyle& style) {
+    cairo_scaled_font_t* const font = cairo_get_scaled_font(context.get());
+    const Glyphs glyphs(font, utf8, 0, 0);
+    Outline outline;
+    double unit = 0;
+    {
+      const LentFace face(font);
+      for (const cairo_glyph_t& glyph : glyphs.all()) {
+        require(FT_Load_Glyph(face.get(), static_cast<FT_UInt>(glyph.index), FT_LOAD_NO_SCALE));
+        outline.add(face->glyph->outline);
+        outline.left += face->glyph->metrics.horiAdvance;
+      }
+      unit = style.size / face->units_per_EM;
+    }
+    if (!outline.path.empty()) svg->text(utf8, outline.path, origin, unit, style);
   }
 };
 
@@ -173,10 +237,10 @@ Canvas::Canvas(CanvasKind kind, int width, int height, const Colour& background)
   if (width < 1 || height < 1 || width > kLargestSide || height > kLargestSide)
     throw std::invalid_argument("a canvas of " + std::to_string(width) + " x " + std::to_string(height) +
                                 " pixels cannot be made; each side must be 1 to " + std::to_string(kLargestSide));
-  mState = std::make_unique<State>(State{kind, width, height, {}, {}, {}});
+  mState = std::make_unique<State>(State{kind, width, height, std::nullopt, {}, {}});
   if (kind == CanvasKind::Svg) {
-    mState->surface.reset(cairo_svg_surface_create_for_stream(append, &mState->svg, width, height));
-    cairo_svg_surface_set_document_unit(mState->surface.get(), CAIRO_SVG_UNIT_PX);
+    mState->svg.emplace(width, height);
+    mState->surface.reset(cairo_image_surface_create(CAIRO_FORMAT_RGB24, 1, 1));
   } else {
     // Codes of Cairo, then colours as floats and codes for the file.
     constexpr double kBytesOfPixel = 19;
@@ -208,37 +272,50 @@ int Canvas::width() const { return mState->width; }
 int Canvas::height() const { return mState->height; }
 
 void Canvas::fill(const CanvasBox& box, const Colour& colour, double opacity) {
+  if (mState->svg) return mState->svg->fill(box, colour, opacity);
   mState->setColour(colour, opacity);
   cairo_rectangle(mState->context.get(), box.left, box.top, box.width, box.height);
   cairo_fill(mState->context.get());
 }
 
 void Canvas::fill(std::span<const CanvasPoint> polygon, const Colour& colour, double opacity) {
+  if (mState->svg) return mState->svg->fill(polygon, colour, opacity);
   mState->setColour(colour, opacity);
-  mState->addPath(polygon);
+  for (const CanvasPoint& point : polygon) cairo_line_to(mState->context.get(), point.x, point.y);
   cairo_fill(mState->context.get());
 }
 
 void Canvas::line(std::span<const CanvasPoint> points, const LineStyle& style) {
   if (points.empty()) return;
+  if (mState->svg) return mState->svg->line(points, style);
+  cairo_t* const context = mState->context.get();
   mState->setColour(style.colour);
-  cairo_set_line_width(mState->context.get(), style.width);
-  mState->addPath(points);
-  if (points.size() == 1) mState->addPath(points);
-  cairo_stroke(mState->context.get());
+  cairo_set_line_width(context, style.width);
+  // Each segment has round ends of its own, which is what round corners are; Cairo's corners differ from release to
+  // release. It is one path, so what overlaps is drawn once.
+  for (std::size_t i = 0; i + 1 < std::max<std::size_t>(points.size(), 2); ++i) {
+    const CanvasPoint &from = points[i], &to = points[std::min(i + 1, points.size() - 1)];
+    cairo_move_to(context, from.x, from.y);
+    cairo_line_to(context, to.x, to.y);
+  }
+  cairo_stroke(context);
 }
 
 void Canvas::text(std::string_view utf8, const CanvasPoint& at, const TextStyle& style) {
   cairo_t* const context = mState->context.get();
   const double length = textWidth(utf8, style);
   const double back = style.align == TextAlign::Left ? 0 : style.align == TextAlign::Right ? length : length / 2;
+  if (cairo_status(context) != CAIRO_STATUS_SUCCESS) return;  // not UTF-8, say; encode() and pixels() tell
+  if (mState->svg)
+    return mState->showInSvg(utf8, style.upwards ? CanvasPoint{at.x, at.y + back} : CanvasPoint{at.x - back, at.y},
+                             style);
   mState->setColour(style.colour);
   cairo_save(context);
   cairo_translate(context, at.x, at.y);
   constexpr cairo_matrix_t kUpwards{0, -1, 1, 0, 0, 0};  // avoids the rounding of a sine and a cosine
   if (style.upwards) cairo_transform(context, &kUpwards);
   cairo_move_to(context, -back, 0);
-  cairo_show_text(context, std::string(utf8).c_str());
+  mState->show(utf8);
   cairo_restore(context);
   cairo_new_path(context);
 }
@@ -251,6 +328,9 @@ double Canvas::textWidth(std::string_view utf8, const TextStyle& style) const {
 }
 
 void Canvas::image(const Image& image, int left, int top) {
+  const CanvasBox box{static_cast<double>(left), static_cast<double>(top), static_cast<double>(image.width),
+                      static_cast<double>(image.height)};
+  if (mState->svg) return mState->svg->image(encodeImage(image, "png"), box);
   const Owned<cairo_surface_t> source(cairo_image_surface_create(CAIRO_FORMAT_RGB24, image.width, image.height));
   require(cairo_surface_status(source.get()));
   cairo_surface_flush(source.get());
@@ -263,17 +343,20 @@ void Canvas::image(const Image& image, int left, int top) {
     }
   }
   cairo_surface_mark_dirty(source.get());
-  mState->paint(source.get(), {static_cast<double>(left), static_cast<double>(top), static_cast<double>(image.width),
-                               static_cast<double>(image.height)});
+  mState->paint(source.get(), box);
 }
 
 bool Canvas::png(std::string_view bytes, const CanvasBox& box) {
-  const Owned<cairo_surface_t> source(cairo_image_surface_create_from_png_stream(take, &bytes));
+  std::string_view rest = bytes;
+  const Owned<cairo_surface_t> source(cairo_image_surface_create_from_png_stream(take, &rest));
   if (cairo_surface_status(source.get()) != CAIRO_STATUS_SUCCESS ||
       cairo_image_surface_get_width(source.get()) != box.width ||
       cairo_image_surface_get_height(source.get()) != box.height)
     return false;
-  mState->paint(source.get(), box);
+  if (mState->svg)
+    mState->svg->image(bytes, box);
+  else
+    mState->paint(source.get(), box);
   return true;
 }
 
@@ -299,9 +382,7 @@ std::string Canvas::encode(const std::string& extension) {
     throw std::invalid_argument("this canvas cannot be written as \"" + extension + "\"; it is of the other kind");
   if (mState->kind == CanvasKind::Pixels) return encodeImage(pixels(), extension);
   require(cairo_status(mState->context.get()));
-  cairo_surface_finish(mState->surface.get());
-  require(cairo_surface_status(mState->surface.get()));
-  return renumbered(mState->svg);
+  return mState->svg->bytes();
 }
 
 CanvasKind canvasKindOf(const std::string& extension) {

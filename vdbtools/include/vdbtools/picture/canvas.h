@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file canvas.h
-/// Draws lines, areas, text and images with Cairo, on pixels or as SVG.
+/// Draws lines, areas, text and images, on pixels with Cairo or as SVG.
 ///
 /// Positions and lengths are in pixels from the top left corner, y downwards; integers lie on the edges of pixels.
 /// Later drawing covers earlier drawing. Colours blend in sRGB, as they do in browsers.
 ///
 /// Text is UTF-8 in DejaVu Sans, which is part of the library, so the fonts of a machine and the settings of Fontconfig
 /// have no effect. A character that the font lacks is drawn as a box. In SVG, text consists of outlines, so it looks
-/// the same on machines without the font.
+/// the same on machines without the font; the attribute aria-label of each has its characters.
 #pragma once
 
 #include "vdbtools/picture/image.h"
@@ -87,7 +87,7 @@ class Canvas {
   /// Ends the drawing and returns the bytes of its file. @param extension  png or exr for pixels, svg for SVG, with or
   /// without a dot
   /// @throw std::invalid_argument  another extension, or an extension of the other kind of canvas
-  /// @throw IoError                Cairo or OpenImageIO failed
+  /// @throw IoError                Cairo or OpenImageIO failed, or a text was not UTF-8
   std::string encode(const std::string& extension);
 
  private:
