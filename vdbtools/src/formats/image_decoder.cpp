@@ -41,6 +41,12 @@ class ByteSource final : public OIIO::Filesystem::IOMemReader {
   }
 };
 
+/// What the decoder says is wrong. Those of OpenImageIO 2.5 refuse some damaged files without a word.
+std::string errorOf(const OIIO::ImageInput& input) {
+  const std::string error = input.geterror();
+  return error.empty() ? "it is damaged" : error;
+}
+
 constexpr int kMostTilesInRow = 1 << 14;
 
 /// Reads some lines at a time, and stops at a damaged one: OpenImageIO 2.4 would continue, store a message for each,
@@ -77,7 +83,7 @@ bool juliavdbDecodeImage(std::string_view bytes, std::string_view format, int th
     OIIO::ImageSpec spec;
     // The name is for messages only; the source supplies the bytes.
     if (!input || !input->set_ioproxy(&source) || !input->open("picture", spec, config)) {
-      reason = input ? input->geterror() : OIIO::geterror();
+      reason = input ? errorOf(*input) : OIIO::geterror();
       return false;
     }
     const std::uint64_t values =
@@ -98,7 +104,7 @@ bool juliavdbDecodeImage(std::string_view bytes, std::string_view format, int th
     }
     image.values.resize(values);
     if (!readLines(*input, spec, image.values.data())) {
-      reason = input->geterror();
+      reason = errorOf(*input);
       return false;
     }
     return true;
