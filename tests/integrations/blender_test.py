@@ -498,7 +498,7 @@ class Addon(unittest.TestCase):
         made = str(self.folder / "made.ply")
         subprocess.run([PROGRAM, "fractal", str(self.folder / "source.ply"), "--mesh", made, *words, "--progress", "none"],
                        check=True, capture_output=True)
-        bpy.ops.import_mesh.ply(filepath=made)
+        in_blender.import_mesh(made)
         theirs = bpy.context.object.data
         ours = self.addon.bring.mesh_object(made).data
         attribute = theirs.color_attributes[0]

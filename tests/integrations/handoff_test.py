@@ -6,6 +6,7 @@ Started by Python it starts itself again inside Blender: blender -b --factory-st
 With JULIAVDB_PICTURES in the environment, the pictures of docs/handoff.md are made in that folder.
 """
 
+import json
 import os
 import pathlib
 import re
@@ -26,6 +27,7 @@ import addon_utils   # noqa: E402
 import numpy         # noqa: E402
 from mathutils import Vector   # noqa: E402
 from mathutils.bvhtree import BVHTree   # noqa: E402
+from mathutils.kdtree import KDTree   # noqa: E402
 
 # Blender 3.4 imports glTF by a name that NumPy 1.24, which is Debian's, does not have any more.
 if not hasattr(numpy, "bool"):
@@ -113,16 +115,15 @@ class Handoff(unittest.TestCase):
 
     def setUp(self):
         bpy.ops.wm.read_factory_settings(use_empty=True)
-        for name in ("io_mesh_ply", "io_mesh_stl", "io_scene_gltf2"):
-            addon_utils.enable(name)
+        addon_utils.enable("io_scene_gltf2")
 
     def bring(self, name):
         """Imports a file as a user does who changes nothing. @return the new object"""
         path = str(self.folder / name)
         before = set(bpy.data.objects)
         operators = {".obj": lambda: bpy.ops.wm.obj_import(filepath=path),
-                     ".ply": lambda: bpy.ops.import_mesh.ply(filepath=path),
-                     ".stl": lambda: bpy.ops.import_mesh.stl(filepath=path),
+                     ".ply": lambda: in_blender.import_mesh(path),
+                     ".stl": lambda: in_blender.import_mesh(path),
                      ".glb": lambda: bpy.ops.import_scene.gltf(filepath=path),
                      ".vdb": lambda: bpy.ops.object.volume_import(filepath=path, directory=str(self.folder),
                                                                   files=[{"name": name}])}
@@ -316,6 +317,36 @@ class Handoff(unittest.TestCase):
         shader = material.node_tree.nodes.new("ShaderNodeVolumePrincipled")
         for attribute in ("Density", "Temperature"):
             self.assertIn(shader.inputs[f"{attribute} Attribute"].default_value, grids.keys())
+
+    def test_normals_of_a_glb_arrive(self):
+        """Those of the file, at each corner of a face, so that a smooth surface looks smooth."""
+        data = (self.folder / "p.glb").read_bytes()
+        length = int.from_bytes(data[12:16], "little")
+        head, body = json.loads(data[20:20 + length]), data[28 + length:]
+
+        def read(name):
+            """Three floats a vertex, which lie between those of other attributes."""
+            accessor = head["accessors"][head["meshes"][0]["primitives"][0]["attributes"][name]]
+            view = head["bufferViews"][accessor["bufferView"]]
+            return numpy.ndarray((accessor["count"], 3), numpy.float32, body, view["byteOffset"] + accessor["byteOffset"],
+                                 (view["byteStride"], 4))
+
+        positions, normals = read("POSITION"), read("NORMAL")
+        mesh = self.bring("p.glb").data
+        if hasattr(mesh, "calc_normals_split"):   # until 4.0
+            mesh.calc_normals_split()
+            shown = [loop.normal.copy() for loop in mesh.loops]
+        else:
+            shown = [corner.vector.copy() for corner in mesh.corner_normals]
+        tree = KDTree(len(positions))
+        for index, (x, y, z) in enumerate(positions):
+            tree.insert((x, -z, y), index)
+        tree.balance()
+        for loop, normal in list(zip(mesh.loops, shown))[::7]:
+            _, index, far = tree.find(mesh.vertices[loop.vertex_index].co)
+            self.assertLess(far, 1e-5)
+            x, y, z = normals[index]
+            self.assertGreater(normal.dot((x, -z, y)), 0.999)
 
     def test_levels_of_detail(self):
         self.juliavdb("fractal", "pear.obj", *PLAIN, "--mesh", "l.glb", "--lod", "100%,25%,5%")

@@ -33,6 +33,17 @@ def _start(script):
     return run.returncode
 
 
+def import_mesh(path):
+    """Imports a PLY or STL by the importer that this Blender has: in C++ from 3.6 on, before that an add-on in Python."""
+    import addon_utils
+    import bpy
+    kind = os.path.splitext(path)[1][1:]
+    if f"{kind}_import" in dir(bpy.ops.wm):
+        return getattr(bpy.ops.wm, f"{kind}_import")(filepath=path)
+    addon_utils.enable(f"io_mesh_{kind}")
+    return getattr(bpy.ops.import_mesh, kind)(filepath=path)
+
+
 def main(name):
     words = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
     outcome = unittest.main(argv=[name, *words], exit=False).result
