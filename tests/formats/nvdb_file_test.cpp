@@ -165,6 +165,45 @@ TEST_F(NvdbFileTest, EveryDamageOfAGridIsNoticed) {
   }
 }
 
+/// The same grid, as NanoVDB 32.4.2, 32.6.0 and 32.9.0 wrote it: only marks, versions, checksums and the place of blind
+/// data, of which there is none, are different.
+TEST_F(NvdbFileTest, TheChecksumsOfAllVersionsFit) {
+  struct Writer {
+    const char* name;
+    std::uint32_t version;
+    const char *file, *grid;  ///< how these begin
+    std::uint32_t checksums[2];
+    std::int64_t blindData;
+  };
+  constexpr Writer kWriters[] = {{"32.4.2", 0x04001002, "NanoVDB0", "NanoVDB0", {0x64944497, 0x74edb619}, 0},
+                                 {"32.6.0", 0x04001800, "NanoVDB0", "NanoVDB0", {0x1cd2ae96, 0x54e4eefe}, 307232},
+                                 {"32.9.0", 0x04002400, "NanoVDB2", "NanoVDB1", {0x1095ea9b, 0x156e1388}, 307232}};
+  const auto one = openvdb::FloatGrid::create(1);
+  one->setName("one");
+  one->tree().setValue(Coord(1, 2, 3), 0.5f);
+  const std::string ours = encodedNvdb({one});
+  const std::size_t grid = kNvdbFileHead + kNvdbGridHead + sizeof "one";
+  for (const Writer& writer : kWriters) {
+    SCOPED_TRACE(writer.name);
+    std::string bytes = ours;
+    const auto put = [&](std::size_t at, const auto* values, std::size_t size) {
+      std::memcpy(bytes.data() + at, values, size);
+    };
+    put(0, writer.file, 8);
+    put(8, &writer.version, 4);
+    put(kNvdbFileHead + kNvdbGridHead - 4, &writer.version, 4);
+    put(grid, writer.grid, 8);
+    put(grid + kNvdbChecksums, writer.checksums, 8);
+    put(grid + 16, &writer.version, 4);
+    put(grid + 640, &writer.blindData, 8);
+    const NvdbFile file = decodeNvdb(bytes);
+    EXPECT_EQ(file.version, writer.name);
+    EXPECT_EQ(file.grids.at(0).checksum, NvdbGrid::Checksum::Full);
+    bytes.back() = static_cast<char>(bytes.back() ^ 1);
+    EXPECT_THROW(decodeNvdb(bytes), DataError);
+  }
+}
+
 TEST_F(NvdbFileTest, WrongSizesAndTruncatedFilesAreRefused) {
   const std::string whole = encodedNvdb({nvdbBand()});
   std::minstd_rand random(5);

@@ -13,7 +13,9 @@
 
 namespace vdbtools::nvdb {
 
-constexpr std::uint64_t kMagic = 0x304244566f6e614e;  // "NanoVDB0"
+constexpr std::uint64_t kMagic = 0x304244566f6e614e;      // "NanoVDB0", of files and grids
+constexpr std::uint64_t kMagicGrid = 0x314244566f6e614e;  // "NanoVDB1", of grids since version 32.8
+constexpr std::uint64_t kMagicFile = 0x324244566f6e614e;  // "NanoVDB2", of files since version 32.8
 constexpr std::uint32_t kMajorVersion = 32;
 constexpr std::size_t kAlignment = 32;
 
@@ -60,6 +62,9 @@ struct GridData {
 static_assert(sizeof(GridData) == 672);
 constexpr std::size_t kChecksummedFrom = 16;  // the magic number and the checksums are left out
 constexpr std::uint32_t kNoChecksum = 0xffffffff;
+/// Version 32.6 summed up what follows in blocks of this size instead of nodes, 32.6.0 from the first upper node on,
+/// and later ones from the root on. The last block is longer than the others.
+constexpr std::size_t kChecksumBlock = 4096;
 
 struct TreeData {
   std::uint64_t nodeOffset[4];  ///< from the tree to the first leaf, lower node, upper node and to the root

@@ -60,7 +60,8 @@ class NvdbGridCheck {
     if (mBytes.size() < sizeof(nvdb::GridData) + sizeof(nvdb::TreeData)) refuse("is too short for a grid");
     const auto data = recordAt<nvdb::GridData>(mBytes, 0);
     const auto tree = recordAt<nvdb::TreeData>(mBytes, kTree);
-    if (data.magic != nvdb::kMagic) refuse("does not begin with the number that marks NanoVDB");
+    if (data.magic != nvdb::kMagic && data.magic != nvdb::kMagicGrid)
+      refuse("does not begin with the number that marks NanoVDB");
     if (nvdb::majorOf(data.version) != nvdb::kMajorVersion)
       refuse("is of version " + versionText(data.version) + " of NanoVDB; only 32 can be read");
     if (data.size != mBytes.size())
@@ -179,19 +180,37 @@ class NvdbGridCheck {
 
   NvdbGrid::Checksum checksum(const nvdb::GridData& data) const {
     if (data.headChecksum == nvdb::kNoChecksum) return NvdbGrid::Checksum::None;
-    const std::size_t headSize = sizeof(nvdb::GridData) + sizeof(nvdb::TreeData) + mRootSize;
+    std::size_t headSize = kTree + sizeof(nvdb::TreeData);
+    if (!isAfter32_6(data)) headSize += mRootSize;
     if (headSize > mBytes.size()) refuse("has its root outside of itself");
     if (crcOf(mBytes.substr(nvdb::kChecksummedFrom, headSize - nvdb::kChecksummedFrom)) != data.headChecksum)
       refuse("is damaged: the checksum of its head is wrong");
     if (data.nodeChecksum == nvdb::kNoChecksum) return NvdbGrid::Checksum::Head;
+    const bool isByNodes = nvdb::minorOf(data.version) < 6;
+    if ((isByNodes ? crcOfNodes() : crcOfBlocks(mBytes.substr(headSize))) != data.nodeChecksum)
+      refuse("is damaged: the checksum of its nodes is wrong");
+    return NvdbGrid::Checksum::Full;
+  }
+
+  static bool isAfter32_6(const nvdb::GridData& data) {
+    return nvdb::minorOf(data.version) > 6 || (nvdb::minorOf(data.version) == 6 && nvdb::patchOf(data.version) > 0);
+  }
+
+  std::uint32_t crcOfNodes() const {
     std::vector<std::uint64_t> crcs;
     crcs.reserve(mUpper.size() + mLower.size() + mLeaves.size());
     for (const std::size_t node : mUpper) crcs.push_back(crcOf(mBytes.substr(node, mType->upper)));
     for (const std::size_t node : mLower) crcs.push_back(crcOf(mBytes.substr(node, mType->lower)));
     for (const std::size_t node : mLeaves) crcs.push_back(crcOf(mBytes.substr(node, mType->leaf)));
-    const std::string_view all(reinterpret_cast<const char*>(crcs.data()), crcs.size() * sizeof crcs[0]);
-    if (crcOf(all) != data.nodeChecksum) refuse("is damaged: the checksum of its nodes is wrong");
-    return NvdbGrid::Checksum::Full;
+    return crcOf({reinterpret_cast<const char*>(crcs.data()), crcs.size() * sizeof crcs[0]});
+  }
+
+  static std::uint32_t crcOfBlocks(std::string_view bytes) {
+    std::vector<std::uint32_t> crcs(bytes.size() / nvdb::kChecksumBlock);
+    for (std::size_t i = 0; i < crcs.size(); ++i)
+      crcs[i] = crcOf(
+          bytes.substr(i * nvdb::kChecksumBlock, i + 1 == crcs.size() ? std::string_view::npos : nvdb::kChecksumBlock));
+    return crcOf({reinterpret_cast<const char*>(crcs.data()), crcs.size() * sizeof crcs[0]});
   }
 
   std::string_view mBytes;
@@ -242,7 +261,11 @@ NvdbGrid gridOf(const nvdb::GridHead& head, std::string name, std::string_view b
 void readSegment(VdbCursor& cursor, NvdbFile& file) {
   cursor.enter("its head");
   const auto head = nextRecord<nvdb::FileHead>(cursor);
-  if (head.magic != nvdb::kMagic) throw DataError("it does not begin with the number that marks NanoVDB");
+  if (head.magic == nvdb::kMagicGrid)
+    throw DataError(
+        "it is the memory of a grid, without the head of a file; write it again by nanovdb::io::writeGrid()");
+  if (head.magic != nvdb::kMagic && head.magic != nvdb::kMagicFile)
+    throw DataError("it does not begin with the number that marks NanoVDB");
   if (nvdb::majorOf(head.version) != nvdb::kMajorVersion)
     throw DataError("it is of version " + versionText(head.version) + " of NanoVDB; only 32 can be read");
   if (head.codec == nvdb::kBlosc)

@@ -11,10 +11,7 @@
 #include <stdexcept>
 
 #ifdef VDBTOOLS_NANOVDB
-// Its loops in TBB's threads, as many as this program may use.
-#define NANOVDB_USE_TBB
-#include <nanovdb/util/IO.h>
-#include <nanovdb/util/OpenToNanoVDB.h>
+#include "formats/nanovdb.h"
 #endif
 
 namespace vdbtools {
@@ -24,9 +21,8 @@ namespace vdbtools {
 bool canWriteNvdb() { return false; }
 
 std::vector<NvdbWritten> writeNvdb(std::ostream&, const std::vector<openvdb::GridBase::Ptr>&, const NvdbWriteOptions&) {
-  throw std::invalid_argument(
-      "this build of the program cannot write NanoVDB, as its headers were not there when it was built (Debian's "
-      "package libnanovdb-dev); write a .vdb instead");
+  throw std::invalid_argument("this build of the program cannot write NanoVDB: when it was built, " VDBTOOLS_NO_NANOVDB
+                              "; write a .vdb instead");
 }
 
 #else
@@ -35,10 +31,10 @@ namespace {
 
 // The reader goes by these.
 static_assert(NANOVDB_MAJOR_VERSION_NUMBER == nvdb::kMajorVersion);
-static_assert(sizeof(nanovdb::io::Header) == sizeof(nvdb::FileHead));
-static_assert(sizeof(nanovdb::io::MetaData) == sizeof(nvdb::GridHead));
+static_assert(sizeof(nano::FileHead) == sizeof(nvdb::FileHead));
+static_assert(sizeof(nano::GridHead) == sizeof(nvdb::GridHead));
 static_assert(sizeof(nanovdb::GridData) == sizeof(nvdb::GridData));
-static_assert(sizeof(nanovdb::TreeData<3>) == sizeof(nvdb::TreeData));
+static_assert(sizeof(nano::TreeData) == sizeof(nvdb::TreeData));
 static_assert(sizeof(nanovdb::GridBlindMetaData) == sizeof(nvdb::BlindData));
 template <class Value>
 constexpr bool isLaidOut(nanovdb::GridType number) {
@@ -60,7 +56,7 @@ static_assert(isLaidOut<nanovdb::Vec3f>(GridType::Vec3f) && isLaidOut<bool>(Grid
 static_assert(isLaidOut<nanovdb::Fp4>(GridType::Fp4) && isLaidOut<nanovdb::Fp8>(GridType::Fp8));
 static_assert(isLaidOut<nanovdb::Fp16>(GridType::Fp16) && isLaidOut<nanovdb::FpN>(GridType::FpN));
 static_assert(isLaidOut<std::int16_t>(GridType::Int16) && isLaidOut<std::uint32_t>(GridType::UInt32));
-static_assert(isLaidOut<nanovdb::Vec3d>(GridType::Vec3d) && isLaidOut<nanovdb::Rgba8>(GridType::RGBA8));
+static_assert(isLaidOut<nanovdb::Vec3d>(GridType::Vec3d) && isLaidOut<nano::Rgba8>(GridType::RGBA8));
 static_assert(isLaidOut<nanovdb::Vec4f>(GridType::Vec4f) && isLaidOut<nanovdb::Vec4d>(GridType::Vec4d));
 static_assert(isLaidOut<nanovdb::ValueMask>(GridType::Mask) && isLaidOut<nanovdb::ValueIndex>(GridType::Index));
 
@@ -173,22 +169,14 @@ class NanoConverter {
           return true;
       }
     }
-    using Nano = typename nanovdb::OpenToNanoType<typename Grid::TreeType::BuildType>::Type;
-    handle = converted<Nano>(*typed);
+    handle = nano::converted<nano::ValueOf<Grid>, ZeroBuffer>(*typed);
     written.type = typed->valueType();
     return true;
   }
 
-  /// The averages of nodes would depend on the order in which threads add.
-  template <class Nano, class Grid>
-  static Handle converted(const Grid& grid) {
-    return nanovdb::openToNanoVDB<ZeroBuffer, typename Grid::TreeType, Nano>(grid, nanovdb::StatsMode::MinMax,
-                                                                             nanovdb::ChecksumMode::Full);
-  }
-
   template <class Nano>
   static Handle quantized(const openvdb::FloatGrid& grid, const char* type, NvdbWritten& written) {
-    Handle handle = converted<Nano>(grid);
+    Handle handle = nano::converted<Nano, ZeroBuffer>(grid);
     written.type = type;
     written.quantized = true;
     written.greatestError = greatestDifference(grid, *handle.grid<Nano>());
@@ -216,11 +204,12 @@ std::vector<NvdbWritten> writeNvdb(std::ostream& stream, const std::vector<openv
   for (const auto& grid : grids) {
     handles.push_back(converter.convert(*grid, report.emplace_back()));
     segment.add(handles.back());
-    segment.meta.back().fileSize = handles.back().size();
+    segment.meta.back().fileSize = handles.back().buffer().size();
   }
   segment.write(stream);
   for (const Handle& handle : handles)
-    stream.write(reinterpret_cast<const char*>(handle.data()), static_cast<std::streamsize>(handle.size()));
+    stream.write(reinterpret_cast<const char*>(handle.buffer().data()),
+                 static_cast<std::streamsize>(handle.buffer().size()));
   return report;
 }
 
