@@ -5,6 +5,7 @@
 # Notes that a part is in the build, or why it is not: juliavdb_part("3MF files" ${LibZip_FOUND} "libzip was not found").
 function(juliavdb_part name built reason)
   if(NOT built)
+    string(REPLACE ";" "\\;" reason "${reason}")
     set_property(GLOBAL APPEND PROPERTY JULIAVDB_LEFT_OUT "${name}: ${reason}")
   endif()
 endfunction()
