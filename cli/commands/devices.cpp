@@ -16,7 +16,8 @@ namespace {
 constexpr Usage kDevicesUsage = {
     "devices", "[--json]",
     "Lists the devices of OpenCL, with their numbers for --device, and tries the arithmetic of each: a device is used "
-    "only if its results have the bits of the processor's. What is not used is listed with the reason.",
+    "only if its results have the bits of the processor's. What is not used is listed with the reason, and then where "
+    "drivers were looked for.",
     "  juliavdb devices\n"
     "  juliavdb devices --json\n"};
 
@@ -38,7 +39,10 @@ int runDevices(const Arguments& arguments) {
                       {"usable", info.refusal.empty()},
                       {"refusal", info.refusal}});
     }
-    std::cout << nlohmann::json{{"devices", list}, {"refusal", refusal}}.dump(1) << '\n';
+    nlohmann::json drivers = nlohmann::json::array();
+    for (const julia::DriverPlace& looked : julia::driverPlaces())
+      drivers.push_back({{"place", looked.place}, {"found", looked.found}});
+    std::cout << nlohmann::json{{"devices", list}, {"drivers", drivers}, {"refusal", refusal}}.dump(1) << '\n';
     return kDone;
   }
   if (devices.empty()) std::cout << "There is no device: " << refusal << ".\n";
@@ -52,6 +56,9 @@ int runDevices(const Arguments& arguments) {
     else
       std::cout << "not used: " << device.refusal << '\n';
   }
+  const auto places = julia::driverPlaces();
+  if (!places.empty()) std::cout << "Drivers were looked for in\n";
+  for (const julia::DriverPlace& looked : places) std::cout << "  " << looked.place << ": " << looked.found << '\n';
   return kDone;
 }
 

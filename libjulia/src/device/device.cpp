@@ -51,12 +51,16 @@ std::vector<std::shared_ptr<const Device>> openDevices(const DeviceNotice& notic
   return devices;
 }
 
+std::vector<DriverPlace> driverPlaces() { return device::openClDrivers().places; }
+
 #else
 
 std::vector<std::shared_ptr<const Device>> openDevices(const DeviceNotice&, std::string& refusal) {
   refusal = "this program was built without devices: " JULIA_NO_OPENCL;
   return {};
 }
+
+std::vector<DriverPlace> driverPlaces() { return {}; }
 
 #endif
 

@@ -130,32 +130,25 @@ void keepUntilExit(void* object) {
 // --- The device ---
 
 std::vector<OpenClDevice::Place> OpenClDevice::places(std::string& refusal) {
-  const OpenClFunctions* const cl = openClFunctions(refusal);
-  if (!cl) return {};
-  cl_uint count = 0;
-  if (cl->GetPlatformIDs(0, nullptr, &count) != CL_SUCCESS) count = 0;
-  std::vector<cl_platform_id> platforms(count);
-  if (count != 0 && cl->GetPlatformIDs(count, platforms.data(), nullptr) != CL_SUCCESS) platforms.clear();
+  const Drivers& drivers = openClDrivers();
   std::vector<Place> places;
-  for (const cl_platform_id platform : platforms) {
+  for (const Platform& platform : drivers.platforms) {
+    const OpenClFunctions& cl = *platform.functions;
     cl_uint found = 0;
-    if (cl->GetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, nullptr, &found) != CL_SUCCESS || found == 0) continue;
+    if (cl.GetDeviceIDs(platform.id, CL_DEVICE_TYPE_ALL, 0, nullptr, &found) != CL_SUCCESS || found == 0) continue;
     std::vector<cl_device_id> devices(found);
-    if (cl->GetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, found, devices.data(), nullptr) != CL_SUCCESS) continue;
+    if (cl.GetDeviceIDs(platform.id, CL_DEVICE_TYPE_ALL, found, devices.data(), nullptr) != CL_SUCCESS) continue;
     for (const cl_device_id device : devices) places.push_back({platform, device});
   }
-  if (places.empty()) {
-    refusal = platforms.empty() ? "OpenCL's loader found no platform: no driver of OpenCL is installed"
-                                : "none of OpenCL's platforms has a device";
-  }
+  if (places.empty()) refusal = drivers.platforms.empty() ? drivers.refusal : "none of OpenCL's platforms has a device";
   return places;
 }
 
 OpenClDevice::OpenClDevice(const Place& place, DeviceNotice notice)
-    : mCl(*openClFunctions(mInfo.refusal)), mDevice(place.device), mNotice(std::move(notice)) {
+    : mCl(*place.platform.functions), mDevice(place.device), mNotice(std::move(notice)) {
   try {
     const auto platform = textOf([&](std::size_t size, char* to, std::size_t* needed) {
-      return mCl.GetPlatformInfo(place.platform, CL_PLATFORM_NAME, size, to, needed);
+      return mCl.GetPlatformInfo(place.platform.id, CL_PLATFORM_NAME, size, to, needed);
     });
     mInfo.name = textOf(mCl, mDevice, CL_DEVICE_NAME) + " (" + platform + ", driver " +
                  textOf(mCl, mDevice, CL_DRIVER_VERSION) + ")";

@@ -5,7 +5,7 @@
 
 #include "julia/device/device.h"
 
-#include "device/opencl_library.h"
+#include "device/opencl_drivers.h"
 #include "device/program_data.h"
 
 #include <atomic>
@@ -40,7 +40,7 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
  public:
   /// Where a device is found.
   struct Place {
-    cl_platform_id platform;
+    Platform platform;
     cl_device_id device;
   };
 

@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file opencl_library.h
-/// OpenCL's loader, opened while the program runs: libOpenCL.so.1, or the file that the environment variable
-/// JULIAVDB_OPENCL names.
+/// The functions of OpenCL that are used. None is linked to: opencl_drivers.h finds them while the program runs.
 #pragma once
 
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
 
-#include <string>
-
 namespace julia::device {
 
 /// The functions of OpenCL 1.2 that are used, by their names without `cl`.
 struct OpenClFunctions {
-  decltype(&::clGetPlatformIDs) GetPlatformIDs = nullptr;
   decltype(&::clGetPlatformInfo) GetPlatformInfo = nullptr;
   decltype(&::clGetDeviceIDs) GetDeviceIDs = nullptr;
   decltype(&::clGetDeviceInfo) GetDeviceInfo = nullptr;
@@ -38,8 +34,5 @@ struct OpenClFunctions {
   decltype(&::clWaitForEvents) WaitForEvents = nullptr;
   decltype(&::clReleaseEvent) ReleaseEvent = nullptr;
 };
-
-/// @return nullptr if there is no loader on this machine; @a refusal says so then
-const OpenClFunctions* openClFunctions(std::string& refusal);
 
 }  // namespace julia::device

@@ -8,7 +8,10 @@
 /// that the kernels leave out, such as one that hits a root, are evaluated by the processor as well: a point's value
 /// does not depend on its batch.
 ///
-/// OpenCL's loader, libOpenCL.so.1, is opened when a device is asked for; a program that asks for none runs without it.
+/// OpenCL's loader and drivers are opened when a device is asked for; a program that asks for none runs without them.
+/// They are looked for once in a process: the loader, libOpenCL.so.1 or the file that the environment variable
+/// JULIAVDB_OPENCL names; and drivers of vendors that the loader does not know. If JULIAVDB_OPENCL_DRIVER names the
+/// file of a driver, it alone is used.
 #pragma once
 
 #include "julia/evaluator.h"
@@ -53,6 +56,13 @@ using DeviceNotice = std::function<void(const std::string&)>;
 /// a refusal cannot be used.
 /// @param refusal  receives why there is none, if there is none
 std::vector<std::shared_ptr<const Device>> openDevices(const DeviceNotice& notice, std::string& refusal);
+
+/// Where drivers of OpenCL were looked for: a loader, a file or a folder, and what was found there, in words.
+struct DriverPlace {
+  std::string place, found;
+};
+/// All places, in the order of the search; it is made with the first call of this or of openDevices().
+std::vector<DriverPlace> driverPlaces();
 
 /// The device on which the process evaluates fields; nullptr, the default, for none. Like the instruction set
 /// (instruction_set.h), it changes no result.
