@@ -15,12 +15,12 @@ QUICKSTART_PACKAGES=(glmark2-data)
 # module, and python3-numpy runs it. blender runs the tests of the add-on; with what it needs, it is a download of 90 MB.
 # pocl-opencl-icd makes the processor a device of OpenCL, with which the devices are tested; oclgrind is one that watches,
 # and Debian 13 has none. clang-format lays out C++ another way in each version, and 14 is the one that counts here.
-# libnanovdb-tools reads our NanoVDB files, python3-tifffile the layers of stacks, and python3-meshio our meshes.
+# patchelf, xz-utils and ocl-icd-libopencl1 make a bundle. libnanovdb-tools reads our NanoVDB files, python3-tifffile the layers of stacks, and python3-meshio our meshes.
 # chromium and its driver, which Selenium speaks to, show the page of 'juliavdb explore'; 90 MB.
 TEST_PACKAGES=(dpkg-dev file groff-base libgtest-dev libbenchmark-dev libopenvdb-tools python3 python3-openvdb python3-dev
   pybind11-dev python3-numpy python3-pip python3-setuptools python3-wheel libtinygltf-dev 'clang-format-14?' doxygen git
   ca-certificates slurm-wlm munge parallel blender chromium chromium-driver python3-selenium pocl-opencl-icd 'oclgrind?'
-  libnanovdb-tools python3-tifffile python3-meshio)
+  libnanovdb-tools python3-tifffile python3-meshio patchelf xz-utils ocl-icd-libopencl1)
 
 complain() { echo "${0##*/}: $*" >&2; }
 

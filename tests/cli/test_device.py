@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Devices of OpenCL: the files have the processor's bytes, and a device that is missing, fails or lies costs none.
 
-pocl makes the processor a device of OpenCL. tests/device/fake_opencl.cpp is a loader that fails or lies. Oclgrind is a
-device that watches what kernels do.
+pocl makes the processor a device of OpenCL. tests/device/fake_opencl.cpp is a loader that fails or lies.
 """
 
 import json
@@ -16,12 +15,18 @@ from harness import INTERNAL, USAGE
 
 LOW = ("--resolution", 28, "--sdf-resolution", 28)
 ON = ("--device", "opencl")
-OCLGRIND = pathlib.Path("/usr/lib/oclgrind/liboclgrind-rt-icd.so")
 NO_PLATFORM = {"OCL_ICD_VENDORS": "/nonexistent"}
 
 
 def fake(mode, **more):
     return {"JULIAVDB_OPENCL": os.environ["JULIAVDB_FAKE_LOADER"], "JULIAVDB_FAKE_OPENCL": mode, **more}
+
+
+def installed_driver(icd):
+    """The file of the driver that an .icd file of this machine names; None if it is not where Debian has it."""
+    name = icd.read_text().strip()
+    files = (pathlib.Path(name), pathlib.Path("/usr/lib/x86_64-linux-gnu", name))
+    return next((file.resolve() for file in files if "pocl" in name and file.is_file()), None)
 
 
 class Devices(harness.CliTest):
@@ -156,7 +161,9 @@ class Missing(Devices):
         self.assertIn("Evaluates on the processor",
                       self.ok("fractal", "t.obj", *LOW, "-o", "a.vdb", "--device", "auto", env=NO_PLATFORM))
         self.assertEqual(self.listed(NO_PLATFORM)["devices"], [])
-        self.assertIn("There is no device", self.ok("devices", env=NO_PLATFORM, data=True))
+        said = self.ok("devices", env=NO_PLATFORM, data=True)
+        for mention in ("There is no device", "  /nonexistent: no .icd file", "  libnvidia-opencl.so.1: ", "  libamdocl64.so: "):
+            self.assertIn(mention, said)
 
     def test_no_loader(self):
         env = {"JULIAVDB_OPENCL": "/nonexistent/libOpenCL.so.1"}
@@ -223,28 +230,65 @@ class FailingDevices(Devices):
         self.here("small", "the field needs")
 
 
-@unittest.skipUnless(OCLGRIND.exists() and "JULIAVDB_FAKE_LOADER" in os.environ, "no Oclgrind, or no loader to name it")
-class UnderOclgrind(Devices):
+@unittest.skipUnless(harness.has_opencl(), "no device of OpenCL is installed")
+class Drivers(Devices):
+    """Those that no .icd file names, as in images of containers. pocl's driver stands for any."""
 
-    def test_no_kernel_races_or_reads_what_is_not_there(self):
-        """Of symmetric waves and of roots, in floats and in doubles, points and edges."""
+    def setUp(self):
+        super().setUp()
+        self.driver = next(path for path in map(installed_driver, pathlib.Path("/etc/OpenCL/vendors").glob("*.icd")) if path)
+
+    def of_a_vendor(self, name):
+        """An environment in which the driver has another name, by which no .icd file calls it."""
+        os.makedirs(self.path("usr/lib/here"), exist_ok=True)
+        # pocl looks for its own parts from where its library is: beside it, and in ../../share.
+        for link, to in ((f"lib/here/{name}", self.driver), ("lib/here/pocl", self.driver.parent / "pocl"), ("share", "/usr/share")):
+            if not self.path(f"usr/{link}").exists():
+                self.path(f"usr/{link}").symlink_to(to)
+        return {**NO_PLATFORM, "LD_LIBRARY_PATH": str(self.path("usr/lib/here"))}
+
+    def found(self, env):
+        listed = self.listed(env)
+        self.assertTrue(listed["devices"] and listed["devices"][0]["usable"], listed)
+        return listed["devices"], {each["place"]: each["found"] for each in listed["drivers"]}
+
+    def evaluates(self, env):
+        self.ok("fractal", "t.obj", *LOW, "--mesh", "here.ply")
+        self.assertIn("Evaluates on device 0", self.ok("fractal", "t.obj", *LOW, "--mesh", "there.ply", *ON, env=env))
+        self.assertTrue(self.bytes("here.ply") == self.bytes("there.ply"))
+
+    def test_one_that_is_named(self):
+        for loader in ({}, {"JULIAVDB_OPENCL": "/nonexistent"}):
+            env = {**NO_PLATFORM, **loader, "JULIAVDB_OPENCL_DRIVER": str(self.driver)}
+            _, places = self.found(env)
+            self.assertEqual(places, {str(self.driver): "1 platform"})
+            self.evaluates(env)
+
+    def test_a_vendors_that_is_found_by_its_name(self):
+        for name in ("libnvidia-opencl.so.1", "libamdocl64.so"):
+            vendor = self.of_a_vendor(name)
+            for loader in ({}, {"JULIAVDB_OPENCL": "/nonexistent"}):
+                with self.subTest(name=name, loader=loader):
+                    env = {**vendor, **loader}
+                    devices, places = self.found(env)
+                    self.assertEqual(len(devices), 1)
+                    self.assertEqual(places[str(self.path(f"usr/lib/here/{name}"))], "1 platform")
+                    self.evaluates(env)
+            self.path(f"usr/lib/here/{name}").unlink()
+
+    def test_one_that_the_loader_knows_is_not_counted_twice(self):
         os.mkdir(self.path("vendors"))
-        self.write("vendors/oclgrind.icd", str(OCLGRIND))
-        complaints = pathlib.Path(self.path("complaints"))
-        self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))
-        low = ("--resolution", 8, "--sdf-resolution", 28)
-        for options in (("--iterations", 2, "--texture-symmetry", "3:y"),
-                        ("--texture", "v.o3d", "--precision", "double", "--iterations", 2)):
-            with self.subTest(options=options):
-                self.ok("fractal", "t.obj", *low, *options, "--mesh", "here.ply")
-                said = self.ok("fractal", "t.obj", *low, *options, "--mesh", "there.ply", *ON,
-                               env=fake("rounded", OCL_ICD_VENDORS=str(self.path("vendors")), OCLGRIND_DATA_RACES="1",
-                                        OCLGRIND_UNINITIALIZED="1", OCLGRIND_LOG=str(complaints),
-                                        JULIAVDB_DEVICE_TIMEOUT="3600"))
-                self.assertIn("Oclgrind", said)
-                self.assertNotIn("The processor", said)
-                self.assertEqual(complaints.read_text() if complaints.exists() else "", "")
-                self.assertTrue(self.bytes("here.ply") == self.bytes("there.ply"))
+        self.write("vendors/one.icd", "libnvidia-opencl.so.1\n")
+        devices, places = self.found({**self.of_a_vendor("libnvidia-opencl.so.1"), "OCL_ICD_VENDORS": str(self.path("vendors"))})
+        self.assertEqual(len(devices), 1)
+        self.assertEqual(places[str(self.path("vendors/one.icd"))], "it names libnvidia-opencl.so.1, which is open")
+        self.assertEqual(places[str(self.path("usr/lib/here/libnvidia-opencl.so.1"))], "the loader has opened it")
+
+    def test_a_named_file_that_is_no_driver(self):
+        for file, mention in (("/nonexistent/driver.so", "/nonexistent/driver.so"), ("libm.so.6", "is no driver of OpenCL")):
+            env = {"JULIAVDB_OPENCL_DRIVER": file}
+            self.refused(INTERNAL, "fractal", "t.obj", *LOW, "-o", "a.vdb", *ON, env=env, mentions=("JULIAVDB_OPENCL_DRIVER", mention))
+            self.assertEqual(self.listed(env)["devices"], [])
 
 
 if __name__ == "__main__":

@@ -98,7 +98,9 @@ exec {PROGRAM} "${{words[@]/#250/60}}"
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertIn(f"install -y -qq --no-install-recommends {os.path.realpath(folder)}/x.deb", pathlib.Path(folder, "log").read_text())
             self.assertTrue(pathlib.Path(folder, "out/bunny_fractal.png").is_file())
-            for words, code, mention in ((("--deb", "y.deb"), 66, "y.deb"), (("--dev", "x.deb"), 2, "--dev"), (("--deb",), 1, "needs the file")):
+            for words, code, mention in ((("--deb", "y.deb"), 66, "y.deb"), (("--dev", "x.deb"), 2, "--dev"), (("--deb",), 1, "needs the file"),
+                                         (("--bundle",), 1, "needs the name"), (("--bundle", "x.zip"), 2, "x.zip"),
+                                         (("--bundle", "nowhere/x.tar.xz"), 73, "nowhere/x.tar.xz")):
                 done = quickstart(*words)
                 self.assertEqual(done.returncode, code, words)
                 self.assertIn(mention, done.stderr)
@@ -110,7 +112,7 @@ exec {PROGRAM} "${{words[@]/#250/60}}"
             text += subprocess.run([PROGRAM, *command.split(), "--help", "all"], capture_output=True, text=True,
                                    check=True).stdout
         # Those of CMake and of quickstart stand beside ours.
-        known = set(re.findall(r"--[a-z][a-z0-9-]*", text)) | {"--help", "--build", "--target", "--deb"}
+        known = set(re.findall(r"--[a-z][a-z0-9-]*", text)) | {"--help", "--build", "--target", "--deb", "--bundle"}
         for page, words in PAGES.items():
             for option in set(re.findall(r"--[a-z][a-z0-9-]*", words)):
                 self.assertIn(option, known, page)
