@@ -7,6 +7,7 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
+#include <cstdarg>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -14,7 +15,43 @@
 #include <new>
 #include <system_error>
 
+// Of libtiff, which OpenImageIO links to; its headers are not needed for anything else. They are null where OpenImageIO
+// was built without it.
+extern "C" {
+using TiffHandler = void(const char* module, const char* format, std::va_list arguments);
+[[gnu::weak]] TiffHandler* TIFFSetErrorHandler(TiffHandler* handler);
+[[gnu::weak]] TiffHandler* TIFFSetWarningHandler(TiffHandler* handler);
+}
+
 namespace {
+
+thread_local bool isDecoding = false;
+TiffHandler *hostsErrors = nullptr, *hostsWarnings = nullptr;
+
+/// Keeps libtiff from printing what is wrong with the files that are decoded here: OpenImageIO 2.4 prevented it,
+/// and 2.5, which also takes the messages, does not. What libtiff has to say to the host still arrives there.
+class QuietTiff {
+ public:
+  QuietTiff() {
+    [[maybe_unused]] static const bool isSet = set();
+    isDecoding = true;
+  }
+  ~QuietTiff() { isDecoding = false; }
+  QuietTiff(const QuietTiff&) = delete;
+  QuietTiff& operator=(const QuietTiff&) = delete;
+
+ private:
+  static bool set() {
+    if (!TIFFSetErrorHandler || !TIFFSetWarningHandler) return false;
+    hostsErrors = TIFFSetErrorHandler([](const char* module, const char* format, std::va_list arguments) {
+      if (!isDecoding && hostsErrors) hostsErrors(module, format, arguments);
+    });
+    hostsWarnings = TIFFSetWarningHandler([](const char* module, const char* format, std::va_list arguments) {
+      if (!isDecoding && hostsWarnings) hostsWarnings(module, format, arguments);
+    });
+    return true;
+  }
+};
 
 /// The bytes of a file. It replaces a reader of OpenImageIO 2.4 that reads before and behind them if a damaged file has
 /// a negative or too large offset.
@@ -74,6 +111,7 @@ bool readLines(OIIO::ImageInput& input, const OIIO::ImageSpec& spec, float* valu
 bool juliavdbDecodeImage(std::string_view bytes, std::string_view format, int threads, double room,
                          vdbtools::DecodedImage& image, std::string& reason) {
   try {
+    const QuietTiff quiet;
     vdbtools::useImageThreads(threads);
     OIIO::ImageSpec config;
     config.attribute("oiio:UnassociatedAlpha", 1);  // colours as in the file, not multiplied by alpha
