@@ -9,5 +9,6 @@ if(oldest AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS oldest)
   message(FATAL_ERROR "${CMAKE_CXX_COMPILER} is ${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION}, and ${oldest} or later "
                       "is needed, such as ${package_${CMAKE_CXX_COMPILER_ID}}; -DCMAKE_CXX_COMPILER=FILE names another compiler")
 elseif(NOT oldest)
-  message(STATUS "The compiler ${CMAKE_CXX_COMPILER_ID} was not tried; GNU ${oldest_GNU} and Clang ${oldest_Clang} were, and later ones")
+  message(STATUS "The compiler ${CMAKE_CXX_COMPILER_ID} was not tried; GNU ${oldest_GNU} and Clang ${oldest_Clang} were, and "
+                 "later ones")
 endif()

@@ -15,7 +15,8 @@ QUICKSTART_PACKAGES=(glmark2-data)
 # module, and python3-numpy runs it. blender runs the tests of the add-on; with what it needs, it is a download of 90 MB.
 # pocl-opencl-icd makes the processor a device of OpenCL, with which the devices are tested; oclgrind is one that watches,
 # and Debian 13 has none. clang-format lays out C++ another way in each version, and 14 is the one that counts here.
-# patchelf, xz-utils and ocl-icd-libopencl1 make a bundle. libnanovdb-tools reads our NanoVDB files, python3-tifffile the layers of stacks, and python3-meshio our meshes.
+# patchelf, xz-utils and ocl-icd-libopencl1 make a bundle. libnanovdb-tools reads our NanoVDB files, python3-tifffile the
+# layers of stacks, and python3-meshio our meshes.
 # chromium and its driver, which Selenium speaks to, show the page of 'juliavdb explore'; 90 MB.
 TEST_PACKAGES=(dpkg-dev file groff-base libgtest-dev libbenchmark-dev libopenvdb-tools python3 python3-openvdb python3-dev
   pybind11-dev python3-numpy python3-pip python3-setuptools python3-wheel libtinygltf-dev 'clang-format-14?' doxygen git
@@ -110,7 +111,7 @@ install_packages() {
     echo "== installing ${known[*]}"
     apt_install "${known[@]}" || left_out+=("${known[@]}")
   fi
-  [ ${#left_out[@]} -eq 0 ] || echo "== going on without ${left_out[*]}, which this release does not have or which could not be installed"
+  [ ${#left_out[@]} -eq 0 ] || echo "== going on without what this release lacks or what could not be installed: ${left_out[*]}"
 }
 
 # Whether a program is of a version or later; the version is the first number with a point that it prints.
@@ -126,10 +127,10 @@ check_tools() {
   local oldest
   oldest=$(sed -n 's/^cmake_minimum_required(VERSION \([0-9.]*\)).*/\1/p' CMakeLists.txt)
   if ! command -v cmake >/dev/null; then
-    complain "cmake is not here, and $oldest or later is needed; a package of the system has it, and so has https://cmake.org/download"
+    complain "cmake is not here, and $oldest or later is needed; the system's package cmake or https://cmake.org/download has it"
     return 69
   elif ! command -v ninja >/dev/null; then
-    complain "ninja is not here; the package ninja-build or ninja of the system has it, and so has https://ninja-build.org"
+    complain "ninja is not here; the system's package ninja-build or ninja has it, or https://ninja-build.org"
     return 69
   fi
   is_at_least cmake "$oldest" https://cmake.org/download || return 69
