@@ -304,16 +304,15 @@ class Browser(browser.BrowserTest):
                 spread = lambda some: max(float(one[1]["detail"]) for one in some) - min(float(one[1]["detail"]) for one in some)  # noqa: E731
                 self.assertLess(spread(looks), spread(first))
             pages.append(looks)
-        # The same look has the same neighbours, and they are not asked for again.
+        # The same look has the same neighbours.
         again = pages[-1]
         self.button("Back").click()
-        self.settle()
-        asked = self.run_script("return asked")
         self.choice(5, "Vary").click()
         self.wait_for_looks()
         self.assertEqual([recipe for _, recipe, _ in self.looks()], [recipe for _, recipe, _ in again])
+        # The pages on the way back are there still, and not asked for again.
         self.settle()
-        self.assertEqual(self.run_script("return asked"), asked)
+        asked = self.run_script("return asked")
         for looks in pages[-2::-1]:
             self.button("Back").click()
             self.assertEqual(self.looks(), looks)
