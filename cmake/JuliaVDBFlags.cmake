@@ -43,7 +43,7 @@ endfunction()
 if(JULIAVDB_FUZZ)
   if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
     message(FATAL_ERROR "JULIAVDB_FUZZ needs clang, for its libFuzzer: cmake --preset fuzz, or "
-                        "-DCMAKE_CXX_COMPILER=clang++-14 (Debian: clang-14 and libclang-rt-14-dev)")
+                        "-DCMAKE_CXX_COMPILER=clang++ (Debian: clang and libclang-rt-dev)")
   endif()
   if(JULIAVDB_SANITIZE)
     message(FATAL_ERROR "JULIAVDB_FUZZ brings its own sanitizers; leave JULIAVDB_SANITIZE empty")
