@@ -50,15 +50,15 @@ class Bundle(unittest.TestCase):
         assert made.returncode == 0, made.stdout + made.stderr
         cls.said = made.stdout
         cls.root = cls.folder / "root"
-        cls.work = cls.root / "work"
+        cls.work = cls.root / "unpacked"
         cls.work.mkdir(parents=True)
-        run("tar", "-xf", cls.archive, "-C", cls.root / "work", check=True)
+        run("tar", "-xf", cls.archive, "-C", cls.root / "unpacked", check=True)
         cls.unpacked = cls.work / NAME
         (cls.work / "s.obj").write_text(harness.obj(harness.torus()))
 
     @classmethod
     def empty_root(cls):
-        """@return the words before a command that runs in the root, in /work"""
+        """@return the words before a command that runs in the root, in /unpacked"""
         for place in ("lib64", "proc", "tmp", "lib/x86_64-linux-gnu"):
             (cls.root / place).mkdir(parents=True, exist_ok=True)
         shutil.copy(LINKER, cls.root / "lib64")
@@ -70,7 +70,7 @@ class Bundle(unittest.TestCase):
         # $ORIGIN of a program is found by /proc.
         return ["unshare", "--mount", *(() if os.geteuid() == 0 else ("--map-root-user",)), "sh", "-c",
                 f'mount --rbind /proc "{cls.root}/proc" && exec "$@"', "sh", sys.executable, "-c",
-                f"import os, sys; os.chroot('{cls.root}'); os.chdir('/work'); os.execve(sys.argv[1], sys.argv[1:], {{}})"]
+                f"import os, sys; os.chroot('{cls.root}'); os.chdir('/unpacked'); os.execve(sys.argv[1], sys.argv[1:], {{}})"]
 
     def enter(self):
         words = self.empty_root()
@@ -91,7 +91,7 @@ class Bundle(unittest.TestCase):
         for words in commands:
             built = run(harness.program(), *words, cwd=here)
             self.assertEqual(built.returncode, 0, built.stderr)
-            there = run(*enter, f"/work/{NAME}/bin/juliavdb", *words)
+            there = run(*enter, f"/unpacked/{NAME}/bin/juliavdb", *words)
             self.assertEqual(there.returncode, 0, f"{words}\n{there.stderr}")
         for name in ("f.vdb", "f.ply", "f.png", "s.png", "f.exr"):
             with self.subTest(file=name):
@@ -100,7 +100,7 @@ class Bundle(unittest.TestCase):
     def test_the_page_answers(self):
         enter = self.enter()
         words = harness.quiet(("explore", "s.obj", "--resolution", "24", "--sdf-resolution", "24"))
-        server = subprocess.Popen([*enter, f"/work/{NAME}/bin/juliavdb", *words], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        server = subprocess.Popen([*enter, f"/unpacked/{NAME}/bin/juliavdb", *words], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         try:
             url = urllib.parse.urlsplit(server.stdout.readline().decode().strip())
             self.assertTrue(url.port, "the server gives no address")
