@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "explore/http_head.h"
 
+#include "base/percent_decoded.h"
+#include "base/trimmed.h"
 #include "vdbtools/files/file_bytes.h"
 
 #include <algorithm>
-#include <charconv>
 
 namespace vdbtools::explore {
 namespace {
@@ -22,35 +23,12 @@ bool isToken(std::string_view text) {
 /// A character that may stand in a line. Bytes beyond ASCII may, and mean nothing.
 bool isText(char c) { return c == '\t' || (static_cast<unsigned char>(c) >= 0x20 && c != 0x7f); }
 
-std::string_view withoutSpaces(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t");
-  return first == text.npos ? std::string_view() : text.substr(first, text.find_last_not_of(" \t") + 1 - first);
-}
-
 /// Takes the text up to @a end, and what ends it, off @a rest. Everything, if it does not end.
 std::string_view takeUpTo(std::string_view end, std::string_view& rest) {
   const std::size_t at = rest.find(end);
   const std::string_view taken = rest.substr(0, at);
   rest.remove_prefix(at == rest.npos ? rest.size() : at + end.size());
   return taken;
-}
-
-/// A percent sign without two hexadecimal digits behind it stands for itself.
-std::string decoded(std::string_view text) {
-  std::string result;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    unsigned char byte = 0;
-    if (text[i] == '%' && text.size() - i > 2) {
-      const char* const end = text.data() + i + 3;
-      if (std::from_chars(end - 2, end, byte, 16).ptr == end) {
-        result += static_cast<char>(byte);
-        i += 2;
-        continue;
-      }
-    }
-    result += text[i];
-  }
-  return result;
 }
 
 /// "GET /path HTTP/1.1". The target begins with a slash: other targets are for proxies.
@@ -67,7 +45,7 @@ bool readField(std::string_view line, HttpHead& head) {
   if (line.find(':') == line.npos) return false;
   const std::string_view name = takeUpTo(":", line);
   if (!isToken(name)) return false;
-  head.fields.emplace_back(lowerCase(name), withoutSpaces(line));
+  head.fields.emplace_back(lowerCase(name), trimmed(line));
   return true;
 }
 
@@ -84,7 +62,7 @@ std::string_view HttpHead::value(std::string_view name) const {
   return {};
 }
 
-std::string HttpHead::path() const { return decoded(std::string_view(target).substr(0, target.find('?'))); }
+std::string HttpHead::path() const { return percentDecoded(std::string_view(target).substr(0, target.find('?'))); }
 
 std::string HttpHead::parameter(std::string_view name) const {
   std::string_view query = target;
@@ -93,7 +71,7 @@ std::string HttpHead::parameter(std::string_view name) const {
     std::string value(takeUpTo("&", query));
     std::replace(value.begin(), value.end(), '+', ' ');  // as forms encode a space
     std::string_view rest = value;
-    if (decoded(takeUpTo("=", rest)) == name) return decoded(rest);
+    if (percentDecoded(takeUpTo("=", rest)) == name) return percentDecoded(rest);
   }
   return {};
 }

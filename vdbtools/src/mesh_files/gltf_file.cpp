@@ -2,6 +2,7 @@
 #include "mesh_files/gltf_file.h"
 
 #include "base/json_text.h"
+#include "base/percent_decoded.h"
 #include "mesh_files/glb_format.h"
 #include "vdbtools/files/file_bytes.h"
 
@@ -71,22 +72,6 @@ std::optional<std::string> base64Decoded(std::string_view text) {
     bytes += static_cast<char>(bits >> count & 0xff);
   }
   return bytes;
-}
-
-/// Decodes "%20" and the like to bytes.
-std::string percentDecoded(const std::string& text) {
-  const auto digit = [](char c) {
-    if (c >= '0' && c <= '9') return c - '0';
-    const char lower = static_cast<char>(c | 0x20);
-    return lower >= 'a' && lower <= 'f' ? lower - 'a' + 10 : -1;
-  };
-  std::string result;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool coded = text[i] == '%' && i + 2 < text.size() && digit(text[i + 1]) >= 0 && digit(text[i + 2]) >= 0;
-    result += coded ? static_cast<char>(16 * digit(text[i + 1]) + digit(text[i + 2])) : text[i];
-    if (coded) i += 2;
-  }
-  return result;
 }
 
 }  // namespace

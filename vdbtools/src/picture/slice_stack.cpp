@@ -7,9 +7,9 @@
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/files/file_bytes.h"
+#include "vdbtools/recipe/option_value.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <stdexcept>
 
@@ -31,11 +31,6 @@ constexpr int largestCode(int bits) { return (1 << bits) - 1; }
 std::uint16_t codeOf(double share, int bits) {
   if (std::isnan(share)) return 0;
   return static_cast<std::uint16_t>(std::clamp(share, 0.0, 1.0) * largestCode(bits) + 0.5);
-}
-
-std::string exactText(double value) {
-  char digits[32];
-  return {digits, std::to_chars(digits, digits + sizeof digits, value).ptr};
 }
 
 SliceEncoder* findSliceEncoder() {
@@ -122,7 +117,7 @@ std::string encodeSlice(const SliceCodes& slice, const SliceVoxels& voxels, cons
   // ImageJ calls an inch so; a pixel is its word for a unit that nobody has named.
   const std::string unit = !voxels.unit ? "pixel" : *voxels.unit == LengthUnit::Inch ? "inch" : nameOf(*voxels.unit);
   const std::string description =
-      "ImageJ=1.53\nimages=1\nunit=" + unit + "\nspacing=" + (voxels.unit ? exactText(voxels.size) : "1") + "\n";
+      "ImageJ=1.53\nimages=1\nunit=" + unit + "\nspacing=" + (voxels.unit ? numbersText({voxels.size}) : "1") + "\n";
   if (!png) picture.description = description.c_str();
   static SliceEncoder* const encode = findSliceEncoder();
   picture.threads = imageThreads();

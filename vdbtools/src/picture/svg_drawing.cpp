@@ -3,6 +3,7 @@
 
 #include "base/base64.h"
 #include "base/srgb.h"
+#include "vdbtools/recipe/option_value.h"
 
 #include <array>
 #include <charconv>
@@ -24,12 +25,6 @@ std::string pixelsText(double value) {
   return text == "-0" ? "0" : text;
 }
 
-/// A number, to its last bit.
-std::string exactText(double value) {
-  std::array<char, 32> buffer;
-  return {buffer.data(), std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr};
-}
-
 std::string attribute(std::string_view name, std::string_view value) {
   return std::string(" ").append(name).append("=\"").append(value).append("\"");
 }
@@ -47,7 +42,7 @@ std::string attribute(std::string_view name, const Colour& colour) {
 
 std::string fillOf(const Colour& colour, double opacity) {
   std::string text = attribute("fill", colour);
-  if (opacity < 1) text += attribute("fill-opacity", exactText(opacity));
+  if (opacity < 1) text += attribute("fill-opacity", numbersText({opacity}));
   return text;
 }
 
@@ -112,7 +107,7 @@ void SvgDrawing::line(std::span<const CanvasPoint> points, const LineStyle& styl
 
 void SvgDrawing::text(std::string_view utf8, const std::string& outline, const CanvasPoint& origin, double unit,
                       const TextStyle& style) {
-  const std::string scale = exactText(unit);
+  const std::string scale = numbersText({unit});
   const std::string axes = style.upwards ? "0 -" + scale + " -" + scale + " 0" : scale + " 0 0 -" + scale;
   mText += "<path" + attribute("aria-label", escaped(utf8)) + attribute("fill", style.colour) +
            attribute("transform", "matrix(" + axes + " " + pixelsText(origin.x) + " " + pixelsText(origin.y) + ")") +
