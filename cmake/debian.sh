@@ -5,21 +5,22 @@
 # A question mark behind a name: a release that has no such package goes without it.
 #
 # fonts-dejavu-core has the font of the text in plots, which becomes a part of the library. openimageio-tools is needed
-# because OpenImageIO's CMake files insist on its programs being installed.
+# because OpenImageIO's CMake files insist on its programs being installed. python3-dev and pybind11-dev build the Python
+# module, and python3-numpy runs it.
 BUILD_PACKAGES=(g++ cmake ninja-build libopenvdb-dev libtbb-dev libeigen3-dev liblbfgspp-dev libmuparser-dev
   libopenmesh-dev libopenimageio-dev openimageio-tools libcairo2-dev libfreetype-dev fonts-dejavu-core pkg-config libssl-dev
   nlohmann-json3-dev libmeshoptimizer-dev libboost-dev libboost-iostreams-dev libboost-program-options-dev libblosc-dev
-  zlib1g-dev libpng-dev libzip-dev opencl-c-headers libnanovdb-dev)
+  zlib1g-dev libpng-dev libzip-dev opencl-c-headers libnanovdb-dev python3 python3-dev python3-numpy pybind11-dev)
 QUICKSTART_PACKAGES=(glmark2-data)
-# slurm-wlm and parallel run the tests of farms: a true cluster, of one node. python3-dev and pybind11-dev build the Python
-# module, and python3-numpy runs it. blender runs the tests of the add-on; with what it needs, it is a download of 90 MB.
+# slurm-wlm and parallel run the tests of farms: a true cluster, of one node. blender runs the tests of the add-on; with
+# what it needs, it is a download of 90 MB.
 # pocl-opencl-icd makes the processor a device of OpenCL, with which the devices are tested; oclgrind is one that watches,
 # and Debian 13 has none. clang-format lays out C++ another way in each version, and 14 is the one that counts here.
 # patchelf, xz-utils and ocl-icd-libopencl1 make a bundle. libnanovdb-tools reads our NanoVDB files, python3-tifffile the
 # layers of stacks, and python3-meshio our meshes.
 # chromium and its driver, which Selenium speaks to, show the page of 'juliavdb explore'; 90 MB.
-TEST_PACKAGES=(dpkg-dev file groff-base libgtest-dev libbenchmark-dev libopenvdb-tools python3 python3-openvdb python3-dev
-  pybind11-dev python3-numpy python3-pip python3-setuptools python3-wheel libtinygltf-dev 'clang-format-14?' doxygen git
+TEST_PACKAGES=(dpkg-dev file groff-base libgtest-dev libbenchmark-dev libopenvdb-tools python3-openvdb
+  python3-pip python3-setuptools python3-wheel libtinygltf-dev 'clang-format-14?' doxygen git
   ca-certificates slurm-wlm munge parallel blender chromium chromium-driver python3-selenium pocl-opencl-icd 'oclgrind?'
   libnanovdb-tools python3-tifffile python3-meshio patchelf xz-utils ocl-icd-libopencl1)
 

@@ -2,6 +2,7 @@
 #include "watched_work.h"
 
 #include "vdbtools/base/memory.h"
+#include "vdbtools/base/scheduler.h"
 
 #include <algorithm>
 #include <atomic>
@@ -89,6 +90,7 @@ void doWatched(const py::object& progress, std::optional<double> memory,
   bool over = false;
   std::thread worker([&] {
     try {
+      vdbtools::startScheduler();
       work(monitor);
     } catch (...) {
       failure = std::current_exception();
