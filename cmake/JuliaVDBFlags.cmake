@@ -67,23 +67,36 @@ if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   endif()
 endif()
 
+# For targets that read, write and call others: to optimise them takes longer than it ever gives back. At this level, g++
+# believes that a std::optional is read where it is empty.
+add_library(juliavdb_light INTERFACE)
+target_compile_options(juliavdb_light INTERFACE $<$<CONFIG:Release,RelWithDebInfo>:-O1>
+                                                $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
+
+# Precompiles OpenVDB's grids for a target. The header takes as long to make as it saves in five files, so that of
+# `vdbtools_grids` serves all targets at -O1. g++ demands the same options for the header and for what uses it: another
+# level of optimisation makes it crash, a macro of the header's command line has to be on the other's, and the code
+# has to be of one kind, so programs are compiled as libraries are.
+#
 # g++ compiles the classes of OpenVDB's math/Maps.h again in every source that includes a grid, 2 s each: their first
 # virtual functions are inline. `#pragma interface` leaves them to OpenVDB's own library. It counts for the file that it
 # stands in, and #line says that this is Maps.h; if the path should differ, nothing but the time is lost.
 #
-# A precompiled header costs as much as it saves for four sources, so a unity build makes one only where many are left.
+# @param MAKE  makes the header for this target
+# @param OWN   the target's options differ from those of `vdbtools_grids`: makes its own header, or none in a unity build
+# @param ARGN  what else the target's sources include; a build that is no unity build precompiles it with the grids
 function(juliavdb_precompile target)
-  set(headers ${ARGN})
-  set(maps ${PROJECT_BINARY_DIR}/openvdb_maps.h)
+  cmake_parse_arguments(PARSE_ARGV 1 ARG "MAKE;OWN" "" "")
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    set(maps ${PROJECT_BINARY_DIR}/openvdb_maps.h)
     file(CONFIGURE OUTPUT ${maps} CONTENT "#line 1 \"${OpenVDB_INCLUDE_DIR}/openvdb/math/Maps.h\"\n#pragma interface\n")
-    list(PREPEND headers ${maps})
   endif()
-  get_target_property(sources ${target} SOURCES)
-  list(LENGTH sources count)
-  if(NOT CMAKE_UNITY_BUILD OR count GREATER 60)
-    target_precompile_headers(${target} PRIVATE ${headers})
-  elseif(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  if(ARG_MAKE OR (NOT CMAKE_UNITY_BUILD AND (ARG_OWN OR ARG_UNPARSED_ARGUMENTS)))
+    target_precompile_headers(${target} PRIVATE ${maps} <vdbtools/base/grids.h> ${ARG_UNPARSED_ARGUMENTS})
+  elseif(NOT ARG_OWN)
+    target_precompile_headers(${target} REUSE_FROM vdbtools_grids)
+    target_compile_options(${target} PRIVATE -fPIC)
+  elseif(maps)
     target_compile_options(${target} PRIVATE "SHELL:-include ${maps}")
   endif()
 endfunction()

@@ -18,7 +18,7 @@ install(FILES ${PROJECT_BINARY_DIR}/JuliaVDBConfig.cmake ${PROJECT_BINARY_DIR}/J
               ${PROJECT_SOURCE_DIR}/cmake/JuliaVDBPublicDependencies.cmake
               ${PROJECT_SOURCE_DIR}/cmake/JuliaVDBDependencies.cmake
         DESTINATION ${package_dir} COMPONENT Development)
-install(TARGETS julia vdbtools juliavdb_cli juliavdb_flags juliavdb_warnings EXPORT JuliaVDBTargets
+install(TARGETS julia vdbtools juliavdb_cli juliavdb_flags juliavdb_warnings juliavdb_light EXPORT JuliaVDBTargets
         RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT Runtime
         ARCHIVE DESTINATION ${JULIAVDB_LIBDIR} COMPONENT Development
         LIBRARY DESTINATION ${JULIAVDB_LIBDIR} COMPONENT Runtime)
