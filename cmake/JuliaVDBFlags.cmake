@@ -117,7 +117,12 @@ endfunction()
 # in the order of the list, as long as they are not too large for a file that is compiled in half a minute. Two of them
 # that define the same private function do not compile. Call this last.
 function(juliavdb_unity target)
-  set(most 70000)  # bytes
+  get_target_property(libraries ${target} LINK_LIBRARIES)
+  if("juliavdb_light" IN_LIST libraries)
+    set(most 120000)  # bytes
+  else()
+    set(most 70000)
+  endif()
   set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
   get_target_property(sources ${target} SOURCES)
   foreach(source IN LISTS sources)
