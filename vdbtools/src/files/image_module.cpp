@@ -43,8 +43,8 @@ void* loadModule() {
   if (dladdr(reinterpret_cast<const void*>(&imageFunction), &here) == 0 || !here.dli_fname)
     throw IoError(std::string(kPictures) + "the folder of this library is not known");
   const std::filesystem::path path = std::filesystem::path(here.dli_fname).parent_path() / JULIAVDB_IMAGE_MODULE;
-  // What the libraries of Debian 13 map while they load, 366 MiB and 82 MiB of data, and as much more as a picture
-  // takes besides its own memory. Those of Debian 12 map 326 and 66 MiB. One of them starts a thread per processor.
+  // While they load, the libraries of Debian 13 map 366 MiB, and 82 MiB of data; those of Debian 12 map 326 and 66. The
+  // rest is a margin, in the proportion that served on Debian 12. One of them starts a thread per processor.
   constexpr double kSpace = 470 * kMebi, kData = 125 * kMebi, kStack = 8 * kMebi;
   const double stacks = kStack * std::thread::hardware_concurrency();
   requireRoom(addressSpaceLeft(), kSpace + stacks);
