@@ -192,6 +192,17 @@ TEST(FractalField, ABoxIsTheWholeCutOut) {
   // Capped, it is closed; and a level set, though its inside reaches the border.
   const Mesh capped = extractMesh(part, source, {.border = Border::Cap}, monitor);
   EXPECT_EQ(mesh_laws::notClosedManifold(capped), "");
+  BBoxd reached;
+  for (const Vec3d& point : capped.points) reached.expand(point);
+  // It ends at the faces that cut it.
+  int cut = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_GE(reached.min()[axis], box.min()[axis] - 0.0101 * h);
+    EXPECT_LE(reached.max()[axis], box.max()[axis] + 0.0101 * h);
+    cut += reached.min()[axis] < box.min()[axis] + 1e-9;
+    cut += reached.max()[axis] > box.max()[axis] - 1e-9;
+  }
+  EXPECT_GE(cut, 4);
   const LevelSetCheck check = checkSurface(*levelSet(part, capped, monitor));
   EXPECT_EQ(check.failure, "");
 }

@@ -223,11 +223,27 @@ void addShellBlocks(BlockSet& blocks, const ExponentGrid& exponent, const CoordB
   for (const MarkedBlocks& part : parts) blocks.topologyUnion(*part.blocks);
 }
 
+/// Where the box cuts the domain, as caps show it.
+openvdb::BBoxd capFacesOf(const CoordBBox& domain, const FractalFieldOptions& options) {
+  // On a face that passes through nodes, the vertices around a node would coincide.
+  constexpr double kLeast = 0.01, kBeyondOther = 0.5;
+  openvdb::BBoxd faces(domain.min().asVec3d() - Vec3d(kBeyondOther), domain.max().asVec3d() + Vec3d(kBeyondOther));
+  const Vec3d low = options.box->min() / options.voxelSize, high = options.box->max() / options.voxelSize;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double first = domain.min()[axis], last = domain.max()[axis];
+    if (low[axis] > first - 1) faces.min()[axis] = std::min(low[axis], first - kLeast);
+    if (high[axis] < last + 1) faces.max()[axis] = std::max(high[axis], last + kLeast);
+  }
+  return faces;
+}
+
 /// A plan without blocks.
 FieldPlan emptyPlan(const CoordBBox& domain, const CoordBBox& whole, bool bounded, const FractalFieldOptions& options) {
   CoordBBox window = options.window.value_or(domain);
   window.intersect(domain);
-  return {domain, bounded, options.voxelSize, window, std::make_shared<BlockSet>(), whole};
+  FieldPlan plan{domain, bounded, options.voxelSize, window, std::make_shared<BlockSet>(), whole};
+  if (options.box && !domain.empty()) plan.capFaces = capFacesOf(domain, options);
+  return plan;
 }
 FieldPlan emptyShellPlan(const ExponentGrid& exponent, const FractalFieldOptions& options) {
   requireValid(options);
@@ -306,6 +322,7 @@ FractalField emptyField(const FieldPlan& plan, bool keepIterations) {
   result.domain = plan.domain;
   result.bounded = plan.bounded;
   result.window = plan.window;
+  result.capFaces = plan.capFaces;
   result.field = makeGrid(kFieldOutside, "logmodulus");
   if (keepIterations) result.iterations = makeGrid(0, "iterations");
   return result;

@@ -26,7 +26,7 @@ std::vector<openvdb::Vec3d> searchEdges(const std::vector<LatticeEdge>& edges, d
   std::vector<openvdb::Vec3d> positions;
   positions.reserve(edges.size());
   auto place = found.begin();
-  for (const LatticeEdge& edge : edges) positions.push_back(worldAt(edge, edge.cut ? 0.5 : *place++));
+  for (const LatticeEdge& edge : edges) positions.push_back(worldAt(edge, edge.cut ? *edge.cut : *place++));
   return positions;
 }
 

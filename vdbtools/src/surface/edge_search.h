@@ -5,6 +5,7 @@
 
 #include "vdbtools/field/fractal_field.h"
 
+#include <optional>
 #include <vector>
 
 namespace vdbtools {
@@ -13,7 +14,7 @@ struct LatticeEdge {
   openvdb::Coord begin;
   int axis;        ///< the edge runs from begin one voxel along this axis
   float from, to;  ///< F at its two ends: one below 0, the other not, or julia::kFieldLimit if nothing else is known
-  bool cut;        ///< whether it leaves the domain; there is no F beyond, so the midpoint is used
+  std::optional<double> cut{};  ///< of an edge that leaves the domain, beyond which there is no F: where, from 0 to 1
 };
 
 /// @param tolerance  voxels: F changes sign within this of the result

@@ -74,6 +74,7 @@ MeshCounts extract(const FractalField& field, const FieldSource& source, const E
                               .domain = field.domain,
                               .window = field.window,
                               .voxelSize = field.field->voxelSize()[0],
+                              .capFaces = field.capFaces,
                               .normals = normals},
                              sink, monitor);
   const std::vector<const Leaf*> leaves = sortedLeaves(field.field->tree());
@@ -96,6 +97,7 @@ MeshCounts streamLayers(const FieldPlan& plan, const FieldSource& source, const 
                               .domain = plan.domain,
                               .window = plan.window,
                               .voxelSize = plan.voxelSize,
+                              .capFaces = plan.capFaces,
                               .normals = normals,
                               .band = band},
                              sink, monitor);

@@ -199,6 +199,13 @@ void SurfaceExtractor::findVertices(Layer& layer, const Layer* next) {
   layer.stage = Layer::Stage::HasVertices;
 }
 
+/// Where an edge that leaves the domain is cut, voxels from its first node.
+double SurfaceExtractor::capPlace(const Coord& node, int axis) const {
+  if (!mOptions.capFaces) return 0.5;
+  const bool enters = node[axis] < mOptions.domain.min()[axis];
+  return (enters ? mOptions.capFaces->min() : mOptions.capFaces->max())[axis] - node[axis];
+}
+
 /// The crossing edges that begin at a leaf's nodes, in their order; null if there are none.
 std::unique_ptr<SurfaceExtractor::LeafVertices> SurfaceExtractor::crossingEdges(const Leaf& leaf,
                                                                                 const Neighbours& around) const {
@@ -226,7 +233,9 @@ std::unique_ptr<SurfaceExtractor::LeafVertices> SurfaceExtractor::crossingEdges(
             vertices->edges.reserve(kUsualEdges);
           }
           vertices->onEdge[3 * offset + axis] = static_cast<std::uint16_t>(vertices->edges.size());
-          vertices->edges.push_back({node, static_cast<int>(axis), leaf.getValue(offset), of->getValue(ahead), cut});
+          LatticeEdge& edge = vertices->edges.emplace_back(
+              LatticeEdge{node, static_cast<int>(axis), leaf.getValue(offset), of->getValue(ahead)});
+          if (cut) edge.cut = capPlace(node, static_cast<int>(axis));
         }
       }
     }
@@ -269,7 +278,7 @@ void SurfaceExtractor::placeVertices(Layer& layer) const {
     if (mPlaced)
       std::transform(edges.begin(), edges.end(), layer.places.begin() + static_cast<std::ptrdiff_t>(first),
                      [](const LatticeEdge& edge) {
-                       return EdgePlace{edge.begin, static_cast<std::uint8_t>(edge.axis), edge.cut};
+                       return EdgePlace{edge.begin, static_cast<std::uint8_t>(edge.axis), edge.cut.has_value()};
                      });
     const std::vector<Vec3d> found = searchEdges(edges, mOptions.voxelSize, mSource, mOptions.extract.tolerance);
     std::copy(found.begin(), found.end(), layer.positions.begin() + static_cast<std::ptrdiff_t>(first));

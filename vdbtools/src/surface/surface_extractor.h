@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <span>
 #include <variant>
 #include <vector>
@@ -30,8 +31,9 @@ class SurfaceExtractor {
   struct Options {
     ExtractMeshOptions extract;
     openvdb::CoordBBox domain;
-    openvdb::CoordBBox window;  ///< as FieldPlan::window
-    double voxelSize = 0;       ///< world units
+    openvdb::CoordBBox window;                 ///< as FieldPlan::window
+    double voxelSize = 0;                      ///< world units
+    std::optional<openvdb::BBoxd> capFaces{};  ///< as FieldPlan::capFaces
     bool normals = false;
     BandMaker* band = nullptr;  ///< if not null, receives all layers in order; needs Border::Cap
   };
@@ -69,6 +71,7 @@ class SurfaceExtractor {
   static bool isOneSided(std::size_t leaf, const Layer& layer, const Layer* next);
   static Neighbours neighbours(std::size_t leaf, const Layer& layer, const Layer* next);
   void findVertices(Layer& layer, const Layer* next);
+  double capPlace(const openvdb::Coord& node, int axis) const;
   std::unique_ptr<LeafVertices> crossingEdges(const Leaf& leaf, const Neighbours& around) const;
   void countVertices(Layer& layer);
   void placeVertices(Layer& layer) const;

@@ -39,6 +39,9 @@ struct FieldPlan {
   /// The nodes at which F can be evaluated: the domain without the restriction to a box.
   openvdb::CoordBBox whole{};
   std::optional<CrumbRule> crumbs{};  ///< the rule for dropping crumbs; empty: they are kept
+  /// Where a cap closes the set, index space: at the faces of the requested box, less than a voxel beyond the last
+  /// nodes. Empty: half a voxel beyond them.
+  std::optional<openvdb::BBoxd> capFaces{};
 };
 
 struct FractalField {
@@ -51,7 +54,8 @@ struct FractalField {
   bool bounded = false;       ///< as in the plan
   openvdb::CoordBBox window;  ///< as in the plan; nodes outside have no value, except those outside the domain
   std::uint64_t evaluatedNodes = 0;
-  std::optional<CrumbReport> crumbs;  ///< the dropped crumbs, if the plan drops them
+  std::optional<CrumbReport> crumbs;       ///< the dropped crumbs, if the plan drops them
+  std::optional<openvdb::BBoxd> capFaces;  ///< as in the plan
 };
 
 /// The evaluator of F, and the space of its points.

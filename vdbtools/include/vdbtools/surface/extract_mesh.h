@@ -25,7 +25,7 @@ namespace vdbtools {
 /// What happens where the domain cuts the set.
 enum class Border {
   Open,  ///< the mesh ends at the border
-  Cap,   ///< a flat cap closes the set, half a voxel beyond the last nodes
+  Cap,   ///< flat caps close the set, at FieldPlan::capFaces or half a voxel beyond the last nodes
 };
 
 struct ExtractMeshOptions {
