@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <complex>
 #include <string>
 #include <vector>
@@ -261,15 +262,49 @@ TEST_F(MapJob, APairWithUndefinedPointsIsInOnePiece) {
   const auto values = made.field->getConstAccessor();
   for (int k = -2; k <= 2; ++k)
     for (const int sign : {1, -1}) EXPECT_LT(values.getValue(Coord(k, sign * k, 1)), 0) << k << ' ' << sign;
-  // The shift is recorded, and below the tolerance.
-  const Vec3d shift = scene.field.space.centre;
-  EXPECT_GT(shift[0], 0);
-  EXPECT_LT(shift.length(), scene.options.surface.tolerance * scene.voxelSize);
-  EXPECT_NE(scene.metadata.at("julia_space_centre"), "0,0,0");
   // The same with the planes' limits, as the triplex square has them. A cut would cost 6 %; needles come and go with
   // the nodes that they meet.
   const double whole = mesh_laws::volume(mesh({{"map", "mandelbulb"}, {"power", "2"}, {"iterations", "5"}}));
   EXPECT_NEAR(mesh_laws::volume(mesh(recipe)), whole, 0.02 * whole);
+}
+
+// The lattice of such a map is shifted. What is written is where the nodes were: between the two nodes of a vertex's
+// edge, which the grid's transform places, the definition has a change of sign.
+TEST_F(MapJob, FilesSayWhereACrossMapWasEvaluated) {
+  for (const char* pair : {"A", "C", "D"}) {
+    SCOPED_TRACE(pair);
+    const Scene scene =
+        this->scene({{"map", "cross"}, {"pair", pair}, {"radius", "4"}, {"grids", "surface,logmodulus"}});
+    EXPECT_EQ(scene.metadata.at("julia_space_centre"), "0,0,0");
+    Mesh mesh;
+    MeshCollector collector(mesh);
+    const FractalResult made =
+        runFractal(scene, planFractal(scene, {.grids = true, .mesh = true}), &collector, mMonitor);
+    ASSERT_EQ(made.grids.size(), 2u);
+    const openvdb::math::Transform& lattice = made.grids[0]->transform();
+    EXPECT_EQ(lattice, made.grids[1]->transform());
+    const Vec3d zero = lattice.indexToWorld(Vec3d(0));
+    for (int axis = 0; axis < 3; ++axis) EXPECT_NE(zero[axis], 0);
+    EXPECT_LT(zero.length(), scene.options.surface.tolerance * scene.voxelSize);
+    std::vector<julia::Point> ends;
+    for (const Vec3d& point : mesh.points) {
+      const Vec3d at = lattice.worldToIndex(point);
+      Vec3d node, off;
+      for (int axis = 0; axis < 3; ++axis) off[axis] = std::abs(at[axis] - (node[axis] = std::round(at[axis])));
+      const int along = off[0] >= off[1] && off[0] >= off[2] ? 0 : off[1] >= off[2] ? 1 : 2;
+      for (int axis = 0; axis < 3; ++axis)
+        if (axis != along) ASSERT_LT(off[axis], 1e-9) << point;
+      node[along] = std::floor(at[along]);
+      ends.emplace_back(scene.placed.space.toFractal(lattice.indexToWorld(node)));
+      node[along] += 1;
+      ends.emplace_back(scene.placed.space.toFractal(lattice.indexToWorld(node)));
+    }
+    std::vector<double> field(ends.size());
+    scene.field.evaluator->evaluate(ends, field, {});
+    std::size_t same = 0;
+    for (std::size_t i = 0; i < field.size(); i += 2) same += (field[i] < 0) == (field[i + 1] < 0);
+    EXPECT_EQ(same, 0u) << "of " << mesh.points.size();
+  }
 }
 
 TEST_F(MapJob, AUsersPairIsTheBuiltInOneByteForByte) {

@@ -128,7 +128,8 @@ nlohmann::json writeOneTile(const fs::path& folder, const TileJob& job, std::uin
     MeshCounts counts = writeMesh(tile, {.keepGuests = true},
                                   {.path = pieceOf(listed, index, ".ply"),
                                    .options = meshOptions(job, MeshFormat::Ply),
-                                   .attributes = attributes},
+                                   .attributes = attributes,
+                                   .offset = latticeOffset(job.options, lattice.voxelSize)},
                                   files, monitor);
     if (counts.triangles == 0) {
       files.clear();

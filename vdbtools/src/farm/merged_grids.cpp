@@ -138,7 +138,8 @@ std::vector<openvdb::GridBase::Ptr> mergeGrids(const fs::path& folder, const Til
                      {.surface = parts.surface,
                       .field = &parts.field,
                       .source = source ? &*source : nullptr,
-                      .attributes = attributes ? &**attributes : nullptr},
+                      .attributes = attributes ? &**attributes : nullptr,
+                      .offset = latticeOffset(job.options, job.lattice().voxelSize)},
                      monitor);
 }
 

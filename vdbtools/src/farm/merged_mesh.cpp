@@ -47,9 +47,10 @@ class MeshFiles {
     if (mMesh.numbered)
       path.replace_filename(path.stem().string() + '.' + std::to_string(mMeshes.size() + 1) +
                             path.extension().string());
-    MeshFile& mesh = mMeshes.emplace_back(mFiles.add(path), mMesh.options);
-    if (!mMesh.attributes) return mesh;
-    return mAttributed.emplace_back(**mMesh.attributes, mesh, mMonitor);
+    MeshSink* sink = &mMeshes.emplace_back(mFiles.add(path), mMesh.options);
+    if (mMesh.offset != openvdb::Vec3d(0)) sink = &mMoved.emplace_back(mMesh.offset, *sink);
+    if (mMesh.attributes) sink = &mAttributed.emplace_back(**mMesh.attributes, *sink, mMonitor);
+    return *sink;
   }
   void finish() {
     if (!mMeshes.empty()) mMeshes.back().finish();
@@ -60,7 +61,8 @@ class MeshFiles {
   OutputFiles& mFiles;
   const Monitor& mMonitor;
   std::list<MeshFile> mMeshes;
-  std::list<AttributedSink> mAttributed;  ///< in front of the meshes
+  std::list<MovedMeshSink> mMoved;        ///< in front of the meshes
+  std::list<AttributedSink> mAttributed;  ///< in front of these
 };
 
 }  // namespace
@@ -124,8 +126,12 @@ MeshCounts mergeMesh(const fs::path& folder, const TileJob& job, const MergeOpti
   const MeshWriteOptions written = meshOptions(job, format);
   if (!cut) requireMeshCounts(written, true, points, triangles);
   return writeMesh(tiles, {.mostPoints = options.mostPoints},
-                   {.path = *options.mesh, .options = written, .attributes = attributes, .numbered = cut}, files,
-                   monitor);
+                   {.path = *options.mesh,
+                    .options = written,
+                    .attributes = attributes,
+                    .offset = latticeOffset(job.options, job.lattice().voxelSize),
+                    .numbered = cut},
+                   files, monitor);
 }
 
 Mesh keptMesh(const fs::path& folder, const TileJob& job, const PlanIslands& islands, Monitor& monitor) {

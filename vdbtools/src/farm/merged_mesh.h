@@ -67,6 +67,7 @@ struct PlanMesh {
   std::filesystem::path path;
   MeshWriteOptions options;
   const PlanAttributes* attributes = nullptr;  ///< of the points
+  openvdb::Vec3d offset{0, 0, 0};              ///< as latticeOffset() has it
   bool numbered = false;                       ///< several files, F.1.ply and so on
 };
 

@@ -220,6 +220,8 @@ bool tilesNeedDoubles(const TileJob& job) {
   // Attributes are computed at the merged vertices, which must equal those of a single run bit for bit.
   if (!job.options.output.attributes.empty()) return true;
   const TileLattice& lattice = job.lattice();
+  // They are rounded once, after they are moved.
+  if (latticeOffset(job.options, lattice.voxelSize) != openvdb::Vec3d(0)) return true;
   const openvdb::BBoxd box = meshBox({.domain = lattice.domain, .voxelSize = lattice.voxelSize});
   return std::any_of(job.manifest.makes.begin(), job.manifest.makes.end(), [&](const std::string& format) {
     return isMeshFormat(format) &&

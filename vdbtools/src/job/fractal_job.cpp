@@ -120,7 +120,12 @@ void makeStreamed(const Scene& scene, const FractalPlan& plan, const PointAttrib
   if (output) output->finish(result.mesh, monitor);
   if (!surface) return;
   result.check = checkSurface(*surface);
-  result.grids = outputGrids(plan.grids, {.surface = surface, .source = &source, .attributes = attributes}, monitor);
+  result.grids = outputGrids(plan.grids,
+                             {.surface = surface,
+                              .source = &source,
+                              .attributes = attributes,
+                              .offset = latticeOffset(scene.options, scene.voxelSize)},
+                             monitor);
   if (!output) result.mesh = {};
 }
 
@@ -164,8 +169,13 @@ void makeHeld(const Scene& scene, const FractalPlan& plan, const PointAttributes
     requireSurface(scene, result, result.mesh.triangles);
   }
   if (output) output->finish(result.mesh, monitor);
-  result.grids = outputGrids(
-      plan.grids, {.surface = surface, .field = &field, .source = &source, .attributes = attributes}, monitor);
+  result.grids = outputGrids(plan.grids,
+                             {.surface = surface,
+                              .field = &field,
+                              .source = &source,
+                              .attributes = attributes,
+                              .offset = latticeOffset(scene.options, scene.voxelSize)},
+                             monitor);
 }
 
 }  // namespace
@@ -195,6 +205,9 @@ FractalResult runFractal(const Scene& scene, const FractalPlan& plan, MeshSink* 
   std::optional<PointAttributes> attributes;
   if (!scene.options.output.attributes.empty()) attributes.emplace(scene);
   const PointAttributes* const wanted = attributes ? &*attributes : nullptr;
+  const openvdb::Vec3d offset = latticeOffset(scene.options, scene.voxelSize);
+  std::optional<MovedMeshSink> moved;
+  if (sink && offset != openvdb::Vec3d(0)) sink = &moved.emplace(offset, *sink);
   std::optional<MeshOutput> output;
   if (sink) output.emplace(scene, wanted, *sink, monitor);
   if (plan.way == FractalPlan::Way::Held) {

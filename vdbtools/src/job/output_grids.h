@@ -17,6 +17,7 @@ struct GridSources {
   const FractalField* field = nullptr;          ///< with all nodes and iterations, where the plan has grids of it
   const FieldSource* source = nullptr;          ///< where the plan has the grid "versor"
   const PointAttributes* attributes = nullptr;  ///< where the plan has them
+  openvdb::Vec3d offset{0, 0, 0};               ///< as latticeOffset() has it: moves all grids
 };
 
 /// @throw Interrupted

@@ -63,12 +63,18 @@ BBoxd regionOf(const FractalOptions& options, const std::optional<BBoxd>& shape,
       "a rational map that was not fitted to a shape has no region of its own; give a box, or a mesh");
 }
 
+/// The largest coordinate in a box, fractal space.
+double largestCoordinate(const BBoxd& box, const FractalSpace& space) {
+  double largest = 0;
+  for (const Vec3d& corner : {box.min(), box.max()})
+    for (const double x : space.toFractal(corner)) largest = std::max(largest, std::abs(x));
+  return largest;
+}
+
 /// Whether the voxels are large against the rounding of 32-bit positions.
 bool voxelsAreLarge(double voxelSize, const BBoxd& box, const FractalSpace& space, const julia::Embedding& embedding) {
   constexpr double kLeastVoxel = 1e-3;  // of the largest coordinate: a thousandth of it is still resolved
-  double largest = std::max(1.0, std::abs(embedding.slice));
-  for (const Vec3d& corner : {box.min(), box.max()})
-    for (const double x : space.toFractal(corner)) largest = std::max(largest, std::abs(x));
+  const double largest = std::max({1.0, std::abs(embedding.slice), largestCoordinate(box, space)});
   return voxelSize / space.scale >= kLeastVoxel * largest;
 }
 
@@ -316,8 +322,8 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
   scene.metadata["julia_arithmetic"] = field.arithmetic == Arithmetic::Float ? "float" : "double";
   field.evaluator = field.map->evaluator(field.arithmetic, field.orbit);
   field.space = scene.placed.space;
-  field.space.centre += options.map->latticeShift() * options.surface.tolerance * scene.voxelSize;
-  scene.metadata.merge(spaceMetadata(field.space));
+  field.space.centre -= latticeOffset(options, scene.voxelSize);
+  scene.metadata.merge(spaceMetadata(scene.placed.space));
   return scene;
 }
 
@@ -356,6 +362,16 @@ FieldPlan planScene(const Scene& scene, const std::optional<openvdb::CoordBBox>&
           static_cast<int>(std::min<double>(kCrumb, kShare * exponent->space.scale / scene.voxelSize));
   }
   return plan;
+}
+
+double floatRounding(const Scene& scene) {
+  const FractalSpace& space = scene.placed.space;
+  const BBoxd box = scene.options.lattice.box.value_or(scene.exponent() ? scene.target->distances.box : scene.region());
+  return 0x1p-24 * largestCoordinate(box, space) * space.scale / scene.voxelSize;
+}
+
+Vec3d latticeOffset(const FractalOptions& options, double voxelSize) {
+  return options.map->latticeShift() * -options.surface.tolerance * voxelSize;
 }
 
 BBoxd meshBox(const FieldPlan& plan) {

@@ -71,4 +71,24 @@ class MeshCollector final : public MeshSink {
   std::vector<float>* mValues;
 };
 
+/// Moves a mesh on its way to another sink.
+class MovedMeshSink final : public MeshSink {
+ public:
+  /// @param sink  must outlive this
+  MovedMeshSink(const openvdb::Vec3d& offset, MeshSink& sink) : mOffset(offset), mSink(sink) {}
+  void addPoints(const PointBatch& batch) override {
+    mPositions.assign(batch.positions.begin(), batch.positions.end());
+    for (openvdb::Vec3d& position : mPositions) position += mOffset;
+    mSink.addPoints({mPositions, batch.normals, batch.values});
+  }
+  void addTriangles(std::span<const openvdb::Vec3I> triangles, std::uint64_t firstPoint) override {
+    mSink.addTriangles(triangles, firstPoint);
+  }
+
+ private:
+  openvdb::Vec3d mOffset;
+  MeshSink& mSink;
+  std::vector<openvdb::Vec3d> mPositions;
+};
+
 }  // namespace vdbtools

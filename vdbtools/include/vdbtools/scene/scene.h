@@ -156,6 +156,14 @@ class VersorSeeds {
 /// those of them that lie in it.
 FieldPlan planScene(const Scene& scene, const std::optional<openvdb::CoordBBox>& window = {});
 
+/// How far 32-bit positions are rounded where coordinates are largest, voxels.
+double floatRounding(const Scene& scene);
+
+/// Where node 0 of the lattice lies, world units: 0, but for maps with a latticeShift(). Their field is evaluated as if
+/// the nodes lay at multiples of the voxel size, in a space that is moved instead (SceneField::space); meshes and grids
+/// are moved by this when they leave the program.
+openvdb::Vec3d latticeOffset(const FractalOptions& options, double voxelSize);
+
 /// Holds every vertex of the plan's mesh, world units.
 openvdb::BBoxd meshBox(const FieldPlan& plan);
 
