@@ -118,11 +118,15 @@ void countFiner(const vdbtools::Scene& scene) {
   if (scene.chosenResolution) report().count("resolution", scene.chosenResolution->resolution);
 }
 
-/// What is finer than the voxels. @return whether there was something to say
+/// What is finer than the voxels, or than floats. @return whether there was something to say
 bool tellWhatIsFiner(const vdbtools::Scene& scene) {
-  const std::string finer = vdbtools::finerThanVoxelsText(scene);
-  if (!finer.empty()) report().text() << "warning: " << finer << '\n';
-  return !finer.empty();
+  bool any = false;
+  for (const std::string& words : {vdbtools::finerThanVoxelsText(scene), vdbtools::coarseFloatsText(scene)}) {
+    if (words.empty()) continue;
+    report().text() << "warning: " << words << '\n';
+    any = true;
+  }
+  return any;
 }
 
 /// Makes the files of one fractal and says so; of a frame briefly.

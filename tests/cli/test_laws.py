@@ -132,7 +132,19 @@ class Closed(Laws):
     def test_a_capped_box(self):
         mesh = self.fractal("s.obj", *LOW, "--box", BOX_TEXT, "--cap")
         self.check_closed(mesh)
-        self.check_box(mesh, 2 / 28)
+        # Caps lie on the faces of the box; on a face through nodes, a hundredth of a voxel beyond.
+        margin = 0.01 * 2 / 28
+        self.check_box(mesh, margin)
+        for axis in range(3):
+            self.assertLess(min(p[axis] for p in mesh.points), BOX[axis] + 1e-6)
+            self.assertGreater(max(p[axis] for p in mesh.points), BOX[axis + 3] - 1e-6)
+        # Faces through nodes: 2/28 is the voxel's size.
+        nodes = [k * 2 / 28 for k in (-6, -7, -4, 10, 11, 9)]
+        mesh = self.fractal("s.obj", *LOW, "--box", ",".join(map(repr, nodes)), "--cap")
+        self.check_closed(mesh)
+        for axis in range(3):
+            for end, face in ((min, nodes[axis]), (max, nodes[axis + 3])):
+                self.assertAlmostEqual(end(p[axis] for p in mesh.points), face, delta=1.01 * margin)
 
     def test_an_open_box(self):
         mesh = self.fractal("s.obj", *LOW, "--box", BOX_TEXT)
@@ -192,6 +204,15 @@ class Sizes(Laws):
         self.assertLess(harness.area_of(mesh), 4 * math.pi * radius**2)
         self.assertGreater(harness.area_of(mesh), 4 * math.pi * (1 - sagitta)**2 * 0.99)
         self.assertLess(max(box), 1 + 1e-4)
+
+    def test_floats_that_are_too_coarse_are_named(self):
+        ball = ("fractal", "--map", "quadratic", "--c", "0,0,0,0", "--iterations", 26, "--escape", 20, "--mesh", "z.ply")
+        near = lambda size: ("--box", f"{1 - size},{-size},{-size},{1 + size},{size},{size}", "--voxel-size", size / 10)
+        said = self.ok(*ball, *near(1e-5), "--precision", "float")
+        self.assertNotIn("precision", said)
+        self.assertRegex(self.ok(*ball, *near(1e-6), "--precision", "float"), r"warning: --precision float rounds .* 0\.\d+ voxels")
+        for precision in ("double", "auto"):
+            self.assertNotIn("--precision", self.ok(*ball, *near(1e-6), "--precision", precision))
 
     def test_a_larger_beta_is_a_larger_set(self):
         volumes = [harness.volume_of(self.fractal("s.obj", *LOW, "--beta", beta)) for beta in (-0.05, 0, 0.05)]

@@ -100,6 +100,14 @@ std::string finerThanVoxelsText(const Scene& scene) {
   return text;
 }
 
+std::string coarseFloatsText(const Scene& scene) {
+  constexpr double kMost = 0.1;  // voxels, by which whole signs at nodes begin to be those of their neighbourhood
+  const double rounding = floatRounding(scene);
+  if (scene.field.arithmetic != Arithmetic::Float || rounding < kMost) return {};
+  return "--precision float rounds positions by up to " + shortText(rounding) +
+         " voxels here, so that most vertices are not on the surface; --precision double places them";
+}
+
 double estimatedMemory(const Scene& scene, double voxel) { return memoryAt(extentOf(scene), voxel); }
 
 ChosenResolution chooseResolution(const Scene& scene, bool withinMemory) {

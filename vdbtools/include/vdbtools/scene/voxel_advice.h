@@ -32,6 +32,9 @@ VoxelAdvice adviseVoxels(const FeatureSizes& sizes, double voxel);
 /// nothing was measured.
 std::string finerThanVoxelsText(const Scene& scene);
 
+/// A sentence for a scene in whose voxels floats, which were asked for, are wrong; empty for any other.
+std::string coarseFloatsText(const Scene& scene);
+
 /// How `--resolution auto` came to its number: "resolution 440: ..."; empty for a scene whose resolution was given.
 std::string chosenResolutionText(const Scene& scene);
 
