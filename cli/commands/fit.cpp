@@ -84,9 +84,11 @@ int runFit(const Arguments& arguments) {
   report().count("topRoots", fit.rational.top.roots.size());
   report().count("bottomRoots", fit.rational.bottom.roots.size());
   report().count("iou", measure.iou);
+  report().count("iteratedIou", fit.iteratedIou);
   report().count("steps", fit.rows.size());
   report().text() << "wrote " << outputs.names() << ": " << fit.rational.top.roots.size() << " top and "
-                  << fit.rational.bottom.roots.size() << " bottom roots, IoU " << number(measure.iou) << ", psi "
+                  << fit.rational.bottom.roots.size() << " bottom roots, IoU " << number(measure.iou) << ", and "
+                  << number(fit.iteratedIou) << " after " << vdbtools::fit::kScoredIterations << " iterations, psi "
                   << number(measure.psi) << ", mean distance " << number(measure.meanDistance) << ", Hausdorff "
                   << number(measure.hausdorff) << " of the longest side; powers sum to "
                   << number(julia::summedPowers(fit.rational.top)) << " and "

@@ -96,6 +96,7 @@ py::dict infoOfFit(const MadeFit& fit) {
   info["top_roots"] = fit.result.rational.top.roots.size();
   info["bottom_roots"] = fit.result.rational.bottom.roots.size();
   info["iou"] = measure.iou;
+  info["iterated_iou"] = fit.result.iteratedIou;
   info["psi"] = measure.psi;
   info["mean_distance"] = measure.meanDistance;
   info["hausdorff"] = measure.hausdorff;
@@ -320,7 +321,8 @@ PYBIND11_MODULE(_juliavdb, m) {
   py::class_<MadeFit, std::shared_ptr<MadeFit>>(m, "Fit", "A rational map in the shape of a target, as fit() makes it.")
       .def(py::init(&openFit))
       .def_property_readonly("info", infoOfFit,
-                             "A dict: recipe, top_roots, bottom_roots, steps, and how well the map fits: iou, psi, "
+                             "A dict: recipe, top_roots, bottom_roots, steps, and how well the map fits: iou after one "
+                             "iteration and iterated_iou after four, psi, "
                              "mean_distance and hausdorff, the distances in shares of the longest side.")
       .def("_write", [](const MadeFit& fit, const std::string& path, const py::object& progress) {
         doWatched(progress, std::nullopt, [&](Monitor& monitor) { writeFit(fit, path, monitor); });

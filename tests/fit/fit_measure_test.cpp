@@ -67,6 +67,14 @@ TEST(FitMeasure, SmallerSphereByItsVolumeAndDistance) {
   EXPECT_NEAR(fit.hausdorff, 0.1, measuredSphere().cell);
 }
 
+TEST(FitMeasure, FourIterationsAreMeasuredToo) {
+  // (|q| / r)^2 again and again: after n steps the surface is at r^(2 - 2^(1 - n)).
+  const double radius = 0.5, after = std::pow(radius, 2 - std::pow(2, 1 - kScoredIterations));
+  EXPECT_GT(measure(ball(radius, 2)).iou, 0.99);
+  Monitor monitor;
+  EXPECT_NEAR(iteratedIou(measuredSphere(), ball(radius, 2), monitor), std::pow(after / radius, 3), 0.01);
+}
+
 TEST(FitMeasure, NoSurfaceIsInfinitelyFar) {
   julia::Rational everywhereOutside = ball(0.5);
   everywhereOutside.logScale = 1000;

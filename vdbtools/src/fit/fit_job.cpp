@@ -314,6 +314,7 @@ FitResult runFit(const FitOptions& options, bool wantDistances, Monitor& monitor
       result.slope = options.alpha;
     }
     result.measure = measureFit(target, result.rational, kAlphaOfPsi, monitor);
+    result.iteratedIou = iteratedIou(target, result.rational, monitor);
     // If the outside has most of the weight, declaring all of space outside is a local minimum.
     if (result.measure.iou == 0)
       throw DataError("the fit ended in a map that holds nothing of the target; " +

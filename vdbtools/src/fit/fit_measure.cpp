@@ -6,6 +6,9 @@
 #include "base/in_parallel.h"
 #include "base/openvdb/fast_sweeping.h"
 #include "fit/log_moduli.h"
+#include "vdbtools/maps/map_descriptor.h"
+
+#include "julia/rational_map.h"
 
 #include <openvdb/tools/Dense.h>
 #include <openvdb/tools/Interpolation.h>
@@ -14,6 +17,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <stdexcept>
 #include <vector>
 
@@ -34,6 +38,10 @@ struct Tally {
   double psi = 0, eta = 0;
 };
 
+double iouOf(std::uint64_t both, std::uint64_t either) {
+  return either == 0 ? 0 : static_cast<double>(both) / static_cast<double>(either);
+}
+
 /// The lattice of the cells: cell (i, j, k) of the cube, x slowest; indices count from 1, because of the rim.
 class Lattice {
  public:
@@ -46,6 +54,14 @@ class Lattice {
       x[axis] =
           mTarget.cubeCentre[axis] + (index[static_cast<int>(axis)] - (mTarget.resolution + 1) / 2.0) * mTarget.cell;
     return x;
+  }
+  /// The centres of the cells of one slice.
+  void slice(std::size_t i, std::vector<Point>& points) const {
+    const std::size_t n = side();
+    points.resize(n * n);
+    for (std::size_t c = 0; c < n * n; ++c)
+      points[c] =
+          position(Vec3d(static_cast<double>(i + 1), static_cast<double>(c / n + 1), static_cast<double>(c % n + 1)));
   }
   Vec3d index(const Vec3d& nodeOfFinest) const {
     return nodeOfFinest + Vec3d((mTarget.resolution - 1) / 2 + 1);  // rounded down, see makeFitTarget()
@@ -70,15 +86,11 @@ Potential potentialOf(const FitTarget& target, const Lattice& lattice, const jul
   std::vector<Tally> tallies(n);
   monitor.begin(PhaseKind::Measure, n);
   inParallel(n, 1, monitor, [&](std::size_t begin, std::size_t end) {
-    std::vector<Point> points(n * n);
+    std::vector<Point> points;
     std::vector<double> phi(n * n);
     std::vector<float> l(n * n);
     for (std::size_t i = begin; i != end; ++i) {
-      for (std::size_t c = 0; c < n * n; ++c) {
-        const std::size_t row = c / n, column = c % n;
-        points[c] = lattice.position(
-            Vec3d(static_cast<double>(i + 1), static_cast<double>(row + 1), static_cast<double>(column + 1)));
-      }
+      lattice.slice(i, points);
       target.distances(points, phi);
       logModuli(evaluator, points, l);
       Tally& tally = tallies[i];
@@ -166,7 +178,7 @@ FitMeasure measureFit(const FitTarget& target, const julia::Rational& rational, 
   Potential potential = potentialOf(target, lattice, rational, sharpness, monitor);
   const Tally& tally = potential.tally;
   FitMeasure measure;
-  measure.iou = tally.either == 0 ? 0 : static_cast<double>(tally.both) / static_cast<double>(tally.either);
+  measure.iou = iouOf(tally.both, tally.either);
   measure.wrongCells = tally.either - tally.both;
   measure.psi = tally.psi / tally.eta;
   const FloatGrid::Ptr grid = gridOf(potential.values, lattice);
@@ -177,6 +189,40 @@ FitMeasure measureFit(const FitTarget& target, const julia::Rational& rational, 
   measure.hausdorff = std::max(there.largest, back.largest);
   monitor.throwIfCancelled();
   return measure;
+}
+
+double iteratedIou(const FitTarget& target, const julia::Rational& rational, Monitor& monitor) {
+  const Lattice lattice(target);
+  const std::unique_ptr<julia::FieldEvaluator> evaluator =
+      makeEvaluator(Arithmetic::Double, julia::Embedding{}, {.maxIterations = kScoredIterations},
+                    [&]<class Real>() -> std::shared_ptr<const julia::Map<Real>> {
+                      return std::make_shared<julia::RationalMap<Real>>(rational);
+                    });
+  const std::size_t n = lattice.side();
+  std::vector<Tally> tallies(n);
+  monitor.begin(PhaseKind::Measure, n);
+  inParallel(n, 1, monitor, [&](std::size_t begin, std::size_t end) {
+    std::vector<Point> points;
+    std::vector<double> phi(n * n), field(n * n);
+    for (std::size_t i = begin; i != end; ++i) {
+      lattice.slice(i, points);
+      target.distances(points, phi);
+      evaluator->evaluate(points, field, {});
+      for (std::size_t c = 0; c < n * n; ++c) {
+        const bool inMap = field[c] < 0, inTarget = phi[c] < 0;
+        tallies[i].both += inMap && inTarget;
+        tallies[i].either += inMap || inTarget;
+      }
+      monitor.advance(1);
+    }
+  });
+  monitor.throwIfCancelled();
+  Tally all;
+  for (const Tally& tally : tallies) {
+    all.both += tally.both;
+    all.either += tally.either;
+  }
+  return iouOf(all.both, all.either);
 }
 
 }  // namespace vdbtools::fit

@@ -61,8 +61,9 @@ struct FitRow {
 struct FitResult {
   julia::Rational rational;
   FitTarget target;
-  FitMeasure measure;  ///< on the cells of the cube
-  double slope = 0;    ///< median of |L / phi| near the surface
+  FitMeasure measure;      ///< on the cells of the cube
+  double iteratedIou = 0;  ///< as iteratedIou()
+  double slope = 0;        ///< median of |L / phi| near the surface
   std::vector<FitRow> rows;
   std::size_t monopoles = 0;    ///< if electrostatics were used
   julia::SurfaceCharge charge;  ///< on the target's surface; without densities if electrostatics were not used

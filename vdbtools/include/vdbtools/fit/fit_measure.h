@@ -31,4 +31,13 @@ struct FitMeasure {
 /// @throw Interrupted
 FitMeasure measureFit(const FitTarget& target, const julia::Rational& rational, double sharpness, Monitor& monitor);
 
+/// The iterations of iteratedIou().
+inline constexpr int kScoredIterations = 4;
+
+/// FitMeasure::iou of the set after kScoredIterations iterations, up to the escape radius 20: of the Julia set that the
+/// map is fitted for.
+/// @throw std::invalid_argument  as julia::requireFinite()
+/// @throw Interrupted
+double iteratedIou(const FitTarget& target, const julia::Rational& rational, Monitor& monitor);
+
 }  // namespace vdbtools::fit
