@@ -29,8 +29,9 @@ constexpr std::array<PhaseWeight, N + 8> scenePhases(const PhaseWeight (&others)
   return phases;
 }
 
-constexpr PhaseWeight kSdf[] = {{PhaseKind::Reading, 2}, {PhaseKind::Thickening, 20},    {PhaseKind::ClosingGaps, 40},
-                                {PhaseKind::Sides, 15},  {PhaseKind::DistanceField, 35}, {PhaseKind::Writing, 8}};
+constexpr PhaseWeight kSdf[] = {{PhaseKind::Reading, 2}, {PhaseKind::Thickening, 20}, {PhaseKind::ClosingGaps, 40},
+                                {PhaseKind::Sides, 15},  {PhaseKind::Surface, 10},    {PhaseKind::DistanceField, 35},
+                                {PhaseKind::Signs, 2},   {PhaseKind::Writing, 8}};
 constexpr auto kFractal = scenePhases({{PhaseKind::Proofs, 5},
                                        {PhaseKind::Field, 15},
                                        {PhaseKind::Seeds, 1},

@@ -25,13 +25,17 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-constexpr Usage kSdfUsage = {"sdf", "MESH -o F.vdb|F.nvdb [--resolution N | --voxel-size H] [--repair] [options]",
-                             "Makes a signed distance field of a mesh: a narrow-band level set, negative inside. A "
-                             "mesh that leaks is refused; --repair closes it. --solidify makes a block of terrain, "
-                             "--thicken a plate of a sheet, and --points-radius a solid of a cloud of points.",
-                             "  juliavdb sdf bunny.obj -o bunny_sdf.vdb --resolution 200\n"
-                             "  juliavdb sdf scan.ply -o scan_sdf.vdb --voxel-size 0.01 --repair\n"
-                             "  juliavdb sdf walk.####.obj -o walk.####.vdb --frames 1-2 --resolution 60\n"};
+constexpr Usage kSdfUsage = {
+    "sdf", "MESH|SDF.vdb -o F.vdb|F.nvdb [--resolution N | --voxel-size H] [--repair] [options]",
+    "Makes a signed distance field of a mesh: a narrow-band level set, negative inside. A "
+    "mesh that leaks is refused; --repair closes it. --solidify makes a block of terrain, "
+    "--thicken a plate of a sheet, and --points-radius a solid of a cloud of points. Of a VDB, "
+    "it measures the distances to the surface of its level set anew, on the same voxels, in a "
+    "band of any width.",
+    "  juliavdb sdf bunny.obj -o bunny_sdf.vdb --resolution 200\n"
+    "  juliavdb sdf scan.ply -o scan_sdf.vdb --voxel-size 0.01 --repair\n"
+    "  juliavdb sdf bunny_sdf.vdb -o wide.vdb --band 30\n"
+    "  juliavdb sdf walk.####.obj -o walk.####.vdb --frames 1-2 --resolution 60\n"};
 
 /// Makes the distances of one mesh. @param recipe  to be recorded
 void makeSdf(const CommandLine& line, const vdbtools::Recipe& recipe, const FrameRun& run) {

@@ -102,6 +102,34 @@ class HandOff(harness.CliTest):
             x, y, z = grid.transform.indexToWorld(item.min)
             self.assertAlmostEqual(item.value, math.hypot(math.hypot(x, z) - 0.7, y) - 0.3, delta=0.02)
 
+    def test_sdf_of_a_vdb(self):
+        """A band of any width about any level set, on its own voxels and with its signs."""
+        self.ok("sdf", "t.obj", "-o", "narrow.vdb", "--resolution", 40)
+        self.ok("sdf", "t.obj", "-o", "wide.vdb", "--resolution", 40, "--band", 9)
+        self.ok("sdf", "narrow.vdb", "-o", "again.vdb", "--band", 9)
+        narrow, wide, again = (self.grids(name)["phi"] for name in ("narrow.vdb", "wide.vdb", "again.vdb"))
+        self.assertEqual(again.gridClass, "level set")
+        self.assertAlmostEqual(again.background, 9 * 0.05, delta=1e-6)
+        self.assertGreater(again.activeVoxelCount(), 2 * narrow.activeVoxelCount())
+        self.assertAlmostEqual(again.activeVoxelCount() / wide.activeVoxelCount(), 1, delta=0.02)
+        accessor = wide.getConstAccessor()
+        for item in list(again.citerOnValues())[::7]:
+            self.assertAlmostEqual(item.value, accessor.getValue(item.min), delta=0.05 * 0.05, msg="a twentieth of a voxel")
+        told, source = self.info("again.vdb"), self.info("narrow.vdb")
+        self.assertEqual(told["recipe"]["band"], "9")
+        self.assertEqual(told["metadata"]["julia_target_box"], source["metadata"]["julia_target_box"])
+        # A fractal's, with its grid named; and it is a target again.
+        self.ok("fractal", "t.obj", *LOW, "-o", "f.vdb", "--grids", "density,surface")
+        self.ok("sdf", "f.vdb", "--grid", "surface", "-o", "phi.vdb", "--band", 12)
+        surface, phi = self.grids("f.vdb")["surface"].getConstAccessor(), self.grids("phi.vdb")["phi"]
+        for item in list(phi.citerOnValues())[::7]:
+            self.assertEqual(item.value < 0, surface.getValue(item.min) < 0)
+        self.ok("fractal", "phi.vdb", "-o", "g.vdb", "--resolution", 24, "--alpha", 20, "--origin", "0.35,0,0")
+        for option in (("--resolution", 30), ("--voxel-size", 0.1), ("--repair",), ("--thicken", 0.1)):
+            self.refused(harness.USAGE, "sdf", "narrow.vdb", "-o", "x.vdb", *option, mentions=option[0])
+        self.refused(harness.USAGE, "sdf", "t.obj", "-o", "x.vdb", "--grid", "phi", mentions="--grid")
+        self.refused(harness.BAD_DATA, "sdf", "f.vdb", "--grid", "density", "-o", "x.vdb")
+
     def test_half(self):
         for name, options in (("full", ()), ("half", ("--half",))):
             self.ok("fractal", "t.obj", *LOW, "-o", f"{name}.vdb", "--grids", "surface,density", *options)

@@ -46,7 +46,7 @@ RUNS = {
         ("walk.gltf", "-o", "f.vdb", "--target-frame", 18, "--resolution", 14, "--sdf-resolution", 100),
     ],
     "sdf": [("s.obj", "-o", "f.vdb", "--resolution", 14), ("s.obj", "-o", "f.nvdb", "--resolution", 14), ("open.obj", "--repair", "-o", "f.vdb", "--resolution", 14),
-            ("s.obj", "-o", "f.####.vdb", "--resolution", 14, "--frames", "1-2")],
+            ("s.obj", "-o", "f.####.vdb", "--resolution", 14, "--frames", "1-2"), ("pair.vdb", "-o", "f.vdb", "--grid", "phi")],
     "convert": [("s.vdb", "-o", "f.nvdb"), ("grow.####.vdb", "-o", "f.####.nvdb", "--frames", "1-2")],
     "mesh": [("made.vdb", "-o", "m.ply"), ("s.vdb", "-o", "m.ply"), ("made.vdb", "-o", "m.obj", "--from-grid"),
              ("grow.####.vdb", "-o", "m.####.ply", "--from-grid", "--frames", "1-2")],

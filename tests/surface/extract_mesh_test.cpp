@@ -7,6 +7,7 @@
 #include "surface/edge_search.h"
 #include "vdbtools/surface/extract_mesh.h"
 #include "vdbtools/surface/grid_mesh.h"
+#include "vdbtools/surface/level_set.h"
 
 #include <gtest/gtest.h>
 
@@ -134,7 +135,7 @@ TEST(ExtractMesh, ASearchKeepsToItsBracketAndTakesAtMostTwoEvaluationsMoreThanBi
       for (const double tolerance : {0.1, 1e-3, 1e-7}) {
         if ((value(0) < 0) == (value(1) < 0)) continue;
         const WatchedEdge evaluator(value);
-        const LatticeEdge edge{Coord(0), 0, static_cast<float>(value(0)), static_cast<float>(value(1)), false};
+        const LatticeEdge edge{Coord(0), 0, static_cast<float>(value(0)), static_cast<float>(value(1))};
         const FieldSource source{evaluator, FractalSpace{}};
         searchEdges({edge}, 1, source, tolerance);
         EXPECT_LE(evaluator.asked(), std::ceil(std::log2(1 / (2 * tolerance))) + 2) << zero << ' ' << tolerance;
@@ -270,6 +271,44 @@ TEST(MeshOfLevelSet, RefusesAGridWithoutASurface) {
   const auto broken = openvdb::FloatGrid::create(1);
   broken->tree().setValue(Coord(0), std::nanf(""));
   EXPECT_THROW(meshOfLevelSet(*broken, monitor), DataError);
+}
+
+// A thick shell: its hollow is outside, though no flood from outside reaches it.
+TEST(Redistanced, IsExactAtAnyWidthAndKeepsTheSigns) {
+  const auto shell = [](const Vec3d& x) { return std::abs(x.length() - 0.4) - 0.15; };
+  const double h = 0.025, reach = 10 * h;
+  Monitor monitor;
+  const auto narrow = test_fields::bandGrid(shell, h, 3 * h, 3 * h);
+  const openvdb::FloatGrid::Ptr wide = redistanced(*narrow, 10, monitor);
+  EXPECT_EQ(wide->transform(), narrow->transform());
+  EXPECT_FLOAT_EQ(wide->background(), static_cast<float>(reach));
+  // The mesh is inscribed in spheres of radii of 0.25 and more.
+  const double sagitta = h * h / 0.25;
+  std::size_t known = 0;
+  for (auto value = wide->cbeginValueOn(); value; ++value) {
+    const double exact = shell(wide->indexToWorld(value.getCoord()));
+    ASSERT_NEAR(*value, exact, sagitta) << value.getCoord();
+    ASSERT_EQ(*value < 0, narrow->tree().getValue(value.getCoord()) < 0) << value.getCoord();
+    ++known;
+  }
+  std::size_t within = 0;
+  for (auto node = openvdb::CoordBBox(Coord(-40), Coord(40)).begin(); node; ++node)
+    within += shell(wide->indexToWorld(*node)) < reach;
+  EXPECT_NEAR(static_cast<double>(known), static_cast<double>(within), 0.02 * static_cast<double>(within));
+  EXPECT_NEAR(wide->tree().getValue(Coord(0)), reach, sagitta) << "in the hollow";
+  EXPECT_GT(wide->tree().getValue(Coord(300)), 0);
+  EXPECT_EQ(checkSurface(*wide).failure, "");
+}
+
+TEST(Redistanced, RefusesWhatItCannotMeasure) {
+  Monitor monitor;
+  const auto ball = test_fields::bandGrid([](const Vec3d& x) { return x.length() - 0.5; }, 0.05, 0.15, 0.15);
+  EXPECT_THROW(redistanced(*ball, 1, monitor), std::invalid_argument);
+  EXPECT_THROW(redistanced(*openvdb::FloatGrid::create(1), 3, monitor), DataError);
+  const auto flat = ball->deepCopy();
+  flat->setTransform(openvdb::math::Transform::createLinearTransform(
+      openvdb::Mat4R(0.1, 0., 0., 0., 0., 0.05, 0., 0., 0., 0., 0.1, 0., 0., 0., 0., 1.)));
+  EXPECT_THROW(redistanced(*flat, 3, monitor), DataError);
 }
 
 TEST(MeshOfLevelSet, TilesOfOneSignTakeNoMemory) {

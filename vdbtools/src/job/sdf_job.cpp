@@ -4,7 +4,9 @@
 #include "distance/united_parts.h"
 #include "repair/solid_input.h"
 #include "vdbtools/files/file_hash.h"
+#include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/recipe/recipe_reader.h"
+#include "vdbtools/surface/grid_mesh.h"
 #include "vdbtools/target/target_input.h"
 
 #include <stdexcept>
@@ -15,23 +17,47 @@ namespace {
 
 constexpr const char* kGrid = "phi";
 
+/// What a mesh and a VDB as the source have in common.
+void describe(const SdfOptions& options, const openvdb::BBoxd& box, SdfResult& result) {
+  const std::optional<LengthUnit> unit =
+      options.mesh ? options.axes.unit : agreedUnit(options.axes.unit, unitOfFile(options.input), options.input);
+  result.grid->setName(kGrid);
+  result.metadata["julia_source_sha256"] = options.mesh ? sha256OfMesh(*options.mesh) : sha256OfFile(options.input);
+  // The program reads it back with the grid, and so in the axes of the file.
+  result.metadata[kTargetBox] = boxText(UpTurn(options.axes.target, options.axes.ofVdb())(box));
+  result.metadata.merge(distanceGridMetadata(options.gridNames, kGrid));
+  if (unit) result.metadata[kLengthUnit] = nameOf(*unit);
+}
+
+SdfResult redistancedVdb(const SdfOptions& options, Monitor& monitor) {
+  const Target target = readVdbTarget(options.input, options.grid);
+  SdfResult result;
+  result.grid = redistanced(*target.phi, options.band, monitor);
+  describe(options, target.box, result);
+  return result;
+}
+
 }  // namespace
 
 OptionTable sdfOptionTable() {
   std::vector<OptionSpec> options = {
       {.name = "input",
-       .argument = "MESH",
-       .help = "the mesh: .obj, .ply, .stl, .off, .glb or .gltf; with --points-radius a cloud of points",
+       .argument = "MESH|SDF.vdb",
+       .help = "the mesh: .obj, .ply, .stl, .off, .glb or .gltf; with --points-radius a cloud of points; or a VDB, "
+               "whose level set gets a band of another width",
        .hash = "source-sha256"},
+      {.name = "grid", .argument = "NAME", .help = "which grid of the input VDB to use", .idle = idleWithoutVdb},
       {.name = "resolution",
        .argument = "N",
        .defaultValue = "200",
        .help = "voxels along the mesh's longest side",
-       .alternative = "voxel-size"},
+       .alternative = "voxel-size",
+       .idle = idleWithoutMesh},
       {.name = "voxel-size",
        .argument = "H",
        .help = "the size of a voxel, in the mesh's units",
-       .alternative = "resolution"},
+       .alternative = "resolution",
+       .idle = idleWithoutMesh},
       {.name = "band", .argument = "N", .defaultValue = "3", .help = "half width of the narrow band, in voxels"},
       {.name = "half", .help = "write 16-bit floats"},
   };
@@ -48,6 +74,7 @@ SdfOptions parseSdfOptions(const Recipe& recipe) {
   SdfOptions options;
   options.input = reader.text("input");
   if (options.input.empty()) throw std::invalid_argument("no mesh was given");
+  if (reader.has("grid")) options.grid = reader.text("grid");
   options.voxels = reader.voxels("resolution", "voxel-size");
   options.mend = parseMendOptions(reader);
   options.band = reader.number("band");
@@ -60,25 +87,18 @@ SdfOptions parseSdfOptions(const Recipe& recipe) {
 
 SdfResult runSdf(const SdfOptions& options, Monitor& monitor) {
   openvdb::initialize();
-  const std::optional<LengthUnit> unit =
-      options.mesh ? options.axes.unit : agreedUnit(options.axes.unit, unitOfFile(options.input), options.input);
+  if (!options.mesh && isVdbPath(options.input)) return redistancedVdb(options, monitor);
   const SolidSource source = openSolid(options.input, options.mesh, options.mend);
   SdfResult result;
-  result.report = source.report;
   const double voxel = options.voxels.sizeFor(longestSide(source.box));
   requireVdbVoxel(voxel);
   requireResolved(options.mend, voxel);
   MeshSdf sdf = makeSdf(*source.solid, sdfBand(voxel, options.band, options.band), options.mend, monitor);
   result.grid = sdf.grid;
-  result.grid->setName(kGrid);
   result.moved = sdf.moved;
   result.closedGap = sdf.closedGap;
   result.caps = sdf.caps;
-  result.metadata["julia_source_sha256"] = options.mesh ? sha256OfMesh(*options.mesh) : sha256OfFile(options.input);
-  // The program reads it back with the grid, and so in the axes of the file.
-  result.metadata[kTargetBox] = boxText(UpTurn(options.axes.target, options.axes.ofVdb())(source.box));
-  result.metadata.merge(distanceGridMetadata(options.gridNames, kGrid));
-  if (unit) result.metadata[kLengthUnit] = nameOf(*unit);
+  describe(options, source.box, result);
   if (sdf.moved) result.metadata["julia_repair_moved"] = numbersText({*sdf.moved});
   if (sdf.united > 0) result.metadata[kUnitedParts] = std::to_string(sdf.united);
   return result;

@@ -2,9 +2,15 @@
 #include "vdbtools/surface/grid_mesh.h"
 
 #include "base/grid_memory.h"
+#include "distance/distance_band.h"
+#include "distance/leaves.h"
+#include "distance/mesh_conversion.h"
 #include "vdbtools/surface/extract_mesh.h"
 
 #include <openvdb/tools/Interpolation.h>
+#include <openvdb/tools/SignedFloodFill.h>
+#include <openvdb/tree/LeafManager.h>
+#include <openvdb/tree/ValueAccessor.h>
 
 #include <algorithm>
 #include <cmath>
@@ -89,6 +95,31 @@ Mesh meshOfLevelSet(const openvdb::FloatGrid& levelSet, Monitor& monitor) {
   if (axis(0).cross(axis(1)).dot(axis(2)) < 0)  // a mirrored grid reverses its triangles
     for (openvdb::Vec3I& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
   return mesh;
+}
+
+openvdb::FloatGrid::Ptr redistanced(const openvdb::FloatGrid& levelSet, double band, Monitor& monitor) {
+  if (!levelSet.hasUniformVoxels())
+    throw DataError("the voxels of the grid '" + levelSet.getName() +
+                    "' are not cubes, so that its distances cannot be measured on them; resample it first");
+  const double voxel = levelSet.voxelSize()[0];
+  Mesh mesh = meshOfLevelSet(levelSet, monitor);
+  checkOptions(reportMesh(mesh), {.voxelSize = voxel, .exteriorBandWidth = band, .interiorBandWidth = band});
+  for (openvdb::Vec3d& point : mesh.points) point = levelSet.worldToIndex(point);
+  const TriangleTree tree(mesh.points, mesh.triangles);
+  openvdb::FloatGrid::Ptr grid = unsignedDistances(tree, static_cast<float>(band), PhaseKind::DistanceField, monitor);
+  openvdb::tree::LeafManager<openvdb::FloatTree> leaves(grid->tree());
+  monitor.begin(PhaseKind::Signs, leaves.leafCount());
+  forEachLeaf(leaves.leafCount(), monitor, [&](std::size_t i) {
+    const openvdb::tree::ValueAccessor<const openvdb::FloatTree> signs(levelSet.tree());
+    openvdb::FloatTree::LeafNodeType& leaf = leaves.leaf(i);
+    for (auto value = leaf.beginValueAll(); value; ++value)
+      if (signs.getValue(value.getCoord()) < 0) value.setValue(-*value);
+  });
+  const float width = grid->background();
+  openvdb::tools::signedFloodFillWithValues(grid->tree(), width, -width);
+  grid = toWorld(grid, voxel);
+  grid->setTransform(levelSet.transform().copy());
+  return grid;
 }
 
 }  // namespace vdbtools

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file sdf_job.h
-/// Mesh -> signed distance field, as `juliavdb sdf` does it.
+/// Mesh -> signed distance field, as `juliavdb sdf` does it; or a level set -> the same with another band.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -24,6 +24,7 @@ namespace vdbtools {
 struct SdfOptions {
   std::filesystem::path input;
   std::shared_ptr<const Mesh> mesh{};  ///< a mesh in memory, for which nothing is read; input is its name
+  std::string grid{};                  ///< of a VDB; empty: its only one
   VoxelChoice voxels;
   MendOptions mend;
   double band = 3;  ///< voxels on each side, above 1
@@ -38,13 +39,12 @@ SdfOptions parseSdfOptions(const Recipe& recipe);
 
 struct SdfResult {
   openvdb::FloatGrid::Ptr grid;
-  MeshReport report;
   std::optional<double> moved, closedGap;  ///< of a repair, world units
   std::size_t caps = 0;                    ///< holes that a repair capped
   std::map<std::string, std::string> metadata;
 };
 
-/// @throw what reading and repairing the mesh throw
+/// @throw what reading and repairing the mesh throw; for a VDB what readVdbTarget() and redistanced() throw
 SdfResult runSdf(const SdfOptions& options, Monitor& monitor);
 
 }  // namespace vdbtools

@@ -16,4 +16,13 @@ namespace vdbtools {
 /// @throw DataError  no change of sign, values that are not finite
 Mesh meshOfLevelSet(const openvdb::FloatGrid& levelSet, Monitor& monitor);
 
+/// The distances to the mesh of meshOfLevelSet() at the nodes of the same lattice, with the sign that the level set has
+/// there. They are exact for that mesh at any distance, where sweeping adds an error at each voxel.
+/// @param band  half width, voxels, above 1
+/// @return a level set in world units, flood filled
+/// @throw DataError  as meshOfLevelSet(), or the voxels are not cubes
+/// @throw std::invalid_argument  more than 2^31 nodes
+/// @throw Interrupted
+openvdb::FloatGrid::Ptr redistanced(const openvdb::FloatGrid& levelSet, double band, Monitor& monitor);
+
 }  // namespace vdbtools
