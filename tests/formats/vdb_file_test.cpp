@@ -10,6 +10,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <cstring>
 #include <fstream>
 
 namespace {
@@ -56,6 +58,27 @@ TEST_F(VdbFileTest, SameGridsSameBytes) {
   const auto other = fineBall();
   other->tree().setValue(Coord(0), -0.125f);
   EXPECT_NE(encodeVdb({other}, {}).substr(21, 36), once.substr(21, 36));
+}
+
+// With any version of OpenVDB, so that the bytes are the same: the head of 10.0. Format 225, of OpenVDB 13, differs in
+// types of grids alone.
+TEST_F(VdbFileTest, TheFormatIsThatOfOpenVdb10AndThatOf13IsRead) {
+  std::string bytes = encodeVdb({fineBall()}, {});
+  const auto number = [&](std::size_t at) {
+    std::uint32_t value;
+    std::memcpy(&value, bytes.data() + at, sizeof(value));
+    return value;
+  };
+  EXPECT_EQ(number(8), 224u);
+  EXPECT_EQ(number(12), 10u);
+  EXPECT_EQ(number(16), 0u);
+  bytes[8] = static_cast<char>(225);
+  bytes[12] = 13;
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(decodeVdb(bytes).grids.size(), 1u);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  bytes[8] = static_cast<char>(226);
+  EXPECT_THROW(decodeVdb(bytes), DataError);
 }
 
 TEST_F(VdbFileTest, CanBeReadGridByGrid) {

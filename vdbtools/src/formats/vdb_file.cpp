@@ -11,6 +11,7 @@
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
 
+#include <cstring>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -19,10 +20,33 @@
 namespace vdbtools {
 namespace {
 
-// The offset of the identifier in io::Archive's header: after the magic number (8 bytes), the file version (4), the
-// library's major and minor version (4 each) and the flag for grid offsets (1); it has 36 characters.
+// Offsets in io::Archive's header: after the magic number (8 bytes) come the version of the format (4), the library's
+// major and minor version (4 each), the flag for grid offsets (1), and an identifier of 36 characters.
+constexpr std::size_t kFormatOffset = 8, kMajorOffset = 12, kMinorOffset = 16;
 constexpr std::size_t kIdentifierOffset = 21;
 constexpr std::size_t kIdentifierLength = 36;
+
+std::uint32_t headNumber(std::string_view bytes, std::size_t offset) {
+  std::uint32_t number;
+  std::memcpy(&number, bytes.data() + offset, sizeof(number));
+  return number;
+}
+
+void setHeadNumber(std::string& bytes, std::size_t offset, std::uint32_t number) {
+  std::memcpy(bytes.data() + offset, &number, sizeof(number));
+}
+
+// Format 225 of OpenVDB 13 adds grids of 16-bit floats, of which nothing is written here, to 224 of OpenVDB 10. So what
+// is written is of format 224, with any library: the bytes are the same, and older programs read them.
+constexpr std::uint32_t kWrittenFormat = 224, kWrittenMajor = 10, kWrittenMinor = 0, kSameButForTypes = 225;
+
+void writeAsOldestFormat(std::string& bytes) {
+  const std::uint32_t format = headNumber(bytes, kFormatOffset);
+  if (format != kWrittenFormat && format != kSameButForTypes) return;
+  setHeadNumber(bytes, kFormatOffset, kWrittenFormat);
+  setHeadNumber(bytes, kMajorOffset, kWrittenMajor);
+  setHeadNumber(bytes, kMinorOffset, kWrittenMinor);
+}
 
 /// "xxxxxxxx-xxxx-xxxx-xxxx-xxxxxxxxxxxx" from the content's hash.
 std::string identifierOf(std::string_view bytes) {
@@ -255,6 +279,7 @@ std::string encodeVdb(const std::vector<openvdb::GridBase::Ptr>& given, const Vd
   std::string bytes = std::move(stream).str();
   if (!looksLikeIdentifier(std::string_view(bytes).substr(kIdentifierOffset, kIdentifierLength)))
     throw std::logic_error("the VDB header holds no identifier where it was expected");
+  writeAsOldestFormat(bytes);
   bytes.replace(kIdentifierOffset, kIdentifierLength, kIdentifierLength, '0');
   bytes.replace(kIdentifierOffset, kIdentifierLength, identifierOf(bytes));
   return bytes;
@@ -263,6 +288,10 @@ std::string encodeVdb(const std::vector<openvdb::GridBase::Ptr>& given, const Vd
 VdbFile decodeVdb(std::string bytes) {
   return readingVdb([&] {
     const VdbContents contents = checkVdb(bytes);
+    // OpenVDB 10 to 12 warn of a format that is newer than theirs, on stderr. Grids of types that they do not know are
+    // passed over in any case.
+    if (headNumber(bytes, kFormatOffset) > openvdb::OPENVDB_FILE_VERSION)
+      setHeadNumber(bytes, kFormatOffset, openvdb::OPENVDB_FILE_VERSION);
     CheckedArchive archive(bytes, contents);
     VdbFile file;
     file.metadata = archive.metadata();

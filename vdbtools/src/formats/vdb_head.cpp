@@ -6,7 +6,7 @@ namespace {
 
 constexpr std::string_view kMagic(" BDV\0\0\0\0", 8);
 constexpr std::uint32_t kOldest = 222;  // earlier heads contained a compression flag
-constexpr std::uint32_t kNewest = 224;  // of OpenVDB 10
+constexpr std::uint32_t kNewest = 225;  // of OpenVDB 13; it has grids of another type more than 224, that of OpenVDB 10
 
 constexpr bool isHexDigit(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F'); }
 

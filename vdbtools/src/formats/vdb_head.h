@@ -13,7 +13,7 @@
 namespace vdbtools {
 
 struct VdbHead {
-  std::uint32_t version = 0;  ///< of the format, 222 to 224
+  std::uint32_t version = 0;  ///< of the format, 222 to 225
   bool hasOffsets = false;    ///< whether each grid states where it ends
 };
 
