@@ -112,9 +112,11 @@ class HandOff(harness.CliTest):
         self.assertAlmostEqual(again.background, 9 * 0.05, delta=1e-6)
         self.assertGreater(again.activeVoxelCount(), 2 * narrow.activeVoxelCount())
         self.assertAlmostEqual(again.activeVoxelCount() / wide.activeVoxelCount(), 1, delta=0.02)
+        # Where faces of the mesh meet at up to 22.5 degrees, the grid's surface cuts the edge off within a cell, whose
+        # diagonal is sqrt(3) voxels: by sqrt(3) / 2 sin(22.5 / 2) of a voxel.
         accessor = wide.getConstAccessor()
         for item in list(again.citerOnValues())[::7]:
-            self.assertAlmostEqual(item.value, accessor.getValue(item.min), delta=0.05 * 0.05, msg="a twentieth of a voxel")
+            self.assertAlmostEqual(item.value, accessor.getValue(item.min), delta=0.17 * 0.05)
         told, source = self.info("again.vdb"), self.info("narrow.vdb")
         self.assertEqual(told["recipe"]["band"], "9")
         self.assertEqual(told["metadata"]["julia_target_box"], source["metadata"]["julia_target_box"])
