@@ -7,6 +7,11 @@
 #include "julia/quaternion.h"
 #include "julia/rational.h"
 
+// Boost 1.83 defines numeric_limits<__float128> unless the compiler is g++ 14 or newer, and clang calls itself g++ 4:
+// with the libstdc++ of g++ 14, which has it, there are two.
+#if defined(__clang__) && defined(_GLIBCXX_RELEASE) && _GLIBCXX_RELEASE >= 14
+#define BOOST_CSTDFLOAT_NO_LIBQUADMATH_SUPPORT
+#endif
 #include <boost/multiprecision/float128.hpp>
 
 #include <cmath>
