@@ -101,7 +101,7 @@ std::string finerThanVoxelsText(const Scene& scene) {
 }
 
 std::string coarseFloatsText(const Scene& scene) {
-  constexpr double kMost = 0.1;  // voxels, by which whole signs at nodes begin to be those of their neighbourhood
+  constexpr double kMost = 0.1;  // voxels: from here on, many vertices leave their edges
   const double rounding = floatRounding(scene);
   if (scene.field.arithmetic != Arithmetic::Float || rounding < kMost) return {};
   return "--precision float rounds positions by up to " + shortText(rounding) +
