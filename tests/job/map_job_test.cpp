@@ -293,7 +293,9 @@ TEST_F(MapJob, FilesSayWhereACrossMapWasEvaluated) {
       for (int axis = 0; axis < 3; ++axis) off[axis] = std::abs(at[axis] - (node[axis] = std::round(at[axis])));
       const int along = off[0] >= off[1] && off[0] >= off[2] ? 0 : off[1] >= off[2] ? 1 : 2;
       for (int axis = 0; axis < 3; ++axis)
-        if (axis != along) ASSERT_LT(off[axis], 1e-9) << point;
+        if (axis != along) {
+          ASSERT_LT(off[axis], 1e-9) << point;
+        }
       node[along] = std::floor(at[along]);
       ends.emplace_back(scene.placed.space.toFractal(lattice.indexToWorld(node)));
       node[along] += 1;
