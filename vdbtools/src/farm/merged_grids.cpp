@@ -134,13 +134,14 @@ std::vector<openvdb::GridBase::Ptr> mergeGrids(const fs::path& folder, const Til
   std::optional<FieldSource> source;
   if (job.grids.has(OutputGrid::Versor))
     source.emplace(scene.emplace(readPreparedScene(job.options, folder / kPreparedName)).source());
-  return outputGrids(job.grids,
-                     {.surface = parts.surface,
-                      .field = &parts.field,
-                      .source = source ? &*source : nullptr,
-                      .attributes = attributes ? &**attributes : nullptr,
-                      .offset = latticeOffset(job.options, job.lattice().voxelSize)},
-                     monitor);
+  const std::vector<openvdb::GridBase::Ptr> grids = outputGrids(job.grids,
+                                                                {.surface = parts.surface,
+                                                                 .field = &parts.field,
+                                                                 .source = source ? &*source : nullptr,
+                                                                 .attributes = attributes ? &**attributes : nullptr},
+                                                                monitor);
+  moveGrids(grids, latticeOffset(job.options, job.lattice().voxelSize));
+  return grids;
 }
 
 }  // namespace vdbtools::farm

@@ -120,12 +120,7 @@ void makeStreamed(const Scene& scene, const FractalPlan& plan, const PointAttrib
   if (output) output->finish(result.mesh, monitor);
   if (!surface) return;
   result.check = checkSurface(*surface);
-  result.grids = outputGrids(plan.grids,
-                             {.surface = surface,
-                              .source = &source,
-                              .attributes = attributes,
-                              .offset = latticeOffset(scene.options, scene.voxelSize)},
-                             monitor);
+  result.grids = outputGrids(plan.grids, {.surface = surface, .source = &source, .attributes = attributes}, monitor);
   if (!output) result.mesh = {};
 }
 
@@ -169,13 +164,8 @@ void makeHeld(const Scene& scene, const FractalPlan& plan, const PointAttributes
     requireSurface(scene, result, result.mesh.triangles);
   }
   if (output) output->finish(result.mesh, monitor);
-  result.grids = outputGrids(plan.grids,
-                             {.surface = surface,
-                              .field = &field,
-                              .source = &source,
-                              .attributes = attributes,
-                              .offset = latticeOffset(scene.options, scene.voxelSize)},
-                             monitor);
+  result.grids = outputGrids(
+      plan.grids, {.surface = surface, .field = &field, .source = &source, .attributes = attributes}, monitor);
 }
 
 }  // namespace
@@ -215,6 +205,7 @@ FractalResult runFractal(const Scene& scene, const FractalPlan& plan, MeshSink* 
   } else if (output || !plan.grids.empty()) {
     makeStreamed(scene, plan, wanted, output ? &*output : nullptr, result, monitor);
   }
+  moveGrids(result.grids, offset);
   return result;
 }
 

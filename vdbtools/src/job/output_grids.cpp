@@ -17,13 +17,16 @@ std::vector<openvdb::GridBase::Ptr> outputGrids(const GridPlan& plan, const Grid
   if (plan.attributes)
     for (const openvdb::GridBase::Ptr& grid : attributeGrids(*sources.attributes, *sources.surface, monitor))
       grids.push_back(grid);
-  if (sources.offset == openvdb::Vec3d(0)) return grids;
+  return grids;
+}
+
+void moveGrids(const std::vector<openvdb::GridBase::Ptr>& grids, const openvdb::Vec3d& offset) {
+  if (offset == openvdb::Vec3d(0)) return;
   for (const openvdb::GridBase::Ptr& grid : grids) {
     const openvdb::math::Transform::Ptr moved = grid->transform().copy();
-    moved->postTranslate(sources.offset);
+    moved->postTranslate(offset);
     grid->setTransform(moved);
   }
-  return grids;
 }
 
 }  // namespace vdbtools

@@ -17,10 +17,12 @@ struct GridSources {
   const FractalField* field = nullptr;          ///< with all nodes and iterations, where the plan has grids of it
   const FieldSource* source = nullptr;          ///< where the plan has the grid "versor"
   const PointAttributes* attributes = nullptr;  ///< where the plan has them
-  openvdb::Vec3d offset{0, 0, 0};               ///< as latticeOffset() has it: moves all grids
 };
 
 /// @throw Interrupted
 std::vector<openvdb::GridBase::Ptr> outputGrids(const GridPlan& plan, const GridSources& sources, Monitor& monitor);
+
+/// Moves grids that leave the program. @param offset  as latticeOffset() has it, world units
+void moveGrids(const std::vector<openvdb::GridBase::Ptr>& grids, const openvdb::Vec3d& offset);
 
 }  // namespace vdbtools
