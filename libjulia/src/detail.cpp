@@ -13,7 +13,7 @@ namespace julia {
 double wantedScale(const RadialMaximum& maximum, int maxIterations, double escapeRadius) {
   // A larger K leaves practically no shell.
   constexpr double kMost = 1e4, kLeast = 0.25;
-  constexpr double kRatio = 1.05, kPrecision = 1e-4;
+  constexpr double kRatio = 1.05, kPrecision = 1e-6;
   const double upper = elementary::log(escapeRadius);
   const auto traps = [&](double scale) {
     RadialMaximum exponent = maximum;
@@ -35,31 +35,52 @@ double wantedScale(const RadialMaximum& maximum, int maxIterations, double escap
   return scale;
 }
 
-DetailLaw wantedLaw(const RadialMaximum& maximum, double surface, int maxIterations, double escapeRadius) {
+namespace {
+
+/// The radius of the ball in which the bound first reaches a value; between the table's balls it is taken as linear.
+double firstReach(const RadialMaximum& table, double value) {
+  const std::vector<double>& maximum = table.maximum;
+  const auto reached = std::lower_bound(maximum.begin(), maximum.end(), value);
+  const auto ball = static_cast<double>(reached - maximum.begin());
+  if (reached == maximum.begin() || reached == maximum.end()) return table.step * (ball + 1);
+  const double before = *(reached - 1);
+  return table.step * (ball + (std::isfinite(before) ? (value - before) / (*reached - before) : 1));
+}
+
+}  // namespace
+
+DetailLaw wantedLaw(const RadialMaximum& maximum, double surface, int maxIterations, double escapeRadius,
+                    const std::function<RadialMaximum(const DetailLaw&)>& under) {
   // The distance from which orbits are seen to leave, as a fraction of the target's depth about the origin.
   constexpr double kLeaving = 0.7;
   constexpr double kMost = 100, kPrecision = 1e-3;
   DetailLaw law{.logEscape = elementary::log(escapeRadius),
                 .scale = wantedScale(maximum, maxIterations, escapeRadius),
                 .plunge = 0};
-  const auto reached = std::find_if(maximum.maximum.begin(), maximum.maximum.end(),
-                                    [surface](double value) { return value >= surface; });
-  const double depth = maximum.step * static_cast<double>(reached - maximum.maximum.begin() + 1);
+  const double depth = firstReach(maximum, surface);
   const double gentle = (law.logEscape - elementary::log(kLeaving * depth)) / (1 - DetailLaw::kPlunge);
   if (!(gentle > 0 && gentle < law.scale)) return law;
-  const auto traps = [&](double plunge) {
-    const DetailLaw tried{law.logEscape, gentle, plunge};
+  const auto at = [&](const DetailLaw& tried) {
     RadialMaximum exponent = maximum;
     for (double& value : exponent.maximum) value = tried.at(value);
+    return exponent;
+  };
+  const auto traps = [&](const DetailLaw& tried, const RadialMaximum& exponent) {
     return tried.at(-1) <= shellInterval(exponent, maxIterations, escapeRadius).lower;
   };
-  if (!traps(kMost)) return law;
-  double low = 0, high = kMost;
-  while (high - low > kPrecision * (gentle + low)) {
-    const double middle = (low + high) / 2;
-    (traps(middle) ? high : low) = middle;
+  // Between nodes E is not the law of w, but nearly so.
+  DetailLaw tried{law.logEscape, gentle, kMost};
+  double low = 0;
+  if (!traps(tried, at(tried))) return law;
+  while (tried.plunge - low > kPrecision * (gentle + low)) {
+    const DetailLaw middle{law.logEscape, gentle, (low + tried.plunge) / 2};
+    (traps(middle, at(middle)) ? tried.plunge : low) = middle.plunge;
   }
-  return {law.logEscape, gentle, high};
+  for (double step = kPrecision; tried.plunge <= kMost; step *= 2) {
+    if (traps(tried, under ? under(tried) : at(tried))) return tried;
+    tried.plunge += step * (gentle + tried.plunge);
+  }
+  return law;
 }
 
 }  // namespace julia

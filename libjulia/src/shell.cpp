@@ -31,13 +31,13 @@ ShellInterval shellInterval(const RadialMaximum& radialMaximum, int maxIteration
     interval.lower = 0;
     return interval;
   }
-  for (std::size_t k = radialMaximum.maximum.size(); k-- > 0;) {
-    const double r = radialMaximum.step * static_cast<double>(k + 1);
-    if (r < 1 && staysInside(radialMaximum.maximum[k])) {
-      interval.lower = elementary::log(r);
-      break;
-    }
-  }
+  const std::vector<double>& maximum = radialMaximum.maximum;
+  const double inUnitBall = std::max(0.0, std::ceil(1 / radialMaximum.step) - 1);
+  const auto end =
+      maximum.begin() + static_cast<std::ptrdiff_t>(std::min(inUnitBall, static_cast<double>(maximum.size())));
+  const auto escapes = std::partition_point(maximum.begin(), end, staysInside);
+  if (escapes != maximum.begin())
+    interval.lower = elementary::log(radialMaximum.step * static_cast<double>(escapes - maximum.begin()));
   return interval;
 }
 

@@ -18,6 +18,7 @@
 
 #include "julia/shell.h"
 
+#include <functional>
 #include <stdexcept>
 
 namespace julia {
@@ -60,9 +61,13 @@ struct DetailLaw {
 };
 
 /// Returns the law with the smallest scale, and the plunge that it needs.
+/// @param maximum  bounds of w
 /// @param surface  w at the target's surface; the depth of the target about the origin is read from @a maximum
+/// @param under    bounds of E under a law. With a plunge these are not the law of bounds of w, if E is interpolated
+///                 between nodes at which the law was applied. If empty, the law applies everywhere.
 /// @throw NoDetail  as wantedScale()
 /// @throw std::invalid_argument  as wantedScale()
-DetailLaw wantedLaw(const RadialMaximum& maximum, double surface, int maxIterations, double escapeRadius);
+DetailLaw wantedLaw(const RadialMaximum& maximum, double surface, int maxIterations, double escapeRadius,
+                    const std::function<RadialMaximum(const DetailLaw&)>& under = {});
 
 }  // namespace julia

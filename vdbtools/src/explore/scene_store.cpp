@@ -28,6 +28,7 @@ class SharedInput final : public TargetInput {
   openvdb::FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const override {
     return mInput->coarseDistances(monitor);
   }
+  std::shared_ptr<const Mesh> solid() const override { return mInput->solid(); }
   std::shared_ptr<const Mesh> mesh() const override { return mInput->mesh(); }
 
  private:

@@ -7,6 +7,7 @@
 #include "distance/cell_corners.h"
 #include "distance/leaves.h"
 #include "exponent/exponent_law.h"
+#include "exponent/radial_bound.h"
 #include "vdbtools/base/grid_sampler.h"
 #include "vdbtools/base/number_text.h"
 
@@ -64,22 +65,6 @@ float largestStepOf(const CellCorners& corners) {
   return *std::max_element(most, most + kSide);
 }
 
-/// The largest value of an active node; -inf if there is none.
-float greatestOf(const Leaf& leaf) {
-  constexpr float kNone = -std::numeric_limits<float>::infinity();
-  float most[Leaf::DIM];
-  std::fill_n(most, Leaf::DIM, kNone);
-  for (openvdb::Index row = 0; row < Leaf::DIM * Leaf::DIM; ++row) {
-    const float* const values = leaf.buffer().data() + row * Leaf::DIM;
-    const unsigned on = activeInRow(leaf, row);
-    for (unsigned z = 0; z < Leaf::DIM; ++z) {
-      const float value = on & kBit[z] ? values[z] : kNone;
-      most[z] = value > most[z] ? value : most[z];
-    }
-  }
-  return *std::max_element(most, most + Leaf::DIM);
-}
-
 /// An upper bound of the difference between active face neighbours.
 double largestStep(const FloatTree& tree, Monitor& monitor) {
   const std::vector<const Leaf*> leaves = leavesOf(tree);
@@ -122,75 +107,7 @@ class Baker {
   double largestStep() const { return vdbtools::largestStep(mTree, mMonitor); }
   const ExponentLaw& law() const { return mLaw; }
 
-  /// The maximum distance of a leaf's nodes from its centre, world units.
-  double leafRadius() const {
-    constexpr double kHalf = 0.5 * (Leaf::DIM - 1);
-    const Vec3d zero = mTransform.indexToWorld(Vec3d(0));
-    double most = 0;
-    for (const double y : {-kHalf, kHalf})
-      for (const double z : {-kHalf, kHalf})
-        most = std::max(most, (mTransform.indexToWorld(Vec3d(kHalf, y, z)) - zero).length());
-    return most;
-  }
-  /// Half a cell's diagonal, units of fractal space.
-  double radialStep() const { return mTransform.voxelSize().length() / mSpace.scale / 2; }
-  /// A node at distance d is read at points as close as d minus a cell's diagonal, or one and a half for the quadratic
-  /// B-spline.
-  double radialReach() const {
-    return radialStep() * (mOptions.interpolation == julia::Interpolation::Quadratic ? 3 : 2);
-  }
-
-  /// m(r) of shell.h about @a origin, world units, from the nodes.
-  julia::RadialMaximum radialMaximum(const Vec3d& origin, double atOrigin) const {
-    constexpr double kNone = -std::numeric_limits<double>::infinity();
-    const double step = radialStep(), reach = radialReach();
-    const std::size_t count = static_cast<std::size_t>(std::ceil(1 / step));
-    // The ball to which a distance from the origin, in units of fractal space, belongs, with a small slack against
-    // rounding at a ball's edge.
-    const auto ballAt = [=](double distance) { return (distance - reach) / step - 1e-9; };
-    // Nearest leaves come first: the others seldom contribute more than nearer ones.
-    const double radius = leafRadius();
-    std::vector<std::pair<double, std::size_t>> order(mLeaves.size());
-    for (std::size_t i = 0; i < mLeaves.size(); ++i) {
-      const Vec3d middle = mTransform.indexToWorld(mLeaves[i]->origin().asVec3d() + Vec3d(0.5 * (Leaf::DIM - 1)));
-      const double nearest = ballAt(((middle - origin).length() - radius) / mSpace.scale * (1 - 1e-6)) - 1;
-      order[i] = {std::max(0.0, nearest), i};
-    }
-    std::sort(order.begin(), order.end());
-    const std::vector<double> nothing(count, kNone);
-    tbb::enumerable_thread_specific<std::vector<double>> parts(nothing);
-    forEachLeaf(mLeaves.size(), mMonitor, [&](std::size_t i) {
-      const auto& [first, number] = order[i];
-      if (!(first < static_cast<double>(count))) return;
-      std::vector<double>& maximum = parts.local();
-      const auto known = maximum.begin() + static_cast<std::ptrdiff_t>(first);
-      const Leaf& leaf = *mLeaves[number];
-      if (static_cast<double>(greatestOf(leaf)) <= *std::max_element(maximum.begin(), known + 1)) return;
-      const Axes at(leaf.origin(), mTransform);
-      const float* values = leaf.buffer().data();
-      for (openvdb::Index row = 0; row < Leaf::SIZE; row += Leaf::DIM) {
-        double ball[Leaf::DIM];
-        const Vec3d base = (at.x[row / Leaf::DIM / Leaf::DIM] + at.y[row / Leaf::DIM % Leaf::DIM] - origin);
-        for (unsigned z = 0; z < Leaf::DIM; ++z) {
-          const double x = (base[0] + at.z[z][0]) / mSpace.scale, y = (base[1] + at.z[z][1]) / mSpace.scale,
-                       w = (base[2] + at.z[z][2]) / mSpace.scale;
-          ball[z] = ballAt(std::sqrt(x * x + y * y + w * w));
-        }
-        const unsigned on = activeInRow(leaf, row / Leaf::DIM);
-        for (unsigned z = 0; z < Leaf::DIM; ++z) {
-          if (!(on >> z & 1) || !(ball[z] < static_cast<double>(count))) continue;
-          double& most = maximum[static_cast<std::size_t>(std::max(0.0, ball[z]))];
-          most = std::max(most, static_cast<double>(values[row + z]));
-        }
-      }
-    });
-    julia::RadialMaximum result{step, nothing};
-    for (const std::vector<double>& part : parts)
-      for (std::size_t i = 0; i < count; ++i) result.maximum[i] = std::max(result.maximum[i], part[i]);
-    double running = atOrigin;
-    for (double& maximum : result.maximum) running = maximum = std::max(running, maximum);
-    return result;
-  }
+  const FloatTree& tree() const { return mTree; }
 
   /// Converts the position in the shell of detail to E.
   void stretch(const julia::DetailLaw& law) {
@@ -234,19 +151,6 @@ class Baker {
   }
 
  private:
-  /// The world positions of a leaf's nodes, as sums of one part per axis; the first includes the offset.
-  struct Axes {
-    Axes(const Coord& origin, const openvdb::math::Transform& transform) {
-      const Vec3d zero = transform.indexToWorld(Vec3d(0));
-      for (int k = 0; k < static_cast<int>(Leaf::DIM); ++k) {
-        x[k] = transform.indexToWorld(Vec3d(origin[0] + k, 0, 0));
-        y[k] = transform.indexToWorld(Vec3d(0, origin[1] + k, 0)) - zero;
-        z[k] = transform.indexToWorld(Vec3d(0, 0, origin[2] + k)) - zero;
-      }
-    }
-    Vec3d x[Leaf::DIM], y[Leaf::DIM], z[Leaf::DIM];
-  };
-
   /// Applies the law to phi. Inactive nodes keep a value with phi's sign.
   Leaf* bake(const Leaf& phi) const {
     auto leaf = std::make_unique<Leaf>(phi);
@@ -315,13 +219,29 @@ Place placeOf(const Target& target, const Vec3d& point) {
   return target.phi->tree().getValue(node) < 0 ? Place::Inside : Place::Outside;
 }
 
-/// m(r) about a point. @param solid, outside  bounds of E where the distances end, inside and outside
-julia::RadialMaximum radialMaximumAbout(const Vec3d& origin, const Target& target, const Baker& baker, double solid,
-                                        double outside) {
-  const Place place = placeOf(target, origin);
-  if (place == Place::PastTheFaces) return {.step = 1, .maximum = {}};
-  return baker.radialMaximum(origin, place == Place::Outside ? outside : solid);
-}
+/// Bounds of E about a point.
+class BoundAbout {
+ public:
+  /// @param solid, outside  bounds of E where the distances end, inside and outside
+  BoundAbout(const Vec3d& origin, const Target& target, const Baker& baker, const FractalSpace& space,
+             const ExponentGridOptions& options, double solid, double outside, Monitor& monitor)
+      : mPlace(placeOf(target, origin)), mAtOrigin(mPlace == Place::Outside ? outside : solid), mMonitor(monitor) {
+    if (mPlace == Place::PastTheFaces) return;
+    mBound.emplace(baker.tree(), target.phi->transform(), origin, space.scale, options.interpolation, solid, monitor);
+  }
+
+  /// m(r) of shell.h. @param law  as in RadialBound
+  julia::RadialMaximum maximum(const std::optional<julia::DetailLaw>& law) const {
+    if (!mBound) return {.step = 1, .maximum = {}};
+    return mBound->maximum(mAtOrigin, law, mMonitor);
+  }
+
+ private:
+  Place mPlace;
+  double mAtOrigin;
+  Monitor& mMonitor;
+  std::optional<RadialBound> mBound;
+};
 
 }  // namespace
 
@@ -343,15 +263,18 @@ ExponentGrid exponentGrid(const Target& target, const FractalSpace& space, const
     const Vec3d& origin = options.detail->origin;
     float surface = 0;
     law.apply({&origin, 1}, {&surface, 1});
-    detail = julia::wantedLaw(radialMaximumAbout(origin, target, baker, solid, logEscape), static_cast<double>(surface),
-                              options.orbit.maxIterations, options.orbit.escapeRadius);
+    const BoundAbout bound(origin, target, baker, space, options, solid, logEscape, monitor);
+    detail = julia::wantedLaw(bound.maximum(std::nullopt), static_cast<double>(surface), options.orbit.maxIterations,
+                              options.orbit.escapeRadius,
+                              [&](const julia::DetailLaw& tried) { return bound.maximum(tried); });
     result.scale = detail.scale;
     baker.stretch(detail);
     solid = detail.at(solid);
   }
   const double largestStep = baker.largestStep();
   const double difference = largestStep * stepsInReach(options.interpolation);
-  const julia::RadialMaximum maximum = radialMaximumAbout(space.centre, target, baker, solid, logEscape + 1);
+  const julia::RadialMaximum maximum =
+      BoundAbout(space.centre, target, baker, space, options, solid, logEscape + 1, monitor).maximum(std::nullopt);
   result.shell = julia::shellInterval(maximum, options.orbit.maxIterations, options.orbit.escapeRadius);
   result.orbit = options.orbit;
   result.orbit.logTrap = result.shell.lower;

@@ -56,6 +56,7 @@ class KeptTarget final : public TargetInput {
 
   const openvdb::BBoxd& box() const override { return mInput->box(); }
   double usualDepth() const override { return mInput->usualDepth(); }
+  std::shared_ptr<const Mesh> solid() const override { return mInput->solid(); }
   std::shared_ptr<const Mesh> mesh() const override { return mInput->mesh(); }
 
   Target distances(const BandWidths& widths, Monitor& monitor) const override {
@@ -81,7 +82,7 @@ class KeptTarget final : public TargetInput {
   }
 
   FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const override {
-    const fs::path path = pathOf("coarse");
+    const fs::path path = pathOf("survey");
     if (std::optional<KeptBand> kept = readBand(path)) return kept->target.phi;
     FloatGrid::ConstPtr coarse = mInput->coarseDistances(monitor);
     keep(path, {.phi = std::const_pointer_cast<FloatGrid>(coarse), .box = {}}, {});

@@ -172,8 +172,8 @@ PlacedTarget placeShell(const ExponentSources& sources, SharedTarget& shared, Mo
   const bool needsBall = needsInscribedBall(sources.space);
   PlacedTarget result;
   result.isSurveyed = needsBall || sources.shell.detail || readsTarget(sources.shell);
-  const FloatGrid* phi = needsBall ? shared.survey(monitor).phi().get() : nullptr;
-  result.placed = placeSpace(sources.space, input.box(), phi);
+  const TargetSurvey* survey = needsBall ? &shared.survey(monitor) : nullptr;
+  result.placed = placeSpace(sources.space, input.box(), survey);
   ExponentGridOptions options = bindControls(sources, shared, result.placed, monitor);
   BandWidths widths = widthsOf(sources.space, sources.interiorReach, input, options);
   const auto make = [&] {

@@ -50,7 +50,7 @@ class SharedTarget {
   const TargetInput& input() const { return *mInput; }
 
   TargetSurvey& survey(Monitor& monitor) {
-    if (!mSurvey) mSurvey.emplace(mInput->coarseDistances(monitor));
+    if (!mSurvey) mSurvey.emplace(mInput->coarseDistances(monitor), mInput->solid());
     return *mSurvey;
   }
 

@@ -1,24 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/target/inscribed_ball.h"
 
+#include "distance/level_surface.h"
+#include "search/triangle_tree.h"
 #include "vdbtools/base/errors.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <memory>
+#include <queue>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace vdbtools {
 namespace {
 
+using openvdb::BBoxd;
 using openvdb::Coord;
 using openvdb::FloatGrid;
 using openvdb::Vec3d;
+using openvdb::Vec3I;
 
-// The search for the centre ends at this step size, in voxels.
-constexpr double kLastStep = 1e-4;
+// All lengths are in voxels, and all positions in index space.
 
-/// The score of a ball: its radius minus the pull toward the preferred point. All lengths are in voxels.
+/// No ball scores better by more than this than the one that is found, unless many are nearly equal.
+constexpr double kTolerance = 1e-4;
+/// The distance to a surface changes by no more than the way, and the pull by its share of it.
+constexpr double kSteepest = 1 + kInscribedBallPull;
+/// Half of a voxel's diagonal.
+constexpr double kCorner = 0.8660254037844387;
+
+/// The score of a ball: its radius minus the pull toward the preferred point.
 struct Score {
   Vec3d preferred;
   double operator()(const Vec3d& centre, double radius) const {
@@ -26,82 +42,168 @@ struct Score {
   }
 };
 
-/// The node with the best score; of equal ones the first in the order of coordinates.
-Coord bestNode(const FloatGrid& phi, double voxel, const Score& score) {
+struct Node {
+  Coord at;
+  double depth = 0, score = 0;
+};
+
+/// The nodes around which the best centre may lie, in the order of coordinates.
+std::vector<Node> candidateNodes(const FloatGrid& phi, double voxel, const Score& score) {
+  // Distances that were interpolated may be too small by this.
+  constexpr double kSlack = 0.1;
   double best = -std::numeric_limits<double>::infinity();
-  Coord found;
+  std::vector<Node> nodes;
   for (auto value = phi.cbeginValueOn(); value; ++value) {
     if (!(*value < 0)) continue;
-    const Coord node = value.getCoord();
-    const double here = score(node.asVec3d(), -*value / voxel);
-    if (here > best || (here == best && node < found)) {
-      best = here;
-      found = node;
-    }
+    const double depth = -static_cast<double>(*value) / voxel, here = score(value.getCoord().asVec3d(), depth);
+    best = std::max(best, here);
+    if (here > best - kSteepest * kCorner - kSlack) nodes.push_back({value.getCoord(), depth, here});
   }
-  if (best == -std::numeric_limits<double>::infinity())
-    throw DataError("the signed distance field is nowhere negative: it has no inside");
-  return found;
+  if (nodes.empty()) throw DataError("the signed distance field is nowhere negative: it has no inside");
+  std::erase_if(nodes, [&](const Node& node) { return !(node.score > best - kSteepest * kCorner - kSlack); });
+  std::sort(nodes.begin(), nodes.end(), [](const Node& a, const Node& b) { return a.at < b.at; });
+  return nodes;
 }
 
-/// Points of the surface within @a reach of @a centre, index space: nodes next to the surface, moved onto it along the
-/// gradient of phi, which is accurate to second order.
-std::vector<Vec3d> surfaceAbout(const FloatGrid& phi, double voxel, const Vec3d& centre, double reach) {
-  std::vector<Vec3d> points;
-  const auto accessor = phi.getConstAccessor();
-  for (auto value = phi.cbeginValueOn(); value; ++value) {
-    if (std::abs(*value) > voxel) continue;
-    const Coord node = value.getCoord();
-    if ((node.asVec3d() - centre).length() > reach) continue;
-    Vec3d gradient;
-    for (int axis = 0; axis < 3; ++axis) {
-      Coord before = node, after = node;
-      --before[axis], ++after[axis];
-      gradient[axis] = (accessor.getValue(after) - accessor.getValue(before)) / 2;
-    }
-    const double squared = gradient.lengthSqr();
-    // On a crease the gradient does not point to the surface.
-    if (squared < 0.25 * voxel * voxel) continue;
-    points.push_back(node.asVec3d() - gradient * (*value / squared));
+/// Triangles, and their tree.
+class Surface {
+ public:
+  explicit Surface(LevelSurface surface) : mSurface(std::make_unique<const LevelSurface>(std::move(surface))) {
+    if (!mSurface->triangles.empty())
+      mTree = std::make_unique<const TriangleTree>(mSurface->points, mSurface->triangles);
   }
-  return points;
+  bool empty() const { return !mTree; }
+  TriangleTree::Nearest nearest(const Vec3d& position) const {
+    return mTree->nearest(position, std::numeric_limits<float>::max()).value();
+  }
+
+ private:
+  std::unique_ptr<const LevelSurface> mSurface;  // the tree refers to it
+  std::unique_ptr<const TriangleTree> mTree;
+};
+
+/// The triangles of a mesh that may touch a ball about one of the nodes' cells.
+Surface partAbout(const std::vector<Node>& nodes, const Mesh& mesh, const openvdb::math::Transform& transform) {
+  BBoxd reach;
+  double depth = 0;
+  for (const Node& node : nodes) {
+    reach.expand(node.at.asVec3d());
+    depth = std::max(depth, node.depth);
+  }
+  reach.expand(depth + 2);
+  LevelSurface part;
+  std::unordered_map<std::uint32_t, std::uint32_t> numbers;
+  for (const Vec3I& triangle : mesh.triangles) {
+    Vec3d corner[3];
+    BBoxd box;
+    for (int c = 0; c < 3; ++c) {
+      corner[c] = transform.worldToIndex(mesh.points[triangle[c]]);
+      box.expand(corner[c]);
+    }
+    if (!box.hasOverlap(reach)) continue;
+    Vec3I kept;
+    for (int c = 0; c < 3; ++c) {
+      const auto [number, isNew] = numbers.try_emplace(triangle[c], static_cast<std::uint32_t>(part.points.size()));
+      if (isNew) part.points.push_back(corner[c]);
+      kept[c] = number->second;
+    }
+    part.triangles.push_back(kept);
+  }
+  return Surface(std::move(part));
 }
+
+/// Whether the nodes' distances are those to the triangles: others of a mesh may lie within a part, for example.
+bool isMeasuredFrom(const Surface& surface, const std::vector<Node>& nodes) {
+  constexpr double kSame = 1e-3;
+  constexpr std::size_t kMost = 256;
+  const std::size_t step = nodes.size() / kMost + 1;
+  for (std::size_t i = 0; i < nodes.size(); i += step)
+    if (!(std::abs(surface.nearest(nodes[i].at.asVec3d()).distance - nodes[i].depth) <= kSame)) return false;
+  return true;
+}
+
+Surface surfaceAbout(const std::vector<Node>& nodes, const FloatGrid& phi, const Mesh* mesh) {
+  if (mesh) {
+    Surface part = partAbout(nodes, *mesh, phi.transform());
+    if (!part.empty() && isMeasuredFrom(part, nodes)) return part;
+  }
+  // With an identity as its transform, so that the points are in index space.
+  const FloatGrid inVoxels(std::const_pointer_cast<openvdb::FloatTree>(phi.constTreePtr()));
+  return Surface(levelSurface(inVoxels, 0));
+}
+
+/// Branch and bound [LD60] over cubes. The distance to some points of the surface bounds that
+/// to the surface from above; the points nearest to the centres that were tried last serve for that, as few others
+/// touch a ball that is nearly the largest.
+class BallSearch {
+ public:
+  BallSearch(const Surface& surface, const Score& score) : mSurface(surface), mScore(score) {}
+
+  /// Tries a centre.
+  void attempt(const Vec3d& centre) {
+    const TriangleTree::Nearest nearest = mSurface.nearest(centre);
+    const double score = mScore(centre, nearest.distance);
+    if (score > mBest) mBest = score, mBall = {centre, nearest.distance};
+    mTouched[mTried++ % mTouched.size()] = nearest.point;
+  }
+  void add(const Vec3d& middle, double half, double bound) {
+    const double here = atMost(middle);
+    bound = std::min(bound, here + kSteepest * std::sqrt(3.0) * half);
+    if (bound > mBest + kTolerance) mCubes.push({middle, half, bound});
+  }
+  InscribedBall find() {
+    // A limit to time, which shapes of many equal balls reach.
+    constexpr int kMostCubes = 100000;
+    for (int i = 0; i < kMostCubes && !mCubes.empty(); ++i) {
+      const Cube cube = mCubes.top();
+      if (!(cube.bound > mBest + kTolerance)) break;
+      mCubes.pop();
+      if (atMost(cube.middle) > mBest) attempt(cube.middle);
+      const double half = cube.half / 2;
+      for (int n = 0; n < 8; ++n)
+        add(cube.middle + Vec3d(n & 4 ? half : -half, n & 2 ? half : -half, n & 1 ? half : -half), half, cube.bound);
+    }
+    return mBall;
+  }
+
+ private:
+  struct Cube {
+    Vec3d middle;
+    double half = 0, bound = 0;
+    bool operator<(const Cube& other) const { return bound < other.bound; }
+  };
+
+  double atMost(const Vec3d& centre) const {
+    double squared = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < std::min(mTried, mTouched.size()); ++i)
+      squared = std::min(squared, (mTouched[i] - centre).lengthSqr());
+    return mScore(centre, std::sqrt(squared));
+  }
+
+  const Surface& mSurface;
+  Score mScore;
+  InscribedBall mBall;
+  double mBest = -std::numeric_limits<double>::infinity();
+  std::array<Vec3d, 128> mTouched;
+  std::size_t mTried = 0;
+  std::priority_queue<Cube> mCubes;
+};
 
 }  // namespace
 
-InscribedBall largestInscribedBall(const FloatGrid& phi, const Vec3d& preferred) {
+InscribedBall largestInscribedBall(const FloatGrid& phi, const Vec3d& preferred, const Mesh* mesh) {
   const double voxel = phi.voxelSize()[0];
   const Score score{phi.worldToIndex(preferred)};
-  const Coord start = bestNode(phi, voxel, score);
-  Vec3d centre = start.asVec3d();
-  const double nodeRadius = -phi.tree().getValue(start) / voxel;
-  // The centre moves by less than two voxels, so that no other points of the surface matter.
-  constexpr double kMost = 2;
-  const std::vector<Vec3d> surface = surfaceAbout(phi, voxel, centre, nodeRadius + 2 * kMost);
-  const auto radiusAt = [&](const Vec3d& x) {
-    double least = std::numeric_limits<double>::infinity();
-    for (const Vec3d& point : surface) least = std::min(least, (point - x).lengthSqr());
-    return std::sqrt(least);
-  };
-  if (surface.empty()) return {phi.indexToWorld(centre), nodeRadius * voxel};
-  // Compass search: the radius is not smooth where the ball touches the surface at several points.
-  double radius = radiusAt(centre), best = score(centre, radius);
-  for (double step = 0.5; step > kLastStep;) {
-    Vec3d next = centre;
-    double nextRadius = radius, nextBest = best;
-    for (int i = 0; i < 27; ++i) {
-      const Vec3d direction = Coord(i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1).asVec3d();
-      const Vec3d candidate = centre + direction * step;
-      if ((candidate - start.asVec3d()).length() > kMost) continue;
-      const double there = radiusAt(candidate), value = score(candidate, there);
-      if (value > nextBest) next = candidate, nextRadius = there, nextBest = value;
-    }
-    if (nextBest > best)
-      centre = next, radius = nextRadius, best = nextBest;
-    else
-      step /= 2;
-  }
-  return {phi.indexToWorld(centre), radius * voxel};
+  const std::vector<Node> nodes = candidateNodes(phi, voxel, score);
+  const Node& best =
+      *std::max_element(nodes.begin(), nodes.end(), [](const Node& a, const Node& b) { return a.score < b.score; });
+  const Surface surface = surfaceAbout(nodes, phi, mesh);
+  if (surface.empty()) return {phi.indexToWorld(best.at.asVec3d()), best.depth * voxel};
+  BallSearch search(surface, score);
+  search.attempt(best.at.asVec3d());
+  for (const Node& node : nodes) search.add(node.at.asVec3d(), 0.5, node.score + kSteepest * kCorner + 0.1);
+  const InscribedBall found = search.find();
+  return {phi.indexToWorld(found.centre), found.radius * voxel};
 }
 
 }  // namespace vdbtools

@@ -3,7 +3,7 @@
 
 #include "repair/solid_input.h"
 #include "vdbtools/distance/fit_space.h"
-#include "vdbtools/target/inscribed_ball.h"
+#include "vdbtools/target/target_survey.h"
 
 #include <stdexcept>
 
@@ -114,11 +114,11 @@ bool needsInscribedBall(const SpaceOptions& options) {
   return options.kind == SpaceKind::Fit && options.origin == OriginKind::Auto;
 }
 
-PlacedSpace placeSpace(const SpaceOptions& options, const BBoxd& box, const openvdb::FloatGrid* phi) {
+PlacedSpace placeSpace(const SpaceOptions& options, const BBoxd& box, const TargetSurvey* survey) {
   FractalSpace space = aboutTheMiddle(options, box);
   if (needsInscribedBall(options)) {
     const Vec3d preferred = space.centre + options.near.value_or(Vec3d(0)) * space.scale;
-    space.centre = largestInscribedBall(*phi, preferred).centre;
+    space.centre = survey->largestBall(preferred).centre;
   } else {
     space.centre += options.at * space.scale;
   }

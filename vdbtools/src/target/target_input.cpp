@@ -33,7 +33,7 @@ constexpr double kWholeInside = std::numeric_limits<double>::infinity();
 constexpr double kSurveyMargin = 4;  ///< voxels known outside, in the survey
 
 /// @param voxel  voxel size of the target's distances, world units
-double surveyVoxel(double voxel, const BBoxd& box) { return std::max(2 * voxel, longestSide(box) / kMostSurveyVoxels); }
+double surveyVoxel(double voxel, const BBoxd& box) { return std::max(voxel, longestSide(box) / kMostSurveyVoxels); }
 
 /// Distances on the lattice of a survey. @param deep  known in the whole inside, and as far outside as the survey
 /// reaches
@@ -104,6 +104,9 @@ class MeshInput final : public TargetInput {
         .grid;
   }
 
+  std::shared_ptr<const Mesh> solid() const override {
+    return mMend.offset() > 0 || (mMend.repair && !mMend.solidify) ? nullptr : mSource.solid;
+  }
   std::shared_ptr<const Mesh> mesh() const override { return mSource.mesh; }
 
  private:

@@ -3,6 +3,7 @@
 
 #include "repair/solid_input.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/target/target_input.h"
 
 #include <openvdb/tools/Interpolation.h>
 
@@ -59,16 +60,16 @@ Control thicknessControl(const LocalThickness& thickness) {
 }
 
 std::optional<SolidShape> shapeOfSolid(const Mesh& mesh, const MeshReport& report) {
-  constexpr double kResolution = 100, kMargin = 4;  // voxels; half of the default of --sdf-resolution
+  constexpr double kMargin = 4;  // voxels
   if (!(longestSide(report.box) > 0)) return std::nullopt;
   const Vec3d middle = report.box.getCenter();
   Monitor monitor;
   try {
     const MeshToSdfOptions band =
-        sdfBand(longestSide(report.box) / kResolution, kMargin, std::numeric_limits<double>::infinity());
+        sdfBand(longestSide(report.box) / kMostSurveyVoxels, kMargin, std::numeric_limits<double>::infinity());
     const FloatGrid::Ptr phi = makeSdfAbout(middle, mesh, band, MendOptions(), monitor).grid;
     const LocalThickness thickness = localThickness(*phi, monitor);
-    return SolidShape{largestInscribedBall(*phi, middle), thickness.least, thickness.greatest};
+    return SolidShape{largestInscribedBall(*phi, middle, &mesh), thickness.least, thickness.greatest};
   } catch (const DataError&) {
     return std::nullopt;
   }

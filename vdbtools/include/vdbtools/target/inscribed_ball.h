@@ -6,6 +6,7 @@
 #pragma once
 
 #include "vdbtools/base/grids.h"
+#include "vdbtools/mesh/mesh.h"
 
 namespace vdbtools {
 
@@ -20,11 +21,14 @@ struct InscribedBall {
 inline constexpr double kInscribedBallPull = 0.03;
 
 /// Returns the ball that maximises its radius minus kInscribedBallPull times the distance from its centre to @a
-/// preferred. If a shape has several parts, it is in the deepest. The result does not depend on the position of the
-/// lattice, up to a small fraction of a voxel.
+/// preferred, up to 1/1000 of a voxel: no other ball anywhere scores better by more. If a shape has several parts, it
+/// is in the deepest.
 /// @param phi        world units, negative inside; the distances must be known over the whole inside
 /// @param preferred  world units, usually the middle of the shape's box
+/// @param mesh       the mesh that phi was made from, world units: the ball then touches its triangles, so that it does
+///                   not depend on the lattice. nullptr, or a mesh that phi does not agree with: it touches phi = 0
 /// @throw DataError  phi is nowhere negative
-InscribedBall largestInscribedBall(const openvdb::FloatGrid& phi, const openvdb::Vec3d& preferred);
+InscribedBall largestInscribedBall(const openvdb::FloatGrid& phi, const openvdb::Vec3d& preferred,
+                                   const Mesh* mesh = nullptr);
 
 }  // namespace vdbtools

@@ -12,6 +12,8 @@
 
 namespace vdbtools {
 
+class TargetSurvey;
+
 enum class SpaceKind {
   Fit,    ///< the shape's longest side is 1
   World,  ///< coordinates are unchanged
@@ -50,9 +52,9 @@ struct PlacedSpace {
 /// Whether the origin is the centre of the largest inscribed ball.
 bool needsInscribedBall(const SpaceOptions& options);
 /// Places a map with a shell. @param box  bounds of the shape, world units
-/// @param phi  the distances over its whole inside (world units); needed where needsInscribedBall(), else nullptr
-/// @throw DataError  phi is nowhere negative
-PlacedSpace placeSpace(const SpaceOptions& options, const openvdb::BBoxd& box, const openvdb::FloatGrid* phi);
+/// @param survey  needed where needsInscribedBall(), else nullptr
+/// @throw DataError  the shape has no inside
+PlacedSpace placeSpace(const SpaceOptions& options, const openvdb::BBoxd& box, const TargetSurvey* survey);
 
 /// Whether placing a map without a shell at this target requires distances deep inside, because the middle of its box
 /// lies outside.

@@ -83,10 +83,15 @@ class TargetInput {
   /// @throw DataError, Interrupted
   virtual Target band(const Target& distances, const BandWidths& widths, Monitor& monitor) const = 0;
 
-  /// Distances over the whole inside and a few voxels outside, on a lattice of half the resolution and at most
-  /// kMostSurveyVoxels along the longest side.
+  /// Distances over the whole inside and a few voxels outside, on a lattice of kMostSurveyVoxels along the longest
+  /// side, or of the distances' own voxels if these are larger. So what is surveyed does not depend on how fine they
+  /// are.
   /// @throw DataError, Interrupted
   virtual openvdb::FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const = 0;
+
+  /// The mesh that the distances are measured from, world units; nullptr if that is a VDB, or a surface that was made
+  /// of a mesh.
+  virtual std::shared_ptr<const Mesh> solid() const { return nullptr; }
 
   /// The mesh as it was read, or a point cloud as converted by asPoints(); nullptr if the target is a VDB.
   virtual std::shared_ptr<const Mesh> mesh() const { return nullptr; }

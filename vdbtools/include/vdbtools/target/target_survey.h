@@ -12,16 +12,25 @@
 #include "vdbtools/target/inscribed_ball.h"
 
 #include <map>
+#include <memory>
 #include <optional>
+#include <utility>
 
 namespace vdbtools {
 
 class TargetSurvey {
  public:
-  /// @param phi  world units, negative inside, known over the whole inside and a few voxels outside
-  explicit TargetSurvey(openvdb::FloatGrid::ConstPtr phi) : mPhi(std::move(phi)) {}
+  /// @param phi   world units, negative inside, known over the whole inside and a few voxels outside
+  /// @param mesh  the mesh that phi was made from, if it is known
+  explicit TargetSurvey(openvdb::FloatGrid::ConstPtr phi, std::shared_ptr<const Mesh> mesh = nullptr)
+      : mPhi(std::move(phi)), mMesh(std::move(mesh)) {}
 
   const openvdb::FloatGrid::ConstPtr& phi() const { return mPhi; }
+
+  /// @throw DataError  as largestInscribedBall()
+  InscribedBall largestBall(const openvdb::Vec3d& preferred) const {
+    return largestInscribedBall(*mPhi, preferred, mMesh.get());
+  }
 
   /// The local thickness for a slope. It is computed on the first request and cached until a few other slopes have been
   /// requested.
@@ -30,6 +39,7 @@ class TargetSurvey {
 
  private:
   openvdb::FloatGrid::ConstPtr mPhi;
+  std::shared_ptr<const Mesh> mMesh;
   std::optional<ThicknessFinder> mFinder;
   std::map<double, LocalThickness> mThickness;  ///< by the slope
 };
