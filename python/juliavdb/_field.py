@@ -67,6 +67,11 @@ class Field:
         and contains the point, continued gently outside. The first call measures it."""
         return self._scene.thickness(points, progress, threads)
 
+    def octave(self, points, *, progress=None, threads=None):
+        """The octave o of a texture that follows the thickness: it has 2^o cycles to a unit of the map's space, which are
+        `frequency` cycles across the local thickness there."""
+        return self._scene.octave(points, progress, threads)
+
     def exponent(self, points, *, progress=None, threads=None):
         """The exponent E of the shape modulus as the map reads it, in doubles: the logarithm of the modulus of the
         first iterate. Where E decides alone whether a point is inside, it may be a constant of the same sign."""

@@ -139,6 +139,19 @@ void thicknessAt(const MadeScene& made, std::span<const Vec3d> points, std::span
   sampleControl(control, points, thickness, work, monitor);
 }
 
+void octavesAt(const MadeScene& made, std::span<const Vec3d> points, std::span<double> octaves, const QueryWork& work,
+               Monitor& monitor) {
+  requireTargetOf(made, "octave");
+  if (!made.scene.target->octave)
+    throw std::invalid_argument(
+        "the texture of this field has one frequency everywhere, and so no octave; choose a texture that follows the "
+        "thickness, such as texture='scales'");
+  const vdbtools::Control& control = partOf(
+      made, monitor, [](FieldParts & parts) -> auto& { return parts.octave; },
+      [&] { return vdbtools::clampedControl(made.scene.target->octave->grid); });
+  sampleControl(control, points, octaves, work, monitor);
+}
+
 void exponentsAt(const MadeScene& made, std::span<const Vec3d> points, std::span<double> exponents,
                  const QueryWork& work, Monitor& monitor) {
   const vdbtools::ExponentGrid* const exponent = made.scene.exponent();

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a field says of points: each answer beside a slow one by numpy alone, or beside what files say."""
+import itertools
 import pathlib
 import sys
 import unittest
@@ -63,6 +64,9 @@ class FieldTest(harness.CliTest):
                 "exponent": field.exponent, "versor": field.versor, "trap": field.trap, "gradient": field.gradient,
                 "orbit": lambda points, **more: field.orbit(points, **more).log_moduli,
                 "decide": lambda points, **more: field.decide(points, 0.01, **more)}
+
+
+MASK = 2**64 - 1
 
 
 def escape_of(field):
@@ -130,7 +134,7 @@ class Shapes(FieldTest):
 
     def test_what_a_map_without_a_target_has_not(self):
         field = self.quadratic()
-        for name in ("distance", "thickness", "exponent"):
+        for name in ("distance", "thickness", "octave", "exponent"):
             with self.subTest(method=name), self.assertRaisesRegex(ValueError, "target"):
                 getattr(field, name)([0, 0, 0])
 
@@ -240,6 +244,68 @@ class Parts(FieldTest):
         for each in (field, plain):
             self.assertTrue(np.array_equal(each.distance(made.vertices).astype(np.float32), made.attributes["depth"]))
             self.assertTrue(np.array_equal(each.thickness(made.vertices).astype(np.float32), made.attributes["tau"]))
+
+    def test_the_octave_fits_the_frequency_into_the_thickness(self):
+        """2^o = F / (2 tau) at the nodes; between them both are interpolated."""
+        for frequency in ("fine", 0.7):
+            field = juliavdb.Field(self.torus, texture="scales", frequency=frequency, **SMALL)
+            number = {"fine": 4}.get(frequency, frequency)
+            points = self.points(field, 2000)
+            expected = np.log2(number * field.space[1] / (2 * field.thickness(points)))
+            np.testing.assert_allclose(field.octave(points), expected, atol=0.02)
+        with self.assertRaisesRegex(ValueError, "one frequency everywhere"):
+            juliavdb.Field(self.torus, seed=1, texture_roots=5, **SMALL).octave([0, 0, 0])
+
+    def test_the_default_texture_is_the_one_of_the_design(self):
+        """docs/design.md 2.11, by hand: the waves of scales, their blend of octaves, and how the seed draws them."""
+        field = juliavdb.Field(self.torus, texture="scales", texture_seed=5, precision="double", **SMALL)
+        points = self.points(field, 400)
+        q = np.concatenate([(points - np.array(field.space[0])) / field.space[1], np.zeros((400, 1))], axis=1)
+
+        def mixed(x):
+            x = x + 0x9e3779b97f4a7c15 & MASK
+            x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9 & MASK
+            x = (x ^ x >> 27) * 0x94d049bb133111eb & MASK
+            return x ^ x >> 31
+
+        stream = mixed(mixed(5) + 1 & MASK)
+        numbers = ((mixed(stream + i & MASK) >> 11) / 2**53 for i in itertools.count())
+
+        def direction():
+            while True:
+                way = np.array([2 * next(numbers) - 1 for _ in range(4)])
+                if 0.01 < way @ way <= 1:
+                    return way / np.linalg.norm(way)
+
+        def wave():
+            way, stretch, cosine = direction(), 0.75 + 0.5 * next(numbers), direction()
+            while True:
+                sine = direction()
+                sine = sine - (sine @ cosine) * cosine
+                if sine @ sine > 0.01:
+                    return stretch * way, cosine, sine / np.linalg.norm(sine)
+
+        i, j, one = np.eye(4)[1], np.eye(4)[2], np.eye(4)[0]
+        factors = [[(np.array([0.5, 0.8, 0.3, 0]), one, i)], [(np.array([0.5, -0.8, 0.3, 0]), one, j)],
+                   [wave() for _ in range(4)]]
+
+        def unit(value):
+            return value / np.linalg.norm(value, axis=1)[:, None]
+
+        def texture(p):
+            product = np.tile(one, (len(p), 1))
+            for waves in factors:
+                phases = [2 * np.pi * (p @ w)[:, None] for w, _, _ in waves]
+                product = times(product, unit(sum(c * np.cos(a) + s * np.sin(a) for a, (_, c, s) in zip(phases, waves))))
+            return product
+
+        octave = field.octave(points)
+        k = np.floor(octave)
+        f = octave - k
+        t = (f * f * (3 - 2 * f))[:, None]
+        scale = np.exp2(k)[:, None]
+        found = field.versor(points)
+        np.testing.assert_allclose(found, unit((1 - t) * texture(scale * q) + t * texture(2 * scale * q)), atol=1e-6)
 
     def test_the_versor_of_roots_by_hand(self):
         roots = [((0.1, 0.2, -0.3, 0), 2), ((-0.4, 0.1, 0.2, 0.1), 3), ((0.2, -0.5, 0.1, 0), 1)]
