@@ -254,7 +254,7 @@ class Parts(FieldTest):
             expected = np.log2(number * field.space[1] / (2 * field.thickness(points)))
             np.testing.assert_allclose(field.octave(points), expected, atol=0.02)
         with self.assertRaisesRegex(ValueError, "one frequency everywhere"):
-            juliavdb.Field(self.torus, seed=1, texture_roots=5, **SMALL).octave([0, 0, 0])
+            juliavdb.Field(self.torus, texture_seed=1, texture_roots=5, **SMALL).octave([0, 0, 0])
 
     def test_the_default_texture_is_the_one_of_the_design(self):
         """docs/design.md 2.11, by hand: the waves of scales, their blend of octaves, and how the seed draws them."""
