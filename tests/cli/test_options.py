@@ -488,7 +488,8 @@ class Numbers(harness.CliTest):
         self.write("s.obj", harness.obj(harness.sphere(3)))
         shares = []
         for box in ("-2,-2,-2,2,2,2", "0,-2,-2,2,2,2", "0.2,0.2,0.2,0.8,0.8,0.8"):
-            said = self.ok("fractal", "s.obj", "-o", "f.vdb", "--box", box, "--resolution", 40, "--sdf-resolution", 40)
+            said = self.ok("fractal", "s.obj", "-o", "f.vdb", "--box", box, "--detail", 0.15, "--resolution", 40,
+                           "--sdf-resolution", 40)
             self.assertNotIn("warning", said)
             shares.append(float(re.search(r"the set holds ([\d.]+) % of the target's volume within the box", said)[1]))
         self.assertAlmostEqual(shares[0], shares[1], delta=3)
