@@ -95,7 +95,7 @@ class Detail(harness.CliTest):
 
     def test_a_wire_thinner_than_its_voxels_is_refused_with_a_way_out(self):
         points, faces = harness.sphere(3)
-        self.write("wire.obj", harness.obj(([(x, 0.01 * y, 0.01 * z) for x, y, z in points], faces)))
+        self.write("wire.obj", harness.obj(([(x, 0.002 * y, 0.002 * z) for x, y, z in points], faces)))
         wire = ("fractal", "wire.obj", "--resolution", 40)
         self.refused(BAD_DATA, *wire, "-o", "w.vdb", mentions=["too thin", "--sdf-resolution"])
         self.ok(*wire, "--sdf-resolution", 800, "-o", "w.vdb")

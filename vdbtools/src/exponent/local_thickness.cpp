@@ -52,6 +52,10 @@ std::vector<Line> linesOfNeighbours() {
   return lines;
 }
 
+/// In voxels. In a box, nodes lie on faces, and balls end at nodes: this is more than the rounding that would decide
+/// about them, so that a symmetrical target has a symmetrical tau.
+constexpr float kTie = 1e-3f;
+
 struct Ball {
   int x, y, z;
   float radius;  ///< voxels
@@ -112,7 +116,7 @@ std::vector<Ball> ridgeBalls(const Lattice& depth, Monitor& monitor) {
             if (!std::isfinite(rise) || !std::isfinite(fall)) continue;
             // before + rise (t + 1) = after - fall (t - 1)
             const float t = (after + fall - before - rise) / (rise + fall);
-            if (!(std::abs(t) <= 1)) continue;
+            if (!(std::abs(t) <= 1 + kTie)) continue;
             const float found = before + rise * (t + 1);
             if (found > radius) radius = std::max(radius, std::min(found, largestBallAt(depth, {x, y, z}, line, t)));
           }
@@ -131,7 +135,7 @@ Lattice paint(const Lattice& depth, const std::vector<Ball>& balls, Monitor& mon
   Lattice tau(depth.box, 0);
   inParallel(static_cast<std::size_t>(depth.size[0]), 1, monitor, [&](std::size_t begin, std::size_t end) {
     for (const Ball& ball : balls) {
-      const float reach = ball.radius + 0.5f;
+      const float reach = ball.radius + 0.5f + kTie;
       const int r = static_cast<int>(reach);
       const int first = std::max(static_cast<int>(begin), ball.x - r),
                 last = std::min(static_cast<int>(end) - 1, ball.x + r);
@@ -258,7 +262,10 @@ ThicknessFinder::ThicknessFinder(const FloatGrid& phi, Monitor& monitor) {
     openvdb::tools::Dense<float> dense(nodes, depth.values.data());
     openvdb::tools::copyToDense(phi, dense);
   }
-  for (float& value : depth.values) value = static_cast<float>(-value / voxel);
+  for (float& value : depth.values) {
+    value = static_cast<float>(-value / voxel);
+    if (std::abs(value) < kTie) value = 0;
+  }
   const std::vector<Ball> balls = ridgeBalls(depth, monitor);
   Lattice tau = paint(depth, balls, monitor);
   for (std::size_t i = 0; i < tau.values.size(); ++i) {

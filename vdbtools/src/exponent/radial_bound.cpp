@@ -184,9 +184,9 @@ class BoxAdder {
     const Limits within = limits(middle, size, box.greatest(), outer);
     if (!raises(within)) return;
     const double distance = middle.length(), diagonal = size * mDiagonal;
-    // |y| bends away from u.y by diagonal^2 / 8 distance.
-    constexpr double kFlat = 16, kLeastSize = 1.0 / 64;
-    if (distance < kFlat * diagonal && size > kLeastSize) {
+    // |y| bends away from u.y by diagonal^2 / 8 distance, which may be as long as a step of the table.
+    constexpr double kLeastSize = 1.0 / 64;
+    if (diagonal * diagonal > 8 * distance * mStep && size > kLeastSize) {
       for (int n = 0; n < 8; ++n) {
         Vec3d there = middle;
         Ordinates<kDegree> eighth = box;

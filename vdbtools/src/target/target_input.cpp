@@ -32,9 +32,6 @@ using openvdb::Vec3d;
 constexpr double kWholeInside = std::numeric_limits<double>::infinity();
 constexpr double kSurveyMargin = 4;  ///< voxels known outside, in the survey
 
-/// @param voxel  voxel size of the target's distances, world units
-double surveyVoxel(double voxel, const BBoxd& box) { return std::max(voxel, longestSide(box) / kMostSurveyVoxels); }
-
 /// Distances on the lattice of a survey. @param deep  known in the whole inside, and as far outside as the survey
 /// reaches
 FloatGrid::ConstPtr resampled(const Target& deep, double voxel) {
@@ -90,7 +87,7 @@ class MeshInput final : public TargetInput {
   }
 
   FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const override {
-    const double voxel = surveyVoxel(mVoxel, mSource.box);
+    const double voxel = std::max(mVoxel, surveyVoxel(mSource.box));
     // Coarse voxels would close holes between points, or in a sheet, that the distances leave open; what a surface with
     // a hole encloses is not inside.
     if (mMend.offset() > 0) {
@@ -137,7 +134,7 @@ class VdbInput final : public TargetInput {
 
   FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const override {
     const Vec3d size = mTarget.phi->voxelSize();
-    const double finest = std::min({size[0], size[1], size[2]}), voxel = surveyVoxel(finest, mTarget.box);
+    const double finest = std::min({size[0], size[1], size[2]}), voxel = std::max(finest, surveyVoxel(mTarget.box));
     Target deep = mTarget;
     extendBand(deep, kSurveyMargin * voxel, kWholeInside, monitor);
     return resampled(deep, voxel);
@@ -169,6 +166,19 @@ class VdbInput final : public TargetInput {
 };
 
 }  // namespace
+
+double surveyVoxel(const BBoxd& box) {
+  constexpr double kVoxels = 128.0 * 128 * 128, kLongest = 512;
+  const Vec3d sides = box.extents();
+  const double longest = longestSide(box);
+  double along = kLongest;
+  // A cube root would depend on the mathematical library.
+  const auto voxels = [&] {
+    return sides[0] / longest * along * (sides[1] / longest * along) * (sides[2] / longest * along);
+  };
+  while (voxels() > kVoxels) --along;
+  return longest / along;
+}
 
 std::string sha256OfMesh(const Mesh& mesh) {
   static_assert(std::endian::native == std::endian::little);

@@ -65,8 +65,7 @@ std::optional<SolidShape> shapeOfSolid(const Mesh& mesh, const MeshReport& repor
   const Vec3d middle = report.box.getCenter();
   Monitor monitor;
   try {
-    const MeshToSdfOptions band =
-        sdfBand(longestSide(report.box) / kMostSurveyVoxels, kMargin, std::numeric_limits<double>::infinity());
+    const MeshToSdfOptions band = sdfBand(surveyVoxel(report.box), kMargin, std::numeric_limits<double>::infinity());
     const FloatGrid::Ptr phi = makeSdfAbout(middle, mesh, band, MendOptions(), monitor).grid;
     const LocalThickness thickness = localThickness(*phi, monitor);
     return SolidShape{largestInscribedBall(*phi, middle, &mesh), thickness.least, thickness.greatest};

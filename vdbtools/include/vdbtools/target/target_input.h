@@ -60,7 +60,10 @@ struct BandWidths {
   }
 };
 
-inline constexpr double kMostSurveyVoxels = 128;
+/// The voxel size of the lattice on which a target of this box is surveyed, if its own distances are not coarser. The
+/// box has as many voxels as a cube of 128 on a side, but no more than 512 along its longest side: so parts that are
+/// thin beside its length are resolved in a wire or a tree, too.
+double surveyVoxel(const openvdb::BBoxd& box);
 
 /// An opened target. Its box is known; its distances are computed on request.
 class TargetInput {
@@ -83,8 +86,8 @@ class TargetInput {
   /// @throw DataError, Interrupted
   virtual Target band(const Target& distances, const BandWidths& widths, Monitor& monitor) const = 0;
 
-  /// Distances over the whole inside and a few voxels outside, on a lattice of kMostSurveyVoxels along the longest
-  /// side, or of the distances' own voxels if these are larger. So what is surveyed does not depend on how fine they
+  /// Distances over the whole inside and a few voxels outside, on a lattice with voxels of surveyVoxel(), or of
+  /// the distances' own size if this is larger. So what is surveyed does not depend on how fine they
   /// are.
   /// @throw DataError, Interrupted
   virtual openvdb::FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const = 0;
