@@ -2,6 +2,7 @@
 """What the commands for points, adaptive meshes and 3D printing promise."""
 
 import io
+import itertools
 import math
 import re
 import struct
@@ -230,20 +231,22 @@ class Makers(harness.CliTest):
 
     def test_a_part_that_stays_too_thin_is_told(self):
         """What is below the least thickness by no more than a thickness is measured exactly is said, and more is warned of.
-        On coarse lattices both happen to a rough fractal."""
+        On coarse lattices both happen to a rough fractal: sooner or later, as which one does depends on every bit."""
         self.write("l.obj", harness.obj(harness.lumpy()))
         self.ok("fractal", "l.obj", "-o", "g.vdb", "--alpha", 10, "--texture-seed", 1, "--resolution", 40,
                 "--sdf-resolution", 32)
         exact, warned = "as exactly as it is measured, within 2 %", re.compile(r"warning: \d+ places? (is|are) thinner than")
-        heard = set()
-        for thickness, resolution in ((2, 30), (3, 20), (3, 24)):
+        wanted, heard = {(True, False), (False, True), (False, False)}, set()
+        for thickness, resolution in itertools.product((2, 3, 4), range(20, 44)):
             said = self.ok("print", "g.vdb", "-o", "p.stl", "--size", 60, "--min-thickness", thickness, "--resolution", resolution)
             found = float(re.search(r"the thinnest place found is ([\d.]+) mm", said).group(1))
             with self.subTest(thickness=thickness, resolution=resolution, said=said):
                 self.assertEqual(bool(warned.search(said)), found < 0.98 * thickness)
                 self.assertEqual(exact in said, 0.98 * thickness <= found < thickness)
             heard.add((bool(warned.search(said)), exact in said))
-        self.assertEqual(heard, {(True, False), (False, True), (False, False)})
+            if heard == wanted:
+                break
+        self.assertEqual(heard, wanted)
 
     def test_parts_refuse_what_makes_no_sense(self):
         part = ("print", "s.obj", "-o", "p.stl")
