@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/target/target_input.h"
 
+#include "base/elementary.h"
 #include "base/lattice_transform.h"
 #include "distance/band_growth.h"
 #include "distance/mesh_conversion.h"
@@ -15,6 +16,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <mutex>
@@ -168,16 +170,10 @@ class VdbInput final : public TargetInput {
 }  // namespace
 
 double surveyVoxel(const BBoxd& box) {
-  constexpr double kVoxels = 128.0 * 128 * 128, kLongest = 512;
-  const Vec3d sides = box.extents();
+  constexpr double kSide = 128, kLongest = 512;
   const double longest = longestSide(box);
-  double along = kLongest;
-  // A cube root would depend on the mathematical library.
-  const auto voxels = [&] {
-    return sides[0] / longest * along * (sides[1] / longest * along) * (sides[2] / longest * along);
-  };
-  while (voxels() > kVoxels) --along;
-  return longest / along;
+  const Vec3d sides = box.extents() / longest;
+  return longest / std::min(kLongest, std::floor(kSide / elementary::cbrt(sides.product())));
 }
 
 std::string sha256OfMesh(const Mesh& mesh) {

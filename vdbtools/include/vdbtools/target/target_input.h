@@ -86,9 +86,8 @@ class TargetInput {
   /// @throw DataError, Interrupted
   virtual Target band(const Target& distances, const BandWidths& widths, Monitor& monitor) const = 0;
 
-  /// Distances over the whole inside and a few voxels outside, on a lattice with voxels of surveyVoxel(), or of
-  /// the distances' own size if this is larger. So what is surveyed does not depend on how fine they
-  /// are.
+  /// Distances over the whole inside and a few voxels outside, on a lattice with voxels of surveyVoxel(), or of the
+  /// distances' own size if this is larger. So what is surveyed does not depend on how fine they are.
   /// @throw DataError, Interrupted
   virtual openvdb::FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const = 0;
 
