@@ -15,6 +15,13 @@ namespace julia {
 template <class Real>
 struct BrickField<Real>::Lattice : kernels::BrickLattice<Real> {
   double stretch = 0;  ///< upper bound of nodes per unit of space
+
+  /// What becomes of a bound of what is interpolated. Rounding keeps the order, so it bounds what is read.
+  double bent(double bound) const {
+    if (!(this->more > 0)) return bound;
+    const Real v = static_cast<Real>(bound);
+    return static_cast<double>(v + this->more * std::min(v - this->knee, Real(0)));
+  }
 };
 
 template <class Real>
@@ -52,6 +59,11 @@ BrickField<Real>::BrickField(std::shared_ptr<const Bricks> bricks, const BrickPl
     }
     lattice->stretch = std::max(lattice->stretch, std::sqrt(sum) * (1 + kSlack));
   }
+  if (!(placement.knee.more >= 0))
+    throw std::invalid_argument("below its knee a field has " + std::to_string(placement.knee.more) +
+                                " more slope; it must be 0 or more");
+  lattice->knee = static_cast<Real>(placement.knee.at);
+  lattice->more = static_cast<Real>(placement.knee.more);
   lattice->brickAt = mBricks->brickAt.data();
   lattice->values = mBricks->values.data();
   mLattice = std::move(lattice);
@@ -60,12 +72,20 @@ BrickField<Real>::BrickField(std::shared_ptr<const Bricks> bricks, const BrickPl
 template <class Real>
 BrickField<Real>::~BrickField() = default;
 
+namespace {
+
+template <class Real>
+auto readOf(Interpolation interpolation) {
+  const auto& table = kernels::kernels<Real>();
+  return interpolation == Interpolation::Quadratic ? table.sampleQuadratic : table.sampleTrilinear;
+}
+
+}  // namespace
+
 template <class Real>
 void BrickField<Real>::sample(std::span<const Real> x, std::span<const Real> y, std::span<const Real> z,
                               std::span<Real> out) const {
-  const auto& table = kernels::kernels<Real>();
-  const auto read = mBricks->interpolation == Interpolation::Quadratic ? table.sampleQuadratic : table.sampleTrilinear;
-  read(*mLattice, x.data(), y.data(), z.data(), out.data(), out.size());
+  readOf<Real>(mBricks->interpolation)(*mLattice, x.data(), y.data(), z.data(), out.data(), out.size());
 }
 
 template <class Real>
@@ -83,11 +103,13 @@ void BrickField<Real>::ranges(std::span<const std::array<double, 3>> centres, st
     y[i] = static_cast<Real>(centres[i][1]);
     z[i] = static_cast<Real>(centres[i][2]);
   }
-  sample(x, y, z, values);
+  kernels::BrickLattice<Real> straight = *mLattice;
+  straight.more = 0;
+  readOf<Real>(mBricks->interpolation)(straight, x.data(), y.data(), z.data(), values.data(), values.size());
   for (std::size_t i = 0; i < centres.size(); ++i) out[i] = rangeAbout(values[i], centres[i], radii[i]);
 }
 
-/// @param value  the result of sample() at the centre
+/// @param value  what is interpolated at the centre
 template <class Real>
 ValueRange BrickField<Real>::rangeAbout(Real value, const std::array<double, 3>& centre, double radius) const {
   constexpr double eps = kEpsilonOf<Real>;
@@ -125,8 +147,8 @@ ValueRange BrickField<Real>::rangeAbout(Real value, const std::array<double, 3>&
   // Positions are clamped to a box, which never increases a distance; the centre's position is rounded, too.
   const double distance = nodes + 2 * std::sqrt(3.) * rounding;
   const double rise = static_cast<double>(extremes.slope) * distance * (1 + kSlack) + 2 * off;
-  return {std::max(least - off, static_cast<double>(value) - rise),
-          std::min(most + off, static_cast<double>(value) + rise)};
+  return {lattice.bent(std::max(least - off, static_cast<double>(value) - rise)),
+          lattice.bent(std::min(most + off, static_cast<double>(value) + rise))};
 }
 
 template <class Real>
@@ -137,7 +159,7 @@ double BrickField<Real>::lowestBeyond(double distance) const {
     size = std::max(size, std::abs(mPlacement.offset[axis]) + mPlacement.high[axis]);
   if (!(64 * kEpsilonOf<Real> * size < 0.5)) return -std::numeric_limits<double>::infinity();
   const double low = pyramid().lowestBeyond(distance * (1 - 8 * kEpsilonOf<Real>));
-  return low - 16 * kEpsilonOf<Real> * pyramid().largest();
+  return mLattice->bent(low - 16 * kEpsilonOf<Real> * pyramid().largest());
 }
 
 template class BrickField<float>;

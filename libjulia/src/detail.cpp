@@ -49,8 +49,7 @@ double firstReach(const RadialMaximum& table, double value) {
 
 }  // namespace
 
-DetailLaw wantedLaw(const RadialMaximum& maximum, double surface, int maxIterations, double escapeRadius,
-                    const std::function<RadialMaximum(const DetailLaw&)>& under) {
+DetailLaw wantedLaw(const RadialMaximum& maximum, double surface, int maxIterations, double escapeRadius) {
   // The distance from which orbits are seen to leave, as a fraction of the target's depth about the origin.
   constexpr double kLeaving = 0.7;
   constexpr double kMost = 100, kPrecision = 1e-3;
@@ -60,27 +59,19 @@ DetailLaw wantedLaw(const RadialMaximum& maximum, double surface, int maxIterati
   const double depth = firstReach(maximum, surface);
   const double gentle = (law.logEscape - elementary::log(kLeaving * depth)) / (1 - DetailLaw::kPlunge);
   if (!(gentle > 0 && gentle < law.scale)) return law;
-  const auto at = [&](const DetailLaw& tried) {
+  const auto traps = [&](const DetailLaw& tried) {
     RadialMaximum exponent = maximum;
     for (double& value : exponent.maximum) value = tried.at(value);
-    return exponent;
-  };
-  const auto traps = [&](const DetailLaw& tried, const RadialMaximum& exponent) {
     return tried.at(-1) <= shellInterval(exponent, maxIterations, escapeRadius).lower;
   };
-  // Between nodes E is not the law of w, but nearly so.
   DetailLaw tried{law.logEscape, gentle, kMost};
   double low = 0;
-  if (!traps(tried, at(tried))) return law;
+  if (!traps(tried)) return law;
   while (tried.plunge - low > kPrecision * (gentle + low)) {
     const DetailLaw middle{law.logEscape, gentle, (low + tried.plunge) / 2};
-    (traps(middle, at(middle)) ? tried.plunge : low) = middle.plunge;
+    (traps(middle) ? tried.plunge : low) = middle.plunge;
   }
-  for (double step = kPrecision; tried.plunge <= kMost; step *= 2) {
-    if (traps(tried, under ? under(tried) : at(tried))) return tried;
-    tried.plunge += step * (gentle + tried.plunge);
-  }
-  return law;
+  return tried;
 }
 
 }  // namespace julia

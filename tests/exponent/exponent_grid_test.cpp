@@ -192,6 +192,67 @@ TEST(ExponentGrid, TheTrappedBallIsThatOfTheRadialMaximum) {
   EXPECT_NEAR(exponent.shell.lower, exact, 2 * 2 * std::sqrt(3.0) / 128 / std::exp(exact));
 }
 
+// The plunge of a deep shell is thinner than a cell here: at nodes alone it could not be seen.
+TEST(ExponentGrid, ADeepShellPlungesAtThePointThatIsRead) {
+  const auto phi = test_fields::bandGrid(ball, kTargetVoxel, 0.4, 1e9);
+  Monitor monitor;
+  ExponentGridOptions options{.orbit = {3, 20}};
+  const double detail = 0.8, outward = 0.2, tau = 0.5;
+  options.detail = DetailOptions{.detail = detail, .outward = outward, .thickness = tau, .greatestThickness = tau};
+  const ExponentGrid exponent = exponentGrid(makeTarget(phi, {}), {}, options, monitor);
+  ASSERT_GT(exponent.knee.more, 1);
+  const double h = 0.96 * tau, outside = (outward / (outward + detail) - 0.02) / 0.96, escape = std::log(20.0);
+  ASSERT_LT(0.05 * h, kTargetVoxel);
+  const auto field = makeExponentField<double>(exponent);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> place(-0.6, 0.6);
+  int plunging = 0, decided = 0;
+  for (int i = 0; i < 60000; ++i) {
+    const double x = place(random), y = place(random), z = place(random);
+    double read = 0;
+    field->sample(std::span(&x, 1), std::span(&y, 1), std::span(&z, 1), std::span(&read, 1));
+    const auto node = [](const Vec3d& at) { return static_cast<float>(ball(at)); };
+    const double w = test_fields::trilinear(node, kTargetVoxel, {x, y, z}) / h - outside;
+    const double v = escape + *exponent.scale * w,
+                 expected = v + exponent.knee.more * std::min(v - exponent.knee.at, 0.0);
+    if (w <= -1) {
+      ASSERT_LE(read, exponent.shell.lower) << w;
+    }
+    if (w >= 0) {
+      ASSERT_GE(read, escape - 1e-6) << w;
+    }
+    decided += w <= -1 || w >= 0;
+    if (expected <= exponent.shell.lower || expected >= escape) continue;
+    plunging += v < exponent.knee.at;
+    ASSERT_NEAR(read, expected, 1e-5 * (1 + exponent.knee.more)) << w;
+  }
+  EXPECT_GT(plunging, 100);
+  EXPECT_GT(decided, 1000);
+}
+
+// From 16.16 to 271.8 was said of a shell whose slope is 16.84 to 282, and of beta one end.
+TEST(ExponentGrid, TheRangesOfAShellOfDetailAreThoseOfItsLine) {
+  Monitor monitor;
+  ExponentGridOptions options{.orbit = {3, 20}};
+  const Ramp ramp{.axis = 0, .from = 0.1, .to = 0.4};
+  const BBoxd box(Vec3d(-0.5), Vec3d(0.5));
+  options.detail =
+      DetailOptions{.detail = 0.3, .outward = 0.3, .thickness = Control(ramp, box), .greatestThickness = 0.4};
+  const ExponentGrid exponent =
+      exponentGrid(makeTarget(test_fields::bandGrid(ball, kTargetVoxel, 0.4, 1e9), {}), {}, options, monitor);
+  ASSERT_EQ(exponent.knee.more, 0);
+  // Of both ends of the ramp: E's slope in phi, and the phi where E is 0.
+  for (const auto& [tau, alpha] :
+       {std::pair(0.1, exponent.alphaRange.second), std::pair(0.4, exponent.alphaRange.first)}) {
+    const double h = 0.96 * 0.6 * tau, K = *exponent.scale;
+    EXPECT_NEAR(alpha, K / h, 1e-6 * K / h);
+    const double zero = (0.5 - std::log(20.0) / K) * h;
+    const auto [least, most] = exponent.betaRange;
+    EXPECT_TRUE(std::abs(zero - least) < 1e-9 || std::abs(zero - most) < 1e-9) << zero << ' ' << least << ' ' << most;
+  }
+  EXPECT_LT(exponent.betaRange.first, exponent.betaRange.second);
+}
+
 TEST(ExponentGrid, RefusesAnAlphaThatIsNotPositive) {
   const Target target = makeTarget(test_fields::bandGrid(ball, kTargetVoxel, 0.4), {});
   Monitor monitor;

@@ -251,7 +251,7 @@ struct DustyFractal {
   FieldSource source() const { return {*evaluator, exponent.space}; }
   FieldPlan plan(const std::optional<BBoxd>& box = {}, double voxelSize = 1.0 / 90) const {
     FieldPlan plan = planShell(exponent, {.voxelSize = voxelSize, .box = box});
-    plan.crumbs = CrumbRule{.exponent = exponent.grid, .decided = exponent.shell.lower};
+    plan.crumbs = CrumbRule{.exponent = exponent.grid, .decided = exponent.shellOfNodes.lower};
     return plan;
   }
 

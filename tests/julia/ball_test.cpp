@@ -122,7 +122,7 @@ TYPED_TEST(BallLaws, lowestBeyondBoundsEverySample) {
     for (const bool lowFace : {false, true}) {
       const auto field = brickFieldOf<Real>(
           [&](double x, double y, double z) { return lumpy(x, y, z) - (lowFace && z > 0.48 ? 1 : 0); }, interpolation,
-          0.5, 1. / 48);
+          0.5, 1. / 48, {.at = 0.05, .more = 7});
       EXPECT_EQ(field->lowestBeyond(0.8) > 0, !lowFace);
       for (const double distance : {0., 0.1, 0.3, 0.4, 0.45, 0.5, 0.6, 0.8, 2., 100.}) {
         const double bound = field->lowestBeyond(distance);
@@ -160,6 +160,7 @@ TYPED_TEST(BallLaws, rangeFollowsThePlacement) {
     placement.offset = {20, 24, 28};
     placement.low = {0, 1.5, 0};
     placement.high = {39, 40, 55};
+    if (round % 2) placement.knee = {.at = random.between(-1, 1), .more = logUniform(random, 0.1, 1000)};
     const BrickField<Real> field(bricks, placement);
     for (int i = 0; i < 200; ++i) {
       const Point centre{random.between(-1, 1), random.between(-1, 1), random.between(-1, 1)};

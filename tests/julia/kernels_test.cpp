@@ -208,6 +208,34 @@ TYPED_TEST(Kernels, bricksReproduceLinearFunctions) {
   }
 }
 
+// The bend is of what is interpolated, not of the nodes.
+TYPED_TEST(Kernels, bricksBendBelowTheirKnee) {
+  using Real = TypeParam;
+  const auto f = [](int x, int y, int z) { return std::sin(1.7 * x) + std::cos(2.3 * y + z); };
+  std::mt19937_64 random(12);
+  std::vector<julia::Point> points;
+  for (int i = 0; i < 500; ++i)
+    points.push_back({std::uniform_real_distribution(0., 23.)(random), std::uniform_real_distribution(0., 15.)(random),
+                      std::uniform_real_distribution(0., 31.)(random)});
+  for (const auto interpolation : {julia::Interpolation::Trilinear, julia::Interpolation::Quadratic}) {
+    julia::BrickPlacement placement = indexPlacement();
+    const auto bricks = bricksOfNodes(interpolation, f);
+    const std::vector<Real> straight = sampled(julia::BrickField<Real>(bricks, placement), points);
+    placement.knee = {.at = -0.25, .more = 3.5};
+    const julia::BrickField<Real> field(bricks, placement);
+    const std::vector<Real> bent = sampled(field, points);
+    int below = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      below += straight[i] < Real(-0.25);
+      const double v = static_cast<double>(straight[i]);
+      EXPECT_NEAR(bent[i], v < -0.25 ? 4.5 * v + 0.875 : v, 20 * std::numeric_limits<Real>::epsilon()) << i;
+    }
+    EXPECT_GT(below, 100);
+    EXPECT_NE(points.size() % 16, 0u);  // the last block of a kernel is not full
+    expectSameBits<Real>([&] { return sampled(field, points); });
+  }
+}
+
 // Between nodes the trilinear slope jumps; the B-spline's does not.
 TYPED_TEST(Kernels, quadraticReadingHasNoCreases) {
   using Real = TypeParam;
@@ -402,6 +430,9 @@ TEST(BrickField, refusesWhatDoesNotFit) {
   bricks->brickAt = {0};
   EXPECT_NO_THROW((julia::BrickField<float>(bricks, julia::BrickPlacement{})));
   EXPECT_THROW((julia::BrickField<float>(bricks, indexPlacement())), std::invalid_argument);
+  // It would not grow with the values any more, which bounds need.
+  EXPECT_THROW((julia::BrickField<float>(bricks, julia::BrickPlacement{.knee = {.at = 0, .more = -0.5}})),
+               std::invalid_argument);
 }
 
 TEST(InstructionSets, theLastOneIsInUseUnlessAnotherIsSet) {

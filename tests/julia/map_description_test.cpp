@@ -103,7 +103,8 @@ Long read(const julia::PlacedBricks& field, const std::array<Long, 3>& x) {
         }
         if (weight != 0) sum += weight * nodeOf(*field.bricks, node);
       }
-  return sum;
+  const julia::Knee& knee = field.placement.knee;
+  return sum + knee.more * std::min<Long>(sum - knee.at, 0);
 }
 
 reference::FunctionPair<Long> pairOf(const CrossOptions& options) {

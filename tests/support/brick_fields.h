@@ -20,10 +20,10 @@ inline double lumpy(double x, double y, double z) {
   return std::sqrt(x * x + y * y + z * z) - 0.375 - 0.04 * std::sin(8 * x) * std::sin(9 * y) * std::sin(7 * z);
 }
 
-/// A function of fractal space from -half to half, sampled every @a spacing.
+/// A function of fractal space from -half to half, sampled every @a spacing. @param knee  julia/bricks.h
 template <class Real>
 std::shared_ptr<julia::BrickField<Real>> brickFieldOf(const SpaceFunction& value, julia::Interpolation interpolation,
-                                                      double half, double spacing) {
+                                                      double half, double spacing, const julia::Knee& knee = {}) {
   auto bricks = std::make_shared<julia::Bricks>();
   bricks->interpolation = interpolation;
   const auto nodes = static_cast<std::uint32_t>(2 * half / spacing) + 1;
@@ -41,7 +41,7 @@ std::shared_ptr<julia::BrickField<Real>> brickFieldOf(const SpaceFunction& value
               static_cast<float>(value(coordinate(place / (across * across), x), coordinate(place / across % across, y),
                                        coordinate(place % across, z))));
   }
-  julia::BrickPlacement placement;
+  julia::BrickPlacement placement{.knee = knee};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     placement.matrix[axis][axis] = 1 / spacing;
     placement.offset[axis] = half / spacing;

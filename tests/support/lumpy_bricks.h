@@ -32,7 +32,7 @@ inline julia::PlacedBricks lumpyBricks(julia::Interpolation interpolation) {
           bricks->values.push_back(static_cast<float>(12 * phi));
         }
   }
-  julia::BrickPlacement placement;
+  julia::BrickPlacement placement{.knee = {.at = -1.2, .more = 2.5}};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     placement.matrix[axis][axis] = 1 / kSpacing;
     placement.offset[axis] = kHalf / kSpacing;

@@ -34,11 +34,18 @@ struct Bricks {
   std::size_t size() const { return std::size_t{side()} * side() * side(); }
 };
 
-/// Where the lattice lies: a point's position in nodes is matrix times point plus offset.
+/// A bend of what is read: an interpolated v becomes v + more min(v - at, 0).
+struct Knee {
+  double at = 0;
+  double more = 0;  ///< what the slope below has more than that above, >= 0
+};
+
+/// Where the lattice lies, and how it is read. A point's position in nodes is matrix times point plus offset.
 struct BrickPlacement {
   std::array<std::array<double, 3>, 3> matrix{};
   std::array<double, 3> offset{};
   std::array<double, 3> low{}, high{};  ///< positions are clamped to this box, which lies within the bricks
+  Knee knee{};
 };
 
 /// A field that is read from bricks.

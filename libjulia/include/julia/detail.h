@@ -16,9 +16,10 @@
 /// coordinates, where E is read, may be small. The smaller K is, the rougher is the detail that fills the shell.
 #pragma once
 
+#include "julia/bricks.h"
 #include "julia/shell.h"
 
-#include <functional>
+#include <algorithm>
 #include <stdexcept>
 
 namespace julia {
@@ -39,35 +40,29 @@ double wantedScale(const RadialMaximum& maximum, int maxIterations, double escap
 /// therefore falls slowly at first, down to where orbits do leave, and then plunges to ln r_in in the last kPlunge of
 /// the shell:
 ///
-///   E = ln(escape) + K w                      for -(1 - kPlunge) <= w <= 0
-///   E = ln(escape) - K + S (w + 1) - P        below, with S = K + P / kPlunge
-///   E = ln(escape) + S w                      above 0, where only its sign matters
+///   E = v + (P / (kPlunge K)) min(v - v(kPlunge - 1), 0)    with v(w) = ln(escape) + K w
 ///
-/// Lines of slope S through (-1, E(-1)) and through (0, E(0)) lie above and below E, respectively. Hence, if a mean of
-/// w over nodes is <= -1, the same mean of E is at most E(-1); if it is >= 0, the mean of E is at least ln(escape).
-/// What is promised at nodes therefore also holds between them.
+/// v is what lattices store. As E follows it at each point that is read, and not only at nodes, what is promised at w =
+/// 0 and w = -1 holds between nodes, too, and the plunge may be thinner than a cell.
 struct DetailLaw {
   double logEscape = 0;
   double scale = 0;   ///< K
-  double plunge = 0;  ///< P >= 0; 0: E is linear
+  double plunge = 0;  ///< P >= 0; 0: E = v
   static constexpr double kPlunge = 0.05;
 
-  double at(double w) const {
-    const double steep = scale + plunge / kPlunge;
-    if (w > 0) return logEscape + steep * w;
-    if (w >= kPlunge - 1) return logEscape + scale * w;
-    return logEscape - scale + steep * (w + 1) - plunge;
-  }
+  /// v(w)
+  double line(double w) const { return logEscape + scale * w; }
+  /// How E bends where it is read.
+  Knee knee() const { return {.at = line(kPlunge - 1), .more = plunge / (kPlunge * scale)}; }
+  /// E
+  double at(double w) const { return line(w) + plunge / kPlunge * std::min(w + 1 - kPlunge, 0.0); }
 };
 
 /// Returns the law with the smallest scale, and the plunge that it needs.
 /// @param maximum  bounds of w
 /// @param surface  w at the target's surface; the depth of the target about the origin is read from @a maximum
-/// @param under    bounds of E under a law. With a plunge these are not the law of bounds of w, if E is interpolated
-///                 between nodes at which the law was applied. If empty, the law applies everywhere.
 /// @throw NoDetail  as wantedScale()
 /// @throw std::invalid_argument  as wantedScale()
-DetailLaw wantedLaw(const RadialMaximum& maximum, double surface, int maxIterations, double escapeRadius,
-                    const std::function<RadialMaximum(const DetailLaw&)>& under = {});
+DetailLaw wantedLaw(const RadialMaximum& maximum, double surface, int maxIterations, double escapeRadius);
 
 }  // namespace julia

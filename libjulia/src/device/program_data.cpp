@@ -247,6 +247,8 @@ class Builder {
       for (const double x : row) mNumbers.push_back(static_cast<Real>(x));
     for (const auto& part : {placed.placement.offset, placed.placement.low, placed.placement.high})
       for (const double x : part) mNumbers.push_back(static_cast<Real>(x));
+    for (const double x : {placed.placement.knee.at, placed.placement.knee.more})
+      mNumbers.push_back(static_cast<Real>(x));
   }
 
   /// Where places and values of bricks begin among those of all bricks.

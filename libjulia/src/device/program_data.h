@@ -47,7 +47,7 @@ enum Integer {
 };
 /// The record of a lattice of bricks. Number 0 is the exponent's.
 enum LatticeRecord {
-  kLatticeNumbers,  ///< the place of its numbers: matrix, offset, low, high
+  kLatticeNumbers,  ///< the place of its numbers: matrix, offset, low, high, knee, and what its slope has more below
   kLatticeBricks,   ///< how many there are along y and z
   kLatticeQuadratic = kLatticeBricks + 2,
   kLatticePlaces,  ///< where its bricks' places begin

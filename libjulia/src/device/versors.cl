@@ -92,8 +92,9 @@ Real readField(Data data, int number, const Real* q) {
   for (int row = 0; row < 3; ++row)
     at[row] = latticePosition(m[3 * row], m[3 * row + 1], m[3 * row + 2], m[9 + row], m[12 + row], m[15 + row], q[X],
                               q[Y], q[Z]);
-  return lattice[LATTICE_QUADRATIC] ? readQuadratic(lattice, brickAt, values, at)
-                                    : readTrilinear(lattice, brickAt, values, at);
+  const Real v = lattice[LATTICE_QUADRATIC] ? readQuadratic(lattice, brickAt, values, at)
+                                            : readTrilinear(lattice, brickAt, values, at);
+  return bent(v, m[18], m[19]);
 }
 
 Real guessedOrExact(int method, Real norm) {

@@ -435,6 +435,8 @@ void sampleTrilinear(const BrickLattice<Real>& lattice, const Real* x, const Rea
                                       position[2][first + i]);
       }
     }
+    const Real knee = lattice.knee, more = lattice.more;
+    JULIA_FOR_POINTS result[i] = bent(result[i], knee, more);
     store(result, out, range);
   }
 }
@@ -474,7 +476,7 @@ void sampleQuadratic(const BrickLattice<Real>& lattice, const Real* x, const Rea
         sum += face * weight[0][dx][i];
         value += kSide * kSide - 3 * kSide;
       }
-      result[i] = sum;
+      result[i] = bent(sum, lattice.knee, lattice.more);
     }
     store(result, out, range);
   }

@@ -63,6 +63,7 @@ struct BrickLattice {
   Real matrix[3][3];  ///< transforms a point to a brick-lattice position
   Real offset[3];
   Real low[3], high[3];  ///< positions are clamped to this box, so that a cell always exists
+  Real knee, more;       ///< julia/bricks.h
   std::uint32_t bricks[3];
   const std::uint32_t* brickAt;  ///< the brick at each place, indexed by (x * bricks[1] + y) * bricks[2] + z
   const float* values;           ///< values of all bricks

@@ -13,14 +13,15 @@ template <class Real>
 std::shared_ptr<const julia::ScalarField<Real>> makeLatticeField(const openvdb::FloatGrid& grid,
                                                                  const openvdb::CoordBBox& nodes,
                                                                  const FractalSpace& space,
-                                                                 julia::Interpolation interpolation) {
+                                                                 julia::Interpolation interpolation,
+                                                                 const julia::Knee& knee) {
   const GridBricks made = makeBricks(grid, nodes, interpolation);
   const auto position = [&](double x, double y, double z) {
     return grid.worldToIndex(space.toWorld({x, y, z})) - made.origin.asVec3d();
   };
   const Vec3d zero = position(0, 0, 0);
   const Vec3d columns[3] = {position(1, 0, 0) - zero, position(0, 1, 0) - zero, position(0, 0, 1) - zero};
-  julia::BrickPlacement placement;
+  julia::BrickPlacement placement{.knee = knee};
   for (int row = 0; row < 3; ++row) {
     const auto r = static_cast<std::size_t>(row);
     for (std::size_t column = 0; column < 3; ++column) placement.matrix[r][column] = columns[column][row];
@@ -33,9 +34,11 @@ std::shared_ptr<const julia::ScalarField<Real>> makeLatticeField(const openvdb::
 
 template std::shared_ptr<const julia::ScalarField<float>> makeLatticeField(const openvdb::FloatGrid&,
                                                                            const openvdb::CoordBBox&,
-                                                                           const FractalSpace&, julia::Interpolation);
+                                                                           const FractalSpace&, julia::Interpolation,
+                                                                           const julia::Knee&);
 template std::shared_ptr<const julia::ScalarField<double>> makeLatticeField(const openvdb::FloatGrid&,
                                                                             const openvdb::CoordBBox&,
-                                                                            const FractalSpace&, julia::Interpolation);
+                                                                            const FractalSpace&, julia::Interpolation,
+                                                                            const julia::Knee&);
 
 }  // namespace vdbtools

@@ -14,11 +14,12 @@
 namespace vdbtools {
 
 /// A grid's values at points of fractal space; points outside @a nodes (index space) get the value of the nearest node.
-/// Copies the grid.
+/// Copies the grid. @param knee  julia/bricks.h
 template <class Real>
 std::shared_ptr<const julia::ScalarField<Real>> makeLatticeField(const openvdb::FloatGrid& grid,
                                                                  const openvdb::CoordBBox& nodes,
                                                                  const FractalSpace& space,
-                                                                 julia::Interpolation interpolation);
+                                                                 julia::Interpolation interpolation,
+                                                                 const julia::Knee& knee = {});
 
 }  // namespace vdbtools

@@ -219,6 +219,8 @@ void describeMap(const julia::MapDescription& map, const SceneDataOptions& optio
     else
       scene["waves"] = waves(std::any_cast<const julia::WaveVersorDescription&>(shape->versor));
     scene["exponent"] = volume.description();
+    const julia::Knee& knee = shape->exponent->placement.knee;
+    scene["exponent"]["knee"] = {knee.at, knee.more};
     data.volume = volume.bytes();
   } else if (const auto* rational = std::any_cast<julia::Rational>(&map)) {
     scene["map"] = "rational";

@@ -104,16 +104,15 @@ class Baker {
     for (Leaf* leaf : mLeaves) mTree.addLeaf(leaf);
   }
 
+  const FloatTree& tree() const { return mTree; }
   double largestStep() const { return vdbtools::largestStep(mTree, mMonitor); }
   const ExponentLaw& law() const { return mLaw; }
 
-  const FloatTree& tree() const { return mTree; }
-
-  /// Converts the position in the shell of detail to E.
+  /// Converts the position in the shell of detail to v.
   void stretch(const julia::DetailLaw& law) {
     forEachLeaf(mLeaves.size(), mMonitor, [&](std::size_t i) {
       for (auto value = mLeaves[i]->beginValueOn(); value; ++value)
-        value.setValue(static_cast<float>(law.at(static_cast<double>(*value))));
+        value.setValue(static_cast<float>(law.line(static_cast<double>(*value))));
     });
   }
 
@@ -219,29 +218,28 @@ Place placeOf(const Target& target, const Vec3d& point) {
   return target.phi->tree().getValue(node) < 0 ? Place::Inside : Place::Outside;
 }
 
-/// Bounds of E about a point.
-class BoundAbout {
- public:
-  /// @param solid, outside  bounds of E where the distances end, inside and outside
-  BoundAbout(const Vec3d& origin, const Target& target, const Baker& baker, const FractalSpace& space,
-             const ExponentGridOptions& options, double solid, double outside, Monitor& monitor)
-      : mPlace(placeOf(target, origin)), mAtOrigin(mPlace == Place::Outside ? outside : solid), mMonitor(monitor) {
-    if (mPlace == Place::PastTheFaces) return;
-    mBound.emplace(baker.tree(), target.phi->transform(), origin, space.scale, options.interpolation, solid, monitor);
-  }
-
-  /// m(r) of shell.h. @param law  as in RadialBound
-  julia::RadialMaximum maximum(const std::optional<julia::DetailLaw>& law) const {
-    if (!mBound) return {.step = 1, .maximum = {}};
-    return mBound->maximum(mAtOrigin, law, mMonitor);
-  }
-
- private:
-  Place mPlace;
-  double mAtOrigin;
-  Monitor& mMonitor;
-  std::optional<RadialBound> mBound;
+/// What is known of the values of a baker: E, or w of julia/detail.h.
+struct BakedBounds {
+  double solid;    ///< where the distances end inside
+  double outside;  ///< where they end outside
+  double spread;   ///< as in RadialBound
 };
+
+/// m(r) of shell.h about a point.
+julia::RadialMaximum boundsAbout(const Vec3d& point, const Target& target, const Baker& baker,
+                                 const FractalSpace& space, julia::Interpolation interpolation,
+                                 const BakedBounds& bounds, Monitor& monitor) {
+  const Place place = placeOf(target, point);
+  if (place == Place::PastTheFaces) return {.step = 1, .maximum = {}};
+  return RadialBound(baker.tree(), target.phi->transform(), point, space.scale, interpolation, bounds.solid,
+                     bounds.spread, monitor)
+      .maximum(place == Place::Outside ? bounds.outside : bounds.solid, monitor);
+}
+
+/// The v of which E is made.
+double beforeKnee(double exponent, const julia::Knee& knee) {
+  return exponent < knee.at ? knee.at + (exponent - knee.at) / (1 + knee.more) : exponent;
+}
 
 }  // namespace
 
@@ -258,24 +256,35 @@ ExponentGrid exponentGrid(const Target& target, const FractalSpace& space, const
   // Beyond the end of the distances inside, E is at most its value at that end.
   const double solidPhi = target.denseBox ? kNowhere : solidBeginsAt(*target.phi, monitor);
   double solid = solidPhi == kNowhere ? kNowhere : law.greatestInside(solidPhi);
+  double largestStep = baker.largestStep();
+  const BakedBounds bounds{
+      .solid = solid,
+      .outside = options.detail ? 1 : logEscape + 1,
+      .spread = largestStep * stepsInReach(options.interpolation),
+  };
+  const auto about = [&](const Vec3d& point) {
+    return boundsAbout(point, target, baker, space, options.interpolation, bounds, monitor);
+  };
+  julia::RadialMaximum maximum = about(space.centre);
   julia::DetailLaw detail;
   if (options.detail) {
     const Vec3d& origin = options.detail->origin;
     float surface = 0;
     law.apply({&origin, 1}, {&surface, 1});
-    const BoundAbout bound(origin, target, baker, space, options, solid, logEscape, monitor);
-    detail = julia::wantedLaw(bound.maximum(std::nullopt), static_cast<double>(surface), options.orbit.maxIterations,
-                              options.orbit.escapeRadius,
-                              [&](const julia::DetailLaw& tried) { return bound.maximum(tried); });
+    detail = julia::wantedLaw(origin == space.centre ? maximum : about(origin), static_cast<double>(surface),
+                              options.orbit.maxIterations, options.orbit.escapeRadius);
     result.scale = detail.scale;
+    result.knee = detail.knee();
     baker.stretch(detail);
     solid = detail.at(solid);
+    // v is rounded where it is stored.
+    constexpr double kRounding = 1e-6;
+    largestStep = detail.scale * largestStep + kRounding * (logEscape + detail.scale);
+    for (double& bound : maximum.maximum) bound = detail.at(bound + kRounding * logEscape / detail.scale);
   }
-  const double largestStep = baker.largestStep();
   const double difference = largestStep * stepsInReach(options.interpolation);
-  const julia::RadialMaximum maximum =
-      BoundAbout(space.centre, target, baker, space, options, solid, logEscape + 1, monitor).maximum(std::nullopt);
   result.shell = julia::shellInterval(maximum, options.orbit.maxIterations, options.orbit.escapeRadius);
+  result.shellOfNodes = {beforeKnee(result.shell.lower, result.knee), beforeKnee(result.shell.upper, result.knee)};
   result.orbit = options.orbit;
   result.orbit.logTrap = result.shell.lower;
   // Among the nodes that are read together with a solid one, one is adjacent to it; all of them must be trapped.
@@ -287,7 +296,7 @@ ExponentGrid exponentGrid(const Target& target, const FractalSpace& space, const
     result.tooShallow = solid + difference > result.shell.lower + largestStep;
   }
   std::tie(result.alphaRange, result.betaRange) = law.ranges(result.scale);
-  result.grid = baker.narrowed(result.shell, difference);
+  result.grid = baker.narrowed(result.shellOfNodes, difference);
   return result;
 }
 
@@ -301,7 +310,7 @@ std::shared_ptr<const julia::ScalarField<Real>> makeExponentField(const Exponent
     nodes = *exponent.denseBox;
   else
     nodes.expand(kRim);
-  return makeLatticeField<Real>(*exponent.grid, nodes, exponent.space, exponent.interpolation);
+  return makeLatticeField<Real>(*exponent.grid, nodes, exponent.space, exponent.interpolation, exponent.knee);
 }
 
 template std::shared_ptr<const julia::ScalarField<float>> makeExponentField(const ExponentGrid&);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -34,7 +35,18 @@ std::pair<double, double> shareRange(const Control& control, const std::string& 
   return {clamped(least), clamped(most)};
 }
 
+/// w where phi is 0, but for its sign.
+double outsideShare(double inward, double outward) {
+  const double sum = inward + outward;
+  // If both reaches are 0, the remaining shell lies on both sides.
+  return sum > 0 ? (outward / sum - kEndOfShell) / (1 - 2 * kEndOfShell) : 0.5;
+}
+
 }  // namespace
+
+double ExponentLaw::shellHeight(double mask, double sum, double tau) const {
+  return std::max(mask * sum * (1 - 2 * kEndOfShell) * tau, mLeastShell);
+}
 
 ExponentLaw::ExponentLaw(const ExponentGridOptions& options, double scale, double voxel)
     : mOptions(options), mScale(scale), mLeastShell(kLeastShell * voxel) {
@@ -70,11 +82,9 @@ void ExponentLaw::apply(std::span<const openvdb::Vec3d> points, std::span<float>
   std::vector<double> tau(n);
   detail->thickness.sample(points, tau);
   for (std::size_t i = 0; i < n; ++i) {
-    const double outward = clamped(second[i]), sum = clamped(first[i]) + outward;
-    // If both reaches are 0, the remaining shell lies on both sides.
-    const double outside = sum > 0 ? (outward / sum - kEndOfShell) / (1 - 2 * kEndOfShell) : 0.5;
-    const double h = std::max(mask[i] * sum * (1 - 2 * kEndOfShell) * tau[i], mLeastShell);
-    values[i] = static_cast<float>(values[i] / h - outside);
+    const double inward = clamped(first[i]), outward = clamped(second[i]);
+    values[i] =
+        static_cast<float>(values[i] / shellHeight(mask[i], inward + outward, tau[i]) - outsideShare(inward, outward));
   }
 }
 
@@ -94,20 +104,22 @@ double ExponentLaw::greatestInside(double phi) const {
 
 std::pair<std::pair<double, double>, std::pair<double, double>> ExponentLaw::ranges(std::optional<double> scale) const {
   if (!scale) return {mOptions.alpha.range(), mOptions.beta.range()};
-  // E = (scale / h) (phi - (O / (D + O) - ln(escape) / scale) h)
+  // v = (scale / h) (phi - (outside - ln(escape) / scale) h)
   const DetailOptions& detail = *mOptions.detail;
   const auto [leastD, mostD] = shareRange(detail.detail, "the detail");
   const auto [leastO, mostO] = shareRange(detail.outward, "the outward reach");
-  const double leastH = std::max(
-      shareRange(mOptions.mask, "the mask").first * (leastD + leastO) * detail.thickness.range().first, mLeastShell);
-  const double leastShare = leastO + mostD > 0 ? leastO / (leastO + mostD) : 0,
-               mostShare = mostO + leastD > 0 ? mostO / (mostO + leastD) : 1;
-  const auto beta = [&](double share) {
-    return (share - elementary::log(mOptions.orbit.escapeRadius) / *scale) * mMostShell / mScale;
-  };
-  // If all shells have the same width, rounding may swap the two.
-  return {std::minmax({*scale * mScale / mMostShell, *scale * mScale / leastH}),
-          std::minmax({beta(leastShare), beta(mostShare)})};
+  const auto [leastMask, mostMask] = shareRange(mOptions.mask, "the mask");
+  const auto [leastTau, mostTau] = detail.thickness.range();
+  const double heights[] = {shellHeight(leastMask, leastD + leastO, leastTau),
+                            shellHeight(mostMask, mostD + mostO, mostTau)};
+  const double outsides[] = {outsideShare(mostD, leastO), outsideShare(leastD, mostO)};
+  std::pair<double, double> beta{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (const double h : heights)
+    for (const double outside : outsides) {
+      const double here = (outside - elementary::log(mOptions.orbit.escapeRadius) / *scale) * h / mScale;
+      beta = {std::min(beta.first, here), std::max(beta.second, here)};
+    }
+  return {{*scale * mScale / heights[1], *scale * mScale / heights[0]}, beta};
 }
 
 }  // namespace vdbtools

@@ -5,10 +5,11 @@
 ///
 /// For detail D and outward reach O, as fractions of the local thickness tau, and a mask m,
 ///
-///   h = m (D + O) tau    the width of the shell
-///   w = phi / h - O / (D + O)
+///   h = 0.96 m (D + O) tau    the width of the shell; 2 % of what is between the two ends are free at either
+///   w = phi / h - (O / (D + O) - 0.02) / 0.96
 ///
-/// so that w is -1 at phi = -m D tau and 0 at phi = m O tau. h is nowhere below kLeastShell voxels.
+/// so that w is -1 at phi = -m (D - 0.02 (D + O)) tau and 0 at phi = m (O - 0.02 (D + O)) tau. h is nowhere below
+/// kLeastShell voxels.
 #pragma once
 
 #include "vdbtools/exponent/exponent_grid.h"
@@ -39,6 +40,9 @@ class ExponentLaw {
   std::pair<std::pair<double, double>, std::pair<double, double>> ranges(std::optional<double> scale) const;
 
  private:
+  /// h. @param sum  D + O
+  double shellHeight(double mask, double sum, double tau) const;
+
   const ExponentGridOptions& mOptions;
   double mScale;
   std::optional<double> mAlpha, mBeta;     ///< set if they are constant and the mask is too

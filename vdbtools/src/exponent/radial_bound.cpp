@@ -48,7 +48,7 @@ constexpr double kNone = -std::numeric_limits<double>::infinity();
 constexpr double kStepsPerCell = 64;
 
 /// Positions are rounded to floats before they are read, and a read itself is rounded: relative to a longest side of 1,
-/// and to the value.
+/// and to the largest of the values that are read.
 constexpr double kPlaceRounding = 1e-6, kValueRounding = 1e-6;
 
 /// The largest value of an active node; -inf if there is none.
@@ -153,8 +153,6 @@ struct Ordinates {
   }
 };
 
-double padded(double value) { return value + kValueRounding * std::abs(value); }
-
 /// Adds boxes to a table. What it does not add could not raise the table, whatever was added before: so the table does
 /// not depend on their order.
 class BoxAdder {
@@ -172,7 +170,7 @@ class BoxAdder {
   /// The limits of a box with this middle, relative to the point. @param size  voxels
   Limits limits(const Vec3d& middle, double size, double greatest, const Limits& outer) const {
     const double nearest = (middle.length() - size * mDiagonal / 2 - kPlaceRounding) / mStep;
-    return {std::max(outer.nearest, nearest), std::min(outer.greatest, padded(greatest))};
+    return {std::max(outer.nearest, nearest), std::min(outer.greatest, greatest)};
   }
   bool raises(const Limits& limits) const {
     return limits.nearest < mLast && limits.greatest > mTable.upTo(static_cast<std::size_t>(limits.nearest));
@@ -232,7 +230,7 @@ class BoxAdder {
     most += kPlaceRounding * slope;
     const double farthest = std::min(mLast - 1, (distance + size * mDiagonal / 2) / mStep + 1);
     for (auto k = static_cast<std::size_t>(limits.nearest); static_cast<double>(k) <= farthest; ++k) {
-      const double there = padded(most + slope * mStep * static_cast<double>(k + 1));
+      const double there = most + slope * mStep * static_cast<double>(k + 1);
       mTable.raise(k, std::min(limits.greatest, there));
       if (there >= limits.greatest) break;
     }
@@ -246,8 +244,9 @@ class BoxAdder {
 }  // namespace
 
 RadialBound::RadialBound(const FloatTree& tree, const openvdb::math::Transform& transform, const Vec3d& origin,
-                         double scale, julia::Interpolation interpolation, double inside, Monitor& monitor)
-    : mTree(tree), mInterpolation(interpolation), mInside(inside) {
+                         double scale, julia::Interpolation interpolation, double inside, double spread,
+                         Monitor& monitor)
+    : mTree(tree), mInterpolation(interpolation), mInside(inside), mSpread(spread) {
   const Vec3d zero = transform.indexToWorld(Vec3d(0));
   mZero = (zero - origin) / scale;
   for (int axis = 0; axis < 3; ++axis) {
@@ -291,20 +290,15 @@ RadialBound::RadialBound(const FloatTree& tree, const openvdb::math::Transform& 
 }
 
 template <int kDegree>
-void RadialBound::addLeaf(const Reach& reach, const std::optional<julia::DetailLaw>& law, double inside,
-                          PrefixMaximum& table) const {
+void RadialBound::addLeaf(const Reach& reach, PrefixMaximum& table) const {
   using Kind = Neighbourhood::Kind;
   constexpr int kFirst = kDegree == 2 ? -1 : 0;         // of a cell's nodes, relative to its own
   constexpr double kMiddle = kDegree == 2 ? 0.0 : 0.5;  // of a cell, likewise
   const openvdb::tree::ValueAccessor<const FloatTree> accessor(mTree);
   Neighbourhood nodes(*reach.leaf, accessor);
-  for (int i = 0; i < Neighbourhood::kCount; ++i) {
-    if (nodes.kind[i] == Kind::Known) {
-      if (law) nodes.value[i] = static_cast<float>(law->at(static_cast<double>(nodes.value[i])));
-    } else {
-      nodes.value[i] = static_cast<float>(nodes.kind[i] == Kind::Inside ? inside : kNone);
-    }
-  }
+  for (int i = 0; i < Neighbourhood::kCount; ++i)
+    if (nodes.kind[i] != Kind::Known)
+      nodes.value[i] = static_cast<float>(nodes.kind[i] == Kind::Inside ? mInside : kNone);
   // The greatest node of each cell, at its first.
   float greatest[Neighbourhood::kCount];
   std::copy_n(nodes.value, Neighbourhood::kCount, greatest);
@@ -341,30 +335,27 @@ void RadialBound::addLeaf(const Reach& reach, const std::optional<julia::DetailL
       }
 }
 
-julia::RadialMaximum RadialBound::maximum(double atOrigin, const std::optional<julia::DetailLaw>& law,
-                                          Monitor& monitor) const {
+julia::RadialMaximum RadialBound::maximum(double atOrigin, Monitor& monitor) const {
   const auto count = static_cast<std::size_t>(std::ceil(1 / mStep));
-  const double inside = law ? law->at(mInside) : mInside;
   tbb::enumerable_thread_specific<PrefixMaximum> parts([count] { return PrefixMaximum(count); });
   forEachLeaf(mLeaves.size(), monitor, [&](std::size_t i) {
     const Reach& reach = mLeaves[i];
     const double first = reach.nearest / mStep;
     if (!(first < static_cast<double>(count))) return;
     PrefixMaximum& table = parts.local();
-    const auto greatest = static_cast<double>(reach.greatest);
     // The nearest leaves come first: the others seldom add anything.
-    const double bound = law ? static_cast<double>(static_cast<float>(law->at(greatest))) : greatest;
-    if (padded(std::max(bound, inside)) <= table.upTo(static_cast<std::size_t>(first))) return;
+    if (std::max(static_cast<double>(reach.greatest), mInside) <= table.upTo(static_cast<std::size_t>(first))) return;
     if (mInterpolation == julia::Interpolation::Quadratic)
-      addLeaf<2>(reach, law, inside, table);
+      addLeaf<2>(reach, table);
     else
-      addLeaf<1>(reach, law, inside, table);
+      addLeaf<1>(reach, table);
   });
   julia::RadialMaximum result{mStep, std::vector<double>(count)};
-  double running = law ? law->at(atOrigin) : atOrigin;
+  double running = atOrigin;
   for (std::size_t i = 0; i < count; ++i) {
     for (const PrefixMaximum& part : parts) running = std::max(running, part.upTo(i));
-    result.maximum[i] = running;
+    const double rounding = std::isfinite(running) ? kValueRounding * (std::abs(running) + mSpread) : 0;
+    result.maximum[i] = running + rounding;
   }
   return result;
 }

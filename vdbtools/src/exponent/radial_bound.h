@@ -6,12 +6,10 @@
 #include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
 
-#include "julia/detail.h"
 #include "julia/scalar_field.h"
 #include "julia/shell.h"
 
 #include <cstddef>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -35,13 +33,12 @@ class RadialBound {
   /// @param origin  the point, world units
   /// @param scale   the length of a unit of fractal space, world units
   /// @param inside  an upper bound of E at inactive nodes inside; E at those outside is known to be too high to matter
+  /// @param spread  an upper bound of the difference between the values of any two nodes that one read takes
   RadialBound(const openvdb::FloatTree& tree, const openvdb::math::Transform& transform, const openvdb::Vec3d& origin,
-              double scale, julia::Interpolation interpolation, double inside, Monitor& monitor);
+              double scale, julia::Interpolation interpolation, double inside, double spread, Monitor& monitor);
 
-  /// The bounds in balls of up to 1, units of fractal space.
-  /// @param atOrigin  the least bound of any ball
-  /// @param law  what the values at nodes, and these bounds, are converted by before they are read; nullopt: they are E
-  julia::RadialMaximum maximum(double atOrigin, const std::optional<julia::DetailLaw>& law, Monitor& monitor) const;
+  /// The bounds in balls of up to 1, units of fractal space. @param atOrigin  the least bound of any ball
+  julia::RadialMaximum maximum(double atOrigin, Monitor& monitor) const;
 
  private:
   struct Reach {
@@ -50,13 +47,12 @@ class RadialBound {
     float greatest = 0;  ///< of its nodes and those of its neighbours
   };
   template <int kDegree>
-  void addLeaf(const Reach& reach, const std::optional<julia::DetailLaw>& law, double inside,
-               class PrefixMaximum& table) const;
+  void addLeaf(const Reach& reach, class PrefixMaximum& table) const;
 
   const openvdb::FloatTree& mTree;
   openvdb::Vec3d mZero, mAxis[3];  ///< node (0, 0, 0) from the point, and steps along the axes, units of fractal space
   julia::Interpolation mInterpolation;
-  double mInside;
+  double mInside, mSpread;
   double mDiagonal;  ///< of a cell, units of fractal space
   double mStep;
   std::vector<Reach> mLeaves;  ///< the nearest first

@@ -144,8 +144,9 @@ std::vector<Local> forEachUndecidedBox(const ExponentGrid& exponent, const Coord
                                        const Body& body) {
   // The margin for rounding errors of interpolation.
   constexpr double kRounding = 1e-5;
-  const auto lower = static_cast<float>(exponent.shell.lower - kRounding * (1 + std::abs(exponent.shell.lower)));
-  const auto upper = static_cast<float>(exponent.shell.upper + kRounding * (1 + exponent.shell.upper));
+  const julia::ShellInterval& shell = exponent.shellOfNodes;
+  const auto lower = static_cast<float>(shell.lower - kRounding * (1 + std::abs(shell.lower)));
+  const auto upper = static_cast<float>(shell.upper + kRounding * (1 + shell.upper));
   const LatticeView lattice(exponent.grid->transform(), voxelSize);
   const std::vector<const Leaf*> leaves = leavesOf(exponent.grid->tree());
   tbb::enumerable_thread_specific<Local> parts;

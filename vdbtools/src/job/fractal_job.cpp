@@ -84,7 +84,7 @@ double leastShadow(const Scene& scene) {
   double nodes = 0;
   const FloatGrid& exponent = *scene.exponent()->grid;
   for (auto value = exponent.cbeginValueAll(); value; ++value)
-    if (*value <= scene.exponent()->shell.lower) nodes += static_cast<double>(value.getVoxelCount());
+    if (*value <= scene.exponent()->shellOfNodes.lower) nodes += static_cast<double>(value.getVoxelCount());
   const double volume = nodes * std::abs(exponent.transform().voxelSize().product());
   // What is surely inside has a volume V, and V^2 is at most the product of its three shadows (Loomis and Whitney),
   // whose sum is therefore at least 3 V^(2/3). V is counted in nodes, of which those at its surface have a part

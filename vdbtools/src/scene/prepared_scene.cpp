@@ -76,6 +76,8 @@ std::pair<double, double> rangeOf(const json& r) { return {numberOf(r.at(0)), nu
 json exponentNumbers(const ExponentGrid& e) {
   return {{"space", space(e.space)},
           {"shell", range({e.shell.lower, e.shell.upper})},
+          {"shell_of_nodes", range({e.shellOfNodes.lower, e.shellOfNodes.upper})},
+          {"knee", range({e.knee.at, e.knee.more})},
           {"orbit", orbit(e.orbit)},
           {"dense_box", nodes(e.denseBox)},
           {"scale", e.scale ? number(*e.scale) : json()},
@@ -87,6 +89,8 @@ json exponentNumbers(const ExponentGrid& e) {
 ExponentGrid exponentOf(const json& e, FloatGrid::Ptr grid) {
   ExponentGrid result{.grid = std::move(grid), .space = spaceOf(e.at("space"))};
   std::tie(result.shell.lower, result.shell.upper) = rangeOf(e.at("shell"));
+  std::tie(result.shellOfNodes.lower, result.shellOfNodes.upper) = rangeOf(e.at("shell_of_nodes"));
+  std::tie(result.knee.at, result.knee.more) = rangeOf(e.at("knee"));
   result.orbit = recordedOrbit(e.at("orbit"));
   result.denseBox = nodesOf(e.at("dense_box"));
   if (!e.at("scale").is_null()) result.scale = numberOf(e.at("scale"));
@@ -155,8 +159,10 @@ void requireSound(const Scene& scene) {
   // The map reads the exponent where its own space is.
   require(e.space.centre == scene.placed.space.centre && e.space.scale == scene.placed.space.scale,
           "spaces, of which the exponent has another one,");
-  require(isPlaced(e.space) && isOrbit(e.orbit) && isRange({e.shell.lower, e.shell.upper}) && isRange(e.alphaRange) &&
-              isRange(e.betaRange) && (!e.denseBox || !e.denseBox->empty()) && (!e.scale || std::isfinite(*e.scale)),
+  require(isPlaced(e.space) && isOrbit(e.orbit) && isRange({e.shell.lower, e.shell.upper}) &&
+              isRange({e.shellOfNodes.lower, e.shellOfNodes.upper}) && std::isfinite(e.knee.at) && e.knee.more >= 0 &&
+              std::isfinite(e.knee.more) && isRange(e.alphaRange) && isRange(e.betaRange) &&
+              (!e.denseBox || !e.denseBox->empty()) && (!e.scale || std::isfinite(*e.scale)),
           "exponent");
 }
 

@@ -354,7 +354,7 @@ FieldPlan planScene(const Scene& scene, const std::optional<openvdb::CoordBBox>&
   plan.crumbs.emplace();
   if (exponent) {
     plan.crumbs->exponent = exponent->grid;
-    plan.crumbs->decided = exponent->shell.lower;
+    plan.crumbs->decided = exponent->shellOfNodes.lower;
     // Where the whole target is only some voxels long, so are pieces of it that somebody would keep.
     constexpr double kShare = 1.0 / 40;  // of the target's longest side
     if (scene.options.surface.crumbs == Crumbs::Auto)

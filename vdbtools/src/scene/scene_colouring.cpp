@@ -22,10 +22,13 @@ std::pair<double, double> depthRange(const Scene& scene) {
   const double usual = kShare * longestSide(scene.target->distances.box);
   if (!scene.exponent()) return {-usual, usual};
   const ExponentGrid& exponent = *scene.exponent();
-  // E = alpha (phi - beta), and the surface lies where E is within the interval of the shell.
+  // v = alpha (phi - beta), and the surface lies where E is within the interval of the shell.
   const double scale = exponent.space.scale, alpha = exponent.alphaRange.first;
-  const double low = scale * (exponent.shell.lower / alpha + exponent.betaRange.first);
-  const double high = scale * (exponent.shell.upper / alpha + exponent.betaRange.second);
+  auto [leastBeta, mostBeta] = exponent.betaRange;
+  // With a shell of detail, beta is largest where alpha is least.
+  if (exponent.scale) leastBeta = mostBeta = std::abs(leastBeta) > std::abs(mostBeta) ? leastBeta : mostBeta;
+  const double low = scale * (exponent.shellOfNodes.lower / alpha + leastBeta);
+  const double high = scale * (exponent.shellOfNodes.upper / alpha + mostBeta);
   if (!(alpha > 0) || !std::isfinite(low) || !(high > low)) return {-usual, usual};
   return {low, high};
 }

@@ -63,9 +63,10 @@ Extent extentOf(const Scene& scene) {
   std::optional<BBoxd> box;
   if (scene.options.lattice.box) box = exponent.transform().worldToIndex(*scene.options.lattice.box);
   double nodes = 0;
+  const julia::ShellInterval& shell = scene.exponent()->shellOfNodes;
   for (auto value = exponent.cbeginValueOn(); value; ++value) {
     if (box && !box->isInside(value.getCoord().asVec3d())) continue;
-    nodes += *value > scene.exponent()->shell.lower && *value < scene.exponent()->shell.upper;
+    nodes += *value > shell.lower && *value < shell.upper;
   }
   extent.volume = nodes * node;
   return extent;

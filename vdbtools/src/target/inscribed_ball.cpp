@@ -33,6 +33,10 @@ constexpr double kTolerance = 1e-4;
 constexpr double kSteepest = 1 + kInscribedBallPull;
 /// Half of a voxel's diagonal.
 constexpr double kCorner = 0.8660254037844387;
+/// Distances that were interpolated may be too small by this.
+constexpr double kSlack = 0.1;
+/// A ball about a point of a node's voxel scores better than the node's by no more than this.
+constexpr double kReach = kSteepest * kCorner + kSlack;
 
 /// The score of a ball: its radius minus the pull toward the preferred point.
 struct Score {
@@ -49,18 +53,16 @@ struct Node {
 
 /// The nodes around which the best centre may lie, in the order of coordinates.
 std::vector<Node> candidateNodes(const FloatGrid& phi, double voxel, const Score& score) {
-  // Distances that were interpolated may be too small by this.
-  constexpr double kSlack = 0.1;
   double best = -std::numeric_limits<double>::infinity();
   std::vector<Node> nodes;
   for (auto value = phi.cbeginValueOn(); value; ++value) {
     if (!(*value < 0)) continue;
     const double depth = -static_cast<double>(*value) / voxel, here = score(value.getCoord().asVec3d(), depth);
     best = std::max(best, here);
-    if (here > best - kSteepest * kCorner - kSlack) nodes.push_back({value.getCoord(), depth, here});
+    if (here > best - kReach) nodes.push_back({value.getCoord(), depth, here});
   }
   if (nodes.empty()) throw DataError("the signed distance field is nowhere negative: it has no inside");
-  std::erase_if(nodes, [&](const Node& node) { return !(node.score > best - kSteepest * kCorner - kSlack); });
+  std::erase_if(nodes, [&](const Node& node) { return !(node.score > best - kReach); });
   std::sort(nodes.begin(), nodes.end(), [](const Node& a, const Node& b) { return a.at < b.at; });
   return nodes;
 }
@@ -201,7 +203,7 @@ InscribedBall largestInscribedBall(const FloatGrid& phi, const Vec3d& preferred,
   if (surface.empty()) return {phi.indexToWorld(best.at.asVec3d()), best.depth * voxel};
   BallSearch search(surface, score);
   search.attempt(best.at.asVec3d());
-  for (const Node& node : nodes) search.add(node.at.asVec3d(), 0.5, node.score + kSteepest * kCorner + 0.1);
+  for (const Node& node : nodes) search.add(node.at.asVec3d(), 0.5, node.score + kReach);
   const InscribedBall found = search.find();
   return {phi.indexToWorld(found.centre), found.radius * voxel};
 }

@@ -18,6 +18,12 @@ JULIA_SHARED Real trilinear(Real v0, Real v1, Real v2, Real v3, Real v4, Real v5
   return f0 + (f1 - f0) * tx;
 }
 
+/// What is read, bent below a knee (julia/bricks.h). It grows with v, and does so after rounding, too.
+JULIA_SHARED Real bent(Real v, Real knee, Real more) {
+  const Real below = v - knee;
+  return v + more * (below < 0 ? below : JULIA_REAL(0));
+}
+
 /// The weights of the nearest node and its two neighbours by the quadratic B-spline. @param t  from -1/2 to 1/2
 JULIA_SHARED void splineWeights(Real t, Real* before, Real* at, Real* after) {
   const Real oneHalf = JULIA_REAL(0.5);

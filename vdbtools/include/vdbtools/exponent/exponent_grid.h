@@ -7,8 +7,9 @@
 /// It contains all that the dynamics needs to know about the target. E < 0 inside, > 0 outside; phi and beta are in
 /// units of fractal space.
 ///
-/// E matters only in the open shell interval (docs/design.md 2.4). The grid holds its true value at every node that is
-/// read anywhere in a cell that touches that interval, and elsewhere a constant beyond the respective end.
+/// E matters only in the open shell interval (docs/design.md 2.4). The grid holds v, of which E is made where it is
+/// read, at every node that is read anywhere in a cell that touches that interval, and elsewhere a constant beyond the
+/// respective end.
 #pragma once
 
 #include "vdbtools/base/fractal_space.h"
@@ -48,9 +49,11 @@ struct ExponentGridOptions {
 };
 
 struct ExponentGrid {
-  openvdb::FloatGrid::Ptr grid;  ///< E on phi's nodes; tiles and the background have the sign of E
+  openvdb::FloatGrid::Ptr grid;  ///< v on phi's nodes; tiles and the background have the sign of v
   FractalSpace space;
-  julia::ShellInterval shell;
+  julia::Knee knee;            ///< how E follows from v where it is read (julia/detail.h); none unless detail was given
+  julia::ShellInterval shell;  ///< of E
+  julia::ShellInterval shellOfNodes;  ///< where E is at the ends of its interval, v is at the ends of this one
   /// The orbit for which E was made, with the trap that the shell proves. An evaluator of E must use it.
   julia::OrbitOptions orbit;
   std::optional<openvdb::CoordBBox> denseBox;  ///< see Target

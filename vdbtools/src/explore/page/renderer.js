@@ -272,11 +272,12 @@ export class Renderer {
       gl.uniform3fv(at("octaveCount"), dims);
     }
     if (scene.exponent) {
-      const { matrix, offset, dims } = scene.exponent;
+      const { matrix, offset, dims, knee } = scene.exponent;
       bind("exponent", gl.TEXTURE_3D, textures.exponent);
       gl.uniformMatrix3fv(at("toNode"), false, columnsOf(matrix));
       gl.uniform3fv(at("nodeOffset"), offset);
       gl.uniform3fv(at("nodeCount"), dims);
+      gl.uniform2fv(at("knee"), knee);
       gl.uniform3fv(at("originShift"), live.originShift);
     }
 

@@ -129,10 +129,12 @@ const EXPONENT = `
 uniform sampler3D exponent;
 uniform mat3 toNode;
 uniform vec3 nodeOffset, nodeCount, originShift;
+uniform vec2 knee;  // where it is, and what the slope below has more
 
 float exponentAt(vec3 x) {
   vec3 node = clamp(toNode * (x + originShift) + nodeOffset, vec3(0.0), nodeCount - 1.0);
-  return textureLod(exponent, (node + 0.5) / nodeCount, 0.0).r;
+  float v = textureLod(exponent, (node + 0.5) / nodeCount, 0.0).r;
+  return v + knee.y * min(v - knee.x, 0.0);
 }
 `;
 
