@@ -24,13 +24,13 @@ using namespace vdbtools;
 using namespace test_meshes;
 using openvdb::FloatGrid;
 
-/// A bent tube whose thickness changes: its deepest points are a curve on which the depth rises slowly.
-Mesh makeHorn() {
+/// A ring whose thickness changes by this much: its deepest points are a curve on which the depth rises slowly.
+Mesh makeRing(double change) {
   constexpr int kAlong = 90, kAround = 30;
   Mesh mesh;
   for (int i = 0; i < kAlong; ++i)
     for (int j = 0; j < kAround; ++j) {
-      const double a = 2 * kPi * i / kAlong, b = 2 * kPi * j / kAround, thick = 0.12 + 0.004 * std::sin(a + 1);
+      const double a = 2 * kPi * i / kAlong, b = 2 * kPi * j / kAround, thick = 0.12 + change * std::sin(a + 1);
       const double out = 0.38 + thick * std::cos(b);
       mesh.points.emplace_back(out * std::cos(a), out * std::sin(a), thick * std::sin(b));
     }
@@ -57,10 +57,17 @@ struct Shape {
   Vec3d preferred;
 };
 
+/// What the header says that the ball maximises.
+double scoreOf(const InscribedBall& ball, const Vec3d& preferred) {
+  const Vec3d way = ball.centre - preferred;
+  return ball.radius - 0.03 * way.length() + 0.01 * way.dot(Vec3d(0.8, 0.48, 0.36));
+}
+
 std::vector<Shape> shapes() {
   return {
-      {"horn", makeHorn(), Vec3d(0.01, 0, 0)},
+      {"horn", makeRing(0.004), Vec3d(0.01, 0, 0)},
       {"box", makeBox(Vec3d(-0.5, -0.2, -0.11), Vec3d(0.4, 0.22, 0.1)), Vec3d(0.7, 0.02, 0.3)},
+      {"torus", makeRing(0), Vec3d(0)},
       {"ball", makeSphere(0.4, 4, Vec3d(0.013, 0.21, -0.007)), Vec3d(0)},
       {"two balls", merged(makeSphere(0.2, 3, Vec3d(-0.3, 0, 0)), makeSphere(0.2003, 3, Vec3d(0.3, 0, 0))), Vec3d(0)}};
 }
@@ -71,9 +78,7 @@ TEST(InscribedBallOfAMesh, NoOtherBallScoresBetter) {
     const FloatGrid::Ptr phi = distancesOf(shape.mesh, kVoxel);
     const InscribedBall found = largestInscribedBall(*phi, shape.preferred, &shape.mesh);
     const SurfaceSearch search(shape.mesh.points, shape.mesh.triangles);
-    const auto scoreAt = [&](const Vec3d& x) {
-      return search.nearest(x)->distance - kInscribedBallPull * (x - shape.preferred).length();
-    };
+    const auto scoreAt = [&](const Vec3d& x) { return scoreOf({x, search.nearest(x)->distance}, shape.preferred); };
     EXPECT_NEAR(search.nearest(found.centre)->distance, found.radius, 1e-6) << shape.name;
     const double best = scoreAt(found.centre);
     std::mt19937 random(1);
@@ -100,15 +105,16 @@ TEST(InscribedBallOfAMesh, LatticesLeaveNoTrace) {
       return largestInscribedBall(*distancesOf(shape.mesh, voxel), shape.preferred, &shape.mesh);
     };
     const InscribedBall reference = ballAt(1.0 / 97);
-    const auto scoreOf = [&](const InscribedBall& ball) {
-      return ball.radius - kInscribedBallPull * (ball.centre - shape.preferred).length();
-    };
     for (const double voxel : {1.0 / 40, 1.0 / 64, 1.0 / 75}) {
       const InscribedBall ball = ballAt(voxel);
-      EXPECT_NEAR(scoreOf(ball), scoreOf(reference), 1e-3 * voxel) << shape.name << voxel;
-      // In the box, many balls have one size and nearly one score.
-      if (std::string(shape.name) != "box") {
-        EXPECT_NEAR((ball.centre - reference.centre).length(), 0, 0.01 * voxel) << shape.name << voxel;
+      EXPECT_NEAR(scoreOf(ball, shape.preferred), scoreOf(reference, shape.preferred), 1e-3 * voxel)
+          << shape.name << voxel;
+      // In the box and the torus many balls have one size and nearly one score: along the torus it falls by
+      // 0.01 R (1 - cos a) after the angle a.
+      const std::string name = shape.name;
+      const double near = name == "torus" ? 2 * voxel : 0.01 * voxel;
+      if (name != "box") {
+        EXPECT_NEAR((ball.centre - reference.centre).length(), 0, near) << shape.name << voxel;
       }
     }
   }

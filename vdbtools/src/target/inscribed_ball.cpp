@@ -29,8 +29,10 @@ using openvdb::Vec3I;
 
 /// No ball scores better by more than this than the one that is found, unless many are nearly equal.
 constexpr double kTolerance = 1e-4;
-/// The distance to a surface changes by no more than the way, and the pull by its share of it.
-constexpr double kSteepest = 1 + kInscribedBallPull;
+/// The distance to a surface changes by no more than the way, and the pulls by their shares of it.
+constexpr double kSteepest = 1 + kInscribedBallPull + kInscribedBallTieBreak;
+/// The direction of the second pull, of length 1; neither an axis nor a diagonal, which are symmetrical in many shapes.
+const Vec3d kTieDirection(0.8, 0.48, 0.36);
 /// Half of a voxel's diagonal.
 constexpr double kCorner = 0.8660254037844387;
 /// Distances that were interpolated may be too small by this.
@@ -38,11 +40,12 @@ constexpr double kSlack = 0.1;
 /// A ball about a point of a node's voxel scores better than the node's by no more than this.
 constexpr double kReach = kSteepest * kCorner + kSlack;
 
-/// The score of a ball: its radius minus the pull toward the preferred point.
+/// The score of a ball: its radius, with the pulls toward the preferred point and along the direction.
 struct Score {
   Vec3d preferred;
   double operator()(const Vec3d& centre, double radius) const {
-    return radius - kInscribedBallPull * (centre - preferred).length();
+    const Vec3d way = centre - preferred;
+    return radius - kInscribedBallPull * way.length() + kInscribedBallTieBreak * way.dot(kTieDirection);
   }
 };
 

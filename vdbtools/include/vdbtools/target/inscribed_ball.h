@@ -15,14 +15,18 @@ struct InscribedBall {
   double radius = 0;               ///< distance from the centre to the surface, world units
 };
 
-/// Of two balls, the one farther from the preferred point must be larger by at least this share of the difference of
+/// Of two balls, the one farther from the preferred point must be larger by about this share of the difference of
 /// the two distances. The choice therefore moves continuously along parts of constant thickness, and among nearly equal
 /// balls it is the nearest.
 inline constexpr double kInscribedBallPull = 0.03;
+/// A second, weaker pull, along the direction (0.8, 0.48, 0.36), for balls that are equally large and equally far from
+/// the preferred point, like those in a torus: it makes one of them the best. Where one ball at the preferred point is
+/// among the best, as in a box, it stays so, since the pull toward it is stronger in every direction.
+inline constexpr double kInscribedBallTieBreak = 0.01;
 
-/// Returns the ball that maximises its radius minus kInscribedBallPull times the distance from its centre to @a
-/// preferred, up to 1/1000 of a voxel: no other ball anywhere scores better by more. If a shape has several parts, it
-/// is in the deepest.
+/// Returns the ball that maximises its radius, minus kInscribedBallPull times the distance from its centre to @a
+/// preferred, plus kInscribedBallTieBreak times its way from there along the direction above. No other ball anywhere
+/// scores better by more than 1/1000 of a voxel. If a shape has several parts, it is in the deepest.
 /// @param phi        world units, negative inside; the distances must be known over the whole inside
 /// @param preferred  world units, usually the middle of the shape's box
 /// @param mesh       the mesh that phi was made from, world units: the ball then touches its triangles, so that it does
